@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+
+#include "ragtop/asset_error.h"
+#include "ragtop/vehicle.h"
+
+namespace ragtop {
+
+/// Reads name.car.json: JSON with comments, checked against the schema of the definition. `extends` names a file
+/// that this one overrides. Throws AssetError: "file:line:column: /pointer is value, must be ...".
+VehicleDef loadVehicle(const std::filesystem::path& path);
+/// Writes a file that reads back equal, number for number. Throws AssetError when it cannot.
+void saveVehicle(const VehicleDef& def, const std::filesystem::path& path);
+
+}  // namespace ragtop

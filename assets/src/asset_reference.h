@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "json_value.h"
+#include "ragtop/ragdoll.h"
+#include "ragtop/shape.h"
+
+namespace ragtop {
+
+/// The file that the string `value` names: relative to the file that it stands in, or "assimp-testmodels:…" for one
+/// of that Debian package. Throws AssetError that names the place of the reference.
+std::filesystem::path assetFile(const JsonValue& value);
+
+/// The triangles, or the convex hull, of the mesh file that the string `value` names.
+Shape loadMeshReference(const JsonValue& value, bool convex);
+
+/// A ragdoll made from the rigged character in the file that the string `value` names. What the import and the
+/// fitting had to guess is added to `warnings`.
+RagdollDef ragdollFromCharacter(const JsonValue& value, const RagdollOptions& options, std::vector<std::string>& warnings);
+
+}  // namespace ragtop

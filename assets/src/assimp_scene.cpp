@@ -1,0 +1,256 @@
+#include "assimp_scene.h"
+
+#include <assimp/commonMetaData.h>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <assimp/Importer.hpp>
+#include <map>
+#include <system_error>
+
+#include "byte_stream.h"
+#include "child_process.h"
+#include "ragtop/asset_error.h"
+
+namespace ragtop {
+namespace {
+
+template <class Stream, class Node>
+void nodeFields(Stream& stream, Node& node) {
+    stream(node.name);
+    stream(node.parent);
+    stream(node.local);
+}
+template <class Stream, class Bone>
+void boneFields(Stream& stream, Bone& bone) {
+    stream(bone.name);
+    stream(bone.offset);
+    stream(bone.weights);
+}
+template <class Stream, class Mesh>
+void meshFields(Stream& stream, Mesh& mesh) {
+    stream(mesh.name);
+    stream(mesh.vertices);
+    stream(mesh.triangles);
+    stream(mesh.bones);
+    stream(mesh.nodes);
+}
+template <class Stream, class Clip>
+void clipFields(Stream& stream, Clip& clip) {
+    stream(clip.name);
+    stream(clip.seconds);
+}
+
+}  // namespace
+
+// One description of each struct serves writing and reading; ByteWriter and ByteReader find these by argument.
+static void fields(ByteWriter& stream, const ImportedNode& node) { nodeFields(stream, node); }
+static void fields(ByteReader& stream, ImportedNode& node) { nodeFields(stream, node); }
+static void fields(ByteWriter& stream, const ImportedBone& bone) { boneFields(stream, bone); }
+static void fields(ByteReader& stream, ImportedBone& bone) { boneFields(stream, bone); }
+static void fields(ByteWriter& stream, const ImportedMesh& mesh) { meshFields(stream, mesh); }
+static void fields(ByteReader& stream, ImportedMesh& mesh) { meshFields(stream, mesh); }
+static void fields(ByteWriter& stream, const ImportedClip& clip) { clipFields(stream, clip); }
+static void fields(ByteReader& stream, ImportedClip& clip) { clipFields(stream, clip); }
+
+namespace {
+
+template <class Stream, class Scene>
+void sceneFields(Stream& stream, Scene& scene) {
+    stream(scene.format);
+    stream(scene.unitScale);
+    stream(scene.upAxis);
+    stream(scene.nodes);
+    stream(scene.meshes);
+    stream(scene.clips);
+}
+
+Vec3 toVec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+Affine toAffine(const aiMatrix4x4& m) {
+    return {{{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}}, {m.a4, m.b4, m.c4}};
+}
+
+void addNodes(const aiNode& node, std::int32_t parent, ImportedScene& scene) {
+    const auto index = static_cast<std::int32_t>(scene.nodes.size());
+    scene.nodes.push_back({node.mName.C_Str(), parent, toAffine(node.mTransformation)});
+    for (unsigned i = 0; i < node.mNumMeshes; ++i)
+        if (node.mMeshes[i] < scene.meshes.size()) scene.meshes[node.mMeshes[i]].nodes.push_back(index);
+    for (unsigned i = 0; i < node.mNumChildren; ++i) addNodes(*node.mChildren[i], index, scene);
+}
+
+ImportedMesh toMesh(const aiMesh& mesh) {
+    ImportedMesh result;
+    result.name = mesh.mName.C_Str();
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) result.vertices.push_back(toVec3(mesh.mVertices[i]));
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+        const aiFace& face = mesh.mFaces[i];
+        if (face.mNumIndices != 3) continue;
+        result.triangles.insert(result.triangles.end(), face.mIndices, face.mIndices + 3);
+    }
+    for (unsigned i = 0; i < mesh.mNumBones; ++i) {
+        const aiBone& bone = *mesh.mBones[i];
+        ImportedBone to{bone.mName.C_Str(), toAffine(bone.mOffsetMatrix), {}};
+        for (unsigned k = 0; k < bone.mNumWeights; ++k)
+            to.weights.push_back({bone.mWeights[k].mVertexId, bone.mWeights[k].mWeight});
+        result.bones.push_back(std::move(to));
+    }
+    return result;
+}
+
+/// FBX counts in centimetres times a factor of the file, and neither this nor its up axis is applied by the
+/// importer; glTF is in metres with y up; of Collada the importer has converted both.
+void readUnits(const aiScene& from, ImportedScene& scene) {
+    aiString format;
+    if (from.mMetaData && from.mMetaData->Get(AI_METADATA_SOURCE_FORMAT, format)) scene.format = format.C_Str();
+    const auto isFormat = [&](const char* word) { return scene.format.find(word) != std::string::npos; };
+    if (isFormat("FBX")) {
+        double factor = 1;
+        float single = 1;
+        std::int32_t axis = 1;
+        if (from.mMetaData->Get("UnitScaleFactor", single)) factor = static_cast<double>(single);
+        else from.mMetaData->Get("UnitScaleFactor", factor);
+        scene.unitScale = 0.01 * factor;
+        if (from.mMetaData->Get("UpAxis", axis) && axis >= 0 && axis <= 2) scene.upAxis = axis;
+    } else if (isFormat("glTF") || isFormat("Collada")) {
+        scene.unitScale = 1;
+        scene.upAxis = 1;
+    }
+}
+
+ImportedScene toScene(const aiScene& from) {
+    ImportedScene scene;
+    readUnits(from, scene);
+    for (unsigned i = 0; i < from.mNumMeshes; ++i) scene.meshes.push_back(toMesh(*from.mMeshes[i]));
+    if (from.mRootNode) addNodes(*from.mRootNode, -1, scene);
+    for (unsigned i = 0; i < from.mNumAnimations; ++i) {
+        const aiAnimation& clip = *from.mAnimations[i];
+        const double rate = clip.mTicksPerSecond > 0 ? clip.mTicksPerSecond : 25.0;
+        std::string name = clip.mName.C_Str();
+        if (name.empty()) name = "clip " + std::to_string(i);
+        scene.clips.push_back({std::move(name), clip.mDuration / rate});
+    }
+    return scene;
+}
+
+/// One byte of kind ahead: 's' and a scene, or 'e' and a message.
+std::vector<char> importHere(const std::string& file, bool joined) {
+    Assimp::Importer importer;
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
+    unsigned steps = aiProcess_Triangulate;
+    if (joined) {
+        // Corners that differ in anything but their place would keep the surface from closing.
+        steps |= aiProcess_RemoveComponent | aiProcess_JoinIdenticalVertices;
+        importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
+                                    aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
+                                        aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS);
+    }
+    ByteWriter writer;
+    if (const aiScene* scene = importer.ReadFile(file, steps)) {
+        const ImportedScene imported = toScene(*scene);
+        writer('s');
+        sceneFields(writer, imported);
+    } else {
+        writer('e');
+        writer(std::string(importer.GetErrorString()));
+    }
+    return writer.bytes();
+}
+
+std::string onOneLine(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < ' ') c = ' ';
+    while (!text.empty() && text.back() == ' ') text.pop_back();
+    return text;
+}
+
+/// Indices that lead nowhere and numbers that are none must not get farther than here.
+void check(const ImportedScene& scene, const std::string& file) {
+    const auto isFiniteMap = [](const Affine& a) {
+        return isFinite(a.linear.cx) && isFinite(a.linear.cy) && isFinite(a.linear.cz) && isFinite(a.shift);
+    };
+    for (const ImportedNode& node : scene.nodes)
+        if (!isFiniteMap(node.local))
+            throw AssetError(file, "", "node '" + node.name + "' has a transform that is not finite");
+    for (const ImportedMesh& mesh : scene.meshes) {
+        const std::string name = "mesh '" + mesh.name + "' ";
+        for (const Vec3& vertex : mesh.vertices)
+            if (!isFinite(vertex)) throw AssetError(file, "", name + "has a vertex that is not finite");
+        for (const std::uint32_t index : mesh.triangles)
+            if (index >= mesh.vertices.size())
+                throw AssetError(file, "", name + "has a triangle with vertex " + std::to_string(index) + " of " +
+                                               std::to_string(mesh.vertices.size()));
+        for (const ImportedBone& bone : mesh.bones) {
+            if (!isFiniteMap(bone.offset))
+                throw AssetError(file, "", "bone '" + bone.name + "' has a rest pose that is not finite");
+            for (const ImportedWeight& weight : bone.weights)
+                if (weight.vertex >= mesh.vertices.size() || !std::isfinite(weight.weight))
+                    throw AssetError(file, "", "bone '" + bone.name + "' has a weight that is not finite or of no vertex");
+        }
+    }
+}
+
+}  // namespace
+
+Affine operator*(const Affine& a, const Affine& b) { return {a.linear * b.linear, a.linear * b.shift + a.shift}; }
+
+Vec3 transformPoint(const Affine& a, const Vec3& p) { return a.linear * p + a.shift; }
+
+float determinant(const Mat3& m) { return dot(m.cx, cross(m.cy, m.cz)); }
+
+Affine inverse(const Affine& a) {
+    const Mat3& m = a.linear;
+    const float d = determinant(m);
+    if (d == 0) return {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, {}};
+    const float s = 1.0f / d;
+    const Mat3 inverted = transpose({s * cross(m.cy, m.cz), s * cross(m.cz, m.cx), s * cross(m.cx, m.cy)});
+    return {inverted, -(inverted * a.shift)};
+}
+
+Frame rigidPart(const Affine& a) {
+    const Vec3 x = normalized(a.linear.cx);
+    const Vec3 y = normalized(a.linear.cy - dot(a.linear.cy, x) * x, perpendicular(x));
+    return {a.shift, normalized(rotationFromAxes(x, y, cross(x, y)))};
+}
+
+std::vector<Affine> globalTransforms(const ImportedScene& scene) {
+    std::vector<Affine> globals;
+    for (const ImportedNode& node : scene.nodes)
+        globals.push_back(node.parent < 0 ? node.local : globals[static_cast<std::size_t>(node.parent)] * node.local);
+    return globals;
+}
+
+ImportedScene importScene(const std::filesystem::path& path, bool joined, std::chrono::milliseconds timeout) {
+    const std::string file = path.string();
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) throw AssetError(file, "", "no such file");
+    if (!std::filesystem::is_regular_file(path, ignored)) throw AssetError(file, "", "is not a file");
+    ChildResult result;
+    try {
+        result = runInChild([&] { return importHere(file, joined); }, timeout);
+    } catch (const std::system_error& error) {
+        throw AssetError(file, "", std::string("no process to import it in: ") + error.what());
+    }
+    if (!result.failure.empty()) throw AssetError(file, "", "the file " + result.failure);
+    ImportedScene scene;
+    try {
+        ByteReader reader(result.bytes);
+        char kind = 0;
+        reader(kind);
+        if (kind == 'e') {
+            std::string message;
+            reader(message);
+            throw AssetError(file, "", "cannot be imported: " + onOneLine(message));
+        }
+        sceneFields(reader, scene);
+        if (kind != 's' || !reader.atEnd()) throw std::length_error("scene");
+    } catch (const std::length_error&) {
+        throw AssetError(file, "", "the file makes the importer fail");
+    }
+    check(scene, file);
+    return scene;
+}
+
+}  // namespace ragtop

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ragtop/math.h"
+
+namespace ragtop {
+
+/// A linear map and a shift, as files have them: may scale, shear and mirror.
+struct Affine {
+    Mat3 linear{};
+    Vec3 shift{};
+};
+Affine operator*(const Affine& a, const Affine& b);
+Vec3 transformPoint(const Affine& a, const Vec3& p);
+/// The inverse; of a map without one, all zeros.
+Affine inverse(const Affine& a);
+float determinant(const Mat3& m);
+/// The rotation nearest to the first two axes, and the shift; a mirror image is turned back into a rotation.
+Frame rigidPart(const Affine& a);
+
+struct ImportedNode {
+    std::string name;
+    std::int32_t parent = -1;
+    Affine local;
+};
+
+struct ImportedWeight {
+    std::uint32_t vertex = 0;
+    float weight = 0;
+};
+
+struct ImportedBone {
+    std::string name;
+    Affine offset;  ///< from the mesh to the bone, at rest
+    std::vector<ImportedWeight> weights;
+};
+
+struct ImportedMesh {
+    std::string name;
+    std::vector<Vec3> vertices;
+    std::vector<std::uint32_t> triangles;  ///< three indices each
+    std::vector<ImportedBone> bones;
+    std::vector<std::int32_t> nodes;  ///< where it stands
+};
+
+struct ImportedClip {
+    std::string name;
+    double seconds = 0;
+};
+
+/// What a file says, in its own units and axes; nodes have parents before children.
+struct ImportedScene {
+    std::string format;
+    double unitScale = 0;      ///< m per unit; 0: the file does not say and the importer has not converted
+    std::int32_t upAxis = -1;  ///< 0 x, 1 y, 2 z; −1: the file does not say
+    std::vector<ImportedNode> nodes;
+    std::vector<ImportedMesh> meshes;
+    std::vector<ImportedClip> clips;
+};
+
+/// Node by node from the root, their transforms in the scene.
+std::vector<Affine> globalTransforms(const ImportedScene& scene);
+
+/// Reads a file with assimp in a process of its own, since some files crash it, never end, or take all memory.
+/// `joined` merges vertices at one place. Throws AssetError: missing, not readable, crashed, out of time.
+ImportedScene importScene(const std::filesystem::path& path, bool joined,
+                          std::chrono::milliseconds timeout = std::chrono::seconds(20));
+
+}  // namespace ragtop

@@ -1,0 +1,292 @@
+#include "ragtop/character.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "assimp_scene.h"
+#include "axes.h"
+#include "import_text.h"
+
+namespace ragtop {
+namespace {
+
+constexpr float kAgree = 1e-2f;  ///< relative difference of two maps that are meant to be the same
+
+bool agree(const Affine& a, const Affine& b, float size) {
+    const float scale = length(b.linear.cx) + length(b.linear.cy) + length(b.linear.cz);
+    const float turn = length(a.linear.cx - b.linear.cx) + length(a.linear.cy - b.linear.cy) +
+                       length(a.linear.cz - b.linear.cz);
+    return turn <= kAgree * scale && length(a.shift - b.shift) <= kAgree * size;
+}
+
+float extentOf(const std::vector<Vec3>& points) {
+    if (points.empty()) return 0;
+    Vec3 lower = points[0], upper = points[0];
+    for (const Vec3& point : points) {
+        lower = min(lower, point);
+        upper = max(upper, point);
+    }
+    return length(upper - lower);
+}
+
+/// Builds the skeleton of a scene in the units and axes of the file.
+class CharacterBuilder {
+public:
+    CharacterBuilder(const ImportedScene& scene, Character& character)
+        : scene_(scene), character_(character), globals_(globalTransforms(scene)), bind_(globals_),
+          skin_(scene.nodes.size()), deforms_(scene.nodes.size(), false) {
+        for (std::size_t i = 0; i < scene.nodes.size(); ++i)
+            nodeOf_.emplace(scene.nodes[i].name, static_cast<int>(i));
+    }
+
+    void run() {
+        for (const ImportedMesh& mesh : scene_.meshes)
+            if (!mesh.bones.empty()) addSkin(mesh);
+        const bool skinned = std::find(deforms_.begin(), deforms_.end(), true) != deforms_.end();
+        if (!skinned) useNodes();
+        collectBones(skinned);
+        warnAboutSkin();
+    }
+
+private:
+    /// Where the rest pose of a mesh stands in the scene. If the nodes are at rest they say it: node = place · rest,
+    /// which holds for every format. Where they are posed, only the node of the mesh is left to tell.
+    Affine placeOf(const ImportedMesh& mesh) {
+        const float size = extentOf(mesh.vertices);
+        const Affine* first = nullptr;
+        std::vector<Affine> places;
+        std::string posed;
+        for (const ImportedBone& bone : mesh.bones) {
+            const auto node = nodeOf_.find(bone.name);
+            const bool moves = std::any_of(bone.weights.begin(), bone.weights.end(),
+                                           [](const ImportedWeight& w) { return w.weight > 0; });
+            if (node == nodeOf_.end() || !moves) continue;
+            places.push_back(globals_[static_cast<std::size_t>(node->second)] * bone.offset);
+            if (posed.empty() && !agree(places.back(), places.front(),
+                                        size * length(places.front().linear.cx)))
+                posed = bone.name;
+        }
+        if (!places.empty()) first = &places.front();
+        if (first && posed.empty()) return *first;
+        if (first)
+            character_.warnings.push_back("mesh '" + mesh.name + "': the nodes do not stand in the bind pose (first at '" +
+                                          posed + "'); the bind pose of the skin is used");
+        return mesh.nodes.empty() ? Affine{} : globals_[static_cast<std::size_t>(mesh.nodes.front())];
+    }
+
+    void addSkin(const ImportedMesh& mesh) {
+        const Affine place = placeOf(mesh);
+        std::vector<float> sum(mesh.vertices.size(), 0.0f), most(mesh.vertices.size(), 0.0f);
+        std::vector<int> owner(mesh.vertices.size(), -1), influences(mesh.vertices.size(), 0);
+        for (const ImportedBone& bone : mesh.bones) {
+            const auto found = nodeOf_.find(bone.name);
+            if (found == nodeOf_.end()) {
+                character_.warnings.push_back("bone '" + bone.name + "' has no node and is left out");
+                continue;
+            }
+            bool moves = false;
+            for (const ImportedWeight& w : bone.weights) {
+                if (!(w.weight > 0)) continue;
+                moves = true;
+                sum[w.vertex] += w.weight;
+                ++influences[w.vertex];
+                if (w.weight <= most[w.vertex]) continue;
+                most[w.vertex] = w.weight;
+                owner[w.vertex] = found->second;
+            }
+            const auto node = static_cast<std::size_t>(found->second);
+            if (moves && !deforms_[node]) {
+                deforms_[node] = true;
+                bind_[node] = place * inverse(bone.offset);
+            }
+        }
+        for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+            if (owner[i] < 0) continue;
+            skin_[static_cast<std::size_t>(owner[i])].push_back(transformPoint(place, mesh.vertices[i]));
+        }
+        count(mesh, sum, influences);
+    }
+
+    void count(const ImportedMesh& mesh, const std::vector<float>& sum, const std::vector<int>& influences) {
+        SkinInfo& skin = character_.skin;
+        ++skin.meshes;
+        skin.vertices += static_cast<int>(mesh.vertices.size());
+        skin.triangles += static_cast<int>(mesh.triangles.size() / 3);
+        for (std::size_t i = 0; i < sum.size(); ++i) {
+            skin.influences = std::max(skin.influences, influences[i]);
+            if (influences[i] == 0) {
+                ++skin.unweighted;
+                continue;
+            }
+            skin.renormalized += std::abs(sum[i] - 1.0f) > 1e-2f;
+            skin.leastSum = std::min(skin.leastSum, sum[i]);
+            skin.greatestSum = std::max(skin.greatestSum, sum[i]);
+        }
+    }
+
+    void warnAboutSkin() {
+        const SkinInfo& skin = character_.skin;
+        if (skin.renormalized > 0)
+            character_.warnings.push_back(std::to_string(skin.renormalized) + " of " + std::to_string(skin.vertices) +
+                                          " vertices have weights that do not sum to one (" +
+                                          shortNumber(skin.leastSum) + " to " + shortNumber(skin.greatestSum) +
+                                          "); normalised");
+        if (skin.unweighted > 0)
+            character_.warnings.push_back(std::to_string(skin.unweighted) + " vertices follow no bone");
+        if (!character_.droppedBones.empty())
+            character_.warnings.push_back(std::to_string(character_.droppedBones.size()) +
+                                          " bones move no vertex and are left out, such as '" +
+                                          character_.droppedBones.front() + "'");
+    }
+
+    /// A file of motion alone: its nodes are its bones.
+    void useNodes() {
+        for (const ImportedMesh& mesh : scene_.meshes)
+            if (!mesh.triangles.empty()) throw AssetError(character_.file, "", "has a mesh but no bones that move it");
+        if (scene_.nodes.size() < 3) throw AssetError(character_.file, "", "has no bones");
+        character_.warnings.push_back("has no skin: shapes are made from the lengths of its bones");
+        deforms_.assign(scene_.nodes.size(), true);
+    }
+
+    int parentBone(int node) const {
+        int at = scene_.nodes[static_cast<std::size_t>(node)].parent;
+        while (at >= 0 && !deforms_[static_cast<std::size_t>(at)]) at = scene_.nodes[static_cast<std::size_t>(at)].parent;
+        return at;
+    }
+
+    /// One root is needed: the nearest node above all bones joins where they have none in common.
+    void joinRoots() {
+        int root = -1;
+        bool several = false;
+        for (int node = 0; node < static_cast<int>(scene_.nodes.size()); ++node) {
+            if (!deforms_[static_cast<std::size_t>(node)] || parentBone(node) >= 0) continue;
+            several = several || root >= 0;
+            root = root < 0 ? node : commonNode(root, node);
+        }
+        if (several && root >= 0) deforms_[static_cast<std::size_t>(root)] = true;
+    }
+
+    int commonNode(int a, int b) const {
+        while (a != b) {
+            int& later = a > b ? a : b;
+            later = scene_.nodes[static_cast<std::size_t>(later)].parent;
+        }
+        return a;
+    }
+
+    void collectBones(bool skinned) {
+        joinRoots();
+        std::vector<int> index(scene_.nodes.size(), -1);
+        std::map<std::string, int> used;
+        for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
+            if (!deforms_[i]) continue;
+            Bone bone{scene_.nodes[i].name, parentBone(static_cast<int>(i)), rigidPart(bind_[i])};
+            if (bone.parent >= 0) bone.parent = index[static_cast<std::size_t>(bone.parent)];
+            if (const int copies = used[bone.name]++; copies > 0) bone.name += " (" + std::to_string(copies + 1) + ")";
+            index[i] = static_cast<int>(character_.skeleton.bones.size());
+            character_.skeleton.bones.push_back(std::move(bone));
+            if (skinned) character_.skeleton.skin.push_back(std::move(skin_[i]));
+        }
+        std::set<std::string> dropped;
+        for (const ImportedMesh& mesh : scene_.meshes)
+            for (const ImportedBone& bone : mesh.bones) {
+                const auto node = nodeOf_.find(bone.name);
+                if (node == nodeOf_.end() || deforms_[static_cast<std::size_t>(node->second)]) continue;
+                if (dropped.insert(bone.name).second) character_.droppedBones.push_back(bone.name);
+            }
+    }
+
+    const ImportedScene& scene_;
+    Character& character_;
+    std::vector<Affine> globals_, bind_;
+    std::vector<std::vector<Vec3>> skin_;
+    std::vector<bool> deforms_;
+    std::map<std::string, int> nodeOf_;
+};
+
+void transform(Skeleton& skeleton, UpAxis up, float scale) {
+    const Quat turn = uprightRotation(up);
+    for (Bone& bone : skeleton.bones) {
+        bone.bind.position = scale * upright(up, bone.bind.position);
+        if (up != UpAxis::y) bone.bind.rotation = normalized(turn * bone.bind.rotation);
+    }
+    for (auto& vertices : skeleton.skin)
+        for (Vec3& vertex : vertices) vertex = scale * upright(up, vertex);
+}
+
+const char* nameOf(UpAxis axis) { return axis == UpAxis::x ? "x" : axis == UpAxis::y ? "y" : "z"; }
+
+/// A human stands along one axis of its file, whatever that says; of other bodies only the file can tell.
+UpAxis decideUpAxis(const ImportedScene& scene, const CharacterOptions& options, const Anatomy& anatomy,
+                    std::vector<std::string>& warnings) {
+    if (options.upAxis) return *options.upAxis;
+    const UpAxis said = scene.upAxis >= 0 ? static_cast<UpAxis>(scene.upAxis) : UpAxis::y;
+    if (!anatomy.humanoid) {
+        if (scene.upAxis < 0) warnings.push_back("the file names no up axis; taken as y");
+        return said;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const float along = anatomy.up[axis];
+        if (along * along < 0.7f) continue;
+        const auto seen = static_cast<UpAxis>(axis);
+        if (along < 0) {
+            warnings.push_back(std::string("the body stands on its head along ") + nameOf(seen) + "; left as it is");
+            return said;
+        }
+        if (seen != said)
+            warnings.push_back(std::string("the body stands along ") + nameOf(seen) + " of the file" +
+                               (scene.upAxis >= 0 ? std::string(", which calls ") + nameOf(said) + " up" : "") +
+                               "; turned to y up");
+        return seen;
+    }
+    warnings.push_back(std::string("the body stands along no axis of the file; ") + nameOf(said) + " is taken as up");
+    return said;
+}
+
+float decideUnit(const ImportedScene& scene, const CharacterOptions& options, const std::string& file) {
+    if (!options.metersPerUnit) return scene.unitScale > 0 ? static_cast<float>(scene.unitScale) : 1.0f;
+    if (!(*options.metersPerUnit > 0 && std::isfinite(*options.metersPerUnit)))
+        throw AssetError(file, "", "metersPerUnit is " + shortNumber(*options.metersPerUnit) + ", must be above 0");
+    return *options.metersPerUnit;
+}
+
+}  // namespace
+
+int Character::findClip(std::string_view name) const {
+    for (std::size_t i = 0; i < clips.size(); ++i)
+        if (clips[i].name == name) return static_cast<int>(i);
+    return -1;
+}
+
+Character loadCharacter(const std::filesystem::path& path, const CharacterOptions& options) {
+    const ImportedScene scene = importScene(path, false);
+    Character character;
+    character.file = path.string();
+    character.format = scene.format;
+    for (const ImportedClip& clip : scene.clips) character.clips.push_back({clip.name, static_cast<float>(clip.seconds)});
+    CharacterBuilder(scene, character).run();
+    if (const std::string problem = whyInvalid(character.skeleton); !problem.empty())
+        throw AssetError(character.file, "", problem);
+
+    const Anatomy anatomy = recognise(character.skeleton);
+    character.upAxis = decideUpAxis(scene, options, anatomy, character.warnings);
+    character.metersPerUnit = decideUnit(scene, options, character.file);
+    transform(character.skeleton, character.upAxis, character.metersPerUnit);
+    const Bounds bounds = boundsOf(character.skeleton);
+    character.height = bounds.upper.y - bounds.lower.y;
+    const bool likely = character.height >= 0.3f && character.height <= 4.0f;
+    if (anatomy.humanoid && !likely)
+        character.warnings.push_back("the body is " + shortNumber(character.height) + " m tall at " +
+                                     shortNumber(character.metersPerUnit) +
+                                     " m per unit; set CharacterOptions::metersPerUnit");
+    if (!anatomy.note.empty()) character.warnings.push_back(anatomy.note);
+    return character;
+}
+
+RagdollDef makeRagdoll(const Character& character, const RagdollOptions& options) {
+    return makeRagdoll(character.skeleton, options);
+}
+
+}  // namespace ragtop

@@ -1,0 +1,134 @@
+#include "child_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <system_error>
+
+namespace ragtop {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr rlim_t kMemory = rlim_t{4} << 30;  ///< bytes of address space for the child
+constexpr int kOutOfMemory = 3, kThrew = 4;  ///< exit codes
+
+// Sanitizers reserve terabytes of address space for their own maps.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kLimitMemory = false;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
+constexpr bool kLimitMemory = false;
+#else
+constexpr bool kLimitMemory = true;
+#endif
+#else
+constexpr bool kLimitMemory = true;
+#endif
+
+void writeAll(int file, const std::vector<char>& bytes) {
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+        const ssize_t count = write(file, bytes.data() + done, bytes.size() - done);
+        if (count < 0 && errno != EINTR) _exit(kThrew);
+        if (count > 0) done += static_cast<std::size_t>(count);
+    }
+}
+
+[[noreturn]] void runChild(const std::function<std::vector<char>()>& work, int out) {
+    for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGPIPE}) signal(number, SIG_DFL);
+    const rlimit noCore{0, 0}, memory{kMemory, kMemory};
+    setrlimit(RLIMIT_CORE, &noCore);
+    if (kLimitMemory) setrlimit(RLIMIT_AS, &memory);
+    const int nowhere = open("/dev/null", O_RDWR);
+    if (nowhere >= 0)
+        for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, standard);
+    try {
+        writeAll(out, work());
+    } catch (const std::bad_alloc&) {
+        _exit(kOutOfMemory);
+    } catch (...) {
+        _exit(kThrew);
+    }
+    _exit(0);
+}
+
+/// False when time ran out.
+bool readAll(int file, Clock::time_point deadline, std::vector<char>& bytes) {
+    std::array<char, 65536> buffer;
+    while (true) {
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
+        if (left <= 0) return false;
+        pollfd waiting{file, POLLIN, 0};
+        const int ready = poll(&waiting, 1, static_cast<int>(left));
+        if (ready == 0) return false;
+        if (ready < 0) {
+            if (errno == EINTR) continue;
+            return true;
+        }
+        const ssize_t count = read(file, buffer.data(), buffer.size());
+        if (count < 0 && errno == EINTR) continue;
+        if (count <= 0) return true;
+        bytes.insert(bytes.end(), buffer.data(), buffer.data() + count);
+    }
+}
+
+std::string failureOf(pid_t child) {
+    int status = 0;
+    pid_t ended = 0;
+    do ended = waitpid(child, &status, 0);
+    while (ended < 0 && errno == EINTR);
+    // A caller that ignores SIGCHLD leaves no status behind; the bytes then speak for themselves.
+    if (ended < 0) return {};
+    if (WIFSIGNALED(status)) return std::string("crashes the importer (") + strsignal(WTERMSIG(status)) + ")";
+    if (WEXITSTATUS(status) == kOutOfMemory) return "needs more memory to import than is allowed";
+    if (WEXITSTATUS(status) != 0) return "makes the importer fail";
+    return {};
+}
+
+}  // namespace
+
+ChildResult runInChild(const std::function<std::vector<char>()>& work, std::chrono::milliseconds timeout) {
+    const Clock::time_point deadline = Clock::now() + timeout;
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
+    const pid_t child = fork();
+    if (child < 0) {
+        const int error = errno;
+        close(ends[0]);
+        close(ends[1]);
+        throw std::system_error(error, std::generic_category(), "fork");
+    }
+    if (child == 0) {
+        close(ends[0]);
+        runChild(work, ends[1]);
+    }
+    close(ends[1]);
+    ChildResult result;
+    bool inTime = false;
+    try {
+        inTime = readAll(ends[0], deadline, result.bytes);
+    } catch (...) {
+        close(ends[0]);
+        kill(child, SIGKILL);
+        failureOf(child);
+        throw;
+    }
+    close(ends[0]);
+    if (!inTime) kill(child, SIGKILL);
+    result.failure = failureOf(child);
+    if (!inTime)
+        result.failure = "takes the importer longer than " + std::to_string(timeout.count() / 1000) + " s";
+    return result;
+}
+
+}  // namespace ragtop

@@ -1,0 +1,263 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "json_value.h"
+#include "ragtop/joint.h"
+#include "ragtop/math.h"
+#include "ragtop/shape.h"
+#include "ragtop/tunables.h"
+#include "shape_json.h"
+
+/// One description of a struct, three visitors: the schema of its JSON form, reading it, writing it.
+///
+/// A type takes part through `describe` (ragtop/tunables.h); enums through `enumNames(Enum)`, a range of names in the
+/// order of the values, which count from zero; fields that a file must have through `requiredFields(const T*)`.
+namespace ragtop {
+
+struct IgnoreFields {
+    template <class T>
+    void operator()(const Tunable&, T&) {}
+};
+
+template <class T>
+concept Described = requires(IgnoreFields visit, T& value) { describe(visit, value, static_cast<const T*>(nullptr)); };
+template <class T>
+concept NamedEnum = std::is_enum_v<T> && requires { enumNames(T{}); };
+template <class T>
+concept HasRequiredFields = requires { requiredFields(static_cast<const T*>(nullptr)); };
+
+template <class T>
+struct IsOptional : std::false_type {};
+template <class T>
+struct IsOptional<std::optional<T>> : std::true_type {};
+template <class T>
+struct IsVector : std::false_type {};
+template <class T>
+struct IsVector<std::vector<T>> : std::true_type {};
+template <class T>
+struct IsArray : std::false_type {};
+template <class T, std::size_t N>
+struct IsArray<std::array<T, N>> : std::true_type {};
+template <class T>
+struct IsMap : std::false_type {};
+template <class T>
+struct IsMap<std::map<std::string, T>> : std::true_type {};
+template <class T>
+inline constexpr bool kIsVector3 = std::is_same_v<T, Vec3> || std::is_same_v<T, DVec3>;
+
+// Schemas of the types that are no templates (schema_nodes.cpp). "unit", "hint" and "meaning" are annotations that
+// messages and the manual use; validators skip them.
+Json numberSchema(const Tunable& field, bool integer, double lowest, double highest);
+Json vectorSchema(const Tunable& field);
+Json rotationSchema();
+Json frameSchema();
+Json rangeSchema(const Tunable& field);
+void allowNull(Json& schema);
+
+// The same for values.
+Quat readRotation(const JsonValue& value);
+Range readRange(const JsonValue& value);
+Json writeNumber(double value);
+Json writeNumber(float value);
+
+template <class T>
+Json writeValue(const T& value);
+
+template <class T>
+Json schemaOf(const Tunable& field, const T& initial);
+
+template <Described T>
+Json objectSchema(const T& initial) {
+    Json properties = Json::object();
+    auto visit = [&](const Tunable& field, const auto& member) {
+        properties[std::string(field.name)] = schemaOf(field, member);
+    };
+    describe(visit, initial, static_cast<const T*>(nullptr));
+    Json schema{{"type", "object"}, {"properties", std::move(properties)}, {"additionalProperties", false}};
+    if constexpr (HasRequiredFields<T>) {
+        for (const auto& name : requiredFields(static_cast<const T*>(nullptr))) schema["required"].push_back(name);
+    }
+    return schema;
+}
+
+template <class T>
+Json arraySchema(const Tunable& field, const T& element) {
+    return {{"type", "array"}, {"items", schemaOf(field, element)}};
+}
+
+template <class T>
+Json schemaWithoutMeaning(const Tunable& field, const T& initial) {
+    if constexpr (std::is_same_v<T, bool>) {
+        return {{"type", "boolean"}};
+    } else if constexpr (std::is_integral_v<T>) {
+        return numberSchema(field, true, static_cast<double>(std::numeric_limits<T>::lowest()),
+                            static_cast<double>(std::numeric_limits<T>::max()));
+    } else if constexpr (std::is_floating_point_v<T>) {
+        return numberSchema(field, false, std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max());
+    } else if constexpr (std::is_same_v<T, std::string>) {
+        return {{"type", "string"}};
+    } else if constexpr (NamedEnum<T>) {
+        Json names = Json::array();
+        for (const auto& name : enumNames(T{})) names.push_back(std::string(name));
+        return {{"enum", std::move(names)}};
+    } else if constexpr (kIsVector3<T>) {
+        return vectorSchema(field);
+    } else if constexpr (std::is_same_v<T, Quat>) {
+        return rotationSchema();
+    } else if constexpr (std::is_same_v<T, Frame>) {
+        return frameSchema();
+    } else if constexpr (std::is_same_v<T, Range>) {
+        return rangeSchema(field);
+    } else if constexpr (std::is_same_v<T, Shape>) {
+        return shapeSchema();
+    } else if constexpr (IsOptional<T>::value) {
+        Json schema = schemaOf(field, initial.value_or(typename T::value_type{}));
+        schema.erase("default");
+        allowNull(schema);
+        return schema;
+    } else if constexpr (IsVector<T>::value) {
+        return arraySchema(field, typename T::value_type{});
+    } else if constexpr (IsArray<T>::value) {
+        Json schema = arraySchema(field, typename T::value_type{});
+        schema["minItems"] = schema["maxItems"] = initial.size();
+        return schema;
+    } else if constexpr (IsMap<T>::value) {
+        return {{"type", "object"}, {"additionalProperties", schemaOf(field, typename T::mapped_type{})}};
+    } else {
+        return objectSchema(initial);
+    }
+}
+
+template <class T>
+Json schemaOf(const Tunable& field, const T& initial) {
+    Json schema = schemaWithoutMeaning(field, initial);
+    if (!field.meaning.empty()) schema["meaning"] = std::string(field.meaning);
+    if constexpr (std::is_arithmetic_v<T> || NamedEnum<T> || kIsVector3<T>) schema["default"] = writeValue(initial);
+    return schema;
+}
+
+template <class T>
+void readValue(const JsonValue& from, T& into);
+
+template <Described T>
+void readObject(const JsonValue& from, T& into) {
+    auto visit = [&](const Tunable& field, auto& member) {
+        const std::string name(field.name);
+        if (from.has(name)) readValue(from.at(name), member);
+    };
+    describe(visit, into, static_cast<const T*>(nullptr));
+}
+
+template <class T>
+void readVector3(const JsonValue& from, T& into) {
+    auto component = [&](std::size_t i) { return from.json().at(i).get<decltype(T::x)>(); };
+    into = {component(0), component(1), component(2)};
+}
+
+template <class T>
+void readEnum(const JsonValue& from, T& into) {
+    int value = 0;
+    for (const auto& name : enumNames(T{})) {
+        if (from.json() == std::string(name)) into = static_cast<T>(value);
+        ++value;
+    }
+}
+
+/// Reads what the schema has accepted; fields that are absent keep what `into` holds.
+template <class T>
+void readValue(const JsonValue& from, T& into) {
+    if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
+        into = from.json().get<T>();
+    } else if constexpr (NamedEnum<T>) {
+        readEnum(from, into);
+    } else if constexpr (kIsVector3<T>) {
+        readVector3(from, into);
+    } else if constexpr (std::is_same_v<T, Quat>) {
+        into = readRotation(from);
+    } else if constexpr (std::is_same_v<T, Frame>) {
+        if (from.has("position")) readVector3(from.at("position"), into.position);
+        if (from.has("rotation")) into.rotation = readRotation(from.at("rotation"));
+    } else if constexpr (std::is_same_v<T, Range>) {
+        into = readRange(from);
+    } else if constexpr (std::is_same_v<T, Shape>) {
+        into = readShape(from);
+    } else if constexpr (IsOptional<T>::value) {
+        if (from.json().is_null()) {
+            into.reset();
+        } else {
+            if (!into) into.emplace();
+            readValue(from, *into);
+        }
+    } else if constexpr (IsVector<T>::value || IsArray<T>::value) {
+        if constexpr (IsVector<T>::value) into.assign(from.size(), {});
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            typename T::value_type element{};
+            readValue(from.at(i), element);
+            into[i] = std::move(element);
+        }
+    } else if constexpr (IsMap<T>::value) {
+        into.clear();
+        for (const auto& item : from.json().items()) readValue(from.at(item.key()), into[item.key()]);
+    } else {
+        readObject(from, into);
+    }
+}
+
+template <Described T>
+Json writeObject(const T& value) {
+    Json object = Json::object();
+    auto visit = [&](const Tunable& field, const auto& member) {
+        using Member = std::remove_cvref_t<decltype(member)>;
+        if constexpr (IsOptional<Member>::value) {
+            if (member) object[std::string(field.name)] = writeValue(*member);
+        } else {
+            object[std::string(field.name)] = writeValue(member);
+        }
+    };
+    describe(visit, value, static_cast<const T*>(nullptr));
+    return object;
+}
+
+template <class T>
+Json writeValue(const T& value) {
+    if constexpr (std::is_floating_point_v<T>) {
+        return writeNumber(value);
+    } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
+        return value;
+    } else if constexpr (NamedEnum<T>) {
+        const auto& names = enumNames(T{});
+        return std::string(*(std::begin(names) + static_cast<std::ptrdiff_t>(value)));
+    } else if constexpr (kIsVector3<T>) {
+        return Json::array({writeNumber(value.x), writeNumber(value.y), writeNumber(value.z)});
+    } else if constexpr (std::is_same_v<T, Quat>) {
+        return Json::array({writeNumber(value.x), writeNumber(value.y), writeNumber(value.z), writeNumber(value.w)});
+    } else if constexpr (std::is_same_v<T, Frame>) {
+        return {{"position", writeValue(value.position)}, {"rotation", writeValue(value.rotation)}};
+    } else if constexpr (std::is_same_v<T, Range>) {
+        return {{"lower", writeNumber(value.lower)}, {"upper", writeNumber(value.upper)}};
+    } else if constexpr (std::is_same_v<T, Shape>) {
+        return writeShape(value);
+    } else if constexpr (IsVector<T>::value || IsArray<T>::value) {
+        Json array = Json::array();
+        for (const auto& element : value) array.push_back(writeValue(element));
+        return array;
+    } else if constexpr (IsMap<T>::value) {
+        Json object = Json::object();
+        for (const auto& [key, element] : value) object[key] = writeValue(element);
+        return object;
+    } else {
+        return writeObject(value);
+    }
+}
+
+}  // namespace ragtop

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "describe_json.h"
+#include "json_document.h"
+#include "schema.h"
+
+namespace ragtop {
+
+/// Reads a file and what it `extends`, from the base up. Throws AssetError on a file that extends itself.
+JsonDocument loadExtended(const std::filesystem::path& path);
+
+/// The file that the string `value` names, relative to the file that it stands in.
+std::filesystem::path referencedFile(const JsonValue& value);
+
+/// Fails with what a whyInvalid says, at the value that its first word names ("wheels[2].radius is ...") if there is one.
+[[noreturn]] void failInvalid(const JsonDocument& document, const std::string& wrong);
+
+void writeJson(const Json& json, const std::filesystem::path& path);
+
+/// Reads a described struct from a file. `T`'s own whyInvalid has the last word.
+template <Described T>
+T readDocument(const JsonDocument& document) {
+    T value{};
+    validate(document, objectSchema(value));
+    readValue(JsonValue(document), value);
+    return value;
+}
+
+}  // namespace ragtop

@@ -1,0 +1,46 @@
+#include "joint_json.h"
+
+#include <utility>
+
+namespace ragtop {
+namespace {
+
+/// Calls `visit(name, default)` for each kind.
+template <class Visit>
+void forEachKind(Visit visit) {
+    visit("ball", BallDef{});
+    visit("hinge", HingeDef{});
+    visit("slider", SliderDef{});
+    visit("fixed", FixedDef{});
+    visit("distance", DistanceDef{});
+}
+
+}  // namespace
+
+void addJointKinds(Json& schema) {
+    forEachKind([&](const char* name, const auto& kind) { schema["properties"][name] = objectSchema(kind); });
+}
+
+JointDef readJointKind(const JsonValue& object) {
+    JointDef joint;
+    int kinds = 0;
+    forEachKind([&](const char* name, auto kind) {
+        if (!object.has(name)) return;
+        ++kinds;
+        readValue(object.at(name), kind);
+        joint = std::move(kind);
+    });
+    if (kinds != 1) {
+        object.fail("has " + std::to_string(kinds) +
+                    " kinds of joint, must have exactly one of ball, hinge, slider, fixed, distance");
+    }
+    return joint;
+}
+
+void writeJointKind(const JointDef& joint, Json& object) {
+    forEachKind([&](const char* name, const auto& kind) {
+        if (const auto* held = std::get_if<std::remove_cvref_t<decltype(kind)>>(&joint)) object[name] = writeValue(*held);
+    });
+}
+
+}  // namespace ragtop

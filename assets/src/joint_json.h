@@ -1,0 +1,16 @@
+#pragma once
+
+#include "describe_json.h"
+#include "json_value.h"
+#include "ragtop/joint.h"
+
+namespace ragtop {
+
+/// The kind of a joint is a member of its object: "ball", "hinge", "slider", "fixed" or "distance", holding the
+/// fields of that kind. Adds these members to the schema of the object.
+void addJointKinds(Json& objectSchema);
+/// Throws AssetError unless the object has exactly one kind. Bodies and frames are left alone.
+JointDef readJointKind(const JsonValue& object);
+void writeJointKind(const JointDef& joint, Json& object);
+
+}  // namespace ragtop

@@ -1,0 +1,176 @@
+#include "ragtop/ragdoll_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "described_file.h"
+#include "joint_json.h"
+
+namespace ragtop {
+
+// Names of the values in the order of the enums; describe_json.h finds them by argument.
+static const std::vector<std::string>& enumNames(BodyRole) {
+    static const std::vector<std::string> names{"other", "pelvis",  "abdomen", "chest", "head", "upperArm",
+                                                "forearm", "hand", "thigh",   "shank", "foot"};
+    return names;
+}
+static const std::vector<std::string>& enumNames(BodySide) {
+    static const std::vector<std::string> names{"middle", "left", "right"};
+    return names;
+}
+
+namespace {
+
+struct BoneInFile {
+    std::string name, parent, part;
+    Frame inPart;
+};
+struct PartInFile {
+    RagdollPart part{};
+    std::string bone;
+};
+struct JointInFile {
+    std::string parent, child;
+    Frame frameA, frameB;
+    bool collide = false;
+};
+struct RagdollInFile {
+    int version = 1;
+    std::string note;
+    std::vector<BoneInFile> bones;
+    std::vector<PartInFile> parts;
+    std::vector<JointInFile> joints;
+};
+
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const BoneInFile*) {
+    visit(Tunable{.name = "name"}, self.name);
+    visit(Tunable{.name = "parent", .meaning = "an earlier bone; the root has none"}, self.parent);
+    visit(Tunable{.name = "part", .meaning = "the part that carries it"}, self.part);
+    visit(Tunable{.name = "inPart", .meaning = "the bone in the bone of its part"}, self.inPart);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const PartInFile*) {
+    visit(Tunable{.name = "name"}, self.part.name);
+    visit(Tunable{.name = "role"}, self.part.role);
+    visit(Tunable{.name = "side"}, self.part.side);
+    visit(Tunable{.name = "bone", .meaning = "the bone it moves with"}, self.bone);
+    visit(Tunable{.name = "bind", .meaning = "that bone at rest, in model space"}, self.part.bind);
+    visit(Tunable{.name = "shape"}, self.part.shape);
+    visit(Tunable{.name = "frame", .meaning = "the shape in the bone"}, self.part.frame);
+    describe(visit, self.part, static_cast<const RagdollPart*>(nullptr));
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const JointInFile*) {
+    visit(Tunable{.name = "parent", .meaning = "name of a part"}, self.parent);
+    visit(Tunable{.name = "child", .meaning = "name of a part"}, self.child);
+    visit(Tunable{.name = "frameA", .meaning = "the joint in the parent's bone; x is hinge and twist axis"}, self.frameA);
+    visit(Tunable{.name = "frameB", .meaning = "the joint in the child's bone"}, self.frameB);
+    visit(Tunable{.name = "collide", .meaning = "do the two parts collide with each other?"}, self.collide);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const RagdollInFile*) {
+    visit(Tunable{.name = "version", .minimum = 1, .maximum = 1}, self.version);
+    visit(Tunable{.name = "note"}, self.note);
+    visit(Tunable{.name = "bones"}, self.bones);
+    visit(Tunable{.name = "parts"}, self.parts);
+    visit(Tunable{.name = "joints"}, self.joints);
+}
+
+std::vector<const char*> requiredFields(const BoneInFile*) { return {"name", "part"}; }
+std::vector<const char*> requiredFields(const PartInFile*) { return {"name", "bone", "shape", "mass"}; }
+std::vector<const char*> requiredFields(const JointInFile*) { return {"parent", "child"}; }
+std::vector<const char*> requiredFields(const RagdollInFile*) { return {"bones", "parts", "joints"}; }
+
+Json ragdollSchema() {
+    Json schema = objectSchema(RagdollInFile{});
+    addJointKinds(schema["properties"]["joints"]["items"]);
+    return schema;
+}
+
+/// The index of the thing of that name in `all`; `from` is the value that holds the name.
+template <class T, class Name>
+int indexOf(const JsonValue& from, const std::vector<T>& all, Name name, const char* what) {
+    const std::string wanted = from.json().get<std::string>();
+    std::vector<std::string> names;
+    for (const T& one : all) {
+        if (name(one) == wanted) return static_cast<int>(names.size());
+        names.push_back(name(one));
+    }
+    const std::string near = nearestName(wanted, names);
+    from.fail(fmt::format("is {}, must be the name of one of the {} {}{}", shown(from.json()), names.size(), what,
+                          near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+}
+
+void readBones(const JsonValue& file, const RagdollInFile& in, RagdollDef& def) {
+    const auto partName = [](const PartInFile& part) { return part.part.name; };
+    const auto boneName = [](const RagdollBone& bone) { return bone.name; };
+    for (std::size_t i = 0; i < in.bones.size(); ++i) {
+        const JsonValue at = file.at("bones").at(i);
+        RagdollBone bone{in.bones[i].name, -1, -1, in.bones[i].inPart};
+        if (!in.bones[i].parent.empty()) bone.parent = indexOf(at.at("parent"), def.bones, boneName, "earlier bones");
+        bone.part = indexOf(at.at("part"), in.parts, partName, "parts");
+        def.bones.push_back(std::move(bone));
+    }
+}
+
+void readJoints(const JsonValue& file, const RagdollInFile& in, RagdollDef& def) {
+    const auto partName = [](const RagdollPart& part) { return part.name; };
+    for (std::size_t i = 0; i < in.joints.size(); ++i) {
+        const JsonValue at = file.at("joints").at(i);
+        RagdollJoint joint;
+        joint.parent = indexOf(at.at("parent"), def.parts, partName, "parts");
+        joint.child = indexOf(at.at("child"), def.parts, partName, "parts");
+        joint.joint = readJointKind(at);
+        std::visit([&](auto& kind) {
+            kind.bodies.frameA = in.joints[i].frameA;
+            kind.bodies.frameB = in.joints[i].frameB;
+            kind.bodies.collide = in.joints[i].collide;
+        }, joint.joint);
+        def.joints.push_back(std::move(joint));
+    }
+}
+
+}  // namespace
+
+RagdollDef loadRagdoll(const std::filesystem::path& path) {
+    const JsonDocument document = loadExtended(path);
+    validate(document, ragdollSchema());
+    RagdollInFile in;
+    const JsonValue file(document);
+    readValue(file, in);
+    RagdollDef def;
+    def.note = in.note;
+    readBones(file, in, def);
+    for (std::size_t i = 0; i < in.parts.size(); ++i) {
+        RagdollPart part = in.parts[i].part;
+        part.bone = indexOf(file.at("parts").at(i).at("bone"), def.bones,
+                            [](const RagdollBone& bone) { return bone.name; }, "bones");
+        def.parts.push_back(std::move(part));
+    }
+    readJoints(file, in, def);
+    if (const std::string wrong = whyInvalid(def); !wrong.empty()) failInvalid(document, wrong);
+    return def;
+}
+
+void saveRagdoll(const RagdollDef& def, const std::filesystem::path& path) {
+    if (const std::string wrong = whyInvalid(def); !wrong.empty()) {
+        throw AssetError(path.string() + ": is not written, the ragdoll is not usable: " + wrong);
+    }
+    RagdollInFile out;
+    out.note = def.note;
+    const auto part = [&](int i) { return def.parts[static_cast<std::size_t>(i)].name; };
+    const auto bone = [&](int i) { return i < 0 ? std::string() : def.bones[static_cast<std::size_t>(i)].name; };
+    for (const RagdollBone& b : def.bones) out.bones.push_back({b.name, bone(b.parent), part(b.part), b.inPart});
+    for (const RagdollPart& p : def.parts) out.parts.push_back({p, bone(p.bone)});
+    for (const RagdollJoint& j : def.joints) {
+        const JointBodies& bodies = std::visit([](const auto& kind) -> const JointBodies& { return kind.bodies; }, j.joint);
+        out.joints.push_back({part(j.parent), part(j.child), bodies.frameA, bodies.frameB, bodies.collide});
+    }
+    Json json = writeValue(out);
+    for (std::size_t i = 0; i < def.joints.size(); ++i) writeJointKind(def.joints[i].joint, json["joints"][i]);
+    writeJson(json, path);
+}
+
+}  // namespace ragtop

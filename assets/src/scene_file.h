@@ -1,0 +1,254 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "describe_json.h"
+#include "ragtop/body.h"
+#include "ragtop/ragdoll.h"
+#include "ragtop/settings.h"
+#include "ragtop/vehicle.h"
+
+/// The structs that a scene file is read into, before they are expanded into a Scene.
+namespace ragtop {
+
+using Names = std::vector<const char*>;
+
+inline const std::vector<std::string>& enumNames(BodyType) {
+    static const std::vector<std::string> names{"fixed", "kinematic", "dynamic"};
+    return names;
+}
+
+/// Where a thing stands: turned by `rotation`, then by `heading` about y.
+struct PlaceInFile {
+    DVec3 position{};
+    Quat rotation{};
+    float heading = 0;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const PlaceInFile*) {
+    visit(Tunable{"position", "m", -1e9, 1e9, "where it stands"}, self.position);
+    visit(Tunable{"rotation", "", 0, 0, "how it is turned"}, self.rotation);
+    visit(Tunable{"heading", "rad", -1000, 1000, "turn about y after that; 0 looks along +z"}, self.heading);
+}
+
+struct BodyInFile {
+    std::string name, material;
+    BodyType type = BodyType::dynamic;
+    std::optional<Shape> shape;
+    PlaceInFile place;
+    float density = 1000;
+    bool masonry = false, sensor = false;
+    Filter filter;
+    BodyDef def;  ///< what its description covers
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const BodyInFile*) {
+    visit(Tunable{.name = "name"}, self.name);
+    visit(Tunable{.name = "type", .meaning = "how it moves"}, self.type);
+    visit(Tunable{.name = "shape"}, self.shape);
+    describe(visit, self.place, static_cast<const PlaceInFile*>(nullptr));
+    visit(Tunable{"density", "kg/m³", 1e-3, 1e6, "mass over volume"}, self.density);
+    visit(Tunable{.name = "material", .meaning = "name of one of the materials"}, self.material);
+    visit(Tunable{.name = "masonry", .meaning = "part of a building, whose displacement is measured"}, self.masonry);
+    visit(Tunable{.name = "sensor", .meaning = "reports overlaps, feels nothing"}, self.sensor);
+    visit(Tunable{.name = "filter", .meaning = "who collides with whom"}, self.filter);
+    describe(visit, self.def, static_cast<const BodyDef*>(nullptr));
+}
+inline Names requiredFields(const BodyInFile*) { return {"shape"}; }
+
+/// Many bodies in a grid: count along x, y, z, at distances of `spacing`, in the axes of the world.
+struct GridInFile {
+    std::array<unsigned, 3> count{1, 1, 1};
+    Vec3 spacing{1, 1, 1};
+    float scatter = 0;
+    bool tumble = false;
+    unsigned seed = 1;
+    std::size_t size() const { return std::size_t{count[0]} * count[1] * count[2]; }
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const GridInFile*) {
+    visit(Tunable{"count", "", 1, 10000, "how many along x, y and z"}, self.count);
+    visit(Tunable{"spacing", "m", -1e5, 1e5, "distance of neighbours along x, y and z"}, self.spacing);
+    visit(Tunable{"scatter", "m", 0, 1e5, "largest random offset along each axis"}, self.scatter);
+    visit(Tunable{.name = "tumble", .meaning = "turned at random"}, self.tumble);
+    visit(Tunable{"seed", "", 0, 4294967295.0, "other seeds give other random numbers"}, self.seed);
+}
+
+struct RepeatInFile {
+    BodyInFile body;
+    GridInFile grid;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const RepeatInFile*) {
+    visit(Tunable{.name = "body", .meaning = "what is repeated"}, self.body);
+    describe(visit, self.grid, static_cast<const GridInFile*>(nullptr));
+}
+inline Names requiredFields(const RepeatInFile*) { return {"body", "count"}; }
+
+/// Boxes laid in courses: walls and houses in running bond.
+struct BricksInFile {
+    std::string name, material;
+    PlaceInFile place;
+    Vec3 size{0.4f, 0.2f, 0.2f};
+    float gap = 0.002f;
+    unsigned courses = 10, bricks = 10;
+    float density = 1100;
+    bool masonry = true;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const BricksInFile*) {
+    visit(Tunable{.name = "name"}, self.name);
+    describe(visit, self.place, static_cast<const PlaceInFile*>(nullptr));
+    visit(Tunable{"size", "m", 1e-4, 1e4, "of a brick: length, height, thickness"}, self.size);
+    visit(Tunable{"gap", "m", 0, 1, "between bricks of a course"}, self.gap);
+    visit(Tunable{"courses", "", 1, 1000, "layers of bricks"}, self.courses);
+    visit(Tunable{"bricks", "", 1, 1000, "bricks in a course of a wall"}, self.bricks);
+    visit(Tunable{"density", "kg/m³", 1e-3, 1e6, "mass over volume"}, self.density);
+    visit(Tunable{.name = "material", .meaning = "name of one of the materials"}, self.material);
+    visit(Tunable{.name = "masonry", .meaning = "part of a building, whose displacement is measured"}, self.masonry);
+}
+
+struct TowerInFile {
+    std::string name, material;
+    PlaceInFile place;
+    Vec3 size{1, 1, 1};
+    unsigned count = 10;
+    float scatter = 0;
+    unsigned seed = 1;
+    float density = 1000;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const TowerInFile*) {
+    visit(Tunable{.name = "name"}, self.name);
+    describe(visit, self.place, static_cast<const PlaceInFile*>(nullptr));
+    visit(Tunable{"size", "m", 1e-4, 1e4, "of a box along x, y, z"}, self.size);
+    visit(Tunable{"count", "", 1, 10000, "boxes on top of each other"}, self.count);
+    visit(Tunable{"scatter", "m", 0, 1e4, "largest random offset along x and z"}, self.scatter);
+    visit(Tunable{"seed", "", 0, 4294967295.0, "other seeds give other random numbers"}, self.seed);
+    visit(Tunable{"density", "kg/m³", 1e-3, 1e6, "mass over volume"}, self.density);
+    visit(Tunable{.name = "material", .meaning = "name of one of the materials"}, self.material);
+}
+
+/// Fixed boxes; the first step is at the place, the others rise along +z of it.
+struct StairsInFile {
+    std::string name, material;
+    PlaceInFile place;
+    unsigned steps = 10;
+    float rise = 0.18f, tread = 0.3f, width = 2;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const StairsInFile*) {
+    visit(Tunable{.name = "name"}, self.name);
+    describe(visit, self.place, static_cast<const PlaceInFile*>(nullptr));
+    visit(Tunable{"steps", "", 1, 1000, "how many"}, self.steps);
+    visit(Tunable{"rise", "m", 1e-3, 100, "height of a step"}, self.rise);
+    visit(Tunable{"tread", "m", 1e-3, 100, "depth of a step"}, self.tread);
+    visit(Tunable{"width", "m", 1e-3, 1e4, "of the stairs, along x"}, self.width);
+    visit(Tunable{.name = "material", .meaning = "name of one of the materials"}, self.material);
+}
+
+struct SceneJointInFile {
+    std::string name, a, b;
+    DVec3 anchor;
+    std::optional<DVec3> anchorB;
+    Vec3 axis{1, 0, 0};
+    bool collide = false;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const SceneJointInFile*) {
+    visit(Tunable{.name = "name"}, self.name);
+    visit(Tunable{.name = "a", .meaning = "name of a body; absent: the world"}, self.a);
+    visit(Tunable{.name = "b", .meaning = "name of a body; absent: the world"}, self.b);
+    visit(Tunable{"anchor", "m", -1e9, 1e9, "where it is, in the world"}, self.anchor);
+    visit(Tunable{"anchorB", "m", -1e9, 1e9, "its other end, of a distance joint"}, self.anchorB);
+    visit(Tunable{"axis", "1", -1e5, 1e5, "hinge, slide or twist axis, in the world"}, self.axis);
+    visit(Tunable{.name = "collide", .meaning = "do the two bodies collide with each other?"}, self.collide);
+}
+inline Names requiredFields(const SceneJointInFile*) { return {"anchor"}; }
+
+struct ActionInFile {
+    double time = 0;
+    VehicleInput input;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const ActionInFile*) {
+    visit(Tunable{"time", "s", 0, 1e6, "from when on"}, self.time);
+    visit(Tunable{"throttle", "1", 0, 1, "pedal"}, self.input.throttle);
+    visit(Tunable{"brake", "1", 0, 1, "pedal"}, self.input.brake);
+    visit(Tunable{"steer", "1", -1, 1, "−1 full left to 1 full right"}, self.input.steer);
+    visit(Tunable{"handbrake", "1", 0, 1, "lever"}, self.input.handbrake);
+    visit(Tunable{"clutch", "1", 0, 1, "pedal; 0 is automatic"}, self.input.clutch);
+    visit(Tunable{"gear", "", -1, 20, "−1 reverse, 0 neutral; absent: the gearbox decides"}, self.input.gear);
+}
+
+struct VehicleInFile {
+    std::string name, file;
+    VehiclePlacement placement;
+    std::vector<ActionInFile> script;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const VehicleInFile*) {
+    visit(Tunable{.name = "name"}, self.name);
+    visit(Tunable{.name = "file", .meaning = "its definition"}, self.file);
+    visit(Tunable{"position", "m", -1e9, 1e9, "of the chassis"}, self.placement.position);
+    visit(Tunable{"heading", "rad", -1000, 1000, "turn about y; 0 looks along +z"}, self.placement.heading);
+    visit(Tunable{"speed", "m/s", -200, 200, "forward, wheels rolling"}, self.placement.speed);
+    visit(Tunable{.name = "script", .meaning = "what the driver does, by rising time"}, self.script);
+}
+inline Names requiredFields(const VehicleInFile*) { return {"file"}; }
+
+struct RagdollInScene {
+    std::string name, file, character;
+    RagdollOptions options;
+    PlaceInFile place;
+    Vec3 velocity;
+    GridInFile grid;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const RagdollInScene*) {
+    visit(Tunable{.name = "name"}, self.name);
+    visit(Tunable{.name = "file", .meaning = "a ragdoll definition"}, self.file);
+    visit(Tunable{.name = "character", .meaning = "a rigged character to make one from"}, self.character);
+    visit(Tunable{.name = "options", .meaning = "how it is made from the character"}, self.options);
+    describe(visit, self.place, static_cast<const PlaceInFile*>(nullptr));
+    visit(Tunable{"velocity", "m/s", -1000, 1000, "of all parts at the start"}, self.velocity);
+    describe(visit, self.grid, static_cast<const GridInFile*>(nullptr));
+}
+
+struct SceneInFile {
+    WorldSettings settings;
+    double step = 1.0 / 60, duration = 10;
+    std::vector<std::string> include;
+    std::map<std::string, Material> materials;
+    std::vector<BodyInFile> bodies;
+    std::vector<RepeatInFile> repeat;
+    std::vector<BricksInFile> walls, houses;
+    std::vector<TowerInFile> towers;
+    std::vector<StairsInFile> stairs;
+    std::vector<SceneJointInFile> joints;
+    std::vector<VehicleInFile> vehicles;
+    std::vector<RagdollInScene> ragdolls;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const SceneInFile*) {
+    visit(Tunable{.name = "settings", .meaning = "of the world"}, self.settings);
+    visit(Tunable{"step", "s", 1e-5, 1, "length of a step"}, self.step);
+    visit(Tunable{"duration", "s", 0, 1e6, "how long a run lasts"}, self.duration);
+    visit(Tunable{.name = "include", .meaning = "scenes whose contents come first; their settings are not used"},
+          self.include);
+    visit(Tunable{.name = "materials", .meaning = "surfaces by name"}, self.materials);
+    visit(Tunable{.name = "bodies"}, self.bodies);
+    visit(Tunable{.name = "repeat", .meaning = "one body many times, in a grid"}, self.repeat);
+    visit(Tunable{.name = "walls", .meaning = "straight walls in running bond"}, self.walls);
+    visit(Tunable{.name = "houses", .meaning = "four walls whose corners interlock"}, self.houses);
+    visit(Tunable{.name = "towers", .meaning = "boxes on top of each other"}, self.towers);
+    visit(Tunable{.name = "stairs"}, self.stairs);
+    visit(Tunable{.name = "joints"}, self.joints);
+    visit(Tunable{.name = "vehicles"}, self.vehicles);
+    visit(Tunable{.name = "ragdolls"}, self.ragdolls);
+}
+
+}  // namespace ragtop

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "ragtop/scene.h"
+#include "scene_file.h"
+
+namespace ragtop {
+
+/// SplitMix64 [Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, 2014]: the same numbers everywhere.
+class Random {
+public:
+    explicit Random(std::uint64_t seed) : state_(seed) {}
+    /// In [−1, 1).
+    float symmetric();
+    /// Every rotation equally likely.
+    Quat rotation();
+
+private:
+    float unit();
+    std::uint64_t state_;
+};
+
+Pose poseOf(const PlaceInFile& place);
+/// The places of the grid's members, x fastest.
+std::vector<Pose> posesOf(const GridInFile& grid, const Pose& first);
+
+void addWall(const BricksInFile& wall, const Material& material, std::vector<SceneBody>& bodies);
+void addHouse(const BricksInFile& house, const Material& material, std::vector<SceneBody>& bodies);
+void addTower(const TowerInFile& tower, const Material& material, std::vector<SceneBody>& bodies);
+void addStairs(const StairsInFile& stairs, const Material& material, std::vector<SceneBody>& bodies);
+
+}  // namespace ragtop

@@ -1,0 +1,109 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "describe_json.h"
+
+namespace ragtop {
+namespace {
+
+/// Unit quaternions in files are rounded to a few digits; more than this is a slip and not rounding.
+constexpr float kUnitTolerance = 1e-3f;
+
+Vec3 vectorAt(const JsonValue& value) {
+    Vec3 vector;
+    readVector3(value, vector);
+    return vector;
+}
+
+}  // namespace
+
+Json numberSchema(const Tunable& field, bool integer, double lowest, double highest) {
+    Json schema{{"type", integer ? "integer" : "number"}};
+    schema["minimum"] = std::max(field.minimum, lowest);
+    schema["maximum"] = std::min(field.maximum, highest);
+    if (!integer && !(field.minimum > lowest)) schema.erase("minimum");
+    if (!integer && !(field.maximum < highest)) schema.erase("maximum");
+    if (!field.unit.empty()) schema["unit"] = std::string(field.unit);
+    return schema;
+}
+
+Json vectorSchema(const Tunable& field) {
+    // Positions are double, but nothing lies farther away than floats reach.
+    const Json element = numberSchema(field, false, -3.4e38, 3.4e38);
+    return {{"type", "array"}, {"items", element}, {"minItems", 3}, {"maxItems", 3}, {"hint", "three numbers [x, y, z]"}};
+}
+
+Json rotationSchema() {
+    const Tunable component{.name = "", .minimum = -1.001, .maximum = 1.001};
+    const Tunable axis{.name = "axis", .minimum = -1e5, .maximum = 1e5};
+    const Tunable angle{.name = "angle", .unit = "rad", .minimum = -1000, .maximum = 1000};
+    Json schema{{"type", {"array", "object"}},
+                {"items", numberSchema(component, false, -2, 2)},
+                {"minItems", 4},
+                {"maxItems", 4},
+                {"additionalProperties", false},
+                {"required", {"axis", "angle"}},
+                {"hint", "a unit quaternion [x, y, z, w] or {\"axis\": [x, y, z], \"angle\": rad}"}};
+    schema["properties"] = {{"axis", vectorSchema(axis)}, {"angle", numberSchema(angle, false, -1000, 1000)}};
+    return schema;
+}
+
+Json frameSchema() {
+    const Tunable position{.name = "position", .unit = "m", .minimum = -1e5, .maximum = 1e5};
+    Json schema{{"type", "object"}, {"additionalProperties", false}};
+    schema["properties"] = {{"position", vectorSchema(position)}, {"rotation", rotationSchema()}};
+    return schema;
+}
+
+Json rangeSchema(const Tunable& field) {
+    const Json end = numberSchema(field, false, -3.4e38, 3.4e38);
+    Json schema{{"type", "object"}, {"additionalProperties", false}, {"required", {"lower", "upper"}}};
+    schema["properties"] = {{"lower", end}, {"upper", end}};
+    return schema;
+}
+
+void allowNull(Json& schema) {
+    if (!schema.contains("type")) {
+        if (schema.contains("enum")) schema["enum"].push_back(nullptr);
+        return;
+    }
+    if (schema["type"].is_string()) schema["type"] = Json::array({schema["type"]});
+    schema["type"].push_back("null");
+}
+
+Quat readRotation(const JsonValue& value) {
+    if (value.json().is_object()) {
+        const Vec3 axis = vectorAt(value.at("axis"));
+        if (!(length(axis) > 0)) value.at("axis").fail("is [0, 0, 0], must have a direction");
+        return rotationAbout(axis, value.at("angle").json().get<float>());
+    }
+    const auto part = [&](std::size_t i) { return value.json().at(i).get<float>(); };
+    const Quat q{part(0), part(1), part(2), part(3)};
+    const float norm = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+    if (!(std::abs(norm - 1) <= kUnitTolerance)) {
+        value.fail(fmt::format("is {} of length {:.4g}, must be a unit quaternion [x, y, z, w] of length 1 ± {}",
+                               shown(value.json()), norm, kUnitTolerance));
+    }
+    // One ulp of rounding is what a saved quaternion has; normalizing it again would not round-trip.
+    return std::abs(norm - 1) < 1e-6f ? q : normalized(q);
+}
+
+Range readRange(const JsonValue& value) {
+    const Range range{value.at("lower").json().get<float>(), value.at("upper").json().get<float>()};
+    if (range.lower > range.upper) {
+        value.at("lower").fail(fmt::format("is {}, must be at most \"upper\", {}", range.lower, range.upper));
+    }
+    return range;
+}
+
+Json writeNumber(double value) { return value; }
+
+Json writeNumber(float value) {
+    // The shortest decimal that names this float and no other, where reading it through double keeps that promise.
+    const double shortest = std::stod(fmt::format("{}", value));
+    return static_cast<float>(shortest) == value ? shortest : static_cast<double>(value);
+}
+
+}  // namespace ragtop

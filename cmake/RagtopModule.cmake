@@ -1,0 +1,71 @@
+# What every target of the project shares: language level, warnings, floating-point rules, sanitizers.
+
+if(NOT CMAKE_CXX_COMPILER_LAUNCHER)
+    find_program(RAGTOP_CCACHE ccache)
+    if(RAGTOP_CCACHE)
+        set(CMAKE_CXX_COMPILER_LAUNCHER ${RAGTOP_CCACHE})
+    endif()
+endif()
+
+# Contraction would fuse a*b+c differently per compiler and target; results must agree to the bit everywhere.
+# Consumers get it too: they instantiate the same inline functions, and the linker keeps any one copy.
+set(RAGTOP_PUBLIC_OPTIONS -ffp-contract=off)
+# The alignment of Eigen's fixed-size types must not depend on the -m options of a source file.
+set(RAGTOP_PUBLIC_DEFINITIONS EIGEN_MAX_ALIGN_BYTES=16)
+
+# ragtop_target(<target> [TEST]): TEST drops the warnings that GTest's macros and literal-heavy checks trip.
+function(ragtop_target target)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "TEST" "" "")
+    set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
+    target_compile_features(${target} PUBLIC cxx_std_20)
+    target_compile_options(${target} PRIVATE
+        -Wall -Wextra -Wshadow -Werror -Wno-psabi
+        -ffp-contract=off -fno-math-errno
+        # g++ 12 reports overlapping copies inside std::string that cannot happen (GCC bug 105329).
+        $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+    if(NOT arg_TEST)
+        target_compile_options(${target} PRIVATE -Wpedantic -Wconversion)
+    endif()
+    if(RAGTOP_SANITIZE)
+        target_compile_options(${target} PRIVATE
+            -fsanitize=${RAGTOP_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+        target_link_options(${target} PUBLIC -fsanitize=${RAGTOP_SANITIZE})
+    endif()
+endfunction()
+
+# ragtop_module(<name> [STATIC]): the library ragtop::<name> from src/**, with public headers in include/.
+function(ragtop_module name)
+    file(GLOB_RECURSE sources CONFIGURE_DEPENDS src/*.cpp src/*.h include/*.h)
+    # A program's entry point and the kernels of optional instruction sets are added where they apply.
+    list(FILTER sources EXCLUDE REGEX "/main\\.cpp$|/wide_kernels_(avx2|avx512)\\.cpp$")
+    if(NOT sources MATCHES "\\.cpp")
+        # A library of headers alone still needs one object to archive.
+        file(CONFIGURE OUTPUT anchor.cpp CONTENT "")
+        list(APPEND sources ${CMAKE_CURRENT_BINARY_DIR}/anchor.cpp)
+    endif()
+    add_library(ragtop_${name} ${ARGN} ${sources})
+    add_library(ragtop::${name} ALIAS ragtop_${name})
+    set_target_properties(ragtop_${name} PROPERTIES
+        EXPORT_NAME ${name}
+        VERSION ${PROJECT_VERSION}
+        SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+        INSTALL_RPATH "$ORIGIN")
+    ragtop_target(ragtop_${name})
+    if(IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/include)
+        target_include_directories(ragtop_${name} PUBLIC
+            $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+            $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    endif()
+    target_include_directories(ragtop_${name} PRIVATE src)
+endfunction()
+
+# ragtop_use_headers(<target> <package target>...): compiles against header-only packages without linking them,
+# so that they stay out of the exported targets and consumers need not have them.
+function(ragtop_use_headers target)
+    foreach(package IN LISTS ARGN)
+        target_include_directories(${target} SYSTEM PRIVATE
+            $<TARGET_PROPERTY:${package},INTERFACE_INCLUDE_DIRECTORIES>)
+        target_compile_definitions(${target} PRIVATE
+            $<TARGET_PROPERTY:${package},INTERFACE_COMPILE_DEFINITIONS>)
+    endforeach()
+endfunction()

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "ragtop/math.h"
+#include "ragtop/tunables.h"
+
+namespace ragtop {
+
+/// How a world moves. Lengths and speeds inside are relative to the size of what touches and to gravity and step, so
+/// a scene of other size needs no other settings. May be changed between steps.
+struct WorldSettings {
+    Vec3 gravity{0, -9.81f, 0};     ///< m/s²
+    int substeps = 4;               ///< solver substeps per step
+    bool sleeping = true;           ///< islands at rest cost nothing
+    bool continuous = true;         ///< fast bodies do not pass through walls
+    float contactFrequency = 0.125f;    ///< of soft contacts, times the substep rate
+    float contactDamping = 10.0f;       ///< damping ratio of soft contacts between moving bodies
+    float staticContactDamping = 5.0f;  ///< the same against static bodies, which are twice as stiff
+    float jointFrequency = 0.25f;       ///< of joints, times the substep rate
+    float jointDamping = 2.0f;          ///< damping ratio of joints
+    float loadCarrying = 0.002f;         ///< share of a contact's load carried into the next step's rest point
+    float pushOut = 0.1f;               ///< largest speed of recovery from overlap, in sizes per step
+    float restitutionSpeed = 2.0f;      ///< slowest impact that bounces, in speeds gravity gives per step
+    float sleepTime = 0.5f;             ///< s at rest before an island sleeps
+    float sleepSpeed = 0.02f;           ///< at rest below this, times √(gravity · size)
+};
+
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const WorldSettings*) {
+    visit(Tunable{"gravity", "m/s²", -1000, 1000, "acceleration of free fall"}, self.gravity);
+    visit(Tunable{"substeps", "", 1, 64, "solver substeps per step"}, self.substeps);
+    visit(Tunable{"sleeping", "", 0, 1, "islands at rest cost nothing"}, self.sleeping);
+    visit(Tunable{"continuous", "", 0, 1, "fast bodies do not pass through walls"}, self.continuous);
+    visit(Tunable{"contactFrequency", "1", 0.001, 0.25, "frequency of soft contacts over the substep rate"},
+          self.contactFrequency);
+    visit(Tunable{"contactDamping", "1", 0, 100, "damping ratio of contacts between moving bodies"},
+          self.contactDamping);
+    visit(Tunable{"staticContactDamping", "1", 0, 100, "damping ratio of contacts with static bodies"},
+          self.staticContactDamping);
+    visit(Tunable{"jointFrequency", "1", 0.001, 0.25, "frequency of joints over the substep rate"},
+          self.jointFrequency);
+    visit(Tunable{"jointDamping", "1", 0, 100, "damping ratio of joints"}, self.jointDamping);
+    visit(Tunable{"loadCarrying", "1", 0, 0.05, "share of a contact's load carried into its rest point per step"},
+          self.loadCarrying);
+    visit(Tunable{"pushOut", "sizes/step", 0.001, 10, "largest speed of recovery from overlap"}, self.pushOut);
+    visit(Tunable{"restitutionSpeed", "g·step", 0, 1000, "slowest impact that bounces"}, self.restitutionSpeed);
+    visit(Tunable{"sleepTime", "s", 0, 1000, "time at rest before an island sleeps"}, self.sleepTime);
+    visit(Tunable{"sleepSpeed", "√(g·size)", 0, 10, "an island below this speed is at rest"}, self.sleepSpeed);
+}
+
+/// Empty when the settings are usable; otherwise names the field, its value and what is allowed.
+std::string whyInvalid(const WorldSettings& settings);
+
+}  // namespace ragtop

@@ -1,0 +1,197 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <memory_resource>
+#include <span>
+
+#include "ragtop/body.h"
+#include "ragtop/debug_draw.h"
+#include "ragtop/events.h"
+#include "ragtop/id.h"
+#include "ragtop/joint.h"
+#include "ragtop/math.h"
+#include "ragtop/module.h"
+#include "ragtop/query.h"
+#include "ragtop/settings.h"
+#include "ragtop/tasks.h"
+
+namespace ragtop {
+
+class CommandBuffer;
+struct WorldImpl;
+
+/// What a world is made with and keeps.
+struct WorldConfig {
+    TaskRunner tasks{};                              ///< default: the calling thread
+    int lanes = 0;                                 ///< width of the solver, 4, 8 or 16; 0: the machine's best
+    std::pmr::memory_resource* memory = nullptr;   ///< default: std::pmr::get_default_resource(); outlives the world
+    int expectedBodies = 0;                        ///< memory set aside at creation
+};
+
+/// A call of the filter or modify callback tells of one pair of shapes.
+struct PairInfo {
+    ShapeId shapeA, shapeB;
+    BodyId bodyA, bodyB;
+    std::uint64_t userDataA = 0, userDataB = 0;  ///< of the shapes
+};
+/// What a modify callback may change in a contact before it is solved.
+struct ContactSurface {
+    float friction = 0, restitution = 0, rollingResistance = 0;
+    Vec3 surfaceVelocity;  ///< m/s, of B's surface relative to A's beyond the bodies' motion, world axes
+    bool enabled = true;
+};
+
+/// Profiling zones and callbacks. Those marked (threads) run on several threads at once, must be thread safe, must
+/// not call the world, and must decide by their arguments alone so that results stay reproducible.
+struct WorldCallbacks {
+    std::function<bool(const PairInfo&)> filter;                   ///< (threads) false: the pair does not collide
+    std::function<void(const PairInfo&, ContactSurface&)> modify;  ///< (threads) once per touching pair and step
+    std::function<void(const char* zone)> beginZone;               ///< a stage of the step begins, calling thread
+    std::function<void(const char* zone)> endZone;
+};
+
+/// Time and counts of the last step.
+struct StepStats {
+    struct Stage {
+        const char* name;
+        double ms;
+    };
+    std::span<const Stage> stages;  ///< in order; valid until the next step
+    double totalMs = 0;
+    int bodies = 0, awakeBodies = 0, contacts = 0, touching = 0, joints = 0, islands = 0, colors = 0;
+    std::size_t bytes = 0;  ///< memory held
+};
+
+/// A rigid body world. All members may be called from one thread at a time; the const ones (queries, reads) from any
+/// number of threads at once between steps. Other threads change a world through command buffers (docs/threading.md).
+/// Creating throws std::invalid_argument that says which field is wrong; an id that names nothing throws
+/// std::out_of_range where it is an argument. Stepping never throws.
+class World {
+public:
+    explicit World(const WorldSettings& settings = {}, const WorldConfig& config = {});
+    ~World();
+    World(World&&) noexcept;
+    World& operator=(World&&) noexcept;
+
+    const WorldSettings& settings() const;
+    /// Throws std::invalid_argument and changes nothing when a value is not allowed.
+    void setSettings(const WorldSettings& settings);
+    void setCallbacks(WorldCallbacks callbacks);
+    int lanes() const;
+
+    /// Advances by dt seconds, above zero and finite; anything else asserts in debug builds and does nothing.
+    void step(double dt);
+    std::uint64_t stepCount() const;
+    double time() const;
+    StepStats stats() const;
+
+    BodyId create(const BodyDef& def);
+    BodyId create(const StaticBody& def);
+    BodyId create(const DynamicBody& def);
+    JointId create(const JointDef& def);
+    /// Destroys a body with its shapes, contacts and joints; what it touched wakes.
+    void destroy(BodyId body);
+    void destroy(JointId joint);
+    bool isValid(BodyId body) const;
+    bool isValid(ShapeId shape) const;
+    bool isValid(JointId joint) const;
+    /// All bodies and joints, in the order of their index.
+    std::span<const BodyId> bodies() const;
+    std::span<const JointId> joints() const;
+
+    // Bodies. The pose is that of the definition's frame; velocities are those of the centre of mass.
+    Pose pose(BodyId body) const;
+    DVec3 centerOfMass(BodyId body) const;
+    Vec3 linearVelocity(BodyId body) const;
+    Vec3 angularVelocity(BodyId body) const;
+    Vec3 velocityAt(BodyId body, const DVec3& point) const;
+    BodyType type(BodyId body) const;
+    MassProperties mass(BodyId body) const;
+    bool isAwake(BodyId body) const;
+    std::uint64_t userData(BodyId body) const;
+    std::span<const ShapeId> shapes(BodyId body) const;
+    std::span<const JointId> jointsOf(BodyId body) const;
+    void setPose(BodyId body, const Pose& pose);
+    void setVelocity(BodyId body, const Vec3& linear, const Vec3& angular);
+    void setGravityScale(BodyId body, float scale);
+    /// Moves a kinematic body so that it is at `target` after the next step of dt seconds.
+    void moveTo(BodyId body, const Pose& target, double dt);
+    void applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point);
+    void applyAngularImpulse(BodyId body, const Vec3& impulse);
+    /// Forces act during the next step only.
+    void applyForce(BodyId body, const Vec3& force, const DVec3& point);
+    void applyTorque(BodyId body, const Vec3& torque);
+    void wake(BodyId body);
+    /// Puts a body with its island to sleep now.
+    void sleep(BodyId body);
+
+    // Shapes.
+    BodyId bodyOf(ShapeId shape) const;
+    /// The shape as it was defined; Compound parts are shapes of their own.
+    const Shape& geometry(ShapeId shape) const;
+    Frame frame(ShapeId shape) const;
+    Material material(ShapeId shape) const;
+    void setMaterial(ShapeId shape, const Material& material);
+    void setFilter(ShapeId shape, const Filter& filter);
+    std::uint64_t userData(ShapeId shape) const;
+    Bounds bounds(ShapeId shape) const;
+
+    // Joints. setDef changes limits, motors, springs, friction and targets, keeping the impulses; it may not change
+    // the type or the bodies.
+    const JointDef& def(JointId joint) const;
+    void setDef(JointId joint, const JointDef& def);
+    JointState state(JointId joint) const;
+    std::uint64_t userData(JointId joint) const;
+
+    // Events and contacts of the last step.
+    std::span<const ContactEvent> contactBegins() const;
+    std::span<const ContactEvent> contactEnds() const;
+    std::span<const ContactEvent> sensorBegins() const;
+    std::span<const ContactEvent> sensorEnds() const;
+    std::span<const SurfaceEvent> surfaceEvents() const;
+    std::span<const SleepEvent> sleepEvents() const;
+    /// Calls `visit` for each touching pair with at least one loaded or overlapping point.
+    void forEachContact(const std::function<void(const Contact&)>& visit) const;
+    void forEachContact(BodyId body, const std::function<void(const Contact&)>& visit) const;
+
+    // Queries.
+    Hit castRay(const Ray& ray, const QueryFilter& filter = {}) const;
+    /// Sweeps a sphere, capsule, box or hull along path.translation from {path.origin, rotation}.
+    Hit castShape(const Shape& shape, const Quat& rotation, const Ray& path, const QueryFilter& filter = {}) const;
+    /// Many rays at once, wide and on the world's threads; results[i] belongs to rays[i].
+    void castRays(std::span<const Ray> rays, std::span<Hit> results, const QueryFilter& filter = {}) const;
+    /// Calls `visit` for each shape whose surface or inside meets the shape at `pose`, until it returns false.
+    void overlap(const Shape& shape, const Pose& pose, const std::function<bool(ShapeId)>& visit,
+                 const QueryFilter& filter = {}) const;
+    void overlap(const Bounds& bounds, const std::function<bool(ShapeId)>& visit, const QueryFilter& filter = {}) const;
+
+    // Changes from jobs.
+    /// Applies the buffers ordered by their keys; throws as the calls themselves would, after the others are done.
+    void apply(std::span<CommandBuffer* const> buffers);
+
+    // State. Saving copies everything that a step reads or writes, ids included, into memory of the caller; restoring
+    // brings it back bit for bit into this world, or into one that was built by the same calls.
+    std::size_t saveSize() const;
+    /// Bytes written; `into` must hold saveSize(). Throws std::length_error otherwise.
+    std::size_t save(std::span<std::byte> into) const;
+    /// Throws std::invalid_argument and changes nothing when the bytes are no state of such a world.
+    void restore(std::span<const std::byte> from);
+    /// A 64-bit digest of the state that decides the future: poses, velocities, impulses, modules.
+    std::uint64_t hash() const;
+    /// Vehicles, ragdolls and games take part in steps and saves as modules; see module.h.
+    void add(StepModule* module);
+    void remove(StepModule* module);
+
+    /// Kinetic and potential energy of the dynamic bodies, J; potential is zero at the world's origin.
+    double energy() const;
+    void draw(DebugDraw& draw) const;
+
+private:
+    friend struct WorldImpl;
+    std::unique_ptr<WorldImpl> impl_;
+};
+
+}  // namespace ragtop

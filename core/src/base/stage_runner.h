@@ -1,0 +1,114 @@
+#pragma once
+
+#include <atomic>
+#include <cassert>
+#include <cstdint>
+#include <memory>
+#include <thread>
+#include <type_traits>
+#include <utility>
+
+#include "ragtop/tasks.h"
+
+namespace ragtop {
+
+/// Runs the stages of a step on all workers of a TaskRunner within one parallel region per step: starting threads once
+/// per stage would cost more than most stages [Catto, SIMD Matters, 2024; Box3D solver.c; Bepu2 ThreadDispatcher].
+///
+/// In a region the runner is given as many tasks as it has workers. The one that runs on the calling thread executes
+/// the body; the others wait for stages that the body publishes, claim blocks of them and leave when the region is
+/// closed. The caller claims blocks too and waits only for blocks that another worker has claimed, so a worker that is
+/// late, or never comes, costs nothing but its help.
+///
+/// Any order of tasks is fine. A runner that executes them one after the other on the calling thread runs the body in
+/// whichever comes first, and the others see it done. Tasks on other threads wait for the body for a bounded time and
+/// then leave, so a runner that starts the caller's task only after they have ended does not deadlock; if no task ran
+/// on the calling thread, the body runs there, alone, after the runner has returned.
+///
+/// Claiming: one 64-bit word holds the range of unclaimed blocks, [begin, end) in its low and high half. The caller
+/// takes blocks from the front and the others from the back, so that a worker meets the same data in the next stage.
+/// A claim is one atomic add that returns the range as it was; it holds if that range was not empty. Only then does a
+/// worker read what the stage is, which the caller cannot change before the claimed block is reported done. So a
+/// worker that wakes in a later stage than it slept in claims a block of the later one, and there is no ABA problem.
+class StageRunner {
+public:
+    /// Throws std::invalid_argument when tasks.workers is not 1 to 64.
+    explicit StageRunner(const TaskRunner& tasks);
+    StageRunner(const StageRunner&) = delete;
+    StageRunner& operator=(const StageRunner&) = delete;
+
+    /// Workers that may run at once; 1 when everything runs on the calling thread.
+    int workers() const { return workers_; }
+
+    /// Everything inside `body()`, executed on the calling thread, may call parallelFor; workers join it. The body must
+    /// not throw.
+    template <class Body>
+    void region(Body&& body) {
+        using Function = std::remove_reference_t<Body>;
+        const BodyFunction call = [](void* context) { (*static_cast<Function*>(context))(); };
+        if (workers_ == 1 || inRegion() || !openRegion(call, addressOf(body))) body();
+    }
+
+    /// Calls body(begin, end, worker) for blocks of `grain` that make up [0, count), each once, on any worker (0 is the
+    /// calling thread); returns when all are done. Inline when there is one block or one worker; opens a region for the
+    /// call when there is none. Any number of threads may call it at once: those that find the workers busy with
+    /// another's region run alone, as worker 0 too. Blocks may not start further loops.
+    template <class F>
+    void parallelFor(int count, int grain, F&& body) {
+        assert(grain > 0);
+        if (count <= 0) return;
+        if (count <= grain || workers_ == 1) {
+            body(0, count, 0);
+            return;
+        }
+        using Function = std::remove_reference_t<F>;
+        const BlockFunction call = [](void* context, int begin, int end, int worker) {
+            (*static_cast<Function*>(context))(begin, end, worker);
+        };
+        if (inRegion()) {
+            runStage(call, addressOf(body), count, grain);
+            return;
+        }
+        auto stage = [&] { runStage(call, addressOf(body), count, grain); };
+        using Stage = decltype(stage);
+        if (!openRegion([](void* context) { (*static_cast<Stage*>(context))(); }, &stage)) body(0, count, 0);
+    }
+
+private:
+    using BlockFunction = void (*)(void* context, int begin, int end, int worker);
+    using BodyFunction = void (*)(void* context);
+    enum class State : std::uint32_t { waiting, open, closed };
+
+    template <class F>
+    static void* addressOf(F& function) {
+        return const_cast<void*>(static_cast<const void*>(std::addressof(function)));
+    }
+
+    bool inRegion() const { return caller_.load(std::memory_order_relaxed) == std::this_thread::get_id(); }
+    /// False, and nothing is run, while another thread has a region.
+    bool openRegion(BodyFunction body, void* context);
+    void runBody() noexcept;
+    void help();
+    int takeBlocks(bool fromBack, int worker);
+    void runStage(BlockFunction function, void* context, int count, int grain);
+
+    TaskRunner tasks_;
+    int workers_ = 1;
+    std::atomic<std::thread::id> caller_{};  ///< whose region it is
+    bool bodyDone_ = false;                  ///< of the caller alone
+    BodyFunction body_ = nullptr;
+    void* bodyContext_ = nullptr;
+    std::atomic<int> joined_{0};
+
+    // What a waiting worker looks at, and the stage, in one cache line.
+    alignas(64) std::atomic<std::uint64_t> blocks_{0};
+    std::atomic<State> state_{State::waiting};
+    int grain_ = 1;
+    int count_ = 0;
+    BlockFunction function_ = nullptr;
+    void* context_ = nullptr;
+
+    alignas(64) std::atomic<int> done_{0};  ///< blocks of the stage that others than the caller have finished
+};
+
+}  // namespace ragtop

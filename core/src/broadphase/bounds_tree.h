@@ -1,0 +1,101 @@
+#pragma once
+
+#include <cstdint>
+#include <memory_resource>
+#include <vector>
+
+#include "ragtop/math.h"
+
+namespace ragtop {
+
+/// A dynamic binary tree of bounds. Proxies are created with enlarged bounds by the caller. Deterministic: the same
+/// calls give the same tree.
+class BoundsTree {
+public:
+    static constexpr std::uint32_t kNull = 0xffffffffu;
+    /// No tree of 2³¹ leaves grows higher; traversals need no more room than this.
+    static constexpr int kMaxHeight = 80;
+
+    struct Node {
+        Bounds bounds;
+        std::uint32_t parent = kNull;  ///< next free node when unused
+        std::uint32_t left = kNull, right = kNull;
+        std::uint32_t value = 0;   ///< the caller's, leaves only
+        std::uint16_t height = 0;  ///< 0 for a leaf
+        std::uint16_t flags = 0;   ///< bit 0: enlarged since the last rebuild of its branch
+        std::uint32_t category = 0xffffffffu;  ///< or of the leaves below
+    };
+
+    explicit BoundsTree(std::pmr::memory_resource* memory) : nodes_(memory), branches_(memory) {}
+
+    /// Sets memory aside so that this many proxies need no more of it.
+    void reserve(std::size_t proxies);
+
+    std::uint32_t insert(const Bounds& bounds, std::uint32_t category, std::uint32_t value);
+    void remove(std::uint32_t proxy);
+    /// Moves a proxy elsewhere in the tree.
+    void move(std::uint32_t proxy, const Bounds& bounds);
+    /// Changes a proxy's bounds in place and grows its ancestors' to hold them, until rebuildEnlarged().
+    void enlarge(std::uint32_t proxy, const Bounds& bounds);
+    void setCategory(std::uint32_t proxy, std::uint32_t category);
+    const Bounds& bounds(std::uint32_t proxy) const { return nodes_[proxy].bounds; }
+    std::uint32_t value(std::uint32_t proxy) const { return nodes_[proxy].value; }
+    int proxyCount() const { return proxyCount_; }
+    bool empty() const { return root_ == kNull; }
+    /// Rebuilds the branches that were enlarged, so that queries stay fast. Call once per step.
+    void rebuildEnlarged();
+
+    /// visit(value) → false to end.
+    template <class Visit>
+    void query(const Bounds& bounds, Visit&& visit) const;
+    /// A swept box: visit(value, closer) returns the new largest fraction of interest (0 ends, unchanged goes on).
+    /// `extents` is zero for a ray. Nearer branches come first.
+    template <class Visit>
+    void cast(const Vec3& origin, const Vec3& translation, const Vec3& extents, Visit&& visit) const;
+
+    /// All state for save and restore: one array and a few numbers.
+    struct Header {
+        std::uint32_t root = kNull, freeList = kNull;
+        std::int32_t proxyCount = 0;
+        std::uint32_t pad = 0;
+    };
+    Header header() const { return {root_, freeList_, proxyCount_, 0}; }
+    const std::pmr::vector<Node>& nodes() const { return nodes_; }
+    void restore(const Header& header, const void* nodes, std::size_t count);  ///< memory of any alignment
+
+private:
+    /// Half the surface, the cost of a node in the surface area heuristic.
+    static constexpr float area(const Bounds& b) {
+        const Vec3 size = b.upper - b.lower;
+        return size.x * size.y + size.y * size.z + size.z * size.x;
+    }
+
+    std::uint32_t allocate();
+    void release(std::uint32_t index);
+    void insertLeaf(std::uint32_t leaf);
+    void removeLeaf(std::uint32_t leaf);
+    std::uint32_t bestSibling(const Bounds& bounds) const;
+    void refit(std::uint32_t index);
+    void rotate(std::uint32_t index);
+    void limitHeight();
+    /// A node that a rebuild takes over as it is, with what the cuts look at side by side.
+    struct Branch {
+        Bounds bounds;
+        std::uint32_t index = kNull;
+        std::uint32_t bin = 0;
+    };
+    void collectBranches(bool all);
+    void rebuild(bool all);
+    std::uint32_t build(Branch* branches, std::uint32_t count, int binnedLevels);
+    static std::uint32_t partition(Branch* branches, std::uint32_t count, bool binned);
+    static int cheapestCut(const Branch* branches, std::uint32_t count);
+
+    std::pmr::vector<Node> nodes_;
+    std::pmr::vector<Branch> branches_;  ///< scratch of the rebuild
+    std::uint32_t root_ = kNull, freeList_ = kNull;
+    int proxyCount_ = 0;
+};
+
+}  // namespace ragtop
+
+#include "broadphase/bounds_tree_query.inl"

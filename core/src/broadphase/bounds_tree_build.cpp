@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <bit>
+
+#include "broadphase/bounds_tree.h"
+
+/// Rebuilding of branches from the top down by binned surface areas [Wald, On Fast Construction of SAH-based Bounding
+/// Volume Hierarchies, 2007].
+namespace ragtop {
+
+namespace {
+
+constexpr int kBins = 8;
+constexpr float kFar = 3.4e38f;
+
+/// Twice the centre.
+Vec3 center(const Bounds& b) { return b.lower + b.upper; }
+
+struct Bin {
+    Bounds bounds{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+    std::uint32_t count = 0;
+};
+
+}  // namespace
+
+void BoundsTree::rebuildEnlarged() {
+    if (root_ == kNull || (nodes_[root_].flags & 1) == 0) return;
+    rebuild(false);
+    limitHeight();
+}
+
+void BoundsTree::rebuild(bool all) {
+    collectBranches(all);
+    const auto count = static_cast<std::uint32_t>(branches_.size());
+    root_ = build(branches_.data(), count, static_cast<int>(std::bit_width(count)));
+    nodes_[root_].parent = kNull;
+}
+
+/// Takes the tree apart from the root down to its leaves or to branches that were not enlarged, freeing what is above.
+/// The list itself serves as the stack of nodes to look at: [0, kept) are branches, the rest waits.
+void BoundsTree::collectBranches(bool all) {
+    branches_.clear();
+    branches_.push_back({{}, root_, 0});
+    std::size_t kept = 0;
+    while (kept < branches_.size()) {
+        const std::uint32_t index = branches_.back().index;
+        const Node node = nodes_[index];
+        if (node.height > 0 && (all || (node.flags & 1) != 0)) {
+            release(index);
+            branches_.back().index = node.right;
+            branches_.push_back({{}, node.left, 0});
+        } else {
+            nodes_[index].flags = 0;
+            branches_.back().index = branches_[kept].index;
+            branches_[kept++] = {node.bounds, index, 0};
+        }
+    }
+}
+
+/// The binned cut may be lopsided; after `binnedLevels` levels of it the rest is halved, so that the height stays
+/// within twice the logarithm of the count.
+std::uint32_t BoundsTree::build(Branch* branches, std::uint32_t count, int binnedLevels) {
+    if (count == 1) return branches[0].index;
+    const std::uint32_t cut = count == 2 ? 1 : partition(branches, count, binnedLevels > 0);
+    const std::uint32_t index = allocate();
+    const std::uint32_t left = build(branches, cut, binnedLevels - 1);
+    const std::uint32_t right = build(branches + cut, count - cut, binnedLevels - 1);
+    nodes_[index].left = left;
+    nodes_[index].right = right;
+    nodes_[left].parent = index;
+    nodes_[right].parent = index;
+    refit(index);
+    return index;
+}
+
+/// Sorts the branches to the two sides of a cut across the axis along which their centres spread most; the count of
+/// the left side is neither 0 nor all.
+std::uint32_t BoundsTree::partition(Branch* branches, std::uint32_t count, bool binned) {
+    Vec3 lower = center(branches[0].bounds);
+    Vec3 upper = lower;
+    for (std::uint32_t i = 1; i < count; ++i) {
+        const Vec3 c = center(branches[i].bounds);
+        lower = min(lower, c);
+        upper = max(upper, c);
+    }
+    const Vec3 spread = upper - lower;
+    const int axis = spread.x >= spread.y ? (spread.x >= spread.z ? 0 : 2) : (spread.y >= spread.z ? 1 : 2);
+    const float size = spread[axis];
+    // Below this the factor of the bins would overflow: all centres are one.
+    if (!(size > 1e-37f)) return count / 2;
+    if (!binned) {
+        // A sort of distinct keys has one outcome; std::nth_element orders the halves as each library likes.
+        std::sort(branches, branches + count, [&](const Branch& a, const Branch& b) {
+            const float ca = center(a.bounds)[axis];
+            const float cb = center(b.bounds)[axis];
+            return ca < cb || (ca == cb && a.index < b.index);
+        });
+        return count / 2;
+    }
+    const float start = lower[axis];
+    const float binsPerLength = kBins / size;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const float place = (center(branches[i].bounds)[axis] - start) * binsPerLength;
+        branches[i].bin = static_cast<std::uint32_t>(place < kBins - 1 ? place : kBins - 1);
+    }
+    const auto cut = static_cast<std::uint32_t>(cheapestCut(branches, count));
+    std::uint32_t left = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (branches[i].bin < cut) std::swap(branches[left++], branches[i]);
+    }
+    return left;
+}
+
+/// The number of bins left of the cut that is cheapest by count · area on both sides. There is one with branches on
+/// both sides, since the first and the last bin hold the outermost.
+int BoundsTree::cheapestCut(const Branch* branches, std::uint32_t count) {
+    Bin bins[kBins];
+    for (std::uint32_t i = 0; i < count; ++i) {
+        Bin& bin = bins[branches[i].bin];
+        bin.bounds = merge(bin.bounds, branches[i].bounds);
+        ++bin.count;
+    }
+    float rightCost[kBins] = {};
+    Bin right;
+    for (int i = kBins - 1; i > 0; --i) {
+        right.bounds = merge(right.bounds, bins[i].bounds);
+        right.count += bins[i].count;
+        rightCost[i] = static_cast<float>(right.count) * area(right.bounds);
+    }
+    int best = 1;
+    float bestCost = kFar;
+    Bin left;
+    for (int i = 1; i < kBins; ++i) {
+        left.bounds = merge(left.bounds, bins[i - 1].bounds);
+        left.count += bins[i - 1].count;
+        const float cost = static_cast<float>(left.count) * area(left.bounds) + rightCost[i];
+        if (cost < bestCost) {
+            best = i;
+            bestCost = cost;
+        }
+    }
+    return best;
+}
+
+}  // namespace ragtop

@@ -1,0 +1,122 @@
+#include "constraints/constraint_graph.h"
+
+#include <cassert>
+#include <cstring>
+
+namespace ragtop {
+
+namespace {
+
+bool hasBit(const AlignedArray<std::uint64_t>& bits, std::uint32_t i) {
+    const std::size_t word = i / 64;
+    return word < bits.size() && ((bits[word] >> (i % 64)) & 1) != 0;
+}
+void setBit(AlignedArray<std::uint64_t>& bits, std::uint32_t i) {
+    if (i / 64 >= bits.size()) bits.resize(i / 64 + 1, 0);
+    bits[i / 64] |= std::uint64_t{1} << (i % 64);
+}
+void clearBit(AlignedArray<std::uint64_t>& bits, std::uint32_t i) {
+    bits[i / 64] &= ~(std::uint64_t{1} << (i % 64));
+}
+
+}  // namespace
+
+ConstraintGraph::ConstraintGraph(int lanes, std::pmr::memory_resource* memory) : lanes_(lanes) {
+    colors_.reserve(kColors + 1);
+    for (int i = 0; i <= kColors; ++i) colors_.emplace_back(memory);
+}
+
+int ConstraintGraph::findColor(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB) {
+    const bool both = movesA && movesB;
+    const int first = both ? 0 : kFirstStaticColor;
+    const int last = both ? kFirstStaticColor : kColors;
+    for (int i = first; i < last; ++i) {
+        Color& c = color(i);
+        if ((movesA && hasBit(c.bodies, bodyA)) || (movesB && hasBit(c.bodies, bodyB))) continue;
+        if (movesA) setBit(c.bodies, bodyA);
+        if (movesB) setBit(c.bodies, bodyB);
+        return i;
+    }
+    return kOverflow;
+}
+
+void ConstraintGraph::clearBits(int index, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB) {
+    if (index == kOverflow) return;
+    Color& c = color(index);
+    if (movesA) clearBit(c.bodies, bodyA);
+    if (movesB) clearBit(c.bodies, bodyB);
+}
+
+float* ConstraintGraph::lane(GraphPlace place) {
+    const bool overflow = place.color == kOverflow;
+    const auto n = static_cast<std::size_t>(lanes_);
+    const std::size_t bundle = overflow ? place.slot : place.slot / n;
+    const std::size_t lane = overflow ? 0 : place.slot % n;
+    return colors_[place.color].bundles.data() + bundle * contact::kFields * n + lane;
+}
+
+int ConstraintGraph::bundleCount(int index) const {
+    const std::size_t count = color(index).manifolds.size();
+    const auto n = static_cast<std::size_t>(lanes_);
+    return static_cast<int>(index == kOverflow ? count : (count + n - 1) / n);
+}
+
+int ConstraintGraph::usedColors() const {
+    int used = 0;
+    for (const Color& c : colors_) used += !c.manifolds.empty() || !c.joints.empty();
+    return used;
+}
+
+GraphPlace ConstraintGraph::insertContact(std::uint32_t manifold, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
+                                          bool movesB) {
+    const int index = findColor(bodyA, movesA, bodyB, movesB);
+    Color& c = color(index);
+    const GraphPlace place{static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.manifolds.size())};
+    c.manifolds.push(manifold);
+    const std::size_t floats =
+        static_cast<std::size_t>(bundleCount(index)) * contact::kFields * static_cast<std::size_t>(lanes_);
+    if (c.bundles.size() < floats) c.bundles.resize(floats, 0.0f);
+    return place;
+}
+
+std::uint32_t ConstraintGraph::removeContact(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
+                                             bool movesB) {
+    Color& c = colors_[place.color];
+    assert(place.slot < c.manifolds.size());
+    clearBits(static_cast<int>(place.color), bodyA, movesA, bodyB, movesB);
+    const GraphPlace last{place.color, static_cast<std::uint32_t>(c.manifolds.size() - 1)};
+    const auto n = static_cast<std::size_t>(lanes_);
+    float* to = lane(place);
+    float* from = lane(last);
+    std::uint32_t moved = kNone;
+    if (place.slot != last.slot) {
+        for (std::size_t f = 0; f < contact::kFields; ++f) std::memcpy(to + f * n, from + f * n, sizeof(float));
+        moved = c.manifolds[last.slot];
+        c.manifolds[place.slot] = moved;
+    }
+    // An empty lane joins the static body to itself without mass: the kernels pass over it without effect.
+    for (std::size_t f = 0; f < contact::kFields; ++f) from[f * n] = 0.0f;
+    c.manifolds.pop();
+    return moved;
+}
+
+GraphPlace ConstraintGraph::insertJoint(std::uint32_t joint, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
+                                        bool movesB) {
+    const int index = findColor(bodyA, movesA, bodyB, movesB);
+    Color& c = color(index);
+    c.joints.push(joint);
+    return {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.joints.size() - 1)};
+}
+
+std::uint32_t ConstraintGraph::removeJoint(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
+                                           bool movesB) {
+    Color& c = colors_[place.color];
+    clearBits(static_cast<int>(place.color), bodyA, movesA, bodyB, movesB);
+    const std::uint32_t last = c.joints.back();
+    const std::uint32_t removed = c.joints[place.slot];
+    c.joints[place.slot] = last;
+    c.joints.pop();
+    return last == removed ? kNone : last;
+}
+
+}  // namespace ragtop

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory_resource>
+#include <vector>
+
+#include "base/aligned_array.h"
+#include "constraints/contact_layout.h"
+
+namespace ragtop {
+
+inline constexpr std::uint32_t kNone = 0xffffffffu;
+
+/// A constraint's place: its colour, and its slot in that colour's list.
+struct GraphPlace {
+    std::uint32_t color = kNone;
+    std::uint32_t slot = 0;
+};
+
+/// Constraints in colours: within a colour no moving body occurs twice, so its constraints may be solved in any order,
+/// in lanes and on threads, with the same result. Colours are filled as constraints come and go, first fit, which keeps
+/// every constraint in its lane as long as it lives [Catto, Box2D v3, 2024]. Contacts with static bodies use the last
+/// colours and are solved last. What fits nowhere is in the overflow colour, one constraint per bundle, solved serially
+/// before the others.
+class ConstraintGraph {
+public:
+    static constexpr int kColors = 24;
+    static constexpr int kFirstStaticColor = 12;
+    static constexpr int kOverflow = kColors;
+
+    struct Color {
+        explicit Color(std::pmr::memory_resource* memory)
+            : bundles(memory), manifolds(memory), joints(memory), bodies(memory) {}
+        AlignedArray<float> bundles;            ///< contact::kFields · lanes floats per bundle
+        AlignedArray<std::uint32_t> manifolds;  ///< of each slot
+        AlignedArray<std::uint32_t> joints;     ///< of each joint slot
+        AlignedArray<std::uint64_t> bodies;     ///< one bit per body
+    };
+
+    ConstraintGraph(int lanes, std::pmr::memory_resource* memory);
+
+    int lanes() const { return lanes_; }
+    /// Bodies are state indices; `moves` tells whether impulses move them.
+    GraphPlace insertContact(std::uint32_t manifold, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
+    /// The manifold that took over the slot, or kNone.
+    std::uint32_t removeContact(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
+    GraphPlace insertJoint(std::uint32_t joint, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
+    std::uint32_t removeJoint(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
+
+    /// First field of a contact's lane; field f is at lane[f · lanes()].
+    float* lane(GraphPlace place);
+    const float* lane(GraphPlace place) const { return const_cast<ConstraintGraph*>(this)->lane(place); }
+    int bundleCount(int color) const;
+    Color& color(int index) { return colors_[static_cast<std::size_t>(index)]; }
+    const Color& color(int index) const { return colors_[static_cast<std::size_t>(index)]; }
+    int usedColors() const;
+
+    template <class Archive>
+    void archive(Archive& archive) {
+        for (Color& color : colors_) {
+            archive(color.bundles);
+            archive(color.manifolds);
+            archive(color.joints);
+            archive(color.bodies);
+        }
+    }
+
+private:
+    int findColor(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
+    void clearBits(int color, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
+
+    int lanes_;
+    std::vector<Color> colors_;
+};
+
+}  // namespace ragtop

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "constraints/rows.h"
+#include "ragtop/joint.h"
+#include "ragtop/math.h"
+#include "solve/body_state.h"
+
+/// Joints as the solver sees them. A joint is a composition of a few shared parts (constraints/rows.h): one block of
+/// rigid rows, and scalar rows with limits, motor, spring and friction. Their Jacobians are refreshed in every substep
+/// and again before the relaxing pass, so that velocities end each substep compatible with its final positions.
+namespace ragtop {
+
+/// Both bodies when the step began. The solver works relative to centres of mass. A body that is the world should
+/// have its "centre" at the joint's frame, so that nothing large is rounded to single precision.
+struct JointBodiesAtStep {
+    Vec3 centerOffset;          ///< m, centre of mass of B minus that of A, world axes (from doubles)
+    Quat rotationA, rotationB;  ///< q₀ of both bodies (identity for the world)
+};
+
+enum class JointKind : std::uint32_t { none, ball, hinge, slider, fixed, distance };
+
+/// What only a ball has: rows that turn B in A about any axis.
+struct BallRows {
+    static constexpr std::uint32_t kSwing = 1, kTwist = 2, kSpring = 4, kFriction = 8;
+    std::uint32_t features = 0;
+    float swingLimit = 0;  ///< rad
+    Range twistLimit{};    ///< rad
+    float friction = 0;    ///< N m
+    float stiffness = 0, damping = 0, maxSpringTorque = 0;
+    Quat target{};
+
+    // Carried from substep to substep, N m s.
+    Vec3 springImpulse, frictionImpulse;  ///< world axes
+    float swingImpulse = 0, twistLowerImpulse = 0, twistUpperImpulse = 0;
+
+    // Of the current substep.
+    Vec3 springError;           ///< rotation vector from the target when the substep began
+    Vec3 swingAxis, twistAxis;  ///< unit vectors, zero where the row has no direction
+    float swingMargin = 0, twistLowerMargin = 0, twistUpperMargin = 0;
+};
+
+/// One joint in the solver: trivially copyable and without padding, so that a saved world is a copy of memory. The
+/// world reads and sets stateA and stateB only.
+struct JointSim {
+    std::uint32_t stateA = 0, stateB = 0;  ///< indices of states and inertias; 0 is the static body
+
+    JointKind kind = JointKind::none;
+    Frame localA{}, localB{};  ///< joint frames relative to centre of mass and body rotation
+
+    // Of the current step.
+    Vec3 centerOffset;        ///< m
+    Vec3 anchorA, anchorB;    ///< m, from the centres of mass
+    Quat frameA{}, frameB{};  ///< of the joint frames in the world
+
+    Arms arms;  ///< m, of the current substep
+    TautBodies taut;
+    RigidBlock block;
+    AxisRows axis;  ///< along the free direction of hinge, slider and distance
+    BallRows ball;
+};
+static_assert(std::is_trivially_copyable_v<JointSim>);
+
+/// Compiles a definition that whyInvalid accepts. centerA/B: centre of mass of each body in its body frame (frames in
+/// a definition are relative to the body's pose). Keeps the impulses of `into` when it already holds a joint of the
+/// same type; never changes its state indices.
+void compileJoint(const JointDef& def, const Vec3& centerA, const Vec3& centerB, JointSim& into);
+/// Once per step.
+void prepareJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodyState* states, const BodyInertia* inertia,
+                  const JointContext& context);
+/// Once per substep, in this order: warm start, solve with bias, (positions are integrated), solve without bias.
+void warmStartJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context);
+void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
+                bool useBias);
+/// What is reported at the end of a step; reads velocities only from `states`.
+JointState jointState(const JointSim& joint, const JointBodiesAtStep& atEnd, const BodyState* states,
+                      float inverseSubstep);
+/// Scales the impulses carried over when the substep length changes (ratio = new h / old h).
+void rescaleJoint(JointSim& joint, float ratio);
+
+}  // namespace ragtop

@@ -1,0 +1,25 @@
+#include "constraints/joint_types.h"
+
+namespace ragtop {
+
+Vec3 rotationError(const Quat& a, const Quat& b) {
+    const Quat q = b * conjugate(a);
+    const float s = q.w < 0 ? -2.0f : 2.0f;
+    return {s * q.x, s * q.y, s * q.z};
+}
+
+/// Five rigid rows: C₁ = the rotation from A to B, C₂ = the gap across A's x axis. The gap is free along that axis.
+void refreshSlider(JointSim& joint, const JointPlace& place, const BodyPair& pair, bool begins) {
+    RigidBlock& block = joint.block;
+    const Vec3 x = rotate(place.a, {1, 0, 0});
+    block.basis = {rotate(place.a, {0, 1, 0}), rotate(place.a, {0, 0, 1}), x};
+    block.errorFirst = rotationError(place.a, place.b);
+    block.errorSecond = transposeTimes(block.basis, place.gap);
+    block.impulseSecond -= dot(block.impulseSecond, x) * x;
+    refreshMass(block, pair.mass(joint.arms), true);
+    const float travel = block.errorSecond.z;
+    setMargins(joint.axis, travel, false);
+    if (begins) joint.axis.springError = travel - joint.axis.target;
+}
+
+}  // namespace ragtop

@@ -1,0 +1,102 @@
+#include <limits>
+
+#include "constraints/joint_types.h"
+
+namespace ragtop {
+namespace {
+
+constexpr float kNoLimit = std::numeric_limits<float>::infinity();
+
+/// Distance of the coordinate to the nearer limit; of a locked one, minus its distance from where it is held.
+float limitMargin(AxisRows rows, float coordinate, bool isAngle) {
+    if (!(rows.features & (AxisRows::kLimit | AxisRows::kLocked))) return kNoLimit;
+    setMargins(rows, coordinate, isAngle);
+    return rows.lowerMargin < rows.upperMargin ? rows.lowerMargin : rows.upperMargin;
+}
+
+struct Relative {
+    Vec3 gap;           // m
+    Vec3 speed;         // m/s, of B's anchor relative to A's
+    Vec3 angularSpeed;  // rad/s
+    Quat a, b;
+};
+
+void reportBall(const BallRows& rows, const Relative& at, JointState& state) {
+    const SwingTwist angles = swingTwist(at.a, at.b);
+    state.coordinate = angles.twist;
+    state.swing = angles.swing;
+    const Vec3 axis = twistAxis(rotate(at.a, {1, 0, 0}), rotate(at.b, {1, 0, 0}));
+    if (angles.cosHalfSwing > 0) state.speed = dot(axis, at.angularSpeed) / angles.cosHalfSwing;
+    state.gap = length(at.gap);
+    state.limitMargin = kNoLimit;
+    if (rows.features & BallRows::kSwing) state.limitMargin = rows.swingLimit - angles.swing;
+    if (rows.features & BallRows::kTwist) {
+        const float twist = wrapAbout(angles.twist, 0.5f * (rows.twistLimit.lower + rows.twistLimit.upper));
+        const float margins[] = {twist - rows.twistLimit.lower, rows.twistLimit.upper - twist};
+        for (const float margin : margins) {
+            if (margin < state.limitMargin) state.limitMargin = margin;
+        }
+    }
+}
+
+void reportSlider(const AxisRows& rows, const Relative& at, const Vec3& angularSpeedA, JointState& state) {
+    const Vec3 x = rotate(at.a, {1, 0, 0});
+    state.coordinate = dot(x, at.gap);
+    // d/dt (x · gap), where x turns with A.
+    state.speed = dot(x, at.speed - cross(angularSpeedA, at.gap));
+    state.gap = length(at.gap - state.coordinate * x);
+    state.limitMargin = limitMargin(rows, state.coordinate, false);
+}
+
+void reportDistance(const AxisRows& rows, const Relative& at, JointState& state) {
+    state.coordinate = length(at.gap);
+    state.speed = dot(normalized(at.gap, {}), at.speed);
+    state.limitMargin = limitMargin(rows, state.coordinate, false);
+    // What a rod or rope holds together has a gap only where it is stretched or pressed beyond its range.
+    state.gap = state.limitMargin < 0 ? -state.limitMargin : 0.0f;
+}
+
+}  // namespace
+
+JointState jointState(const JointSim& joint, const JointBodiesAtStep& atEnd, const BodyState* states,
+                      float inverseSubstep) {
+    const Vec3 anchorA = rotate(atEnd.rotationA, joint.localA.position);
+    const Vec3 anchorB = rotate(atEnd.rotationB, joint.localB.position);
+    const BodyState &a = states[joint.stateA], &b = states[joint.stateB];
+    Relative at;
+    at.gap = atEnd.centerOffset + (anchorB - anchorA);
+    at.speed = (b.v + cross(b.w, anchorB)) - (a.v + cross(a.w, anchorA));
+    at.angularSpeed = b.w - a.w;
+    at.a = atEnd.rotationA * joint.localA.rotation;
+    at.b = atEnd.rotationB * joint.localB.rotation;
+
+    JointState state;
+    const PairVector impulse = carriedImpulse(joint);
+    state.force = inverseSubstep * impulse.linear;
+    // The force acts at the shared point, half the gap away from B's anchor.
+    state.torque = inverseSubstep * impulse.angular - cross(0.5f * at.gap, state.force);
+    state.gap = length(at.gap);
+    state.limitMargin = kNoLimit;
+    switch (joint.kind) {
+        case JointKind::ball:
+            reportBall(joint.ball, at, state);
+            break;
+        case JointKind::hinge:
+            state.coordinate = hingeAngle(at.a, at.b);
+            state.speed = dot(rotate(at.b, {1, 0, 0}), at.angularSpeed);
+            state.limitMargin = limitMargin(joint.axis, state.coordinate, true);
+            break;
+        case JointKind::slider:
+            reportSlider(joint.axis, at, a.w, state);
+            break;
+        case JointKind::distance:
+            reportDistance(joint.axis, at, state);
+            break;
+        case JointKind::fixed:
+        case JointKind::none:
+            break;
+    }
+    return state;
+}
+
+}  // namespace ragtop

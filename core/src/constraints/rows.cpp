@@ -1,0 +1,180 @@
+#include "constraints/rows.h"
+
+namespace ragtop {
+namespace {
+
+// Elimination in single precision leaves a few ulps (6e-8) of the diagonal where the exact pivot is zero.
+constexpr float kZeroPivot = 1e-6f;
+constexpr BodyInertia kNoInertia{};
+
+float inverseOr0(float pivot, float scale) { return pivot > kZeroPivot * scale ? 1 / pivot : 0.0f; }
+
+Vec3 inverseMassOf(const BodyState& state) {
+    const float m = state.invMass;
+    return {state.locks & 1u ? 0.0f : m, state.locks & 2u ? 0.0f : m, state.locks & 4u ? 0.0f : m};
+}
+
+Sym3 times(float share, const BodyInertia& i) {
+    return {share * i.xx, share * i.xy, share * i.xz, share * i.yy, share * i.yz, share * i.zz};
+}
+
+/// Columns I⁻¹ (r × eᵢ): the spin that a unit impulse gives on the arm r.
+Mat3 turning(const Sym3& inverseInertia, const Vec3& r) {
+    return {inverseInertia * Vec3{0, r.z, -r.y}, inverseInertia * Vec3{-r.z, 0, r.x},
+            inverseInertia * Vec3{r.y, -r.x, 0}};
+}
+
+/// (r × eᵢ) · wⱼ
+Sym3 outerCross(const Mat3& w, const Vec3& r) {
+    return {r.z * w.cx.y - r.y * w.cx.z, r.z * w.cy.y - r.y * w.cy.z, r.z * w.cz.y - r.y * w.cz.z,
+            r.x * w.cy.z - r.z * w.cy.x, r.x * w.cz.z - r.z * w.cz.x, r.y * w.cz.x - r.x * w.cz.y};
+}
+
+}  // namespace
+
+Sym3 inBasis(const Sym3& m, const Mat3& basis) {
+    const Vec3 mx = m * basis.cx, my = m * basis.cy, mz = m * basis.cz;
+    return {dot(basis.cx, mx), dot(basis.cx, my), dot(basis.cx, mz),
+            dot(basis.cy, my), dot(basis.cy, mz), dot(basis.cz, mz)};
+}
+
+Factor3 factorize(const Sym3& m, const Vec3& scale) {
+    Factor3 f;
+    f.inverse[0] = inverseOr0(m.xx, scale.x);
+    f.l10 = m.xy * f.inverse[0];
+    f.l20 = m.xz * f.inverse[0];
+    f.inverse[1] = inverseOr0(m.yy - f.l10 * m.xy, scale.y);
+    const float yz = m.yz - f.l20 * m.xy;
+    f.l21 = yz * f.inverse[1];
+    f.inverse[2] = inverseOr0(m.zz - f.l20 * m.xz - f.l21 * yz, scale.z);
+    return f;
+}
+
+BodyPair::BodyPair(BodyState* states, const BodyInertia* inertia, std::uint32_t a, std::uint32_t b,
+                   const TautBodies& taut)
+    : stateA_(states + a),
+      stateB_(states + b),
+      inertiaA_(stateA_->invMass > 0 ? inertia + a : &kNoInertia),
+      inertiaB_(stateB_->invMass > 0 ? inertia + b : &kNoInertia),
+      inverseMassA_(inverseMassOf(*stateA_)),
+      inverseMassB_(inverseMassOf(*stateB_)),
+      shareA_(taut.shareA),
+      shareB_(taut.shareB),
+      vA_(stateA_->v),
+      wA_(stateA_->w),
+      vB_(stateB_->v),
+      wB_(stateB_->w) {}
+
+namespace {
+
+/// `turning` is h F · r; both its present and its last excess count.
+float tautShare(const BodyInertia& inertia, float turning, float& lastExcess) {
+    float largest = inertia.xx > inertia.yy ? inertia.xx : inertia.yy;
+    if (inertia.zz > largest) largest = inertia.zz;
+    const float now = turning * largest - TautBodies::kExplicit;
+    const float excess = now < lastExcess ? now : lastExcess;
+    lastExcess = now;
+    return excess > 0 ? 1 / (1 + excess) : 1.0f;
+}
+
+}  // namespace
+
+void BodyPair::stiffen(const Arms& arms, const Vec3& impulse, float h, TautBodies& taut) {
+    shareA_ = taut.shareA = tautShare(*inertiaA_, -h * dot(arms.a, impulse), taut.excessA);
+    shareB_ = taut.shareB = tautShare(*inertiaB_, h * dot(arms.b, impulse), taut.excessB);
+}
+
+void BodyPair::store() const {
+    if (stateA_->invMass > 0) {
+        stateA_->v = vA_;
+        stateA_->w = wA_;
+    }
+    if (stateB_->invMass > 0) {
+        stateB_->v = vB_;
+        stateB_->w = wB_;
+    }
+}
+
+PairMass BodyPair::mass(const Arms& arms) const {
+    const Vec3 m = inverseMassA_ + inverseMassB_;
+    const Sym3 iA = times(shareA_, *inertiaA_), iB = times(shareB_, *inertiaB_);
+    const Mat3 wA = turning(iA, arms.a), wB = turning(iB, arms.b);
+    const Sym3 kA = outerCross(wA, arms.a), kB = outerCross(wB, arms.b);
+    PairMass k;
+    k.linear = {m.x + kA.xx + kB.xx, kA.xy + kB.xy, kA.xz + kB.xz,
+                m.y + kA.yy + kB.yy, kA.yz + kB.yz, m.z + kA.zz + kB.zz};
+    k.coupling = wA + wB;
+    k.angular = {iA.xx + iB.xx, iA.xy + iB.xy, iA.xz + iB.xz, iA.yy + iB.yy, iA.yz + iB.yz, iA.zz + iB.zz};
+    return k;
+}
+
+float BodyPair::mass(const Arms& arms, const Vec3& direction) const {
+    const Vec3 a = cross(arms.a, direction), b = cross(arms.b, direction);
+    return dot(direction, scale(inverseMassA_ + inverseMassB_, direction)) + shareA_ * dot(a, *inertiaA_ * a) +
+           shareB_ * dot(b, *inertiaB_ * b);
+}
+
+Elimination eliminate(const Sym3& k11, const Mat3& k12, const Sym3& k22) {
+    Elimination e;
+    e.first = factorize(k11, diagonal(k11));
+    e.gain = {solve(e.first, k12.cx), solve(e.first, k12.cy), solve(e.first, k12.cz)};
+    e.rest = {k22.xx - dot(k12.cx, e.gain.cx), k22.xy - dot(k12.cx, e.gain.cy), k22.xz - dot(k12.cx, e.gain.cz),
+              k22.yy - dot(k12.cy, e.gain.cy), k22.yz - dot(k12.cy, e.gain.cz), k22.zz - dot(k12.cz, e.gain.cz)};
+    return e;
+}
+
+void refreshMass(RigidBlock& block, const PairMass& mass, bool secondHasRows) {
+    const Sym3& k11 = block.linearFirst ? mass.linear : mass.angular;
+    const Sym3& k22 = block.linearFirst ? mass.angular : mass.linear;
+    if (!secondHasRows) {
+        block.mass.first = factorize(k11, diagonal(k11));
+        return;
+    }
+    block.mass = eliminate(k11, block.linearFirst ? transpose(mass.coupling) : mass.coupling, k22);
+    block.noise = kZeroPivot * (k22.xx + k22.yy + k22.zz);
+    block.second = factorize(inBasis(block.mass.rest, block.basis), diagonal(inBasis(k22, block.basis)));
+}
+
+namespace {
+
+PairVector ordered(const RigidBlock& block, const Vec3& first, const Vec3& second) {
+    return block.linearFirst ? PairVector{first, second} : PairVector{second, first};
+}
+
+}  // namespace
+
+PairVector blockImpulse(const RigidBlock& block) { return ordered(block, block.impulseFirst, block.impulseSecond); }
+
+/// With r = u + βC, block elimination of K p = −r:
+///   p₂ = −(Bᵀ P B)⁻¹ Bᵀ (r₂ − Gᵀ r₁),   p₁ = −K₁₁⁻¹ r₁ − G p₂,
+/// then Δλ = massScale p − impulseScale λ.
+void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const Softness& soft) {
+    const PairVector u = pair.velocity(arms);
+    const Vec3 first = (block.linearFirst ? u.linear : u.angular) + soft.biasRate * block.errorFirst;
+    Vec3 p1 = -solve(block.mass.first, first);
+    Vec3 p2;
+    if (block.rigidRows > 0) {
+        const Vec3 speed = (block.linearFirst ? u.angular : u.linear) - transposeTimes(block.mass.gain, first);
+        const Vec3 second = transposeTimes(block.basis, speed) + soft.biasRate * block.errorSecond;
+        p2 = block.basis * -(block.rigidRows == 3 ? solve(block.second, second) : solveFirstTwo(block.second, second));
+        p1 -= block.mass.gain * p2;
+    }
+    p1 = soft.massScale * p1 - soft.impulseScale * block.impulseFirst;
+    p2 = soft.massScale * p2 - soft.impulseScale * block.impulseSecond;
+    block.impulseFirst += p1;
+    block.impulseSecond += p2;
+    pair.apply(arms, ordered(block, p1, p2));
+}
+
+/// With Bᵀ P B = L D Lᵀ, the second half's impulse B L⁻ᵀ e₃ moves the free direction alone, by D₃.
+PairVector freeImpulse(RigidBlock& block, float amount) {
+    const Factor3& f = block.second;
+    const Vec3 rigid = -amount * ((f.l20 - f.l10 * f.l21) * block.basis.cx + f.l21 * block.basis.cy);
+    const Vec3 second = rigid + amount * block.basis.cz;
+    const Vec3 first = -(block.mass.gain * second);
+    block.impulseFirst += first;
+    block.impulseSecond += rigid;
+    return ordered(block, first, second);
+}
+
+}  // namespace ragtop

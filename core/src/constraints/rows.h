@@ -1,0 +1,188 @@
+#pragma once
+
+#include <cstdint>
+
+#include "ragtop/joint.h"
+#include "ragtop/math.h"
+#include "solve/body_state.h"
+
+/// The shared parts of which joints are made. Two bodies exchange impulses at one shared world point, half way between
+/// their anchors, so that momentum is conserved to rounding whatever the gap is. Their relative motion there is a pair
+/// of vectors, linear and angular; a joint makes one half of it rigid (three rows), then none, two or three rows of the
+/// other half, all solved as one direct block. What remains free is moved by scalar rows that act through the block:
+/// their impulse comes with the one that keeps the rigid rows' velocity.
+namespace ragtop {
+
+/// What all joints share in a substep.
+struct JointContext {
+    float h = 0, inverseH = 0;  ///< s, 1/s
+    Softness softness;          ///< of the rows that are rigid in the definition
+};
+
+/// A symmetric 3×3 matrix.
+struct Sym3 {
+    float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+};
+constexpr Vec3 operator*(const Sym3& m, const Vec3& a) {
+    return {m.xx * a.x + m.xy * a.y + m.xz * a.z, m.xy * a.x + m.yy * a.y + m.yz * a.z,
+            m.xz * a.x + m.yz * a.y + m.zz * a.z};
+}
+constexpr Vec3 diagonal(const Sym3& m) { return {m.xx, m.yy, m.zz}; }
+/// Bᵀ M B
+Sym3 inBasis(const Sym3& m, const Mat3& basis);
+
+/// L D Lᵀ of a positive semidefinite matrix. A pivot that is rounding noise beside `scale`, the diagonal before other
+/// rows were eliminated, counts as zero, and the row of a zero pivot does nothing.
+struct Factor3 {
+    float inverse[3] = {0, 0, 0};  ///< of the pivots
+    float l10 = 0, l20 = 0, l21 = 0;
+};
+Factor3 factorize(const Sym3& m, const Vec3& scale);
+inline Vec3 solve(const Factor3& f, const Vec3& right) {
+    const float y = right.y - f.l10 * right.x;
+    const float z = f.inverse[2] * (right.z - f.l20 * right.x - f.l21 * y);
+    const float solvedY = f.inverse[1] * y - f.l21 * z;
+    return {f.inverse[0] * right.x - f.l10 * solvedY - f.l20 * z, solvedY, z};
+}
+/// Of the leading 2×2 block; the third component is zero.
+inline Vec3 solveFirstTwo(const Factor3& f, const Vec3& right) {
+    const float y = f.inverse[1] * (right.y - f.l10 * right.x);
+    return {f.inverse[0] * right.x - f.l10 * y, y, 0};
+}
+
+/// Linear and angular: a velocity of B relative to A at the shared point, or an impulse that B receives there.
+struct PairVector {
+    Vec3 linear, angular;
+};
+
+/// K = J M⁻¹ Jᵀ of the whole relative motion, in world axes.
+struct PairMass {
+    Sym3 linear, angular;
+    Mat3 coupling;  ///< angular velocity per linear impulse
+};
+
+/// Where the bodies are held: from each centre of mass to the shared point, m.
+struct Arms {
+    Vec3 a, b;
+};
+
+/// A force F on an arm r turns with neither of the bodies, so it resists their turning with the stiffness F · r; an
+/// explicit step of h cannot follow once h² F · r exceeds the moment of inertia a few times, which a light link under
+/// a heavy load soon does. Adding the stiffness to the inertia, h² F · r, makes the step implicit in it to first order
+/// [Tournier et al., Stable Constrained Dynamics, 2015]. It conserves no angular momentum and is therefore left out
+/// below `kExplicit`, where the plain step is stable, and for impacts, which do not last two substeps.
+struct TautBodies {
+    static constexpr float kExplicit = 4;
+    float excessA = 0, excessB = 0;  ///< h² F · r / I − kExplicit in the last substep
+    float shareA = 1, shareB = 1;    ///< of the inverse inertia that is left in this one
+};
+
+/// The two bodies while a joint works on them: velocities are read once and written once. A body without mass is
+/// never written, since threads share the static one.
+class BodyPair {
+public:
+    BodyPair(BodyState* states, const BodyInertia* inertia, std::uint32_t a, std::uint32_t b, const TautBodies& taut);
+    /// Measures the stiffness that the impulse carried over gives, and uses it.
+    void stiffen(const Arms& arms, const Vec3& impulse, float h, TautBodies& taut);
+    PairVector velocity(const Arms& arms) const;
+    void apply(const Arms& arms, const PairVector& impulse);
+    void store() const;
+    PairMass mass(const Arms& arms) const;
+    /// J M⁻¹ Jᵀ of one linear direction alone.
+    float mass(const Arms& arms, const Vec3& direction) const;
+    const BodyState& stateA() const { return *stateA_; }
+    const BodyState& stateB() const { return *stateB_; }
+
+private:
+    BodyState *stateA_, *stateB_;
+    const BodyInertia *inertiaA_, *inertiaB_;
+    Vec3 inverseMassA_, inverseMassB_;  // 1/kg per world axis
+    float shareA_, shareB_;             // of the inverse inertia
+    Vec3 vA_, wA_, vB_, wB_;
+};
+
+inline PairVector BodyPair::velocity(const Arms& arms) const {
+    return {(vB_ + cross(wB_, arms.b)) - (vA_ + cross(wA_, arms.a)), wB_ - wA_};
+}
+inline void BodyPair::apply(const Arms& arms, const PairVector& impulse) {
+    vA_ -= scale(inverseMassA_, impulse.linear);
+    wA_ -= shareA_ * (*inertiaA_ * (cross(arms.a, impulse.linear) + impulse.angular));
+    vB_ += scale(inverseMassB_, impulse.linear);
+    wB_ += shareB_ * (*inertiaB_ * (cross(arms.b, impulse.linear) + impulse.angular));
+}
+
+/// K of two halves after the three rows of the first are eliminated:
+///   G = K₁₁⁻¹ K₁₂,  P = K₂₂ − K₂₁ G.
+/// P is the inverse mass that the second half has while the first keeps its velocity.
+struct Elimination {
+    Factor3 first;
+    Mat3 gain;  ///< G
+    Sym3 rest;  ///< P
+};
+Elimination eliminate(const Sym3& k11, const Mat3& k12, const Sym3& k22);
+
+/// The rigid rows of a joint as one block.
+struct RigidBlock {
+    // Carried from substep to substep, in world axes.
+    Vec3 impulseFirst, impulseSecond;  ///< N s and N m s, or the reverse when angular rows come first
+
+    // Of the current substep.
+    Elimination mass;
+    Factor3 second;                ///< of Bᵀ P B
+    Mat3 basis;                    ///< B: rigid directions of the second half, then the free one
+    Vec3 errorFirst, errorSecond;  ///< C, in world axes and in the basis
+    float noise = 0;               ///< what P cannot tell from zero
+
+    std::uint32_t rigidRows = 0;    ///< of the second half: 0, 2 or 3
+    std::uint32_t linearFirst = 1;  ///< 0: the angular half comes first; no bool, which would leave padding
+};
+/// Fills in the masses: the elimination when the second half has rows, else the first factor alone.
+void refreshMass(RigidBlock& block, const PairMass& mass, bool secondHasRows);
+PairVector blockImpulse(const RigidBlock& block);
+/// Solves the block and applies the impulse to the pair.
+void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const Softness& softness);
+/// The impulse of size `amount` along the free direction, together with what keeps the rigid rows' velocity.
+PairVector freeImpulse(RigidBlock& block, float amount);
+
+/// Limits, motor, spring and dry friction along one coordinate.
+struct AxisRows {
+    static constexpr std::uint32_t kLimit = 1, kLocked = 2, kMotor = 4, kSpring = 8, kFriction = 16;
+    std::uint32_t features = 0;
+    float lower = 0, upper = 0;                    ///< m or rad
+    float targetSpeed = 0, maxForce = 0;           ///< of the motor
+    float stiffness = 0, damping = 0, target = 0;  ///< of the spring
+    float friction = 0;                            ///< N or N m
+
+    // Carried from substep to substep, N s or N m s.
+    float springImpulse = 0, frictionImpulse = 0, motorImpulse = 0, lowerImpulse = 0, upperImpulse = 0;
+
+    // Of the current substep.
+    float springError = 0;                   ///< displacement from the target when the substep began
+    float lowerMargin = 0, upperMargin = 0;  ///< to the limits, negative beyond them
+};
+/// Takes a definition over and keeps the impulses of the rows that remain.
+void compile(AxisRows& rows, const std::optional<Range>& limit, const std::optional<Motor>& motor,
+             const std::optional<Spring>& spring, float target, float friction);
+float axisImpulse(const AxisRows& rows);
+void rescale(AxisRows& rows, float ratio);
+/// Solves all rows in turn, limits last, and returns the sum of the impulses added. `inverseMass` is the speed per
+/// impulse (0: the axis cannot move, and nothing is done).
+float solveAxis(AxisRows& rows, float speed, float inverseMass, const JointContext& context, bool useBias);
+
+/// One side of a limit; `speed` is the rate of `margin`. A margin above zero may be used up within the substep, so
+/// the limit is reached and not passed; one below zero is recovered softly, without leaving speed behind.
+float solveLimit(float& impulse, float margin, float speed, float inverseMass, const JointContext& context,
+                 bool useBias);
+
+/// An implicit spring as a row [Catto, Soft Constraints, GDC 2011]. With λ = −h (k (C + h u⁺) + d u⁺):
+///   u⁺ + γ λ + β C = 0,  γ = 1/(h (d + h k)),  β = k/(d + h k).
+struct SpringRow {
+    float gamma = 0, beta = 0;
+    bool active = false;
+};
+SpringRow makeSpring(float stiffness, float damping, float h);
+
+/// `angle` plus or minus a turn so that it lies within half a turn of `center`; |angle − center| < 3π.
+float wrapAbout(float angle, float center);
+
+}  // namespace ragtop

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "narrowphase/manifold.h"
+#include "shapes/hull.h"
+
+/// Clipping the face of one polyhedron to the face of another, and choosing the points that make a manifold.
+namespace ragtop {
+
+/// Of the size of the smaller shape: differences below it are noise to a choice between two features, so the one
+/// chosen before (or the face, or the vertex) stays.
+inline constexpr float kChoiceTolerance = 0.01f;
+/// The same among the depths of the points of one manifold, which are known better.
+inline constexpr float kDepthTolerance = 0.001f;
+/// Of the size of the smaller shape: how far a corner may overhang the other face before it is cut. Boxes stacked flush
+/// keep their corners, and so their features.
+inline constexpr float kOverhang = 0.002f;
+
+/// A corner of a polygon being clipped. Edges are named 0..127 on the incident polygon and 128 + side of the reference
+/// face; a corner is the meeting of two.
+struct ClipPoint {
+    Vec3 position;
+    float separation = 0;
+    std::uint8_t in = 0, out = 0;
+};
+
+/// A feature from what meets in it. Faces of hulls are fewer than 255, which is kept for other kinds of contact.
+constexpr std::uint32_t faceFeature(const ClipPoint& point, int referenceFace, int incidentFace, bool flipped) {
+    return static_cast<std::uint32_t>(point.in) | static_cast<std::uint32_t>(point.out) << 8 |
+           (static_cast<std::uint32_t>(referenceFace) & 255u) << 16 |
+           (static_cast<std::uint32_t>(incidentFace) & 127u) << 24 | (flipped ? 1u << 31 : 0u);
+}
+/// Indices below 512.
+constexpr std::uint32_t edgeFeature(int edgeA, int edgeB) {
+    const auto a = static_cast<std::uint32_t>(edgeA), b = static_cast<std::uint32_t>(edgeB);
+    return (a & 255u) | (b & 255u) << 8 | 255u << 16 | (a >> 8 & 1u) << 24 | (b >> 8 & 1u) << 25;
+}
+/// A single point without a better name.
+inline constexpr std::uint32_t kPointFeature = 255u << 16 | 1u << 26;
+
+/// Moves at most four points to the front and returns how many: of the nearly deepest the one farthest along a fixed
+/// direction, the one farthest from it, and the corners of the largest triangles on either side of the two, unless they
+/// all but lie between them. Ties go to the earlier point. `tolerance` is the difference in depth (m) that does not
+/// matter. At least one point.
+template <class Point>
+int reducePoints(Point* points, int count, const Vec3& normal, float tolerance) {
+    float deepest = points[0].separation;
+    for (int i = 1; i < count; ++i) deepest = points[i].separation < deepest ? points[i].separation : deepest;
+
+    const Vec3 direction = perpendicular(normal);
+    int best = -1;
+    float most = 0;
+    for (int i = 0; i < count; ++i) {
+        if (points[i].separation > deepest + tolerance) continue;
+        const float score = dot(points[i].position, direction);
+        if (best < 0 || score > most) {
+            best = i;
+            most = score;
+        }
+    }
+    const auto take = [&](int slot, int chosen) {
+        const Point point = points[slot];
+        points[slot] = points[chosen];
+        points[chosen] = point;
+    };
+    take(0, best);
+
+    const auto pick = [&](int slot, float least, auto&& scoreOf) {
+        int chosen = -1;
+        float high = least;
+        for (int i = slot; i < count; ++i) {
+            const float score = scoreOf(points[i].position);
+            if (score > high) {
+                chosen = i;
+                high = score;
+            }
+        }
+        if (chosen < 0) return false;
+        take(slot, chosen);
+        return true;
+    };
+    const Vec3 first = points[0].position;
+    if (!pick(1, 0, [&](const Vec3& p) { return lengthSquared(p - first); })) return 1;
+    const Vec3 span = points[1].position - first, side = cross(normal, span);
+    constexpr float kInLine = 0.01f;  // of the span
+    const float least = kInLine * lengthSquared(span);
+    int kept = 2;
+    if (pick(kept, least, [&](const Vec3& p) { return dot(side, p - first); })) ++kept;
+    if (pick(kept, least, [&](const Vec3& p) { return -dot(side, p - first); })) ++kept;
+    return kept;
+}
+
+/// Of the faces around the corner of `incident` that lies farthest against `normal`, the one that looks most against it.
+int facingFace(const HullView& incident, const Vec3& normal);
+
+/// Clips the face of `incident` that opposes face `face` of `reference` to the sides of that face, keeps what is at most
+/// `margin` in front of it, and writes it half way between the surfaces; more points than `out` holds are reduced to four.
+/// Both views in one frame; `size` is that of the smaller shape.
+int clipToFace(const HullView& reference, int face, const HullView& incident, float margin, float size, bool flipped,
+               std::span<ManifoldPoint> out);
+
+/// Closest points of the lines p + s d and q + t e, clamped to the parameters [0, 1] of both.
+struct ClosestOnSegments {
+    Vec3 pointA, pointB;
+    float s = 0, t = 0;
+};
+ClosestOnSegments closestOnSegments(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& e);
+
+}  // namespace ragtop

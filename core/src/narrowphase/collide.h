@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+
+#include "narrowphase/manifold.h"
+#include "ragtop/math.h"
+#include "shapes/geometry.h"
+
+/// Contact points of shape pairs. `bInA` is B's frame in A's. Points up to `margin` apart are reported (speculative
+/// contacts); all other tolerances follow from the sizes of the shapes. Pure functions: thread safe, no allocation.
+namespace ragtop {
+
+/// Two convex shapes; pointCount 0 when farther apart than margin.
+void collide(const ConvexView& a, const ConvexView& b, const Frame& bInA, float margin, SeparationCache& cache,
+             Manifold& out);
+
+/// A mesh or height field (A) and a convex shape (B), internal edges filtered. Writes at most kMaxManifolds and returns
+/// how many, in an order that is the same while the same triangles touch.
+int collide(const MeshData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out);
+int collide(const HeightFieldData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out);
+
+}  // namespace ragtop

@@ -1,0 +1,333 @@
+#include "narrowphase/pairs.h"
+
+/// Two boxes: separating axes [Gottschalk, Lin, Manocha, 1996], then the incident face clipped in the plane of the
+/// reference face. The commonest pair of all, so it works on plain arrays.
+namespace ragtop::pairs {
+namespace {
+
+constexpr float kParallelEdges = 1e-5f;  // sin² below which the face axes do as well
+
+struct Boxes {
+    float hA[3], hB[3];
+    float p[3];     ///< B's centre in A
+    float pB[3];    ///< the same along B's axes
+    float R[3][3];  ///< R[i][j]: component along A's axis i of B's axis j
+    float Q[3][3];  ///< absolute values
+    float size;     ///< smallest half extent
+};
+
+inline float absolute(float v) { return v < 0 ? -v : v; }
+inline int after(int i) { return i == 2 ? 0 : i + 1; }
+inline Vec3 toVec3(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+inline Boxes prepare(const Vec3& hA, const Vec3& hB, const Frame& bInA) {
+    Boxes b;
+    const Mat3 m = toMat3(bInA.rotation);
+    const Vec3 columns[3] = {m.cx, m.cy, m.cz};
+    const Vec3 position = bInA.position;
+    b.size = hA.x;
+    for (int i = 0; i < 3; ++i) {
+        b.hA[i] = hA[i];
+        b.hB[i] = hB[i];
+        b.p[i] = position[i];
+        b.pB[i] = dot(columns[i], position);
+        b.size = hA[i] < b.size ? hA[i] : b.size;
+        b.size = hB[i] < b.size ? hB[i] : b.size;
+    }
+    for (int j = 0; j < 3; ++j) {
+        b.R[0][j] = columns[j].x;
+        b.R[1][j] = columns[j].y;
+        b.R[2][j] = columns[j].z;
+    }
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) b.Q[i][j] = absolute(b.R[i][j]);
+    }
+    return b;
+}
+
+inline float faceASeparation(const Boxes& b, int i) {
+    return absolute(b.p[i]) - (b.hA[i] + (b.Q[i][0] * b.hB[0] + b.Q[i][1] * b.hB[1] + b.Q[i][2] * b.hB[2]));
+}
+
+inline float faceBSeparation(const Boxes& b, int j) {
+    return absolute(b.pB[j]) - (b.hB[j] + (b.Q[0][j] * b.hA[0] + b.Q[1][j] * b.hA[1] + b.Q[2][j] * b.hA[2]));
+}
+
+/// The axis aᵢ × bⱼ before it is made a unit vector.
+struct EdgeAxis {
+    float gap;      ///< |p · L| − rA − rB
+    float length2;  ///< 1 − Rᵢⱼ²
+};
+
+inline EdgeAxis edgeAxis(const Boxes& b, int i, int j) {
+    const int i1 = after(i), i2 = after(i1), j1 = after(j), j2 = after(j1);
+    const float along = b.p[i2] * b.R[i1][j] - b.p[i1] * b.R[i2][j];
+    const float rA = b.hA[i1] * b.Q[i2][j] + b.hA[i2] * b.Q[i1][j];
+    const float rB = b.hB[j1] * b.Q[i][j2] + b.hB[j2] * b.Q[i][j1];
+    return {absolute(along) - (rA + rB), b.R[i1][j] * b.R[i1][j] + b.R[i2][j] * b.R[i2][j]};
+}
+
+inline float edgeSeparation(const Boxes& b, int i, int j) {
+    const EdgeAxis axis = edgeAxis(b, i, j);
+    return axis.length2 > kParallelEdges ? axis.gap / std::sqrt(axis.length2) : -1e30f * b.size;
+}
+
+struct Choice {
+    int kind = 0;  ///< as in SeparationCache
+    int i = 0, j = 0;
+    float separation = 0;
+};
+
+inline void remember(SeparationCache& cache, const Choice& choice) {
+    cache.kind = static_cast<std::uint8_t>(choice.kind);
+    cache.indexA = static_cast<std::uint8_t>(choice.i);
+    cache.indexB = static_cast<std::uint8_t>(choice.j);
+    cache.separation = choice.separation;
+}
+
+inline float separationOf(const Boxes& b, const SeparationCache& cache) {
+    switch (cache.kind) {
+        case 1: return faceASeparation(b, cache.indexA);
+        case 2: return faceBSeparation(b, cache.indexB);
+        default: return edgeSeparation(b, cache.indexA, cache.indexB);
+    }
+}
+
+/// The axis of least overlap, with the hysteresis of kChoiceTolerance. `edge` receives the best edge pair (kind 0 when
+/// none was worth a root). False when an axis separates by more than margin; it is in `face` then.
+bool chooseAxis(const Boxes& b, float margin, const Choice& before, Choice& face, Choice& edge) {
+    const float tolerance = kChoiceTolerance * b.size;
+    for (int axis = 0; axis < 6; ++axis) {
+        const int kind = axis < 3 ? 1 : 2, index = axis < 3 ? axis : axis - 3;
+        const float s = kind == 1 ? faceASeparation(b, index) : faceBSeparation(b, index);
+        if (face.kind == 0 || s > face.separation) face = {kind, index, index, s};
+        if (s > margin) return false;
+    }
+    if ((before.kind == 1 || before.kind == 2) && before.separation >= face.separation - tolerance) face = before;
+
+    // An edge axis must beat the face by the tolerance unless it was the one before.
+    float toBeat = face.separation + tolerance;
+    if (before.kind == 3 && before.separation > face.separation) {
+        edge = before;
+        toBeat = before.separation + tolerance;
+    }
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            const EdgeAxis axis = edgeAxis(b, i, j);
+            // gap / length ≤ gap for negative gaps: most axes need no root.
+            if (axis.gap <= (toBeat < 0 ? toBeat : 0) || !(axis.length2 > kParallelEdges)) continue;
+            const float s = axis.gap / std::sqrt(axis.length2);
+            if (s > margin) {
+                face = {3, i, j, s};
+                return false;
+            }
+            if (s > toBeat) {
+                edge = {3, i, j, s};
+                toBeat = s;
+            }
+        }
+    }
+    return true;
+}
+
+struct Corner {
+    float u, v, w;  ///< in the plane of the reference face, and above it
+    std::uint8_t in, out;
+};
+
+/// Keeps sign · (u or v) ≤ half.
+template <bool kAlongU>
+int clipSide(const Corner* in, int count, Corner* out, float sign, float half, float overhang, std::uint8_t code) {
+    int kept = 0;
+    const Corner* from = &in[count - 1];
+    float fromHeight = sign * (kAlongU ? from->u : from->v) - half;
+    for (int i = 0; i < count; ++i) {
+        const Corner* to = &in[i];
+        const float toHeight = sign * (kAlongU ? to->u : to->v) - half;
+        const bool fromInside = fromHeight <= overhang, toInside = toHeight <= overhang;
+        if (fromInside != toInside) {
+            float t = fromHeight / (fromHeight - toHeight);
+            t = t < 0 ? 0 : t > 1 ? 1 : t;
+            Corner& cut = out[kept++];
+            cut.u = from->u + t * (to->u - from->u);
+            cut.v = from->v + t * (to->v - from->v);
+            cut.w = from->w + t * (to->w - from->w);
+            cut.in = fromInside ? from->out : code;
+            cut.out = fromInside ? code : from->out;
+        }
+        if (toInside) out[kept++] = *to;
+        from = to;
+        fromHeight = toHeight;
+    }
+    return kept;
+}
+
+/// The incident box seen from the reference box.
+struct FaceView {
+    const float* hReference;
+    const float* hIncident;
+    float center[3];
+    float columns[3][3];  ///< columns[j]: axis j of the incident box
+    int axis;             ///< of the reference face
+    float sign;
+};
+
+/// Contact points in the frame of the reference box; returns how many.
+int clipFaces(const FaceView& f, float margin, float size, bool flipped, ManifoldPoint* out) {
+    const int k = f.axis, k1 = after(k), k2 = after(k1);
+    int j = 0;
+    for (int other = 1; other < 3; ++other) {
+        if (absolute(f.columns[other][k]) > absolute(f.columns[j][k])) j = other;
+    }
+    const int j1 = after(j), j2 = after(j1);
+    const float facing = f.sign * f.columns[j][k] > 0 ? -1.0f : 1.0f;
+    const auto along = [&](int component, float a, float b) {
+        return f.center[component] + facing * f.hIncident[j] * f.columns[j][component] +
+               a * f.hIncident[j1] * f.columns[j1][component] + b * f.hIncident[j2] * f.columns[j2][component];
+    };
+    static constexpr float kCorners[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+    const float hu = f.hReference[k1], hv = f.hReference[k2], overhang = kOverhang * size;
+    Corner buffers[2][12];
+    Corner* polygon = buffers[0];
+    Corner* next = buffers[1];
+    int count = 4;
+    float mostU = 0, mostV = 0;
+    for (int i = 0; i < 4; ++i) {
+        const float a = kCorners[i][0], b = kCorners[i][1];
+        polygon[i] = {along(k1, a, b), along(k2, a, b), f.sign * along(k, a, b) - f.hReference[k],
+                      static_cast<std::uint8_t>((i + 3) & 3), static_cast<std::uint8_t>(i)};
+        mostU = absolute(polygon[i].u) > mostU ? absolute(polygon[i].u) : mostU;
+        mostV = absolute(polygon[i].v) > mostV ? absolute(polygon[i].v) : mostV;
+    }
+    if (mostU > hu + overhang) {
+        count = clipSide<true>(polygon, count, next, 1, hu, overhang, 128);
+        if (count > 0) count = clipSide<true>(next, count, polygon, -1, hu, overhang, 129);
+    }
+    if (count > 0 && mostV > hv + overhang) {
+        count = clipSide<false>(polygon, count, next, 1, hv, overhang, 130);
+        if (count > 0) count = clipSide<false>(next, count, polygon, -1, hv, overhang, 131);
+    }
+    ClipPoint points[12];
+    int kept = 0;
+    for (int i = 0; i < count; ++i) {
+        if (polygon[i].w > margin) continue;
+        ClipPoint& point = points[kept++];
+        point.position[k] = f.sign * (f.hReference[k] + 0.5f * polygon[i].w);
+        point.position[k1] = polygon[i].u;
+        point.position[k2] = polygon[i].v;
+        point.separation = polygon[i].w;
+        point.in = polygon[i].in;
+        point.out = polygon[i].out;
+    }
+    Vec3 normal;
+    normal[k] = f.sign;
+    if (kept > kMaxManifoldPoints) kept = reducePoints(points, kept, normal, kDepthTolerance * size);
+    const int referenceFace = 2 * k + (f.sign > 0 ? 1 : 0), incidentFace = 2 * j + (facing > 0 ? 1 : 0);
+    for (int i = 0; i < kept; ++i) {
+        out[i] = {points[i].position, points[i].separation,
+                  faceFeature(points[i], referenceFace, incidentFace, flipped)};
+    }
+    return kept;
+}
+
+void faceContact(const Boxes& b, const Frame& bInA, const Choice& choice, float margin, Manifold& out) {
+    FaceView f;
+    const bool flipped = choice.kind == 2;
+    f.axis = flipped ? choice.j : choice.i;
+    f.hReference = flipped ? b.hB : b.hA;
+    f.hIncident = flipped ? b.hA : b.hB;
+    for (int i = 0; i < 3; ++i) {
+        f.center[i] = flipped ? -b.pB[i] : b.p[i];
+        for (int j = 0; j < 3; ++j) f.columns[j][i] = flipped ? b.R[j][i] : b.R[i][j];
+    }
+    f.sign = f.center[f.axis] < 0 ? -1.0f : 1.0f;
+    out.pointCount = clipFaces(f, margin, b.size, flipped, out.points);
+    Vec3 normal;
+    normal[f.axis] = f.sign;
+    if (!flipped) {
+        out.normal = normal;
+        return;
+    }
+    const Mat3 rotation{{b.R[0][0], b.R[1][0], b.R[2][0]}, {b.R[0][1], b.R[1][1], b.R[2][1]},
+                        {b.R[0][2], b.R[1][2], b.R[2][2]}};
+    out.normal = -(rotation * normal);
+    for (int i = 0; i < out.pointCount; ++i) {
+        out.points[i].position = bInA.position + rotation * out.points[i].position;
+    }
+}
+
+/// The edges that lie farthest along the axis; one point between them.
+void edgeContact(const Boxes& b, const Choice& choice, float margin, Manifold& out) {
+    const int i = choice.i, j = choice.j, i1 = after(i), i2 = after(i1);
+    float n[3] = {};
+    n[i1] = -b.R[i2][j];
+    n[i2] = b.R[i1][j];
+    float along = 0;
+    for (int c = 0; c < 3; ++c) along += n[c] * b.p[c];
+    const float scale = (along < 0 ? -1.0f : 1.0f) / std::sqrt(n[i1] * n[i1] + n[i2] * n[i2]);
+    float edgeA[3], edgeB[3] = {b.p[0], b.p[1], b.p[2]}, d[3] = {}, e[3];
+    int codeA = 0, codeB = 0;
+    for (int c = 0; c < 3; ++c) {
+        n[c] *= scale;
+        const bool positive = c != i && n[c] > 0;
+        edgeA[c] = positive ? b.hA[c] : -b.hA[c];
+        codeA = 2 * codeA + (positive ? 1 : 0);
+    }
+    d[i] = 2 * b.hA[i];
+    for (int k = 0; k < 3; ++k) {
+        const float nB = n[0] * b.R[0][k] + n[1] * b.R[1][k] + n[2] * b.R[2][k];
+        const bool positive = k != j && nB < 0;
+        const float side = positive ? b.hB[k] : -b.hB[k];
+        codeB = 2 * codeB + (positive ? 1 : 0);
+        for (int c = 0; c < 3; ++c) edgeB[c] += side * b.R[c][k];
+    }
+    for (int c = 0; c < 3; ++c) e[c] = 2 * b.hB[j] * b.R[c][j];
+    const ClosestOnSegments near = closestOnSegments(toVec3(edgeA), toVec3(d), toVec3(edgeB), toVec3(e));
+    out.normal = toVec3(n);
+    if (choice.separation > 0 && lengthSquared(near.pointB - near.pointA) > margin * margin) return;
+    out.pointCount = 1;
+    out.points[0] = {0.5f * (near.pointA + near.pointB), choice.separation,
+                     edgeFeature(8 * i + codeA, 8 * j + codeB)};
+}
+
+}  // namespace
+
+void boxes(const Vec3& halfExtentsA, const Vec3& halfExtentsB, const Frame& bInA, float margin, SeparationCache& cache,
+           Manifold& out) {
+    out.pointCount = 0;
+    const Boxes b = prepare(halfExtentsA, halfExtentsB, bInA);
+    Choice before;
+    if (cache.kind != 0) {
+        before = {cache.kind, cache.indexA, cache.indexB, separationOf(b, cache)};
+        if (before.separation > margin) {
+            cache.separation = before.separation;
+            return;
+        }
+    }
+    Choice face, edge;
+    if (!chooseAxis(b, margin, before, face, edge)) {
+        remember(cache, face);
+        return;
+    }
+    const Choice& best = edge.kind != 0 ? edge : face;
+    remember(cache, best);
+    if (best.kind == 3) {
+        edgeContact(b, best, margin, out);
+    } else {
+        faceContact(b, bInA, best, margin, out);
+    }
+    if (out.pointCount > 0) return;
+    // Corner regions, where no axis of the fifteen is the direction of the distance, or hysteresis kept an axis whose
+    // faces no longer face each other.
+    const ConvexView viewA{ConvexKind::box, 0, halfExtentsA, nullptr}, viewB{ConvexKind::box, 0, halfExtentsB, nullptr};
+    const gjk::CoreSupport supportA{&viewA};
+    const gjk::PlacedCoreSupport supportB(viewB, bInA);
+    const gjk::Closest cores = gjk::closest(supportA, supportB, -bInA.position);
+    if (cores.overlap) {
+        deepestPoint(out.normal, best.separation, supportB(-out.normal), out);
+    } else {
+        closestPoint(cores, 0, 0, margin, kPointFeature, out);
+    }
+}
+
+}  // namespace ragtop::pairs

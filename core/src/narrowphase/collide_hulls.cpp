@@ -1,0 +1,91 @@
+#include "narrowphase/pairs.h"
+
+namespace ragtop::pairs {
+namespace {
+
+/// Is the axis of the last step still separating by more than margin? Any direction proves it, so B stays in its own
+/// frame and nothing else is looked at.
+bool stillSeparated(const HullView& a, const HullView& b, const Frame& bInA, float margin, SeparationCache& cache) {
+    const auto iA = static_cast<std::size_t>(indexA(cache)), iB = static_cast<std::size_t>(indexB(cache));
+    Vec3 n;
+    if (cache.kind == 1 && iA < a.planes.size()) {
+        n = a.planes[iA].normal;
+    } else if (cache.kind == 2 && iB < b.planes.size()) {
+        n = rotate(bInA.rotation, -b.planes[iB].normal);
+    } else if (cache.kind == 3 && iA < a.edges.size() && iB < b.edges.size()) {
+        const HullData::Edge& edgeA = a.edges[iA];
+        const HullData::Edge& edgeB = b.edges[iB];
+        n = normalized(cross(a.vertices[edgeA.to] - a.vertices[edgeA.from],
+                             rotate(bInA.rotation, b.vertices[edgeB.to] - b.vertices[edgeB.from])));
+        if (dot(n, transformPoint(bInA, b.center) - a.center) < 0) n = -n;
+    } else {
+        return false;
+    }
+    const Vec3 nB = inverseRotate(bInA.rotation, n);
+    float highA = dot(a.vertices[0], n), lowB = dot(b.vertices[0], nB);
+    for (const Vec3& vertex : a.vertices) {
+        const float height = dot(vertex, n);
+        highA = height > highA ? height : highA;
+    }
+    for (const Vec3& vertex : b.vertices) {
+        const float height = dot(vertex, nB);
+        lowB = height < lowB ? height : lowB;
+    }
+    const float separation = lowB + dot(n, bInA.position) - highA;
+    if (!(separation > margin)) return false;
+    cache.separation = separation;
+    return true;
+}
+
+void edgeContact(const HullView& a, const HullView& b, const SeparatingAxis& axis, float margin, Manifold& out) {
+    const HullData::Edge& edgeA = a.edges[static_cast<std::size_t>(axis.indexA)];
+    const HullData::Edge& edgeB = b.edges[static_cast<std::size_t>(axis.indexB)];
+    const Vec3 pA = a.vertices[edgeA.from], pB = b.vertices[edgeB.from];
+    const ClosestOnSegments near = closestOnSegments(pA, a.vertices[edgeA.to] - pA, pB, b.vertices[edgeB.to] - pB);
+    if (axis.separation > 0 && lengthSquared(near.pointB - near.pointA) > margin * margin) return;
+    out.normal = axis.normal;
+    out.pointCount = 1;
+    out.points[0] = {0.5f * (near.pointA + near.pointB), axis.separation, edgeFeature(axis.indexA, axis.indexB)};
+}
+
+}  // namespace
+
+void hullContact(const HullView& a, const HullView& b, const SeparatingAxis& axis, float margin, float size,
+                 Manifold& out) {
+    out.normal = axis.normal;
+    out.pointCount = 0;
+    if (axis.kind == 1) {
+        out.pointCount = clipToFace(a, axis.indexA, b, margin, size, false, out.points);
+    } else if (axis.kind == 2) {
+        out.pointCount = clipToFace(b, axis.indexB, a, margin, size, true, out.points);
+    } else {
+        edgeContact(a, b, axis, margin, out);
+    }
+    if (out.pointCount > 0) return;
+    const gjk::PointsSupport supportA{a.vertices.data(), static_cast<int>(a.vertices.size())};
+    const gjk::PointsSupport supportB{b.vertices.data(), static_cast<int>(b.vertices.size())};
+    // Corner regions, where no axis of the test is the direction of the distance, or hysteresis kept an axis whose faces
+    // no longer face each other.
+    const gjk::Closest cores = gjk::closest(supportA, supportB, a.center - b.center);
+    if (cores.overlap) {
+        deepestPoint(axis.normal, axis.separation, supportB(-axis.normal), out);
+    } else {
+        closestPoint(cores, 0, 0, margin, kPointFeature, out);
+    }
+}
+
+void hulls(const HullView& a, const HullView& b, const Frame& bInA, float margin, SeparationCache& cache,
+           Manifold& out) {
+    out.pointCount = 0;
+    if (cache.kind != 0 && stillSeparated(a, b, bInA, margin, cache)) return;
+    const PlacedHull placed(b, bInA);
+    const float size = a.innerRadius < b.innerRadius ? a.innerRadius : b.innerRadius;
+    SeparatingAxis before;
+    if (cache.kind != 0) before = alongAxis(a, placed.view(), cache.kind, indexA(cache), indexB(cache));
+    const SeparatingAxis axis = chooseAxis(a, placed.view(), margin, size, before);
+    cache = toCache(axis);
+    if (axis.separation > margin) return;
+    hullContact(a, placed.view(), axis, margin, size, out);
+}
+
+}  // namespace ragtop::pairs

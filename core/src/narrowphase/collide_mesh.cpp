@@ -1,0 +1,324 @@
+#include <optional>
+
+#include "narrowphase/manifold_set.h"
+#include "narrowphase/pairs.h"
+
+/// A convex shape on a surface of triangles. Every triangle is tested on its own; then a contact whose direction the
+/// whole surface could not give (it would lie inside a neighbouring face) turns to the face normal or goes.
+namespace ragtop {
+namespace {
+
+/// Of the size: how far the centre may be behind a face that still pushes it out.
+constexpr float kBehind = 0.25f;
+/// Of the size: how deep under a face a contact may lie whose own direction was refused. Deeper ones belong to a face
+/// beside it.
+constexpr float kDeepest = 0.25f;
+/// Sine of the angle by which a neighbour may rise above the plane of a contact.
+constexpr float kRise = 0.01f;
+/// Of the size: what lies this near to a point of the surface is at it.
+constexpr float kAtPoint = 1e-3f;
+
+/// The convex shape in the axes of the mesh, about its own origin: exact however far from the origin of the mesh it is.
+struct Mover {
+    const ConvexView* shape;
+    Vec3 position;  ///< of its origin in the mesh
+    float margin;
+    float size;
+    Vec3 center;  ///< of its mass
+    Vec3 p, q;    ///< capsule: the segment
+    std::optional<BoxHull> box;
+    std::optional<PlacedHull> hull;
+
+    Mover(const ConvexView& view, const Frame& frame, float contactMargin)
+        : shape(&view), position(frame.position), margin(contactMargin), size(pairs::sizeOf(view)) {
+        const Frame turned{{}, frame.rotation};
+        q = rotate(frame.rotation, {0, view.halfExtents.y, 0});
+        p = -q;
+        if (view.kind == ConvexKind::box) {
+            box.emplace(view.halfExtents);
+            hull.emplace(box->view(), turned);
+        } else if (view.kind == ConvexKind::hull) {
+            hull.emplace(viewOf(*view.hull), turned);
+            center = hull->view().center;
+        }
+    }
+
+    /// In the mesh, grown by the margin and by the rounding of the sums.
+    Bounds bounds() const {
+        Bounds b{p, p};
+        if (hull) {
+            b = {hull->view().vertices[0], hull->view().vertices[0]};
+            for (const Vec3& vertex : hull->view().vertices) b = {min(b.lower, vertex), max(b.upper, vertex)};
+        } else if (shape->kind == ConvexKind::capsule) {
+            b = {min(p, q), max(p, q)};
+        } else {
+            b = {};
+        }
+        constexpr float kRounding = 1e-6f;
+        const Vec3 far = abs(position) + max(abs(b.lower), abs(b.upper));
+        const float grow = shape->radius + margin;
+        const Vec3 slack = Vec3{grow, grow, grow} + kRounding * far;
+        return {b.lower + position - slack, b.upper + position + slack};
+    }
+};
+
+/// A triangle about the mover's origin, as a polyhedron that shows its front face only; its back plane serves the edges.
+struct TriangleHull {
+    static constexpr HullData::Face kFace[1] = {{0, 3}};
+    static constexpr std::uint8_t kLoop[3] = {0, 1, 2};
+    static constexpr HullData::Edge kEdges[3] = {{0, 1, 0, 1}, {1, 2, 0, 1}, {2, 0, 0, 1}};
+
+    Vec3 vertices[3];
+    Plane planes[2];
+    std::uint8_t activeEdges;
+    std::uint32_t index;
+
+    TriangleHull(const TriangleView& t, const Vec3& origin)
+        : vertices{t.a - origin, t.b - origin, t.c - origin}, activeEdges(t.activeEdges), index(t.index) {
+        planes[0] = {t.normal, dot(t.normal, vertices[0])};
+        planes[1] = {-t.normal, -planes[0].offset};
+    }
+    const Vec3& normal() const { return planes[0].normal; }
+    HullView view() const {
+        return {vertices, planes, kFace, kLoop, kEdges, (1.0f / 3.0f) * (vertices[0] + vertices[1] + vertices[2]), 0};
+    }
+};
+
+/// What of a triangle lies farthest along a direction.
+struct Feature {
+    enum Kind { face, edge, vertex } kind = face;
+    int index = 0;  ///< of the edge (from that vertex to the next) or vertex
+};
+
+Feature featureAlong(const TriangleHull& t, const Vec3& normal) {
+    float height[3], highest = 0, longest = 0;
+    for (int i = 0; i < 3; ++i) {
+        height[i] = dot(normal, t.vertices[i]);
+        highest = i == 0 || height[i] > highest ? height[i] : highest;
+        const float square = lengthSquared(t.vertices[i == 2 ? 0 : i + 1] - t.vertices[i]);
+        longest = square > longest ? square : longest;
+    }
+    constexpr float kLevel = 1e-3f;
+    const float tolerance = kLevel * std::sqrt(longest);
+    int count = 0, top = 0, below = 0;
+    for (int i = 0; i < 3; ++i) {
+        if (height[i] >= highest - tolerance) {
+            ++count;
+            top = i;
+        } else {
+            below = i;
+        }
+    }
+    if (count == 3) return {Feature::face, 0};
+    if (count == 2) return {Feature::edge, below == 2 ? 0 : below + 1};
+    return {Feature::vertex, top};
+}
+
+bool edgeIsActive(const TriangleHull& t, int edge) { return (t.activeEdges >> edge & 1) != 0; }
+
+/// The contacts of one triangle. Four corners of a box cut by three edges make seven points; all are needed, for
+/// neighbours go on where this one ends.
+struct TriangleContact {
+    Vec3 normal;
+    int count = 0;
+    ManifoldPoint points[16];
+
+    std::span<const ManifoldPoint> all() const { return {points, static_cast<std::size_t>(count)}; }
+    void take(const Manifold& m) {
+        normal = m.normal;
+        count = m.pointCount;
+        for (int i = 0; i < count; ++i) points[i] = m.points[i];
+    }
+    float deepest() const {
+        float least = points[0].separation;
+        for (const ManifoldPoint& point : all()) least = point.separation < least ? point.separation : least;
+        return least;
+    }
+};
+
+Vec3 nearestOnTriangle(const Vec3 (&v)[3], const Vec3& n, const Vec3& point, Feature& feature) {
+    float least = 0;
+    Vec3 best;
+    bool inside = true;
+    for (int i = 0; i < 3; ++i) {
+        const int j = i == 2 ? 0 : i + 1;
+        const Vec3 e = v[j] - v[i], r = point - v[i];
+        if (dot(cross(n, e), r) >= 0) continue;
+        const float along = dot(r, e), ee = lengthSquared(e);
+        const Vec3 near = along <= 0 ? v[i] : along >= ee ? v[j] : v[i] + (along / ee) * e;
+        const float square = lengthSquared(point - near);
+        if (!inside && square >= least) continue;
+        inside = false;
+        least = square;
+        best = near;
+        feature = along <= 0 ? Feature{Feature::vertex, i}
+                  : along >= ee ? Feature{Feature::vertex, j}
+                                : Feature{Feature::edge, i};
+    }
+    if (!inside) return best;
+    feature = {};
+    return point - dot(n, point - v[0]) * n;
+}
+
+constexpr std::uint32_t mixed(std::uint32_t feature, std::uint32_t triangle) {
+    return (feature ^ (triangle + 1) * 2654435761u) | kNamedAfterTriangle;
+}
+
+/// Corners of the convex shape keep their name while the triangles under them change; cuts are named after both.
+void nameFeatures(TriangleContact& contact, bool onFace, std::uint32_t triangle) {
+    for (int i = 0; i < contact.count; ++i) {
+        std::uint32_t& feature = contact.points[i].feature;
+        const bool uncut = (feature & 128u) == 0 && (feature >> 8 & 128u) == 0;
+        if (!onFace || !uncut) feature = mixed(feature, triangle);
+    }
+}
+
+template <class Surface>
+class SurfaceContacts {
+public:
+    SurfaceContacts(const Surface& surface, const Mover& mover) : surface_(surface), mover_(mover), set_(mover.size) {}
+
+    int run(std::span<Manifold> out) {
+        forEachTriangle(surface_, mover_.bounds(), [this](const TriangleView& view) {
+            visit(TriangleHull(view, mover_.position));
+            return true;
+        });
+        return set_.write(mover_.position, out);
+    }
+
+private:
+    void visit(const TriangleHull& t) {
+        const float height = dot(t.normal(), mover_.center) - t.planes[0].offset;
+        if (height < -kBehind * mover_.size) return;
+        if (mover_.shape->kind == ConvexKind::sphere) return visitSphere(t, height);
+        TriangleContact contact;
+        if (mover_.hull) {
+            touchHull(t, contact);
+        } else {
+            Manifold m;
+            pairs::hullCapsule(t.view(), mover_.p, mover_.q, mover_.shape->radius, mover_.margin, m);
+            contact.take(m);
+        }
+        if (contact.count == 0) return;
+        bool onFace = contact.normal == t.normal();
+        if (!onFace && !mayPoint(t, contact)) {
+            onFace = true;
+            turnToFace(t, contact);
+        }
+        nameFeatures(contact, onFace, t.index);
+        set_.add(contact.normal, contact.all(), t.index);
+    }
+
+    void touchHull(const TriangleHull& t, TriangleContact& contact) const {
+        const HullView triangle = t.view();
+        const HullView& hull = mover_.hull->view();
+        const SeparatingAxis front = alongAxis(triangle, hull, 1, 0, 0);
+        if (front.separation > mover_.margin) return;
+        const SeparatingAxis axis = chooseAxis(triangle, hull, mover_.margin, mover_.size, front);
+        if (axis.separation > mover_.margin) return;
+        if (axis.kind == 1) {
+            contact.normal = t.normal();
+            contact.count = clipToFace(triangle, 0, hull, mover_.margin, mover_.size, false, contact.points);
+            if (contact.count > 0) return;
+        }
+        Manifold m;
+        pairs::hullContact(triangle, hull, axis, mover_.margin, mover_.size, m);
+        // Overlap found along the face normal, but not over the face: a neighbour has it.
+        if (axis.kind == 1 && m.pointCount > 0 && m.normal == t.normal()) return;
+        contact.take(m);
+    }
+
+    void visitSphere(const TriangleHull& t, float height) {
+        const float radius = mover_.shape->radius;
+        Feature feature;
+        const Vec3 near = nearestOnTriangle(t.vertices, t.normal(), {}, feature);
+        const bool onFace = feature.kind == Feature::face;
+        const float distance = onFace ? height : length(near);
+        const float separation = distance - radius;
+        if (separation > mover_.margin || (!onFace && !(height >= 0 && distance > 0))) return;
+        const Vec3 normal = onFace ? t.normal() : (-1.0f / distance) * near;
+        if (feature.kind == Feature::edge && !edgeIsActive(t, feature.index)) return;
+        if (!onFace && !isOutermost(near, normal)) return;
+        const ManifoldPoint point{near + 0.5f * separation * normal, separation, kPointFeature};
+        set_.add(normal, {&point, 1}, t.index);
+    }
+
+    /// May the surface push along m.normal where the contact is? Not from behind, not from a flat or concave edge, and
+    /// not where a neighbour rises above the plane of the contact.
+    bool mayPoint(const TriangleHull& t, const TriangleContact& contact) const {
+        if (dot(contact.normal, t.normal()) < -kRise) return false;
+        const Feature feature = featureAlong(t, contact.normal);
+        if (feature.kind == Feature::face) return false;
+        if (feature.kind == Feature::edge && !edgeIsActive(t, feature.index)) return false;
+        Vec3 at = t.vertices[feature.index];
+        if (feature.kind == Feature::edge) {
+            int deepest = 0;
+            for (int i = 1; i < contact.count; ++i) {
+                if (contact.points[i].separation < contact.points[deepest].separation) deepest = i;
+            }
+            const Vec3 e = t.vertices[feature.index == 2 ? 0 : feature.index + 1] - at;
+            const float along = dot(contact.points[deepest].position - at, e) / lengthSquared(e);
+            at += (along < 0 ? 0.0f : along > 1 ? 1.0f : along) * e;
+        }
+        return isOutermost(at, contact.normal);
+    }
+
+    /// Do all triangles at a point of the surface lie below the plane through it?
+    bool isOutermost(const Vec3& at, const Vec3& normal) const {
+        const float near = kAtPoint * mover_.size;
+        const Vec3 place = mover_.position + at;
+        constexpr float kRounding = 1e-6f;
+        const Vec3 reach = Vec3{near, near, near} + kRounding * abs(place);
+        bool outermost = true;
+        forEachTriangle(surface_, {place - reach, place + reach}, [&](const TriangleView& view) {
+            const TriangleHull other(view, mover_.position);
+            Feature feature;
+            const Vec3 nearest = nearestOnTriangle(other.vertices, other.normal(), at, feature);
+            if (lengthSquared(nearest - at) > 4 * lengthSquared(reach)) return true;
+            for (const Vec3& vertex : other.vertices) {
+                const Vec3 way = vertex - at;
+                const float rise = dot(normal, way) - near;
+                if (rise > 0 && rise * rise > kRise * kRise * lengthSquared(way)) outermost = false;
+            }
+            return outermost;
+        });
+        return outermost;
+    }
+
+    /// Replaces a refused contact by that of the face alone; none when the shape is not over it or too deep under it.
+    void turnToFace(const TriangleHull& t, TriangleContact& contact) const {
+        const float twice = 2 * contact.deepest(), usual = -kDeepest * mover_.size;
+        const float limit = twice < usual ? twice : usual;
+        contact.normal = t.normal();
+        if (mover_.hull) {
+            contact.count =
+                clipToFace(t.view(), 0, mover_.hull->view(), mover_.margin, mover_.size, false, contact.points);
+        } else {
+            const pairs::Rod rod{mover_.p, mover_.q, mover_.shape->radius, mover_.margin, mover_.size};
+            contact.count = pairs::segmentOnFace(t.view(), 0, rod, contact.points);
+        }
+        int kept = 0;
+        for (int i = 0; i < contact.count; ++i) {
+            if (contact.points[i].separation >= limit) contact.points[kept++] = contact.points[i];
+        }
+        contact.count = kept;
+    }
+
+    const Surface& surface_;
+    const Mover& mover_;
+    ManifoldSet set_;
+};
+
+}  // namespace
+
+int collide(const MeshData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out) {
+    const Mover mover(b, bInA, margin);
+    return SurfaceContacts<MeshData>(a, mover).run(out);
+}
+
+int collide(const HeightFieldData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out) {
+    const Mover mover(b, bInA, margin);
+    return SurfaceContacts<HeightFieldData>(a, mover).run(out);
+}
+
+}  // namespace ragtop

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+#include "ragtop/math.h"
+
+namespace ragtop {
+
+inline constexpr int kMaxManifoldPoints = 4;
+/// Directions in which one pair may touch (a box in a corner of a mesh); nearer ones are merged.
+inline constexpr int kMaxManifolds = 8;
+
+struct ManifoldPoint {
+    Vec3 position;         ///< half way between the surfaces, in A's frame
+    float separation = 0;  ///< m, negative when overlapping
+    std::uint32_t feature = 0;  ///< names the vertex, edge or face pair; the same while the pair stays so
+};
+
+/// Where and along which direction two shapes touch, in the frame of shape A.
+struct Manifold {
+    Vec3 normal;  ///< unit, from A to B
+    int pointCount = 0;
+    ManifoldPoint points[kMaxManifoldPoints];
+    std::uint32_t triangle = 0;  ///< of a mesh or height field, the deepest one
+};
+
+/// What a pair remembers between steps to find its separating axis at once.
+struct SeparationCache {
+    std::uint8_t kind = 0;  ///< 0 none, 1 face of A, 2 face of B, 3 edge pair
+    std::uint8_t indexA = 0, indexB = 0;
+    std::uint8_t pad = 0;
+    float separation = 0;
+};
+
+}  // namespace ragtop

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ragtop/math.h"
+#include "ragtop/shape.h"
+
+/// The immutable data behind shapes, and the small views that the narrow phase works on.
+namespace ragtop {
+
+/// normal · x = offset on the plane, less inside.
+struct Plane {
+    Vec3 normal;
+    float offset = 0;
+};
+
+/// A convex polyhedron. Faces are counter-clockwise vertex loops seen from outside; every edge is stored once with
+/// the faces on its two sides.
+struct HullData {
+    struct Face {
+        std::uint16_t firstIndex = 0;  ///< into faceIndices
+        std::uint16_t count = 0;
+    };
+    struct Edge {
+        std::uint8_t from = 0, to = 0;           ///< vertices; left face runs from → to
+        std::uint8_t leftFace = 0, rightFace = 0;
+    };
+    std::vector<Vec3> vertices;
+    std::vector<Plane> planes;  ///< per face
+    std::vector<Face> faces;
+    std::vector<std::uint8_t> faceIndices;
+    std::vector<Edge> edges;
+    Vec3 center;           ///< centre of mass of the solid
+    float innerRadius = 0; ///< of the largest ball about `center` inside
+    Bounds bounds;
+};
+
+/// A node of a bounding volume tree stored depth first; a leaf has `count` triangles from `first`.
+struct MeshNode {
+    Vec3 lower;
+    std::uint32_t first = 0;  ///< leaf: first triangle; inner: index of the right child (the left one follows)
+    Vec3 upper;
+    std::uint32_t count = 0;  ///< leaf: number of triangles; inner: 0
+};
+
+struct MeshData {
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;         ///< in tree order
+    std::vector<std::uint32_t> sourceIndex;  ///< of each triangle in the caller's list
+    std::vector<Vec3> normals;               ///< per triangle
+    /// Bit e (0..2): edge e (a→b, b→c, c→a) is convex, so a shape may touch it; flat and concave edges are inactive and
+    /// yield to the faces beside them.
+    std::vector<std::uint8_t> activeEdges;
+    std::vector<std::uint8_t> materialOfTriangle;  ///< in the caller's order, empty or one per triangle
+    std::vector<Material> materials;
+    std::vector<MeshNode> nodes;
+    std::vector<Triangle> sourceTriangles;  ///< as the caller gave them
+    int degenerateCount = 0;
+    Bounds bounds;
+};
+
+struct HeightFieldData {
+    int columns = 0, rows = 0;
+    float spacing = 1;
+    std::vector<float> heights;
+    std::vector<Vec3> normals;             ///< two per cell, in cell order
+    std::vector<std::uint8_t> activeEdges; ///< two per cell, as in MeshData
+    float lowest = 0, highest = 0;
+};
+
+/// A triangle as the narrow phase sees it.
+struct TriangleView {
+    Vec3 a, b, c;
+    Vec3 normal;
+    std::uint8_t activeEdges = 7;
+    std::uint32_t index = 0;  ///< in the caller's list (mesh) or 2 · cell + half (height field)
+};
+
+enum class ConvexKind : std::uint8_t { sphere, capsule, box, hull };
+
+/// A convex shape in its own frame: a core (point, segment, box or hull) thickened by a radius.
+struct ConvexView {
+    ConvexKind kind = ConvexKind::sphere;
+    float radius = 0;                 ///< sphere, capsule; 0 for box and hull
+    Vec3 halfExtents;                 ///< box; capsule: {0, halfHeight, 0}
+    const HullData* hull = nullptr;   ///< hull only
+};
+
+/// Throws std::invalid_argument for a mesh, height field or compound.
+ConvexView convexView(const Shape& shape);
+/// A length that stands for the size of a shape: its smallest half extent, or its radius; for meshes and height
+/// fields infinity (the other shape decides).
+float sizeOf(const Shape& shape);
+/// Radius of the smallest ball about `center` that holds the shape.
+float radiusAbout(const Shape& shape, const Vec3& center);
+/// The bounds of a shape (no Compound) at a pose, rounded outwards.
+Bounds boundsOf(const Shape& shape, const Pose& pose);
+/// The bounds of a shape in a nearby frame.
+Bounds boundsOf(const Shape& shape, const Frame& frame);
+
+/// The farthest point of the core (radius left out) along a direction that need not be a unit vector.
+Vec3 supportOfCore(const ConvexView& shape, const Vec3& direction);
+
+/// Calls visit(const TriangleView&) for each triangle whose bounds meet `bounds`, in the order of the tree or grid.
+/// visit returns false to end.
+template <class Visit>
+void forEachTriangle(const MeshData& mesh, const Bounds& bounds, Visit&& visit);
+template <class Visit>
+void forEachTriangle(const HeightFieldData& field, const Bounds& bounds, Visit&& visit);
+
+}  // namespace ragtop
+
+#include "shapes/triangle_walk.inl"

@@ -1,0 +1,92 @@
+#include <stdexcept>
+#include <string>
+
+#include "base/check_tunables.h"
+#include "ragtop/body.h"
+#include "shapes/mesh_build.h"
+
+namespace ragtop {
+namespace {
+
+[[noreturn]] void reject(const std::string& why) { throw std::invalid_argument("TriangleMesh: " + why); }
+
+std::string item(const char* list, std::size_t i) { return std::string(list) + "[" + std::to_string(i) + "]"; }
+
+void checkVertices(std::span<const Vec3> vertices) {
+    if (vertices.empty()) reject("vertices is empty, must have at least 3");
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        if (const std::string why = whyNotFinite(item("vertices", i), vertices[i]); !why.empty()) reject(why);
+    }
+}
+
+void checkTriangles(std::span<const Triangle> triangles, std::size_t vertexCount) {
+    if (triangles.empty()) reject("triangles is empty, must have at least 1");
+    if (triangles.size() > 0x7fffffffu) {
+        reject("triangles has " + std::to_string(triangles.size()) + " entries, must have at most 2147483647");
+    }
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        const auto check = [&](const char* corner, std::uint32_t index) {
+            if (index < vertexCount) return;
+            reject(item("triangles", i) + corner + " is " + std::to_string(index) + ", must be in [0, " +
+                   std::to_string(vertexCount - 1) + "]");
+        };
+        check(".a", triangles[i].a);
+        check(".b", triangles[i].b);
+        check(".c", triangles[i].c);
+    }
+}
+
+void checkMaterials(std::span<const std::uint8_t> materialOfTriangle, std::span<const Material> materials,
+                    std::size_t triangleCount) {
+    if (!materialOfTriangle.empty() && materialOfTriangle.size() != triangleCount) {
+        reject("materialOfTriangle has " + std::to_string(materialOfTriangle.size()) +
+               " entries, must have none or one per triangle, " + std::to_string(triangleCount));
+    }
+    for (std::size_t i = 0; i < materialOfTriangle.size(); ++i) {
+        if (materialOfTriangle[i] < materials.size()) continue;
+        reject(item("materialOfTriangle", i) + " is " + std::to_string(materialOfTriangle[i]) +
+               ", must be less than the number of materials, " + std::to_string(materials.size()));
+    }
+    for (std::size_t i = 0; i < materials.size(); ++i) {
+        const std::string why = whyInvalid(materials[i]);
+        if (!why.empty()) reject(item("materials", i) + "." + why);
+    }
+}
+
+}  // namespace
+
+TriangleMesh::TriangleMesh(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+                           std::span<const std::uint8_t> materialOfTriangle, std::span<const Material> materials) {
+    checkVertices(vertices);
+    checkTriangles(triangles, vertices.size());
+    checkMaterials(materialOfTriangle, materials, triangles.size());
+
+    MeshData mesh;
+    mesh.vertices.assign(vertices.begin(), vertices.end());
+    mesh.sourceTriangles.assign(triangles.begin(), triangles.end());
+    mesh.materialOfTriangle.assign(materialOfTriangle.begin(), materialOfTriangle.end());
+    mesh.materials.assign(materials.begin(), materials.end());
+    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+        const Triangle& t = triangles[i];
+        const Vec3 normal = triangleNormal(vertices[t.a], vertices[t.b], vertices[t.c]);
+        if (normal == Vec3{}) {
+            ++mesh.degenerateCount;
+            continue;
+        }
+        mesh.triangles.push_back(t);
+        mesh.normals.push_back(normal);
+        mesh.sourceIndex.push_back(i);
+    }
+    if (mesh.triangles.empty()) {
+        reject("triangles has " + std::to_string(triangles.size()) + " without area, must have at least 1 with area");
+    }
+    findActiveEdges(mesh);
+    buildTree(mesh);
+    data_ = std::make_shared<const MeshData>(std::move(mesh));
+}
+
+std::span<const Vec3> TriangleMesh::vertices() const { return data_->vertices; }
+std::span<const Triangle> TriangleMesh::triangles() const { return data_->sourceTriangles; }
+int TriangleMesh::degenerateCount() const { return data_->degenerateCount; }
+
+}  // namespace ragtop

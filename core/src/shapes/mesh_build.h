@@ -1,0 +1,23 @@
+#pragma once
+
+#include "shapes/geometry.h"
+
+/// The steps of building a TriangleMesh.
+namespace ragtop {
+
+/// By how much the surface turns at the edge along `direction` of a triangle with normal `own` into the neighbour with
+/// normal `other`: in (−π, π], positive where convex.
+float bendAt(const Vec3& own, const Vec3& other, const Vec3& direction);
+/// Does an edge that bends so take part in collisions?
+bool isActiveBend(float bend);
+
+/// Unit normal by the right-hand rule in double; zero when the area is zero next to the longest edge squared.
+Vec3 triangleNormal(const Vec3& a, const Vec3& b, const Vec3& c);
+
+/// Fills activeEdges out of vertices, triangles and normals; vertices at the same place count as one.
+void findActiveEdges(MeshData& mesh);
+
+/// Puts triangles, normals and sourceIndex in tree order and fills nodes.
+void buildTree(MeshData& mesh);
+
+}  // namespace ragtop

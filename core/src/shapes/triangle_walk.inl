@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cassert>
+
+namespace ragtop {
+
+/// Deeper trees than this are never built (mesh_tree.cpp).
+inline constexpr int kMeshTreeDepth = 80;
+
+inline Bounds boundsOfTriangle(const Vec3& a, const Vec3& b, const Vec3& c) {
+    return {min(min(a, b), c), max(max(a, b), c)};
+}
+
+template <class Visit>
+void forEachTriangle(const MeshData& mesh, const Bounds& bounds, Visit&& visit) {
+    std::uint32_t stack[kMeshTreeDepth];
+    int waiting = 0;
+    for (std::uint32_t at = 0;;) {
+        const MeshNode& node = mesh.nodes[at];
+        const bool near = overlaps(Bounds{node.lower, node.upper}, bounds);
+        if (near && node.count == 0) {
+            assert(waiting < kMeshTreeDepth);
+            stack[waiting++] = node.first;
+            ++at;
+            continue;
+        }
+        if (near) {
+            for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+                const Triangle& t = mesh.triangles[i];
+                const TriangleView view{mesh.vertices[t.a], mesh.vertices[t.b],  mesh.vertices[t.c],
+                                        mesh.normals[i],    mesh.activeEdges[i], mesh.sourceIndex[i]};
+                if (overlaps(boundsOfTriangle(view.a, view.b, view.c), bounds) && !visit(view)) return;
+            }
+        }
+        if (waiting == 0) return;
+        at = stack[--waiting];
+    }
+}
+
+/// The first and last cell, inclusive, that meet [lower, upper] along an axis; first > last when none does.
+struct CellRange {
+    int first, last;
+};
+inline CellRange cellsMeeting(float lower, float upper, float spacing, int cells) {
+    const float most = static_cast<float>(cells);
+    const float from = lower / spacing, to = upper / spacing;
+    if (!(from <= most + 1) || !(to >= -1)) return {0, -1};
+    // One more on either side than the quotients say: they are rounded, and touching counts.
+    int first = from > 1 ? static_cast<int>(from) - 1 : 0;
+    int last = to < most - 1 ? (to > 0 ? static_cast<int>(to) + 1 : 0) : cells - 1;
+    while (first <= last && static_cast<float>(first + 1) * spacing < lower) ++first;
+    while (first <= last && static_cast<float>(last) * spacing > upper) --last;
+    return {first, last};
+}
+
+inline bool isHole(const Vec3& normal) { return normal.y == 0; }
+
+/// The triangle `half` (0 or 1) of a cell, whose corners are (i, j), (i, j+1), (i+1, j+1) and (i, j), (i+1, j+1),
+/// (i+1, j); its normal is zero in a hole.
+inline TriangleView triangleOf(const HeightFieldData& field, int column, int row, int half) {
+    const auto corner = [&](int i, int j) {
+        return Vec3{static_cast<float>(i) * field.spacing,
+                    field.heights[static_cast<std::size_t>(j) * static_cast<std::size_t>(field.columns) +
+                                  static_cast<std::size_t>(i)],
+                    static_cast<float>(j) * field.spacing};
+    };
+    const std::size_t index = 2 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(field.columns - 1) +
+                                   static_cast<std::size_t>(column)) +
+                              static_cast<std::size_t>(half);
+    const Vec3 near = corner(column, row), far = corner(column + 1, row + 1);
+    return {near,
+            half == 0 ? corner(column, row + 1) : far,
+            half == 0 ? far : corner(column + 1, row),
+            field.normals[index],
+            field.activeEdges[index],
+            static_cast<std::uint32_t>(index)};
+}
+
+template <class Visit>
+void forEachTriangle(const HeightFieldData& field, const Bounds& bounds, Visit&& visit) {
+    if (!(bounds.lower.y <= field.highest && bounds.upper.y >= field.lowest)) return;
+    const CellRange columns = cellsMeeting(bounds.lower.x, bounds.upper.x, field.spacing, field.columns - 1);
+    const CellRange rows = cellsMeeting(bounds.lower.z, bounds.upper.z, field.spacing, field.rows - 1);
+    for (int row = rows.first; row <= rows.last; ++row) {
+        for (int column = columns.first; column <= columns.last; ++column) {
+            for (int half = 0; half < 2; ++half) {
+                const TriangleView view = triangleOf(field, column, row, half);
+                if (isHole(view.normal) || !overlaps(boundsOfTriangle(view.a, view.b, view.c), bounds)) continue;
+                if (!visit(view)) return;
+            }
+        }
+    }
+}
+
+}  // namespace ragtop

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+
+#include "ragtop/math.h"
+
+namespace ragtop {
+
+/// What the solver reads and writes of a body in every pass: one cache line, gathered by transposes. Displacements
+/// are since the beginning of the step, so that single precision suffices anywhere in the world. Entry 0 is the
+/// static body: it has no mass, never moves, and is never written.
+struct alignas(64) BodyState {
+    Vec3 v;             ///< m/s, of the centre of mass
+    float invMass = 0;  ///< 1/kg, 0 for static and kinematic bodies, which no impulse moves
+    Vec3 w;             ///< rad/s
+    std::uint32_t locks = 0;  ///< bits 0..2: translation along x, y, z is locked (rotation locks are in the inertia)
+    Vec3 dp;            ///< m, displacement of the centre of mass during this step
+    float pad = 0;
+    Quat dq;            ///< rotation during this step: q = dq · q₀
+};
+static_assert(sizeof(BodyState) == 64);
+
+/// Inverse inertia about the centre of mass in world axes, of the current substep.
+struct alignas(32) BodyInertia {
+    float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+    float pad[2] = {0, 0};
+};
+static_assert(sizeof(BodyInertia) == 32);
+
+constexpr Vec3 operator*(const BodyInertia& m, const Vec3& a) {
+    return {m.xx * a.x + m.xy * a.y + m.xz * a.z, m.xy * a.x + m.yy * a.y + m.yz * a.z,
+            m.xz * a.x + m.yz * a.y + m.zz * a.z};
+}
+
+/// A soft row [Catto, Soft Constraints, GDC 2011]: ω = 2πf, a₁ = 2ζ + hω, a₂ = hω a₁.
+///   Δλ = −m_eff · massScale · (u + biasRate · C) − impulseScale · λ
+struct Softness {
+    float biasRate = 0, massScale = 1, impulseScale = 0;
+};
+constexpr Softness kRigid{0, 1, 0};
+
+/// `frequency` in Hz, `damping` ratio, h in s; rigid for frequency 0.
+constexpr Softness makeSoftness(float frequency, float damping, float h) {
+    if (frequency <= 0) return kRigid;
+    const float omega = 2 * kPi * frequency;
+    const float a1 = 2 * damping + h * omega;
+    const float a2 = h * omega * a1;
+    const float a3 = 1 / (1 + a2);
+    return {omega / a1, a2 * a3, a3};
+}
+
+}  // namespace ragtop

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+
+#include "ragtop/math.h"
+#include "solve/body_state.h"
+
+namespace ragtop {
+
+/// What a body needs to be integrated, beside its state. Rows of eight floats, gathered by transposes.
+struct alignas(64) BodyDynamics {
+    Vec3 inertia;             ///< kg m², principal moments; 1 where rotation is kinematic or locked
+    float linearDecay = 1;    ///< 1 / (1 + h · damping)
+    Vec3 inverseInertia;      ///< 1/(kg m²), principal; 1 where rotation is kinematic or locked
+    float angularDecay = 1;
+    Vec3 acceleration;        ///< m/s², gravity and forces, of this step
+    float spins = 1;          ///< 1: rotates by its momentum; 0: keeps its angular velocity (kinematic, locked)
+    Vec3 torque;              ///< N m of this step
+    float translates = 1;     ///< 1: smooth accelerations correct the position; 0 for kinematic bodies
+};
+static_assert(sizeof(BodyDynamics) == 64);
+
+/// What a body remembers within and between substeps.
+struct alignas(64) BodyHistory {
+    Vec3 velocityBefore;      ///< m/s at the beginning of the substep
+    float pad0 = 0;
+    Vec3 lastChange;          ///< m/s, change of velocity over the substep before
+    float pad1 = 0;
+    Quat rotation;            ///< principal axes to world, at the beginning of the step
+    float pad2[4] = {0, 0, 0, 0};
+};
+static_assert(sizeof(BodyHistory) == 64);
+
+struct BodyArrays {
+    BodyState* states = nullptr;
+    BodyInertia* inertia = nullptr;
+    const BodyDynamics* dynamics = nullptr;
+    BodyHistory* history = nullptr;
+};
+
+struct SolverContext {
+    float h = 0, inverseH = 0;   ///< substep, s
+    float dt = 0;                ///< step, s
+    Softness soft, softStatic;   ///< of contacts between moving bodies, and with static ones
+    float pushOut = 0;           ///< m/s per m of size
+    float restitutionSpeed = 0;  ///< m/s
+    float loadShare = 0;         ///< λ̂ ← λ̂ + share (λ − λ̂) per step
+};
+
+/// Wide kernels of one instruction set and lane count. Bundle ranges are in bundles, body ranges in entries of a list
+/// of state indices; they may run at once when they share no moving body.
+struct KernelTable {
+    const char* name;
+    int lanes;
+    void (*integrateVelocities)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end, const SolverContext&);
+    void (*integratePositions)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end, const SolverContext&);
+    void (*prepareContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
+    void (*warmStartContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
+    void (*solveContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
+    void (*relaxContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
+    void (*applyRestitution)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
+};
+
+/// The fastest table of `lanes` (4, 8, 16) lanes that this processor runs, or for 0 lanes the fastest of all.
+const KernelTable& selectKernels(int lanes);
+
+}  // namespace ragtop

@@ -1,0 +1,11 @@
+// AVX2 without FMA.
+#include "solve/wide_kernels.inl"
+
+namespace ragtop {
+
+extern const KernelTable kKernelsAvx28;
+const KernelTable kKernelsAvx28 = makeTable<8>("avx2");
+extern const KernelTable kKernelsAvx216;
+const KernelTable kKernelsAvx216 = makeTable<16>("avx2");
+
+}  // namespace ragtop

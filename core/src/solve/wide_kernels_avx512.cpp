@@ -1,0 +1,9 @@
+// AVX-512 F, DQ and VL, contraction off.
+#include "solve/wide_kernels.inl"
+
+namespace ragtop {
+
+extern const KernelTable kKernelsAvx51216;
+const KernelTable kKernelsAvx51216 = makeTable<16>("avx512");
+
+}  // namespace ragtop

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+
+#include "constraints/constraint_graph.h"
+#include "narrowphase/manifold.h"
+#include "ragtop/body.h"
+#include "ragtop/id.h"
+#include "ragtop/joint.h"
+#include "ragtop/math.h"
+
+/// What a world keeps of each object, apart from what the solver streams through. All plain data, linked by indices, so
+/// that a saved world is a copy of memory.
+namespace ragtop {
+
+/// A body's internal frame is that of its principal axes at its centre of mass.
+struct BodyRecord {
+    DVec3 center;            ///< m, centre of mass in the world
+    Quat rotation;           ///< principal axes to world
+    Frame local;             ///< internal frame in the frame of the definition
+    Vec3 inertia;            ///< kg m², principal moments
+    float mass = 0;          ///< kg
+    Vec3 force, torque;      ///< N, N m, for the next step
+    float linearDamping = 0, angularDamping = 0, gravityScale = 1;
+    float size = 0;          ///< m, smallest size of its shapes
+    float radius = 0;        ///< m, of the ball about the centre that holds its shapes
+    float sleepTimer = 0;    ///< s
+    std::uint32_t state = 0;             ///< index into the solver's arrays; 0 for fixed bodies
+    std::uint32_t awakeIndex = kNone;    ///< place in the list of awake bodies
+    std::uint32_t firstShape = kNone, firstContact = kNone, firstJoint = kNone;  ///< contact and joint: edge keys
+    BodyType type = BodyType::dynamic;
+    bool allowSleep = true, continuous = true, bullet = false;
+    AxisLocks locks;
+    std::uint64_t userData = 0;
+};
+
+struct ShapeRecord {
+    Frame frame;  ///< in the body's internal frame
+    Filter filter;
+    Material material;
+    std::uint32_t body = 0, next = kNone;
+    std::uint32_t geometry = 0;  ///< index into the world's geometry table
+    std::uint32_t proxy = kNone;
+    float size = 0;
+    bool isStaticTree = false, sensor = false, reportsMotion = false, inMoveBuffer = false;
+    std::uint64_t userData = 0;
+};
+
+/// A pair of shapes whose enlarged bounds overlap. Contacts and joints hang in two lists, one per body; an edge key is
+/// 2 · index + side.
+struct Edge {
+    std::uint32_t previous = kNone, next = kNone;
+};
+
+struct ContactRecord {
+    std::uint32_t shapeA = 0, shapeB = 0, bodyA = 0, bodyB = 0;
+    Edge edges[2];
+    SeparationCache cache;
+    std::uint32_t firstManifold = kNone;   ///< one record, or kMaxManifolds of them for meshes and height fields
+    std::uint32_t awakeIndex = kNone;      ///< place in the list of awake contacts
+    std::uint8_t manifoldCapacity = 1;
+    bool isMesh = false, sensor = false, touching = false, reportsMotion = false;
+};
+
+/// One direction of a contact. While in the graph its impulses live in its lane; otherwise here.
+struct ManifoldRecord {
+    GraphPlace place;
+    std::uint32_t contact = 0;
+    std::int32_t pointCount = 0;
+    Vec3 normal;                        ///< world axes, from A to B
+    std::uint32_t triangle = 0;
+    std::uint32_t feature[kMaxManifoldPoints] = {};
+    Vec3 anchor[kMaxManifoldPoints];    ///< from the centre of A, world axes
+    float separation[kMaxManifoldPoints] = {};
+    float impulse[kMaxManifoldPoints] = {}, load[kMaxManifoldPoints] = {};
+    Vec3 frictionImpulse, rollImpulse;
+    float twistImpulse = 0;
+    float substep = 0;                  ///< s, the substep that the impulses belong to
+};
+
+struct JointRecord {
+    JointDef def;
+    GraphPlace place;
+    std::uint32_t bodyA = 0, bodyB = 0;  ///< 0 is the world
+    Edge edges[2];
+};
+
+}  // namespace ragtop

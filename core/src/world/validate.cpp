@@ -1,0 +1,123 @@
+#include "base/check_tunables.h"
+#include "ragtop/body.h"
+#include "ragtop/joint.h"
+#include "ragtop/settings.h"
+
+namespace ragtop {
+namespace {
+
+std::string whyInvalidFrame(const std::string& name, const Frame& frame) {
+    std::string why = whyNotFinite(name + ".position", frame.position);
+    return why.empty() ? whyNoRotation(name + ".rotation", frame.rotation) : why;
+}
+
+/// Symmetric and positive definite, by its leading minors; zero where no rotation can happen.
+std::string whyInvalidInertia(const Mat3& inertia, bool turns) {
+    const Vec3 columns[3] = {inertia.cx, inertia.cy, inertia.cz};
+    for (int i = 0; i < 3; ++i) {
+        const std::string name = std::string("mass.inertia.c") + "xyz"[i];
+        if (std::string why = whyNotFinite(name, columns[i]); !why.empty()) return why;
+    }
+    const double xx = columns[0].x, yy = columns[1].y, zz = columns[2].z;
+    const double xy = columns[1].x, xz = columns[2].x, yz = columns[2].y;
+    const double slack = 1e-3 * (xx + yy + zz);
+    if (std::abs(xy - columns[0].y) > slack || std::abs(xz - columns[0].z) > slack ||
+        std::abs(yz - columns[1].z) > slack) {
+        return "mass.inertia is not symmetric, must be";
+    }
+    const double minor = xx * yy - xy * xy;
+    const double determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+    if (turns && !(xx > 0 && minor > 0 && determinant > 0)) {
+        return "mass.inertia has the diagonal (" + numberText(columns[0].x) + ", " + numberText(columns[1].y) + ", " +
+               numberText(columns[2].z) + ") and is not positive definite, must be";
+    }
+    return {};
+}
+
+std::string whyInvalidMass(const MassProperties& mass, const BodyDef& def) {
+    if (def.type != BodyType::dynamic) return {};
+    if (!std::isfinite(mass.mass) || !(mass.mass > 0)) {
+        return "mass.mass is " + numberText(mass.mass) + ", must be finite and above 0 kg";
+    }
+    if (std::string why = whyNotFinite("mass.center", mass.center); !why.empty()) return why;
+    const AxisLocks& locks = def.locks;
+    return whyInvalidInertia(mass.inertia, !(locks.rotationX && locks.rotationY && locks.rotationZ));
+}
+
+/// The kind of the first surface in a shape, which has no inside and so no mass; empty when all is solid.
+std::string surfaceIn(const Shape& shape) {
+    if (std::holds_alternative<TriangleMesh>(shape)) return "TriangleMesh";
+    if (std::holds_alternative<HeightField>(shape)) return "HeightField";
+    if (const auto* compound = std::get_if<Compound>(&shape)) {
+        for (const CompoundPart& part : compound->parts) {
+            if (std::string kind = surfaceIn(part.shape); !kind.empty()) return kind;
+        }
+    }
+    return {};
+}
+
+std::string whyInvalidShape(const std::string& name, const ShapeDef& shape, BodyType type) {
+    if (std::string why = whyInvalid(shape.geometry); !why.empty()) return name + ".geometry." + why;
+    if (std::string why = whyInvalidFrame(name + ".frame", shape.frame); !why.empty()) return why;
+    if (!std::isfinite(shape.density) || !(shape.density >= 0)) {
+        return name + ".density is " + numberText(shape.density) + ", must be finite and at least 0 kg/m³";
+    }
+    if (std::string why = whyInvalid(shape.material); !why.empty()) return name + ".material." + why;
+    if (type == BodyType::dynamic) {
+        if (const std::string kind = surfaceIn(shape.geometry); !kind.empty()) {
+            return name + ".geometry is a " + kind + ", which a dynamic body cannot have, must be solid";
+        }
+    }
+    return {};
+}
+
+std::string whyInvalidShapes(const BodyDef& def) {
+    double mass = 0;
+    for (std::size_t i = 0; i < def.shapes.size(); ++i) {
+        const std::string name = "shapes[" + std::to_string(i) + "]";
+        if (std::string why = whyInvalidShape(name, def.shapes[i], def.type); !why.empty()) return why;
+        if (def.type == BodyType::dynamic) mass += massOf(def.shapes[i].geometry, def.shapes[i].density).mass;
+    }
+    if (def.type != BodyType::dynamic || def.mass) return {};
+    if (!(mass > 0) || !std::isfinite(mass)) {
+        return "mass of all shapes is " + numberText(mass) +
+               ", must be finite and above 0 kg for a dynamic body (shapes with density, or mass given)";
+    }
+    return {};
+}
+
+std::string whyInvalidBodies(const JointBodies& bodies) {
+    if (bodies.a.isNull() && bodies.b.isNull()) {
+        return "bodies.a and bodies.b are both null, at least one must name a body";
+    }
+    if (bodies.a == bodies.b) return "bodies.b is the same body as bodies.a, must be another one or null";
+    std::string why = whyInvalidFrame("bodies.frameA", bodies.frameA);
+    return why.empty() ? whyInvalidFrame("bodies.frameB", bodies.frameB) : why;
+}
+
+}  // namespace
+
+std::string whyInvalid(const BodyDef& def) {
+    if (std::string why = whyNotFinite("pose.position", def.pose.position); !why.empty()) return why;
+    if (std::string why = whyNoRotation("pose.rotation", def.pose.rotation); !why.empty()) return why;
+    if (std::string why = whyOutOfRange(def); !why.empty()) return why;
+    if (std::string why = whyInvalidShapes(def); !why.empty()) return why;
+    return def.mass ? whyInvalidMass(*def.mass, def) : std::string();
+}
+
+std::string whyInvalid(const JointDef& def) {
+    return std::visit(
+        [](const auto& joint) {
+            std::string why = whyInvalidBodies(joint.bodies);
+            if (why.empty()) why = whyOutOfRange(joint);
+            if constexpr (requires { joint.maxSpringTorque; }) {
+                if (why.empty()) why = whyNoRotation("target", joint.target);
+            }
+            return why;
+        },
+        def);
+}
+
+std::string whyInvalid(const WorldSettings& settings) { return whyOutOfRange(settings); }
+
+}  // namespace ragtop

@@ -1,0 +1,262 @@
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+
+#include "world/world_impl.h"
+
+/// Reading and changing single bodies, shapes and joints.
+namespace ragtop {
+
+namespace {
+
+void requireFinite(bool finite, const char* what) {
+    if (!finite) throw std::invalid_argument(std::string(what) + " is not finite");
+}
+
+}  // namespace
+
+/// Lists of ids are derived data, rebuilt when objects have come or gone.
+void WorldImpl::rebuildLists() {
+    if (listsVersion == structureVersion) return;
+    listsVersion = structureVersion;
+    bodyIds.clear();
+    jointIds.clear();
+    bodyShapes.resize(bodySlots.count());
+    bodyJoints.resize(bodySlots.count());
+    for (std::uint32_t i = 1; i < bodySlots.count(); ++i) {
+        bodyShapes[i].clear();
+        bodyJoints[i].clear();
+        if (!bodySlots.isUsed(i)) continue;
+        bodyIds.push_back(id(i));
+        for (std::uint32_t s = bodies[i].firstShape; s != kNone; s = shapes[s].next) bodyShapes[i].push_back(shapeId(s));
+    }
+    for (std::uint32_t j = 0; j < jointSlots.count(); ++j) {
+        if (!jointSlots.isUsed(j)) continue;
+        jointIds.push_back(jointId(j));
+        for (const std::uint32_t body : {joints[j].bodyA, joints[j].bodyB})
+            if (body != 0) bodyJoints[body].push_back(jointId(j));
+    }
+}
+
+/// Concurrent readers may all find the lists out of date.
+const WorldImpl& WorldImpl::lists() const {
+    const std::lock_guard<std::mutex> lock(listsMutex);
+    const_cast<WorldImpl*>(this)->rebuildLists();
+    return *this;
+}
+
+std::span<const BodyId> World::bodies() const { return impl_->lists().bodyIds; }
+std::span<const JointId> World::joints() const { return impl_->lists().jointIds; }
+std::span<const ShapeId> World::shapes(BodyId body) const {
+    const std::uint32_t i = impl_->index(body);
+    return impl_->lists().bodyShapes[i];
+}
+std::span<const JointId> World::jointsOf(BodyId body) const {
+    const std::uint32_t i = impl_->index(body);
+    return impl_->lists().bodyJoints[i];
+}
+
+Pose World::pose(BodyId body) const { return impl_->poseOf(impl_->bodies[impl_->index(body)]); }
+DVec3 World::centerOfMass(BodyId body) const { return impl_->bodies[impl_->index(body)].center; }
+Vec3 World::linearVelocity(BodyId body) const { return impl_->states[impl_->index(body)].v; }
+Vec3 World::angularVelocity(BodyId body) const { return impl_->states[impl_->index(body)].w; }
+Vec3 World::velocityAt(BodyId body, const DVec3& point) const {
+    const std::uint32_t i = impl_->index(body);
+    return impl_->states[i].v + cross(impl_->states[i].w, relative(point, impl_->bodies[i].center + impl_->states[i].dp));
+}
+BodyType World::type(BodyId body) const { return impl_->bodies[impl_->index(body)].type; }
+bool World::isAwake(BodyId body) const { return impl_->isAwake(impl_->index(body)); }
+std::uint64_t World::userData(BodyId body) const { return impl_->bodies[impl_->index(body)].userData; }
+
+MassProperties World::mass(BodyId id) const {
+    const BodyRecord& body = impl_->bodies[impl_->index(id)];
+    const Mat3 r = toMat3(body.local.rotation);
+    const Mat3 principal{body.inertia.x * Vec3{1, 0, 0}, body.inertia.y * Vec3{0, 1, 0}, body.inertia.z * Vec3{0, 0, 1}};
+    return {body.mass, body.local.position, r * principal * transpose(r)};
+}
+
+void World::setPose(BodyId body, const Pose& pose) {
+    requireFinite(isFinite(pose.position) && isFinite(pose.rotation), "pose");
+    impl_->setPose(impl_->index(body), pose);
+}
+
+void World::setVelocity(BodyId body, const Vec3& linear, const Vec3& angular) {
+    requireFinite(isFinite(linear) && isFinite(angular), "velocity");
+    const std::uint32_t i = impl_->index(body);
+    if (impl_->bodies[i].type == BodyType::fixed) throw std::invalid_argument("a fixed body has no velocity");
+    impl_->states[i].v = linear;
+    impl_->states[i].w = angular;
+    impl_->wakeBody(i);
+}
+
+void World::setGravityScale(BodyId body, float scale) {
+    requireFinite(std::isfinite(scale), "gravityScale");
+    const std::uint32_t i = impl_->index(body);
+    impl_->bodies[i].gravityScale = scale;
+    impl_->wakeBody(i);
+}
+
+void World::moveTo(BodyId body, const Pose& target, double dt) {
+    requireFinite(isFinite(target.position) && isFinite(target.rotation) && std::isfinite(dt), "target");
+    const std::uint32_t i = impl_->index(body);
+    if (!(dt > 0)) throw std::invalid_argument("dt must be above zero");
+    const BodyRecord& record = impl_->bodies[i];
+    const Pose internal = Pose{target.position, normalized(target.rotation)} * record.local;
+    const float rate = static_cast<float>(1 / dt);
+    const Vec3 turn = rotationVector(internal.rotation * conjugate(record.rotation));
+    setVelocity(body, rate * relative(internal.position, record.center), rate * turn);
+}
+
+void World::applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point) {
+    requireFinite(isFinite(impulse) && isFinite(point), "impulse");
+    const std::uint32_t i = impl_->index(body);
+    if (!impl_->moves(i)) return;
+    BodyState& state = impl_->states[i];
+    const Vec3 arm = relative(point, impl_->bodies[i].center + state.dp);
+    state.v += state.invMass * impulse;
+    state.w += impl_->inertias[i] * cross(arm, impulse);
+    if (!impl_->stepping) impl_->wakeBody(i);
+}
+
+void World::applyAngularImpulse(BodyId body, const Vec3& impulse) {
+    requireFinite(isFinite(impulse), "impulse");
+    const std::uint32_t i = impl_->index(body);
+    if (!impl_->moves(i)) return;
+    impl_->states[i].w += impl_->inertias[i] * impulse;
+    if (!impl_->stepping) impl_->wakeBody(i);
+}
+
+void World::applyForce(BodyId body, const Vec3& force, const DVec3& point) {
+    requireFinite(isFinite(force) && isFinite(point), "force");
+    const std::uint32_t i = impl_->index(body);
+    if (!impl_->moves(i)) return;
+    impl_->bodies[i].force += force;
+    impl_->bodies[i].torque += cross(relative(point, impl_->bodies[i].center), force);
+    impl_->wakeBody(i);
+}
+
+void World::applyTorque(BodyId body, const Vec3& torque) {
+    requireFinite(isFinite(torque), "torque");
+    const std::uint32_t i = impl_->index(body);
+    if (!impl_->moves(i)) return;
+    impl_->bodies[i].torque += torque;
+    impl_->wakeBody(i);
+}
+
+void World::wake(BodyId body) { impl_->wakeBody(impl_->index(body)); }
+void World::sleep(BodyId body) {
+    const std::uint32_t first = impl_->index(body);
+    if (!impl_->isAwake(first)) return;
+    impl_->buildIslands();
+    const std::uint32_t root = impl_->moves(first) ? impl_->findRoot(first) : first;
+    std::vector<std::uint32_t> island;
+    for (const std::uint32_t i : impl_->awakeBodies)
+        if (i == first || (impl_->moves(i) && impl_->findRoot(i) == root)) island.push_back(i);
+    for (const std::uint32_t i : island) impl_->sleepBody(i);
+}
+
+BodyId World::bodyOf(ShapeId shape) const { return impl_->id(impl_->shapes[impl_->index(shape)].body); }
+const Shape& World::geometry(ShapeId shape) const {
+    return impl_->geometries[impl_->shapes[impl_->index(shape)].geometry].shape;
+}
+Frame World::frame(ShapeId shape) const {
+    const ShapeRecord& record = impl_->shapes[impl_->index(shape)];
+    return impl_->bodies[record.body].local * record.frame;
+}
+Material World::material(ShapeId shape) const { return impl_->shapes[impl_->index(shape)].material; }
+void World::setMaterial(ShapeId shape, const Material& material) {
+    if (const std::string wrong = whyInvalid(material); !wrong.empty()) throw std::invalid_argument(wrong);
+    ShapeRecord& record = impl_->shapes[impl_->index(shape)];
+    record.material = material;
+    impl_->wakeTouching(record.body);
+}
+void World::setFilter(ShapeId shape, const Filter& filter) {
+    const std::uint32_t i = impl_->index(shape);
+    ShapeRecord& record = impl_->shapes[i];
+    impl_->wakeTouching(record.body);
+    record.filter = filter;
+    for (std::uint32_t key = impl_->bodies[record.body].firstContact; key != kNone;) {
+        const ContactRecord& contact = impl_->contacts[key >> 1];
+        const std::uint32_t next = contact.edges[key & 1].next;
+        if (contact.shapeA == i || contact.shapeB == i) impl_->destroyContact(key >> 1);
+        key = next;
+    }
+    impl_->tree(record).setCategory(record.proxy, filter.category);
+    impl_->markMoved(i);
+}
+std::uint64_t World::userData(ShapeId shape) const { return impl_->shapes[impl_->index(shape)].userData; }
+Bounds World::bounds(ShapeId shape) const {
+    const ShapeRecord& record = impl_->shapes[impl_->index(shape)];
+    return boundsOf(impl_->geometries[record.geometry].shape, impl_->shapePose(record));
+}
+
+const JointDef& World::def(JointId joint) const { return impl_->joints[impl_->index(joint)].def; }
+void World::setDef(JointId id, const JointDef& def) {
+    const std::uint32_t i = impl_->index(id);
+    JointRecord& joint = impl_->joints[i];
+    if (const std::string wrong = whyInvalid(def); !wrong.empty()) throw std::invalid_argument(wrong);
+    const auto bodiesOf = [](const JointDef& d) -> const JointBodies& {
+        return std::visit([](const auto& j) -> const JointBodies& { return j.bodies; }, d);
+    };
+    const JointBodies &before = bodiesOf(joint.def), &after = bodiesOf(def);
+    if (def.index() != joint.def.index() || before.a != after.a || before.b != after.b)
+        throw std::invalid_argument("setDef keeps the type and the bodies of a joint");
+    joint.def = def;
+    compileJoint(def, joint.bodyA == 0 ? after.frameA.position : impl_->bodies[joint.bodyA].local.position,
+                 joint.bodyB == 0 ? after.frameB.position : impl_->bodies[joint.bodyB].local.position,
+                 impl_->jointSims[i]);
+    for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
+        if (impl_->moves(body)) impl_->wakeBody(body);
+}
+JointState World::state(JointId id) const {
+    const std::uint32_t i = impl_->index(id);
+    const float rate = impl_->lastSubstep > 0 ? 1 / impl_->lastSubstep : 0;
+    return jointState(impl_->jointSims[i], impl_->jointBodies(impl_->joints[i]), impl_->states.data(), rate);
+}
+std::uint64_t World::userData(JointId joint) const {
+    return std::visit([](const auto& d) { return d.bodies.userData; }, impl_->joints[impl_->index(joint)].def);
+}
+
+std::span<const ContactEvent> World::contactBegins() const { return impl_->begins; }
+std::span<const ContactEvent> World::contactEnds() const { return impl_->ends; }
+std::span<const ContactEvent> World::sensorBegins() const { return impl_->sensorBegins; }
+std::span<const ContactEvent> World::sensorEnds() const { return impl_->sensorEnds; }
+std::span<const SurfaceEvent> World::surfaceEvents() const { return impl_->surfaceEvents; }
+std::span<const SleepEvent> World::sleepEvents() const { return impl_->sleepEvents; }
+
+void World::forEachContact(const std::function<void(const Contact&)>& visit) const {
+    for (std::uint32_t c = 0; c < impl_->contactSlots.count(); ++c)
+        if (impl_->contactSlots.isUsed(c)) impl_->visitContact(c, visit);
+}
+void World::forEachContact(BodyId body, const std::function<void(const Contact&)>& visit) const {
+    std::uint32_t key = impl_->bodies[impl_->index(body)].firstContact;
+    for (; key != kNone; key = impl_->contacts[key >> 1].edges[key & 1].next) impl_->visitContact(key >> 1, visit);
+}
+void WorldImpl::visitContact(std::uint32_t index, const std::function<void(const Contact&)>& visit) const {
+    const ContactRecord& record = contacts[index];
+    if (!record.touching || record.sensor) return;
+    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k)
+        if (const ManifoldRecord& manifold = manifolds[record.firstManifold + k]; manifold.pointCount > 0)
+            visit(describe(record, manifold));
+}
+
+double World::energy() const {
+    double total = 0;
+    const Vec3 gravity = impl_->settings.gravity;
+    for (std::uint32_t i = 1; i < impl_->bodySlots.count(); ++i) {
+        if (!impl_->bodySlots.isUsed(i) || !impl_->moves(i)) continue;
+        const BodyRecord& body = impl_->bodies[i];
+        const Vec3 v = impl_->states[i].v, w = inverseRotate(body.rotation, impl_->states[i].w);
+        const double m = body.mass;
+        total += 0.5 * m * static_cast<double>(dot(v, v));
+        total += 0.5 * (static_cast<double>(body.inertia.x * w.x * w.x) + static_cast<double>(body.inertia.y * w.y * w.y) +
+                        static_cast<double>(body.inertia.z * w.z * w.z));
+        const double g = static_cast<double>(body.gravityScale) * m;
+        total -= g * (gravity.x * body.center.x + gravity.y * body.center.y + gravity.z * body.center.z);
+    }
+    return total;
+}
+
+}  // namespace ragtop

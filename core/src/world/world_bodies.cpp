@@ -1,0 +1,229 @@
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "base/symmetric_eigen.h"
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+/// A shape without compounds, with its frame in the definition.
+struct FlatShape {
+    const ShapeDef* def;
+    const Shape* geometry;
+    Frame frame;
+};
+
+void flatten(const ShapeDef& def, const Shape& geometry, const Frame& frame, std::vector<FlatShape>& into) {
+    if (const auto* compound = std::get_if<Compound>(&geometry)) {
+        for (const CompoundPart& part : compound->parts) flatten(def, part.shape, frame * part.frame, into);
+        return;
+    }
+    into.push_back({&def, &geometry, frame});
+}
+
+template <class Array, class T>
+void grow(Array& array, std::uint32_t index, const T& value) {
+    if (index >= array.size()) array.resize(index + 1, value);
+    array[index] = value;
+}
+
+}  // namespace
+
+Pose WorldImpl::poseOf(const BodyRecord& body) const {
+    return Pose{body.center, body.rotation} * inverse(body.local);
+}
+
+Pose WorldImpl::shapePose(const ShapeRecord& shape) const {
+    const BodyRecord& body = bodies[shape.body];
+    return Pose{body.center, body.rotation} * shape.frame;
+}
+
+/// Shapes that share data share an entry.
+std::uint32_t WorldImpl::geometryIndex(const Shape& shape) {
+    GeometryEntry entry{shape, {}, nullptr, nullptr, sizeOf(shape)};
+    if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+        entry.mesh = &mesh->data();
+    } else if (const auto* field = std::get_if<HeightField>(&shape)) {
+        entry.field = &field->data();
+    } else {
+        entry.convex = convexView(shape);
+    }
+    for (std::size_t i = geometries.size(); i-- > 0 && geometries.size() - i <= 64;) {
+        const GeometryEntry& known = geometries[i];
+        if (known.shape.index() == shape.index() && known.mesh == entry.mesh && known.field == entry.field &&
+            known.convex.hull == entry.convex.hull && known.convex.radius == entry.convex.radius &&
+            known.convex.halfExtents == entry.convex.halfExtents)
+            return static_cast<std::uint32_t>(i);
+    }
+    geometries.push_back(std::move(entry));
+    return static_cast<std::uint32_t>(geometries.size() - 1);
+}
+
+/// Mass, centre and principal axes, from the definition or from shapes and densities.
+void WorldImpl::setMass(std::uint32_t index, const BodyDef& def) {
+    BodyRecord& body = bodies[index];
+    if (body.type != BodyType::dynamic) return;
+    MassProperties mass;
+    if (def.mass) {
+        mass = *def.mass;
+    } else {
+        std::vector<MassProperties> parts;
+        for (const ShapeDef& shape : def.shapes)
+            if (!shape.sensor) parts.push_back(transformed(massOf(shape.geometry, shape.density), shape.frame));
+        mass = combined(parts);
+    }
+    const PrincipalAxes axes = principalAxes(mass.inertia);
+    body.mass = mass.mass;
+    body.inertia = axes.values;
+    body.local = {mass.center, axes.rotation};
+}
+
+std::uint32_t WorldImpl::createBody(const BodyDef& def) {
+    if (const std::string wrong = whyInvalid(def); !wrong.empty()) throw std::invalid_argument(wrong);
+    const std::uint32_t index = bodySlots.acquire();
+    grow(bodies, index, BodyRecord{});
+    grow(states, index, BodyState{});
+    grow(inertias, index, BodyInertia{});
+    grow(dynamics, index, BodyDynamics{});
+    grow(histories, index, BodyHistory{});
+    BodyRecord& body = bodies[index];
+    body.type = def.type;
+    body.linearDamping = def.linearDamping;
+    body.angularDamping = def.angularDamping;
+    body.gravityScale = def.gravityScale;
+    body.allowSleep = def.allowSleep;
+    body.continuous = def.continuous;
+    body.bullet = def.bullet;
+    body.locks = def.locks;
+    body.userData = def.userData;
+    body.state = def.type == BodyType::fixed ? 0 : index;
+    setMass(index, def);
+    const Pose start{def.pose.position, normalized(def.pose.rotation)};
+    const Pose internal = start * body.local;
+    body.center = internal.position;
+    body.rotation = normalized(internal.rotation);
+    states[index].v = def.linearVelocity;
+    states[index].w = def.angularVelocity;
+
+    std::vector<FlatShape> flat;
+    for (const ShapeDef& shape : def.shapes) flatten(shape, shape.geometry, shape.frame, flat);
+    body.size = std::numeric_limits<float>::max();
+    const Frame toInternal = inverse(body.local);
+    // In reverse, because the list is built from its end.
+    for (std::size_t i = flat.size(); i-- > 0;) addShape(index, *flat[i].def, flat[i].frame, *flat[i].geometry, toInternal);
+    if (flat.empty()) body.size = body.radius = 0;
+    resetSolverState(index);
+    refreshBounds(index);
+    ++structureVersion;
+    if (def.type != BodyType::fixed) wakeBody(index);
+    return index;
+}
+
+void WorldImpl::addShape(std::uint32_t bodyIndex, const ShapeDef& def, const Frame& frame, const Shape& geometry,
+                         const Frame& toInternal) {
+    const std::uint32_t index = shapeSlots.acquire();
+    grow(shapes, index, ShapeRecord{});
+    ShapeRecord& shape = shapes[index];
+    BodyRecord& body = bodies[bodyIndex];
+    shape.frame = toInternal * frame;
+    shape.frame.rotation = normalized(shape.frame.rotation);
+    shape.filter = def.filter;
+    shape.material = def.material;
+    shape.body = bodyIndex;
+    shape.geometry = geometryIndex(geometry);
+    shape.size = geometries[shape.geometry].size;
+    shape.sensor = def.sensor;
+    shape.reportsMotion = def.reportsMotion;
+    shape.userData = def.userData;
+    shape.next = body.firstShape;
+    body.firstShape = index;
+    if (shape.size < body.size) body.size = shape.size;
+    const float radius = radiusAbout(geometry, inverseTransformPoint(shape.frame, {}));
+    if (radius > body.radius) body.radius = radius;
+}
+
+/// What the solver streams through, from the record.
+void WorldImpl::resetSolverState(std::uint32_t index) {
+    const BodyRecord& body = bodies[index];
+    BodyState& state = states[index];
+    BodyDynamics& d = dynamics[index];
+    const bool isDynamic = body.type == BodyType::dynamic;
+    const AxisLocks& locks = body.locks;
+    const bool turns = isDynamic && !(locks.rotationX || locks.rotationY || locks.rotationZ) && body.inertia.x > 0 &&
+                       body.inertia.y > 0 && body.inertia.z > 0;
+    state.invMass = isDynamic ? 1 / body.mass : 0;
+    state.locks = isDynamic ? (locks.translationX ? 1u : 0u) | (locks.translationY ? 2u : 0u) | (locks.translationZ ? 4u : 0u)
+                            : 0u;
+    state.dp = {};
+    state.dq = {};
+    d.inertia = turns ? body.inertia : Vec3{1, 1, 1};
+    d.inverseInertia = turns ? Vec3{1 / body.inertia.x, 1 / body.inertia.y, 1 / body.inertia.z} : Vec3{1, 1, 1};
+    d.spins = turns ? 1.0f : 0.0f;
+    d.translates = isDynamic ? 1.0f : 0.0f;
+    histories[index].velocityBefore = state.v;
+    // Free flight is the best guess for a body without a past; only the direction counts, any step fits.
+    histories[index].lastChange = isDynamic ? 1e12f * settings.gravity : Vec3{};
+    if (!turns) {
+        restrictInertia(index);
+        return;
+    }
+    const Mat3 r = toMat3(body.rotation);
+    const Vec3 i = d.inverseInertia;
+    const Mat3 m = r * Mat3{i.x * Vec3{1, 0, 0}, i.y * Vec3{0, 1, 0}, i.z * Vec3{0, 0, 1}} * transpose(r);
+    inertias[index] = {m.cx.x, m.cy.x, m.cz.x, m.cy.y, m.cz.y, m.cz.z};
+}
+
+void WorldImpl::refreshBounds(std::uint32_t index) {
+    for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next) {
+        if (shapes[s].proxy != kNone) removeProxy(s);
+        insertProxy(s);
+    }
+}
+
+void WorldImpl::destroyBody(std::uint32_t index) {
+    wakeTouching(index);
+    BodyRecord& body = bodies[index];
+    while (body.firstJoint != kNone) destroyJoint(body.firstJoint >> 1);
+    while (body.firstContact != kNone) destroyContact(body.firstContact >> 1);
+    for (std::uint32_t s = body.firstShape; s != kNone;) {
+        const std::uint32_t next = shapes[s].next;
+        removeProxy(s);
+        shapeSlots.release(s);
+        s = next;
+    }
+    body.firstShape = kNone;
+    if (body.awakeIndex != kNone) {
+        sleepBody(index);
+        sleepEvents.pop_back();
+    }
+    bodySlots.release(index);
+    ++structureVersion;
+}
+
+void WorldImpl::setPose(std::uint32_t index, const Pose& pose) {
+    BodyRecord& body = bodies[index];
+    wakeTouching(index);
+    const Pose internal = Pose{pose.position, normalized(pose.rotation)} * body.local;
+    body.center = internal.position;
+    body.rotation = normalized(internal.rotation);
+    resetSolverState(index);
+    refreshBounds(index);
+}
+
+std::uint32_t WorldImpl::index(BodyId id) const {
+    if (!bodySlots.isValid(id.index, id.generation)) throw std::out_of_range("no such body: id names nothing");
+    return id.index;
+}
+std::uint32_t WorldImpl::index(ShapeId id) const {
+    if (!shapeSlots.isValid(id.index, id.generation)) throw std::out_of_range("no such shape: id names nothing");
+    return id.index;
+}
+std::uint32_t WorldImpl::index(JointId id) const {
+    if (!jointSlots.isValid(id.index, id.generation)) throw std::out_of_range("no such joint: id names nothing");
+    return id.index;
+}
+
+}  // namespace ragtop

@@ -1,0 +1,278 @@
+#include <cmath>
+#include <cstring>
+
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+enum ContactChange : std::uint8_t { kUnchanged, kApart, kGraph };
+
+/// One field of a contact's lane.
+class LaneView {
+public:
+    LaneView(float* lane, int lanes) : lane_(lane), stride_(static_cast<std::size_t>(lanes)) {}
+    float& at(int field) { return lane_[static_cast<std::size_t>(field) * stride_]; }
+    float& at(int point, int field) { return at(contact::kPoints + point * contact::kPointFields + field); }
+    void set(int field, const Vec3& v) { at(field) = v.x, at(field + 1) = v.y, at(field + 2) = v.z; }
+    Vec3 vector(int field) { return {at(field), at(field + 1), at(field + 2)}; }
+    void setBits(int field, std::uint32_t bits) { std::memcpy(&at(field), &bits, sizeof bits); }
+
+private:
+    float* lane_;
+    std::size_t stride_;
+};
+
+}  // namespace
+
+const Material& WorldImpl::materialAt(const ShapeRecord& shape, std::uint32_t triangle) const {
+    const MeshData* mesh = geometries[shape.geometry].mesh;
+    if (!mesh || mesh->materialOfTriangle.empty()) return shape.material;
+    return mesh->materials[mesh->materialOfTriangle[triangle]];
+}
+
+ContactSurface WorldImpl::surfaceOf(const ContactRecord& contact, const ManifoldRecord& manifold) const {
+    const ShapeRecord &shapeA = shapes[contact.shapeA], &shapeB = shapes[contact.shapeB];
+    const Material& a = materialAt(shapeA, manifold.triangle);
+    const Material& b = shapeB.material;
+    ContactSurface surface;
+    surface.friction = std::sqrt(a.friction * b.friction);
+    surface.restitution = a.restitution > b.restitution ? a.restitution : b.restitution;
+    surface.rollingResistance = a.rollingResistance > b.rollingResistance ? a.rollingResistance : b.rollingResistance;
+    if (a.surfaceVelocity != Vec3{} || b.surfaceVelocity != Vec3{})
+        surface.surfaceVelocity = rotate(definitionRotation(bodies[contact.bodyB]), b.surfaceVelocity) -
+                                  rotate(definitionRotation(bodies[contact.bodyA]), a.surfaceVelocity);
+    if (callbacks.modify) callbacks.modify(pairInfo(contact), surface);
+    return surface;
+}
+
+PairInfo WorldImpl::pairInfo(const ContactRecord& contact) const {
+    return {shapeId(contact.shapeA), shapeId(contact.shapeB), id(contact.bodyA), id(contact.bodyB),
+            shapes[contact.shapeA].userData, shapes[contact.shapeB].userData};
+}
+
+/// Writes a manifold with its impulses into its lane.
+void WorldImpl::writeLane(const ContactRecord& record, const ManifoldRecord& manifold) {
+    LaneView lane(graph.lane(manifold.place), graph.lanes());
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
+    const ContactSurface surface = surfaceOf(record, manifold);
+    lane.setBits(contact::kBodyA, a.state);
+    lane.setBits(contact::kBodyB, b.state);
+    lane.setBits(contact::kPointCount, surface.enabled ? static_cast<std::uint32_t>(manifold.pointCount) : 0);
+    lane.set(contact::kNormal, manifold.normal);
+    // A static A has no reference point of its own: anchors are then from the centre of B.
+    lane.set(contact::kOffset, a.state == 0 ? Vec3{} : relative(b.center, a.center));
+    lane.at(contact::kFriction) = surface.friction;
+    lane.at(contact::kRestitution) = surface.restitution;
+    lane.at(contact::kRolling) = surface.rollingResistance;
+    const float sizeA = shapes[record.shapeA].size, sizeB = shapes[record.shapeB].size;
+    lane.at(contact::kSize) = sizeA < sizeB ? sizeA : sizeB;
+    lane.set(contact::kSurface, surface.surfaceVelocity);
+    for (int j = 0; j < contact::kMaxPoints; ++j) {
+        lane.set(contact::kPoints + j * contact::kPointFields + contact::kAnchor, manifold.anchor[j]);
+        lane.at(j, contact::kSeparation) = manifold.separation[j];
+    }
+    const float ratio = manifold.substep > 0 ? context.h / manifold.substep : 1;
+    for (int j = 0; j < contact::kMaxPoints; ++j) {
+        lane.at(j, contact::kImpulse) = ratio * manifold.impulse[j];
+        lane.at(j, contact::kLoad) = ratio * manifold.load[j];
+    }
+    lane.set(contact::kFrictionImpulse, ratio * manifold.frictionImpulse);
+    lane.set(contact::kRollImpulse, ratio * manifold.rollImpulse);
+    lane.at(contact::kTwistImpulse) = ratio * manifold.twistImpulse;
+}
+
+/// Copies the impulses of a lane into the record.
+void WorldImpl::saveLane(ManifoldRecord& manifold) {
+    LaneView lane(graph.lane(manifold.place), graph.lanes());
+    for (int j = 0; j < contact::kMaxPoints; ++j) {
+        manifold.impulse[j] = lane.at(j, contact::kImpulse);
+        manifold.load[j] = lane.at(j, contact::kLoad);
+    }
+    manifold.frictionImpulse = lane.vector(contact::kFrictionImpulse);
+    manifold.rollImpulse = lane.vector(contact::kRollImpulse);
+    manifold.twistImpulse = lane.at(contact::kTwistImpulse);
+    manifold.substep = lastSubstep;
+}
+
+void WorldImpl::addToGraph(std::uint32_t index) {
+    ManifoldRecord& manifold = manifolds[index];
+    const ContactRecord& record = contacts[manifold.contact];
+    if (manifold.place.color != kNone || manifold.pointCount == 0 || record.sensor) return;
+    manifold.place = graph.insertContact(index, bodies[record.bodyA].state, moves(record.bodyA),
+                                         bodies[record.bodyB].state, moves(record.bodyB));
+    writeLane(record, manifold);
+}
+
+void WorldImpl::removeFromGraph(std::uint32_t index) {
+    ManifoldRecord& manifold = manifolds[index];
+    if (manifold.place.color == kNone) return;
+    saveLane(manifold);
+    const ContactRecord& record = contacts[manifold.contact];
+    const std::uint32_t moved = graph.removeContact(manifold.place, bodies[record.bodyA].state, moves(record.bodyA),
+                                                    bodies[record.bodyB].state, moves(record.bodyB));
+    if (moved != kNone) manifolds[moved].place.slot = manifold.place.slot;
+    manifold.place = {};
+}
+
+void WorldImpl::updateContacts() {
+    const int count = static_cast<int>(awakeContacts.size());
+    contactChanged.resizeForOverwrite(awakeContacts.size());
+    runner.parallelFor(count, 32, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) updateContact(awakeContacts[static_cast<std::size_t>(i)]);
+    });
+}
+
+namespace {
+
+/// Moves impulses from the points of before to those of now that have the same feature.
+void carryImpulses(const ManifoldRecord& before, ManifoldRecord& now) {
+    for (int j = 0; j < kMaxManifoldPoints; ++j) {
+        now.impulse[j] = now.load[j] = 0;
+        if (j >= now.pointCount) continue;
+        for (int k = 0; k < before.pointCount; ++k)
+            if (before.feature[k] == now.feature[j]) {
+                now.impulse[j] = before.impulse[k];
+                now.load[j] = before.load[k];
+                break;
+            }
+    }
+}
+
+/// For each new manifold the old one that faces the same way, at most once; the rest take free places.
+void matchManifolds(const Vec3* normals, int count, const ManifoldRecord* old, int capacity, int place[kMaxManifolds]) {
+    bool used[kMaxManifolds] = {};
+    for (int i = 0; i < count; ++i) {
+        int best = -1;
+        float bestDot = 0.9f;
+        for (int k = 0; k < capacity; ++k) {
+            if (used[k] || old[k].pointCount == 0) continue;
+            const float d = dot(normals[i], old[k].normal);
+            if (d > bestDot) bestDot = d, best = k;
+        }
+        place[i] = best;
+        if (best >= 0) used[best] = true;
+    }
+    for (int i = 0; i < count; ++i) {
+        if (place[i] >= 0) continue;
+        int free = -1;
+        for (int k = 0; k < capacity && free < 0; ++k)
+            if (!used[k] && old[k].pointCount == 0) free = k;
+        for (int k = 0; k < capacity && free < 0; ++k)
+            if (!used[k]) free = k;
+        place[i] = free;
+        used[free] = true;
+    }
+}
+
+}  // namespace
+
+void WorldImpl::updateContact(std::uint32_t index) {
+    ContactRecord& record = contacts[index];
+    const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
+    std::uint8_t& change = contactChanged[record.awakeIndex];
+    change = kUnchanged;
+    if (!overlaps(tree(shapeA).bounds(shapeA.proxy), tree(shapeB).bounds(shapeB.proxy))) {
+        change = kApart;
+        return;
+    }
+
+    // Contacts are found early enough that the motion of this step cannot pass them.
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
+    const BodyState &stateA = states[record.bodyA], &stateB = states[record.bodyB];
+    const float size = shapeA.size < shapeB.size ? shapeA.size : shapeB.size;
+    const float turnA = a.type == BodyType::fixed ? 0 : length(stateA.w) * a.radius;
+    const float turnB = b.type == BodyType::fixed ? 0 : length(stateB.w) * b.radius;
+    const float motion = (length(stateB.v - stateA.v) + turnA + turnB) * dt;
+    const float margin = record.sensor ? 0 : tuning::kSpeculative * size + (motion < size ? motion : size);
+
+    const Quat rotationA = a.rotation * shapeA.frame.rotation;
+    const Vec3 offset = relative(b.center, a.center);
+    const Vec3 originA = rotate(a.rotation, shapeA.frame.position);
+    const Frame bInA{inverseRotate(rotationA, offset + rotate(b.rotation, shapeB.frame.position) - originA),
+                     normalized(conjugate(rotationA) * (b.rotation * shapeB.frame.rotation))};
+    Manifold found[kMaxManifolds];
+    const GeometryEntry &geometryA = geometries[shapeA.geometry], &geometryB = geometries[shapeB.geometry];
+    int count = 1;
+    if (geometryA.mesh) {
+        count = collide(*geometryA.mesh, geometryB.convex, bInA, margin, found);
+    } else if (geometryA.field) {
+        count = collide(*geometryA.field, geometryB.convex, bInA, margin, found);
+    } else {
+        collide(geometryA.convex, geometryB.convex, bInA, margin, record.cache, found[0]);
+        count = found[0].pointCount > 0 ? 1 : 0;
+    }
+
+    Vec3 normals[kMaxManifolds];
+    int place[kMaxManifolds];
+    for (int i = 0; i < count; ++i) normals[i] = rotate(rotationA, found[i].normal);
+    ManifoldRecord* old = &manifolds[record.firstManifold];
+    matchManifolds(normals, count, old, record.manifoldCapacity, place);
+
+    bool written[kMaxManifolds] = {};
+    const Vec3 reference = a.state == 0 ? originA - offset : originA;
+    for (int i = 0; i < count; ++i) {
+        ManifoldRecord& manifold = old[place[i]];
+        written[place[i]] = true;
+        if (manifold.place.color != kNone) saveLane(manifold);
+        ManifoldRecord now = manifold;
+        now.normal = normals[i];
+        now.triangle = found[i].triangle;
+        now.pointCount = found[i].pointCount;
+        for (int j = 0; j < kMaxManifoldPoints; ++j) {
+            const ManifoldPoint& point = found[i].points[j];
+            const bool present = j < now.pointCount;
+            now.feature[j] = present ? point.feature : 0;
+            now.anchor[j] = present ? reference + rotate(rotationA, point.position) : Vec3{};
+            now.separation[j] = present ? point.separation : 0;
+        }
+        carryImpulses(manifold, now);
+        manifold = now;
+        if (manifold.place.color != kNone)
+            writeLane(record, manifold);
+        else
+            change = kGraph;
+    }
+    for (int k = 0; k < record.manifoldCapacity; ++k) {
+        if (written[k] || old[k].pointCount == 0) continue;
+        old[k].pointCount = 0;
+        change = kGraph;
+    }
+}
+
+/// Contacts that came or went, in the order of the list, so that colours depend on the scene alone.
+void WorldImpl::applyContactChanges() {
+    changedContacts.clear();
+    for (std::size_t i = 0; i < awakeContacts.size(); ++i)
+        if (contactChanged[i] != kUnchanged) changedContacts.push({awakeContacts[i], contactChanged[i]});
+    for (const ChangedContact changed : changedContacts) {
+        if (changed.change == kApart)
+            destroyContact(changed.contact);
+        else
+            applyContactChange(changed.contact);
+    }
+}
+
+/// Puts the manifolds of a contact that have points into the graph and takes those without out of it. A body that
+/// sleeps wakes when it is met; until then it takes no part. The contacts of a body that wakes keep the geometry they
+/// fell asleep with, which has not changed.
+void WorldImpl::applyContactChange(std::uint32_t index) {
+    const ContactRecord record = contacts[index];
+    bool points = false, meets = false;
+    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
+        const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
+        if (manifold.pointCount == 0) removeFromGraph(record.firstManifold + k);
+        points |= manifold.pointCount > 0;
+        for (int j = 0; j < manifold.pointCount; ++j) meets |= manifold.separation[j] <= 0;
+    }
+    if (!points || record.sensor) return;
+    const bool sleepsA = moves(record.bodyA) && !isAwake(record.bodyA);
+    const bool sleepsB = moves(record.bodyB) && !isAwake(record.bodyB);
+    if ((sleepsA || sleepsB) && !meets) return;
+    if (sleepsA) wakeBody(record.bodyA);
+    if (sleepsB) wakeBody(record.bodyB);
+    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) addToGraph(record.firstManifold + k);
+}
+
+}  // namespace ragtop

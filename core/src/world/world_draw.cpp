@@ -1,0 +1,97 @@
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+constexpr Color kFixedColor = 0x8a8f98, kKinematicColor = 0x4f9dde, kAwakeColor = 0xe0a458, kAsleepColor = 0x6d7f5e,
+                kContactColor = 0xd1495b, kForceColor = 0xf5d547, kJointColor = 0x3fb28f, kBoundsColor = 0x9c6ade;
+
+void drawTriangles(DebugDraw& draw, const Pose& pose, std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+                   Color color) {
+    for (const Triangle& t : triangles)
+        draw.triangle(transformPoint(pose, vertices[t.a]), transformPoint(pose, vertices[t.b]),
+                      transformPoint(pose, vertices[t.c]), color);
+}
+
+struct ShapePainter {
+    DebugDraw& draw;
+    Pose pose;
+    Color color;
+
+    void operator()(const Sphere& s) const { draw.sphere(pose, s.radius, color); }
+    void operator()(const Capsule& c) const { draw.capsule(pose, c.radius, c.halfHeight, color); }
+    void operator()(const Box& b) const { draw.box(pose, b.halfExtents, color); }
+    void operator()(const ConvexHull& h) const {
+        const HullData& hull = h.data();
+        for (const HullData::Edge& e : hull.edges)
+            draw.line(transformPoint(pose, hull.vertices[e.from]), transformPoint(pose, hull.vertices[e.to]), color);
+    }
+    void operator()(const TriangleMesh& m) const { drawTriangles(draw, pose, m.vertices(), m.triangles(), color); }
+    void operator()(const HeightField& f) const {
+        for (int row = 0; row < f.rows(); ++row)
+            for (int column = 0; column < f.columns(); ++column) {
+                const auto at = [&](int c, int r) {
+                    const float height = f.heights()[static_cast<std::size_t>(r * f.columns() + c)];
+                    return transformPoint(pose, Vec3{static_cast<float>(c) * f.spacing(), height,
+                                                     static_cast<float>(r) * f.spacing()});
+                };
+                if (column + 1 < f.columns()) draw.line(at(column, row), at(column + 1, row), color);
+                if (row + 1 < f.rows()) draw.line(at(column, row), at(column, row + 1), color);
+            }
+    }
+    void operator()(const Compound&) const {}
+};
+
+void drawBounds(DebugDraw& draw, const Bounds& b) {
+    const Vec3 corner[2] = {b.lower, b.upper};
+    const auto at = [&](int i) {
+        return DVec3(corner[i & 1].x, corner[(i >> 1) & 1].y, corner[(i >> 2) & 1].z);
+    };
+    for (int i = 0; i < 8; ++i)
+        for (int bit = 1; bit < 8; bit <<= 1)
+            if ((i & bit) == 0) draw.line(at(i), at(i | bit), kBoundsColor);
+}
+
+}  // namespace
+
+void World::draw(DebugDraw& draw) const {
+    const WorldImpl& impl = *impl_;
+    for (std::uint32_t s = 0; s < impl.shapeSlots.count(); ++s) {
+        if (!impl.shapeSlots.isUsed(s)) continue;
+        const ShapeRecord& shape = impl.shapes[s];
+        const BodyRecord& body = impl.bodies[shape.body];
+        Color color = body.type == BodyType::fixed       ? kFixedColor
+                      : body.type == BodyType::kinematic ? kKinematicColor
+                      : body.awakeIndex != kNone         ? kAwakeColor
+                                                         : kAsleepColor;
+        if (draw.options.shapes)
+            std::visit(ShapePainter{draw, impl.shapePose(shape), color}, impl.geometries[shape.geometry].shape);
+        if (draw.options.bounds) drawBounds(draw, impl.tree(shape).bounds(shape.proxy));
+    }
+    if (draw.options.centers)
+        for (const BodyId id : bodies())
+            if (impl.moves(id.index)) draw.frame({centerOfMass(id), impl.bodies[id.index].rotation}, impl.bodies[id.index].size);
+    if (draw.options.contacts)
+        forEachContact([&](const Contact& contact) {
+            for (int i = 0; i < contact.pointCount; ++i) {
+                const ContactPoint& point = contact.points[i];
+                draw.sphere({point.point, {}}, 0.01f, kContactColor);
+                if (impl.lastSubstep > 0)
+                    draw.arrow(point.point, (1e-4f * point.impulse / impl.lastSubstep) * contact.normal, kForceColor);
+            }
+        });
+    if (draw.options.joints)
+        for (const JointId id : joints()) {
+            const JointRecord& joint = impl.joints[id.index];
+            const JointBodies& ends = std::visit([](const auto& d) -> const JointBodies& { return d.bodies; }, joint.def);
+            const Pose a = joint.bodyA == 0 ? Pose{} : impl.poseOf(impl.bodies[joint.bodyA]);
+            const Pose b = joint.bodyB == 0 ? Pose{} : impl.poseOf(impl.bodies[joint.bodyB]);
+            const Pose frameA = a * ends.frameA, frameB = b * ends.frameB;
+            draw.line(a.position, frameA.position, kJointColor);
+            draw.line(b.position, frameB.position, kJointColor);
+            draw.frame(frameA, 0.1f);
+        }
+}
+
+}  // namespace ragtop

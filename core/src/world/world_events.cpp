@@ -1,0 +1,130 @@
+#include <cmath>
+
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+/// What the solver left in a contact's lane.
+struct LaneReader {
+    const float* lane;
+    std::size_t stride;
+    float at(int field) const { return lane[static_cast<std::size_t>(field) * stride]; }
+    float at(int point, int field) const { return at(contact::kPoints + point * contact::kPointFields + field); }
+    Vec3 vector(int field) const { return {at(field), at(field + 1), at(field + 2)}; }
+};
+
+LaneReader reader(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
+    return {graph.lane(manifold.place), static_cast<std::size_t>(graph.lanes())};
+}
+
+}  // namespace
+
+/// Contacts touch when a point carries load or overlaps; begin and end are reported in the order of the list.
+void WorldImpl::publishEvents() {
+    contactChanged.resizeForOverwrite(awakeContacts.size());
+    runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            const auto place = static_cast<std::size_t>(i);
+            const ContactRecord& record = contacts[awakeContacts[place]];
+            bool touching = false;
+            for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
+                const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
+                for (int j = 0; j < manifold.pointCount; ++j) {
+                    touching |= manifold.separation[j] <= 0;
+                    if (manifold.place.color != kNone)
+                        touching |= reader(graph, manifold).at(j, contact::kPeak) > 0;
+                }
+            }
+            contactChanged[place] = touching != record.touching || (touching && record.reportsMotion) ? 1 : 0;
+        }
+    });
+    for (std::size_t i = 0; i < awakeContacts.size(); ++i)
+        if (contactChanged[i] != 0) publishContact(awakeContacts[i]);
+}
+
+void WorldImpl::publishContact(std::uint32_t index) {
+    ContactRecord& record = contacts[index];
+    bool touching = false;
+    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
+        const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
+        bool loaded = false;
+        for (int j = 0; j < manifold.pointCount; ++j) {
+            loaded |= manifold.separation[j] <= 0;
+            if (manifold.place.color != kNone) loaded |= reader(graph, manifold).at(j, contact::kPeak) > 0;
+        }
+        touching |= loaded;
+        if (loaded && record.reportsMotion && manifold.place.color != kNone) publishSurface(record, manifold);
+    }
+    if (touching == record.touching) return;
+    const ContactEvent event{shapeId(record.shapeA), shapeId(record.shapeB), id(record.bodyA), id(record.bodyB)};
+    if (record.sensor)
+        (touching ? sensorBegins : sensorEnds).push_back(event);
+    else
+        (touching ? begins : ends).push_back(event);
+    record.touching = touching;
+}
+
+void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord& manifold) {
+    const LaneReader lane = reader(graph, manifold);
+    SurfaceEvent event;
+    float approach = 0;
+    for (int j = 0; j < manifold.pointCount; ++j) {
+        event.impulse += lane.at(j, contact::kPeak);
+        if (lane.at(j, contact::kPeak) > 0 && lane.at(j, contact::kApproach) < approach)
+            approach = lane.at(j, contact::kApproach);
+    }
+    if (event.impulse <= 0) return;
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
+    const Vec3 rA = lane.vector(contact::kCenter), rB = rA - lane.vector(contact::kOffset);
+    const BodyState &stateA = states[a.state], &stateB = states[b.state];
+    const Vec3 velocityA = stateA.v + cross(stateA.w, rA), velocityB = stateB.v + cross(stateB.w, rB);
+    const Vec3 slip = velocityB - velocityA + lane.vector(contact::kSurface);
+    const Vec3 tangential = slip - dot(slip, manifold.normal) * manifold.normal;
+    const float size = lane.at(contact::kSize);
+    const float slowest = tuning::kSlideSpeed * std::sqrt(length(settings.gravity) * size);
+    event.shapeA = shapeId(record.shapeA), event.shapeB = shapeId(record.shapeB);
+    event.bodyA = id(record.bodyA), event.bodyB = id(record.bodyB);
+    event.surfaceA = materialAt(shapes[record.shapeA], manifold.triangle).surface;
+    event.surfaceB = shapes[record.shapeB].material.surface;
+    event.point = (a.state == 0 ? b.center : a.center) + rA;
+    event.normal = manifold.normal;
+    if (approach < -context.restitutionSpeed) {
+        event.kind = SurfaceEvent::Kind::impact;
+        event.speed = -approach;
+        surfaceEvents.push_back(event);
+    }
+    event.speed = length(tangential);
+    event.kind = SurfaceEvent::Kind::slide;
+    if (event.speed <= slowest) {
+        // Rolling: the surfaces stick, but the contact point travels over them.
+        const Vec3 travel = 0.5f * (stateA.v + stateB.v) - 0.5f * (velocityA + velocityB);
+        event.speed = length(travel - dot(travel, manifold.normal) * manifold.normal) * 2;
+        event.kind = SurfaceEvent::Kind::roll;
+    }
+    if (event.speed > slowest) surfaceEvents.push_back(event);
+}
+
+Contact WorldImpl::describe(const ContactRecord& record, const ManifoldRecord& manifold) const {
+    Contact result;
+    result.shapeA = shapeId(record.shapeA), result.shapeB = shapeId(record.shapeB);
+    result.bodyA = id(record.bodyA), result.bodyB = id(record.bodyB);
+    result.normal = manifold.normal;
+    result.pointCount = manifold.pointCount;
+    const bool inGraph = manifold.place.color != kNone;
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
+    const float rate = lastSubstep > 0 ? 1 / lastSubstep : 0;
+    for (int j = 0; j < manifold.pointCount; ++j) {
+        ContactPoint& point = result.points[j];
+        point.point = (a.state == 0 ? b.center : a.center) + manifold.anchor[j];
+        point.separation = manifold.separation[j];
+        point.impulse = inGraph ? reader(graph, manifold).at(j, contact::kImpulse) : manifold.impulse[j];
+        result.normalForce += rate * point.impulse;
+    }
+    result.frictionForce =
+        rate * (inGraph ? reader(graph, manifold).vector(contact::kFrictionImpulse) : manifold.frictionImpulse);
+    return result;
+}
+
+}  // namespace ragtop

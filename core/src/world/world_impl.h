@@ -1,0 +1,238 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory_resource>
+#include <mutex>
+#include <vector>
+
+#include "base/aligned_array.h"
+#include "base/pair_set.h"
+#include "base/stage_runner.h"
+#include "broadphase/bounds_tree.h"
+#include "constraints/constraint_graph.h"
+#include "constraints/joint_sim.h"
+#include "narrowphase/collide.h"
+#include "ragtop/world.h"
+#include "shapes/geometry.h"
+#include "solve/kernel_table.h"
+#include "world/records.h"
+
+namespace ragtop {
+
+/// Lengths relative to the size of what touches, and other numbers of the method.
+namespace tuning {
+inline constexpr float kSpeculative = 0.02f;     ///< contact margin at rest, in sizes of the smaller shape
+inline constexpr float kFatMargin = 0.1f;        ///< enlargement of bounds, in sizes
+inline constexpr float kContinuousMotion = 0.5f; ///< motion per step beyond which a body is swept, in sizes
+inline constexpr float kSlideSpeed = 0.05f;      ///< slowest slide or roll reported, in √(gravity · size)
+}  // namespace tuning
+
+/// A geometry shared by shapes, never moved; not part of a saved state.
+struct GeometryEntry {
+    Shape shape;
+    ConvexView convex;
+    const MeshData* mesh = nullptr;
+    const HeightFieldData* field = nullptr;
+    float size = 0;
+    bool isMesh() const { return mesh || field; }
+};
+
+struct WorldImpl {
+    WorldImpl(const WorldSettings& worldSettings, const WorldConfig& config);
+
+    // world_step.cpp: the stages of a step, in order.
+    void step(World& world, double dt);
+    void prepareBodies();
+    void prepareConstraints();
+    void solveSubstep(World& world);
+    void integrateVelocities();
+    void warmStart();
+    void solve(bool useBias);
+    void integratePositions();
+    void applyRestitution();
+    void finishBodies();
+    void restrictInertia(std::uint32_t body);
+    template <class Joint, class Contact>
+    void forEachColor(Joint&& joint, Contact&& contact);
+
+    // world_pairs.cpp: broad phase.
+    void findPairs();
+    void refitBounds();
+    void createContact(std::uint32_t shapeA, std::uint32_t shapeB);
+    void destroyContact(std::uint32_t contact);
+    bool shouldCollide(const ShapeRecord& a, const ShapeRecord& b) const;
+    void insertProxy(std::uint32_t shape);
+    void removeProxy(std::uint32_t shape);
+    void markMoved(std::uint32_t shape);
+    Bounds tightBounds(const ShapeRecord& shape, float dt) const;
+    static Bounds enlarged(const Bounds& bounds, float margin);
+    BoundsTree& tree(const ShapeRecord& shape) { return shape.isStaticTree ? staticTree : movingTree; }
+    const BoundsTree& tree(const ShapeRecord& shape) const { return shape.isStaticTree ? staticTree : movingTree; }
+
+    // world_contacts.cpp: narrow phase.
+    void updateContacts();
+    void updateContact(std::uint32_t contact);
+    void applyContactChanges();
+    void applyContactChange(std::uint32_t contact);
+    void writeLane(const ContactRecord& contact, const ManifoldRecord& manifold);
+    void saveLane(ManifoldRecord& manifold);
+    void addToGraph(std::uint32_t manifold);
+    void removeFromGraph(std::uint32_t manifold);
+    void addJointToGraph(std::uint32_t joint);
+    void removeJointFromGraph(std::uint32_t joint);
+    ContactSurface surfaceOf(const ContactRecord& contact, const ManifoldRecord& manifold) const;
+    const Material& materialAt(const ShapeRecord& shape, std::uint32_t triangle) const;
+    PairInfo pairInfo(const ContactRecord& contact) const;
+
+    // world_continuous.cpp
+    void sweepFastBodies();
+    void sweepBody(std::uint32_t body, const DVec3& fromCenter, const Quat& fromRotation);
+
+    // world_sleep.cpp: islands.
+    void sleepQuietIslands();
+    void buildIslands();
+    std::uint32_t findRoot(std::uint32_t body);
+    void unite(std::uint32_t a, std::uint32_t b);
+    void wakeBody(std::uint32_t body);
+    void restoreContacts(std::uint32_t body);
+    void wakeTouching(std::uint32_t body);
+    void sleepBody(std::uint32_t body);
+
+    // world_events.cpp
+    void publishEvents();
+    void publishContact(std::uint32_t contact);
+    void publishSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
+    Contact describe(const ContactRecord& contact, const ManifoldRecord& manifold) const;
+
+    // world_bodies.cpp, world_joints.cpp
+    std::uint32_t createBody(const BodyDef& def);
+    void addShape(std::uint32_t body, const ShapeDef& def, const Frame& frame, const Shape& geometry,
+                  const Frame& toInternal);
+    void destroyBody(std::uint32_t body);
+    std::uint32_t createJoint(const JointDef& def);
+    void destroyJoint(std::uint32_t joint);
+    std::uint32_t geometryIndex(const Shape& shape);
+    void setMass(std::uint32_t body, const BodyDef& def);
+    void resetSolverState(std::uint32_t body);
+    void refreshBounds(std::uint32_t body);
+    void clearEvents();
+    void setPose(std::uint32_t body, const Pose& pose);
+    Pose poseOf(const BodyRecord& body) const;
+    Pose shapePose(const ShapeRecord& shape) const;
+    void rebuildLists();
+    const WorldImpl& lists() const;
+    void visitContact(std::uint32_t contact, const std::function<void(const Contact&)>& visit) const;
+    JointBodiesAtStep jointBodies(const JointRecord& joint) const;
+    Quat definitionRotation(const BodyRecord& body) const { return body.rotation * conjugate(body.local.rotation); }
+    bool moves(std::uint32_t body) const { return bodies[body].type == BodyType::dynamic && bodies[body].mass > 0; }
+    bool isAwake(std::uint32_t body) const { return bodies[body].awakeIndex != kNone; }
+    std::uint32_t index(BodyId id) const;
+    std::uint32_t index(ShapeId id) const;
+    std::uint32_t index(JointId id) const;
+    BodyId id(std::uint32_t body) const { return {body, bodySlots.generation(body)}; }
+    ShapeId shapeId(std::uint32_t shape) const { return {shape, shapeSlots.generation(shape)}; }
+    JointId jointId(std::uint32_t joint) const { return {joint, jointSlots.generation(joint)}; }
+    template <class Records>
+    void link(Records& records, std::uint32_t& first, std::uint32_t key);
+    template <class Records>
+    void unlink(Records& records, std::uint32_t& first, std::uint32_t key);
+    void addAwakeContact(std::uint32_t contact);
+    void removeAwakeContact(std::uint32_t contact);
+
+    // world_state.cpp
+    template <class Archive>
+    void archive(Archive& archive);
+    std::uint64_t hash() const;
+
+    BodyArrays bodyArrays() { return {states.data(), inertias.data(), dynamics.data(), histories.data()}; }
+    void beginStage(const char* name);
+    void endStages();
+
+    WorldSettings settings;
+    WorldCallbacks callbacks;
+    std::pmr::memory_resource* memory;
+    StageRunner runner;
+    const KernelTable* kernels;
+
+    // Saved state.
+    Slots bodySlots, shapeSlots, contactSlots, jointSlots;
+    AlignedArray<BodyRecord> bodies;
+    AlignedArray<BodyState> states;
+    AlignedArray<BodyInertia> inertias;
+    AlignedArray<BodyDynamics> dynamics;
+    AlignedArray<BodyHistory> histories;
+    AlignedArray<ShapeRecord> shapes;
+    AlignedArray<ContactRecord> contacts;
+    AlignedArray<ManifoldRecord> manifolds;
+    AlignedArray<std::uint32_t> freeManifolds, freeMeshManifolds;
+    AlignedArray<JointRecord> joints;
+    AlignedArray<JointSim> jointSims;
+    AlignedArray<std::uint32_t> awakeBodies, awakeContacts, moveBuffer;
+    ConstraintGraph graph;
+    BoundsTree staticTree, movingTree;
+    PairSet pairs;
+    std::uint64_t stepCount = 0, structureVersion = 0;
+    double time = 0;
+    float lastSubstep = 0;
+
+    // Derived from the state, or of the current step only.
+    std::pmr::vector<GeometryEntry> geometries;
+    std::vector<StepModule*> modules;
+    AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts
+    struct ChangedContact {
+        std::uint32_t contact;
+        std::uint8_t change;
+    };
+    AlignedArray<ChangedContact> changedContacts;
+    AlignedArray<std::uint32_t> islandParent;   ///< union-find over bodies
+    AlignedArray<float> islandQuiet;            ///< s, of the least quiet body of a root
+    AlignedArray<std::uint32_t> bodyStack;
+    AlignedArray<std::uint8_t> bodyFlags;          ///< per awake body, set by finishBodies
+    struct PairFound {
+        std::uint32_t a, b;
+    };
+    std::vector<std::pmr::vector<PairFound>> foundPairs;  ///< per block of the move buffer
+    struct StartPose {
+        DVec3 center;
+        Quat rotation;
+    };
+    AlignedArray<StartPose> startPoses;            ///< per awake body, of bodies to sweep
+    SolverContext context;
+    JointContext jointContext;
+    float dt = 0;
+    int islandCount = 0;
+    std::vector<BodyId> bodyIds;
+    std::vector<JointId> jointIds;
+    std::vector<std::vector<ShapeId>> bodyShapes;
+    std::vector<std::vector<JointId>> bodyJoints;
+    std::uint64_t listsVersion = ~std::uint64_t{0};
+
+    std::pmr::vector<ContactEvent> begins, ends, sensorBegins, sensorEnds;
+    std::pmr::vector<ContactEvent> endsBetweenSteps, sensorEndsBetweenSteps;  ///< by destroying; told by the next step
+    bool stepping = false;
+    mutable std::mutex queryThreads, listsMutex;
+    std::pmr::vector<SurfaceEvent> surfaceEvents;
+    std::pmr::vector<SleepEvent> sleepEvents;
+    std::pmr::vector<StepStats::Stage> stages;
+    std::chrono::steady_clock::time_point stageStart, stepStart;
+    double totalMs = 0;
+};
+
+template <class Records>
+void WorldImpl::link(Records& records, std::uint32_t& first, std::uint32_t key) {
+    Edge& edge = records[key >> 1].edges[key & 1];
+    edge = {kNone, first};
+    if (first != kNone) records[first >> 1].edges[first & 1].previous = key;
+    first = key;
+}
+
+template <class Records>
+void WorldImpl::unlink(Records& records, std::uint32_t& first, std::uint32_t key) {
+    const Edge edge = records[key >> 1].edges[key & 1];
+    if (edge.previous != kNone) records[edge.previous >> 1].edges[edge.previous & 1].next = edge.next;
+    if (edge.next != kNone) records[edge.next >> 1].edges[edge.next & 1].previous = edge.previous;
+    if (first == key) first = edge.next;
+}
+
+}  // namespace ragtop

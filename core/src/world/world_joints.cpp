@@ -1,0 +1,104 @@
+#include <stdexcept>
+#include <string>
+
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+const JointBodies& bodiesOf(const JointDef& def) {
+    return std::visit([](const auto& joint) -> const JointBodies& { return joint.bodies; }, def);
+}
+
+}  // namespace
+
+/// The world as a body has its centre at the joint's frame, so that nothing large is rounded.
+JointBodiesAtStep WorldImpl::jointBodies(const JointRecord& joint) const {
+    const JointBodies& def = bodiesOf(joint.def);
+    const BodyRecord &a = bodies[joint.bodyA], &b = bodies[joint.bodyB];
+    const DVec3 centerA = joint.bodyA == 0 ? DVec3(def.frameA.position) : a.center;
+    const DVec3 centerB = joint.bodyB == 0 ? DVec3(def.frameB.position) : b.center;
+    return {relative(centerB, centerA), definitionRotation(a), definitionRotation(b)};
+}
+
+std::uint32_t WorldImpl::createJoint(const JointDef& def) {
+    if (const std::string wrong = whyInvalid(def); !wrong.empty()) throw std::invalid_argument(wrong);
+    const JointBodies& joined = bodiesOf(def);
+    const auto bodyIndex = [&](BodyId id, const char* name) {
+        if (id.isNull()) return std::uint32_t{0};
+        if (!bodySlots.isValid(id.index, id.generation))
+            throw std::invalid_argument(std::string("bodies.") + name + " names no body of this world");
+        return id.index;
+    };
+    const std::uint32_t a = bodyIndex(joined.a, "a"), b = bodyIndex(joined.b, "b");
+    if (!moves(a) && !moves(b)) throw std::invalid_argument("bodies.a and bodies.b: at least one must be dynamic");
+
+    const std::uint32_t index = jointSlots.acquire();
+    if (index >= joints.size()) {
+        joints.resize(index + 1, JointRecord{});
+        jointSims.resize(index + 1, JointSim{});
+    }
+    JointRecord& joint = joints[index];
+    joint = JointRecord{};
+    joint.def = def;
+    joint.bodyA = a;
+    joint.bodyB = b;
+    JointSim& sim = jointSims[index];
+    sim = JointSim{};
+    sim.stateA = bodies[a].state;
+    sim.stateB = bodies[b].state;
+    compileJoint(def, a == 0 ? joined.frameA.position : bodies[a].local.position,
+                 b == 0 ? joined.frameB.position : bodies[b].local.position, sim);
+    // Bodies that were in contact and no longer collide lose that contact.
+    if (!joined.collide)
+        for (std::uint32_t key = bodies[a].firstContact; key != kNone;) {
+            const std::uint32_t next = contacts[key >> 1].edges[key & 1].next;
+            const ContactRecord& contact = contacts[key >> 1];
+            if (contact.bodyA == b || contact.bodyB == b) destroyContact(key >> 1);
+            key = next;
+        }
+    link(joints, bodies[a].firstJoint, 2 * index);
+    link(joints, bodies[b].firstJoint, 2 * index + 1);
+    ++structureVersion;
+    const bool awakeA = moves(a) && isAwake(a), awakeB = moves(b) && isAwake(b);
+    if (moves(a) && !awakeA) wakeBody(a);
+    if (moves(b) && !awakeB) wakeBody(b);
+    addJointToGraph(index);
+    return index;
+}
+
+void WorldImpl::destroyJoint(std::uint32_t index) {
+    JointRecord& joint = joints[index];
+    if (moves(joint.bodyA)) wakeBody(joint.bodyA);
+    if (moves(joint.bodyB)) wakeBody(joint.bodyB);
+    removeJointFromGraph(index);
+    unlink(joints, bodies[joint.bodyA].firstJoint, 2 * index);
+    unlink(joints, bodies[joint.bodyB].firstJoint, 2 * index + 1);
+    const bool collided = bodiesOf(joint.def).collide;
+    jointSlots.release(index);
+    ++structureVersion;
+    if (collided) return;
+    // The bodies may collide from now on: their shapes look for partners again.
+    for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
+        for (std::uint32_t s = bodies[body].firstShape; s != kNone; s = shapes[s].next) markMoved(s);
+}
+
+void WorldImpl::addJointToGraph(std::uint32_t index) {
+    JointRecord& joint = joints[index];
+    const bool movesA = moves(joint.bodyA), movesB = moves(joint.bodyB);
+    if (joint.place.color != kNone) return;
+    if ((movesA && !isAwake(joint.bodyA)) || (movesB && !isAwake(joint.bodyB))) return;
+    joint.place = graph.insertJoint(index, bodies[joint.bodyA].state, movesA, bodies[joint.bodyB].state, movesB);
+}
+
+void WorldImpl::removeJointFromGraph(std::uint32_t index) {
+    JointRecord& joint = joints[index];
+    if (joint.place.color == kNone) return;
+    const std::uint32_t moved = graph.removeJoint(joint.place, bodies[joint.bodyA].state, moves(joint.bodyA),
+                                                  bodies[joint.bodyB].state, moves(joint.bodyB));
+    if (moved != kNone) joints[moved].place.slot = joint.place.slot;
+    joint.place = {};
+}
+
+}  // namespace ragtop

@@ -1,0 +1,200 @@
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+constexpr int kShapesPerBlock = 32;
+
+bool filtersAgree(const Filter& a, const Filter& b) {
+    if (a.group == b.group && a.group != 0) return a.group > 0;
+    return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
+}
+
+}  // namespace
+
+Bounds WorldImpl::enlarged(const Bounds& bounds, float margin) {
+    const Vec3 m{margin, margin, margin};
+    return {bounds.lower - m, bounds.upper + m};
+}
+
+/// Where a shape is and, going on as it does, will be after dt.
+Bounds WorldImpl::tightBounds(const ShapeRecord& shape, float ahead) const {
+    const BodyRecord& body = bodies[shape.body];
+    const Bounds now = boundsOf(geometries[shape.geometry].shape, shapePose(shape));
+    if (body.type == BodyType::fixed) return now;
+    const Vec3 motion = ahead * states[shape.body].v;
+    return {min(now.lower, now.lower + motion), max(now.upper, now.upper + motion)};
+}
+
+void WorldImpl::insertProxy(std::uint32_t index) {
+    ShapeRecord& shape = shapes[index];
+    const BodyRecord& body = bodies[shape.body];
+    shape.isStaticTree = body.type == BodyType::fixed;
+    const Bounds tight = tightBounds(shape, dt);
+    const Bounds fat = shape.isStaticTree ? tight : enlarged(tight, tuning::kFatMargin * shape.size);
+    shape.proxy = tree(shape).insert(fat, shape.filter.category, index);
+    markMoved(index);
+}
+
+void WorldImpl::removeProxy(std::uint32_t index) {
+    ShapeRecord& shape = shapes[index];
+    tree(shape).remove(shape.proxy);
+    shape.proxy = kNone;
+    if (!shape.inMoveBuffer) return;
+    shape.inMoveBuffer = false;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < moveBuffer.size(); ++i)
+        if (moveBuffer[i] != index) moveBuffer[kept++] = moveBuffer[i];
+    while (moveBuffer.size() > kept) moveBuffer.pop();
+}
+
+void WorldImpl::markMoved(std::uint32_t shape) {
+    if (shapes[shape].inMoveBuffer) return;
+    shapes[shape].inMoveBuffer = true;
+    moveBuffer.push(shape);
+}
+
+/// Bounds that were left are enlarged in place; their shapes look for partners in the next step.
+void WorldImpl::refitBounds() {
+    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            const auto place = static_cast<std::size_t>(i);
+            bodyFlags[place] = 0;
+            for (std::uint32_t s = bodies[awakeBodies[place]].firstShape; s != kNone; s = shapes[s].next)
+                if (!contains(tree(shapes[s]).bounds(shapes[s].proxy), tightBounds(shapes[s], dt))) bodyFlags[place] = 1;
+        }
+    });
+    for (std::size_t i = 0; i < awakeBodies.size(); ++i) {
+        if (bodyFlags[i] == 0) continue;
+        for (std::uint32_t s = bodies[awakeBodies[i]].firstShape; s != kNone; s = shapes[s].next) {
+            const ShapeRecord& shape = shapes[s];
+            const Bounds tight = tightBounds(shape, dt);
+            if (contains(tree(shape).bounds(shape.proxy), tight)) continue;
+            tree(shape).enlarge(shape.proxy, enlarged(tight, tuning::kFatMargin * shape.size));
+            markMoved(s);
+        }
+    }
+    movingTree.rebuildEnlarged();
+}
+
+bool WorldImpl::shouldCollide(const ShapeRecord& a, const ShapeRecord& b) const {
+    if (a.body == b.body || !(moves(a.body) || moves(b.body))) {
+        const bool sensorPair = (a.sensor || b.sensor) && a.body != b.body;
+        if (!sensorPair) return false;
+    }
+    if (geometries[a.geometry].isMesh() && geometries[b.geometry].isMesh()) return false;
+    if (!filtersAgree(a.filter, b.filter)) return false;
+    for (std::uint32_t key = bodies[a.body].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
+        const JointRecord& joint = joints[key >> 1];
+        const std::uint32_t other = (key & 1) != 0 ? joint.bodyA : joint.bodyB;
+        if (other != b.body) continue;
+        if (!std::visit([](const auto& def) { return def.bodies.collide; }, joint.def)) return false;
+    }
+    return true;
+}
+
+void WorldImpl::findPairs() {
+    const int count = static_cast<int>(moveBuffer.size());
+    const auto blocks = static_cast<std::size_t>((count + kShapesPerBlock - 1) / kShapesPerBlock);
+    while (foundPairs.size() < blocks) foundPairs.emplace_back(memory);
+    runner.parallelFor(static_cast<int>(blocks), 1, [&](int begin, int end, int) {
+        for (int block = begin; block < end; ++block) {
+            auto& found = foundPairs[static_cast<std::size_t>(block)];
+            found.clear();
+            const int last = (block + 1) * kShapesPerBlock < count ? (block + 1) * kShapesPerBlock : count;
+            for (int i = block * kShapesPerBlock; i < last; ++i) {
+                const std::uint32_t index = moveBuffer[static_cast<std::size_t>(i)];
+                const ShapeRecord& shape = shapes[index];
+                const Bounds bounds = tree(shape).bounds(shape.proxy);
+                const auto visit = [&](std::uint32_t other) {
+                    // A pair that both have moved is found by the lower index.
+                    if (other == index || (shapes[other].inMoveBuffer && other < index)) return true;
+                    if (pairs.contains(pairKey(index, other)) || !shouldCollide(shape, shapes[other])) return true;
+                    if (callbacks.filter && !callbacks.filter({shapeId(index), shapeId(other), id(shape.body),
+                                                               id(shapes[other].body), shape.userData,
+                                                               shapes[other].userData}))
+                        return true;
+                    found.push_back({index, other});
+                    return true;
+                };
+                movingTree.query(bounds, visit);
+                if (!shape.isStaticTree) staticTree.query(bounds, visit);
+            }
+        }
+    });
+    for (std::size_t block = 0; block < blocks; ++block)
+        for (const PairFound& pair : foundPairs[block]) createContact(pair.a, pair.b);
+    for (const std::uint32_t shape : moveBuffer) shapes[shape].inMoveBuffer = false;
+    moveBuffer.clear();
+}
+
+void WorldImpl::createContact(std::uint32_t a, std::uint32_t b) {
+    // A mesh comes first; else a body that moves, because the narrow phase works in A's frame near its centre.
+    const bool meshA = geometries[shapes[a].geometry].isMesh(), meshB = geometries[shapes[b].geometry].isMesh();
+    const bool swap = meshA != meshB ? meshB
+                      : moves(shapes[a].body) != moves(shapes[b].body) ? moves(shapes[b].body)
+                                                                       : b < a;
+    if (swap) std::swap(a, b);
+    const ShapeRecord &shapeA = shapes[a], &shapeB = shapes[b];
+    const std::uint32_t index = contactSlots.acquire();
+    if (index >= contacts.size()) contacts.resize(index + 1, {});
+    ContactRecord& contact = contacts[index];
+    contact = {};
+    contact.shapeA = a;
+    contact.shapeB = b;
+    contact.bodyA = shapeA.body;
+    contact.bodyB = shapeB.body;
+    contact.isMesh = meshA || meshB;
+    contact.sensor = shapeA.sensor || shapeB.sensor;
+    contact.reportsMotion = shapeA.reportsMotion || shapeB.reportsMotion;
+    contact.manifoldCapacity = contact.isMesh ? kMaxManifolds : 1;
+    AlignedArray<std::uint32_t>& free = contact.isMesh ? freeMeshManifolds : freeManifolds;
+    if (free.empty()) {
+        contact.firstManifold = static_cast<std::uint32_t>(manifolds.size());
+        manifolds.resize(manifolds.size() + contact.manifoldCapacity, {});
+    } else {
+        contact.firstManifold = free.back();
+        free.pop();
+    }
+    for (std::uint32_t i = 0; i < contact.manifoldCapacity; ++i) {
+        manifolds[contact.firstManifold + i] = {};
+        manifolds[contact.firstManifold + i].contact = index;
+    }
+    link(contacts, bodies[contact.bodyA].firstContact, 2 * index);
+    link(contacts, bodies[contact.bodyB].firstContact, 2 * index + 1);
+    pairs.insert(pairKey(a, b), index);
+    if (isAwake(contact.bodyA) || isAwake(contact.bodyB)) addAwakeContact(index);
+}
+
+void WorldImpl::destroyContact(std::uint32_t index) {
+    ContactRecord& contact = contacts[index];
+    for (std::uint32_t i = 0; i < contact.manifoldCapacity; ++i) removeFromGraph(contact.firstManifold + i);
+    if (contact.awakeIndex != kNone) removeAwakeContact(index);
+    if (contact.touching) {
+        auto& list = contact.sensor ? (stepping ? sensorEnds : sensorEndsBetweenSteps)
+                                    : (stepping ? ends : endsBetweenSteps);
+        list.push_back({shapeId(contact.shapeA), shapeId(contact.shapeB), id(contact.bodyA), id(contact.bodyB)});
+    }
+    unlink(contacts, bodies[contact.bodyA].firstContact, 2 * index);
+    unlink(contacts, bodies[contact.bodyB].firstContact, 2 * index + 1);
+    pairs.erase(pairKey(contact.shapeA, contact.shapeB));
+    (contact.isMesh ? freeMeshManifolds : freeManifolds).push(contact.firstManifold);
+    contactSlots.release(index);
+}
+
+void WorldImpl::addAwakeContact(std::uint32_t index) {
+    contacts[index].awakeIndex = static_cast<std::uint32_t>(awakeContacts.size());
+    awakeContacts.push(index);
+}
+
+void WorldImpl::removeAwakeContact(std::uint32_t index) {
+    const std::uint32_t place = contacts[index].awakeIndex;
+    const std::uint32_t last = awakeContacts.back();
+    awakeContacts[place] = last;
+    contacts[last].awakeIndex = place;
+    awakeContacts.pop();
+    contacts[index].awakeIndex = kNone;
+}
+
+}  // namespace ragtop

@@ -1,0 +1,121 @@
+#include <cmath>
+#include <mutex>
+#include <stdexcept>
+
+#include "world/shape_queries.h"
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+bool sees(const QueryFilter& filter, const ShapeRecord& shape, BodyId body) {
+    return (shape.filter.category & filter.mask) != 0 && (filter.category & shape.filter.mask) != 0 &&
+           (filter.sensors || !shape.sensor) && body != filter.ignore;
+}
+
+/// Half extents that make up for the rounding of a far origin to single precision.
+Vec3 roundingExtents(const DVec3& origin) {
+    constexpr float kUlp = 2.4e-7f;
+    const Vec3 o = abs(toVec3(origin));
+    return kUlp * o;
+}
+
+/// Casts through both trees; `test` returns the hit of one shape that is nearer than `closer`.
+template <class Test>
+Hit castThroughTrees(const WorldImpl& impl, const Bounds& start, const Vec3& translation, const QueryFilter& filter,
+                     const Test& test) {
+    Hit best;
+    const Vec3 center = 0.5f * (start.lower + start.upper);
+    const Vec3 extents = 0.5f * (start.upper - start.lower);
+    for (const BoundsTree* tree : {&impl.staticTree, &impl.movingTree}) {
+        tree->cast(center, translation, extents, [&](std::uint32_t index, float closer) {
+            if (best && best.fraction < closer) closer = best.fraction;
+            const ShapeRecord& shape = impl.shapes[index];
+            if (!sees(filter, shape, impl.id(shape.body))) return closer;
+            const Pose pose = impl.shapePose(shape);
+            std::uint32_t triangle = 0;
+            const SweepHit hit = test(impl.geometries[shape.geometry].shape, pose, best ? best.fraction : 1.0f, triangle);
+            if (!hit.hit || (best && hit.fraction >= best.fraction)) return closer;
+            best.shape = impl.shapeId(index);
+            best.body = impl.id(shape.body);
+            best.fraction = hit.fraction;
+            best.point = transformPoint(pose, hit.point);
+            best.normal = rotate(pose.rotation, hit.normal);
+            best.triangle = triangle;
+            best.surface = impl.materialAt(shape, triangle).surface;
+            return hit.fraction;
+        });
+    }
+    return best;
+}
+
+Bounds pointBounds(const DVec3& point) {
+    const Vec3 p = toVec3(point), e = roundingExtents(point);
+    return {p - e, p + e};
+}
+
+Hit castRayIn(const WorldImpl& impl, const Ray& ray, const QueryFilter& filter) {
+    return castThroughTrees(impl, pointBounds(ray.origin), ray.translation, filter,
+                            [&](const Shape& shape, const Pose& pose, float closer, std::uint32_t& triangle) {
+                                return castRayAtShape(shape, pose, ray, closer, triangle);
+                            });
+}
+
+}  // namespace
+
+Hit World::castRay(const Ray& ray, const QueryFilter& filter) const { return castRayIn(*impl_, ray, filter); }
+
+Hit World::castShape(const Shape& shape, const Quat& rotation, const Ray& path, const QueryFilter& filter) const {
+    const Bounds start = boundsOf(shape, Pose{path.origin, rotation});
+    return castThroughTrees(*impl_, start, path.translation, filter,
+                            [&](const Shape& target, const Pose& pose, float closer, std::uint32_t& triangle) {
+                                return sweepShapeAtShape(shape, rotation, path, target, pose, closer, triangle);
+                            });
+}
+
+void World::castRays(std::span<const Ray> rays, std::span<Hit> results, const QueryFilter& filter) const {
+    if (results.size() < rays.size()) throw std::invalid_argument("results has fewer elements than rays");
+    const auto castSome = [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            const auto place = static_cast<std::size_t>(i);
+            results[place] = castRayIn(*impl_, rays[place], filter);
+        }
+    };
+    // One batch at a time has the world's threads; others that come at once run where they are.
+    const std::unique_lock<std::mutex> threads(impl_->queryThreads, std::try_to_lock);
+    const int count = static_cast<int>(rays.size());
+    if (threads.owns_lock())
+        impl_->runner.parallelFor(count, 64, castSome);
+    else
+        castSome(0, count, 0);
+}
+
+void World::overlap(const Shape& shape, const Pose& pose, const std::function<bool(ShapeId)>& visit,
+                    const QueryFilter& filter) const {
+    overlap(boundsOf(shape, pose),
+            [&](ShapeId id) {
+                const ShapeRecord& target = impl_->shapes[id.index];
+                if (!overlapsShape(shape, pose, impl_->geometries[target.geometry].shape, impl_->shapePose(target)))
+                    return true;
+                return visit(id);
+            },
+            filter);
+}
+
+void World::overlap(const Bounds& bounds, const std::function<bool(ShapeId)>& visit, const QueryFilter& filter) const {
+    bool goOn = true;
+    for (const BoundsTree* tree : {&impl_->staticTree, &impl_->movingTree}) {
+        if (!goOn) return;
+        tree->query(bounds, [&](std::uint32_t index) {
+            const ShapeRecord& shape = impl_->shapes[index];
+            if (!sees(filter, shape, impl_->id(shape.body))) return true;
+            // Tree bounds are enlarged; the answer is about the shape's own.
+            if (!overlaps(bounds, boundsOf(impl_->geometries[shape.geometry].shape, impl_->shapePose(shape)))) return true;
+            goOn = visit(impl_->shapeId(index));
+            return goOn;
+        });
+    }
+}
+
+}  // namespace ragtop

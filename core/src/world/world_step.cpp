@@ -1,0 +1,269 @@
+#include <cassert>
+#include <cmath>
+
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+/// Advances the world by dt seconds. Soft step [Catto, Solver2D, 2024]: collide once, then substep velocities,
+/// positions, and a relax pass that takes back the velocity which pushing out has added.
+void WorldImpl::step(World& world, double stepSeconds) {
+    const bool valid = std::isfinite(stepSeconds) && stepSeconds > 0;
+    assert(valid);
+    if (!valid) return;
+    dt = static_cast<float>(stepSeconds);
+    const float h = dt / static_cast<float>(settings.substeps);
+    const float substepRate = 1 / h;
+    context.h = h;
+    context.inverseH = substepRate;
+    context.dt = dt;
+    context.soft = makeSoftness(settings.contactFrequency * substepRate, settings.contactDamping, h);
+    context.softStatic = makeSoftness(2 * settings.contactFrequency * substepRate, settings.staticContactDamping, h);
+    context.pushOut = settings.pushOut / dt;
+    context.restitutionSpeed = settings.restitutionSpeed * length(settings.gravity) * dt;
+    context.loadShare = settings.loadCarrying;
+    jointContext = {h, substepRate, makeSoftness(settings.jointFrequency * substepRate, settings.jointDamping, h)};
+
+    stages.clear();
+    clearEvents();
+    stepping = true;
+    stepStart = std::chrono::steady_clock::now();
+    beginStage("modules");
+    for (StepModule* module : modules)
+        if (module->beforeStep) module->beforeStep(module->user, world, stepSeconds);
+
+    runner.region([&] {
+        beginStage("pairs");
+        findPairs();  // may grow arrays, as may the changes of contacts; nothing else below does
+        beginStage("collide");
+        updateContacts();
+        beginStage("contacts");
+        applyContactChanges();
+        beginStage("prepare");
+        prepareBodies();
+        prepareConstraints();
+        beginStage("solve");
+        for (int i = 0; i < settings.substeps; ++i) solveSubstep(world);
+        applyRestitution();
+        beginStage("finish");
+        finishBodies();
+        sweepFastBodies();
+        refitBounds();
+        beginStage("events");
+        publishEvents();
+        beginStage("sleep");
+        sleepQuietIslands();
+    });
+
+    stepping = false;
+    lastSubstep = h;
+    ++stepCount;
+    time += stepSeconds;
+    beginStage("modules after");
+    for (StepModule* module : modules)
+        if (module->afterStep) module->afterStep(module->user, world, stepSeconds);
+    endStages();
+}
+
+void WorldImpl::solveSubstep(World& world) {
+    for (StepModule* module : modules)
+        if (module->beforeSubstep) module->beforeSubstep(module->user, world, context.h);
+    integrateVelocities();
+    warmStart();
+    solve(true);
+    integratePositions();
+    solve(false);
+}
+
+void WorldImpl::prepareBodies() {
+    runner.parallelFor(static_cast<int>(awakeBodies.size()), 128, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            const std::uint32_t index = awakeBodies[static_cast<std::size_t>(i)];
+            BodyRecord& body = bodies[index];
+            BodyDynamics& d = dynamics[index];
+            d.linearDecay = 1 / (1 + context.h * body.linearDamping);
+            d.angularDecay = 1 / (1 + context.h * body.angularDamping);
+            const float inverseMass = states[index].invMass;
+            d.acceleration = inverseMass > 0 ? body.gravityScale * settings.gravity + inverseMass * body.force : Vec3{};
+            d.torque = body.torque;
+            body.force = {};
+            body.torque = {};
+            histories[index].rotation = body.rotation;
+        }
+    });
+}
+
+void WorldImpl::prepareConstraints() {
+    const BodyArrays arrays = bodyArrays();
+    const bool rescale = lastSubstep > 0 && lastSubstep != context.h;
+    const float ratio = rescale ? context.h / lastSubstep : 1;
+    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
+        ConstraintGraph::Color& color = graph.color(c);
+        if (rescale)
+            for (const std::uint32_t joint : color.joints) rescaleJoint(jointSims[joint], ratio);
+        runner.parallelFor(graph.bundleCount(c), 32, [&](int begin, int end, int) {
+            kernels->prepareContacts(color.bundles.data(), begin, end, arrays, context);
+        });
+        runner.parallelFor(static_cast<int>(color.joints.size()), 32, [&](int begin, int end, int) {
+            for (int i = begin; i < end; ++i) {
+                const std::uint32_t joint = color.joints[static_cast<std::size_t>(i)];
+                prepareJoint(jointSims[joint], jointBodies(joints[joint]), states.data(), inertias.data(), jointContext);
+            }
+        });
+    }
+}
+
+void WorldImpl::integrateVelocities() {
+    const BodyArrays arrays = bodyArrays();
+    runner.parallelFor(static_cast<int>(awakeBodies.size()), 256, [&](int begin, int end, int) {
+        kernels->integrateVelocities(arrays, awakeBodies.data(), begin, end, context);
+    });
+}
+
+void WorldImpl::integratePositions() {
+    const BodyArrays arrays = bodyArrays();
+    runner.parallelFor(static_cast<int>(awakeBodies.size()), 256, [&](int begin, int end, int) {
+        kernels->integratePositions(arrays, awakeBodies.data(), begin, end, context);
+    });
+}
+
+/// Overflow first and serially, then the colours in order, each in parallel: joint(index) for its joints and
+/// contact(bundles, begin, end) for its bundles.
+template <class Joint, class Contact>
+void WorldImpl::forEachColor(Joint&& joint, Contact&& contact) {
+    constexpr int kJointsPerBlock = 8;
+    const int bundlesPerBlock = 128 / graph.lanes();
+    ConstraintGraph::Color& overflow = graph.color(ConstraintGraph::kOverflow);
+    for (const std::uint32_t j : overflow.joints) joint(j);
+    for (int i = 0; i < graph.bundleCount(ConstraintGraph::kOverflow); ++i) contact(overflow.bundles.data(), i, i + 1);
+
+    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
+        ConstraintGraph::Color& color = graph.color(c);
+        const int jointCount = static_cast<int>(color.joints.size());
+        const int jointBlocks = (jointCount + kJointsPerBlock - 1) / kJointsPerBlock;
+        const int bundles = graph.bundleCount(c);
+        const int blocks = jointBlocks + (bundles + bundlesPerBlock - 1) / bundlesPerBlock;
+        runner.parallelFor(blocks, 1, [&](int begin, int end, int) {
+            for (int b = begin; b < end; ++b) {
+                if (b < jointBlocks) {
+                    const int last = (b + 1) * kJointsPerBlock < jointCount ? (b + 1) * kJointsPerBlock : jointCount;
+                    for (int i = b * kJointsPerBlock; i < last; ++i) joint(color.joints[static_cast<std::size_t>(i)]);
+                } else {
+                    const int first = (b - jointBlocks) * bundlesPerBlock;
+                    const int last = first + bundlesPerBlock < bundles ? first + bundlesPerBlock : bundles;
+                    contact(color.bundles.data(), first, last);
+                }
+            }
+        });
+    }
+}
+
+void WorldImpl::warmStart() {
+    const BodyArrays arrays = bodyArrays();
+    forEachColor([&](std::uint32_t j) { warmStartJoint(jointSims[j], arrays.states, arrays.inertia, jointContext); },
+                 [&](float* bundles, int begin, int end) {
+                     kernels->warmStartContacts(bundles, begin, end, arrays, context);
+                 });
+}
+
+void WorldImpl::solve(bool useBias) {
+    const BodyArrays arrays = bodyArrays();
+    const auto solveBundles = useBias ? kernels->solveContacts : kernels->relaxContacts;
+    forEachColor(
+        [&](std::uint32_t j) { solveJoint(jointSims[j], arrays.states, arrays.inertia, jointContext, useBias); },
+        [&](float* bundles, int begin, int end) { solveBundles(bundles, begin, end, arrays, context); });
+}
+
+void WorldImpl::applyRestitution() {
+    const BodyArrays arrays = bodyArrays();
+    forEachColor([](std::uint32_t) {},
+                 [&](float* bundles, int begin, int end) {
+                     kernels->applyRestitution(bundles, begin, end, arrays, context);
+                 });
+}
+
+/// Moves the poses, notes who is quiet and who was too fast for its size.
+void WorldImpl::finishBodies() {
+    const float gravity = length(settings.gravity);
+    startPoses.resizeForOverwrite(awakeBodies.size());
+    bodyFlags.resizeForOverwrite(awakeBodies.size());
+    runner.parallelFor(static_cast<int>(awakeBodies.size()), 128, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            const auto place = static_cast<std::size_t>(i);
+            const std::uint32_t index = awakeBodies[place];
+            BodyRecord& body = bodies[index];
+            BodyState& state = states[index];
+            startPoses[place] = {body.center, body.rotation};
+            const float turn = 2 * length(Vec3{state.dq.x, state.dq.y, state.dq.z}) * body.radius;
+            const float motion = length(state.dp) + turn;
+            const bool fast = body.continuous && motion > tuning::kContinuousMotion * body.size;
+            bodyFlags[place] = fast ? 1 : 0;
+            body.center = body.center + state.dp;
+            body.rotation = normalized(state.dq * body.rotation);
+            state.dp = {};
+            state.dq = {};
+            const float quiet = settings.sleepSpeed * std::sqrt(gravity * body.size);
+            const float speed = length(state.v) + length(state.w) * body.radius;
+            const bool still = body.type == BodyType::kinematic ? speed == 0 : speed <= quiet;
+            body.sleepTimer = body.allowSleep && still ? body.sleepTimer + dt : 0;
+            if (dynamics[index].spins == 0) restrictInertia(index);
+        }
+    });
+}
+
+/// World inverse inertia of bodies that do not spin by their momentum: zero for kinematic ones; for locked axes the
+/// inverse of what is left of the inertia without them.
+void WorldImpl::restrictInertia(std::uint32_t index) {
+    const BodyRecord& body = bodies[index];
+    BodyInertia& inverse = inertias[index];
+    inverse = {};
+    if (body.type != BodyType::dynamic) return;
+    const Mat3 r = toMat3(body.rotation);
+    const Mat3 m = r * Mat3{body.inertia.x * Vec3{1, 0, 0}, body.inertia.y * Vec3{0, 1, 0}, body.inertia.z * Vec3{0, 0, 1}} *
+                   transpose(r);
+    const bool x = !body.locks.rotationX, y = !body.locks.rotationY, z = !body.locks.rotationZ;
+    // A locked axis becomes an infinite moment: its row and column leave the matrix before it is inverted.
+    const float xx = x ? m.cx.x : 1, yy = y ? m.cy.y : 1, zz = z ? m.cz.z : 1;
+    const float xy = x && y ? m.cy.x : 0, xz = x && z ? m.cz.x : 0, yz = y && z ? m.cz.y : 0;
+    const float cxx = yy * zz - yz * yz, cxy = xz * yz - xy * zz, cxz = xy * yz - xz * yy;
+    const float det = xx * cxx + xy * cxy + xz * cxz;
+    if (!(det > 0)) return;
+    const float s = 1 / det;
+    inverse.xx = x ? s * cxx : 0;
+    inverse.xy = x && y ? s * cxy : 0;
+    inverse.xz = x && z ? s * cxz : 0;
+    inverse.yy = y ? s * (xx * zz - xz * xz) : 0;
+    inverse.yz = y && z ? s * (xy * xz - xx * yz) : 0;
+    inverse.zz = z ? s * (xx * yy - xy * xy) : 0;
+}
+
+void WorldImpl::clearEvents() {
+    begins.clear();
+    sensorBegins.clear();
+    ends.clear();
+    sensorEnds.clear();
+    ends.swap(endsBetweenSteps);
+    sensorEnds.swap(sensorEndsBetweenSteps);
+    surfaceEvents.clear();
+    sleepEvents.clear();
+}
+
+void WorldImpl::beginStage(const char* name) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!stages.empty()) {
+        stages.back().ms = std::chrono::duration<double, std::milli>(now - stageStart).count();
+        if (callbacks.endZone) callbacks.endZone(stages.back().name);
+    }
+    stages.push_back({name, 0});
+    stageStart = now;
+    if (callbacks.beginZone) callbacks.beginZone(name);
+}
+
+void WorldImpl::endStages() {
+    const auto now = std::chrono::steady_clock::now();
+    stages.back().ms = std::chrono::duration<double, std::milli>(now - stageStart).count();
+    if (callbacks.endZone) callbacks.endZone(stages.back().name);
+    totalMs = std::chrono::duration<double, std::milli>(now - stepStart).count();
+}
+
+}  // namespace ragtop

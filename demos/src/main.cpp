@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "inspect.h"
+#include "ragtop/scene.h"
+#include "run.h"
+
+namespace {
+
+using namespace ragtop;
+
+constexpr int kBadInput = 2;
+
+/// Splits "key=value"; throws CLI::ValidationError, which is a usage error, where there is no key.
+std::vector<SceneOverride> parseOverrides(const std::vector<std::string>& texts) {
+    std::vector<SceneOverride> overrides;
+    for (const std::string& text : texts) {
+        const auto equals = text.find('=');
+        if (equals == std::string::npos || equals == 0) {
+            throw CLI::ValidationError("--set", "is \"" + text + "\", must be key=value");
+        }
+        overrides.push_back({text.substr(0, equals), text.substr(equals + 1)});
+    }
+    return overrides;
+}
+
+void list() {
+    for (const std::string& name : shippedScenes()) fmt::print("{}\n", name);
+}
+
+struct Command {
+    demos::RunOptions run;
+    std::vector<std::string> settings;
+    std::string asset;
+};
+
+CLI::App* addRun(CLI::App& app, Command& command) {
+    CLI::App* run = app.add_subcommand("run", "Run a scene and print what it came to");
+    run->add_option("scene", command.run.scene, "Name of a scene (see list) or a scene file")->required();
+    run->add_option("--seconds", command.run.seconds, "Simulated time instead of the scene's duration, s")
+        ->check(CLI::Range(0.0, 1e6));
+    run->add_option("--steps", command.run.steps, "Number of the last step")->check(CLI::Range(0, 1000000000));
+    run->add_option("--threads", command.run.threads, "Threads that solve")->check(CLI::Range(1, 64));
+    run->add_option("--lanes", command.run.lanes, "Width of the solver; 0 is the machine's best")
+        ->check(CLI::IsMember({0, 4, 8, 16}));
+    run->add_option("--set", command.settings, "key=value: a setting of the world, or a path in the scene file")
+        ->take_all();
+    run->add_option("--save-at", command.run.saveAt, "Write the state after this step to state_STEP.bin");
+    run->add_option("--restore", command.run.restore, "Go on from a state that --save-at wrote");
+    run->add_option("--out", command.run.out, "Folder for recording.glb, telemetry.csv, summary.json and states");
+    return run;
+}
+
+int execute(int argc, char** argv) {
+    CLI::App app{"Game physics with cars and ragdolls", "ragtop"};
+    app.require_subcommand(1);
+    Command command;
+    CLI::App* listed = app.add_subcommand("list", "List the scenes that come with ragtop");
+    CLI::App* run = addRun(app, command);
+    CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file has in it");
+    inspect->add_option("asset", command.asset, "Vehicle, ragdoll, scene, character, robot or mesh")->required();
+    try {
+        app.parse(argc, argv);
+        command.run.overrides = parseOverrides(command.settings);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);
+        std::string line = error.what();
+        for (char& c : line) c = c == '\n' ? ' ' : c;
+        fmt::print(stderr, "ragtop: {}\n", line);
+        return kBadInput;
+    }
+    if (listed->parsed()) list();
+    if (run->parsed()) demos::run(command.run);
+    if (inspect->parsed()) fmt::print("{}", demos::inspect(command.asset));
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return execute(argc, argv);
+    } catch (const AssetError& error) {
+        fmt::print(stderr, "{}\n", error.what());
+        return kBadInput;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "ragtop: {}\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,133 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ragtop/anatomy.h"
+#include "ragtop/id.h"
+#include "ragtop/joint.h"
+#include "ragtop/math.h"
+#include "ragtop/shape.h"
+#include "ragtop/skeleton.h"
+#include "ragtop/tunables.h"
+
+namespace ragtop {
+
+class World;
+
+/// How a ragdoll is made from a skeleton.
+struct RagdollOptions {
+    float bodyMass = 75.0f;         ///< kg, of all parts together
+    float femaleShare = 0.0f;       ///< blends the segment masses of men (0) and women (1)
+    float jointFriction = 0.1f;     ///< friction torque over the weight beyond the joint times the segment's length
+    float containedShare = 0.92f;   ///< of the skin vertices of a part that its shape encloses
+    float limitScale = 1.0f;        ///< all ranges of motion, times this
+    bool selfCollision = true;      ///< parts that do not overlap at rest collide with each other
+    Material material{.friction = 0.8f};
+};
+
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const RagdollOptions*) {
+    visit(Tunable{"bodyMass", "kg", 1e-3, 1e6, "mass of all parts together"}, self.bodyMass);
+    visit(Tunable{"femaleShare", "1", 0, 1, "blends the segment masses of men and women"}, self.femaleShare);
+    visit(Tunable{"jointFriction", "1", 0, 10, "friction torque over the torque of the weight beyond the joint"},
+          self.jointFriction);
+    visit(Tunable{"containedShare", "1", 0.5, 1, "share of a part's skin that its shape encloses"},
+          self.containedShare);
+    visit(Tunable{"limitScale", "1", 0.05, 1.5, "scales all ranges of motion"}, self.limitScale);
+    visit(Tunable{"selfCollision", "", 0, 1, "parts that do not overlap at rest collide"}, self.selfCollision);
+    visit(Tunable{"material", "", 0, 0, "surface of all parts"}, self.material);
+}
+
+/// A rigid part of a ragdoll; its body has the pose of its bone.
+struct RagdollPart {
+    std::string name{};
+    BodyRole role = BodyRole::other;
+    BodySide side = BodySide::middle;
+    int bone = -1;    ///< the bone it moves with
+    Frame bind{};     ///< of that bone at rest, in model space
+    Shape shape{};    ///< a capsule or a box
+    Frame frame{};    ///< of the shape in the bone
+    float mass = 1;   ///< kg
+    Material material{};
+    int quiet = -1;   ///< parts of equal number, not negative, do not collide with each other
+};
+
+/// Joins two parts. The bodies of `joint` are left null; its frames are in the bones of the parts, and at rest every
+/// angle of it is within its limits, that of a hinge and the twist of a ball zero.
+struct RagdollJoint {
+    int parent = -1, child = -1;  ///< indices of parts
+    JointDef joint{};
+};
+
+/// A bone of the skeleton and the part that carries it.
+struct RagdollBone {
+    std::string name{};
+    int parent = -1;
+    int part = -1;
+    Frame inPart{};  ///< in the bone of the part
+};
+
+/// Everything a ragdoll is made from.
+struct RagdollDef {
+    std::vector<RagdollPart> parts{};  ///< parents before children; the first is the root
+    std::vector<RagdollJoint> joints{};
+    std::vector<RagdollBone> bones{};
+    std::string note{};  ///< what was guessed in making it
+};
+
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const RagdollPart*) {
+    visit(Tunable{"mass", "kg", 1e-6, 1e9, "mass of the part"}, self.mass);
+    visit(Tunable{"material", "", 0, 0, "its surface"}, self.material);
+    visit(Tunable{"quiet", "", -1, 1e6, "parts of equal number do not collide with each other"}, self.quiet);
+}
+
+/// Fits capsules and boxes, masses, joints and limits to a skeleton; fingers, toes, twist bones and other small ones
+/// join the part before them. A human gets 16 parts. Throws std::invalid_argument on a bad skeleton or option.
+RagdollDef makeRagdoll(const Skeleton& skeleton, const RagdollOptions& options = {});
+
+/// Empty when the definition is usable; otherwise names the part or joint, its value and what is allowed.
+std::string whyInvalid(const RagdollDef& def);
+std::string whyInvalid(const RagdollOptions& options);
+
+/// A ragdoll in a world: its bodies and joints live as long as it does. The world must outlive it and stay where
+/// it is.
+class Ragdoll {
+public:
+    /// At rest, with the origin of model space at `placement`, all moving at `velocity` (m/s). Throws
+    /// std::invalid_argument on a bad definition.
+    Ragdoll(World& world, const RagdollDef& def, const Pose& placement = {}, const Vec3& velocity = {});
+    /// In the pose of an animation: one world pose per bone.
+    Ragdoll(World& world, const RagdollDef& def, std::span<const Pose> bones, const Vec3& velocity = {});
+    ~Ragdoll();
+    Ragdoll(Ragdoll&& other) noexcept;
+    Ragdoll& operator=(Ragdoll&& other) noexcept;
+
+    const RagdollDef& def() const { return def_; }
+    /// One per part.
+    std::span<const BodyId> bodies() const { return bodies_; }
+    /// One per joint of the definition.
+    std::span<const JointId> joints() const { return joints_; }
+    /// The body that carries a bone; null when there is no bone of that name.
+    BodyId body(std::string_view bone) const;
+
+    /// Where each bone is in the world now.
+    std::vector<Pose> pose() const;
+    /// The same into memory of the caller, one entry per bone; more are left alone.
+    void pose(std::span<Pose> into) const;
+    Pose pose(int bone) const;
+
+private:
+    void spawn(std::span<const Pose> partPoses, const Vec3& velocity);
+    void release();
+
+    World* world_;
+    RagdollDef def_;
+    std::vector<BodyId> bodies_;
+    std::vector<JointId> joints_;
+};
+
+}  // namespace ragtop

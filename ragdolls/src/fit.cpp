@@ -1,0 +1,231 @@
+#include "fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace ragtop {
+namespace {
+
+constexpr float kRounding = 1e-5f;  ///< of the size of a shape
+
+float volumeOf(const Capsule& capsule) {
+    return kPi * capsule.radius * capsule.radius * (2.0f * capsule.halfHeight + 4.0f / 3.0f * capsule.radius);
+}
+
+float volumeOf(const Box& box) { return 8.0f * box.halfExtents.x * box.halfExtents.y * box.halfExtents.z; }
+
+/// The value that `rank` of the others are below; reorders.
+float ranked(std::vector<float>& values, std::size_t rank) {
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::min(rank, values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+Quat alongY(const Vec3& axis) { return rotationBetween({0, 1, 0}, axis); }
+
+/// A point holds when it is within the radius of the segment. At distance d from the line it allows the segment's
+/// ends to stop √(r² − d²) short of it; the ends leave out the farthest points evenly.
+std::optional<FittedShape> capsuleOfRadius(std::span<const Vec3> local, const Vec3& center, float radius,
+                                           std::size_t spare) {
+    std::vector<float> lower, upper;
+    for (const Vec3& point : local) {
+        const float x = point.x - center.x, z = point.z - center.z;
+        const float left = radius * radius - x * x - z * z;
+        if (left < 0) continue;
+        const float slack = std::sqrt(left);
+        lower.push_back(point.y + slack);
+        upper.push_back(point.y - slack);
+    }
+    const std::size_t outside = local.size() - lower.size();
+    if (outside > spare) return {};
+    const std::size_t each = (spare - outside) / 2;
+    float bottom = ranked(lower, each), top = ranked(upper, upper.size() - 1 - each);
+    if (bottom > top) bottom = top = 0.5f * (bottom + top);
+    return FittedShape{Capsule{radius, 0.5f * (top - bottom)}, {{center.x, 0.5f * (top + bottom), center.z}, {}}};
+}
+
+struct Extent {
+    float lower, upper;
+};
+
+Extent trimmed(std::vector<float> values, std::size_t each) {
+    return {ranked(values, each), ranked(values, values.size() - 1 - each)};
+}
+
+std::vector<Vec3> inAxes(std::span<const Vec3> points, const Quat& rotation) {
+    std::vector<Vec3> local;
+    local.reserve(points.size());
+    for (const Vec3& point : points) local.push_back(inverseRotate(rotation, point));
+    return local;
+}
+
+std::size_t spareOf(std::size_t count, float share) {
+    const auto kept = static_cast<std::size_t>(std::ceil(share * static_cast<float>(count)));
+    return count - std::min(kept, count);
+}
+
+/// A capsule or a box as a sum of a segment, a box and a ball, of which each may be nothing.
+struct Core {
+    Vec3 center, half;  ///< of the segment, from its middle to its end
+    float radius = 0;
+    Vec3 boxHalf{};
+    Mat3 axes;
+};
+
+Core coreOf(const FittedShape& fitted, float margin) {
+    Core core{fitted.frame.position, {}, margin, {}, toMat3(fitted.frame.rotation)};
+    if (const auto* capsule = std::get_if<Capsule>(&fitted.shape)) {
+        core.half = capsule->halfHeight * core.axes.cy;
+        core.radius += capsule->radius;
+    } else if (const auto* box = std::get_if<Box>(&fitted.shape)) {
+        core.boxHalf = box->halfExtents;
+    }
+    return core;
+}
+
+/// Half of what the shape covers along a direction of any length.
+float halfWidth(const Core& core, const Vec3& direction) {
+    const float box = std::abs(dot(core.axes.cx, direction)) * core.boxHalf.x +
+                      std::abs(dot(core.axes.cy, direction)) * core.boxHalf.y +
+                      std::abs(dot(core.axes.cz, direction)) * core.boxHalf.z;
+    return box + std::abs(dot(core.half, direction)) + core.radius * length(direction);
+}
+
+bool separatedAlong(const Core& a, const Core& b, const Vec3& direction) {
+    return std::abs(dot(b.center - a.center, direction)) > halfWidth(a, direction) + halfWidth(b, direction);
+}
+
+/// The shortest way between two segments [Ericson, Real-Time Collision Detection, 2005, 5.1.9].
+Vec3 betweenSegments(const Core& a, const Core& b) {
+    const Vec3 r = a.center - b.center;
+    const float aa = dot(a.half, a.half), bb = dot(b.half, b.half), ab = dot(a.half, b.half);
+    const float ar = dot(a.half, r), br = dot(b.half, r);
+    const float determinant = aa * bb - ab * ab;
+    const auto clamped = [](float value) { return std::clamp(value, -1.0f, 1.0f); };
+    float s = determinant > 1e-6f * aa * bb ? clamped((ab * br - ar * bb) / determinant) : 0.0f;
+    const float t = bb > 0 ? clamped((ab * s + br) / bb) : 0.0f;
+    if (aa > 0) s = clamped((ab * t - ar) / aa);
+    return b.center + t * b.half - a.center - s * a.half;
+}
+
+}  // namespace
+
+FittedShape fitCapsule(std::span<const Vec3> points, const Vec3& axis, float share) {
+    const Quat rotation = alongY(axis);
+    const std::vector<Vec3> local = inAxes(points, rotation);
+    const std::size_t spare = spareOf(local.size(), share);
+    std::vector<float> x, z, distance;
+    for (const Vec3& point : local) {
+        x.push_back(point.x);
+        z.push_back(point.z);
+    }
+    const Extent alongX = trimmed(std::move(x), spare / 4), alongZ = trimmed(std::move(z), spare / 4);
+    const Vec3 center{0.5f * (alongX.lower + alongX.upper), 0, 0.5f * (alongZ.lower + alongZ.upper)};
+    for (const Vec3& point : local) {
+        const float dx = point.x - center.x, dz = point.z - center.z;
+        distance.push_back(std::sqrt(dx * dx + dz * dz));
+    }
+    FittedShape best{Capsule{}, {}};
+    float least = std::numeric_limits<float>::infinity();
+    const auto consider = [&](float radius) {
+        if (!(radius > 0)) return;
+        const auto fitted = capsuleOfRadius(local, center, radius, spare);
+        if (!fitted) return;
+        const float volume = volumeOf(std::get<Capsule>(fitted->shape));
+        if (volume >= least || local.size() - static_cast<std::size_t>(countInside(*fitted, local)) > spare) return;
+        least = volume;
+        best = *fitted;
+    };
+    constexpr std::size_t kTries = 12;
+    for (std::size_t i = 0; i < kTries; ++i)
+        consider(ranked(distance, distance.size() - 1 - spare + spare * i / kTries) * (1.0f + kRounding));
+    consider(ranked(distance, distance.size() - 1) * (1.0f + kRounding));
+    // A cloud flatter than it is wide may fit no tube's caps; a ball about all of it always does.
+    for (float radius = ranked(distance, distance.size() - 1); least == std::numeric_limits<float>::infinity();) {
+        radius = std::max(1.2f * radius, std::numeric_limits<float>::min());
+        consider(radius);
+    }
+    best.frame = {rotate(rotation, best.frame.position), rotation};
+    return best;
+}
+
+FittedShape fitBox(std::span<const Vec3> points, const Quat& rotation, float share) {
+    const std::vector<Vec3> local = inAxes(points, rotation);
+    const std::size_t spare = spareOf(local.size(), share);
+    FittedShape best{Box{}, {}};
+    for (std::size_t each = spare / 2;; --each) {
+        std::array<Extent, 3> extent{};
+        for (int axis = 0; axis < 3; ++axis) {
+            std::vector<float> values;
+            for (const Vec3& point : local) values.push_back(point[axis]);
+            extent[static_cast<std::size_t>(axis)] = trimmed(std::move(values), each);
+        }
+        const Vec3 lower{extent[0].lower, extent[1].lower, extent[2].lower};
+        const Vec3 upper{extent[0].upper, extent[1].upper, extent[2].upper};
+        best = {Box{0.5f * (upper - lower)}, {0.5f * (upper + lower), {}}};
+        if (each == 0 || local.size() - static_cast<std::size_t>(countInside(best, local)) <= spare) break;
+    }
+    best.frame = {rotate(rotation, best.frame.position), rotation};
+    return best;
+}
+
+FittedShape fitShape(std::span<const Vec3> points, const Quat& rotation, float share, float roundness) {
+    FittedShape capsule = fitCapsule(points, rotate(rotation, {0, 1, 0}), share);
+    FittedShape box = fitBox(points, rotation, share);
+    const float boxVolume = volumeOf(std::get<Box>(box.shape));
+    return roundness * boxVolume < volumeOf(std::get<Capsule>(capsule.shape)) ? box : capsule;
+}
+
+int countInside(const FittedShape& fitted, std::span<const Vec3> points) {
+    int count = 0;
+    for (const Vec3& point : points) {
+        const Vec3 local = inverseTransformPoint(fitted.frame, point);
+        if (const auto* capsule = std::get_if<Capsule>(&fitted.shape)) {
+            const float y = local.y - std::clamp(local.y, -capsule->halfHeight, capsule->halfHeight);
+            const float radius = capsule->radius + kRounding * (capsule->radius + capsule->halfHeight);
+            count += local.x * local.x + y * y + local.z * local.z <= radius * radius;
+        } else if (const auto* box = std::get_if<Box>(&fitted.shape)) {
+            const Vec3 size = abs(local) - box->halfExtents;
+            const float slack = kRounding * length(box->halfExtents);
+            count += size.x <= slack && size.y <= slack && size.z <= slack;
+        }
+    }
+    return count;
+}
+
+/// π r² (L − 2r) + 4/3 π r³ = V, for the length L over all and r at most L/2; halving converges to the bit.
+FittedShape capsuleBetween(const Vec3& start, const Vec3& end, float volume) {
+    const float total = length(end - start);
+    const auto volumeAt = [&](float r) { return kPi * r * r * (total - 2.0f * r) + 4.0f / 3.0f * kPi * r * r * r; };
+    float lower = 0, upper = 0.5f * total;
+    for (int i = 0; i < 24; ++i) {
+        const float middle = 0.5f * (lower + upper);
+        (volumeAt(middle) < volume ? lower : upper) = middle;
+    }
+    const Vec3 axis = normalized(end - start, {0, 1, 0});
+    return {Capsule{upper, std::max(0.0f, 0.5f * total - upper)}, {0.5f * (start + end), alongY(axis)}};
+}
+
+bool mayOverlap(const FittedShape& a, const FittedShape& b, float margin) {
+    const Core coreA = coreOf(a, 0.5f * margin), coreB = coreOf(b, 0.5f * margin);
+    if (separatedAlong(coreA, coreB, betweenSegments(coreA, coreB))) return false;
+    if (separatedAlong(coreA, coreB, coreB.center - coreA.center)) return false;
+    for (int i = 0; i < 3; ++i) {
+        const Vec3& axisA = i == 0 ? coreA.axes.cx : i == 1 ? coreA.axes.cy : coreA.axes.cz;
+        const Vec3& axisB = i == 0 ? coreB.axes.cx : i == 1 ? coreB.axes.cy : coreB.axes.cz;
+        if (separatedAlong(coreA, coreB, axisA) || separatedAlong(coreA, coreB, axisB)) return false;
+        for (int j = 0; j < 3; ++j) {
+            const Vec3& other = j == 0 ? coreB.axes.cx : j == 1 ? coreB.axes.cy : coreB.axes.cz;
+            const Vec3 direction = cross(axisA, other);
+            // Parallel axes give no direction; that of the faces has been tried.
+            if (lengthSquared(direction) > 1e-6f && separatedAlong(coreA, coreB, direction)) return false;
+        }
+    }
+    return true;
+}
+
+}  // namespace ragtop

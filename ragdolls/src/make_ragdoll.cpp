@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "fit.h"
+#include "joint_limits.h"
+#include "ragtop/ragdoll.h"
+
+namespace ragtop {
+namespace {
+
+constexpr std::size_t kFewVertices = 12;    ///< less skin than this says nothing about a shape
+constexpr double kBodyVolume = 0.0140;      ///< of a human over the cube of the height: 75 l at 1.75 m
+constexpr float kGravity = 9.81f;           ///< m/s², in the friction of joints
+constexpr float kTouching = 0.005f;         ///< parts closer than this share of the height count as overlapping
+
+class Maker {
+public:
+    Maker(const Skeleton& skeleton, const RagdollOptions& options)
+        : skeleton_(skeleton), options_(options), anatomy_(recognise(skeleton)) {
+        def_.note = anatomy_.note;
+    }
+
+    RagdollDef run() {
+        measure();
+        assignBones();
+        for (std::size_t i = 0; i < anatomy_.segments.size(); ++i) addPart(i);
+        shareMass();
+        for (std::size_t i = 1; i < anatomy_.segments.size(); ++i) addJoint(static_cast<int>(i));
+        quieten();
+        return std::move(def_);
+    }
+
+private:
+    const Frame& bindOf(int bone) const { return skeleton_.bones[static_cast<std::size_t>(bone)].bind; }
+    const Segment& segment(int index) const { return anatomy_.segments[static_cast<std::size_t>(index)]; }
+
+    void measure() {
+        float lower = std::numeric_limits<float>::infinity(), upper = -lower;
+        const auto include = [&](const Vec3& point) {
+            lower = std::min(lower, dot(point, anatomy_.up));
+            upper = std::max(upper, dot(point, anatomy_.up));
+        };
+        for (const Bone& bone : skeleton_.bones) include(bone.bind.position);
+        for (const auto& vertices : skeleton_.skin)
+            for (const Vec3& vertex : vertices) include(vertex);
+        height_ = upper - lower;
+        // From ankle to the base of the neck it is four fifths of the height [Winter 2009, fig. 4.1].
+        if (anatomy_.humanoid && skeleton_.skin.empty()) height_ *= 1.25f;
+        if (!(height_ > 0)) height_ = length(boundsOf(skeleton_).upper - boundsOf(skeleton_).lower);
+        if (!(height_ > 0)) throw std::invalid_argument("skeleton: all bones are at one point, must have a size");
+    }
+
+    /// A bone belongs to the nearest segment on its way to the root; what hangs on none follows the first.
+    void assignBones() {
+        std::vector<int> begins(skeleton_.bones.size(), -1);
+        for (std::size_t i = 0; i < anatomy_.segments.size(); ++i)
+            begins[static_cast<std::size_t>(anatomy_.segments[i].bone)] = static_cast<int>(i);
+        for (std::size_t i = 0; i < skeleton_.bones.size(); ++i) {
+            const Bone& bone = skeleton_.bones[i];
+            int part = begins[i];
+            if (part < 0) part = bone.parent < 0 ? 0 : def_.bones[static_cast<std::size_t>(bone.parent)].part;
+            const Frame& carrier = bindOf(segment(part).bone);
+            def_.bones.push_back({bone.name, bone.parent, part, inverse(carrier) * bone.bind});
+        }
+    }
+
+    std::vector<Vec3> skinOf(std::size_t part) const {
+        std::vector<Vec3> result;
+        for (std::size_t i = 0; i < skeleton_.skin.size(); ++i)
+            if (def_.bones[i].part == static_cast<int>(part))
+                result.insert(result.end(), skeleton_.skin[i].begin(), skeleton_.skin[i].end());
+        return result;
+    }
+
+    bool isTrunk(BodyRole role) const {
+        return role == BodyRole::pelvis || role == BodyRole::abdomen || role == BodyRole::chest;
+    }
+
+    /// Where a segment ends; rigs without fingers, toes or skulls get those of a human.
+    Vec3 endOf(const Segment& s) const {
+        const Vec3 start = bindOf(s.bone).position;
+        if (length(s.end - start) > 0.02f * height_) return s.end;
+        if (s.role == BodyRole::hand) {
+            const Vec3 elbow = bindOf(segment(s.parent).bone).position;
+            return start + 0.1f * height_ * normalized(start - elbow, -anatomy_.up);
+        }
+        if (s.role == BodyRole::foot) return start + 0.12f * height_ * anatomy_.forward;
+        if (s.role == BodyRole::head) return start + 0.15f * height_ * anatomy_.up;
+        return start + 0.05f * height_ * anatomy_.up;
+    }
+
+    /// The axes of a shape: y along the segment, upright in the trunk; the foot lies on its sole.
+    Quat basisOf(const Segment& s) const {
+        const Vec3 along = endOf(s) - bindOf(s.bone).position;
+        Vec3 y = normalized(along, anatomy_.up);
+        if (isTrunk(s.role) || s.role == BodyRole::head) y = anatomy_.up;
+        if (s.role == BodyRole::foot)
+            y = normalized(along - dot(along, anatomy_.up) * anatomy_.up, anatomy_.forward);
+        const Vec3 ahead = s.role == BodyRole::foot ? anatomy_.up : anatomy_.forward;
+        const Vec3 z = normalized(ahead - dot(ahead, y) * y, perpendicular(y));
+        return rotationFromAxes(cross(y, z), y, z);
+    }
+
+    void addPart(std::size_t index) {
+        const Segment& s = anatomy_.segments[index];
+        RagdollPart part;
+        part.role = s.role;
+        part.side = s.side;
+        part.bone = s.bone;
+        part.bind = bindOf(s.bone);
+        part.name = skeleton_.bones[static_cast<std::size_t>(s.bone)].name;
+        part.material = options_.material;
+        const std::vector<Vec3> skin = skinOf(index);
+        // Limbs and heads are round unless that wastes much; the trunk is flat, and a sole is what one stands on.
+        const float roundness = isTrunk(s.role) || s.role == BodyRole::foot ? 1.0f : 1.6f;
+        FittedShape fitted = skin.size() >= kFewVertices
+                                 ? fitShape(skin, basisOf(s), options_.containedShare, roundness)
+                                 : fromTables(s);
+        const float least = 0.005f * height_;
+        if (auto* capsule = std::get_if<Capsule>(&fitted.shape)) capsule->radius = std::max(capsule->radius, least);
+        if (auto* box = std::get_if<Box>(&fitted.shape))
+            box->halfExtents = max(box->halfExtents, {least, least, least});
+        inModel_.push_back(fitted);
+        part.frame = inverse(part.bind) * fitted.frame;
+        part.frame.rotation = normalized(part.frame.rotation);
+        part.shape = std::move(fitted.shape);
+        def_.parts.push_back(std::move(part));
+    }
+
+    /// Without skin a part has the volume that its share of the mass has in a human: limbs as capsules, the trunk as
+    /// boxes half as wide again as deep.
+    FittedShape fromTables(const Segment& s) const {
+        const Vec3 start = bindOf(s.bone).position, end = endOf(s);
+        const float reach = length(end - start);
+        if (s.role == BodyRole::other) {
+            const Vec3 axis = normalized(end - start, {0, 1, 0});
+            const float radius = 0.15f * reach;
+            return {Capsule{radius, 0.5f * reach - radius}, {0.5f * (start + end), rotationBetween({0, 1, 0}, axis)}};
+        }
+        const double cube = static_cast<double>(height_) * height_ * height_;
+        const auto volume = static_cast<float>(massShare(s.role, options_.femaleShare) * kBodyVolume * cube);
+        if (!isTrunk(s.role)) return capsuleBetween(start, end, volume);
+        const float tall = std::max(dot(end - start, anatomy_.up), 0.08f * height_);
+        const float deep = std::sqrt(volume / (1.5f * tall));
+        const Vec3 center = start + 0.5f * tall * anatomy_.up;
+        return {Box{{0.75f * deep, 0.5f * tall, 0.5f * deep}}, {center, basisOf(s)}};
+    }
+
+    /// By the tables for a human, else by volume; the rounding of the sum goes to the heaviest part.
+    void shareMass() {
+        std::vector<double> share;
+        double sum = 0;
+        for (const RagdollPart& part : def_.parts) {
+            share.push_back(anatomy_.humanoid ? massShare(part.role, options_.femaleShare)
+                                              : massOf(part.shape, 1.0f).mass);
+            sum += share.back();
+        }
+        std::size_t heaviest = 0;
+        double given = 0;
+        for (std::size_t i = 0; i < share.size(); ++i) {
+            def_.parts[i].mass = static_cast<float>(options_.bodyMass * share[i] / sum);
+            given += def_.parts[i].mass;
+            if (share[i] > share[heaviest]) heaviest = i;
+        }
+        def_.parts[heaviest].mass += static_cast<float>(options_.bodyMass - given);
+    }
+
+    void addJoint(int child) {
+        RagdollJoint joint{segment(child).parent, child, anatomicalJoint(skeleton_, anatomy_, child, options_.limitScale)};
+        float beyond = 0;
+        for (int i = child; i < static_cast<int>(def_.parts.size()); ++i) {
+            int at = i;
+            while (at > child) at = segment(at).parent;
+            if (at == child) beyond += def_.parts[static_cast<std::size_t>(i)].mass;
+        }
+        const float reach = length(endOf(segment(child)) - bindOf(segment(child).bone).position);
+        const float torque = options_.jointFriction * beyond * kGravity * reach;
+        if (auto* ball = std::get_if<BallDef>(&joint.joint)) ball->friction = torque;
+        if (auto* hinge = std::get_if<HingeDef>(&joint.joint)) hinge->friction = torque;
+        def_.joints.push_back(std::move(joint));
+    }
+
+    /// Joined parts never collide. Others that overlap at rest share a number with all they overlap, directly or
+    /// through others, since a shape has one group only.
+    void quieten() {
+        const std::size_t count = def_.parts.size();
+        std::vector<int> cluster(count);
+        for (std::size_t i = 0; i < count; ++i) cluster[i] = static_cast<int>(i);
+        std::vector<bool> overlapping(count, !options_.selfCollision);
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t j = i + 1; j < count; ++j) {
+                const bool joined = segment(static_cast<int>(j)).parent == static_cast<int>(i);
+                if (options_.selfCollision &&
+                    (joined || !mayOverlap(inModel_[i], inModel_[j], kTouching * height_)))
+                    continue;
+                overlapping[i] = overlapping[j] = true;
+                const int from = cluster[j], to = cluster[i];
+                for (int& entry : cluster)
+                    if (entry == from) entry = to;
+            }
+        for (std::size_t i = 0; i < count; ++i)
+            if (overlapping[i]) def_.parts[i].quiet = cluster[i];
+    }
+
+    const Skeleton& skeleton_;
+    const RagdollOptions& options_;
+    Anatomy anatomy_;
+    RagdollDef def_;
+    std::vector<FittedShape> inModel_;
+    float height_ = 0;
+};
+
+}  // namespace
+
+RagdollDef makeRagdoll(const Skeleton& skeleton, const RagdollOptions& options) {
+    if (const std::string problem = whyInvalid(options); !problem.empty())
+        throw std::invalid_argument("ragdoll options: " + problem);
+    return Maker(skeleton, options).run();
+}
+
+}  // namespace ragtop

@@ -1,0 +1,132 @@
+#include "ragtop/ragdoll.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "ragtop/world.h"
+
+namespace ragtop {
+namespace {
+
+/// Groups of parts that keep quiet are named after the body of their first part, far below what callers would use.
+constexpr std::int32_t kFirstGroup = -0x40000000;
+
+BodyDef bodyOf(const RagdollPart& part, const Pose& pose, const Vec3& velocity) {
+    ShapeDef shape{.geometry = part.shape, .frame = part.frame, .material = part.material};
+    shape.density = part.mass / massOf(part.shape, 1.0f).mass;
+    BodyDef body;
+    MassProperties mass = transformed(massOf(part.shape, shape.density), part.frame);
+    mass.mass = part.mass;
+    body.mass = mass;
+    body.shapes.push_back(std::move(shape));
+    body.pose = pose;
+    body.linearVelocity = velocity;
+    return body;
+}
+
+void validate(const RagdollDef& def) {
+    if (const std::string problem = whyInvalid(def); !problem.empty())
+        throw std::invalid_argument("ragdoll: " + problem);
+}
+
+}  // namespace
+
+Ragdoll::Ragdoll(World& world, const RagdollDef& def, const Pose& placement, const Vec3& velocity)
+    : world_(&world), def_(def) {
+    validate(def_);
+    std::vector<Pose> poses;
+    for (const RagdollPart& part : def_.parts) poses.push_back(placement * part.bind);
+    spawn(poses, velocity);
+}
+
+Ragdoll::Ragdoll(World& world, const RagdollDef& def, std::span<const Pose> bones, const Vec3& velocity)
+    : world_(&world), def_(def) {
+    validate(def_);
+    if (bones.size() != def_.bones.size())
+        throw std::invalid_argument("ragdoll: got " + std::to_string(bones.size()) + " poses of bones, must be " +
+                                    std::to_string(def_.bones.size()));
+    std::vector<Pose> poses;
+    for (const RagdollPart& part : def_.parts) poses.push_back(bones[static_cast<std::size_t>(part.bone)]);
+    spawn(poses, velocity);
+}
+
+void Ragdoll::spawn(std::span<const Pose> partPoses, const Vec3& velocity) {
+    try {
+        for (std::size_t i = 0; i < def_.parts.size(); ++i)
+            bodies_.push_back(world_->create(bodyOf(def_.parts[i], partPoses[i], velocity)));
+        for (std::size_t i = 0; i < def_.parts.size(); ++i) {
+            if (def_.parts[i].quiet < 0) continue;
+            std::size_t first = 0;
+            while (def_.parts[first].quiet != def_.parts[i].quiet) ++first;
+            Filter filter;
+            filter.group = kFirstGroup + static_cast<std::int32_t>(bodies_[first].index);
+            for (const ShapeId shape : world_->shapes(bodies_[i])) world_->setFilter(shape, filter);
+        }
+        for (const RagdollJoint& joint : def_.joints) {
+            JointDef complete = joint.joint;
+            std::visit(
+                [&](auto& each) {
+                    each.bodies.a = bodies_[static_cast<std::size_t>(joint.parent)];
+                    each.bodies.b = bodies_[static_cast<std::size_t>(joint.child)];
+                },
+                complete);
+            joints_.push_back(world_->create(complete));
+        }
+    } catch (...) {
+        release();
+        throw;
+    }
+}
+
+void Ragdoll::release() {
+    if (!world_) return;
+    for (const JointId joint : joints_)
+        if (world_->isValid(joint)) world_->destroy(joint);
+    for (const BodyId body : bodies_)
+        if (world_->isValid(body)) world_->destroy(body);
+    joints_.clear();
+    bodies_.clear();
+}
+
+Ragdoll::~Ragdoll() { release(); }
+
+Ragdoll::Ragdoll(Ragdoll&& other) noexcept
+    : world_(std::exchange(other.world_, nullptr)),
+      def_(std::move(other.def_)),
+      bodies_(std::move(other.bodies_)),
+      joints_(std::move(other.joints_)) {}
+
+Ragdoll& Ragdoll::operator=(Ragdoll&& other) noexcept {
+    if (this != &other) {
+        release();
+        world_ = std::exchange(other.world_, nullptr);
+        def_ = std::move(other.def_);
+        bodies_ = std::exchange(other.bodies_, {});
+        joints_ = std::exchange(other.joints_, {});
+    }
+    return *this;
+}
+
+BodyId Ragdoll::body(std::string_view bone) const {
+    for (const RagdollBone& each : def_.bones)
+        if (each.name == bone) return bodies_[static_cast<std::size_t>(each.part)];
+    return {};
+}
+
+Pose Ragdoll::pose(int bone) const {
+    const RagdollBone& each = def_.bones.at(static_cast<std::size_t>(bone));
+    return world_->pose(bodies_[static_cast<std::size_t>(each.part)]) * each.inPart;
+}
+
+void Ragdoll::pose(std::span<Pose> into) const {
+    const std::size_t count = def_.bones.size() < into.size() ? def_.bones.size() : into.size();
+    for (std::size_t i = 0; i < count; ++i) into[i] = pose(static_cast<int>(i));
+}
+
+std::vector<Pose> Ragdoll::pose() const {
+    std::vector<Pose> poses(def_.bones.size());
+    pose(poses);
+    return poses;
+}
+
+}  // namespace ragtop

@@ -1,0 +1,291 @@
+#include "broadphase/bounds_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <map>
+#include <memory_resource>
+#include <random>
+#include <vector>
+
+namespace ragtop {
+namespace {
+
+struct Model {
+    std::pmr::monotonic_buffer_resource memory;
+    BoundsTree tree{&memory};
+    std::map<std::uint32_t, Bounds> proxies;  // the value of each proxy is its own name plus 1000
+    std::mt19937 random{7};
+
+    float uniform(float lower, float upper) { return std::uniform_real_distribution<float>(lower, upper)(random); }
+    Vec3 point(float size) { return {uniform(-size, size), uniform(-size, size), uniform(-size, size)}; }
+    Bounds box(float world, float size) {
+        const Vec3 center = point(world);
+        const Vec3 half{uniform(0, size), uniform(0, size), uniform(0, size)};
+        return {center - half, center + half};
+    }
+    std::uint32_t any() {
+        auto it = proxies.begin();
+        std::advance(it, static_cast<long>(random() % proxies.size()));
+        return it->first;
+    }
+    void insert(const Bounds& bounds, std::uint32_t category = 1) {
+        const auto next = static_cast<std::uint32_t>(proxies.size());
+        const std::uint32_t proxy = tree.insert(bounds, category, next);
+        proxies[proxy] = bounds;
+        values[proxy] = next;
+    }
+    void change() {
+        const auto what = random() % 8;
+        if (proxies.size() < 3 || what < 3) {
+            insert(box(20, 2));
+        } else if (what < 5) {
+            const auto proxy = any();
+            tree.remove(proxy);
+            proxies.erase(proxy);
+        } else if (what == 5) {
+            const auto proxy = any();
+            tree.move(proxy, proxies[proxy] = box(20, 2));
+        } else {
+            const auto proxy = any();
+            Bounds& bounds = proxies[proxy];
+            bounds = merge(bounds, {bounds.lower + point(1), bounds.upper + point(1)});
+            tree.enlarge(proxy, bounds);
+        }
+    }
+    std::map<std::uint32_t, std::uint32_t> values;
+
+    std::vector<std::uint32_t> queried(const Bounds& bounds) const {
+        std::vector<std::uint32_t> found;
+        tree.query(bounds, [&](std::uint32_t value) {
+            found.push_back(value);
+            return true;
+        });
+        std::sort(found.begin(), found.end());
+        return found;
+    }
+    std::vector<std::uint32_t> expected(const Bounds& bounds) const {
+        std::vector<std::uint32_t> found;
+        for (const auto& [proxy, own] : proxies) {
+            if (overlaps(own, bounds)) found.push_back(values.at(proxy));
+        }
+        std::sort(found.begin(), found.end());
+        return found;
+    }
+
+    // Every inner node holds its children, knows its height and categories; every node hangs where it says.
+    int checkedHeight() const {
+        if (tree.empty()) return 0;
+        int leaves = 0;
+        const int height = check(tree.header().root, BoundsTree::kNull, leaves);
+        EXPECT_EQ(leaves, tree.proxyCount());
+        EXPECT_EQ(leaves, static_cast<int>(proxies.size()));
+        return height;
+    }
+    int check(std::uint32_t index, std::uint32_t parent, int& leaves) const {
+        const auto& node = tree.nodes()[index];
+        EXPECT_EQ(node.parent, parent);
+        if (node.height == 0) {
+            ++leaves;
+            return 0;
+        }
+        const auto& left = tree.nodes()[node.left];
+        const auto& right = tree.nodes()[node.right];
+        EXPECT_TRUE(contains(node.bounds, left.bounds) && contains(node.bounds, right.bounds));
+        EXPECT_EQ(node.category, left.category | right.category);
+        EXPECT_EQ(node.flags & (left.flags | right.flags), left.flags | right.flags);
+        const int height = 1 + std::max(check(node.left, index, leaves), check(node.right, index, leaves));
+        EXPECT_EQ(height, node.height);
+        return height;
+    }
+};
+
+// Exact in doubles: where the way of the box's centre meets bounds grown by its extents.
+double enterFraction(const Vec3& origin, const Vec3& along, const Vec3& extents, const Bounds& bounds) {
+    double from = 0, to = 1;
+    for (int i = 0; i < 3; ++i) {
+        const double lower = static_cast<double>(bounds.lower[i]) - extents[i] - origin[i];
+        const double upper = static_cast<double>(bounds.upper[i]) + extents[i] - origin[i];
+        const double move = along[i];
+        if (move == 0) {
+            if (lower > 0 || upper < 0) return 2;
+            continue;
+        }
+        from = std::max(from, std::min(lower / move, upper / move));
+        to = std::min(to, std::max(lower / move, upper / move));
+    }
+    return from <= to ? from : 2;
+}
+
+TEST(BoundsTree, AgreesWithBruteForceThroughTenThousandChanges) {
+    Model model;
+    for (int i = 0; i < 10000; ++i) {
+        model.change();
+        if (i % 50 == 0) model.tree.rebuildEnlarged();
+        if (i % 10 == 0) {
+            const Bounds region = model.box(25, 8);
+            ASSERT_EQ(model.queried(region), model.expected(region)) << "after change " << i;
+        }
+        if (i % 500 == 0) model.checkedHeight();
+    }
+    model.tree.rebuildEnlarged();
+    model.checkedHeight();
+    ASSERT_FALSE(HasFailure());
+}
+
+TEST(BoundsTree, CastsMeetWhatBruteForceMeets) {
+    Model model;
+    for (int i = 0; i < 2000; ++i) model.insert(model.box(50, 1.5f));
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3 origin = model.point(60);
+        Vec3 along = model.point(80);
+        if (i % 5 == 0) along[i % 3] = 0;
+        if (i % 7 == 0) along = {i % 2 == 0 ? 100.0f : -100.0f, 0, 0};
+        const Vec3 extents = i % 3 == 0 ? Vec3{} : Vec3{model.uniform(0, 3), model.uniform(0, 3), model.uniform(0, 3)};
+        std::vector<std::uint32_t> met;
+        model.tree.cast(origin, along, extents, [&](std::uint32_t value, float closer) {
+            met.push_back(value);
+            return closer;
+        });
+        std::sort(met.begin(), met.end());
+        std::vector<std::uint32_t> must;
+        for (const auto& [proxy, bounds] : model.proxies) {
+            if (enterFraction(origin, along, extents, bounds) <= 1) must.push_back(model.values.at(proxy));
+        }
+        ASSERT_TRUE(std::includes(met.begin(), met.end(), must.begin(), must.end())) << "cast " << i;
+        // Only roundings may add what is not met.
+        ASSERT_LE(met.size(), must.size() + 2);
+    }
+}
+
+TEST(BoundsTree, CastsThatShrinkFindTheNearest) {
+    Model model;
+    std::map<std::uint32_t, Bounds> byValue;
+    for (int i = 0; i < 2000; ++i) model.insert(model.box(50, 1.5f));
+    for (const auto& [proxy, bounds] : model.proxies) byValue[model.values[proxy]] = bounds;
+    int visits = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3 origin = model.point(60);
+        const Vec3 along = model.point(120);
+        double found = 2;
+        model.tree.cast(origin, along, {}, [&](std::uint32_t value, float closer) {
+            ++visits;
+            const double fraction = enterFraction(origin, along, {}, byValue[value]);
+            found = std::min(found, fraction);
+            return fraction < closer ? static_cast<float>(fraction) : closer;
+        });
+        double nearest = 2;
+        for (const auto& [value, bounds] : byValue) {
+            nearest = std::min(nearest, enterFraction(origin, along, {}, bounds));
+        }
+        ASSERT_EQ(found, nearest);
+    }
+    EXPECT_LT(visits, 1000 * 10);
+}
+
+TEST(BoundsTree, QueryEndsWhenTheVisitorSaysSo) {
+    Model model;
+    for (int i = 0; i < 20; ++i) model.insert({{-1, -1, -1}, {1, 1, 1}});
+    int visits = 0;
+    model.tree.query({{0, 0, 0}, {0, 0, 0}}, [&](std::uint32_t) { return ++visits < 3; });
+    EXPECT_EQ(visits, 3);
+    visits = 0;
+    model.tree.cast({-5, 0, 0}, {10, 0, 0}, {}, [&](std::uint32_t, float) {
+        ++visits;
+        return 0.0f;
+    });
+    EXPECT_EQ(visits, 1);
+}
+
+TEST(BoundsTree, HeightStaysLogarithmicWhateverTheOrder) {
+    constexpr int kCount = 1024;
+    const auto grow = [](auto boundsOf) {
+        Model model;
+        for (int i = 0; i < kCount; ++i) model.insert(boundsOf(static_cast<float>(i)));
+        const int height = model.checkedHeight();
+        // Twice log2 n, and the room that keeps rebuilds rare.
+        EXPECT_LE(height, 2 * std::bit_width(static_cast<unsigned>(kCount)) + 16);
+        return height;
+    };
+    grow([](float i) { return Bounds{{i, 0, 0}, {i + 0.9f, 1, 1}}; });
+    grow([](float i) { return Bounds{{0, 0, 0}, {i + 1, i + 1, i + 1}}; });
+    grow([](float i) { return Bounds{{0, 0, 0}, {1 / (i + 1), 1, 1}}; });
+    grow([](float i) { return Bounds{{i * i * i, 0, 0}, {i * i * i + 1, 1, 1}}; });
+    EXPECT_LE(grow([](float) { return Bounds{{0, 0, 0}, {1, 1, 1}}; }), 20);
+}
+
+TEST(BoundsTree, RebuildTightensWhatMotionLoosened) {
+    Model model;
+    for (int i = 0; i < 1000; ++i) model.insert(model.box(50, 0.5f));
+    // Everything flies elsewhere in place.
+    for (auto& [proxy, bounds] : model.proxies) model.tree.enlarge(proxy, bounds = model.box(50, 0.5f));
+    model.tree.rebuildEnlarged();
+    EXPECT_LE(model.checkedHeight(), 2 * std::bit_width(1000u));
+    float inner = 0;
+    for (const auto& node : model.tree.nodes()) {
+        if (node.height != 1) continue;
+        const Vec3 size = node.bounds.upper - node.bounds.lower;
+        inner = std::max({inner, size.x, size.y, size.z});
+    }
+    // 1000 boxes in 100³ m³: neighbours are about 10 m apart; without a rebuild pairs would span the scene.
+    EXPECT_LT(inner, 50);
+    for (int i = 0; i < 100; ++i) {
+        const Bounds region = model.box(50, 8);
+        ASSERT_EQ(model.queried(region), model.expected(region));
+    }
+}
+
+TEST(BoundsTree, CategoriesOfBranchesFollowTheirLeaves) {
+    Model model;
+    for (int i = 0; i < 100; ++i) model.insert(model.box(20, 1), 1u << (i % 32));
+    for (int i = 0; i < 50; ++i) model.tree.setCategory(model.any(), 1u << (i % 5));
+    model.checkedHeight();
+}
+
+TEST(BoundsTree, RestoredTreeBehavesAsTheSavedOne) {
+    Model model;
+    for (int i = 0; i < 500; ++i) model.change();
+    const BoundsTree::Header header = model.tree.header();
+    const std::vector<BoundsTree::Node> nodes(model.tree.nodes().begin(), model.tree.nodes().end());
+    const auto proxies = model.proxies;
+    const auto random = model.random;
+    const auto values = model.values;
+
+    const auto visits = [&] {
+        std::vector<std::uint32_t> order;
+        for (int i = 0; i < 500; ++i) {
+            model.change();
+            if (i % 20 == 0) model.tree.rebuildEnlarged();
+            model.tree.query(model.box(20, 5), [&](std::uint32_t value) {
+                order.push_back(value);
+                return true;
+            });
+        }
+        return order;
+    };
+    const auto first = visits();
+    model.tree.restore(header, nodes.data(), nodes.size());
+    model.proxies = proxies;
+    model.random = random;
+    model.values = values;
+    EXPECT_EQ(visits(), first);
+}
+
+TEST(BoundsTree, SameShapeAtEveryScale) {
+    // Powers of two are exact, so a scene of another size has the same tree.
+    Model small, large;
+    for (int i = 0; i < 300; ++i) {
+        const Bounds b = small.box(20, 2);
+        small.insert(b);
+        large.insert({64 * b.lower, 64 * b.upper});
+    }
+    ASSERT_EQ(small.tree.nodes().size(), large.tree.nodes().size());
+    for (std::size_t i = 0; i < small.tree.nodes().size(); ++i) {
+        EXPECT_EQ(small.tree.nodes()[i].parent, large.tree.nodes()[i].parent);
+        EXPECT_EQ(small.tree.nodes()[i].left, large.tree.nodes()[i].left);
+    }
+}
+
+}  // namespace
+}  // namespace ragtop

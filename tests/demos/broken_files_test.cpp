@@ -1,0 +1,151 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace {
+
+using testing::HasSubstr;
+
+struct ProgramResult {
+    int exitCode = -1;
+    std::string errors;
+};
+
+/// Runs the program with what it prints to the error stream kept.
+ProgramResult ragtop(const std::string& arguments) {
+    const std::string command = std::string("cd '") + RAGTOP_SOURCE_DIR "/tests/broken' && '" RAGTOP_PROGRAM "' " +
+                                arguments + " 2>&1 >/dev/null";
+    std::FILE* pipe = popen(command.c_str(), "r");
+    ProgramResult result;
+    std::array<char, 4096> buffer{};
+    while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe)) result.errors += buffer.data();
+    const int status = pclose(pipe);
+    result.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    return result;
+}
+
+/// What the program is asked, and what its one line must say: where, what is there, what is allowed.
+struct Broken {
+    std::string name;
+    std::string arguments;
+    std::vector<std::string> says;
+};
+
+std::ostream& operator<<(std::ostream& out, const Broken& broken) { return out << broken.arguments; }
+
+class BrokenFile : public testing::TestWithParam<Broken> {};
+
+TEST_P(BrokenFile, IsRefusedInOneLineThatNamesPlaceValueAndWhatIsAllowed) {
+    const ProgramResult result = ragtop(GetParam().arguments);
+    EXPECT_EQ(result.exitCode, 2) << result.errors;
+    ASSERT_FALSE(result.errors.empty());
+    EXPECT_EQ(result.errors.find('\n'), result.errors.size() - 1) << result.errors;
+    for (const std::string& text : GetParam().says) EXPECT_THAT(result.errors, HasSubstr(text));
+}
+
+/// The file is the test's name.
+Broken scene(const std::string& name, std::vector<std::string> says) {
+    return {name, "inspect " + name + ".json", std::move(says)};
+}
+Broken car(const std::string& name, std::vector<std::string> says) {
+    return {name, "inspect " + name + ".car.json", std::move(says)};
+}
+Broken ragdoll(const std::string& name, std::vector<std::string> says) {
+    return {name, "inspect " + name + ".ragdoll.json", std::move(says)};
+}
+
+const std::vector<Broken> kText{
+    scene("truncated", {"truncated.json:3:", "is not JSON"}),
+    scene("nan", {"nan.json:2:", "is not JSON", "invalid literal"}),
+    scene("not_json", {"not_json.json:1:1:", "is not JSON"}),
+    scene("empty", {"empty.json:1:1:", "is empty"}),
+    scene("root_array", {"root_array.json:1:1: /", "an object"}),
+    scene("trailing_garbage", {"trailing_garbage.json:1:17:", "is not JSON"}),
+    scene("bad_utf8", {"bad_utf8.json:1:", "is not JSON", "UTF-8"}),
+    scene("overflow", {"overflow.json:2:", "overflow"}),
+    scene("duplicate_key", {"duplicate_key.json:3:3:", "/duration occurs twice"}),
+    scene("too_deep", {"too_deep.json:1:", "64"}),
+};
+
+const std::vector<Broken> kScenes{
+    scene("wrong_type", {"wrong_type.json:3:15: /duration is \"ten\"", "a number in [0, 1000000] s"}),
+    scene("unknown_key", {"unknown_key.json:2:26: /settings/gravty is unknown", "did you mean \"gravity\"?"}),
+    scene("missing_field", {"missing_field.json:2:14: /bodies/0/shape is missing", "box, sphere"}),
+    scene("missing_reference", {"missing_reference.json:2:25: /vehicles/0/file is \"no_such.car.json\"", "must name a file"}),
+    scene("self_reference", {"/include/0 is \"self_reference.json\"", "must not lead back"}),
+    scene("round_trip_a", {"round_trip_b.json:1:14: /include/0 is \"round_trip_a.json\"", "must not lead back"}),
+    scene("bad_quaternion", {"/bodies/0/rotation is [0,0,0.5,0.5] of length 0.7071", "unit quaternion"}),
+    scene("friction_range", {"/materials/ice/friction is -0.1", "in [0, 10]"}),
+    scene("unknown_shape", {"/bodies/0/shape/bix is unknown", "did you mean \"box\"?"}),
+    scene("two_shapes", {"/bodies/0/shape is {sphere, capsule}", "one of box, sphere"}),
+    scene("negative_radius", {"/bodies/0/shape/sphere/radius is -0.5", "in [0.0001, 100000] m"}),
+    scene("bad_enum", {"/bodies/0/type is \"dynamc\"", "\"fixed\", \"kinematic\", \"dynamic\"", "did you mean \"dynamic\"?"}),
+    scene("short_vector", {"/bodies/0/position is [0,1]", "[x, y, z]"}),
+    scene("flat_hull", {"/bodies/0/shape/hull makes no shape"}),
+    scene("ragged_heights", {"/bodies/0/shape/heightField makes no shape", "heights/1 has 2 numbers, must have 3"}),
+    scene("mesh_index", {"/bodies/0/shape/mesh makes no shape"}),
+    scene("dynamic_mesh", {"/bodies/0/shape", "\"fixed\" or \"kinematic\""}),
+    scene("missing_mesh", {"/bodies/0/shape/mesh is \"no_such.obj\"", "must name a file"}),
+    scene("missing_character", {"/ragdolls/0/character is \"no_such.glb\"", "must name a file"}),
+    scene("unknown_material", {"/bodies/0/material is \"brik\"", "did you mean \"brick\"?"}),
+    scene("script_order", {"/vehicles/0/script/1 has the time 1", "2 s"}),
+    scene("joint_body", {"/joints/0/a is \"dor\"", "did you mean \"door\"?"}),
+    scene("joint_kinds", {"/joints/0 has 2 kinds of joint", "exactly one of ball, hinge"}),
+    scene("self_joint", {"/joints/0 joins a body with itself"}),
+    scene("zero_axis", {"/joints/0/axis is [0, 0, 0]", "direction"}),
+};
+
+const std::vector<Broken> kVehicles{
+    car("negative_mass", {"negative_mass.car.json:3:23: /chassis/mass is -5", "in [0.001, 1e+09] kg"}),
+    car("cyclic_extends", {"cyclic_extends.car.json:2:14: /extends", "must not lead back"}),
+    car("wheel_radius", {"wheel_radius.car.json:4:", "/wheels/0/radius is -0.3", "in [0.001, 1000] m"}),
+    car("missing_wheels", {"missing_wheels.car.json:1:1: /wheels is missing"}),
+    car("two_wheels", {"two_wheels.car.json:3:13: /wheels has 2", "3 or more"}),
+    car("differential_type", {"/differential/type is \"lockd\"", "did you mean \"locked\"?"}),
+};
+
+const std::vector<Broken> kRagdolls{
+    ragdoll("absent_bone", {"absent_bone.ragdoll.json:4:32: /parts/0/bone is \"hib\"", "did you mean \"hip\"?"}),
+    ragdoll("absent_part", {"/joints/0/child is \"foot\"", "must be the name of one of the 2 parts"}),
+    ragdoll("zero_mass", {"/parts/0/mass is 0", "kg"}),
+    ragdoll("reversed_limit", {"/joints/0/hinge/limit/lower is 1.5", "at most \"upper\", 0.5"}),
+};
+
+const std::vector<Broken> kModels{
+    {"mass_abc", "inspect mass_abc.urdf", {"mass_abc.urdf", "abc"}},
+    {"empty_mesh", "inspect empty_mesh.obj", {"empty_mesh.obj"}},
+    {"garbage", "inspect garbage.glb", {"garbage.glb"}},
+    {"truncated_gltf", "inspect truncated.gltf", {"truncated.gltf"}},
+    {"no_such_file", "inspect no_such_file.fbx", {"no_such_file.fbx"}},
+};
+
+const std::vector<Broken> kUsage{
+    {"no_command", "", {"ragtop:"}},
+    {"unknown_command", "fly", {"ragtop:"}},
+    {"unknown_scene", "run towr", {"towr: no such scene", "did you mean \"tower\"?"}},
+    {"unknown_option", "run tower --fast", {"--fast"}},
+    {"bad_number", "run tower --steps many", {"--steps", "many"}},
+    {"bad_lanes", "run tower --lanes 5", {"--lanes", "5"}},
+    {"setting_without_value", "run tower --set sleeping", {"--set", "must be key=value"}},
+    {"unknown_setting", "run tower --set gravty=[0,0,0]", {"--set gravty", "/gravty is unknown"}},
+    {"setting_of_wrong_type", "run tower --set substeps=many", {"/settings/substeps is \"many\"", "an integer in [1, 64]"}},
+    {"setting_out_of_range", "run tower --set settings.substeps=0", {"/settings/substeps is 0", "in [1, 64]"}},
+    {"no_state", "run tower --restore no_such.bin", {"no_such.bin: no such file"}},
+    {"state_of_something_else", "run tower --restore mass_abc.urdf", {"mass_abc.urdf: is no state of this scene"}},
+};
+
+std::string nameOf(const testing::TestParamInfo<Broken>& info) { return info.param.name; }
+
+INSTANTIATE_TEST_SUITE_P(Text, BrokenFile, testing::ValuesIn(kText), nameOf);
+INSTANTIATE_TEST_SUITE_P(Scene, BrokenFile, testing::ValuesIn(kScenes), nameOf);
+INSTANTIATE_TEST_SUITE_P(Vehicle, BrokenFile, testing::ValuesIn(kVehicles), nameOf);
+INSTANTIATE_TEST_SUITE_P(Ragdoll, BrokenFile, testing::ValuesIn(kRagdolls), nameOf);
+INSTANTIATE_TEST_SUITE_P(Model, BrokenFile, testing::ValuesIn(kModels), nameOf);
+INSTANTIATE_TEST_SUITE_P(Usage, BrokenFile, testing::ValuesIn(kUsage), nameOf);
+
+}  // namespace

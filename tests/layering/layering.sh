@@ -1,0 +1,56 @@
+#!/bin/sh
+# layering.sh <source tree>: checks the rules that keep the modules apart and the files readable.
+#
+#   core <- vehicles, ragdolls <- assets <- demos; vehicles and ragdolls do not know each other
+#   public headers include only the standard library and public headers (ragtop/eigen.h may include Eigen),
+#   define no macros, start with #pragma once
+#   no header has a using-directive
+#   no file is longer than 500 lines, no function of a module longer than 80
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+cd "$1"
+
+modules="core vehicles ragdolls assets demos"
+sources=$(find $modules tests bench -type f \( -name '*.h' -o -name '*.inl' -o -name '*.cpp' \) 2>/dev/null | LC_ALL=C sort)
+
+allowed_modules() {
+    case $1 in
+    core) echo core ;;
+    vehicles | ragdolls) echo "core $1" ;;
+    assets) echo "core vehicles ragdolls assets" ;;
+    demos) echo "core vehicles ragdolls assets demos" ;;
+    esac
+}
+
+check_module() {
+    module=$1
+    files=$(echo "$sources" | grep "^$module/" || true)
+    [ -n "$files" ] || return 0
+    allowed=$(allowed_modules "$module")
+    # Public headers by the name they are included as, and the module's own private files by theirs.
+    public=$(for m in $allowed; do
+        [ ! -d "$m/include" ] || (cd "$m/include" && find . -name '*.h' | sed 's|^\./||')
+    done)
+    private=$([ ! -d "$module/src" ] || (cd "$module/src" && find . -type f | sed 's|^\./||'))
+    result=0
+    awk -v public="$public" -v private="$private" -v module="$module" -f "$here/includes.awk" $files || result=1
+    awk -f "$here/functions.awk" $files || result=1
+    return $result
+}
+
+status=0
+for module in $modules; do
+    check_module "$module" || status=1
+done
+if [ -n "$sources" ]; then
+    awk 'FNR == 1 { over = 0 }
+         FNR > 500 && !over { over = 1; failed = 1; print FILENAME ": longer than 500 lines" }
+         END { exit failed }' $sources || status=1
+    headers=$(echo "$sources" | grep -E '\.(h|inl)$' || true)
+    if [ -n "$headers" ] && grep -nE '^[[:space:]]*using[[:space:]]+namespace' $headers; then
+        echo "using-directives in headers (above)"
+        status=1
+    fi
+fi
+[ $status -ne 0 ] || echo "$(echo "$sources" | wc -l) files keep to the rules"
+exit $status

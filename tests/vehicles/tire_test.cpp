@@ -1,0 +1,112 @@
+#include "tire.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace ragtop {
+namespace {
+
+constexpr float kLoad = 4000;  // N
+constexpr float kGravity = 9.81f;
+
+TireDef tireDef() {
+    TireDef def;
+    def.longitudinalFriction = 1.1f;
+    def.lateralFriction = 0.9f;
+    return def;
+}
+
+struct Rig {
+    TireSpec spec = makeTireSpec(tireDef(), kLoad, kGravity);
+    float transport = 0;
+    Vec2 u;
+    Vec2 force;
+
+    /// A substep at a given slip velocity: the ground is immovable and so is the wheel.
+    void step(const Vec2& slip, float h) {
+        const TireLaw law = tireLaw(spec, kLoad, transport, spec.def.referenceSurface);
+        float secant = brushSecant(law, u);
+        TireVisit visit;
+        for (int i = 0; i < 40; ++i) {
+            visit = solveTire(law, secant, u, transport, kLoad * h, h, {}, slip);
+            const Vec2 f{visit.impulse.x / h, visit.impulse.y / h};
+            secant = visit.sliding ? 1.0f / 3 : brushSecant(law, deflectionOf(law, secant, u, f, kLoad, h));
+        }
+        force = {visit.impulse.x / h, visit.impulse.y / h};
+        u = withinPatch(law, visit.sliding ? deflectionOf(law, secant, u, force, kLoad, h)
+                                           : rolledDeflection(law, u, slip, transport, h));
+    }
+};
+
+/// Maximum dissipation on an ellipse: the support point against the slip, F = −N (μx² sx, μy² sy)/|(μx sx, μy sy)|.
+TEST(Tire, SkidsAtTheEllipsePointOfMostDissipationIn36Directions) {
+    const TireDef def = tireDef();
+    const double mx = def.longitudinalFriction, my = def.lateralFriction;
+    for (int k = 0; k < 36; ++k) {
+        const double angle = k * kPi / 18;
+        const double sx = 2 * std::cos(angle), sy = 2 * std::sin(angle);
+        Rig rig;
+        for (int i = 0; i < 240; ++i) rig.step({static_cast<float>(sx), static_cast<float>(sy)}, 1.0f / 240);
+        const double scale = -kLoad / std::hypot(mx * sx, my * sy);
+        EXPECT_NEAR(rig.force.x, scale * mx * mx * sx, 1e-3 * kLoad) << k;
+        EXPECT_NEAR(rig.force.y, scale * my * my * sy, 1e-3 * kLoad) << k;
+        EXPECT_NEAR(std::hypot(rig.force.x / mx, rig.force.y / my), kLoad, 1e-5 * kLoad) << k;
+    }
+}
+
+/// Rolling with small slip: F = −C s/V N, less the share of the parabola, 1 − x + x²/3 with x = C s/(3 μ V).
+TEST(Tire, RollsWithTheBrushCurve) {
+    const double speed = 20;
+    for (const double slip : {0.001, 0.01, 0.03, 0.06, 0.1}) {
+        Rig rig;
+        rig.transport = static_cast<float>(speed);
+        for (int i = 0; i < 240; ++i) rig.step({0, static_cast<float>(slip * speed)}, 1.0f / 240);
+        const double x = rig.spec.def.corneringStiffness * slip / (3 * rig.spec.def.lateralFriction);
+        const double expected = -kLoad * rig.spec.def.lateralFriction * (3 * x - 3 * x * x + x * x * x);
+        EXPECT_NEAR(rig.force.y, expected, 1e-4 * kLoad) << slip;
+        EXPECT_NEAR(rig.force.x, 0, 1e-6 * kLoad);
+    }
+}
+
+/// After one relaxation length the bristles of an undamped tire are 1 − 1/e bent; backward Euler is late by h V/(2 σ).
+TEST(Tire, GrowsItsForceOverTheRelaxationLength) {
+    Rig rig;
+    rig.spec.standingDamping = 0;
+    const float speed = 5, slip = 0.001f;
+    rig.transport = speed;
+    const int steps = 600;
+    const float h = rig.spec.def.relaxationLength / speed / steps;
+    for (int i = 0; i < steps; ++i) rig.step({0, slip * speed}, h);
+    const double steady = slip * rig.spec.def.relaxationLength;
+    EXPECT_NEAR(-rig.u.y / steady, 1 - std::exp(-1.0), 1.0 / steps);
+}
+
+/// At rest the law is a spring: what moved the patch there and back leaves no force.
+TEST(Tire, IsASpringAtStandstill) {
+    Rig rig;
+    const float h = 1.0f / 240, speed = 0.01f;
+    for (int i = 0; i < 24; ++i) rig.step({speed, speed}, h);
+    const Vec2 bent = rig.u;
+    for (int i = 0; i < 2400; ++i) rig.step({0, 0}, h);
+    EXPECT_NEAR(rig.u.x, bent.x, 1e-6f * std::abs(bent.x));
+    EXPECT_NEAR(-bent.x, 24 * h * speed, 1e-5 * 24 * h * speed);
+    for (int i = 0; i < 24; ++i) rig.step({-speed, -speed}, h);
+    for (int i = 0; i < 240; ++i) rig.step({0, 0}, h);
+    EXPECT_NEAR(rig.force.x, 0, 1e-4 * kLoad);
+    EXPECT_NEAR(rig.force.y, 0, 1e-4 * kLoad);
+}
+
+TEST(Tire, GivesNothingWithoutLoadOrGrip) {
+    const TireSpec spec = makeTireSpec(tireDef(), kLoad, kGravity);
+    const TireLaw law = tireLaw(spec, 0, 1, 0.6f);
+    EXPECT_EQ(solveTire(law, 1, {0.01f, 0.01f}, 1, 0, 1.0f / 240, {}, {1, 1}).impulse, Vec2{});
+    Rig rig;
+    rig.spec.def.referenceSurface = 0.6f;
+    const TireLaw ice = tireLaw(spec, kLoad, 0, 0);
+    const TireVisit visit = solveTire(ice, 1.0f / 3, {0, 0}, 0, kLoad, 1.0f / 240, {}, {1, 0});
+    EXPECT_LT(std::abs(visit.impulse.x), 1e-5f * kLoad);
+}
+
+}  // namespace
+}  // namespace ragtop

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "ragtop/id.h"
+#include "ragtop/math.h"
+#include "ragtop/vehicle_def.h"
+
+namespace ragtop {
+
+class World;
+
+/// What the driver does. Values beyond their range count as its end, values that are no number as zero.
+struct VehicleInput {
+    float throttle = 0;         ///< 0 to 1
+    float brake = 0;            ///< 0 to 1
+    float steer = 0;            ///< −1 full left to 1 full right
+    float handbrake = 0;        ///< 0 to 1
+    float clutch = 0;           ///< 0 automatic to 1 pedal fully down
+    std::optional<int> gear{};  ///< −1 reverse, 0 neutral, 1 and up; empty: the gearbox decides, or keeps its gear
+};
+
+/// Where a car starts.
+struct VehiclePlacement {
+    DVec3 position{};   ///< m, of the chassis frame
+    float heading = 0;  ///< rad about y; 0 looks along +z, π/2 along +x
+    float speed = 0;    ///< m/s forward, wheels rolling
+};
+
+/// What a wheel does, at the end of the last step.
+struct WheelTelemetry {
+    bool grounded = false;
+    float load = 0;               ///< N, normal to the ground
+    float longitudinalForce = 0;  ///< N on the car, forward
+    float lateralForce = 0;       ///< N on the car, to the left
+    float slipRatio = 0;          ///< tread speed over travel speed − 1, the larger of them below; −1 is a locked wheel
+    float slipAngle = 0;          ///< rad between heading and travel of the wheel, positive when it drifts to the left
+    float angularSpeed = 0;       ///< rad/s, positive forward
+    float rotation = 0;           ///< rad about the axle, in (−π, π]
+    float steerAngle = 0;         ///< rad, positive to the left
+    float compression = 0;        ///< m above the place at rest
+    DVec3 contactPoint{};         ///< m, on the ground; the last one when in the air
+    Vec3 contactNormal{0, 1, 0};
+    BodyId ground{};              ///< what it stands on
+    std::uint32_t surface = 0;    ///< Material::surface there
+    Pose pose{};                  ///< of the hub, for drawing: x to the left along the axle, turned by `rotation`
+};
+
+struct EngineTelemetry {
+    float rpm = 0;
+    float torque = 0;  ///< N m at the flywheel, negative when the engine brakes
+};
+
+/// What the car does, at the end of the last step.
+struct VehicleTelemetry {
+    float speed = 0;         ///< m/s forward, negative backwards
+    EngineTelemetry engine{};
+    int gear = 0;            ///< −1 reverse, 0 neutral
+    bool shifting = false;
+    float clutchTorque = 0;  ///< N m from the engine into the gearbox
+    std::span<const WheelTelemetry> wheels{};  ///< in the order of the definition; valid as long as the car
+};
+
+struct VehicleSim;
+
+/// A car in a world: one rigid body for the chassis, and wheels on struts that live in this module. It takes part in
+/// the world's steps, saves and hashes. The world must outlive it; destroying the car destroys its chassis.
+///
+/// Save and restore keep the input too, so that a restored world goes on by itself as the saved one did.
+class Vehicle {
+public:
+    /// Throws std::invalid_argument that says which field is wrong.
+    Vehicle(World& world, const VehicleDef& def, const VehiclePlacement& placement = {});
+    Vehicle(Vehicle&& other) noexcept;
+    ~Vehicle();
+
+private:
+    std::unique_ptr<VehicleSim> sim_;
+
+public:
+    VehicleInput& input;  ///< read at the beginning of each step
+
+    BodyId chassis() const;
+    const VehicleDef& def() const;
+    const VehicleTelemetry& telemetry() const;
+    /// Loads on the wheels of the car that stands on level ground, N.
+    std::span<const float> staticLoads() const;
+};
+
+}  // namespace ragtop

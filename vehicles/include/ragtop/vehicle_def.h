@@ -1,0 +1,275 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ragtop/math.h"
+#include "ragtop/shape.h"
+#include "ragtop/tunables.h"
+
+/// What a car is made from. In the frame of the chassis z points forward, y up and x, to complete a right-handed
+/// frame, to the left. Its origin is wherever the author likes; the wheels say where they are.
+namespace ragtop {
+
+/// A piece of the body that collides.
+struct ChassisShape {
+    Shape shape = Box{};  ///< convex
+    Frame frame{};        ///< of the shape in the chassis
+};
+
+/// The rigid body of the car.
+struct ChassisDef {
+    std::vector<ChassisShape> shapes{};
+    float mass = 1200;                    ///< kg, of the whole car, wheels included
+    std::optional<Vec3> centerOfMass{};   ///< m; empty: that of the shapes
+    std::optional<Vec3> inertia{};        ///< kg m², about x, y, z at the centre; empty: that of the shapes
+    Material material{.friction = 0.3f};  ///< of the bodywork
+    Filter filter{};                      ///< of the bodywork, and of what the wheels stand on
+};
+
+/// A strut with a linear spring, a damper of two rates and a bump stop. The spring is preloaded so that the standing
+/// car has its wheels where the definition puts them.
+struct SuspensionDef {
+    Vec3 axis{0, 1, 0};                       ///< along which the hub rises, in the chassis
+    float travelUp = 0.09f;                   ///< m from rest to the bump stop
+    float travelDown = 0.10f;                 ///< m from rest to the droop stop
+    float frequency = 1.4f;                   ///< Hz, undamped, of the load at rest on the spring
+    float dampingRatio = 0.35f;               ///< of that oscillation
+    std::optional<float> stiffness{};         ///< N/m at the wheel, instead of the frequency
+    std::optional<float> compressionDamping{};  ///< N s/m at the wheel, instead of the ratio
+    std::optional<float> reboundDamping{};      ///< N s/m at the wheel, instead of the ratio
+    float bumpStopStiffness = 10;             ///< over the spring's
+};
+
+/// How the tire grips: a brush of bristles whose share that slides grows with slip until all of it does.
+struct TireDef {
+    float longitudinalFriction = 1.05f;  ///< largest force over load along the wheel, at the load of rest
+    float lateralFriction = 1.0f;        ///< the same across; both are axes of an ellipse
+    float referenceSurface = 0.6f;       ///< Material::friction of the ground on which that holds
+    float loadSensitivity = 0;           ///< share of the friction lost when the load doubles
+    float slipStiffness = 18;            ///< longitudinal force over load per unit of slip, at small slip
+    float corneringStiffness = 16;       ///< lateral force over load per radian of slip angle, at small slip
+    float relaxationLength = 0.3f;       ///< m rolled until a force has grown to 1 − 1/e of what the slip asks for
+    float dampingRatio = 0.5f;           ///< of the car that sways on its standing tires
+    float rollingResistance = 0.012f;    ///< resisting force over load
+};
+
+struct WheelDef {
+    std::string name{};
+    Vec3 position{};             ///< m, of the hub in the chassis when the car stands
+    float radius = 0.3f;         ///< m
+    float width = 0.2f;          ///< m
+    float mass = 18;             ///< kg, spun as ¾ m r²; part of the chassis's mass
+    unsigned axle = 0;           ///< wheels of one axle share a differential; 0 is the foremost
+    float steerFactor = 0;       ///< share of the steering angle; negative steers against it
+    float driveShare = 0;        ///< of the engine's torque, relative to the sum over the wheels
+    float brakeTorque = 1500;    ///< N m, pedal fully down
+    float handbrakeTorque = 0;   ///< N m, lever fully up
+    SuspensionDef suspension{};
+    TireDef tire{};
+};
+
+struct SteeringDef {
+    float maxAngle = 0.6f;                   ///< rad, of a wheel in the middle of the front axle
+    float rate = 1.5f;                       ///< rad/s, fastest change
+    std::optional<float> halfAngleSpeed{};   ///< m/s at which half of the angle is left; empty: all at any speed
+    float ackermann = 1;                     ///< 1: all wheels turn about one point; 0: all turn by the same angle
+};
+
+/// A point of the full-throttle torque curve.
+struct TorquePoint {
+    float rpm = 0;
+    float torque = 0;  ///< N m at the flywheel
+};
+
+struct EngineDef {
+    std::vector<TorquePoint> torqueCurve{{800, 80}, {1500, 105}, {3500, 135}, {4500, 132}, {6000, 112}, {6600, 90}};
+    float inertia = 0.15f;      ///< kg m², with flywheel and clutch
+    float idleRpm = 850;
+    float limiterRpm = 6400;
+    float brakeTorque = 25;     ///< N m that resist at closed throttle
+};
+
+struct GearboxDef {
+    std::vector<float> ratios{3.6f, 2.0f, 1.35f, 1.0f, 0.8f};
+    float reverseRatio = 3.4f;
+    float finalDrive = 4.0f;
+    bool automatic = true;                ///< picks the forward gears itself
+    float shiftUpRpm = 5800;              ///< at full throttle; half as far above shiftDownRpm at none
+    float shiftDownRpm = 1800;
+    float shiftTime = 0.25f;              ///< s without drive
+    float efficiency = 0.92f;             ///< of all gears together
+    std::optional<float> clutchTorque{};  ///< N m; empty: twice the engine's largest
+};
+
+enum class DifferentialType : unsigned char {
+    open,         ///< equal torques
+    locked,       ///< equal speeds
+    limitedSlip,  ///< torques that differ by at most preload + lockingRatio · torque
+};
+
+/// Names in files, in the order of the values.
+constexpr std::array<std::string_view, 3> enumNames(DifferentialType) { return {"open", "locked", "limitedSlip"}; }
+
+struct DifferentialDef {
+    DifferentialType type = DifferentialType::open;
+    float preload = 40;         ///< N m, limitedSlip only
+    float lockingRatio = 0.3f;  ///< limitedSlip only
+};
+
+struct AerodynamicsDef {
+    float dragArea = 0.65f;   ///< m², drag coefficient times frontal area
+    float liftArea = 0;       ///< m², lift coefficient times area; negative presses the car down
+    Vec3 center{0, 0, 0};     ///< m from the centre of mass, where lift and drag act
+    float airDensity = 1.2f;  ///< kg/m³
+};
+
+struct VehicleDef {
+    std::string name{};
+    ChassisDef chassis{};
+    std::vector<WheelDef> wheels{};  ///< three or more
+    SteeringDef steering{};
+    EngineDef engine{};
+    GearboxDef gearbox{};
+    DifferentialDef differential{};        ///< between the wheels of each driven axle
+    DifferentialDef centerDifferential{};  ///< between driven axles, where there are several
+    AerodynamicsDef aerodynamics{};
+};
+
+/// Empty when the definition is usable; otherwise names the field, its value and what is allowed.
+std::string whyInvalid(const VehicleDef& def);
+
+/// What a file must say.
+constexpr std::array<const char*, 1> requiredFields(const ChassisShape*) { return {"shape"}; }
+constexpr std::array<const char*, 2> requiredFields(const ChassisDef*) { return {"shapes", "mass"}; }
+constexpr std::array<const char*, 2> requiredFields(const WheelDef*) { return {"position", "radius"}; }
+constexpr std::array<const char*, 2> requiredFields(const TorquePoint*) { return {"rpm", "torque"}; }
+constexpr std::array<const char*, 2> requiredFields(const VehicleDef*) { return {"chassis", "wheels"}; }
+
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const ChassisShape*) {
+    visit(Tunable{"shape", "", 0, 0, "a box, sphere, capsule or hull"}, self.shape);
+    visit(Tunable{"frame", "", 0, 0, "of the shape in the chassis"}, self.frame);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const ChassisDef*) {
+    visit(Tunable{"shapes", "", 0, 0, "pieces of the body that collide"}, self.shapes);
+    visit(Tunable{"mass", "kg", 1e-3, 1e9, "of the whole car, wheels included"}, self.mass);
+    visit(Tunable{"centerOfMass", "m", -1e4, 1e4, "in the chassis; absent: that of the shapes"}, self.centerOfMass);
+    visit(Tunable{"inertia", "kg m²", 1e-9, 1e15, "about x, y, z at the centre of mass; absent: that of the shapes"},
+          self.inertia);
+    visit(Tunable{"material", "", 0, 0, "of the bodywork"}, self.material);
+    visit(Tunable{"filter", "", 0, 0, "what bodywork and wheels collide with"}, self.filter);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const SuspensionDef*) {
+    visit(Tunable{"axis", "", -1, 1, "along which the hub rises, in the chassis"}, self.axis);
+    visit(Tunable{"travelUp", "m", 1e-4, 1e3, "from rest to the bump stop"}, self.travelUp);
+    visit(Tunable{"travelDown", "m", 1e-4, 1e3, "from rest to the droop stop"}, self.travelDown);
+    visit(Tunable{"frequency", "Hz", 0.1, 20, "of the load at rest on the spring"}, self.frequency);
+    visit(Tunable{"dampingRatio", "1", 0, 5, "of that oscillation"}, self.dampingRatio);
+    visit(Tunable{"stiffness", "N/m", 1e-3, 1e12, "at the wheel, instead of the frequency"}, self.stiffness);
+    visit(Tunable{"compressionDamping", "N s/m", 0, 1e12, "at the wheel, instead of the ratio"},
+          self.compressionDamping);
+    visit(Tunable{"reboundDamping", "N s/m", 0, 1e12, "at the wheel, instead of the ratio"}, self.reboundDamping);
+    visit(Tunable{"bumpStopStiffness", "1", 0, 1000, "of the bump stop over that of the spring"},
+          self.bumpStopStiffness);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const TireDef*) {
+    visit(Tunable{"longitudinalFriction", "1", 0, 10, "largest force over load along the wheel"},
+          self.longitudinalFriction);
+    visit(Tunable{"lateralFriction", "1", 0, 10, "largest force over load across the wheel"}, self.lateralFriction);
+    visit(Tunable{"referenceSurface", "1", 1e-3, 10, "friction of the ground on which that holds"},
+          self.referenceSurface);
+    visit(Tunable{"loadSensitivity", "1", 0, 0.5, "share of the friction lost when the load doubles"},
+          self.loadSensitivity);
+    visit(Tunable{"slipStiffness", "1", 1, 100, "longitudinal force over load per unit of slip"}, self.slipStiffness);
+    visit(Tunable{"corneringStiffness", "1/rad", 1, 100, "lateral force over load per slip angle"},
+          self.corneringStiffness);
+    visit(Tunable{"relaxationLength", "m", 1e-3, 1e3, "rolled until a force has grown to 63 % of its end value"},
+          self.relaxationLength);
+    visit(Tunable{"dampingRatio", "1", 0, 1, "of the car that sways on its standing tires"}, self.dampingRatio);
+    visit(Tunable{"rollingResistance", "1", 0, 1, "resisting force over load"}, self.rollingResistance);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const WheelDef*) {
+    visit(Tunable{"name"}, self.name);
+    visit(Tunable{"position", "m", -1e4, 1e4, "of the hub in the chassis when the car stands"}, self.position);
+    visit(Tunable{"radius", "m", 1e-3, 1e3, "of the tire"}, self.radius);
+    visit(Tunable{"width", "m", 1e-4, 1e3, "of the tire"}, self.width);
+    visit(Tunable{"mass", "kg", 1e-4, 1e8, "of wheel and tire, spun as ¾ m r²"}, self.mass);
+    visit(Tunable{"axle", "", 0, 255, "wheels of one axle share a differential; 0 is the foremost"}, self.axle);
+    visit(Tunable{"steerFactor", "1", -1, 1, "share of the steering angle"}, self.steerFactor);
+    visit(Tunable{"driveShare", "1", 0, 1000, "of the engine's torque, relative to the other wheels"},
+          self.driveShare);
+    visit(Tunable{"brakeTorque", "N m", 0, 1e12, "pedal fully down"}, self.brakeTorque);
+    visit(Tunable{"handbrakeTorque", "N m", 0, 1e12, "lever fully up"}, self.handbrakeTorque);
+    visit(Tunable{"suspension", "", 0, 0, "spring, damper and travel"}, self.suspension);
+    visit(Tunable{"tire", "", 0, 0, "how the tire grips"}, self.tire);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const SteeringDef*) {
+    visit(Tunable{"maxAngle", "rad", 0, 1.5, "of a wheel in the middle of the front axle"}, self.maxAngle);
+    visit(Tunable{"rate", "rad/s", 1e-3, 1e4, "fastest change of the angle"}, self.rate);
+    visit(Tunable{"halfAngleSpeed", "m/s", 1e-3, 1e5, "at which half of the angle is left; absent: all at any speed"},
+          self.halfAngleSpeed);
+    visit(Tunable{"ackermann", "1", 0, 1, "1: all wheels turn about one point; 0: by the same angle"},
+          self.ackermann);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const TorquePoint*) {
+    visit(Tunable{"rpm", "rpm", 0, 1e6, "engine speed"}, self.rpm);
+    visit(Tunable{"torque", "N m", 0, 1e12, "at the flywheel, full throttle"}, self.torque);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const EngineDef*) {
+    visit(Tunable{"torqueCurve", "", 0, 0, "full throttle, by rising speed"}, self.torqueCurve);
+    visit(Tunable{"inertia", "kg m²", 1e-9, 1e12, "with flywheel and clutch"}, self.inertia);
+    visit(Tunable{"idleRpm", "rpm", 1, 1e6, "speed at closed throttle"}, self.idleRpm);
+    visit(Tunable{"limiterRpm", "rpm", 1, 1e6, "speed that the engine does not pass by itself"}, self.limiterRpm);
+    visit(Tunable{"brakeTorque", "N m", 0, 1e12, "that resists at closed throttle"}, self.brakeTorque);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const GearboxDef*) {
+    visit(Tunable{"ratios", "1", 0.01, 100, "forward gears, falling"}, self.ratios);
+    visit(Tunable{"reverseRatio", "1", 0.01, 100, "of the reverse gear"}, self.reverseRatio);
+    visit(Tunable{"finalDrive", "1", 0.01, 100, "that follows every gear"}, self.finalDrive);
+    visit(Tunable{"automatic", "", 0, 1, "picks the forward gears itself"}, self.automatic);
+    visit(Tunable{"shiftUpRpm", "rpm", 1, 1e6, "to the next gear, at full throttle"}, self.shiftUpRpm);
+    visit(Tunable{"shiftDownRpm", "rpm", 1, 1e6, "to the gear before"}, self.shiftDownRpm);
+    visit(Tunable{"shiftTime", "s", 0, 10, "without drive"}, self.shiftTime);
+    visit(Tunable{"efficiency", "1", 0.1, 1, "of all gears together"}, self.efficiency);
+    visit(Tunable{"clutchTorque", "N m", 0, 1e12, "that it passes on; absent: twice the engine's largest"},
+          self.clutchTorque);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const DifferentialDef*) {
+    visit(Tunable{"type", "", 0, 0, "open, locked or limitedSlip"}, self.type);
+    visit(Tunable{"preload", "N m", 0, 1e12, "by which torques may differ without load"}, self.preload);
+    visit(Tunable{"lockingRatio", "1", 0, 1, "share of the torque by which torques may differ"}, self.lockingRatio);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const AerodynamicsDef*) {
+    visit(Tunable{"dragArea", "m²", 0, 1e6, "drag coefficient times frontal area"}, self.dragArea);
+    visit(Tunable{"liftArea", "m²", -1e6, 1e6, "lift coefficient times area; negative presses down"}, self.liftArea);
+    visit(Tunable{"center", "m", -1e4, 1e4, "where they act, from the centre of mass"}, self.center);
+    visit(Tunable{"airDensity", "kg/m³", 0, 1e4, "of the air"}, self.airDensity);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const VehicleDef*) {
+    visit(Tunable{"name"}, self.name);
+    visit(Tunable{"chassis", "", 0, 0, "the rigid body"}, self.chassis);
+    visit(Tunable{"wheels", "", 0, 0, "three or more"}, self.wheels);
+    visit(Tunable{"steering", "", 0, 0, "from the input to the wheels"}, self.steering);
+    visit(Tunable{"engine", "", 0, 0, "torque and inertia"}, self.engine);
+    visit(Tunable{"gearbox", "", 0, 0, "gears, clutch and shifting"}, self.gearbox);
+    visit(Tunable{"differential", "", 0, 0, "between the wheels of each driven axle"}, self.differential);
+    visit(Tunable{"centerDifferential", "", 0, 0, "between driven axles"}, self.centerDifferential);
+    visit(Tunable{"aerodynamics", "", 0, 0, "drag and lift"}, self.aerodynamics);
+}
+
+}  // namespace ragtop

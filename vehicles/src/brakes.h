@@ -1,0 +1,14 @@
+#pragma once
+
+#include "ragtop/vehicle_def.h"
+
+namespace ragtop {
+
+/// Largest torque (N m) with which pads and rolling resistance oppose a wheel's rotation. Coulomb: what is needed to
+/// stop it or hold it, up to this.
+float brakeCapacity(const WheelDef& wheel, float pedal, float handbrake, float load);
+
+/// One visit: brings the wheel towards rest by an impulse within the bound (N m s); returns the change of the impulse.
+float solveBrake(float inertia, float bound, float& impulse, float& spin);
+
+}  // namespace ragtop

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <vector>
+
+#include "differential.h"
+#include "engine.h"
+#include "gearbox.h"
+#include "ragtop/vehicle_def.h"
+
+namespace ragtop {
+
+/// What the driver and the road ask of the drivetrain in a substep.
+struct DrivetrainInput {
+    float throttle = 0, brake = 0, handbrake = 0, clutch = 0;
+};
+
+/// Everything that turns: the engine, and the wheels with what brakes and couples them. All of it is impulses that
+/// stay within bounds while they remove a difference of speeds, swept together with the tires until they agree:
+///
+///     engine     friction, mixture, idle                  engine.h
+///     clutch     ω_e = i Σ sⱼ ωⱼ, within its capacity     i: gearing, sⱼ: shares, Σ sⱼ = 1
+///     axles      equal speeds, within what they lock      differential.h
+///     brakes     ωⱼ = 0, within pads and losses           brakes.h
+///
+/// The clutch drives wheel j with i sⱼ of its torque, so an open differential is what is left when nothing else
+/// couples its wheels.
+class Drivetrain {
+public:
+    Drivetrain() = default;
+    explicit Drivetrain(const VehicleDef& def);
+
+    /// The gear and engine speed of a car whose driven wheels turn at `axleSpeed`.
+    void startRolling(const VehicleDef& def, float axleSpeed);
+    /// Sets the bounds for a substep of h and applies the impulses of the last one; `loads` of the wheels, N.
+    void begin(const VehicleDef& def, const DrivetrainInput& input, const std::vector<float>& loads, float h);
+    /// One sweep; the largest change of an impulse at a wheel, N m s.
+    float sweep(const VehicleDef& def, float h);
+    /// Turns impulses into torques.
+    void end(float h);
+
+    /// Speed of the gearbox's input shaft, rad/s.
+    float shaftSpeed(const GearboxDef& def) const;
+
+    // State: saved and restored.
+    float engineSpeed = 0;    ///< rad/s
+    EngineRows engine;        ///< N m; N m s between begin and end, as all below
+    float clutch = 0;         ///< from engine to gearbox
+    GearboxState gearbox;
+    std::vector<float> spin;  ///< rad/s, per wheel
+    std::vector<float> brake;
+    std::vector<float> differential;
+
+    const std::vector<float>& inertia() const { return inertia_; }
+
+private:
+    float axleSpeed() const;
+    void turnByClutch(float impulse, float inverseEngineInertia);
+
+    std::vector<float> inertia_, share_;
+    std::vector<DifferentialRow> rows_;
+
+    EngineLimits limits_;
+    float ratio_ = 0, clutchBound_ = 0, clutchMass_ = 0, loss_ = 0;
+    std::vector<float> brakeBound_;
+};
+
+}  // namespace ragtop

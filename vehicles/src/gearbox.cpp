@@ -1,0 +1,57 @@
+#include "gearbox.h"
+
+#include <algorithm>
+
+#include "engine.h"
+#include "point_body.h"
+
+namespace ragtop {
+namespace {
+
+constexpr float kAboveIdle = 1.05f;  ///< over idle, where the clutch begins to take hold
+constexpr float kLocked = 1.5f;      ///< over idle, where it holds fully at closed throttle
+constexpr float kLaunch = 0.4f;      ///< share of the range from idle to limiter added to that at full throttle
+
+int automaticGear(const GearboxDef& def, int gear, float axleSpeed, float throttle) {
+    const int highest = static_cast<int>(def.ratios.size());
+    if (gear < 1) return 1;
+    const float up = def.shiftDownRpm + (def.shiftUpRpm - def.shiftDownRpm) * (0.5f + 0.5f * throttle);
+    const auto rpmIn = [&](int g) { return revolutionsPerMinute(axleSpeed * gearing(def, g)); };
+    // Up only into a gear that would not shift down again; down only into one that would not shift up again.
+    if (gear < highest && rpmIn(gear) > up && rpmIn(gear + 1) > 1.1f * def.shiftDownRpm) return gear + 1;
+    if (gear > 1 && rpmIn(gear) < def.shiftDownRpm && rpmIn(gear - 1) < 0.9f * up) return gear - 1;
+    return gear;
+}
+
+}  // namespace
+
+float gearing(const GearboxDef& def, int gear) {
+    if (gear == 0) return 0;
+    if (gear < 0) return -def.reverseRatio * def.finalDrive;
+    return def.ratios[static_cast<std::size_t>(gear - 1)] * def.finalDrive;
+}
+
+void shift(const GearboxDef& def, GearboxState& state, std::optional<int> wanted, float axleSpeed, float throttle,
+           float dt) {
+    state.shiftTimer = std::max(state.shiftTimer - dt, 0.0f);
+    int gear = state.gear;
+    if (wanted) {
+        gear = std::clamp(*wanted, -1, static_cast<int>(def.ratios.size()));
+    } else if (def.automatic && state.shiftTimer == 0) {
+        gear = automaticGear(def, gear, axleSpeed, throttle);
+    }
+    if (gear == state.gear) return;
+    state.gear = gear;
+    state.shiftTimer = def.shiftTime;
+}
+
+float clutchCapacity(const VehicleDef& def, float engineSpeed, float shaftSpeed, float throttle, float pedal) {
+    const float idle = radiansPerSecond(def.engine.idleRpm), limiter = radiansPerSecond(def.engine.limiterRpm);
+    const float from = kAboveIdle * idle, to = kLocked * idle;
+    const auto ramp = [&](float speed, float end) { return clampTo((speed - from) / (end - from), 0, 1); };
+    const float share = std::max(ramp(engineSpeed, to + kLaunch * throttle * (limiter - idle)), ramp(shaftSpeed, to));
+    const float most = def.gearbox.clutchTorque.value_or(2 * peakTorque(def.engine));
+    return (1 - pedal) * share * most;
+}
+
+}  // namespace ragtop

@@ -1,0 +1,112 @@
+#include "tire.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ragtop {
+namespace {
+
+Vec2 solve(const Sym2& a, const Vec2& b) {
+    const float s = 1.0f / (a.xx * a.yy - a.xy * a.xy);
+    return {s * (a.yy * b.x - a.xy * b.y), s * (a.xx * b.y - a.xy * b.x)};
+}
+
+float lengthSquared(const Vec2& a) { return a.x * a.x + a.y * a.y; }
+
+/// The minimum of ½ yᵀ A y − bᵀ y in the unit disc. Outside of it y(t) = (A + t E)⁻¹ b with |y(t)| = 1; Newton's
+/// method on 1/|y(t)| = 1 climbs to t from below without overshoot [Conn, Gould, Toint, Trust-Region Methods, 2000,
+/// section 7.3.3].
+Vec2 minimumInDisc(const Sym2& a, const Vec2& b, bool& onEdge) {
+    Vec2 y = solve(a, b);
+    float squared = lengthSquared(y);
+    onEdge = squared > 1;
+    if (!onEdge) return y;
+    float t = 0;
+    for (int i = 0; i < 12 && squared > 1.000002f; ++i) {
+        const Vec2 z = solve({a.xx + t, a.xy, a.yy + t}, y);
+        t += squared / (y.x * z.x + y.y * z.y) * (std::sqrt(squared) - 1);
+        y = solve({a.xx + t, a.xy, a.yy + t}, b);
+        squared = lengthSquared(y);
+    }
+    const float s = 1.0f / std::sqrt(squared);
+    return {s * y.x, s * y.y};
+}
+
+float slidingShare(const TireLaw& law, const Vec2& u) {
+    const float x = law.stiffness.x * u.x / (3 * law.friction.x), y = law.stiffness.y * u.y / (3 * law.friction.y);
+    return std::sqrt(x * x + y * y);
+}
+
+}  // namespace
+
+TireSpec makeTireSpec(const TireDef& def, float staticLoad, float gravity) {
+    TireSpec spec{def, {}, 0, 1, staticLoad};
+    spec.stiffness = {def.slipStiffness / def.relaxationLength, def.corneringStiffness / def.relaxationLength};
+    // The load swaying on its standing tire: ω² = N k / (N/g).
+    const float sway = std::sqrt(spec.stiffness.y * gravity);
+    spec.standingDamping = 2 * def.dampingRatio / sway;
+    spec.swaySpeed = def.relaxationLength * sway;
+    return spec;
+}
+
+TireLaw tireLaw(const TireSpec& spec, float load, float transport, float groundFriction) {
+    const float ground = std::sqrt(groundFriction / spec.def.referenceSurface);
+    const float loadChange = load / spec.staticLoad - 1;
+    const float loaded = std::max(1 - spec.def.loadSensitivity * loadChange, 0.5f);
+    const float grip = ground * loaded;
+    const float speed = transport / spec.swaySpeed;
+    TireLaw law;
+    law.friction = {grip * spec.def.longitudinalFriction, grip * spec.def.lateralFriction};
+    law.stiffness = spec.stiffness;
+    law.relaxation = spec.def.relaxationLength;
+    law.damping = spec.standingDamping / (1 + speed * speed);
+    return law;
+}
+
+float brushSecant(const TireLaw& law, const Vec2& u) {
+    const float x = std::min(slidingShare(law, u), 1.0f);
+    return 1 - x + x * x * (1.0f / 3);
+}
+
+Vec2 withinPatch(const TireLaw& law, const Vec2& u) {
+    const float x = slidingShare(law, u);
+    if (!(x > 1)) return u;
+    return {u.x / x, u.y / x};
+}
+
+Vec2 rolledDeflection(const TireLaw& law, const Vec2& u, const Vec2& slip, float transport, float h) {
+    const float s = 1.0f / (1 + h * transport / law.relaxation);
+    return {s * (u.x - h * slip.x), s * (u.y - h * slip.y)};
+}
+
+Vec2 deflectionOf(const TireLaw& law, float secant, const Vec2& before, const Vec2& force, float load, float h) {
+    const float s = 1.0f / (h + law.damping);
+    const float scale = h / (secant * load);
+    return {s * (scale * force.x / law.stiffness.x + law.damping * before.x),
+            s * (scale * force.y / law.stiffness.y + law.damping * before.y)};
+}
+
+/// Backward Euler of (1) into (2), per direction, with p = h + τ and d = 1 + h V/σ:
+///
+///     λ = G ((1 − τ V/σ) u/p − s),   G = N h k q p/d
+///
+/// so with s = free + K λ: (K + G⁻¹) λ = (1 − τ V/σ) u/p − free. Forces are scaled by μ N h, which turns the ellipse
+/// into the unit disc.
+TireVisit solveTire(const TireLaw& law, float secant, const Vec2& u, float transport, float load, float h,
+                    const Sym2& K, const Vec2& free) {
+    const Vec2 scale{law.friction.x * load, law.friction.y * load};
+    if (!(scale.x > 0) || !(scale.y > 0)) return {};
+    const float p = h + law.damping;
+    const float rolled = transport / law.relaxation;
+    const float pull = (1 - law.damping * rolled) / p;
+    const float compliance = (1 + h * rolled) / (load * secant * p);
+    const Sym2 a{scale.x * scale.x * (K.xx + compliance / law.stiffness.x), scale.x * scale.y * K.xy,
+                 scale.y * scale.y * (K.yy + compliance / law.stiffness.y)};
+    const Vec2 b{scale.x * (pull * u.x - free.x), scale.y * (pull * u.y - free.y)};
+    TireVisit visit;
+    const Vec2 y = minimumInDisc(a, b, visit.sliding);
+    visit.impulse = {scale.x * y.x, scale.y * y.y};
+    return visit;
+}
+
+}  // namespace ragtop

@@ -1,0 +1,171 @@
+#include "ragtop/vehicle_def.h"
+
+#include <cmath>
+#include <concepts>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <variant>
+
+#include "chassis.h"
+#include "suspension.h"
+
+namespace ragtop {
+namespace {
+
+std::string text(double value) {
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.7g", value);
+    return digits;
+}
+
+struct Probe {
+    template <class T>
+    void operator()(const Tunable&, T&) const {}
+};
+
+template <class T>
+concept HasFields = requires(Probe& probe, const T& value) { describe(probe, value, &value); };
+
+/// Visits a definition down to its numbers and keeps the first complaint. Fields are named by their path in a file.
+class RangeCheck {
+public:
+    explicit RangeCheck(std::string path) : path_(std::move(path)) {}
+
+    template <class T>
+    void operator()(const Tunable& tunable, const T& value) {
+        if (why_.empty()) check(path_ + "/" + std::string(tunable.name), tunable, value);
+    }
+    const std::string& why() const { return why_; }
+
+private:
+    template <class T>
+    void check(const std::string& path, const Tunable& tunable, const T& value) {
+        if constexpr (std::is_arithmetic_v<T>) {
+            checkNumber(path, tunable, static_cast<double>(value));
+        } else if constexpr (std::is_same_v<T, Vec3>) {
+            checkNumber(path + "/0", tunable, static_cast<double>(value.x));
+            if (why_.empty()) checkNumber(path + "/1", tunable, static_cast<double>(value.y));
+            if (why_.empty()) checkNumber(path + "/2", tunable, static_cast<double>(value.z));
+        } else if constexpr (std::is_same_v<T, Frame>) {
+            checkFrame(path, value);
+        } else if constexpr (std::is_same_v<T, Shape>) {
+            checkShape(path, value);
+        } else if constexpr (HasFields<T>) {
+            RangeCheck inner(path);
+            describe(inner, value, &value);
+            why_ = inner.why_;
+        } else if constexpr (requires { typename T::value_type; value.has_value(); }) {
+            if (value) check(path, tunable, *value);
+        } else if constexpr (requires { typename T::value_type; value.capacity(); } && !std::is_same_v<T, std::string>) {
+            for (std::size_t i = 0; i < value.size() && why_.empty(); ++i) {
+                check(path + "/" + std::to_string(i), tunable, value[i]);
+            }
+        }
+    }
+
+    void checkNumber(const std::string& path, const Tunable& tunable, double value) {
+        // Bounds are decimal, values single precision: 1e-4f must pass as 1e-4.
+        const double slack = 1e-6;
+        const double lower = tunable.minimum - slack * std::abs(tunable.minimum);
+        const double upper = tunable.maximum + slack * std::abs(tunable.maximum);
+        if (value >= lower && value <= upper && std::isfinite(value)) return;
+        const std::string unit = tunable.unit.empty() || tunable.unit == "1" ? "" : " " + std::string(tunable.unit);
+        why_ = path + " is " + text(value) + unit + ", must be in [" + text(tunable.minimum) + ", " +
+               text(tunable.maximum) + "]";
+    }
+
+    void checkFrame(const std::string& path, const Frame& frame) {
+        const Quat& q = frame.rotation;
+        const float norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+        if (!isFinite(frame.position)) {
+            why_ = path + "/position is not finite, must be";
+        } else if (!(std::abs(norm - 1) < 1e-3f)) {
+            why_ = path + "/rotation has length " + text(std::sqrt(static_cast<double>(norm))) + ", must be 1";
+        }
+    }
+
+    void checkShape(const std::string& path, const Shape& shape) {
+        if (std::holds_alternative<TriangleMesh>(shape) || std::holds_alternative<HeightField>(shape) ||
+            std::holds_alternative<Compound>(shape)) {
+            why_ = path + " is a mesh, height field or compound, must be a box, sphere, capsule or hull";
+        } else if (const std::string inner = ragtop::whyInvalid(shape); !inner.empty()) {
+            why_ = path + ": " + inner;
+        }
+    }
+
+    std::string path_, why_;
+};
+
+std::string whyInvalid(const EngineDef& engine) {
+    const auto& curve = engine.torqueCurve;
+    if (curve.empty()) return "/engine/torqueCurve is empty, must have a point";
+    for (std::size_t i = 1; i < curve.size(); ++i) {
+        if (curve[i].rpm > curve[i - 1].rpm) continue;
+        return "/engine/torqueCurve/" + std::to_string(i) + "/rpm is " + text(static_cast<double>(curve[i].rpm)) +
+               ", must be above the point before, " + text(static_cast<double>(curve[i - 1].rpm));
+    }
+    if (!(engine.limiterRpm > engine.idleRpm)) {
+        return "/engine/limiterRpm is " + text(static_cast<double>(engine.limiterRpm)) + ", must be above idleRpm, " +
+               text(static_cast<double>(engine.idleRpm));
+    }
+    return {};
+}
+
+std::string whyInvalid(const GearboxDef& gearbox) {
+    if (gearbox.ratios.empty()) return "/gearbox/ratios is empty, must have a gear";
+    for (std::size_t i = 1; i < gearbox.ratios.size(); ++i) {
+        if (gearbox.ratios[i] < gearbox.ratios[i - 1]) continue;
+        return "/gearbox/ratios/" + std::to_string(i) + " is " + text(static_cast<double>(gearbox.ratios[i])) +
+               ", must be below the gear before, " + text(static_cast<double>(gearbox.ratios[i - 1]));
+    }
+    if (!(gearbox.shiftUpRpm > gearbox.shiftDownRpm)) {
+        return "/gearbox/shiftUpRpm is " + text(static_cast<double>(gearbox.shiftUpRpm)) +
+               ", must be above shiftDownRpm, " + text(static_cast<double>(gearbox.shiftDownRpm));
+    }
+    return {};
+}
+
+std::string whyUnbalanced(const VehicleDef& def) {
+    const MassProperties mass = chassisMass(def.chassis);
+    std::vector<Vec3> positions;
+    for (const WheelDef& wheel : def.wheels) positions.push_back(wheel.position - mass.center);
+    const std::vector<float> shares = staticLoads(positions, 1);
+    if (shares.empty()) return "/wheels stand in a line, must span an area";
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+        if (shares[i] > 0) continue;
+        return "/wheels/" + std::to_string(i) + "/position makes the wheel carry " +
+               text(static_cast<double>(shares[i])) +
+               " of the weight, must be above 0: the centre of mass has to be between the wheels";
+    }
+    return {};
+}
+
+std::string whyInvalid(const WheelDef& wheel, std::size_t i) {
+    const Vec3& axis = wheel.suspension.axis;
+    if (axis.y > 0.5f * length(axis)) return {};
+    return "/wheels/" + std::to_string(i) + "/suspension/axis is (" + text(static_cast<double>(axis.x)) + ", " +
+           text(static_cast<double>(axis.y)) + ", " + text(static_cast<double>(axis.z)) +
+           "), must be within 60° of (0, 1, 0)";
+}
+
+}  // namespace
+
+std::string whyInvalid(const VehicleDef& def) {
+    RangeCheck check("");
+    describe(check, def, &def);
+    if (!check.why().empty()) return check.why();
+    if (def.chassis.shapes.empty()) return "/chassis/shapes is empty, must have a shape";
+    if (def.wheels.size() < 3) {
+        return "/wheels has " + std::to_string(def.wheels.size()) + " wheels, must have 3 or more";
+    }
+    for (std::size_t i = 0; i < def.wheels.size(); ++i) {
+        if (std::string why = whyInvalid(def.wheels[i], i); !why.empty()) return why;
+    }
+    if (std::string why = whyInvalid(def.engine); !why.empty()) return why;
+    if (std::string why = whyInvalid(def.gearbox); !why.empty()) return why;
+    return whyUnbalanced(def);
+}
+
+}  // namespace ragtop

@@ -1,0 +1,132 @@
+#pragma once
+
+#include <vector>
+
+#include "drivetrain.h"
+#include "point_body.h"
+#include "ragtop/module.h"
+#include "ragtop/vehicle.h"
+#include "ragtop/world.h"
+#include "suspension.h"
+#include "tire.h"
+#include "wheel_ground.h"
+
+namespace ragtop {
+
+/// The state of a wheel beyond its rotation, which the drivetrain keeps. Saved as it is: no padding.
+struct WheelState {
+    GroundPlane ground;
+    std::uint32_t touching = 0;  ///< in the last substep
+    float compression = 0;       ///< m above rest
+    float load = 0;              ///< N
+    Vec2 force;                  ///< N on the car: forward, left
+    Vec2 deflection;             ///< m, of the bristles, when the last substep began, or ended if settleTime is 0
+    float settleTime = 0;        ///< s for which the deflection still has to follow the slip
+    float transport = 0;         ///< m/s of tread through the patch in that time
+    Vec2 travel;                 ///< m/s of the contact point over the ground: forward, left
+    float rotation = 0;          ///< rad about the axle
+};
+static_assert(sizeof(WheelState) == 112 + 48);
+
+/// What does not change while driving.
+struct WheelSpec {
+    Vec3 position, axis;       ///< in the chassis
+    Vec3 steerArm;             ///< from the middle of the unsteered axle
+    float radius = 0, halfWidth = 0, staticLoad = 0;
+    StrutSpec strut;
+    TireSpec tire;
+};
+
+/// What a substep works with.
+struct WheelPatch {
+    bool touching = false;
+    Vec3 normal, forward, side, axle;  ///< unit, world; axle to the left
+    Vec3 arm;                          ///< of the contact point from the chassis's centre of mass
+    DVec3 point;
+    float slant = 1;                   ///< cosine of strut and normal
+    PointBody ground;
+    Vec3 groundArm;
+    float groundShare = 1;             ///< of the load that moves the ground
+    TireLaw law;
+    float transport = 0, secant = 1, spinBefore = 0;
+    float strutK = 0;                  ///< inverse effective masses along the normal and of the patch
+    Sym2 tireK;
+    float load = 0;                    ///< impulses, N s
+    Vec2 tire;
+    bool sliding = false;
+};
+
+/// The inertia of a body under a wheel, for a step.
+struct GroundMass {
+    float inverseMass = 0;
+    float share = 1;
+    Mat3 inverseInertia{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};  ///< body axes
+};
+
+/// A car inside: definition, state, and the parts of the step. vehicle.cpp builds, saves and shows it,
+/// vehicle_step.cpp does what happens once per step, vehicle_substep.cpp the implicit solve.
+struct VehicleSim {
+    VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePlacement& placement);
+
+    void beforeStep(double dt);
+    void beforeSubstep(float h);
+    void afterStep();
+
+    std::size_t saveSize() const;
+    void save(std::span<std::byte> into) const;
+    void restore(std::span<const std::byte> from);
+    std::uint64_t hash() const;
+    void refreshTelemetry();
+
+    World* world = nullptr;  ///< follows a world that is moved, with every call of the module
+    VehicleDef def;
+    BodyId chassis;
+    StepModule module;
+    VehicleInput input;
+    std::vector<WheelSpec> specs;
+    std::vector<float> loadsAtRest;
+    float mass = 0, gravity = 0;      ///< kg; m/s², at creation
+    Mat3 inverseInertia;              ///< chassis axes
+    float meanRadius = 0;             ///< of the driven wheels
+
+    // State.
+    struct Driver {
+        float throttle = 0, brake = 0, steer = 0, handbrake = 0, clutch = 0;
+        std::int32_t gear = 0, gearGiven = 0;
+        bool operator==(const Driver&) const = default;
+    };
+    static Driver driverOf(const VehicleInput& input);
+    Driver driver;                    ///< the input of the last step, within its ranges
+    float steerAngle = 0;             ///< rad, positive to the left
+    Drivetrain drivetrain;
+    std::vector<WheelState> wheels;
+
+    // Working memory.
+    bool active = true;  ///< the chassis is awake
+    bool stale = false;  ///< telemetry is of before a restore
+    std::vector<WheelPatch> patches;
+    std::vector<GroundMass> grounds;
+    std::vector<float> loads;
+    VehicleTelemetry telemetry;
+    std::vector<WheelTelemetry> wheelTelemetry;
+
+private:
+    bool mayRest(const Driver& wanted) const;
+    void seekGround(std::size_t i, const Pose& pose, float dt);
+    Pose wheelFrame(std::size_t i, const Pose& pose) const;
+
+    void preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body);
+    bool placePatch(std::size_t i, const Pose& pose, const DVec3& center);
+    void takeGround(std::size_t i);
+    void settleTire(std::size_t i, const PointBody& body);
+    Vec3 airImpulse(const PointBody& body, const Quat& rotation, float h) const;
+    void pushPatch(std::size_t i, PointBody& body, const Vec3& impulse);
+    void solve(PointBody& body, float h);
+    float visitWheel(std::size_t i, PointBody& body, float h);
+    void finishWheel(std::size_t i, const PointBody& body, float h, Vec3& linear, Vec3& angular);
+    /// Calls visit(value) for every part of the state, each free of padding.
+    template <class Self, class Visit>
+    static void visitState(Self& self, Visit&& visit);
+};
+
+}  // namespace ragtop

@@ -1,0 +1,146 @@
+#include <algorithm>
+#include <cmath>
+
+#include "steering.h"
+#include "vehicle_sim.h"
+
+namespace ragtop {
+namespace {
+
+/// How many times a body's own weight at rest a wheel may press it: a brick under a wheel is between the wheel and the
+/// ground, and what is more than it can pass on would shoot it away.
+constexpr float kRubbleLoad = 4;
+constexpr float kStill = 1e-3f;  ///< over a wheel's radius: how far the ground of a sleeping car may move
+
+/// Clamps to [lower, 1]; what is no number counts as 0.
+float within(float x, float lower) { return x > lower ? std::min(x, 1.0f) : x <= lower ? lower : 0; }
+
+}  // namespace
+
+VehicleSim::Driver VehicleSim::driverOf(const VehicleInput& input) {
+    Driver driver;
+    driver.throttle = within(input.throttle, 0);
+    driver.brake = within(input.brake, 0);
+    driver.steer = within(input.steer, -1);
+    driver.handbrake = within(input.handbrake, 0);
+    driver.clutch = within(input.clutch, 0);
+    driver.gear = input.gear.value_or(0);
+    driver.gearGiven = input.gear ? 1 : 0;
+    return driver;
+}
+
+/// A sleeping car goes on sleeping while nobody touches the controls and what it stands on stays where it was.
+bool VehicleSim::mayRest(const Driver& wanted) const {
+    if (!(wanted == driver) || (wanted.throttle > 0 && drivetrain.gearbox.gear != 0)) return false;
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+        const GroundPlane& plane = wheels[i].ground;
+        if (wheels[i].touching == 0) continue;
+        if (!world->isValid(plane.body)) return false;
+        DVec3 point;
+        Vec3 normal;
+        movePlane(plane, world->pose(plane.body), point, normal);
+        const float moved = length(relative(point, plane.point)) + specs[i].radius * length(normal - plane.normal);
+        if (moved > kStill * specs[i].radius) return false;
+    }
+    return true;
+}
+
+void VehicleSim::beforeStep(double dt) {
+    const Driver wanted = driverOf(input);
+    active = world->isAwake(chassis) || !mayRest(wanted);
+    if (!active) return;
+    driver = wanted;
+    if (!world->isAwake(chassis) || (driver.throttle > 0 && drivetrain.gearbox.gear != 0)) world->wake(chassis);
+
+    const Pose pose = world->pose(chassis);
+    const float forwardSpeed = dot(world->linearVelocity(chassis), rotate(pose.rotation, {0, 0, 1}));
+    const auto step = static_cast<float>(dt);
+    steerAngle = steeredAngle(def.steering, steerAngle, driver.steer, forwardSpeed, step);
+    const std::optional<int> gear = driver.gearGiven != 0 ? std::optional<int>(driver.gear) : std::nullopt;
+    shift(def.gearbox, drivetrain.gearbox, gear, forwardSpeed / meanRadius, driver.throttle, step);
+    for (std::size_t i = 0; i < wheels.size(); ++i) seekGround(i, pose, step);
+}
+
+/// The plane is sought where the wheel will be in the middle of the step.
+void VehicleSim::seekGround(std::size_t i, const Pose& pose, float dt) {
+    const WheelSpec& spec = specs[i];
+    const DVec3 hub = transformPoint(pose, spec.position);
+    const Vec3 velocity = world->velocityAt(chassis, hub);
+    WheelPath path;
+    path.axis = rotate(pose.rotation, spec.axis);
+    path.axle = rotate(wheelFrame(i, pose).rotation, {1, 0, 0});
+    path.radius = spec.radius;
+    path.halfWidth = spec.halfWidth;
+    const float above = spec.strut.travelUp + spec.radius;
+    // What the wheel may reach within the step counts as ground already.
+    const float below = spec.strut.travelDown + 0.5f * spec.radius + dt * length(velocity);
+    path.start = hub + 0.5f * dt * velocity + above * path.axis;
+    path.translation = -(above + below) * path.axis;
+    GroundPlane& plane = wheels[i].ground;
+    findGround(*world, chassis, def.chassis.filter, path, plane);
+
+    GroundMass& ground = grounds[i];
+    ground = {};
+    if (plane.found == 0 || world->type(plane.body) != BodyType::dynamic) return;
+    if (!world->isAwake(plane.body)) world->wake(plane.body);
+    const MassProperties body = world->mass(plane.body);
+    ground.share = std::min(1.0f, kRubbleLoad * body.mass * gravity / spec.staticLoad);
+    ground.inverseMass = ground.share / body.mass;
+    const Mat3 inverse = inverseSymmetric(body.inertia);
+    ground.inverseInertia = {ground.share * inverse.cx, ground.share * inverse.cy, ground.share * inverse.cz};
+}
+
+void VehicleSim::afterStep() {
+    // Rest is judged by whether the ground has moved since the end of a step.
+    for (WheelState& wheel : wheels) {
+        if (wheel.ground.moves == 0 || wheel.touching == 0 || !world->isValid(wheel.ground.body)) continue;
+        const Pose now = world->pose(wheel.ground.body);
+        movePlane(wheel.ground, now, wheel.ground.point, wheel.ground.normal);
+        wheel.ground.pose = now;
+    }
+    if (active) refreshTelemetry();
+}
+
+/// The hub with its steering, without its rotation.
+Pose VehicleSim::wheelFrame(std::size_t i, const Pose& pose) const {
+    const WheelSpec& spec = specs[i];
+    const Vec3 ahead = wheelDirection(def.steering, def.wheels[i].steerFactor, spec.steerArm, steerAngle);
+    const Vec3 left{ahead.z, 0, -ahead.x};
+    return pose * Frame{spec.position + wheels[i].compression * spec.axis, rotationFromAxes(left, {0, 1, 0}, ahead)};
+}
+
+void VehicleSim::refreshTelemetry() {
+    stale = false;
+    const Pose pose = world->pose(chassis);
+    telemetry.speed = dot(world->linearVelocity(chassis), rotate(pose.rotation, {0, 0, 1}));
+    telemetry.engine.rpm = revolutionsPerMinute(drivetrain.engineSpeed);
+    telemetry.engine.torque = drivetrain.engine.throttle + drivetrain.engine.idle + drivetrain.engine.friction;
+    telemetry.gear = drivetrain.gearbox.gear;
+    telemetry.shifting = drivetrain.gearbox.shiftTimer > 0;
+    telemetry.clutchTorque = drivetrain.clutch;
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+        const WheelState& wheel = wheels[i];
+        WheelTelemetry& out = wheelTelemetry[i];
+        const float tread = drivetrain.spin[i] * specs[i].radius;
+        const float larger = std::max(std::abs(tread), std::abs(wheel.travel.x));
+        out.grounded = wheel.touching != 0;
+        out.load = wheel.load;
+        out.longitudinalForce = wheel.force.x;
+        out.lateralForce = wheel.force.y;
+        out.slipRatio = out.grounded && larger > 0 ? (tread - wheel.travel.x) / larger : 0;
+        out.slipAngle = out.grounded ? arcTan2(wheel.travel.y, std::abs(wheel.travel.x)) : 0;
+        out.angularSpeed = drivetrain.spin[i];
+        out.rotation = wheel.rotation;
+        const Vec3 ahead = wheelDirection(def.steering, def.wheels[i].steerFactor, specs[i].steerArm, steerAngle);
+        out.steerAngle = arcTan2(ahead.x, ahead.z);
+        out.compression = wheel.compression;
+        out.contactNormal = wheel.ground.normal;
+        out.ground = out.grounded ? wheel.ground.body : BodyId{};
+        out.surface = wheel.ground.surface;
+        out.pose = wheelFrame(i, pose);
+        out.contactPoint = out.pose.position - specs[i].radius * out.contactNormal;
+        out.pose.rotation = out.pose.rotation * rotationAbout({1, 0, 0}, wheel.rotation);
+    }
+}
+
+}  // namespace ragtop

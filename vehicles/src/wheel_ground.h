@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+
+#include "ragtop/id.h"
+#include "ragtop/math.h"
+
+namespace ragtop {
+
+class World;
+struct Filter;
+
+/// The plane on which a wheel stands during a step. Trivially copyable without padding: it is saved as it is.
+struct GroundPlane {
+    DVec3 point;     ///< at the beginning of the step
+    Pose pose;       ///< of the body there
+    BodyId body;
+    Vec3 normal{0, 1, 0};
+    Vec3 surfaceVelocity;     ///< m/s, world axes: of a conveyor
+    float friction = 0;
+    std::uint32_t surface = 0;
+    std::uint32_t found = 0;  ///< 0: nothing below; the rest is of the last ground
+    std::uint32_t moves = 0;  ///< the body is not fixed
+};
+static_assert(sizeof(GroundPlane) == 112);
+
+/// Where to look: a wheel of `radius` moves from `start`, clear above its highest place, by `translation`.
+struct WheelPath {
+    DVec3 start;
+    Vec3 translation;
+    Vec3 axis;  ///< unit, along which the hub rises
+    Vec3 axle;  ///< unit, to the left
+    float radius = 0, halfWidth = 0;
+};
+
+/// Finds the ground. A ball of the wheel's radius rolls smoothly over curbs and seams; where it touches something that
+/// the narrower wheel passes by, three rays across the width decide.
+void findGround(const World& world, BodyId chassis, const Filter& filter, const WheelPath& path, GroundPlane& plane);
+
+/// The plane's point and normal when the ground has moved from `plane.pose` to `now`.
+void movePlane(const GroundPlane& plane, const Pose& now, DVec3& point, Vec3& normal);
+
+}  // namespace ragtop
