@@ -141,6 +141,13 @@ private:
             fail(joint, what + "child link '" + child + "' hangs on another joint already; loops are not supported");
         const bool limited = type == "revolute" || type == "prismatic";
         if (limited && !joint.FirstChildElement("limit")) fail(joint, what + "has no <limit>, must have one");
+        // Files give joints without an axis one of zero length; those that have one use it.
+        const TiXmlElement* axis = joint.FirstChildElement("axis");
+        if ((limited || type == "continuous") && axis) {
+            std::array<double, 3> xyz{};
+            numbers(*axis, "xyz", xyz.data(), 3, "joint '" + name + "'");
+            if (xyz[0] == 0 && xyz[1] == 0 && xyz[2] == 0) fail(*axis, what + "axis xyz is zero, must have a direction");
+        }
         if (type != "spherical") return;
         joint.SetAttribute("type", "floating");
         result_.spherical.push_back(name);
@@ -200,8 +207,6 @@ private:
                               (rule.allowed == Allowed::positive ? "above 0" : "at least 0") +
                               (rule.unit.empty() ? "" : " " + std::string(rule.unit)));
         }
-        const bool zero = values[0] == 0 && values[1] == 0 && values[2] == 0;
-        if (rule.element == "axis" && zero) fail(element, owner + ": axis xyz is zero, must have a direction");
     }
 
     void checkRange(const TiXmlElement& limit, const std::string& owner) const {

@@ -6,6 +6,7 @@
 #include "asset_reference.h"
 #include "described_file.h"
 #include "joint_json.h"
+#include "ragdoll_extent.h"
 #include "ragtop/ragdoll_file.h"
 #include "ragtop/scene.h"
 #include "ragtop/vehicle_file.h"
@@ -19,16 +20,6 @@ namespace fs = std::filesystem;
 using Chain = std::vector<fs::path>;
 
 Scene loadScene(const fs::path& path, std::span<const SceneOverride> overrides, Chain& chain);
-
-Vec3 middleOf(const RagdollDef& def) {
-    if (def.parts.empty()) return {};
-    Vec3 lower = def.parts[0].bind.position, upper = lower;
-    for (const RagdollPart& part : def.parts) {
-        lower = min(lower, part.bind.position);
-        upper = max(upper, part.bind.position);
-    }
-    return 0.5f * (lower + upper);
-}
 
 /// Turns one file into a Scene; each part is read where its place in the file is still known.
 class SceneBuilder {
@@ -177,6 +168,7 @@ private:
         // The origin of a person is between the feet; tumbling turns about the middle.
         const Vec3 middle = middleOf(*def), upright = rotate(poseOf(in.place).rotation, middle);
         for (std::size_t i = 0; i < poses.size(); ++i) {
+            if (in.standing) poses[i].position.y -= static_cast<double>(lowestPointOf(*def, poses[i].rotation));
             if (in.grid.tumble) poses[i].position = poses[i].position + (upright - rotate(poses[i].rotation, middle));
             const std::string name = poses.size() == 1 || in.name.empty() ? in.name : fmt::format("{} {}", in.name, i + 1);
             scene_.ragdolls.push_back({name, def, poses[i], in.velocity});

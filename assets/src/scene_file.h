@@ -204,6 +204,7 @@ struct RagdollInScene {
     std::string name, file, character;
     RagdollOptions options;
     PlaceInFile place;
+    bool standing = false;
     Vec3 velocity;
     GridInFile grid;
 };
@@ -214,6 +215,8 @@ void describe(Visitor& visit, Self& self, const RagdollInScene*) {
     visit(Tunable{.name = "character", .meaning = "a rigged character to make one from"}, self.character);
     visit(Tunable{.name = "options", .meaning = "how it is made from the character"}, self.options);
     describe(visit, self.place, static_cast<const PlaceInFile*>(nullptr));
+    visit(Tunable{.name = "standing", .meaning = "its lowest point, not its origin, is at the height of its position"},
+          self.standing);
     visit(Tunable{"velocity", "m/s", -1000, 1000, "of all parts at the start"}, self.velocity);
     describe(visit, self.grid, static_cast<const GridInFile*>(nullptr));
 }

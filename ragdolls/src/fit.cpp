@@ -123,7 +123,7 @@ FittedShape fitCapsule(std::span<const Vec3> points, const Vec3& axis, float sha
         x.push_back(point.x);
         z.push_back(point.z);
     }
-    const Extent alongX = trimmed(std::move(x), spare / 4), alongZ = trimmed(std::move(z), spare / 4);
+    const Extent alongX = trimmed(std::move(x), spare / 2), alongZ = trimmed(std::move(z), spare / 2);
     const Vec3 center{0.5f * (alongX.lower + alongX.upper), 0, 0.5f * (alongZ.lower + alongZ.upper)};
     for (const Vec3& point : local) {
         const float dx = point.x - center.x, dz = point.z - center.z;

@@ -46,10 +46,20 @@ private:
         for (const auto& vertices : skeleton_.skin)
             for (const Vec3& vertex : vertices) include(vertex);
         height_ = upper - lower;
-        // From ankle to the base of the neck it is four fifths of the height [Winter 2009, fig. 4.1].
-        if (anatomy_.humanoid && skeleton_.skin.empty()) height_ *= 1.25f;
+        if (anatomy_.humanoid && skeleton_.skin.empty()) height_ = std::max(height_, heightOfJoints());
         if (!(height_ > 0)) height_ = length(boundsOf(skeleton_).upper - boundsOf(skeleton_).lower);
         if (!(height_ > 0)) throw std::invalid_argument("skeleton: all bones are at one point, must have a size");
+    }
+
+    /// From ankles to the base of the neck it is four fifths of the height [Winter 2009, fig. 4.1].
+    float heightOfJoints() const {
+        float neck = 0, ankles = 0;
+        for (const Segment& s : anatomy_.segments) {
+            const float above = dot(bindOf(s.bone).position, anatomy_.up);
+            if (s.role == BodyRole::head) neck = above;
+            if (s.role == BodyRole::foot) ankles += 0.5f * above;
+        }
+        return 1.25f * (neck - ankles);
     }
 
     /// A bone belongs to the nearest segment on its way to the root; what hangs on none follows the first.

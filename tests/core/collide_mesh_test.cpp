@@ -73,8 +73,8 @@ void slideOver(const Surface& floor, const ConvexView& shape, const Quat& rotati
         const Manifold& m = contacts.manifolds[0];
         expectNear(m.normal, {0, 1, 0}, 1e-6f);
         EXPECT_EQ(m.pointCount, points);
-        const float lowest = transformPoint(frame, supportOfCore(shape, inverseRotate(spun, {0, -1, 0}))).y -
-                             shape.radius;
+        const float lowest =
+            transformPoint(frame, supportOfCore(shape, inverseRotate(spun, {0, -1, 0}))).y - shape.radius;
         EXPECT_NEAR(deepest(m), lowest, 2e-6f);
     }
 }
@@ -94,7 +94,7 @@ TEST(MeshFloor, ATiltedBoxStillGetsVerticalNormals) {
     Random random(32);
     for (int i = 0; i < 1000; ++i) {
         SCOPED_TRACE(i);
-        const Quat rotation = rotationAbout(random.direction(), random.uniform(0, i % 2 == 0 ? 0.05f : 3));
+        const Quat rotation = random.rotation(i % 2 == 0 ? 0.05f : 3);
         Frame frame{{random.uniform(-3, 3), 0, random.uniform(-3, 3)}, rotation};
         const float lowest = rotate(rotation, supportOfCore(box, inverseRotate(rotation, {0, -1, 0}))).y;
         frame.position.y = -lowest - random.uniform(-0.005f, 0.02f);
@@ -283,7 +283,8 @@ TEST(Mesh, FarFromItsOriginItCollidesAlike) {
     const TriangleMesh near = gridMesh(16, 4, flat), moved = gridMesh(16, 4, flat, far);
     Random random(37);
     for (int i = 0; i < 200; ++i) {
-        const Vec3 p{std::round(random.uniform(-2, 2) * 1024) / 1024, 0.25f, std::round(random.uniform(-2, 2) * 1024) / 1024};
+        const Vec3 p{std::round(random.uniform(-2, 2) * 1024) / 1024, 0.25f,
+                     std::round(random.uniform(-2, 2) * 1024) / 1024};
         const Quat rotation = rotationAbout({0, 1, 0}, random.uniform(-kPi, kPi));
         const ConvexView box = boxView({0.5f, 0.25f, 0.4f});
         const Contacts a = contactsOf(near, box, {p, rotation}, 0.02f);

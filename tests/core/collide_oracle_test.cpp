@@ -37,8 +37,8 @@ void compareWithBruteForce(const Pair& pair) {
 }
 
 #ifdef RAGTOP_WITH_CCD
-/// Same verdict; no deeper than libccd's portal refinement, which never reports less than the true depth; as deep as its
-/// expanding polytope, which ends early on one pair in twenty (then brute force sides with us) and is counted.
+/// Same verdict; no deeper than libccd's portal refinement, which never reports less than the true depth; as deep as
+/// its expanding polytope, which ends early on one pair in twenty (then brute force sides with us) and is counted.
 bool compareWithCcd(const Pair& pair) {
     const CcdShape a{pair.a, {}}, b{pair.b, pair.bInA};
     const ccd_t ccd = ccdSettings();
@@ -69,12 +69,10 @@ bool compareWithCcd(const Pair& pair) {
 #endif
 
 Pair randomBoxes(Random& random) {
-    const auto half = [&] {
-        return Vec3{random.uniform(0.2f, 1), random.uniform(0.2f, 1), random.uniform(0.2f, 1)};
-    };
+    const auto half = [&] { return Vec3{random.uniform(0.2f, 1), random.uniform(0.2f, 1), random.uniform(0.2f, 1)}; };
     const Vec3 a = half(), b = half();
     const float least = std::min({a.x, a.y, a.z, b.x, b.y, b.z});
-    const Frame frame{random.uniform(0, 1.6f) * random.direction(), random.rotation()};
+    const Frame frame{random.vector(0, 1.6f), random.rotation()};
     return {boxView(a), boxView(b), frame, least, length(a) + length(b) + length(frame.position)};
 }
 
@@ -106,7 +104,7 @@ TEST(HullPair, AgreesWithBruteForce) {
     for (int i = 0; i < 2000; ++i) {
         SCOPED_TRACE(i);
         const ConvexHull a(randomPoints(random, 5 + i % 20, 1)), b(randomPoints(random, 4 + i % 17, 1));
-        const Frame frame{random.uniform(0.2f, 1.8f) * random.direction(), random.rotation()};
+        const Frame frame{random.vector(0.2f, 1.8f), random.rotation()};
         const double size = std::min(a.data().innerRadius, b.data().innerRadius);
         compareWithBruteForce({hullView(a.data()), hullView(b.data()), frame, size, 4});
     }
@@ -146,7 +144,7 @@ TEST(HullPair, AgreesWithLibccd) {
     for (int i = 0; i < 2000; ++i) {
         SCOPED_TRACE(i);
         const ConvexHull a(randomPoints(random, 5 + i % 20, 1)), b(randomPoints(random, 4 + i % 17, 1));
-        const Frame frame{random.uniform(0.2f, 1.8f) * random.direction(), random.rotation()};
+        const Frame frame{random.vector(0.2f, 1.8f), random.rotation()};
         const double size = std::min(a.data().innerRadius, b.data().innerRadius);
         agreed += compareWithCcd({hullView(a.data()), hullView(b.data()), frame, size, 4});
     }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -34,7 +35,14 @@ public:
             if (square > 0.01f && square < 1) return normalized(v);
         }
     }
-    Quat rotation() { return rotationAbout(direction(), uniform(-kPi, kPi)); }
+    Vec3 vector(float shortest, float longest) {
+        const float length = uniform(shortest, longest);
+        return length * direction();
+    }
+    Quat rotation(float most = kPi) {
+        const Vec3 axis = direction();
+        return rotationAbout(axis, uniform(-most, most));
+    }
 
 private:
     std::uint64_t state_;
@@ -49,7 +57,7 @@ inline ConvexView hullView(const HullData& data) { return {ConvexKind::hull, 0, 
 
 inline std::vector<Vec3> randomPoints(Random& random, int count, float size) {
     std::vector<Vec3> points;
-    for (int i = 0; i < count; ++i) points.push_back(random.uniform(0.6f, 1.0f) * size * random.direction());
+    for (int i = 0; i < count; ++i) points.push_back(size * random.vector(0.6f, 1));
     return points;
 }
 

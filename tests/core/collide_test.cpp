@@ -62,8 +62,8 @@ TEST(CapsulePair, ParallelTouchesAtTheEndsOfTheCommonLength) {
 
 TEST(CapsulePair, CrossedTouchesAtOnePoint) {
     for (const float angle : {0.05f, 0.5f, 1.5f}) {
-        const Manifold m = collided(capsuleView(0.5f, 2), capsuleView(0.25f, 2),
-                                    {{0.7f, 0.25f, 0}, rotationAbout({1, 0, 0}, angle)});
+        const Manifold m =
+            collided(capsuleView(0.5f, 2), capsuleView(0.25f, 2), {{0.7f, 0.25f, 0}, rotationAbout({1, 0, 0}, angle)});
         ASSERT_EQ(m.pointCount, 1) << angle;
         expectNear(m.normal, {1, 0, 0}, 2e-5f);
         EXPECT_NEAR(m.points[0].separation, -0.05f, 4 * kRounding);
@@ -189,7 +189,7 @@ TEST(Collide, OtherOrderMirrorsTheContact) {
     for (int i = 0; i < 4000; ++i) {
         SCOPED_TRACE(i);
         const ConvexView &a = shapes[static_cast<std::size_t>(i % 4)], &b = shapes[static_cast<std::size_t>(i / 4 % 4)];
-        const Frame frame{random.uniform(0.6f, 1.4f) * random.direction(), random.rotation()};
+        const Frame frame{random.vector(0.6f, 1.4f), random.rotation()};
         const Manifold ab = collided(a, b, frame), ba = collided(b, a, inverse(frame));
         expectSanePoints(ab, 0);
         // Pairs that barely touch may fall on either side of zero.
@@ -231,7 +231,7 @@ TEST(Collide, FeaturesPersistUnderASmallMotion) {
             Random random(14);
             for (int i = 0; i < 500; ++i) {
                 const Frame frame{Vec3{x, 0.4999f, 0} + random.inBox(1e-4f),
-                                  rotationAbout(random.direction(), random.uniform(0, 2e-4f))};
+                                  random.rotation(2e-4f)};
                 collide(view, view, frame, 0.01f, cache, next);
                 ASSERT_EQ(next.pointCount, 4);
                 expectNear(next.normal, {0, 1, 0}, 4e-4f);
@@ -264,7 +264,7 @@ TEST(Collide, LengthsTimesFourGiveResultsTimesFour) {
     }
     for (int i = 0; i < 4000; ++i) {
         const auto a = static_cast<std::size_t>(i % 4), b = static_cast<std::size_t>(i / 4 % 4);
-        const Frame frame{random.uniform(0.2f, 1.6f) * random.direction(), random.rotation()};
+        const Frame frame{random.vector(0.2f, 1.6f), random.rotation()};
         const Manifold m = collided(small[a], small[b], frame, 0.05f);
         const Manifold n = collided(big[a], big[b], {4 * frame.position, frame.rotation}, 0.2f);
         ASSERT_EQ(m.pointCount, n.pointCount) << i;

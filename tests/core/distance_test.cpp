@@ -42,8 +42,9 @@ TEST(Distance, OfPolyhedraIsProvenByItsSupportingPlanes) {
         SCOPED_TRACE(i);
         const ConvexHull a(randomPoints(random, 4 + i % 30, 1));
         const ConvexView viewA = hullView(a.data());
-        const ConvexView viewB = boxView({random.uniform(0.05f, 1), random.uniform(0.05f, 1), random.uniform(0.05f, 1)});
-        const Frame frame{random.uniform(0.5f, 3) * random.direction(), random.rotation()};
+        const ConvexView viewB =
+            boxView({random.uniform(0.05f, 1), random.uniform(0.05f, 1), random.uniform(0.05f, 1)});
+        const Frame frame{random.vector(0.5f, 3), random.rotation()};
         const ExactHull exactA(viewA, {}), exactB(viewB, frame);
         const double bySat = separationOf(exactA, exactB);
         const Distance d = distance(viewA, viewB, frame);
@@ -152,8 +153,7 @@ TEST(TimeOfImpact, OfASpinningRodMatchesFineSampling) {
         SCOPED_TRACE(i);
         const Frame start{Vec3{random.uniform(-2, 2), 1.2f + random.uniform(0, 1), random.uniform(-0.5f, 0.5f)},
                           random.rotation()};
-        const Frame end{random.inBox(0.8f),
-                        rotationAbout(random.direction(), random.uniform(0, 3)) * start.rotation};
+        const Frame end{random.inBox(0.8f), random.rotation(3) * start.rotation};
         const SweepHit hit = timeOfImpact(post, rod, start, end, 0.01f);
         const Quat turn = normalized(end.rotation * conjugate(start.rotation));
         const Vec3 omega = rotationVector(turn);
@@ -257,8 +257,8 @@ TEST(CastRay, NeverPassesBetweenNeighbours) {
         const Vec3 target = a + random.uniform(0.05f, 0.95f) * (c - a);
         const Vec3 origin = target + Vec3{0, 5, 0} + random.inBox(0.5f);
         const Vec3 travel = 2 * (target - origin);
-        const bool either = castRay(triangleView(a, c, b), origin, travel).hit ||
-                            castRay(triangleView(c, a, d), origin, travel).hit;
+        const bool either =
+            castRay(triangleView(a, c, b), origin, travel).hit || castRay(triangleView(c, a, d), origin, travel).hit;
         EXPECT_TRUE(either) << i;
     }
 }

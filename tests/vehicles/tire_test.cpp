@@ -44,7 +44,7 @@ TEST(Tire, SkidsAtTheEllipsePointOfMostDissipationIn36Directions) {
     const TireDef def = tireDef();
     const double mx = def.longitudinalFriction, my = def.lateralFriction;
     for (int k = 0; k < 36; ++k) {
-        const double angle = k * kPi / 18;
+        const double angle = static_cast<double>(k) * 3.14159265358979 / 18;
         const double sx = 2 * std::cos(angle), sy = 2 * std::sin(angle);
         Rig rig;
         for (int i = 0; i < 240; ++i) rig.step({static_cast<float>(sx), static_cast<float>(sy)}, 1.0f / 240);

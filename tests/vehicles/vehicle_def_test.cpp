@@ -32,10 +32,14 @@ TEST(VehicleDef, NamesFieldValueAndWhatIsAllowed) {
         {"/wheels/0/suspension/travelUp is 0 m", [](VehicleDef& d) { d.wheels[0].suspension.travelUp = 0; }},
         {"/wheels/0/suspension/stiffness is 0 N/m", [](VehicleDef& d) { d.wheels[0].suspension.stiffness = 0.0f; }},
         {"/wheels/2/suspension/axis is (1, 0, 0), must be within",
-         [](VehicleDef& d) { d.wheels[2].suspension.axis = {1, 0, 0}; }},
+         [](VehicleDef& d) {
+             d.wheels[2].suspension.axis = {1, 0, 0};
+         }},
         {"/wheels/3/tire/relaxationLength is 0 m", [](VehicleDef& d) { d.wheels[3].tire.relaxationLength = 0; }},
         {"/wheels/2/position makes the wheel carry -",
-         [](VehicleDef& d) { d.chassis.centerOfMass = Vec3{0, 0.5f, 2}; }},
+         [](VehicleDef& d) {
+             d.chassis.centerOfMass = Vec3{0, 0.5f, 2};
+         }},
         {"/wheels stand in a line",
          [](VehicleDef& d) {
              for (WheelDef& wheel : d.wheels) wheel.position.x = 0;

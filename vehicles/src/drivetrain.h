@@ -42,9 +42,9 @@ public:
     float shaftSpeed(const GearboxDef& def) const;
 
     // State: saved and restored.
-    float engineSpeed = 0;    ///< rad/s
-    EngineRows engine;        ///< N m; N m s between begin and end, as all below
-    float clutch = 0;         ///< from engine to gearbox
+    float engineSpeed = 0;  ///< rad/s
+    EngineRows engine;      ///< N m; N m s between begin and end, as all below
+    float clutch = 0;       ///< from engine to gearbox
     GearboxState gearbox;
     std::vector<float> spin;  ///< rad/s, per wheel
     std::vector<float> brake;

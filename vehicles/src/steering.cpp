@@ -19,8 +19,7 @@ Vec3 wheelDirection(const SteeringDef& def, float steerFactor, const Vec3& posit
     const SinCos middle = sinCos(steerFactor * angle);
     const Vec3 same{middle.sin, 0, middle.cos};
     if (middle.sin == 0 || position.z == 0) return same;
-    const Vec3 about =
-        normalized(Vec3{middle.sin, 0, middle.cos - position.x / position.z * middle.sin}, same);
+    const Vec3 about = normalized(Vec3{middle.sin, 0, middle.cos - position.x / position.z * middle.sin}, same);
     return normalized(same + def.ackermann * (about - same), same);
 }
 

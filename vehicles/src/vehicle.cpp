@@ -49,12 +49,8 @@ StepModule moduleOf(VehicleSim& sim) {
     };
     module.afterStep = [](void* user, World&, double) { static_cast<VehicleSim*>(user)->afterStep(); };
     module.saveSize = [](const void* user) { return static_cast<const VehicleSim*>(user)->saveSize(); };
-    module.save = [](const void* user, std::span<std::byte> into) {
-        static_cast<const VehicleSim*>(user)->save(into);
-    };
-    module.restore = [](void* user, std::span<const std::byte> from) {
-        static_cast<VehicleSim*>(user)->restore(from);
-    };
+    module.save = [](const void* user, std::span<std::byte> into) { static_cast<const VehicleSim*>(user)->save(into); };
+    module.restore = [](void* user, std::span<const std::byte> from) { static_cast<VehicleSim*>(user)->restore(from); };
     module.hash = [](const void* user) { return static_cast<const VehicleSim*>(user)->hash(); };
     return module;
 }

@@ -26,7 +26,9 @@ struct Probe {
 };
 
 template <class T>
-concept HasFields = requires(Probe& probe, const T& value) { describe(probe, value, &value); };
+concept HasFields = requires(Probe& probe, const T& value) {
+    describe(probe, value, &value);
+};
 
 /// Visits a definition down to its numbers and keeps the first complaint. Fields are named by their path in a file.
 class RangeCheck {
@@ -56,9 +58,16 @@ private:
             RangeCheck inner(path);
             describe(inner, value, &value);
             why_ = inner.why_;
-        } else if constexpr (requires { typename T::value_type; value.has_value(); }) {
+        } else if constexpr (requires {
+                                 typename T::value_type;
+                                 value.has_value();
+                             }) {
             if (value) check(path, tunable, *value);
-        } else if constexpr (requires { typename T::value_type; value.capacity(); } && !std::is_same_v<T, std::string>) {
+        } else if constexpr (requires {
+                                 typename T::value_type;
+                                 value.capacity();
+                             } &&
+                             !std::is_same_v<T, std::string>) {
             for (std::size_t i = 0; i < value.size() && why_.empty(); ++i) {
                 check(path + "/" + std::to_string(i), tunable, value[i]);
             }

@@ -30,8 +30,8 @@ static_assert(sizeof(WheelState) == 112 + 48);
 
 /// What does not change while driving.
 struct WheelSpec {
-    Vec3 position, axis;       ///< in the chassis
-    Vec3 steerArm;             ///< from the middle of the unsteered axle
+    Vec3 position, axis;  ///< in the chassis
+    Vec3 steerArm;        ///< from the middle of the unsteered axle
     float radius = 0, halfWidth = 0, staticLoad = 0;
     StrutSpec strut;
     TireSpec tire;
@@ -43,15 +43,15 @@ struct WheelPatch {
     Vec3 normal, forward, side, axle;  ///< unit, world; axle to the left
     Vec3 arm;                          ///< of the contact point from the chassis's centre of mass
     DVec3 point;
-    float slant = 1;                   ///< cosine of strut and normal
+    float slant = 1;  ///< cosine of strut and normal
     PointBody ground;
     Vec3 groundArm;
-    float groundShare = 1;             ///< of the load that moves the ground
+    float groundShare = 1;  ///< of the load that moves the ground
     TireLaw law;
     float transport = 0, secant = 1, spinBefore = 0;
-    float strutK = 0;                  ///< inverse effective masses along the normal and of the patch
+    float strutK = 0;  ///< inverse effective masses along the normal and of the patch
     Sym2 tireK;
-    float load = 0;                    ///< impulses, N s
+    float load = 0;  ///< impulses, N s
     Vec2 tire;
     bool sliding = false;
 };
@@ -85,9 +85,9 @@ struct VehicleSim {
     VehicleInput input;
     std::vector<WheelSpec> specs;
     std::vector<float> loadsAtRest;
-    float mass = 0, gravity = 0;      ///< kg; m/s², at creation
-    Mat3 inverseInertia;              ///< chassis axes
-    float meanRadius = 0;             ///< of the driven wheels
+    float mass = 0, gravity = 0;  ///< kg; m/s², at creation
+    Mat3 inverseInertia;          ///< chassis axes
+    float meanRadius = 0;         ///< of the driven wheels
 
     // State.
     struct Driver {
@@ -96,8 +96,8 @@ struct VehicleSim {
         bool operator==(const Driver&) const = default;
     };
     static Driver driverOf(const VehicleInput& input);
-    Driver driver;                    ///< the input of the last step, within its ranges
-    float steerAngle = 0;             ///< rad, positive to the left
+    Driver driver;         ///< the input of the last step, within its ranges
+    float steerAngle = 0;  ///< rad, positive to the left
     Drivetrain drivetrain;
     std::vector<WheelState> wheels;
 

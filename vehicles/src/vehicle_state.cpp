@@ -1,4 +1,5 @@
-#include <cstring>
+#include <algorithm>
+#include <cstddef>
 #include <type_traits>
 
 #include "vehicle_sim.h"
@@ -53,7 +54,7 @@ std::size_t VehicleSim::saveSize() const {
 void VehicleSim::save(std::span<std::byte> into) const {
     const auto put = [&](const auto& value) {
         const auto bytes = bytesOf(value);
-        std::memcpy(into.data(), bytes.data(), bytes.size());
+        std::copy(bytes.begin(), bytes.end(), into.begin());
         into = into.subspan(bytes.size());
     };
     visitState(*this, put);
@@ -63,7 +64,7 @@ void VehicleSim::save(std::span<std::byte> into) const {
 void VehicleSim::restore(std::span<const std::byte> from) {
     const auto get = [&](auto& value) {
         const auto bytes = bytesOf(value);
-        std::memcpy(bytes.data(), from.data(), bytes.size());
+        std::copy_n(from.begin(), bytes.size(), bytes.begin());
         from = from.subspan(bytes.size());
     };
     visitState(*this, get);

@@ -193,8 +193,7 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     const Sym2& K = patch.tireK;
     const Vec2 free{slip.x - K.xx * patch.tire.x - K.xy * patch.tire.y,
                     slip.y - K.xy * patch.tire.x - K.yy * patch.tire.y};
-    const TireVisit visit =
-        solveTire(patch.law, patch.secant, wheel.deflection, patch.transport, load, h, K, free);
+    const TireVisit visit = solveTire(patch.law, patch.secant, wheel.deflection, patch.transport, load, h, K, free);
     const Vec2 change{visit.impulse.x - patch.tire.x, visit.impulse.y - patch.tire.y};
     patch.tire = visit.impulse;
     patch.sliding = visit.sliding;
@@ -202,9 +201,10 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     drivetrain.spin[i] -= radius * change.x / drivetrain.inertia()[i];
     if (load > 0) {
         const Vec2 force{visit.impulse.x / h, visit.impulse.y / h};
-        patch.secant = visit.sliding ? 1.0f / 3
-                                     : brushSecant(patch.law, deflectionOf(patch.law, patch.secant, wheel.deflection,
-                                                                           force, load / h, h));
+        patch.secant =
+            visit.sliding
+                ? 1.0f / 3
+                : brushSecant(patch.law, deflectionOf(patch.law, patch.secant, wheel.deflection, force, load / h, h));
     }
     return std::max({std::abs(loadChange), std::abs(change.x), std::abs(change.y)});
 }
@@ -232,8 +232,8 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     wheel.load = patch.load / h;
     wheel.force = {patch.tire.x / h, patch.tire.y / h};
     if (patch.sliding) {
-        wheel.deflection = withinPatch(
-            patch.law, deflectionOf(patch.law, 1.0f / 3, wheel.deflection, wheel.force, wheel.load, h));
+        wheel.deflection =
+            withinPatch(patch.law, deflectionOf(patch.law, 1.0f / 3, wheel.deflection, wheel.force, wheel.load, h));
         wheel.settleTime = 0;
     } else {
         wheel.settleTime = wheel.load > 0 ? h : 0;

@@ -12,11 +12,11 @@ struct Filter;
 
 /// The plane on which a wheel stands during a step. Trivially copyable without padding: it is saved as it is.
 struct GroundPlane {
-    DVec3 point;     ///< at the beginning of the step
-    Pose pose;       ///< of the body there
+    DVec3 point;  ///< at the beginning of the step
+    Pose pose;    ///< of the body there
     BodyId body;
     Vec3 normal{0, 1, 0};
-    Vec3 surfaceVelocity;     ///< m/s, world axes: of a conveyor
+    Vec3 surfaceVelocity;  ///< m/s, world axes: of a conveyor
     float friction = 0;
     std::uint32_t surface = 0;
     std::uint32_t found = 0;  ///< 0: nothing below; the rest is of the last ground

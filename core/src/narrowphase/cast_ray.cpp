@@ -92,8 +92,10 @@ struct PlaneClip {
 SweepHit castRay(const ConvexView& shape, const Vec3& origin, const Vec3& translation, float closer) {
     PlaneClip clip;
     switch (shape.kind) {
-        case ConvexKind::sphere: return castSphere({}, shape.radius, origin, translation, closer);
-        case ConvexKind::capsule: return castCapsule(shape, origin, translation, closer);
+        case ConvexKind::sphere:
+            return castSphere({}, shape.radius, origin, translation, closer);
+        case ConvexKind::capsule:
+            return castCapsule(shape, origin, translation, closer);
         case ConvexKind::box:
             for (int i = 0; i < 3; ++i) {
                 Vec3 axis;
@@ -118,8 +120,7 @@ SweepHit castRay(const TriangleView& triangle, const Vec3& origin, const Vec3& t
     const Vec3 n = cross(b - a, c - a);
     const float speed = dot(n, translation);
     if (!(speed < 0)) return miss(closer);
-    const float u = dot(translation, cross(b, c)), v = dot(translation, cross(c, a)),
-                w = dot(translation, cross(a, b));
+    const float u = dot(translation, cross(b, c)), v = dot(translation, cross(c, a)), w = dot(translation, cross(a, b));
     if (u > 0 || v > 0 || w > 0) return miss(closer);
     const float fraction = dot(n, a) / speed;
     if (!(fraction >= 0 && fraction <= closer)) return miss(closer);

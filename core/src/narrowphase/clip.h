@@ -92,12 +92,13 @@ int reducePoints(Point* points, int count, const Vec3& normal, float tolerance) 
     return kept;
 }
 
-/// Of the faces around the corner of `incident` that lies farthest against `normal`, the one that looks most against it.
+/// Of the faces around the corner of `incident` that lies farthest against `normal`, the one that looks most against
+/// it.
 int facingFace(const HullView& incident, const Vec3& normal);
 
-/// Clips the face of `incident` that opposes face `face` of `reference` to the sides of that face, keeps what is at most
-/// `margin` in front of it, and writes it half way between the surfaces; more points than `out` holds are reduced to four.
-/// Both views in one frame; `size` is that of the smaller shape.
+/// Clips the face of `incident` that opposes face `face` of `reference` to the sides of that face, keeps what is at
+/// most `margin` in front of it, and writes it half way between the surfaces; more points than `out` holds are reduced
+/// to four. Both views in one frame; `size` is that of the smaller shape.
 int clipToFace(const HullView& reference, int face, const HullView& incident, float margin, float size, bool flipped,
                std::span<ManifoldPoint> out);
 

@@ -87,9 +87,12 @@ inline void remember(SeparationCache& cache, const Choice& choice) {
 
 inline float separationOf(const Boxes& b, const SeparationCache& cache) {
     switch (cache.kind) {
-        case 1: return faceASeparation(b, cache.indexA);
-        case 2: return faceBSeparation(b, cache.indexB);
-        default: return edgeSeparation(b, cache.indexA, cache.indexB);
+        case 1:
+            return faceASeparation(b, cache.indexA);
+        case 2:
+            return faceBSeparation(b, cache.indexB);
+        default:
+            return edgeSeparation(b, cache.indexA, cache.indexB);
     }
 }
 
@@ -248,8 +251,8 @@ void faceContact(const Boxes& b, const Frame& bInA, const Choice& choice, float 
         out.normal = normal;
         return;
     }
-    const Mat3 rotation{{b.R[0][0], b.R[1][0], b.R[2][0]}, {b.R[0][1], b.R[1][1], b.R[2][1]},
-                        {b.R[0][2], b.R[1][2], b.R[2][2]}};
+    const Mat3 rotation{
+        {b.R[0][0], b.R[1][0], b.R[2][0]}, {b.R[0][1], b.R[1][1], b.R[2][1]}, {b.R[0][2], b.R[1][2], b.R[2][2]}};
     out.normal = -(rotation * normal);
     for (int i = 0; i < out.pointCount; ++i) {
         out.points[i].position = bInA.position + rotation * out.points[i].position;
@@ -286,8 +289,7 @@ void edgeContact(const Boxes& b, const Choice& choice, float margin, Manifold& o
     out.normal = toVec3(n);
     if (choice.separation > 0 && lengthSquared(near.pointB - near.pointA) > margin * margin) return;
     out.pointCount = 1;
-    out.points[0] = {0.5f * (near.pointA + near.pointB), choice.separation,
-                     edgeFeature(8 * i + codeA, 8 * j + codeB)};
+    out.points[0] = {0.5f * (near.pointA + near.pointB), choice.separation, edgeFeature(8 * i + codeA, 8 * j + codeB)};
 }
 
 }  // namespace

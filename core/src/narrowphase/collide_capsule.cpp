@@ -1,7 +1,7 @@
 #include "narrowphase/pairs.h"
 
-/// A capsule and a polyhedron: the closest points of segment and polyhedron while the segment is outside, separating axes
-/// when it cuts through.
+/// A capsule and a polyhedron: the closest points of segment and polyhedron while the segment is outside, separating
+/// axes when it cuts through.
 namespace ragtop::pairs {
 int segmentOnFace(const HullView& a, int face, const Rod& rod, ManifoldPoint* out) {
     const Plane& plane = a.planes[static_cast<std::size_t>(face)];
@@ -144,8 +144,7 @@ void deep(const HullView& a, const Rod& rod, Manifold& out) {
         out.pointCount = segmentOnFace(a, face, rod, out.points);
         if (out.pointCount > 0) return;
         const Vec3 lower = dot(out.normal, d) < 0 ? rod.q : rod.p;
-        const float separation =
-            dot(out.normal, lower) - a.planes[static_cast<std::size_t>(face)].offset - rod.radius;
+        const float separation = dot(out.normal, lower) - a.planes[static_cast<std::size_t>(face)].offset - rod.radius;
         deepestPoint(out.normal, separation, lower - rod.radius * out.normal, out);
         return;
     }

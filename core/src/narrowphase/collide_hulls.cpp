@@ -64,8 +64,8 @@ void hullContact(const HullView& a, const HullView& b, const SeparatingAxis& axi
     if (out.pointCount > 0) return;
     const gjk::PointsSupport supportA{a.vertices.data(), static_cast<int>(a.vertices.size())};
     const gjk::PointsSupport supportB{b.vertices.data(), static_cast<int>(b.vertices.size())};
-    // Corner regions, where no axis of the test is the direction of the distance, or hysteresis kept an axis whose faces
-    // no longer face each other.
+    // Corner regions, where no axis of the test is the direction of the distance, or hysteresis kept an axis whose
+    // faces no longer face each other.
     const gjk::Closest cores = gjk::closest(supportA, supportB, a.center - b.center);
     if (cores.overlap) {
         deepestPoint(axis.normal, axis.separation, supportB(-axis.normal), out);

@@ -62,7 +62,8 @@ struct Mover {
     }
 };
 
-/// A triangle about the mover's origin, as a polyhedron that shows its front face only; its back plane serves the edges.
+/// A triangle about the mover's origin, as a polyhedron that shows its front face only; its back plane serves the
+/// edges.
 struct TriangleHull {
     static constexpr HullData::Face kFace[1] = {{0, 3}};
     static constexpr std::uint8_t kLoop[3] = {0, 1, 2};
@@ -151,7 +152,7 @@ Vec3 nearestOnTriangle(const Vec3 (&v)[3], const Vec3& n, const Vec3& point, Fea
         inside = false;
         least = square;
         best = near;
-        feature = along <= 0 ? Feature{Feature::vertex, i}
+        feature = along <= 0    ? Feature{Feature::vertex, i}
                   : along >= ee ? Feature{Feature::vertex, j}
                                 : Feature{Feature::edge, i};
     }
@@ -237,8 +238,10 @@ private:
         const float separation = distance - radius;
         if (separation > mover_.margin || (!onFace && !(height >= 0 && distance > 0))) return;
         const Vec3 normal = onFace ? t.normal() : (-1.0f / distance) * near;
-        if (feature.kind == Feature::edge && !edgeIsActive(t, feature.index)) return;
-        if (!onFace && !isOutermost(near, normal)) return;
+        // A corner is reported by a neighbour too if any edge there is active.
+        const int index = feature.index, before = index == 0 ? 2 : index - 1;
+        const bool active = edgeIsActive(t, index) || (feature.kind == Feature::vertex && edgeIsActive(t, before));
+        if (!onFace && !(active && isOutermost(near, normal))) return;
         const ManifoldPoint point{near + 0.5f * separation * normal, separation, kPointFeature};
         set_.add(normal, {&point, 1}, t.index);
     }

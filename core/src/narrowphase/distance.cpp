@@ -52,12 +52,14 @@ Part trianglePart(const Simplex& s, int i, int j, int k) {
     const Vec3 ab = b - a, ac = c - a;
     const Vec3 n = cross(ab, ac);
     const float nn = lengthSquared(n);
-    constexpr float kFlat = 1e-12f;  // sine² below which rounding decides the direction of n
-    if (nn > kFlat * lengthSquared(ab) * lengthSquared(ac)) {
+    constexpr float kFlat = 1e-12f;   // sine² below which rounding decides the direction of n
+    constexpr float kThin = 1e-3f;    // sine² above which the three signs can be trusted
+    const float flatness = nn / (lengthSquared(ab) * lengthSquared(ac));
+    Part part;
+    if (flatness > kFlat) {
         const float u = dot(n, cross(b, c)), v = dot(n, cross(c, a)), w = dot(n, cross(a, b));
         if (u > 0 && v > 0 && w > 0) {
             const float sum = u + v + w;
-            Part part;
             part.corner[0] = i;
             part.corner[1] = j;
             part.corner[2] = k;
@@ -65,12 +67,13 @@ Part trianglePart(const Simplex& s, int i, int j, int k) {
             part.weight[1] = v / sum;
             part.weight[2] = w / sum;
             part.count = 3;
-            part.point = (dot(n, a) / nn) * n;
+            part.point = a + part.weight[1] * ab + part.weight[2] * ac;
             part.squared = lengthSquared(part.point);
-            return part;
+            if (flatness > kThin) return part;
         }
     }
-    return nearer(nearer(edgePart(s, i, j), edgePart(s, j, k)), edgePart(s, k, i));
+    const Part edge = nearer(nearer(edgePart(s, i, j), edgePart(s, j, k)), edgePart(s, k, i));
+    return part.count == 0 ? edge : nearer(edge, part);
 }
 
 /// The part of a tetrahedron nearest to the origin; count 0 when the origin is inside.
@@ -96,10 +99,18 @@ Part tetrahedronPart(const Simplex& s) {
 Vec3 reduce(Simplex& simplex) {
     Part part;
     switch (simplex.count) {
-        case 1: part = cornerPart(simplex, 0); break;
-        case 2: part = edgePart(simplex, 0, 1); break;
-        case 3: part = trianglePart(simplex, 0, 1, 2); break;
-        default: part = tetrahedronPart(simplex); break;
+        case 1:
+            part = cornerPart(simplex, 0);
+            break;
+        case 2:
+            part = edgePart(simplex, 0, 1);
+            break;
+        case 3:
+            part = trianglePart(simplex, 0, 1, 2);
+            break;
+        default:
+            part = tetrahedronPart(simplex);
+            break;
     }
     if (part.count == 0) {
         for (float& weight : simplex.weight) weight = 0.25f;
@@ -167,8 +178,8 @@ Distance distance(const ConvexView& a, const ConvexView& b, const Frame& bInA) {
 /// The triangle may lie far from the origin of its mesh, so the work is done about B's position.
 Distance distance(const TriangleView& a, const ConvexView& b, const Frame& bInA) {
     const Vec3 corners[3] = {a.a - bInA.position, a.b - bInA.position, a.c - bInA.position};
-    const gjk::Closest cores = gjk::closest(gjk::PointsSupport{corners, 3},
-                                            gjk::PlacedCoreSupport(b, {{}, bInA.rotation}), corners[0]);
+    const gjk::Closest cores =
+        gjk::closest(gjk::PointsSupport{corners, 3}, gjk::PlacedCoreSupport(b, {{}, bInA.rotation}), corners[0]);
     Distance out = withRadii(cores, 0, b.radius);
     out.pointA += bInA.position;
     out.pointB += bInA.position;

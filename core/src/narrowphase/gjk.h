@@ -59,8 +59,8 @@ struct PlacedCoreSupport {
     }
 };
 
-/// [Gilbert, Johnson, Keerthi, 1988]; ends when the supporting plane v·x = v·w leaves no more than rounding to gain, when
-/// a corner returns, or when rounding stops the descent. `start` is any guess of a vector from B to A.
+/// [Gilbert, Johnson, Keerthi, 1988]; ends when the supporting plane v·x = v·w leaves no more than rounding to gain,
+/// when a corner returns, or when rounding stops the descent. `start` is any guess of a vector from B to A.
 template <class SupportA, class SupportB>
 Closest closest(const SupportA& supportA, const SupportB& supportB, const Vec3& start) {
     constexpr int kMaxIterations = 48;

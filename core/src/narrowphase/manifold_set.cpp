@@ -30,8 +30,8 @@ ManifoldSet::Cluster& ManifoldSet::clusterFor(const Vec3& normal) {
     return fresh;
 }
 
-/// Corners stay longest: each may be a corner of the whole contact, of which only part is known yet. Equal depths are not
-/// forgiven here, so that no loss adds up.
+/// Corners stay longest: each may be a corner of the whole contact, of which only part is known yet. Equal depths are
+/// not forgiven here, so that no loss adds up.
 void ManifoldSet::makeRoom(Cluster& cluster) {
     constexpr int kCorners = 8;
     ManifoldPoint* const points = cluster.points;
@@ -84,8 +84,7 @@ int ManifoldSet::write(const Vec3& offset, std::span<Manifold> out) {
         Manifold& manifold = out[static_cast<std::size_t>(written++)];
         manifold.normal = cluster.normal;
         manifold.triangle = cluster.triangle;
-        manifold.pointCount =
-            reducePoints(cluster.points, cluster.count, cluster.normal, kDepthTolerance * size_);
+        manifold.pointCount = reducePoints(cluster.points, cluster.count, cluster.normal, kDepthTolerance * size_);
         for (int k = 0; k < manifold.pointCount; ++k) {
             manifold.points[k] = cluster.points[k];
             manifold.points[k].position += offset;

@@ -28,7 +28,8 @@ SeparatingAxis bestFace(const HullView& a, const HullView& b) {
         // B reaches below its centre by its inner radius at least, so a face with less to offer need not be tried.
         if (best.kind != 0 && dot(plane.normal, b.center) - plane.offset - b.innerRadius <= best.separation) continue;
         const float separation = lowest(b, plane.normal) - plane.offset;
-        if (best.kind == 0 || separation > best.separation) best = {1, static_cast<int>(i), 0, separation, plane.normal};
+        if (best.kind == 0 || separation > best.separation)
+            best = {1, static_cast<int>(i), 0, separation, plane.normal};
     }
     return best;
 }
@@ -76,7 +77,7 @@ PlacedHull::PlacedHull(const HullView& hull, const Frame& frame) {
     }
     for (std::size_t i = 0; i < hull.planes.size(); ++i) {
         const Vec3 normal = rotation * hull.planes[i].normal;
-        std::construct_at(&planes_[i], normal, hull.planes[i].offset + dot(normal, frame.position));
+        std::construct_at(&planes_[i], Plane{normal, hull.planes[i].offset + dot(normal, frame.position)});
     }
     view_ = hull;
     view_.vertices = {vertices_, hull.vertices.size()};

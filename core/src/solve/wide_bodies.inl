@@ -83,6 +83,12 @@ void integrateVelocities(const BodyArrays& arrays, const std::uint32_t* bodies, 
     }
 }
 
+template <int N>
+RAGTOP_INLINE WideQuat<N> normalized(const WideQuat<N>& q) {
+    const Lanes<N> norm = 1.0f / sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+    return {q.x * norm, q.y * norm, q.z * norm, q.w * norm};
+}
+
 /// One factor of the splitting: the body turns by a = t pᵢ/Iᵢ about its axis i, so its momentum p, seen from the body,
 /// turns back, and q ← q · (axis i, a). Series in a/2, which the caller keeps small.
 template <int N>
@@ -128,8 +134,7 @@ RAGTOP_INLINE void rotateFreely(WideQuat<N>& q, WideVec3<N> p, const WideVec3<N>
         p = select(active, m, p);
         q = {select(active, r.x, q.x), select(active, r.y, q.y), select(active, r.z, q.z), select(active, r.w, q.w)};
     }
-    const Lanes<N> norm = 1.0f / sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-    q = {q.x * norm, q.y * norm, q.z * norm, q.w * norm};
+    q = normalized(q);
 }
 
 /// R diag(d) Rᵀ
@@ -171,7 +176,7 @@ void integratePositions(const BodyArrays& arrays, const std::uint32_t* bodies, i
         const WideVec3<N> dp = WideVec3<N>{pose[0], pose[1], pose[2]} + Lanes<N>(h) * (v - smooth);
 
         const WideQuat<N> q0{start[0], start[1], start[2], start[3]};
-        WideQuat<N> q = WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * q0;
+        WideQuat<N> q = normalized(WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * q0);
         const WideVec3<N> moments{rates[0], rates[1], rates[2]}, inverse{rates[4], rates[5], rates[6]};
         const WideVec3<N> wBody = inverseRotate(q, w);
         const WideVec3<N> momentum{moments.x * wBody.x, moments.y * wBody.y, moments.z * wBody.z};
@@ -181,7 +186,7 @@ void integratePositions(const BodyArrays& arrays, const std::uint32_t* bodies, i
         const WideVec3<N> after = inverseRotate(q, momentumWorld);
         const Mask<N> spins = forces[3] > 0.0f;
         const WideVec3<N> wNew =
-            select(spins, rotate(q, WideVec3<N>{inverse.x * after.x, inverse.y * after.y, inverse.z * after.z}), w);
+            select(spins, rotate(q, WideVec3<N>{after.x / moments.x, after.y / moments.y, after.z / moments.z}), w);
         const WideQuat<N> dq = q * WideQuat<N>{-q0.x, -q0.y, -q0.z, q0.w};
         const SymmetricMatrix<N> inverseWorld = rotated(q, inverse);
 

@@ -86,8 +86,7 @@ void World::setVelocity(BodyId body, const Vec3& linear, const Vec3& angular) {
     requireFinite(isFinite(linear) && isFinite(angular), "velocity");
     const std::uint32_t i = impl_->index(body);
     if (impl_->bodies[i].type == BodyType::fixed) throw std::invalid_argument("a fixed body has no velocity");
-    impl_->states[i].v = linear;
-    impl_->states[i].w = angular;
+    impl_->setVelocity(i, linear, angular);
     impl_->wakeBody(i);
 }
 
@@ -113,10 +112,9 @@ void World::applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point) {
     requireFinite(isFinite(impulse) && isFinite(point), "impulse");
     const std::uint32_t i = impl_->index(body);
     if (!impl_->moves(i)) return;
-    BodyState& state = impl_->states[i];
+    const BodyState& state = impl_->states[i];
     const Vec3 arm = relative(point, impl_->bodies[i].center + state.dp);
-    state.v += state.invMass * impulse;
-    state.w += impl_->inertias[i] * cross(arm, impulse);
+    impl_->setVelocity(i, state.v + state.invMass * impulse, state.w + impl_->inertias[i] * cross(arm, impulse));
     if (!impl_->stepping) impl_->wakeBody(i);
 }
 

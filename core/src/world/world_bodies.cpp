@@ -163,9 +163,9 @@ void WorldImpl::resetSolverState(std::uint32_t index) {
     d.inverseInertia = turns ? Vec3{1 / body.inertia.x, 1 / body.inertia.y, 1 / body.inertia.z} : Vec3{1, 1, 1};
     d.spins = turns ? 1.0f : 0.0f;
     d.translates = isDynamic ? 1.0f : 0.0f;
-    histories[index].velocityBefore = state.v;
+    if (isDynamic) obeyLocks(index);
     // Free flight is the best guess for a body without a past; only the direction counts, any step fits.
-    histories[index].lastChange = isDynamic ? 1e12f * settings.gravity : Vec3{};
+    histories[index].velocityBefore = isDynamic ? state.v - 1e12f * settings.gravity : state.v;
     if (!turns) {
         restrictInertia(index);
         return;
@@ -174,6 +174,24 @@ void WorldImpl::resetSolverState(std::uint32_t index) {
     const Vec3 i = d.inverseInertia;
     const Mat3 m = r * Mat3{i.x * Vec3{1, 0, 0}, i.y * Vec3{0, 1, 0}, i.z * Vec3{0, 0, 1}} * transpose(r);
     inertias[index] = {m.cx.x, m.cy.x, m.cz.x, m.cy.y, m.cz.y, m.cz.z};
+}
+
+/// Takes the movements that locks forbid out of a velocity that was given.
+void WorldImpl::obeyLocks(std::uint32_t index) {
+    const AxisLocks& locks = bodies[index].locks;
+    Vec3 &v = states[index].v, &w = states[index].w;
+    v = {locks.translationX ? 0 : v.x, locks.translationY ? 0 : v.y, locks.translationZ ? 0 : v.z};
+    w = {locks.rotationX ? 0 : w.x, locks.rotationY ? 0 : w.y, locks.rotationZ ? 0 : w.z};
+}
+
+/// A velocity given between steps is no acceleration that the position map could take for a smooth one.
+void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3& angular) {
+    BodyState& state = states[index];
+    const Vec3 before = state.v;
+    state.v = linear;
+    state.w = angular;
+    if (bodies[index].type == BodyType::dynamic) obeyLocks(index);
+    if (!stepping) histories[index].velocityBefore += state.v - before;
 }
 
 void WorldImpl::refreshBounds(std::uint32_t index) {
@@ -214,7 +232,8 @@ void WorldImpl::setPose(std::uint32_t index, const Pose& pose) {
 }
 
 std::uint32_t WorldImpl::index(BodyId id) const {
-    if (!bodySlots.isValid(id.index, id.generation)) throw std::out_of_range("no such body: id names nothing");
+    if (id.index == 0 || !bodySlots.isValid(id.index, id.generation))
+        throw std::out_of_range("no such body: id names nothing");
     return id.index;
 }
 std::uint32_t WorldImpl::index(ShapeId id) const {

@@ -185,7 +185,7 @@ void WorldImpl::updateContact(std::uint32_t index) {
     const float turnA = a.type == BodyType::fixed ? 0 : length(stateA.w) * a.radius;
     const float turnB = b.type == BodyType::fixed ? 0 : length(stateB.w) * b.radius;
     const float motion = (length(stateB.v - stateA.v) + turnA + turnB) * dt;
-    const float margin = record.sensor ? 0 : tuning::kSpeculative * size + (motion < size ? motion : size);
+    const float margin = record.sensor ? 0 : tuning::kSpeculative * size + motion;
 
     const Quat rotationA = a.rotation * shapeA.frame.rotation;
     const Vec3 offset = relative(b.center, a.center);

@@ -32,8 +32,8 @@ void WorldImpl::sweepBody(std::uint32_t index, const DVec3& fromCenter, const Qu
         if (shape.sensor || geometry.isMesh()) continue;
         const Pose shapeStart = start * shape.frame, shapeEnd = end * shape.frame;
         const Bounds swept = merge(boundsOf(geometry.shape, shapeStart), boundsOf(geometry.shape, shapeEnd));
-        // Stop a little inside, so that the next step finds a contact.
-        const float target = -0.25f * tuning::kSpeculative * shape.size;
+        // Stop a little before; the next step finds a contact. What is nearer already is left to the contact it has.
+        const float target = 0.25f * tuning::kSpeculative * shape.size;
         const auto meet = [&](std::uint32_t other) {
             const ShapeRecord& obstacle = shapes[other];
             if (obstacle.sensor || !shouldCollide(shape, obstacle)) return true;

@@ -115,6 +115,8 @@ struct WorldImpl {
     std::uint32_t geometryIndex(const Shape& shape);
     void setMass(std::uint32_t body, const BodyDef& def);
     void resetSolverState(std::uint32_t body);
+    void obeyLocks(std::uint32_t body);
+    void setVelocity(std::uint32_t body, const Vec3& linear, const Vec3& angular);
     void refreshBounds(std::uint32_t body);
     void clearEvents();
     void setPose(std::uint32_t body, const Pose& pose);

@@ -36,17 +36,17 @@ struct WheelTelemetry {
     float load = 0;               ///< N, normal to the ground
     float longitudinalForce = 0;  ///< N on the car, forward
     float lateralForce = 0;       ///< N on the car, to the left
-    float slipRatio = 0;          ///< tread speed over travel speed − 1, the larger of them below; −1 is a locked wheel
-    float slipAngle = 0;          ///< rad between heading and travel of the wheel, positive when it drifts to the left
-    float angularSpeed = 0;       ///< rad/s, positive forward
-    float rotation = 0;           ///< rad about the axle, in (−π, π]
-    float steerAngle = 0;         ///< rad, positive to the left
-    float compression = 0;        ///< m above the place at rest
-    DVec3 contactPoint{};         ///< m, on the ground; the last one when in the air
+    float slipRatio = 0;     ///< tread speed over travel speed − 1, the larger of them below; −1 is a locked wheel
+    float slipAngle = 0;     ///< rad between heading and travel of the wheel, positive when it drifts to the left
+    float angularSpeed = 0;  ///< rad/s, positive forward
+    float rotation = 0;      ///< rad about the axle, in (−π, π]
+    float steerAngle = 0;    ///< rad, positive to the left
+    float compression = 0;   ///< m above the place at rest
+    DVec3 contactPoint{};    ///< m, on the ground; the last one when in the air
     Vec3 contactNormal{0, 1, 0};
-    BodyId ground{};              ///< what it stands on
-    std::uint32_t surface = 0;    ///< Material::surface there
-    Pose pose{};                  ///< of the hub, for drawing: x to the left along the axle, turned by `rotation`
+    BodyId ground{};            ///< what it stands on
+    std::uint32_t surface = 0;  ///< Material::surface there
+    Pose pose{};                ///< of the hub, for drawing: x to the left along the axle, turned by `rotation`
 };
 
 struct EngineTelemetry {
@@ -56,11 +56,11 @@ struct EngineTelemetry {
 
 /// What the car does, at the end of the last step.
 struct VehicleTelemetry {
-    float speed = 0;         ///< m/s forward, negative backwards
+    float speed = 0;  ///< m/s forward, negative backwards
     EngineTelemetry engine{};
-    int gear = 0;            ///< −1 reverse, 0 neutral
+    int gear = 0;  ///< −1 reverse, 0 neutral
     bool shifting = false;
-    float clutchTorque = 0;  ///< N m from the engine into the gearbox
+    float clutchTorque = 0;                    ///< N m from the engine into the gearbox
     std::span<const WheelTelemetry> wheels{};  ///< in the order of the definition; valid as long as the car
 };
 

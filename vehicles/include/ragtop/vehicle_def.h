@@ -33,15 +33,15 @@ struct ChassisDef {
 /// A strut with a linear spring, a damper of two rates and a bump stop. The spring is preloaded so that the standing
 /// car has its wheels where the definition puts them.
 struct SuspensionDef {
-    Vec3 axis{0, 1, 0};                       ///< along which the hub rises, in the chassis
-    float travelUp = 0.09f;                   ///< m from rest to the bump stop
-    float travelDown = 0.10f;                 ///< m from rest to the droop stop
-    float frequency = 1.4f;                   ///< Hz, undamped, of the load at rest on the spring
-    float dampingRatio = 0.35f;               ///< of that oscillation
-    std::optional<float> stiffness{};         ///< N/m at the wheel, instead of the frequency
+    Vec3 axis{0, 1, 0};                         ///< along which the hub rises, in the chassis
+    float travelUp = 0.09f;                     ///< m from rest to the bump stop
+    float travelDown = 0.10f;                   ///< m from rest to the droop stop
+    float frequency = 1.4f;                     ///< Hz, undamped, of the load at rest on the spring
+    float dampingRatio = 0.35f;                 ///< of that oscillation
+    std::optional<float> stiffness{};           ///< N/m at the wheel, instead of the frequency
     std::optional<float> compressionDamping{};  ///< N s/m at the wheel, instead of the ratio
     std::optional<float> reboundDamping{};      ///< N s/m at the wheel, instead of the ratio
-    float bumpStopStiffness = 10;             ///< over the spring's
+    float bumpStopStiffness = 10;               ///< over the spring's
 };
 
 /// How the tire grips: a brush of bristles whose share that slides grows with slip until all of it does.
@@ -59,24 +59,24 @@ struct TireDef {
 
 struct WheelDef {
     std::string name{};
-    Vec3 position{};             ///< m, of the hub in the chassis when the car stands
-    float radius = 0.3f;         ///< m
-    float width = 0.2f;          ///< m
-    float mass = 18;             ///< kg, spun as ¾ m r²; part of the chassis's mass
-    unsigned axle = 0;           ///< wheels of one axle share a differential; 0 is the foremost
-    float steerFactor = 0;       ///< share of the steering angle; negative steers against it
-    float driveShare = 0;        ///< of the engine's torque, relative to the sum over the wheels
-    float brakeTorque = 1500;    ///< N m, pedal fully down
-    float handbrakeTorque = 0;   ///< N m, lever fully up
+    Vec3 position{};            ///< m, of the hub in the chassis when the car stands
+    float radius = 0.3f;        ///< m
+    float width = 0.2f;         ///< m
+    float mass = 18;            ///< kg, spun as ¾ m r²; part of the chassis's mass
+    unsigned axle = 0;          ///< wheels of one axle share a differential; 0 is the foremost
+    float steerFactor = 0;      ///< share of the steering angle; negative steers against it
+    float driveShare = 0;       ///< of the engine's torque, relative to the sum over the wheels
+    float brakeTorque = 1500;   ///< N m, pedal fully down
+    float handbrakeTorque = 0;  ///< N m, lever fully up
     SuspensionDef suspension{};
     TireDef tire{};
 };
 
 struct SteeringDef {
-    float maxAngle = 0.6f;                   ///< rad, of a wheel in the middle of the front axle
-    float rate = 1.5f;                       ///< rad/s, fastest change
-    std::optional<float> halfAngleSpeed{};   ///< m/s at which half of the angle is left; empty: all at any speed
-    float ackermann = 1;                     ///< 1: all wheels turn about one point; 0: all turn by the same angle
+    float maxAngle = 0.6f;                  ///< rad, of a wheel in the middle of the front axle
+    float rate = 1.5f;                      ///< rad/s, fastest change
+    std::optional<float> halfAngleSpeed{};  ///< m/s at which half of the angle is left; empty: all at any speed
+    float ackermann = 1;                    ///< 1: all wheels turn about one point; 0: all turn by the same angle
 };
 
 /// A point of the full-throttle torque curve.
@@ -87,18 +87,18 @@ struct TorquePoint {
 
 struct EngineDef {
     std::vector<TorquePoint> torqueCurve{{800, 80}, {1500, 105}, {3500, 135}, {4500, 132}, {6000, 112}, {6600, 90}};
-    float inertia = 0.15f;      ///< kg m², with flywheel and clutch
+    float inertia = 0.15f;  ///< kg m², with flywheel and clutch
     float idleRpm = 850;
     float limiterRpm = 6400;
-    float brakeTorque = 25;     ///< N m that resist at closed throttle
+    float brakeTorque = 25;  ///< N m that resist at closed throttle
 };
 
 struct GearboxDef {
     std::vector<float> ratios{3.6f, 2.0f, 1.35f, 1.0f, 0.8f};
     float reverseRatio = 3.4f;
     float finalDrive = 4.0f;
-    bool automatic = true;                ///< picks the forward gears itself
-    float shiftUpRpm = 5800;              ///< at full throttle; half as far above shiftDownRpm at none
+    bool automatic = true;    ///< picks the forward gears itself
+    float shiftUpRpm = 5800;  ///< at full throttle; half as far above shiftDownRpm at none
     float shiftDownRpm = 1800;
     float shiftTime = 0.25f;              ///< s without drive
     float efficiency = 0.92f;             ///< of all gears together
@@ -204,8 +204,7 @@ void describe(Visitor& visit, Self& self, const WheelDef*) {
     visit(Tunable{"mass", "kg", 1e-4, 1e8, "of wheel and tire, spun as ¾ m r²"}, self.mass);
     visit(Tunable{"axle", "", 0, 255, "wheels of one axle share a differential; 0 is the foremost"}, self.axle);
     visit(Tunable{"steerFactor", "1", -1, 1, "share of the steering angle"}, self.steerFactor);
-    visit(Tunable{"driveShare", "1", 0, 1000, "of the engine's torque, relative to the other wheels"},
-          self.driveShare);
+    visit(Tunable{"driveShare", "1", 0, 1000, "of the engine's torque, relative to the other wheels"}, self.driveShare);
     visit(Tunable{"brakeTorque", "N m", 0, 1e12, "pedal fully down"}, self.brakeTorque);
     visit(Tunable{"handbrakeTorque", "N m", 0, 1e12, "lever fully up"}, self.handbrakeTorque);
     visit(Tunable{"suspension", "", 0, 0, "spring, damper and travel"}, self.suspension);
@@ -217,8 +216,7 @@ void describe(Visitor& visit, Self& self, const SteeringDef*) {
     visit(Tunable{"rate", "rad/s", 1e-3, 1e4, "fastest change of the angle"}, self.rate);
     visit(Tunable{"halfAngleSpeed", "m/s", 1e-3, 1e5, "at which half of the angle is left; absent: all at any speed"},
           self.halfAngleSpeed);
-    visit(Tunable{"ackermann", "1", 0, 1, "1: all wheels turn about one point; 0: by the same angle"},
-          self.ackermann);
+    visit(Tunable{"ackermann", "1", 0, 1, "1: all wheels turn about one point; 0: by the same angle"}, self.ackermann);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const TorquePoint*) {

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "ragtop/ragdoll.h"
+
+namespace ragtop {
+
+/// The middle of the bones of all parts at rest, m in model space.
+Vec3 middleOf(const RagdollDef& def);
+/// The height of the lowest point of all shapes at rest, m, with model space turned by `rotation`.
+float lowestPointOf(const RagdollDef& def, const Quat& rotation);
+
+}  // namespace ragtop

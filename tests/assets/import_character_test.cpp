@@ -1,0 +1,253 @@
+#include <algorithm>
+#include <cmath>
+
+#include "import_support.h"
+#include "ragtop/character.h"
+
+namespace ragtop {
+namespace {
+
+bool warns(const Character& character, const std::string& word) {
+    return std::any_of(character.warnings.begin(), character.warnings.end(),
+                       [&](const std::string& warning) { return warning.find(word) != std::string::npos; });
+}
+
+bool inside(const RagdollPart& part, const Vec3& point) {
+    const Vec3 local = inverseTransformPoint(part.bind * part.frame, point);
+    constexpr float kSlack = 1e-4f;
+    if (const auto* capsule = std::get_if<Capsule>(&part.shape)) {
+        const float y = local.y - std::clamp(local.y, -capsule->halfHeight, capsule->halfHeight);
+        return length({local.x, y, local.z}) <= capsule->radius + kSlack;
+    }
+    const Vec3 out = abs(local) - std::get<Box>(part.shape).halfExtents;
+    return out.x <= kSlack && out.y <= kSlack && out.z <= kSlack;
+}
+
+/// What holds for the ragdoll of every human: parts, mass, fit, no limit violated at rest.
+void expectSoundHuman(const Character& character) {
+    const RagdollDef def = makeRagdoll(character, {.bodyMass = 75});
+    EXPECT_EQ(whyInvalid(def), "");
+    EXPECT_GE(def.parts.size(), 12u);
+    EXPECT_LE(def.parts.size(), 22u);
+    double sum = 0;
+    for (const RagdollPart& part : def.parts) {
+        sum += static_cast<double>(part.mass);
+        EXPECT_NE(part.role, BodyRole::other);
+        EXPECT_NEAR(part.mass, 75 * massShare(part.role, 0), 0.01 * 75 * massShare(part.role, 0)) << part.name;
+    }
+    EXPECT_NEAR(sum, 75.0, 75e-4);
+
+    std::vector<int> owned(def.parts.size(), 0), contained(def.parts.size(), 0);
+    for (std::size_t bone = 0; bone < character.skeleton.bones.size(); ++bone) {
+        const auto part = static_cast<std::size_t>(def.bones[bone].part);
+        for (const Vec3& vertex : character.skeleton.skin[bone]) {
+            ++owned[part];
+            contained[part] += inside(def.parts[part], vertex);
+        }
+    }
+    for (std::size_t i = 0; i < owned.size(); ++i)
+        EXPECT_GE(contained[i], static_cast<int>(0.9 * owned[i])) << def.parts[i].name;
+
+    for (const RagdollJoint& joint : def.joints) {
+        const std::string name = def.parts[static_cast<std::size_t>(joint.child)].name;
+        const JointBodies& bodies =
+            std::visit([](const auto& each) -> const JointBodies& { return each.bodies; }, joint.joint);
+        const Frame a = def.parts[static_cast<std::size_t>(joint.parent)].bind * bodies.frameA;
+        const Frame b = def.parts[static_cast<std::size_t>(joint.child)].bind * bodies.frameB;
+        EXPECT_LT(length(a.position - b.position), 1e-5f * character.height) << name;
+        const Quat q = conjugate(a.rotation) * b.rotation;
+        const float along = dot(rotate(a.rotation, {1, 0, 0}), rotate(b.rotation, {1, 0, 0}));
+        EXPECT_NEAR(2 * std::atan2(q.x, q.w), 0, 1e-4f) << name;
+        if (const auto* ball = std::get_if<BallDef>(&joint.joint)) {
+            EXPECT_LT(std::acos(std::min(along, 1.0f)), *ball->swingLimit) << name;
+        } else {
+            EXPECT_NEAR(along, 1.0f, 1e-5f) << name;
+        }
+    }
+}
+
+const RagdollPart& partOf(const RagdollDef& def, BodyRole role, BodySide side) {
+    for (const RagdollPart& part : def.parts)
+        if (part.role == role && part.side == side) return part;
+    throw std::out_of_range("no such part");
+}
+
+TEST(LoadCharacter, BcnEpilepticIsAHumanOf54Bones) {
+    RAGTOP_MODEL(file, "X/BCN_Epileptic.X");
+    const Character character = loadCharacter(file);
+    EXPECT_EQ(character.skeleton.bones.size(), 54u);
+    EXPECT_GE(character.height, 1.80f);
+    EXPECT_LE(character.height, 1.95f);
+    EXPECT_EQ(character.skin.triangles, 5126);
+    EXPECT_EQ(character.clips.size(), 1u);
+    expectSoundHuman(character);
+    const RagdollDef def = makeRagdoll(character);
+    const RagdollPart& foot = partOf(def, BodyRole::foot, BodySide::left);
+    const RagdollPart& head = partOf(def, BodyRole::head, BodySide::middle);
+    EXPECT_EQ(foot.name, "B_Ankle_Left");
+    EXPECT_LT(foot.bind.position.y, boundsOf(character.skeleton).lower.y + 0.1f * character.height);
+    EXPECT_GT(head.bind.position.y - foot.bind.position.y, 0.7f * character.height);
+}
+
+TEST(LoadCharacter, FbxCentimetresBecomeMetresOnce) {
+    RAGTOP_SAMPLE(file, "characters/arnaud.fbx");
+    const Character character = loadCharacter(file);
+    EXPECT_EQ(character.skeleton.bones.size(), 53u);
+    EXPECT_FLOAT_EQ(character.metersPerUnit, 0.01f);
+    EXPECT_NEAR(character.height, 1.83f, 0.0183f);
+    expectSoundHuman(character);
+    const RagdollDef def = makeRagdoll(character);
+    EXPECT_EQ(partOf(def, BodyRole::upperArm, BodySide::left).name, "LeftArm");
+    EXPECT_EQ(partOf(def, BodyRole::upperArm, BodySide::right).name, "RightArm");
+    EXPECT_EQ(partOf(def, BodyRole::shank, BodySide::right).name, "RightLeg");
+}
+
+TEST(LoadCharacter, CesiumManHasUnnamedJointsAndWeightsThatDoNotSumToOne) {
+    RAGTOP_SAMPLE(file, "characters/cesium_man.gltf");
+    const Character character = loadCharacter(file);
+    EXPECT_EQ(character.skeleton.bones.size(), 19u);
+    EXPECT_NEAR(character.height, 1.51f, 0.0151f);
+    EXPECT_EQ(character.skin.vertices, 3273);
+    EXPECT_EQ(character.skin.renormalized, 210);
+    EXPECT_NEAR(character.skin.leastSum, 0.185f, 1e-3f);
+    EXPECT_TRUE(warns(character, "normalised"));
+    expectSoundHuman(character);
+}
+
+TEST(LoadCharacter, KnightLosesItsControlBones) {
+    RAGTOP_SAMPLE(file, "characters/knight.glb");
+    const Character character = loadCharacter(file);
+    EXPECT_EQ(character.skeleton.bones.size(), 20u);
+    EXPECT_EQ(character.skeleton.find("kneeIK.l"), -1);
+    EXPECT_TRUE(warns(character, "move no vertex"));
+    EXPECT_EQ(character.clips.size(), 76u);
+    const int walk = character.findClip("Walking_A");
+    ASSERT_GE(walk, 0);
+    EXPECT_GT(character.clips[static_cast<std::size_t>(walk)].seconds, 0.2f);
+    EXPECT_GT(character.height, 2.2f);
+    EXPECT_LT(character.height, 2.7f);
+    expectSoundHuman(character);
+}
+
+TEST(LoadCharacter, AQuadrupedIsNoHumanButGetsARagdoll) {
+    RAGTOP_MODEL(file, "X/Testwuson.X");
+    const Character character = loadCharacter(file);
+    EXPECT_TRUE(warns(character, "no human"));
+    const RagdollDef def = makeRagdoll(character, {.bodyMass = 200});
+    EXPECT_EQ(whyInvalid(def), "");
+    EXPECT_GE(def.parts.size(), 12u);
+    EXPECT_LE(def.parts.size(), 24u);
+}
+
+TEST(LoadCharacter, PosedNodesDoNotChangeTheBindPose) {
+    RAGTOP_MODEL(file, "FBX/animation_with_skeleton.fbx");
+    const Character character = loadCharacter(file);
+    EXPECT_TRUE(warns(character, "bind pose"));
+    EXPECT_TRUE(warns(character, "normalised"));
+    // A straight row of bones at rest; its nodes are bent by metres.
+    const Bounds bounds = boundsOf(character.skeleton);
+    EXPECT_LT(bounds.upper.y - bounds.lower.y, 2.0f);
+}
+
+TEST(LoadCharacter, MotionAloneIsASkeletonWhoseUnitMustBeGiven) {
+    RAGTOP_MODEL(file, "BVH/01_01.bvh");
+    const Character raw = loadCharacter(file);
+    EXPECT_TRUE(warns(raw, "metersPerUnit"));
+    const Character character = loadCharacter(file, {.metersPerUnit = 0.0564f});
+    EXPECT_FALSE(warns(character, "metersPerUnit"));
+    EXPECT_TRUE(character.skeleton.skin.empty());
+    EXPECT_NEAR(character.height, 0.0564f * raw.height, 1e-4f);
+    EXPECT_EQ(makeRagdoll(character).parts.size(), 16u);
+}
+
+/// A stick figure of 17 joints with the axes of a format whose z points up.
+std::string zUpMotion() {
+    std::string text = "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 1.0\n CHANNELS 3 Zrotation Xrotation Yrotation\n";
+    int open = 0;
+    const auto joint = [&](const char* name, const char* offset) {
+        text += std::string("JOINT ") + name + "\n{\n OFFSET " + offset + "\n CHANNELS 3 Zrotation Xrotation Yrotation\n";
+        ++open;
+    };
+    const auto end = [&](const char* offset) {
+        text += std::string("End Site\n{\n OFFSET ") + offset + "\n}\n";
+        for (; open > 0; --open) text += "}\n";
+    };
+    for (const char* x : {"0.1", "-0.1"}) {
+        joint("a", (std::string(x) + " 0 -0.05").c_str());
+        joint("b", "0 0 -0.42");
+        joint("c", "0 0.02 -0.42");
+        end("0 -0.15 -0.06");
+    }
+    joint("d", "0 0 0.12");
+    joint("e", "0 0 0.15");
+    open = 0;
+    for (const char* x : {"", "-"}) {
+        const std::string sign(x);
+        joint("f", (sign + "0.19 0 0.22").c_str());
+        joint("g", (sign + "0.31 0 0").c_str());
+        joint("h", (sign + "0.25 0 0").c_str());
+        end((sign + "0.15 0 0").c_str());
+    }
+    joint("i", "0 0 0.26");
+    end("0 0 0.25");
+    text += "}\n}\n}\nMOTION\nFrames: 1\nFrame Time: 0.033\n";
+    for (int i = 0; i < 3 * 16; ++i) text += "0 ";
+    return text + "\n";
+}
+
+TEST(LoadCharacter, AHumanThatStandsAlongZIsTurnedUpright) {
+    const TemporaryFile file("z_up.bvh", zUpMotion());
+    const Character character = loadCharacter(file.path());
+    EXPECT_EQ(character.upAxis, UpAxis::z);
+    EXPECT_TRUE(warns(character, "stands along z"));
+    EXPECT_NEAR(character.height, 0.95f + 0.78f, 1e-4f);
+    const Anatomy anatomy = recognise(character.skeleton);
+    ASSERT_TRUE(anatomy.humanoid) << anatomy.note;
+    EXPECT_GT(anatomy.up.y, 0.99f);
+    // Toes point along −y of the file, which is +z once z is up no more.
+    EXPECT_GT(anatomy.forward.z, 0.99f);
+    const Character lying = loadCharacter(file.path(), {.upAxis = UpAxis::y});
+    EXPECT_LT(lying.height, 0.5f);
+}
+
+TEST(LoadCharacter, RefusesBrokenFilesInOneLine) {
+    const auto failure = [](const std::filesystem::path& path) {
+        return importError(path, [&] { loadCharacter(path); });
+    };
+    EXPECT_NE(failure("no_such_file.fbx").find("no such file"), std::string::npos);
+    EXPECT_NE(failure(std::filesystem::temp_directory_path()).find("is not a file"), std::string::npos);
+    const TemporaryFile garbage("garbage.glb", "glTF and then nothing that makes sense");
+    EXPECT_NE(failure(garbage.path()).find("cannot be imported"), std::string::npos);
+    const TemporaryFile unknown("unknown.xyzzy", "hello");
+    EXPECT_NE(failure(unknown.path()), "");
+    const TemporaryFile cube("cube.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    EXPECT_NE(failure(cube.path()).find("no bones"), std::string::npos);
+}
+
+TEST(LoadCharacter, SurvivesTruncatedFiles) {
+    RAGTOP_SAMPLE(file, "characters/knight.glb");
+    std::ifstream stream(file, std::ios::binary);
+    const std::string whole{std::istreambuf_iterator<char>(stream), {}};
+    for (const double share : {0.001, 0.1, 0.5, 0.99}) {
+        const TemporaryFile part("truncated.glb", whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size()))));
+        EXPECT_NE(importError(part.path(), [&] { loadCharacter(part.path()); }), "") << share;
+    }
+}
+
+TEST(DescribeAsset, NamesUnitsSizeBonesAndWarnings) {
+    RAGTOP_SAMPLE(file, "characters/arnaud.fbx");
+    const Character character = loadCharacter(file);
+    const std::string text = describeAsset(character) + describeAsset(makeRagdoll(character));
+    for (const char* word : {"0.01 m per unit", "1.831 m", "53", "LeftUpLeg", "capsule", "hinge", "75.000 kg"})
+        EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
+}
+
+TEST(FindAsset, NamesWhatToInstall) {
+    EXPECT_THROW(findAsset("assimp-testmodels:no/such/file"), AssetError);
+    EXPECT_THROW(findAsset("no/such/file"), AssetError);
+    const TemporaryFile file("found.txt", "x");
+    EXPECT_EQ(findAsset(file.path().string()), file.path());
+}
+
+}  // namespace
+}  // namespace ragtop

@@ -1,0 +1,187 @@
+#include <algorithm>
+
+#include "import_support.h"
+#include "ragtop/robot.h"
+#include "ragtop/world.h"
+
+namespace ragtop {
+namespace {
+
+bool warns(const Robot& robot, const std::string& word) {
+    return std::any_of(robot.warnings.begin(), robot.warnings.end(),
+                       [&](const std::string& warning) { return warning.find(word) != std::string::npos; });
+}
+
+const RobotJoint& joint(const Robot& robot, const std::string& name) {
+    for (const RobotJoint& each : robot.joints)
+        if (each.name == name) return each;
+    throw std::out_of_range(name);
+}
+
+/// A link of 2 kg and one of 1 kg a metre above it, with `inner` in the joint between them.
+std::string twoLinks(const std::string& type, const std::string& inner, const std::string& geometry = "") {
+    return "<robot name='r'>\n"
+           "<link name='base'><inertial><mass value='2'/>"
+           "<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>\n"
+           "<link name='arm'><inertial><origin xyz='0 0 0.5'/><mass value='1'/>"
+           "<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>" +
+           geometry +
+           "</link>\n"
+           "<joint name='j' type='" +
+           type + "'><parent link='base'/><child link='arm'/><origin xyz='0 0 1'/>\n" + inner + "</joint>\n</robot>\n";
+}
+
+TEST(LoadRobot, UnitreeHumanoidsHaveTheirMasses) {
+    RAGTOP_SAMPLE(g1, "robots/g1_29dof.urdf");
+    RAGTOP_SAMPLE(h1, "robots/h1.urdf");
+    const Robot small = loadRobot(g1), big = loadRobot(h1);
+    EXPECT_NEAR(small.mass, 35.1, 0.351);
+    EXPECT_NEAR(big.mass, 51.6, 0.516);
+    EXPECT_EQ(small.joints.size(), 29u);
+    EXPECT_EQ(small.bodies.size(), 30u);
+    EXPECT_TRUE(warns(small, "meshes are absent"));
+    // Z of the file is up: the torso is above the ankles in y.
+    const auto height = [&](const std::string& name) {
+        for (const RobotLink& link : small.links)
+            if (link.name == name)
+                return (small.bodies[static_cast<std::size_t>(link.body)].pose * link.inBody).position.y;
+        return 0.0f;
+    };
+    EXPECT_GT(height("torso_link"), height("left_ankle_roll_link") + 0.5f);
+}
+
+TEST(LoadRobot, AMissingLinkIsRefusedWithItsLine) {
+    RAGTOP_SAMPLE(file, "robots/g1_dual_arm.urdf");
+    const std::string text = importError(file, [&] { loadRobot(file); });
+    EXPECT_NE(text.find("urdf:181: joint 'imu_in_pelvis_joint': parent link 'pelvis' does not exist"), std::string::npos)
+        << text;
+}
+
+TEST(LoadRobot, MapsLimitsEffortDampingAndFriction) {
+    const TemporaryFile file("hinge.urdf", twoLinks("revolute",
+                                                    "<axis xyz='0 1 0'/><limit lower='-0.5' upper='1.5' effort='20' "
+                                                    "velocity='3'/><dynamics damping='0.7' friction='0.2'/>"));
+    const Robot robot = loadRobot(file.path());
+    ASSERT_EQ(robot.bodies.size(), 2u);
+    const auto& hinge = std::get<HingeDef>(joint(robot, "j").joint);
+    EXPECT_FLOAT_EQ(hinge.limit->lower, -0.5f);
+    EXPECT_FLOAT_EQ(hinge.limit->upper, 1.5f);
+    EXPECT_FLOAT_EQ(hinge.friction, 0.2f);
+    EXPECT_FLOAT_EQ(hinge.spring->damping, 0.7f);
+    EXPECT_EQ(hinge.spring->stiffness, 0.0f);
+    EXPECT_FALSE(hinge.motor.has_value());
+    EXPECT_FLOAT_EQ(joint(robot, "j").effort, 20);
+    EXPECT_TRUE(warns(robot, "velocity limits"));
+    // y of the file lies in the plane; a metre along its z is a metre up.
+    const Frame world = robot.bodies[0].pose * hinge.bodies.frameA;
+    EXPECT_LT(length(rotate(world.rotation, {1, 0, 0}) - Vec3{0, 0, -1}), 1e-6f);
+    EXPECT_LT(length(world.position - Vec3{0, 1, 0}), 1e-6f);
+    const Frame other = robot.bodies[1].pose * hinge.bodies.frameB;
+    EXPECT_LT(length(other.position - world.position), 1e-6f);
+}
+
+TEST(LoadRobot, FixedLinksBecomeOneBody) {
+    const TemporaryFile file("fixed.urdf", twoLinks("fixed", ""));
+    const Robot robot = loadRobot(file.path());
+    ASSERT_EQ(robot.bodies.size(), 1u);
+    EXPECT_EQ(robot.links.size(), 2u);
+    EXPECT_FLOAT_EQ(robot.bodies[0].mass.mass, 3);
+    // (2·0 + 1·1.5) / 3 up the z axis of the file; 1 + 1 + 2·0.25 + 1·1 about x by parallel axes.
+    EXPECT_NEAR(robot.bodies[0].mass.center.z, 0.5f, 1e-6f);
+    EXPECT_NEAR(robot.bodies[0].mass.inertia.cx.x, 3.5f, 1e-5f);
+    EXPECT_NEAR(robot.bodies[0].mass.inertia.cz.z, 2.0f, 1e-5f);
+}
+
+TEST(LoadRobot, ContinuousPrismaticAndSphericalJoints) {
+    const TemporaryFile wheel("wheel.urdf", twoLinks("continuous", "<axis xyz='1 0 0'/>"));
+    EXPECT_FALSE(std::get<HingeDef>(loadRobot(wheel.path()).joints[0].joint).limit.has_value());
+    const TemporaryFile rail("rail.urdf", twoLinks("prismatic", "<limit lower='0' upper='2' effort='5' velocity='1'/>"));
+    EXPECT_FLOAT_EQ(std::get<SliderDef>(loadRobot(rail.path()).joints[0].joint).limit->upper, 2);
+    const TemporaryFile ball("ball.urdf", twoLinks("spherical", ""));
+    EXPECT_TRUE(std::holds_alternative<BallDef>(loadRobot(ball.path()).joints[0].joint));
+}
+
+TEST(LoadRobot, ShapesStandWhereTheFileSays) {
+    const TemporaryFile file(
+        "shapes.urdf",
+        twoLinks("fixed", "",
+                 "<collision><origin xyz='1 0 0'/><geometry><sphere radius='0.1'/></geometry></collision>"
+                 "<collision><geometry><cylinder radius='0.2' length='0.6'/></geometry></collision>"
+                 "<collision><origin xyz='0 2 0'/><geometry><capsule radius='0.1' length='0.4'/></geometry></collision>"
+                 "<collision><geometry><mesh filename='absent.stl'/></geometry></collision>"));
+    const Robot robot = loadRobot(file.path());
+    const auto& shapes = robot.bodies[0].shapes;
+    ASSERT_EQ(shapes.size(), 3u);
+    EXPECT_LT(length(shapes[0].frame.position - Vec3{1, 0, 1}), 1e-6f);
+    // The prism has the cylinder's volume, π 0.2² 0.6.
+    EXPECT_NEAR(massOf(shapes[1].geometry, 1.0f).mass, 0.0753982f, 1e-5f);
+    EXPECT_FLOAT_EQ(std::get<Capsule>(shapes[2].geometry).halfHeight, 0.2f);
+    EXPECT_LT(length(rotate(shapes[2].frame.rotation, {0, 1, 0}) - Vec3{0, 0, 1}), 1e-6f);
+    EXPECT_TRUE(warns(robot, "absent.stl"));
+}
+
+TEST(LoadRobot, WhatIsNotSupportedIsSaid) {
+    const TemporaryFile file("tags.urdf",
+                             twoLinks("revolute",
+                                      "<limit lower='-1' upper='1' effort='1' velocity='1'/><mimic joint='j'/>"
+                                      "<safety_controller k_velocity='1'/>"));
+    const Robot robot = loadRobot(file.path());
+    EXPECT_TRUE(warns(robot, "<mimic>"));
+    EXPECT_TRUE(warns(robot, "<safety_controller>"));
+}
+
+TEST(LoadRobot, RefusesBadNumbersWithLineValueAndRange) {
+    const auto failure = [](const std::string& text) {
+        const TemporaryFile file("bad.urdf", text);
+        return importError(file.path(), [&] { loadRobot(file.path()); });
+    };
+    const auto replaced = [](std::string text, const std::string& from, const std::string& to) {
+        return text.replace(text.find(from), from.size(), to);
+    };
+    const std::string sound = twoLinks("revolute", "<limit lower='-1' upper='1' effort='1' velocity='1'/>");
+    EXPECT_EQ(failure(sound), "");
+    const std::string mass = failure(replaced(sound, "value='2'", "value='abc'"));
+    EXPECT_NE(mass.find(".urdf:2: link 'base': mass value is 'abc', must be a number"), std::string::npos) << mass;
+    EXPECT_NE(failure(replaced(sound, "value='2'", "value='-2'")).find("must be at least 0 kg"), std::string::npos);
+    EXPECT_NE(failure(replaced(sound, "value='2'", "value='nan'")), "");
+    EXPECT_NE(failure(replaced(sound, "value='2'", "value='1e99'")), "");
+    EXPECT_NE(failure(replaced(sound, "value='2'", "value=''")), "");
+    EXPECT_NE(failure(replaced(sound, "value='2'", "kg='2'")).find("mass has no value"), std::string::npos);
+    EXPECT_NE(failure(replaced(sound, "xyz='0 0 1'", "xyz='0 0'")).find("must be 3 numbers"), std::string::npos);
+    EXPECT_NE(failure(replaced(sound, "lower='-1'", "lower='3'")).find("must be at most upper"), std::string::npos);
+    EXPECT_NE(failure(replaced(sound, "type='revolute'", "type='elastic'")).find("must be revolute"), std::string::npos);
+    EXPECT_NE(failure(replaced(sound, "child link='arm'", "child link='leg'")).find("'leg' does not exist"),
+              std::string::npos);
+    EXPECT_NE(failure(replaced(sound, "link name='arm'", "link name='base'")).find("twice"), std::string::npos);
+    EXPECT_NE(failure(replaced(sound, "</robot>", "")), "");
+    EXPECT_NE(failure(""), "");
+    EXPECT_NE(failure("<robot name='r'/>"), "");
+    EXPECT_NE(failure("<sdf/>").find("<robot>"), std::string::npos);
+    EXPECT_NE(importError("absent.urdf", [] { loadRobot("absent.urdf"); }).find("no such file"), std::string::npos);
+    const std::string weightless = "<robot name='r'><link name='a'><inertial><mass value='1'/><inertia ixx='1' iyy='1' "
+                                   "izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link><link name='b'/><joint name='j' "
+                                   "type='continuous'><parent link='a'/><child link='b'/></joint></robot>";
+    EXPECT_NE(failure(weightless).find("link 'b' moves but has no mass"), std::string::npos);
+}
+
+TEST(MakeRobot, StandsInAWorldAtRest) {
+    RAGTOP_SAMPLE(file, "robots/g1_29dof.urdf");
+    const Robot robot = loadRobot(file);
+    World world(WorldSettings{.gravity = {0, 0, 0}, .sleeping = false});
+    const RobotIds ids = makeRobot(world, robot, {{0, 1, 0}, {}});
+    EXPECT_EQ(ids.bodies.size(), robot.bodies.size());
+    EXPECT_EQ(ids.joints.size(), robot.joints.size());
+    for (int i = 0; i < 10; ++i) world.step(1.0 / 60);
+    for (const JointId id : ids.joints) EXPECT_LT(world.state(id).gap, 1e-4f);
+    for (const BodyId id : ids.bodies) EXPECT_LT(length(world.linearVelocity(id)), 1e-2f);
+}
+
+TEST(DescribeAsset, NamesTheRobotsMassAndLinks) {
+    const TemporaryFile file("fixed.urdf", twoLinks("fixed", ""));
+    const std::string text = describeAsset(loadRobot(file.path()));
+    EXPECT_NE(text.find("3.000 kg"), std::string::npos) << text;
+    EXPECT_NE(text.find("2 in 1 bodies"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace ragtop

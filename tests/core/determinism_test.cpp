@@ -1,0 +1,130 @@
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "ragtop/tasks.h"
+#include "scenes.h"
+
+namespace ragtop {
+namespace {
+
+using scenes::Scenario;
+
+/// An emulated or sanitized processor takes a tenth of the steps; the golden values are of all of them.
+#if defined(__aarch64__) || defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+constexpr int kShare = 8;
+#else
+constexpr int kShare = 1;
+#endif
+
+std::uint64_t hashAfter(const Scenario& scenario, const WorldConfig& config, int steps) {
+    World world({}, config);
+    scenario.build(world, {});
+    for (int i = 0; i < steps; ++i) scenes::advance(world, scenario);
+    return world.hash();
+}
+
+/// Digests after an eighth of the steps, and after all of them: equal in debug and release builds, from every compiler,
+/// on every processor. They change when the method does, and only then.
+struct Golden {
+    std::uint64_t early, late;
+};
+constexpr Golden kGolden[] = {
+    {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0},
+};
+static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
+
+class Determinism : public testing::TestWithParam<std::size_t> {
+protected:
+    const Scenario& scenario() const { return scenes::kScenarios[GetParam()]; }
+};
+
+TEST_P(Determinism, SceneGivesTheSameBitsOnEveryPlatform) {
+    World world;
+    scenario().build(world, {});
+    const int early = scenario().steps / 8;
+    for (int i = 0; i < early; ++i) scenes::advance(world, scenario());
+    EXPECT_EQ(world.hash(), kGolden[GetParam()].early);
+    if (kShare > 1) return;
+    for (int i = early; i < scenario().steps; ++i) scenes::advance(world, scenario());
+    EXPECT_EQ(world.hash(), kGolden[GetParam()].late);
+}
+
+TEST_P(Determinism, LanesDoNotMatter) {
+    const int steps = scenario().steps / kShare;
+    const std::uint64_t expected = hashAfter(scenario(), {.lanes = 4}, steps);
+    EXPECT_EQ(hashAfter(scenario(), {.lanes = 8}, steps), expected);
+    EXPECT_EQ(hashAfter(scenario(), {.lanes = 16}, steps), expected);
+}
+
+TEST_P(Determinism, ThreadsDoNotMatter) {
+    const int steps = scenario().steps / kShare;
+    const std::uint64_t expected = hashAfter(scenario(), {}, steps);
+    for (const int workers : {2, 4}) {
+        EXPECT_EQ(hashAfter(scenario(), {.tasks = threadTasks(workers)}, steps), expected) << workers << " threads";
+        EXPECT_EQ(hashAfter(scenario(), {.tasks = tbbTasks(workers)}, steps), expected) << workers << " TBB threads";
+    }
+    EXPECT_EQ(hashAfter(scenario(), {.tasks = threadTasks(4), .lanes = 4}, steps), expected);
+}
+
+TEST_P(Determinism, MemorySetAsideDoesNotMatter) {
+    const int steps = scenario().steps / 8;
+    EXPECT_EQ(hashAfter(scenario(), {.expectedBodies = 5000}, steps), hashAfter(scenario(), {}, steps));
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Determinism, testing::Range(std::size_t{0}, std::size(scenes::kScenarios)),
+                         [](const auto& param) { return std::string(scenes::kScenarios[param.param].name); });
+
+/// Two worlds in one process share nothing.
+TEST(Determinism, WorldsDoNotDisturbEachOther) {
+    const Scenario& scenario = scenes::kScenarios[3];
+    World first, second;
+    scenario.build(first, {});
+    for (int i = 0; i < 20; ++i) scenes::advance(first, scenario);
+    scenario.build(second, {});
+    for (int i = 0; i < 20; ++i) {
+        scenes::advance(second, scenario);
+        scenes::advance(first, scenario);
+    }
+    EXPECT_EQ(second.hash(), hashAfter(scenario, {}, 20));
+    EXPECT_EQ(first.hash(), hashAfter(scenario, {}, 40));
+}
+
+TEST(Determinism, FarFromTheOriginStillTheSameForAllThreadsAndLanes) {
+    const auto run = [](const WorldConfig& config) {
+        World world({}, config);
+        world.create(StaticBody{.shape = Box{{64, 1, 64}}, .position = {65536, -1, 65536}});
+        for (int i = 0; i < 20; ++i)
+            world.create(DynamicBody{.shape = Box{{0.5f, 0.25f, 0.5f}},
+                                     .position = {65536 + 0.125 * (i % 3), 0.25 + 0.75 * i, 65536}});
+        for (int i = 0; i < 100; ++i) world.step(1.0 / 60);
+        return world.hash();
+    };
+    const std::uint64_t expected = run({.lanes = 4});
+    EXPECT_EQ(run({.tasks = threadTasks(4), .lanes = 16}), expected);
+}
+
+/// A step may begin or end any number of contacts on any thread; what is told of them has one order.
+TEST(Determinism, EventsComeInOneOrder) {
+    const auto told = [](const WorldConfig& config) {
+        World world({}, config);
+        scenes::addWallAndBall(world);
+        std::vector<ContactEvent> events;
+        for (int i = 0; i < 120 / kShare; ++i) {
+            world.step(1.0 / 60);
+            events.insert(events.end(), world.contactBegins().begin(), world.contactBegins().end());
+            events.insert(events.end(), world.contactEnds().begin(), world.contactEnds().end());
+        }
+        return events;
+    };
+    const std::vector<ContactEvent> expected = told({});
+    EXPECT_FALSE(expected.empty());
+    EXPECT_TRUE(told({.tasks = threadTasks(4), .lanes = 4}) == expected);
+}
+
+}  // namespace
+}  // namespace ragtop

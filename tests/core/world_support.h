@@ -1,0 +1,97 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "ragtop/world.h"
+
+/// Worlds and bodies that many tests begin with.
+namespace ragtop::test {
+
+inline constexpr double kDt = 1.0 / 60;
+inline constexpr float kGravity = 9.81f;
+
+inline Material surface(float friction, float restitution = 0, float rollingResistance = 0) {
+    Material material;
+    material.friction = friction;
+    material.restitution = restitution;
+    material.rollingResistance = rollingResistance;
+    return material;
+}
+
+inline ShapeDef shapeDef(Shape geometry, const Material& material = {}) {
+    ShapeDef def;
+    def.geometry = std::move(geometry);
+    def.material = material;
+    return def;
+}
+
+inline BodyDef bodyDef(Shape geometry, const DVec3& position, const Material& material = {},
+                       BodyType type = BodyType::dynamic) {
+    BodyDef def;
+    def.type = type;
+    def.shapes.push_back(shapeDef(std::move(geometry), material));
+    def.pose.position = position;
+    return def;
+}
+
+/// A slab whose top is the plane y = 0.
+inline BodyId addFloor(World& world, const Material& material = {}, const DVec3& center = {}) {
+    return world.create(bodyDef(Box{{100, 1, 100}}, center + DVec3{0, -1, 0}, material, BodyType::fixed));
+}
+
+inline WorldSettings withoutGravity() {
+    WorldSettings settings;
+    settings.gravity = {};
+    return settings;
+}
+
+inline WorldSettings withoutSleep() {
+    WorldSettings settings;
+    settings.sleeping = false;
+    return settings;
+}
+
+inline int stepsIn(double seconds, double dt = kDt) { return static_cast<int>(std::lround(seconds / dt)); }
+
+inline void run(World& world, double seconds, double dt = kDt) {
+    for (int i = 0; i < stepsIn(seconds, dt); ++i) world.step(dt);
+}
+
+/// Steps, calling `each` after every one.
+template <class Each>
+void run(World& world, double seconds, double dt, Each&& each) {
+    for (int i = 0; i < stepsIn(seconds, dt); ++i) {
+        world.step(dt);
+        each();
+    }
+}
+
+inline double height(const World& world, BodyId body) { return world.pose(body).position.y; }
+
+/// About the centre of mass, world axes, kg m²/s.
+inline Vec3 angularMomentum(const World& world, BodyId body) {
+    const Quat q = world.pose(body).rotation;
+    return rotate(q, world.mass(body).inertia * inverseRotate(q, world.angularVelocity(body)));
+}
+
+inline double distanceBetween(const DVec3& a, const DVec3& b) {
+    const DVec3 d = a - b;
+    return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+}
+
+template <class Action>
+void expectMessage(Action&& action, const std::string& part) {
+    try {
+        action();
+        ADD_FAILURE() << "nothing was thrown, expected: " << part;
+    } catch (const std::exception& error) {
+        EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+}
+
+}  // namespace ragtop::test

@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+/// What the program prints; it must end well.
+std::string ragtop(const std::string& arguments) {
+    std::FILE* pipe = popen(("'" RAGTOP_PROGRAM "' " + arguments + " 2>/dev/null").c_str(), "r");
+    std::string text;
+    std::array<char, 4096> buffer{};
+    while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe)) text += buffer.data();
+    EXPECT_EQ(pclose(pipe), 0) << arguments;
+    return text;
+}
+
+std::string hashOf(const std::string& summary) {
+    const auto at = summary.find("\"hash\": \"");
+    return at == std::string::npos ? "none" : summary.substr(at + 9, 16);
+}
+
+/// The keys of the outermost object, in their order.
+std::vector<std::string> keysOf(const std::string& summary) {
+    std::vector<std::string> keys;
+    for (std::size_t at = summary.find("\n  \""); at != std::string::npos; at = summary.find("\n  \"", at + 1)) {
+        keys.push_back(summary.substr(at + 4, summary.find('"', at + 4) - at - 4));
+    }
+    return keys;
+}
+
+std::string folder(const std::string& name) {
+    const auto path = std::filesystem::path(testing::TempDir()) / name;
+    std::filesystem::create_directories(path);
+    return path.string();
+}
+
+TEST(Run, SummaryHasExactlyItsKeys) {
+    const std::vector<std::string> keys{"hash", "steps", "finite", "real_time_factor", "real_time_factor_min", "ms_per_step",
+                                        "contacts", "penetration_max_m", "penetration_p99_m", "joint_gap_max_m",
+                                        "moved_max_m", "max_speed_m_s", "energy_j", "warnings"};
+    const std::string out = folder("run_summary");
+    const std::string printed = ragtop("run tower --steps 20 --out '" + out + "'");
+    EXPECT_EQ(keysOf(printed), keys);
+    for (const char* file : {"recording.glb", "telemetry.csv", "summary.json"}) {
+        EXPECT_GT(std::filesystem::file_size(std::filesystem::path(out) / file), 100u) << file;
+    }
+}
+
+TEST(Run, EndsAlikeWithAndWithoutAStopOnTheWay) {
+    for (const std::string scene : {"tower", "track"}) {
+        const std::string out = folder("run_" + scene);
+        const std::string whole = ragtop("run " + scene + " --steps 120");
+        ragtop("run " + scene + " --steps 70 --save-at 50 --out '" + out + "'");
+        const std::string resumed = ragtop("run " + scene + " --steps 120 --restore '" + out + "/state_50.bin'");
+        EXPECT_NE(hashOf(whole), "none");
+        EXPECT_EQ(hashOf(whole), hashOf(resumed)) << scene;
+    }
+}
+
+TEST(Run, EndsAlikeWithAnyWidthAndNumberOfThreads) {
+    const std::string reference = hashOf(ragtop("run rain --steps 60 --lanes 4"));
+    EXPECT_EQ(hashOf(ragtop("run rain --steps 60 --threads 2")), reference);
+    EXPECT_EQ(hashOf(ragtop("run rain --steps 60 --lanes 8 --threads 3")), reference);
+}
+
+TEST(Run, SettingsChangeWhatHappens) {
+    const std::string rest = hashOf(ragtop("run tower --steps 30 --set gravity=[0,0,0]"));
+    EXPECT_NE(rest, hashOf(ragtop("run tower --steps 30")));
+}
+
+TEST(Inspect, TellsWhatAVehicleAndASceneHave) {
+    EXPECT_NE(ragtop("inspect tower").find("13 bodies"), std::string::npos);
+    EXPECT_NE(ragtop("inspect '" RAGTOP_SOURCE_DIR "/assets/data/vehicles/hatchback.car.json'").find("4 wheels"),
+              std::string::npos);
+}
+
+}  // namespace

@@ -1,0 +1,168 @@
+#include "ragtop/anatomy.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "bone_tree.h"
+#include "human.h"
+
+namespace ragtop {
+namespace {
+
+const Segment* find(const Anatomy& anatomy, BodyRole role, BodySide side) {
+    for (const Segment& segment : anatomy.segments)
+        if (segment.role == role && segment.side == side) return &segment;
+    return nullptr;
+}
+
+void expectHuman(const Anatomy& anatomy, const HumanRig& rig) {
+    ASSERT_TRUE(anatomy.humanoid) << anatomy.note;
+    EXPECT_EQ(anatomy.segments.size(), 16u);
+    EXPECT_EQ(anatomy.segments.front().bone, rig.hips);
+    for (int side = 0; side < 2; ++side) {
+        const BodySide body = side == 0 ? BodySide::left : BodySide::right;
+        const auto expect = [&](BodyRole role, int bone) {
+            const Segment* segment = find(anatomy, role, body);
+            ASSERT_NE(segment, nullptr) << nameOf(role) << " " << nameOf(body);
+            EXPECT_EQ(segment->bone, bone) << nameOf(role) << " " << nameOf(body);
+        };
+        expect(BodyRole::upperArm, rig.upperArm[side]);
+        expect(BodyRole::forearm, rig.forearm[side]);
+        expect(BodyRole::hand, rig.hand[side]);
+        expect(BodyRole::thigh, rig.thigh[side]);
+        expect(BodyRole::shank, rig.shank[side]);
+        expect(BodyRole::foot, rig.foot[side]);
+    }
+    EXPECT_EQ(find(anatomy, BodyRole::abdomen, BodySide::middle)->bone, rig.spine);
+    EXPECT_EQ(find(anatomy, BodyRole::chest, BodySide::middle)->bone, rig.chest);
+    EXPECT_EQ(find(anatomy, BodyRole::head, BodySide::middle)->bone, rig.neck);
+}
+
+TEST(Anatomy, FindsAHumanWithoutNames) {
+    const HumanRig rig;
+    const Anatomy anatomy = recognise(rig.skeleton);
+    expectHuman(anatomy, rig);
+    EXPECT_GT(anatomy.up.y, 0.99f);
+    EXPECT_GT(anatomy.forward.z, 0.99f);
+    EXPECT_GT(anatomy.left.x, 0.99f);
+}
+
+TEST(Anatomy, FindsAHumanInAnyDirectionAndSize) {
+    for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{1, 2, 3}})
+        for (const float angle : {0.5f, 1.5707963f, 3.0f})
+            for (const float scale : {0.01f, 1.0f, 100.0f}) {
+                HumanRig rig;
+                const Quat rotation = rotationAbout(axis, angle);
+                rig.transform(rotation, scale);
+                const Anatomy anatomy = recognise(rig.skeleton);
+                expectHuman(anatomy, rig);
+                EXPECT_GT(dot(anatomy.up, rotate(rotation, {0, 1, 0})), 0.99f);
+                EXPECT_GT(dot(anatomy.forward, rotate(rotation, {0, 0, 1})), 0.99f);
+            }
+}
+
+TEST(Anatomy, SkipsTwistBonesWithinTheLimbs) {
+    HumanRig rig;
+    // A twist bone halfway down each thigh and forearm, in line with the chain.
+    Skeleton& skeleton = rig.skeleton;
+    for (int side = 0; side < 2; ++side)
+        for (const int child : {rig.shank[side], rig.hand[side]}) {
+            Bone& below = skeleton.bones[static_cast<std::size_t>(child)];
+            const int above = below.parent;
+            const Vec3 middle = 0.5f * (below.bind.position + rig.at(above));
+            const auto place = skeleton.bones.begin() + child;
+            skeleton.bones.insert(place, Bone{"twist", above, {middle, {}}});
+            for (std::size_t i = 0; i < skeleton.bones.size(); ++i)
+                if (static_cast<int>(i) != child && skeleton.bones[i].parent >= child) ++skeleton.bones[i].parent;
+            skeleton.bones[static_cast<std::size_t>(child) + 1].parent = child;
+            for (int* index : {&rig.clavicle[0], &rig.clavicle[1], &rig.upperArm[0], &rig.upperArm[1], &rig.forearm[0],
+                               &rig.forearm[1], &rig.hand[0], &rig.hand[1], &rig.thigh[0], &rig.thigh[1], &rig.shank[0],
+                               &rig.shank[1], &rig.foot[0], &rig.foot[1]})
+                if (*index >= child) ++*index;
+        }
+    ASSERT_EQ(whyInvalid(skeleton), "");
+    expectHuman(recognise(skeleton), rig);
+}
+
+TEST(Anatomy, WithoutToesNamedSidesTellForward) {
+    HumanRig rig;
+    Skeleton feetless = rig.skeleton;
+    for (int side = 0; side < 2; ++side) {
+        feetless.bones[static_cast<std::size_t>(rig.toe[side])].bind.position = rig.at(rig.foot[side]);
+        feetless.bones[static_cast<std::size_t>(rig.thigh[side])].name = side == 0 ? "Thigh.R" : "Thigh.L";
+    }
+    // The sides are named the other way round, so the person faces the other way.
+    const Anatomy anatomy = recognise(feetless);
+    ASSERT_TRUE(anatomy.humanoid);
+    EXPECT_LT(anatomy.forward.z, -0.99f);
+    EXPECT_EQ(anatomy.note, "");
+}
+
+TEST(Anatomy, FourLegsAreNoHuman) {
+    Skeleton dog;
+    const auto add = [&](int parent, Vec3 position) {
+        dog.bones.push_back({"b", parent, {position, {}}});
+        return static_cast<int>(dog.bones.size()) - 1;
+    };
+    const int pelvis = add(-1, {0, 0.6f, -0.4f});
+    const int chest = add(add(pelvis, {0, 0.62f, 0}), {0, 0.6f, 0.4f});
+    add(add(chest, {0, 0.7f, 0.6f}), {0, 0.75f, 0.8f});
+    for (const int from : {pelvis, chest})
+        for (const float x : {0.1f, -0.1f}) {
+            const float z = from == pelvis ? -0.4f : 0.4f;
+            add(add(add(from, {x, 0.55f, z}), {x, 0.3f, z + 0.05f}), {x, 0.05f, z});
+        }
+    const Anatomy anatomy = recognise(dog);
+    EXPECT_FALSE(anatomy.humanoid);
+    EXPECT_NE(anatomy.note, "");
+    EXPECT_GT(anatomy.segments.size(), 4u);
+    EXPECT_LE(anatomy.segments.size(), 24u);
+    EXPECT_EQ(anatomy.segments.front().bone, 0);
+}
+
+TEST(Anatomy, SegmentMassesSumToTheBody) {
+    for (const double female : {0.0, 0.5, 1.0}) {
+        double sum = 0;
+        for (const BodyRole role : {BodyRole::pelvis, BodyRole::abdomen, BodyRole::chest, BodyRole::head})
+            sum += massShare(role, female);
+        for (const BodyRole role : {BodyRole::upperArm, BodyRole::forearm, BodyRole::hand, BodyRole::thigh,
+                                    BodyRole::shank, BodyRole::foot})
+            sum += 2 * massShare(role, female);
+        // The table's columns of two decimals sum to 100.00 and 99.99.
+        EXPECT_NEAR(sum, 1.0, 2e-4);
+    }
+}
+
+TEST(Anatomy, RefusesBrokenSkeletons) {
+    Skeleton none;
+    EXPECT_THROW(recognise(none), std::invalid_argument);
+    Skeleton loop;
+    loop.bones = {{"a", -1, {}}, {"b", 1, {}}};
+    EXPECT_NE(whyInvalid(loop).find("bones[1] (b).parent is 1"), std::string::npos);
+    Skeleton turned;
+    turned.bones = {{"a", -1, {{}, {0, 0, 0, 2}}}};
+    EXPECT_NE(whyInvalid(turned).find("must be 1"), std::string::npos);
+    Skeleton skinned;
+    skinned.bones = {{"a", -1, {}}};
+    skinned.skin.resize(2);
+    EXPECT_NE(whyInvalid(skinned).find("one per bone"), std::string::npos);
+}
+
+TEST(BoneNames, SpeakOfJoints) {
+    EXPECT_EQ(hintOf("LeftForeArm"), NameHint::elbow);
+    EXPECT_EQ(hintOf("lowerarm.l"), NameHint::elbow);
+    EXPECT_EQ(hintOf("LeftArm"), NameHint::shoulder);
+    EXPECT_EQ(hintOf("Bip01 L Thigh"), NameHint::hip);
+    EXPECT_EQ(hintOf("B_Ankle_Left"), NameHint::ankle);
+    EXPECT_EQ(hintOf("LeftLeg"), NameHint::knee);
+    EXPECT_EQ(hintOf("Joint10"), NameHint::none);
+    EXPECT_EQ(sideHintOf("Bip01 L Thigh"), -1);
+    EXPECT_EQ(sideHintOf("foot.r"), 1);
+    EXPECT_EQ(sideHintOf("RightFoot"), 1);
+    EXPECT_EQ(sideHintOf("skull"), 0);
+}
+
+}  // namespace
+}  // namespace ragtop

@@ -1,0 +1,100 @@
+#include "fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace ragtop {
+namespace {
+
+/// Points on the surface of a capsule of radius 0.1 and segment 0.4 along y.
+std::vector<Vec3> capsulePoints(const Frame& frame) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 24; ++i) {
+        const SinCos around = sinCos(2 * kPi * static_cast<float>(i) / 24);
+        for (int j = 0; j <= 8; ++j) {
+            const float y = -0.2f + 0.05f * static_cast<float>(j);
+            points.push_back(transformPoint(frame, {0.1f * around.cos, y, 0.1f * around.sin}));
+        }
+        for (int j = 1; j <= 6; ++j) {
+            const SinCos up = sinCos(0.5f * kPi * static_cast<float>(j) / 6);
+            for (const float end : {-1.0f, 1.0f})
+                points.push_back(transformPoint(
+                    frame, {0.1f * up.cos * around.cos, end * (0.2f + 0.1f * up.sin), 0.1f * up.cos * around.sin}));
+        }
+    }
+    return points;
+}
+
+TEST(FitCapsule, RecoversACapsuleFromItsSurface) {
+    const Frame frame{{1, 2, 3}, rotationAbout({1, 1, 0}, 0.8f)};
+    const auto points = capsulePoints(frame);
+    const FittedShape fitted = fitCapsule(points, rotate(frame.rotation, {0, 1, 0}), 1.0f);
+    const Capsule& capsule = std::get<Capsule>(fitted.shape);
+    EXPECT_NEAR(capsule.radius, 0.1f, 1e-4f);
+    EXPECT_NEAR(capsule.halfHeight, 0.2f, 1e-4f);
+    EXPECT_LT(length(fitted.frame.position - frame.position), 1e-4f);
+    EXPECT_EQ(countInside(fitted, points), static_cast<int>(points.size()));
+}
+
+TEST(FitCapsule, LeavesOutFarPoints) {
+    auto points = capsulePoints({});
+    const std::size_t sound = points.size();
+    for (int i = 0; i < 10; ++i) points.push_back({2.0f, 0.1f * static_cast<float>(i), 0});
+    const FittedShape fitted = fitCapsule(points, {0, 1, 0}, 0.95f);
+    EXPECT_LT(std::get<Capsule>(fitted.shape).radius, 0.12f);
+    EXPECT_GE(countInside(fitted, points), static_cast<int>(std::ceil(0.95f * static_cast<float>(sound + 10))));
+}
+
+TEST(FitBox, HoldsTheShareAskedFor) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 1000; ++i) {
+        const auto part = [&](int factor) { return static_cast<float>(i * factor % 101) / 100.0f - 0.5f; };
+        points.push_back({part(7), 0.3f * part(31), 2.0f * part(57)});
+    }
+    const Quat rotation = rotationAbout({0, 1, 0}, 0.3f);
+    for (Vec3& point : points) point = rotate(rotation, point);
+    for (const float share : {0.8f, 0.9f, 1.0f}) {
+        const FittedShape fitted = fitBox(points, rotation, share);
+        EXPECT_GE(countInside(fitted, points), static_cast<int>(share * 1000));
+    }
+    EXPECT_NEAR(std::get<Box>(fitBox(points, rotation, 1.0f).shape).halfExtents.z, 1.0f, 1e-3f);
+}
+
+TEST(FitCapsule, OnePointStillGivesAShape) {
+    const std::vector<Vec3> points(20, Vec3{1, 1, 1});
+    const FittedShape fitted = fitCapsule(points, {0, 1, 0}, 0.9f);
+    EXPECT_GE(countInside(fitted, points), 18);
+}
+
+TEST(CapsuleBetween, HasTheVolume) {
+    for (const float volume : {0.0001f, 0.001f, 0.004f}) {
+        const FittedShape fitted = capsuleBetween({0, 0, 0}, {0.5f, 0, 0}, volume);
+        const Capsule& c = std::get<Capsule>(fitted.shape);
+        const float got = kPi * c.radius * c.radius * (2 * c.halfHeight + 4.0f / 3.0f * c.radius);
+        EXPECT_NEAR(got, volume, 1e-3f * volume);
+        EXPECT_NEAR(2 * (c.halfHeight + c.radius), 0.5f, 1e-6f);
+    }
+}
+
+TEST(Overlap, OfCapsulesIsExact) {
+    const FittedShape a{Capsule{0.1f, 0.5f}, {}};
+    const auto crossing = [](float z) { return FittedShape{Capsule{0.2f, 0.5f}, {{0, 0, z}, rotationAbout({0, 0, 1}, 1.0f)}}; };
+    EXPECT_TRUE(mayOverlap(a, crossing(0.299f), 0));
+    EXPECT_FALSE(mayOverlap(a, crossing(0.301f), 0));
+    EXPECT_TRUE(mayOverlap(a, crossing(0.301f), 0.01f));
+    const FittedShape above{Capsule{0.1f, 0.1f}, {{0, 0.81f, 0}, {}}};
+    EXPECT_FALSE(mayOverlap(a, above, 0));
+}
+
+TEST(Overlap, OfBoxesFindsTheGap) {
+    const FittedShape a{Box{{1, 1, 1}}, {}};
+    const Quat turned = rotationAbout({0, 1, 0}, 0.25f * kPi);
+    const auto beside = [&](float x) { return FittedShape{Box{{1, 1, 1}}, {{x, 0, 0}, turned}}; };
+    EXPECT_TRUE(mayOverlap(a, beside(2.40f), 0));
+    EXPECT_FALSE(mayOverlap(a, beside(2.42f), 0));
+}
+
+}  // namespace
+}  // namespace ragtop

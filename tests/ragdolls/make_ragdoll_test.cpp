@@ -1,0 +1,211 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "human.h"
+#include "ragtop/ragdoll.h"
+
+namespace ragtop {
+namespace {
+
+const RagdollPart& part(const RagdollDef& def, BodyRole role, BodySide side) {
+    for (const RagdollPart& each : def.parts)
+        if (each.role == role && each.side == side) return each;
+    throw std::out_of_range("no such part");
+}
+
+const RagdollJoint& jointOf(const RagdollDef& def, BodyRole role, BodySide side) {
+    for (const RagdollJoint& each : def.joints) {
+        const RagdollPart& child = def.parts[static_cast<std::size_t>(each.child)];
+        if (child.role == role && child.side == side) return each;
+    }
+    throw std::out_of_range("no such joint");
+}
+
+struct RestState {
+    float gap, swing, twist, hinge;
+};
+
+/// Angles of a joint with both parts at rest, by the definition of swing and twist: q = q_swing · q_twist about x.
+RestState atRest(const RagdollDef& def, const RagdollJoint& joint) {
+    const JointBodies& bodies =
+        std::visit([](const auto& each) -> const JointBodies& { return each.bodies; }, joint.joint);
+    const Frame a = def.parts[static_cast<std::size_t>(joint.parent)].bind * bodies.frameA;
+    const Frame b = def.parts[static_cast<std::size_t>(joint.child)].bind * bodies.frameB;
+    const Quat q = conjugate(a.rotation) * b.rotation;
+    const float swing = std::acos(std::min(1.0f, dot(rotate(a.rotation, {1, 0, 0}), rotate(b.rotation, {1, 0, 0}))));
+    const float twist = 2 * std::atan2(q.x, q.w);
+    return {length(a.position - b.position), swing, twist, twist};
+}
+
+TEST(MakeRagdoll, GivesAHumanSixteenPartsWithTheMassesOfTheTable) {
+    const HumanRig rig;
+    const RagdollDef def = makeRagdoll(rig.skeleton, {.bodyMass = 75});
+    ASSERT_EQ(def.parts.size(), 16u);
+    EXPECT_EQ(def.joints.size(), 15u);
+    EXPECT_EQ(whyInvalid(def), "");
+    float sum = 0;
+    for (const RagdollPart& each : def.parts) sum += each.mass;
+    EXPECT_NEAR(sum, 75.0f, 75e-4f);
+    EXPECT_NEAR(part(def, BodyRole::thigh, BodySide::left).mass, 0.1416f * 75, 0.01f * 0.1416f * 75);
+    EXPECT_NEAR(part(def, BodyRole::head, BodySide::middle).mass, 0.0694f * 75, 0.01f * 0.0694f * 75);
+}
+
+TEST(MakeRagdoll, SpawnsWithinAllLimits) {
+    for (const float turn : {0.0f, 1.0f, 2.5f}) {
+        HumanRig rig;
+        rig.transform(rotationAbout({1, 2, -1}, turn), 1.0f);
+        const RagdollDef def = makeRagdoll(rig.skeleton);
+        for (const RagdollJoint& joint : def.joints) {
+            const RestState state = atRest(def, joint);
+            EXPECT_LT(state.gap, 1e-6f);
+            if (const auto* ball = std::get_if<BallDef>(&joint.joint)) {
+                EXPECT_LT(state.swing, *ball->swingLimit);
+                EXPECT_NEAR(state.twist, 0, 1e-5f);
+                EXPECT_LT(ball->twistLimit->lower, 0);
+                EXPECT_GT(ball->twistLimit->upper, 0);
+            } else {
+                const auto& hinge = std::get<HingeDef>(joint.joint);
+                EXPECT_NEAR(state.hinge, 0, 1e-5f);
+                EXPECT_LE(hinge.limit->lower, 0);
+                EXPECT_GT(hinge.limit->upper, 0);
+            }
+        }
+    }
+}
+
+TEST(MakeRagdoll, KneesBendBackwardsAndElbowsForwards) {
+    const HumanRig rig;
+    const RagdollDef def = makeRagdoll(rig.skeleton);
+    for (const BodySide side : {BodySide::left, BodySide::right})
+        for (const BodyRole role : {BodyRole::shank, BodyRole::forearm}) {
+            const RagdollJoint& joint = jointOf(def, role, side);
+            const auto& hinge = std::get<HingeDef>(joint.joint);
+            const Frame frame = def.parts[static_cast<std::size_t>(joint.parent)].bind * hinge.bodies.frameA;
+            // Where the far end goes when the hinge turns by a small positive angle.
+            const int side01 = side == BodySide::left ? 0 : 1;
+            const Vec3 end = rig.at(role == BodyRole::shank ? rig.foot[side01] : rig.hand[side01]);
+            const Vec3 motion = cross(rotate(frame.rotation, {1, 0, 0}), end - frame.position);
+            EXPECT_GT(role == BodyRole::shank ? -motion.z : motion.z, 0.2f);
+            // 130° and 150° from straight; the rig stands with knees bent by about 6°.
+            const float range = (hinge.limit->upper - hinge.limit->lower) * 180 / kPi;
+            EXPECT_NEAR(range, role == BodyRole::shank ? 130 : 150, 0.01f);
+        }
+    const auto& knee = std::get<HingeDef>(jointOf(def, BodyRole::shank, BodySide::left).joint);
+    const float bent = std::atan2(0.03f, 0.42f) + std::atan2(0.01f, 0.42f);
+    EXPECT_NEAR(-knee.limit->lower, bent, 1e-4f);
+}
+
+TEST(MakeRagdoll, HipsReachForwardFartherThanBack) {
+    const HumanRig rig;
+    const RagdollDef def = makeRagdoll(rig.skeleton);
+    const RagdollJoint& joint = jointOf(def, BodyRole::thigh, BodySide::left);
+    const auto& hip = std::get<BallDef>(joint.joint);
+    const Frame a = def.parts[static_cast<std::size_t>(joint.parent)].bind * hip.bodies.frameA;
+    const Vec3 axis = rotate(a.rotation, {1, 0, 0});
+    const auto allowed = [&](float forwardDegrees) {
+        const SinCos s = sinCos(forwardDegrees * kPi / 180);
+        return dot(axis, Vec3{0, -s.cos, s.sin}) >= sinCos(*hip.swingLimit).cos;
+    };
+    EXPECT_TRUE(allowed(124));
+    EXPECT_FALSE(allowed(126));
+    EXPECT_TRUE(allowed(-14));
+    EXPECT_FALSE(allowed(-16));
+}
+
+TEST(MakeRagdoll, ScalesExactly) {
+    const HumanRig small;
+    HumanRig big;
+    big.transform({}, 4.0f);
+    const RagdollDef a = makeRagdoll(small.skeleton, {.bodyMass = 64});
+    const RagdollDef b = makeRagdoll(big.skeleton, {.bodyMass = 64 * 64});
+    ASSERT_EQ(a.parts.size(), b.parts.size());
+    for (std::size_t i = 0; i < a.parts.size(); ++i) {
+        EXPECT_EQ(64 * a.parts[i].mass, b.parts[i].mass);
+        EXPECT_EQ(4.0f * a.parts[i].frame.position, b.parts[i].frame.position);
+        EXPECT_EQ(a.parts[i].quiet, b.parts[i].quiet);
+        if (const auto* capsule = std::get_if<Capsule>(&a.parts[i].shape)) {
+            EXPECT_EQ(4 * capsule->radius, std::get<Capsule>(b.parts[i].shape).radius);
+            EXPECT_EQ(4 * capsule->halfHeight, std::get<Capsule>(b.parts[i].shape).halfHeight);
+        }
+    }
+}
+
+TEST(MakeRagdoll, EveryBoneFollowsAPartAndRestsWhereItWas) {
+    const HumanRig rig;
+    const RagdollDef def = makeRagdoll(rig.skeleton);
+    ASSERT_EQ(def.bones.size(), rig.skeleton.bones.size());
+    for (std::size_t i = 0; i < def.bones.size(); ++i) {
+        const Frame rest = def.parts[static_cast<std::size_t>(def.bones[i].part)].bind * def.bones[i].inPart;
+        EXPECT_LT(length(rest.position - rig.skeleton.bones[i].bind.position), 1e-6f);
+    }
+    // Fingers go with the hand, the skull with the neck, the clavicle with the chest.
+    const auto partOf = [&](int bone) { return def.parts[static_cast<std::size_t>(def.bones[static_cast<std::size_t>(bone)].part)].role; };
+    EXPECT_EQ(partOf(rig.hand[0] + 1), BodyRole::hand);
+    EXPECT_EQ(partOf(rig.head), BodyRole::head);
+    EXPECT_EQ(partOf(rig.clavicle[1]), BodyRole::chest);
+    EXPECT_EQ(partOf(rig.toe[1]), BodyRole::foot);
+}
+
+TEST(MakeRagdoll, WithoutSelfCollisionAllPartsAreQuiet) {
+    const HumanRig rig;
+    for (const RagdollPart& each : makeRagdoll(rig.skeleton, {.selfCollision = false}).parts) EXPECT_EQ(each.quiet, 0);
+    int loud = 0;
+    for (const RagdollPart& each : makeRagdoll(rig.skeleton).parts) loud += each.quiet < 0;
+    // Hands, forearms, shanks and feet of a T-pose touch nothing but their neighbours.
+    EXPECT_GE(loud, 8);
+}
+
+TEST(MakeRagdoll, SharesMassByVolumeWhereThereIsNoHuman) {
+    Skeleton snake;
+    for (int i = 0; i < 6; ++i)
+        snake.bones.push_back({"s" + std::to_string(i), i - 1, {{0, 0, 0.2f * static_cast<float>(i)}, {}}});
+    const RagdollDef def = makeRagdoll(snake, {.bodyMass = 5});
+    EXPECT_EQ(whyInvalid(def), "");
+    ASSERT_GE(def.parts.size(), 4u);
+    EXPECT_NE(def.note, "");
+    float sum = 0;
+    for (const RagdollPart& each : def.parts) sum += each.mass;
+    EXPECT_NEAR(sum, 5.0f, 5e-4f);
+    EXPECT_NEAR(def.parts[1].mass, def.parts[2].mass, 1e-3f * def.parts[1].mass);
+}
+
+TEST(MakeRagdoll, RefusesOptionsOutOfRange) {
+    const HumanRig rig;
+    const auto message = [&](const RagdollOptions& options) -> std::string {
+        try {
+            makeRagdoll(rig.skeleton, options);
+        } catch (const std::invalid_argument& error) {
+            return error.what();
+        }
+        return {};
+    };
+    EXPECT_EQ(message({.bodyMass = -1}), "ragdoll options: bodyMass is -1 kg, must be in [0.001, 1e+06]");
+    EXPECT_NE(message({.femaleShare = std::numeric_limits<float>::quiet_NaN()}), "");
+    EXPECT_NE(message({.containedShare = 0.2f}), "");
+}
+
+TEST(RagdollDef, SaysWhatIsWrong) {
+    const HumanRig rig;
+    const RagdollDef sound = makeRagdoll(rig.skeleton);
+    RagdollDef def = sound;
+    def.joints[3].child = 99;
+    EXPECT_NE(whyInvalid(def).find("joints[3].joins parts"), std::string::npos);
+    def = sound;
+    def.joints[1] = def.joints[0];
+    EXPECT_NE(whyInvalid(def).find("another joint carries"), std::string::npos);
+    def = sound;
+    def.parts[2].mass = 0;
+    EXPECT_NE(whyInvalid(def).find(".mass is 0 kg"), std::string::npos);
+    def = sound;
+    def.parts.clear();
+    EXPECT_NE(whyInvalid(def), "");
+    def = sound;
+    std::get<BallDef>(def.joints[0].joint).swingLimit = -1.0f;
+    EXPECT_NE(whyInvalid(def).find("joints[0]."), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ragtop

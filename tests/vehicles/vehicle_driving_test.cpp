@@ -1,0 +1,160 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "road.h"
+
+namespace ragtop {
+namespace {
+
+/// All wheels locked: v²/(2 μ g), whatever the load transfer, once the tires have wound up.
+TEST(Vehicle, StopsInTheDistanceOfFriction) {
+    for (const float friction : {1.0f, 0.5f}) {
+        for (const double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120}) {
+            VehicleDef def = plainTires(friction);
+            for (WheelDef& wheel : def.wheels) wheel.brakeTorque = 1e5f;
+            const float speed = 100 / 3.6f;
+            Road road;
+            Vehicle car(road.world, def, {.position = {0, 0, -500}, .heading = 0, .speed = speed});
+            run(road.world, 0.5, dt);
+            const double v = car.telemetry().speed;
+            const double from = road.world.pose(car.chassis()).position.z;
+            car.input = {.brake = 1, .clutch = 1};
+            run(road.world, 10, dt);
+            const double distance = road.world.pose(car.chassis()).position.z - from;
+            EXPECT_NEAR(distance, v * v / (2 * static_cast<double>(friction * kGravity)), 0.02 * distance) << dt;
+            EXPECT_NEAR(road.world.pose(car.chassis()).position.x, 0, 0.05);
+        }
+    }
+}
+
+/// Rolling down freely: m g sin θ on the mass and the wheels' inertia, I/r² each.
+TEST(Vehicle, RollsDownhillWithTheInertiaOfItsWheels) {
+    const float slope = 0.1f;
+    Road road(slope, awake());
+    const VehicleDef def = plainTires(1);
+    Vehicle car(road.world, def, {.position = {0, 0, 0}});
+    road.world.setPose(car.chassis(), {{}, road.tilt});
+    car.input.gear = 0;
+    run(road.world, 2);
+    const float before = car.telemetry().speed;
+    run(road.world, 2);
+    const double spinning = 4 * 0.75 * static_cast<double>(def.wheels[0].mass);
+    const double mass = static_cast<double>(def.chassis.mass);
+    const double expected = -static_cast<double>(kGravity) * std::sin(std::atan(0.1)) * mass / (mass + spinning);
+    EXPECT_NEAR((car.telemetry().speed - before) / 2, expected, 0.005 * std::abs(expected));
+}
+
+TEST(Vehicle, DrivesATopGearAtItsRatio) {
+    Road road;
+    VehicleDef def = plainTires(1);
+    def.gearbox.automatic = false;
+    Vehicle car(road.world, def, {.position = {0, 0, -1500}, .speed = 30});
+    car.input = {.throttle = 0.1f, .gear = 5};
+    run(road.world, 3);
+    const float axle = 0.5f * (car.telemetry().wheels[0].angularSpeed + car.telemetry().wheels[1].angularSpeed);
+    const float ratio = def.gearbox.ratios.back() * def.gearbox.finalDrive;
+    EXPECT_NEAR(car.telemetry().engine.rpm, axle * ratio * 30 / kPi, 1e-3f * car.telemetry().engine.rpm);
+    EXPECT_NEAR(car.telemetry().speed, axle * def.wheels[0].radius, 0.005f * car.telemetry().speed);
+}
+
+/// Slow circle: the tires hardly slip and the car turns about the point that its wheels agree on, ω = v tan δ/L with v
+/// of the middle of the rear axle.
+TEST(Vehicle, CirclesSlowlyAboutTheAckermannPoint) {
+    const float angle = 0.3f;
+    Road road;
+    VehicleDef def = plainTires(1);
+    def.steering.maxAngle = angle;
+    Vehicle car(road.world, def, {.position = {}, .speed = 2});
+    for (const float steer : {-1.0f, 1.0f}) {
+        car.input = {.steer = steer, .gear = 0};
+        for (int i = 0; i < 240; ++i) {
+            car.input.throttle = 0;
+            const Vec3 forward = rotate(road.world.pose(car.chassis()).rotation, {0, 0, 1});
+            road.world.applyForce(car.chassis(), 2000 * (2 - car.telemetry().speed) * forward,
+                                  road.world.centerOfMass(car.chassis()));
+            road.world.step(kStep);
+        }
+        const Pose pose = road.world.pose(car.chassis());
+        const Vec3 rear = road.world.velocityAt(car.chassis(), transformPoint(pose, {0, 0.3f, -1.26f}));
+        const float v = dot(rear, rotate(pose.rotation, {0, 0, 1}));
+        const float yaw = road.world.angularVelocity(car.chassis()).y;
+        EXPECT_NEAR(yaw, -steer * v * std::tan(angle) / kHatchbackWheelbase, 0.03f * std::abs(yaw));
+        EXPECT_GT(v, 1);
+    }
+}
+
+/// Linear bicycle car: yaw gain V/(L + K V²) with K = (1/C_f − 1/C_r)/g for stiffnesses proportional to load. The brush
+/// loses a share C α/(3 μ) of its stiffness, below 1 % at 0.03 g.
+TEST(Vehicle, UndersteersByItsTireStiffnesses) {
+    const float front = 12, rear = 16, speed = 20, angle = 0.0025f;
+    VehicleDef def = plainTires(1);
+    for (WheelDef& wheel : def.wheels) wheel.tire.corneringStiffness = wheel.axle == 0 ? front : rear;
+    def.steering.maxAngle = angle;
+    Road road;
+    Vehicle car(road.world, def, {.position = {}, .speed = speed});
+    car.input = {.steer = 1, .gear = 0};
+    run(road.world, 4);
+    const float v = car.telemetry().speed;
+    const float K = (1 / front - 1 / rear) / kGravity;
+    const float expected = -angle * v / (kHatchbackWheelbase + K * v * v);
+    EXPECT_NEAR(road.world.angularVelocity(car.chassis()).y, expected, 0.02f * std::abs(expected));
+}
+
+TEST(Vehicle, AcceleratesAsItsPowerAllows) {
+    Road road;
+    Vehicle car(road.world, hatchback(), {.position = {0, 0, -1500}});
+    car.input = {.throttle = 1};
+    double time = 0;
+    while (car.telemetry().speed < 100 / 3.6f && time < 30) {
+        road.world.step(kStep);
+        time += kStep;
+    }
+    RecordProperty("zeroToHundred", std::to_string(time));
+    // Energy alone: ½ m v² at the engine's largest power is a bound from below.
+    float power = 0;
+    for (const TorquePoint& p : hatchback().engine.torqueCurve) power = std::max(power, p.rpm * p.torque * kPi / 30);
+    EXPECT_GT(time, 0.5 * 1200 * 27.78 * 27.78 / static_cast<double>(power));
+    EXPECT_LT(time, 14);
+}
+
+TEST(Vehicle, AcceleratesAlikeAtAnyRate) {
+    double distance[3];
+    int k = 0;
+    for (const double dt : {1.0 / 30, 1.0 / 60, 1.0 / 240}) {
+        Road road;
+        VehicleDef def = plainTires(1);
+        def.gearbox.shiftTime = 0;
+        Vehicle car(road.world, def, {.position = {0, 0, -500}, .speed = 15});
+        car.input = {.throttle = 1, .gear = 2};
+        run(road.world, 4, dt);
+        distance[k++] = road.world.pose(car.chassis()).position.z + 500;
+    }
+    EXPECT_NEAR(distance[0], distance[2], 0.01 * distance[2]);
+    EXPECT_NEAR(distance[1], distance[2], 0.005 * distance[2]);
+}
+
+TEST(Vehicle, ReversesInReverseGear) {
+    Road road;
+    Vehicle car(road.world, hatchback());
+    run(road.world, 1);
+    car.input = {.throttle = 0.5f, .gear = -1};
+    run(road.world, 3);
+    EXPECT_LT(car.telemetry().speed, -1);
+    EXPECT_EQ(car.telemetry().gear, -1);
+}
+
+TEST(Vehicle, SpinsItsWheelsWithoutGripAndGoesNowhereFast) {
+    World world;
+    world.create(StaticBody{.shape = Box{{200, 1, 200}}, .position = {0, -1, 0}, .material = {.friction = 0.003f}});
+    Vehicle car(world, hatchback());
+    car.input.throttle = 1;
+    run(world, 5);
+    EXPECT_LT(car.telemetry().speed, 5);
+    EXPECT_GT(car.telemetry().wheels[0].slipRatio, 0.5f);
+}
+
+}  // namespace
+}  // namespace ragtop
