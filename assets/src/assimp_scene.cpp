@@ -109,8 +109,10 @@ void readUnits(const aiScene& from, ImportedScene& scene) {
         double factor = 1;
         float single = 1;
         std::int32_t axis = 1;
-        if (from.mMetaData->Get("UnitScaleFactor", single)) factor = static_cast<double>(single);
-        else from.mMetaData->Get("UnitScaleFactor", factor);
+        if (from.mMetaData->Get("UnitScaleFactor", single))
+            factor = static_cast<double>(single);
+        else
+            from.mMetaData->Get("UnitScaleFactor", factor);
         scene.unitScale = 0.01 * factor;
         if (from.mMetaData->Get("UpAxis", axis) && axis >= 0 && axis <= 2) scene.upAxis = axis;
     } else if (isFormat("glTF") || isFormat("Collada")) {
@@ -143,9 +145,9 @@ std::vector<char> importHere(const std::string& file, bool joined) {
     if (joined) {
         // Corners that differ in anything but their place would keep the surface from closing.
         steps |= aiProcess_RemoveComponent | aiProcess_JoinIdenticalVertices;
-        importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
-                                    aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
-                                        aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS);
+        importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
+                                                                aiComponent_COLORS | aiComponent_TEXCOORDS |
+                                                                aiComponent_BONEWEIGHTS);
     }
     ByteWriter writer;
     if (const aiScene* scene = importer.ReadFile(file, steps)) {
@@ -180,14 +182,16 @@ void check(const ImportedScene& scene, const std::string& file) {
             if (!isFinite(vertex)) throw AssetError(file, "", name + "has a vertex that is not finite");
         for (const std::uint32_t index : mesh.triangles)
             if (index >= mesh.vertices.size())
-                throw AssetError(file, "", name + "has a triangle with vertex " + std::to_string(index) + " of " +
-                                               std::to_string(mesh.vertices.size()));
+                throw AssetError(file, "",
+                                 name + "has a triangle with vertex " + std::to_string(index) + " of " +
+                                     std::to_string(mesh.vertices.size()));
         for (const ImportedBone& bone : mesh.bones) {
             if (!isFiniteMap(bone.offset))
                 throw AssetError(file, "", "bone '" + bone.name + "' has a rest pose that is not finite");
             for (const ImportedWeight& weight : bone.weights)
                 if (weight.vertex >= mesh.vertices.size() || !std::isfinite(weight.weight))
-                    throw AssetError(file, "", "bone '" + bone.name + "' has a weight that is not finite or of no vertex");
+                    throw AssetError(file, "",
+                                     "bone '" + bone.name + "' has a weight that is not finite or of no vertex");
         }
     }
 }

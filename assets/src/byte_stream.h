@@ -14,7 +14,7 @@ namespace ragtop {
 class ByteWriter {
 public:
     template <class T>
-        requires std::is_trivially_copyable_v<T>
+    requires std::is_trivially_copyable_v<T>
     void operator()(const T& value) {
         const auto* bytes = reinterpret_cast<const char*>(&value);
         bytes_.insert(bytes_.end(), bytes, bytes + sizeof value);
@@ -33,8 +33,10 @@ public:
 private:
     template <class T>
     void each(const T& value) {
-        if constexpr (std::is_trivially_copyable_v<T>) (*this)(value);
-        else fields(*this, value);
+        if constexpr (std::is_trivially_copyable_v<T>)
+            (*this)(value);
+        else
+            fields(*this, value);
     }
     std::vector<char> bytes_;
 };
@@ -45,10 +47,8 @@ public:
     explicit ByteReader(const std::vector<char>& bytes) : bytes_(bytes) {}
 
     template <class T>
-        requires std::is_trivially_copyable_v<T>
-    void operator()(T& value) {
-        std::memcpy(&value, take(sizeof value), sizeof value);
-    }
+    requires std::is_trivially_copyable_v<T>
+    void operator()(T& value) { std::memcpy(&value, take(sizeof value), sizeof value); }
     void operator()(std::string& text) {
         const std::size_t size = count();
         text.assign(take(size), size);
@@ -59,8 +59,10 @@ public:
         values.clear();
         for (std::size_t i = 0; i < size; ++i) {
             values.emplace_back();
-            if constexpr (std::is_trivially_copyable_v<T>) (*this)(values.back());
-            else fields(*this, values.back());
+            if constexpr (std::is_trivially_copyable_v<T>)
+                (*this)(values.back());
+            else
+                fields(*this, values.back());
         }
     }
     bool atEnd() const { return at_ == bytes_.size(); }

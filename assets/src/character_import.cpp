@@ -16,8 +16,8 @@ constexpr float kAgree = 1e-2f;  ///< relative difference of two maps that are m
 
 bool agree(const Affine& a, const Affine& b, float size) {
     const float scale = length(b.linear.cx) + length(b.linear.cy) + length(b.linear.cz);
-    const float turn = length(a.linear.cx - b.linear.cx) + length(a.linear.cy - b.linear.cy) +
-                       length(a.linear.cz - b.linear.cz);
+    const float turn =
+        length(a.linear.cx - b.linear.cx) + length(a.linear.cy - b.linear.cy) + length(a.linear.cz - b.linear.cz);
     return turn <= kAgree * scale && length(a.shift - b.shift) <= kAgree * size;
 }
 
@@ -35,10 +35,13 @@ float extentOf(const std::vector<Vec3>& points) {
 class CharacterBuilder {
 public:
     CharacterBuilder(const ImportedScene& scene, Character& character)
-        : scene_(scene), character_(character), globals_(globalTransforms(scene)), bind_(globals_),
-          skin_(scene.nodes.size()), deforms_(scene.nodes.size(), false) {
-        for (std::size_t i = 0; i < scene.nodes.size(); ++i)
-            nodeOf_.emplace(scene.nodes[i].name, static_cast<int>(i));
+        : scene_(scene),
+          character_(character),
+          globals_(globalTransforms(scene)),
+          bind_(globals_),
+          skin_(scene.nodes.size()),
+          deforms_(scene.nodes.size(), false) {
+        for (std::size_t i = 0; i < scene.nodes.size(); ++i) nodeOf_.emplace(scene.nodes[i].name, static_cast<int>(i));
     }
 
     void run() {
@@ -64,15 +67,15 @@ private:
                                            [](const ImportedWeight& w) { return w.weight > 0; });
             if (node == nodeOf_.end() || !moves) continue;
             places.push_back(globals_[static_cast<std::size_t>(node->second)] * bone.offset);
-            if (posed.empty() && !agree(places.back(), places.front(),
-                                        size * length(places.front().linear.cx)))
+            if (posed.empty() && !agree(places.back(), places.front(), size * length(places.front().linear.cx)))
                 posed = bone.name;
         }
         if (!places.empty()) first = &places.front();
         if (first && posed.empty()) return *first;
         if (first)
-            character_.warnings.push_back("mesh '" + mesh.name + "': the nodes do not stand in the bind pose (first at '" +
-                                          posed + "'); the bind pose of the skin is used");
+            character_.warnings.push_back("mesh '" + mesh.name +
+                                          "': the nodes do not stand in the bind pose, such as '" + posed +
+                                          "'; the bind pose of the skin is used");
         return mesh.nodes.empty() ? Affine{} : globals_[static_cast<std::size_t>(mesh.nodes.front())];
     }
 
@@ -151,8 +154,9 @@ private:
     }
 
     int parentBone(int node) const {
-        int at = scene_.nodes[static_cast<std::size_t>(node)].parent;
-        while (at >= 0 && !deforms_[static_cast<std::size_t>(at)]) at = scene_.nodes[static_cast<std::size_t>(at)].parent;
+        const auto above = [&](int at) { return scene_.nodes[static_cast<std::size_t>(at)].parent; };
+        int at = above(node);
+        while (at >= 0 && !deforms_[static_cast<std::size_t>(at)]) at = above(at);
         return at;
     }
 
@@ -265,7 +269,8 @@ Character loadCharacter(const std::filesystem::path& path, const CharacterOption
     Character character;
     character.file = path.string();
     character.format = scene.format;
-    for (const ImportedClip& clip : scene.clips) character.clips.push_back({clip.name, static_cast<float>(clip.seconds)});
+    for (const ImportedClip& clip : scene.clips)
+        character.clips.push_back({clip.name, static_cast<float>(clip.seconds)});
     CharacterBuilder(scene, character).run();
     if (const std::string problem = whyInvalid(character.skeleton); !problem.empty())
         throw AssetError(character.file, "", problem);

@@ -126,8 +126,7 @@ ChildResult runInChild(const std::function<std::vector<char>()>& work, std::chro
     close(ends[0]);
     if (!inTime) kill(child, SIGKILL);
     result.failure = failureOf(child);
-    if (!inTime)
-        result.failure = "takes the importer longer than " + std::to_string(timeout.count() / 1000) + " s";
+    if (!inTime) result.failure = "takes the importer longer than " + std::to_string(timeout.count() / 1000) + " s";
     return result;
 }
 

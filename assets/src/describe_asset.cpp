@@ -17,7 +17,8 @@ std::string describeShape(const Shape& shape) {
         return fmt::format("box {:.3f} x {:.3f} x {:.3f} m", 2 * box->halfExtents.x, 2 * box->halfExtents.y,
                            2 * box->halfExtents.z);
     if (const auto* sphere = std::get_if<Sphere>(&shape)) return fmt::format("sphere r {:.3f} m", sphere->radius);
-    if (const auto* hull = std::get_if<ConvexHull>(&shape)) return fmt::format("hull of {} points", hull->vertices().size());
+    if (const auto* hull = std::get_if<ConvexHull>(&shape))
+        return fmt::format("hull of {} points", hull->vertices().size());
     return "shape";
 }
 
@@ -41,14 +42,15 @@ const char* axisName(UpAxis axis) { return axis == UpAxis::x ? "x" : axis == UpA
 }  // namespace
 
 std::string describeAsset(const Character& character) {
-    std::string text = fmt::format("{}\n  format    {}\n  units     {:g} m per unit\n  up axis   {} in the file\n",
-                                   character.file, character.format, character.metersPerUnit,
-                                   axisName(character.upAxis));
+    std::string text =
+        fmt::format("{}\n  format    {}\n  units     {:g} m per unit\n  up axis   {} in the file\n", character.file,
+                    character.format, character.metersPerUnit, axisName(character.upAxis));
     const SkinInfo& skin = character.skin;
-    text += fmt::format("  height    {:.3f} m\n  bones     {} ({} left out)\n  skin      {} vertices, {} triangles in {} "
-                        "meshes, at most {} bones each\n  clips     {}\n",
-                        character.height, character.skeleton.bones.size(), character.droppedBones.size(),
-                        skin.vertices, skin.triangles, skin.meshes, skin.influences, character.clips.size());
+    text += fmt::format(
+        "  height    {:.3f} m\n  bones     {} ({} left out)\n"
+        "  skin      {} vertices, {} triangles in {} meshes, at most {} bones each\n  clips     {}\n",
+        character.height, character.skeleton.bones.size(), character.droppedBones.size(), skin.vertices, skin.triangles,
+        skin.meshes, skin.influences, character.clips.size());
     for (const std::string& warning : character.warnings) text += "  warning   " + warning + "\n";
     return text;
 }
@@ -56,8 +58,8 @@ std::string describeAsset(const Character& character) {
 std::string describeAsset(const RagdollDef& ragdoll) {
     double mass = 0;
     for (const RagdollPart& part : ragdoll.parts) mass += static_cast<double>(part.mass);
-    std::string text = fmt::format("  ragdoll   {} parts, {} joints, {:.3f} kg\n", ragdoll.parts.size(),
-                                   ragdoll.joints.size(), mass);
+    std::string text =
+        fmt::format("  ragdoll   {} parts, {} joints, {:.3f} kg\n", ragdoll.parts.size(), ragdoll.joints.size(), mass);
     for (const RagdollPart& part : ragdoll.parts)
         text += fmt::format("    {:<24} {:<6} {:<9} {:7.3f} kg  {}\n", part.name,
                             part.side == BodySide::middle ? "" : nameOf(part.side), nameOf(part.role), part.mass,

@@ -1,14 +1,14 @@
 #include "gltf_writer.h"
 
-#include <tiny_gltf.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
+#include <fstream>
 #include <map>
 #include <string>
 #include <utility>
 
+#include "gltf_library.h"
 #include "ragtop/asset_error.h"
 #include "surface_mesh.h"
 
@@ -256,10 +256,9 @@ private:
 
 void writeGltf(const RecordedScene& scene, const std::filesystem::path& path) {
     const tinygltf::Model model = GltfBuilder().build(scene);
-    tinygltf::TinyGLTF writer;
-    if (!writer.WriteGltfSceneToFile(&model, path.string(), true, true, false, true)) {
-        throw AssetError(path.string() + ": cannot be written");
-    }
+    std::ofstream out(path, std::ios::binary);
+    const bool written = out && tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true);
+    if (!written || !out.flush()) throw AssetError(path.string() + ": cannot be written");
 }
 
 }  // namespace ragtop

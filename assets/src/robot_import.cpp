@@ -53,7 +53,9 @@ private:
     console_bridge::LogLevel level_;
 };
 
-Vec3 toVec3(const urdf::Vector3& v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
+Vec3 toVec3(const urdf::Vector3& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
 
 Frame toFrame(const urdf::Pose& pose) {
     const urdf::Rotation& q = pose.rotation;
@@ -218,7 +220,8 @@ private:
         const urdf::LinkConstSharedPtr found = model_->getLink(joint.child_link_name);
         if (!found) fail("joint '" + joint.name + "': child link '" + joint.child_link_name + "' does not exist");
         const urdf::Link& child = *found;
-        if (joint.type == urdf::Joint::FIXED) return addLink(child, body, {origin.position, normalized(origin.rotation)});
+        if (joint.type == urdf::Joint::FIXED)
+            return addLink(child, body, {origin.position, normalized(origin.rotation)});
         const int next = static_cast<int>(robot_.bodies.size());
         RobotBody made;
         made.name = child.name;
@@ -231,7 +234,8 @@ private:
         result.name = joint.name;
         result.parent = body;
         result.child = next;
-        const bool spherical = std::find(text_.spherical.begin(), text_.spherical.end(), joint.name) != text_.spherical.end();
+        const auto& balls = text_.spherical;
+        const bool spherical = std::find(balls.begin(), balls.end(), joint.name) != balls.end();
         if (spherical) {
             result.joint = BallDef{};
         } else if (joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS) {

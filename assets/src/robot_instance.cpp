@@ -58,9 +58,9 @@ RobotIds makeRobot(World& world, const Robot& robot, const Pose& placement, cons
 }
 
 std::string describeAsset(const Robot& robot) {
-    std::string text = fmt::format("{}\n  robot     {}\n  mass      {:.3f} kg\n  links     {} in {} bodies\n  joints    {}\n",
-                                   robot.file, robot.name, robot.mass, robot.links.size(), robot.bodies.size(),
-                                   robot.joints.size());
+    std::string text =
+        fmt::format("{}\n  robot     {}\n  mass      {:.3f} kg\n  links     {} in {} bodies\n  joints    {}\n",
+                    robot.file, robot.name, robot.mass, robot.links.size(), robot.bodies.size(), robot.joints.size());
     for (const RobotBody& body : robot.bodies)
         text += fmt::format("    {:<32} {:8.4f} kg  {} shapes{}\n", body.name, body.mass.mass, body.shapes.size(),
                             body.anchored ? ", fixed to the world" : "");

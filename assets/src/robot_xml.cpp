@@ -57,8 +57,8 @@ constexpr std::array kRules{
 };
 
 /// Elements that nothing here uses.
-constexpr std::array<std::string_view, 7> kUnused{"mimic",        "safety_controller", "calibration", "transmission",
-                                                  "gazebo",       "mujoco",            "sensor"};
+constexpr std::array<std::string_view, 7> kUnused{
+    "mimic", "safety_controller", "calibration", "transmission", "gazebo", "mujoco", "sensor"};
 
 constexpr std::array<std::string_view, 7> kJointTypes{"revolute", "continuous", "prismatic", "fixed",
                                                       "floating", "planar",     "spherical"};
@@ -74,10 +74,9 @@ public:
     CheckedRobotText run() {
         document_.Parse(source_.c_str(), nullptr, TIXML_ENCODING_UTF8);
         if (document_.Error()) {
-            const std::string place = document_.ErrorRow() > 0
-                                          ? std::to_string(document_.ErrorRow()) + ":" +
-                                                std::to_string(document_.ErrorCol())
-                                          : std::string();
+            const std::string place = document_.ErrorRow() > 0 ? std::to_string(document_.ErrorRow()) + ":" +
+                                                                     std::to_string(document_.ErrorCol())
+                                                               : std::string();
             throw AssetError(file_, place, std::string("is no XML: ") + document_.ErrorDesc());
         }
         TiXmlElement* robot = document_.RootElement();
@@ -146,7 +145,7 @@ private:
         if ((limited || type == "continuous") && axis) {
             std::array<double, 3> xyz{};
             numbers(*axis, "xyz", xyz.data(), 3, "joint '" + name + "'");
-            if (xyz[0] == 0 && xyz[1] == 0 && xyz[2] == 0) fail(*axis, what + "axis xyz is zero, must have a direction");
+            if (xyz == std::array<double, 3>{}) fail(*axis, what + "axis xyz is zero, must have a direction");
         }
         if (type != "spherical") return;
         joint.SetAttribute("type", "floating");
@@ -200,8 +199,8 @@ private:
         numbers(element, name.c_str(), values.data(), rule.count, owner);
         for (int i = 0; i < rule.count; ++i) {
             const double value = values[static_cast<std::size_t>(i)];
-            const bool fine = rule.allowed == Allowed::any || value > 0 || (value == 0 && rule.allowed != Allowed::positive);
-            if (fine) continue;
+            if (rule.allowed == Allowed::any || value > 0) continue;
+            if (rule.allowed == Allowed::notNegative && value == 0) continue;
             fail(element, owner + ": " + std::string(rule.element) + " " + name + " is " +
                               attribute(element, name.c_str()) + ", must be " +
                               (rule.allowed == Allowed::positive ? "above 0" : "at least 0") +

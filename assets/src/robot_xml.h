@@ -14,10 +14,10 @@ struct ExtraCapsule {
 };
 
 struct CheckedRobotText {
-    std::string text;                     ///< XML that the library can read
+    std::string text;  ///< XML that the library can read
     std::vector<ExtraCapsule> capsules;
-    std::vector<std::string> spherical;   ///< joints to be made balls; "floating" in the text
-    std::vector<std::string> warnings;    ///< tags that nothing will use
+    std::vector<std::string> spherical;  ///< joints to be made balls; "floating" in the text
+    std::vector<std::string> warnings;   ///< tags that nothing will use
 };
 
 /// Checks what the library lets pass: every number and its range, names that are doubled, links that are missing.

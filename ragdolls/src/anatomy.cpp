@@ -30,16 +30,16 @@ struct LimbJoints {
 /// What a limb of a human measures, as shares of its two long segments [Winter, Biomechanics and Motor Control of
 /// Human Movement, 2009, fig. 4.1]; hands and feet up to the last joint that rigs have.
 struct LimbProportions {
-    float upperShare;  ///< of the upper one in both
-    float endShare;    ///< what follows the lower one, over both
-    float girdleShare; ///< a clavicle, or the offset of the hip from the pelvis, over both
+    float upperShare;   ///< of the upper one in both
+    float endShare;     ///< what follows the lower one, over both
+    float girdleShare;  ///< a clavicle, or the offset of the hip from the pelvis, over both
     std::array<NameHint, 3> hints;
 };
 constexpr LimbProportions kArm{0.56f, 0.30f, 0.33f, {NameHint::shoulder, NameHint::elbow, NameHint::wrist}};
 constexpr LimbProportions kLeg{0.50f, 0.20f, 0.16f, {NameHint::hip, NameHint::knee, NameHint::ankle}};
 
-constexpr float kLimbReach = 0.15f;     ///< a limb is longer than this share of the longest path in the skeleton
-constexpr float kMirrorError = 0.25f;   ///< deviation from a mirror image, over the distance between the limbs
+constexpr float kLimbReach = 0.15f;    ///< a limb is longer than this share of the longest path in the skeleton
+constexpr float kMirrorError = 0.25f;  ///< deviation from a mirror image, over the distance between the limbs
 
 class Recognition {
 public:
@@ -332,8 +332,7 @@ private:
         for (std::size_t k = 0; k < 3; ++k) {
             const Vec3 end = k < 2 ? at(limb.joint[k + 1]) : at(limb.tip);
             const auto role = static_cast<BodyRole>(static_cast<int>(first) + static_cast<int>(k));
-            anatomy.segments.push_back(
-                {role, left ? BodySide::left : BodySide::right, limb.joint[k], carrier, end});
+            anatomy.segments.push_back({role, left ? BodySide::left : BodySide::right, limb.joint[k], carrier, end});
             carrier = static_cast<int>(anatomy.segments.size()) - 1;
         }
     }

@@ -47,8 +47,10 @@ BoneTree::BoneTree(const Skeleton& skeleton)
 
 std::vector<int> BoneTree::chain(const Skeleton& skeleton, int bone) const {
     std::vector<int> result;
-    for (int at = tip[static_cast<std::size_t>(bone)]; at != bone; at = skeleton.bones[static_cast<std::size_t>(at)].parent)
+    for (int at = tip[static_cast<std::size_t>(bone)]; at != bone;) {
         result.push_back(at);
+        at = skeleton.bones[static_cast<std::size_t>(at)].parent;
+    }
     result.push_back(bone);
     std::reverse(result.begin(), result.end());
     return result;
@@ -72,17 +74,36 @@ NameHint hintOf(const std::string& name) {
     // Twist bones carry the name of the segment whose middle they are in.
     if (has(text, "twist") || has(text, "roll")) return NameHint::none;
     static constexpr std::array<std::pair<std::string_view, NameHint>, 29> kWords{{
-        {"forearm", NameHint::elbow},   {"lowerarm", NameHint::elbow},   {"lower_arm", NameHint::elbow},
-        {"loarm", NameHint::elbow},     {"elbow", NameHint::elbow},      {"hand", NameHint::wrist},
-        {"wrist", NameHint::wrist},     {"upperarm", NameHint::shoulder}, {"upper_arm", NameHint::shoulder},
-        {"uparm", NameHint::shoulder},  {"humerus", NameHint::shoulder}, {"radius", NameHint::elbow},
-        {"thigh", NameHint::hip},       {"upleg", NameHint::hip},        {"upperleg", NameHint::hip},
-        {"upper_leg", NameHint::hip},   {"femur", NameHint::hip},        {"calf", NameHint::knee},
-        {"shin", NameHint::knee},       {"shank", NameHint::knee},       {"knee", NameHint::knee},
-        {"lowerleg", NameHint::knee},   {"lower_leg", NameHint::knee},   {"tibia", NameHint::knee},
-        {"foot", NameHint::ankle},      {"ankle", NameHint::ankle},      {"head", NameHint::head},
+        {"forearm", NameHint::elbow},
+        {"lowerarm", NameHint::elbow},
+        {"lower_arm", NameHint::elbow},
+        {"loarm", NameHint::elbow},
+        {"elbow", NameHint::elbow},
+        {"hand", NameHint::wrist},
+        {"wrist", NameHint::wrist},
+        {"upperarm", NameHint::shoulder},
+        {"upper_arm", NameHint::shoulder},
+        {"uparm", NameHint::shoulder},
+        {"humerus", NameHint::shoulder},
+        {"radius", NameHint::elbow},
+        {"thigh", NameHint::hip},
+        {"upleg", NameHint::hip},
+        {"upperleg", NameHint::hip},
+        {"upper_leg", NameHint::hip},
+        {"femur", NameHint::hip},
+        {"calf", NameHint::knee},
+        {"shin", NameHint::knee},
+        {"shank", NameHint::knee},
+        {"knee", NameHint::knee},
+        {"lowerleg", NameHint::knee},
+        {"lower_leg", NameHint::knee},
+        {"tibia", NameHint::knee},
+        {"foot", NameHint::ankle},
+        {"ankle", NameHint::ankle},
+        {"head", NameHint::head},
         // What is left of arms and legs by now: "LeftArm" next to "LeftForeArm", "LeftLeg" next to "LeftUpLeg".
-        {"arm", NameHint::shoulder},    {"leg", NameHint::knee},
+        {"arm", NameHint::shoulder},
+        {"leg", NameHint::knee},
     }};
     for (const auto& [word, hint] : kWords)
         if (has(text, word)) return hint;

@@ -19,14 +19,21 @@ struct BallRange {
 
 BallRange ballRange(BodyRole role) {
     switch (role) {
-        case BodyRole::thigh: return {55.0f, 70.0f, 45.0f};       // flexion 125, extension 15; rotation 45/45
-        case BodyRole::upperArm: return {0.0f, 110.0f, 80.0f};    // flexion 180, extension 60; rotation 70/90
-        case BodyRole::head: return {0.0f, 45.0f, 60.0f};         // flexion, extension, bending 45; rotation 60
-        case BodyRole::abdomen:                                   // each half of flexion 75, extension 30
-        case BodyRole::chest: return {11.25f, 26.25f, 20.0f};
-        case BodyRole::hand: return {0.0f, 45.0f, 80.0f};         // 80/70 by 20/30; pronation, supination 80
-        case BodyRole::foot: return {-15.0f, 35.0f, 30.0f};       // dorsal 20, plantar 50; inversion 35, eversion 25
-        default: return {0.0f, 45.0f, 30.0f};
+        case BodyRole::thigh:
+            return {55.0f, 70.0f, 45.0f};  // flexion 125, extension 15; rotation 45/45
+        case BodyRole::upperArm:
+            return {0.0f, 110.0f, 80.0f};  // flexion 180, extension 60; rotation 70/90
+        case BodyRole::head:
+            return {0.0f, 45.0f, 60.0f};  // flexion, extension, bending 45; rotation 60
+        case BodyRole::abdomen:           // each half of flexion 75, extension 30
+        case BodyRole::chest:
+            return {11.25f, 26.25f, 20.0f};
+        case BodyRole::hand:
+            return {0.0f, 45.0f, 80.0f};  // 80/70 by 20/30; pronation, supination 80
+        case BodyRole::foot:
+            return {-15.0f, 35.0f, 30.0f};  // dorsal 20, plantar 50; inversion 35, eversion 25
+        default:
+            return {0.0f, 45.0f, 30.0f};
     }
 }
 
@@ -34,11 +41,15 @@ BallRange ballRange(BodyRole role) {
 Vec3 neutralAxis(const Anatomy& anatomy, const Segment& segment, const Vec3& atRest) {
     const Vec3 outward = segment.side == BodySide::right ? -anatomy.left : anatomy.left;
     switch (segment.role) {
-        case BodyRole::thigh: return -anatomy.up;
+        case BodyRole::thigh:
+            return -anatomy.up;
         // From the hanging arm 180° up in front and beside, 25° back, 25° across: a cone about this direction.
-        case BodyRole::upperArm: return 0.8f * outward + 0.6f * anatomy.forward;
-        case BodyRole::foot: return anatomy.forward;
-        default: return atRest;
+        case BodyRole::upperArm:
+            return 0.8f * outward + 0.6f * anatomy.forward;
+        case BodyRole::foot:
+            return anatomy.forward;
+        default:
+            return atRest;
     }
 }
 

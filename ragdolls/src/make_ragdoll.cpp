@@ -10,10 +10,10 @@
 namespace ragtop {
 namespace {
 
-constexpr std::size_t kFewVertices = 12;    ///< less skin than this says nothing about a shape
-constexpr double kBodyVolume = 0.0140;      ///< of a human over the cube of the height: 75 l at 1.75 m
-constexpr float kGravity = 9.81f;           ///< m/s², in the friction of joints
-constexpr float kTouching = 0.005f;         ///< parts closer than this share of the height count as overlapping
+constexpr std::size_t kFewVertices = 12;  ///< less skin than this says nothing about a shape
+constexpr double kBodyVolume = 0.0140;    ///< of a human over the cube of the height: 75 l at 1.75 m
+constexpr float kGravity = 9.81f;         ///< m/s², in the friction of joints
+constexpr float kTouching = 0.005f;       ///< parts closer than this share of the height count as overlapping
 
 class Maker {
 public:
@@ -106,8 +106,7 @@ private:
         const Vec3 along = endOf(s) - bindOf(s.bone).position;
         Vec3 y = normalized(along, anatomy_.up);
         if (isTrunk(s.role) || s.role == BodyRole::head) y = anatomy_.up;
-        if (s.role == BodyRole::foot)
-            y = normalized(along - dot(along, anatomy_.up) * anatomy_.up, anatomy_.forward);
+        if (s.role == BodyRole::foot) y = normalized(along - dot(along, anatomy_.up) * anatomy_.up, anatomy_.forward);
         const Vec3 ahead = s.role == BodyRole::foot ? anatomy_.up : anatomy_.forward;
         const Vec3 z = normalized(ahead - dot(ahead, y) * y, perpendicular(y));
         return rotationFromAxes(cross(y, z), y, z);
@@ -178,18 +177,28 @@ private:
     }
 
     void addJoint(int child) {
-        RagdollJoint joint{segment(child).parent, child, anatomicalJoint(skeleton_, anatomy_, child, options_.limitScale)};
+        RagdollJoint joint{segment(child).parent, child,
+                           anatomicalJoint(skeleton_, anatomy_, child, options_.limitScale)};
         float beyond = 0;
         for (int i = child; i < static_cast<int>(def_.parts.size()); ++i) {
             int at = i;
             while (at > child) at = segment(at).parent;
             if (at == child) beyond += def_.parts[static_cast<std::size_t>(i)].mass;
         }
-        const float reach = length(endOf(segment(child)) - bindOf(segment(child).bone).position);
+        const float reach = reachOf(def_.parts[static_cast<std::size_t>(child)]);
         const float torque = options_.jointFriction * beyond * kGravity * reach;
         if (auto* ball = std::get_if<BallDef>(&joint.joint)) ball->friction = torque;
         if (auto* hinge = std::get_if<HingeDef>(&joint.joint)) hinge->friction = torque;
         def_.joints.push_back(std::move(joint));
+    }
+
+    /// From the joint of a part to its far side.
+    static float reachOf(const RagdollPart& part) {
+        const float center = length(part.frame.position);
+        if (const auto* capsule = std::get_if<Capsule>(&part.shape))
+            return center + capsule->halfHeight + capsule->radius;
+        const Vec3 half = std::get<Box>(part.shape).halfExtents;
+        return center + std::max({half.x, half.y, half.z});
     }
 
     /// Joined parts never collide. Others that overlap at rest share a number with all they overlap, directly or
@@ -202,8 +211,7 @@ private:
         for (std::size_t i = 0; i < count; ++i)
             for (std::size_t j = i + 1; j < count; ++j) {
                 const bool joined = segment(static_cast<int>(j)).parent == static_cast<int>(i);
-                if (options_.selfCollision &&
-                    (joined || !mayOverlap(inModel_[i], inModel_[j], kTouching * height_)))
+                if (options_.selfCollision && (joined || !mayOverlap(inModel_[i], inModel_[j], kTouching * height_)))
                     continue;
                 overlapping[i] = overlapping[j] = true;
                 const int from = cluster[j], to = cluster[i];

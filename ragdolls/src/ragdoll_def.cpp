@@ -19,8 +19,7 @@ struct RangeCheck {
             if (!problem.empty() || (field >= tunable.minimum && field <= tunable.maximum)) return;
             char text[160];
             std::snprintf(text, sizeof text, " is %g %.*s, must be in [%g, %g]", static_cast<double>(field),
-                          static_cast<int>(tunable.unit.size()), tunable.unit.data(), tunable.minimum,
-                          tunable.maximum);
+                          static_cast<int>(tunable.unit.size()), tunable.unit.data(), tunable.minimum, tunable.maximum);
             problem = std::string(tunable.name) + text;
         }
     }

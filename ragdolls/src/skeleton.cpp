@@ -32,8 +32,8 @@ std::string whyInvalid(const Skeleton& skeleton) {
         const std::string name = "bones[" + std::to_string(i) + "] (" + bone.name + ")";
         const int first = i == 0 ? -1 : 0;
         if (bone.parent < first || bone.parent >= static_cast<int>(i))
-            return name + ".parent is " + std::to_string(bone.parent) +
-                   (i == 0 ? ", must be -1: the first bone is the only root" : ", must be the index of an earlier bone");
+            return name + ".parent is " + std::to_string(bone.parent) + ", must be " +
+                   (i == 0 ? "-1: the first bone is the only root" : "the index of an earlier bone");
         const Quat& q = bone.bind.rotation;
         if (!isFinite(bone.bind.position) || !isFinite(q)) return name + ".bind has a number that is not finite";
         const float norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;

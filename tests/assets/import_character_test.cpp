@@ -3,6 +3,7 @@
 
 #include "import_support.h"
 #include "ragtop/character.h"
+#include "ragtop/world.h"
 
 namespace ragtop {
 namespace {
@@ -165,7 +166,8 @@ std::string zUpMotion() {
     std::string text = "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 1.0\n CHANNELS 3 Zrotation Xrotation Yrotation\n";
     int open = 0;
     const auto joint = [&](const char* name, const char* offset) {
-        text += std::string("JOINT ") + name + "\n{\n OFFSET " + offset + "\n CHANNELS 3 Zrotation Xrotation Yrotation\n";
+        text += std::string("JOINT ") + name + "\n{\n OFFSET " + offset;
+        text += "\n CHANNELS 3 Zrotation Xrotation Yrotation\n";
         ++open;
     };
     const auto end = [&](const char* offset) {
@@ -229,8 +231,24 @@ TEST(LoadCharacter, SurvivesTruncatedFiles) {
     std::ifstream stream(file, std::ios::binary);
     const std::string whole{std::istreambuf_iterator<char>(stream), {}};
     for (const double share : {0.001, 0.1, 0.5, 0.99}) {
-        const TemporaryFile part("truncated.glb", whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size()))));
+        const auto size = static_cast<std::size_t>(share * static_cast<double>(whole.size()));
+        const TemporaryFile part("truncated.glb", whole.substr(0, size));
         EXPECT_NE(importError(part.path(), [&] { loadCharacter(part.path()); }), "") << share;
+    }
+}
+
+TEST(LoadCharacter, RagdollsOfRealRigsSpawnAtRest) {
+    RAGTOP_MODEL(human, "X/BCN_Epileptic.X");
+    RAGTOP_MODEL(beast, "X/Testwuson.X");
+    for (const auto& file : {human, beast}) {
+        World world(WorldSettings{.gravity = {0, 0, 0}, .sleeping = false});
+        const Ragdoll ragdoll(world, makeRagdoll(loadCharacter(file)));
+        for (int i = 0; i < 10; ++i) world.step(1.0 / 60);
+        // Nothing acts, so only rounding moves it: a rotation is off by 1e-7 rad, and 1/240 s is a substep.
+        for (const BodyId body : ragdoll.bodies()) {
+            EXPECT_LT(length(world.linearVelocity(body)), 240 * 1e-6f);
+            EXPECT_LT(length(world.angularVelocity(body)), 240 * 1e-6f);
+        }
     }
 }
 

@@ -22,8 +22,8 @@ TEST(ChildProcess, CrashesTimeoutsAndExceptionsAreFailures) {
     EXPECT_NE(runInChild([]() -> std::vector<char> { std::abort(); }, milliseconds(10000)).failure.find("crashes"),
               std::string::npos);
     EXPECT_NE(runInChild([]() -> std::vector<char> { throw 1; }, milliseconds(10000)).failure, "");
-    EXPECT_NE(runInChild([]() -> std::vector<char> { throw std::bad_alloc(); }, milliseconds(10000)).failure.find("memory"),
-              std::string::npos);
+    const auto greedy = []() -> std::vector<char> { throw std::bad_alloc(); };
+    EXPECT_NE(runInChild(greedy, milliseconds(10000)).failure.find("memory"), std::string::npos);
     const auto endless = []() -> std::vector<char> {
         while (true) std::this_thread::sleep_for(milliseconds(10));
     };

@@ -53,8 +53,8 @@ TEST(LoadRobot, UnitreeHumanoidsHaveTheirMasses) {
 TEST(LoadRobot, AMissingLinkIsRefusedWithItsLine) {
     RAGTOP_SAMPLE(file, "robots/g1_dual_arm.urdf");
     const std::string text = importError(file, [&] { loadRobot(file); });
-    EXPECT_NE(text.find("urdf:181: joint 'imu_in_pelvis_joint': parent link 'pelvis' does not exist"), std::string::npos)
-        << text;
+    const std::string expected = "urdf:181: joint 'imu_in_pelvis_joint': parent link 'pelvis' does not exist";
+    EXPECT_NE(text.find(expected), std::string::npos) << text;
 }
 
 TEST(LoadRobot, MapsLimitsEffortDampingAndFriction) {
@@ -95,7 +95,8 @@ TEST(LoadRobot, FixedLinksBecomeOneBody) {
 TEST(LoadRobot, ContinuousPrismaticAndSphericalJoints) {
     const TemporaryFile wheel("wheel.urdf", twoLinks("continuous", "<axis xyz='1 0 0'/>"));
     EXPECT_FALSE(std::get<HingeDef>(loadRobot(wheel.path()).joints[0].joint).limit.has_value());
-    const TemporaryFile rail("rail.urdf", twoLinks("prismatic", "<limit lower='0' upper='2' effort='5' velocity='1'/>"));
+    const std::string limit = "<limit lower='0' upper='2' effort='5' velocity='1'/>";
+    const TemporaryFile rail("rail.urdf", twoLinks("prismatic", limit));
     EXPECT_FLOAT_EQ(std::get<SliderDef>(loadRobot(rail.path()).joints[0].joint).limit->upper, 2);
     const TemporaryFile ball("ball.urdf", twoLinks("spherical", ""));
     EXPECT_TRUE(std::holds_alternative<BallDef>(loadRobot(ball.path()).joints[0].joint));
@@ -149,7 +150,8 @@ TEST(LoadRobot, RefusesBadNumbersWithLineValueAndRange) {
     EXPECT_NE(failure(replaced(sound, "value='2'", "kg='2'")).find("mass has no value"), std::string::npos);
     EXPECT_NE(failure(replaced(sound, "xyz='0 0 1'", "xyz='0 0'")).find("must be 3 numbers"), std::string::npos);
     EXPECT_NE(failure(replaced(sound, "lower='-1'", "lower='3'")).find("must be at most upper"), std::string::npos);
-    EXPECT_NE(failure(replaced(sound, "type='revolute'", "type='elastic'")).find("must be revolute"), std::string::npos);
+    EXPECT_NE(failure(replaced(sound, "type='revolute'", "type='elastic'")).find("must be revolute"),
+              std::string::npos);
     EXPECT_NE(failure(replaced(sound, "child link='arm'", "child link='leg'")).find("'leg' does not exist"),
               std::string::npos);
     EXPECT_NE(failure(replaced(sound, "link name='arm'", "link name='base'")).find("twice"), std::string::npos);
@@ -158,9 +160,10 @@ TEST(LoadRobot, RefusesBadNumbersWithLineValueAndRange) {
     EXPECT_NE(failure("<robot name='r'/>"), "");
     EXPECT_NE(failure("<sdf/>").find("<robot>"), std::string::npos);
     EXPECT_NE(importError("absent.urdf", [] { loadRobot("absent.urdf"); }).find("no such file"), std::string::npos);
-    const std::string weightless = "<robot name='r'><link name='a'><inertial><mass value='1'/><inertia ixx='1' iyy='1' "
-                                   "izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link><link name='b'/><joint name='j' "
-                                   "type='continuous'><parent link='a'/><child link='b'/></joint></robot>";
+    const std::string weightless =
+        "<robot name='r'><link name='a'><inertial><mass value='1'/><inertia ixx='1' iyy='1' "
+        "izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link><link name='b'/><joint name='j' "
+        "type='continuous'><parent link='a'/><child link='b'/></joint></robot>";
     EXPECT_NE(failure(weightless).find("link 'b' moves but has no mass"), std::string::npos);
 }
 

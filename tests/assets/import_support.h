@@ -19,13 +19,13 @@ namespace ragtop {
     if (!std::filesystem::exists(variable)) GTEST_SKIP() << "no sample " << variable
 
 /// A file of Debian's assimp-testmodels; the test is skipped where the package is not installed.
-#define RAGTOP_MODEL(variable, name)                                                       \
-    std::filesystem::path variable;                                                        \
-    try {                                                                                  \
-        variable = findAsset("assimp-testmodels:" name);                                   \
-    } catch (const AssetError& missing) {                                                  \
-        GTEST_SKIP() << missing.what();                                                    \
-    }                                                                                      \
+#define RAGTOP_MODEL(variable, name)                     \
+    std::filesystem::path variable;                      \
+    try {                                                \
+        variable = findAsset("assimp-testmodels:" name); \
+    } catch (const AssetError& missing) {                \
+        GTEST_SKIP() << missing.what();                  \
+    }                                                    \
     static_assert(true)
 
 /// What an AssetError says; empty when there was none. It has to be one line that begins with the file.

@@ -1,12 +1,12 @@
 #include "ragtop/recording.h"
 
 #include <gtest/gtest.h>
-#include <tiny_gltf.h>
 
 #include <cmath>
 #include <cstring>
 #include <string>
 
+#include "gltf_library.h"
 #include "ragtop/world.h"
 #include "surface_mesh.h"
 

@@ -230,8 +230,7 @@ TEST(Collide, FeaturesPersistUnderASmallMotion) {
             ASSERT_EQ(first.pointCount, 4);
             Random random(14);
             for (int i = 0; i < 500; ++i) {
-                const Frame frame{Vec3{x, 0.4999f, 0} + random.inBox(1e-4f),
-                                  random.rotation(2e-4f)};
+                const Frame frame{Vec3{x, 0.4999f, 0} + random.inBox(1e-4f), random.rotation(2e-4f)};
                 collide(view, view, frame, 0.01f, cache, next);
                 ASSERT_EQ(next.pointCount, 4);
                 expectNear(next.normal, {0, 1, 0}, 4e-4f);

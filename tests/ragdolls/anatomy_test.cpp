@@ -127,8 +127,8 @@ TEST(Anatomy, SegmentMassesSumToTheBody) {
         double sum = 0;
         for (const BodyRole role : {BodyRole::pelvis, BodyRole::abdomen, BodyRole::chest, BodyRole::head})
             sum += massShare(role, female);
-        for (const BodyRole role : {BodyRole::upperArm, BodyRole::forearm, BodyRole::hand, BodyRole::thigh,
-                                    BodyRole::shank, BodyRole::foot})
+        for (const BodyRole role :
+             {BodyRole::upperArm, BodyRole::forearm, BodyRole::hand, BodyRole::thigh, BodyRole::shank, BodyRole::foot})
             sum += 2 * massShare(role, female);
         // The table's columns of two decimals sum to 100.00 and 99.99.
         EXPECT_NEAR(sum, 1.0, 2e-4);

@@ -80,7 +80,8 @@ TEST(CapsuleBetween, HasTheVolume) {
 
 TEST(Overlap, OfCapsulesIsExact) {
     const FittedShape a{Capsule{0.1f, 0.5f}, {}};
-    const auto crossing = [](float z) { return FittedShape{Capsule{0.2f, 0.5f}, {{0, 0, z}, rotationAbout({0, 0, 1}, 1.0f)}}; };
+    const Quat tilted = rotationAbout({0, 0, 1}, 1.0f);
+    const auto crossing = [&](float z) { return FittedShape{Capsule{0.2f, 0.5f}, {{0, 0, z}, tilted}}; };
     EXPECT_TRUE(mayOverlap(a, crossing(0.299f), 0));
     EXPECT_FALSE(mayOverlap(a, crossing(0.301f), 0));
     EXPECT_TRUE(mayOverlap(a, crossing(0.301f), 0.01f));

@@ -142,7 +142,9 @@ TEST(MakeRagdoll, EveryBoneFollowsAPartAndRestsWhereItWas) {
         EXPECT_LT(length(rest.position - rig.skeleton.bones[i].bind.position), 1e-6f);
     }
     // Fingers go with the hand, the skull with the neck, the clavicle with the chest.
-    const auto partOf = [&](int bone) { return def.parts[static_cast<std::size_t>(def.bones[static_cast<std::size_t>(bone)].part)].role; };
+    const auto partOf = [&](int bone) {
+        return def.parts[static_cast<std::size_t>(def.bones[static_cast<std::size_t>(bone)].part)].role;
+    };
     EXPECT_EQ(partOf(rig.hand[0] + 1), BodyRole::hand);
     EXPECT_EQ(partOf(rig.head), BodyRole::head);
     EXPECT_EQ(partOf(rig.clavicle[1]), BodyRole::chest);

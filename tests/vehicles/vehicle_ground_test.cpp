@@ -159,6 +159,71 @@ TEST(Vehicle, ClimbsACurbOnAContinuousPath) {
     }
 }
 
+/// A trailer without brakes pulls at the braked car; what the joint does to it counts like gravity.
+TEST(Vehicle, HoldsATrailerOnASlope) {
+    Road road(0.2f, awake());
+    Vehicle car(road.world, plainTires(1));
+    road.world.setPose(car.chassis(), {{}, road.tilt});
+    const auto trailer = road.world.create(DynamicBody{.shape = Box{{0.8f, 0.5f, 1.2f}},
+                                                       .density = 120,
+                                                       .position = DVec3(rotate(road.tilt, {0, 0.5f, -4})),
+                                                       .rotation = road.tilt,
+                                                       .material = {.friction = 0}});
+    BallDef hitch;
+    hitch.bodies = {.a = car.chassis(), .b = trailer, .frameA = {{0, 0.5f, -2.3f}, {}}, .frameB = {{0, 0, 1.7f}, {}}};
+    road.world.create(JointDef(hitch));
+    car.input.brake = 1;
+    run(road.world, 10);
+    const DVec3 from = road.world.pose(car.chassis()).position;
+    run(road.world, 20);
+    EXPECT_LT(length(relative(road.world.pose(car.chassis()).position, from)), 1e-3f);
+    car.input = {.gear = 0};
+    run(road.world, 2 * kStep);
+    EXPECT_LT(road.world.linearVelocity(trailer).z, -0.01f);
+}
+
+/// Parked and asleep on a platform that starts, turns and stops: the car goes with it, and falls when it is gone.
+TEST(Vehicle, RidesAMovingPlatform) {
+    World world;
+    const auto platform = world.create(BodyDef{.type = BodyType::kinematic,
+                                               .shapes = {ShapeDef{.geometry = Box{{10, 0.5f, 10}}}},
+                                               .pose = {{0, -0.5, 0}, {}}});
+    Vehicle car(world, hatchback());
+    car.input.brake = 1;
+    run(world, 3);
+    EXPECT_FALSE(world.isAwake(car.chassis()));
+    for (int i = 0; i < 600; ++i) {
+        const float t = static_cast<float>(i * kStep);
+        world.setVelocity(platform, {0.2f * t * (10 - t) / 10, 0, 0.5f * t * (10 - t) / 25}, {0, 0.1f, 0});
+        world.step(kStep);
+    }
+    world.setVelocity(platform, {}, {});
+    run(world, 3);
+    const Vec3 place = relative(world.pose(platform), world.pose(car.chassis())).position;
+    EXPECT_LT(length(place - Vec3{0, 0.5f, 0}), 0.01f);
+    EXPECT_FALSE(world.isAwake(car.chassis()));
+    world.destroy(platform);
+    run(world, 0.5);
+    EXPECT_LT(world.pose(car.chassis()).position.y, -1);
+}
+
+/// At 300 km/h over a field of 1.7 m cells the loads stay what they are at rest, but for the moment of the rolling
+/// resistance.
+TEST(Vehicle, FeelsNoSeamsAtSpeed) {
+    const std::vector<float> heights(64 * 800, 0.0f);
+    World world;
+    world.create(StaticBody{.shape = HeightField(64, 800, 1.7f, heights), .position = {-50, 0, -100}});
+    VehicleDef def = plainTires(1);
+    Vehicle car(world, def, {.position = {0.3, 0, 0}, .speed = 300 / 3.6f});
+    car.input.gear = 0;
+    run(world, 2);
+    for (int i = 0; i < 480; ++i) {
+        world.step(kStep);
+        ASSERT_NEAR(car.telemetry().wheels[0].load, car.staticLoads()[0], 0.01f * car.staticLoads()[0]) << i;
+    }
+    EXPECT_NEAR(car.telemetry().speed, 300 / 3.6f, 0.01f);
+}
+
 /// A plate on ice: what the car pushes off with, the plate gets with the opposite sign.
 TEST(Vehicle, PushesTheGroundBack) {
     World world(awake());

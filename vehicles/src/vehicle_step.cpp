@@ -91,14 +91,15 @@ void VehicleSim::seekGround(std::size_t i, const Pose& pose, float dt) {
 }
 
 void VehicleSim::afterStep() {
-    // Rest is judged by whether the ground has moved since the end of a step.
+    if (!active) return;
+    // Rest is judged by whether the ground has moved since the end of the last step that the car was awake.
     for (WheelState& wheel : wheels) {
         if (wheel.ground.moves == 0 || wheel.touching == 0 || !world->isValid(wheel.ground.body)) continue;
         const Pose now = world->pose(wheel.ground.body);
         movePlane(wheel.ground, now, wheel.ground.point, wheel.ground.normal);
         wheel.ground.pose = now;
     }
-    if (active) refreshTelemetry();
+    refreshTelemetry();
 }
 
 /// The hub with its steering, without its rotation.

@@ -28,23 +28,23 @@ struct ClipInfo {
 /// What the skin of a file is like.
 struct SkinInfo {
     int meshes = 0, vertices = 0, triangles = 0;
-    int influences = 0;         ///< most bones that move one vertex
-    int renormalized = 0;       ///< vertices whose weights did not sum to one
+    int influences = 0;    ///< most bones that move one vertex
+    int renormalized = 0;  ///< vertices whose weights did not sum to one
     float leastSum = 1, greatestSum = 1;
-    int unweighted = 0;         ///< vertices that no bone moves
+    int unweighted = 0;  ///< vertices that no bone moves
 };
 
 /// A rigged character, in metres with Y up.
 struct Character {
     std::string file{};
-    std::string format{};        ///< of the file, as its importer calls it
-    Skeleton skeleton{};         ///< bones that move skin, and what joins them; with their vertices
+    std::string format{};  ///< of the file, as its importer calls it
+    Skeleton skeleton{};   ///< bones that move skin, and what joins them; with their vertices
     std::vector<ClipInfo> clips{};
     SkinInfo skin{};
     std::vector<std::string> droppedBones{};  ///< controls, slots and others that move no vertex
-    float metersPerUnit = 1;     ///< m per unit of the file
-    UpAxis upAxis = UpAxis::y;   ///< of the file
-    float height = 0;            ///< m, of skin and joints at rest along y
+    float metersPerUnit = 1;                  ///< m per unit of the file
+    UpAxis upAxis = UpAxis::y;                ///< of the file
+    float height = 0;                         ///< m, of skin and joints at rest along y
     std::vector<std::string> warnings{};
 
     /// Index of the clip of that name, −1 when there is none.

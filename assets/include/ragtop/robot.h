@@ -72,8 +72,8 @@ Robot loadRobot(const std::filesystem::path& path, const RobotOptions& options =
 
 /// A robot in a world.
 struct RobotIds {
-    std::vector<BodyId> bodies;  ///< one per body
-    std::vector<JointId> joints; ///< one per joint
+    std::vector<BodyId> bodies;   ///< one per body
+    std::vector<JointId> joints;  ///< one per joint
 };
 
 /// Creates the bodies and joints of a robot whose root is at `placement`. Throws std::invalid_argument.

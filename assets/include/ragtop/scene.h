@@ -16,7 +16,7 @@
 #include "ragtop/vehicle.h"
 
 /// A scene is a JSON file with comments: settings, materials, bodies, generators of many bodies, joints, vehicles with
-/// a driver's script, ragdolls (docs/scenes.md).
+/// a driver's script, ragdolls. src/scene_file.h describes every field; assets/data/scenes has examples.
 namespace ragtop {
 
 class World;

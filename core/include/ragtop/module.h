@@ -10,7 +10,7 @@ class World;
 
 /// What a part outside the core (a vehicle, a ragdoll, a game's own controller) registers with a world: it acts at
 /// fixed places of the step, in the order of registration, on the calling thread, and its state is saved, restored
-/// and hashed with the world's. Plain functions and a pointer; null functions are skipped.
+/// and hashed with the world's. Plain functions and a pointer; null functions are skipped; none may throw.
 struct StepModule {
     void* user = nullptr;
     const char* name = "";

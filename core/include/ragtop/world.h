@@ -27,7 +27,8 @@ struct WorldImpl;
 struct WorldConfig {
     TaskRunner tasks{};                              ///< default: the calling thread
     int lanes = 0;                                 ///< width of the solver, 4, 8 or 16; 0: the machine's best
-    std::pmr::memory_resource* memory = nullptr;   ///< default: std::pmr::get_default_resource(); outlives the world
+    /// Default: std::pmr::get_default_resource(). Outlives the world; with several workers it must be thread safe.
+    std::pmr::memory_resource* memory = nullptr;
     int expectedBodies = 0;                        ///< memory set aside at creation
 };
 
@@ -45,7 +46,7 @@ struct ContactSurface {
 };
 
 /// Profiling zones and callbacks. Those marked (threads) run on several threads at once, must be thread safe, must
-/// not call the world, and must decide by their arguments alone so that results stay reproducible.
+/// not call the world, and must decide by their arguments alone so that results stay reproducible. None may throw.
 struct WorldCallbacks {
     std::function<bool(const PairInfo&)> filter;                   ///< (threads) false: the pair does not collide
     std::function<void(const PairInfo&, ContactSurface&)> modify;  ///< (threads) once per touching pair and step
@@ -61,7 +62,7 @@ struct StepStats {
     };
     std::span<const Stage> stages;  ///< in order; valid until the next step
     double totalMs = 0;
-    int bodies = 0, awakeBodies = 0, contacts = 0, touching = 0, joints = 0, islands = 0, colors = 0;
+    int bodies = 0, awakeBodies = 0, contacts = 0, touching = 0, joints = 0, colors = 0;
     std::size_t bytes = 0;  ///< memory held
 };
 
@@ -111,6 +112,8 @@ public:
     BodyType type(BodyId body) const;
     MassProperties mass(BodyId body) const;
     bool isAwake(BodyId body) const;
+    /// Groups of awake bodies that touch or are joined; counted by the call.
+    int countIslands() const;
     std::uint64_t userData(BodyId body) const;
     std::span<const ShapeId> shapes(BodyId body) const;
     std::span<const JointId> jointsOf(BodyId body) const;

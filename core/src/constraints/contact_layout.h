@@ -16,6 +16,8 @@ enum Field : int {
     kRestitution,
     kRolling,         ///< rolling resistance, m
     kSize,            ///< length that stands for the pair's size, m
+    kRoundA,          ///< m, radius about A's core: the point of a round surface that touches does not turn with A
+    kRoundB,
     kSurface,         ///< 3, velocity of B's surface relative to A's beyond the bodies' motion, m/s
     kFrictionImpulse = kSurface + 3,        ///< 3, world axes, N s
     kTwistImpulse = kFrictionImpulse + 3,   ///< N m s about the normal

@@ -35,10 +35,8 @@ void WorldImpl::buildIslands() {
         }
         for (const std::uint32_t j : graph.color(c).joints) unite(joints[j].bodyA, joints[j].bodyB);
     }
-    islandCount = 0;
     for (const std::uint32_t body : awakeBodies) {
         if (!moves(body)) continue;
-        islandCount += findRoot(body) == body;
         islandQuiet[body] = std::numeric_limits<float>::max();
     }
     for (const std::uint32_t body : awakeBodies) {

@@ -52,8 +52,8 @@ Part trianglePart(const Simplex& s, int i, int j, int k) {
     const Vec3 ab = b - a, ac = c - a;
     const Vec3 n = cross(ab, ac);
     const float nn = lengthSquared(n);
-    constexpr float kFlat = 1e-12f;   // sine² below which rounding decides the direction of n
-    constexpr float kThin = 1e-3f;    // sine² above which the three signs can be trusted
+    constexpr float kFlat = 1e-12f;  // sine² below which rounding decides the direction of n
+    constexpr float kThin = 1e-3f;   // sine² above which the three signs can be trusted
     const float flatness = nn / (lengthSquared(ab) * lengthSquared(ac));
     Part part;
     if (flatness > kFlat) {
@@ -67,9 +67,11 @@ Part trianglePart(const Simplex& s, int i, int j, int k) {
             part.weight[1] = v / sum;
             part.weight[2] = w / sum;
             part.count = 3;
-            part.point = a + part.weight[1] * ab + part.weight[2] * ac;
+            // Near contact the direction of the point is that of n, which the weighted sum would lose.
+            const bool thick = flatness > kThin;
+            part.point = thick ? (dot(n, a) / nn) * n : a + part.weight[1] * ab + part.weight[2] * ac;
             part.squared = lengthSquared(part.point);
-            if (flatness > kThin) return part;
+            if (thick) return part;
         }
     }
     const Part edge = nearer(nearer(edgePart(s, i, j), edgePart(s, j, k)), edgePart(s, k, i));

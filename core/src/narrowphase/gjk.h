@@ -69,12 +69,14 @@ Closest closest(const SupportA& supportA, const SupportB& supportB, const Vec3& 
     Simplex simplex;
     Vec3 v = lengthSquared(start) > 0 ? start : Vec3{1, 0, 0};
     float vv = 0, scale2 = 0;
+    bool apart = false;  // some plane across v has had A and B on its two sides
     for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
         const Vec3 a = supportA(-v), b = supportB(v), w = a - b;
         const float aa = lengthSquared(a), bb = lengthSquared(b);
         scale2 = aa > scale2 ? aa : scale2;
         scale2 = bb > scale2 ? bb : scale2;
         if (simplex.count > 0) {
+            apart = apart || dot(v, w) > 0;
             if (vv - dot(v, w) <= kRelativeGap * vv + kRounding * std::sqrt(scale2 * vv)) break;
             bool known = false;
             for (int i = 0; i < simplex.count; ++i) known = known || simplex.w[i] == w;
@@ -88,7 +90,8 @@ Closest closest(const SupportA& supportA, const SupportB& supportB, const Vec3& 
         const Vec3 next = reduce(simplex);
         if (simplex.count == 4) return finish(simplex, next, scale2, true);
         const float nextSquared = lengthSquared(next);
-        if (before.count > 0 && nextSquared >= vv) {
+        // Near its minimum v² changes by less than its rounding while the direction of v still improves.
+        if (before.count > 0 && nextSquared > vv + kRelativeGap * vv) {
             simplex = before;
             break;
         }
@@ -96,7 +99,9 @@ Closest closest(const SupportA& supportA, const SupportB& supportB, const Vec3& 
         vv = nextSquared;
         if (vv <= 4 * kRounding * kRounding * scale2) break;
     }
-    return finish(simplex, v, scale2, false);
+    // Stuck so near to the origin, without proof that it is outside: v is noise, and they overlap.
+    constexpr float kUnproven = 1e-5f;
+    return finish(simplex, v, scale2, !apart && vv <= kUnproven * kUnproven * scale2);
 }
 
 }  // namespace ragtop::gjk

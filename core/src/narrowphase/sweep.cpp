@@ -4,7 +4,7 @@
 namespace ragtop {
 namespace {
 
-constexpr int kMaxSweepSteps = 32;
+constexpr int kMaxSweepSteps = 48;
 constexpr int kMaxImpactSteps = 96;
 /// Of the size of B: how near counts as touching.
 constexpr float kTouch = 1e-5f;
@@ -21,16 +21,24 @@ float reach(const ConvexView& shape) {
     return std::sqrt(most) + shape.radius;
 }
 
+/// The direction of a distance is known to a few roundings, so a long step may end a little too deep; then half of it
+/// is tried.
+float halfBack(float safe, float t) { return safe + 0.5f * (t - safe); }
+
 /// d(t) is convex while B only translates, so Newton's steps from the left never pass its root.
 template <class ShapeA>
 SweepHit sweepAny(const ShapeA& a, const ConvexView& b, const Frame& bInA, const Vec3& translation, float closer) {
     const float touch = kTouch * reach(b);
     SweepHit out;
     out.fraction = closer;
-    float t = 0;
+    float t = 0, safe = 0;
     for (int step = 0; step < kMaxSweepSteps; ++step) {
         const Distance d = distance(a, b, {bInA.position + t * translation, bInA.rotation});
-        if (d.coresOverlap && step > 0) break;  // rounding carried the last step through: keep the hit before it
+        if (step > 0 && (d.coresOverlap || d.distance < -touch)) {
+            t = halfBack(safe, t);
+            continue;
+        }
+        safe = t;
         out.point = d.pointA;
         out.normal = d.normal;
         if (d.distance <= touch) {
@@ -46,7 +54,7 @@ SweepHit sweepAny(const ShapeA& a, const ConvexView& b, const Frame& bInA, const
         t = next;
     }
     out.hit = true;
-    out.fraction = t;
+    out.fraction = safe;
     return out;
 }
 
@@ -61,11 +69,15 @@ SweepHit timeOfImpactAny(const ShapeA& a, const ConvexView& b, const Frame& star
     const float radius = reach(b);
     const float touch = target + kImpactTouch * radius;
     SweepHit out;
-    float t = 0;
+    float t = 0, safe = 0;
     for (int step = 0; step < kMaxImpactSteps; ++step) {
         const Quat rotation = angle > 0 ? rotationAbout(omega, t * angle) * start.rotation : start.rotation;
         const Distance d = distance(a, b, {start.position + t * translation, normalized(rotation)});
-        if (d.coresOverlap && step > 0) break;
+        if (step > 0 && (d.coresOverlap || d.distance < target - kImpactTouch * radius)) {
+            t = halfBack(safe, t);
+            continue;
+        }
+        safe = t;
         out.point = d.pointA;
         out.normal = d.normal;
         if (d.distance <= touch) {
@@ -80,8 +92,8 @@ SweepHit timeOfImpactAny(const ShapeA& a, const ConvexView& b, const Frame& star
         if (next <= t) break;
         t = next;
     }
-    out.hit = true;  // not proven free beyond t, so the motion ends there
-    out.fraction = t;
+    out.hit = true;  // not proven free beyond, so the motion ends there
+    out.fraction = safe;
     return out;
 }
 

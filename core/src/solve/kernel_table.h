@@ -16,7 +16,7 @@ struct alignas(64) BodyDynamics {
     Vec3 acceleration;        ///< m/s², gravity and forces, of this step
     float spins = 1;          ///< 1: rotates by its momentum; 0: keeps its angular velocity (kinematic, locked)
     Vec3 torque;              ///< N m of this step
-    float translates = 1;     ///< 1: smooth accelerations correct the position; 0 for kinematic bodies
+    float translates = 1;     ///< 1: smooth accelerations correct the position; 0 for kinematic and jointed bodies
 };
 static_assert(sizeof(BodyDynamics) == 64);
 

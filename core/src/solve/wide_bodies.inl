@@ -89,6 +89,15 @@ RAGTOP_INLINE WideQuat<N> normalized(const WideQuat<N>& q) {
     return {q.x * norm, q.y * norm, q.z * norm, q.w * norm};
 }
 
+/// `a` with the length of `b`, which it has but for rounding. Squares are of shares of b, so that none underflows.
+template <int N>
+RAGTOP_INLINE WideVec3<N> withLengthOf(const WideVec3<N>& b, const WideVec3<N>& a) {
+    const Lanes<N> largest = max(max(max(b.x, -b.x), max(b.y, -b.y)), max(b.z, -b.z));
+    const Lanes<N> unit = divideOrZero(Lanes<N>(1.0f), largest);
+    const WideVec3<N> to = unit * b, from = unit * a;
+    return sqrt(divideOrZero(dot(to, to), dot(from, from))) * a;
+}
+
 /// One factor of the splitting: the body turns by a = t pᵢ/Iᵢ about its axis i, so its momentum p, seen from the body,
 /// turns back, and q ← q · (axis i, a). Series in a/2, which the caller keeps small.
 template <int N>
@@ -178,12 +187,12 @@ void integratePositions(const BodyArrays& arrays, const std::uint32_t* bodies, i
         const WideQuat<N> q0{start[0], start[1], start[2], start[3]};
         WideQuat<N> q = normalized(WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * q0);
         const WideVec3<N> moments{rates[0], rates[1], rates[2]}, inverse{rates[4], rates[5], rates[6]};
-        const WideVec3<N> wBody = inverseRotate(q, w);
+        const WideVec3<N> wBody = withLengthOf(w, inverseRotate(q, w));
         const WideVec3<N> momentum{moments.x * wBody.x, moments.y * wBody.y, moments.z * wBody.z};
         const WideVec3<N> momentumWorld = rotate(q, momentum);
         rotateFreely(q, momentum, inverse, sqrt(dot(w, w)), h);
 
-        const WideVec3<N> after = inverseRotate(q, momentumWorld);
+        const WideVec3<N> after = withLengthOf(momentum, inverseRotate(q, momentumWorld));
         const Mask<N> spins = forces[3] > 0.0f;
         const WideVec3<N> wNew =
             select(spins, rotate(q, WideVec3<N>{after.x / moments.x, after.y / moments.y, after.z / moments.z}), w);

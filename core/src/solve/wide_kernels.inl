@@ -1,5 +1,5 @@
 // Contact rows, N at a time: written once, compiled per instruction set. The soft step of [Catto, Solver2D, 2024] with
-// one friction row pair and one twist row per manifold. Define RAGTOP_KERNEL_TABLE before including.
+// one friction row pair and one twist row per manifold.
 
 #include <cstdint>
 
@@ -240,6 +240,9 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
         WideQuat<N> dqA, dqB;
         c.gatherDisplacements(dp, dqA, dqB);
 
+        // What turns is a round shape's core; its surface stays round.
+        const WideVec3<N> roundA = c.field(contact::kRoundA) * c.normal, roundB = c.field(contact::kRoundB) * c.normal;
+
         const Mask<N> isStatic = Mask<N>{c.massA.v == zero.v} | Mask<N>{c.massB.v == zero.v};
         Lanes<N> rate(0.0f), massScale(1.0f), impulseScale(0.0f), push(0.0f);
         if constexpr (kBias) {
@@ -255,7 +258,8 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
             const Lanes<N> mass = c.field(pointField(j, contact::kMass));
             if (!any(mass > 0.0f)) break;
             const WideVec3<N> rA = c.vector(pointField(j, contact::kAnchor)), rB = rA - c.offset;
-            const WideVec3<N> turned = (rotate(dqB, rB) - rB) - (rotate(dqA, rA) - rA);
+            const WideVec3<N> coreA = rA - roundA, coreB = rB + roundB;
+            const WideVec3<N> turned = (rotate(dqB, coreB) - coreB) - (rotate(dqA, coreA) - coreA);
             const Lanes<N> separation =
                 c.field(pointField(j, contact::kSeparation)) + dot(c.normal, dp + turned);
             const Mask<N> apart = separation > 0.0f;

@@ -58,24 +58,36 @@ struct ContactRecord {
     SeparationCache cache;
     std::uint32_t firstManifold = kNone;   ///< one record, or kMaxManifolds of them for meshes and height fields
     std::uint32_t awakeIndex = kNone;      ///< place in the list of awake contacts
+    Frame collidedAt;                      ///< B's shape in A's when the manifolds were found
+    float collidedMargin = 0;              ///< m, with this margin
+    bool collided = false;
     std::uint8_t manifoldCapacity = 1;
     bool isMesh = false, sensor = false, touching = false, reportsMotion = false;
 };
 
-/// One direction of a contact. While in the graph its impulses live in its lane; otherwise here.
+/// One direction of a contact. Its geometry moves with the bodies: a point is two anchors, one in each body, that met
+/// half way between the surfaces when it was found. While in the graph its impulses live in its lane; otherwise here.
 struct ManifoldRecord {
     GraphPlace place;
     std::uint32_t contact = 0;
     std::int32_t pointCount = 0;
-    Vec3 normal;                        ///< world axes, from A to B
+    Vec3 normal;                        ///< in A's internal frame, from A to B
     std::uint32_t triangle = 0;
     std::uint32_t feature[kMaxManifoldPoints] = {};
-    Vec3 anchor[kMaxManifoldPoints];    ///< from the centre of A, world axes
-    float separation[kMaxManifoldPoints] = {};
+    Vec3 anchorA[kMaxManifoldPoints], anchorB[kMaxManifoldPoints];  ///< m, in the bodies' internal frames
+    float separation[kMaxManifoldPoints] = {};                      ///< m, when found
     float impulse[kMaxManifoldPoints] = {}, load[kMaxManifoldPoints] = {};
     Vec3 frictionImpulse, rollImpulse;
     float twistImpulse = 0;
     float substep = 0;                  ///< s, the substep that the impulses belong to
+};
+
+/// A manifold where the bodies are now.
+struct PlacedManifold {
+    Vec3 normal;                                ///< world axes, from A to B
+    Vec3 offset;                                ///< m, from the centre of A, or of B if A is static, to that of B
+    Vec3 anchor[kMaxManifoldPoints];            ///< m, half way between the anchors, from the same centre
+    float separation[kMaxManifoldPoints] = {};  ///< m
 };
 
 struct JointRecord {

@@ -83,7 +83,6 @@ StepStats World::stats() const {
     stats.awakeBodies = static_cast<int>(w.awakeBodies.size());
     stats.contacts = static_cast<int>(w.contactSlots.used());
     stats.joints = static_cast<int>(w.jointSlots.used());
-    stats.islands = w.islandCount;
     stats.colors = w.graph.usedColors();
     for (const std::uint32_t c : w.awakeContacts) stats.touching += w.contacts[c].touching;
     stats.bytes = w.bodies.bytes() + w.states.bytes() + w.inertias.bytes() + w.dynamics.bytes() + w.histories.bytes() +

@@ -58,8 +58,18 @@ std::span<const JointId> World::jointsOf(BodyId body) const {
     return impl_->lists().bodyJoints[i];
 }
 
-Pose World::pose(BodyId body) const { return impl_->poseOf(impl_->bodies[impl_->index(body)]); }
-DVec3 World::centerOfMass(BodyId body) const { return impl_->bodies[impl_->index(body)].center; }
+/// Between substeps a body is where its displacement has brought it.
+Pose World::pose(BodyId id) const {
+    const std::uint32_t i = impl_->index(id);
+    const BodyRecord& body = impl_->bodies[i];
+    if (!impl_->stepping) return impl_->poseOf(body);
+    const BodyState& state = impl_->states[i];
+    return Pose{body.center + state.dp, normalized(state.dq * body.rotation)} * inverse(body.local);
+}
+DVec3 World::centerOfMass(BodyId id) const {
+    const std::uint32_t i = impl_->index(id);
+    return impl_->bodies[i].center + impl_->states[i].dp;
+}
 Vec3 World::linearVelocity(BodyId body) const { return impl_->states[impl_->index(body)].v; }
 Vec3 World::angularVelocity(BodyId body) const { return impl_->states[impl_->index(body)].w; }
 Vec3 World::velocityAt(BodyId body, const DVec3& point) const {
@@ -141,6 +151,30 @@ void World::applyTorque(BodyId body, const Vec3& torque) {
     if (!impl_->moves(i)) return;
     impl_->bodies[i].torque += torque;
     impl_->wakeBody(i);
+}
+
+int World::countIslands() const {
+    const WorldImpl& w = *impl_;
+    std::vector<std::uint32_t> parent(w.bodySlots.count());
+    for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
+    const auto root = [&](std::uint32_t i) {
+        while (parent[i] != i) i = parent[i] = parent[parent[i]];
+        return i;
+    };
+    int islands = 0;
+    for (const std::uint32_t body : w.awakeBodies) islands += w.moves(body);
+    const auto join = [&](std::uint32_t a, std::uint32_t b) {
+        if (!w.moves(a) || !w.moves(b) || root(a) == root(b)) return;
+        parent[root(a)] = root(b);
+        --islands;
+    };
+    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
+        for (const std::uint32_t m : w.graph.color(c).manifolds)
+            if (const ContactRecord& contact = w.contacts[w.manifolds[m].contact]; contact.touching)
+                join(contact.bodyA, contact.bodyB);
+        for (const std::uint32_t j : w.graph.color(c).joints) join(w.joints[j].bodyA, w.joints[j].bodyB);
+    }
+    return islands;
 }
 
 void World::wake(BodyId body) { impl_->wakeBody(impl_->index(body)); }

@@ -162,7 +162,6 @@ void WorldImpl::resetSolverState(std::uint32_t index) {
     d.inertia = turns ? body.inertia : Vec3{1, 1, 1};
     d.inverseInertia = turns ? Vec3{1 / body.inertia.x, 1 / body.inertia.y, 1 / body.inertia.z} : Vec3{1, 1, 1};
     d.spins = turns ? 1.0f : 0.0f;
-    d.translates = isDynamic ? 1.0f : 0.0f;
     if (isDynamic) obeyLocks(index);
     // Free flight is the best guess for a body without a past; only the direction counts, any step fits.
     histories[index].velocityBefore = isDynamic ? state.v - 1e12f * settings.gravity : state.v;

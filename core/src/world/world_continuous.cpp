@@ -37,6 +37,9 @@ void WorldImpl::sweepBody(std::uint32_t index, const DVec3& fromCenter, const Qu
         const auto meet = [&](std::uint32_t other) {
             const ShapeRecord& obstacle = shapes[other];
             if (obstacle.sensor || !shouldCollide(shape, obstacle)) return true;
+            if (callbacks.filter && !callbacks.filter({shapeId(s), shapeId(other), id(shape.body), id(obstacle.body),
+                                                       shape.userData, obstacle.userData}))
+                return true;
             const Pose pose = shapePose(obstacle);
             const Frame from = seenFrom(pose, shapeStart), to = seenFrom(pose, shapeEnd);
             const GeometryEntry& solid = geometries[obstacle.geometry];

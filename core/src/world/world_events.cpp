@@ -19,6 +19,17 @@ LaneReader reader(const ConstraintGraph& graph, const ManifoldRecord& manifold) 
     return {graph.lane(manifold.place), static_cast<std::size_t>(graph.lanes())};
 }
 
+/// Does a point overlap, or did it carry load in this step?
+bool isLoaded(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
+    bool loaded = false;
+    const bool solved = manifold.place.color != kNone;
+    for (int j = 0; j < manifold.pointCount; ++j)
+        loaded |= solved ? reader(graph, manifold).at(j, contact::kSeparation) <= 0 ||
+                               reader(graph, manifold).at(j, contact::kPeak) > 0
+                         : manifold.separation[j] <= 0;
+    return loaded;
+}
+
 }  // namespace
 
 /// Contacts touch when a point carries load or overlaps; begin and end are reported in the order of the list.
@@ -31,11 +42,7 @@ void WorldImpl::publishEvents() {
             bool touching = false;
             for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
                 const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
-                for (int j = 0; j < manifold.pointCount; ++j) {
-                    touching |= manifold.separation[j] <= 0;
-                    if (manifold.place.color != kNone)
-                        touching |= reader(graph, manifold).at(j, contact::kPeak) > 0;
-                }
+                touching |= isLoaded(graph, manifold);
             }
             contactChanged[place] = touching != record.touching || (touching && record.reportsMotion) ? 1 : 0;
         }
@@ -49,11 +56,7 @@ void WorldImpl::publishContact(std::uint32_t index) {
     bool touching = false;
     for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
         const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
-        bool loaded = false;
-        for (int j = 0; j < manifold.pointCount; ++j) {
-            loaded |= manifold.separation[j] <= 0;
-            if (manifold.place.color != kNone) loaded |= reader(graph, manifold).at(j, contact::kPeak) > 0;
-        }
+        const bool loaded = isLoaded(graph, manifold);
         touching |= loaded;
         if (loaded && record.reportsMotion && manifold.place.color != kNone) publishSurface(record, manifold);
     }
@@ -81,7 +84,8 @@ void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord
     const BodyState &stateA = states[a.state], &stateB = states[b.state];
     const Vec3 velocityA = stateA.v + cross(stateA.w, rA), velocityB = stateB.v + cross(stateB.w, rB);
     const Vec3 slip = velocityB - velocityA + lane.vector(contact::kSurface);
-    const Vec3 tangential = slip - dot(slip, manifold.normal) * manifold.normal;
+    const Vec3 normal = lane.vector(contact::kNormal);
+    const Vec3 tangential = slip - dot(slip, normal) * normal;
     const float size = lane.at(contact::kSize);
     const float slowest = tuning::kSlideSpeed * std::sqrt(length(settings.gravity) * size);
     event.shapeA = shapeId(record.shapeA), event.shapeB = shapeId(record.shapeB);
@@ -89,7 +93,7 @@ void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord
     event.surfaceA = materialAt(shapes[record.shapeA], manifold.triangle).surface;
     event.surfaceB = shapes[record.shapeB].material.surface;
     event.point = (a.state == 0 ? b.center : a.center) + rA;
-    event.normal = manifold.normal;
+    event.normal = normal;
     if (approach < -context.restitutionSpeed) {
         event.kind = SurfaceEvent::Kind::impact;
         event.speed = -approach;
@@ -100,7 +104,7 @@ void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord
     if (event.speed <= slowest) {
         // Rolling: the surfaces stick, but the contact point travels over them.
         const Vec3 travel = 0.5f * (stateA.v + stateB.v) - 0.5f * (velocityA + velocityB);
-        event.speed = length(travel - dot(travel, manifold.normal) * manifold.normal) * 2;
+        event.speed = length(travel - dot(travel, normal) * normal) * 2;
         event.kind = SurfaceEvent::Kind::roll;
     }
     if (event.speed > slowest) surfaceEvents.push_back(event);
@@ -110,15 +114,16 @@ Contact WorldImpl::describe(const ContactRecord& record, const ManifoldRecord& m
     Contact result;
     result.shapeA = shapeId(record.shapeA), result.shapeB = shapeId(record.shapeB);
     result.bodyA = id(record.bodyA), result.bodyB = id(record.bodyB);
-    result.normal = manifold.normal;
+    const PlacedManifold now = placed(record, manifold);
+    result.normal = now.normal;
     result.pointCount = manifold.pointCount;
     const bool inGraph = manifold.place.color != kNone;
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
     const float rate = lastSubstep > 0 ? 1 / lastSubstep : 0;
     for (int j = 0; j < manifold.pointCount; ++j) {
         ContactPoint& point = result.points[j];
-        point.point = (a.state == 0 ? b.center : a.center) + manifold.anchor[j];
-        point.separation = manifold.separation[j];
+        point.point = (a.state == 0 ? b.center : a.center) + now.anchor[j];
+        point.separation = now.separation[j];
         point.impulse = inGraph ? reader(graph, manifold).at(j, contact::kImpulse) : manifold.impulse[j];
         result.normalForce += rate * point.impulse;
     }

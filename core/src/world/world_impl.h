@@ -23,6 +23,7 @@ namespace ragtop {
 /// Lengths relative to the size of what touches, and other numbers of the method.
 namespace tuning {
 inline constexpr float kSpeculative = 0.02f;     ///< contact margin at rest, in sizes of the smaller shape
+inline constexpr float kReuse = 0.05f;           ///< motion of a pair within which its manifolds are kept, in sizes
 inline constexpr float kFatMargin = 0.1f;        ///< enlargement of bounds, in sizes
 inline constexpr float kContinuousMotion = 0.5f; ///< motion per step beyond which a body is swept, in sizes
 inline constexpr float kSlideSpeed = 0.05f;      ///< slowest slide or roll reported, in √(gravity · size)
@@ -75,6 +76,10 @@ struct WorldImpl {
     void updateContact(std::uint32_t contact);
     void applyContactChanges();
     void applyContactChange(std::uint32_t contact);
+    bool reuseManifolds(ContactRecord& contact, const Frame& bInA, float margin, float size);
+    PlacedManifold placed(const ContactRecord& contact, const ManifoldRecord& manifold) const;
+    void placeLane(const ContactRecord& contact, const ManifoldRecord& manifold);
+    void writeSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
     void writeLane(const ContactRecord& contact, const ManifoldRecord& manifold);
     void saveLane(ManifoldRecord& manifold);
     void addToGraph(std::uint32_t manifold);
@@ -89,7 +94,7 @@ struct WorldImpl {
     void sweepFastBodies();
     void sweepBody(std::uint32_t body, const DVec3& fromCenter, const Quat& fromRotation);
 
-    // world_sleep.cpp: islands.
+    // islands/sleeping.cpp
     void sleepQuietIslands();
     void buildIslands();
     std::uint32_t findRoot(std::uint32_t body);
@@ -145,6 +150,7 @@ struct WorldImpl {
     // world_state.cpp
     template <class Archive>
     void archive(Archive& archive);
+    void forgetDerived();
     std::uint64_t hash() const;
 
     BodyArrays bodyArrays() { return {states.data(), inertias.data(), dynamics.data(), histories.data()}; }
@@ -203,7 +209,6 @@ struct WorldImpl {
     SolverContext context;
     JointContext jointContext;
     float dt = 0;
-    int islandCount = 0;
     std::vector<BodyId> bodyIds;
     std::vector<JointId> jointIds;
     std::vector<std::vector<ShapeId>> bodyShapes;

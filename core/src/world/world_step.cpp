@@ -86,6 +86,8 @@ void WorldImpl::prepareBodies() {
             const float inverseMass = states[index].invMass;
             d.acceleration = inverseMass > 0 ? body.gravityScale * settings.gravity + inverseMass * body.force : Vec3{};
             d.torque = body.torque;
+            // The forces of joints turn with the bodies: taking them for smooth would feed energy into every swing.
+            d.translates = inverseMass > 0 && body.firstJoint == kNone ? 1.0f : 0.0f;
             body.force = {};
             body.torque = {};
             histories[index].rotation = body.rotation;

@@ -35,9 +35,9 @@ std::string_view nameOf(BodySide side);
 struct Segment {
     BodyRole role = BodyRole::other;
     BodySide side = BodySide::middle;
-    int bone = -1;     ///< where it begins
-    int parent = -1;   ///< segment that carries it
-    Vec3 end{};        ///< m in model space: the next joint, or its far tip
+    int bone = -1;    ///< where it begins
+    int parent = -1;  ///< segment that carries it
+    Vec3 end{};       ///< m in model space: the next joint, or its far tip
 };
 
 struct Anatomy {

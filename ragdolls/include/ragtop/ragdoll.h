@@ -19,12 +19,12 @@ class World;
 
 /// How a ragdoll is made from a skeleton.
 struct RagdollOptions {
-    float bodyMass = 75.0f;         ///< kg, of all parts together
-    float femaleShare = 0.0f;       ///< blends the segment masses of men (0) and women (1)
-    float jointFriction = 0.1f;     ///< friction torque over the weight beyond the joint times the segment's length
-    float containedShare = 0.92f;   ///< of the skin vertices of a part that its shape encloses
-    float limitScale = 1.0f;        ///< all ranges of motion, times this
-    bool selfCollision = true;      ///< parts that do not overlap at rest collide with each other
+    float bodyMass = 75.0f;        ///< kg, of all parts together
+    float femaleShare = 0.0f;      ///< blends the segment masses of men (0) and women (1)
+    float jointFriction = 0.15f;   ///< friction torque over the weight beyond the joint times its part's reach
+    float containedShare = 0.92f;  ///< of the skin vertices of a part that its shape encloses
+    float limitScale = 1.0f;       ///< all ranges of motion, times this
+    bool selfCollision = true;     ///< parts that do not overlap at rest collide with each other
     Material material{.friction = 0.8f};
 };
 
@@ -46,13 +46,13 @@ struct RagdollPart {
     std::string name{};
     BodyRole role = BodyRole::other;
     BodySide side = BodySide::middle;
-    int bone = -1;    ///< the bone it moves with
-    Frame bind{};     ///< of that bone at rest, in model space
-    Shape shape{};    ///< a capsule or a box
-    Frame frame{};    ///< of the shape in the bone
-    float mass = 1;   ///< kg
+    int bone = -1;   ///< the bone it moves with
+    Frame bind{};    ///< of that bone at rest, in model space
+    Shape shape{};   ///< a capsule or a box
+    Frame frame{};   ///< of the shape in the bone
+    float mass = 1;  ///< kg
     Material material{};
-    int quiet = -1;   ///< parts of equal number, not negative, do not collide with each other
+    int quiet = -1;  ///< parts of equal number, not negative, do not collide with each other
 };
 
 /// Joins two parts. The bodies of `joint` are left null; its frames are in the bones of the parts, and at rest every

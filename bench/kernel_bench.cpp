@@ -1,0 +1,184 @@
+#include <benchmark/benchmark.h>
+
+#include <cstdint>
+#include <cstring>
+#include <memory_resource>
+#include <vector>
+
+#include "../tests/core/scenes.h"
+#include "base/aligned_array.h"
+#include "broadphase/bounds_tree.h"
+#include "constraints/contact_layout.h"
+#include "narrowphase/collide.h"
+#include "solve/kernel_table.h"
+
+/// Single parts of a step on one thread.
+namespace ragtop {
+namespace {
+
+/// Boxes side by side on the ground, four points each, in bundles of the kernels' width.
+class ContactRows {
+public:
+    ContactRows(const KernelTable& table, int contacts)
+        : kernels(table), bodyCount(contacts), states_(std::pmr::get_default_resource()),
+          inertias_(std::pmr::get_default_resource()), dynamics_(std::pmr::get_default_resource()),
+          histories_(std::pmr::get_default_resource()), bundles_(std::pmr::get_default_resource()) {
+        const auto count = static_cast<std::size_t>(contacts);
+        states_.resize(count + 1, {});
+        inertias_.resize(count + 1, {});
+        dynamics_.resize(count + 1, {});
+        histories_.resize(count + 1, {});
+        bundles_.resize(static_cast<std::size_t>(bundleCount() * contact::kFields * kernels.lanes), 0.0f);
+        for (int i = 0; i < contacts; ++i) {
+            const auto body = static_cast<std::uint32_t>(i + 1);
+            states_[body].invMass = 0.001f;
+            states_[body].v = {0.125f, -0.25f, 0};
+            inertias_[body] = {0.006f, 0, 0, 0.006f, 0, 0.006f, {0, 0}};
+            dynamics_[body].inertia = {160, 160, 160};
+            dynamics_[body].inverseInertia = {1 / 160.0f, 1 / 160.0f, 1 / 160.0f};
+            dynamics_[body].acceleration = {0, -9.81f, 0};
+            order_.push_back(body);
+            fill(i, body);
+        }
+        context_.h = context_.dt = 1.0f / 240;
+        context_.inverseH = 240;
+        context_.soft = makeSoftness(30, 10, context_.h);
+        context_.softStatic = makeSoftness(60, 5, context_.h);
+        context_.pushOut = 6;
+        kernels.prepareContacts(bundles_.data(), 0, bundleCount(), arrays(), context_);
+    }
+    int bundleCount() const { return (bodyCount + kernels.lanes - 1) / kernels.lanes; }
+    BodyArrays arrays() { return {states_.data(), inertias_.data(), dynamics_.data(), histories_.data()}; }
+    using ContactKernel = void (*)(float*, int, int, const BodyArrays&, const SolverContext&);
+    void run(ContactKernel kernel) { kernel(bundles_.data(), 0, bundleCount(), arrays(), context_); }
+    void integrate() {
+        kernels.integrateVelocities(arrays(), order_.data(), 0, bodyCount, context_);
+        kernels.integratePositions(arrays(), order_.data(), 0, bodyCount, context_);
+        for (BodyState& state : states_) {
+            state.v = state.dp = {};
+            state.dq = {};
+        }
+    }
+
+    const KernelTable& kernels;
+    const int bodyCount;
+
+private:
+    void fill(int i, std::uint32_t body) {
+        const int n = kernels.lanes;
+        float* lane = bundles_.data() + static_cast<std::size_t>(i / n * contact::kFields * n + i % n);
+        const auto at = [&](int field) -> float& { return lane[static_cast<std::size_t>(field * n)]; };
+        const std::uint32_t points = contact::kMaxPoints;
+        std::memcpy(&at(contact::kBodyB), &body, sizeof body);
+        std::memcpy(&at(contact::kPointCount), &points, sizeof points);
+        at(contact::kNormal + 1) = 1;
+        at(contact::kFriction) = 0.5f;
+        at(contact::kSize) = 0.5f;
+        for (int j = 0; j < contact::kMaxPoints; ++j) {
+            const int point = contact::kPoints + j * contact::kPointFields;
+            at(point + contact::kAnchor) = j % 2 == 0 ? -0.5f : 0.5f;
+            at(point + contact::kAnchor + 1) = -0.5f;
+            at(point + contact::kAnchor + 2) = j / 2 == 0 ? -0.5f : 0.5f;
+            at(point + contact::kSeparation) = -0.001f;
+        }
+    }
+
+    AlignedArray<BodyState> states_;
+    AlignedArray<BodyInertia> inertias_;
+    AlignedArray<BodyDynamics> dynamics_;
+    AlignedArray<BodyHistory> histories_;
+    AlignedArray<float> bundles_;
+    std::vector<std::uint32_t> order_;
+    SolverContext context_;
+};
+
+constexpr int kContacts = 2048;
+
+void perItem(benchmark::State& state, int items) {
+    state.counters["time/item"] =
+        benchmark::Counter(items, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+
+/// One bias pass over contacts of four points with friction and twist.
+void contactSolve(benchmark::State& state) {
+    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts);
+    for (auto _ : state) rows.run(rows.kernels.solveContacts);
+    perItem(state, kContacts);
+    state.SetLabel(rows.kernels.name);
+}
+void contactPrepare(benchmark::State& state) {
+    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts);
+    for (auto _ : state) rows.run(rows.kernels.prepareContacts);
+    perItem(state, kContacts);
+    state.SetLabel(rows.kernels.name);
+}
+void contactWarmStart(benchmark::State& state) {
+    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts);
+    for (auto _ : state) rows.run(rows.kernels.warmStartContacts);
+    perItem(state, kContacts);
+    state.SetLabel(rows.kernels.name);
+}
+void bodyIntegrate(benchmark::State& state) {
+    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts);
+    for (auto _ : state) rows.integrate();
+    perItem(state, kContacts);
+    state.SetLabel(rows.kernels.name);
+}
+void laneCounts(benchmark::internal::Benchmark* bench) {
+    bench->ArgName("lanes")->Arg(4)->Arg(8)->Arg(16)->Unit(benchmark::kMicrosecond);
+}
+BENCHMARK(contactSolve)->Apply(laneCounts);
+BENCHMARK(contactPrepare)->Apply(laneCounts);
+BENCHMARK(contactWarmStart)->Apply(laneCounts);
+BENCHMARK(bodyIntegrate)->Apply(laneCounts);
+
+/// Pairs as one box resting on another, with the cache of the step before.
+void pairBench(benchmark::State& state, const Shape& a, const Shape& b, const Vec3& offset) {
+    const ConvexView viewA = convexView(a), viewB = convexView(b);
+    std::vector<Frame> frames;
+    scenes::Dice dice(2);
+    for (int i = 0; i < 64; ++i)
+        frames.push_back({offset + Vec3{dice.between(-0.25f, 0.25f), 0, dice.between(-0.25f, 0.25f)},
+                          normalized(Quat{0.001f, 0.001f * static_cast<float>(i % 8), 0.0f, 1})});
+    SeparationCache cache;
+    Manifold manifold;
+    std::size_t i = 0;
+    for (auto _ : state) {
+        collide(viewA, viewB, frames[i++ % frames.size()], 0.01f, cache, manifold);
+        benchmark::DoNotOptimize(manifold);
+    }
+}
+void boxBox(benchmark::State& state) { pairBench(state, Box{}, Box{}, {0, 0.999f, 0}); }
+void boxSphere(benchmark::State& state) { pairBench(state, Box{}, Sphere{}, {0, 0.999f, 0}); }
+void boxCapsule(benchmark::State& state) { pairBench(state, Box{}, Capsule{}, {0, 0.999f, 0}); }
+void capsuleCapsule(benchmark::State& state) { pairBench(state, Capsule{}, Capsule{}, {0.499f, 0, 0}); }
+BENCHMARK(boxBox);
+BENCHMARK(boxSphere);
+BENCHMARK(boxCapsule);
+BENCHMARK(capsuleCapsule);
+
+/// Unit boxes in a cube of 40 m, and queries of the same size.
+void treeQuery(benchmark::State& state) {
+    scenes::Dice dice(9);
+    const auto box = [&dice] {
+        const Vec3 at{dice.between(0, 40), dice.between(0, 40), dice.between(0, 40)};
+        return Bounds{at, at + Vec3{1, 1, 1}};
+    };
+    BoundsTree tree(std::pmr::get_default_resource());
+    for (std::uint32_t i = 0; i < state.range(0); ++i) tree.insert(box(), 1, i);
+    std::vector<Bounds> queries;
+    for (int i = 0; i < 1024; ++i) queries.push_back(box());
+    std::size_t i = 0;
+    std::uint64_t found = 0;
+    for (auto _ : state)
+        tree.query(queries[i++ % queries.size()], [&](std::uint32_t) {
+            ++found;
+            return true;
+        });
+    benchmark::DoNotOptimize(found);
+    state.counters["found"] = benchmark::Counter(static_cast<double>(found), benchmark::Counter::kAvgIterations);
+}
+BENCHMARK(treeQuery)->ArgName("boxes")->Arg(1000)->Arg(10000);
+
+}  // namespace
+}  // namespace ragtop
