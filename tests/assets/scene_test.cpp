@@ -126,8 +126,8 @@ TEST(Scene, DriverFollowsTheScript) {
     instance.drive(0);
     EXPECT_EQ(instance.vehicles[0].input.throttle, 0);
     instance.drive(0.5);
-    EXPECT_EQ(instance.vehicles[0].input.throttle, 0.7f);
-    instance.drive(16.5);
+    EXPECT_EQ(instance.vehicles[0].input.throttle, 0.5f);
+    instance.drive(17.5);
     EXPECT_EQ(instance.vehicles[0].input.throttle, 0);
     EXPECT_EQ(instance.vehicles[0].input.brake, 0.8f);
 }

@@ -76,7 +76,8 @@ std::string whyInvalidShapes(const BodyDef& def) {
     for (std::size_t i = 0; i < def.shapes.size(); ++i) {
         const std::string name = "shapes[" + std::to_string(i) + "]";
         if (std::string why = whyInvalidShape(name, def.shapes[i], def.type); !why.empty()) return why;
-        if (def.type == BodyType::dynamic) mass += massOf(def.shapes[i].geometry, def.shapes[i].density).mass;
+        if (def.type == BodyType::dynamic && !def.shapes[i].sensor)
+            mass += massOf(def.shapes[i].geometry, def.shapes[i].density).mass;
     }
     if (def.type != BodyType::dynamic || def.mass) return {};
     if (!(mass > 0) || !std::isfinite(mass)) {

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/check_tunables.h"
 #include "world/world_impl.h"
 
 /// Reading and changing single bodies, shapes and joints.
@@ -13,6 +14,10 @@ namespace {
 
 void requireFinite(bool finite, const char* what) {
     if (!finite) throw std::invalid_argument(std::string(what) + " is not finite");
+}
+
+void requireRotation(const Quat& rotation, const char* what) {
+    if (const std::string wrong = whyNoRotation(what, rotation); !wrong.empty()) throw std::invalid_argument(wrong);
 }
 
 }  // namespace
@@ -88,7 +93,8 @@ MassProperties World::mass(BodyId id) const {
 }
 
 void World::setPose(BodyId body, const Pose& pose) {
-    requireFinite(isFinite(pose.position) && isFinite(pose.rotation), "pose");
+    requireFinite(isFinite(pose.position), "pose.position");
+    requireRotation(pose.rotation, "pose.rotation");
     impl_->setPose(impl_->index(body), pose);
 }
 
@@ -108,7 +114,8 @@ void World::setGravityScale(BodyId body, float scale) {
 }
 
 void World::moveTo(BodyId body, const Pose& target, double dt) {
-    requireFinite(isFinite(target.position) && isFinite(target.rotation) && std::isfinite(dt), "target");
+    requireFinite(isFinite(target.position) && std::isfinite(dt), "target");
+    requireRotation(target.rotation, "target.rotation");
     const std::uint32_t i = impl_->index(body);
     if (!(dt > 0)) throw std::invalid_argument("dt must be above zero");
     const BodyRecord& record = impl_->bodies[i];

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "narrowphase/distance.h"
 #include "world/world_impl.h"
 
@@ -31,9 +33,15 @@ void WorldImpl::sweepBody(std::uint32_t index, const DVec3& fromCenter, const Qu
         const GeometryEntry& geometry = geometries[shape.geometry];
         if (shape.sensor || geometry.isMesh()) continue;
         const Pose shapeStart = start * shape.frame, shapeEnd = end * shape.frame;
-        const Bounds swept = merge(boundsOf(geometry.shape, shapeStart), boundsOf(geometry.shape, shapeEnd));
+        // A point at r that turns by θ leaves its chord by r (1 − cos θ/2) at most.
+        const float bulge = body.radius * (1 - std::abs((end.rotation * conjugate(start.rotation)).w));
+        const Bounds swept =
+            enlarged(merge(boundsOf(geometry.shape, shapeStart), boundsOf(geometry.shape, shapeEnd)), bulge);
         // Stop a little before; the next step finds a contact. What is nearer already is left to the contact it has.
         const float target = 0.25f * tuning::kSpeculative * shape.size;
+        const Bounds own = boundsOf(geometry.shape, Frame{});
+        const Vec3 middle = 0.5f * (own.lower + own.upper);
+        const ConvexView core = convexView(Sphere{0.25f * shape.size});
         const auto meet = [&](std::uint32_t other) {
             const ShapeRecord& obstacle = shapes[other];
             if (obstacle.sensor || !shouldCollide(shape, obstacle)) return true;
@@ -43,18 +51,22 @@ void WorldImpl::sweepBody(std::uint32_t index, const DVec3& fromCenter, const Qu
             const Pose pose = shapePose(obstacle);
             const Frame from = seenFrom(pose, shapeStart), to = seenFrom(pose, shapeEnd);
             const GeometryEntry& solid = geometries[obstacle.geometry];
-            const auto take = [&](const SweepHit& hit) {
+            // What touches already is left to its contact, but the middle of the shape must not go through it either.
+            const auto sweepAt = [&](const auto& obstacleView) {
+                SweepHit hit = timeOfImpact(obstacleView, geometry.convex, from, to, target);
+                if (hit.hit && hit.fraction == 0)
+                    hit = timeOfImpact(obstacleView, core, {transformPoint(from, middle), from.rotation},
+                                       {transformPoint(to, middle), to.rotation}, 0);
                 if (hit.hit && hit.fraction > 0 && hit.fraction < earliest) earliest = hit.fraction;
             };
             if (!solid.isMesh()) {
-                take(timeOfImpact(solid.convex, geometry.convex, from, to, target));
+                sweepAt(solid.convex);
                 return true;
             }
-            const Bounds path = merge(boundsOf(geometry.shape, from), boundsOf(geometry.shape, to));
+            const Bounds path = enlarged(merge(boundsOf(geometry.shape, from), boundsOf(geometry.shape, to)), bulge);
             const auto triangle = [&](const TriangleView& view) {
                 // Surfaces are met from the front only.
-                if (dot(view.normal, from.position - view.a) > 0)
-                    take(timeOfImpact(view, geometry.convex, from, to, target));
+                if (dot(view.normal, from.position - view.a) > 0) sweepAt(view);
                 return true;
             };
             if (solid.mesh)

@@ -1,10 +1,12 @@
+#include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
 
 #include "base/checksum.h"
 #include "base/hash.h"
+#include "world/state_archive.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -21,45 +23,20 @@ struct StateHeader {
     std::uint64_t checksum = 0;  ///< of the payload
 };
 
-/// What outlives a step of a bundle's fields: the impulses. All else is written anew before it is read.
-struct Strip {
-    int field, count;
-};
-constexpr int impulseField(int point) { return contact::kPoints + point * contact::kPointFields + contact::kImpulse; }
-constexpr int loadField(int point) { return contact::kPoints + point * contact::kPointFields + contact::kLoad; }
-constexpr Strip kStrips[] = {
-    {contact::kFrictionImpulse, 3}, {contact::kTwistImpulse, 1}, {contact::kRollImpulse, 3},
-    {impulseField(0), 1}, {impulseField(1), 1}, {impulseField(2), 1}, {impulseField(3), 1},
-    {loadField(0), 1},    {loadField(1), 1},    {loadField(2), 1},    {loadField(3), 1},
-};
-static_assert(contact::kMaxPoints == 4);
-constexpr int kFieldsSaved = 15;
-
-/// Calls visit(first float, number of floats) for what is saved of a bundle.
-template <class Visit>
-void forEachStrip(float* bundle, int lanes, Visit&& visit) {
-    for (const Strip& strip : kStrips)
-        visit(bundle + static_cast<std::size_t>(strip.field * lanes), static_cast<std::size_t>(strip.count * lanes));
-}
-float* bundleOf(ConstraintGraph& graph, int color, int index) {
-    return graph.color(color).bundles.data() + static_cast<std::size_t>(index) * contact::kFields *
-                                                   static_cast<std::size_t>(graph.lanes());
-}
-std::size_t bundleBytes(const ConstraintGraph& graph) {
-    return kFieldsSaved * sizeof(float) * static_cast<std::size_t>(graph.lanes());
-}
-
-/// Makes the bundles of a colour as many as its contacts need, lanes without a contact zero.
-void fitBundles(ConstraintGraph& graph, int color) {
-    const int lanes = graph.lanes(), bundles = graph.bundleCount(color);
-    ConstraintGraph::Color& c = graph.color(color);
-    c.bundles.resize(static_cast<std::size_t>(bundles) * contact::kFields * static_cast<std::size_t>(lanes), 0.0f);
-    for (int i = 0; i < bundles; ++i) {
-        const int used = color == ConstraintGraph::kOverflow ? 1 : static_cast<int>(c.manifolds.size()) - i * lanes;
-        float* bundle = bundleOf(graph, color, i);
-        for (int lane = used; lane < lanes; ++lane)
-            for (int field = 0; field < contact::kFields; ++field) bundle[field * lanes + lane] = 0.0f;
-    }
+/// Of parts, on all threads; a sum, so that their order does not matter.
+std::uint64_t checksumOf(StageRunner& runner, std::span<const std::byte> bytes) {
+    constexpr std::size_t kPart = 1 << 16;
+    std::atomic<std::uint64_t> total{0};
+    runner.parallelFor(static_cast<int>((bytes.size() + kPart - 1) / kPart), 4, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            const std::size_t start = static_cast<std::size_t>(i) * kPart;
+            StateHash part;
+            part.add(static_cast<std::uint64_t>(i));
+            part.add(checksum(bytes.subspan(start, std::min(kPart, bytes.size() - start))));
+            total.fetch_add(part.value(), std::memory_order_relaxed);
+        }
+    });
+    return total.load(std::memory_order_relaxed);
 }
 
 /// Kinds and sizes of the first `count` geometries.
@@ -77,137 +54,6 @@ std::uint64_t digestOf(const std::pmr::vector<GeometryEntry>& geometries, std::s
     }
     return digest.value();
 }
-
-class Counter {
-public:
-    std::size_t bytes = 0;
-    template <class T>
-    void operator()(AlignedArray<T>& array) { bytes += sizeof(std::uint64_t) + array.size() * sizeof(T); }
-    template <class T>
-    void value(T&) { bytes += sizeof(T); }
-    void tree(BoundsTree& tree) { bytes += sizeof(BoundsTree::Header) + 8 + tree.nodes().size() * sizeof(BoundsTree::Node); }
-    void pairs(PairSet& pairs) { bytes += 8 + pairs.entries().size() * sizeof(PairSet::Entry); }
-    void events(std::pmr::vector<ContactEvent>& events) { bytes += 8 + events.size() * sizeof(ContactEvent); }
-    void bundles(ConstraintGraph& graph, int color) {
-        bytes += 8 + static_cast<std::size_t>(graph.bundleCount(color)) * bundleBytes(graph);
-    }
-};
-
-class Writer {
-public:
-    explicit Writer(std::byte* to) : to_(to) {}
-    void raw(const void* from, std::size_t size) {
-        if (size > 0) std::memcpy(to_, from, size);
-        to_ += size;
-    }
-    template <class T>
-    void value(T& v) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        raw(&v, sizeof v);
-    }
-    template <class T>
-    void operator()(AlignedArray<T>& array) { list(array.data(), array.size()); }
-    void tree(BoundsTree& tree) {
-        BoundsTree::Header header = tree.header();
-        value(header);
-        list(tree.nodes().data(), tree.nodes().size());
-    }
-    void pairs(PairSet& pairs) { list(pairs.entries().data(), pairs.entries().size()); }
-    void events(std::pmr::vector<ContactEvent>& events) { list(events.data(), events.size()); }
-    void bundles(ConstraintGraph& graph, int color) {
-        std::uint64_t count = static_cast<std::uint64_t>(graph.bundleCount(color));
-        value(count);
-        for (int i = 0; i < graph.bundleCount(color); ++i)
-            forEachStrip(bundleOf(graph, color, i), graph.lanes(),
-                         [&](const float* from, std::size_t floats) { raw(from, floats * sizeof(float)); });
-    }
-    std::byte* end() const { return to_; }
-
-private:
-    template <class T>
-    void list(const T* data, std::size_t size) {
-        std::uint64_t count = size;
-        value(count);
-        raw(data, size * sizeof(T));
-    }
-    std::byte* to_;
-};
-
-/// Reads a state; `apply` false only checks that every length fits.
-class Reader {
-public:
-    Reader(std::span<const std::byte> from, bool apply) : from_(from), apply_(apply) {}
-    bool failed() const { return failed_; }
-    bool apply() const { return apply_; }
-    std::size_t left() const { return from_.size(); }
-    std::span<const std::byte> take(std::size_t size) {
-        if (failed_ || size > from_.size()) {
-            failed_ = true;
-            return {};
-        }
-        const auto taken = from_.first(size);
-        from_ = from_.subspan(size);
-        return taken;
-    }
-    template <class T>
-    void value(T& v) {
-        const auto bytes = take(sizeof(T));
-        if (apply_ && !failed_) std::memcpy(static_cast<void*>(&v), bytes.data(), sizeof(T));
-    }
-    template <class T>
-    void operator()(AlignedArray<T>& array) {
-        const auto bytes = list(sizeof(T));
-        if (!apply_ || failed_) return;
-        array.resizeForOverwrite(bytes.size() / sizeof(T));
-        if (!bytes.empty()) std::memcpy(static_cast<void*>(array.data()), bytes.data(), bytes.size());
-    }
-    void tree(BoundsTree& tree) {
-        BoundsTree::Header header;
-        const auto bytes = take(sizeof header);
-        if (!failed_) std::memcpy(&header, bytes.data(), sizeof header);
-        const auto nodes = list(sizeof(BoundsTree::Node));
-        if (!apply_ || failed_) return;
-        tree.restore(header, nodes.data(), nodes.size() / sizeof(BoundsTree::Node));
-    }
-    void pairs(PairSet& pairs) {
-        const auto entries = list(sizeof(PairSet::Entry));
-        if (!apply_ || failed_) return;
-        pairs.restore(entries.data(), entries.size() / sizeof(PairSet::Entry));
-    }
-    void events(std::pmr::vector<ContactEvent>& events) {
-        const auto bytes = list(sizeof(ContactEvent));
-        if (!apply_ || failed_) return;
-        events.resize(bytes.size() / sizeof(ContactEvent));
-        if (!bytes.empty()) std::memcpy(static_cast<void*>(events.data()), bytes.data(), bytes.size());
-    }
-    void bundles(ConstraintGraph& graph, int color) {
-        const auto bytes = list(bundleBytes(graph));
-        if (!apply_ || failed_) return;
-        fitBundles(graph, color);
-        const std::byte* from = bytes.data();
-        for (int i = 0; i < graph.bundleCount(color); ++i)
-            forEachStrip(bundleOf(graph, color, i), graph.lanes(), [&](float* to, std::size_t floats) {
-                std::memcpy(to, from, floats * sizeof(float));
-                from += floats * sizeof(float);
-            });
-    }
-
-private:
-    std::span<const std::byte> list(std::size_t elementSize) {
-        std::uint64_t count = 0;
-        const auto bytes = take(sizeof count);
-        if (failed_) return {};
-        std::memcpy(&count, bytes.data(), sizeof count);
-        if (count > from_.size() / elementSize) {
-            failed_ = true;
-            return {};
-        }
-        return take(static_cast<std::size_t>(count) * elementSize);
-    }
-    std::span<const std::byte> from_;
-    bool apply_ = false;
-    bool failed_ = false;
-};
 
 }  // namespace
 
@@ -267,7 +113,7 @@ StateHeader headerOf(const WorldImpl& world, std::size_t geometries) {
 }  // namespace
 
 std::size_t World::saveSize() const {
-    Counter counter;
+    StateCounter counter;
     impl_->archive(counter);
     for (const StepModule* module : impl_->modules)
         counter.bytes += sizeof(std::uint64_t) + (module->saveSize ? module->saveSize(module->user) : 0);
@@ -281,15 +127,15 @@ std::size_t World::save(std::span<std::byte> into) const {
                                 std::to_string(into.size()));
     StateHeader header = headerOf(*impl_, impl_->geometries.size());
     header.bytes = size;
-    Writer writer(into.data() + sizeof header);
+    StateWriter writer(into.data() + sizeof header);
     impl_->archive(writer);
     for (const StepModule* module : impl_->modules) {
         std::uint64_t bytes = module->saveSize ? module->saveSize(module->user) : 0;
         writer.value(bytes);
         if (bytes > 0 && module->save) module->save(module->user, {writer.end(), static_cast<std::size_t>(bytes)});
-        writer = Writer(writer.end() + bytes);
+        writer = StateWriter(writer.end() + bytes);
     }
-    header.checksum = checksum(into.first(size).subspan(sizeof header));
+    header.checksum = checksumOf(impl_->runner, into.first(size).subspan(sizeof header));
     std::memcpy(into.data(), &header, sizeof header);
     return size;
 }
@@ -325,9 +171,9 @@ void World::restore(std::span<const std::byte> from) {
     const StateHeader own = headerOf(*impl_, header.geometries < known ? header.geometries : known);
     if (const std::string why = whyForeign(header, own, from.size()); !why.empty()) throw std::invalid_argument(why);
     const auto payload = from.subspan(sizeof header, static_cast<std::size_t>(header.bytes) - sizeof header);
-    if (checksum(payload) != header.checksum) throw std::invalid_argument("the state is cut short or damaged");
+    if (checksumOf(impl_->runner, payload) != header.checksum) throw std::invalid_argument("the state is cut short or damaged");
     for (const bool apply : {false, true}) {
-        Reader reader(payload, apply);
+        StateReader reader(payload, apply);
         impl_->archive(reader);
         for (StepModule* module : impl_->modules) {
             std::uint64_t bytes = 0;
