@@ -10,6 +10,7 @@
 
 #include "ragtop/asset_error.h"
 #include "ragtop/find_asset.h"
+#include "support/temporary_path.h"
 
 namespace ragtop {
 
@@ -45,7 +46,7 @@ inline std::string importError(const std::filesystem::path& file, const std::fun
 class TemporaryFile {
 public:
     TemporaryFile(const std::string& name, const std::string& content)
-        : path_(std::filesystem::path(testing::TempDir()) / ("ragtop_import_" + name)) {
+        : path_(temporaryPath(name)) {
         std::ofstream(path_, std::ios::binary) << content;
     }
     ~TemporaryFile() {

@@ -9,12 +9,13 @@
 #include "gltf_library.h"
 #include "ragtop/world.h"
 #include "surface_mesh.h"
+#include "support/temporary_path.h"
 
 namespace ragtop {
 namespace {
 
 tinygltf::Model written(const Recording& recording) {
-    const std::string path = testing::TempDir() + "/recording.glb";
+    const std::string path = temporaryPath("recording.glb").string();
     recording.write(path);
     tinygltf::Model model;
     std::string errors, warnings;

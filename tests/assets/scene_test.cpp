@@ -10,6 +10,7 @@
 
 #include "ragtop/ragdoll_file.h"
 #include "ragtop/world.h"
+#include "support/temporary_path.h"
 
 namespace ragtop {
 namespace {
@@ -18,7 +19,7 @@ using testing::HasSubstr;
 
 /// A file that is there for one test.
 std::filesystem::path fileWith(const std::string& name, const std::string& text) {
-    const auto path = std::filesystem::path(testing::TempDir()) / name;
+    const auto path = temporaryPath(name);
     std::ofstream(path) << text;
     return path;
 }

@@ -144,8 +144,9 @@ inline void addMixedShapes(World& world, const Scale& scale, int count, const Co
         case 2: body.shape = Box{scale.length(Vec3{size, dice.between(0.25f, 0.5f), dice.between(0.25f, 0.5f)})}; break;
         default: body.shape = *hull;
         }
-        body.position = scale.position(1.25 * (i % 5 - 2) + static_cast<double>(dice.between(0, 0.25f)), 2 + 1.125 * (i / 25),
-                                       1.25 * (i / 5 % 5 - 2) + static_cast<double>(dice.between(0, 0.25f)));
+        // Braces, because the arguments of a call may be evaluated in any order.
+        const Vec3 aside{dice.between(0, 0.25f), 0, dice.between(0, 0.25f)};
+        body.position = scale.position(1.25 * (i % 5 - 2), 2 + 1.125 * (i / 25), 1.25 * (i / 5 % 5 - 2)) + scale.length(aside);
         body.rotation = dice.rotation();
         body.linearVelocity = scale.velocity({dice.between(-1, 1), dice.between(-2, 0), dice.between(-1, 1)});
         body.angularVelocity = scale.spin({dice.between(-4, 4), dice.between(-4, 4), dice.between(-4, 4)});

@@ -126,7 +126,8 @@ TEST(WorldApi, ABodyTellsWhatItWasMadeOf) {
     EXPECT_NEAR(mass.mass, expected.mass, 1e-5f * expected.mass);
     EXPECT_LT(length(mass.center - expected.center), 1e-5f);
     EXPECT_LT(length(mass.inertia.cx - expected.inertia.cx) + length(mass.inertia.cy - expected.inertia.cy) +
-                  length(mass.inertia.cz - expected.inertia.cz), 1e-4f * expected.inertia.cy.y);
+                  length(mass.inertia.cz - expected.inertia.cz),
+              1e-4f * expected.inertia.cy.y);
     ASSERT_EQ(world.shapes(body).size(), 2u);
     EXPECT_LT(length(world.frame(world.shapes(body)[0]).position - Vec3{-1, 0, 0}), 1e-5f);
     EXPECT_LT(distanceBetween(world.centerOfMass(body), transformPoint(def.pose, mass.center)), 1e-5);
@@ -187,8 +188,10 @@ TEST(WorldApi, TenThousandRandomChangesLeaveNothingBehind) {
             const double x = static_cast<double>(random() % 400) / 100, z = static_cast<double>(random() % 400) / 100;
             const DVec3 at{x, 0.5 + static_cast<double>(random() % 300) / 100, z};
             const Shape shape = k % 3 ? k % 2 ? Shape(Sphere{0.3f}) : Shape(Capsule{0.2f, 0.2f}) : Shape(Box{});
-            BodyDef def = bodyDef(shape, at, {}, k % 17 == 0 ? BodyType::kinematic : k % 13 == 0 ? BodyType::fixed
-                                                                                                 : BodyType::dynamic);
+            BodyDef def = bodyDef(shape, at, {},
+                                  k % 17 == 0   ? BodyType::kinematic
+                                  : k % 13 == 0 ? BodyType::fixed
+                                                : BodyType::dynamic);
             def.shapes[0].sensor = k % 13 == 0;
             bodies.push_back(world.create(def));
             ASSERT_TRUE(everBodies.insert(bodies.back()).second);
@@ -209,13 +212,27 @@ TEST(WorldApi, TenThousandRandomChangesLeaveNothingBehind) {
         } else if (what < 80 && !bodies.empty()) {
             const BodyId body = bodies[pick(bodies.size())];
             switch (random() % 7) {
-                case 0: world.setPose(body, {{1, 2, 1}, {}}); break;
-                case 1: world.applyImpulse(body, {100, 50, 0}, world.centerOfMass(body)); break;
-                case 2: world.sleep(body); break;
-                case 3: world.wake(body); break;
-                case 4: world.setFilter(world.shapes(body)[0], Filter{.mask = random() % 2 ? 0u : ~0u}); break;
-                case 5: world.setMaterial(world.shapes(body)[0], surface(0.1f)); break;
-                default: world.setGravityScale(body, 0.5f); break;
+                case 0:
+                    world.setPose(body, {{1, 2, 1}, {}});
+                    break;
+                case 1:
+                    world.applyImpulse(body, {100, 50, 0}, world.centerOfMass(body));
+                    break;
+                case 2:
+                    world.sleep(body);
+                    break;
+                case 3:
+                    world.wake(body);
+                    break;
+                case 4:
+                    world.setFilter(world.shapes(body)[0], Filter{.mask = random() % 2 ? 0u : ~0u});
+                    break;
+                case 5:
+                    world.setMaterial(world.shapes(body)[0], surface(0.1f));
+                    break;
+                default:
+                    world.setGravityScale(body, 0.5f);
+                    break;
             }
         } else {
             world.step(kDt);

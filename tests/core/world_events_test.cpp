@@ -97,7 +97,7 @@ TEST(WorldEvents, FiltersAndGroupsDecideWhoCollides) {
         Filter a, b;
         bool collide;
     };
-    const Case cases[] = {{{1, 1, 0}, {1, 1, 0}, true},   {{1, 2, 0}, {2, 1, 0}, true},  {{1, 2, 0}, {2, 2, 0}, false},
+    const Case cases[] = {{{1, 1, 0}, {1, 1, 0}, true},    {{1, 2, 0}, {2, 1, 0}, true}, {{1, 2, 0}, {2, 2, 0}, false},
                           {{1, 1, -3}, {1, 1, -3}, false}, {{1, 0, 3}, {1, 0, 3}, true}, {{1, 1, -3}, {1, 1, -4}, true},
                           {{1, 0, 3}, {1, 0, 4}, false}};
     for (const Case& c : cases) {

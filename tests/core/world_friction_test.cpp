@@ -99,7 +99,8 @@ TEST(WorldFriction, StoppingDistanceDoesNotDependOnHeading) {
         const BodyId box = world.create(bodyDef(Box{{0.5f, 0.25f, 0.5f}}, {0, 0.25, 0}, surface(0.5f)));
         run(world, 1);
         const DVec3 start = world.pose(box).position;
-        world.setVelocity(box, {static_cast<float>(5 * std::cos(heading)), 0, static_cast<float>(5 * std::sin(heading))}, {});
+        world.setVelocity(
+            box, {static_cast<float>(5 * std::cos(heading)), 0, static_cast<float>(5 * std::sin(heading))}, {});
         run(world, 2);
         EXPECT_LT(length(world.linearVelocity(box)), 1e-4f);
         const DVec3 end = world.pose(box).position;
@@ -162,7 +163,8 @@ TEST(WorldFriction, AConveyorTakesABoxAlong) {
     for (const double heading : kHeadings) {
         World world(withoutSleep());
         Material belt = surface(0.5f);
-        belt.surfaceVelocity = {static_cast<float>(2 * std::cos(heading)), 0, static_cast<float>(2 * std::sin(heading))};
+        belt.surfaceVelocity = {static_cast<float>(2 * std::cos(heading)), 0,
+                                static_cast<float>(2 * std::sin(heading))};
         const BodyId floor = addFloor(world, surface(0.5f));
         const BodyId box = world.create(bodyDef(Box{{0.5f, 0.25f, 0.5f}}, {0, 0.25, 0}, surface(0.5f)));
         run(world, 1);

@@ -30,7 +30,8 @@ const Quat kAboutZ = rotationBetween({1, 0, 0}, {0, 0, 1});
 const Quat kDown = rotationBetween({1, 0, 0}, {0, -1, 0});
 
 // T = 2π √(I / (m g d)) (1 + θ²/16), I about the pivot. The next term is 11 θ⁴/3072 = 6e-6, the substep's error
-// (ω h)² / 24 = 1e-5; the damping of soft joints takes up to a fifth of the amplitude in ten periods, θ²/16 · 0.2 = 5e-4.
+// (ω h)² / 24 = 1e-5; the damping of soft joints takes up to a fifth of the amplitude in ten periods, θ²/16 · 0.2 =
+// 5e-4.
 TEST(WorldJoints, ACompoundPendulumSwingsWithItsPeriod) {
     for (const bool hinge : {true, false}) {
         World world(withoutSleep());
@@ -39,7 +40,8 @@ TEST(WorldJoints, ACompoundPendulumSwingsWithItsPeriod) {
         def.pose.rotation = rotationAbout({0, 0, 1}, start);
         const BodyId body = world.create(def);
         const JointBodies bodies{.b = body, .frameA = frameAt({}, kAboutZ), .frameB = frameAt({0, d, 0}, kAboutZ)};
-        const JointId joint = hinge ? world.create(HingeDef{.bodies = bodies}) : world.create(BallDef{.bodies = bodies});
+        const JointId joint =
+            hinge ? world.create(HingeDef{.bodies = bodies}) : world.create(BallDef{.bodies = bodies});
         Crossings crossings;
         float gap = 0;
         run(world, 20, kDt, [&] {
@@ -107,9 +109,9 @@ TEST(WorldJoints, AMotorReachesItsSpeedAndStalls) {
 TEST(WorldJoints, AHingeStopsAtItsLimits) {
     World world(withoutSleep());
     const BodyId door = world.create(bodyDef(Box{{0.5f, 0.1f, 0.1f}}, {0.5, 0, 0}));
-    const JointId joint = world.create(HingeDef{
-        .bodies = {.b = door, .frameA = frameAt({}, kAboutZ), .frameB = frameAt({-0.5f, 0, 0}, kAboutZ)},
-        .limit = Range{-0.5f, 0.5f}});
+    const JointId joint = world.create(
+        HingeDef{.bodies = {.b = door, .frameA = frameAt({}, kAboutZ), .frameB = frameAt({-0.5f, 0, 0}, kAboutZ)},
+                 .limit = Range{-0.5f, 0.5f}});
     float least = 0;
     run(world, 3, kDt, [&] { least = std::min(least, world.state(joint).coordinate); });
     EXPECT_NEAR(world.state(joint).coordinate, -0.5, 2e-3);
@@ -145,7 +147,8 @@ TEST(WorldJoints, ADampedSpringComesToRestAtItsSag) {
     const BodyId body = world.create(bodyDef(Sphere{0.3f}, {0, -2, 0}));
     const float m = world.mass(body).mass;
     world.create(SliderDef{.bodies = {.b = body, .frameA = frameAt({}, kDown), .frameB = frameAt({}, kDown)},
-                           .spring = Spring{m * 100, m * 20}, .target = 2});
+                           .spring = Spring{m * 100, m * 20},
+                           .target = 2});
     run(world, 5);
     EXPECT_NEAR(height(world, body), -2 - 9.81 / 100, 1e-4);
 }
@@ -200,7 +203,8 @@ TEST(WorldJoints, AChainHangsTogether) {
     std::vector<JointId> joints;
     for (int i = 0; i < 10; ++i) {
         const BodyId link = world.create(bodyDef(Capsule{0.05f, 0.1f}, {0, -0.15 - 0.3 * i, 0}));
-        joints.push_back(world.create(BallDef{.bodies = {.a = before, .b = link,
+        joints.push_back(world.create(BallDef{.bodies = {.a = before,
+                                                         .b = link,
                                                          .frameA = frameAt({0, i == 0 ? 0.0f : -0.15f, 0}),
                                                          .frameB = frameAt({0, 0.15f, 0})}}));
         before = link;
@@ -242,7 +246,8 @@ TEST(WorldJoints, AJointedPairKeepsItsMomentum) {
     one.linearVelocity = {1, 2, 0};
     two.angularVelocity = {0, 3, 4};
     const BodyId a = world.create(one), b = world.create(two);
-    world.create(BallDef{.bodies = {.a = a, .b = b, .frameA = frameAt({0.5f, 0, 0}), .frameB = frameAt({-0.5f, 0, 0})}});
+    world.create(
+        BallDef{.bodies = {.a = a, .b = b, .frameA = frameAt({0.5f, 0, 0}), .frameB = frameAt({-0.5f, 0, 0})}});
     const auto momentum = [&] {
         return world.mass(a).mass * world.linearVelocity(a) + world.mass(b).mass * world.linearVelocity(b);
     };

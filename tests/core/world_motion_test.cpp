@@ -228,7 +228,8 @@ TEST(WorldMotion, ASceneTenKilometresAwayMovesTheSame) {
         addFloor(world, surface(0.5f), origin);
         std::vector<BodyId> bodies;
         for (int i = 0; i < 4; ++i)
-            bodies.push_back(world.create(bodyDef(Box{{0.5f, 0.5f, 0.5f}}, origin + DVec3{0.02 * i, 0.5 + 1.01 * i, 0})));
+            bodies.push_back(
+                world.create(bodyDef(Box{{0.5f, 0.5f, 0.5f}}, origin + DVec3{0.02 * i, 0.5 + 1.01 * i, 0})));
         BodyDef ball = bodyDef(Sphere{0.3f}, origin + DVec3{4, 0.3, 0}, surface(0.5f));
         ball.linearVelocity = {0, 0, 3};
         bodies.push_back(world.create(ball));

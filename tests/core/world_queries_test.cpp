@@ -37,8 +37,7 @@ public:
 
     bool sees(const QueryFilter& filter, BodyId body, ShapeId shape) const {
         // The definition of the scene, by the number of the body.
-        const auto i = static_cast<std::uint32_t>(
-            std::find(bodies.begin(), bodies.end(), body) - bodies.begin());
+        const auto i = static_cast<std::uint32_t>(std::find(bodies.begin(), bodies.end(), body) - bodies.begin());
         const Filter own{.category = 1u << (i % 3), .mask = i % 5 ? 0xffu : 0x100u};
         return (own.category & filter.mask) && (filter.category & own.mask) && (filter.sensors || i % 11 != 0) &&
                body != filter.ignore && world.isValid(shape);

@@ -106,17 +106,35 @@ TEST(WorldSleep, MovingTheFloorAwayWakes) {
 
 TEST(WorldSleep, EveryChangeWakes) {
     const std::vector<std::function<void(World&, BodyId)>> changes = {
-        [](World& w, BodyId b) { w.applyImpulse(b, {1, 0, 0}, {}); },
-        [](World& w, BodyId b) { w.applyAngularImpulse(b, {1, 0, 0}); },
-        [](World& w, BodyId b) { w.applyForce(b, {1, 0, 0}, {}); },
-        [](World& w, BodyId b) { w.applyTorque(b, {1, 0, 0}); },
-        [](World& w, BodyId b) { w.setVelocity(b, {1, 0, 0}, {}); },
-        [](World& w, BodyId b) { w.setPose(b, {{0, 3, 0}, {}}); },
+        [](World& w, BodyId b) {
+            w.applyImpulse(b, {1, 0, 0}, {});
+        },
+        [](World& w, BodyId b) {
+            w.applyAngularImpulse(b, {1, 0, 0});
+        },
+        [](World& w, BodyId b) {
+            w.applyForce(b, {1, 0, 0}, {});
+        },
+        [](World& w, BodyId b) {
+            w.applyTorque(b, {1, 0, 0});
+        },
+        [](World& w, BodyId b) {
+            w.setVelocity(b, {1, 0, 0}, {});
+        },
+        [](World& w, BodyId b) {
+            w.setPose(b, {{0, 3, 0}, {}});
+        },
         [](World& w, BodyId b) { w.setGravityScale(b, 0.5f); },
         [](World& w, BodyId b) { w.setMaterial(w.shapes(b)[0], surface(0)); },
         [](World& w, BodyId b) { w.setFilter(w.shapes(b)[0], Filter{.mask = 0}); },
-        [](World& w, BodyId b) { w.create(BallDef{.bodies = {.b = b, .frameA = {{0, 0.5f, 0}, {}}}}); },
-        [](World& w, BodyId) { WorldSettings s; s.gravity = {0, 9.81f, 0}; w.setSettings(s); },
+        [](World& w, BodyId b) {
+            w.create(BallDef{.bodies = {.b = b, .frameA = {{0, 0.5f, 0}, {}}}});
+        },
+        [](World& w, BodyId) {
+            WorldSettings s;
+            s.gravity = {0, 9.81f, 0};
+            w.setSettings(s);
+        },
         [](World& w, BodyId) { w.setSettings(withoutSleep()); },
     };
     for (std::size_t i = 0; i < changes.size(); ++i) {

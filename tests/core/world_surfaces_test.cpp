@@ -126,8 +126,8 @@ TEST(WorldSurfaces, DeepOverlapResolvesWithoutAPop) {
 TEST(WorldSurfaces, AFlatMeshIsAsSmoothAsAPlane) {
     const std::vector<float> heights(41 * 41, 0.0f);
     for (const bool field : {false, true}) {
-        for (const Shape& shape : {Shape(Box{{0.4f, 0.3f, 0.4f}}), Shape(Sphere{0.3f}), Shape(Capsule{0.3f, 0.2f}),
-                                   Shape(wedgeHull())}) {
+        for (const Shape& shape :
+             {Shape(Box{{0.4f, 0.3f, 0.4f}}), Shape(Sphere{0.3f}), Shape(Capsule{0.3f, 0.2f}), Shape(wedgeHull())}) {
             World world(withoutSleep());
             if (field) {
                 BodyDef floor = bodyDef(HeightField(41, 41, 0.5f, heights), {-10, 0, -10}, surface(0), BodyType::fixed);
@@ -241,8 +241,10 @@ TEST(WorldSurfaces, EnergyNeverGrowsInASettlingPile) {
     addFloor(world);
     for (int i = 0; i < 60; ++i) {
         const DVec3 at{0.3 * (i % 4), 1 + 0.8 * (i / 4.0), 0.35 * (i % 3)};
-        world.create(bodyDef(i % 3 == 0 ? Shape(Sphere{0.3f}) : i % 3 == 1 ? Shape(Box{{0.3f, 0.2f, 0.25f}})
-                                                                           : Shape(Capsule{0.2f, 0.2f}), at));
+        world.create(bodyDef(i % 3 == 0   ? Shape(Sphere{0.3f})
+                             : i % 3 == 1 ? Shape(Box{{0.3f, 0.2f, 0.25f}})
+                                          : Shape(Capsule{0.2f, 0.2f}),
+                             at));
     }
     double before = world.energy();
     const double start = before;

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 #include <vector>
+#include "support/temporary_path.h"
 
 namespace {
 
@@ -35,7 +36,7 @@ std::vector<std::string> keysOf(const std::string& summary) {
 }
 
 std::string folder(const std::string& name) {
-    const auto path = std::filesystem::path(testing::TempDir()) / name;
+    const auto path = temporaryPath(name);
     std::filesystem::create_directories(path);
     return path.string();
 }

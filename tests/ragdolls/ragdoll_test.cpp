@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 #include <stdexcept>
 #include <utility>
 
@@ -70,6 +72,24 @@ TEST(Ragdoll, StaysTogetherInAFall) {
         EXPECT_GT(height, 0.0);
         EXPECT_LT(height, 0.6);
     }
+}
+
+TEST(Ragdoll, SleepsWithinFiveSecondsOfADrop) {
+    int asleep = 0;
+    for (int seed = 1; seed <= 100; ++seed) {
+        World world;
+        world.create(StaticBody{.shape = Box{{50, 1, 50}}, .position = {0, -1, 0}});
+        // Any way round, the middle of the body 1 m above where it can touch the ground.
+        std::mt19937 random(static_cast<unsigned>(seed));
+        const auto number = [&] { return static_cast<float>(random()) / 2147483648.0f - 1.0f; };
+        const Quat turn = normalized(Quat{number(), number(), number(), number()});
+        const Vec3 middle = rotate(turn, {0, 0.9f, 0});
+        const Ragdoll ragdoll(world, human(), {DVec3{0, 1.9, 0} - middle, turn});
+        for (int i = 0; i < 300; ++i) world.step(1.0 / 60);
+        asleep += std::none_of(ragdoll.bodies().begin(), ragdoll.bodies().end(),
+                               [&](BodyId body) { return world.isAwake(body); });
+    }
+    EXPECT_GE(asleep, 95);
 }
 
 TEST(Ragdoll, FallsLikeAStone) {
