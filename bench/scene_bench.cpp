@@ -66,7 +66,7 @@ void sleepers(benchmark::State& state) {
     World world({}, configFor(state));
     scenes::addFloor(world);
     for (int i = 0; i < 10; ++i) scenes::addBricks(world, {}, 20, 10, i);
-    for (int i = 0; i < 120; ++i) world.step(kStep);
+    for (int i = 0; i < 600; ++i) world.step(kStep);
     for (auto _ : state) world.step(kStep);
     report(state, world);
 }

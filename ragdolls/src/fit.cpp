@@ -18,6 +18,24 @@ float volumeOf(const Capsule& capsule) {
 
 float volumeOf(const Box& box) { return 8.0f * box.halfExtents.x * box.halfExtents.y * box.halfExtents.z; }
 
+bool holds(const Capsule& capsule, const Vec3& local) {
+    const float y = local.y - std::clamp(local.y, -capsule.halfHeight, capsule.halfHeight);
+    const float radius = capsule.radius + kRounding * (capsule.radius + capsule.halfHeight);
+    return local.x * local.x + y * y + local.z * local.z <= radius * radius;
+}
+
+bool holds(const Box& box, const Vec3& local) {
+    const Vec3 size = abs(local) - box.halfExtents;
+    const float slack = kRounding * length(box.halfExtents);
+    return size.x <= slack && size.y <= slack && size.z <= slack;
+}
+
+/// A capsule along y.
+struct UprightCapsule {
+    Capsule capsule;
+    Vec3 center;
+};
+
 /// The value that `rank` of the others are below; reorders.
 float ranked(std::vector<float>& values, std::size_t rank) {
     const auto at = values.begin() + static_cast<std::ptrdiff_t>(std::min(rank, values.size() - 1));
@@ -29,8 +47,8 @@ Quat alongY(const Vec3& axis) { return rotationBetween({0, 1, 0}, axis); }
 
 /// A point holds when it is within the radius of the segment. At distance d from the line it allows the segment's
 /// ends to stop √(r² − d²) short of it; the ends leave out the farthest points evenly.
-std::optional<FittedShape> capsuleOfRadius(std::span<const Vec3> local, const Vec3& center, float radius,
-                                           std::size_t spare) {
+std::optional<UprightCapsule> capsuleOfRadius(std::span<const Vec3> local, const Vec3& center, float radius,
+                                              std::size_t spare) {
     std::vector<float> lower, upper;
     for (const Vec3& point : local) {
         const float x = point.x - center.x, z = point.z - center.z;
@@ -45,7 +63,7 @@ std::optional<FittedShape> capsuleOfRadius(std::span<const Vec3> local, const Ve
     const std::size_t each = (spare - outside) / 2;
     float bottom = ranked(lower, each), top = ranked(upper, upper.size() - 1 - each);
     if (bottom > top) bottom = top = 0.5f * (bottom + top);
-    return FittedShape{Capsule{radius, 0.5f * (top - bottom)}, {{center.x, 0.5f * (top + bottom), center.z}, {}}};
+    return UprightCapsule{{radius, 0.5f * (top - bottom)}, {center.x, 0.5f * (top + bottom), center.z}};
 }
 
 struct Extent {
@@ -129,14 +147,17 @@ FittedShape fitCapsule(std::span<const Vec3> points, const Vec3& axis, float sha
         const float dx = point.x - center.x, dz = point.z - center.z;
         distance.push_back(std::sqrt(dx * dx + dz * dz));
     }
-    FittedShape best{Capsule{}, {}};
+    UprightCapsule best;
     float least = std::numeric_limits<float>::infinity();
     const auto consider = [&](float radius) {
         if (!(radius > 0)) return;
         const auto fitted = capsuleOfRadius(local, center, radius, spare);
         if (!fitted) return;
-        const float volume = volumeOf(std::get<Capsule>(fitted->shape));
-        if (volume >= least || local.size() - static_cast<std::size_t>(countInside(*fitted, local)) > spare) return;
+        const float volume = volumeOf(fitted->capsule);
+        const auto inside = std::count_if(local.begin(), local.end(), [&](const Vec3& point) {
+            return holds(fitted->capsule, point - fitted->center);
+        });
+        if (volume >= least || local.size() - static_cast<std::size_t>(inside) > spare) return;
         least = volume;
         best = *fitted;
     };
@@ -149,14 +170,14 @@ FittedShape fitCapsule(std::span<const Vec3> points, const Vec3& axis, float sha
         radius = std::max(1.2f * radius, std::numeric_limits<float>::min());
         consider(radius);
     }
-    best.frame = {rotate(rotation, best.frame.position), rotation};
-    return best;
+    return {best.capsule, {rotate(rotation, best.center), rotation}};
 }
 
 FittedShape fitBox(std::span<const Vec3> points, const Quat& rotation, float share) {
     const std::vector<Vec3> local = inAxes(points, rotation);
     const std::size_t spare = spareOf(local.size(), share);
-    FittedShape best{Box{}, {}};
+    Box box;
+    Vec3 center;
     for (std::size_t each = spare / 2;; --each) {
         std::array<Extent, 3> extent{};
         for (int axis = 0; axis < 3; ++axis) {
@@ -166,16 +187,18 @@ FittedShape fitBox(std::span<const Vec3> points, const Quat& rotation, float sha
         }
         const Vec3 lower{extent[0].lower, extent[1].lower, extent[2].lower};
         const Vec3 upper{extent[0].upper, extent[1].upper, extent[2].upper};
-        best = {Box{0.5f * (upper - lower)}, {0.5f * (upper + lower), {}}};
-        if (each == 0 || local.size() - static_cast<std::size_t>(countInside(best, local)) <= spare) break;
+        box.halfExtents = 0.5f * (upper - lower);
+        center = 0.5f * (upper + lower);
+        const auto inside =
+            std::count_if(local.begin(), local.end(), [&](const Vec3& point) { return holds(box, point - center); });
+        if (each == 0 || local.size() - static_cast<std::size_t>(inside) <= spare) break;
     }
-    best.frame = {rotate(rotation, best.frame.position), rotation};
-    return best;
+    return {box, {rotate(rotation, center), rotation}};
 }
 
 FittedShape fitShape(std::span<const Vec3> points, const Quat& rotation, float share, float roundness) {
-    FittedShape capsule = fitCapsule(points, rotate(rotation, {0, 1, 0}), share);
-    FittedShape box = fitBox(points, rotation, share);
+    const FittedShape capsule = fitCapsule(points, rotate(rotation, {0, 1, 0}), share);
+    const FittedShape box = fitBox(points, rotation, share);
     const float boxVolume = volumeOf(std::get<Box>(box.shape));
     return roundness * boxVolume < volumeOf(std::get<Capsule>(capsule.shape)) ? box : capsule;
 }
@@ -184,15 +207,8 @@ int countInside(const FittedShape& fitted, std::span<const Vec3> points) {
     int count = 0;
     for (const Vec3& point : points) {
         const Vec3 local = inverseTransformPoint(fitted.frame, point);
-        if (const auto* capsule = std::get_if<Capsule>(&fitted.shape)) {
-            const float y = local.y - std::clamp(local.y, -capsule->halfHeight, capsule->halfHeight);
-            const float radius = capsule->radius + kRounding * (capsule->radius + capsule->halfHeight);
-            count += local.x * local.x + y * y + local.z * local.z <= radius * radius;
-        } else if (const auto* box = std::get_if<Box>(&fitted.shape)) {
-            const Vec3 size = abs(local) - box->halfExtents;
-            const float slack = kRounding * length(box->halfExtents);
-            count += size.x <= slack && size.y <= slack && size.z <= slack;
-        }
+        if (const auto* capsule = std::get_if<Capsule>(&fitted.shape)) count += holds(*capsule, local);
+        if (const auto* box = std::get_if<Box>(&fitted.shape)) count += holds(*box, local);
     }
     return count;
 }

@@ -56,16 +56,6 @@ public:
     const Color& color(int index) const { return colors_[static_cast<std::size_t>(index)]; }
     int usedColors() const;
 
-    template <class Archive>
-    void archive(Archive& archive) {
-        for (Color& color : colors_) {
-            archive(color.bundles);
-            archive(color.manifolds);
-            archive(color.joints);
-            archive(color.bodies);
-        }
-    }
-
 private:
     int findColor(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
     void clearBits(int color, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);

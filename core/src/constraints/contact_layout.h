@@ -36,7 +36,7 @@ enum PointField : int {
     kImpulse,         ///< N s along the normal in the last substep
     kMass,            ///< effective mass of the normal row, kg; zero for an absent point
     kLever,           ///< distance from the friction centre, m
-    kApproach,        ///< normal velocity at the beginning of the step, m/s
+    kApproach,        ///< normal velocity just before the point is struck, m/s
     kPeak,            ///< sum of impulses over the substeps of this step, N s
     kLoad,            ///< carried load: the impulse the soft row relaxes towards, N s
     kPointFields,

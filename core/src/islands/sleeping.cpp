@@ -69,6 +69,11 @@ void WorldImpl::sleepQuietIslands() {
     for (const std::uint32_t body : bodyStack) sleepBody(body);
 }
 
+/// What happens between steps is told by the next one.
+void WorldImpl::noteSleep(std::uint32_t index, bool asleep) {
+    (stepping ? sleepEvents : sleepEventsBetweenSteps).push_back({id(index), asleep});
+}
+
 /// Takes a body out of all awake lists; its constraints keep their impulses for the day it wakes.
 void WorldImpl::sleepBody(std::uint32_t index) {
     BodyRecord& body = bodies[index];
@@ -88,7 +93,7 @@ void WorldImpl::sleepBody(std::uint32_t index) {
     }
     for (std::uint32_t key = body.firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next)
         removeJointFromGraph(key >> 1);
-    sleepEvents.push_back({id(index), true});
+    noteSleep(index, true);
 }
 
 /// Wakes a body and all sleeping ones that it touches or is joined to, directly or through others.
@@ -104,7 +109,7 @@ void WorldImpl::wakeBody(std::uint32_t first) {
         if (body.awakeIndex != kNone) continue;
         body.awakeIndex = static_cast<std::uint32_t>(awakeBodies.size());
         awakeBodies.push(index);
-        sleepEvents.push_back({id(index), false});
+        noteSleep(index, false);
         for (std::uint32_t key = body.firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
             const ContactRecord& contact = contacts[key >> 1];
             if (contact.awakeIndex == kNone) addAwakeContact(key >> 1);

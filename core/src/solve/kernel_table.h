@@ -44,6 +44,7 @@ struct SolverContext {
     Softness soft, softStatic;   ///< of contacts between moving bodies, and with static ones
     float pushOut = 0;           ///< m/s per m of size
     float restitutionSpeed = 0;  ///< m/s
+    float gravity[3] = {0, 0, 0};  ///< m/s²
     float loadShare = 0;         ///< λ̂ ← λ̂ + share (λ − λ̂) per step
 };
 

@@ -167,10 +167,36 @@ void prepareContacts(float* bundles, int begin, int end, const BodyArrays& array
     }
 }
 
+/// The speed at which points that were not struck yet in this step will be: velocities are already those of the end of
+/// the substep, a fall through a gap s < |u| h ends a share t = s / |u| h of it in, so u⁻ = u − a h (1 − t).
 template <int N>
-void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext&) {
+RAGTOP_INLINE void predictApproach(ContactBundle<N>& c, const SolverContext& context) {
+    if (!any(c.field(contact::kRestitution) > 0.0f)) return;
+    WideVec3<N> dp;
+    WideQuat<N> dqA, dqB;
+    c.gatherDisplacements(dp, dqA, dqB);
+    const Lanes<N> zero(0.0f), one(1.0f), h(context.h);
+    const WideVec3<N> g{Lanes<N>(context.gravity[0]), Lanes<N>(context.gravity[1]), Lanes<N>(context.gravity[2])};
+    // Two falling bodies fall alike; only against one that does not fall does gravity close the gap.
+    const Lanes<N> falling = select(c.massB > zero, one, zero) - select(c.massA > zero, one, zero);
+    const Lanes<N> gain = h * falling * dot(c.normal, g);
+    for (int j = 0; j < contact::kMaxPoints; ++j) {
+        const WideVec3<N> rA = c.vector(pointField(j, contact::kAnchor)), rB = rA - c.offset;
+        const WideVec3<N> turned = (rotate(dqB, rB) - rB) - (rotate(dqA, rA) - rA);
+        const Lanes<N> gap = max(c.field(pointField(j, contact::kSeparation)) + dot(c.normal, dp + turned), zero);
+        const Lanes<N> speed = dot(c.normal, c.relativeVelocity(rA, rB));
+        const Lanes<N> share = min(divideOrZero(gap, max(-(speed * h), zero)), one);
+        const Mask<N> struck = c.field(pointField(j, contact::kPeak)) > 0.0f;
+        const Lanes<N> before = c.field(pointField(j, contact::kApproach));
+        c.set(pointField(j, contact::kApproach), select(struck, before, speed - gain * (one - share)));
+    }
+}
+
+template <int N>
+void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
     for (int i = begin; i < end; ++i) {
         ContactBundle<N> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
+        predictApproach(c, context);
         Lanes<N> total(0.0f);
         WideVec3<N> moment{Lanes<N>(0.0f), Lanes<N>(0.0f), Lanes<N>(0.0f)};
         for (int j = 0; j < contact::kMaxPoints; ++j) {
@@ -292,29 +318,38 @@ void relaxContacts(float* bundles, int begin, int end, const BodyArrays& arrays,
     solvePass<N, false>(bundles, begin, end, arrays, context);
 }
 
+constexpr int kRestitutionSweeps = 8;
+
+template <int N>
+RAGTOP_INLINE void bouncePoints(ContactBundle<N>& c, Lanes<N> threshold, Lanes<N> restitution) {
+    for (int j = 0; j < contact::kMaxPoints; ++j) {
+        const Lanes<N> approach = c.field(pointField(j, contact::kApproach));
+        const Mask<N> bounces = (approach < threshold) & (c.field(pointField(j, contact::kPeak)) > 0.0f) &
+                                (restitution > 0.0f);
+        if (!any(bounces)) continue;
+        const WideVec3<N> rA = c.vector(pointField(j, contact::kAnchor)), rB = rA - c.offset;
+        const Lanes<N> speed = dot(c.normal, c.relativeVelocity(rA, rB));
+        const Lanes<N> old = c.field(pointField(j, contact::kImpulse));
+        const Lanes<N> mass = c.field(pointField(j, contact::kMass));
+        const Lanes<N> wanted = max(old - mass * (speed + restitution * approach), Lanes<N>(0.0f));
+        const Lanes<N> impulse = select(bounces, wanted, old);
+        c.set(pointField(j, contact::kImpulse), impulse);
+        c.set(pointField(j, contact::kPeak), c.field(pointField(j, contact::kPeak)) + (impulse - old));
+        c.applyImpulse((impulse - old) * c.normal, rA, rB);
+    }
+}
+
 /// u⁺ = −e u⁻ for points that were struck faster than the threshold during the step.
 template <int N>
 void applyRestitution(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
-    const Lanes<N> threshold(-context.restitutionSpeed), zero(0.0f);
+    const Lanes<N> threshold(-context.restitutionSpeed);
     for (int i = begin; i < end; ++i) {
         float* fields = bundles + static_cast<long>(i) * contact::kFields * N;
         const Lanes<N> restitution = Lanes<N>::load(fields + contact::kRestitution * N);
         if (!any(restitution > 0.0f)) continue;
         ContactBundle<N> c(fields, arrays);
-        for (int j = 0; j < contact::kMaxPoints; ++j) {
-            const Lanes<N> approach = c.field(pointField(j, contact::kApproach));
-            const Mask<N> bounces = (approach < threshold) & (c.field(pointField(j, contact::kPeak)) > 0.0f) &
-                                    (restitution > 0.0f);
-            const WideVec3<N> rA = c.vector(pointField(j, contact::kAnchor)), rB = rA - c.offset;
-            const Lanes<N> speed = dot(c.normal, c.relativeVelocity(rA, rB));
-            const Lanes<N> old = c.field(pointField(j, contact::kImpulse));
-            const Lanes<N> wanted =
-                max(old - c.field(pointField(j, contact::kMass)) * (speed + restitution * approach), zero);
-            const Lanes<N> impulse = select(bounces, wanted, old);
-            c.set(pointField(j, contact::kImpulse), impulse);
-            c.set(pointField(j, contact::kPeak), c.field(pointField(j, contact::kPeak)) + (impulse - old));
-            c.applyImpulse((impulse - old) * c.normal, rA, rB);
-        }
+        // Points of one manifold are struck together: a single sweep would turn a box that falls flat.
+        for (int sweep = 0; sweep < kRestitutionSweeps; ++sweep) bouncePoints(c, threshold, restitution);
         c.writeVelocities();
     }
 }

@@ -33,6 +33,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       contactChanged(memory), changedContacts(memory), islandParent(memory), islandQuiet(memory), bodyStack(memory),
       bodyFlags(memory), startPoses(memory), begins(memory), ends(memory), sensorBegins(memory), sensorEnds(memory),
       endsBetweenSteps(memory), sensorEndsBetweenSteps(memory), surfaceEvents(memory), sleepEvents(memory),
+      sleepEventsBetweenSteps(memory),
       stages(memory) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
     // Body 0 is the world: static, without shapes, the other end of joints to nowhere.

@@ -118,7 +118,10 @@ std::uint32_t WorldImpl::createBody(const BodyDef& def) {
     resetSolverState(index);
     refreshBounds(index);
     ++structureVersion;
-    if (def.type != BodyType::fixed) wakeBody(index);
+    if (def.type != BodyType::fixed) {
+        wakeBody(index);
+        (stepping ? sleepEvents : sleepEventsBetweenSteps).pop_back();  // it was never asleep
+    }
     return index;
 }
 
@@ -214,7 +217,7 @@ void WorldImpl::destroyBody(std::uint32_t index) {
     body.firstShape = kNone;
     if (body.awakeIndex != kNone) {
         sleepBody(index);
-        sleepEvents.pop_back();
+        (stepping ? sleepEvents : sleepEventsBetweenSteps).pop_back();
     }
     bodySlots.release(index);
     ++structureVersion;

@@ -159,6 +159,10 @@ namespace {
 
 /// Moves impulses from the points of before to those of now that have the same feature.
 void carryImpulses(const ManifoldRecord& before, ManifoldRecord& now) {
+    if (before.pointCount == 0) {
+        now.frictionImpulse = now.rollImpulse = {};
+        now.twistImpulse = 0;
+    }
     for (int j = 0; j < kMaxManifoldPoints; ++j) {
         now.impulse[j] = now.load[j] = 0;
         if (j >= now.pointCount) continue;
@@ -206,6 +210,8 @@ bool WorldImpl::reuseManifolds(ContactRecord& record, const Frame& bInA, float m
     // A round surface turns under its contact point, and is cheap to collide.
     const float roundness = geometries[shapes[record.shapeA].geometry].convex.radius +
                             geometries[shapes[record.shapeB].geometry].convex.radius;
+    // Impulses of another substep length are rescaled on their way through the record.
+    if (lastSubstep != context.h) return false;
     if (!record.collided || record.sensor || roundness > 0 || margin > record.collidedMargin + tuning::kReuse * size) return false;
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
     const Quat turn = conjugate(record.collidedAt.rotation) * bInA.rotation;

@@ -103,6 +103,7 @@ struct WorldImpl {
     void restoreContacts(std::uint32_t body);
     void wakeTouching(std::uint32_t body);
     void sleepBody(std::uint32_t body);
+    void noteSleep(std::uint32_t body, bool asleep);
 
     // world_events.cpp
     void publishEvents();
@@ -218,9 +219,9 @@ struct WorldImpl {
     std::pmr::vector<ContactEvent> begins, ends, sensorBegins, sensorEnds;
     std::pmr::vector<ContactEvent> endsBetweenSteps, sensorEndsBetweenSteps;  ///< by destroying; told by the next step
     bool stepping = false;
-    mutable std::mutex queryThreads, listsMutex;
+    mutable std::mutex listsMutex;
     std::pmr::vector<SurfaceEvent> surfaceEvents;
-    std::pmr::vector<SleepEvent> sleepEvents;
+    std::pmr::vector<SleepEvent> sleepEvents, sleepEventsBetweenSteps;
     std::pmr::vector<StepStats::Stage> stages;
     std::chrono::steady_clock::time_point stageStart, stepStart;
     double totalMs = 0;

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <mutex>
 #include <stdexcept>
 
 #include "world/shape_queries.h"
@@ -76,19 +75,13 @@ Hit World::castShape(const Shape& shape, const Quat& rotation, const Ray& path, 
 
 void World::castRays(std::span<const Ray> rays, std::span<Hit> results, const QueryFilter& filter) const {
     if (results.size() < rays.size()) throw std::invalid_argument("results has fewer elements than rays");
-    const auto castSome = [&](int begin, int end, int) {
+    // One batch at a time has the world's threads; others that come at once run where they are.
+    impl_->runner.parallelFor(static_cast<int>(rays.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const auto place = static_cast<std::size_t>(i);
             results[place] = castRayIn(*impl_, rays[place], filter);
         }
-    };
-    // One batch at a time has the world's threads; others that come at once run where they are.
-    const std::unique_lock<std::mutex> threads(impl_->queryThreads, std::try_to_lock);
-    const int count = static_cast<int>(rays.size());
-    if (threads.owns_lock())
-        impl_->runner.parallelFor(count, 64, castSome);
-    else
-        castSome(0, count, 0);
+    });
 }
 
 void World::overlap(const Shape& shape, const Pose& pose, const std::function<bool(ShapeId)>& visit,

@@ -199,6 +199,7 @@ void WorldImpl::forgetDerived() {
     sensorEnds.clear();
     surfaceEvents.clear();
     sleepEvents.clear();
+    sleepEventsBetweenSteps.clear();
     stages.clear();
 }
 

@@ -22,6 +22,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     context.pushOut = settings.pushOut / dt;
     context.restitutionSpeed = settings.restitutionSpeed * length(settings.gravity) * dt;
     context.loadShare = settings.loadCarrying;
+    context.gravity[0] = settings.gravity.x, context.gravity[1] = settings.gravity.y, context.gravity[2] = settings.gravity.z;
     jointContext = {h, substepRate, makeSoftness(settings.jointFrequency * substepRate, settings.jointDamping, h)};
 
     stages.clear();
@@ -248,6 +249,7 @@ void WorldImpl::clearEvents() {
     sensorEnds.swap(sensorEndsBetweenSteps);
     surfaceEvents.clear();
     sleepEvents.clear();
+    sleepEvents.swap(sleepEventsBetweenSteps);
 }
 
 void WorldImpl::beginStage(const char* name) {
