@@ -235,7 +235,11 @@ private:
 RagdollDef makeRagdoll(const Skeleton& skeleton, const RagdollOptions& options) {
     if (const std::string problem = whyInvalid(options); !problem.empty())
         throw std::invalid_argument("ragdoll options: " + problem);
-    return Maker(skeleton, options).run();
+    RagdollDef def = Maker(skeleton, options).run();
+    // Skeletons far too small or too large for shapes, or too light for their number of parts.
+    if (const std::string problem = whyInvalid(def); !problem.empty())
+        throw std::invalid_argument("skeleton: gives no usable ragdoll: " + problem);
+    return def;
 }
 
 }  // namespace ragtop

@@ -37,8 +37,8 @@ struct Golden {
 constexpr Golden kGolden[] = {
     {0xa63103d43e3bafddu, 0x628536c704efed22u},  // tower
     {0xfdb4167d389d9181u, 0x0bc6641473723cc7u},  // wall
-    {0x126eb77229617851u, 0xada4f55645b4d02du},  // hills
-    {0xe7b4d342aed1ffe4u, 0xcd45446d3bd673fdu},  // bowl
+    {0xb1b8e9c50cca45a8u, 0x0bbbcdd5a678848au},  // hills
+    {0x79d78f2ce2282658u, 0x2242d6e46d70a121u},  // bowl
     {0x2a0243c1871388c8u, 0x1a514573089fa17bu},  // joints
     {0x8e67b8fc32fd4734u, 0xf2a9c59b17f1e6d1u},  // spinners
     {0x06c05199cac60e83u, 0x2026919a22c452e1u},  // house

@@ -189,6 +189,12 @@ TEST(MakeRagdoll, RefusesOptionsOutOfRange) {
     EXPECT_NE(message({.containedShare = 0.2f}), "");
 }
 
+TEST(MakeRagdoll, RefusesASkeletonTooSmallForShapes) {
+    HumanRig rig;
+    rig.transform({}, 1e-8f);
+    EXPECT_THROW(makeRagdoll(rig.skeleton), std::invalid_argument);
+}
+
 TEST(RagdollDef, SaysWhatIsWrong) {
     const HumanRig rig;
     const RagdollDef sound = makeRagdoll(rig.skeleton);

@@ -168,7 +168,8 @@ void prepareContacts(float* bundles, int begin, int end, const BodyArrays& array
 }
 
 /// The speed at which points that were not struck yet in this step will be: velocities are already those of the end of
-/// the substep, a fall through a gap s < |u| h ends a share t = s / |u| h of it in, so u⁻ = u − a h (1 − t).
+/// the substep, a fall through a gap s ends t = s / |u| h substeps in, so u⁻ = u − a h (1 − t). A point is struck up to two
+/// substeps ahead, because the relax pass lets velocities end a substep that would pass the surface in the next.
 template <int N>
 RAGTOP_INLINE void predictApproach(ContactBundle<N>& c, const SolverContext& context) {
     if (!any(c.field(contact::kRestitution) > 0.0f)) return;
@@ -185,10 +186,10 @@ RAGTOP_INLINE void predictApproach(ContactBundle<N>& c, const SolverContext& con
         const WideVec3<N> turned = (rotate(dqB, rB) - rB) - (rotate(dqA, rA) - rA);
         const Lanes<N> gap = max(c.field(pointField(j, contact::kSeparation)) + dot(c.normal, dp + turned), zero);
         const Lanes<N> speed = dot(c.normal, c.relativeVelocity(rA, rB));
-        const Lanes<N> share = min(divideOrZero(gap, max(-(speed * h), zero)), one);
+        const Lanes<N> substeps = min(divideOrZero(gap, max(-(speed * h), zero)), Lanes<N>(2.0f));
         const Mask<N> struck = c.field(pointField(j, contact::kPeak)) > 0.0f;
         const Lanes<N> before = c.field(pointField(j, contact::kApproach));
-        c.set(pointField(j, contact::kApproach), select(struck, before, speed - gain * (one - share)));
+        c.set(pointField(j, contact::kApproach), select(struck, before, speed - gain * (one - substeps)));
     }
 }
 

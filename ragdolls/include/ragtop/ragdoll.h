@@ -86,7 +86,8 @@ void describe(Visitor& visit, Self& self, const RagdollPart*) {
 }
 
 /// Fits capsules and boxes, masses, joints and limits to a skeleton; fingers, toes, twist bones and other small ones
-/// join the part before them. A human gets 16 parts. Throws std::invalid_argument on a bad skeleton or option.
+/// join the part before them. A human gets 16 parts. Throws std::invalid_argument on a bad skeleton or option,
+/// or where a part would be too small, large or light for a shape or a body.
 RagdollDef makeRagdoll(const Skeleton& skeleton, const RagdollOptions& options = {});
 
 /// Empty when the definition is usable; otherwise names the part or joint, its value and what is allowed.
