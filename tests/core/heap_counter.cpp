@@ -26,6 +26,13 @@ void* operator new(std::size_t size) { return countedAllocate(size, __STDCPP_DEF
 void* operator new(std::size_t size, std::align_val_t alignment) {
     return countedAllocate(size, static_cast<std::size_t>(alignment));
 }
+// The standard library's would call the above; a sanitizer's would not, and then meet our delete.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept try {
+    return countedAllocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
+} catch (const std::bad_alloc&) {
+    return nullptr;
+}
+void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
