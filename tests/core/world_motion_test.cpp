@@ -125,64 +125,6 @@ TEST(WorldMotion, AnImpulseChangesBothMomenta) {
     EXPECT_LT(length(angularMomentum(world, box) - l - Vec3{1, 0, 0}), 1e-5f * length(impulse));
 }
 
-struct Spin {
-    Vec3 axis;
-    float speed;
-};
-
-class WorldFreeRotation : public ::testing::TestWithParam<Spin> {};
-
-// The splitting turns the momentum by exact rotations, so |L| and its direction change by rounding alone: each of the
-// n rotations rounds by about ε in a random direction, √n ε in all; rounding with a bias gives at most n ε. 60 s make
-// n = 14,400 substeps of up to 5 rotations. Energy oscillates by the splitting error, (|ω| h)² / 12 with
-// |ω| h ≤ 0.15: 2e-3, and does not drift.
-TEST_P(WorldFreeRotation, KeepsAngularMomentumAndEnergy) {
-    World world(withoutGravity());
-    BodyDef def = bodyDef(Box{{0.5f, 0.3f, 0.1f}}, {});
-    // A little off the axis, so that rotation about the middle one tumbles.
-    def.angularVelocity = GetParam().speed * normalized(GetParam().axis + Vec3{1e-3f, 1e-3f, 1e-3f});
-    const BodyId box = world.create(def);
-    const Vec3 start = angularMomentum(world, box);
-    const double energy = world.energy();
-    float worst = 0;
-    double worstEnergy = 0;
-    run(world, 60, kDt, [&] {
-        worst = std::max(worst, length(angularMomentum(world, box) - start) / length(start));
-        worstEnergy = std::max(worstEnergy, std::abs(world.energy() - energy) / energy);
-    });
-    EXPECT_LT(worst, 1e-3f);
-    EXPECT_LT(worstEnergy, 2e-3);
-    RecordProperty("momentum", std::to_string(worst));
-    RecordProperty("energy", std::to_string(worstEnergy));
-}
-
-INSTANTIATE_TEST_SUITE_P(Axes, WorldFreeRotation,
-                         ::testing::Values(Spin{{1, 0, 0}, 10}, Spin{{0, 1, 0}, 10}, Spin{{0, 0, 1}, 10},
-                                           Spin{{1, 0, 0}, 30}, Spin{{0, 1, 0}, 30}, Spin{{0, 0, 1}, 30}));
-
-// About its long and its short axis a body keeps turning; about the middle one it tumbles over
-// (Dzhanibekov; Landau and Lifshitz, Mechanics, § 37).
-TEST(WorldMotion, OnlyTheMiddleAxisIsUnstable) {
-    for (int axis = 0; axis < 3; ++axis) {
-        World world(withoutGravity());
-        BodyDef def = bodyDef(Box{{0.5f, 0.3f, 0.1f}}, {});
-        Vec3 w{1e-3f, 1e-3f, 1e-3f};
-        w[axis] = 10;
-        def.angularVelocity = w;
-        const BodyId box = world.create(def);
-        float least = 1;
-        run(world, 20, kDt, [&] {
-            const Vec3 inBody = inverseRotate(world.pose(box).rotation, world.angularVelocity(box));
-            least = std::min(least, inBody[axis] / 10);
-        });
-        // Principal moments order x < y < z for half extents 0.5, 0.3, 0.1.
-        if (axis == 1)
-            EXPECT_LT(least, -0.9f);
-        else
-            EXPECT_GT(least, 0.99f);
-    }
-}
-
 // Impulses are equal and opposite to rounding, whatever the solver does.
 TEST(WorldMotion, AFreeCollisionKeepsMomentum) {
     World world(withoutGravity());

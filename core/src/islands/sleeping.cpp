@@ -85,6 +85,7 @@ void WorldImpl::sleepBody(std::uint32_t index) {
     body.awakeIndex = kNone;
     states[index].v = states[index].w = {};
     histories[index].velocityBefore = histories[index].lastChange = {};
+    noteMomentum(index);
     for (std::uint32_t key = body.firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
         const std::uint32_t c = key >> 1;
         const ContactRecord& contact = contacts[c];

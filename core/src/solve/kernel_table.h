@@ -20,14 +20,16 @@ struct alignas(64) BodyDynamics {
 };
 static_assert(sizeof(BodyDynamics) == 64);
 
-/// What a body remembers within and between substeps.
+/// What a body remembers within and between substeps. The momentum belongs to the angular velocity `turning`; what the
+/// velocity has changed since then is added to it, so that a body on which no torque acts keeps it to the bit.
 struct alignas(64) BodyHistory {
     Vec3 velocityBefore;      ///< m/s at the beginning of the substep
-    float pad0 = 0;
+    float turningX = 0;       ///< rad/s, angular velocity at the end of the last substep
     Vec3 lastChange;          ///< m/s, change of velocity over the substep before
-    float pad1 = 0;
+    float turningY = 0;
     Quat rotation;            ///< principal axes to world, at the beginning of the step
-    float pad2[4] = {0, 0, 0, 0};
+    Vec3 momentum;            ///< kg m²/s about the centre of mass, world axes; zero where `spins` is
+    float turningZ = 0;
 };
 static_assert(sizeof(BodyHistory) == 64);
 

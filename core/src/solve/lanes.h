@@ -59,6 +59,7 @@ template <int N> RAGTOP_INLINE Lanes<N> operator/(float a, Lanes<N> b) { return 
 template <int N> RAGTOP_INLINE Lanes<N> operator-(Lanes<N> a) { return -a.v; }
 template <int N> RAGTOP_INLINE Mask<N> operator>(Lanes<N> a, Lanes<N> b) { return {a.v > b.v}; }
 template <int N> RAGTOP_INLINE Mask<N> operator<(Lanes<N> a, Lanes<N> b) { return {a.v < b.v}; }
+template <int N> RAGTOP_INLINE Mask<N> operator<=(Lanes<N> a, Lanes<N> b) { return {a.v <= b.v}; }
 template <int N> RAGTOP_INLINE Mask<N> operator>(Lanes<N> a, float b) { return {a.v > b}; }
 template <int N> RAGTOP_INLINE Mask<N> operator<(Lanes<N> a, float b) { return {a.v < b}; }
 template <int N> RAGTOP_INLINE Mask<N> operator&(Mask<N> a, Mask<N> b) { return {a.v & b.v}; }
@@ -207,6 +208,10 @@ template <int N> RAGTOP_INLINE WideVec3<N> operator-(const WideVec3<N>& a, const
 template <int N> RAGTOP_INLINE WideVec3<N> operator-(const WideVec3<N>& a) { return {-a.x, -a.y, -a.z}; }
 template <int N> RAGTOP_INLINE WideVec3<N> operator*(Lanes<N> s, const WideVec3<N>& a) {
     return {s * a.x, s * a.y, s * a.z};
+}
+/// Component by component.
+template <int N> RAGTOP_INLINE WideVec3<N> times(const WideVec3<N>& a, const WideVec3<N>& b) {
+    return {a.x * b.x, a.y * b.y, a.z * b.z};
 }
 template <int N> RAGTOP_INLINE Lanes<N> dot(const WideVec3<N>& a, const WideVec3<N>& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;

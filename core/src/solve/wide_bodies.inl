@@ -89,30 +89,28 @@ RAGTOP_INLINE WideQuat<N> normalized(const WideQuat<N>& q) {
     return {q.x * norm, q.y * norm, q.z * norm, q.w * norm};
 }
 
-/// `a` with the length of `b`, which it has but for rounding. Squares are of shares of b, so that none underflows.
+/// sin x / x and cos x as series in x², for angles that the caller keeps small.
 template <int N>
-RAGTOP_INLINE WideVec3<N> withLengthOf(const WideVec3<N>& b, const WideVec3<N>& a) {
-    const Lanes<N> largest = max(max(max(b.x, -b.x), max(b.y, -b.y)), max(b.z, -b.z));
-    const Lanes<N> unit = divideOrZero(Lanes<N>(1.0f), largest);
-    const WideVec3<N> to = unit * b, from = unit * a;
-    return sqrt(divideOrZero(dot(to, to), dot(from, from))) * a;
+RAGTOP_INLINE Lanes<N> sineRatio(Lanes<N> x2) {
+    return 1.0f - (1.0f / 6) * x2 * (1.0f - (1.0f / 20) * x2 * (1.0f - (1.0f / 42) * x2));
+}
+template <int N>
+RAGTOP_INLINE Lanes<N> cosine(Lanes<N> x2) {
+    return 1.0f - 0.5f * x2 * (1.0f - (1.0f / 12) * x2 * (1.0f - (1.0f / 30) * x2 * (1.0f - (1.0f / 56) * x2)));
 }
 
-/// One factor of the splitting: the body turns by a = t pᵢ/Iᵢ about its axis i, so its momentum p, seen from the body,
-/// turns back, and q ← q · (axis i, a). Series in a/2, which the caller keeps small.
+/// One factor of the splitting: the body turns by a = t αᵢ pᵢ about its axis i, so its momentum p, seen from the body,
+/// turns back, and q ← q · (axis i, a).
 template <int N>
-RAGTOP_INLINE void turnAboutAxis(Lanes<N> t, Lanes<N> pi, Lanes<N> inverseInertia, Lanes<N>& pj, Lanes<N>& pk,
-                                 Lanes<N>& qi, Lanes<N>& qj, Lanes<N>& qk, Lanes<N>& qw) {
-    const Lanes<N> x = 0.5f * (t * pi * inverseInertia);
-    const Lanes<N> x2 = x * x;
-    const Lanes<N> s = x * (1.0f - (1.0f / 6) * x2 * (1.0f - (1.0f / 20) * x2 * (1.0f - (1.0f / 42) * x2)));
-    const Lanes<N> c =
-        1.0f - 0.5f * x2 * (1.0f - (1.0f / 12) * x2 * (1.0f - (1.0f / 30) * x2 * (1.0f - (1.0f / 56) * x2)));
-    const Lanes<N> sine = 2.0f * (s * c), cosine = 1.0f - 2.0f * (s * s);
+RAGTOP_INLINE void turnAboutAxis(Lanes<N> t, Lanes<N> pi, Lanes<N> alpha, Lanes<N>& pj, Lanes<N>& pk, Lanes<N>& qi,
+                                 Lanes<N>& qj, Lanes<N>& qk, Lanes<N>& qw) {
+    const Lanes<N> x = 0.5f * (t * pi * alpha), x2 = x * x;
+    const Lanes<N> s = x * sineRatio(x2), c = cosine(x2);
+    const Lanes<N> sine = 2.0f * (s * c), versine = 2.0f * (s * s);
 
     const Lanes<N> j = pj, k = pk;
-    pj = cosine * j + sine * k;
-    pk = cosine * k - sine * j;
+    pj = j + (sine * k - versine * j);
+    pk = k - (sine * j + versine * k);
 
     // q · (s eᵢ + c):  (i, j, k) is an even permutation of (x, y, z)
     const Lanes<N> i0 = qi, j0 = qj, k0 = qk, w0 = qw;
@@ -122,28 +120,67 @@ RAGTOP_INLINE void turnAboutAxis(Lanes<N> t, Lanes<N> pi, Lanes<N> inverseInerti
     qw = c * w0 - s * i0;
 }
 
-/// Free rotation over h: symmetric splitting into five single-axis rotations of the momentum, exact in L and nearly so
-/// in energy [Dullweber, Leimkuhler, McLachlan 1997]; rotor substeps keep |ω| h below 0.15.
+/// The cyclic exchange of axes that puts the middle moment on y, and back.
 template <int N>
-RAGTOP_INLINE void rotateFreely(WideQuat<N>& q, WideVec3<N> p, const WideVec3<N>& inverseInertia, Lanes<N> speed, float h) {
+struct MiddleAxis {
+    Mask<N> isX, isZ;
+
+    RAGTOP_INLINE explicit MiddleAxis(const WideVec3<N>& d) {
+        isX = middle(d.x, d.y, d.z);
+        isZ = middle(d.z, d.x, d.y);
+    }
+    static RAGTOP_INLINE Mask<N> middle(Lanes<N> a, Lanes<N> b, Lanes<N> c) {
+        return ((b <= a) & (a <= c)) | ((c <= a) & (a <= b));
+    }
+    RAGTOP_INLINE WideVec3<N> toY(const WideVec3<N>& v) const {
+        return select(isX, WideVec3<N>{v.z, v.x, v.y}, select(isZ, WideVec3<N>{v.y, v.z, v.x}, v));
+    }
+    RAGTOP_INLINE WideVec3<N> back(const WideVec3<N>& v) const {
+        return select(isX, WideVec3<N>{v.y, v.z, v.x}, select(isZ, WideVec3<N>{v.z, v.x, v.y}, v));
+    }
+};
+
+/// Free rotation of a body of momentum `world` over h. The energy Σ pᵢ²/2Iᵢ is split as
+///   |p|²/2I₂  +  α₁ p₁²/2  +  α₃ p₃²/2,   αᵢ = 1/Iᵢ − 1/I₂,   I₂ the middle moment.
+/// The first part turns the body about its momentum and commutes with the others, so it is exact; those are turns about
+/// single axes, taken symmetrically [Dullweber, Leimkuhler, McLachlan 1997]. A symmetric body has one α alone and is
+/// exact as a whole. The error in energy goes with h² |L|² α₁ α₃ max(α) I₂: rotor steps of h keep its root below 0.04,
+/// and every angle below one.
+template <int N>
+RAGTOP_INLINE void rotateFreely(WideQuat<N>& q, const WideVec3<N>& world, const WideVec3<N>& inverseInertia,
+                                float h) {
     typedef typename Mask<N>::V Int;
-    const Lanes<N> wanted = min(speed * Lanes<N>(h * (1.0f / 0.15f)), Lanes<N>(63.0f));
+    const MiddleAxis<N> axes(inverseInertia);
+    const WideVec3<N> inverse = axes.toY(inverseInertia);
+    const Lanes<N> alpha1 = inverse.x - inverse.y, alpha3 = inverse.z - inverse.y;
+    WideVec3<N> p = axes.toY(inverseRotate(q, world));
+    const WideVec3<N> exchanged = axes.toY({q.x, q.y, q.z});
+    WideQuat<N> u{exchanged.x, exchanged.y, exchanged.z, q.w};
+
+    const Lanes<N> size1 = max(alpha1, -alpha1), size3 = max(alpha3, -alpha3), largest = max(size1, size3);
+    constexpr float kError = 1.0f / 0.04f, kMaxSteps = 511;
+    const Lanes<N> accuracy = (kError * kError) * (size1 * size3 * largest / inverse.y);
+    const Lanes<N> angle = max(largest, inverse.y);
+    const Lanes<N> wanted = min(h * sqrt(dot(world, world) * max(accuracy, angle * angle)), Lanes<N>(kMaxSteps));
     const Int count = __builtin_convertvector(wanted.v, Int) + 1;
     const Lanes<N> step = Lanes<N>(h) / Lanes<N>(__builtin_convertvector(count, typename Lanes<N>::V));
     const Lanes<N> half = 0.5f * step;
+    const WideVec3<N> halfTurn = (half * inverse.y) * axes.toY(world);
+    const Lanes<N> squared = dot(halfTurn, halfTurn), ratio = sineRatio(squared);
+    const WideQuat<N> turn{ratio * halfTurn.x, ratio * halfTurn.y, ratio * halfTurn.z, cosine(squared)};
     for (int i = 0; any(Mask<N>{count > i}); ++i) {
         WideVec3<N> m = p;
-        WideQuat<N> r = q;
-        turnAboutAxis(half, m.x, inverseInertia.x, m.y, m.z, r.x, r.y, r.z, r.w);
-        turnAboutAxis(half, m.y, inverseInertia.y, m.z, m.x, r.y, r.z, r.x, r.w);
-        turnAboutAxis(step, m.z, inverseInertia.z, m.x, m.y, r.z, r.x, r.y, r.w);
-        turnAboutAxis(half, m.y, inverseInertia.y, m.z, m.x, r.y, r.z, r.x, r.w);
-        turnAboutAxis(half, m.x, inverseInertia.x, m.y, m.z, r.x, r.y, r.z, r.w);
+        WideQuat<N> r = u;
+        turnAboutAxis(half, m.x, alpha1, m.y, m.z, r.x, r.y, r.z, r.w);
+        turnAboutAxis(step, m.z, alpha3, m.x, m.y, r.z, r.x, r.y, r.w);
+        turnAboutAxis(half, m.x, alpha1, m.y, m.z, r.x, r.y, r.z, r.w);
+        r = turn * r;
         const Mask<N> active{count > i};
         p = select(active, m, p);
-        q = {select(active, r.x, q.x), select(active, r.y, q.y), select(active, r.z, q.z), select(active, r.w, q.w)};
+        u = {select(active, r.x, u.x), select(active, r.y, u.y), select(active, r.z, u.z), select(active, r.w, u.w)};
     }
-    q = normalized(q);
+    const WideVec3<N> axis = axes.back({u.x, u.y, u.z});
+    q = normalized(WideQuat<N>{axis.x, axis.y, axis.z, u.w});
 }
 
 /// R diag(d) Rᵀ
@@ -187,19 +224,19 @@ void integratePositions(const BodyArrays& arrays, const std::uint32_t* bodies, i
         const WideQuat<N> q0{start[0], start[1], start[2], start[3]};
         WideQuat<N> q = normalized(WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * q0);
         const WideVec3<N> moments{rates[0], rates[1], rates[2]}, inverse{rates[4], rates[5], rates[6]};
-        const WideVec3<N> wBody = withLengthOf(w, inverseRotate(q, w));
-        const WideVec3<N> momentum{moments.x * wBody.x, moments.y * wBody.y, moments.z * wBody.z};
-        const WideVec3<N> momentumWorld = rotate(q, momentum);
-        rotateFreely(q, momentum, inverse, sqrt(dot(w, w)), h);
+        const WideVec3<N> turned = inverseRotate(q, w - WideVec3<N>{memory[3], memory[7], start[7]});
+        const WideVec3<N> gained = rotate(q, times(moments, turned));
+        const WideVec3<N> momentum = WideVec3<N>{start[4], start[5], start[6]} + gained;
+        rotateFreely(q, momentum, inverse, h);
 
-        const WideVec3<N> after = withLengthOf(momentum, inverseRotate(q, momentumWorld));
         const Mask<N> spins = forces[3] > 0.0f;
-        const WideVec3<N> wNew =
-            select(spins, rotate(q, WideVec3<N>{after.x / moments.x, after.y / moments.y, after.z / moments.z}), w);
+        const WideVec3<N> wNew = select(spins, rotate(q, times(inverse, inverseRotate(q, momentum))), w);
         const WideQuat<N> dq = q * WideQuat<N>{-q0.x, -q0.y, -q0.z, q0.w};
         const SymmetricMatrix<N> inverseWorld = rotated(q, inverse);
 
         state[4] = wNew.x, state[5] = wNew.y, state[6] = wNew.z;
+        memory[3] = wNew.x, memory[7] = wNew.y, start[7] = wNew.z;
+        start[4] = momentum.x, start[5] = momentum.y, start[6] = momentum.z;
         pose[0] = dp.x, pose[1] = dp.y, pose[2] = dp.z;
         pose[4] = dq.x, pose[5] = dq.y, pose[6] = dq.z, pose[7] = dq.w;
         inertia[0] = select(spins, inverseWorld.xx, inertia[0]);
@@ -210,6 +247,8 @@ void integratePositions(const BodyArrays& arrays, const std::uint32_t* bodies, i
         inertia[5] = select(spins, inverseWorld.zz, inertia[5]);
         rows.scatter(arrays.states, 0, state);
         rows.scatter(arrays.states, 8, pose);
+        rows.scatter(arrays.history, 0, memory);
+        rows.scatter(arrays.history, 8, start);
         rows.scatter(arrays.inertia, 0, inertia);
     }
 }

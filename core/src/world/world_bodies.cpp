@@ -168,6 +168,7 @@ void WorldImpl::resetSolverState(std::uint32_t index) {
     if (isDynamic) obeyLocks(index);
     // Free flight is the best guess for a body without a past; only the direction counts, any step fits.
     histories[index].velocityBefore = isDynamic ? state.v - 1e12f * settings.gravity : state.v;
+    noteMomentum(index);
     if (!turns) {
         restrictInertia(index);
         return;
@@ -176,6 +177,15 @@ void WorldImpl::resetSolverState(std::uint32_t index) {
     const Vec3 i = d.inverseInertia;
     const Mat3 m = r * Mat3{i.x * Vec3{1, 0, 0}, i.y * Vec3{0, 1, 0}, i.z * Vec3{0, 0, 1}} * transpose(r);
     inertias[index] = {m.cx.x, m.cy.x, m.cz.x, m.cy.y, m.cz.y, m.cz.z};
+}
+
+/// The angular momentum that belongs to the velocity and rotation of now.
+void WorldImpl::noteMomentum(std::uint32_t index) {
+    const Vec3 w = states[index].w;
+    const Quat& q = bodies[index].rotation;
+    BodyHistory& history = histories[index];
+    history.turningX = w.x, history.turningY = w.y, history.turningZ = w.z;
+    history.momentum = rotate(q, scale(dynamics[index].inertia, inverseRotate(q, w)));
 }
 
 /// Takes the movements that locks forbid out of a velocity that was given.

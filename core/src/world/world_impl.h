@@ -90,6 +90,10 @@ struct WorldImpl {
     const Material& materialAt(const ShapeRecord& shape, std::uint32_t triangle) const;
     PairInfo pairInfo(const ContactRecord& contact) const;
 
+    // world_assemblies.cpp
+    void findAssemblies();
+    void moveAssemblies();
+
     // world_continuous.cpp
     void sweepFastBodies();
     void sweepBody(std::uint32_t body, const DVec3& fromCenter, const Quat& fromRotation);
@@ -121,6 +125,7 @@ struct WorldImpl {
     std::uint32_t geometryIndex(const Shape& shape);
     void setMass(std::uint32_t body, const BodyDef& def);
     void resetSolverState(std::uint32_t body);
+    void noteMomentum(std::uint32_t body);
     void obeyLocks(std::uint32_t body);
     void setVelocity(std::uint32_t body, const Vec3& linear, const Vec3& angular);
     void refreshBounds(std::uint32_t body);
@@ -197,6 +202,8 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> islandParent;   ///< union-find over bodies
     AlignedArray<float> islandQuiet;            ///< s, of the least quiet body of a root
     AlignedArray<std::uint32_t> bodyStack;
+    AlignedArray<std::uint32_t> assemblyParent, assemblyPlace;    ///< per body, of those awake; 0: held by the world
+    AlignedArray<std::uint32_t> assemblyBodies, assemblyStarts;   ///< members of each assembly, one after the other
     AlignedArray<std::uint8_t> bodyFlags;          ///< per awake body, set by finishBodies
     struct PairFound {
         std::uint32_t a, b;

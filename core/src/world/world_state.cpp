@@ -255,6 +255,7 @@ std::uint64_t WorldImpl::hash() const {
         digest.add(body.rotation);
         digest.add(states[i].v);
         digest.add(states[i].w);
+        digest.add(histories[i].momentum);
         digest.add(body.force);
         digest.add(body.torque);
         digest.add(body.sleepTimer);

@@ -42,6 +42,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         applyContactChanges();
         beginStage("prepare");
         prepareBodies();
+        findAssemblies();
         prepareConstraints();
         beginStage("solve");
         for (int i = 0; i < settings.substeps; ++i) solveSubstep(world);
@@ -72,6 +73,7 @@ void WorldImpl::solveSubstep(World& world) {
     integrateVelocities();
     warmStart();
     solve(true);
+    moveAssemblies();
     integratePositions();
     solve(false);
 }
@@ -88,6 +90,7 @@ void WorldImpl::prepareBodies() {
             d.acceleration = inverseMass > 0 ? body.gravityScale * settings.gravity + inverseMass * body.force : Vec3{};
             d.torque = body.torque;
             // The forces of joints turn with the bodies: taking them for smooth would feed energy into every swing.
+            // What joined bodies have in common is smooth, and is theirs by moveAssemblies.
             d.translates = inverseMass > 0 && body.firstJoint == kNone ? 1.0f : 0.0f;
             body.force = {};
             body.torque = {};

@@ -1,0 +1,82 @@
+#include "world/world_impl.h"
+
+/// Bodies that joints hold together, and nothing else holds: they fly as one body does.
+namespace ragtop {
+
+namespace {
+
+std::uint32_t rootOf(AlignedArray<std::uint32_t>& parent, std::uint32_t body) {
+    while (parent[body] != body) {
+        parent[body] = parent[parent[body]];
+        body = parent[body];
+    }
+    return body;
+}
+
+}  // namespace
+
+/// Groups the bodies of this step's joints. State 0 stands for all that does not move: what is joined to it swings, and
+/// is left out, as is what moves along some axes only.
+void WorldImpl::findAssemblies() {
+    assemblyBodies.clear();
+    assemblyStarts.clear();
+    bool joined = false;
+    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) joined |= !graph.color(c).joints.empty();
+    if (!joined) return;
+    assemblyParent.resizeForOverwrite(bodies.size());
+    assemblyParent[0] = 0;
+    for (const std::uint32_t body : awakeBodies) assemblyParent[body] = states[body].locks != 0 ? 0 : body;
+    const auto place = [&](std::uint32_t body) { return moves(body) ? rootOf(assemblyParent, body) : 0u; };
+    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c)
+        for (const std::uint32_t joint : graph.color(c).joints) {
+            const std::uint32_t a = place(joints[joint].bodyA), b = place(joints[joint].bodyB);
+            // The lower index becomes the root, so that what does not move wins.
+            assemblyParent[a < b ? b : a] = a < b ? a : b;
+        }
+    // Counts, then places, per root in the order of the list of awake bodies.
+    assemblyPlace.resizeForOverwrite(bodies.size());
+    for (const std::uint32_t body : awakeBodies) assemblyPlace[body] = 0;
+    const auto rootOfMember = [&](std::uint32_t body) { return bodies[body].firstJoint != kNone ? place(body) : 0u; };
+    for (const std::uint32_t body : awakeBodies)
+        if (const std::uint32_t root = rootOfMember(body); root != 0) ++assemblyPlace[root];
+    std::uint32_t total = 0;
+    for (const std::uint32_t body : awakeBodies) {
+        const std::uint32_t count = assemblyPlace[body];
+        if (count == 0) continue;
+        assemblyStarts.push(total);
+        assemblyPlace[body] = total;
+        total += count;
+    }
+    assemblyStarts.push(total);
+    assemblyBodies.resizeForOverwrite(total);
+    for (const std::uint32_t body : awakeBodies)
+        if (const std::uint32_t root = rootOfMember(body); root != 0) assemblyBodies[assemblyPlace[root]++] = body;
+}
+
+/// The position map of integratePositions for the common motion of each assembly: its centre of mass moves by h v − ½ h² a
+/// with the smooth part of its acceleration, and all its bodies alike, so that no joint is strained.
+void WorldImpl::moveAssemblies() {
+    const int count = assemblyStarts.empty() ? 0 : static_cast<int>(assemblyStarts.size()) - 1;
+    runner.parallelFor(count, 16, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            const std::uint32_t first = assemblyStarts[static_cast<std::size_t>(i)];
+            const std::uint32_t last = assemblyStarts[static_cast<std::size_t>(i) + 1];
+            float mass = 0;
+            Vec3 now, before;
+            for (std::uint32_t k = first; k < last; ++k) {
+                const std::uint32_t body = assemblyBodies[k];
+                const float m = bodies[body].mass;
+                mass += m;
+                now += m * (states[body].v - histories[body].velocityBefore);
+                before += m * histories[body].lastChange;
+            }
+            const float square = lengthSquared(now), along = dot(before, now);
+            if (!(square > 0) || !(along > 0)) continue;
+            const float share = along < square ? along / square : 1.0f;
+            const Vec3 smooth = (0.5f * context.h * share / mass) * now;
+            for (std::uint32_t k = first; k < last; ++k) states[assemblyBodies[k]].dp -= smooth;
+        }
+    });
+}
+
+}  // namespace ragtop
