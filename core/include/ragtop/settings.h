@@ -22,6 +22,7 @@ struct WorldSettings {
     float jointDamping = 2.0f;          ///< damping ratio of joints
     float loadCarrying = 0.002f;         ///< share of a contact's load carried into the next step's rest point
     float pushOut = 0.1f;               ///< largest speed of recovery from overlap, in sizes per step
+    bool sequentialFriction = false;    ///< friction after all normal forces instead of beside each
     float restitutionSpeed = 2.0f;      ///< slowest impact that bounces, in speeds gravity gives per step
     float sleepTime = 0.5f;             ///< s at rest before an island sleeps
     float sleepSpeed = 0.02f;           ///< at rest below this, times √(gravity · size)
@@ -45,6 +46,8 @@ void describe(Visitor& visit, Self& self, const WorldSettings*) {
     visit(Tunable{"loadCarrying", "1", 0, 0.05, "share of a contact's load carried into its rest point per step"},
           self.loadCarrying);
     visit(Tunable{"pushOut", "sizes/step", 0.001, 10, "largest speed of recovery from overlap"}, self.pushOut);
+    visit(Tunable{"sequentialFriction", "", 0, 1, "friction after all normal forces instead of beside each"},
+          self.sequentialFriction);
     visit(Tunable{"restitutionSpeed", "g·step", 0, 1000, "slowest impact that bounces"}, self.restitutionSpeed);
     visit(Tunable{"sleepTime", "s", 0, 1000, "time at rest before an island sleeps"}, self.sleepTime);
     visit(Tunable{"sleepSpeed", "√(g·size)", 0, 10, "an island below this speed is at rest"}, self.sleepSpeed);

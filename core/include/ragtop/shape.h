@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -12,12 +14,26 @@
 /// Shapes are values. Those with much data (hull, mesh, height field) share it, immutable, between copies.
 namespace ragtop {
 
-/// What a surface does to what touches it. Two surfaces meet with the geometric mean of their frictions, the larger
-/// restitution, the larger rolling resistance and the difference of their surface velocities.
+/// How a number of two surfaces that meet is made of theirs. Where they ask for different rules, the later one holds.
+enum class CombineRule : std::uint8_t { geometricMean, average, minimum, product, maximum };
+constexpr std::array<std::string_view, 5> enumNames(CombineRule) {
+    return {"geometricMean", "average", "minimum", "product", "maximum"};
+}
+float combined(CombineRule a, float valueA, CombineRule b, float valueB);
+
+/// What a surface does to what touches it. Two surfaces meet with frictions and restitutions as their rules combine them,
+/// the larger rolling and spinning resistance, the difference of their surface velocities, and the grain of the one
+/// whose friction depends more on direction.
 struct Material {
-    float friction = 0.6f;           ///< Coulomb coefficient, static and dynamic alike
+    float friction = 0.6f;           ///< Coulomb coefficient at rest, along the grain where there is one
+    float slidingShare = 1.0f;       ///< the coefficient while sliding over that at rest
+    Vec3 grain{};                    ///< direction in the body's frame; zero: no grain
+    float crossFriction = 1.0f;      ///< the coefficient across the grain over that along it
     float restitution = 0.0f;        ///< speed after over speed before an impact
     float rollingResistance = 0.0f;  ///< resisting moment over normal force, m
+    float spinningResistance = 0.0f; ///< the same about the normal, for contacts at a point, m
+    CombineRule frictionRule = CombineRule::geometricMean;
+    CombineRule restitutionRule = CombineRule::maximum;
     Vec3 surfaceVelocity{};            ///< m/s in the body's frame; a conveyor belt
     std::uint32_t surface = 0;       ///< the caller's name for the surface, handed on in events
     bool operator==(const Material&) const = default;
@@ -25,9 +41,17 @@ struct Material {
 
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const Material*) {
-    visit(Tunable{"friction", "1", 0, 10, "Coulomb coefficient, static and dynamic alike"}, self.friction);
+    visit(Tunable{"friction", "1", 0, 10, "Coulomb coefficient at rest, along the grain"}, self.friction);
+    visit(Tunable{"slidingShare", "1", 0, 1, "coefficient while sliding over that at rest"}, self.slidingShare);
+    visit(Tunable{"grain", "1", -1e5, 1e5, "direction in the body's frame; zero: none"}, self.grain);
+    visit(Tunable{"crossFriction", "1", 0.01, 100, "coefficient across the grain over that along it"},
+          self.crossFriction);
     visit(Tunable{"restitution", "1", 0, 1, "speed after over speed before an impact"}, self.restitution);
     visit(Tunable{"rollingResistance", "m", 0, 1, "resisting moment over normal force"}, self.rollingResistance);
+    visit(Tunable{"spinningResistance", "m", 0, 1, "resisting moment about the normal over normal force"},
+          self.spinningResistance);
+    visit(Tunable{"frictionRule", "", 0, 0, "how the coefficient is made of two surfaces'"}, self.frictionRule);
+    visit(Tunable{"restitutionRule", "", 0, 0, "how restitution is made of two surfaces'"}, self.restitutionRule);
     visit(Tunable{"surfaceVelocity", "m/s", -1000, 1000, "velocity of the surface in the body's frame"},
           self.surfaceVelocity);
     visit(Tunable{"surface", "", 0, 4294967295.0, "the caller's name for the surface"}, self.surface);

@@ -40,7 +40,9 @@ struct PairInfo {
 };
 /// What a modify callback may change in a contact before it is solved.
 struct ContactSurface {
-    float friction = 0, restitution = 0, rollingResistance = 0;
+    float friction = 0, slidingShare = 1, restitution = 0, rollingResistance = 0, spinningResistance = 0;
+    Vec3 grain;               ///< world axes, of any length; zero: none
+    float crossFriction = 1;  ///< the coefficient across the grain over that along it, above zero
     Vec3 surfaceVelocity;  ///< m/s, of B's surface relative to A's beyond the bodies' motion, world axes
     bool enabled = true;
 };

@@ -21,7 +21,8 @@ Distance distance(const TriangleView& a, const ConvexView& b, const Frame& bInA)
 struct SweepHit {
     bool hit = false;
     float fraction = 1;
-    Vec3 point, normal;  ///< on A; normal from A towards B
+    Vec3 point, normal;    ///< on A; normal from A towards B
+    bool overlap = false;  ///< the cores overlap from the beginning: there is no normal
 };
 
 /// B translates by `translation` from bInA without turning (conservative advancement). Fraction 0 when it starts in

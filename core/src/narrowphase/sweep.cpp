@@ -82,6 +82,7 @@ SweepHit timeOfImpactAny(const ShapeA& a, const ConvexView& b, const Frame& star
         out.normal = d.normal;
         if (d.distance <= touch) {
             out.hit = true;
+            out.overlap = d.coresOverlap;
             out.fraction = t;
             return out;
         }

@@ -46,8 +46,10 @@ struct SolverContext {
     Softness soft, softStatic;   ///< of contacts between moving bodies, and with static ones
     float pushOut = 0;           ///< m/s per m of size
     float restitutionSpeed = 0;  ///< m/s
-    float gravity[3] = {0, 0, 0};  ///< m/s²
     float loadShare = 0;         ///< λ̂ ← λ̂ + share (λ − λ̂) per step
+    float elapsed = 0;           ///< s of this step that positions have moved by
+    bool lastSubstep = false;
+    bool normals = true, friction = true;  ///< the rows that a pass solves
 };
 
 /// Wide kernels of one instruction set and lane count. Bundle ranges are in bundles, body ranges in entries of a list
@@ -57,11 +59,13 @@ struct KernelTable {
     int lanes;
     void (*integrateVelocities)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end, const SolverContext&);
     void (*integratePositions)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end, const SolverContext&);
-    void (*prepareContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
+    /// True if any contact has restitution.
+    bool (*prepareContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
+    /// Reflects what will meet within this substep; true if anything did.
+    bool (*bounceContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     void (*warmStartContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     void (*solveContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     void (*relaxContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
-    void (*applyRestitution)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
 };
 
 /// The fastest table of `lanes` (4, 8, 16) lanes that this processor runs, or for 0 lanes the fastest of all.

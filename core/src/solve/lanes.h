@@ -62,6 +62,7 @@ template <int N> RAGTOP_INLINE Mask<N> operator<(Lanes<N> a, Lanes<N> b) { retur
 template <int N> RAGTOP_INLINE Mask<N> operator<=(Lanes<N> a, Lanes<N> b) { return {a.v <= b.v}; }
 template <int N> RAGTOP_INLINE Mask<N> operator>(Lanes<N> a, float b) { return {a.v > b}; }
 template <int N> RAGTOP_INLINE Mask<N> operator<(Lanes<N> a, float b) { return {a.v < b}; }
+template <int N> RAGTOP_INLINE Mask<N> operator!=(Lanes<N> a, float b) { return {a.v != b}; }
 template <int N> RAGTOP_INLINE Mask<N> operator&(Mask<N> a, Mask<N> b) { return {a.v & b.v}; }
 template <int N> RAGTOP_INLINE Mask<N> operator|(Mask<N> a, Mask<N> b) { return {a.v | b.v}; }
 template <int N>
@@ -224,6 +225,13 @@ template <int N> RAGTOP_INLINE WideVec3<N> rotate(const WideQuat<N>& q, const Wi
     WideVec3<N> t = cross(u, v);
     t = t + t;
     return v + q.w * t + cross(u, t);
+}
+/// Rᵀ v − v for the rotation of q, without the loss that subtracting brings for small ones.
+template <int N> RAGTOP_INLINE WideVec3<N> inverseTurn(const WideQuat<N>& q, const WideVec3<N>& v) {
+    const WideVec3<N> u{-q.x, -q.y, -q.z};
+    WideVec3<N> t = cross(u, v);
+    t = t + t;
+    return q.w * t + cross(u, t);
 }
 template <int N> RAGTOP_INLINE WideVec3<N> inverseRotate(const WideQuat<N>& q, const WideVec3<N>& v) {
     return rotate(WideQuat<N>{-q.x, -q.y, -q.z, q.w}, v);

@@ -63,6 +63,7 @@ struct ContactRecord {
     bool collided = false;
     std::uint8_t manifoldCapacity = 1;
     bool isMesh = false, sensor = false, touching = false, reportsMotion = false;
+    bool struck = false;                   ///< by a sweep in this step
 };
 
 /// One direction of a contact. Its geometry moves with the bodies: a point is two anchors, one in each body, that met
@@ -78,7 +79,10 @@ struct ManifoldRecord {
     float separation[kMaxManifoldPoints] = {};                      ///< m, when found
     float impulse[kMaxManifoldPoints] = {}, load[kMaxManifoldPoints] = {};
     Vec3 frictionImpulse, rollImpulse;
+    Vec3 stick;                         ///< m, how far B has slipped on A since they stick
     float twistImpulse = 0;
+    bool sliding = false;
+    bool loaded = false;                ///< at the end of the last step, of contacts that report their motion
     float substep = 0;                  ///< s, the substep that the impulses belong to
 };
 

@@ -32,7 +32,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       graph(kernels->lanes, memory), staticTree(memory), movingTree(memory), pairs(memory), geometries(memory),
       contactChanged(memory), changedContacts(memory), islandParent(memory), islandQuiet(memory), bodyStack(memory),
       assemblyParent(memory), assemblyPlace(memory), assemblyBodies(memory), assemblyStarts(memory),
-      bodyFlags(memory), startPoses(memory), begins(memory), ends(memory), sensorBegins(memory), sensorEnds(memory),
+      bodyFlags(memory), sweptImpacts(memory), startPoses(memory), begins(memory), ends(memory), sensorBegins(memory), sensorEnds(memory),
       endsBetweenSteps(memory), sensorEndsBetweenSteps(memory), surfaceEvents(memory), sleepEvents(memory),
       sleepEventsBetweenSteps(memory),
       stages(memory) {

@@ -168,15 +168,28 @@ void WorldImpl::resetSolverState(std::uint32_t index) {
     if (isDynamic) obeyLocks(index);
     // Free flight is the best guess for a body without a past; only the direction counts, any step fits.
     histories[index].velocityBefore = isDynamic ? state.v - 1e12f * settings.gravity : state.v;
+    refreshInertia(index);
+}
+
+/// World inertia and momentum of a body that was turned, or given a velocity, from outside the solver.
+void WorldImpl::refreshInertia(std::uint32_t index) {
     noteMomentum(index);
-    if (!turns) {
+    if (dynamics[index].spins == 0)
         restrictInertia(index);
-        return;
-    }
-    const Mat3 r = toMat3(body.rotation);
-    const Vec3 i = d.inverseInertia;
+    else
+        inertias[index] = inverseInertiaAt(index, bodies[index].rotation);
+}
+
+/// World inverse inertia of a body if it were turned so; what locks restrict stays as it is.
+BodyInertia WorldImpl::inverseInertiaAt(std::uint32_t index, const Quat& rotation) const {
+    if (dynamics[index].spins == 0) return inertias[index];
+    const Mat3 r = toMat3(rotation);
+    const Vec3 i = dynamics[index].inverseInertia;
     const Mat3 m = r * Mat3{i.x * Vec3{1, 0, 0}, i.y * Vec3{0, 1, 0}, i.z * Vec3{0, 0, 1}} * transpose(r);
-    inertias[index] = {m.cx.x, m.cy.x, m.cz.x, m.cy.y, m.cz.y, m.cz.z};
+    BodyInertia inertia;
+    inertia.xx = m.cx.x, inertia.xy = m.cx.y, inertia.xz = m.cx.z;
+    inertia.yy = m.cy.y, inertia.yz = m.cy.z, inertia.zz = m.cz.z;
+    return inertia;
 }
 
 /// The angular momentum that belongs to the velocity and rotation of now.

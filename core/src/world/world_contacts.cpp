@@ -26,24 +26,67 @@ private:
 
 }  // namespace
 
+namespace {
+
+/// How far the friction of a material with a grain is from that of one without.
+float unevenness(const Material& material) {
+    return material.crossFriction > 1 ? material.crossFriction : 1 / material.crossFriction;
+}
+
+}  // namespace
+
+float combined(CombineRule a, float valueA, CombineRule b, float valueB) {
+    switch (a > b ? a : b) {
+        case CombineRule::geometricMean:
+            return std::sqrt(valueA * valueB);
+        case CombineRule::average:
+            return 0.5f * (valueA + valueB);
+        case CombineRule::minimum:
+            return valueA < valueB ? valueA : valueB;
+        case CombineRule::product:
+            return valueA * valueB;
+        case CombineRule::maximum:
+            break;
+    }
+    return valueA > valueB ? valueA : valueB;
+}
+
 const Material& WorldImpl::materialAt(const ShapeRecord& shape, std::uint32_t triangle) const {
     const MeshData* mesh = geometries[shape.geometry].mesh;
     if (!mesh || mesh->materialOfTriangle.empty()) return shape.material;
     return mesh->materials[mesh->materialOfTriangle[triangle]];
 }
 
-ContactSurface WorldImpl::surfaceOf(const ContactRecord& contact, const ManifoldRecord& manifold) const {
-    const ShapeRecord &shapeA = shapes[contact.shapeA], &shapeB = shapes[contact.shapeB];
-    const Material& a = materialAt(shapeA, manifold.triangle);
+ContactSurface WorldImpl::surfaceOf(const ContactRecord& contact, std::uint32_t triangle) const {
+    ContactSurface surface = surfaceOfPair(contact.shapeA, contact.shapeB, triangle);
+    if (callbacks.modify) callbacks.modify(pairInfo(contact), surface);
+    return surface;
+}
+
+/// What two surfaces make of each other, without the callback.
+ContactSurface WorldImpl::surfaceOfPair(std::uint32_t indexA, std::uint32_t indexB, std::uint32_t triangle) const {
+    const ShapeRecord &shapeA = shapes[indexA], &shapeB = shapes[indexB];
+    const BodyRecord &bodyA = bodies[shapeA.body], &bodyB = bodies[shapeB.body];
+    const Material& a = materialAt(shapeA, triangle);
     const Material& b = shapeB.material;
     ContactSurface surface;
-    surface.friction = std::sqrt(a.friction * b.friction);
-    surface.restitution = a.restitution > b.restitution ? a.restitution : b.restitution;
+    surface.friction = combined(a.frictionRule, a.friction, b.frictionRule, b.friction);
+    if (a.slidingShare < 1 || b.slidingShare < 1) {
+        const float sliding = combined(a.frictionRule, a.slidingShare * a.friction, b.frictionRule, b.slidingShare * b.friction);
+        surface.slidingShare = sliding < surface.friction ? sliding / surface.friction : 1.0f;
+    }
+    surface.restitution = combined(a.restitutionRule, a.restitution, b.restitutionRule, b.restitution);
     surface.rollingResistance = a.rollingResistance > b.rollingResistance ? a.rollingResistance : b.rollingResistance;
+    surface.spinningResistance = a.spinningResistance > b.spinningResistance ? a.spinningResistance : b.spinningResistance;
+    const float unevenA = a.grain == Vec3{} ? 1 : unevenness(a), unevenB = b.grain == Vec3{} ? 1 : unevenness(b);
+    if (unevenA > 1 || unevenB > 1) {
+        const bool ofA = unevenA >= unevenB;
+        surface.grain = rotate(definitionRotation(ofA ? bodyA : bodyB), ofA ? a.grain : b.grain);
+        surface.crossFriction = ofA ? a.crossFriction : b.crossFriction;
+    }
     if (a.surfaceVelocity != Vec3{} || b.surfaceVelocity != Vec3{})
-        surface.surfaceVelocity = rotate(definitionRotation(bodies[contact.bodyB]), b.surfaceVelocity) -
-                                  rotate(definitionRotation(bodies[contact.bodyA]), a.surfaceVelocity);
-    if (callbacks.modify) callbacks.modify(pairInfo(contact), surface);
+        surface.surfaceVelocity = rotate(definitionRotation(bodyB), b.surfaceVelocity) -
+                                  rotate(definitionRotation(bodyA), a.surfaceVelocity);
     return surface;
 }
 
@@ -85,11 +128,20 @@ void WorldImpl::placeLane(const ContactRecord& record, const ManifoldRecord& man
 /// Writes what the surfaces do to each other; a callback may change it in every step.
 void WorldImpl::writeSurface(const ContactRecord& record, const ManifoldRecord& manifold) {
     LaneView lane(graph.lane(manifold.place), graph.lanes());
-    const ContactSurface surface = surfaceOf(record, manifold);
+    const ContactSurface surface = surfaceOf(record, manifold.triangle);
     lane.setBits(contact::kPointCount, surface.enabled ? static_cast<std::uint32_t>(manifold.pointCount) : 0);
     lane.at(contact::kFriction) = surface.friction;
+    lane.at(contact::kSlidingShare) = surface.slidingShare;
+    lane.at(contact::kCross) = 0;
+    if (surface.grain != Vec3{} && surface.crossFriction != 1) {
+        // Across the grain in the plane of contact; a grain that stands on it has no direction there.
+        const Vec3 across = cross(rotate(bodies[record.bodyA].rotation, manifold.normal), surface.grain);
+        const float size = length(across), k = surface.crossFriction;
+        if (size > 0) lane.set(contact::kAcross, (1 / size) * across), lane.at(contact::kCross) = 1 / (k * k) - 1;
+    }
     lane.at(contact::kRestitution) = surface.restitution;
     lane.at(contact::kRolling) = surface.rollingResistance;
+    lane.at(contact::kSpinning) = surface.spinningResistance;
     lane.at(contact::kRoundA) = geometries[shapes[record.shapeA].geometry].convex.radius;
     lane.at(contact::kRoundB) = geometries[shapes[record.shapeB].geometry].convex.radius;
     lane.set(contact::kSurface, surface.surfaceVelocity);
@@ -111,6 +163,8 @@ void WorldImpl::writeLane(const ContactRecord& record, const ManifoldRecord& man
     lane.set(contact::kFrictionImpulse, ratio * manifold.frictionImpulse);
     lane.set(contact::kRollImpulse, ratio * manifold.rollImpulse);
     lane.at(contact::kTwistImpulse) = ratio * manifold.twistImpulse;
+    lane.at(contact::kSliding) = manifold.sliding ? 1.0f : 0.0f;
+    lane.set(contact::kStick, manifold.stick);
     placeLane(record, manifold);
 }
 
@@ -124,6 +178,8 @@ void WorldImpl::saveLane(ManifoldRecord& manifold) {
     manifold.frictionImpulse = lane.vector(contact::kFrictionImpulse);
     manifold.rollImpulse = lane.vector(contact::kRollImpulse);
     manifold.twistImpulse = lane.at(contact::kTwistImpulse);
+    manifold.sliding = lane.at(contact::kSliding) > 0;
+    manifold.stick = lane.vector(contact::kStick);
     manifold.substep = lastSubstep;
 }
 
@@ -160,8 +216,9 @@ namespace {
 /// Moves impulses from the points of before to those of now that have the same feature.
 void carryImpulses(const ManifoldRecord& before, ManifoldRecord& now) {
     if (before.pointCount == 0) {
-        now.frictionImpulse = now.rollImpulse = {};
+        now.frictionImpulse = now.rollImpulse = now.stick = {};
         now.twistImpulse = 0;
+        now.sliding = false;
     }
     for (int j = 0; j < kMaxManifoldPoints; ++j) {
         now.impulse[j] = now.load[j] = 0;
@@ -230,6 +287,41 @@ bool WorldImpl::reuseManifolds(ContactRecord& record, const Frame& bInA, float m
     return any;
 }
 
+/// The frame of shape B in that of shape A, where the bodies are.
+Frame WorldImpl::shapeBInA(const ContactRecord& record) const {
+    const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
+    const Quat rotationA = a.rotation * shapeA.frame.rotation;
+    const Vec3 originA = rotate(a.rotation, shapeA.frame.position);
+    return {inverseRotate(rotationA, relative(b.center, a.center) + rotate(b.rotation, shapeB.frame.position) - originA),
+            normalized(conjugate(rotationA) * (b.rotation * shapeB.frame.rotation))};
+}
+
+/// The narrow phase of a pair; returns how many directions it touches in.
+int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float margin, Manifold (&found)[kMaxManifolds]) const {
+    const GeometryEntry& a = geometries[shapes[record.shapeA].geometry];
+    const GeometryEntry& b = geometries[shapes[record.shapeB].geometry];
+    if (a.mesh) return collide(*a.mesh, b.convex, bInA, margin, found);
+    if (a.field) return collide(*a.field, b.convex, bInA, margin, found);
+    collide(a.convex, b.convex, bInA, margin, record.cache, found[0]);
+    return found[0].pointCount > 0 ? 1 : 0;
+}
+
+/// What sensors overlap where the bodies are at the end of the step. Their manifolds carry no impulses and need no place.
+void WorldImpl::updateSensors() {
+    runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            ContactRecord& record = contacts[awakeContacts[static_cast<std::size_t>(i)]];
+            if (!record.sensor) continue;
+            Manifold found[kMaxManifolds];
+            const int count = findManifolds(record, shapeBInA(record), 0, found);
+            ManifoldRecord& manifold = manifolds[record.firstManifold];
+            manifold.pointCount = count > 0 ? 1 : 0;
+            manifold.separation[0] = count > 0 ? found[0].points[0].separation : 0;
+        }
+    });
+}
+
 void WorldImpl::updateContact(std::uint32_t index) {
     ContactRecord& record = contacts[index];
     const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
@@ -239,6 +331,7 @@ void WorldImpl::updateContact(std::uint32_t index) {
         change = kApart;
         return;
     }
+    if (record.sensor) return;
 
     // Contacts are found early enough that the motion of this step cannot pass them.
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
@@ -247,28 +340,18 @@ void WorldImpl::updateContact(std::uint32_t index) {
     const float turnA = a.type == BodyType::fixed ? 0 : length(stateA.w) * a.radius;
     const float turnB = b.type == BodyType::fixed ? 0 : length(stateB.w) * b.radius;
     const float motion = (length(stateB.v - stateA.v) + turnA + turnB) * dt;
-    const float margin = record.sensor ? 0 : tuning::kSpeculative * size + motion;
+    const float margin = tuning::kSpeculative * size + motion;
 
     const Quat rotationA = a.rotation * shapeA.frame.rotation;
     const Vec3 offset = relative(b.center, a.center);
     const Vec3 originA = rotate(a.rotation, shapeA.frame.position);
-    const Frame bInA{inverseRotate(rotationA, offset + rotate(b.rotation, shapeB.frame.position) - originA),
-                     normalized(conjugate(rotationA) * (b.rotation * shapeB.frame.rotation))};
+    const Frame bInA = shapeBInA(record);
     if (reuseManifolds(record, bInA, margin, size)) return;
     record.collided = true;
     record.collidedAt = bInA;
     record.collidedMargin = margin;
     Manifold found[kMaxManifolds];
-    const GeometryEntry &geometryA = geometries[shapeA.geometry], &geometryB = geometries[shapeB.geometry];
-    int count = 1;
-    if (geometryA.mesh) {
-        count = collide(*geometryA.mesh, geometryB.convex, bInA, margin, found);
-    } else if (geometryA.field) {
-        count = collide(*geometryA.field, geometryB.convex, bInA, margin, found);
-    } else {
-        collide(geometryA.convex, geometryB.convex, bInA, margin, record.cache, found[0]);
-        count = found[0].pointCount > 0 ? 1 : 0;
-    }
+    const int count = findManifolds(record, bInA, margin, found);
 
     Vec3 normals[kMaxManifolds];
     int place[kMaxManifolds];

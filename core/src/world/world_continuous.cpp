@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "narrowphase/collide.h"
 #include "narrowphase/distance.h"
 #include "world/world_impl.h"
 
@@ -14,20 +15,190 @@ Frame seenFrom(const Pose& from, const Pose& pose) {
     return frame;
 }
 
+/// What no surface may get into, even of a shape that touches it already: the shape without half of its thickness.
+struct Core {
+    ConvexView view;
+    Vec3 center;  ///< in the frame of the shape
+};
+
+Core coreOf(const GeometryEntry& geometry) {
+    ConvexView view = geometry.convex;
+    switch (view.kind) {
+        case ConvexKind::sphere:
+        case ConvexKind::capsule:
+            view.radius *= 0.5f;
+            return {view, {}};
+        case ConvexKind::box: {
+            const float half = 0.5f * geometry.size;
+            view.halfExtents -= Vec3{half, half, half};
+            return {view, {}};
+        }
+        case ConvexKind::hull:
+            break;
+    }
+    return {convexView(Sphere{0.5f * geometry.size}), view.hull->center};
+}
+
+/// How far a point of the moving shape, given where it is at a share of the way, goes against a normal in the rest.
+float wayAgainst(const Vec3& normal, const Vec3& point, float fraction, const Frame& from, const Frame& to) {
+    const Frame there = SweptMotion(from, to).at(fraction);
+    return dot(normal, point - transformPoint(to, inverseTransformPoint(there, point)));
+}
+
+/// The points of a contact that go deeper than is allowed in what is left of the way.
+void keepDeepening(Manifold& touch, const Frame& from, const Frame& to, float allowed) {
+    int kept = 0;
+    for (int j = 0; j < touch.pointCount; ++j) {
+        const ManifoldPoint& point = touch.points[j];
+        const float room = point.separation > 0 ? point.separation : 0.0f;
+        if (wayAgainst(touch.normal, point.position, 0, from, to) > room + allowed) touch.points[kept++] = point;
+    }
+    touch.pointCount = kept;
+}
+
+Manifold pointContact(const SweepHit& hit) {
+    Manifold touch;
+    touch.normal = hit.normal;
+    touch.pointCount = 1;
+    touch.points[0].position = hit.point;
+    return touch;
+}
+
+/// Corners of a shape's core.
+template <class Visit>
+void forEachCorner(const ConvexView& shape, Visit&& visit) {
+    const Vec3& h = shape.halfExtents;
+    if (shape.kind == ConvexKind::sphere) {
+        visit(Vec3{});
+    } else if (shape.kind == ConvexKind::capsule) {
+        visit(h), visit(-h);
+    } else if (shape.kind == ConvexKind::box) {
+        for (int i = 0; i < 8; ++i) visit(Vec3{(i & 1) != 0 ? h.x : -h.x, (i & 2) != 0 ? h.y : -h.y, (i & 4) != 0 ? h.z : -h.z});
+    } else {
+        for (const Vec3& vertex : shape.hull->vertices) visit(vertex);
+    }
+}
+
+bool isOver(const TriangleView& t, const Vec3& point) {
+    return dot(cross(t.normal, t.b - t.a), point - t.a) >= 0 && dot(cross(t.normal, t.c - t.b), point - t.b) >= 0 &&
+           dot(cross(t.normal, t.a - t.c), point - t.c) >= 0;
+}
+
+/// Adds the corners of a shape that go behind a plane where `isFace` says it is the obstacle's face, the deepest at the end
+/// first to stay.
+template <class IsFace>
+void addCorners(Manifold& touch, const Vec3& onPlane, const ConvexView& shape, const Frame& from, const Frame& to,
+                IsFace&& isFace) {
+    float ends[kMaxManifoldPoints] = {};
+    for (int j = 0; j < touch.pointCount; ++j)
+        ends[j] = touch.points[j].separation - wayAgainst(touch.normal, touch.points[j].position, 0, from, to);
+    const Vec3 skin = shape.radius * touch.normal;
+    forEachCorner(shape, [&](const Vec3& corner) {
+        const Vec3 start = transformPoint(from, corner) - skin, end = transformPoint(to, corner) - skin;
+        const float height = dot(touch.normal, start - onPlane), last = dot(touch.normal, end - onPlane);
+        if (last >= 0) return;
+        const float share = height > 0 ? height / (height - last) : 0.0f;
+        if (!isFace(start + share * (end - start))) return;
+        int place = touch.pointCount;
+        if (place == kMaxManifoldPoints) {
+            place = 0;
+            for (int j = 1; j < kMaxManifoldPoints; ++j) place = ends[j] > ends[place] ? j : place;
+            if (last >= ends[place]) return;
+        } else {
+            ++touch.pointCount;
+        }
+        ends[place] = last;
+        touch.points[place] = {start - 0.5f * height * touch.normal, height, 0};
+    });
+}
+
+/// What of a shape touches a convex obstacle, or will on the rest of its way.
+Manifold touchOf(const ConvexView& obstacle, const ConvexView& shape, const Frame& from, const Frame& to, float margin) {
+    Manifold touch;
+    SeparationCache cache;
+    collide(obstacle, shape, from, margin, cache, touch);
+    if (touch.pointCount == 0) return touch;
+    const ManifoldPoint& first = touch.points[0];
+    const ConvexView point = convexView(Sphere{0.1f * margin});
+    addCorners(touch, first.position - 0.5f * first.separation * touch.normal, shape, from, to, [&](const Vec3& at) {
+        return distance(obstacle, point, {at, {}}).distance <= 0;
+    });
+    return touch;
+}
+
+/// The same of a triangle, whose face alone counts.
+Manifold touchOf(const TriangleView& t, const ConvexView& shape, const Frame& from, const Frame& to, float) {
+    Manifold touch;
+    touch.normal = t.normal;
+    touch.triangle = t.index;
+    addCorners(touch, t.a, shape, from, to, [&](const Vec3& at) { return isOver(t, at); });
+    return touch;
+}
+
 }  // namespace
 
 /// Bodies that moved far for their size are swept along their path, so that they do not pass what their contacts did not
-/// foresee. Serial and in order of the list; each is stopped where it first meets something.
+/// foresee. Serial and in order of the list.
 void WorldImpl::sweepFastBodies() {
+    sweptImpacts.clear();
     if (!settings.continuous) return;
-    for (std::size_t i = 0; i < awakeBodies.size(); ++i)
-        if (bodyFlags[i] != 0) sweepBody(awakeBodies[i], startPoses[i].center, startPoses[i].rotation);
+    const std::size_t count = awakeBodies.size();
+    for (std::size_t i = 0; i < count; ++i)
+        if (bodyFlags[i] != 0 && moves(awakeBodies[i])) sweepBody(awakeBodies[i]);
 }
 
-void WorldImpl::sweepBody(std::uint32_t index, const DVec3& fromCenter, const Quat& fromRotation) {
-    BodyRecord& body = bodies[index];
-    const Pose start{fromCenter, fromRotation}, end{body.center, body.rotation};
-    float earliest = 1;
+/// How a body moved in this step: straight, and turning evenly, as many revolutions as its speed tells.
+SweptWay WorldImpl::wayOfStep(std::uint32_t index) const {
+    const BodyRecord& body = bodies[index];
+    const Pose end{body.center, body.rotation};
+    if (body.awakeIndex == kNone || body.awakeIndex >= startPoses.size()) return {end, {}, {}};
+    const StartPose& start = startPoses[body.awakeIndex];
+    SweptWay path{{start.center, start.rotation}, relative(end.position, start.center), {}};
+    path.turn = rotationVector(end.rotation * conjugate(start.rotation));
+    const float angle = length(path.turn);
+    const Vec3 axis = angle > 0 ? (1 / angle) * path.turn : normalized(states[index].w);
+    const float revolutions = std::floor((dt * dot(states[index].w, axis) - angle) / (2 * kPi) + 0.5f);
+    path.turn += 2 * kPi * revolutions * axis;
+    return path;
+}
+
+/// Plays the impacts of a body one after the other, each with the rest of its time. Long turns are swept piece by piece.
+/// What is left after the last impact, or piece, is lost.
+void WorldImpl::sweepBody(std::uint32_t index) {
+    constexpr int kMaxImpacts = 8, kMaxPieces = 64;
+    constexpr float kPiece = 1.5f;  // rad
+    SweptWay path = wayOfStep(index);
+    Quat velocityAt = bodies[index].rotation;
+    float done = 0;
+    int impacts = 0;
+    for (int piece = 0; piece < kMaxPieces && done < 1; ++piece) {
+        const float share = 1 / (1 + std::floor(length(path.turn) / kPiece));
+        const Pose to = path.at(share);
+        const float until = share < 1 ? done + (1 - done) * share : 1.0f;
+        const Meeting meeting = firstMeeting(index, path.from, to, done, until);
+        if (!meeting.hit) {
+            path = {to, (1 - share) * path.way, (1 - share) * path.turn};
+            done = until;
+            continue;
+        }
+        const float met = share * meeting.fraction;
+        path = {path.at(met), (1 - met) * path.way, (1 - met) * path.turn};
+        done += (until - done) * meeting.fraction;
+        if (++impacts > kMaxImpacts) break;
+        if (!solveMeeting(index, meeting, done, velocityAt, path)) break;
+    }
+    if (impacts == 0) return;
+    turnVelocity(index, velocityAt, path.from.rotation);
+    bodies[index].center = path.from.position;
+    bodies[index].rotation = path.from.rotation;
+    refreshInertia(index);
+}
+
+/// The first surface that a body would go into on its way from a pose at the share `done` of the step to one at `until`.
+WorldImpl::Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& start, const Pose& end, float done,
+                                           float until) const {
+    const BodyRecord& body = bodies[index];
+    Meeting first;
     for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
         const ShapeRecord& shape = shapes[s];
         const GeometryEntry& geometry = geometries[shape.geometry];
@@ -37,27 +208,43 @@ void WorldImpl::sweepBody(std::uint32_t index, const DVec3& fromCenter, const Qu
         const float bulge = body.radius * (1 - std::abs((end.rotation * conjugate(start.rotation)).w));
         const Bounds swept =
             enlarged(merge(boundsOf(geometry.shape, shapeStart), boundsOf(geometry.shape, shapeEnd)), bulge);
-        // Stop a little before; the next step finds a contact. What is nearer already is left to the contact it has.
-        const float target = 0.25f * tuning::kSpeculative * shape.size;
-        const Bounds own = boundsOf(geometry.shape, Frame{});
-        const Vec3 middle = 0.5f * (own.lower + own.upper);
-        const ConvexView core = convexView(Sphere{0.25f * shape.size});
+        // Surfaces stay a little apart; going less far into each other is left to their contact.
+        const float target = 0.25f * tuning::kSpeculative * shape.size, allowed = 2 * target;
+        const Core core = coreOf(geometry);
         const auto meet = [&](std::uint32_t other) {
             const ShapeRecord& obstacle = shapes[other];
-            if (obstacle.sensor || !shouldCollide(shape, obstacle)) return true;
-            if (callbacks.filter && !callbacks.filter({shapeId(s), shapeId(other), id(shape.body), id(obstacle.body),
-                                                       shape.userData, obstacle.userData}))
-                return true;
-            const Pose pose = shapePose(obstacle);
-            const Frame from = seenFrom(pose, shapeStart), to = seenFrom(pose, shapeEnd);
+            if (obstacle.body == index || obstacle.sensor || !maySweepInto(s, other)) return true;
+            const SweptWay others = wayOfStep(obstacle.body);
+            const Frame& place = obstacle.frame;
+            const Frame from = seenFrom(others.at(done) * place, shapeStart);
+            const Frame to = seenFrom(others.at(until) * place, shapeEnd);
             const GeometryEntry& solid = geometries[obstacle.geometry];
-            // What touches already is left to its contact, but the middle of the shape must not go through it either.
-            const auto sweepAt = [&](const auto& obstacleView) {
-                SweepHit hit = timeOfImpact(obstacleView, geometry.convex, from, to, target);
-                if (hit.hit && hit.fraction == 0)
-                    hit = timeOfImpact(obstacleView, core, {transformPoint(from, middle), from.rotation},
-                                       {transformPoint(to, middle), to.rotation}, 0);
-                if (hit.hit && hit.fraction > 0 && hit.fraction < earliest) earliest = hit.fraction;
+            const auto sweepAt = [&](const auto& view) {
+                const auto touchAt = [&](const Frame& at) {
+                    return touchOf(view, geometry.convex, at, to, tuning::kSpeculative * shape.size);
+                };
+                const SweepHit hit = timeOfImpact(view, geometry.convex, from, to, target);
+                if (!hit.hit || (first.hit && hit.fraction >= first.fraction)) return;
+                if (hit.fraction > 0 && wayAgainst(hit.normal, hit.point, hit.fraction, from, to) > allowed) {
+                    const Frame there = SweptMotion(from, to).at(hit.fraction);
+                    first = {true, hit.fraction, s, other, touchAt(there)};
+                    if (first.touch.pointCount == 0) first.touch = pointContact(hit);
+                    return;
+                }
+                if (hit.fraction == 0) {
+                    Manifold touch = touchAt(from);
+                    keepDeepening(touch, from, to, allowed);
+                    if (touch.pointCount > 0) {
+                        first = {true, 0, s, other, touch};
+                        return;
+                    }
+                }
+                const Frame coreFrom{transformPoint(from, core.center), from.rotation};
+                const Frame coreTo{transformPoint(to, core.center), to.rotation};
+                const SweepHit deep = timeOfImpact(view, core.view, coreFrom, coreTo, 0);
+                if (!deep.hit || deep.fraction == 0 || (first.hit && deep.fraction >= first.fraction)) return;
+                first = {true, deep.fraction, s, other, touchAt(SweptMotion(from, to).at(deep.fraction))};
+                if (first.touch.pointCount == 0) first.touch = pointContact(deep);
             };
             if (!solid.isMesh()) {
                 sweepAt(solid.convex);
@@ -78,10 +265,14 @@ void WorldImpl::sweepBody(std::uint32_t index, const DVec3& fromCenter, const Qu
         staticTree.query(swept, meet);
         if (body.bullet) movingTree.query(swept, meet);
     }
-    if (earliest >= 1) return;
-    const Pose stopped = blend(start, end, earliest);
-    body.center = stopped.position;
-    body.rotation = stopped.rotation;
+    return first;
+}
+
+bool WorldImpl::maySweepInto(std::uint32_t shape, std::uint32_t obstacle) const {
+    const ShapeRecord &a = shapes[shape], &b = shapes[obstacle];
+    if (!shouldCollide(a, b)) return false;
+    return !callbacks.filter || callbacks.filter({shapeId(shape), shapeId(obstacle), id(a.body), id(b.body), a.userData,
+                                                  b.userData});
 }
 
 }  // namespace ragtop

@@ -39,7 +39,7 @@ void WorldImpl::publishEvents() {
         for (int i = begin; i < end; ++i) {
             const auto place = static_cast<std::size_t>(i);
             const ContactRecord& record = contacts[awakeContacts[place]];
-            bool touching = false;
+            bool touching = record.struck;
             for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
                 const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
                 touching |= isLoaded(graph, manifold);
@@ -49,16 +49,38 @@ void WorldImpl::publishEvents() {
     });
     for (std::size_t i = 0; i < awakeContacts.size(); ++i)
         if (contactChanged[i] != 0) publishContact(awakeContacts[i]);
+    publishSweptImpacts();
+}
+
+/// Impacts that a sweep has played are over; the next step may find nothing of them.
+void WorldImpl::publishSweptImpacts() {
+    for (const SweptImpact& impact : sweptImpacts) {
+        ContactRecord& record = contacts[impact.contact];
+        record.struck = false;
+        if (!record.reportsMotion || impact.speed <= context.restitutionSpeed) continue;
+        SurfaceEvent event;
+        event.kind = SurfaceEvent::Kind::impact;
+        event.shapeA = shapeId(record.shapeA), event.shapeB = shapeId(record.shapeB);
+        event.bodyA = id(record.bodyA), event.bodyB = id(record.bodyB);
+        event.surfaceA = materialAt(shapes[record.shapeA], impact.triangle).surface;
+        event.surfaceB = shapes[record.shapeB].material.surface;
+        event.point = impact.point;
+        event.normal = impact.normal;
+        event.speed = impact.speed;
+        event.impulse = impact.impulse;
+        surfaceEvents.push_back(event);
+    }
 }
 
 void WorldImpl::publishContact(std::uint32_t index) {
     ContactRecord& record = contacts[index];
-    bool touching = false;
+    bool touching = record.struck;
     for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
-        const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
+        ManifoldRecord& manifold = manifolds[record.firstManifold + k];
         const bool loaded = isLoaded(graph, manifold);
         touching |= loaded;
         if (loaded && record.reportsMotion && manifold.place.color != kNone) publishSurface(record, manifold);
+        manifold.loaded = loaded && record.reportsMotion;
     }
     if (touching == record.touching) return;
     const ContactEvent event{shapeId(record.shapeA), shapeId(record.shapeB), id(record.bodyA), id(record.bodyB)};
@@ -69,7 +91,7 @@ void WorldImpl::publishContact(std::uint32_t index) {
     record.touching = touching;
 }
 
-void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord& manifold) {
+void WorldImpl::publishSurface(const ContactRecord& record, ManifoldRecord& manifold) {
     const LaneReader lane = reader(graph, manifold);
     SurfaceEvent event;
     float approach = 0;
@@ -94,7 +116,8 @@ void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord
     event.surfaceB = shapes[record.shapeB].material.surface;
     event.point = (a.state == 0 ? b.center : a.center) + rA;
     event.normal = normal;
-    if (approach < -context.restitutionSpeed) {
+    // An impact is over in the step that it begins in; what it leaves for the next is no other one.
+    if (approach < -context.restitutionSpeed && !manifold.loaded) {
         event.kind = SurfaceEvent::Kind::impact;
         event.speed = -approach;
         surfaceEvents.push_back(event);

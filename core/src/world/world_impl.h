@@ -17,6 +17,7 @@
 #include "shapes/geometry.h"
 #include "solve/kernel_table.h"
 #include "world/records.h"
+#include "world/swept_motion.h"
 
 namespace ragtop {
 
@@ -46,12 +47,12 @@ struct WorldImpl {
     void step(World& world, double dt);
     void prepareBodies();
     void prepareConstraints();
-    void solveSubstep(World& world);
+    void solveSubstep(World& world, int number);
     void integrateVelocities();
     void warmStart();
     void solve(bool useBias);
     void integratePositions();
-    void applyRestitution();
+    void bounce();
     void finishBodies();
     void restrictInertia(std::uint32_t body);
     template <class Joint, class Contact>
@@ -74,6 +75,9 @@ struct WorldImpl {
     // world_contacts.cpp: narrow phase.
     void updateContacts();
     void updateContact(std::uint32_t contact);
+    int findManifolds(ContactRecord& contact, const Frame& bInA, float margin, Manifold (&found)[kMaxManifolds]) const;
+    Frame shapeBInA(const ContactRecord& contact) const;
+    void updateSensors();
     void applyContactChanges();
     void applyContactChange(std::uint32_t contact);
     bool reuseManifolds(ContactRecord& contact, const Frame& bInA, float margin, float size);
@@ -86,7 +90,8 @@ struct WorldImpl {
     void removeFromGraph(std::uint32_t manifold);
     void addJointToGraph(std::uint32_t joint);
     void removeJointFromGraph(std::uint32_t joint);
-    ContactSurface surfaceOf(const ContactRecord& contact, const ManifoldRecord& manifold) const;
+    ContactSurface surfaceOf(const ContactRecord& contact, std::uint32_t triangle) const;
+    ContactSurface surfaceOfPair(std::uint32_t shapeA, std::uint32_t shapeB, std::uint32_t triangle) const;
     const Material& materialAt(const ShapeRecord& shape, std::uint32_t triangle) const;
     PairInfo pairInfo(const ContactRecord& contact) const;
 
@@ -95,8 +100,24 @@ struct WorldImpl {
     void moveAssemblies();
 
     // world_continuous.cpp
+    struct Meeting {
+        bool hit = false;
+        float fraction = 1;  ///< of the way that was swept
+        std::uint32_t shape = 0, obstacle = 0;
+        Manifold touch;      ///< in the frame of the obstacle, the normal towards the shape
+    };
     void sweepFastBodies();
-    void sweepBody(std::uint32_t body, const DVec3& fromCenter, const Quat& fromRotation);
+    void sweepBody(std::uint32_t body);
+    SweptWay wayOfStep(std::uint32_t body) const;
+    Meeting firstMeeting(std::uint32_t body, const Pose& start, const Pose& end, float done, float until) const;
+    bool maySweepInto(std::uint32_t shape, std::uint32_t obstacle) const;
+
+    // world_impacts.cpp
+    bool solveMeeting(std::uint32_t body, const Meeting& meeting, float done, Quat& velocityAt, SweptWay& path);
+    ContactSurface surfaceOfMeeting(const Meeting& meeting) const;
+    void changeVelocity(std::uint32_t body, const Vec3& linear, const Vec3& angular);
+    void turnVelocity(std::uint32_t body, const Quat& from, const Quat& to);
+    void noteImpact(const Meeting& meeting, const Vec3& normal, const Pose& place, float speed, float impulse);
 
     // islands/sleeping.cpp
     void sleepQuietIslands();
@@ -112,7 +133,8 @@ struct WorldImpl {
     // world_events.cpp
     void publishEvents();
     void publishContact(std::uint32_t contact);
-    void publishSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
+    void publishSurface(const ContactRecord& contact, ManifoldRecord& manifold);
+    void publishSweptImpacts();
     Contact describe(const ContactRecord& contact, const ManifoldRecord& manifold) const;
 
     // world_bodies.cpp, world_joints.cpp
@@ -126,6 +148,8 @@ struct WorldImpl {
     void setMass(std::uint32_t body, const BodyDef& def);
     void resetSolverState(std::uint32_t body);
     void noteMomentum(std::uint32_t body);
+    void refreshInertia(std::uint32_t body);
+    BodyInertia inverseInertiaAt(std::uint32_t body, const Quat& rotation) const;
     void obeyLocks(std::uint32_t body);
     void setVelocity(std::uint32_t body, const Vec3& linear, const Vec3& angular);
     void refreshBounds(std::uint32_t body);
@@ -213,8 +237,16 @@ struct WorldImpl {
         DVec3 center;
         Quat rotation;
     };
+    struct SweptImpact {
+        std::uint32_t contact, triangle;
+        DVec3 point;
+        Vec3 normal;  ///< from A to B
+        float speed, impulse;
+    };
+    AlignedArray<SweptImpact> sweptImpacts;        ///< of this step, for its events
     AlignedArray<StartPose> startPoses;            ///< per awake body, of bodies to sweep
     SolverContext context;
+    bool bouncy = false;  ///< does any contact of this step have restitution?
     JointContext jointContext;
     float dt = 0;
     std::vector<BodyId> bodyIds;

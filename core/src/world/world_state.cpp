@@ -228,6 +228,8 @@ void addManifold(StateHash& digest, const ConstraintGraph& graph, const Manifold
         digest.add(manifold.frictionImpulse);
         digest.add(manifold.rollImpulse);
         digest.add(manifold.twistImpulse);
+        digest.add(manifold.stick);
+        digest.add(manifold.sliding);
         return;
     }
     const float* lane = graph.lane(manifold.place);
@@ -236,9 +238,10 @@ void addManifold(StateHash& digest, const ConstraintGraph& graph, const Manifold
         digest.add(at(contact::kPoints + j * contact::kPointFields + contact::kImpulse));
         digest.add(at(contact::kPoints + j * contact::kPointFields + contact::kLoad));
     }
-    for (const int field : {contact::kFrictionImpulse, contact::kRollImpulse})
+    for (const int field : {contact::kFrictionImpulse, contact::kRollImpulse, contact::kStick})
         digest.add(Vec3{at(field), at(field + 1), at(field + 2)});
     digest.add(at(contact::kTwistImpulse));
+    digest.add(at(contact::kSliding) > 0);
 }
 
 }  // namespace

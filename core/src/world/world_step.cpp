@@ -1,3 +1,4 @@
+#include <atomic>
 #include <cassert>
 #include <cmath>
 
@@ -22,7 +23,6 @@ void WorldImpl::step(World& world, double stepSeconds) {
     context.pushOut = settings.pushOut / dt;
     context.restitutionSpeed = settings.restitutionSpeed * length(settings.gravity) * dt;
     context.loadShare = settings.loadCarrying;
-    context.gravity[0] = settings.gravity.x, context.gravity[1] = settings.gravity.y, context.gravity[2] = settings.gravity.z;
     jointContext = {h, substepRate, makeSoftness(settings.jointFrequency * substepRate, settings.jointDamping, h)};
 
     stages.clear();
@@ -45,13 +45,13 @@ void WorldImpl::step(World& world, double stepSeconds) {
         findAssemblies();
         prepareConstraints();
         beginStage("solve");
-        for (int i = 0; i < settings.substeps; ++i) solveSubstep(world);
-        applyRestitution();
+        for (int i = 0; i < settings.substeps; ++i) solveSubstep(world, i);
         beginStage("finish");
         finishBodies();
         sweepFastBodies();
         refitBounds();
         beginStage("events");
+        updateSensors();
         publishEvents();
         beginStage("sleep");
         sleepQuietIslands();
@@ -67,14 +67,18 @@ void WorldImpl::step(World& world, double stepSeconds) {
     endStages();
 }
 
-void WorldImpl::solveSubstep(World& world) {
+void WorldImpl::solveSubstep(World& world, int number) {
+    context.elapsed = context.h * static_cast<float>(number);
+    context.lastSubstep = number + 1 == settings.substeps;
     for (StepModule* module : modules)
         if (module->beforeSubstep) module->beforeSubstep(module->user, world, context.h);
     integrateVelocities();
+    if (bouncy) bounce();
     warmStart();
     solve(true);
     moveAssemblies();
     integratePositions();
+    context.elapsed = context.h * static_cast<float>(number + 1);
     solve(false);
 }
 
@@ -103,12 +107,14 @@ void WorldImpl::prepareConstraints() {
     const BodyArrays arrays = bodyArrays();
     const bool rescale = lastSubstep > 0 && lastSubstep != context.h;
     const float ratio = rescale ? context.h / lastSubstep : 1;
+    std::atomic<bool> anyBouncy{false};
     for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
         ConstraintGraph::Color& color = graph.color(c);
         if (rescale)
             for (const std::uint32_t joint : color.joints) rescaleJoint(jointSims[joint], ratio);
         runner.parallelFor(graph.bundleCount(c), 32, [&](int begin, int end, int) {
-            kernels->prepareContacts(color.bundles.data(), begin, end, arrays, context);
+            if (kernels->prepareContacts(color.bundles.data(), begin, end, arrays, context))
+                anyBouncy.store(true, std::memory_order_relaxed);
         });
         runner.parallelFor(static_cast<int>(color.joints.size()), 32, [&](int begin, int end, int) {
             for (int i = begin; i < end; ++i) {
@@ -117,6 +123,7 @@ void WorldImpl::prepareConstraints() {
             }
         });
     }
+    bouncy = anyBouncy.load(std::memory_order_relaxed);
 }
 
 void WorldImpl::integrateVelocities() {
@@ -172,20 +179,37 @@ void WorldImpl::warmStart() {
                  });
 }
 
+/// Friction beside the normal rows of each contact, or after those of all, as the settings say.
 void WorldImpl::solve(bool useBias) {
     const BodyArrays arrays = bodyArrays();
     const auto solveBundles = useBias ? kernels->solveContacts : kernels->relaxContacts;
-    forEachColor(
-        [&](std::uint32_t j) { solveJoint(jointSims[j], arrays.states, arrays.inertia, jointContext, useBias); },
-        [&](float* bundles, int begin, int end) { solveBundles(bundles, begin, end, arrays, context); });
+    const auto pass = [&](bool normals, bool friction) {
+        context.normals = normals;
+        context.friction = friction;
+        forEachColor(
+            [&](std::uint32_t j) {
+                if (normals) solveJoint(jointSims[j], arrays.states, arrays.inertia, jointContext, useBias);
+            },
+            [&](float* bundles, int begin, int end) { solveBundles(bundles, begin, end, arrays, context); });
+    };
+    if (!settings.sequentialFriction) return pass(true, true);
+    pass(true, false);
+    pass(false, true);
 }
 
-void WorldImpl::applyRestitution() {
+/// Sweeps until nothing more will meet, or enough: what is left then is stopped by the rows that do not bounce.
+void WorldImpl::bounce() {
+    constexpr int kSweeps = 32;
     const BodyArrays arrays = bodyArrays();
-    forEachColor([](std::uint32_t) {},
-                 [&](float* bundles, int begin, int end) {
-                     kernels->applyRestitution(bundles, begin, end, arrays, context);
-                 });
+    for (int i = 0; i < kSweeps; ++i) {
+        std::atomic<bool> bounced{false};
+        forEachColor([](std::uint32_t) {},
+                     [&](float* bundles, int begin, int end) {
+                         if (kernels->bounceContacts(bundles, begin, end, arrays, context))
+                             bounced.store(true, std::memory_order_relaxed);
+                     });
+        if (!bounced.load(std::memory_order_relaxed)) return;
+    }
 }
 
 /// Moves the poses, notes who is quiet and who was too fast for its size.

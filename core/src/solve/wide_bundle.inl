@@ -1,0 +1,220 @@
+// A bundle of contacts in lanes, and where its bodies are. Included by wide_kernels.inl.
+
+namespace ragtop {
+namespace {
+
+/// A bundle of N contacts and the bodies it joins.
+template <int N>
+struct ContactBundle {
+    float* fields;
+    const BodyArrays& arrays;
+    float* rowA[N];
+    float* rowB[N];
+    Lanes<N> a[8], b[8];  ///< velocity rows
+    WideVec3<N> vA, wA, vB, wB;
+    Lanes<N> massA, massB;  ///< inverse
+    SymmetricMatrix<N> inertiaA, inertiaB;  ///< inverse
+    WideVec3<N> normal, offset;  ///< the offset is that of now where `shift` is
+    WideVec3<N> shift{Lanes<N>(0.0f), Lanes<N>(0.0f), Lanes<N>(0.0f)};
+
+    RAGTOP_INLINE Lanes<N> field(int i) const { return Lanes<N>::load(fields + i * N); }
+    RAGTOP_INLINE WideVec3<N> vector(int i) const { return {field(i), field(i + 1), field(i + 2)}; }
+    RAGTOP_INLINE void set(int i, Lanes<N> value) { value.store(fields + i * N); }
+    RAGTOP_INLINE void set(int i, const WideVec3<N>& value) {
+        set(i, value.x), set(i + 1, value.y), set(i + 2, value.z);
+    }
+
+    RAGTOP_INLINE ContactBundle(float* bundle, const BodyArrays& bodies) : fields(bundle), arrays(bodies) {
+        const auto* indexA = reinterpret_cast<const std::uint32_t*>(fields + contact::kBodyA * N);
+        const auto* indexB = reinterpret_cast<const std::uint32_t*>(fields + contact::kBodyB * N);
+        const float *mA[N], *mB[N];
+        for (int i = 0; i < N; ++i) {
+            rowA[i] = reinterpret_cast<float*>(arrays.states + indexA[i]);
+            rowB[i] = reinterpret_cast<float*>(arrays.states + indexB[i]);
+            mA[i] = reinterpret_cast<const float*>(arrays.inertia + indexA[i]);
+            mB[i] = reinterpret_cast<const float*>(arrays.inertia + indexB[i]);
+        }
+        gather8<N>(const_cast<const float* const*>(rowA), a);
+        gather8<N>(const_cast<const float* const*>(rowB), b);
+        vA = {a[0], a[1], a[2]}, wA = {a[4], a[5], a[6]}, massA = a[3];
+        vB = {b[0], b[1], b[2]}, wB = {b[4], b[5], b[6]}, massB = b[3];
+        Lanes<N> m[8];
+        gather8<N>(mA, m);
+        inertiaA = {m[0], m[1], m[2], m[3], m[4], m[5]};
+        gather8<N>(mB, m);
+        inertiaB = {m[0], m[1], m[2], m[3], m[4], m[5]};
+        normal = vector(contact::kNormal);
+        offset = vector(contact::kOffset);
+    }
+
+    /// The shared point of an impulse lies half way between the anchors, wherever the bodies have moved: then what one
+    /// loses of the angular momentum about any place the other gains.
+    RAGTOP_INLINE void moveArms(const WideVec3<N>& halfDisplacement) {
+        shift = halfDisplacement;
+        offset = offset + (shift + shift);
+    }
+    RAGTOP_INLINE WideVec3<N> arm(int i) const { return vector(i) + shift; }
+
+    /// Writes velocities back; bodies that no impulse moves are shared between threads and never written.
+    RAGTOP_INLINE void writeVelocities() {
+        applyLocks(vA, a[7]);
+        applyLocks(vB, b[7]);
+        a[0] = vA.x, a[1] = vA.y, a[2] = vA.z, a[4] = wA.x, a[5] = wA.y, a[6] = wA.z;
+        b[0] = vB.x, b[1] = vB.y, b[2] = vB.z, b[4] = wB.x, b[5] = wB.y, b[6] = wB.z;
+        for (int i = 0; i < N; ++i) {
+            if (!(massA[i] > 0)) rowA[i] = nullptr;
+            if (!(massB[i] > 0)) rowB[i] = nullptr;
+        }
+        scatter8<N>(rowA, a);
+        scatter8<N>(rowB, b);
+    }
+
+    /// Displacements since the beginning of the step.
+    RAGTOP_INLINE void gatherDisplacements(WideVec3<N>& dp, WideQuat<N>& dqA, WideQuat<N>& dqB) const {
+        const float *pA[N], *pB[N];
+        for (int i = 0; i < N; ++i) pA[i] = rowA[i] + 8, pB[i] = rowB[i] + 8;
+        Lanes<N> dA[8], dB[8];
+        gather8<N>(pA, dA);
+        gather8<N>(pB, dB);
+        dp = {dB[0] - dA[0], dB[1] - dA[1], dB[2] - dA[2]};
+        dqA = {dA[4], dA[5], dA[6], dA[7]};
+        dqB = {dB[4], dB[5], dB[6], dB[7]};
+    }
+
+    /// Adds to the displacements of the bodies that impulses move, before velocities are written.
+    RAGTOP_INLINE void displace(const WideVec3<N>& dpA, const WideVec3<N>& dpB) const {
+        float *pA[N], *pB[N];
+        for (int i = 0; i < N; ++i) {
+            pA[i] = rowA[i] + 8, pB[i] = rowB[i] + 8;
+        }
+        Lanes<N> dA[8], dB[8];
+        gather8<N>(const_cast<const float* const*>(pA), dA);
+        gather8<N>(const_cast<const float* const*>(pB), dB);
+        dA[0] = dA[0] + dpA.x, dA[1] = dA[1] + dpA.y, dA[2] = dA[2] + dpA.z;
+        dB[0] = dB[0] + dpB.x, dB[1] = dB[1] + dpB.y, dB[2] = dB[2] + dpB.z;
+        for (int i = 0; i < N; ++i) {
+            if (!(massA[i] > 0)) pA[i] = nullptr;
+            if (!(massB[i] > 0)) pB[i] = nullptr;
+        }
+        scatter8<N>(pA, dA);
+        scatter8<N>(pB, dB);
+    }
+
+    RAGTOP_INLINE void applyImpulse(const WideVec3<N>& impulse, const WideVec3<N>& rA, const WideVec3<N>& rB) {
+        vA = vA - massA * impulse;
+        wA = wA - inertiaA * cross(rA, impulse);
+        vB = vB + massB * impulse;
+        wB = wB + inertiaB * cross(rB, impulse);
+    }
+    RAGTOP_INLINE void applyAngular(const WideVec3<N>& impulse) {
+        wA = wA - inertiaA * impulse;
+        wB = wB + inertiaB * impulse;
+    }
+    RAGTOP_INLINE WideVec3<N> relativeVelocity(const WideVec3<N>& rA, const WideVec3<N>& rB) const {
+        return (vB + cross(wB, rB)) - (vA + cross(wA, rA));
+    }
+    /// K along a direction: mA⁻¹ + mB⁻¹ + (rA×d)·IA⁻¹(rA×d) + (rB×d)·IB⁻¹(rB×d), and mixed for two directions.
+    RAGTOP_INLINE Lanes<N> admittance(const WideVec3<N>& rA, const WideVec3<N>& rB, const WideVec3<N>& d,
+                                      const WideVec3<N>& e, Lanes<N> de) const {
+        return (massA + massB) * de + dot(cross(rA, d), inertiaA * cross(rA, e)) +
+               dot(cross(rB, d), inertiaB * cross(rB, e));
+    }
+};
+
+/// Two unit vectors that complete n to a basis [Duff et al., Building an Orthonormal Basis, Revisited, JCGT 2017].
+template <int N>
+RAGTOP_INLINE void tangents(const WideVec3<N>& n, WideVec3<N>& t1, WideVec3<N>& t2) {
+    const Lanes<N> sign = select(n.z < 0.0f, Lanes<N>(-1.0f), Lanes<N>(1.0f));
+    const Lanes<N> a = Lanes<N>(-1.0f) / (sign + n.z);
+    const Lanes<N> b = n.x * n.y * a;
+    t1 = {1.0f + sign * n.x * n.x * a, sign * b, -(sign * n.x)};
+    t2 = {b, sign + n.y * n.y * a, -n.y};
+}
+
+/// rad, turn of a step up to which slips are known; third powers are left out: 1e-6 of a radius.
+constexpr float kFirstOrderTurn = 0.02f;
+
+constexpr int pointField(int point, int field) { return contact::kPoints + point * contact::kPointFields + field; }
+
+/// Effective masses of the rows of some lanes, for the inertia of now.
+template <int N>
+RAGTOP_INLINE void setMasses(ContactBundle<N>& c, Mask<N> lanes) {
+    typedef typename Mask<N>::V Int;
+    const Int count = bits(c.field(contact::kPointCount));
+    const Lanes<N> zero(0.0f), one(1.0f);
+    const auto set = [&](int field, Lanes<N> value) { c.set(field, select(lanes, value, c.field(field))); };
+    for (int j = 0; j < contact::kMaxPoints; ++j) {
+        const WideVec3<N> rA = c.arm(pointField(j, contact::kAnchor));
+        const Lanes<N> k = c.admittance(rA, rA - c.offset, c.normal, c.normal, one);
+        set(pointField(j, contact::kMass), select(Mask<N>{count > j}, divideOrZero(one, k), zero));
+    }
+    WideVec3<N> t1, t2;
+    tangents(c.normal, t1, t2);
+    const WideVec3<N> rA = c.arm(contact::kCenter), rB = rA - c.offset;
+    const Lanes<N> k11 = c.admittance(rA, rB, t1, t1, one);
+    const Lanes<N> k12 = c.admittance(rA, rB, t1, t2, zero);
+    const Lanes<N> k22 = c.admittance(rA, rB, t2, t2, one);
+    const Lanes<N> inverseDet = divideOrZero(one, k11 * k22 - k12 * k12);
+    set(contact::kTangentMass, k22 * inverseDet);
+    set(contact::kTangentMass + 1, -(k12 * inverseDet));
+    set(contact::kTangentMass + 2, k11 * inverseDet);
+    const Lanes<N> twist = dot(c.normal, c.inertiaA * c.normal) + dot(c.normal, c.inertiaB * c.normal);
+    set(contact::kTwistMass, divideOrZero(one, twist));
+    const Lanes<N> roll = max(c.inertiaA.xx + c.inertiaB.xx,
+                              max(c.inertiaA.yy + c.inertiaB.yy, c.inertiaA.zz + c.inertiaB.zz));
+    set(contact::kRollMass, divideOrZero(one, roll));
+}
+
+/// What fast turns ask of contacts whose arms are those of the step's beginning, once positions have moved. Masses follow
+/// the inertia as it turns, or the impulses of a slender body would gain energy. Contacts let go when their points are no
+/// longer where they were found, half a radian on; a round surface goes on touching where it did. What spins otherwise
+/// is left to the sweep of fast bodies.
+template <int N>
+RAGTOP_INLINE void followTurns(ContactBundle<N>& c, const WideQuat<N>& dqA, const WideQuat<N>& dqB) {
+    const Lanes<N> little(1.0f / 1600), limit(1.0f / 16), zero(0.0f);  // of sin² θ/2
+    const WideVec3<N> uA{dqA.x, dqA.y, dqA.z}, uB{dqB.x, dqB.y, dqB.z};
+    const Lanes<N> turn = max(dot(uA, uA), dot(uB, uB));
+    if (!any(turn > little)) return;
+    setMasses(c, turn > little);
+    if (!any(turn > limit)) return;
+    const WideVec3<N> rA = c.vector(contact::kCenter), rB = rA - c.offset;
+    const WideVec3<N> wayA = cross(uA, rA - c.field(contact::kRoundA) * c.normal);
+    const WideVec3<N> wayB = cross(uB, rB + c.field(contact::kRoundB) * c.normal);
+    const Mask<N> lost = (dot(wayA, wayA) > limit * dot(rA, rA)) | (dot(wayB, wayB) > limit * dot(rB, rB));
+    const auto clear = [&](int field, int count) {
+        for (int i = field; i < field + count; ++i) c.set(i, select(lost, zero, c.field(i)));
+    };
+    for (int j = 0; j < contact::kMaxPoints; ++j) {
+        clear(pointField(j, contact::kImpulse), 1);
+        clear(pointField(j, contact::kMass), 1);
+        clear(pointField(j, contact::kLoad), 1);
+    }
+    clear(contact::kFrictionImpulse, 3);
+    clear(contact::kRollImpulse, 3);
+    clear(contact::kTangentMass, 3);
+    clear(contact::kTwistImpulse, 1);
+    clear(contact::kTwistMass, 1);
+    clear(contact::kRollMass, 1);
+}
+
+/// Separations of a bundle's points after displacements. What turns is a round shape's core; its surface stays round.
+/// n · (R r − r) = r · (Rᵀ n − n), so that a point costs one product. Made before the arms move.
+template <int N>
+struct Separations {
+    Lanes<N> moved;
+    WideVec3<N> turn;
+
+    RAGTOP_INLINE Separations(const ContactBundle<N>& c, const WideVec3<N>& dp, const WideQuat<N>& dqA,
+                              const WideQuat<N>& dqB) {
+        const WideVec3<N> turnA = inverseTurn(dqA, c.normal), turnB = inverseTurn(dqB, c.normal);
+        turn = turnB - turnA;
+        moved = dot(c.normal, dp) - dot(turnB, c.offset) + c.field(contact::kRoundA) * dot(turnA, c.normal) +
+                c.field(contact::kRoundB) * dot(turnB, c.normal);
+    }
+    RAGTOP_INLINE Lanes<N> at(const ContactBundle<N>& c, int point, const WideVec3<N>& anchor) const {
+        return c.field(pointField(point, contact::kSeparation)) + (moved + dot(turn, anchor));
+    }
+};
+
+}  // namespace
+}  // namespace ragtop

@@ -1,0 +1,102 @@
+// Friction, twist and rolling of a bundle. Included by wide_kernels.inl.
+
+namespace ragtop {
+namespace {
+
+/// The tangential impulse that the cone lets through of a wanted one under the load Σ λ: at most μ Σ λ while the surfaces
+/// stick, a share of that once they slide; against the wanted one in any case. Across the grain the cone has another
+/// width, and is an ellipse.
+template <int N>
+RAGTOP_INLINE WideVec3<N> intoCone(const ContactBundle<N>& c, const WideVec3<N>& wanted, Lanes<N> load, Lanes<N>& sliding) {
+    Lanes<N> squared = dot(wanted, wanted);
+    const Lanes<N> cross = c.field(contact::kCross);
+    if (any(cross != 0.0f)) {
+        const Lanes<N> across = dot(wanted, c.vector(contact::kAcross));
+        squared = squared + cross * across * across;
+    }
+    const Lanes<N> size = sqrt(squared), zero(0.0f), one(1.0f);
+    const Lanes<N> atRest = c.field(contact::kFriction) * load, moving = c.field(contact::kSlidingShare) * atRest;
+    const Mask<N> slides = size > select(sliding > zero, moving, atRest);
+    sliding = select(slides, one, zero);
+    return select(slides, moving / max(size, Lanes<N>(1e-30f)), one) * wanted;
+}
+
+/// The impulse about an axis, or vector of axes, that keeps below a limit.
+template <int N>
+RAGTOP_INLINE WideVec3<N> intoBall(const WideVec3<N>& wanted, Lanes<N> limit) {
+    const Lanes<N> size = sqrt(dot(wanted, wanted));
+    return select(size > limit, limit / max(size, Lanes<N>(1e-30f)), Lanes<N>(1.0f)) * wanted;
+}
+
+/// −K⁻¹ s for a slip s, in the tangent plane.
+template <int N>
+RAGTOP_INLINE WideVec3<N> stoppingImpulse(const ContactBundle<N>& c, const WideVec3<N>& slip) {
+    WideVec3<N> t1, t2;
+    tangents(c.normal, t1, t2);
+    const WideVec3<N> mass = c.vector(contact::kTangentMass);
+    const Lanes<N> s1 = dot(slip, t1), s2 = dot(slip, t2);
+    return (-(mass.x * s1 + mass.y * s2)) * t1 - (mass.y * s1 + mass.z * s2) * t2;
+}
+
+/// Twist: |λ| ≤ Σ (μ lever + ρ_spin) λn about the normal. Rolling: |λ| ≤ ρ_roll Σ λn.
+template <int N>
+RAGTOP_INLINE void solveTurning(ContactBundle<N>& c, Lanes<N> total, Lanes<N> leverTotal) {
+    const Lanes<N> mu = c.field(contact::kFriction);
+    const Lanes<N> old = c.field(contact::kTwistImpulse), limit = mu * leverTotal + c.field(contact::kSpinning) * total;
+    const Lanes<N> wanted = old - c.field(contact::kTwistMass) * dot(c.normal, c.wB - c.wA);
+    const Lanes<N> twist = min(max(wanted, -limit), limit);
+    c.set(contact::kTwistImpulse, twist);
+    c.applyAngular((twist - old) * c.normal);
+
+    const Lanes<N> rolling = c.field(contact::kRolling);
+    if (!any(rolling > 0.0f)) return;
+    const WideVec3<N> before = c.vector(contact::kRollImpulse);
+    const WideVec3<N> roll = intoBall(before - c.field(contact::kRollMass) * (c.wB - c.wA), rolling * total);
+    c.set(contact::kRollImpulse, roll);
+    c.applyAngular(roll - before);
+}
+
+/// How far B has slipped on A in this step, to first order in the turns, and whether these are small enough for that.
+/// First order is what rolling needs: the arc that a round body turns by is the way it makes.
+template <int N>
+struct Slip {
+    WideVec3<N> way;
+    Mask<N> known;
+};
+template <int N>
+RAGTOP_INLINE Slip<N> slipOf(const ContactBundle<N>& c, const WideVec3<N>& dp, const WideQuat<N>& dqA,
+                             const WideQuat<N>& dqB, float elapsed) {
+    const WideVec3<N> rA = c.arm(contact::kCenter), rB = rA - c.offset;
+    const WideVec3<N> turnA{dqA.x + dqA.x, dqA.y + dqA.y, dqA.z + dqA.z};
+    const WideVec3<N> turnB{dqB.x + dqB.x, dqB.y + dqB.y, dqB.z + dqB.z};
+    const WideVec3<N> way = dp + cross(turnB, rB) - cross(turnA, rA) + Lanes<N>(elapsed) * c.vector(contact::kSurface);
+    const WideVec3<N> turn = turnB - turnA;
+    return {way - dot(way, c.normal) * c.normal, dot(turn, turn) < Lanes<N>(kFirstOrderTurn * kFirstOrderTurn)};
+}
+
+/// Friction about the centre, inside the cone. The soft pass also takes back what has slipped since the surfaces stick,
+/// at the rate at which it pushes out; where they slide, or roll fast, the place is let go.
+template <int N, bool kBias>
+RAGTOP_INLINE void solveFriction(ContactBundle<N>& c, Lanes<N> total, Lanes<N> rate, const Slip<N>& slip,
+                                 const SolverContext& context) {
+    const Lanes<N> zero(0.0f), one(1.0f);
+    const WideVec3<N> rA = c.arm(contact::kCenter), rB = rA - c.offset;
+    WideVec3<N> speed = c.relativeVelocity(rA, rB) + c.vector(contact::kSurface);
+    const WideVec3<N> kept = c.vector(contact::kStick);
+    Lanes<N> sliding = c.field(contact::kSliding);
+    if constexpr (kBias)
+        speed = speed + select(slip.known & (sliding <= zero), rate, zero) * (kept + slip.way);
+    const WideVec3<N> old = c.vector(contact::kFrictionImpulse);
+    const WideVec3<N> friction = intoCone(c, old + stoppingImpulse(c, speed), total, sliding);
+    c.set(contact::kFrictionImpulse, friction);
+    c.set(contact::kSliding, sliding);
+    c.applyImpulse(friction - old, rA, rB);
+    if constexpr (!kBias) {
+        const Lanes<N> holds = select(slip.known & (sliding <= zero) & (total > zero), one, zero);
+        const WideVec3<N> place = holds * kept - (one - holds) * slip.way;
+        c.set(contact::kStick, context.lastSubstep ? holds * (kept + slip.way) : place);
+    }
+}
+
+}  // namespace
+}  // namespace ragtop

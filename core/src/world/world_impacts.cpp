@@ -1,0 +1,190 @@
+#include <cmath>
+
+#include "world/world_impl.h"
+
+/// Impacts that a sweep finds, solved on their own: two bodies, the points at which they touch, Coulomb friction.
+namespace ragtop {
+
+namespace {
+
+constexpr int kImpactSweeps = 16;
+
+struct Velocity {
+    Vec3 v, w;
+};
+
+Vec3 inverseMassOf(const BodyState& state) {
+    const float m = state.invMass;
+    return {(state.locks & 1u) != 0 ? 0 : m, (state.locks & 2u) != 0 ? 0 : m, (state.locks & 4u) != 0 ? 0 : m};
+}
+
+/// One side of an impact; without mass it goes on as it does.
+struct Side {
+    Vec3 inverseMass;  ///< per world axis: locks hold
+    BodyInertia inertia;
+    Vec3 arm[kMaxManifoldPoints];  ///< m, from its centre to the points
+
+    void apply(Velocity& velocity, int point, const Vec3& impulse) const {
+        velocity.v += scale(inverseMass, impulse);
+        velocity.w += inertia * cross(arm[point], impulse);
+    }
+    Vec3 response(int point, const Vec3& direction) const {
+        return scale(inverseMass, direction) + cross(inertia * cross(arm[point], direction), arm[point]);
+    }
+    Vec3 speed(const Velocity& velocity, int point) const { return velocity.v + cross(velocity.w, arm[point]); }
+};
+
+struct Impact {
+    Side a, b;
+    Vec3 normal;  ///< from A to B
+    int points = 0;
+    ContactSurface surface;
+    float threshold = 0;  ///< m/s, slowest that bounces
+    float room[kMaxManifoldPoints] = {};  ///< m/s, at which a point may approach: it is apart as yet
+
+    Vec3 slip(const Velocity& ofA, const Velocity& ofB, int point) const {
+        return b.speed(ofB, point) - a.speed(ofA, point);
+    }
+    /// Impulses that take the approach away, or turn it back, and what friction that allows. Returns Σ λn.
+    float solve(Velocity& ofA, Velocity& ofB) const;
+};
+
+float Impact::solve(Velocity& ofA, Velocity& ofB) const {
+    float wanted[kMaxManifoldPoints] = {}, normals[kMaxManifoldPoints] = {}, total = 0;
+    float stiffness[kMaxManifoldPoints] = {};
+    Vec3 frictions[kMaxManifoldPoints];
+    for (int j = 0; j < points; ++j) {
+        const float approach = dot(normal, slip(ofA, ofB, j));
+        const bool bounces = surface.restitution > 0 && room[j] == 0 && approach < -threshold;
+        wanted[j] = bounces ? -surface.restitution * approach : -room[j];
+        const Vec3 t = perpendicular(normal), u = cross(normal, t);
+        stiffness[j] = dot(t, a.response(j, t) + b.response(j, t)) + dot(u, a.response(j, u) + b.response(j, u));
+    }
+    const auto add = [&](int j, const Vec3& impulse) {
+        a.apply(ofA, j, -impulse);
+        b.apply(ofB, j, impulse);
+    };
+    for (int sweep = 0; sweep < kImpactSweeps; ++sweep)
+        for (int j = 0; j < points; ++j) {
+            const float k = dot(normal, a.response(j, normal) + b.response(j, normal));
+            if (!(k > 0)) continue;
+            const float change = (wanted[j] - dot(normal, slip(ofA, ofB, j))) / k;
+            const float impulse = normals[j] + change > 0 ? normals[j] + change : 0.0f;
+            add(j, (impulse - normals[j]) * normal);
+            normals[j] = impulse;
+
+            // Projected descent: no step is longer than the stiffest direction of the plane allows, or it could gain energy.
+            Vec3 tangential = slip(ofA, ofB, j) + surface.surfaceVelocity;
+            tangential -= dot(tangential, normal) * normal;
+            if (!(stiffness[j] > 0)) continue;
+            Vec3 friction = frictions[j] - (1 / stiffness[j]) * tangential;
+            const float limit = surface.friction * impulse, size = length(friction);
+            if (size > limit) friction *= limit / size;
+            add(j, friction - frictions[j]);
+            frictions[j] = friction;
+        }
+    for (int j = 0; j < points; ++j) total += normals[j];
+    return total;
+}
+
+}  // namespace
+
+/// An angular velocity of the end of the step, or of an earlier impact, as it is when the body is turned otherwise: the
+/// same seen from the body, so that a path of constant rate keeps the energy.
+void WorldImpl::turnVelocity(std::uint32_t index, const Quat& from, const Quat& to) {
+    if (dynamics[index].spins != 0) states[index].w = rotate(to, inverseRotate(from, states[index].w));
+}
+
+/// Solves the impact of a body that a sweep has brought to path.from: for the velocities with which it moves in this
+/// step, which give the rest of its path, and for those with which it leaves it. False if the rest is to be lost.
+bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float done, Quat& velocityAt, SweptWay& path) {
+    const ShapeRecord &shape = shapes[meeting.shape], &obstacle = shapes[meeting.obstacle];
+    const std::uint32_t other = obstacle.body;
+    const bool pushes = moves(other);
+    // A sleeper is woken by its contact in the next step, which then has the whole impact.
+    if (pushes && !isAwake(other)) return false;
+    turnVelocity(index, velocityAt, path.from.rotation);
+    velocityAt = path.from.rotation;
+
+    const SweptWay others = wayOfStep(other);
+    const Pose otherNow = others.at(done), place = otherNow * obstacle.frame;
+    Impact impact;
+    impact.surface = surfaceOfMeeting(meeting);
+    impact.threshold = context.restitutionSpeed;
+    impact.normal = rotate(place.rotation, meeting.touch.normal);
+    impact.points = meeting.touch.pointCount;
+    impact.b.inverseMass = inverseMassOf(states[index]);
+    impact.b.inertia = inverseInertiaAt(index, path.from.rotation);
+    if (pushes) {
+        impact.a.inverseMass = inverseMassOf(states[other]);
+        impact.a.inertia = inverseInertiaAt(other, otherNow.rotation);
+    }
+    const float left = (1 - done) * dt, rate = left > 0 ? 1 / left : 0.0f;
+    const float apart = 0.5f * tuning::kSpeculative * shape.size;  // more than the distance that a sweep keeps
+    for (int j = 0; j < impact.points; ++j) {
+        const ManifoldPoint& point = meeting.touch.points[j];
+        const DVec3 at = transformPoint(place, point.position);
+        impact.a.arm[j] = relative(at, otherNow.position);
+        impact.b.arm[j] = relative(at, path.from.position);
+        impact.room[j] = point.separation > apart ? rate * point.separation : 0.0f;
+    }
+
+    const float whole = 1 / dt;
+    Velocity meanA{whole * others.way, whole * others.turn}, meanB{rate * path.way, rate * path.turn};
+    const Velocity beforeA = meanA;
+    float approach = 0;
+    for (int j = 0; j < impact.points; ++j) {
+        const float speed = -dot(impact.normal, impact.slip(meanA, meanB, j));
+        if (impact.room[j] == 0 && speed > approach) approach = speed;
+    }
+    impact.solve(meanA, meanB);
+    path.way = left * meanB.v;
+    path.turn = left * meanB.w;
+    Velocity lastA = bodies[other].type == BodyType::fixed ? Velocity{} : Velocity{states[other].v, states[other].w};
+    Velocity lastB{states[index].v, states[index].w};
+    const float impulse = impact.solve(lastA, lastB);
+    changeVelocity(index, lastB.v, lastB.w);
+    noteImpact(meeting, impact.normal, place, approach, impulse);
+    if (pushes) {
+        changeVelocity(other, lastA.v, lastA.w);
+        const SweptWay gained{{bodies[other].center, bodies[other].rotation}, left * (meanA.v - beforeA.v),
+                              left * (meanA.w - beforeA.w)};
+        const Pose end = gained.at(1);
+        bodies[other].center = end.position;
+        bodies[other].rotation = end.rotation;
+        refreshInertia(other);
+    }
+    return true;
+}
+
+/// As their contact has it, seen from the obstacle.
+ContactSurface WorldImpl::surfaceOfMeeting(const Meeting& meeting) const {
+    const std::uint32_t* contact = pairs.find(pairKey(meeting.obstacle, meeting.shape));
+    if (!contact) return surfaceOfPair(meeting.obstacle, meeting.shape, meeting.touch.triangle);
+    ContactSurface surface = surfaceOf(contacts[*contact], meeting.touch.triangle);
+    if (contacts[*contact].shapeA != meeting.obstacle) surface.surfaceVelocity = -surface.surfaceVelocity;
+    return surface;
+}
+
+/// A velocity that an impact gives at the end of a step; locks hold, and the position map does not take it for smooth.
+void WorldImpl::changeVelocity(std::uint32_t index, const Vec3& linear, const Vec3& angular) {
+    BodyState& state = states[index];
+    const Vec3 before = state.v;
+    state.v = linear;
+    state.w = angular;
+    obeyLocks(index);
+    histories[index].velocityBefore += state.v - before;
+}
+
+/// Kept for the events of this step: the contact itself may be over by its end.
+void WorldImpl::noteImpact(const Meeting& meeting, const Vec3& normal, const Pose& place, float speed, float impulse) {
+    const std::uint32_t* contact = pairs.find(pairKey(meeting.obstacle, meeting.shape));
+    if (!contact || impulse <= 0) return;
+    ContactRecord& record = contacts[*contact];
+    record.struck = true;
+    const bool inOrder = record.shapeA == meeting.obstacle;
+    sweptImpacts.push({*contact, meeting.touch.triangle, transformPoint(place, meeting.touch.points[0].position),
+                       inOrder ? normal : -normal, speed, impulse});
+}
+
+}  // namespace ragtop
