@@ -204,5 +204,18 @@ TEST(WorldSleep, AFallingBodyAtItsApexDoesNotSleep) {
     EXPECT_NEAR(height(world, ball), 15 - 0.5 * 9.81 * 9, 0.01);
 }
 
+TEST(WorldSleep, AFixedBodyPutIntoASleeperWakesIt) {
+    World world;
+    addFloor(world);
+    const BodyId box = world.create(bodyDef(Box{{0.5f, 0.5f, 0.5f}}, {0, 0.5, 0}));
+    const BodyId wall = world.create(bodyDef(Box{{0.5f, 0.5f, 0.5f}}, {20, 0.5, 0}, {}, BodyType::fixed));
+    run(world, 3);
+    ASSERT_FALSE(world.isAwake(box));
+    world.setPose(wall, {{0.8, 0.5, 0}, {}});
+    EXPECT_TRUE(world.isAwake(box));
+    run(world, 3);
+    EXPECT_NEAR(world.pose(box).position.x, -0.2, 0.01);
+}
+
 }  // namespace
 }  // namespace ragtop

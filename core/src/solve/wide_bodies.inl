@@ -159,7 +159,7 @@ RAGTOP_INLINE void rotateFreely(WideQuat<N>& q, const WideVec3<N>& world, const 
 
     const Lanes<N> size1 = max(alpha1, -alpha1), size3 = max(alpha3, -alpha3), largest = max(size1, size3);
     constexpr float kError = 1.0f / 0.04f, kMaxSteps = 511;
-    const Lanes<N> accuracy = (kError * kError) * (size1 * size3 * largest / inverse.y);
+    const Lanes<N> accuracy = (kError * kError) * divideOrZero(size1 * size3 * largest, inverse.y);
     const Lanes<N> angle = max(largest, inverse.y);
     const Lanes<N> wanted = min(h * sqrt(dot(world, world) * max(accuracy, angle * angle)), Lanes<N>(kMaxSteps));
     const Int count = __builtin_convertvector(wanted.v, Int) + 1;

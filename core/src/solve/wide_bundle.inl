@@ -185,6 +185,8 @@ RAGTOP_INLINE void followTurns(ContactBundle<N>& c, const WideQuat<N>& dqA, cons
         for (int i = field; i < field + count; ++i) c.set(i, select(lost, zero, c.field(i)));
     };
     for (int j = 0; j < contact::kMaxPoints; ++j) {
+        const Lanes<N> spent = select(lost, c.field(pointField(j, contact::kImpulse)), zero);
+        c.set(pointField(j, contact::kPeak), c.field(pointField(j, contact::kPeak)) + spent);
         clear(pointField(j, contact::kImpulse), 1);
         clear(pointField(j, contact::kMass), 1);
         clear(pointField(j, contact::kLoad), 1);

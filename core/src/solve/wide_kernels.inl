@@ -101,7 +101,9 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
         if constexpr (!kBias) followTurns(c, dqA, dqB);
         const Separations<N> separations(c, dp, dqA, dqB);
         const Mask<N> isStatic = Mask<N>{c.massA.v == zero.v} | Mask<N>{c.massB.v == zero.v};
-        c.moveArms(select(isStatic, zero, half) * dp);
+        // Bodies that have moved by more than half a size are no longer where they touched: such arms would only lengthen.
+        const Lanes<N> reach = half * c.field(contact::kSize);
+        c.moveArms(select(isStatic | (dot(dp, dp) > reach * reach), zero, half) * dp);
         if constexpr (!kBias) c.set(contact::kShift, c.shift);
         Lanes<N> rate(0.0f), massScale(1.0f), impulseScale(0.0f), push(0.0f);
         if constexpr (kBias) {

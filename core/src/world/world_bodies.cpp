@@ -1,6 +1,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "base/symmetric_eigen.h"
 #include "world/world_impl.h"
@@ -254,6 +255,18 @@ void WorldImpl::setPose(std::uint32_t index, const Pose& pose) {
     body.rotation = normalized(internal.rotation);
     resetSolverState(index);
     refreshBounds(index);
+    wakeOverlapped(index);
+}
+
+/// Sleepers look for no partners themselves: what is put into one wakes it.
+void WorldImpl::wakeOverlapped(std::uint32_t index) {
+    std::vector<std::uint32_t> met;
+    for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next)
+        movingTree.query(tree(shapes[s]).bounds(shapes[s].proxy), [&](std::uint32_t other) {
+            if (!isAwake(shapes[other].body) && shouldCollide(shapes[s], shapes[other])) met.push_back(shapes[other].body);
+            return true;
+        });
+    for (const std::uint32_t body : met) wakeBody(body);
 }
 
 std::uint32_t WorldImpl::index(BodyId id) const {

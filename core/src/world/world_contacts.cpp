@@ -404,6 +404,18 @@ void WorldImpl::applyContactChanges() {
     }
 }
 
+/// Is a point closed already, or by the end of this step if the bodies go on as they do?
+bool WorldImpl::willMeet(const ContactRecord& record, const ManifoldRecord& manifold, int point) const {
+    if (manifold.separation[point] <= 0) return true;
+    const auto velocity = [&](std::uint32_t index, const Vec3& anchor) {
+        const BodyRecord& body = bodies[index];
+        if (body.type == BodyType::fixed) return Vec3{};
+        return states[index].v + cross(states[index].w, rotate(body.rotation, anchor));
+    };
+    const Vec3 approach = velocity(record.bodyA, manifold.anchorA[point]) - velocity(record.bodyB, manifold.anchorB[point]);
+    return manifold.separation[point] <= dt * dot(rotate(bodies[record.bodyA].rotation, manifold.normal), approach);
+}
+
 /// Puts the manifolds of a contact that have points into the graph and takes those without out of it. A body that
 /// sleeps wakes when it is met; until then it takes no part. The contacts of a body that wakes keep the geometry they
 /// fell asleep with, which has not changed.
@@ -414,7 +426,7 @@ void WorldImpl::applyContactChange(std::uint32_t index) {
         const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
         if (manifold.pointCount == 0) removeFromGraph(record.firstManifold + k);
         points |= manifold.pointCount > 0;
-        for (int j = 0; j < manifold.pointCount; ++j) meets |= manifold.separation[j] <= 0;
+        for (int j = 0; j < manifold.pointCount; ++j) meets |= willMeet(record, manifold, j);
     }
     if (!points || record.sensor) return;
     const bool sleepsA = moves(record.bodyA) && !isAwake(record.bodyA);

@@ -165,12 +165,12 @@ SweptWay WorldImpl::wayOfStep(std::uint32_t index) const {
 /// Plays the impacts of a body one after the other, each with the rest of its time. Long turns are swept piece by piece.
 /// What is left after the last impact, or piece, is lost.
 void WorldImpl::sweepBody(std::uint32_t index) {
-    constexpr int kMaxImpacts = 8, kMaxPieces = 64;
+    constexpr int kMaxImpacts = 8, kMaxStuck = 3, kMaxPieces = 64;
     constexpr float kPiece = 1.5f;  // rad
     SweptWay path = wayOfStep(index);
     Quat velocityAt = bodies[index].rotation;
     float done = 0;
-    int impacts = 0;
+    int impacts = 0, stuck = 0;
     for (int piece = 0; piece < kMaxPieces && done < 1; ++piece) {
         const float share = 1 / (1 + std::floor(length(path.turn) / kPiece));
         const Pose to = path.at(share);
@@ -185,6 +185,16 @@ void WorldImpl::sweepBody(std::uint32_t index) {
         path = {path.at(met), (1 - met) * path.way, (1 - met) * path.turn};
         done += (until - done) * meeting.fraction;
         if (++impacts > kMaxImpacts) break;
+        // What meets a surface again and again at once rattles on it: its turn is lost, and it slides along.
+        stuck = meeting.fraction == 0 ? stuck + 1 : 0;
+        if (stuck > kMaxStuck) {
+            const Quat place = wayOfStep(shapes[meeting.obstacle].body).at(done).rotation * shapes[meeting.obstacle].frame.rotation;
+            const Vec3 normal = rotate(place, meeting.touch.normal);
+            const float into = dot(path.way, normal);
+            path.way -= (into < 0 ? into : 0.0f) * normal;
+            path.turn = {};
+            continue;
+        }
         if (!solveMeeting(index, meeting, done, velocityAt, path)) break;
     }
     if (impacts == 0) return;

@@ -80,6 +80,7 @@ struct WorldImpl {
     void updateSensors();
     void applyContactChanges();
     void applyContactChange(std::uint32_t contact);
+    bool willMeet(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
     bool reuseManifolds(ContactRecord& contact, const Frame& bInA, float margin, float size);
     PlacedManifold placed(const ContactRecord& contact, const ManifoldRecord& manifold) const;
     void placeLane(const ContactRecord& contact, const ManifoldRecord& manifold);
@@ -155,6 +156,7 @@ struct WorldImpl {
     void refreshBounds(std::uint32_t body);
     void clearEvents();
     void setPose(std::uint32_t body, const Pose& pose);
+    void wakeOverlapped(std::uint32_t body);
     Pose poseOf(const BodyRecord& body) const;
     Pose shapePose(const ShapeRecord& shape) const;
     void rebuildLists();
