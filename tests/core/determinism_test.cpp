@@ -36,12 +36,12 @@ struct Golden {
 };
 constexpr Golden kGolden[] = {
     {0xaaf66e72af213adfu, 0xdbaa946ee7d3e36fu},  // tower
-    {0xe888d9c3f608e6c0u, 0xd5c98179c7de8264u},  // wall
-    {0x55cf94bdc910dc10u, 0x4f921ea1f3879a7cu},  // hills
-    {0x82aa0decf6ea4096u, 0xc57f6377e2afa287u},  // bowl
-    {0x9fb30829d65974feu, 0x14fd0856f005e3a7u},  // joints
-    {0x42a071fcaa8372b0u, 0xe8124a0c0bf9930du},  // spinners
-    {0x38463aef2038afdeu, 0x768495e9f01425a4u},  // house
+    {0xd23e20cc6c934f8du, 0x4891b96bbb0afa17u},  // wall
+    {0xc067bbae51807983u, 0x0b7e4d88fef29701u},  // hills
+    {0xbfc5177fd82b9995u, 0x7d77009523c89043u},  // bowl
+    {0x9fb30829d65974feu, 0x692f9198e69c8a7du},  // joints
+    {0x7d7d6431d97ea537u, 0x36d49de10ac8a8e6u},  // spinners
+    {0x38463aef2038afdeu, 0xfdb05068f5626659u},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 

@@ -171,7 +171,7 @@ RAGTOP_INLINE void setMasses(ContactBundle<N>& c, Mask<N> lanes) {
 /// is left to the sweep of fast bodies.
 template <int N>
 RAGTOP_INLINE void followTurns(ContactBundle<N>& c, const WideQuat<N>& dqA, const WideQuat<N>& dqB) {
-    const Lanes<N> little(1.0f / 1600), limit(1.0f / 16), zero(0.0f);  // of sin² θ/2
+    const Lanes<N> little(1.0f / 100), limit(1.0f / 16), zero(0.0f);  // of sin² θ/2: 0.2 and 0.5 rad
     const WideVec3<N> uA{dqA.x, dqA.y, dqA.z}, uB{dqB.x, dqB.y, dqB.z};
     const Lanes<N> turn = max(dot(uA, uA), dot(uB, uB));
     if (!any(turn > little)) return;

@@ -291,10 +291,10 @@ bool WorldImpl::reuseManifolds(ContactRecord& record, const Frame& bInA, float m
 Frame WorldImpl::shapeBInA(const ContactRecord& record) const {
     const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    const Quat rotationA = a.rotation * shapeA.frame.rotation;
-    const Vec3 originA = rotate(a.rotation, shapeA.frame.position);
-    return {inverseRotate(rotationA, relative(b.center, a.center) + rotate(b.rotation, shapeB.frame.position) - originA),
-            normalized(conjugate(rotationA) * (b.rotation * shapeB.frame.rotation))};
+    const Vec3 apart = relative(b.center, a.center) + rotate(b.rotation, shapeB.frame.position);
+    const Vec3 inA = inverseRotate(a.rotation, apart) - shapeA.frame.position;
+    const Quat turn = conjugate(a.rotation) * (b.rotation * shapeB.frame.rotation);
+    return {inverseRotate(shapeA.frame.rotation, inA), normalized(conjugate(shapeA.frame.rotation) * turn)};
 }
 
 /// The narrow phase of a pair; returns how many directions it touches in.
@@ -342,9 +342,6 @@ void WorldImpl::updateContact(std::uint32_t index) {
     const float motion = (length(stateB.v - stateA.v) + turnA + turnB) * dt;
     const float margin = tuning::kSpeculative * size + motion;
 
-    const Quat rotationA = a.rotation * shapeA.frame.rotation;
-    const Vec3 offset = relative(b.center, a.center);
-    const Vec3 originA = rotate(a.rotation, shapeA.frame.position);
     const Frame bInA = shapeBInA(record);
     if (reuseManifolds(record, bInA, margin, size)) return;
     record.collided = true;
@@ -353,6 +350,9 @@ void WorldImpl::updateContact(std::uint32_t index) {
     Manifold found[kMaxManifolds];
     const int count = findManifolds(record, bInA, margin, found);
 
+    const Quat rotationA = a.rotation * shapeA.frame.rotation;
+    const Vec3 offset = relative(b.center, a.center);
+    const Vec3 originA = rotate(a.rotation, shapeA.frame.position);
     Vec3 normals[kMaxManifolds];
     int place[kMaxManifolds];
     for (int i = 0; i < count; ++i) normals[i] = rotate(shapeA.frame.rotation, found[i].normal);

@@ -224,7 +224,8 @@ WorldImpl::Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& star
         const auto meet = [&](std::uint32_t other) {
             const ShapeRecord& obstacle = shapes[other];
             if (obstacle.body == index || obstacle.sensor || !maySweepInto(s, other)) return true;
-            const SweptWay others = wayOfStep(obstacle.body);
+            const bool still = bodies[obstacle.body].type == BodyType::fixed;
+            const SweptWay others = still ? SweptWay{{bodies[obstacle.body].center, bodies[obstacle.body].rotation}, {}, {}} : wayOfStep(obstacle.body);
             const Frame& place = obstacle.frame;
             const Frame from = seenFrom(others.at(done) * place, shapeStart);
             const Frame to = seenFrom(others.at(until) * place, shapeEnd);
