@@ -45,6 +45,12 @@ float wayAgainst(const Vec3& normal, const Vec3& point, float fraction, const Fr
     return dot(normal, point - transformPoint(to, inverseTransformPoint(there, point)));
 }
 
+bool isDeep(const Manifold& touch, float allowed) {
+    bool deep = false;
+    for (int j = 0; j < touch.pointCount; ++j) deep |= touch.points[j].separation < -allowed;
+    return deep;
+}
+
 /// The points of a contact that go deeper than is allowed in what is left of the way.
 void keepDeepening(Manifold& touch, const Frame& from, const Frame& to, float allowed) {
     int kept = 0;
@@ -236,12 +242,6 @@ WorldImpl::Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& star
                 };
                 const SweepHit hit = timeOfImpact(view, geometry.convex, from, to, target);
                 if (!hit.hit || (first.hit && hit.fraction >= first.fraction)) return;
-                if (hit.fraction > 0 && wayAgainst(hit.normal, hit.point, hit.fraction, from, to) > allowed) {
-                    const Frame there = SweptMotion(from, to).at(hit.fraction);
-                    first = {true, hit.fraction, s, other, touchAt(there)};
-                    if (first.touch.pointCount == 0) first.touch = pointContact(hit);
-                    return;
-                }
                 if (hit.fraction == 0) {
                     Manifold touch = touchAt(from);
                     keepDeepening(touch, from, to, allowed);
@@ -250,12 +250,17 @@ WorldImpl::Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& star
                         return;
                     }
                 }
+                // What is only grazed, as the side of the next tile of a floor, is no obstacle: the core passes it, and at
+                // the end nothing is deep.
                 const Frame coreFrom{transformPoint(from, core.center), from.rotation};
                 const Frame coreTo{transformPoint(to, core.center), to.rotation};
                 const SweepHit deep = timeOfImpact(view, core.view, coreFrom, coreTo, 0);
-                if (!deep.hit || deep.fraction == 0 || (first.hit && deep.fraction >= first.fraction)) return;
-                first = {true, deep.fraction, s, other, touchAt(SweptMotion(from, to).at(deep.fraction))};
-                if (first.touch.pointCount == 0) first.touch = pointContact(deep);
+                const bool blocks = deep.hit && deep.fraction > 0;
+                if (hit.fraction == 0 ? !blocks : !blocks && !isDeep(touchAt(to), allowed)) return;
+                const SweepHit& met = hit.fraction == 0 ? deep : hit;
+                if (first.hit && met.fraction >= first.fraction) return;
+                first = {true, met.fraction, s, other, touchAt(SweptMotion(from, to).at(met.fraction))};
+                if (first.touch.pointCount == 0) first.touch = pointContact(met);
             };
             if (!solid.isMesh()) {
                 sweepAt(solid.convex);
