@@ -96,7 +96,7 @@ public:
     }
     void count(benchmark::State& state) const {
         state.counters["contacts"] = world.stats().contacts;
-        state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * memory.size()));
+        state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations()) * static_cast<std::int64_t>(memory.size()));
     }
     World world;
     std::vector<std::byte> memory;
