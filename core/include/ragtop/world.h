@@ -6,6 +6,7 @@
 #include <memory>
 #include <memory_resource>
 #include <span>
+#include <vector>
 
 #include "ragtop/body.h"
 #include "ragtop/debug_draw.h"
@@ -112,14 +113,19 @@ public:
     BodyType type(BodyId body) const;
     MassProperties mass(BodyId body) const;
     bool isAwake(BodyId body) const;
-    /// Groups of awake bodies that touch or are joined; counted by the call.
+    /// Groups of awake dynamic bodies that touch or are joined; found by the call.
     int countIslands() const;
+    /// For each of bodies() the first body of its group; null where it sleeps or is not dynamic.
+    std::vector<BodyId> islands() const;
     std::uint64_t userData(BodyId body) const;
     std::span<const ShapeId> shapes(BodyId body) const;
     std::span<const JointId> jointsOf(BodyId body) const;
     void setPose(BodyId body, const Pose& pose);
     void setVelocity(BodyId body, const Vec3& linear, const Vec3& angular);
     void setGravityScale(BodyId body, float scale);
+    /// Changes mass, centre and inertia of a dynamic body (fuel, freight); its pose and the motion of its points stay.
+    /// Throws std::invalid_argument and changes nothing when a value is not allowed.
+    void setMass(BodyId body, const MassProperties& mass);
     /// Moves a kinematic body so that it is at `target` after the next step of dt seconds.
     void moveTo(BodyId body, const Pose& target, double dt);
     void applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point);

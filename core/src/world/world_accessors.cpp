@@ -113,6 +113,17 @@ void World::setGravityScale(BodyId body, float scale) {
     impl_->wakeBody(i);
 }
 
+void World::setMass(BodyId id, const MassProperties& mass) {
+    const std::uint32_t i = impl_->index(id);
+    const BodyRecord& body = impl_->bodies[i];
+    if (body.type != BodyType::dynamic) throw std::invalid_argument("only a dynamic body has a mass");
+    BodyDef def;
+    def.locks = body.locks;
+    def.mass = mass;
+    if (const std::string wrong = whyInvalid(def); !wrong.empty()) throw std::invalid_argument(wrong);
+    impl_->changeMass(i, mass);
+}
+
 void World::moveTo(BodyId body, const Pose& target, double dt) {
     requireFinite(isFinite(target.position) && std::isfinite(dt), "target");
     requireRotation(target.rotation, "target.rotation");
@@ -160,7 +171,7 @@ void World::applyTorque(BodyId body, const Vec3& torque) {
     impl_->wakeBody(i);
 }
 
-int World::countIslands() const {
+std::vector<BodyId> World::islands() const {
     const WorldImpl& w = *impl_;
     std::vector<std::uint32_t> parent(w.bodySlots.count());
     for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
@@ -168,12 +179,10 @@ int World::countIslands() const {
         while (parent[i] != i) i = parent[i] = parent[parent[i]];
         return i;
     };
-    int islands = 0;
-    for (const std::uint32_t body : w.awakeBodies) islands += w.moves(body);
     const auto join = [&](std::uint32_t a, std::uint32_t b) {
-        if (!w.moves(a) || !w.moves(b) || root(a) == root(b)) return;
-        parent[root(a)] = root(b);
-        --islands;
+        if (!w.moves(a) || !w.moves(b)) return;
+        const std::uint32_t rootA = root(a), rootB = root(b);
+        parent[rootA < rootB ? rootB : rootA] = rootA < rootB ? rootA : rootB;
     };
     for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
         for (const std::uint32_t m : w.graph.color(c).manifolds)
@@ -181,7 +190,18 @@ int World::countIslands() const {
                 join(contact.bodyA, contact.bodyB);
         for (const std::uint32_t j : w.graph.color(c).joints) join(w.joints[j].bodyA, w.joints[j].bodyB);
     }
+    std::vector<BodyId> islands;
+    for (const BodyId body : bodies())
+        islands.push_back(w.moves(body.index) && w.isAwake(body.index) ? w.id(root(body.index)) : BodyId{});
     return islands;
+}
+
+int World::countIslands() const {
+    const std::vector<BodyId> first = islands();
+    const auto all = bodies();
+    int count = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) count += first[i] == all[i];
+    return count;
 }
 
 void World::wake(BodyId body) { impl_->wakeBody(impl_->index(body)); }
@@ -243,9 +263,7 @@ void World::setDef(JointId id, const JointDef& def) {
     if (def.index() != joint.def.index() || before.a != after.a || before.b != after.b)
         throw std::invalid_argument("setDef keeps the type and the bodies of a joint");
     joint.def = def;
-    compileJoint(def, joint.bodyA == 0 ? after.frameA.position : impl_->bodies[joint.bodyA].local.position,
-                 joint.bodyB == 0 ? after.frameB.position : impl_->bodies[joint.bodyB].local.position,
-                 impl_->jointSims[i]);
+    impl_->compile(i);
     for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
         if (impl_->moves(body)) impl_->wakeBody(body);
 }

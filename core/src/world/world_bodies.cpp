@@ -75,10 +75,55 @@ void WorldImpl::setMass(std::uint32_t index, const BodyDef& def) {
             if (!shape.sensor) parts.push_back(transformed(massOf(shape.geometry, shape.density), shape.frame));
         mass = combined(parts);
     }
+    takeMass(index, mass);
+}
+
+void WorldImpl::takeMass(std::uint32_t index, const MassProperties& mass) {
+    BodyRecord& body = bodies[index];
     const PrincipalAxes axes = principalAxes(mass.inertia);
     body.mass = mass.mass;
     body.inertia = axes.values;
     body.local = {mass.center, axes.rotation};
+}
+
+/// The internal frame moves in the body; all that is kept in it moves the other way.
+void WorldImpl::changeMass(std::uint32_t index, const MassProperties& mass) {
+    BodyRecord& body = bodies[index];
+    const Pose pose = poseOf(body);
+    const Frame before = body.local;
+    takeMass(index, mass);
+    const Frame move = inverse(body.local) * before;
+    const Pose internal = pose * body.local;
+    states[index].v += cross(states[index].w, relative(internal.position, body.center));
+    body.center = internal.position;
+    body.rotation = normalized(internal.rotation);
+    body.radius = 0;
+    for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
+        ShapeRecord& shape = shapes[s];
+        shape.frame = move * shape.frame;
+        shape.frame.rotation = normalized(shape.frame.rotation);
+        const float radius = radiusAbout(geometries[shape.geometry].shape, inverseTransformPoint(shape.frame, {}));
+        if (radius > body.radius) body.radius = radius;
+    }
+    moveAnchors(index, move);
+    resetSolverState(index);
+    for (std::uint32_t key = body.firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) compile(key >> 1);
+    wakeBody(index);
+}
+
+void WorldImpl::moveAnchors(std::uint32_t index, const Frame& move) {
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+        const ContactRecord& contact = contacts[key >> 1];
+        const bool isA = contact.bodyA == index;
+        for (std::uint32_t k = 0; k < contact.manifoldCapacity; ++k) {
+            ManifoldRecord& manifold = manifolds[contact.firstManifold + k];
+            if (isA) manifold.normal = rotate(move.rotation, manifold.normal);
+            for (int j = 0; j < manifold.pointCount; ++j) {
+                Vec3& anchor = (isA ? manifold.anchorA : manifold.anchorB)[j];
+                anchor = transformPoint(move, anchor);
+            }
+        }
+    }
 }
 
 std::uint32_t WorldImpl::createBody(const BodyDef& def) {

@@ -1,3 +1,4 @@
+#include "world/draw_joint.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -5,7 +6,9 @@ namespace ragtop {
 namespace {
 
 constexpr Color kFixedColor = 0x8a8f98, kKinematicColor = 0x4f9dde, kAwakeColor = 0xe0a458, kAsleepColor = 0x6d7f5e,
-                kContactColor = 0xd1495b, kForceColor = 0xf5d547, kJointColor = 0x3fb28f, kBoundsColor = 0x9c6ade;
+                kContactColor = 0xd1495b, kForceColor = 0xf5d547, kBoundsColor = 0x9c6ade;
+constexpr float kStandardGravity = 9.81f;  ///< m/s², for the scale of forces
+constexpr float kLongestArrow = 10;        ///< sizes
 
 void drawTriangles(DebugDraw& draw, const Pose& pose, std::span<const Vec3> vertices, std::span<const Triangle> triangles,
                    Color color) {
@@ -53,18 +56,58 @@ void drawBounds(DebugDraw& draw, const Bounds& b) {
             if ((i & bit) == 0) draw.line(at(i), at(i | bit), kBoundsColor);
 }
 
+/// A force of the weight of the lighter body is as long as that body is large.
+void drawContact(DebugDraw& draw, const WorldImpl& world, const Contact& contact) {
+    float size = 0, weight = 0;
+    for (const BodyId id : {contact.bodyA, contact.bodyB}) {
+        if (!world.moves(id.index)) continue;
+        const BodyRecord& body = world.bodies[id.index];
+        const float its = body.mass * kStandardGravity;
+        if (weight > 0 && its >= weight) continue;
+        weight = its;
+        size = body.size;
+    }
+    if (!(weight > 0)) return;
+    const auto arrow = [&](const DVec3& from, const Vec3& force) {
+        const float longest = kLongestArrow * size, length = ragtop::length(force) / weight * size;
+        if (length > 0) draw.arrow(from, (length < longest ? size / weight : longest / ragtop::length(force)) * force, kForceColor);
+    };
+    float whole = 0;
+    for (int i = 0; i < contact.pointCount; ++i) whole += contact.points[i].impulse;
+    for (int i = 0; i < contact.pointCount; ++i) {
+        const ContactPoint& point = contact.points[i];
+        draw.sphere({point.point, {}}, 0.04f * size, kContactColor);
+        const float share = whole > 0 ? point.impulse / whole : 0;
+        arrow(point.point, share * (contact.normalForce * contact.normal + contact.frictionForce));
+    }
+}
+
 }  // namespace
+
+/// Neighbouring numbers give distant hues.
+Color islandColor(BodyId first) {
+    if (first.isNull()) return kAsleepColor;
+    return 0x505050u + (((first.index * 2654435761u) >> 8) & 0x9f9f9fu);
+}
 
 void World::draw(DebugDraw& draw) const {
     const WorldImpl& impl = *impl_;
+    std::vector<Color> ofIsland;
+    if (draw.options.islands) {
+        ofIsland.resize(impl.bodySlots.count(), kAsleepColor);
+        const std::vector<BodyId> first = islands();
+        for (std::size_t i = 0; i < first.size(); ++i)
+            ofIsland[bodies()[i].index] = islandColor(first[i]);
+    }
     for (std::uint32_t s = 0; s < impl.shapeSlots.count(); ++s) {
         if (!impl.shapeSlots.isUsed(s)) continue;
         const ShapeRecord& shape = impl.shapes[s];
         const BodyRecord& body = impl.bodies[shape.body];
-        Color color = body.type == BodyType::fixed       ? kFixedColor
-                      : body.type == BodyType::kinematic ? kKinematicColor
-                      : body.awakeIndex != kNone         ? kAwakeColor
-                                                         : kAsleepColor;
+        const Color color = body.type == BodyType::fixed       ? kFixedColor
+                            : body.type == BodyType::kinematic ? kKinematicColor
+                            : draw.options.islands             ? ofIsland[shape.body]
+                            : body.awakeIndex != kNone         ? kAwakeColor
+                                                               : kAsleepColor;
         if (draw.options.shapes)
             std::visit(ShapePainter{draw, impl.shapePose(shape), color}, impl.geometries[shape.geometry].shape);
         if (draw.options.bounds) drawBounds(draw, impl.tree(shape).bounds(shape.proxy));
@@ -72,25 +115,17 @@ void World::draw(DebugDraw& draw) const {
     if (draw.options.centers)
         for (const BodyId id : bodies())
             if (impl.moves(id.index)) draw.frame({centerOfMass(id), impl.bodies[id.index].rotation}, impl.bodies[id.index].size);
-    if (draw.options.contacts)
-        forEachContact([&](const Contact& contact) {
-            for (int i = 0; i < contact.pointCount; ++i) {
-                const ContactPoint& point = contact.points[i];
-                draw.sphere({point.point, {}}, 0.01f, kContactColor);
-                if (impl.lastSubstep > 0)
-                    draw.arrow(point.point, (1e-4f * point.impulse / impl.lastSubstep) * contact.normal, kForceColor);
-            }
-        });
+    if (draw.options.contacts) forEachContact([&](const Contact& contact) { drawContact(draw, impl, contact); });
     if (draw.options.joints)
         for (const JointId id : joints()) {
             const JointRecord& joint = impl.joints[id.index];
             const JointBodies& ends = std::visit([](const auto& d) -> const JointBodies& { return d.bodies; }, joint.def);
             const Pose a = joint.bodyA == 0 ? Pose{} : impl.poseOf(impl.bodies[joint.bodyA]);
             const Pose b = joint.bodyB == 0 ? Pose{} : impl.poseOf(impl.bodies[joint.bodyB]);
-            const Pose frameA = a * ends.frameA, frameB = b * ends.frameB;
-            draw.line(a.position, frameA.position, kJointColor);
-            draw.line(b.position, frameB.position, kJointColor);
-            draw.frame(frameA, 0.1f);
+            float size = 0;
+            for (const std::uint32_t end : {joint.bodyA, joint.bodyB})
+                if (impl.moves(end) && (size == 0 || impl.bodies[end].radius < size)) size = impl.bodies[end].radius;
+            drawJoint(draw, joint.def, state(id), a * ends.frameA, b * ends.frameB, size);
         }
 }
 

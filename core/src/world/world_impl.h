@@ -120,6 +120,10 @@ struct WorldImpl {
     void destroyJoint(std::uint32_t joint);
     std::uint32_t geometryIndex(const Shape& shape);
     void setMass(std::uint32_t body, const BodyDef& def);
+    void takeMass(std::uint32_t body, const MassProperties& mass);
+    void changeMass(std::uint32_t body, const MassProperties& mass);
+    void moveAnchors(std::uint32_t body, const Frame& move);
+    void compile(std::uint32_t joint);
     void resetSolverState(std::uint32_t body);
     void obeyLocks(std::uint32_t body);
     void setVelocity(std::uint32_t body, const Vec3& linear, const Vec3& angular);

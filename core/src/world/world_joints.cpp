@@ -48,8 +48,7 @@ std::uint32_t WorldImpl::createJoint(const JointDef& def) {
     sim = JointSim{};
     sim.stateA = bodies[a].state;
     sim.stateB = bodies[b].state;
-    compileJoint(def, a == 0 ? joined.frameA.position : bodies[a].local.position,
-                 b == 0 ? joined.frameB.position : bodies[b].local.position, sim);
+    compile(index);
     // Bodies that were in contact and no longer collide lose that contact.
     if (!joined.collide)
         for (std::uint32_t key = bodies[a].firstContact; key != kNone;) {
@@ -66,6 +65,14 @@ std::uint32_t WorldImpl::createJoint(const JointDef& def) {
     if (moves(b) && !awakeB) wakeBody(b);
     addJointToGraph(index);
     return index;
+}
+
+/// The solver's form of a joint, from its definition and the centres of its bodies.
+void WorldImpl::compile(std::uint32_t index) {
+    const JointRecord& joint = joints[index];
+    const JointBodies& joined = bodiesOf(joint.def);
+    compileJoint(joint.def, joint.bodyA == 0 ? joined.frameA.position : bodies[joint.bodyA].local.position,
+                 joint.bodyB == 0 ? joined.frameB.position : bodies[joint.bodyB].local.position, jointSims[index]);
 }
 
 void WorldImpl::destroyJoint(std::uint32_t index) {
