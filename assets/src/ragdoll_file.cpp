@@ -134,8 +134,7 @@ void readJoints(const JsonValue& file, const RagdollInFile& in, RagdollDef& def)
 
 }  // namespace
 
-RagdollDef loadRagdoll(const std::filesystem::path& path) {
-    const JsonDocument document = loadExtended(path);
+RagdollDef readRagdoll(const JsonDocument& document) {
     validate(document, ragdollSchema());
     RagdollInFile in;
     const JsonValue file(document);
@@ -154,10 +153,9 @@ RagdollDef loadRagdoll(const std::filesystem::path& path) {
     return def;
 }
 
-void saveRagdoll(const RagdollDef& def, const std::filesystem::path& path) {
-    if (const std::string wrong = whyInvalid(def); !wrong.empty()) {
-        throw AssetError(path.string() + ": is not written, the ragdoll is not usable: " + wrong);
-    }
+RagdollDef loadRagdoll(const std::filesystem::path& path) { return readRagdoll(loadExtended(path)); }
+
+Json writeRagdoll(const RagdollDef& def) {
     RagdollInFile out;
     out.note = def.note;
     const auto part = [&](int i) { return def.parts[static_cast<std::size_t>(i)].name; };
@@ -170,7 +168,14 @@ void saveRagdoll(const RagdollDef& def, const std::filesystem::path& path) {
     }
     Json json = writeValue(out);
     for (std::size_t i = 0; i < def.joints.size(); ++i) writeJointKind(def.joints[i].joint, json["joints"][i]);
-    writeJson(json, path);
+    return json;
+}
+
+void saveRagdoll(const RagdollDef& def, const std::filesystem::path& path) {
+    if (const std::string wrong = whyInvalid(def); !wrong.empty()) {
+        throw AssetError(path.string() + ": is not written, the ragdoll is not usable: " + wrong);
+    }
+    writeJson(writeRagdoll(def), path);
 }
 
 }  // namespace ragtop

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "describe_json.h"
+#include "ragtop/tuning.h"
 
 namespace ragtop {
 namespace {
@@ -100,10 +101,6 @@ Range readRange(const JsonValue& value) {
 
 Json writeNumber(double value) { return value; }
 
-Json writeNumber(float value) {
-    // The shortest decimal that names this float and no other, where reading it through double keeps that promise.
-    const double shortest = std::stod(fmt::format("{}", value));
-    return static_cast<float>(shortest) == value ? shortest : static_cast<double>(value);
-}
+Json writeNumber(float value) { return shortestDecimal(value); }
 
 }  // namespace ragtop

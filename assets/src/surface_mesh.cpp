@@ -1,4 +1,4 @@
-#include "surface_mesh.h"
+#include "ragtop/surface_mesh.h"
 
 #include <array>
 #include <cmath>

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "gltf_library.h"
+#include "ragtop/surface_mesh.h"
 #include "ragtop/world.h"
-#include "surface_mesh.h"
 #include "support/temporary_path.h"
 
 namespace ragtop {
