@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 #include "support/temporary_path.h"
@@ -54,6 +55,20 @@ TEST(Run, SummaryHasExactlyItsKeys) {
     std::filesystem::remove_all(out);
 }
 
+TEST(Run, PosesAreWrittenEachSecondAndAtTheEnd) {
+    const std::string out = folder("run_poses");
+    ragtop("run tower --steps 70 --poses '" + out + "/poses.csv'");
+    std::ifstream file(out + "/poses.csv");
+    std::string line;
+    std::getline(file, line);
+    EXPECT_EQ(line, "step,time_s,body,x_m,y_m,z_m,qx,qy,qz,qw");
+    std::map<std::string, int> bodiesAtStep;
+    while (std::getline(file, line)) ++bodiesAtStep[line.substr(0, line.find(','))];
+    // The ground and twelve boxes.
+    EXPECT_EQ(bodiesAtStep, (std::map<std::string, int>{{"60", 13}, {"70", 13}}));
+    std::filesystem::remove_all(out);
+}
+
 // Unoptimised and instrumented builds are slow: they go a part of the way.
 #if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 constexpr int kSteps = 600;
@@ -86,7 +101,7 @@ TEST_P(SceneRun, EndsAlikeWithAnyWidthAndNumberOfThreads) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, SceneRun, testing::Values("crash", "rain", "tower", "track"),
+INSTANTIATE_TEST_SUITE_P(Scenes, SceneRun, testing::Values("crash", "hills", "rain", "tower", "track", "wrecker"),
                          [](const testing::TestParamInfo<std::string>& scene) { return scene.param; });
 
 TEST(Run, SettingsChangeWhatHappens) {
