@@ -13,9 +13,9 @@ const LIT = ['contacts', 'joints', 'bounds', 'centers', 'islands', 'wheels', 'sk
  * scene alone; and what is done before, if anything.
  */
 const PICTURES = {
-  crash: { steps: 46, eye: [8, 3, -13.5], target: [0.9, 1.3, -4.5], panels: true },
+  crash: { steps: 46, eye: [-7, 2.8, -12.5], target: [-0.6, 1.3, -4.5], panels: true },
   rain: { steps: 110, eye: [4.5, 3.5, -12.5], target: [0, 2.2, -2] },
-  tower: { steps: 27, eye: [9, 4.5, 14], target: [-0.4, 5.8, 0], before: topple },
+  tower: { steps: 42, eye: [5, 3.5, 15], target: [1.2, 5.6, 0], before: topple },
   track: { steps: 480, chase: true, shown: ['wheels'], panels: true },
   wrecker: { steps: 128, eye: [-9.5, 4.2, -4.5], target: [0, 2.9, 3] },
 };
@@ -32,9 +32,9 @@ async function takePicture(page, { steps, eye, target, chase = false, shown = []
   await ask(page, 'show', Object.fromEntries(LIT.map((name) => [name, shown.includes(name)])));
   if (!panels) await page.keyboard.press('h');
   await before?.(page);
-  // Second by second, so that the plots have something to show.
+  // A few at a time, so that the plots have something to show.
   for (let left = steps; left > 0; left -= 6) await step(page, Math.min(left, 6));
-  if (chase) await page.evaluate(() => { window.ragtop.camera.mode = 'chase'; });
+  if (chase) await page.click('#cameras [data-camera=chase]');
   else await look(page, eye, target);
   await finished(page);
 }

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kSpacing = 2;  ///< m, of the points of a centre line
 
-/// The curve of Catmull and Rom between b and c.
+/// Between b and c [Catmull, Rom, A Class of Local Interpolating Splines, 1974].
 DVec3 between(const DVec3& a, const DVec3& b, const DVec3& c, const DVec3& d, double t) {
     const DVec3 linear = c - a, square = 2 * a - 5 * b + 4 * c - d, cube = 3 * (b - c) + (d - a);
     return b + 0.5 * (t * linear + (t * t) * square + (t * t * t) * cube);

@@ -27,6 +27,7 @@ export class DebugView {
 
   /** Shows the lines of a decoded frame instead of those before. */
   receive({ ints, floats, count }) {
+    if (count === 0) return this.clear();
     if (count > this.#capacity) this.#reserve(count);
     const { position, color: tint } = this.object.geometry.attributes;
     for (let i = 0; i < count; ++i) {

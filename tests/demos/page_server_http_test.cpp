@@ -128,7 +128,7 @@ TEST(PageServer, RequestsInOneGoAreAnsweredInOrder) {
 
 TEST(PageServer, UnfinishedRequestsEnd) {
     PageServerOptions options;
-    options.requestSeconds = 0.2;
+    options.requestSeconds = 1;
     PageServer server(onAnyPort(options));
     WebClient silent(server.port()), slow(server.port()), kept(server.port());
     slow.send("GET / HTTP/1.1\r\nHost: local");
@@ -139,7 +139,7 @@ TEST(PageServer, UnfinishedRequestsEnd) {
 TEST(PageServer, AnswersThatAreNotReadEnd) {
     PageServerOptions options;
     options.connections = 1;
-    options.requestSeconds = 0.2;
+    options.requestSeconds = 0.5;
     PageServer server(onAnyPort(options));
     // More than the system holds for a connection.
     server.publish("large", "text/plain", std::vector<std::byte>(32 << 20));
@@ -152,7 +152,7 @@ TEST(PageServer, AnswersThatAreNotReadEnd) {
 TEST(PageServer, ConnectionsBeyondTheLimitWaitTheirTurn) {
     PageServerOptions options;
     options.connections = 4;
-    options.requestSeconds = 0.2;
+    options.requestSeconds = 0.5;
     PageServer server(onAnyPort(options));
     std::vector<WebClient> idle;
     for (int i = 0; i < 12; ++i) idle.emplace_back(server.port());

@@ -37,6 +37,10 @@ await acceptance(EVERYTHING, async (test) => {
   await until('new pictures of moved bodies', async () =>
     (await page.evaluate(() => window.ragtop.draws)) >= draws + 5 && farthest(opened, await poses(page)) > 0.5);
 
+  const marks = await page.evaluate(() => ['first', 'moving']
+    .map((which) => performance.getEntriesByName(`ragtop:${which}-picture`)[0]?.startTime ?? NaN));
+  say(`after opening, the first picture came in ${marks.map((ms) => `${(ms / 1000).toFixed(1)} s`).join(', a moving one in ')}`);
+
   say('between two steps of it bodies and pixels change');
   await pause(page);
   const [before, picture] = [await poses(page), await canvasPicture(page)];

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "world/draw_joint.h"
 #include "world/world_impl.h"
 
@@ -8,7 +10,7 @@ namespace {
 constexpr Color kFixedColor = 0x8a8f98, kKinematicColor = 0x4f9dde, kAwakeColor = 0xe0a458, kAsleepColor = 0x6d7f5e,
                 kContactColor = 0xd1495b, kForceColor = 0xf5d547, kBoundsColor = 0x9c6ade;
 constexpr float kStandardGravity = 9.81f;  ///< m/s², for the scale of forces
-constexpr float kLongestArrow = 10;        ///< sizes
+constexpr float kLongestArrow = 4;         ///< sizes
 
 void drawTriangles(DebugDraw& draw, const Pose& pose, std::span<const Vec3> vertices, std::span<const Triangle> triangles,
                    Color color) {
@@ -56,38 +58,43 @@ void drawBounds(DebugDraw& draw, const Bounds& b) {
             if ((i & bit) == 0) draw.line(at(i), at(i | bit), kBoundsColor);
 }
 
-/// A force of the weight of the lighter body is as long as that body is large.
+/// Forces on the lighter body; one of its weight is a quarter as long as that body is large.
 void drawContact(DebugDraw& draw, const WorldImpl& world, const Contact& contact) {
-    float size = 0, weight = 0;
+    const BodyRecord* lighter = nullptr;
+    float sign = 1;
     for (const BodyId id : {contact.bodyA, contact.bodyB}) {
-        if (!world.moves(id.index)) continue;
         const BodyRecord& body = world.bodies[id.index];
-        const float its = body.mass * kStandardGravity;
-        if (weight > 0 && its >= weight) continue;
-        weight = its;
-        size = body.size;
+        if (!world.moves(id.index) || (lighter && body.mass >= lighter->mass)) continue;
+        lighter = &body;
+        sign = id == contact.bodyB ? 1.0f : -1.0f;
     }
-    if (!(weight > 0)) return;
-    const auto arrow = [&](const DVec3& from, const Vec3& force) {
-        const float longest = kLongestArrow * size, length = ragtop::length(force) / weight * size;
-        if (length > 0) draw.arrow(from, (length < longest ? size / weight : longest / ragtop::length(force)) * force, kForceColor);
-    };
+    if (!lighter) return;
+    const float scale = 0.25f * lighter->size / (lighter->mass * kStandardGravity);
+    const Vec3 force = sign * scale * (contact.normalForce * contact.normal + contact.frictionForce);
     float whole = 0;
     for (int i = 0; i < contact.pointCount; ++i) whole += contact.points[i].impulse;
     for (int i = 0; i < contact.pointCount; ++i) {
         const ContactPoint& point = contact.points[i];
-        draw.sphere({point.point, {}}, 0.04f * size, kContactColor);
-        const float share = whole > 0 ? point.impulse / whole : 0;
-        arrow(point.point, share * (contact.normalForce * contact.normal + contact.frictionForce));
+        draw.sphere({point.point, {}}, 0.04f * lighter->size, kContactColor);
+        if (!(whole > 0)) continue;
+        const Vec3 arrow = (point.impulse / whole) * force;
+        const float longest = kLongestArrow * lighter->size, length = ragtop::length(arrow);
+        draw.arrow(point.point, length > longest ? (longest / length) * arrow : arrow, kForceColor);
     }
 }
 
 }  // namespace
 
-/// Neighbouring numbers give distant hues.
+/// Hues at steps of the golden section, which are far apart for any few numbers.
 Color islandColor(BodyId first) {
     if (first.isNull()) return kAsleepColor;
-    return 0x505050u + (((first.index * 2654435761u) >> 8) & 0x9f9f9fu);
+    const float turns = 0.618034f * static_cast<float>(first.index), hue = 6 * (turns - std::floor(turns));
+    const auto channel = [&](float peak) {
+        const float away = std::abs(std::remainder(hue - peak, 6.0f));
+        const float share = away < 1 ? 1 : away < 2 ? 2 - away : 0;
+        return static_cast<Color>(70 + 165 * share);
+    };
+    return channel(0) << 16 | channel(2) << 8 | channel(4);
 }
 
 void World::draw(DebugDraw& draw) const {

@@ -1,6 +1,9 @@
 #include "live_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <utility>
 
@@ -29,6 +32,13 @@ std::map<std::string, int> namesOf(const Visual& visual) {
     std::map<std::string, int> names;
     for (const VisualNode& node : visual.nodes) names[node.name] = node.index;
     return names;
+}
+
+/// By its content [Fowler, Noll, Vo, FNV-1a].
+std::string nameOf(const std::string& kind, const std::vector<std::byte>& bytes) {
+    std::uint64_t hash = 14695981039346656037ull;
+    for (const std::byte byte : bytes) hash = (hash ^ static_cast<std::uint64_t>(byte)) * 1099511628211ull;
+    return fmt::format("{}_{:016x}.glb", kind, hash);
 }
 
 }  // namespace
@@ -92,9 +102,10 @@ LiveScene::Looks LiveScene::cook(const Scene& scene) {
             looks.warnings.push_back(std::string("its shapes are drawn: ") + error.what());
         }
     };
-    const auto keep = [&](const std::string& name, Visual visual) {
+    const auto keep = [&](const std::string& kind, Visual visual) {
         looks.warnings.insert(looks.warnings.end(), visual.warnings.begin(), visual.warnings.end());
-        looks.blobs.push_back({name, std::move(visual.glb)});
+        looks.blobs.push_back({nameOf(kind, visual.glb), std::move(visual.glb)});
+        return looks.blobs.back().name;
     };
     for (std::size_t i = 0; i < scene.ragdolls.size(); ++i) {
         const SceneRagdoll& ragdoll = scene.ragdolls[i];
@@ -103,8 +114,8 @@ LiveScene::Looks LiveScene::cook(const Scene& scene) {
         if (isNew) {
             attempt([&, &cooked = skin->second] {
                 Visual visual = cookSkin(ragdoll.character, *ragdoll.def);
-                cooked = {"skin" + std::to_string(i) + ".glb", namesOf(visual)};
-                keep(cooked.first, std::move(visual));
+                auto nodes = namesOf(visual);
+                cooked = {keep("skin", std::move(visual)), std::move(nodes)};
             });
         }
         if (skin->second.first.empty()) continue;
@@ -114,9 +125,8 @@ LiveScene::Looks LiveScene::cook(const Scene& scene) {
         if (!scene.vehicles[i].def.visual) continue;
         attempt([&] {
             Visual visual = cookCar(scene.vehicles[i].def);
-            const std::string name = "car" + std::to_string(i) + ".glb";
-            looks.visuals.push_back({CastVisual::Kind::car, name, i, namesOf(visual)});
-            keep(name, std::move(visual));
+            auto nodes = namesOf(visual);
+            looks.visuals.push_back({CastVisual::Kind::car, keep("car", std::move(visual)), i, std::move(nodes)});
         });
     }
     return looks;

@@ -20,6 +20,9 @@ void LiveWorld::keep() {
     Snapshot snapshot{now(), std::vector<std::byte>(cast_.world->saveSize()), tuning_.state(), driven_};
     cast_.world->save(snapshot.world);
     snapshots_.add(std::move(snapshot));
+    // Nobody can go back to what came before.
+    const auto past = std::find_if(log_.begin(), log_.end(), [&](const Entry& entry) { return entry.step >= first(); });
+    log_.erase(log_.begin(), past);
 }
 
 void LiveWorld::step() {

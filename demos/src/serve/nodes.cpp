@@ -248,7 +248,7 @@ Json Nodes::ragdolls() const {
     return ragdolls;
 }
 
-Json Nodes::visuals(const std::string& prefix) const {
+Json Nodes::visuals() const {
     Json visuals = Json::array();
     for (const CastVisual& visual : cast_.visuals) {
         const bool isSkin = visual.kind == CastVisual::Kind::skin;
@@ -259,7 +259,7 @@ Json Nodes::visuals(const std::string& prefix) const {
                           : index < 0 ? numbers_.at(cast_.vehicles[visual.index].vehicle->chassis())
                                       : wheels_[visual.index][i];
         }
-        visuals.push_back({{"url", prefix + visual.file}, {"kind", isSkin ? "skin" : "car"}, {"nodes", std::move(nodes)}});
+        visuals.push_back({{"url", "/visual/" + visual.file}, {"kind", isSkin ? "skin" : "car"}, {"nodes", std::move(nodes)}});
     }
     return visuals;
 }

@@ -32,8 +32,7 @@ public:
     Json describe() const;
     Json vehicles() const;
     Json ragdolls() const;
-    /// `prefix` comes before the names of files.
-    Json visuals(const std::string& prefix) const;
+    Json visuals() const;
 
     std::span<const NodePose> poses();
 

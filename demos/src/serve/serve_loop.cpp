@@ -7,7 +7,7 @@
 namespace ragtop::live {
 namespace {
 
-constexpr int kMostMessages = 500;  ///< between two steps
+constexpr double kMostListening = 0.005;  ///< s between two steps; the rest of what pages say waits
 
 Outlet outletOf(PageServer& server) {
     Outlet outlet;
@@ -38,16 +38,19 @@ ServeLoop::ServeLoop(std::unique_ptr<Stage> stage, const PageServerOptions& serv
     : server_(server), session_(std::move(stage), outletOf(server_), session), last_(std::chrono::steady_clock::now()) {}
 
 void ServeLoop::update() {
+    using Clock = std::chrono::steady_clock;
+    const auto seconds = [](Clock::duration time) { return std::chrono::duration<double>(time).count(); };
+    const auto start = Clock::now();
     PageServer::Message message;
-    for (int i = 0; i < kMostMessages && server_.receive(message); ++i) {
+    while (seconds(Clock::now() - start) < kMostListening && server_.receive(message)) {
         switch (message.kind) {
             case PageServer::MessageKind::joined: session_.join(message.client); break;
             case PageServer::MessageKind::said: session_.receive(message.client, message.text); break;
             case PageServer::MessageKind::left: session_.leave(message.client); break;
         }
     }
-    const auto now = std::chrono::steady_clock::now();
-    session_.advance(std::chrono::duration<double>(now - last_).count());
+    const auto now = Clock::now();
+    session_.advance(seconds(now - last_));
     last_ = now;
 }
 

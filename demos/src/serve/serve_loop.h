@@ -10,7 +10,7 @@
 
 namespace ragtop::live {
 
-/// The page: `given`, or else the installed one, or that of the source tree; empty when there is none. Throws AssetError
+/// The page: `given`, or else that of the source tree, or the installed one; empty when there is none. Throws AssetError
 /// when `given` is no file.
 std::filesystem::path findPage(const std::optional<std::filesystem::path>& given);
 

@@ -63,14 +63,10 @@ void Session::open(std::unique_ptr<Stage> stage) {
     worldChanged();
 }
 
-/// Names are never used again for other models, so that pages may keep them.
 void Session::publish() {
     if (published_ == &stage_->blobs()) return;
     published_ = &stage_->blobs();
-    ++publications_;
-    for (const Blob& blob : *published_) {
-        outlet_.publish(std::to_string(publications_) + "_" + blob.name, "model/gltf-binary", blob.bytes);
-    }
+    for (const Blob& blob : *published_) outlet_.publish(blob.name, "model/gltf-binary", blob.bytes);
 }
 
 void Session::restart() {

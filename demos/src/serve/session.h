@@ -114,7 +114,6 @@ private:
     Overlay overlay_;
     std::shared_ptr<const TuneState> tunablesSent_;
     const std::vector<Blob>* published_ = nullptr;
-    int publications_ = 0;
     bool playing_ = true;
     bool statusDue_ = true, posesDue_ = true, telemetryDue_ = true;
     double speed_ = 1;

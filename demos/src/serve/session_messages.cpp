@@ -77,7 +77,7 @@ Json Session::sceneMessage() const {
             {"vehicles", nodes_->vehicles()},
             {"ragdolls", nodes_->ragdolls()},
             {"roads", std::move(roads)},
-            {"visuals", nodes_->visuals("/visual/" + std::to_string(publications_) + "_")},
+            {"visuals", nodes_->visuals()},
             {"tunables", tunablesJson()},
             {"warnings", cast.warnings},
             {"camera", cameraJson()}};

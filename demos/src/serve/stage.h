@@ -16,7 +16,7 @@ struct SceneEntry {
 
 /// A model for pages to fetch.
 struct Blob {
-    std::string name{};  ///< under /visual/
+    std::string name{};  ///< under /visual/; others have other names, so that pages may keep it
     std::vector<std::byte> bytes{};
 };
 
