@@ -87,7 +87,8 @@ VehicleInput followRoad(const SceneRoad& road, const Vehicle& car, const Pose& c
     const float now = car.telemetry().speed;
     Walk aim(road, here);
     const float ahead = kAheadLeast + kAheadTime * std::max(now, 0.0f);
-    while (flatDistance(aim.point(), chassis.position) < ahead && aim.next()) {}
+    while (flatDistance(aim.point(), chassis.position) < ahead && aim.next()) {
+    }
     const Vec3 target = inverseTransformPoint(chassis, aim.point());
     const float squared = target.x * target.x + target.z * target.z;
 

@@ -44,7 +44,8 @@ Json write(const SceneVehicle& vehicle) {
 
 /// Everything but the names of the scene and what its vehicles and ragdolls are made from.
 Json write(const Scene& scene) {
-    Json json{{"step", scene.step}, {"settings", writeValue(scene.settings)}, {"materials", writeValue(scene.materials)}};
+    Json json{
+        {"step", scene.step}, {"settings", writeValue(scene.settings)}, {"materials", writeValue(scene.materials)}};
     for (const SceneBody& body : scene.bodies) json["bodies"].push_back(write(body));
     for (const SceneJoint& joint : scene.joints) json["joints"].push_back(write(joint));
     for (const SceneVehicle& vehicle : scene.vehicles) json["vehicles"].push_back(write(vehicle));

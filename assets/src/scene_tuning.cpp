@@ -92,13 +92,15 @@ public:
         if (tuned.settings) scene.settings = settings_;
         for (const std::string& name : tuned.materials) scene.materials[name] = materials_.at(name);
         for (SceneBody& body : scene.bodies) {
-            if (std::find(tuned.materials.begin(), tuned.materials.end(), body.material) == tuned.materials.end()) continue;
+            if (std::find(tuned.materials.begin(), tuned.materials.end(), body.material) == tuned.materials.end())
+                continue;
             for (ShapeDef& shape : body.def.shapes) shape.material = materials_.at(body.material);
         }
         for (const std::size_t i : tuned.joints) scene.joints[i].def = joints_[i];
         for (const std::size_t i : tuned.vehicles) scene.vehicles[i].def = vehicles_[i];
         for (const RagdollKind& kind : ragdolls_) {
-            if (std::find(tuned.ragdolls.begin(), tuned.ragdolls.end(), kind.members[0]) == tuned.ragdolls.end()) continue;
+            if (std::find(tuned.ragdolls.begin(), tuned.ragdolls.end(), kind.members[0]) == tuned.ragdolls.end())
+                continue;
             const auto def = std::make_shared<const RagdollDef>(kind.def);
             for (const std::size_t i : kind.members) scene.ragdolls[i].def = def;
         }
@@ -113,32 +115,37 @@ private:
     };
 
     void collect(const Scene& scene) {
-        add("settings", [&](const std::string& path) { addTunables(settings_, path, "world", refs_); },
+        add(
+            "settings", [&](const std::string& path) { addTunables(settings_, path, "world", refs_); },
             [this] { return whyInvalid(settings_); }, [](TunedParts& tuned) { tuned.settings = true; });
         for (auto& item : materials_) {
             const std::string& name = item.first;
             Material& material = item.second;
-            add("materials." + name,
+            add(
+                "materials." + name,
                 [&](const std::string& path) { addTunables(material, path, "materials / " + name, refs_); },
                 [&material] { return whyInvalid(material); },
                 [&name](TunedParts& tuned) { tuned.materials.push_back(name); });
         }
         for (std::size_t i = 0; i < joints_.size(); ++i) {
             const std::string name = keyOf(scene.joints, i, [](const SceneJoint& joint) { return joint.name; });
-            add("joints." + name, [&](const std::string& path) { addJoint(joints_[i], path, "joints / " + name); },
+            add(
+                "joints." + name, [&](const std::string& path) { addJoint(joints_[i], path, "joints / " + name); },
                 [this, i] { return whyInvalidKind(joints_[i]); },
                 [i](TunedParts& tuned) { tuned.joints.push_back(i); });
         }
         for (std::size_t i = 0; i < vehicles_.size(); ++i) {
             const std::string name = keyOf(scene.vehicles, i, [](const SceneVehicle& vehicle) { return vehicle.name; });
-            add("vehicles." + name,
+            add(
+                "vehicles." + name,
                 [&](const std::string& path) { addVehicle(vehicles_[i], path, named("vehicle", name)); },
                 [this, i] { return whyInvalid(vehicles_[i]); },
                 [i](TunedParts& tuned) { tuned.vehicles.push_back(i); });
         }
         for (std::size_t i = 0; i < ragdolls_.size(); ++i) {
             const std::string name = keyOf(ragdolls_, i, [](const RagdollKind& kind) { return kind.name; });
-            add("ragdolls." + name,
+            add(
+                "ragdolls." + name,
                 [&](const std::string& path) { addRagdoll(ragdolls_[i].def, path, named("ragdoll", name)); },
                 [this, i] { return whyInvalid(ragdolls_[i].def); },
                 [this, i](TunedParts& tuned) {
@@ -155,7 +162,8 @@ private:
     }
 
     template <class Fill>
-    void add(const std::string& path, Fill fill, std::function<std::string()> why, std::function<void(TunedParts&)> note) {
+    void add(const std::string& path, Fill fill, std::function<std::string()> why,
+             std::function<void(TunedParts&)> note) {
         const std::size_t first = refs_.size();
         fill(path);
         const auto begin = refs_.begin() + static_cast<std::ptrdiff_t>(first);

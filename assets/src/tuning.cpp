@@ -17,7 +17,8 @@ bool isWithin(const TunableField& field, double value) {
 bool accepts(const TunableField& field, const TuneValue& value) {
     if (std::holds_alternative<std::monostate>(value)) return field.optional;
     switch (field.kind) {
-        case TunableKind::boolean: return std::holds_alternative<bool>(value);
+        case TunableKind::boolean:
+            return std::holds_alternative<bool>(value);
         case TunableKind::number:
         case TunableKind::integer: {
             const auto* number = std::get_if<double>(&value);
@@ -39,11 +40,21 @@ bool accepts(const TunableField& field, const TuneValue& value) {
 std::string allowed(const TunableField& field) {
     std::string text;
     switch (field.kind) {
-        case TunableKind::boolean: text = "true or false"; break;
-        case TunableKind::number: text = "a number"; break;
-        case TunableKind::integer: text = "an integer"; break;
-        case TunableKind::vector: text = "three numbers"; break;
-        case TunableKind::choice: text = fmt::format("one of \"{}\"", fmt::join(field.choices, "\", \"")); break;
+        case TunableKind::boolean:
+            text = "true or false";
+            break;
+        case TunableKind::number:
+            text = "a number";
+            break;
+        case TunableKind::integer:
+            text = "an integer";
+            break;
+        case TunableKind::vector:
+            text = "three numbers";
+            break;
+        case TunableKind::choice:
+            text = fmt::format("one of \"{}\"", fmt::join(field.choices, "\", \""));
+            break;
     }
     const bool ranged = field.kind != TunableKind::boolean && field.kind != TunableKind::choice;
     if (ranged && std::isfinite(field.minimum) && std::isfinite(field.maximum)) {

@@ -47,7 +47,8 @@ Json tuningSchema() {
 
 void readTuning(const JsonValue& tuning, Scene& scene) {
     std::vector<TunedValue> values;
-    for (const auto& item : tuning.json().items()) values.emplace_back(item.key(), readTuneValue(tuning.at(item.key())));
+    for (const auto& item : tuning.json().items())
+        values.emplace_back(item.key(), readTuneValue(tuning.at(item.key())));
     try {
         tune(scene, values);
     } catch (const TuneError& error) {
@@ -62,7 +63,8 @@ Json writeTuning(std::span<const TunedValue> values) {
     return json;
 }
 
-void saveTuning(const std::filesystem::path& file, const std::filesystem::path& scene, std::span<const TunedValue> values) {
+void saveTuning(const std::filesystem::path& file, const std::filesystem::path& scene,
+                std::span<const TunedValue> values) {
     namespace fs = std::filesystem;
     std::error_code error;
     fs::create_directories(fs::absolute(file).parent_path(), error);

@@ -30,7 +30,8 @@ std::string whyNot(const std::string& text) {
 double distance(const DVec3& a, const DVec3& b) { return std::hypot(a.x - b.x, a.z - b.z); }
 
 TEST(Road, GoesThroughItsPointsWithoutGaps) {
-    const Scene scene = sceneOf(R"({"roads": [{"name": "ring", "points": [[50, 1, 0], [0, 2, 50], [-50, 3, 0], [0, 1, -50]]}]})");
+    const Scene scene =
+        sceneOf(R"({"roads": [{"name": "ring", "points": [[50, 1, 0], [0, 2, 50], [-50, 3, 0], [0, 1, -50]]}]})");
     ASSERT_EQ(scene.roads.size(), 1u);
     const auto& line = scene.roads[0].line;
     for (std::size_t i = 0; i < line.size(); ++i) EXPECT_LT(distance(line[i], line[(i + 1) % line.size()]), 3);
@@ -65,7 +66,8 @@ TEST(Road, OpenRoadsEnd) {
 }
 
 TEST(Road, TooFewPointsAndUnknownRoadsAreRefused) {
-    EXPECT_THAT(whyNot(R"({"roads": [{"points": [[0, 0, 0], [1, 0, 0]]}]})"), testing::HasSubstr("has 2 points, must have 3 or more"));
+    EXPECT_THAT(whyNot(R"({"roads": [{"points": [[0, 0, 0], [1, 0, 0]]}]})"),
+                testing::HasSubstr("has 2 points, must have 3 or more"));
     const std::string car = std::string(RAGTOP_SOURCE_DIR) + "/assets/data/vehicles/hatchback.car.json";
     EXPECT_THAT(whyNot(R"({"vehicles": [{"file": ")" + car + R"(", "driver": {"road": "nowhere"}}]})"),
                 testing::HasSubstr("must be the name of one of the 0 roads"));
@@ -100,9 +102,11 @@ TEST(Road, TheDriverOfTheTrackDrivesLaps) {
 
 TEST(Road, TheDriverStopsWhereTheRoadEnds) {
     const std::string car = std::string(RAGTOP_SOURCE_DIR) + "/assets/data/vehicles/hatchback.car.json";
-    const Scene scene = sceneOf(R"({"bodies": [{"type": "fixed", "shape": {"box": {"halfExtents": [200, 1, 200]}}, "position": [0, -1.01, 0]}],
+    const Scene scene = sceneOf(
+        R"({"bodies": [{"type": "fixed", "shape": {"box": {"halfExtents": [200, 1, 200]}}, "position": [0, -1.01, 0]}],
         "roads": [{"name": "lane", "closed": false, "foot": -1, "points": [[0, 0, -10], [0, 0, 120]]}],
-        "vehicles": [{"file": ")" + car + R"(", "position": [0, 0, 0], "driver": {"road": "lane", "speed": 20}}]})");
+        "vehicles": [{"file": ")" +
+        car + R"(", "position": [0, 0, 0], "driver": {"road": "lane", "speed": 20}}]})");
     World world(scene.settings);
     SceneInstance instance(scene, world);
     for (int i = 0; i < 1200; ++i) {

@@ -110,7 +110,8 @@ TEST(SceneTuning, PathsNameWhatTheyBelongTo) {
     for (const char* path :
          {"settings.gravity", "settings.substeps", "materials.brick.friction", "vehicles.car.chassis.mass",
           "vehicles.car.wheels.front left.suspension.stiffness", "vehicles.car.wheels.rear right.tire.lateralFriction",
-          "vehicles.car.engine.torqueCurve.2.torque", "vehicles.car.gearbox.ratios.0", "vehicles.car.differential.type"}) {
+          "vehicles.car.engine.torqueCurve.2.torque", "vehicles.car.gearbox.ratios.0",
+          "vehicles.car.differential.type"}) {
         EXPECT_THAT(paths, Contains(path));
     }
     // Structure, and looks.
@@ -181,15 +182,17 @@ TEST(SceneTuning, ATuningMayBeTunedAgain) {
 TEST(SceneTuning, WrongValuesHaveAPlace) {
     const auto why = [](const std::string& entry) -> std::string {
         try {
-            loadScene(fileWith("wrong.json", "{\n\"extends\": \"" + findScene("crash").string() + "\",\n\"tuning\": {\n" + entry + "}}"));
+            loadScene(fileWith("wrong.json", "{\n\"extends\": \"" + findScene("crash").string() +
+                                                 "\",\n\"tuning\": {\n" + entry + "}}"));
         } catch (const AssetError& error) {
             return error.what();
         }
         return "";
     };
     EXPECT_EQ(why(R"("settings.substeps": 6)"), "");
-    EXPECT_THAT(why(R"("settings.substeps": 600)"), HasSubstr(":4:22: /tuning/settings.substeps is not usable: "
-                                                              "settings.substeps is 600, must be an integer in [1, 64]"));
+    EXPECT_THAT(why(R"("settings.substeps": 600)"),
+                HasSubstr(":4:22: /tuning/settings.substeps is not usable: "
+                          "settings.substeps is 600, must be an integer in [1, 64]"));
     EXPECT_THAT(why(R"("settings.substep": 6)"), HasSubstr("did you mean \"settings.substeps\"?"));
     EXPECT_THAT(why(R"("settings.substeps": {})"), HasSubstr("must be a number, true or false"));
     EXPECT_THAT(why(R"("settings.gravity": [1, 2])"), HasSubstr("/tuning/settings.gravity"));

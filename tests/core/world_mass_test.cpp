@@ -41,7 +41,8 @@ TEST(Mass, ChangesNeitherPlaceNorMotion) {
 TEST(Mass, StandingBodiesStandOnWithTheirNewWeight) {
     World world;
     world.create(StaticBody{.shape = Box{{10, 1, 10}}, .position = {0, -1, 0}});
-    const BodyId box = world.create(DynamicBody{.shape = Box{{0.5f, 0.5f, 0.5f}}, .density = 100, .position = {0, 0.5, 0}});
+    const BodyId box =
+        world.create(DynamicBody{.shape = Box{{0.5f, 0.5f, 0.5f}}, .density = 100, .position = {0, 0.5, 0}});
     for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
     const double height = world.pose(box).position.y;
     MassProperties mass = world.mass(box);
@@ -108,7 +109,8 @@ TEST(Islands, AreKnownByTheirFirstBody) {
     world.create(StaticBody{.shape = Box{{20, 1, 20}}, .position = {0, -1, 0}});
     std::vector<BodyId> boxes;
     for (const double x : {-5.0, 0.0, 5.0}) {
-        for (const double y : {0.5, 1.5}) boxes.push_back(world.create(DynamicBody{.shape = Box{}, .position = {x, y, 0}}));
+        for (const double y : {0.5, 1.5})
+            boxes.push_back(world.create(DynamicBody{.shape = Box{}, .position = {x, y, 0}}));
     }
     for (int i = 0; i < 5; ++i) world.step(1.0 / 60);
     const std::vector<BodyId> islands = world.islands();

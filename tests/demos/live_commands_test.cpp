@@ -42,7 +42,8 @@ TEST(Commands, AreReadWithTheirMembers) {
     EXPECT_EQ(grab.point, (Vec3{1, 2, 3}));
     EXPECT_EQ(grab.target, (Vec3{4, 5, 6}));
     EXPECT_EQ(read<DragCommand>(R"({"do": "drag", "target": [4, 5, 6]})").target, (Vec3{4, 5, 6}));
-    const auto shoot = read<ShootCommand>(R"({"do": "shoot", "origin": [0, 1, 0], "direction": [0, 0, 1], "speed": 5})");
+    const auto shoot =
+        read<ShootCommand>(R"({"do": "shoot", "origin": [0, 1, 0], "direction": [0, 0, 1], "speed": 5})");
     EXPECT_EQ(shoot.speed, 5);
     EXPECT_EQ(shoot.radius, ShootCommand{}.radius);
 }
@@ -95,8 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{R"({"do": "step"})", "step: count is missing, must be an integer in [-600, 600]"},
         Bad{R"({"do": "step", "count": 601})", "step: count is 601, must be an integer in [-600, 600]"},
         Bad{R"({"do": "step", "count": 1.5})", "step: count is 1.5"},
-        Bad{R"({"do": "step", "count": 1e999})", "is not JSON"},
-        Bad{R"({"do": "step", "count": NaN})", "is not JSON"},
+        Bad{R"({"do": "step", "count": 1e999})", "is not JSON"}, Bad{R"({"do": "step", "count": NaN})", "is not JSON"},
         Bad{R"({"do": "step", "count": null})", "step: count is null"},
         Bad{R"({"do": "seek", "step": -1})", "seek: step is -1"},
         Bad{R"({"do": "seek", "step": 18446744073709551615})", "seek: step is 18446744073709551615"},
@@ -105,7 +105,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{R"({"do": "load", "scene": 1})", "load: scene is 1, must be a text"},
         Bad{R"({"do": "show", "ghosts": true})", "show: \"ghosts\" is unknown"},
         Bad{R"({"do": "show", "joints": 1})", "show: joints is 1, must be true or false"},
-        Bad{R"({"do": "grab", "node": 0, "point": [0, 0], "target": [0, 0, 0]})", "grab: point is [0,0], must be three"},
+        Bad{R"({"do": "grab", "node": 0, "point": [0, 0], "target": [0, 0, 0]})",
+            "grab: point is [0,0], must be three"},
         Bad{R"({"do": "grab", "node": -1, "point": [0, 0, 0], "target": [0, 0, 0]})", "grab: node is -1"},
         Bad{R"({"do": "drag", "target": [0, 1e30, 0]})", "drag: target is 1e+30"},
         Bad{R"({"do": "drag", "target": [0, "1", 0]})", "drag: target is \"1\""},
@@ -118,7 +119,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{R"({"do": "tune", "path": "x", "value": {}})", "tune: value is {}"},
         Bad{R"({"do": "tune", "path": "x", "value": [1, 2]})", "tune: value is [1,2]"},
         Bad{R"({"do": "tune", "value": 1})", "tune: path is missing"},
-        Bad{R"({"do": "saveTuning", "name": "../../etc/passwd"})", "saveTuning: name is \"../../etc/passwd\", must be 1 to 64"},
+        Bad{R"({"do": "saveTuning", "name": "../../etc/passwd"})",
+            "saveTuning: name is \"../../etc/passwd\", must be 1 to 64"},
         Bad{R"({"do": "saveTuning", "name": ""})", "saveTuning: name is \"\""},
         Bad{R"({"do": "loadTuning", "name": "a/b"})", "loadTuning: name is \"a/b\""},
         Bad{R"({"do": "loadTuning"})", "loadTuning: name is missing"},
@@ -143,7 +145,8 @@ TEST(Commands, LongValuesAreShownShort) {
 
 /// Bytes changed at random are read or refused, and nothing else happens.
 TEST(Commands, SurviveDamage) {
-    const std::string good = R"({"id": 1, "do": "shoot", "origin": [0, 1.5, -2e3], "direction": [0, 0, 1], "speed": 30})";
+    const std::string good =
+        R"({"id": 1, "do": "shoot", "origin": [0, 1.5, -2e3], "direction": [0, 0, 1], "speed": 30})";
     std::mt19937 random(1);
     int understood = 0;
     for (int i = 0; i < 20000; ++i) {

@@ -184,10 +184,22 @@ TEST_F(SessionTest, AGrabbedBrickMovesAndIsLetGoWhenItsPageLeaves) {
     EXPECT_TRUE(session_->live().hand().held().isNull());
 }
 
+TEST_F(SessionTest, LettingGoOfWhatWasNotYetHeldKeepsTheFuture) {
+    openYard();
+    steps(10);
+    expectOk({{"do", "grab"}, {"node", nodeNamed("brick 20")}, {"point", {0, 0, 0}}, {"target", {0, 3, 8}}});
+    steps(20);
+    expectOk({{"do", "seek"}, {"step", 5}});
+    expectOk({{"do", "release"}});
+    session_->leave(kPage);
+    EXPECT_EQ(session_->live().last(), 30u);
+}
+
 TEST_F(SessionTest, WhatIsNotThereIsRefused) {
     openYard();
     const std::string before = hash();
-    EXPECT_EQ(errorOf({{"do", "drive"}, {"vehicle", 1}, {"throttle", 1}}), "drive: vehicle is 1, must be below 1, their number");
+    EXPECT_EQ(errorOf({{"do", "drive"}, {"vehicle", 1}, {"throttle", 1}}),
+              "drive: vehicle is 1, must be below 1, their number");
     EXPECT_EQ(errorOf({{"do", "resetVehicle"}, {"vehicle", 9}}),
               "resetVehicle: vehicle is 9, must be below 1, their number");
     EXPECT_EQ(errorOf({{"do", "pick"}, {"node", 99999}}), "pick: node is 99999, must be the number of a body");

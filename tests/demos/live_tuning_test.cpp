@@ -28,7 +28,8 @@ protected:
         text.replace(at, from.size(), to);
         const auto file = folder_.write("yard.json", text);
         // Times of files may be coarser than this test is quick.
-        std::filesystem::last_write_time(file, std::filesystem::last_write_time(file) + std::chrono::seconds(++seconds_));
+        std::filesystem::last_write_time(file,
+                                         std::filesystem::last_write_time(file) + std::chrono::seconds(++seconds_));
         session_->advance(1);
     }
     int seconds_ = 0;
@@ -116,12 +117,15 @@ TEST_F(LiveTuning, WhatCannotBeIsRefusedAndChangesNothing) {
     const auto refused = [&](const std::string& path, const Json& value) {
         return errorOf({{"do", "tune"}, {"path", path}, {"value", value}});
     };
-    EXPECT_NE(refused("settings.warp", 1).find("path is \"settings.warp\", must be that of one of the"), std::string::npos);
+    EXPECT_NE(refused("settings.warp", 1).find("path is \"settings.warp\", must be that of one of the"),
+              std::string::npos);
     EXPECT_EQ(refused("settings.substeps", 0), "tune: settings.substeps is 0, must be an integer in [1, 64]");
     EXPECT_EQ(refused("settings.substeps", true), "tune: settings.substeps is true, must be an integer in [1, 64]");
     EXPECT_EQ(refused("settings.sleeping", 1), "tune: settings.sleeping is 1, must be true or false");
-    EXPECT_EQ(refused("settings.gravity", 9.81), "tune: settings.gravity is 9.81, must be three numbers in [-1000, 1000] m/s²");
-    EXPECT_EQ(refused("vehicles.car.chassis.mass", -1), "tune: vehicles.car.chassis.mass is -1, must be a number in [0.001, 1e+09] kg");
+    EXPECT_EQ(refused("settings.gravity", 9.81),
+              "tune: settings.gravity is 9.81, must be three numbers in [-1000, 1000] m/s²");
+    EXPECT_EQ(refused("vehicles.car.chassis.mass", -1),
+              "tune: vehicles.car.chassis.mass is -1, must be a number in [0.001, 1e+09] kg");
     EXPECT_EQ(refused("vehicles.car.chassis.mass", nullptr),
               "tune: vehicles.car.chassis.mass is null, must be a number in [0.001, 1e+09] kg");
     EXPECT_EQ(refused("vehicles.car.differential.type", "none"),
@@ -181,7 +185,8 @@ TEST_F(LiveTuning, SavedAndLoadedValuesAreEqual) {
 
     // Into the running one.
     steps(10);
-    for (const TunedValue& one : session_->stage().tuning().changed()) expectOk({{"do", "untune"}, {"path", one.first}});
+    for (const TunedValue& one : session_->stage().tuning().changed())
+        expectOk({{"do", "untune"}, {"path", one.first}});
     EXPECT_TRUE(session_->stage().tuning().changed().empty());
     EXPECT_EQ(expectOk({{"do", "loadTuning"}, {"name", "soft"}})["changed"], 7);
     EXPECT_EQ(values(), tuned);
@@ -203,7 +208,8 @@ TEST_F(LiveTuning, TuningsOfOtherScenesAreRefused) {
     expectOk({{"do", "saveTuning"}, {"name", "mine"}});
     std::filesystem::copy(folder_ / "tuning" / "yard_mine.json", folder_ / "tuning" / "tower_mine.json");
     expectOk({{"do", "load"}, {"scene", "tower"}});
-    EXPECT_NE(errorOf({{"do", "loadTuning"}, {"name", "mine"}}).find("is another scene, must extend"), std::string::npos);
+    EXPECT_NE(errorOf({{"do", "loadTuning"}, {"name", "mine"}}).find("is another scene, must extend"),
+              std::string::npos);
 }
 
 TEST_F(LiveTuning, AChangedFileIsTakenUpWhileItRuns) {

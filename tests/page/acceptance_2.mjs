@@ -7,7 +7,7 @@ import { ask, Browser, hash, look, pause, poses, project, scene, shown, status, 
 import { driveAround, Road } from './support/driver.mjs';
 import { Program } from './support/program.mjs';
 
-const SIZE = { width: 1120, height: 630 };  // wide enough for both panels
+const SIZE = { width: 1000, height: 450 };  // wide enough for both panels
 const SMALL = { width: 480, height: 270 };  // drawn soon
 
 const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);

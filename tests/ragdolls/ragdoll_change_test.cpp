@@ -17,7 +17,9 @@ const RagdollDef& human() {
 struct Fall {
     World world;
     Ragdoll person;
-    Fall() : person((world.create(StaticBody{.shape = Box{{50, 1, 50}}, .position = {0, -1, 0}}), world), human(), Pose{{0, 0.3, 0}, {}}) {}
+    Fall()
+        : person((world.create(StaticBody{.shape = Box{{50, 1, 50}}, .position = {0, -1, 0}}), world), human(),
+                 Pose{{0, 0.3, 0}, {}}) {}
     void run(int steps) {
         for (int i = 0; i < steps; ++i) world.step(1.0 / 60);
     }
@@ -66,7 +68,8 @@ TEST(RagdollChange, TheGroundCarriesTheNewWeight) {
     int steps = 0;
     for (; steps < 60; ++steps) {
         fall.world.step(1.0 / 60);
-        fall.world.forEachContact(fall.world.bodies()[0], [&](const Contact& c) { force += static_cast<double>(c.normalForce); });
+        fall.world.forEachContact(fall.world.bodies()[0],
+                                  [&](const Contact& c) { force += static_cast<double>(c.normalForce); });
     }
     EXPECT_NEAR(force / steps, static_cast<double>(mass) * 9.81, 0.02 * static_cast<double>(mass) * 9.81);
 }

@@ -68,6 +68,7 @@ void apply(const Scene& scene, const TunedParts& parts, const RunningScene& to);
 
 /// Writes a scene file that `extends` another one and lists these values; folders that are missing are made. Throws
 /// AssetError.
-void saveTuning(const std::filesystem::path& file, const std::filesystem::path& scene, std::span<const TunedValue> values);
+void saveTuning(const std::filesystem::path& file, const std::filesystem::path& scene,
+                std::span<const TunedValue> values);
 
 }  // namespace ragtop

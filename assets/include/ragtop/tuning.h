@@ -70,11 +70,17 @@ struct Ignore {
     void operator()(const Tunable&, T&) {}
 };
 template <class T>
-concept Described = requires(Ignore visit, T& value) { describe(visit, value, static_cast<const T*>(nullptr)); };
+concept Described = requires(Ignore visit, T& value) {
+    describe(visit, value, static_cast<const T*>(nullptr));
+};
 template <class T>
-concept NamedEnum = std::is_enum_v<T> && requires { enumNames(T{}); };
+concept NamedEnum = std::is_enum_v<T> && requires {
+    enumNames(T{});
+};
 template <class T>
-concept Named = requires(const T& value) { { value.name } -> std::convertible_to<std::string>; };
+concept Named = requires(const T& value) {
+    { value.name } -> std::convertible_to<std::string>;
+};
 template <class T>
 inline constexpr bool kIsVector3 = std::is_same_v<T, Vec3> || std::is_same_v<T, DVec3>;
 /// One slider, switch or list.
@@ -83,21 +89,30 @@ inline constexpr bool kIsLeaf = std::is_arithmetic_v<T> || kIsVector3<T> || Name
 
 template <class T>
 TuneValue read(const T& value) {
-    if constexpr (std::is_same_v<T, bool>) return value;
-    else if constexpr (std::is_same_v<T, float>) return shortestDecimal(value);
-    else if constexpr (std::is_arithmetic_v<T>) return static_cast<double>(value);
+    if constexpr (std::is_same_v<T, bool>)
+        return value;
+    else if constexpr (std::is_same_v<T, float>)
+        return shortestDecimal(value);
+    else if constexpr (std::is_arithmetic_v<T>)
+        return static_cast<double>(value);
     else if constexpr (std::is_same_v<T, Vec3>)
         return DVec3{shortestDecimal(value.x), shortestDecimal(value.y), shortestDecimal(value.z)};
-    else if constexpr (std::is_same_v<T, DVec3>) return value;
-    else return std::string(*(std::begin(enumNames(T{})) + static_cast<std::ptrdiff_t>(value)));
+    else if constexpr (std::is_same_v<T, DVec3>)
+        return value;
+    else
+        return std::string(*(std::begin(enumNames(T{})) + static_cast<std::ptrdiff_t>(value)));
 }
 
 template <class T>
 void write(const TuneValue& from, T& into) {
-    if constexpr (std::is_same_v<T, bool>) into = std::get<bool>(from);
-    else if constexpr (std::is_arithmetic_v<T>) into = static_cast<T>(std::get<double>(from));
-    else if constexpr (std::is_same_v<T, Vec3>) into = toVec3(std::get<DVec3>(from));
-    else if constexpr (std::is_same_v<T, DVec3>) into = std::get<DVec3>(from);
+    if constexpr (std::is_same_v<T, bool>)
+        into = std::get<bool>(from);
+    else if constexpr (std::is_arithmetic_v<T>)
+        into = static_cast<T>(std::get<double>(from));
+    else if constexpr (std::is_same_v<T, Vec3>)
+        into = toVec3(std::get<DVec3>(from));
+    else if constexpr (std::is_same_v<T, DVec3>)
+        into = std::get<DVec3>(from);
     else {
         int index = 0;
         for (const auto& name : enumNames(T{})) {
@@ -109,11 +124,11 @@ void write(const TuneValue& from, T& into) {
 
 template <class T>
 void describeLeaf(TunableField& field) {
-    field.kind = std::is_same_v<T, bool>    ? TunableKind::boolean
-                 : std::is_integral_v<T>    ? TunableKind::integer
-                 : std::is_arithmetic_v<T>  ? TunableKind::number
-                 : kIsVector3<T>            ? TunableKind::vector
-                                            : TunableKind::choice;
+    field.kind = std::is_same_v<T, bool>   ? TunableKind::boolean
+                 : std::is_integral_v<T>   ? TunableKind::integer
+                 : std::is_arithmetic_v<T> ? TunableKind::number
+                 : kIsVector3<T>           ? TunableKind::vector
+                                           : TunableKind::choice;
     if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>) {
         const auto lowest = static_cast<double>(std::numeric_limits<T>::lowest());
         const auto highest = static_cast<double>(std::numeric_limits<T>::max());
@@ -146,8 +161,10 @@ private:
             inner.add(tunable, "lower", value.lower);
             inner.add(tunable, "upper", value.upper);
         } else if constexpr (IsOptional<T>::value) {
-            if constexpr (kIsLeaf<typename T::value_type>) leaf<typename T::value_type>(tunable, name, value, true);
-            else if (value) add(tunable, name, *value);
+            if constexpr (kIsLeaf<typename T::value_type>)
+                leaf<typename T::value_type>(tunable, name, value, true);
+            else if (value)
+                add(tunable, name, *value);
         } else if constexpr (IsVector<T>::value) {
             addElements(tunable, name, value);
         } else if constexpr (Described<T> && !std::is_same_v<T, Filter>) {

@@ -53,8 +53,10 @@ struct JointPainter {
     }
     void operator()(const HingeDef& hinge) const {
         draw.line(at({-1, 0, 0}), at({1, 0, 0}), kJointColor);
-        if (hinge.limit) range(*hinge.limit, state.coordinate, limitColor(kReached));
-        else spoke(state.coordinate, kNowColor);
+        if (hinge.limit)
+            range(*hinge.limit, state.coordinate, limitColor(kReached));
+        else
+            spoke(state.coordinate, kNowColor);
     }
     void operator()(const SliderDef& slider) const {
         draw.line(a.position, b.position, kNowColor);
@@ -63,7 +65,8 @@ struct JointPainter {
         const Color color = limitColor(kReached * size);
         draw.line(at(lower), at(upper), color);
         for (const Vec3& end : {lower, upper}) {
-            for (const Vec3& tick : {Vec3{0, 0.3f, 0}, Vec3{0, 0, 0.3f}}) draw.line(at(end - tick), at(end + tick), color);
+            for (const Vec3& tick : {Vec3{0, 0.3f, 0}, Vec3{0, 0, 0.3f}})
+                draw.line(at(end - tick), at(end + tick), color);
         }
     }
     void operator()(const DistanceDef& distance) const {
@@ -74,7 +77,8 @@ struct JointPainter {
 
 }  // namespace
 
-void drawJoint(DebugDraw& draw, const JointDef& def, const JointState& state, const Pose& a, const Pose& b, float size) {
+void drawJoint(DebugDraw& draw, const JointDef& def, const JointState& state, const Pose& a, const Pose& b,
+               float size) {
     draw.frame(a, 0.4f * size);
     std::visit(JointPainter{draw, state, a, b, size}, def);
 }

@@ -25,8 +25,8 @@ struct ServeOptions {
     std::filesystem::path page{};  ///< empty: the page that comes along
     double step = 1.0 / 60;        ///< s
     bool playing = true;           ///< from when the first page comes; false: it waits for somebody to press play
-    /// Before each step. What it does must depend on the world and its time alone, or steps back are not exact; state of
-    /// the program's own belongs into a StepModule. Vehicles that a page drives keep the input from there.
+    /// Before each step. What it does must depend on the world and its time alone, or steps back are not exact; state
+    /// of the program's own belongs into a StepModule. Vehicles that a page drives keep the input from there.
     std::function<void(double dt)> beforeStep{};
 
     std::string name = "world", description{};

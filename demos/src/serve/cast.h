@@ -40,8 +40,8 @@ struct CastRagdoll {
 /// A model that is drawn instead of bodies and wheels.
 struct CastVisual {
     enum class Kind { skin, car } kind = Kind::skin;
-    std::string file{};           ///< its name under /visual/
-    std::size_t index = 0;        ///< of the ragdoll or vehicle
+    std::string file{};                  ///< its name under /visual/
+    std::size_t index = 0;               ///< of the ragdoll or vehicle
     std::map<std::string, int> nodes{};  ///< name in the file: the part of the ragdoll; the wheel, −1 the chassis
 };
 

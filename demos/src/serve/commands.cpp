@@ -12,9 +12,9 @@
 namespace ragtop::live {
 namespace {
 
-constexpr float kFarthest = 1e6f;      ///< m, of positions
-constexpr int kDeepest = 8;            ///< nesting of a message
-constexpr double kMostSteps = 9e15;    ///< whole numbers up to here are exact
+constexpr float kFarthest = 1e6f;    ///< m, of positions
+constexpr int kDeepest = 8;          ///< nesting of a message
+constexpr double kMostSteps = 9e15;  ///< whole numbers up to here are exact
 
 class Wrong : public std::runtime_error {
 public:

@@ -62,7 +62,8 @@ Hand::Hand(World& world) : world_(world) {
 Hand::~Hand() { world_.remove(&module_); }
 
 void Hand::grab(BodyId body, const Vec3& point, const DVec3& target) {
-    if (world_.type(body) != BodyType::dynamic) throw std::invalid_argument("the body does not move, must be a dynamic one");
+    if (world_.type(body) != BodyType::dynamic)
+        throw std::invalid_argument("the body does not move, must be a dynamic one");
     state_.body = body;
     state_.point = point;
     state_.mass = hangingMass(world_, body);
@@ -97,8 +98,10 @@ bool Hand::isBall(BodyId body) const {
 
 void Hand::beforeStep() {
     if (state_.body.isNull()) return;
-    if (world_.isValid(state_.body)) world_.wake(state_.body);
-    else release();
+    if (world_.isValid(state_.body))
+        world_.wake(state_.body);
+    else
+        release();
 }
 
 void Hand::pull(float h) {

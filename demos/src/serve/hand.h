@@ -21,9 +21,9 @@ namespace ragtop::live {
 ///
 ///     (E + (h² k + h c) K) λ = −h (k (x − target) + (h k + c) v),   |λ| ≤ h F
 ///
-/// which never overshoots, whatever the body touches or is joined to: that makes it only heavier. Stiffness, damping and
-/// the largest force F belong to the mass of the body and all that joints hang on it, so that a person can be lifted by
-/// the hand and a brick cannot push a car.
+/// which never overshoots, whatever the body touches or is joined to: that makes it only heavier. Stiffness, damping
+/// and the largest force F belong to the mass of the body and all that joints hang on it, so that a person can be
+/// lifted by the hand and a brick cannot push a car.
 class Hand {
 public:
     static constexpr std::size_t kMostBalls = 200;  ///< a further one takes the place of the oldest

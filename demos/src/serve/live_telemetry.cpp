@@ -21,12 +21,9 @@ Json vehicleJson(const Vehicle& vehicle) {
     const VehicleTelemetry& car = vehicle.telemetry();
     Json wheels = Json::array();
     for (const WheelTelemetry& wheel : car.wheels) wheels.push_back(wheelJson(wheel));
-    return {{"rpm", number(car.engine.rpm)},
-            {"gear", car.gear},
-            {"speed", number(car.speed)},
-            {"throttle", number(vehicle.input.throttle)},
-            {"brake", number(vehicle.input.brake)},
-            {"steer", number(vehicle.input.steer)},
+    return {{"rpm", number(car.engine.rpm)},        {"gear", car.gear},
+            {"speed", number(car.speed)},           {"throttle", number(vehicle.input.throttle)},
+            {"brake", number(vehicle.input.brake)}, {"steer", number(vehicle.input.steer)},
             {"wheels", std::move(wheels)}};
 }
 
@@ -95,7 +92,7 @@ Json pickedJson(const World& world, BodyId body, std::uint32_t node, const std::
     const BodyType type = world.type(body);
     Json json{{"node", node},
               {"name", name},
-              {"type", type == BodyType::fixed ? "static" : type == BodyType::kinematic ? "kinematic" : "dynamic"},
+              {"type", typeName(type)},
               {"awake", world.isAwake(body)},
               {"mass", type == BodyType::dynamic ? number(world.mass(body).mass) : Json(nullptr)},
               {"position", array(relative(pose.position, origin))},

@@ -22,8 +22,8 @@ void Tuning::setDefaults(const Scene& asInFiles) {
 std::size_t Tuning::find(const std::string& path) const {
     const auto found = index_.find(path);
     if (found != index_.end()) return found->second;
-    throw TuneError(path, "path is \"" + path + "\", must be that of one of the " + std::to_string(fields_.size()) +
-                              " tunables");
+    throw TuneError(
+        path, "path is \"" + path + "\", must be that of one of the " + std::to_string(fields_.size()) + " tunables");
 }
 
 const TunableField& Tuning::field(const std::string& path) const { return fields_[find(path)]; }

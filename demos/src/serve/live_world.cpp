@@ -9,7 +9,11 @@
 namespace ragtop::live {
 
 LiveWorld::LiveWorld(Cast& cast, Tuning& tuning, std::size_t snapshotBytes)
-    : cast_(cast), tuning_(tuning), hand_(*cast.world), driven_(cast.vehicles.size(), false), snapshots_(snapshotBytes) {
+    : cast_(cast),
+      tuning_(tuning),
+      hand_(*cast.world),
+      driven_(cast.vehicles.size(), false),
+      snapshots_(snapshotBytes) {
     last_ = now();
     keep();
 }
@@ -34,8 +38,8 @@ void LiveWorld::step() {
 }
 
 void LiveWorld::replay(std::uint64_t step) {
-    auto entry = std::lower_bound(log_.begin(), log_.end(), step,
-                                  [](const Entry& e, std::uint64_t s) { return e.step < s; });
+    auto entry =
+        std::lower_bound(log_.begin(), log_.end(), step, [](const Entry& e, std::uint64_t s) { return e.step < s; });
     for (; entry != log_.end() && entry->step == step; ++entry) perform(entry->input);
 }
 

@@ -23,12 +23,16 @@ Color colorOf(BodyRole role, std::size_t person) {
     switch (role) {
         case BodyRole::abdomen:
         case BodyRole::chest:
-        case BodyRole::upperArm: return kShirts[scatter(person) % std::size(kShirts)];
+        case BodyRole::upperArm:
+            return kShirts[scatter(person) % std::size(kShirts)];
         case BodyRole::pelvis:
         case BodyRole::thigh:
-        case BodyRole::shank: return kTrousers[scatter(person + 1000) % std::size(kTrousers)];
-        case BodyRole::foot: return kShoes;
-        default: return kSkin;
+        case BodyRole::shank:
+            return kTrousers[scatter(person + 1000) % std::size(kTrousers)];
+        case BodyRole::foot:
+            return kShoes;
+        default:
+            return kSkin;
     }
 }
 

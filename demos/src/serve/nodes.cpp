@@ -11,10 +11,6 @@ namespace {
 
 constexpr Color kTire = 0x2b2d31, kBall = 0x4a5058;
 
-const char* typeName(BodyType type) {
-    return type == BodyType::fixed ? "static" : type == BodyType::kinematic ? "kinematic" : "dynamic";
-}
-
 /// Tints that tell neighbours apart.
 Color defaultColor(BodyId body, BodyType type) {
     static constexpr Color kTints[] = {0xd98c4a, 0xc9793b, 0xe0a060, 0xb86a35, 0xd0925c};
@@ -62,7 +58,8 @@ SurfaceMesh tireMesh(float radius, float width) {
     SurfaceMesh mesh;
     for (std::uint32_t i = 0; i < kAround; ++i) {
         const SinCos a = sinCos(2 * kPi * static_cast<float>(i) / static_cast<float>(kAround));
-        for (const float x : {-0.5f * width, 0.5f * width}) mesh.vertices.push_back({x, radius * a.cos, radius * a.sin});
+        for (const float x : {-0.5f * width, 0.5f * width})
+            mesh.vertices.push_back({x, radius * a.cos, radius * a.sin});
     }
     const std::uint32_t inner = 2 * kAround;
     mesh.vertices.push_back({-0.5f * width, 0, 0});
@@ -78,6 +75,10 @@ SurfaceMesh tireMesh(float radius, float width) {
 
 }  // namespace
 
+const char* typeName(BodyType type) {
+    return type == BodyType::fixed ? "static" : type == BodyType::kinematic ? "kinematic" : "dynamic";
+}
+
 Nodes::Nodes(const Cast& cast, const Hand& hand, const DVec3& origin) : cast_(cast), hand_(hand), origin_(origin) {
     for (const BodyId body : cast_.world->bodies()) {
         present_.push_back(body);
@@ -90,16 +91,20 @@ Nodes::Nodes(const Cast& cast, const Hand& hand, const DVec3& origin) : cast_(ca
 std::size_t Nodes::geometry(const Shape& shape) {
     const std::string key = std::visit(
         [](const auto& s) {
-            if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, Compound>) return std::string();
-            else return GeometryKey()(s);
+            if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, Compound>)
+                return std::string();
+            else
+                return GeometryKey()(s);
         },
         shape);
     const auto [found, isNew] = geometryOf_.try_emplace(key, geometries_.size());
     if (isNew) {
         geometries_.push_back(std::visit(
             [](const auto& s) -> Json {
-                if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, Compound>) return nullptr;
-                else return GeometryJson()(s);
+                if constexpr (std::is_same_v<std::remove_cvref_t<decltype(s)>, Compound>)
+                    return nullptr;
+                else
+                    return GeometryJson()(s);
             },
             shape));
     }
@@ -107,7 +112,8 @@ std::size_t Nodes::geometry(const Shape& shape) {
 }
 
 void Nodes::addPart(const Shape& shape, const Frame& frame, Json& parts) {
-    parts.push_back({{"geometry", geometry(shape)}, {"position", array(frame.position)}, {"rotation", array(frame.rotation)}});
+    parts.push_back(
+        {{"geometry", geometry(shape)}, {"position", array(frame.position)}, {"rotation", array(frame.rotation)}});
 }
 
 std::uint32_t Nodes::add(BodyId body) {
@@ -138,10 +144,12 @@ void Nodes::addWheels() {
             node.color = kTire;
             node.name = cast_.vehicles[v].name + " " +
                         (def.wheels[w].name.empty() ? "wheel " + std::to_string(w) : def.wheels[w].name);
-            const std::string key = "wheel " + text(number(def.wheels[w].radius)) + " " + text(number(def.wheels[w].width));
+            const std::string key =
+                "wheel " + text(number(def.wheels[w].radius)) + " " + text(number(def.wheels[w].width));
             const auto [found, isNew] = geometryOf_.try_emplace(key, geometries_.size());
             if (isNew) geometries_.push_back(meshJson(tireMesh(def.wheels[w].radius, def.wheels[w].width)));
-            node.parts.push_back({{"geometry", found->second}, {"position", array(Vec3{})}, {"rotation", array(Quat{})}});
+            node.parts.push_back(
+                {{"geometry", found->second}, {"position", array(Vec3{})}, {"rotation", array(Quat{})}});
             wheels_.back().push_back(static_cast<std::uint32_t>(known_.size()));
             known_.push_back(std::move(node));
         }
@@ -153,7 +161,8 @@ void Nodes::hide() {
     for (const CastVisual& visual : cast_.visuals) {
         for (const auto& item : visual.nodes) {
             if (visual.kind == CastVisual::Kind::skin) {
-                const BodyId body = cast_.ragdolls[visual.index].ragdoll->bodies()[static_cast<std::size_t>(item.second)];
+                const BodyId body =
+                    cast_.ragdolls[visual.index].ragdoll->bodies()[static_cast<std::size_t>(item.second)];
                 known_[numbers_.at(body)].hidden = true;
             } else if (item.second < 0) {
                 known_[numbers_.at(cast_.vehicles[visual.index].vehicle->chassis())].hidden = true;
@@ -190,7 +199,10 @@ Json Nodes::refresh(std::uint64_t timeline) {
     for (std::size_t i = firstGeometry; i < geometries_.size(); ++i) fresh.push_back(geometries_[i]);
     present_.assign(bodies.begin(), bodies.end());
     presentNodes_ = std::move(now);
-    return {{"type", "nodes"}, {"added", std::move(added)}, {"geometries", std::move(fresh)}, {"removed", std::move(removed)}};
+    return {{"type", "nodes"},
+            {"added", std::move(added)},
+            {"geometries", std::move(fresh)},
+            {"removed", std::move(removed)}};
 }
 
 Pose Nodes::poseOf(const Node& node) const {
@@ -201,12 +213,9 @@ Pose Nodes::poseOf(const Node& node) const {
 
 Json Nodes::describe(std::uint32_t number) const {
     const Node& node = known_[number];
-    Json json{{"node", number},
-              {"body", node.wheel < 0 ? Json(node.body.index) : Json(nullptr)},
-              {"name", node.name},
-              {"type", node.type},
-              {"color", node.color},
-              {"pose", array(poseOf(node), origin_)},
+    Json json{{"node", number},      {"body", node.wheel < 0 ? Json(node.body.index) : Json(nullptr)},
+              {"name", node.name},   {"type", node.type},
+              {"color", node.color}, {"pose", array(poseOf(node), origin_)},
               {"parts", node.parts}};
     if (node.hidden) json["hidden"] = true;
     return json;
@@ -259,14 +268,16 @@ Json Nodes::visuals() const {
                           : index < 0 ? numbers_.at(cast_.vehicles[visual.index].vehicle->chassis())
                                       : wheels_[visual.index][i];
         }
-        visuals.push_back({{"url", "/visual/" + visual.file}, {"kind", isSkin ? "skin" : "car"}, {"nodes", std::move(nodes)}});
+        visuals.push_back(
+            {{"url", "/visual/" + visual.file}, {"kind", isSkin ? "skin" : "car"}, {"nodes", std::move(nodes)}});
     }
     return visuals;
 }
 
 std::span<const NodePose> Nodes::poses() {
     poses_.clear();
-    for (std::size_t i = 0; i < present_.size(); ++i) poses_.push_back({presentNodes_[i], cast_.world->pose(present_[i])});
+    for (std::size_t i = 0; i < present_.size(); ++i)
+        poses_.push_back({presentNodes_[i], cast_.world->pose(present_[i])});
     for (const auto& car : wheels_) {
         for (const std::uint32_t node : car) poses_.push_back({node, poseOf(known_[node])});
     }

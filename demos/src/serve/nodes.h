@@ -12,9 +12,13 @@
 #include "frame_encoder.h"
 #include "hand.h"
 #include "json.h"
+#include "ragtop/body.h"
 #include "ragtop/shape.h"
 
 namespace ragtop::live {
+
+/// "static", "kinematic" or "dynamic".
+const char* typeName(BodyType type);
 
 /// What a page draws: one node per body and per wheel, with its shapes. A body keeps its number while the world lives,
 /// also when it is gone and comes back with a restored state.
@@ -65,11 +69,11 @@ private:
     const Cast& cast_;
     const Hand& hand_;
     DVec3 origin_;
-    std::vector<Node> known_;                        // by number
-    std::map<BodyId, std::uint32_t> numbers_;        // of bodies that are there or may come back
-    std::vector<BodyId> present_;                    // as the world lists them
-    std::vector<std::uint32_t> presentNodes_;        // the same
-    std::vector<std::vector<std::uint32_t>> wheels_; // by vehicle
+    std::vector<Node> known_;                         // by number
+    std::map<BodyId, std::uint32_t> numbers_;         // of bodies that are there or may come back
+    std::vector<BodyId> present_;                     // as the world lists them
+    std::vector<std::uint32_t> presentNodes_;         // the same
+    std::vector<std::vector<std::uint32_t>> wheels_;  // by vehicle
     std::vector<NodePose> poses_;
     Json geometries_ = Json::array();
     std::map<std::string, std::size_t> geometryOf_;

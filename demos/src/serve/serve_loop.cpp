@@ -35,7 +35,9 @@ std::filesystem::path findPage(const std::optional<std::filesystem::path>& given
 }
 
 ServeLoop::ServeLoop(std::unique_ptr<Stage> stage, const PageServerOptions& server, const SessionOptions& session)
-    : server_(server), session_(std::move(stage), outletOf(server_), session), last_(std::chrono::steady_clock::now()) {}
+    : server_(server),
+      session_(std::move(stage), outletOf(server_), session),
+      last_(std::chrono::steady_clock::now()) {}
 
 void ServeLoop::update() {
     using Clock = std::chrono::steady_clock;
@@ -44,9 +46,15 @@ void ServeLoop::update() {
     PageServer::Message message;
     while (seconds(Clock::now() - start) < kMostListening && server_.receive(message)) {
         switch (message.kind) {
-            case PageServer::MessageKind::joined: session_.join(message.client); break;
-            case PageServer::MessageKind::said: session_.receive(message.client, message.text); break;
-            case PageServer::MessageKind::left: session_.leave(message.client); break;
+            case PageServer::MessageKind::joined:
+                session_.join(message.client);
+                break;
+            case PageServer::MessageKind::said:
+                session_.receive(message.client, message.text);
+                break;
+            case PageServer::MessageKind::left:
+                session_.leave(message.client);
+                break;
         }
     }
     const auto now = Clock::now();

@@ -72,6 +72,7 @@ void Session::publish() {
 void Session::restart() {
     if (auto anew = stage_->restarted()) return open(std::move(anew));
     live_->restart();
+    holder_.reset();
     worldChanged();
 }
 
@@ -86,9 +87,7 @@ void Session::join(ClientId client) {
 void Session::leave(ClientId client) {
     pages_.erase(client);
     if (seek_ && seek_->client == client) seek_.reset();
-    if (holder_ != client) return;
-    holder_.reset();
-    input(ReleaseInput{});
+    if (holder_ == client) release();
 }
 
 void Session::receive(ClientId client, std::string_view said) {
@@ -107,6 +106,12 @@ void Session::stepBy(int count) {
 void Session::input(const Input& input) {
     live_->apply(input);
     worldChanged();
+}
+
+/// An input only where something is held: it may not be after a step back, and the future would be dropped for nothing.
+void Session::release() {
+    holder_.reset();
+    if (!live_->hand().held().isNull()) input(ReleaseInput{});
 }
 
 /// After anything but plain steps.

@@ -75,6 +75,7 @@ private:
     void reload();
     void stepBy(int count);
     void input(const Input& input);
+    void release();
     void worldChanged();
     void refreshNodes();
     void refreshTunables();

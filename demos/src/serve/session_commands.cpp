@@ -83,12 +83,12 @@ struct Session::Perform {
     }
     Json operator()(const ReleaseCommand&) const {
         if (self.holder_ != client) throw std::invalid_argument("this page has grabbed nothing");
-        self.holder_.reset();
-        self.input(ReleaseInput{});
+        self.release();
         return Json::object();
     }
     Json operator()(const ShootCommand& shoot) const {
-        const BodyId ball = self.live_->apply(ShootInput{world(shoot.origin), shoot.direction, shoot.speed, shoot.radius});
+        const BodyId ball =
+            self.live_->apply(ShootInput{world(shoot.origin), shoot.direction, shoot.speed, shoot.radius});
         self.worldChanged();
         return {{"node", *self.nodes_->node(ball)}};
     }
@@ -169,8 +169,10 @@ void Session::answer(ClientId client, const Message& message, const Json& result
         return;
     }
     Json reply{{"type", "re"}, {"re", *message.id}, {"ok", error.empty()}};
-    if (!error.empty()) reply["error"] = error;
-    else reply.update(result);
+    if (!error.empty())
+        reply["error"] = error;
+    else
+        reply.update(result);
     outlet_.send(client, text(reply));
 }
 

@@ -9,11 +9,16 @@ namespace {
 
 const char* nameOf(TunableKind kind) {
     switch (kind) {
-        case TunableKind::number: return "number";
-        case TunableKind::integer: return "integer";
-        case TunableKind::boolean: return "bool";
-        case TunableKind::vector: return "vector";
-        case TunableKind::choice: return "choice";
+        case TunableKind::number:
+            return "number";
+        case TunableKind::integer:
+            return "integer";
+        case TunableKind::boolean:
+            return "bool";
+        case TunableKind::vector:
+            return "vector";
+        case TunableKind::choice:
+            return "choice";
     }
     return "";
 }
@@ -86,7 +91,8 @@ Json Session::sceneMessage() const {
 /// Where the scene says, or so that everything that moves is in view.
 Json Session::cameraJson() const {
     const Cast& cast = stage_->cast();
-    if (cast.camera) return {{"target", json(cast.camera->target - origin_)}, {"eye", json(cast.camera->eye - origin_)}};
+    if (cast.camera)
+        return {{"target", json(cast.camera->target - origin_)}, {"eye", json(cast.camera->eye - origin_)}};
     const World& world = *cast.world;
     bool any = false;
     DVec3 lower, upper;

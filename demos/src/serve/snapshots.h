@@ -25,8 +25,8 @@ struct Snapshot {
 /// of its age, rather the oldest go. The very first is always kept.
 class Snapshots {
 public:
-    static constexpr std::uint64_t kEvery = 10;   ///< steps between two that are taken
-    static constexpr std::uint64_t kWidest = 120; ///< steps between two that are kept
+    static constexpr std::uint64_t kEvery = 10;    ///< steps between two that are taken
+    static constexpr std::uint64_t kWidest = 120;  ///< steps between two that are kept
     static constexpr std::size_t kMost = 2000;
 
     explicit Snapshots(std::size_t budget) : budget_(budget) {}

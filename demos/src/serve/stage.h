@@ -29,9 +29,9 @@ struct Reload {
         bool ok = true;
         std::string message;
     };
-    std::vector<File> files{};            ///< empty: none has changed
-    std::vector<TunedValue> values{};     ///< that run on with other values
-    std::unique_ptr<Stage> anew{};        ///< or, where more than values has changed, the scene from its beginning
+    std::vector<File> files{};         ///< empty: none has changed
+    std::vector<TunedValue> values{};  ///< that run on with other values
+    std::unique_ptr<Stage> anew{};     ///< or, where more than values has changed, the scene from its beginning
 };
 
 /// Where a cast comes from: scene files, or a program's own world.

@@ -17,7 +17,8 @@ std::filesystem::file_time_type writtenAt(const std::filesystem::path& file) {
 
 Watch::Watch(const std::vector<std::filesystem::path>& files) {
     for (const auto& file : files) {
-        const bool known = std::any_of(files_.begin(), files_.end(), [&](const auto& one) { return one.first == file; });
+        const bool known =
+            std::any_of(files_.begin(), files_.end(), [&](const auto& one) { return one.first == file; });
         if (!known) files_.emplace_back(file, writtenAt(file));
     }
 }
