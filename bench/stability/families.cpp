@@ -4,7 +4,8 @@ namespace ragtop::stability {
 
 std::vector<Family> allFamilies() {
     return {
-        stacks(), massRatios(), inclines(), stopping(), isotropy(),
+        stacks(),   massRatios(), inclines(), stopping(), isotropy(),      rotation(), rolling(), restitution(),
+        chains(),   overlaps(),   shots(),    internalEdges(), machines(),
     };
 }
 

@@ -10,6 +10,14 @@ Family massRatios();
 Family inclines();
 Family stopping();
 Family isotropy();
+Family rotation();
+Family rolling();
+Family restitution();
+Family chains();
+Family overlaps();
+Family shots();
+Family internalEdges();
+Family machines();
 
 /// All of them, in the order of the documentation.
 std::vector<Family> allFamilies();

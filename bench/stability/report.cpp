@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace ragtop::stability {
@@ -30,6 +30,17 @@ std::string toJson(const std::vector<Row>& rows) {
                         {"pass", row.pass},
                         {"ms", row.ms}});
     return list.dump(2) + "\n";
+}
+
+std::vector<Row> rowsFromJson(const std::string& text) {
+    const auto number = [](const nlohmann::json& j) {
+        return j.is_null() ? std::numeric_limits<double>::quiet_NaN() : j.get<double>();
+    };
+    std::vector<Row> rows;
+    for (const auto& j : nlohmann::json::parse(text))
+        rows.push_back({j["family"], j["case"], j["engine"], number(j["value"]), number(j["reference"]),
+                        number(j["bound"]), j["unit"], j["pass"], number(j["ms"])});
+    return rows;
 }
 
 }  // namespace ragtop::stability

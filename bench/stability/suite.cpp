@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <atomic>
-#include <future>
-#include <thread>
+#include <limits>
 
 #include "families.h"
+#include "isolation.h"
+#include "report.h"
 
 namespace ragtop::stability {
 namespace {
@@ -49,6 +48,7 @@ std::vector<Job> jobsOf(const std::vector<Family>& families, const SuiteOptions&
     return jobs;
 }
 
+/// Empty when the engine cannot represent the case.
 std::vector<Row> runJob(const Job& job) {
     Trial trial(job.setting);
     try {
@@ -59,25 +59,22 @@ std::vector<Row> runJob(const Job& job) {
     return trial.rows();
 }
 
+Row rowOfDeath(const Trial::Setting& setting, const std::string& death) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    return {setting.family, setting.name + ": " + death, setting.engine->name, kNone, 0, 0, "", false, 0};
+}
+
 }  // namespace
 
 void runSuite(const SuiteOptions& options, const std::function<void(const std::vector<Row>&)>& report) {
     const std::vector<Family> families = allFamilies();
     const std::vector<Job> jobs = jobsOf(families, options);
-    std::vector<std::promise<std::vector<Row>>> results(jobs.size());
-    std::atomic<std::size_t> next = 0;
-    std::vector<std::jthread> workers;
-    for (int i = 0; i < options.jobs; ++i)
-        workers.emplace_back([&] {
-            for (std::size_t job = next++; job < jobs.size(); job = next++) {
-                try {
-                    results[job].set_value(runJob(jobs[job]));
-                } catch (...) {
-                    results[job].set_exception(std::current_exception());
-                }
-            }
-        });
-    for (auto& result : results) report(result.get_future().get());
+    std::vector<std::function<std::string()>> works;
+    for (const Job& job : jobs) works.push_back([&job] { return toJson(runJob(job)); });
+    runIsolated(works, options.jobs, [&](std::size_t i, const Outcome& outcome) {
+        report(outcome.death.empty() ? rowsFromJson(outcome.text)
+                                     : std::vector{rowOfDeath(jobs[i].setting, outcome.death)});
+    });
 }
 
 std::vector<std::string> selectedCases(const SuiteOptions& options) {

@@ -36,7 +36,7 @@ struct SuiteOptions {
     std::regex filter{""};  ///< searched for in "family/case"
     Selection selection = Selection::normal;
     std::optional<std::filesystem::path> records;
-    int jobs = 1;  ///< cases that run at once
+    int jobs = 1;  ///< processes that run cases
 };
 
 /// Runs the selected cases; `report` is given the rows of each case in turn.

@@ -139,10 +139,14 @@ double Run::moved(int body) const {
 
 Run Trial::start(Scene scene, const std::string& label) { return {*this, std::move(scene), label}; }
 
+double Trial::allowance() const { return std::max(1.0, 60 * dt()); }
+
 void Trial::expectNear(const std::string& what, double value, double reference, double bound, const std::string& unit) {
+    bound *= allowance();
     file(what, value, reference, bound, unit, std::abs(value - reference) <= bound);
 }
 void Trial::expectAtMost(const std::string& what, double value, double bound, const std::string& unit) {
+    bound *= allowance();
     file(what, value, 0, bound, unit, std::abs(value) <= bound);
 }
 void Trial::expectAtLeast(const std::string& what, double value, double reference, const std::string& unit) {

@@ -86,6 +86,7 @@ public:
     /// `label` tells runs of one case apart.
     Run start(Scene scene, const std::string& label = "");
 
+    // Bounds are for 60 steps a second; longer steps may be off by proportionally more, as a first-order method is.
     /// Passes when |value − reference| ≤ bound.
     void expectNear(const std::string& what, double value, double reference, double bound, const std::string& unit);
     /// Passes when |value| ≤ bound; the reference is zero.
@@ -100,6 +101,7 @@ public:
 
 private:
     friend class Run;
+    double allowance() const;
     void file(const std::string& what, double value, double reference, double bound, const std::string& unit, bool pass);
 
     Setting setting_;

@@ -48,19 +48,20 @@ void headings(Trial& trial) {
 }
 
 /// A board of 10 kg on 5 × 5 balls of 1 kg, pushed with 150 N. All roll, so that with the board's acceleration a each
-/// ball has a/2 and takes m a (1/4 + I/(4 m r²)) = 0.35 m a from the board; the push acts where the balls touch it,
-/// so that it does not tilt the board. [Hwangbo et al., SimBenchmark, 2018: the scene]
+/// ball has a/2 and takes m a (1/4 + I/(4 m r²)) = 0.35 m a from the board. The push acts where the balls touch it, so
+/// that it does not tilt the board; and the run is over before the balls lag so far behind that those at the rear slip:
+/// they need 89 % of their share of the load. [Hwangbo et al., SimBenchmark, 2018: the scene]
 void board(Trial& trial, double heading) {
     constexpr float kRadius = 0.1f, kBoard = 10, kBall = 1;
-    constexpr double kPush = 150, kSeconds = 0.5;
+    constexpr double kPush = 150, kSeconds = 0.25;
     Scene scene;
     // The pairs meet with 0.8 above, √(0.8 · 0.2) = 0.4 below.
     const Material smooth = surface(0.2f), rough = surface(0.8f);
     addFloor(scene, smooth);
     for (int i = -2; i <= 2; ++i)
         for (int j = -2; j <= 2; ++j)
-            add(scene, solidBody(Sphere{kRadius}, {0.4 * i, 0.1, 0.4 * j}, kBall, rough));
-    const int top = add(scene, solidBody(Box{{2, 0.1f, 2}}, {0, 0.3, 0}, kBoard, rough));
+            add(scene, solidBody(Sphere{kRadius}, {2.0 * i, 0.1, 2.0 * j}, kBall, rough));
+    const int top = add(scene, solidBody(Box{{5, 0.1f, 5}}, {0, 0.3, 0}, kBoard, rough));
     Run run = trial.start(scene);
     const double c = std::cos(heading), s = std::sin(heading);
     const auto count = std::lround(kSeconds / trial.dt());
@@ -69,10 +70,10 @@ void board(Trial& trial, double heading) {
         run.engine().push(top, toVec3(kPush * DVec3{c, 0, s}), middle + DVec3{0, -0.1, 0});
         run.step();
     }
-    const DVec3 end = run.position(top);
-    const double exact = 0.5 * kPush / (kBoard + 25 * 0.35 * kBall) * run.time() * run.time();
-    trial.expectNear("distance", end.x * c + end.z * s, exact, 0.02 * exact, "m");
-    trial.expectAtMost("sideways", end.z * c - end.x * s, 0.001 * exact, "m");
+    const DVec3 v{run.motion(top).v};
+    const double exact = kPush / (kBoard + 25 * 0.35 * static_cast<double>(kBall)) * run.time();
+    trial.expectNear("speed", v.x * c + v.z * s, exact, 0.005 * exact, "m/s");
+    trial.expectAtMost("sideways", v.z * c - v.x * s, 0.001 * exact, "m/s");
 }
 
 }  // namespace
