@@ -4,7 +4,7 @@ namespace ragtop::stability {
 
 std::vector<Family> allFamilies() {
     return {
-        stacks(),   massRatios(), inclines(), stopping(), isotropy(),      rotation(), rolling(), restitution(),
+        stacks(),   massRatios(), masonry(), inclines(), stopping(), isotropy(),      rotation(), rolling(), restitution(),
         chains(),   overlaps(),   shots(),    internalEdges(), machines(),
     };
 }

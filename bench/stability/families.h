@@ -7,6 +7,7 @@ namespace ragtop::stability {
 
 Family stacks();
 Family massRatios();
+Family masonry();
 Family inclines();
 Family stopping();
 Family isotropy();
