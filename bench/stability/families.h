@@ -11,14 +11,26 @@ Family masonry();
 Family inclines();
 Family stopping();
 Family isotropy();
+Family wedges();
+Family painleve();
 Family rotation();
 Family rolling();
 Family restitution();
+Family walls();
 Family chains();
+Family loops();
+Family motors();
+Family limits();
 Family overlaps();
 Family shots();
 Family internalEdges();
+Family stepSizes();
 Family machines();
+Family dominoes();
+Family towers();
+Family balls();
+Family drift();
+Family determinism();
 
 /// All of them, in the order of the documentation.
 std::vector<Family> allFamilies();

@@ -38,6 +38,8 @@ void LimitAnalysis::addForce(int block, const DVec3& force, const DVec3& point) 
 
 void LimitAnalysis::addJoint(Joint joint) { joints_.push_back(std::move(joint)); }
 
+void LimitAnalysis::addGuide(int block, const DVec3& axis) { guides_.push_back({block, axis}); }
+
 double bisect(double good, double bad, double tolerance, const std::function<bool(double)>& holds) {
     if (!holds(good) || holds(bad)) return std::numeric_limits<double>::quiet_NaN();
     while (std::abs(good - bad) > tolerance * std::abs(good + bad) / 2) {
@@ -80,9 +82,15 @@ public:
             addEffect(a);
             addEffect(b);
         }
-        const int column = glp_add_cols(problem_, 1);
-        glp_set_col_bnds(problem_, column, GLP_LO, 0, 0);
-        glp_set_mat_col(problem_, column, count_, rows_, values_);
+        addColumn(GLP_LO);
+    }
+    /// Forces across an axis and moments of any size.
+    void addReactions(int block, const DVec3& axis) {
+        const DVec3 units[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+        for (const DVec3& unit : units) {
+            addFree({block, crossed(axis, unit), {}});
+            addFree({block, {}, unit});
+        }
     }
     bool isFeasible() {
         glp_smcp options;
@@ -93,6 +101,16 @@ public:
     }
 
 private:
+    void addFree(const Effect& effect) {
+        count_ = 0;
+        addEffect(effect);
+        addColumn(GLP_FR);
+    }
+    void addColumn(int bounds) {
+        const int column = glp_add_cols(problem_, 1);
+        glp_set_col_bnds(problem_, column, bounds, 0, 0);
+        glp_set_mat_col(problem_, column, count_, rows_, values_);
+    }
     void addEffect(const Effect& effect) {
         const auto& [block, force, moment] = effect;
         if (block == kGround) return;
@@ -129,6 +147,7 @@ bool LimitAnalysis::stands(double friction) const {
                 program.addUnknown(effect(joint.a, onA, turnedAboutY(point, -joint.turn)), effect(joint.b, onB, point));
         }
     }
+    for (const Guide& guide : guides_) program.addReactions(guide.block, guide.axis);
     return program.isFeasible();
 }
 

@@ -36,6 +36,8 @@ public:
     /// Another force on a block.
     void addForce(int block, const DVec3& force, const DVec3& point);
     void addJoint(Joint joint);
+    /// What holds a block against every motion but sliding along an axis, without friction.
+    void addGuide(int block, const DVec3& axis);
 
     /// Whether such forces exist. Throws Unsupported when the program was built without GLPK.
     bool stands(double friction) const;
@@ -46,7 +48,12 @@ private:
     };
     int edges_;
     std::vector<Block> blocks_;
+    struct Guide {
+        int block;
+        DVec3 axis;
+    };
     std::vector<Joint> joints_;
+    std::vector<Guide> guides_;
 };
 
 /// The value between two where `holds` changes, to a share of `tolerance`; it must hold at `good` and not at `bad`.

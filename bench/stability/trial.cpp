@@ -92,6 +92,7 @@ void Run::remove(int body) {
 }
 
 double Run::time() const { return steps_ * trial_->dt(); }
+double Run::dt() const { return trial_->dt(); }
 
 DVec3 Run::centerOfMass(int body) const {
     return transformPoint(motion(body).pose, masses_[static_cast<std::size_t>(body)].center);

@@ -36,6 +36,7 @@ public:
     /// Steps for so many seconds; ends early, and returns false, when `goOn` returns false after a step.
     bool advance(double seconds, const std::function<bool()>& goOn = {});
     double time() const;
+    double dt() const;
 
     BodyMotion motion(int body) const { return engine_->motion(body); }
     DVec3 position(int body) const { return motion(body).pose.position; }
@@ -80,6 +81,8 @@ public:
     explicit Trial(Setting setting) : setting_(std::move(setting)) {}
 
     double dt() const { return setting_.dt; }
+    /// For cases that are about the step.
+    void setStep(double dt) { setting_.dt = dt; }
     bool longer() const { return setting_.longer; }
     const EngineKind& engine() const { return *setting_.engine; }
 
