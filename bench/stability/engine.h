@@ -39,7 +39,6 @@ public:
 
 struct EngineKind {
     std::string name;
-    std::string description;
     std::unique_ptr<Engine> (*make)(const Scene& scene);
 };
 
@@ -47,5 +46,10 @@ struct EngineKind {
 std::span<const EngineKind> engineKinds();
 
 std::unique_ptr<Engine> makeRagtop(const Scene& scene);
+std::unique_ptr<Engine> makeBullet(const Scene& scene);
+std::unique_ptr<Engine> makeBullet240(const Scene& scene);
+std::unique_ptr<Engine> makeMujoco(const Scene& scene);
+std::unique_ptr<Engine> makeOde(const Scene& scene);
+std::unique_ptr<Engine> makeOdeExact(const Scene& scene);
 
 }  // namespace ragtop::stability

@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <exception>
 #include <optional>
 #include <system_error>
 
@@ -22,20 +21,14 @@ struct Child {
     std::string text;
 };
 
-[[noreturn]] void work(const std::function<std::string()>& job, int pipe) {
-    int code = 0;
-    try {
-        const std::string text = job();
-        for (std::size_t at = 0; at < text.size();) {
-            const ssize_t count = ::write(pipe, text.data() + at, text.size() - at);
-            if (count < 0) std::_Exit(1);
-            at += static_cast<std::size_t>(count);
-        }
-    } catch (const std::exception& error) {
-        std::fprintf(stderr, "%s\n", error.what());
-        code = 1;
+[[noreturn]] void runChild(const std::function<std::string()>& job, int pipe) noexcept {
+    const std::string text = job();
+    for (std::size_t at = 0; at < text.size();) {
+        const ssize_t count = ::write(pipe, text.data() + at, text.size() - at);
+        if (count < 0) std::_Exit(1);
+        at += static_cast<std::size_t>(count);
     }
-    std::_Exit(code);
+    std::_Exit(0);
 }
 
 Child start(std::size_t index, const std::function<std::string()>& job) {
@@ -46,7 +39,7 @@ Child start(std::size_t index, const std::function<std::string()>& job) {
     if (process < 0) throw std::system_error(errno, std::generic_category(), "fork");
     if (process == 0) {
         ::close(ends[0]);
-        work(job, ends[1]);
+        runChild(job, ends[1]);
     }
     ::close(ends[1]);
     return {index, process, ends[0], {}};

@@ -13,7 +13,7 @@ struct Outcome {
 };
 
 /// Runs works in child processes, so many at once, so that one that crashes or aborts takes nothing with it. `done`
-/// is given their outcomes in order.
+/// is given their outcomes in order. Works do not throw.
 void runIsolated(const std::vector<std::function<std::string()>>& works, int processes,
                  const std::function<void(std::size_t work, const Outcome&)>& done);
 

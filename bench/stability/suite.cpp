@@ -48,6 +48,11 @@ std::vector<Job> jobsOf(const std::vector<Family>& families, const SuiteOptions&
     return jobs;
 }
 
+Row rowOfFailure(const Trial::Setting& setting, const std::string& what) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    return {setting.family, setting.name + ": " + what, setting.engine->name, kNone, 0, 0, "", false, 0};
+}
+
 /// Empty when the engine cannot represent the case.
 std::vector<Row> runJob(const Job& job) {
     Trial trial(job.setting);
@@ -55,13 +60,10 @@ std::vector<Row> runJob(const Job& job) {
         job.test->run(trial);
     } catch (const Unsupported&) {
         return {};
+    } catch (const std::exception& error) {
+        return {rowOfFailure(job.setting, error.what())};
     }
     return trial.rows();
-}
-
-Row rowOfDeath(const Trial::Setting& setting, const std::string& death) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    return {setting.family, setting.name + ": " + death, setting.engine->name, kNone, 0, 0, "", false, 0};
 }
 
 }  // namespace
@@ -73,7 +75,7 @@ void runSuite(const SuiteOptions& options, const std::function<void(const std::v
     for (const Job& job : jobs) works.push_back([&job] { return toJson(runJob(job)); });
     runIsolated(works, options.jobs, [&](std::size_t i, const Outcome& outcome) {
         report(outcome.death.empty() ? rowsFromJson(outcome.text)
-                                     : std::vector{rowOfDeath(jobs[i].setting, outcome.death)});
+                                     : std::vector{rowOfFailure(jobs[i].setting, outcome.death)});
     });
 }
 
