@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
+#include <set>
+#include <stdexcept>
 
+#include "brief_cases.h"
 #include "families.h"
 #include "isolation.h"
 #include "report.h"
@@ -21,27 +25,36 @@ struct Job {
     Trial::Setting setting;
 };
 
+bool isSelected(const Family& family, const Case& test, Selection selection) {
+    if (selection == Selection::brief) return std::ranges::count(kBriefCases, family.name + "/" + test.name) > 0;
+    return test.kind != Kind::longer || selection == Selection::longer;
+}
+
 void addJobs(const Family& family, const Case& test, const SuiteOptions& options, std::vector<Job>& jobs) {
-    if (test.selection > options.selection) return;
+    if (!isSelected(family, test, options.selection)) return;
     for (const EngineKind* engine : options.engines) {
-        if (test.ragtopOnly && engine->make != makeRagtop) continue;
-        const bool longer = options.selection == Selection::longer;
-        const Trial::Setting setting{family.name, test.name, engine, kStep, longer, options.records};
-        const auto addJob = [&](const Trial::Setting& s) {
-            if (std::regex_search(s.family + "/" + s.name, options.filter)) jobs.push_back({&test, s});
+        if (test.kind == Kind::ragtopOnly && engine->make != makeRagtop) continue;
+        const auto addJob = [&](double dt, const std::string& name) {
+            if (std::regex_search(family.name + "/" + name, options.filter))
+                jobs.push_back({&test, {family.name, name, engine, dt, options.records}});
         };
-        addJob(setting);
-        if (!longer || !test.swept) continue;
-        for (const int rate : kOtherSteps) {
-            Trial::Setting other = setting;
-            other.dt = 1.0 / rate;
-            other.name += fmt::format(" @ 1/{} s", rate);
-            addJob(other);
-        }
+        addJob(kStep, test.name);
+        if (options.selection != Selection::longer || test.kind != Kind::swept) continue;
+        for (const int rate : kOtherSteps) addJob(1.0 / rate, fmt::format("{} @ 1/{} s", test.name, rate));
     }
 }
 
+/// A name that no case has any more would drop a test silently.
+void checkBriefCases(const std::vector<Family>& families) {
+    std::set<std::string, std::less<>> names;
+    for (const Family& family : families)
+        for (const Case& test : family.cases) names.insert(family.name + "/" + test.name);
+    for (const std::string_view name : kBriefCases)
+        if (!names.contains(name)) throw std::logic_error(fmt::format("brief_cases.h: there is no case {}", name));
+}
+
 std::vector<Job> jobsOf(const std::vector<Family>& families, const SuiteOptions& options) {
+    checkBriefCases(families);
     std::vector<Job> jobs;
     for (const Family& family : families)
         for (const Case& test : family.cases) addJobs(family, test, options, jobs);

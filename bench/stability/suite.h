@@ -9,20 +9,19 @@
 
 namespace ragtop::stability {
 
-/// Which selections a case belongs to; each holds those before it.
-enum class Selection {
-    brief,   ///< part of the tests of every build
-    normal,
-    longer,  ///< only with --long
+/// When a case runs.
+enum class Kind {
+    swept,       ///< always; --long repeats it at other steps
+    oneStep,     ///< always, at the standard step or at those it chooses
+    ragtopOnly,  ///< the same, but it asks for what only Ragtop has
+    longer,      ///< only with --long
 };
 
 /// A scene with its parameters, and what is measured in it.
 struct Case {
     std::string name;
     std::function<void(Trial&)> run;
-    Selection selection = Selection::normal;
-    bool swept = true;        ///< --long repeats it at other steps
-    bool ragtopOnly = false;  ///< asks for something that only Ragtop's interface has
+    Kind kind = Kind::swept;
 };
 
 /// Cases about one thing.
@@ -30,6 +29,9 @@ struct Family {
     std::string name;
     std::vector<Case> cases;
 };
+
+/// What --short runs is listed in brief_cases.h, --long adds to the normal selection.
+enum class Selection { brief, normal, longer };
 
 struct SuiteOptions {
     std::vector<const EngineKind*> engines;

@@ -75,7 +75,6 @@ public:
         std::string family, name;
         const EngineKind* engine = nullptr;
         double dt = 1.0 / 60;
-        bool longer = false;                           ///< ensembles and drifts in full
         std::optional<std::filesystem::path> records;  ///< folder for recordings of the runs
     };
     explicit Trial(Setting setting) : setting_(std::move(setting)) {}
@@ -83,7 +82,6 @@ public:
     double dt() const { return setting_.dt; }
     /// For cases that are about the step.
     void setStep(double dt) { setting_.dt = dt; }
-    bool longer() const { return setting_.longer; }
     const EngineKind& engine() const { return *setting_.engine; }
 
     /// `label` tells runs of one case apart.

@@ -26,6 +26,7 @@ public:
 
 private:
     btCollisionShape* make(const Shape& shape);
+    btCollisionShape* makeHull(const ConvexHull& hull);
     btCollisionShape* makeMesh(const TriangleMesh& mesh);
     template <class T>
     T* keep(std::unique_ptr<T> shape) {

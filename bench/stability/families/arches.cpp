@@ -102,10 +102,10 @@ void pointed(Trial& trial) {
 void addArchCases(Family& family) {
     family.cases.push_back({"limit analysis of the arch", [](Trial& trial) {
                                 trial.expectNear("critical t/R", limitThickness(), 0.106, 0.0005, "1");
-                            }, Selection::brief, false, true});
-    family.cases.push_back({"arch, t/R=0.13", thick, Selection::brief});
-    family.cases.push_back({"arch, t/R=0.08", thin, Selection::brief});
-    family.cases.push_back({"arch", critical, Selection::normal, false});
+                            }, Kind::ragtopOnly});
+    family.cases.push_back({"arch, t/R=0.13", thick});
+    family.cases.push_back({"arch, t/R=0.08", thin});
+    family.cases.push_back({"arch", critical, Kind::oneStep});
     family.cases.push_back({"pointed arch of 17 stones", pointed});
 }
 

@@ -125,18 +125,17 @@ void addCardCases(Family& family) {
                                 const double exact = (std::tan(kLean) - kThickness / kLength) / 2;
                                 trial.expectNear("critical mu of two", limitFriction(1), exact, 0.001, "1");
                                 trial.expectNear("five storeys stand", House(5, 0.7).cards().limit.stands(0.7), 1, 0, "1");
-                            }, Selection::brief, false, true});
+                            }, Kind::ragtopOnly});
     family.cases.push_back({"two cards, mu=0.3",
                             [](Trial& trial) {
                                 const Survival result = simulateFrame(trial, 0.3);
                                 trial.expectAtLeast("stands", result.time, kSeconds, "s");
                                 trial.expectAtMost("largest move", result.moved, kThickness / 10, "m");
-                            }, Selection::brief});
-    family.cases.push_back({"two cards", criticalFriction, Selection::normal, false});
+                            }});
+    family.cases.push_back({"two cards", criticalFriction, Kind::oneStep});
     for (const int storeys : {1, 3, 5})
         family.cases.push_back({fmt::format("house of cards, {} storeys", storeys),
-                                [storeys](Trial& trial) { house(trial, storeys); },
-                                storeys == 5 ? Selection::brief : Selection::normal});
+                                [storeys](Trial& trial) { house(trial, storeys); }});
 }
 
 }  // namespace ragtop::stability

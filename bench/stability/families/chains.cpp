@@ -73,7 +73,7 @@ void swings(Trial& trial, const Chain& chain) {
 void cost(Trial& trial, const Chain& chain) {
     Chain light = chain;
     light.ratio = 1;
-    Trial other({"", "", &trial.engine(), trial.dt(), false, {}});
+    Trial other({"", "", &trial.engine(), trial.dt(), {}});
     Run heavy = trial.start(sceneOf(chain)), even = other.start(sceneOf(light));
     for (int i = 0; i < 10; ++i) {
         heavy.advance(0.5);
@@ -86,17 +86,17 @@ void cost(Trial& trial, const Chain& chain) {
 
 Family chains() {
     Family family{"chain", {}};
-    const auto addCase = [&family](const std::string& name, auto&& test, const Chain& chain, Selection selection,
-                                   bool swept = true) {
-        family.cases.push_back({name, [=](Trial& trial) { test(trial, chain); }, selection, swept});
+    const auto addCase = [&family](const std::string& name, auto&& test, const Chain& chain,
+                                   Kind kind = Kind::swept) {
+        family.cases.push_back({name, [=](Trial& trial) { test(trial, chain); }, kind});
     };
     for (const Chain& chain : {Chain{10, 100}, Chain{10, 1000}, Chain{20, 10000}, Chain{40, 10000}, Chain{100, 10000}}) {
         const bool required = chain.links <= 20;
         const std::string name = fmt::format("{} links, {}:1", chain.links, chain.ratio);
         const Chain horizontal{chain.links, chain.ratio, true};
-        addCase(name + ", hangs", hangs, chain, required ? Selection::brief : Selection::normal);
-        addCase(name + ", swings", swings, horizontal, required ? Selection::brief : Selection::normal);
-        if (required && chain.ratio > 100) addCase(name + ", cost", cost, horizontal, Selection::normal, false);
+        addCase(name + ", hangs", hangs, chain);
+        addCase(name + ", swings", swings, horizontal);
+        if (required && chain.ratio > 100) addCase(name + ", cost", cost, horizontal, Kind::oneStep);
     }
     return family;
 }

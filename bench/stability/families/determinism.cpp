@@ -53,7 +53,7 @@ Family determinism() {
     Family family{"determinism", {}};
     for (const scenes::Scenario& scenario : scenes::kScenarios)
         family.cases.push_back({scenario.name, [&scenario](Trial& trial) { sameBits(trial, scenario); },
-                                Selection::normal, false, true});
+                                Kind::ragtopOnly});
     return family;
 }
 

@@ -138,10 +138,10 @@ void addDomeCases(Family& family) {
     family.cases.push_back({"limit analysis of a dome", [](Trial& trial) {
                                 const Bond lunes{24, 96, std::numbers::pi / 90, false};
                                 trial.expectNear("critical t/R", limitThickness(lunes), 0.042, 0.001, "1");
-                            }, Selection::brief, false, true});
+                            }, Kind::ragtopOnly});
     family.cases.push_back({"dome, t/R=0.06", thick});
     family.cases.push_back({"dome, t/R=0.03", thin});
-    family.cases.push_back({"dome", critical, Selection::normal, false});
+    family.cases.push_back({"dome", critical, Kind::oneStep});
 }
 
 }  // namespace ragtop::stability

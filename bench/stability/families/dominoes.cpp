@@ -55,14 +55,14 @@ double waveSpeed(Trial& trial, double friction) {
 
 /// Against the same engine at a sixteenth of the step.
 void speed(Trial& trial, double friction) {
-    Trial fine({"", "", &trial.engine(), trial.dt() / 16, false, {}});
+    Trial fine({"", "", &trial.engine(), trial.dt() / 16, {}});
     const double exact = waveSpeed(fine, friction);
     trial.expectNear("speed of the wave", waveSpeed(trial, friction), exact, 0.05 * exact, "m/s");
 }
 
 /// The same row four times as large, with steps twice as long, runs the same but for exponents.
 void scaling(Trial& trial, double friction) {
-    Trial large({"", "", &trial.engine(), 2 * trial.dt(), false, {}});
+    Trial large({"", "", &trial.engine(), 2 * trial.dt(), {}});
     Run one = trial.start(row(friction, 1)), four = large.start(row(friction, 4));
     double worst = 0;
     for (int i = 0; i < 180; ++i) {
@@ -82,10 +82,10 @@ Family dominoes() {
     Family family{"dominoes", {}};
     for (const double friction : {0.0, 0.2, 0.6}) {
         family.cases.push_back({fmt::format("scaled, mu={}", friction),
-                                [friction](Trial& trial) { scaling(trial, friction); }, Selection::brief});
+                                [friction](Trial& trial) { scaling(trial, friction); }});
         if (friction > 0)
             family.cases.push_back({fmt::format("speed, mu={}", friction),
-                                    [friction](Trial& trial) { speed(trial, friction); }, Selection::normal, false});
+                                    [friction](Trial& trial) { speed(trial, friction); }, Kind::oneStep});
     }
     return family;
 }

@@ -102,9 +102,9 @@ void momenta(Trial& trial) {
 Family drift() {
     return {"drift",
             {
-                {"pendulum, one hour", pendulum, Selection::normal, false},
+                {"pendulum, one hour", pendulum, Kind::oneStep},
                 {"spring, 10,000 steps", [](Trial& trial) { spring(trial, 10000); }},
-                {"spring, 1,000,000 steps", [](Trial& trial) { spring(trial, 1000000); }, Selection::longer, false},
+                {"spring, 1,000,000 steps", [](Trial& trial) { spring(trial, 1000000); }, Kind::longer},
                 {"momenta without gravity", momenta},
             }};
 }

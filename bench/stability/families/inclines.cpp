@@ -70,17 +70,17 @@ Family inclines() {
     for (const double heading : {0.0, 22.5, 45.0}) {
         for (const double share : {1.01, 1.05}) {
             const Slope slope{share, heading};
-            family.cases.push_back({slope.name(), [slope](Trial& trial) { holds(trial, slope); }, Selection::brief});
+            family.cases.push_back({slope.name(), [slope](Trial& trial) { holds(trial, slope); }});
         }
         for (const double share : {0.99, 0.95}) {
             const Slope slope{share, heading};
-            family.cases.push_back({slope.name(), [slope](Trial& trial) { slides(trial, slope); }, Selection::brief});
+            family.cases.push_back({slope.name(), [slope](Trial& trial) { slides(trial, slope); }});
         }
     }
     const Slope far{1.01, 22.5, away}, farSliding{0.99, 22.5, away};
-    family.cases.push_back({far.name(), [far](Trial& trial) { holds(trial, far); }, Selection::brief});
+    family.cases.push_back({far.name(), [far](Trial& trial) { holds(trial, far); }});
     family.cases.push_back(
-        {farSliding.name(), [farSliding](Trial& trial) { slides(trial, farSliding); }, Selection::brief});
+        {farSliding.name(), [farSliding](Trial& trial) { slides(trial, farSliding); }});
     return family;
 }
 

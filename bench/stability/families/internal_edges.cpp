@@ -78,8 +78,7 @@ Family internalEdges() {
             for (const double degrees : {0.0, 30.0}) {
                 const double heading = degrees * std::numbers::pi / 180;
                 family.cases.push_back({fmt::format("{} on {}, {} deg", slider.name, ground, degrees),
-                                        [=](Trial& trial) { slides(trial, ground, slider.shape, slider.height, heading); },
-                                        Selection::brief});
+                                        [=](Trial& trial) { slides(trial, ground, slider.shape, slider.height, heading); }});
             }
     return family;
 }

@@ -81,9 +81,9 @@ void board(Trial& trial, double heading) {
 Family isotropy() {
     return {"isotropy",
             {
-                {"5 m/s, 16 headings", headings, Selection::brief},
-                {"board on balls, 0 deg", [](Trial& trial) { board(trial, 0); }, Selection::brief},
-                {"board on balls, 45 deg", [](Trial& trial) { board(trial, std::numbers::pi / 4); }, Selection::brief},
+                {"5 m/s, 16 headings", headings},
+                {"board on balls, 0 deg", [](Trial& trial) { board(trial, 0); }},
+                {"board on balls, 45 deg", [](Trial& trial) { board(trial, std::numbers::pi / 4); }},
             }};
 }
 

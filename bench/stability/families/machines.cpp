@@ -110,6 +110,44 @@ void ballInDrum(Trial& trial) {
     trial.expectAtMost("leaves the bottom", farthest, std::numbers::pi / 180, "rad");
 }
 
+/// Sets the friction of sliding as a share of that of rest.
+void setSliding(Material& material, float share) {
+    const auto set = [share](auto& m) {
+        if constexpr (requires { m.slidingShare; }) m.slidingShare = share;
+        else throw Unsupported("one coefficient for rest and sliding");
+    };
+    set(material);
+}
+
+/// A weight on a slow belt, held by a spring. It rides until the spring pulls with μ_s m g and slips back until it has
+/// the belt's speed u again: through 2 R, R² = ((μ_s − μ_k) m g/k)² + (u/ω)².
+void stickSlip(Trial& trial) {
+    constexpr double kStiffness = 100, kMass = 25, kAtRest = 0.6, kSliding = 0.4, kBelt = 0.1, kRope = 20;
+    Scene scene;
+    Material material = surface(static_cast<float>(kAtRest));
+    setSliding(material, static_cast<float>(kSliding / kAtRest));
+    BodyDef floor = fixedBody(Box{{100, 1, 5}}, {0, -1, 0}, material);
+    floor.shapes[0].material.surfaceVelocity = {static_cast<float>(kBelt), 0, 0};
+    add(scene, floor);
+    const int box = add(scene, solidBody(Box{{0.5f, 0.5f, 0.5f}}, {0, 0.5, 0}, static_cast<float>(kMass), material));
+    DistanceDef& spring = addDistance(scene, kWorld, box, {-kRope, 0.5, 0}, {0, 0.5, 0});
+    spring.spring = Spring{static_cast<float>(kStiffness), 0};
+    spring.rest = static_cast<float>(kRope);
+    Run run = trial.start(scene);
+    // Into the first slip, and then through two whole strokes.
+    const double reach = kAtRest * kMass * kGravity / kStiffness;
+    run.advance(reach / kBelt + 3);
+    double lowest = INFINITY, highest = -INFINITY;
+    run.advance(25, [&] {
+        lowest = std::min(lowest, run.position(box).x);
+        highest = std::max(highest, run.position(box).x);
+        return true;
+    });
+    const double stroke = (kAtRest - kSliding) * kMass * kGravity / kStiffness;
+    const double exact = 2 * std::hypot(stroke, kBelt / std::sqrt(kStiffness / kMass));
+    trial.expectNear("stroke", highest - lowest, exact, 0.02 * exact, "m");
+}
+
 }  // namespace
 
 Family machines() {
@@ -117,8 +155,8 @@ Family machines() {
     for (const double degrees : {0.0, 30.0})
         for (const bool belt : {true, false})
             family.cases.push_back({fmt::format("{}, {} deg", belt ? "conveyor belt" : "moving floor", degrees),
-                                    [=](Trial& trial) { conveyor(trial, belt, degrees * std::numbers::pi / 180); },
-                                    Selection::brief});
+                                    [=](Trial& trial) { conveyor(trial, belt, degrees * std::numbers::pi / 180); }});
+    family.cases.push_back({"stick-slip", stickSlip, Kind::oneStep});
     family.cases.push_back({"block in a drum", blockInDrum});
     family.cases.push_back({"ball in a drum", ballInDrum});
     return family;

@@ -91,15 +91,14 @@ Family overlaps() {
     Family family{"overlap", {}};
     for (const double depth : {0.1, 0.5, 0.9}) {
         family.cases.push_back({fmt::format("{} m in the floor", depth),
-                                [depth](Trial& trial) { intoFloor(trial, depth); }, Selection::brief});
+                                [depth](Trial& trial) { intoFloor(trial, depth); }});
         // From the middle on the short way out of a box leads sideways or down.
         if (depth > 0.4) continue;
-        family.cases.push_back({fmt::format("{} m in a box", depth), [depth](Trial& trial) { intoBox(trial, depth); },
-                                Selection::brief});
+        family.cases.push_back({fmt::format("{} m in a box", depth), [depth](Trial& trial) { intoBox(trial, depth); }});
     }
-    family.cases.push_back({"0.4 m in a box", [](Trial& trial) { intoBox(trial, 0.4); }, Selection::brief});
-    family.cases.push_back({"pyramid at a quarter", pyramid, Selection::brief});
-    family.cases.push_back({"cap taken off", capGone, Selection::brief});
+    family.cases.push_back({"0.4 m in a box", [](Trial& trial) { intoBox(trial, 0.4); }});
+    family.cases.push_back({"pyramid at a quarter", pyramid});
+    family.cases.push_back({"cap taken off", capGone});
     return family;
 }
 

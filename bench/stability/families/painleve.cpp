@@ -87,7 +87,7 @@ Family painleve() {
     Family family{"painleve", {}};
     for (const double friction : {1.0, 1.3, 1.4, 2.0})
         family.cases.push_back(
-            {fmt::format("mu={}", friction), [friction](Trial& trial) { slides(trial, friction); }, Selection::brief});
+            {fmt::format("mu={}", friction), [friction](Trial& trial) { slides(trial, friction); }});
     return family;
 }
 

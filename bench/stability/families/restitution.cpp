@@ -133,20 +133,20 @@ void cradle(Trial& trial, int lifted, double gap) {
 }  // namespace
 
 Family restitution() {
-    Family family{"restitution", {{"e=0", staysDown, Selection::brief}}};
+    Family family{"restitution", {{"e=0", staysDown}}};
     const auto addBounces = [&family](float e, std::size_t count) {
         family.cases.push_back(
-            {fmt::format("e={}", e), [=](Trial& trial) { bounces(trial, e, count); }, Selection::brief});
+            {fmt::format("e={}", e), [=](Trial& trial) { bounces(trial, e, count); }});
     };
     addBounces(0.5f, 3);
     addBounces(0.9f, 10);
     addBounces(1, 20);
-    family.cases.push_back({"e=0.5, rest", restTime, Selection::brief});
-    family.cases.push_back({"49 balls, e=1", manyBalls, Selection::brief});
+    family.cases.push_back({"e=0.5, rest", restTime});
+    family.cases.push_back({"49 balls, e=1", manyBalls});
     for (const double gap : {0.001, 0.0})
         for (int lifted = 1; lifted <= 4; ++lifted)
             family.cases.push_back({fmt::format("cradle, {}, k={}", gap > 0 ? "1 mm gap" : "touching", lifted),
-                                    [=](Trial& trial) { cradle(trial, lifted, gap); }, Selection::brief});
+                                    [=](Trial& trial) { cradle(trial, lifted, gap); }});
     return family;
 }
 

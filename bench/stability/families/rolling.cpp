@@ -143,10 +143,10 @@ void turntable(Trial& trial) {
 }  // namespace
 
 Family rolling() {
-    Family family{"rolling", {{"sliding to rolling", slidesThenRolls, Selection::brief}}};
+    Family family{"rolling", {{"sliding to rolling", slidesThenRolls}}};
     const auto addRamp = [&family](const char* name, double shape, double friction) {
         family.cases.push_back({fmt::format("{} on a ramp, mu={}", name, friction),
-                                [=](Trial& trial) { ramp(trial, shape, friction); }, Selection::brief});
+                                [=](Trial& trial) { ramp(trial, shape, friction); }});
     };
     addRamp("ball", 0.4, 0.3);
     addRamp("disc", 0.5, 0.3);
@@ -154,7 +154,7 @@ Family rolling() {
     addRamp("ball", 0.4, 0.1);
     addRamp("hoop", 1, 0.2);
     family.cases.push_back({"ball in a bowl", bowl});
-    family.cases.push_back({"ball on a turntable", turntable, Selection::brief});
+    family.cases.push_back({"ball on a turntable", turntable});
     return family;
 }
 

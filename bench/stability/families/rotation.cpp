@@ -153,14 +153,13 @@ Family rotation() {
     for (int axis = 0; axis < 3; ++axis)
         for (const int speed : {10, 30, 100})
             family.cases.push_back({fmt::format("{} axis, {} rad/s", axes[axis], speed),
-                                    [axis, speed](Trial& trial) { freeSpin(trial, axis, static_cast<float>(speed)); },
-                                    Selection::brief});
+                                    [axis, speed](Trial& trial) { freeSpin(trial, axis, static_cast<float>(speed)); }});
     for (const int speed : {10, 30, 100})
         family.cases.push_back({fmt::format("T-handle, {} rad/s", speed),
-                                [speed](Trial& trial) { handle(trial, static_cast<float>(speed)); }, Selection::brief});
+                                [speed](Trial& trial) { handle(trial, static_cast<float>(speed)); }});
     const Top heavy{0.5, 100}, gyroscope{std::numbers::pi / 2, 200};
-    family.cases.push_back({"heavy top", [heavy](Trial& trial) { steadyTop(trial, heavy); }, Selection::brief});
-    family.cases.push_back({"gyroscope", [gyroscope](Trial& trial) { steadyTop(trial, gyroscope); }, Selection::brief});
+    family.cases.push_back({"heavy top", [heavy](Trial& trial) { steadyTop(trial, heavy); }});
+    family.cases.push_back({"gyroscope", [gyroscope](Trial& trial) { steadyTop(trial, gyroscope); }});
     family.cases.push_back({"tippe top", tippeTop});
     return family;
 }

@@ -144,11 +144,11 @@ void random(Trial& trial, int shots) {
 Family shots() {
     return {"ccd",
             {
-                {"ball at 100 m/s, wall of 0.1 m", phases, Selection::brief},
-                {"rod spinning at 100 rad/s", spinningRods, Selection::brief},
-                {"two bullets head on", bullets, Selection::brief},
-                {"random shots, short", [](Trial& trial) { random(trial, 1000); }, Selection::brief, false},
-                {"random shots", [](Trial& trial) { random(trial, 10000); }, Selection::normal, false},
+                {"ball at 100 m/s, wall of 0.1 m", phases},
+                {"rod spinning at 100 rad/s", spinningRods},
+                {"two bullets head on", bullets},
+                {"random shots, short", [](Trial& trial) { random(trial, 1000); }, Kind::oneStep},
+                {"random shots", [](Trial& trial) { random(trial, 10000); }, Kind::oneStep},
             }};
 }
 

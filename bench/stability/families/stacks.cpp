@@ -134,7 +134,7 @@ void house(Trial& trial) {
 void houseCost(Trial& trial) {
     const auto bullet = std::ranges::find(engineKinds(), "bullet", &EngineKind::name);
     if (bullet == engineKinds().end()) return;
-    Trial peer({"", "", &*bullet, trial.dt(), false, {}});
+    Trial peer({"", "", &*bullet, trial.dt(), {}});
     const Scene scene = loadScene(findScene("crash_unhit"));
     Run ours = trial.start(scene), theirs = peer.start(scene);
     for (int second = 0; second < 3; ++second) {
@@ -149,17 +149,16 @@ void houseCost(Trial& trial) {
 Family stacks() {
     Family family{"stack", {}};
     for (const int n : {10, 20, 40})
-        family.cases.push_back({fmt::format("n={}", n), [n](Trial& trial) { stands(trial, {n}); },
-                                n == 10 ? Selection::brief : Selection::normal});
+        family.cases.push_back({fmt::format("n={}", n), [n](Trial& trial) { stands(trial, {n}); }});
     family.cases.push_back({"n=100", [](Trial& trial) { standsAtAll(trial, {100}); }});
     for (const int n : {10, 40})
         family.cases.push_back({fmt::format("n={} of 0.05 m", n), [n](Trial& trial) { stands(trial, {n, 0.05f}); }});
     for (const float friction : {0.2f, 0.8f})
         family.cases.push_back({fmt::format("n=20, mu={}", friction),
                                 [friction](Trial& trial) { stands(trial, {20, 1, friction}); }});
-    family.cases.push_back({"tallest", tallest, Selection::normal, false});
-    family.cases.push_back({"house of crash", house, Selection::normal, false});
-    family.cases.push_back({"house of crash, cost", houseCost, Selection::normal, false, true});
+    family.cases.push_back({"tallest", tallest, Kind::oneStep});
+    family.cases.push_back({"house of crash", house, Kind::oneStep});
+    family.cases.push_back({"house of crash, cost", houseCost, Kind::ragtopOnly});
     return family;
 }
 

@@ -35,7 +35,7 @@ Family stepSizes() {
     Family family{"step_size", {}};
     for (const int rate : {15, 30, 120, 240})
         family.cases.push_back({fmt::format("ten boxes at 1/{} s", rate), [rate](Trial& trial) { stack(trial, rate); },
-                                Selection::brief, false});
+                                Kind::oneStep});
     return family;
 }
 

@@ -105,8 +105,8 @@ Family walls() {
     return {"wall",
             {
                 {"10 x 20 bricks, unhit", unhit},
-                {"hit, 8 runs", [](Trial& trial) { ensemble(trial, 8); }, Selection::normal, false},
-                {"hit, 64 runs", [](Trial& trial) { ensemble(trial, 64); }, Selection::longer, false},
+                {"hit, 8 runs", [](Trial& trial) { ensemble(trial, 8); }, Kind::oneStep},
+                {"hit, 64 runs", [](Trial& trial) { ensemble(trial, 64); }, Kind::longer},
             }};
 }
 

@@ -144,13 +144,11 @@ Family wedges() {
     const Taper symmetric{0.25, 0.25}, threeFourFive{0, std::atan(0.75)};
     return {"wedge",
             {
-                {"plank between pistons", plank, Selection::brief},
-                {"symmetric taper", [=](Trial& trial) { selfLock(trial, symmetric); }, Selection::brief},
-                {"3-4-5 wedge", [=](Trial& trial) { selfLock(trial, threeFourFive); }, Selection::brief},
-                {"3-4-5 wedge driven in, mu=0.5", [=](Trial& trial) { driven(trial, threeFourFive, 0.5f); },
-                 Selection::brief},
-                {"3-4-5 wedge driven in, mu=0.2", [=](Trial& trial) { driven(trial, threeFourFive, 0.2f); },
-                 Selection::brief},
+                {"plank between pistons", plank},
+                {"symmetric taper", [=](Trial& trial) { selfLock(trial, symmetric); }},
+                {"3-4-5 wedge", [=](Trial& trial) { selfLock(trial, threeFourFive); }},
+                {"3-4-5 wedge driven in, mu=0.5", [=](Trial& trial) { driven(trial, threeFourFive, 0.5f); }},
+                {"3-4-5 wedge driven in, mu=0.2", [=](Trial& trial) { driven(trial, threeFourFive, 0.2f); }},
             }};
 }
 
