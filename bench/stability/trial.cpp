@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
+#include <iterator>
 #include <utility>
 
 #include "scenery.h"
@@ -30,28 +32,45 @@ double distance(const DVec3& a, const DVec3& b) { return std::hypot(a.x - b.x, a
 
 }  // namespace
 
-/// A picture of the run for any engine: a world of its own that is never stepped, whose bodies are put where those of
-/// the engine are.
+/// A picture of the run for any engine: a world whose bodies touch nothing and are put where those of the engine are.
 struct Run::Film {
     Film(const Scene& scene, std::filesystem::path path)
-        : instance(scene, world), recording(world), file(std::move(path)) {}
+        : instance(puppets(scene), world), recording(world, {.every = 1}), file(std::move(path)) {
+        constexpr Color kTints[] = {0xd98c4a, 0xc9793b, 0xe0a060, 0xb86a35, 0xd0925c};
+        for (std::size_t i = 0; i < instance.bodies.size(); ++i)
+            if (scene.bodies[i].def.type == BodyType::dynamic)
+                recording.paint(instance.bodies[i], kTints[i % std::size(kTints)]);
+    }
     ~Film() {
         try {
             recording.write(file);
-        } catch (const AssetError&) {
-            // A recording is an extra; the rows count.
+        } catch (const AssetError& error) {
+            // The rows count all the same.
+            std::fprintf(stderr, "%s\n", error.what());
         }
     }
-    void capture(const Engine& engine) {
+    static Scene puppets(Scene scene) {
+        scene.joints.clear();
+        for (SceneBody& body : scene.bodies) {
+            if (body.def.type == BodyType::dynamic) body.def.type = BodyType::kinematic;
+            body.def.linearVelocity = body.def.angularVelocity = {};
+        }
+        return scene;
+    }
+    /// Every other step, which makes 30 frames of 60 steps.
+    void capture(const Engine& engine, double dt) {
+        if (++steps % 2 != 0) return;
         for (std::size_t i = 0; i < instance.bodies.size(); ++i)
             if (world.isValid(instance.bodies[i]) && world.type(instance.bodies[i]) != BodyType::fixed)
                 world.setPose(instance.bodies[i], engine.motion(static_cast<int>(i)).pose);
+        world.step(2 * dt);
         recording.capture();
     }
     World world;
     SceneInstance instance;
     Recording recording;
     std::filesystem::path file;
+    int steps = 0;
 };
 
 Run::Run(Trial& trial, Scene scene, const std::string& label) : trial_(&trial), scene_(std::move(scene)) {
@@ -73,7 +92,7 @@ void Run::step() {
     trial_->cpuMs_ += threadMs() - before;
     trial_->simulated_ += trial_->dt();
     ++steps_;
-    if (film_) film_->capture(*engine_);
+    if (film_) film_->capture(*engine_, trial_->dt());
 }
 
 bool Run::advance(double seconds, const std::function<bool()>& goOn) {
