@@ -1,6 +1,8 @@
 #include <benchmark/benchmark.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
 
 #include "subcommands.h"
 
@@ -25,7 +27,14 @@ int main(int argc, char** argv) {
     app.require_subcommand(0, 1);
     ragtop::bench::addSubcommands(app);
     app.allow_extras();  // Google Benchmark's
-    CLI11_PARSE(app, argc, argv);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "ragtop_bench: %s\n", error.what());
+        return 2;
+    }
     if (app.get_subcommands().empty()) return runBenchmarks(argc, argv);
     return 0;
 }
