@@ -23,18 +23,22 @@ void WorldImpl::unite(std::uint32_t a, std::uint32_t b) {
         islandParent[rootA] = rootB;
 }
 
-/// Islands are the components of moving bodies that touch or are joined.
-void WorldImpl::buildIslands() {
+void WorldImpl::uniteConstraints(bool touchingOnly) {
     islandParent.resizeForOverwrite(bodies.size());
-    islandQuiet.resizeForOverwrite(bodies.size());
     for (const std::uint32_t body : awakeBodies) islandParent[body] = body;
-    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
         for (const std::uint32_t m : graph.color(c).manifolds) {
             const ContactRecord& contact = contacts[manifolds[m].contact];
-            if (contact.touching) unite(contact.bodyA, contact.bodyB);
+            if (contact.touching || !touchingOnly) unite(contact.bodyA, contact.bodyB);
         }
         for (const std::uint32_t j : graph.color(c).joints) unite(joints[j].bodyA, joints[j].bodyB);
     }
+}
+
+/// Islands are the components of moving bodies that touch or are joined.
+void WorldImpl::buildIslands() {
+    uniteConstraints(true);
+    islandQuiet.resizeForOverwrite(bodies.size());
     for (const std::uint32_t body : awakeBodies) {
         if (!moves(body)) continue;
         islandQuiet[body] = std::numeric_limits<float>::max();

@@ -25,6 +25,7 @@ struct BodyRecord {
     float size = 0;          ///< m, smallest size of its shapes
     float radius = 0;        ///< m, of the ball about the centre that holds its shapes
     float sleepTimer = 0;    ///< s
+    std::uint32_t directSteps = 0;       ///< steps for which its island is still solved directly; 0: by sweeps
     std::uint32_t state = 0;             ///< index into the solver's arrays; 0 for fixed bodies
     std::uint32_t awakeIndex = kNone;    ///< place in the list of awake bodies
     std::uint32_t firstShape = kNone, firstContact = kNone, firstJoint = kNone;  ///< contact and joint: edge keys

@@ -30,7 +30,9 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       shapes(memory), contacts(memory), manifolds(memory), freeManifolds(memory), freeMeshManifolds(memory),
       joints(memory), jointSims(memory), awakeBodies(memory), awakeContacts(memory), moveBuffer(memory),
       graph(kernels->lanes, memory), staticTree(memory), movingTree(memory), pairs(memory), geometries(memory),
-      contactChanged(memory), changedContacts(memory), islandParent(memory), islandQuiet(memory), bodyStack(memory),
+      contactChanged(memory), changedContacts(memory), islandParent(memory), islandQuiet(memory), bodyStack(memory), directIslands(memory), directBodies(memory),
+      directManifolds(memory), directJoints(memory), directLanes(memory), directSims(memory), directIndex(memory),
+      movedConstraints(memory),
       bodyFlags(memory), startPoses(memory), begins(memory), ends(memory), sensorBegins(memory), sensorEnds(memory),
       endsBetweenSteps(memory), sensorEndsBetweenSteps(memory), surfaceEvents(memory), sleepEvents(memory),
       sleepEventsBetweenSteps(memory),
@@ -88,7 +90,7 @@ StepStats World::stats() const {
     for (const std::uint32_t c : w.awakeContacts) stats.touching += w.contacts[c].touching;
     stats.bytes = w.bodies.bytes() + w.states.bytes() + w.inertias.bytes() + w.dynamics.bytes() + w.histories.bytes() +
                   w.shapes.bytes() + w.contacts.bytes() + w.manifolds.bytes() + w.joints.bytes() + w.jointSims.bytes();
-    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) stats.bytes += w.graph.color(c).bundles.bytes();
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) stats.bytes += w.graph.color(c).bundles.bytes();
     return stats;
 }
 

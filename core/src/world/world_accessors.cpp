@@ -175,7 +175,7 @@ int World::countIslands() const {
         parent[root(a)] = root(b);
         --islands;
     };
-    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
         for (const std::uint32_t m : w.graph.color(c).manifolds)
             if (const ContactRecord& contact = w.contacts[w.manifolds[m].contact]; contact.touching)
                 join(contact.bodyA, contact.bodyB);
