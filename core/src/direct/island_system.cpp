@@ -168,7 +168,7 @@ void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arra
             p.armB = p.armA - offset;
             p.startGap = p.gap = field(c, at + contact::kSeparation);
             const double mass = field(c, at + contact::kMass);
-            p.resistance = tuning::kResistance / (mass > 0 ? mass : 1);
+            p.resistance = tuning::kContactResistance / (mass > 0 ? mass : 1);
             const DVec3 drift = fixedVelocity(stateB, p.armB) - fixedVelocity(stateA, p.armA);
             p.drift[0] = dot(drift, c.normal);
             p.drift[1] = dot(drift + surface, c.tangent1);

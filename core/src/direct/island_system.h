@@ -20,13 +20,14 @@ inline constexpr std::int32_t kFixed = -1;  ///< a body that no impulse moves
 
 /// Numbers of the method.
 namespace tuning {
-inline constexpr double kResistance = 1e-4;   ///< R of a row, over its inverse mass
+inline constexpr double kContactResistance = 1e-4;  ///< R of a contact point, over its inverse mass
+inline constexpr double kRowResistance = 1e-6;      ///< the same of a row of a joint
 inline constexpr double kContactGap = 1e-4;   ///< gap up to which points count as touching, in sizes
 inline constexpr double kResidual = 1e-8;     ///< of a solved system, in units of its impulses
 inline constexpr double kRoundedGap = 2e-6;   ///< gap or overlap that is rounding, in sizes
 inline constexpr double kSkip = 1e-6;         ///< speed of a row that is left alone, in g h
 inline constexpr double kStiffLink = 1;       ///< 4 T h²/(m L) beyond which the stiffness of tension counts
-inline constexpr double kImplicit = 0.5;      ///< γ: rows are taken at x + γ h u
+inline constexpr double kImplicit = 0.5;      ///< γ: taut rows pull as at x + γ h (u − u_free)
 }  // namespace tuning
 
 /// A body of the island. Locked movements have mass 1 and no Jacobian.

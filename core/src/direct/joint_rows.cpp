@@ -76,16 +76,17 @@ public:
         row.upper = upper;
         builder_.rows.push(row);
     }
-    void rigid(const SystemRow& row, RowKind kind, double load, double error) const {
+    /// `ahead` is the error where free motion leads.
+    void rigid(const SystemRow& row, RowKind kind, double load, double error, double ahead) const {
         const double bias = -static_cast<double>(builder_.context.softness.biasRate) * error;
-        push(row, kind, load, bias, bias, -kNoBound, kNoBound);
+        push(row, kind, load, curving(row, error, ahead) + bias, bias, -kNoBound, kNoBound);
     }
     /// A margin that grows with the row's speed.
-    void limit(const SystemRow& row, RowKind kind, double load, double margin) const {
-        const double bias =
-            margin < 0 ? -static_cast<double>(builder_.context.softness.biasRate) * margin : 0.0;
-        const double target = margin < 0 ? bias : -margin * static_cast<double>(builder_.context.inverseH);
-        push(row, kind, load, target, bias, 0, kNoBound);
+    void limit(const SystemRow& row, RowKind kind, double load, double margin, double ahead) const {
+        const bool within = margin > 0;
+        const double rate = within ? builder_.context.inverseH : builder_.context.softness.biasRate;
+        const double bias = -rate * margin;
+        push(row, kind, load, curving(row, margin, ahead) + bias, within ? 0.0 : bias, 0, kNoBound);
     }
     void bounded(const SystemRow& row, RowKind kind, double load, double speed, double bound) const {
         push(row, kind, load, speed, 0, -bound, bound);
@@ -104,6 +105,10 @@ public:
     }
 
 private:
+    /// The speed along the row at which an error would not change: what free motion has, less the change it makes.
+    double curving(const SystemRow& row, double error, double ahead) const {
+        return freeSpeed(row) - (ahead - error) * static_cast<double>(builder_.context.inverseH);
+    }
     SystemRow row(const DVec3& d, const DVec3& turnA, const DVec3& turnB) const {
         SystemRow r;
         r.a = a_, r.b = b_, r.joint = index_;
@@ -111,7 +116,7 @@ private:
         store(d, r.jb), store(turnB, r.jb + 3);
         mask(r.a, r.ja), mask(r.b, r.jb);
         const double k = admittance(r.a, r.ja) + admittance(r.b, r.jb);
-        r.resistance = tuning::kResistance * (k > 0 ? k : 1);
+        r.resistance = tuning::kRowResistance * (k > 0 ? k : 1);
         return r;
     }
     /// Locked movements feel nothing.
@@ -153,22 +158,22 @@ private:
 RowKind after(RowKind kind, int k) { return static_cast<RowKind>(static_cast<int>(kind) + k); }
 
 /// The rigid rows: three of the first half, then those of the second, in the order of the block's basis.
-void addBlock(const RowWriter& writer, const RigidBlock& block, const Vec3& first, const Vec3& second) {
+void addBlock(const RowWriter& writer, const RigidBlock& block, const RigidBlock& ahead) {
     const DVec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const bool linear = block.linearFirst != 0;
     for (int k = 0; k < 3; ++k)
         writer.rigid(linear ? writer.linear(axes[k]) : writer.angular(axes[k]), after(RowKind::first, k),
-                     block.impulseFirst[k], first[k]);
+                     block.impulseFirst[k], block.errorFirst[k], ahead.errorFirst[k]);
     const Vec3 columns[3] = {block.basis.cx, block.basis.cy, block.basis.cz};
     for (int k = 0; k < static_cast<int>(block.rigidRows); ++k) {
         const DVec3 d = toDouble(columns[k]);
         writer.rigid(linear ? writer.angular(d) : writer.linear(d), after(RowKind::second, k),
-                     dot(block.impulseSecond, columns[k]), second[k]);
+                     dot(block.impulseSecond, columns[k]), block.errorSecond[k], ahead.errorSecond[k]);
     }
 }
 
 /// The rows along a coordinate.
-void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis, double h) {
+void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis, const AxisRows& ahead, double h) {
     SystemRow opposite = row;
     for (int k = 0; k < 6; ++k) opposite.ja[k] = -row.ja[k], opposite.jb[k] = -row.jb[k];
     if (axis.features & AxisRows::kSpring)
@@ -177,14 +182,15 @@ void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis
         writer.bounded(row, RowKind::axisFriction, axis.frictionImpulse, 0, static_cast<double>(axis.friction) * h);
     if (axis.features & AxisRows::kMotor)
         writer.bounded(row, RowKind::axisMotor, axis.motorImpulse, axis.targetSpeed, static_cast<double>(axis.maxForce) * h);
-    if (axis.features & AxisRows::kLocked) writer.rigid(row, RowKind::axisLower, axis.lowerImpulse, axis.lowerMargin);
+    if (axis.features & AxisRows::kLocked)
+        writer.rigid(row, RowKind::axisLower, axis.lowerImpulse, axis.lowerMargin, ahead.lowerMargin);
     if (axis.features & AxisRows::kLimit) {
-        writer.limit(row, RowKind::axisLower, axis.lowerImpulse, axis.lowerMargin);
-        writer.limit(opposite, RowKind::axisUpper, axis.upperImpulse, axis.upperMargin);
+        writer.limit(row, RowKind::axisLower, axis.lowerImpulse, axis.lowerMargin, ahead.lowerMargin);
+        writer.limit(opposite, RowKind::axisUpper, axis.upperImpulse, axis.upperMargin, ahead.upperMargin);
     }
 }
 
-void addBall(const RowWriter& writer, const BallRows& ball, double h) {
+void addBall(const RowWriter& writer, const BallRows& ball, const BallRows& ahead, double h) {
     const DVec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     for (int k = 0; k < 3; ++k) {
         if (ball.features & BallRows::kSpring)
@@ -196,11 +202,13 @@ void addBall(const RowWriter& writer, const BallRows& ball, double h) {
     }
     const DVec3 twist = toDouble(ball.twistAxis), swing = toDouble(ball.swingAxis);
     if ((ball.features & BallRows::kTwist) && dot(twist, twist) > 0) {
-        writer.limit(writer.angular(twist), RowKind::twistLower, ball.twistLowerImpulse, ball.twistLowerMargin);
-        writer.limit(writer.angular(-1.0 * twist), RowKind::twistUpper, ball.twistUpperImpulse, ball.twistUpperMargin);
+        writer.limit(writer.angular(twist), RowKind::twistLower, ball.twistLowerImpulse, ball.twistLowerMargin,
+                     ahead.twistLowerMargin);
+        writer.limit(writer.angular(-1.0 * twist), RowKind::twistUpper, ball.twistUpperImpulse, ball.twistUpperMargin,
+                     ahead.twistUpperMargin);
     }
     if ((ball.features & BallRows::kSwing) && dot(swing, swing) > 0)
-        writer.limit(writer.angular(-1.0 * swing), RowKind::swing, ball.swingImpulse, ball.swingMargin);
+        writer.limit(writer.angular(-1.0 * swing), RowKind::swing, ball.swingImpulse, ball.swingMargin, ahead.swingMargin);
 }
 
 /// A rope under tension is stiff across its line.
@@ -221,12 +229,13 @@ void addAcross(const RowWriter& writer, const JointSim& joint, const DVec3& line
 void JointRowBuilder::add(JointSim& joint, std::uint32_t index, std::int32_t a, std::int32_t b) const {
     Ends ends(arrays, joint);
     joint.taut = {};
+    Ends later = ends;
+    later.advance(context.h);
+    refreshJoint(joint, later.pair(), false);
+    const RigidBlock blockAhead = joint.block;
+    const AxisRows axisAhead = joint.axis;
+    const BallRows ballAhead = joint.ball;
     refreshJoint(joint, ends.pair(), true);
-    const Vec3 first = joint.block.errorFirst, second = joint.block.errorSecond;
-    const AxisRows axis = joint.axis;
-    const BallRows ball = joint.ball;
-    ends.advance(static_cast<float>(tuning::kImplicit) * context.h);
-    refreshJoint(joint, ends.pair(), false);
 
     const double h = context.h;
     const DVec3 force = toDouble(carriedImpulse(joint).linear);
@@ -235,30 +244,22 @@ void JointRowBuilder::add(JointSim& joint, std::uint32_t index, std::int32_t a, 
 
     const RowWriter writer(*this, joint, index, a, b);
     const DVec3 free = toDouble(joint.block.basis.cz);
+    if (joint.kind != JointKind::distance && joint.kind != JointKind::none) addBlock(writer, joint.block, blockAhead);
     switch (joint.kind) {
-        case JointKind::ball: {
-            addBlock(writer, joint.block, first, second);
-            BallRows now = ball;
-            now.swingAxis = joint.ball.swingAxis;
-            now.twistAxis = joint.ball.twistAxis;
-            addBall(writer, now, h);
+        case JointKind::ball:
+            addBall(writer, joint.ball, ballAhead, h);
             break;
-        }
         case JointKind::hinge:
-            addBlock(writer, joint.block, first, second);
-            addAxis(writer, writer.angular(free), axis, h);
+            addAxis(writer, writer.angular(free), joint.axis, axisAhead, h);
             break;
         case JointKind::slider:
-            addBlock(writer, joint.block, first, second);
-            addAxis(writer, writer.linear(free), axis, h);
-            break;
-        case JointKind::fixed:
-            addBlock(writer, joint.block, first, second);
+            addAxis(writer, writer.linear(free), joint.axis, axisAhead, h);
             break;
         case JointKind::distance:
-            addAxis(writer, writer.linear(free), axis, h);
+            addAxis(writer, writer.linear(free), joint.axis, axisAhead, h);
             addAcross(writer, joint, free, h);
             break;
+        case JointKind::fixed:
         case JointKind::none:
             break;
     }
