@@ -113,6 +113,7 @@ void WorldImpl::wakeBody(std::uint32_t first) {
         if (body.awakeIndex != kNone) continue;
         body.awakeIndex = static_cast<std::uint32_t>(awakeBodies.size());
         awakeBodies.push(index);
+        structureChanged = graphChanged = true;
         noteSleep(index, false);
         for (std::uint32_t key = body.firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
             const ContactRecord& contact = contacts[key >> 1];

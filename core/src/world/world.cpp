@@ -30,7 +30,8 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       shapes(memory), contacts(memory), manifolds(memory), freeManifolds(memory), freeMeshManifolds(memory),
       joints(memory), jointSims(memory), awakeBodies(memory), awakeContacts(memory), moveBuffer(memory),
       graph(kernels->lanes, memory), staticTree(memory), movingTree(memory), pairs(memory), geometries(memory),
-      contactChanged(memory), changedContacts(memory), islandParent(memory), islandQuiet(memory), bodyStack(memory), directIslands(memory), directBodies(memory),
+      contactChanged(memory), changedContacts(memory), islandParent(memory), islandQuiet(memory), bodyStack(memory), bearings(memory), bearingBegin(memory), neighbours(memory),
+      levels(memory), supports(memory), carried(memory), heldLevel(memory), islandFeatures(memory), directIslands(memory), directBodies(memory),
       directManifolds(memory), directJoints(memory), directLanes(memory), directSims(memory), directIndex(memory),
       movedConstraints(memory),
       bodyFlags(memory), startPoses(memory), begins(memory), ends(memory), sensorBegins(memory), sensorEnds(memory),
@@ -66,6 +67,7 @@ const WorldSettings& World::settings() const { return impl_->settings; }
 void World::setSettings(const WorldSettings& settings) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
     const bool wake = settings.gravity != impl_->settings.gravity || !settings.sleeping;
+    impl_->graphChanged |= settings.solver != impl_->settings.solver;
     impl_->settings = settings;
     if (!wake) return;
     for (std::uint32_t i = 1; i < impl_->bodySlots.count(); ++i)

@@ -102,24 +102,6 @@ void WorldImpl::numberDirectBodies() {
     }
 }
 
-void WorldImpl::chooseSolvers() {
-    if (graphChanged) {
-        if (settings.solver == 2 || settings.solver == 0) {
-            for (const std::uint32_t body : awakeBodies)
-                bodies[body].directSteps = moves(body) && settings.solver == 2 ? 1 : 0;
-        } else {
-            for (const std::uint32_t body : awakeBodies) bodies[body].directSteps = 0;
-        }
-        applyChoices();
-        groupDirect();
-        graphChanged = false;
-        directGrouped = true;
-    } else if (!directGrouped) {
-        groupDirect();
-        directGrouped = true;
-    }
-}
-
 void WorldImpl::beginDirect() {
     while (directSystems.size() < directIslands.size())
         directSystems.push_back(std::make_unique<direct::IslandSystem>(memory));

@@ -95,9 +95,22 @@ struct WorldImpl {
     void sweepFastBodies();
     void sweepBody(std::uint32_t body, const DVec3& fromCenter, const Quat& fromRotation);
 
+    // world_islands.cpp: what bears on what, and the choice of solvers.
+    struct Bearing {
+        std::uint32_t a, b;        ///< bodies
+        std::uint32_t constraint;  ///< manifold or joint
+        bool joint;
+    };
+    void collectBearings();
+    void findLevels();
+    void estimateLoads();
+    float bucklingShare(const Bearing& bearing, float load, float number) const;
+    void measureIslands();
+    bool decideIslands();
+    void chooseSolvers();
+
     // world_direct.cpp: islands that are solved directly.
     enum class DirectPass { positions, velocities, bounce };
-    void chooseSolvers();
     void applyChoices();
     void groupDirect();
     void numberDirectBodies();
@@ -197,7 +210,8 @@ struct WorldImpl {
     std::uint64_t stepCount = 0, structureVersion = 0;
     double time = 0;
     float lastSubstep = 0;
-    bool graphChanged = true;                   ///< since solvers were chosen
+    bool graphChanged = true;                   ///< since solvers were chosen, as far as bearings are concerned
+    bool structureChanged = true;               ///< the same for bodies and joints that were made, moved or woken
 
     // Derived from the state, or of the current step only.
     std::pmr::vector<GeometryEntry> geometries;
@@ -211,6 +225,12 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> islandParent;   ///< union-find over bodies
     AlignedArray<float> islandQuiet;            ///< s, of the least quiet body of a root
     AlignedArray<std::uint32_t> bodyStack;
+    AlignedArray<Bearing> bearings;
+    AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
+    AlignedArray<std::uint32_t> levels, supports;  ///< per body: steps to what does not move; bodies that bear it
+    AlignedArray<float> carried;                   ///< kg, per body
+    AlignedArray<std::uint8_t> heldLevel;          ///< per body: something level is below it
+    AlignedArray<direct::IslandFeatures> islandFeatures;  ///< per root
     struct DirectIsland {
         std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
         bool factored = false;

@@ -65,6 +65,7 @@ std::uint32_t WorldImpl::createJoint(const JointDef& def) {
     if (moves(a) && !awakeA) wakeBody(a);
     if (moves(b) && !awakeB) wakeBody(b);
     addJointToGraph(index);
+    structureChanged = true;
     return index;
 }
 

@@ -97,6 +97,7 @@ void WorldImpl::archive(Archive& archive) {
     archive.value(lastSubstep);
     archive.value(dt);
     archive.value(graphChanged);
+    archive.value(structureChanged);
 }
 
 namespace {

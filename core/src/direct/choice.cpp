@@ -1,0 +1,29 @@
+#include "direct/choice.h"
+
+namespace ragtop::direct {
+
+namespace {
+
+constexpr float kDepth = 12;          ///< load number that soft contacts and sweeps carry well
+constexpr float kHeavy = 30;          ///< load number of unequal bodies
+constexpr float kUnequal = 4;         ///< mass ratio from which bodies are unequal
+constexpr float kColumnPairs = 1.5f;  ///< pairs per body up to which nothing beside a column holds it
+constexpr float kBuckling = 0.5f;     ///< share of the buckling load
+constexpr float kLeaning = 0.25f;     ///< share of bodies
+constexpr float kStay = 2.0f / 3;     ///< of a limit, for what is direct already
+
+}  // namespace
+
+Reason chooseDirect(const IslandFeatures& island) {
+    if (island.bodies > kMostBodies) return Reason::none;
+    const float limit = island.direct ? kStay : 1.0f;
+    const auto bodies = static_cast<float>(island.bodies), pairs = static_cast<float>(island.pairs);
+    if (island.contactLoad > limit * kHeavy && island.massRatio > limit * kUnequal) return Reason::heavy;
+    if (island.contactLoad > limit * kDepth && limit * pairs < kColumnPairs * bodies) return Reason::tall;
+    if (island.buckling > limit * kBuckling) return Reason::slender;
+    if (island.jointLoad > limit * kDepth) return Reason::taut;
+    if (island.leaning >= 2 && static_cast<float>(island.leaning) > limit * kLeaning * bodies) return Reason::leaning;
+    return Reason::none;
+}
+
+}  // namespace ragtop::direct
