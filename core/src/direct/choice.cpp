@@ -4,10 +4,12 @@ namespace ragtop::direct {
 
 namespace {
 
-constexpr float kDepth = 12;          ///< load number that soft contacts and sweeps carry well
-constexpr float kHeavy = 30;          ///< load number of unequal bodies
+constexpr float kDepth = 4;           ///< load number of columns that soft contacts carry without much sag
+constexpr float kHeavy = 8;           ///< load number of unequal bodies
 constexpr float kUnequal = 4;         ///< mass ratio from which bodies are unequal
 constexpr float kColumnPairs = 1.5f;  ///< pairs per body up to which nothing beside a column holds it
+constexpr float kHanging = 6;         ///< load number of joints that hang, whose every gap adds up
+constexpr float kJointed = 100;       ///< load number of other joints, as ankles of a figure that stands
 constexpr float kBuckling = 0.5f;     ///< share of the buckling load
 constexpr float kLeaning = 0.25f;     ///< share of bodies
 constexpr float kStay = 2.0f / 3;     ///< of a limit, for what is direct already
@@ -21,7 +23,7 @@ Reason chooseDirect(const IslandFeatures& island) {
     if (island.contactLoad > limit * kHeavy && island.massRatio > limit * kUnequal) return Reason::heavy;
     if (island.contactLoad > limit * kDepth && limit * pairs < kColumnPairs * bodies) return Reason::tall;
     if (island.buckling > limit * kBuckling) return Reason::slender;
-    if (island.jointLoad > limit * kDepth) return Reason::taut;
+    if (island.jointLoad > limit * (island.hangs ? kHanging : kJointed)) return Reason::taut;
     if (island.leaning >= 2 && static_cast<float>(island.leaning) > limit * kLeaning * bodies) return Reason::leaning;
     return Reason::none;
 }

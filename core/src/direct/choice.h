@@ -16,6 +16,7 @@ struct IslandFeatures {
     float contactLoad = 0, jointLoad = 0; ///< largest load numbers
     float massRatio = 1;                  ///< largest of a loaded pair
     float buckling = 0;                   ///< load over what soft contacts bear before they tilt away
+    bool hangs = false;                   ///< by joints, from something that does not move
     bool direct = false;                  ///< is solved directly now
     std::int32_t staying = 0, barred = 0; ///< steps for which it stays so, or may not be (negative)
     Reason reason = Reason::none;

@@ -105,8 +105,12 @@ static void shareFriction(SystemPoint* points, const SystemContact& contact, con
     for (std::uint32_t j = 0; j < count; ++j) {
         const double share = points[j].load[0];
         const DVec3 f = (share / total) * friction + (turn * share) * cross(contact.normal, points[j].armA - middle);
-        points[j].load[1] = dot(f, contact.tangent1);
-        points[j].load[2] = dot(f, contact.tangent2);
+        // Points that nearly coincide would need any force for a twist.
+        const double along1 = dot(f, contact.tangent1), along2 = dot(f, contact.tangent2);
+        const double size = std::sqrt(along1 * along1 + along2 * along2), most = contact.friction * share;
+        const double within = size > most ? most / size : 1.0;
+        points[j].load[1] = within * along1;
+        points[j].load[2] = within * along2;
     }
 }
 
@@ -236,8 +240,18 @@ void IslandSystem::carryLoads() {
             for (int k = 0; k < 3; ++k) p.load[k] = p.impulse[k];
             pointField(c, j, contact::kPeak) += static_cast<float>(p.impulse[0]);
         }
-    for (SystemRow& row : rows_) row.load = row.impulse;
     storeImpulses(rows_, joints_.data());
+}
+
+void IslandSystem::scaleResistance(double factor) {
+    for (SystemPoint& p : points_) p.resistance *= factor;
+}
+
+void IslandSystem::takeLoads() {
+    for (SystemPoint& p : points_)
+        for (int k = 0; k < 3; ++k) p.load[k] = p.impulse[k];
+    for (SystemRow& row : rows_)
+        if (row.kind != RowKind::axisSpring && row.kind != RowKind::across && !isBallSpring(row.kind)) row.load = row.impulse;
 }
 
 void IslandSystem::end() {

@@ -70,6 +70,8 @@ enum class RowKind : std::uint8_t {
     axisSpring = 12, axisFriction, axisMotor, axisLower, axisUpper, twistLower, twistUpper, swing, across,
 };
 
+constexpr bool isBallSpring(RowKind kind) { return kind >= RowKind::ballSpring && kind < RowKind::ballFriction; }
+
 /// A scalar row with bounds: a joint's.
 struct SystemRow {
     RowKind kind = RowKind::first;
@@ -139,6 +141,9 @@ public:
     /// True when the loads answer what was evaluated but for speeds that may be left alone; keepLoads takes them.
     bool loadsHold() const;
     void keepLoads();
+    /// Makes the impulses of the last evaluation the loads: a step of the method of multipliers.
+    void takeLoads();
+    void scaleResistance(double factor);
     bool regionsChanged() const;
     /// Assembles and factorizes the Hessian at the last evaluation; false when it is not positive definite.
     bool factorize();

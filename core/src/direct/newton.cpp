@@ -6,7 +6,10 @@ namespace ragtop::direct {
 
 namespace {
 
-constexpr int kIterations = 40;      ///< Newton steps per solve
+constexpr int kIterations = 12;      ///< Newton steps from loads of the substep before
+constexpr int kMoreIterations = 40;  ///< of each stage where those do not suffice
+constexpr int kStages = 2;           ///< softer systems that lead to the one that was asked for
+constexpr double kStage = 128;       ///< resistance of a stage over that of the next
 constexpr int kSlipRounds = 4;       ///< of the De Saxcé loop
 constexpr int kLineSteps = 30;
 constexpr double kSlipChange = 1e-3; ///< of a row by which slips may still change, in g h
@@ -46,14 +49,14 @@ double dot(const double* a, const double* b, std::size_t n) {
 }
 
 /// One convex problem. False when it was given up.
-bool minimize(IslandSystem& system, bool& factored, SolveReport& report) {
+bool minimize(IslandSystem& system, int iterations, bool& factored, SolveReport& report) {
     const std::size_t n = system.unknowns();
     double* v = system.velocity();
     double* gradient = system.scratch().gradient.data();
     double* direction = system.scratch().direction.data();
     double last = 0;
     bool stale = true;
-    for (int i = 0; i < kIterations; ++i) {
+    for (int i = 0; i < iterations; ++i) {
         const Residual residual = system.evaluate(v, gradient);
         report.residual = residual.scale > 0 ? residual.norm / residual.scale : 0;
         if (!std::isfinite(residual.norm)) return false;
@@ -81,6 +84,24 @@ bool minimize(IslandSystem& system, bool& factored, SolveReport& report) {
     return report.residual <= kRounding;
 }
 
+/// Loads far from the answer make a stiff system a hard one. Softer systems are easy, and the loads that each finds bring
+/// the next one near its answer.
+bool approach(IslandSystem& system, bool& factored, SolveReport& report) {
+    double scale = 1;
+    for (int stage = 0; stage < kStages; ++stage) scale *= kStage;
+    system.scaleResistance(scale);
+    bool found = false;
+    for (int stage = 0; stage <= kStages; ++stage) {
+        factored = false;
+        found = minimize(system, kMoreIterations, factored, report);
+        if (stage == kStages) break;
+        if (found) system.takeLoads();
+        system.scaleResistance(1 / kStage);
+    }
+    factored = false;
+    return found;
+}
+
 }  // namespace
 
 void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveReport& report) {
@@ -95,9 +116,8 @@ void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveRepor
     }
     const double enough = kSlipChange * system.gravityStep();
     for (int round = 0; round < kSlipRounds; ++round) {
-        if (!minimize(system, factored, report)) {
-            // What the loads of the last substep do is always a sane answer.
-            system.velocityOfLoads(v);
+        if (!minimize(system, kIterations, factored, report) && !approach(system, factored, report)) {
+            // Newton's steps descend, so that the velocity is sane; the impulses need not be.
             system.keepLoads();
             report.converged = false;
             return;

@@ -163,6 +163,14 @@ void WorldImpl::solveDirect(DirectPass pass) {
 }
 
 void WorldImpl::endDirect() {
+    // What could not be solved is left to sweeps for a while.
+    for (const DirectIsland& island : directIslands) {
+        if (island.report.converged) continue;
+        for (std::uint32_t i = 0; i < island.bodyCount; ++i)
+            bodies[directBodies[island.firstBody + i]].directSteps = -direct::kBarredSteps;
+        graphChanged = true;
+        ++directFailures;
+    }
     runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) directSystems[static_cast<std::size_t>(i)]->end();
     });

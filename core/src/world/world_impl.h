@@ -105,6 +105,7 @@ struct WorldImpl {
     void findLevels();
     void estimateLoads();
     float bucklingShare(const Bearing& bearing, float load, float number) const;
+    bool standsOn(std::uint32_t manifold) const;
     void measureIslands();
     bool decideIslands();
     void chooseSolvers();
@@ -244,6 +245,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> movedConstraints;
     std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< at least one per direct island
     bool directGrouped = false;
+    std::uint64_t directFailures = 0;              ///< solves given up since the world was made
     AlignedArray<std::uint8_t> bodyFlags;          ///< per awake body, set by finishBodies
     struct PairFound {
         std::uint32_t a, b;

@@ -117,6 +117,15 @@ float WorldImpl::bucklingShare(const Bearing& bearing, float load, float number)
     return stiffness > 0 ? bending / (7.84f * stiffness) : 0.0f;
 }
 
+/// A face, or something round: what stands on an edge or a corner needs others to hold it.
+bool WorldImpl::standsOn(std::uint32_t index) const {
+    const ManifoldRecord& manifold = manifolds[index];
+    const ContactRecord& contact = contacts[manifold.contact];
+    const float roundness = geometries[shapes[contact.shapeA].geometry].convex.radius +
+                            geometries[shapes[contact.shapeB].geometry].convex.radius;
+    return manifold.pointCount > 2 || roundness > 0;
+}
+
 void WorldImpl::measureIslands() {
     collectBearings();
     findLevels();
@@ -136,10 +145,12 @@ void WorldImpl::measureIslands() {
         if (!bearing.joint) {
             const Vec3 normal = rotate(bodies[bearing.a].rotation, manifolds[bearing.constraint].normal);
             const float cosine = dot(normal, up);
-            if (cosine > kLevel) heldLevel[bearing.b] = 1;
-            if (cosine < -kLevel) heldLevel[bearing.a] = 1;
+            const bool steady = standsOn(bearing.constraint);
+            if (steady && cosine > kLevel) heldLevel[bearing.b] = 1;
+            if (steady && cosine < -kLevel) heldLevel[bearing.a] = 1;
         } else {
             heldLevel[bearing.a] = heldLevel[bearing.b] = 1;
+            island.hangs |= !movesA || !movesB;
         }
         if (!aBears && !bBears) continue;
         const std::uint32_t upper = aBears ? bearing.b : bearing.a;
