@@ -220,6 +220,24 @@ void IslandSystem::beginSubstep(const BodyArrays& arrays, const SolverContext& c
         store(toDouble(state.w), free_.data() + 6 * i + 3);
     }
     if (bounces_) foreseeBounces(arrays, context);
+    buildRows(arrays, joints);
+}
+
+/// Taut links turn far within a substep; what they turned by is known better once it has been solved.
+bool IslandSystem::aimAgain(const BodyArrays& arrays, const JointContext& joints) {
+    bool taut = false;
+    for (const SystemBody& body : bodies_)
+        taut |= body.stiffness.xx > 0 || body.stiffness.yy > 0 || body.stiffness.zz > 0;
+    if (!taut) return false;
+    for (const SystemRow& row : rows_)
+        if (row.kind == RowKind::across) return false;  // its rest is the free motion
+    storeImpulses(rows_, joints_.data());
+    for (SystemBody& body : bodies_) body.stiffness = {};
+    buildRows(arrays, joints);
+    return true;
+}
+
+void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joints) {
     rows_.clear();
     if (joints_.empty()) return;
     const JointRowBuilder builder{arrays, joints, rows_, bodies_.data()};

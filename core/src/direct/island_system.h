@@ -115,6 +115,8 @@ public:
 
     /// Once per substep: free velocities, Jacobians of joints, masses.
     void beginSubstep(const BodyArrays& arrays, const SolverContext& context, const JointContext& joints);
+    /// Rows of taut joints anew, about the velocities that were found and written. False where that is not needed.
+    bool aimAgain(const BodyArrays& arrays, const JointContext& joints);
     /// Targets of the pass that moves positions.
     void aimAtPositions(const BodyArrays& arrays, const SolverContext& context);
     /// Targets of the pass after it. False when they ask for nothing that the first has not given.
@@ -164,6 +166,7 @@ private:
     void loadBodies(const IslandParts& parts, const BodyArrays& arrays);
     void loadContacts(const IslandParts& parts, const BodyArrays& arrays);
     void loadPattern();
+    void buildRows(const BodyArrays& arrays, const JointContext& joints);
     void refreshMasses(const BodyArrays& arrays);
     void updateGaps(const BodyArrays& arrays);
     void foreseeBounces(const BodyArrays& arrays, const SolverContext& context);

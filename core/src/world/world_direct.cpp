@@ -143,6 +143,11 @@ void WorldImpl::solveDirect(DirectPass pass) {
                     if (island.jointCount > 0) island.factored = false;
                     direct::solve(system, true, island.factored, island.report);
                     system.writeVelocities(arrays);
+                    if (system.aimAgain(arrays, jointContext)) {
+                        island.factored = false;
+                        direct::solve(system, false, island.factored, island.report);
+                        system.writeVelocities(arrays);
+                    }
                     break;
                 case DirectPass::velocities:
                     if (system.aimAtVelocities(arrays, context)) {
