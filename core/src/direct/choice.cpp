@@ -16,8 +16,13 @@ constexpr float kStay = 2.0f / 3;     ///< of a limit, for what is direct alread
 
 }  // namespace
 
+const char* nameOf(Reason reason) {
+    constexpr const char* kNames[] = {"none", "asked", "heavy", "tall", "slender", "taut", "leaning", "staying"};
+    return kNames[static_cast<int>(reason)];
+}
+
 Reason chooseDirect(const IslandFeatures& island) {
-    if (island.bodies > kMostBodies) return Reason::none;
+    if (island.bodies > kMostBodies || island.rolls) return Reason::none;
     const float limit = island.direct ? kStay : 1.0f;
     const auto bodies = static_cast<float>(island.bodies), pairs = static_cast<float>(island.pairs);
     if (island.contactLoad > limit * kHeavy && island.massRatio > limit * kUnequal) return Reason::heavy;

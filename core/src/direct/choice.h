@@ -17,6 +17,7 @@ struct IslandFeatures {
     float massRatio = 1;                  ///< largest of a loaded pair
     float buckling = 0;                   ///< load over what soft contacts bear before they tilt away
     bool hangs = false;                   ///< by joints, from something that does not move
+    bool rolls = false;                   ///< some contact has rolling resistance, which only sweeps know
     bool direct = false;                  ///< is solved directly now
     std::int32_t staying = 0, barred = 0; ///< steps for which it stays so, or may not be (negative)
     Reason reason = Reason::none;
@@ -27,6 +28,7 @@ inline constexpr std::int32_t kStayingSteps = 60;  ///< for which a choice outli
 inline constexpr std::int32_t kBarredSteps = 60;   ///< of sweeps after a direct solve that failed
 
 /// Limits fall by a third for an island that is solved directly already, so that none goes to and fro.
+const char* nameOf(Reason reason);
 Reason chooseDirect(const IslandFeatures& island);
 
 }  // namespace ragtop::direct

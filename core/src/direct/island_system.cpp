@@ -288,7 +288,6 @@ void IslandSystem::end() {
         for (int k = 0; k < 3; ++k)
             field(c, contact::kFrictionImpulse + k) = static_cast<float>(k == 0 ? friction.x : k == 1 ? friction.y : friction.z);
         field(c, contact::kTwistImpulse) = static_cast<float>(twist);
-        for (int k = 0; k < 3; ++k) field(c, contact::kRollImpulse + k) = 0;
     }
 }
 

@@ -33,7 +33,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       contactChanged(memory), changedContacts(memory), islandParent(memory), islandQuiet(memory), bodyStack(memory), bearings(memory), bearingBegin(memory), neighbours(memory),
       levels(memory), supports(memory), carried(memory), heldLevel(memory), islandFeatures(memory), directIslands(memory), directBodies(memory),
       directManifolds(memory), directJoints(memory), directLanes(memory), directSims(memory), directIndex(memory),
-      movedConstraints(memory),
+      movedConstraints(memory), ledger(memory),
       bodyFlags(memory), startPoses(memory), begins(memory), ends(memory), sensorBegins(memory), sensorEnds(memory),
       endsBetweenSteps(memory), sensorEndsBetweenSteps(memory), surfaceEvents(memory), sleepEvents(memory),
       sleepEventsBetweenSteps(memory),
@@ -83,6 +83,8 @@ StepStats World::stats() const {
     const WorldImpl& w = *impl_;
     StepStats stats;
     stats.stages = w.stages;
+    stats.islands = w.ledger;
+    stats.givenUp = w.directFailures;
     stats.totalMs = w.totalMs;
     stats.bodies = static_cast<int>(w.bodySlots.used()) - 1;
     stats.awakeBodies = static_cast<int>(w.awakeBodies.size());

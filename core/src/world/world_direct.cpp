@@ -125,6 +125,7 @@ void WorldImpl::beginDirect() {
             directSystems[static_cast<std::size_t>(i)]->begin(parts, bodyArrays(), context);
             island.factored = false;
             island.report = {};
+            island.ms = 0;
         }
     });
 }
@@ -136,6 +137,7 @@ void WorldImpl::solveDirect(DirectPass pass) {
         for (int i = begin; i < end; ++i) {
             DirectIsland& island = directIslands[static_cast<std::size_t>(i)];
             direct::IslandSystem& system = *directSystems[static_cast<std::size_t>(i)];
+            const auto start = std::chrono::steady_clock::now();
             switch (pass) {
                 case DirectPass::positions:
                     system.beginSubstep(arrays, context, jointContext);
@@ -163,6 +165,7 @@ void WorldImpl::solveDirect(DirectPass pass) {
                     system.writeVelocities(arrays);
                     break;
             }
+            island.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
         }
     });
 }
@@ -176,6 +179,12 @@ void WorldImpl::endDirect() {
         graphChanged = true;
         ++directFailures;
     }
+    ledger.clear();
+    for (const DirectIsland& island : directIslands)
+        ledger.push_back({direct::nameOf(bodies[directBodies[island.firstBody]].directReason),
+                          static_cast<int>(island.bodyCount), static_cast<int>(island.contactCount),
+                          static_cast<int>(island.jointCount), island.report.iterations, island.report.factorizations,
+                          island.report.residual, island.ms, island.report.converged});
     runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) directSystems[static_cast<std::size_t>(i)]->end();
     });

@@ -236,6 +236,7 @@ struct WorldImpl {
         std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
         bool factored = false;
         direct::SolveReport report;
+        double ms = 0;
     };
     AlignedArray<DirectIsland> directIslands;
     AlignedArray<std::uint32_t> directBodies, directManifolds, directJoints;  ///< grouped by island
@@ -245,6 +246,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> movedConstraints;
     std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< at least one per direct island
     bool directGrouped = false;
+    std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;              ///< solves given up since the world was made
     AlignedArray<std::uint8_t> bodyFlags;          ///< per awake body, set by finishBodies
     struct PairFound {

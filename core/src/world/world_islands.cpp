@@ -143,6 +143,8 @@ void WorldImpl::measureIslands() {
         const bool aBears = movesB && (!movesA || levels[bearing.a] < levels[bearing.b]);
         const bool bBears = movesA && (!movesB || levels[bearing.b] < levels[bearing.a]);
         if (!bearing.joint) {
+            const GraphPlace place = manifolds[bearing.constraint].place;
+            island.rolls |= graph.lane(place)[contact::kRolling * graph.lanes()] > 0;
             const Vec3 normal = rotate(bodies[bearing.a].rotation, manifolds[bearing.constraint].normal);
             const float cosine = dot(normal, up);
             const bool steady = standsOn(bearing.constraint);
@@ -189,7 +191,7 @@ bool WorldImpl::decideIslands() {
         direct::IslandFeatures& island = islandFeatures[body];
         island.reason = chooseDirect(island);
         if (settings.solver == 1) island.reason = direct::Reason::none, island.staying = 0;
-        if (settings.solver == 2 && island.bodies <= direct::kMostBodies) island.reason = direct::Reason::asked;
+        if (settings.solver == 2 && island.bodies <= direct::kMostBodies && !island.rolls) island.reason = direct::Reason::asked;
         if (island.barred < 0) {
             island.reason = direct::Reason::none;
             island.staying = island.barred + 1;
