@@ -6,6 +6,8 @@ namespace {
 
 constexpr float kDepth = 4;           ///< load number of columns that soft contacts carry without much sag
 constexpr float kHeavy = 8;           ///< load number of unequal bodies
+constexpr float kCrushing = 100;      ///< load number that no sweep carries, whatever else goes on
+constexpr float kQuiet = 0.125f;      ///< share of bodies that move up to which an island is at rest
 constexpr float kUnequal = 4;         ///< mass ratio from which bodies are unequal
 constexpr float kColumnPairs = 1.5f;  ///< pairs per body up to which nothing beside a column holds it
 constexpr float kHanging = 6;         ///< load number of joints that hang, whose every gap adds up
@@ -25,10 +27,13 @@ Reason chooseDirect(const IslandFeatures& island) {
     if (island.bodies > kMostBodies || island.rolls) return Reason::none;
     const float limit = island.direct ? kStay : 1.0f;
     const auto bodies = static_cast<float>(island.bodies), pairs = static_cast<float>(island.pairs);
+    if (island.jointLoad > limit * (island.hangs ? kHanging : kJointed)) return Reason::taut;
+    if (island.contactLoad > limit * kCrushing && island.massRatio > limit * kUnequal) return Reason::heavy;
+    // What tumbles changes its contacts in every step, and sweeps are as good.
+    if (island.jointLoad > 0 || limit * static_cast<float>(island.moving) > kQuiet * bodies) return Reason::none;
     if (island.contactLoad > limit * kHeavy && island.massRatio > limit * kUnequal) return Reason::heavy;
     if (island.contactLoad > limit * kDepth && limit * pairs < kColumnPairs * bodies) return Reason::tall;
     if (island.buckling > limit * kBuckling) return Reason::slender;
-    if (island.jointLoad > limit * (island.hangs ? kHanging : kJointed)) return Reason::taut;
     if (island.leaning >= 2 && static_cast<float>(island.leaning) > limit * kLeaning * bodies) return Reason::leaning;
     return Reason::none;
 }

@@ -12,6 +12,7 @@ enum class Reason : std::uint8_t { none, asked, heavy, tall, slender, taut, lean
 /// the two bodies that meet: a column of n equal boxes has n at its foot, a weight on a box their mass ratio.
 struct IslandFeatures {
     std::uint32_t bodies = 0, pairs = 0;  ///< pairs: of moving bodies that touch or are joined
+    std::uint32_t moving = 0;             ///< bodies that are not nearly at rest
     std::uint32_t leaning = 0;            ///< bodies at rest that nothing level holds up
     float contactLoad = 0, jointLoad = 0; ///< largest load numbers
     float massRatio = 1;                  ///< largest of a loaded pair

@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kIterations = 12;      ///< Newton steps from loads of the substep before
 constexpr int kMoreIterations = 40;  ///< of each stage where those do not suffice
+constexpr int kBudget = 160;         ///< Newton steps in one step of the world, after which no stages are tried
 constexpr int kStages = 2;           ///< softer systems that lead to the one that was asked for
 constexpr double kStage = 128;       ///< resistance of a stage over that of the next
 constexpr int kSlipRounds = 4;       ///< of the De Saxcé loop
@@ -116,7 +117,8 @@ void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveRepor
     }
     const double enough = kSlipChange * system.gravityStep();
     for (int round = 0; round < kSlipRounds; ++round) {
-        if (!minimize(system, kIterations, factored, report) && !approach(system, factored, report)) {
+        if (!minimize(system, kIterations, factored, report) &&
+            (report.iterations > kBudget || !approach(system, factored, report))) {
             // Newton's steps descend, so that the velocity is sane; the impulses need not be.
             system.keepLoads();
             report.converged = false;

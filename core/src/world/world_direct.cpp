@@ -39,6 +39,8 @@ void WorldImpl::applyChoices() {
 void WorldImpl::groupDirect() {
     directIslands.clear();
     directBodies.clear();
+    directManifolds.clear();
+    directJoints.clear();
     const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
     if (list.manifolds.empty() && list.joints.empty()) return;
     islandParent.resizeForOverwrite(bodies.size());

@@ -171,6 +171,7 @@ void WorldImpl::measureIslands() {
         ++island.bodies;
         const float speed = length(states[body].v) + length(states[body].w) * bodies[body].radius;
         const bool slow = speed <= kSlow * std::sqrt(gravity * bodies[body].size);
+        island.moving += !slow;
         island.leaning += levels[body] != kNone && heldLevel[body] == 0 && slow;
     }
 }
@@ -224,12 +225,11 @@ void WorldImpl::chooseSolvers() {
         graphChanged = decideIslands();
         structureChanged = false;
         applyChoices();
-        groupDirect();
-        directGrouped = true;
-    } else if (!directGrouped) {
-        groupDirect();
-        directGrouped = true;
+        directGrouped = false;
     }
+    // Sleeping may have emptied the list since.
+    if (!directGrouped || !anyDirect) groupDirect();
+    directGrouped = true;
 }
 
 }  // namespace ragtop
