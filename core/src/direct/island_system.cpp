@@ -62,6 +62,8 @@ void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, con
         jointEnds_.push(end(joint.stateA));
         jointEnds_.push(end(joint.stateB));
     }
+    constexpr std::size_t kMostRows = 12;  // a ball with everything; rows come and go with tension
+    rows_.reserve(kMostRows * joints_.size());
     loadPattern();
     const std::size_t n = unknowns();
     velocity_.resizeForOverwrite(n);
@@ -223,11 +225,18 @@ void IslandSystem::beginSubstep(const BodyArrays& arrays, const SolverContext& c
     buildRows(arrays, joints);
 }
 
+/// The stiffness of a body's joints over its inertia, about the axis for which it matters most.
+static double tautness(const SystemBody& body) {
+    const DSym3 &k = body.stiffness, &i = body.inverseInertia;
+    const double x = k.xx * i.xx, y = k.yy * i.yy, z = k.zz * i.zz;
+    return x > y ? (x > z ? x : z) : (y > z ? y : z);
+}
+
 /// Taut links turn far within a substep; what they turned by is known better once it has been solved.
 bool IslandSystem::aimAgain(const BodyArrays& arrays, const JointContext& joints) {
     bool taut = false;
     for (const SystemBody& body : bodies_)
-        taut |= body.stiffness.xx > 0 || body.stiffness.yy > 0 || body.stiffness.zz > 0;
+        taut |= tautness(body) > tuning::kVeryTaut;
     if (!taut) return false;
     for (const SystemRow& row : rows_)
         if (row.kind == RowKind::across) return false;  // its rest is the free motion

@@ -27,7 +27,8 @@ inline constexpr double kResidual = 1e-8;     ///< of a solved system, in units 
 inline constexpr double kRoundedGap = 2e-6;   ///< gap or overlap that is rounding, in sizes
 inline constexpr double kSkip = 1e-6;         ///< speed of a row that is left alone, in g h
 inline constexpr double kStiffLink = 1;       ///< 4 T h²/(m L) beyond which the stiffness of tension counts
-inline constexpr double kImplicit = 0.75;      ///< γ: taut rows pull as at x + γ h (u − u_free)
+inline constexpr double kVeryTaut = 25;        ///< stiffness over inertia beyond which one linearization will not do
+inline constexpr double kImplicit = 0.5;      ///< γ: taut rows pull as at x + γ h (u − u_free)
 }  // namespace tuning
 
 /// A body of the island. Locked movements have mass 1 and no Jacobian.

@@ -173,9 +173,10 @@ void WorldImpl::solveDirect(DirectPass pass) {
 }
 
 void WorldImpl::endDirect() {
-    // What could not be solved is left to sweeps for a while.
+    // What could not be solved is left to sweeps for a while. Joints alone make a nearly linear system, of which only
+    // rounding can be left, and sweeps would tear it.
     for (const DirectIsland& island : directIslands) {
-        if (island.report.converged) continue;
+        if (island.report.converged || island.contactCount == 0) continue;
         for (std::uint32_t i = 0; i < island.bodyCount; ++i)
             bodies[directBodies[island.firstBody + i]].directSteps = -direct::kBarredSteps;
         graphChanged = true;
