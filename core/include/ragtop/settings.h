@@ -21,6 +21,7 @@ struct WorldSettings {
     float jointFrequency = 0.25f;       ///< of joints, times the substep rate
     float jointDamping = 2.0f;          ///< damping ratio of joints
     float loadCarrying = 0.002f;         ///< share of a contact's load carried into the next step's rest point
+    int solver = 0;                     ///< 0: chosen per island; 1: sweeps; 2: direct wherever it fits
     float pushOut = 0.1f;               ///< largest speed of recovery from overlap, in sizes per step
     float restitutionSpeed = 2.0f;      ///< slowest impact that bounces, in speeds gravity gives per step
     float sleepTime = 0.5f;             ///< s at rest before an island sleeps
@@ -44,6 +45,7 @@ void describe(Visitor& visit, Self& self, const WorldSettings*) {
     visit(Tunable{"jointDamping", "1", 0, 100, "damping ratio of joints"}, self.jointDamping);
     visit(Tunable{"loadCarrying", "1", 0, 0.05, "share of a contact's load carried into its rest point per step"},
           self.loadCarrying);
+    visit(Tunable{"solver", "", 0, 2, "0: chosen per island, 1: sweeps, 2: direct"}, self.solver);
     visit(Tunable{"pushOut", "sizes/step", 0.001, 10, "largest speed of recovery from overlap"}, self.pushOut);
     visit(Tunable{"restitutionSpeed", "g·step", 0, 1000, "slowest impact that bounces"}, self.restitutionSpeed);
     visit(Tunable{"sleepTime", "s", 0, 1000, "time at rest before an island sleeps"}, self.sleepTime);

@@ -61,7 +61,18 @@ struct StepStats {
         const char* name;
         double ms;
     };
-    std::span<const Stage> stages;  ///< in order; valid until the next step
+    /// An island that was solved directly; all others were swept.
+    struct Island {
+        const char* reason;      ///< why: asked, heavy, tall, slender, taut, leaning, or staying for a while
+        int bodies, contacts, joints;
+        int iterations, factorizations;  ///< Newton's, of all substeps
+        double residual;         ///< of the impulses in the last solve, relative
+        double ms;
+        bool solved;             ///< false: given up, and left to sweeps for some steps
+    };
+    std::span<const Stage> stages;    ///< in order; valid until the next step
+    std::span<const Island> islands;  ///< likewise
+    std::uint64_t givenUp = 0;        ///< direct solves that were, since the world was made
     double totalMs = 0;
     int bodies = 0, awakeBodies = 0, contacts = 0, touching = 0, joints = 0, colors = 0;
     std::size_t bytes = 0;  ///< memory held

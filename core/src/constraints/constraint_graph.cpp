@@ -22,8 +22,8 @@ void clearBit(AlignedArray<std::uint64_t>& bits, std::uint32_t i) {
 }  // namespace
 
 ConstraintGraph::ConstraintGraph(int lanes, std::pmr::memory_resource* memory) : lanes_(lanes) {
-    colors_.reserve(kColors + 1);
-    for (int i = 0; i <= kColors; ++i) colors_.emplace_back(memory);
+    colors_.reserve(kLists);
+    for (int i = 0; i < kLists; ++i) colors_.emplace_back(memory);
 }
 
 int ConstraintGraph::findColor(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB) {
@@ -41,7 +41,7 @@ int ConstraintGraph::findColor(std::uint32_t bodyA, bool movesA, std::uint32_t b
 }
 
 void ConstraintGraph::clearBits(int index, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB) {
-    if (index == kOverflow) return;
+    if (index >= kOverflow) return;
     Color& c = color(index);
     if (movesA) clearBit(c.bodies, bodyA);
     if (movesB) clearBit(c.bodies, bodyB);
@@ -68,8 +68,8 @@ int ConstraintGraph::usedColors() const {
 }
 
 GraphPlace ConstraintGraph::insertContact(std::uint32_t manifold, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
-                                          bool movesB) {
-    const int index = findColor(bodyA, movesA, bodyB, movesB);
+                                          bool movesB, bool direct) {
+    const int index = direct ? kDirect : findColor(bodyA, movesA, bodyB, movesB);
     Color& c = color(index);
     const GraphPlace place{static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.manifolds.size())};
     c.manifolds.push(manifold);
@@ -101,8 +101,8 @@ std::uint32_t ConstraintGraph::removeContact(GraphPlace place, std::uint32_t bod
 }
 
 GraphPlace ConstraintGraph::insertJoint(std::uint32_t joint, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
-                                        bool movesB) {
-    const int index = findColor(bodyA, movesA, bodyB, movesB);
+                                        bool movesB, bool direct) {
+    const int index = direct ? kDirect : findColor(bodyA, movesA, bodyB, movesB);
     Color& c = color(index);
     c.joints.push(joint);
     return {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.joints.size() - 1)};

@@ -30,7 +30,10 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       shapes(memory), contacts(memory), manifolds(memory), freeManifolds(memory), freeMeshManifolds(memory),
       joints(memory), jointSims(memory), awakeBodies(memory), awakeContacts(memory), moveBuffer(memory),
       graph(kernels->lanes, memory), staticTree(memory), movingTree(memory), pairs(memory), geometries(memory),
-      contactChanged(memory), changedContacts(memory), islandParent(memory), islandQuiet(memory), bodyStack(memory),
+      contactChanged(memory), changedContacts(memory), islandParent(memory), islandQuiet(memory), bodyStack(memory), bearings(memory), bearingBegin(memory), neighbours(memory),
+      levels(memory), supports(memory), carried(memory), heldLevel(memory), islandFeatures(memory), directIslands(memory), directBodies(memory),
+      directManifolds(memory), directJoints(memory), directLanes(memory), directSims(memory), directIndex(memory),
+      movedConstraints(memory), ledger(memory),
       bodyFlags(memory), startPoses(memory), begins(memory), ends(memory), sensorBegins(memory), sensorEnds(memory),
       endsBetweenSteps(memory), sensorEndsBetweenSteps(memory), surfaceEvents(memory), sleepEvents(memory),
       sleepEventsBetweenSteps(memory),
@@ -64,6 +67,7 @@ const WorldSettings& World::settings() const { return impl_->settings; }
 void World::setSettings(const WorldSettings& settings) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
     const bool wake = settings.gravity != impl_->settings.gravity || !settings.sleeping;
+    impl_->graphChanged |= settings.solver != impl_->settings.solver;
     impl_->settings = settings;
     if (!wake) return;
     for (std::uint32_t i = 1; i < impl_->bodySlots.count(); ++i)
@@ -79,6 +83,8 @@ StepStats World::stats() const {
     const WorldImpl& w = *impl_;
     StepStats stats;
     stats.stages = w.stages;
+    stats.islands = w.ledger;
+    stats.givenUp = w.directFailures;
     stats.totalMs = w.totalMs;
     stats.bodies = static_cast<int>(w.bodySlots.used()) - 1;
     stats.awakeBodies = static_cast<int>(w.awakeBodies.size());
@@ -88,7 +94,7 @@ StepStats World::stats() const {
     for (const std::uint32_t c : w.awakeContacts) stats.touching += w.contacts[c].touching;
     stats.bytes = w.bodies.bytes() + w.states.bytes() + w.inertias.bytes() + w.dynamics.bytes() + w.histories.bytes() +
                   w.shapes.bytes() + w.contacts.bytes() + w.manifolds.bytes() + w.joints.bytes() + w.jointSims.bytes();
-    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) stats.bytes += w.graph.color(c).bundles.bytes();
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) stats.bytes += w.graph.color(c).bundles.bytes();
     return stats;
 }
 

@@ -131,8 +131,9 @@ void WorldImpl::addToGraph(std::uint32_t index) {
     ManifoldRecord& manifold = manifolds[index];
     const ContactRecord& record = contacts[manifold.contact];
     if (manifold.place.color != kNone || manifold.pointCount == 0 || record.sensor) return;
-    manifold.place = graph.insertContact(index, bodies[record.bodyA].state, moves(record.bodyA),
-                                         bodies[record.bodyB].state, moves(record.bodyB));
+    manifold.place = graph.insertContact(index, bodies[record.bodyA].state, moves(record.bodyA), bodies[record.bodyB].state,
+                                         moves(record.bodyB), isDirect(record.bodyA) || isDirect(record.bodyB));
+    graphChanged = true;
     writeLane(record, manifold);
 }
 
@@ -145,6 +146,7 @@ void WorldImpl::removeFromGraph(std::uint32_t index) {
                                                     bodies[record.bodyB].state, moves(record.bodyB));
     if (moved != kNone) manifolds[moved].place.slot = manifold.place.slot;
     manifold.place = {};
+    graphChanged = true;
 }
 
 void WorldImpl::updateContacts() {

@@ -12,6 +12,7 @@
 #include "broadphase/bounds_tree.h"
 #include "constraints/constraint_graph.h"
 #include "constraints/joint_sim.h"
+#include "direct/newton.h"
 #include "narrowphase/collide.h"
 #include "ragtop/world.h"
 #include "shapes/geometry.h"
@@ -94,8 +95,34 @@ struct WorldImpl {
     void sweepFastBodies();
     void sweepBody(std::uint32_t body, const DVec3& fromCenter, const Quat& fromRotation);
 
+    // world_islands.cpp: what bears on what, and the choice of solvers.
+    struct Bearing {
+        std::uint32_t a, b;        ///< bodies
+        std::uint32_t constraint;  ///< manifold or joint
+        bool joint;
+    };
+    void collectBearings();
+    void findLevels();
+    void estimateLoads();
+    float bucklingShare(const Bearing& bearing, float load, float number) const;
+    bool standsOn(std::uint32_t manifold) const;
+    void measureIslands();
+    bool decideIslands();
+    void chooseSolvers();
+
+    // world_direct.cpp: islands that are solved directly.
+    enum class DirectPass { positions, velocities, bounce };
+    void applyChoices();
+    void groupDirect();
+    void numberDirectBodies();
+    void beginDirect();
+    void solveDirect(DirectPass pass);
+    void endDirect();
+    bool isDirect(std::uint32_t body) const { return bodies[body].directSteps > 0; }
+
     // islands/sleeping.cpp
     void sleepQuietIslands();
+    void uniteConstraints(bool touchingOnly);
     void buildIslands();
     std::uint32_t findRoot(std::uint32_t body);
     void unite(std::uint32_t a, std::uint32_t b);
@@ -188,6 +215,8 @@ struct WorldImpl {
     std::uint64_t stepCount = 0, structureVersion = 0;
     double time = 0;
     float lastSubstep = 0;
+    bool graphChanged = true;                   ///< since solvers were chosen, as far as bearings are concerned
+    bool structureChanged = true;               ///< the same for bodies and joints that were made, moved or woken
 
     // Derived from the state, or of the current step only.
     std::pmr::vector<GeometryEntry> geometries;
@@ -201,6 +230,28 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> islandParent;   ///< union-find over bodies
     AlignedArray<float> islandQuiet;            ///< s, of the least quiet body of a root
     AlignedArray<std::uint32_t> bodyStack;
+    AlignedArray<Bearing> bearings;
+    AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
+    AlignedArray<std::uint32_t> levels, supports;  ///< per body: steps to what does not move; bodies that bear it
+    AlignedArray<float> carried;                   ///< kg, per body
+    AlignedArray<std::uint8_t> heldLevel;          ///< per body: something level is below it
+    AlignedArray<direct::IslandFeatures> islandFeatures;  ///< per root
+    struct DirectIsland {
+        std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
+        bool factored = false;
+        direct::SolveReport report;
+        double ms = 0;
+    };
+    AlignedArray<DirectIsland> directIslands;
+    AlignedArray<std::uint32_t> directBodies, directManifolds, directJoints;  ///< grouped by island
+    AlignedArray<float*> directLanes;
+    AlignedArray<JointSim*> directSims;
+    AlignedArray<std::uint32_t> directIndex;       ///< per body: of its island, or in it
+    AlignedArray<std::uint32_t> movedConstraints;
+    std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< at least one per direct island
+    bool directGrouped = false;
+    std::pmr::vector<StepStats::Island> ledger;
+    std::uint64_t directFailures = 0;              ///< solves given up since the world was made
     AlignedArray<std::uint8_t> bodyFlags;          ///< per awake body, set by finishBodies
     struct PairFound {
         std::uint32_t a, b;

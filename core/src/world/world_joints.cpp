@@ -64,6 +64,7 @@ std::uint32_t WorldImpl::createJoint(const JointDef& def) {
     if (moves(a) && !awakeA) wakeBody(a);
     if (moves(b) && !awakeB) wakeBody(b);
     addJointToGraph(index);
+    structureChanged = true;
     return index;
 }
 
@@ -96,7 +97,9 @@ void WorldImpl::addJointToGraph(std::uint32_t index) {
     const bool movesA = moves(joint.bodyA), movesB = moves(joint.bodyB);
     if (joint.place.color != kNone) return;
     if ((movesA && !isAwake(joint.bodyA)) || (movesB && !isAwake(joint.bodyB))) return;
-    joint.place = graph.insertJoint(index, bodies[joint.bodyA].state, movesA, bodies[joint.bodyB].state, movesB);
+    joint.place = graph.insertJoint(index, bodies[joint.bodyA].state, movesA, bodies[joint.bodyB].state, movesB,
+                                   isDirect(joint.bodyA) || isDirect(joint.bodyB));
+    graphChanged = true;
 }
 
 void WorldImpl::removeJointFromGraph(std::uint32_t index) {
@@ -106,6 +109,7 @@ void WorldImpl::removeJointFromGraph(std::uint32_t index) {
                                                   bodies[joint.bodyB].state, moves(joint.bodyB));
     if (moved != kNone) joints[moved].place.slot = joint.place.slot;
     joint.place = {};
+    graphChanged = true;
 }
 
 }  // namespace ragtop

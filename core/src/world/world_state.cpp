@@ -79,7 +79,7 @@ void WorldImpl::archive(Archive& archive) {
     archive(awakeBodies);
     archive(awakeContacts);
     archive(moveBuffer);
-    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
         ConstraintGraph::Color& color = graph.color(c);
         archive(color.manifolds);
         archive(color.joints);
@@ -96,6 +96,8 @@ void WorldImpl::archive(Archive& archive) {
     archive.value(time);
     archive.value(lastSubstep);
     archive.value(dt);
+    archive.value(graphChanged);
+    archive.value(structureChanged);
 }
 
 namespace {
@@ -192,6 +194,7 @@ void World::restore(std::span<const std::byte> from) {
 /// What is derived from the state or tells of the last step, after the state has changed as a whole.
 void WorldImpl::forgetDerived() {
     context.h = lastSubstep;
+    directGrouped = false;
     ++structureVersion;
     begins.clear();
     ends.clear();

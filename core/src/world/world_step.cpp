@@ -40,12 +40,16 @@ void WorldImpl::step(World& world, double stepSeconds) {
         updateContacts();
         beginStage("contacts");
         applyContactChanges();
+        beginStage("islands");
+        chooseSolvers();
         beginStage("prepare");
         prepareBodies();
         prepareConstraints();
+        beginDirect();
         beginStage("solve");
         for (int i = 0; i < settings.substeps; ++i) solveSubstep(world);
         applyRestitution();
+        endDirect();
         beginStage("finish");
         finishBodies();
         sweepFastBodies();
@@ -70,9 +74,11 @@ void WorldImpl::solveSubstep(World& world) {
     for (StepModule* module : modules)
         if (module->beforeSubstep) module->beforeSubstep(module->user, world, context.h);
     integrateVelocities();
+    solveDirect(DirectPass::positions);
     warmStart();
     solve(true);
     integratePositions();
+    solveDirect(DirectPass::velocities);
     solve(false);
 }
 
@@ -100,7 +106,7 @@ void WorldImpl::prepareConstraints() {
     const BodyArrays arrays = bodyArrays();
     const bool rescale = lastSubstep > 0 && lastSubstep != context.h;
     const float ratio = rescale ? context.h / lastSubstep : 1;
-    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
         ConstraintGraph::Color& color = graph.color(c);
         if (rescale)
             for (const std::uint32_t joint : color.joints) rescaleJoint(jointSims[joint], ratio);
@@ -183,6 +189,7 @@ void WorldImpl::applyRestitution() {
                  [&](float* bundles, int begin, int end) {
                      kernels->applyRestitution(bundles, begin, end, arrays, context);
                  });
+    solveDirect(DirectPass::bounce);
 }
 
 /// Moves the poses, notes who is quiet and who was too fast for its size.
