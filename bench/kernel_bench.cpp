@@ -20,9 +20,13 @@ namespace {
 class ContactRows {
 public:
     ContactRows(const KernelTable& table, int contacts)
-        : kernels(table), bodyCount(contacts), states_(std::pmr::get_default_resource()),
-          inertias_(std::pmr::get_default_resource()), dynamics_(std::pmr::get_default_resource()),
-          histories_(std::pmr::get_default_resource()), bundles_(std::pmr::get_default_resource()) {
+        : kernels(table),
+          bodyCount(contacts),
+          states_(std::pmr::get_default_resource()),
+          inertias_(std::pmr::get_default_resource()),
+          dynamics_(std::pmr::get_default_resource()),
+          histories_(std::pmr::get_default_resource()),
+          bundles_(std::pmr::get_default_resource()) {
         const auto count = static_cast<std::size_t>(contacts);
         states_.resize(count + 1, {});
         inertias_.resize(count + 1, {});

@@ -22,8 +22,8 @@ void report(benchmark::State& state, const World& world) {
     state.counters["bodies"] = stats.awakeBodies;
     state.counters["contacts"] = stats.touching;
     if (stats.touching > 0)
-        state.counters["time/contact"] =
-            benchmark::Counter(stats.touching, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+        state.counters["time/contact"] = benchmark::Counter(
+            stats.touching, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 /// A scene that rests but may not sleep.
@@ -96,7 +96,8 @@ public:
     }
     void count(benchmark::State& state) const {
         state.counters["contacts"] = world.stats().contacts;
-        state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * memory.size()));
+        state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations()) *
+                                static_cast<std::int64_t>(memory.size()));
     }
     World world;
     std::vector<std::byte> memory;

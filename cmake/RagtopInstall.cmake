@@ -14,6 +14,10 @@ if(RAGTOP_BUILD_ASSETS)
     list(PREPEND modules assets vehicles ragdolls)
     list(PREPEND libraries_private -lassimp -lurdfdom_model -lconsole_bridge -ltinyxml -ltinygltf -lfmt)
     install(DIRECTORY assets/data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/ragtop OPTIONAL)
+    if(RAGTOP_BUILD_DEMOS)
+        list(PREPEND modules serve)
+        install(DIRECTORY demos/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} OPTIONAL)
+    endif()
 endif()
 
 foreach(module IN LISTS modules)
@@ -22,6 +26,8 @@ foreach(module IN LISTS modules)
 endforeach()
 if(TARGET ragtop)
     install(TARGETS ragtop)
+    # The page, where scripts/page.sh has built it before this is installed.
+    install(FILES build/page/ragtop.html DESTINATION ${CMAKE_INSTALL_DATADIR}/ragtop/page OPTIONAL)
 endif()
 
 # The package works from the build tree as well as installed: its files lie side by side in both.

@@ -35,12 +35,22 @@ function(ragtop_target target)
     endif()
 endfunction()
 
-# ragtop_module(<name> [STATIC]): the library ragtop::<name> from src/**, with public headers in include/.
+# ragtop_module(<name> [STATIC] [FOLDER <folder>] [WITHOUT <folder>]): the library ragtop::<name> from src/**, or from
+# one folder in there, or from all but one folder; with public headers in include/.
 function(ragtop_module name)
-    file(GLOB_RECURSE sources CONFIGURE_DEPENDS src/*.cpp src/*.h include/*.h)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "STATIC" "FOLDER;WITHOUT" "")
+    cmake_path(APPEND folder src ${arg_FOLDER})
+    file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${folder}/*.cpp ${folder}/*.h include/*.h)
+    if(arg_WITHOUT)
+        list(FILTER sources EXCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/src/${arg_WITHOUT}/")
+    endif()
     # A program's entry point and the kernels of optional instruction sets are added where they apply.
     list(FILTER sources EXCLUDE REGEX "/main\\.cpp$|/wide_kernels_(avx2|avx512)\\.cpp$")
-    add_library(ragtop_${name} ${ARGN} ${sources})
+    set(type)
+    if(arg_STATIC)
+        set(type STATIC)
+    endif()
+    add_library(ragtop_${name} ${type} ${sources})
     add_library(ragtop::${name} ALIAS ragtop_${name})
     set_target_properties(ragtop_${name} PROPERTIES
         EXPORT_NAME ${name}

@@ -35,12 +35,14 @@ Shape loadMeshReference(const JsonValue& value, bool convex) {
     return referenced(value, [&] { return loadMesh(file, {.convex = convex}); });
 }
 
-RagdollDef ragdollFromCharacter(const JsonValue& value, const RagdollOptions& options, std::vector<std::string>& warnings) {
+RagdollDef ragdollFromCharacter(const JsonValue& value, const RagdollOptions& options,
+                                std::vector<std::string>& warnings) {
     const auto file = assetFile(value);
     return referenced(value, [&] {
         const Character character = loadCharacter(file);
         RagdollDef def = makeRagdoll(character.skeleton, options);
-        for (const std::string& warning : character.warnings) warnings.push_back(value.json().get<std::string>() + ": " + warning);
+        for (const std::string& warning : character.warnings)
+            warnings.push_back(value.json().get<std::string>() + ": " + warning);
         if (!def.note.empty()) warnings.push_back(value.json().get<std::string>() + ": " + def.note);
         return def;
     });

@@ -9,6 +9,8 @@
 #include <map>
 #include <system_error>
 
+#include "assimp_looks.h"
+#include "axes.h"
 #include "byte_stream.h"
 #include "child_process.h"
 #include "ragtop/asset_error.h"
@@ -32,6 +34,9 @@ template <class Stream, class Mesh>
 void meshFields(Stream& stream, Mesh& mesh) {
     stream(mesh.name);
     stream(mesh.vertices);
+    stream(mesh.normals);
+    stream(mesh.texture);
+    stream(mesh.material);
     stream(mesh.triangles);
     stream(mesh.bones);
     stream(mesh.nodes);
@@ -40,6 +45,20 @@ template <class Stream, class Clip>
 void clipFields(Stream& stream, Clip& clip) {
     stream(clip.name);
     stream(clip.seconds);
+}
+template <class Stream, class Material>
+void materialFields(Stream& stream, Material& material) {
+    stream(material.name);
+    stream(material.color);
+    stream(material.metalness);
+    stream(material.roughness);
+    stream(material.twoSided);
+    stream(material.image);
+}
+template <class Stream, class Image>
+void imageFields(Stream& stream, Image& image) {
+    stream(image.mime);
+    stream(image.file);
 }
 
 }  // namespace
@@ -53,6 +72,10 @@ static void fields(ByteWriter& stream, const ImportedMesh& mesh) { meshFields(st
 static void fields(ByteReader& stream, ImportedMesh& mesh) { meshFields(stream, mesh); }
 static void fields(ByteWriter& stream, const ImportedClip& clip) { clipFields(stream, clip); }
 static void fields(ByteReader& stream, ImportedClip& clip) { clipFields(stream, clip); }
+static void fields(ByteWriter& stream, const ImportedMaterial& material) { materialFields(stream, material); }
+static void fields(ByteReader& stream, ImportedMaterial& material) { materialFields(stream, material); }
+static void fields(ByteWriter& stream, const ImportedImage& image) { imageFields(stream, image); }
+static void fields(ByteReader& stream, ImportedImage& image) { imageFields(stream, image); }
 
 namespace {
 
@@ -64,6 +87,9 @@ void sceneFields(Stream& stream, Scene& scene) {
     stream(scene.nodes);
     stream(scene.meshes);
     stream(scene.clips);
+    stream(scene.materials);
+    stream(scene.images);
+    stream(scene.warnings);
 }
 
 Vec3 toVec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
@@ -136,22 +162,29 @@ ImportedScene toScene(const aiScene& from) {
     return scene;
 }
 
+/// Where normals are made, edges sharper than this stay sharp, degrees.
+constexpr float kSmoothAngle = 60;
+
 /// One byte of kind ahead: 's' and a scene, or 'e' and a message.
-std::vector<char> importHere(const std::string& file, bool joined) {
+std::vector<char> importHere(const std::string& file, ImportedDetail detail) {
     Assimp::Importer importer;
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
     unsigned steps = aiProcess_Triangulate;
-    if (joined) {
+    if (detail == ImportedDetail::surface) {
         // Corners that differ in anything but their place would keep the surface from closing.
         steps |= aiProcess_RemoveComponent | aiProcess_JoinIdenticalVertices;
         importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
                                                                 aiComponent_COLORS | aiComponent_TEXCOORDS |
                                                                 aiComponent_BONEWEIGHTS);
+    } else if (detail == ImportedDetail::looks) {
+        steps |= aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices;
+        importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kSmoothAngle);
     }
     ByteWriter writer;
     if (const aiScene* scene = importer.ReadFile(file, steps)) {
-        const ImportedScene imported = toScene(*scene);
+        ImportedScene imported = toScene(*scene);
+        if (detail == ImportedDetail::looks) addLooks(*scene, file, imported);
         writer('s');
         sceneFields(writer, imported);
     } else {
@@ -185,6 +218,8 @@ void check(const ImportedScene& scene, const std::string& file) {
                 throw AssetError(file, "",
                                  name + "has a triangle with vertex " + std::to_string(index) + " of " +
                                      std::to_string(mesh.vertices.size()));
+        if (mesh.material >= static_cast<std::int32_t>(scene.materials.size()))
+            throw AssetError(file, "", name + "has no such material");
         for (const ImportedBone& bone : mesh.bones) {
             if (!isFiniteMap(bone.offset))
                 throw AssetError(file, "", "bone '" + bone.name + "' has a rest pose that is not finite");
@@ -213,6 +248,10 @@ Affine inverse(const Affine& a) {
     return {inverted, -(inverted * a.shift)};
 }
 
+Affine uprightScaling(UpAxis up, float scale) {
+    return {{scale * upright(up, {1, 0, 0}), scale * upright(up, {0, 1, 0}), scale * upright(up, {0, 0, 1})}, {}};
+}
+
 Frame rigidPart(const Affine& a) {
     const Vec3 x = normalized(a.linear.cx);
     const Vec3 y = normalized(a.linear.cy - dot(a.linear.cy, x) * x, perpendicular(x));
@@ -226,14 +265,14 @@ std::vector<Affine> globalTransforms(const ImportedScene& scene) {
     return globals;
 }
 
-ImportedScene importScene(const std::filesystem::path& path, bool joined, std::chrono::milliseconds timeout) {
+ImportedScene importScene(const std::filesystem::path& path, ImportedDetail detail, std::chrono::milliseconds timeout) {
     const std::string file = path.string();
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) throw AssetError(file, "", "no such file");
     if (!std::filesystem::is_regular_file(path, ignored)) throw AssetError(file, "", "is not a file");
     ChildResult result;
     try {
-        result = runInChild([&] { return importHere(file, joined); }, timeout);
+        result = runInChild([&] { return importHere(file, detail); }, timeout);
     } catch (const std::system_error& error) {
         throw AssetError(file, "", std::string("no process to import it in: ") + error.what());
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "ragtop/math.h"
+#include "ragtop/mesh_file.h"
 
 namespace ragtop {
 
@@ -20,6 +22,8 @@ Vec3 transformPoint(const Affine& a, const Vec3& p);
 /// The inverse; of a map without one, all zeros.
 Affine inverse(const Affine& a);
 float determinant(const Mat3& m);
+/// Turns the axis that points up in a file into y, and scales.
+Affine uprightScaling(UpAxis up, float scale);
 /// The rotation nearest to the first two axes, and the shift; a mirror image is turned back into a rotation.
 Frame rigidPart(const Affine& a);
 
@@ -40,9 +44,17 @@ struct ImportedBone {
     std::vector<ImportedWeight> weights;
 };
 
+/// Coordinates in a texture; v runs down.
+struct TextureCoordinate {
+    float u = 0, v = 0;
+};
+
 struct ImportedMesh {
     std::string name;
     std::vector<Vec3> vertices;
+    std::vector<Vec3> normals;               ///< none, or one per vertex
+    std::vector<TextureCoordinate> texture;  ///< none, or one per vertex
+    std::int32_t material = -1;
     std::vector<std::uint32_t> triangles;  ///< three indices each
     std::vector<ImportedBone> bones;
     std::vector<std::int32_t> nodes;  ///< where it stands
@@ -53,6 +65,20 @@ struct ImportedClip {
     double seconds = 0;
 };
 
+/// A PNG or JPEG file.
+struct ImportedImage {
+    std::string mime;
+    std::vector<char> file;
+};
+
+struct ImportedMaterial {
+    std::string name;
+    std::array<float, 4> color{0.8f, 0.8f, 0.8f, 1};  ///< linear red, green, blue; opacity
+    float metalness = 0, roughness = 0.8f;
+    bool twoSided = false;
+    std::int32_t image = -1;  ///< of the colour, which it multiplies
+};
+
 /// What a file says, in its own units and axes; nodes have parents before children.
 struct ImportedScene {
     std::string format;
@@ -61,14 +87,24 @@ struct ImportedScene {
     std::vector<ImportedNode> nodes;
     std::vector<ImportedMesh> meshes;
     std::vector<ImportedClip> clips;
+    std::vector<ImportedMaterial> materials;
+    std::vector<ImportedImage> images;
+    std::vector<std::string> warnings;
+};
+
+/// What is wanted of a file.
+enum class ImportedDetail : std::uint8_t {
+    surface,   ///< triangles that share the vertices at one place
+    skeleton,  ///< bones, and the vertices that they move
+    looks,     ///< that and normals, materials and textures
 };
 
 /// Node by node from the root, their transforms in the scene.
 std::vector<Affine> globalTransforms(const ImportedScene& scene);
 
 /// Reads a file with assimp in a process of its own, since some files crash it, never end, or take all memory.
-/// `joined` merges vertices at one place. Throws AssetError: missing, not readable, crashed, out of time.
-ImportedScene importScene(const std::filesystem::path& path, bool joined,
+/// Throws AssetError: missing, not readable, crashed, out of time.
+ImportedScene importScene(const std::filesystem::path& path, ImportedDetail detail,
                           std::chrono::milliseconds timeout = std::chrono::seconds(20));
 
 }  // namespace ragtop

@@ -26,14 +26,19 @@ public:
     template <class T>
     void operator()(const std::vector<T>& values) {
         (*this)(static_cast<std::uint64_t>(values.size()));
-        for (const T& value : values) each(value);
+        if constexpr (std::is_trivially_copyable_v<T>) {
+            const auto* bytes = reinterpret_cast<const char*>(values.data());
+            bytes_.insert(bytes_.end(), bytes, bytes + values.size() * sizeof(T));
+        } else {
+            for (const T& value : values) each(value);
+        }
     }
     const std::vector<char>& bytes() const { return bytes_; }
 
 private:
     template <class T>
     void each(const T& value) {
-        if constexpr (std::is_trivially_copyable_v<T>)
+        if constexpr (requires { (*this)(value); })
             (*this)(value);
         else
             fields(*this, value);
@@ -57,17 +62,24 @@ public:
     void operator()(std::vector<T>& values) {
         const std::size_t size = count();
         values.clear();
-        for (std::size_t i = 0; i < size; ++i) {
-            values.emplace_back();
-            if constexpr (std::is_trivially_copyable_v<T>)
-                (*this)(values.back());
-            else
-                fields(*this, values.back());
+        if constexpr (std::is_trivially_copyable_v<T>) {
+            const char* from = take(size, sizeof(T));
+            values.resize(size);
+            if (size > 0) std::memcpy(values.data(), from, size * sizeof(T));
+        } else {
+            for (std::size_t i = 0; i < size; ++i) each(values.emplace_back());
         }
     }
     bool atEnd() const { return at_ == bytes_.size(); }
 
 private:
+    template <class T>
+    void each(T& value) {
+        if constexpr (requires { (*this)(value); })
+            (*this)(value);
+        else
+            fields(*this, value);
+    }
     /// Every element has at least one byte, so a count beyond what is left is wrong.
     std::size_t count() {
         std::uint64_t value = 0;
@@ -75,10 +87,10 @@ private:
         if (value > bytes_.size() - at_) throw std::length_error("count");
         return static_cast<std::size_t>(value);
     }
-    const char* take(std::size_t size) {
-        if (size > bytes_.size() - at_) throw std::length_error("bytes");
+    const char* take(std::size_t count, std::size_t each = 1) {
+        if (count > (bytes_.size() - at_) / each) throw std::length_error("bytes");
         const char* from = bytes_.data() + at_;
-        at_ += size;
+        at_ += count * each;
         return from;
     }
     const std::vector<char>& bytes_;

@@ -1,11 +1,10 @@
-#include "ragtop/character.h"
+#include "character_import.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
-#include "assimp_scene.h"
 #include "axes.h"
 #include "import_text.h"
 
@@ -34,22 +33,26 @@ float extentOf(const std::vector<Vec3>& points) {
 /// Builds the skeleton of a scene in the units and axes of the file.
 class CharacterBuilder {
 public:
-    CharacterBuilder(const ImportedScene& scene, Character& character)
-        : scene_(scene),
-          character_(character),
-          globals_(globalTransforms(scene)),
+    explicit CharacterBuilder(ImportedCharacter& into)
+        : into_(into),
+          scene_(into.scene),
+          character_(into.character),
+          globals_(globalTransforms(scene_)),
           bind_(globals_),
-          skin_(scene.nodes.size()),
-          deforms_(scene.nodes.size(), false) {
-        for (std::size_t i = 0; i < scene.nodes.size(); ++i) nodeOf_.emplace(scene.nodes[i].name, static_cast<int>(i));
+          skin_(scene_.nodes.size()),
+          deforms_(scene_.nodes.size(), false) {
+        for (std::size_t i = 0; i < scene_.nodes.size(); ++i)
+            nodeOf_.emplace(scene_.nodes[i].name, static_cast<int>(i));
     }
 
     void run() {
-        for (const ImportedMesh& mesh : scene_.meshes)
-            if (!mesh.bones.empty()) addSkin(mesh);
+        for (std::size_t i = 0; i < scene_.meshes.size(); ++i)
+            if (!scene_.meshes[i].bones.empty()) addSkin(i);
         const bool skinned = std::find(deforms_.begin(), deforms_.end(), true) != deforms_.end();
         if (!skinned) useNodes();
         collectBones(skinned);
+        for (std::size_t i = 0; i < scene_.meshes.size(); ++i)
+            if (scene_.meshes[i].bones.empty()) addAttachments(i);
         warnAboutSkin();
     }
 
@@ -79,8 +82,10 @@ private:
         return mesh.nodes.empty() ? Affine{} : globals_[static_cast<std::size_t>(mesh.nodes.front())];
     }
 
-    void addSkin(const ImportedMesh& mesh) {
+    void addSkin(std::size_t index) {
+        const ImportedMesh& mesh = scene_.meshes[index];
         const Affine place = placeOf(mesh);
+        into_.pieces.push_back({index, place, -1});
         std::vector<float> sum(mesh.vertices.size(), 0.0f), most(mesh.vertices.size(), 0.0f);
         std::vector<int> owner(mesh.vertices.size(), -1), influences(mesh.vertices.size(), 0);
         for (const ImportedBone& bone : mesh.bones) {
@@ -110,6 +115,19 @@ private:
             skin_[static_cast<std::size_t>(owner[i])].push_back(transformPoint(place, mesh.vertices[i]));
         }
         count(mesh, sum, influences);
+    }
+
+    /// Rigid pieces that hang on bones: helmets, eyes, hair. They keep their place on the bone.
+    void addAttachments(std::size_t index) {
+        for (const std::int32_t at : scene_.meshes[index].nodes) {
+            int node = at;
+            while (node >= 0 && !deforms_[static_cast<std::size_t>(node)])
+                node = scene_.nodes[static_cast<std::size_t>(node)].parent;
+            if (node < 0) continue;
+            const auto bone = static_cast<std::size_t>(node);
+            const Affine place = bind_[bone] * inverse(globals_[bone]) * globals_[static_cast<std::size_t>(at)];
+            into_.pieces.push_back({index, place, into_.boneOf.at(scene_.nodes[bone].name)});
+        }
     }
 
     void count(const ImportedMesh& mesh, const std::vector<float>& sum, const std::vector<int>& influences) {
@@ -190,6 +208,7 @@ private:
             if (bone.parent >= 0) bone.parent = index[static_cast<std::size_t>(bone.parent)];
             if (const int copies = used[bone.name]++; copies > 0) bone.name += " (" + std::to_string(copies + 1) + ")";
             index[i] = static_cast<int>(character_.skeleton.bones.size());
+            into_.boneOf.emplace(scene_.nodes[i].name, index[i]);
             character_.skeleton.bones.push_back(std::move(bone));
             if (skinned) character_.skeleton.skin.push_back(std::move(skin_[i]));
         }
@@ -202,6 +221,7 @@ private:
             }
     }
 
+    ImportedCharacter& into_;
     const ImportedScene& scene_;
     Character& character_;
     std::vector<Affine> globals_, bind_;
@@ -264,14 +284,16 @@ int Character::findClip(std::string_view name) const {
     return -1;
 }
 
-Character loadCharacter(const std::filesystem::path& path, const CharacterOptions& options) {
-    const ImportedScene scene = importScene(path, false);
-    Character character;
+ImportedCharacter importCharacter(const std::filesystem::path& path, const CharacterOptions& options,
+                                  ImportedDetail detail) {
+    ImportedCharacter imported{{}, importScene(path, detail), {}, {}, {}};
+    const ImportedScene& scene = imported.scene;
+    Character& character = imported.character;
     character.file = path.string();
     character.format = scene.format;
     for (const ImportedClip& clip : scene.clips)
         character.clips.push_back({clip.name, static_cast<float>(clip.seconds)});
-    CharacterBuilder(scene, character).run();
+    CharacterBuilder(imported).run();
     if (const std::string problem = whyInvalid(character.skeleton); !problem.empty())
         throw AssetError(character.file, "", problem);
 
@@ -279,6 +301,7 @@ Character loadCharacter(const std::filesystem::path& path, const CharacterOption
     character.upAxis = decideUpAxis(scene, options, anatomy, character.warnings);
     character.metersPerUnit = decideUnit(scene, options, character.file);
     transform(character.skeleton, character.upAxis, character.metersPerUnit);
+    imported.toModel = uprightScaling(character.upAxis, character.metersPerUnit);
     const Bounds bounds = boundsOf(character.skeleton);
     character.height = bounds.upper.y - bounds.lower.y;
     const bool likely = character.height >= 0.3f && character.height <= 4.0f;
@@ -287,7 +310,11 @@ Character loadCharacter(const std::filesystem::path& path, const CharacterOption
                                      shortNumber(character.metersPerUnit) +
                                      " m per unit; set CharacterOptions::metersPerUnit");
     if (!anatomy.note.empty()) character.warnings.push_back(anatomy.note);
-    return character;
+    return imported;
+}
+
+Character loadCharacter(const std::filesystem::path& path, const CharacterOptions& options) {
+    return importCharacter(path, options, ImportedDetail::skeleton).character;
 }
 
 RagdollDef makeRagdoll(const Character& character, const RagdollOptions& options) {

@@ -33,13 +33,14 @@ JsonDocument loadExtended(const std::filesystem::path& path, std::vector<std::fi
 
 /// Objects over several lines, arrays of numbers on one: as a person would write them.
 void print(std::ostream& out, const Json& json, const std::string& indent) {
-    const bool flat = json.is_primitive() || json.empty() ||
-                      (json.is_array() && std::all_of(json.begin(), json.end(), [](const Json& element) {
-                           return element.is_primitive() ||
-                                  (element.is_array() && std::all_of(element.begin(), element.end(), [](const Json& e) {
-                                       return e.is_primitive();
-                                   }) && element.size() <= 4);
-                       }));
+    const bool flat =
+        json.is_primitive() || json.empty() ||
+        (json.is_array() && std::all_of(json.begin(), json.end(), [](const Json& element) {
+             return element.is_primitive() ||
+                    (element.is_array() &&
+                     std::all_of(element.begin(), element.end(), [](const Json& e) { return e.is_primitive(); }) &&
+                     element.size() <= 4);
+         }));
     if (flat) {
         out << json.dump();
         return;
@@ -76,8 +77,10 @@ void failInvalid(const JsonDocument& document, const std::string& wrong) {
     const std::string path = wrong.substr(0, wrong.find(' '));
     std::string pointer = path.starts_with('/') ? "" : "/";
     for (const char c : path) {
-        if (c == '.' || c == '[') pointer += '/';
-        else if (c != ']') pointer += c;
+        if (c == '.' || c == '[')
+            pointer += '/';
+        else if (c != ']')
+            pointer += c;
     }
     const bool isPointer = pointer.size() > 1 && pointer.find('~') == std::string::npos && path.size() < wrong.size();
     if (isPointer && document.root().contains(Json::json_pointer(pointer))) {

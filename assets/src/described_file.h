@@ -5,6 +5,8 @@
 
 #include "describe_json.h"
 #include "json_document.h"
+#include "ragtop/ragdoll.h"
+#include "ragtop/vehicle_def.h"
 #include "schema.h"
 
 namespace ragtop {
@@ -17,6 +19,12 @@ std::filesystem::path referencedFile(const JsonValue& value);
 
 /// Fails with what a whyInvalid says, at the value that its first word names ("wheels[2].radius is ...") if there is one.
 [[noreturn]] void failInvalid(const JsonDocument& document, const std::string& wrong);
+
+/// What loadVehicle and loadRagdoll read, from a document.
+VehicleDef readVehicle(const JsonDocument& document);
+RagdollDef readRagdoll(const JsonDocument& document);
+/// What saveRagdoll writes.
+Json writeRagdoll(const RagdollDef& def);
 
 void writeJson(const Json& json, const std::filesystem::path& path);
 

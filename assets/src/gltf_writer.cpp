@@ -8,26 +8,17 @@
 #include <string>
 #include <utility>
 
-#include "gltf_library.h"
+#include "gltf_buffer.h"
 #include "ragtop/asset_error.h"
-#include "surface_mesh.h"
+#include "ragtop/surface_mesh.h"
 
 namespace ragtop {
 namespace {
 
-/// What is stored side by side in the buffer; a view each.
-enum View { vertices, indices, times, positions, turns, viewCount };
-
-/// Linear values of an sRGB colour, as glTF wants them.
-std::vector<double> linearColor(Color color) {
-    const auto channel = [&](int shift) { return std::pow(((color >> shift) & 0xff) / 255.0, 2.2); };
-    return {channel(16), channel(8), channel(0), 1.0};
-}
-
 /// Tints that tell neighbours apart.
 Color defaultColor(const RecordedBody& body) {
     static constexpr Color kTints[] = {0xd98c4a, 0xc9793b, 0xe0a060, 0xb86a35, 0xd0925c};
-    if (body.type == BodyType::fixed) return 0x8a9a86;
+    if (body.type == BodyType::fixed) return 0xb3b5ab;
     if (body.type == BodyType::kinematic) return 0x5f86c0;
     return kTints[body.id.index % std::size(kTints)];
 }
@@ -35,16 +26,12 @@ Color defaultColor(const RecordedBody& body) {
 class GltfBuilder {
 public:
     tinygltf::Model build(const RecordedScene& scene) {
-        model_.asset.version = "2.0";
-        model_.asset.generator = "ragtop";
-        model_.scenes.resize(1);
-        model_.defaultScene = 0;
         for (const RecordedBody& body : scene.bodies) addBody(scene, body);
         if (!animation_.channels.empty()) {
             animation_.name = "recording";
             model_.animations.push_back(std::move(animation_));
         }
-        finishBuffer();
+        buffer_.finish();
         return std::move(model_);
     }
 
@@ -82,14 +69,6 @@ private:
         return static_cast<int>(model_.nodes.size()) - 1;
     }
 
-    static void setPose(tinygltf::Node& node, const Vec3& p, const Quat& q) {
-        if (p != Vec3{}) node.translation = {p.x, p.y, p.z};
-        if (q != Quat{}) node.rotation = {q.x, q.y, q.z, q.w};
-    }
-    static void setScale(tinygltf::Node& node, const Vec3& s) {
-        if (s != Vec3{1, 1, 1}) node.scale = {s.x, s.y, s.z};
-    }
-
     void animatePose(const RecordedScene& scene, const RecordedBody& body, int node) {
         std::vector<float> seconds;
         std::vector<Vec3> places;
@@ -103,9 +82,9 @@ private:
             }
         }
         const int input = addTimes(seconds);
-        addChannel(node, "translation", "LINEAR", input, addVectors(positions, places));
-        const int output = addAccessor(turns, TINYGLTF_COMPONENT_TYPE_SHORT, TINYGLTF_TYPE_VEC4, body.keys.size(),
-                                       rotations.data(), rotations.size() * sizeof(std::int16_t));
+        addChannel(node, "translation", "LINEAR", input, buffer_.add(GltfView::positions, places));
+        const int output = buffer_.add(GltfView::turns, TINYGLTF_COMPONENT_TYPE_SHORT, TINYGLTF_TYPE_VEC4,
+                                       body.keys.size(), rotations.data(), rotations.size() * sizeof(std::int16_t));
         model_.accessors[static_cast<std::size_t>(output)].normalized = true;
         addChannel(node, "rotation", "LINEAR", input, output);
     }
@@ -123,7 +102,7 @@ private:
             add(body.goneFrame, {});
         }
         const int input = addTimes(seconds);
-        addChannel(node, "scale", "STEP", input, addVectors(positions, sizes));
+        addChannel(node, "scale", "STEP", input, buffer_.add(GltfView::positions, sizes));
     }
 
     void addChannel(int node, const char* path, const char* interpolation, int input, int output) {
@@ -140,36 +119,11 @@ private:
     }
 
     int addTimes(const std::vector<float>& seconds) {
-        const int accessor = addAccessor(times, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR, seconds.size(),
-                                         seconds.data(), seconds.size() * sizeof(float));
+        const int accessor = buffer_.add(GltfView::times, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR,
+                                         seconds.size(), seconds.data(), seconds.size() * sizeof(float));
         model_.accessors[static_cast<std::size_t>(accessor)].minValues = {seconds.front()};
         model_.accessors[static_cast<std::size_t>(accessor)].maxValues = {seconds.back()};
         return accessor;
-    }
-
-    int addVectors(View view, const std::vector<Vec3>& values) {
-        const int accessor = addAccessor(view, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, values.size(),
-                                         values.data(), values.size() * sizeof(Vec3));
-        if (view == vertices) {
-            Vec3 lower = values.front(), upper = values.front();
-            for (const Vec3& v : values) lower = min(lower, v), upper = max(upper, v);
-            model_.accessors[static_cast<std::size_t>(accessor)].minValues = {lower.x, lower.y, lower.z};
-            model_.accessors[static_cast<std::size_t>(accessor)].maxValues = {upper.x, upper.y, upper.z};
-        }
-        return accessor;
-    }
-
-    int addAccessor(View view, int component, int type, std::size_t count, const void* data, std::size_t bytes) {
-        tinygltf::Accessor accessor;
-        accessor.bufferView = view;
-        accessor.byteOffset = data_[view].size();
-        accessor.componentType = component;
-        accessor.type = type;
-        accessor.count = count;
-        const auto* begin = static_cast<const unsigned char*>(data);
-        data_[view].insert(data_[view].end(), begin, begin + bytes);
-        model_.accessors.push_back(std::move(accessor));
-        return static_cast<int>(model_.accessors.size()) - 1;
     }
 
     int materialOf(Color color) {
@@ -215,38 +169,17 @@ private:
             const SurfaceMesh mesh = surfaceOf(shape);
             tinygltf::Primitive primitive;
             primitive.mode = TINYGLTF_MODE_TRIANGLES;
-            primitive.attributes["POSITION"] = addVectors(vertices, mesh.vertices);
-            if (!mesh.normals.empty()) primitive.attributes["NORMAL"] = addVectors(vertices, mesh.normals);
-            primitive.indices = addAccessor(indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR,
-                                            mesh.indices.size(), mesh.indices.data(),
-                                            mesh.indices.size() * sizeof(std::uint32_t));
+            primitive.attributes["POSITION"] = buffer_.add(GltfView::vertices, mesh.vertices);
+            if (!mesh.normals.empty()) primitive.attributes["NORMAL"] = buffer_.add(GltfView::vertices, mesh.normals);
+            primitive.indices = buffer_.add(mesh.indices);
             found->second = std::move(primitive);
         }
         return found->second;
     }
 
-    /// Joins the views into one buffer; views that stayed empty are dropped and the others renumbered.
-    void finishBuffer() {
-        tinygltf::Buffer buffer;
-        int numbers[viewCount] = {};
-        for (std::size_t i = 0; i < viewCount; ++i) {
-            if (data_[i].empty()) continue;
-            tinygltf::BufferView view;
-            view.buffer = 0;
-            view.byteOffset = buffer.data.size();
-            view.byteLength = data_[i].size();
-            numbers[i] = static_cast<int>(model_.bufferViews.size());
-            if (i == vertices) view.byteStride = sizeof(Vec3);
-            model_.bufferViews.push_back(std::move(view));
-            buffer.data.insert(buffer.data.end(), data_[i].begin(), data_[i].end());
-        }
-        for (tinygltf::Accessor& accessor : model_.accessors) accessor.bufferView = numbers[accessor.bufferView];
-        if (!buffer.data.empty()) model_.buffers.push_back(std::move(buffer));
-    }
-
-    tinygltf::Model model_;
+    tinygltf::Model model_ = emptyModel();
+    GltfBuffer buffer_{model_};
     tinygltf::Animation animation_;
-    std::vector<unsigned char> data_[viewCount];
     std::map<Color, int> materials_;
     std::map<std::pair<std::string, Color>, int> meshes_;
     std::map<std::string, tinygltf::Primitive> geometries_;
@@ -257,8 +190,7 @@ private:
 void writeGltf(const RecordedScene& scene, const std::filesystem::path& path) {
     const tinygltf::Model model = GltfBuilder().build(scene);
     std::ofstream out(path, std::ios::binary);
-    const bool written = out && tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true);
-    if (!written || !out.flush()) throw AssetError(path.string() + ": cannot be written");
+    if (!writeBinary(model, out)) throw AssetError(path.string() + ": cannot be written");
 }
 
 }  // namespace ragtop

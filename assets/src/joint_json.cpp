@@ -39,7 +39,8 @@ JointDef readJointKind(const JsonValue& object) {
 
 void writeJointKind(const JointDef& joint, Json& object) {
     forEachKind([&](const char* name, const auto& kind) {
-        if (const auto* held = std::get_if<std::remove_cvref_t<decltype(kind)>>(&joint)) object[name] = writeValue(*held);
+        if (const auto* held = std::get_if<std::remove_cvref_t<decltype(kind)>>(&joint))
+            object[name] = writeValue(*held);
     });
 }
 

@@ -79,14 +79,20 @@ void merge(Json& base, const Json& over) {
         return;
     }
     for (const auto& [key, value] : over.items()) {
-        if (base.contains(key)) merge(base[key], value);
-        else base[key] = value;
+        if (base.contains(key))
+            merge(base[key], value);
+        else
+            base[key] = value;
     }
 }
 
 }  // namespace
 
-JsonDocument JsonDocument::load(const std::filesystem::path& path) { return parse(read(path), path.string()); }
+JsonDocument JsonDocument::load(const std::filesystem::path& path) {
+    JsonDocument document = parse(read(path), path.string());
+    document.files_.push_back(path);
+    return document;
+}
 
 JsonDocument JsonDocument::parse(std::string_view text, const std::string& file) {
     JsonDocument document;
@@ -117,16 +123,23 @@ void JsonDocument::layOver(const JsonDocument& base) {
     merge(merged, root_);
     root_ = std::move(merged);
     places_.insert(base.places_.begin(), base.places_.end());
+    files_.insert(files_.end(), base.files_.begin(), base.files_.end());
 }
 
 void JsonDocument::set(std::string_view dottedPath, const Json& value, const std::string& origin) {
+    std::vector<std::string> path;
+    std::istringstream steps{std::string(dottedPath)};
+    for (std::string step; std::getline(steps, step, '.');) path.push_back(step);
+    set(path, value, origin);
+}
+
+void JsonDocument::set(const std::vector<std::string>& path, const Json& value, const std::string& origin) {
     Json* at = &root_;
     std::string pointer;
-    std::istringstream steps{std::string(dottedPath)};
-    for (std::string step; std::getline(steps, step, '.');) {
+    for (const std::string& step : path) {
         if (at->is_array()) {
-            const bool isIndex = !step.empty() && step.size() < 9 &&
-                                 step.find_first_not_of("0123456789") == std::string::npos;
+            const bool isIndex =
+                !step.empty() && step.size() < 9 && step.find_first_not_of("0123456789") == std::string::npos;
             if (!isIndex || std::stoul(step) >= at->size()) {
                 throw AssetError(fmt::format("{}: {}/{} is no element, must be an index below {}", origin, pointer,
                                              step, at->size()));
@@ -152,9 +165,12 @@ void JsonDocument::fail(const std::string& pointer, const std::string& message) 
 std::string pointerStep(std::string_view key) {
     std::string step = "/";
     for (const char c : key) {
-        if (c == '~') step += "~0";
-        else if (c == '/') step += "~1";
-        else step += c;
+        if (c == '~')
+            step += "~0";
+        else if (c == '/')
+            step += "~1";
+        else
+            step += c;
     }
     return step;
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ragtop {
 
@@ -31,12 +32,16 @@ public:
     /// The folder that references in the value at `pointer` start from.
     std::filesystem::path folderOf(const std::string& pointer) const;
 
+    /// The files that it was read from: its own, then what it was laid over.
+    const std::vector<std::filesystem::path>& files() const { return files_; }
+
     /// Lays this document over `base`: members of objects are merged, everything else replaces.
     void layOver(const JsonDocument& base);
     void erase(const std::string& key) { root_.erase(key); }
     /// Sets the value at a path like "settings.sleeping"; its place is the `origin` that the caller names. Throws
     /// AssetError where the path leads through something that is no object or array.
     void set(std::string_view dottedPath, const Json& value, const std::string& origin);
+    void set(const std::vector<std::string>& path, const Json& value, const std::string& origin);
 
     /// Throws AssetError: "file:line:column: /pointer message".
     [[noreturn]] void fail(const std::string& pointer, const std::string& message) const;
@@ -45,6 +50,7 @@ private:
     Json root_;
     std::string file_;
     std::map<std::string, JsonPlace> places_;
+    std::vector<std::filesystem::path> files_;
 };
 
 /// `key` as one step of a JSON pointer, with its slash.

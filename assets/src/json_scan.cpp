@@ -32,10 +32,14 @@ private:
             fail(start, fmt::format("{} nests deeper than {} levels, the most allowed", pointer, kMaxJsonDepth));
         }
         places_.emplace(pointer, start);
-        if (peek() == '{') object(pointer, depth);
-        else if (peek() == '[') array(pointer, depth);
-        else if (peek() == '"') string();
-        else at_ = std::min(text_.find_first_of(",]}/ \t\r\n", at_), text_.size());
+        if (peek() == '{')
+            object(pointer, depth);
+        else if (peek() == '[')
+            array(pointer, depth);
+        else if (peek() == '"')
+            string();
+        else
+            at_ = std::min(text_.find_first_of(",]}/ \t\r\n", at_), text_.size());
     }
 
     void object(const std::string& pointer, int depth) {
@@ -114,8 +118,7 @@ private:
 JsonPlace placeAt(std::string_view text, std::size_t byte) {
     const std::string_view before = text.substr(0, std::min(byte, text.size()));
     const auto lineStart = before.rfind('\n');
-    return {"",
-            1 + static_cast<int>(std::count(before.begin(), before.end(), '\n')),
+    return {"", 1 + static_cast<int>(std::count(before.begin(), before.end(), '\n')),
             1 + static_cast<int>(before.size() - (lineStart == std::string_view::npos ? 0 : lineStart + 1))};
 }
 

@@ -30,7 +30,7 @@ Shape loadMesh(const std::filesystem::path& path, const MeshOptions& options) {
     const std::string file = path.string();
     if (!(options.scale >= 1e-6f && options.scale <= 1e6f))
         throw AssetError(file, "", "scale is " + std::to_string(options.scale) + ", must be in [1e-6, 1e6]");
-    const ImportedScene scene = importScene(path, true);
+    const ImportedScene scene = importScene(path, ImportedDetail::surface);
     const std::vector<Affine> globals = globalTransforms(scene);
     const double unit = scene.unitScale > 0 ? scene.unitScale : 1.0;
     const auto scale = static_cast<float>(unit * options.scale);

@@ -12,7 +12,9 @@ struct DepthBelow {
     Quat rotation;
 
     float operator()(const Sphere& s) const { return s.radius; }
-    float operator()(const Capsule& s) const { return s.radius + s.halfHeight * std::abs(rotate(rotation, {0, 1, 0}).y); }
+    float operator()(const Capsule& s) const {
+        return s.radius + s.halfHeight * std::abs(rotate(rotation, {0, 1, 0}).y);
+    }
     float operator()(const Box& s) const {
         // Row of the rotation that belongs to y.
         const Vec3 up = inverseRotate(rotation, {0, 1, 0});

@@ -11,8 +11,8 @@ namespace ragtop {
 
 // Names of the values in the order of the enums; describe_json.h finds them by argument.
 static const std::vector<std::string>& enumNames(BodyRole) {
-    static const std::vector<std::string> names{"other", "pelvis",  "abdomen", "chest", "head", "upperArm",
-                                                "forearm", "hand", "thigh",   "shank", "foot"};
+    static const std::vector<std::string> names{"other",   "pelvis", "abdomen", "chest", "head", "upperArm",
+                                                "forearm", "hand",   "thigh",   "shank", "foot"};
     return names;
 }
 static const std::vector<std::string>& enumNames(BodySide) {
@@ -65,7 +65,8 @@ template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const JointInFile*) {
     visit(Tunable{.name = "parent", .meaning = "name of a part"}, self.parent);
     visit(Tunable{.name = "child", .meaning = "name of a part"}, self.child);
-    visit(Tunable{.name = "frameA", .meaning = "the joint in the parent's bone; x is hinge and twist axis"}, self.frameA);
+    visit(Tunable{.name = "frameA", .meaning = "the joint in the parent's bone; x is hinge and twist axis"},
+          self.frameA);
     visit(Tunable{.name = "frameB", .meaning = "the joint in the child's bone"}, self.frameB);
     visit(Tunable{.name = "collide", .meaning = "do the two parts collide with each other?"}, self.collide);
 }
@@ -123,19 +124,20 @@ void readJoints(const JsonValue& file, const RagdollInFile& in, RagdollDef& def)
         joint.parent = indexOf(at.at("parent"), def.parts, partName, "parts");
         joint.child = indexOf(at.at("child"), def.parts, partName, "parts");
         joint.joint = readJointKind(at);
-        std::visit([&](auto& kind) {
-            kind.bodies.frameA = in.joints[i].frameA;
-            kind.bodies.frameB = in.joints[i].frameB;
-            kind.bodies.collide = in.joints[i].collide;
-        }, joint.joint);
+        std::visit(
+            [&](auto& kind) {
+                kind.bodies.frameA = in.joints[i].frameA;
+                kind.bodies.frameB = in.joints[i].frameB;
+                kind.bodies.collide = in.joints[i].collide;
+            },
+            joint.joint);
         def.joints.push_back(std::move(joint));
     }
 }
 
 }  // namespace
 
-RagdollDef loadRagdoll(const std::filesystem::path& path) {
-    const JsonDocument document = loadExtended(path);
+RagdollDef readRagdoll(const JsonDocument& document) {
     validate(document, ragdollSchema());
     RagdollInFile in;
     const JsonValue file(document);
@@ -145,8 +147,8 @@ RagdollDef loadRagdoll(const std::filesystem::path& path) {
     readBones(file, in, def);
     for (std::size_t i = 0; i < in.parts.size(); ++i) {
         RagdollPart part = in.parts[i].part;
-        part.bone = indexOf(file.at("parts").at(i).at("bone"), def.bones,
-                            [](const RagdollBone& bone) { return bone.name; }, "bones");
+        part.bone = indexOf(
+            file.at("parts").at(i).at("bone"), def.bones, [](const RagdollBone& bone) { return bone.name; }, "bones");
         def.parts.push_back(std::move(part));
     }
     readJoints(file, in, def);
@@ -154,10 +156,9 @@ RagdollDef loadRagdoll(const std::filesystem::path& path) {
     return def;
 }
 
-void saveRagdoll(const RagdollDef& def, const std::filesystem::path& path) {
-    if (const std::string wrong = whyInvalid(def); !wrong.empty()) {
-        throw AssetError(path.string() + ": is not written, the ragdoll is not usable: " + wrong);
-    }
+RagdollDef loadRagdoll(const std::filesystem::path& path) { return readRagdoll(loadExtended(path)); }
+
+Json writeRagdoll(const RagdollDef& def) {
     RagdollInFile out;
     out.note = def.note;
     const auto part = [&](int i) { return def.parts[static_cast<std::size_t>(i)].name; };
@@ -165,12 +166,20 @@ void saveRagdoll(const RagdollDef& def, const std::filesystem::path& path) {
     for (const RagdollBone& b : def.bones) out.bones.push_back({b.name, bone(b.parent), part(b.part), b.inPart});
     for (const RagdollPart& p : def.parts) out.parts.push_back({p, bone(p.bone)});
     for (const RagdollJoint& j : def.joints) {
-        const JointBodies& bodies = std::visit([](const auto& kind) -> const JointBodies& { return kind.bodies; }, j.joint);
+        const JointBodies& bodies =
+            std::visit([](const auto& kind) -> const JointBodies& { return kind.bodies; }, j.joint);
         out.joints.push_back({part(j.parent), part(j.child), bodies.frameA, bodies.frameB, bodies.collide});
     }
     Json json = writeValue(out);
     for (std::size_t i = 0; i < def.joints.size(); ++i) writeJointKind(def.joints[i].joint, json["joints"][i]);
-    writeJson(json, path);
+    return json;
+}
+
+void saveRagdoll(const RagdollDef& def, const std::filesystem::path& path) {
+    if (const std::string wrong = whyInvalid(def); !wrong.empty()) {
+        throw AssetError(path.string() + ": is not written, the ragdoll is not usable: " + wrong);
+    }
+    writeJson(writeRagdoll(def), path);
 }
 
 }  // namespace ragtop

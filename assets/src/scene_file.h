@@ -8,6 +8,7 @@
 #include "describe_json.h"
 #include "ragtop/body.h"
 #include "ragtop/ragdoll.h"
+#include "ragtop/scene.h"
 #include "ragtop/settings.h"
 #include "ragtop/vehicle.h"
 
@@ -35,7 +36,7 @@ void describe(Visitor& visit, Self& self, const PlaceInFile*) {
 }
 
 struct BodyInFile {
-    std::string name, material;
+    std::string name, material, color;
     BodyType type = BodyType::dynamic;
     std::optional<Shape> shape;
     PlaceInFile place;
@@ -52,6 +53,7 @@ void describe(Visitor& visit, Self& self, const BodyInFile*) {
     describe(visit, self.place, static_cast<const PlaceInFile*>(nullptr));
     visit(Tunable{"density", "kg/m³", 1e-3, 1e6, "mass over volume"}, self.density);
     visit(Tunable{.name = "material", .meaning = "name of one of the materials"}, self.material);
+    visit(Tunable{.name = "color", .meaning = "\"#rrggbb\"; absent: by what it is"}, self.color);
     visit(Tunable{.name = "masonry", .meaning = "part of a building, whose displacement is measured"}, self.masonry);
     visit(Tunable{.name = "sensor", .meaning = "reports overlaps, feels nothing"}, self.sensor);
     visit(Tunable{.name = "filter", .meaning = "who collides with whom"}, self.filter);
@@ -90,7 +92,7 @@ inline Names requiredFields(const RepeatInFile*) { return {"body", "count"}; }
 
 /// Boxes laid in courses: walls and houses in running bond.
 struct BricksInFile {
-    std::string name, material;
+    std::string name, material, color;
     PlaceInFile place;
     Vec3 size{0.4f, 0.2f, 0.2f};
     float gap = 0.002f;
@@ -108,11 +110,12 @@ void describe(Visitor& visit, Self& self, const BricksInFile*) {
     visit(Tunable{"bricks", "", 1, 1000, "bricks in a course of a wall"}, self.bricks);
     visit(Tunable{"density", "kg/m³", 1e-3, 1e6, "mass over volume"}, self.density);
     visit(Tunable{.name = "material", .meaning = "name of one of the materials"}, self.material);
+    visit(Tunable{.name = "color", .meaning = "\"#rrggbb\"; absent: by what it is"}, self.color);
     visit(Tunable{.name = "masonry", .meaning = "part of a building, whose displacement is measured"}, self.masonry);
 }
 
 struct TowerInFile {
-    std::string name, material;
+    std::string name, material, color;
     PlaceInFile place;
     Vec3 size{1, 1, 1};
     unsigned count = 10;
@@ -130,11 +133,12 @@ void describe(Visitor& visit, Self& self, const TowerInFile*) {
     visit(Tunable{"seed", "", 0, 4294967295.0, "other seeds give other random numbers"}, self.seed);
     visit(Tunable{"density", "kg/m³", 1e-3, 1e6, "mass over volume"}, self.density);
     visit(Tunable{.name = "material", .meaning = "name of one of the materials"}, self.material);
+    visit(Tunable{.name = "color", .meaning = "\"#rrggbb\"; absent: by what it is"}, self.color);
 }
 
 /// Fixed boxes; the first step is at the place, the others rise along +z of it.
 struct StairsInFile {
-    std::string name, material;
+    std::string name, material, color;
     PlaceInFile place;
     unsigned steps = 10;
     float rise = 0.18f, tread = 0.3f, width = 2;
@@ -148,7 +152,28 @@ void describe(Visitor& visit, Self& self, const StairsInFile*) {
     visit(Tunable{"tread", "m", 1e-3, 100, "depth of a step"}, self.tread);
     visit(Tunable{"width", "m", 1e-3, 1e4, "of the stairs, along x"}, self.width);
     visit(Tunable{.name = "material", .meaning = "name of one of the materials"}, self.material);
+    visit(Tunable{.name = "color", .meaning = "\"#rrggbb\"; absent: by what it is"}, self.color);
 }
+
+/// A smooth ribbon through points, on an embankment.
+struct RoadInFile {
+    std::string name, material, color;
+    std::vector<DVec3> points;
+    bool closed = true;
+    float width = 8, slope = 0.5f, foot = 0;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const RoadInFile*) {
+    visit(Tunable{.name = "name"}, self.name);
+    visit(Tunable{"points", "m", -1e9, 1e9, "of the centre line, in the direction of travel"}, self.points);
+    visit(Tunable{.name = "closed", .meaning = "its end is its beginning"}, self.closed);
+    visit(Tunable{"width", "m", 0.1, 1000, "from edge to edge"}, self.width);
+    visit(Tunable{"slope", "1", 0.01, 100, "rise over run of the embankment on both sides"}, self.slope);
+    visit(Tunable{"foot", "m", -1e9, 1e9, "height at which the embankment ends"}, self.foot);
+    visit(Tunable{.name = "material", .meaning = "name of one of the materials"}, self.material);
+    visit(Tunable{.name = "color", .meaning = "\"#rrggbb\"; absent: by what it is"}, self.color);
+}
+inline Names requiredFields(const RoadInFile*) { return {"points"}; }
 
 struct SceneJointInFile {
     std::string name, a, b;
@@ -184,10 +209,22 @@ void describe(Visitor& visit, Self& self, const ActionInFile*) {
     visit(Tunable{"gear", "", -1, 20, "−1 reverse, 0 neutral; absent: the gearbox decides"}, self.input.gear);
 }
 
+struct DriverInFile {
+    std::string road;
+    float speed = 15;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const DriverInFile*) {
+    visit(Tunable{.name = "road", .meaning = "name of one of the roads"}, self.road);
+    visit(Tunable{"speed", "m/s", 0, 200, "where the road allows it"}, self.speed);
+}
+inline Names requiredFields(const DriverInFile*) { return {"road"}; }
+
 struct VehicleInFile {
     std::string name, file;
     VehiclePlacement placement;
     std::vector<ActionInFile> script;
+    std::optional<DriverInFile> driver;
 };
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const VehicleInFile*) {
@@ -197,6 +234,7 @@ void describe(Visitor& visit, Self& self, const VehicleInFile*) {
     visit(Tunable{"heading", "rad", -1000, 1000, "turn about y; 0 looks along +z"}, self.placement.heading);
     visit(Tunable{"speed", "m/s", -200, 200, "forward, wheels rolling"}, self.placement.speed);
     visit(Tunable{.name = "script", .meaning = "what the driver does, by rising time"}, self.script);
+    visit(Tunable{.name = "driver", .meaning = "follows a road, instead of a script"}, self.driver);
 }
 inline Names requiredFields(const VehicleInFile*) { return {"file"}; }
 
@@ -221,7 +259,19 @@ void describe(Visitor& visit, Self& self, const RagdollInScene*) {
     describe(visit, self.grid, static_cast<const GridInFile*>(nullptr));
 }
 
+struct CameraInFile {
+    SceneCamera camera;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const CameraInFile*) {
+    visit(Tunable{"target", "m", -1e9, 1e9, "what is looked at"}, self.camera.target);
+    visit(Tunable{"eye", "m", -1e9, 1e9, "from where"}, self.camera.eye);
+}
+inline Names requiredFields(const CameraInFile*) { return {"target", "eye"}; }
+
 struct SceneInFile {
+    std::string description;
+    std::optional<CameraInFile> camera;
     WorldSettings settings;
     double step = 1.0 / 60, duration = 10;
     std::vector<std::string> include;
@@ -231,12 +281,15 @@ struct SceneInFile {
     std::vector<BricksInFile> walls, houses;
     std::vector<TowerInFile> towers;
     std::vector<StairsInFile> stairs;
+    std::vector<RoadInFile> roads;
     std::vector<SceneJointInFile> joints;
     std::vector<VehicleInFile> vehicles;
     std::vector<RagdollInScene> ragdolls;
 };
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const SceneInFile*) {
+    visit(Tunable{.name = "description", .meaning = "in one line"}, self.description);
+    visit(Tunable{.name = "camera", .meaning = "from where to look at the beginning"}, self.camera);
     visit(Tunable{.name = "settings", .meaning = "of the world"}, self.settings);
     visit(Tunable{"step", "s", 1e-5, 1, "length of a step"}, self.step);
     visit(Tunable{"duration", "s", 0, 1e6, "how long a run lasts"}, self.duration);
@@ -249,6 +302,7 @@ void describe(Visitor& visit, Self& self, const SceneInFile*) {
     visit(Tunable{.name = "houses", .meaning = "four walls whose corners interlock"}, self.houses);
     visit(Tunable{.name = "towers", .meaning = "boxes on top of each other"}, self.towers);
     visit(Tunable{.name = "stairs"}, self.stairs);
+    visit(Tunable{.name = "roads", .meaning = "surfaces along a line"}, self.roads);
     visit(Tunable{.name = "joints"}, self.joints);
     visit(Tunable{.name = "vehicles"}, self.vehicles);
     visit(Tunable{.name = "ragdolls"}, self.ragdolls);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "described_file.h"
 #include "ragtop/scene.h"
 #include "schema.h"
 
@@ -27,6 +28,16 @@ std::vector<std::string> shippedScenes() {
     }
     std::sort(names.begin(), names.end());
     return names;
+}
+
+std::string sceneDescription(const fs::path& path) {
+    try {
+        const JsonDocument document = loadExtended(path);
+        const Json& root = document.root();
+        return root.is_object() ? root.value("description", "") : "";
+    } catch (const std::exception&) {
+        return "";
+    }
 }
 
 fs::path findScene(std::string_view nameOrPath) {

@@ -29,6 +29,8 @@ std::vector<Pose> posesOf(const GridInFile& grid, const Pose& first);
 void addWall(const BricksInFile& wall, const Material& material, std::vector<SceneBody>& bodies);
 void addHouse(const BricksInFile& house, const Material& material, std::vector<SceneBody>& bodies);
 void addTower(const TowerInFile& tower, const Material& material, std::vector<SceneBody>& bodies);
+/// The surface of a road, and its centre line. Needs three points, two where it is not closed.
+SceneBody roadBody(const RoadInFile& road, const Material& material, SceneRoad& line);
 void addStairs(const StairsInFile& stairs, const Material& material, std::vector<SceneBody>& bodies);
 
 }  // namespace ragtop

@@ -2,6 +2,7 @@
 
 #include "ragtop/scene.h"
 #include "ragtop/world.h"
+#include "road_driver.h"
 
 namespace ragtop {
 namespace {
@@ -19,7 +20,7 @@ void named(const char* kind, const std::string& name, std::size_t index, Create 
 
 }  // namespace
 
-SceneInstance::SceneInstance(const Scene& scene, World& world) {
+SceneInstance::SceneInstance(const Scene& scene, World& world) : world_(&world), roads_(scene.roads) {
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         named("body", scene.bodies[i].name, i, [&] { bodies.push_back(world.create(scene.bodies[i].def)); });
     }
@@ -27,10 +28,12 @@ SceneInstance::SceneInstance(const Scene& scene, World& world) {
     for (std::size_t i = 0; i < scene.joints.size(); ++i) {
         const SceneJoint& joint = scene.joints[i];
         JointDef def = joint.def;
-        std::visit([&](auto& kind) {
-            kind.bodies.a = idOf(joint.bodyA);
-            kind.bodies.b = idOf(joint.bodyB);
-        }, def);
+        std::visit(
+            [&](auto& kind) {
+                kind.bodies.a = idOf(joint.bodyA);
+                kind.bodies.b = idOf(joint.bodyB);
+            },
+            def);
         named("joint", joint.name, i, [&] { joints.push_back(world.create(def)); });
     }
     vehicles.reserve(scene.vehicles.size());
@@ -38,6 +41,8 @@ SceneInstance::SceneInstance(const Scene& scene, World& world) {
         const SceneVehicle& vehicle = scene.vehicles[i];
         named("vehicle", vehicle.name, i, [&] { vehicles.emplace_back(world, vehicle.def, vehicle.placement); });
         scripts_.push_back(vehicle.script);
+        drivers_.push_back(vehicle.driver);
+        scripted.push_back(true);
     }
     ragdolls.reserve(scene.ragdolls.size());
     for (std::size_t i = 0; i < scene.ragdolls.size(); ++i) {
@@ -49,10 +54,14 @@ SceneInstance::SceneInstance(const Scene& scene, World& world) {
 
 void SceneInstance::drive(double time) {
     for (std::size_t i = 0; i < vehicles.size(); ++i) {
+        if (!scripted[i]) continue;
         for (const DriverAction& action : scripts_[i]) {
             // Times of steps are sums of rounded numbers: half a microsecond early is in time.
             if (action.time <= time + 5e-7) vehicles[i].input = action.input;
         }
+        if (!drivers_[i]) continue;
+        vehicles[i].input =
+            followRoad(roads_[drivers_[i]->road], vehicles[i], world_->pose(vehicles[i].chassis()), drivers_[i]->speed);
     }
 }
 

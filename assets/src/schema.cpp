@@ -19,7 +19,9 @@ using PlainJson = nlohmann::json;
 
 std::string number(double value) { return fmt::format("{:.7g}", value); }
 
-std::string article(const std::string& type) { return (type == "integer" || type == "array" || type == "object" ? "an " : "a ") + type; }
+std::string article(const std::string& type) {
+    return (type == "integer" || type == "array" || type == "object" ? "an " : "a ") + type;
+}
 
 /// "a number in [0.05, 2] m", from the annotations of a schema node.
 std::string allowed(const Json& schema) {
@@ -36,9 +38,12 @@ std::string allowed(const Json& schema) {
         text += (text.empty() ? "" : " or ") + article(one.get<std::string>());
     }
     const bool low = schema.contains("minimum"), high = schema.contains("maximum");
-    if (low && high) text += fmt::format(" in [{}, {}]", number(schema["minimum"]), number(schema["maximum"]));
-    else if (low) text += " of at least " + number(schema["minimum"]);
-    else if (high) text += " of at most " + number(schema["maximum"]);
+    if (low && high)
+        text += fmt::format(" in [{}, {}]", number(schema["minimum"]), number(schema["maximum"]));
+    else if (low)
+        text += " of at least " + number(schema["minimum"]);
+    else if (high)
+        text += " of at most " + number(schema["maximum"]);
     if (const std::string unit = schema.value("unit", ""); !unit.empty() && unit != "1") text += " " + unit;
     if (schema.contains("minItems")) {
         const auto least = schema["minItems"].get<std::size_t>();
@@ -59,7 +64,8 @@ bool hasAllowedType(const Json& schema, const Json& value) {
     if (!schema.contains("type")) return true;
     const Json& type = schema["type"];
     if (type.is_string()) return hasType(value, type.get<std::string>());
-    return std::any_of(type.begin(), type.end(), [&](const Json& one) { return hasType(value, one.get<std::string>()); });
+    return std::any_of(type.begin(), type.end(),
+                       [&](const Json& one) { return hasType(value, one.get<std::string>()); });
 }
 
 std::string suggestion(const std::string& given, const std::vector<std::string>& names) {
@@ -80,9 +86,9 @@ void explainMembers(const JsonDocument& document, const Json& schema, const Json
     const auto names = namesOf(schema);
     for (const auto& item : value.items()) {
         if (!names.empty() && std::find(names.begin(), names.end(), item.key()) == names.end()) {
-            document.fail(pointer + pointerStep(item.key()),
-                          fmt::format("is unknown, must be one of {}{}", fmt::join(names, ", "),
-                                      suggestion(item.key(), names)));
+            document.fail(
+                pointer + pointerStep(item.key()),
+                fmt::format("is unknown, must be one of {}{}", fmt::join(names, ", "), suggestion(item.key(), names)));
         }
     }
     for (const Json& name : schema.value("required", Json::array())) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "describe_json.h"
+#include "ragtop/tuning.h"
 
 namespace ragtop {
 namespace {
@@ -32,7 +33,8 @@ Json numberSchema(const Tunable& field, bool integer, double lowest, double high
 Json vectorSchema(const Tunable& field) {
     // Positions are double, but nothing lies farther away than floats reach.
     const Json element = numberSchema(field, false, -3.4e38, 3.4e38);
-    return {{"type", "array"}, {"items", element}, {"minItems", 3}, {"maxItems", 3}, {"hint", "three numbers [x, y, z]"}};
+    return {
+        {"type", "array"}, {"items", element}, {"minItems", 3}, {"maxItems", 3}, {"hint", "three numbers [x, y, z]"}};
 }
 
 Json rotationSchema() {
@@ -100,10 +102,6 @@ Range readRange(const JsonValue& value) {
 
 Json writeNumber(double value) { return value; }
 
-Json writeNumber(float value) {
-    // The shortest decimal that names this float and no other, where reading it through double keeps that promise.
-    const double shortest = std::stod(fmt::format("{}", value));
-    return static_cast<float>(shortest) == value ? shortest : static_cast<double>(value);
-}
+Json writeNumber(float value) { return shortestDecimal(value); }
 
 }  // namespace ragtop

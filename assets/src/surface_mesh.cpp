@@ -1,4 +1,4 @@
-#include "surface_mesh.h"
+#include "ragtop/surface_mesh.h"
 
 #include <array>
 #include <cmath>
@@ -9,8 +9,8 @@
 namespace ragtop {
 namespace {
 
-constexpr int kAround = 16;      ///< points of a circle
-constexpr int kHalfRings = 4;    ///< rings from the equator to a pole
+constexpr int kAround = 16;    ///< points of a circle
+constexpr int kHalfRings = 4;  ///< rings from the equator to a pole
 
 SurfaceMesh unitBox() {
     SurfaceMesh mesh;
@@ -30,7 +30,8 @@ SurfaceMesh capsule(float radius, float halfHeight) {
             const double up = std::numbers::pi / 2 * (half == 0 ? ring - kHalfRings : ring) / kHalfRings;
             for (int i = 0; i < kAround; ++i) {
                 const double around = 2 * std::numbers::pi * i / kAround;
-                const Vec3 normal = toVec3({std::cos(up) * std::cos(around), std::sin(up), std::cos(up) * std::sin(around)});
+                const Vec3 normal =
+                    toVec3({std::cos(up) * std::cos(around), std::sin(up), std::cos(up) * std::sin(around)});
                 mesh.normals.push_back(normal);
                 mesh.vertices.push_back(radius * normal + Vec3{0, half == 0 ? -halfHeight : halfHeight, 0});
             }

@@ -1,15 +1,25 @@
 #include "ragtop/vehicle_file.h"
 
+#include "asset_reference.h"
 #include "described_file.h"
 
 namespace ragtop {
 
-VehicleDef loadVehicle(const std::filesystem::path& path) {
-    const JsonDocument document = loadExtended(path);
+/// Names of files become paths that hold wherever the definition goes.
+static void findModels(const JsonDocument& document, VehicleVisualDef& visual) {
+    const JsonValue at = JsonValue(document).at("visual");
+    visual.chassis = assetFile(at.at("chassis")).string();
+    if (!visual.wheel.empty()) visual.wheel = assetFile(at.at("wheel")).string();
+}
+
+VehicleDef readVehicle(const JsonDocument& document) {
     VehicleDef def = readDocument<VehicleDef>(document);
+    if (def.visual) findModels(document, *def.visual);
     if (const std::string wrong = whyInvalid(def); !wrong.empty()) failInvalid(document, wrong);
     return def;
 }
+
+VehicleDef loadVehicle(const std::filesystem::path& path) { return readVehicle(loadExtended(path)); }
 
 void saveVehicle(const VehicleDef& def, const std::filesystem::path& path) {
     if (const std::string wrong = whyInvalid(def); !wrong.empty()) {

@@ -142,8 +142,9 @@ ConvexSolid boxSolid(const Vec3& half, const Pose& pose) {
     }
     solid.edges = solid.faceNormals;
     for (int i = 0; i < 8; ++i) {
-        solid.points.push_back(pose.position + turn(pose.rotation, DVec3{i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y,
-                                                                         i & 4 ? half.z : -half.z}));
+        solid.points.push_back(
+            pose.position +
+            turn(pose.rotation, DVec3{i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y, i & 4 ? half.z : -half.z}));
     }
     return solid;
 }
@@ -172,7 +173,8 @@ ConvexSolid solidOf(const Shape& shape, const Pose& pose) {
 double overlapDepth(const ConvexSolid& a, const ConvexSolid& b) {
     const double radii = a.radius + b.radius;
     if (isRound(a) && isRound(b)) {
-        return std::max(0.0, radii - segmentDistance(a.points.front(), a.points.back(), b.points.front(), b.points.back()));
+        return std::max(0.0,
+                        radii - segmentDistance(a.points.front(), a.points.back(), b.points.front(), b.points.back()));
     }
     if (!a.exactAxes || !b.exactAxes) return std::max(0.0, searchedOverlap(a, b));
     if (isRound(a) || isRound(b)) {

@@ -31,10 +31,12 @@ std::string inspectVehicle(const fs::path& path) {
     const VehicleDef car = loadVehicle(path);
     std::string text = fmt::format("vehicle \"{}\": {} kg, {} wheels, {} chassis shapes\n", car.name, car.chassis.mass,
                                    car.wheels.size(), car.chassis.shapes.size());
-    text += fmt::format("  wheelbase {:.3f} m, track {:.3f} m\n", spread(car.wheels, [](const WheelDef& w) { return w.position.z; }),
+    text += fmt::format("  wheelbase {:.3f} m, track {:.3f} m\n",
+                        spread(car.wheels, [](const WheelDef& w) { return w.position.z; }),
                         spread(car.wheels, [](const WheelDef& w) { return w.position.x; }));
-    const auto strongest = std::max_element(car.engine.torqueCurve.begin(), car.engine.torqueCurve.end(),
-                                            [](const TorquePoint& a, const TorquePoint& b) { return a.torque < b.torque; });
+    const auto strongest =
+        std::max_element(car.engine.torqueCurve.begin(), car.engine.torqueCurve.end(),
+                         [](const TorquePoint& a, const TorquePoint& b) { return a.torque < b.torque; });
     if (strongest != car.engine.torqueCurve.end()) {
         text += fmt::format("  engine up to {} N m at {} rpm, limiter {} rpm\n", strongest->torque, strongest->rpm,
                             car.engine.limiterRpm);
@@ -42,17 +44,19 @@ std::string inspectVehicle(const fs::path& path) {
     text += fmt::format("  {} gears, {}, final drive {}\n", car.gearbox.ratios.size(),
                         car.gearbox.automatic ? "automatic" : "manual", car.gearbox.finalDrive);
     for (const WheelDef& w : car.wheels) {
-        text += fmt::format("  wheel {}: at ({:.3f}, {:.3f}, {:.3f}) m, radius {} m, {} kg, drive {}, steer {}, spring {}\n",
-                            w.name, w.position.x, w.position.y, w.position.z, w.radius, w.mass, w.driveShare, w.steerFactor,
-                            w.suspension.stiffness ? fmt::format("{} N/m", *w.suspension.stiffness)
-                                                   : fmt::format("{} Hz", w.suspension.frequency));
+        text += fmt::format(
+            "  wheel {}: at ({:.3f}, {:.3f}, {:.3f}) m, radius {} m, {} kg, drive {}, steer {}, spring {}\n", w.name,
+            w.position.x, w.position.y, w.position.z, w.radius, w.mass, w.driveShare, w.steerFactor,
+            w.suspension.stiffness ? fmt::format("{} N/m", *w.suspension.stiffness)
+                                   : fmt::format("{} Hz", w.suspension.frequency));
     }
     return text;
 }
 
 std::string inspectScene(const fs::path& path) {
     const Scene scene = loadScene(path);
-    static constexpr const char* kShapes[] = {"spheres", "capsules", "boxes", "hulls", "meshes", "height fields", "compounds"};
+    static constexpr const char* kShapes[] = {"spheres", "capsules",      "boxes",    "hulls",
+                                              "meshes",  "height fields", "compounds"};
     std::map<std::size_t, int> shapes;
     int dynamic = 0, masonry = 0;
     for (const SceneBody& body : scene.bodies) {
@@ -61,18 +65,20 @@ std::string inspectScene(const fs::path& path) {
         for (const ShapeDef& shape : body.def.shapes) ++shapes[shape.geometry.index()];
     }
     std::string text = fmt::format("scene \"{}\": {} s in steps of {:.6g} s\n", scene.name, scene.duration, scene.step);
-    text += fmt::format("  {} bodies, {} of them dynamic, {} masonry; {} joints\n", scene.bodies.size(), dynamic, masonry,
-                        scene.joints.size());
+    text += fmt::format("  {} bodies, {} of them dynamic, {} masonry; {} joints\n", scene.bodies.size(), dynamic,
+                        masonry, scene.joints.size());
     for (const auto& [kind, count] : shapes) text += fmt::format("  {} {}\n", count, kShapes[kind]);
     for (const SceneVehicle& v : scene.vehicles) {
-        text += fmt::format("  vehicle \"{}\": {}, {} kg, {} m/s\n", v.name, v.def.name, v.def.chassis.mass, v.placement.speed);
+        text += fmt::format("  vehicle \"{}\": {}, {} kg, {} m/s\n", v.name, v.def.name, v.def.chassis.mass,
+                            v.placement.speed);
     }
     std::map<const RagdollDef*, int> ragdolls;
     for (const SceneRagdoll& r : scene.ragdolls) ++ragdolls[r.def.get()];
     for (const auto& [def, count] : ragdolls) {
         float mass = 0;
         for (const RagdollPart& part : def->parts) mass += part.mass;
-        text += fmt::format("  {} ragdolls of {} parts, {} joints, {:.6g} kg\n", count, def->parts.size(), def->joints.size(), mass);
+        text += fmt::format("  {} ragdolls of {} parts, {} joints, {:.6g} kg\n", count, def->parts.size(),
+                            def->joints.size(), mass);
     }
     for (const std::string& warning : scene.warnings) text += "  warning: " + warning + "\n";
     return text;
@@ -86,8 +92,8 @@ std::string inspectMesh(const fs::path& path) {
         for (const Vec3& v : mesh->vertices()) lower = min(lower, v), upper = max(upper, v);
         text += fmt::format("  {} vertices, {} triangles, {} without area left out\n", mesh->vertices().size(),
                             mesh->triangles().size(), mesh->degenerateCount());
-        text += fmt::format("  size {:.4g} × {:.4g} × {:.4g}, as it is in the file\n", upper.x - lower.x, upper.y - lower.y,
-                            upper.z - lower.z);
+        text += fmt::format("  size {:.4g} × {:.4g} × {:.4g}, as it is in the file\n", upper.x - lower.x,
+                            upper.y - lower.y, upper.z - lower.z);
     }
     return text;
 }

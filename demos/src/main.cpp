@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
 #include <exception>
 #include <string>
 #include <vector>
@@ -8,6 +10,7 @@
 #include "inspect.h"
 #include "ragtop/scene.h"
 #include "run.h"
+#include "serve/serve_scene.h"
 
 namespace {
 
@@ -29,11 +32,29 @@ std::vector<SceneOverride> parseOverrides(const std::vector<std::string>& texts)
 }
 
 void list() {
-    for (const std::string& name : shippedScenes()) fmt::print("{}\n", name);
+    std::size_t width = 0;
+    for (const std::string& name : shippedScenes()) width = std::max(width, name.size());
+    for (const std::string& name : shippedScenes()) {
+        fmt::print("{:{}}  {}\n", name, width, sceneDescription(findScene(name)));
+    }
+}
+
+/// Ends the serving; a second signal kills as usual.
+volatile std::sig_atomic_t signalled = 0;
+extern "C" void endServing(int signal) {
+    signalled = 1;
+    std::signal(signal, SIG_DFL);
+}
+
+void serve(const live::ServeSceneOptions& options) {
+    std::signal(SIGINT, endServing);
+    std::signal(SIGTERM, endServing);
+    live::serveScene(options, [] { return signalled != 0; });
 }
 
 struct Command {
     demos::RunOptions run;
+    live::ServeSceneOptions serve;
     std::vector<std::string> settings;
     std::string asset;
 };
@@ -51,8 +72,26 @@ CLI::App* addRun(CLI::App& app, Command& command) {
         ->take_all();
     run->add_option("--save-at", command.run.saveAt, "Write the state after this step to state_STEP.bin");
     run->add_option("--restore", command.run.restore, "Go on from a state that --save-at wrote");
+    run->add_option("--poses", command.run.poses, "Write the poses of all bodies, once a second, to this CSV file");
     run->add_option("--out", command.run.out, "Folder for recording.glb, telemetry.csv, summary.json and states");
     return run;
+}
+
+CLI::App* addServe(CLI::App& app, Command& command) {
+    live::ServeSceneOptions& options = command.serve;
+    CLI::App* serve = app.add_subcommand("serve", "Run a scene in real time and show it in a browser");
+    serve->add_option("scene", options.scene, "Name of a scene (see list) or a scene file")->capture_default_str();
+    serve->add_option("--port", options.port, "On 127.0.0.1; 0 takes any free one")
+        ->check(CLI::Range(0, 65535))
+        ->capture_default_str();
+    serve->add_option("--page", options.page, "The page's HTML file instead of the one that comes along");
+    serve->add_option("--threads", options.world.threads, "Threads that solve")->check(CLI::Range(1, 64));
+    serve->add_option("--lanes", options.world.lanes, "Width of the solver; 0 is the machine's best")
+        ->check(CLI::IsMember({0, 4, 8, 16}));
+    serve->add_option("--set", command.settings, "key=value: a setting of the world, or a path in the scene file")
+        ->take_all();
+    serve->add_option("--tuning", options.world.tunings, "Folder of saved tunings")->capture_default_str();
+    return serve;
 }
 
 int execute(int argc, char** argv) {
@@ -61,11 +100,12 @@ int execute(int argc, char** argv) {
     Command command;
     CLI::App* listed = app.add_subcommand("list", "List the scenes that come with ragtop");
     CLI::App* run = addRun(app, command);
+    CLI::App* served = addServe(app, command);
     CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file has in it");
     inspect->add_option("asset", command.asset, "Vehicle, ragdoll, scene, character, robot or mesh")->required();
     try {
         app.parse(argc, argv);
-        command.run.overrides = parseOverrides(command.settings);
+        command.run.overrides = command.serve.world.overrides = parseOverrides(command.settings);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);
         std::string line = error.what();
@@ -75,6 +115,7 @@ int execute(int argc, char** argv) {
     }
     if (listed->parsed()) list();
     if (run->parsed()) demos::run(command.run);
+    if (served->parsed()) serve(command.serve);
     if (inspect->parsed()) fmt::print("{}", demos::inspect(command.asset));
     return 0;
 }

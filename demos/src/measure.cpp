@@ -92,18 +92,22 @@ public:
         collectFilters(scene, instance);
         for (const BodyId body : world.bodies()) collect(body);
         for (const JointId joint : world.joints()) {
-            std::visit([&](const auto& kind) {
-                if (!kind.bodies.collide) joined_.insert(ordered(kind.bodies.a, kind.bodies.b));
-            }, world.def(joint));
+            std::visit(
+                [&](const auto& kind) {
+                    if (!kind.bodies.collide) joined_.insert(ordered(kind.bodies.a, kind.bodies.b));
+                },
+                world.def(joint));
         }
         world.forEachContact([&](const Contact& c) { touching_.insert(ordered(c.bodyA, c.bodyB)); });
     }
 
     std::vector<double> depths() {
-        std::sort(pieces_.begin(), pieces_.end(), [](const Piece& a, const Piece& b) { return a.bounds.lower.x < b.bounds.lower.x; });
+        std::sort(pieces_.begin(), pieces_.end(),
+                  [](const Piece& a, const Piece& b) { return a.bounds.lower.x < b.bounds.lower.x; });
         std::vector<double> all;
         for (std::size_t i = 0; i < pieces_.size(); ++i) {
-            for (std::size_t j = i + 1; j < pieces_.size() && pieces_[j].bounds.lower.x <= pieces_[i].bounds.upper.x; ++j) {
+            for (std::size_t j = i + 1; j < pieces_.size() && pieces_[j].bounds.lower.x <= pieces_[i].bounds.upper.x;
+                 ++j) {
                 if (const double depth = depthOf(pieces_[i], pieces_[j]); depth > 0) all.push_back(depth);
             }
         }

@@ -11,10 +11,12 @@
 #include <map>
 
 #include "measure.h"
+#include "poses.h"
 #include "progress.h"
 #include "ragtop/recording.h"
 #include "ragtop/tasks.h"
 #include "ragtop/world.h"
+#include "serve/look.h"
 #include "summary.h"
 #include "telemetry.h"
 
@@ -22,9 +24,6 @@ namespace ragtop::demos {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr Color kBricks[] = {0xa8452f, 0xb5523a, 0x9c3f2b, 0xbd5f45};
-constexpr Color kVehicle = 0x2a6fdb, kRagdoll = 0xe8c39e;
 
 class SceneRun {
 public:
@@ -46,6 +45,7 @@ public:
                                          *options_.restore, world_.stepCount(), last_));
         }
         prepareOutput();
+        if (options_.poses) poses_.emplace(*options_.poses);
         Progress progress(last_);
         while (world_.stepCount() < last_) {
             step();
@@ -70,16 +70,9 @@ private:
         if (error) throw AssetError(*options_.out + ": is no folder and cannot be made one: " + error.message());
         telemetry_.emplace(fs::path(*options_.out) / "telemetry.csv", scene_, instance_);
         recording_.emplace(world_);
-        for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-            if (!scene_.bodies[i].name.empty()) recording_->name(instance_.bodies[i], scene_.bodies[i].name);
-            if (scene_.bodies[i].masonry) recording_->paint(instance_.bodies[i], kBricks[i * 7 % std::size(kBricks)]);
-        }
-        for (std::size_t i = 0; i < instance_.vehicles.size(); ++i) {
-            recording_->paint(instance_.vehicles[i].chassis(), kVehicle);
-            if (!scene_.vehicles[i].name.empty()) recording_->name(instance_.vehicles[i].chassis(), scene_.vehicles[i].name);
-        }
-        for (const Ragdoll& ragdoll : instance_.ragdolls) {
-            for (const BodyId body : ragdoll.bodies()) recording_->paint(body, kRagdoll);
+        for (const auto& [body, look] : live::looksOf(scene_, instance_)) {
+            if (!look.name.empty()) recording_->name(body, look.name);
+            if (look.color) recording_->paint(body, *look.color);
         }
     }
 
@@ -96,9 +89,12 @@ private:
         times_.add(lastMs_);
         const StepStats stats = world_.stats();
         for (const StepStats::Stage& stage : stats.stages) {
-            const auto known = std::find_if(stages_.begin(), stages_.end(), [&](const auto& s) { return s.first == stage.name; });
-            if (known == stages_.end()) stages_.emplace_back(stage.name, stage.ms);
-            else known->second += stage.ms;
+            const auto known =
+                std::find_if(stages_.begin(), stages_.end(), [&](const auto& s) { return s.first == stage.name; });
+            if (known == stages_.end())
+                stages_.emplace_back(stage.name, stage.ms);
+            else
+                known->second += stage.ms;
         }
         ++observed_;
         summary_.finite = summary_.finite && allFinite(world_);
@@ -106,6 +102,7 @@ private:
         summary_.jointGapMax = std::max(summary_.jointGapMax, largestJointGap(world_));
         if (telemetry_) telemetry_->add(world_, instance_, lastMs_);
         if (recording_) recording_->capture();
+        if (poses_) poses_->add(world_, world_.stepCount() == last_);
     }
 
     void save() const {
@@ -134,7 +131,8 @@ private:
         summary_.realTimeFactor = times_.realTimeFactor();
         summary_.realTimeFactorMin = times_.worstSecond();
         summary_.msPerStep.emplace_back("total", times_.meanMs());
-        for (const auto& [name, ms] : stages_) summary_.msPerStep.emplace_back(name, ms / static_cast<double>(observed_));
+        for (const auto& [name, ms] : stages_)
+            summary_.msPerStep.emplace_back(name, ms / static_cast<double>(observed_));
         summary_.contacts = world_.stats().contacts;
         summary_.finite = summary_.finite && allFinite(world_);
         if (summary_.finite) {
@@ -165,6 +163,7 @@ private:
     std::vector<std::pair<std::string, double>> stages_;
     std::optional<Telemetry> telemetry_;
     std::optional<Recording> recording_;
+    std::optional<PosesFile> poses_;
 };
 
 }  // namespace

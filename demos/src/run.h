@@ -19,6 +19,7 @@ struct RunOptions {
     std::optional<std::uint64_t> saveAt;   ///< step after which the state is written
     std::optional<std::string> restore;    ///< file of a state to go on from
     std::optional<std::string> out;        ///< folder for recording, telemetry, summary and state
+    std::optional<std::string> poses;      ///< file of the poses of all bodies, once a second
 };
 
 /// Runs a scene and prints its summary. Throws AssetError on bad input.

@@ -16,8 +16,10 @@ std::string quoted(const std::string& text) {
     std::string out = "\"";
     for (const char c : text) {
         if (c == '"' || c == '\\') out += '\\';
-        if (static_cast<unsigned char>(c) < 0x20) out += fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
-        else out += c;
+        if (static_cast<unsigned char>(c) < 0x20)
+            out += fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
+        else
+            out += c;
     }
     return out + "\"";
 }
@@ -29,7 +31,8 @@ std::string toJson(const Summary& s) {
     for (const auto& [name, ms] : s.msPerStep) {
         times += fmt::format("{}\n    {}: {}", times.empty() ? "" : ",", quoted(name), number(ms));
     }
-    for (const std::string& warning : s.warnings) warnings += (warnings.empty() ? "\n    " : ",\n    ") + quoted(warning);
+    for (const std::string& warning : s.warnings)
+        warnings += (warnings.empty() ? "\n    " : ",\n    ") + quoted(warning);
     std::string out = "{\n";
     out += fmt::format("  \"hash\": \"{:016x}\",\n  \"steps\": {},\n  \"finite\": {},\n", s.hash, s.steps, s.finite);
     out += fmt::format("  \"real_time_factor\": {},\n  \"real_time_factor_min\": {},\n", number(s.realTimeFactor),

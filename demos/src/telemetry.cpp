@@ -18,7 +18,8 @@ std::string column(const std::string& name, const std::string& fallback) {
 
 }  // namespace
 
-Telemetry::Telemetry(const std::filesystem::path& path, const Scene& scene, const SceneInstance& instance) : out_(path) {
+Telemetry::Telemetry(const std::filesystem::path& path, const Scene& scene, const SceneInstance& instance)
+    : out_(path) {
     if (!out_) throw AssetError(path.string() + ": cannot be written");
     out_ << "time_s,step_ms,energy_j,contacts,awake_bodies";
     for (std::size_t i = 0; i < instance.vehicles.size(); ++i) {

@@ -11,13 +11,19 @@ namespace {
 /// Groups of parts that keep quiet are named after the body of their first part, far below what callers would use.
 constexpr std::int32_t kFirstGroup = -0x40000000;
 
+float densityOf(const RagdollPart& part) { return part.mass / massOf(part.shape, 1.0f).mass; }
+
+MassProperties massOf(const RagdollPart& part) {
+    MassProperties mass = transformed(massOf(part.shape, densityOf(part)), part.frame);
+    mass.mass = part.mass;
+    return mass;
+}
+
 BodyDef bodyOf(const RagdollPart& part, const Pose& pose, const Vec3& velocity) {
     ShapeDef shape{.geometry = part.shape, .frame = part.frame, .material = part.material};
-    shape.density = part.mass / massOf(part.shape, 1.0f).mass;
+    shape.density = densityOf(part);
     BodyDef body;
-    MassProperties mass = transformed(massOf(part.shape, shape.density), part.frame);
-    mass.mass = part.mass;
-    body.mass = mass;
+    body.mass = massOf(part);
     body.shapes.push_back(std::move(shape));
     body.pose = pose;
     body.linearVelocity = velocity;
@@ -62,20 +68,22 @@ void Ragdoll::spawn(std::span<const Pose> partPoses, const Vec3& velocity) {
             filter.group = kFirstGroup + static_cast<std::int32_t>(bodies_[first].index);
             for (const ShapeId shape : world_->shapes(bodies_[i])) world_->setFilter(shape, filter);
         }
-        for (const RagdollJoint& joint : def_.joints) {
-            JointDef complete = joint.joint;
-            std::visit(
-                [&](auto& each) {
-                    each.bodies.a = bodies_[static_cast<std::size_t>(joint.parent)];
-                    each.bodies.b = bodies_[static_cast<std::size_t>(joint.child)];
-                },
-                complete);
-            joints_.push_back(world_->create(complete));
-        }
+        for (const RagdollJoint& joint : def_.joints) joints_.push_back(world_->create(placed(joint)));
     } catch (...) {
         release();
         throw;
     }
+}
+
+JointDef Ragdoll::placed(const RagdollJoint& joint) const {
+    JointDef complete = joint.joint;
+    std::visit(
+        [&](auto& each) {
+            each.bodies.a = bodies_[static_cast<std::size_t>(joint.parent)];
+            each.bodies.b = bodies_[static_cast<std::size_t>(joint.child)];
+        },
+        complete);
+    return complete;
 }
 
 void Ragdoll::release() {
@@ -86,6 +94,24 @@ void Ragdoll::release() {
         if (world_->isValid(body)) world_->destroy(body);
     joints_.clear();
     bodies_.clear();
+}
+
+void Ragdoll::setDef(const RagdollDef& next) {
+    validate(next);
+    if (next.parts.size() != def_.parts.size() || next.joints.size() != def_.joints.size())
+        throw std::invalid_argument("ragdoll: has " + std::to_string(next.parts.size()) + " parts and " +
+                                    std::to_string(next.joints.size()) + " joints, must keep " +
+                                    std::to_string(def_.parts.size()) + " and " + std::to_string(def_.joints.size()));
+    for (std::size_t i = 0; i < next.joints.size(); ++i)
+        if (next.joints[i].joint.index() != def_.joints[i].joint.index())
+            throw std::invalid_argument("ragdoll: joints[" + std::to_string(i) + "] must keep its kind");
+    for (std::size_t i = 0; i < next.parts.size(); ++i) {
+        if (next.parts[i].mass != def_.parts[i].mass) world_->setMass(bodies_[i], massOf(next.parts[i]));
+        if (next.parts[i].material == def_.parts[i].material) continue;
+        for (const ShapeId shape : world_->shapes(bodies_[i])) world_->setMaterial(shape, next.parts[i].material);
+    }
+    for (std::size_t i = 0; i < next.joints.size(); ++i) world_->setDef(joints_[i], placed(next.joints[i]));
+    def_ = next;
 }
 
 Ragdoll::~Ragdoll() { release(); }

@@ -32,7 +32,7 @@ TEST(ChildProcess, CrashesTimeoutsAndExceptionsAreFailures) {
 
 TEST(ImportScene, EndlessAndGreedyFilesEndInOneLine) {
     RAGTOP_MODEL(file, "invalid/OutOfMemory.off");
-    EXPECT_NE(importError(file, [&] { importScene(file, false, milliseconds(1500)); }), "");
+    EXPECT_NE(importError(file, [&] { importScene(file, ImportedDetail::skeleton, milliseconds(1500)); }), "");
 }
 
 TEST(ImportScene, MalformedModelsNeverCrashTheCaller) {
@@ -40,7 +40,8 @@ TEST(ImportScene, MalformedModelsNeverCrashTheCaller) {
     int refused = 0, read = 0;
     for (const auto& entry : std::filesystem::directory_iterator(sample.parent_path())) {
         if (!entry.is_regular_file() || entry.path().filename() == "OutOfMemory.off") continue;
-        importError(entry.path(), [&] { importScene(entry.path(), true); }) == "" ? ++read : ++refused;
+        importError(entry.path(), [&] { importScene(entry.path(), ImportedDetail::surface); }) == "" ? ++read
+                                                                                                     : ++refused;
     }
     EXPECT_GT(refused, 10);
     RecordProperty("read", read);

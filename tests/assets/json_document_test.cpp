@@ -22,9 +22,10 @@ std::string complaintOf(const std::string& text) {
 }
 
 TEST(JsonDocument, KnowsWhereEachValueBegins) {
-    const auto document = JsonDocument::parse("// a comment, { not \"JSON\"\n{\n  \"a\": [1, /* two */ 2],\n"
-                                              "  \"b/c\": {\"d\": \"x\\\"}\"}\n}\n",
-                                              "f.json");
+    const auto document = JsonDocument::parse(
+        "// a comment, { not \"JSON\"\n{\n  \"a\": [1, /* two */ 2],\n"
+        "  \"b/c\": {\"d\": \"x\\\"}\"}\n}\n",
+        "f.json");
     EXPECT_EQ(document.place("").line, 2);
     EXPECT_EQ(document.place("/a").column, 8);
     EXPECT_EQ(document.place("/a/1").line, 3);

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "gltf_library.h"
+#include "ragtop/surface_mesh.h"
 #include "ragtop/world.h"
-#include "surface_mesh.h"
 #include "support/temporary_path.h"
 
 namespace ragtop {
@@ -88,7 +88,8 @@ TEST(Recording, BodiesThatComeAndGoHaveNoSizeBeforeAndAfter) {
 
 TEST(Recording, SharesMeshesAndStaysSmallForThousandsOfBodies) {
     World world({.gravity = {}});
-    for (int i = 0; i < 2000; ++i) world.create(DynamicBody{.shape = Box{{0.2f, 0.1f, 0.1f}}, .position = {i * 1.0, 0, 0}});
+    for (int i = 0; i < 2000; ++i)
+        world.create(DynamicBody{.shape = Box{{0.2f, 0.1f, 0.1f}}, .position = {i * 1.0, 0, 0}});
     Recording recording{world};
     for (int i = 0; i < 10; ++i) {
         world.step(1.0 / 60);
@@ -121,8 +122,8 @@ TEST(SurfaceMesh, EnclosesTheVolumeOfItsShape) {
     EXPECT_NEAR(volume(Box{}), 8, 1e-5);
     // Sixteen sides lose a few per cent of a ball of volume 4π/3.
     EXPECT_NEAR(volume(Sphere{}), 4 * 3.14159 / 3, 0.3);
-    const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1},
-                                   {0.5f, 0.5f, 0.5f}};
+    const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1},         {1, 1, 0},
+                                   {1, 0, 1}, {0, 1, 1}, {1, 1, 1}, {0.5f, 0.5f, 0.5f}};
     EXPECT_NEAR(volumeOf(points, hullTriangles(points)), 1, 1e-5);
 }
 

@@ -25,7 +25,12 @@ std::filesystem::path fileWith(const std::string& name, const std::string& text)
 }
 
 TEST(Scene, ShipsWhatTheProgramLists) {
-    EXPECT_THAT(shippedScenes(), testing::IsSupersetOf({"crash", "crash_unhit", "rain", "tower", "track"}));
+    EXPECT_THAT(shippedScenes(),
+                testing::IsSupersetOf({"crash", "crash_unhit", "hills", "rain", "tower", "track", "wrecker"}));
+    for (const std::string& name : shippedScenes()) {
+        EXPECT_NE(sceneDescription(findScene(name)), "") << name;
+        EXPECT_TRUE(loadScene(findScene(name)).camera) << name;
+    }
     EXPECT_THROW(findScene("no such scene"), AssetError);
 }
 
@@ -108,7 +113,7 @@ TEST(Scene, JointsHoldWhereTheFileSays) {
 }
 
 TEST(Scene, EveryShippedSceneStepsWithFiniteNumbers) {
-    for (const char* name : {"tower", "track", "rain"}) {
+    for (const char* name : {"tower", "track", "hills", "rain", "wrecker"}) {
         const Scene scene = loadScene(findScene(name));
         World world(scene.settings);
         SceneInstance instance(scene, world);
@@ -121,7 +126,7 @@ TEST(Scene, EveryShippedSceneStepsWithFiniteNumbers) {
 }
 
 TEST(Scene, DriverFollowsTheScript) {
-    const Scene scene = loadScene(findScene("track"));
+    const Scene scene = loadScene(findScene("hills"));
     World world(scene.settings);
     SceneInstance instance(scene, world);
     instance.drive(0);

@@ -1,11 +1,12 @@
 #!/bin/sh
-# run.sh find_package|add_subdirectory|pkg_config|readme <source tree> <build tree> <C++ compiler> <build type>
+# run.sh find_package|add_subdirectory|pkg_config|readme|serve <source tree> <build tree> <C++ compiler> <build type>
 #
 # Builds a program on Ragtop the way a consumer would, runs it, and looks for the recording it writes.
 #   find_package      against an installation, with CMake
 #   pkg_config        against an installation, with pkg-config and the compiler alone
 #   add_subdirectory  from Ragtop's sources
 #   readme            the first C++ block of README.md, against the build tree
+#   serve             the first C++ block of docs/serve.md, against an installation; it must serve until it is ended
 set -eu
 way=$1 source=$2 build=$3 compiler=$4 build_type=$5
 
@@ -27,6 +28,8 @@ build_consumer() {
     program=$work/build/consumer
 }
 
+first_block() { awk '/^```/ { if (inside) exit; inside = /^```cpp/; next } inside' "$1"; }
+
 case $way in
 find_package)
     install_ragtop
@@ -45,8 +48,25 @@ add_subdirectory)
     build_consumer -DRAGTOP_SOURCE="$source"
     ;;
 readme)
-    awk '/^```/ { if (inside) exit; inside = /^```cpp/; next } inside' "$source/README.md" >"$work/hello.cpp"
+    first_block "$source/README.md" >"$work/hello.cpp"
     build_consumer -Dragtop_DIR="$build" -DCONSUMER_SOURCE="$work/hello.cpp"
+    ;;
+serve)
+    install_ragtop
+    first_block "$source/docs/serve.md" | sed 's/options{.name/options{.port = 0, .name/' >"$work/wind.cpp"
+    build_consumer -DCMAKE_PREFIX_PATH="$prefix" -DCONSUMER_SOURCE="$work/wind.cpp" -DCONSUMER_LIBRARY=ragtop::serve
+    "$program" >"$work/output" &
+    server=$!
+    tries=0
+    until grep -q 'http://127.0.0.1:' "$work/output"; do
+        tries=$((tries + 1))
+        [ $tries -lt 100 ] && kill -0 $server || { cat "$work/output"; exit 1; }
+        sleep 0.1
+    done
+    cat "$work/output"
+    kill -TERM $server
+    wait $server || true
+    exit
     ;;
 *)
     echo "unknown way to build: $way" >&2

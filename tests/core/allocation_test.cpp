@@ -40,7 +40,8 @@ void addSlope(World& world, const scenes::Scale&) {
         world.create(StaticBody{.shape = Box{{400, 1, 4}}, .position = {0, -1, 10.0 * lane}, .rotation = tilted});
     for (int i = 0; i < 10; ++i) {
         const DVec3 along = DVec3{} + rotate(tilted, {-100.0f + 4 * static_cast<float>(i), 0.5f, 0});
-        world.create(DynamicBody{.shape = Box{}, .position = along, .rotation = tilted, .material = {.friction = 0.125f}});
+        world.create(
+            DynamicBody{.shape = Box{}, .position = along, .rotation = tilted, .material = {.friction = 0.125f}});
         world.create(DynamicBody{.shape = Sphere{}, .position = along + DVec3{0, 0, 10}});
     }
 }
@@ -139,8 +140,8 @@ TEST(Allocation, QueriesAskForNoMemory) {
 }
 
 /// The state of a world is in the memory it was given. Beside it there are, from the heap, the world object itself, the
-/// list of colours, shapes as they were defined with their shared data, modules, callbacks, and the lists that bodies(),
-/// shapes() and jointsOf() hand out.
+/// list of colours, shapes as they were defined with their shared data, modules, callbacks, and the lists that
+/// bodies(), shapes() and jointsOf() hand out.
 TEST(Allocation, BodiesContactsAndJointsAreInTheMemoryGiven) {
     const auto heapBytesOf = [](int bodies) {
         CountingMemory memory;

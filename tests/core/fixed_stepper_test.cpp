@@ -60,8 +60,8 @@ TEST(FixedStepper, NonsenseFramesCountAsZero) {
 }
 
 TEST(FixedStepper, UnusableStepsAreNamed) {
-    for (const double step : {0.0, -0.1, std::numeric_limits<double>::infinity(),
-                              std::numeric_limits<double>::quiet_NaN()}) {
+    for (const double step :
+         {0.0, -0.1, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
         EXPECT_THROW(FixedStepper(step, 4), std::invalid_argument);
     }
     try {

@@ -19,20 +19,22 @@ TEST(PairSet, AgreesWithAMapThroughManyChanges) {
     std::map<std::uint64_t, std::uint32_t> model;
     std::mt19937_64 random(5);
     for (std::uint32_t i = 0; i < 100000; ++i) {
-        const std::uint64_t key = pairKey(static_cast<std::uint32_t>(random() % 64),
-                                          static_cast<std::uint32_t>(random() % 64));
+        const std::uint64_t key =
+            pairKey(static_cast<std::uint32_t>(random() % 64), static_cast<std::uint32_t>(random() % 64));
         if (random() % 2 == 0) {
             ASSERT_EQ(set.insert(key, i), model.emplace(key, i).second);
         } else {
             ASSERT_EQ(set.erase(key), model.erase(key) == 1);
         }
         ASSERT_EQ(set.size(), model.size());
-        const std::uint64_t other = pairKey(static_cast<std::uint32_t>(random() % 64),
-                                            static_cast<std::uint32_t>(random() % 64));
+        const std::uint64_t other =
+            pairKey(static_cast<std::uint32_t>(random() % 64), static_cast<std::uint32_t>(random() % 64));
         const auto it = model.find(other);
         const std::uint32_t* found = set.find(other);
         ASSERT_EQ(found != nullptr, it != model.end());
-        if (found != nullptr) { ASSERT_EQ(*found, it->second); }
+        if (found != nullptr) {
+            ASSERT_EQ(*found, it->second);
+        }
     }
     for (const auto& [key, value] : model) ASSERT_EQ(*set.find(key), value);
 }

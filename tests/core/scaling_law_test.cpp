@@ -32,8 +32,10 @@ void expectAlike(const World& unit, const World& scaled, const Scale& scale, int
         const Pose pose = unit.pose(a), other = scaled.pose(b);
         ASSERT_EQ(double{scale.s} * scale.s * pose.position, other.position) << "body " << a.index << " step " << step;
         ASSERT_EQ(pose.rotation, other.rotation) << "body " << a.index << " step " << step;
-        ASSERT_EQ(scale.velocity(unit.linearVelocity(a)), scaled.linearVelocity(b)) << "body " << a.index << " step " << step;
-        ASSERT_EQ(scale.spin(unit.angularVelocity(a)), scaled.angularVelocity(b)) << "body " << a.index << " step " << step;
+        ASSERT_EQ(scale.velocity(unit.linearVelocity(a)), scaled.linearVelocity(b))
+            << "body " << a.index << " step " << step;
+        ASSERT_EQ(scale.spin(unit.angularVelocity(a)), scaled.angularVelocity(b))
+            << "body " << a.index << " step " << step;
         ASSERT_EQ(unit.isAwake(a), scaled.isAwake(b)) << "body " << a.index << " step " << step;
     }
     ASSERT_EQ(unit.stats().contacts, scaled.stats().contacts) << "step " << step;
@@ -57,7 +59,9 @@ protected:
     const Scenario& scenario() const { return scenes::kScenarios[GetParam()]; }
 };
 
-TEST_P(ScalingLaw, FourTimesAsLargeMovesAlikeInTwiceTheTime) { expectSameMotion(scenario(), {2}, scenario().steps / 2); }
+TEST_P(ScalingLaw, FourTimesAsLargeMovesAlikeInTwiceTheTime) {
+    expectSameMotion(scenario(), {2}, scenario().steps / 2);
+}
 TEST_P(ScalingLaw, OneSixteenthAsLargeMovesAlikeInAQuarterOfTheTime) {
     expectSameMotion(scenario(), {0.25f}, scenario().steps / 4);
 }

@@ -45,7 +45,8 @@ struct Pusher {
             self.state.strength = 0.75f * self.state.strength + 0.5f;
             if (!world.isValid(self.body)) return;
             const float sign = self.state.pushes % 32 < 16 ? 1.0f : -1.0f;
-            world.applyForce(self.body, 500 * sign * self.state.strength * Vec3{1, 0, 0.25f}, world.centerOfMass(self.body));
+            world.applyForce(self.body, 500 * sign * self.state.strength * Vec3{1, 0, 0.25f},
+                             world.centerOfMass(self.body));
         };
         module.saveSize = [](const void*) { return sizeof(State); };
         module.save = [](const void* user, std::span<std::byte> into) {

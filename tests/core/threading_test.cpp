@@ -99,7 +99,8 @@ TEST(Threading, CommandsRecordedByJobsApplyInTheOrderOfTheirKeys) {
                 const int job = backwards ? kThreads - 1 - thread : thread;
                 CommandBuffer& buffer = buffers[static_cast<std::size_t>(job)];
                 for (int k = 0; k < 4; ++k) {
-                    const BodyId body = world.bodies()[static_cast<std::size_t>(1 + (4 * job + 5 * k + frame) % (4 * kThreads))];
+                    const BodyId body =
+                        world.bodies()[static_cast<std::size_t>(1 + (4 * job + 5 * k + frame) % (4 * kThreads))];
                     const Vec3 push{10.0f * static_cast<float>(job - 1), 100, 5.0f * static_cast<float>(k)};
                     buffer.applyImpulse(body, push, world.centerOfMass(body));
                 }
@@ -139,7 +140,8 @@ TEST(Threading, CallbacksOnAllThreadsDecideAsOnOne) {
         for (std::uint64_t i = 0; i < 60; ++i) {
             BodyDef def;
             def.shapes.push_back({.geometry = Box{{0.25f, 0.25f, 0.25f}}, .userData = i + 1});
-            def.pose.position = {0.75 * static_cast<double>(i % 4), 1 + static_cast<double>(i / 16), 0.75 * static_cast<double>(i / 4 % 4)};
+            def.pose.position = {0.75 * static_cast<double>(i % 4), 1 + static_cast<double>(i / 16),
+                                 0.75 * static_cast<double>(i / 4 % 4)};
             world.create(def);
         }
         for (int i = 0; i < 60; ++i) world.step(1.0 / 60);

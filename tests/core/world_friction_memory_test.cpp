@@ -24,10 +24,10 @@ TEST(WorldFrictionMemory, SlidingHasTheDynamicCoefficient) {
     EXPECT_NEAR(world.pose(box).position.x - start, expected, 0.002 * expected);
 }
 
-// A block on a belt, held by a spring: it sticks until k x = μs m g, then slips to the mirror image about μk m g / k, where
-// it comes to rest for a moment: the stroke is 2 (μs − μk) m g / k. The belt adds what it moves meanwhile, which the slow
-// one here makes small: in half a period, π √(m/k), 0.02 m/s make 20 mm, of which it rides along for less than half before it
-// slips and after it sticks, so 5 mm/s, a quarter of that, are used.
+// A block on a belt, held by a spring: it sticks until k x = μs m g, then slips to the mirror image about μk m g / k,
+// where it comes to rest for a moment: the stroke is 2 (μs − μk) m g / k. The belt adds what it moves meanwhile, which
+// the slow one here makes small: in half a period, π √(m/k), 0.02 m/s make 20 mm, of which it rides along for less than
+// half before it slips and after it sticks, so 5 mm/s, a quarter of that, are used.
 TEST(WorldFrictionMemory, StickSlipHasTheStrokeOfTheCoefficients) {
     World world(withoutSleep());
     const BodyId floor = addFloor(world, uneven(0.6f, 2.0f / 3));
@@ -161,8 +161,8 @@ TEST(WorldFrictionMemory, MaterialsSayWhatIsWrong) {
     EXPECT_NE(whyInvalid(material).find("spinningResistance is -1"), std::string::npos);
 }
 
-// Equal balls at e = 1 hand their momentum on: k balls come in, k leave, whether they touch or not. Impacts of one substep
-// are played in the order of the graph, not of time, which at the end of a substep costs a percent.
+// Equal balls at e = 1 hand their momentum on: k balls come in, k leave, whether they touch or not. Impacts of one
+// substep are played in the order of the graph, not of time, which at the end of a substep costs a percent.
 TEST(WorldFrictionMemory, ACradleEjectsAsManyAsComeIn) {
     for (const double gap : {0.0, 0.001, 0.0137})
         for (int k = 1; k <= 4; ++k) {

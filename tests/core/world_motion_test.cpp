@@ -155,8 +155,8 @@ TEST(WorldMotion, AFreeCollisionKeepsMomentum) {
     EXPECT_TRUE(touched);
     const double scale = world.mass(bodies[0]).mass * 6 * 3;
     EXPECT_LT(distanceBetween(p0, p1), 1e-5 * scale);
-    // One impulse acts at one point on both bodies, wherever they have moved in the step; a bounce acts at its time within
-    // the substep, h v from there: 3/240 of what it exchanges, a tenth of the whole here.
+    // One impulse acts at one point on both bodies, wherever they have moved in the step; a bounce acts at its time
+    // within the substep, h v from there: 3/240 of what it exchanges, a tenth of the whole here.
     EXPECT_LT(distanceBetween(l0, l1), 2e-3 * scale);
     EXPECT_LT(world.energy(), energy);
 }

@@ -1,3 +1,4 @@
+#include "shape_support.h"
 #include "world_support.h"
 
 namespace ragtop {
@@ -28,10 +29,10 @@ ConvexHull wedgeHull() {
     return ConvexHull(points);
 }
 
-// Apex k is e^{2k} times the height: the approach speed is that at the surface. The rise begins at the end of the step of
-// the impact from the surface, or from the stop of the continuous sweep, a quarter of the speculative margin (0.02 r)
-// above it, whose height the energy gains. The time of the impact is foreseen without the fall during it, g h² of height.
-// Poses are seen once per step: the highest is up to g (dt/2)²/2 below the apex.
+// Apex k is e^{2k} times the height: the approach speed is that at the surface. The rise begins at the end of the step
+// of the impact from the surface, or from the stop of the continuous sweep, a quarter of the speculative margin (0.02
+// r) above it, whose height the energy gains. The time of the impact is foreseen without the fall during it, g h² of
+// height. Poses are seen once per step: the highest is up to g (dt/2)²/2 below the apex.
 TEST(WorldSurfaces, BouncesRiseToTheSquareOfRestitution) {
     for (const float e : {0.5f, 0.9f, 1.0f}) {
         World world(withoutSleep());
@@ -127,9 +128,10 @@ TEST(WorldSurfaces, DeepOverlapResolvesWithoutAPop) {
 // A floor of triangles is one plane: nothing that slides over it is lifted by the edges between them.
 TEST(WorldSurfaces, AFlatMeshIsAsSmoothAsAPlane) {
     const std::vector<float> heights(41 * 41, 0.0f);
+    std::vector<Shape> shapes{Box{{0.4f, 0.3f, 0.4f}}, Sphere{0.3f}, Capsule{0.3f, 0.2f}};
+    if (hullsCanBeBuilt()) shapes.push_back(wedgeHull());
     for (const bool field : {false, true}) {
-        for (const Shape& shape :
-             {Shape(Box{{0.4f, 0.3f, 0.4f}}), Shape(Sphere{0.3f}), Shape(Capsule{0.3f, 0.2f}), Shape(wedgeHull())}) {
+        for (const Shape& shape : shapes) {
             World world(withoutSleep());
             if (field) {
                 BodyDef floor = bodyDef(HeightField(41, 41, 0.5f, heights), {-10, 0, -10}, surface(0), BodyType::fixed);
@@ -164,17 +166,17 @@ TEST(WorldSurfaces, EveryShapeRestsOnAMesh) {
     Compound dumbbell;
     dumbbell.parts.push_back({Sphere{0.3f}, {{-0.5f, 0, 0}, {}}});
     dumbbell.parts.push_back({Box{{0.3f, 0.3f, 0.3f}}, {{0.5f, 0, 0}, {}}});
-    const BodyId bodies[] = {world.create(bodyDef(Sphere{0.3f}, {0.1, 1, 0.2}, surface(0.6f, 0, 0.02f))),
-                             world.create(bodyDef(Box{{0.3f, 0.3f, 0.3f}}, {3.1, 1, 0.2})),
-                             world.create(bodyDef(Capsule{0.3f, 0.4f}, {6, 1, 0.2})),
-                             world.create(bodyDef(wedgeHull(), {-3, 1, 0.2})),
-                             world.create(bodyDef(dumbbell, {-6, 1, 0.2}))};
+    std::vector<BodyId> bodies{world.create(bodyDef(Sphere{0.3f}, {0.1, 1, 0.2}, surface(0.6f, 0, 0.02f))),
+                               world.create(bodyDef(Box{{0.3f, 0.3f, 0.3f}}, {3.1, 1, 0.2})),
+                               world.create(bodyDef(dumbbell, {-6, 1, 0.2}))};
+    if (hullsCanBeBuilt()) bodies.push_back(world.create(bodyDef(wedgeHull(), {-3, 1, 0.2})));
+    const BodyId capsule = world.create(bodyDef(Capsule{0.3f, 0.4f}, {6, 1, 0.2}));
     run(world, 6);
-    for (const BodyId body : bodies) EXPECT_LT(length(world.linearVelocity(body)), 0.01f);
-    EXPECT_NEAR(height(world, bodies[0]), 0.3, 0.002);
-    EXPECT_NEAR(height(world, bodies[1]), 0.3, 0.002);
-    EXPECT_NEAR(height(world, bodies[3]), 0.3, 0.002);
-    EXPECT_NEAR(height(world, bodies[4]), 0.3, 0.002);
+    for (const BodyId body : bodies) {
+        EXPECT_LT(length(world.linearVelocity(body)), 0.01f);
+        EXPECT_NEAR(height(world, body), 0.3, 0.002);
+    }
+    EXPECT_LT(length(world.linearVelocity(capsule)), 0.01f);
 }
 
 TEST(WorldSurfaces, ABallStaysInACompoundBowl) {

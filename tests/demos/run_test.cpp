@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 #include <vector>
 #include "support/temporary_path.h"
@@ -42,15 +43,40 @@ std::string folder(const std::string& name) {
 }
 
 TEST(Run, SummaryHasExactlyItsKeys) {
-    const std::vector<std::string> keys{"hash", "steps", "finite", "real_time_factor", "real_time_factor_min", "ms_per_step",
-                                        "contacts", "penetration_max_m", "penetration_p99_m", "joint_gap_max_m",
-                                        "moved_max_m", "max_speed_m_s", "energy_j", "warnings"};
+    const std::vector<std::string> keys{"hash",
+                                        "steps",
+                                        "finite",
+                                        "real_time_factor",
+                                        "real_time_factor_min",
+                                        "ms_per_step",
+                                        "contacts",
+                                        "penetration_max_m",
+                                        "penetration_p99_m",
+                                        "joint_gap_max_m",
+                                        "moved_max_m",
+                                        "max_speed_m_s",
+                                        "energy_j",
+                                        "warnings"};
     const std::string out = folder("run_summary");
     const std::string printed = ragtop("run tower --steps 20 --out '" + out + "'");
     EXPECT_EQ(keysOf(printed), keys);
     for (const char* file : {"recording.glb", "telemetry.csv", "summary.json"}) {
         EXPECT_GT(std::filesystem::file_size(std::filesystem::path(out) / file), 100u) << file;
     }
+    std::filesystem::remove_all(out);
+}
+
+TEST(Run, PosesAreWrittenEachSecondAndAtTheEnd) {
+    const std::string out = folder("run_poses");
+    ragtop("run tower --steps 70 --poses '" + out + "/poses.csv'");
+    std::ifstream file(out + "/poses.csv");
+    std::string line;
+    std::getline(file, line);
+    EXPECT_EQ(line, "step,time_s,body,x_m,y_m,z_m,qx,qy,qz,qw");
+    std::map<std::string, int> bodiesAtStep;
+    while (std::getline(file, line)) ++bodiesAtStep[line.substr(0, line.find(','))];
+    // The ground and twelve boxes.
+    EXPECT_EQ(bodiesAtStep, (std::map<std::string, int>{{"60", 13}, {"70", 13}}));
     std::filesystem::remove_all(out);
 }
 
@@ -81,12 +107,13 @@ TEST_P(SceneRun, EndsAlikeWithAndWithoutAStopOnTheWay) {
 TEST_P(SceneRun, EndsAlikeWithAnyWidthAndNumberOfThreads) {
     const std::string reference = hashOf(ragtop("run " + GetParam() + steps(kSteps) + " --lanes 4"));
     EXPECT_NE(reference, "none");
-    for (const char* how : {" --lanes 4 --threads 2", " --lanes 8", " --lanes 8 --threads 2", " --lanes 16 --threads 2"}) {
+    for (const char* how :
+         {" --lanes 4 --threads 2", " --lanes 8", " --lanes 8 --threads 2", " --lanes 16 --threads 2"}) {
         EXPECT_EQ(hashOf(ragtop("run " + GetParam() + steps(kSteps) + how)), reference) << how;
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, SceneRun, testing::Values("crash", "rain", "tower", "track"),
+INSTANTIATE_TEST_SUITE_P(Scenes, SceneRun, testing::Values("crash", "hills", "rain", "tower", "track", "wrecker"),
                          [](const testing::TestParamInfo<std::string>& scene) { return scene.param; });
 
 TEST(Run, SettingsChangeWhatHappens) {

@@ -23,6 +23,17 @@ Drivetrain::Drivetrain(const VehicleDef& def)
     differential.assign(rows_.size(), 0);
 }
 
+Drivetrain::Drivetrain(const VehicleDef& def, Drivetrain&& before) : Drivetrain(def) {
+    engineSpeed = before.engineSpeed;
+    engine = before.engine;
+    clutch = before.clutch;
+    gearbox = before.gearbox;
+    gearbox.gear = std::min(gearbox.gear, static_cast<std::int32_t>(def.gearbox.ratios.size()));
+    spin = std::move(before.spin);
+    brake = std::move(before.brake);
+    if (before.differential.size() == differential.size()) differential = std::move(before.differential);
+}
+
 void Drivetrain::startRolling(const VehicleDef& def, float axleSpeed) {
     for (std::size_t i = 0; i < def.gearbox.ratios.size(); ++i) {
         gearbox.shiftTimer = 0;

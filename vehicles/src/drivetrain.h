@@ -28,6 +28,8 @@ class Drivetrain {
 public:
     Drivetrain() = default;
     explicit Drivetrain(const VehicleDef& def);
+    /// With the state of another one that has as many wheels.
+    Drivetrain(const VehicleDef& def, Drivetrain&& before);
 
     /// The gear and engine speed of a car whose driven wheels turn at `axleSpeed`.
     void startRolling(const VehicleDef& def, float axleSpeed);

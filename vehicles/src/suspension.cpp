@@ -9,8 +9,8 @@ StrutSpec makeStrut(const SuspensionDef& def, float staticLoad, float gravity) {
     const float mass = staticLoad / gravity;
     const float omega = 2 * kPi * def.frequency;
     StrutSpec strut;
-    strut.load = staticLoad;
     strut.stiffness = def.stiffness.value_or(mass * omega * omega);
+    strut.load = def.springCompression ? strut.stiffness * *def.springCompression : staticLoad;
     const float damping = 2 * def.dampingRatio * std::sqrt(strut.stiffness * mass);
     strut.compressionDamping = def.compressionDamping.value_or(damping);
     strut.reboundDamping = def.reboundDamping.value_or(damping);

@@ -8,11 +8,11 @@
 /// Struts: how they share the car's weight, and their spring, damper and stops.
 namespace ragtop {
 
-/// A strut in numbers: the force along its axis at compression x (m above rest) is
+/// A strut in numbers: the force along its axis at compression x (m above its place) is
 ///
 ///     F = load + k x + c ẋ + [x > travelUp] (k_b (x − travelUp) + c_b ẋ),   F ≥ 0
 struct StrutSpec {
-    float load = 0;  ///< N, at rest
+    float load = 0;  ///< N, of the spring with the wheel at its place
     float stiffness = 0, compressionDamping = 0, reboundDamping = 0;
     float travelUp = 0, travelDown = 0;
     float bumpStiffness = 0, bumpDamping = 0;

@@ -68,34 +68,42 @@ WheelSpec wheelSpec(const WheelDef& wheel, const Vec3& steeringCenter, float loa
     return spec;
 }
 
+void requireUsable(const VehicleDef& def) {
+    if (const std::string why = whyInvalid(def); !why.empty()) {
+        throw std::invalid_argument("vehicle " + def.name + ": " + why);
+    }
+}
+
+void requireFinite(const VehicleDef& def, const VehiclePlacement& placement) {
+    if (isFinite(placement.position) && std::isfinite(placement.heading) && std::isfinite(placement.speed)) return;
+    throw std::invalid_argument("vehicle " + def.name + ": a number of the placement is not finite, must be");
+}
+
+void requireSameParts(const VehicleDef& now, const VehicleDef& next) {
+    const auto require = [&](const char* what, std::size_t has, std::size_t wants) {
+        if (has == wants) return;
+        throw std::invalid_argument("vehicle " + next.name + ": " + what + " has " + std::to_string(wants) +
+                                    " elements, must keep " + std::to_string(has));
+    };
+    require("/wheels", now.wheels.size(), next.wheels.size());
+    require("/chassis/shapes", now.chassis.shapes.size(), next.chassis.shapes.size());
+}
+
+bool sameMass(const MassProperties& a, const MassProperties& b) {
+    return a.mass == b.mass && a.center == b.center && a.inertia.cx == b.inertia.cx && a.inertia.cy == b.inertia.cy &&
+           a.inertia.cz == b.inertia.cz;
+}
+
 }  // namespace
 
 VehicleSim::VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePlacement& placement)
     : world(&inWorld), def(inDef) {
-    if (const std::string why = whyInvalid(def); !why.empty()) {
-        throw std::invalid_argument("vehicle " + def.name + ": " + why);
-    }
-    if (!isFinite(placement.position) || !std::isfinite(placement.heading) || !std::isfinite(placement.speed)) {
-        throw std::invalid_argument("vehicle " + def.name + ": a number of the placement is not finite, must be");
-    }
-    const MassProperties properties = chassisMass(def.chassis);
-    mass = properties.mass;
-    inverseInertia = inverseSymmetric(properties.inertia);
+    requireUsable(def);
+    requireFinite(def, placement);
     gravity = length(world->settings().gravity);
     if (!(gravity > 0)) gravity = kStandardGravity;
-    meanRadius = drivenRadius(def);
-
-    std::vector<Vec3> positions;
-    for (const WheelDef& wheel : def.wheels) positions.push_back(wheel.position - properties.center);
-    loadsAtRest = staticLoads(positions, mass * gravity);
-    const Vec3 center = steeringCenter(def);
-    drivetrain = Drivetrain(def);
-    for (std::size_t i = 0; i < def.wheels.size(); ++i) {
-        specs.push_back(wheelSpec(def.wheels[i], center, loadsAtRest[i], gravity));
-        drivetrain.spin[i] = placement.speed / specs[i].radius;
-    }
-    drivetrain.startRolling(def, placement.speed / meanRadius);
-    wheels.resize(specs.size());
+    takeDef();
+    start(placement.speed);
     patches.resize(specs.size());
     grounds.resize(specs.size());
     loads.resize(specs.size());
@@ -106,6 +114,59 @@ VehicleSim::VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePla
     module = moduleOf(*this);
     world->add(&module);
     refreshTelemetry();
+}
+
+/// What follows from the definition alone.
+void VehicleSim::takeDef() {
+    const MassProperties properties = chassisMass(def.chassis);
+    mass = properties.mass;
+    inverseInertia = inverseSymmetric(properties.inertia);
+    meanRadius = drivenRadius(def);
+    std::vector<Vec3> positions;
+    for (const WheelDef& wheel : def.wheels) positions.push_back(wheel.position - properties.center);
+    loadsAtRest = staticLoads(positions, mass * gravity);
+    const Vec3 center = steeringCenter(def);
+    specs.clear();
+    for (std::size_t i = 0; i < def.wheels.size(); ++i) {
+        specs.push_back(wheelSpec(def.wheels[i], center, loadsAtRest[i], gravity));
+    }
+}
+
+/// The state of a car that rolls at `speed` and has touched nothing yet.
+void VehicleSim::start(float speed) {
+    driver = {};
+    steerAngle = 0;
+    drivetrain = Drivetrain(def);
+    for (std::size_t i = 0; i < specs.size(); ++i) drivetrain.spin[i] = speed / specs[i].radius;
+    drivetrain.startRolling(def, speed / meanRadius);
+    wheels.assign(specs.size(), {});
+}
+
+void VehicleSim::setDef(const VehicleDef& next) {
+    requireUsable(next);
+    requireSameParts(def, next);
+    const bool heavier = !sameMass(chassisMass(def.chassis), chassisMass(next.chassis));
+    if (next.chassis.material != def.chassis.material) {
+        for (const ShapeId shape : world->shapes(chassis)) world->setMaterial(shape, next.chassis.material);
+    }
+    if (next.chassis.filter != def.chassis.filter) {
+        for (const ShapeId shape : world->shapes(chassis)) world->setFilter(shape, next.chassis.filter);
+    }
+    def = next;
+    takeDef();
+    drivetrain = Drivetrain(def, std::move(drivetrain));
+    if (heavier) world->setMass(chassis, chassisMass(def.chassis));
+    world->wake(chassis);
+    stale = true;
+}
+
+void VehicleSim::place(const VehiclePlacement& placement) {
+    requireFinite(def, placement);
+    const BodyDef body = chassisBody(def, placement);
+    world->setPose(chassis, body.pose);
+    world->setVelocity(chassis, body.linearVelocity, body.angularVelocity);
+    start(placement.speed);
+    stale = true;
 }
 
 Vehicle::Vehicle(World& world, const VehicleDef& def, const VehiclePlacement& placement)
@@ -121,6 +182,8 @@ Vehicle::~Vehicle() {
 
 BodyId Vehicle::chassis() const { return sim_->chassis; }
 const VehicleDef& Vehicle::def() const { return sim_->def; }
+void Vehicle::setDef(const VehicleDef& def) { sim_->setDef(def); }
+void Vehicle::place(const VehiclePlacement& placement) { sim_->place(placement); }
 const VehicleTelemetry& Vehicle::telemetry() const {
     if (sim_->stale) sim_->refreshTelemetry();
     return sim_->telemetry;

@@ -136,6 +136,18 @@ std::string whyInvalid(const GearboxDef& gearbox) {
     return {};
 }
 
+std::string whyInvalid(const VehicleVisualDef& visual, std::size_t wheels) {
+    const std::size_t nodes = visual.wheelNodes.size();
+    if (visual.chassis.empty()) return "/visual/chassis is empty, must name a model file";
+    if (nodes > 0 && !visual.wheel.empty())
+        return "/visual/wheelNodes has names, must be empty where wheel names a file";
+    if (nodes > 0 && nodes != wheels) {
+        return "/visual/wheelNodes has " + std::to_string(nodes) + " names, must have one for each of the " +
+               std::to_string(wheels) + " wheels, or none";
+    }
+    return {};
+}
+
 std::string whyUnbalanced(const VehicleDef& def) {
     const MassProperties mass = chassisMass(def.chassis);
     std::vector<Vec3> positions;
@@ -174,6 +186,9 @@ std::string whyInvalid(const VehicleDef& def) {
     }
     if (std::string why = whyInvalid(def.engine); !why.empty()) return why;
     if (std::string why = whyInvalid(def.gearbox); !why.empty()) return why;
+    if (def.visual) {
+        if (std::string why = whyInvalid(*def.visual, def.wheels.size()); !why.empty()) return why;
+    }
     return whyUnbalanced(def);
 }
 

@@ -68,6 +68,9 @@ struct GroundMass {
 struct VehicleSim {
     VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePlacement& placement);
 
+    void setDef(const VehicleDef& next);
+    void place(const VehiclePlacement& placement);
+
     void beforeStep(double dt);
     void beforeSubstep(float h);
     void afterStep();
@@ -111,6 +114,8 @@ struct VehicleSim {
     std::vector<WheelTelemetry> wheelTelemetry;
 
 private:
+    void takeDef();
+    void start(float speed);
     bool mayRest(const Driver& wanted) const;
     void seekGround(std::size_t i, const Pose& pose, float dt);
     Pose wheelFrame(std::size_t i, const Pose& pose) const;

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -9,6 +11,7 @@
 
 #include "ragtop/asset_error.h"
 #include "ragtop/body.h"
+#include "ragtop/debug_draw.h"
 #include "ragtop/id.h"
 #include "ragtop/joint.h"
 #include "ragtop/ragdoll.h"
@@ -16,7 +19,7 @@
 #include "ragtop/vehicle.h"
 
 /// A scene is a JSON file with comments: settings, materials, bodies, generators of many bodies, joints, vehicles with
-/// a driver's script, ragdolls. src/scene_file.h describes every field; assets/data/scenes has examples.
+/// a driver's script, ragdolls, and values that replace others ("tuning"). src/scene_file.h describes every field; assets/data/scenes has examples.
 namespace ragtop {
 
 class World;
@@ -24,7 +27,9 @@ class World;
 struct SceneBody {
     std::string name{};
     BodyDef def{};
-    bool masonry = false;  ///< part of a building, whose displacement is measured
+    bool masonry = false;    ///< part of a building, whose displacement is measured
+    std::string material{};  ///< of the scene's materials; empty: none of them
+    std::optional<Color> color{};
 };
 
 struct SceneJoint {
@@ -39,35 +44,61 @@ struct DriverAction {
     VehicleInput input{};
 };
 
+/// A driver who keeps to a road.
+struct SceneDriver {
+    std::size_t road = 0;  ///< of the scene's
+    float speed = 0;       ///< m/s, where the road allows it
+};
+
 struct SceneVehicle {
     std::string name{};
     VehicleDef def{};
     VehiclePlacement placement{};
     std::vector<DriverAction> script{};  ///< by rising time
+    std::optional<SceneDriver> driver{};
+};
+
+/// The centre line of a road; its surface is a body of the same name.
+struct SceneRoad {
+    std::string name{};
+    bool closed = true;
+    float width = 0;            ///< m
+    std::vector<DVec3> line{};  ///< m, a point every two metres or so
 };
 
 struct SceneRagdoll {
     std::string name{};
     std::shared_ptr<const RagdollDef> def{};  ///< shared by those made from one file
     Pose placement{};
-    Vec3 velocity{};  ///< m/s
+    Vec3 velocity{};                    ///< m/s
+    std::filesystem::path character{};  ///< the model it was made from; empty: none
+};
+
+/// From where to look at the beginning.
+struct SceneCamera {
+    DVec3 target{}, eye{};  ///< m
 };
 
 /// What a file says; no world yet.
 struct Scene {
     std::string name{};
+    std::string description{};  ///< one line
     WorldSettings settings{};
     double step = 1.0 / 60;  ///< s
     double duration = 10;    ///< s
+    std::optional<SceneCamera> camera{};
+    std::map<std::string, Material> materials{};
     std::vector<SceneBody> bodies{};
     std::vector<SceneJoint> joints{};
+    std::vector<SceneRoad> roads{};
     std::vector<SceneVehicle> vehicles{};
     std::vector<SceneRagdoll> ragdolls{};
     std::vector<std::string> warnings{};
+    std::vector<std::filesystem::path> files{};  ///< all that were read, but for meshes
 };
 
-/// A value that replaces the file's: a path like "settings.sleeping", or the bare name of a setting of the world, and
-/// the value as JSON (or a string).
+/// A value that replaces the file's: a path like "settings.sleeping", the bare name of a setting of the world, or
+/// "tuning." and a path of scene_tuning.h; and the value as JSON (or a string).
 struct SceneOverride {
     std::string path;
     std::string value;
@@ -80,6 +111,8 @@ Scene loadScene(const std::filesystem::path& path, std::span<const SceneOverride
 std::filesystem::path findScene(std::string_view nameOrPath);
 /// Names of the scenes that come with the library, sorted.
 std::vector<std::string> shippedScenes();
+/// The description in a scene file; empty where there is none or the file is not usable.
+std::string sceneDescription(const std::filesystem::path& path);
 
 /// A scene in a world. Bodies and joints belong to the world; vehicles and ragdolls live as long as this, and the
 /// world must outlive it.
@@ -91,13 +124,17 @@ struct SceneInstance {
     std::vector<JointId> joints;   ///< in the order of the scene
     std::vector<Vehicle> vehicles;
     std::vector<Ragdoll> ragdolls;
+    std::vector<bool> scripted;  ///< false for a vehicle that somebody else drives: script and driver are passed over
 
-    /// Gives each vehicle what its script says for the time, s; call it before each step. What it does depends on
-    /// the time alone, so that a restored world goes on as before.
+    /// Gives each vehicle what its script says for the time, s, or its driver for the place; call it before each step.
+    /// What it does depends on the time and the world alone, so that a restored world goes on as before.
     void drive(double time);
 
 private:
+    const World* world_;
+    std::vector<SceneRoad> roads_;
     std::vector<std::vector<DriverAction>> scripts_;
+    std::vector<std::optional<SceneDriver>> drivers_;
 };
 
 }  // namespace ragtop

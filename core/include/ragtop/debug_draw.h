@@ -3,12 +3,16 @@
 #include <cstdint>
 #include <string_view>
 
+#include "ragtop/id.h"
 #include "ragtop/math.h"
 
 namespace ragtop {
 
 /// 0xRRGGBB.
 using Color = std::uint32_t;
+
+/// The colour of an island by its first body (World::islands); of sleeping bodies where that is null.
+Color islandColor(BodyId first);
 
 /// What World::draw calls; derive from it to show a world. Every function does nothing by default.
 class DebugDraw {

@@ -21,6 +21,7 @@ struct WorldSettings {
     float jointFrequency = 0.25f;       ///< of joints, times the substep rate
     float jointDamping = 2.0f;          ///< damping ratio of joints
     float loadCarrying = 0.002f;         ///< share of a contact's load carried into the next step's rest point
+    int solver = 0;                     ///< 0: chosen per island; 1: sweeps; 2: direct wherever it fits
     float pushOut = 0.1f;               ///< largest speed of recovery from overlap, in sizes per step
     bool sequentialFriction = false;    ///< friction after all normal forces instead of beside each
     float restitutionSpeed = 2.0f;      ///< slowest impact that bounces, in speeds gravity gives per step
@@ -45,6 +46,7 @@ void describe(Visitor& visit, Self& self, const WorldSettings*) {
     visit(Tunable{"jointDamping", "1", 0, 100, "damping ratio of joints"}, self.jointDamping);
     visit(Tunable{"loadCarrying", "1", 0, 0.05, "share of a contact's load carried into its rest point per step"},
           self.loadCarrying);
+    visit(Tunable{"solver", "", 0, 2, "0: chosen per island, 1: sweeps, 2: direct"}, self.solver);
     visit(Tunable{"pushOut", "sizes/step", 0.001, 10, "largest speed of recovery from overlap"}, self.pushOut);
     visit(Tunable{"sequentialFriction", "", 0, 1, "friction after all normal forces instead of beside each"},
           self.sequentialFriction);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <memory_resource>
 #include <span>
+#include <vector>
 
 #include "ragtop/body.h"
 #include "ragtop/debug_draw.h"
@@ -62,7 +63,18 @@ struct StepStats {
         const char* name;
         double ms;
     };
-    std::span<const Stage> stages;  ///< in order; valid until the next step
+    /// An island that was solved directly; all others were swept.
+    struct Island {
+        const char* reason;      ///< why: asked, heavy, tall, slender, taut, leaning, or staying for a while
+        int bodies, contacts, joints;
+        int iterations, factorizations;  ///< Newton's, of all substeps
+        double residual;         ///< of the impulses in the last solve, relative
+        double ms;
+        bool solved;             ///< false: given up, and left to sweeps for some steps
+    };
+    std::span<const Stage> stages;    ///< in order; valid until the next step
+    std::span<const Island> islands;  ///< likewise
+    std::uint64_t givenUp = 0;        ///< direct solves that were, since the world was made
     double totalMs = 0;
     int bodies = 0, awakeBodies = 0, contacts = 0, touching = 0, joints = 0, colors = 0;
     std::size_t bytes = 0;  ///< memory held
@@ -114,14 +126,19 @@ public:
     BodyType type(BodyId body) const;
     MassProperties mass(BodyId body) const;
     bool isAwake(BodyId body) const;
-    /// Groups of awake bodies that touch or are joined; counted by the call.
+    /// Groups of awake dynamic bodies that touch or are joined; found by the call.
     int countIslands() const;
+    /// For each of bodies() the first body of its group; null where it sleeps or is not dynamic.
+    std::vector<BodyId> islands() const;
     std::uint64_t userData(BodyId body) const;
     std::span<const ShapeId> shapes(BodyId body) const;
     std::span<const JointId> jointsOf(BodyId body) const;
     void setPose(BodyId body, const Pose& pose);
     void setVelocity(BodyId body, const Vec3& linear, const Vec3& angular);
     void setGravityScale(BodyId body, float scale);
+    /// Changes mass, centre and inertia of a dynamic body (fuel, freight); its pose and the motion of its points stay.
+    /// Throws std::invalid_argument and changes nothing when a value is not allowed.
+    void setMass(BodyId body, const MassProperties& mass);
     /// Moves a kinematic body so that it is at `target` after the next step of dt seconds.
     void moveTo(BodyId body, const Pose& target, double dt);
     void applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point);

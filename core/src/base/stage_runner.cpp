@@ -117,8 +117,7 @@ void StageRunner::runStage(BlockFunction function, void* context, int count, int
     count_ = count;
     grain_ = grain;
     done_.store(0, std::memory_order_relaxed);
-    blocks_.store(static_cast<std::uint64_t>(static_cast<std::uint32_t>(blockCount)) << 32,
-                  std::memory_order_release);
+    blocks_.store(static_cast<std::uint64_t>(static_cast<std::uint32_t>(blockCount)) << 32, std::memory_order_release);
     const int taken = takeBlocks(false, 0);
     for (int round = 0; done_.load(std::memory_order_acquire) != blockCount - taken;) {
         waitRound(round < kPauses ? round++ : round);

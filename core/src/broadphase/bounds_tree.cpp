@@ -1,8 +1,8 @@
 #include "broadphase/bounds_tree.h"
 
-#include <cstring>
 #include <bit>
 #include <cassert>
+#include <cstring>
 
 namespace ragtop {
 

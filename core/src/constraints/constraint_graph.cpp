@@ -15,15 +15,13 @@ void setBit(AlignedArray<std::uint64_t>& bits, std::uint32_t i) {
     if (i / 64 >= bits.size()) bits.resize(i / 64 + 1, 0);
     bits[i / 64] |= std::uint64_t{1} << (i % 64);
 }
-void clearBit(AlignedArray<std::uint64_t>& bits, std::uint32_t i) {
-    bits[i / 64] &= ~(std::uint64_t{1} << (i % 64));
-}
+void clearBit(AlignedArray<std::uint64_t>& bits, std::uint32_t i) { bits[i / 64] &= ~(std::uint64_t{1} << (i % 64)); }
 
 }  // namespace
 
 ConstraintGraph::ConstraintGraph(int lanes, std::pmr::memory_resource* memory) : lanes_(lanes) {
-    colors_.reserve(kColors + 1);
-    for (int i = 0; i <= kColors; ++i) colors_.emplace_back(memory);
+    colors_.reserve(kLists);
+    for (int i = 0; i < kLists; ++i) colors_.emplace_back(memory);
 }
 
 int ConstraintGraph::findColor(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB) {
@@ -41,24 +39,24 @@ int ConstraintGraph::findColor(std::uint32_t bodyA, bool movesA, std::uint32_t b
 }
 
 void ConstraintGraph::clearBits(int index, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB) {
-    if (index == kOverflow) return;
+    if (index >= kOverflow) return;
     Color& c = color(index);
     if (movesA) clearBit(c.bodies, bodyA);
     if (movesB) clearBit(c.bodies, bodyB);
 }
 
 float* ConstraintGraph::lane(GraphPlace place) {
-    const bool overflow = place.color == kOverflow;
+    const bool single = place.color >= kOverflow;
     const auto n = static_cast<std::size_t>(lanes_);
-    const std::size_t bundle = overflow ? place.slot : place.slot / n;
-    const std::size_t lane = overflow ? 0 : place.slot % n;
+    const std::size_t bundle = single ? place.slot : place.slot / n;
+    const std::size_t lane = single ? 0 : place.slot % n;
     return colors_[place.color].bundles.data() + bundle * contact::kFields * n + lane;
 }
 
 int ConstraintGraph::bundleCount(int index) const {
     const std::size_t count = color(index).manifolds.size();
     const auto n = static_cast<std::size_t>(lanes_);
-    return static_cast<int>(index == kOverflow ? count : (count + n - 1) / n);
+    return static_cast<int>(index >= kOverflow ? count : (count + n - 1) / n);
 }
 
 int ConstraintGraph::usedColors() const {
@@ -68,8 +66,8 @@ int ConstraintGraph::usedColors() const {
 }
 
 GraphPlace ConstraintGraph::insertContact(std::uint32_t manifold, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
-                                          bool movesB) {
-    const int index = findColor(bodyA, movesA, bodyB, movesB);
+                                          bool movesB, bool direct) {
+    const int index = direct ? kDirect : findColor(bodyA, movesA, bodyB, movesB);
     Color& c = color(index);
     const GraphPlace place{static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.manifolds.size())};
     c.manifolds.push(manifold);
@@ -101,8 +99,8 @@ std::uint32_t ConstraintGraph::removeContact(GraphPlace place, std::uint32_t bod
 }
 
 GraphPlace ConstraintGraph::insertJoint(std::uint32_t joint, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
-                                        bool movesB) {
-    const int index = findColor(bodyA, movesA, bodyB, movesB);
+                                        bool movesB, bool direct) {
+    const int index = direct ? kDirect : findColor(bodyA, movesA, bodyB, movesB);
     Color& c = color(index);
     c.joints.push(joint);
     return {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.joints.size() - 1)};

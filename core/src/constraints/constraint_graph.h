@@ -22,12 +22,15 @@ struct GraphPlace {
 /// in lanes and on threads, with the same result. Colours are filled as constraints come and go, first fit, which keeps
 /// every constraint in its lane as long as it lives [Catto, Box2D v3, 2024]. Contacts with static bodies use the last
 /// colours and are solved last. What fits nowhere is in the overflow colour, one constraint per bundle, solved serially
-/// before the others.
+/// before the others. Constraints of islands that are solved directly are in a list of their own, one per bundle as well,
+/// which only the sweeps of impacts visit.
 class ConstraintGraph {
 public:
     static constexpr int kColors = 24;
     static constexpr int kFirstStaticColor = 12;
     static constexpr int kOverflow = kColors;
+    static constexpr int kDirect = kColors + 1;
+    static constexpr int kLists = kColors + 2;
 
     struct Color {
         explicit Color(std::pmr::memory_resource* memory)
@@ -42,10 +45,12 @@ public:
 
     int lanes() const { return lanes_; }
     /// Bodies are state indices; `moves` tells whether impulses move them.
-    GraphPlace insertContact(std::uint32_t manifold, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
+    GraphPlace insertContact(std::uint32_t manifold, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB,
+                             bool direct);
     /// The manifold that took over the slot, or kNone.
     std::uint32_t removeContact(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
-    GraphPlace insertJoint(std::uint32_t joint, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
+    GraphPlace insertJoint(std::uint32_t joint, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB,
+                           bool direct);
     std::uint32_t removeJoint(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
 
     /// First field of a contact's lane; field f is at lane[f · lanes()].

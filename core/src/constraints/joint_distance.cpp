@@ -4,6 +4,7 @@ namespace ragtop {
 
 /// One scalar row along the line of the anchors, which all of it acts on; the block's basis holds its direction.
 void refreshDistance(JointSim& joint, const JointPlace& place, const BodyPair& pair, bool begins) {
+    joint.block.errorFirst = place.gap;
     const float distance = length(place.gap);
     // Coinciding anchors have no line: the last one serves, and at first A's x axis.
     Vec3& direction = joint.block.basis.cz;

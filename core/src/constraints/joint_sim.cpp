@@ -75,6 +75,10 @@ void refresh(JointSim& joint, const JointPlace& now, const BodyPair& pair, bool 
 
 }  // namespace
 
+void refreshJoint(JointSim& joint, const BodyPair& pair, bool begins) {
+    refresh(joint, locate(joint, pair), pair, begins);
+}
+
 void setMargins(AxisRows& rows, float coordinate, bool isAngle) {
     if (!(rows.features & (AxisRows::kLimit | AxisRows::kLocked))) return;
     const float x = isAngle ? wrapAbout(coordinate, 0.5f * (rows.lower + rows.upper)) : coordinate;
@@ -162,7 +166,7 @@ void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& cont
 void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
                 bool useBias) {
     BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
-    if (!useBias) refresh(joint, locate(joint, pair), pair, false);
+    if (!useBias) refreshJoint(joint, pair, false);
     switch (joint.kind) {
         case JointKind::none:
             break;

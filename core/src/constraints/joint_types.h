@@ -13,6 +13,7 @@ struct JointPlace {
 
 /// Fills in directions, errors and masses from the current positions. Springs act on the displacement at the
 /// beginning of the substep in both passes: `begins` says that this is it.
+void refreshJoint(JointSim& joint, const BodyPair& pair, bool begins);
 void refreshBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, bool begins);
 void refreshHinge(JointSim& joint, const JointPlace& place, const BodyPair& pair, bool begins);
 void refreshSlider(JointSim& joint, const JointPlace& place, const BodyPair& pair, bool begins);

@@ -23,18 +23,22 @@ void WorldImpl::unite(std::uint32_t a, std::uint32_t b) {
         islandParent[rootA] = rootB;
 }
 
-/// Islands are the components of moving bodies that touch or are joined.
-void WorldImpl::buildIslands() {
+void WorldImpl::uniteConstraints(bool touchingOnly) {
     islandParent.resizeForOverwrite(bodies.size());
-    islandQuiet.resizeForOverwrite(bodies.size());
     for (const std::uint32_t body : awakeBodies) islandParent[body] = body;
-    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
         for (const std::uint32_t m : graph.color(c).manifolds) {
             const ContactRecord& contact = contacts[manifolds[m].contact];
-            if (contact.touching) unite(contact.bodyA, contact.bodyB);
+            if (contact.touching || !touchingOnly) unite(contact.bodyA, contact.bodyB);
         }
         for (const std::uint32_t j : graph.color(c).joints) unite(joints[j].bodyA, joints[j].bodyB);
     }
+}
+
+/// Islands are the components of moving bodies that touch or are joined.
+void WorldImpl::buildIslands() {
+    uniteConstraints(true);
+    islandQuiet.resizeForOverwrite(bodies.size());
     for (const std::uint32_t body : awakeBodies) {
         if (!moves(body)) continue;
         islandQuiet[body] = std::numeric_limits<float>::max();
@@ -47,7 +51,8 @@ void WorldImpl::buildIslands() {
     // What a moving kinematic body touches does not rest, however slow it is.
     for (const std::uint32_t body : awakeBodies) {
         if (moves(body) || bodies[body].sleepTimer > 0) continue;
-        for (std::uint32_t key = bodies[body].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+        for (std::uint32_t key = bodies[body].firstContact; key != kNone;
+             key = contacts[key >> 1].edges[key & 1].next) {
             const ContactRecord& contact = contacts[key >> 1];
             const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
             if (contact.touching && !contact.sensor && moves(other) && isAwake(other)) islandQuiet[findRoot(other)] = 0;
@@ -110,6 +115,7 @@ void WorldImpl::wakeBody(std::uint32_t first) {
         if (body.awakeIndex != kNone) continue;
         body.awakeIndex = static_cast<std::uint32_t>(awakeBodies.size());
         awakeBodies.push(index);
+        structureChanged = graphChanged = true;
         noteSleep(index, false);
         for (std::uint32_t key = body.firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
             const ContactRecord& contact = contacts[key >> 1];
@@ -132,8 +138,8 @@ void WorldImpl::wakeBody(std::uint32_t first) {
 void WorldImpl::restoreContacts(std::uint32_t index) {
     for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
         const ContactRecord& contact = contacts[key >> 1];
-        const bool sleeps = (moves(contact.bodyA) && !isAwake(contact.bodyA)) ||
-                            (moves(contact.bodyB) && !isAwake(contact.bodyB));
+        const bool sleeps =
+            (moves(contact.bodyA) && !isAwake(contact.bodyA)) || (moves(contact.bodyB) && !isAwake(contact.bodyB));
         if (sleeps) continue;
         for (std::uint32_t k = 0; k < contact.manifoldCapacity; ++k) addToGraph(contact.firstManifold + k);
     }

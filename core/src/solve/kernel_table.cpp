@@ -14,8 +14,8 @@ extern const KernelTable kKernelsAvx51216;
 const KernelTable& selectKernels(int lanes) {
 #if defined(RAGTOP_X86_KERNELS)
     const bool avx2 = __builtin_cpu_supports("avx2");
-    const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-                        __builtin_cpu_supports("avx512vl");
+    const bool avx512 =
+        __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
     if (lanes == 0) lanes = avx512 ? 16 : avx2 ? 8 : 4;
     if (lanes == 16 && avx512) return kKernelsAvx51216;
     if (lanes == 16 && avx2) return kKernelsAvx216;

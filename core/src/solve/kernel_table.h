@@ -46,6 +46,7 @@ struct SolverContext {
     Softness soft, softStatic;   ///< of contacts between moving bodies, and with static ones
     float pushOut = 0;           ///< m/s per m of size
     float restitutionSpeed = 0;  ///< m/s
+    float gravityStep = 0;       ///< m/s, what gravity gives in a substep
     float loadShare = 0;         ///< λ̂ ← λ̂ + share (λ − λ̂) per step
     float elapsed = 0;           ///< s of this step that positions have moved by
     bool lastSubstep = false;

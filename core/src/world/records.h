@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "constraints/constraint_graph.h"
+#include "direct/choice.h"
 #include "narrowphase/manifold.h"
 #include "ragtop/body.h"
 #include "ragtop/id.h"
@@ -25,12 +26,14 @@ struct BodyRecord {
     float size = 0;          ///< m, smallest size of its shapes
     float radius = 0;        ///< m, of the ball about the centre that holds its shapes
     float sleepTimer = 0;    ///< s
+    std::int32_t directSteps = 0;        ///< steps for which its island stays direct; negative: for which it may not be
     std::uint32_t state = 0;             ///< index into the solver's arrays; 0 for fixed bodies
     std::uint32_t awakeIndex = kNone;    ///< place in the list of awake bodies
     std::uint32_t firstShape = kNone, firstContact = kNone, firstJoint = kNone;  ///< contact and joint: edge keys
     BodyType type = BodyType::dynamic;
     bool allowSleep = true, continuous = true, bullet = false;
     AxisLocks locks;
+    direct::Reason directReason = direct::Reason::none;
     std::uint64_t userData = 0;
 };
 

@@ -121,10 +121,9 @@ SweepHit castRayAtShape(const Shape& target, const Pose& pose, const Ray& ray, f
     const Vec3 origin = inverseTransformPoint(pose, ray.origin);
     const Vec3 translation = inverseRotate(pose.rotation, ray.translation);
     if (!isOfTriangles(target)) return castRay(convexView(target), origin, translation, closer);
-    return nearestTriangle(target, SweptBox(origin, translation, {}), closer, triangle,
-                           [&](const TriangleView& view, float limit) {
-                               return castRay(view, origin, translation, limit);
-                           });
+    return nearestTriangle(
+        target, SweptBox(origin, translation, {}), closer, triangle,
+        [&](const TriangleView& view, float limit) { return castRay(view, origin, translation, limit); });
 }
 
 SweepHit sweepShapeAtShape(const Shape& moving, const Quat& rotation, const Ray& path, const Shape& target,
@@ -136,10 +135,9 @@ SweepHit sweepShapeAtShape(const Shape& moving, const Quat& rotation, const Ray&
     const Bounds bounds = boundsOf(moving, start);
     const Vec3 center = 0.5f * (bounds.lower + bounds.upper);
     const Vec3 halfSize = max(bounds.upper - center, center - bounds.lower);
-    return nearestTriangle(target, SweptBox(center, translation, halfSize), closer, triangle,
-                           [&](const TriangleView& face, float limit) {
-                               return sweep(face, view, start, translation, limit);
-                           });
+    return nearestTriangle(
+        target, SweptBox(center, translation, halfSize), closer, triangle,
+        [&](const TriangleView& face, float limit) { return sweep(face, view, start, translation, limit); });
 }
 
 bool overlapsShape(const Shape& query, const Pose& queryPose, const Shape& target, const Pose& targetPose) {

@@ -24,16 +24,71 @@ int checkedLanes(int lanes) {
 }  // namespace
 
 WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& config)
-    : settings(worldSettings), memory(orDefault(config.memory)), runner(config.tasks),
-      kernels(&selectKernels(checkedLanes(config.lanes))), bodySlots(memory), shapeSlots(memory), contactSlots(memory),
-      jointSlots(memory), bodies(memory), states(memory), inertias(memory), dynamics(memory), histories(memory),
-      shapes(memory), contacts(memory), manifolds(memory), freeManifolds(memory), freeMeshManifolds(memory),
-      joints(memory), jointSims(memory), awakeBodies(memory), awakeContacts(memory), moveBuffer(memory),
-      graph(kernels->lanes, memory), staticTree(memory), movingTree(memory), pairs(memory), geometries(memory),
-      contactChanged(memory), changedContacts(memory), islandParent(memory), islandQuiet(memory), bodyStack(memory),
-      assemblyParent(memory), assemblyPlace(memory), assemblyBodies(memory), assemblyStarts(memory),
-      bodyFlags(memory), sweptImpacts(memory), startPoses(memory), begins(memory), ends(memory), sensorBegins(memory), sensorEnds(memory),
-      endsBetweenSteps(memory), sensorEndsBetweenSteps(memory), surfaceEvents(memory), sleepEvents(memory),
+    : settings(worldSettings),
+      memory(orDefault(config.memory)),
+      runner(config.tasks),
+      kernels(&selectKernels(checkedLanes(config.lanes))),
+      bodySlots(memory),
+      shapeSlots(memory),
+      contactSlots(memory),
+      jointSlots(memory),
+      bodies(memory),
+      states(memory),
+      inertias(memory),
+      dynamics(memory),
+      histories(memory),
+      shapes(memory),
+      contacts(memory),
+      manifolds(memory),
+      freeManifolds(memory),
+      freeMeshManifolds(memory),
+      joints(memory),
+      jointSims(memory),
+      awakeBodies(memory),
+      awakeContacts(memory),
+      moveBuffer(memory),
+      graph(kernels->lanes, memory),
+      staticTree(memory),
+      movingTree(memory),
+      pairs(memory),
+      geometries(memory),
+      contactChanged(memory),
+      changedContacts(memory),
+      islandParent(memory),
+      islandQuiet(memory),
+      bodyStack(memory),
+      assemblyParent(memory),
+      assemblyPlace(memory),
+      assemblyBodies(memory),
+      assemblyStarts(memory),
+      bearings(memory),
+      bearingBegin(memory),
+      neighbours(memory),
+      levels(memory),
+      supports(memory),
+      carried(memory),
+      heldLevel(memory),
+      islandFeatures(memory),
+      directIslands(memory),
+      directBodies(memory),
+      directManifolds(memory),
+      directJoints(memory),
+      directLanes(memory),
+      directSims(memory),
+      directIndex(memory),
+      movedConstraints(memory),
+      ledger(memory),
+      bodyFlags(memory),
+      sweptImpacts(memory),
+      startPoses(memory),
+      begins(memory),
+      ends(memory),
+      sensorBegins(memory),
+      sensorEnds(memory),
+      endsBetweenSteps(memory),
+      sensorEndsBetweenSteps(memory),
+      surfaceEvents(memory),
+      sleepEvents(memory),
       sleepEventsBetweenSteps(memory),
       stages(memory) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
@@ -65,6 +120,7 @@ const WorldSettings& World::settings() const { return impl_->settings; }
 void World::setSettings(const WorldSettings& settings) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
     const bool wake = settings.gravity != impl_->settings.gravity || !settings.sleeping;
+    impl_->graphChanged |= settings.solver != impl_->settings.solver;
     impl_->settings = settings;
     if (!wake) return;
     for (std::uint32_t i = 1; i < impl_->bodySlots.count(); ++i)
@@ -80,6 +136,8 @@ StepStats World::stats() const {
     const WorldImpl& w = *impl_;
     StepStats stats;
     stats.stages = w.stages;
+    stats.islands = w.ledger;
+    stats.givenUp = w.directFailures;
     stats.totalMs = w.totalMs;
     stats.bodies = static_cast<int>(w.bodySlots.used()) - 1;
     stats.awakeBodies = static_cast<int>(w.awakeBodies.size());
@@ -89,7 +147,7 @@ StepStats World::stats() const {
     for (const std::uint32_t c : w.awakeContacts) stats.touching += w.contacts[c].touching;
     stats.bytes = w.bodies.bytes() + w.states.bytes() + w.inertias.bytes() + w.dynamics.bytes() + w.histories.bytes() +
                   w.shapes.bytes() + w.contacts.bytes() + w.manifolds.bytes() + w.joints.bytes() + w.jointSims.bytes();
-    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) stats.bytes += w.graph.color(c).bundles.bytes();
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) stats.bytes += w.graph.color(c).bundles.bytes();
     return stats;
 }
 

@@ -35,7 +35,8 @@ void WorldImpl::rebuildLists() {
         bodyJoints[i].clear();
         if (!bodySlots.isUsed(i)) continue;
         bodyIds.push_back(id(i));
-        for (std::uint32_t s = bodies[i].firstShape; s != kNone; s = shapes[s].next) bodyShapes[i].push_back(shapeId(s));
+        for (std::uint32_t s = bodies[i].firstShape; s != kNone; s = shapes[s].next)
+            bodyShapes[i].push_back(shapeId(s));
     }
     for (std::uint32_t j = 0; j < jointSlots.count(); ++j) {
         if (!jointSlots.isUsed(j)) continue;
@@ -79,7 +80,8 @@ Vec3 World::linearVelocity(BodyId body) const { return impl_->states[impl_->inde
 Vec3 World::angularVelocity(BodyId body) const { return impl_->states[impl_->index(body)].w; }
 Vec3 World::velocityAt(BodyId body, const DVec3& point) const {
     const std::uint32_t i = impl_->index(body);
-    return impl_->states[i].v + cross(impl_->states[i].w, relative(point, impl_->bodies[i].center + impl_->states[i].dp));
+    return impl_->states[i].v +
+           cross(impl_->states[i].w, relative(point, impl_->bodies[i].center + impl_->states[i].dp));
 }
 BodyType World::type(BodyId body) const { return impl_->bodies[impl_->index(body)].type; }
 bool World::isAwake(BodyId body) const { return impl_->isAwake(impl_->index(body)); }
@@ -88,7 +90,8 @@ std::uint64_t World::userData(BodyId body) const { return impl_->bodies[impl_->i
 MassProperties World::mass(BodyId id) const {
     const BodyRecord& body = impl_->bodies[impl_->index(id)];
     const Mat3 r = toMat3(body.local.rotation);
-    const Mat3 principal{body.inertia.x * Vec3{1, 0, 0}, body.inertia.y * Vec3{0, 1, 0}, body.inertia.z * Vec3{0, 0, 1}};
+    const Mat3 principal{body.inertia.x * Vec3{1, 0, 0}, body.inertia.y * Vec3{0, 1, 0},
+                         body.inertia.z * Vec3{0, 0, 1}};
     return {body.mass, body.local.position, r * principal * transpose(r)};
 }
 
@@ -111,6 +114,17 @@ void World::setGravityScale(BodyId body, float scale) {
     const std::uint32_t i = impl_->index(body);
     impl_->bodies[i].gravityScale = scale;
     impl_->wakeBody(i);
+}
+
+void World::setMass(BodyId id, const MassProperties& mass) {
+    const std::uint32_t i = impl_->index(id);
+    const BodyRecord& body = impl_->bodies[i];
+    if (body.type != BodyType::dynamic) throw std::invalid_argument("only a dynamic body has a mass");
+    BodyDef def;
+    def.locks = body.locks;
+    def.mass = mass;
+    if (const std::string wrong = whyInvalid(def); !wrong.empty()) throw std::invalid_argument(wrong);
+    impl_->changeMass(i, mass);
 }
 
 void World::moveTo(BodyId body, const Pose& target, double dt) {
@@ -160,7 +174,7 @@ void World::applyTorque(BodyId body, const Vec3& torque) {
     impl_->wakeBody(i);
 }
 
-int World::countIslands() const {
+std::vector<BodyId> World::islands() const {
     const WorldImpl& w = *impl_;
     std::vector<std::uint32_t> parent(w.bodySlots.count());
     for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
@@ -168,20 +182,29 @@ int World::countIslands() const {
         while (parent[i] != i) i = parent[i] = parent[parent[i]];
         return i;
     };
-    int islands = 0;
-    for (const std::uint32_t body : w.awakeBodies) islands += w.moves(body);
     const auto join = [&](std::uint32_t a, std::uint32_t b) {
-        if (!w.moves(a) || !w.moves(b) || root(a) == root(b)) return;
-        parent[root(a)] = root(b);
-        --islands;
+        if (!w.moves(a) || !w.moves(b)) return;
+        const std::uint32_t rootA = root(a), rootB = root(b);
+        parent[rootA < rootB ? rootB : rootA] = rootA < rootB ? rootA : rootB;
     };
-    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
         for (const std::uint32_t m : w.graph.color(c).manifolds)
             if (const ContactRecord& contact = w.contacts[w.manifolds[m].contact]; contact.touching)
                 join(contact.bodyA, contact.bodyB);
         for (const std::uint32_t j : w.graph.color(c).joints) join(w.joints[j].bodyA, w.joints[j].bodyB);
     }
+    std::vector<BodyId> islands;
+    for (const BodyId body : bodies())
+        islands.push_back(w.moves(body.index) && w.isAwake(body.index) ? w.id(root(body.index)) : BodyId{});
     return islands;
+}
+
+int World::countIslands() const {
+    const std::vector<BodyId> first = islands();
+    const auto all = bodies();
+    int count = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) count += first[i] == all[i];
+    return count;
 }
 
 void World::wake(BodyId body) { impl_->wakeBody(impl_->index(body)); }
@@ -243,9 +266,7 @@ void World::setDef(JointId id, const JointDef& def) {
     if (def.index() != joint.def.index() || before.a != after.a || before.b != after.b)
         throw std::invalid_argument("setDef keeps the type and the bodies of a joint");
     joint.def = def;
-    compileJoint(def, joint.bodyA == 0 ? after.frameA.position : impl_->bodies[joint.bodyA].local.position,
-                 joint.bodyB == 0 ? after.frameB.position : impl_->bodies[joint.bodyB].local.position,
-                 impl_->jointSims[i]);
+    impl_->compile(i);
     for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
         if (impl_->moves(body)) impl_->wakeBody(body);
 }
@@ -290,8 +311,9 @@ double World::energy() const {
         const Vec3 v = impl_->states[i].v, w = inverseRotate(body.rotation, impl_->states[i].w);
         const double m = body.mass;
         total += 0.5 * m * static_cast<double>(dot(v, v));
-        total += 0.5 * (static_cast<double>(body.inertia.x * w.x * w.x) + static_cast<double>(body.inertia.y * w.y * w.y) +
-                        static_cast<double>(body.inertia.z * w.z * w.z));
+        total +=
+            0.5 * (static_cast<double>(body.inertia.x * w.x * w.x) + static_cast<double>(body.inertia.y * w.y * w.y) +
+                   static_cast<double>(body.inertia.z * w.z * w.z));
         const double g = static_cast<double>(body.gravityScale) * m;
         total -= g * (gravity.x * body.center.x + gravity.y * body.center.y + gravity.z * body.center.z);
     }

@@ -21,13 +21,13 @@ void WorldImpl::findAssemblies() {
     assemblyBodies.clear();
     assemblyStarts.clear();
     bool joined = false;
-    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) joined |= !graph.color(c).joints.empty();
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) joined |= !graph.color(c).joints.empty();
     if (!joined) return;
     assemblyParent.resizeForOverwrite(bodies.size());
     assemblyParent[0] = 0;
     for (const std::uint32_t body : awakeBodies) assemblyParent[body] = states[body].locks != 0 ? 0 : body;
     const auto place = [&](std::uint32_t body) { return moves(body) ? rootOf(assemblyParent, body) : 0u; };
-    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c)
+    for (int c = 0; c < ConstraintGraph::kLists; ++c)
         for (const std::uint32_t joint : graph.color(c).joints) {
             const std::uint32_t a = place(joints[joint].bodyA), b = place(joints[joint].bodyB);
             // The lower index becomes the root, so that what does not move wins.
@@ -53,8 +53,8 @@ void WorldImpl::findAssemblies() {
         if (const std::uint32_t root = rootOfMember(body); root != 0) assemblyBodies[assemblyPlace[root]++] = body;
 }
 
-/// The position map of integratePositions for the common motion of each assembly: its centre of mass moves by h v − ½ h² a
-/// with the smooth part of its acceleration, and all its bodies alike, so that no joint is strained.
+/// The position map of integratePositions for the common motion of each assembly: its centre of mass moves by h v − ½
+/// h² a with the smooth part of its acceleration, and all its bodies alike, so that no joint is strained.
 void WorldImpl::moveAssemblies() {
     const int count = assemblyStarts.empty() ? 0 : static_cast<int>(assemblyStarts.size()) - 1;
     runner.parallelFor(count, 16, [&](int begin, int end, int) {

@@ -33,9 +33,7 @@ void grow(Array& array, std::uint32_t index, const T& value) {
 
 }  // namespace
 
-Pose WorldImpl::poseOf(const BodyRecord& body) const {
-    return Pose{body.center, body.rotation} * inverse(body.local);
-}
+Pose WorldImpl::poseOf(const BodyRecord& body) const { return Pose{body.center, body.rotation} * inverse(body.local); }
 
 Pose WorldImpl::shapePose(const ShapeRecord& shape) const {
     const BodyRecord& body = bodies[shape.body];
@@ -76,10 +74,56 @@ void WorldImpl::setMass(std::uint32_t index, const BodyDef& def) {
             if (!shape.sensor) parts.push_back(transformed(massOf(shape.geometry, shape.density), shape.frame));
         mass = combined(parts);
     }
+    takeMass(index, mass);
+}
+
+void WorldImpl::takeMass(std::uint32_t index, const MassProperties& mass) {
+    BodyRecord& body = bodies[index];
     const PrincipalAxes axes = principalAxes(mass.inertia);
     body.mass = mass.mass;
     body.inertia = axes.values;
     body.local = {mass.center, axes.rotation};
+}
+
+/// The internal frame moves in the body; all that is kept in it moves the other way.
+void WorldImpl::changeMass(std::uint32_t index, const MassProperties& mass) {
+    BodyRecord& body = bodies[index];
+    const Pose pose = poseOf(body);
+    const Frame before = body.local;
+    takeMass(index, mass);
+    const Frame move = inverse(body.local) * before;
+    const Pose internal = pose * body.local;
+    states[index].v += cross(states[index].w, relative(internal.position, body.center));
+    body.center = internal.position;
+    body.rotation = normalized(internal.rotation);
+    body.radius = 0;
+    for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
+        ShapeRecord& shape = shapes[s];
+        shape.frame = move * shape.frame;
+        shape.frame.rotation = normalized(shape.frame.rotation);
+        const float radius = radiusAbout(geometries[shape.geometry].shape, inverseTransformPoint(shape.frame, {}));
+        if (radius > body.radius) body.radius = radius;
+    }
+    moveAnchors(index, move);
+    resetSolverState(index);
+    for (std::uint32_t key = body.firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next)
+        compile(key >> 1);
+    wakeBody(index);
+}
+
+void WorldImpl::moveAnchors(std::uint32_t index, const Frame& move) {
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+        const ContactRecord& contact = contacts[key >> 1];
+        const bool isA = contact.bodyA == index;
+        for (std::uint32_t k = 0; k < contact.manifoldCapacity; ++k) {
+            ManifoldRecord& manifold = manifolds[contact.firstManifold + k];
+            if (isA) manifold.normal = rotate(move.rotation, manifold.normal);
+            for (int j = 0; j < manifold.pointCount; ++j) {
+                Vec3& anchor = (isA ? manifold.anchorA : manifold.anchorB)[j];
+                anchor = transformPoint(move, anchor);
+            }
+        }
+    }
 }
 
 std::uint32_t WorldImpl::createBody(const BodyDef& def) {
@@ -114,7 +158,8 @@ std::uint32_t WorldImpl::createBody(const BodyDef& def) {
     body.size = std::numeric_limits<float>::max();
     const Frame toInternal = inverse(body.local);
     // In reverse, because the list is built from its end.
-    for (std::size_t i = flat.size(); i-- > 0;) addShape(index, *flat[i].def, flat[i].frame, *flat[i].geometry, toInternal);
+    for (std::size_t i = flat.size(); i-- > 0;)
+        addShape(index, *flat[i].def, flat[i].frame, *flat[i].geometry, toInternal);
     if (flat.empty()) body.size = body.radius = 0;
     resetSolverState(index);
     refreshBounds(index);
@@ -159,8 +204,9 @@ void WorldImpl::resetSolverState(std::uint32_t index) {
     const bool turns = isDynamic && !(locks.rotationX || locks.rotationY || locks.rotationZ) && body.inertia.x > 0 &&
                        body.inertia.y > 0 && body.inertia.z > 0;
     state.invMass = isDynamic ? 1 / body.mass : 0;
-    state.locks = isDynamic ? (locks.translationX ? 1u : 0u) | (locks.translationY ? 2u : 0u) | (locks.translationZ ? 4u : 0u)
-                            : 0u;
+    state.locks = isDynamic
+                      ? (locks.translationX ? 1u : 0u) | (locks.translationY ? 2u : 0u) | (locks.translationZ ? 4u : 0u)
+                      : 0u;
     state.dp = {};
     state.dq = {};
     d.inertia = turns ? body.inertia : Vec3{1, 1, 1};
@@ -263,7 +309,8 @@ void WorldImpl::wakeOverlapped(std::uint32_t index) {
     std::vector<std::uint32_t> met;
     for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next)
         movingTree.query(tree(shapes[s]).bounds(shapes[s].proxy), [&](std::uint32_t other) {
-            if (!isAwake(shapes[other].body) && shouldCollide(shapes[s], shapes[other])) met.push_back(shapes[other].body);
+            if (!isAwake(shapes[other].body) && shouldCollide(shapes[s], shapes[other]))
+                met.push_back(shapes[other].body);
             return true;
         });
     for (const std::uint32_t body : met) wakeBody(body);

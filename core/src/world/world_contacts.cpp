@@ -72,12 +72,14 @@ ContactSurface WorldImpl::surfaceOfPair(std::uint32_t indexA, std::uint32_t inde
     ContactSurface surface;
     surface.friction = combined(a.frictionRule, a.friction, b.frictionRule, b.friction);
     if (a.slidingShare < 1 || b.slidingShare < 1) {
-        const float sliding = combined(a.frictionRule, a.slidingShare * a.friction, b.frictionRule, b.slidingShare * b.friction);
+        const float sliding =
+            combined(a.frictionRule, a.slidingShare * a.friction, b.frictionRule, b.slidingShare * b.friction);
         surface.slidingShare = sliding < surface.friction ? sliding / surface.friction : 1.0f;
     }
     surface.restitution = combined(a.restitutionRule, a.restitution, b.restitutionRule, b.restitution);
     surface.rollingResistance = a.rollingResistance > b.rollingResistance ? a.rollingResistance : b.rollingResistance;
-    surface.spinningResistance = a.spinningResistance > b.spinningResistance ? a.spinningResistance : b.spinningResistance;
+    surface.spinningResistance =
+        a.spinningResistance > b.spinningResistance ? a.spinningResistance : b.spinningResistance;
     const float unevenA = a.grain == Vec3{} ? 1 : unevenness(a), unevenB = b.grain == Vec3{} ? 1 : unevenness(b);
     if (unevenA > 1 || unevenB > 1) {
         const bool ofA = unevenA >= unevenB;
@@ -85,14 +87,14 @@ ContactSurface WorldImpl::surfaceOfPair(std::uint32_t indexA, std::uint32_t inde
         surface.crossFriction = ofA ? a.crossFriction : b.crossFriction;
     }
     if (a.surfaceVelocity != Vec3{} || b.surfaceVelocity != Vec3{})
-        surface.surfaceVelocity = rotate(definitionRotation(bodyB), b.surfaceVelocity) -
-                                  rotate(definitionRotation(bodyA), a.surfaceVelocity);
+        surface.surfaceVelocity =
+            rotate(definitionRotation(bodyB), b.surfaceVelocity) - rotate(definitionRotation(bodyA), a.surfaceVelocity);
     return surface;
 }
 
 PairInfo WorldImpl::pairInfo(const ContactRecord& contact) const {
-    return {shapeId(contact.shapeA), shapeId(contact.shapeB), id(contact.bodyA), id(contact.bodyB),
-            shapes[contact.shapeA].userData, shapes[contact.shapeB].userData};
+    return {shapeId(contact.shapeA), shapeId(contact.shapeB),         id(contact.bodyA),
+            id(contact.bodyB),       shapes[contact.shapeA].userData, shapes[contact.shapeB].userData};
 }
 
 /// A manifold found some steps ago, where its anchors are now.
@@ -187,8 +189,10 @@ void WorldImpl::addToGraph(std::uint32_t index) {
     ManifoldRecord& manifold = manifolds[index];
     const ContactRecord& record = contacts[manifold.contact];
     if (manifold.place.color != kNone || manifold.pointCount == 0 || record.sensor) return;
-    manifold.place = graph.insertContact(index, bodies[record.bodyA].state, moves(record.bodyA),
-                                         bodies[record.bodyB].state, moves(record.bodyB));
+    manifold.place =
+        graph.insertContact(index, bodies[record.bodyA].state, moves(record.bodyA), bodies[record.bodyB].state,
+                            moves(record.bodyB), isDirect(record.bodyA) || isDirect(record.bodyB));
+    graphChanged = true;
     writeLane(record, manifold);
 }
 
@@ -201,6 +205,7 @@ void WorldImpl::removeFromGraph(std::uint32_t index) {
                                                     bodies[record.bodyB].state, moves(record.bodyB));
     if (moved != kNone) manifolds[moved].place.slot = manifold.place.slot;
     manifold.place = {};
+    graphChanged = true;
 }
 
 void WorldImpl::updateContacts() {
@@ -261,15 +266,16 @@ void matchManifolds(const Vec3* normals, int count, const ManifoldRecord* old, i
 }  // namespace
 
 /// Where a pair has hardly moved since its manifolds were found, they are still right when they move with the bodies:
-/// cheaper, and quieter at rest [Catto, Box3D, 2026]. The bound is a share of the size; a turn counts by the arc that it
-/// makes at the radius of the smaller body.
+/// cheaper, and quieter at rest [Catto, Box3D, 2026]. The bound is a share of the size; a turn counts by the arc that
+/// it makes at the radius of the smaller body.
 bool WorldImpl::reuseManifolds(ContactRecord& record, const Frame& bInA, float margin, float size) {
     // A round surface turns under its contact point, and is cheap to collide.
     const float roundness = geometries[shapes[record.shapeA].geometry].convex.radius +
                             geometries[shapes[record.shapeB].geometry].convex.radius;
     // Impulses of another substep length are rescaled on their way through the record.
     if (lastSubstep != context.h) return false;
-    if (!record.collided || record.sensor || roundness > 0 || margin > record.collidedMargin + tuning::kReuse * size) return false;
+    if (!record.collided || record.sensor || roundness > 0 || margin > record.collidedMargin + tuning::kReuse * size)
+        return false;
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
     const Quat turn = conjugate(record.collidedAt.rotation) * bInA.rotation;
     const float arc = 2 * length(Vec3{turn.x, turn.y, turn.z}) * (a.radius < b.radius ? a.radius : b.radius);
@@ -298,7 +304,8 @@ Frame WorldImpl::shapeBInA(const ContactRecord& record) const {
 }
 
 /// The narrow phase of a pair; returns how many directions it touches in.
-int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float margin, Manifold (&found)[kMaxManifolds]) const {
+int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float margin,
+                             Manifold (&found)[kMaxManifolds]) const {
     const GeometryEntry& a = geometries[shapes[record.shapeA].geometry];
     const GeometryEntry& b = geometries[shapes[record.shapeB].geometry];
     if (a.mesh) return collide(*a.mesh, b.convex, bInA, margin, found);
@@ -307,7 +314,8 @@ int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float mar
     return found[0].pointCount > 0 ? 1 : 0;
 }
 
-/// What sensors overlap where the bodies are at the end of the step. Their manifolds carry no impulses and need no place.
+/// What sensors overlap where the bodies are at the end of the step. Their manifolds carry no impulses and need no
+/// place.
 void WorldImpl::updateSensors() {
     runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
@@ -412,7 +420,8 @@ bool WorldImpl::willMeet(const ContactRecord& record, const ManifoldRecord& mani
         if (body.type == BodyType::fixed) return Vec3{};
         return states[index].v + cross(states[index].w, rotate(body.rotation, anchor));
     };
-    const Vec3 approach = velocity(record.bodyA, manifold.anchorA[point]) - velocity(record.bodyB, manifold.anchorB[point]);
+    const Vec3 approach =
+        velocity(record.bodyA, manifold.anchorA[point]) - velocity(record.bodyB, manifold.anchorB[point]);
     return manifold.separation[point] <= dt * dot(rotate(bodies[record.bodyA].rotation, manifold.normal), approach);
 }
 

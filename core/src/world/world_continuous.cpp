@@ -79,7 +79,8 @@ void forEachCorner(const ConvexView& shape, Visit&& visit) {
     } else if (shape.kind == ConvexKind::capsule) {
         visit(h), visit(-h);
     } else if (shape.kind == ConvexKind::box) {
-        for (int i = 0; i < 8; ++i) visit(Vec3{(i & 1) != 0 ? h.x : -h.x, (i & 2) != 0 ? h.y : -h.y, (i & 4) != 0 ? h.z : -h.z});
+        for (int i = 0; i < 8; ++i)
+            visit(Vec3{(i & 1) != 0 ? h.x : -h.x, (i & 2) != 0 ? h.y : -h.y, (i & 4) != 0 ? h.z : -h.z});
     } else {
         for (const Vec3& vertex : shape.hull->vertices) visit(vertex);
     }
@@ -90,8 +91,8 @@ bool isOver(const TriangleView& t, const Vec3& point) {
            dot(cross(t.normal, t.a - t.c), point - t.c) >= 0;
 }
 
-/// Adds the corners of a shape that go behind a plane where `isFace` says it is the obstacle's face, the deepest at the end
-/// first to stay.
+/// Adds the corners of a shape that go behind a plane where `isFace` says it is the obstacle's face, the deepest at the
+/// end first to stay.
 template <class IsFace>
 void addCorners(Manifold& touch, const Vec3& onPlane, const ConvexView& shape, const Frame& from, const Frame& to,
                 IsFace&& isFace) {
@@ -119,7 +120,8 @@ void addCorners(Manifold& touch, const Vec3& onPlane, const ConvexView& shape, c
 }
 
 /// What of a shape touches a convex obstacle, or will on the rest of its way.
-Manifold touchOf(const ConvexView& obstacle, const ConvexView& shape, const Frame& from, const Frame& to, float margin) {
+Manifold touchOf(const ConvexView& obstacle, const ConvexView& shape, const Frame& from, const Frame& to,
+                 float margin) {
     Manifold touch;
     SeparationCache cache;
     collide(obstacle, shape, from, margin, cache, touch);
@@ -143,8 +145,8 @@ Manifold touchOf(const TriangleView& t, const ConvexView& shape, const Frame& fr
 
 }  // namespace
 
-/// Bodies that moved far for their size are swept along their path, so that they do not pass what their contacts did not
-/// foresee. Serial and in order of the list.
+/// Bodies that moved far for their size are swept along their path, so that they do not pass what their contacts did
+/// not foresee. Serial and in order of the list.
 void WorldImpl::sweepFastBodies() {
     sweptImpacts.clear();
     if (!settings.continuous) return;
@@ -168,8 +170,8 @@ SweptWay WorldImpl::wayOfStep(std::uint32_t index) const {
     return path;
 }
 
-/// Plays the impacts of a body one after the other, each with the rest of its time. Long turns are swept piece by piece.
-/// What is left after the last impact, or piece, is lost.
+/// Plays the impacts of a body one after the other, each with the rest of its time. Long turns are swept piece by
+/// piece. What is left after the last impact, or piece, is lost.
 void WorldImpl::sweepBody(std::uint32_t index) {
     constexpr int kMaxImpacts = 8, kMaxStuck = 3, kMaxPieces = 64;
     constexpr float kPiece = 1.5f;  // rad
@@ -194,7 +196,8 @@ void WorldImpl::sweepBody(std::uint32_t index) {
         // What meets a surface again and again at once rattles on it: its turn is lost, and it slides along.
         stuck = meeting.fraction == 0 ? stuck + 1 : 0;
         if (stuck > kMaxStuck) {
-            const Quat place = wayOfStep(shapes[meeting.obstacle].body).at(done).rotation * shapes[meeting.obstacle].frame.rotation;
+            const Quat place =
+                wayOfStep(shapes[meeting.obstacle].body).at(done).rotation * shapes[meeting.obstacle].frame.rotation;
             const Vec3 normal = rotate(place, meeting.touch.normal);
             const float into = dot(path.way, normal);
             path.way -= (into < 0 ? into : 0.0f) * normal;
@@ -210,7 +213,8 @@ void WorldImpl::sweepBody(std::uint32_t index) {
     refreshInertia(index);
 }
 
-/// The first surface that a body would go into on its way from a pose at the share `done` of the step to one at `until`.
+/// The first surface that a body would go into on its way from a pose at the share `done` of the step to one at
+/// `until`.
 WorldImpl::Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& start, const Pose& end, float done,
                                            float until) const {
     const BodyRecord& body = bodies[index];
@@ -231,7 +235,9 @@ WorldImpl::Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& star
             const ShapeRecord& obstacle = shapes[other];
             if (obstacle.body == index || obstacle.sensor || !maySweepInto(s, other)) return true;
             const bool still = bodies[obstacle.body].type == BodyType::fixed;
-            const SweptWay others = still ? SweptWay{{bodies[obstacle.body].center, bodies[obstacle.body].rotation}, {}, {}} : wayOfStep(obstacle.body);
+            const SweptWay others =
+                still ? SweptWay{{bodies[obstacle.body].center, bodies[obstacle.body].rotation}, {}, {}}
+                      : wayOfStep(obstacle.body);
             const Frame& place = obstacle.frame;
             const Frame from = seenFrom(others.at(done) * place, shapeStart);
             const Frame to = seenFrom(others.at(until) * place, shapeEnd);
@@ -250,8 +256,8 @@ WorldImpl::Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& star
                         return;
                     }
                 }
-                // What is only grazed, as the side of the next tile of a floor, is no obstacle: the core passes it, and at
-                // the end nothing is deep.
+                // What is only grazed, as the side of the next tile of a floor, is no obstacle: the core passes it, and
+                // at the end nothing is deep.
                 const Frame coreFrom{transformPoint(from, core.center), from.rotation};
                 const Frame coreTo{transformPoint(to, core.center), to.rotation};
                 const SweepHit deep = timeOfImpact(view, core.view, coreFrom, coreTo, 0);
@@ -287,8 +293,8 @@ WorldImpl::Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& star
 bool WorldImpl::maySweepInto(std::uint32_t shape, std::uint32_t obstacle) const {
     const ShapeRecord &a = shapes[shape], &b = shapes[obstacle];
     if (!shouldCollide(a, b)) return false;
-    return !callbacks.filter || callbacks.filter({shapeId(shape), shapeId(obstacle), id(a.body), id(b.body), a.userData,
-                                                  b.userData});
+    return !callbacks.filter ||
+           callbacks.filter({shapeId(shape), shapeId(obstacle), id(a.body), id(b.body), a.userData, b.userData});
 }
 
 }  // namespace ragtop

@@ -39,7 +39,7 @@ struct Impact {
     Vec3 normal;  ///< from A to B
     int points = 0;
     ContactSurface surface;
-    float threshold = 0;  ///< m/s, slowest that bounces
+    float threshold = 0;                  ///< m/s, slowest that bounces
     float room[kMaxManifoldPoints] = {};  ///< m/s, at which a point may approach: it is apart as yet
 
     Vec3 slip(const Velocity& ofA, const Velocity& ofB, int point) const {
@@ -73,7 +73,8 @@ float Impact::solve(Velocity& ofA, Velocity& ofB) const {
             add(j, (impulse - normals[j]) * normal);
             normals[j] = impulse;
 
-            // Projected descent: no step is longer than the stiffest direction of the plane allows, or it could gain energy.
+            // Projected descent: no step is longer than the stiffest direction of the plane allows, or it could gain
+            // energy.
             Vec3 tangential = slip(ofA, ofB, j) + surface.surfaceVelocity;
             tangential -= dot(tangential, normal) * normal;
             if (!(stiffness[j] > 0)) continue;
@@ -97,7 +98,8 @@ void WorldImpl::turnVelocity(std::uint32_t index, const Quat& from, const Quat& 
 
 /// Solves the impact of a body that a sweep has brought to path.from: for the velocities with which it moves in this
 /// step, which give the rest of its path, and for those with which it leaves it. False if the rest is to be lost.
-bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float done, Quat& velocityAt, SweptWay& path) {
+bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float done, Quat& velocityAt,
+                             SweptWay& path) {
     const ShapeRecord &shape = shapes[meeting.shape], &obstacle = shapes[meeting.obstacle];
     const std::uint32_t other = obstacle.body;
     const bool pushes = moves(other);
@@ -147,8 +149,8 @@ bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float 
     noteImpact(meeting, impact.normal, place, approach, impulse);
     if (pushes) {
         changeVelocity(other, lastA.v, lastA.w);
-        const SweptWay gained{{bodies[other].center, bodies[other].rotation}, left * (meanA.v - beforeA.v),
-                              left * (meanA.w - beforeA.w)};
+        const SweptWay gained{
+            {bodies[other].center, bodies[other].rotation}, left * (meanA.v - beforeA.v), left * (meanA.w - beforeA.w)};
         const Pose end = gained.at(1);
         bodies[other].center = end.position;
         bodies[other].rotation = end.rotation;

@@ -12,6 +12,7 @@
 #include "broadphase/bounds_tree.h"
 #include "constraints/constraint_graph.h"
 #include "constraints/joint_sim.h"
+#include "direct/newton.h"
 #include "narrowphase/collide.h"
 #include "ragtop/world.h"
 #include "shapes/geometry.h"
@@ -23,11 +24,11 @@ namespace ragtop {
 
 /// Lengths relative to the size of what touches, and other numbers of the method.
 namespace tuning {
-inline constexpr float kSpeculative = 0.02f;     ///< contact margin at rest, in sizes of the smaller shape
-inline constexpr float kReuse = 0.05f;           ///< motion of a pair within which its manifolds are kept, in sizes
-inline constexpr float kFatMargin = 0.1f;        ///< enlargement of bounds, in sizes
-inline constexpr float kContinuousMotion = 0.5f; ///< motion per step beyond which a body is swept, in sizes
-inline constexpr float kSlideSpeed = 0.05f;      ///< slowest slide or roll reported, in √(gravity · size)
+inline constexpr float kSpeculative = 0.02f;      ///< contact margin at rest, in sizes of the smaller shape
+inline constexpr float kReuse = 0.05f;            ///< motion of a pair within which its manifolds are kept, in sizes
+inline constexpr float kFatMargin = 0.1f;         ///< enlargement of bounds, in sizes
+inline constexpr float kContinuousMotion = 0.5f;  ///< motion per step beyond which a body is swept, in sizes
+inline constexpr float kSlideSpeed = 0.05f;       ///< slowest slide or roll reported, in √(gravity · size)
 }  // namespace tuning
 
 /// A geometry shared by shapes, never moved; not part of a saved state.
@@ -105,7 +106,7 @@ struct WorldImpl {
         bool hit = false;
         float fraction = 1;  ///< of the way that was swept
         std::uint32_t shape = 0, obstacle = 0;
-        Manifold touch;      ///< in the frame of the obstacle, the normal towards the shape
+        Manifold touch;  ///< in the frame of the obstacle, the normal towards the shape
     };
     void sweepFastBodies();
     void sweepBody(std::uint32_t body);
@@ -120,8 +121,34 @@ struct WorldImpl {
     void turnVelocity(std::uint32_t body, const Quat& from, const Quat& to);
     void noteImpact(const Meeting& meeting, const Vec3& normal, const Pose& place, float speed, float impulse);
 
+    // world_islands.cpp: what bears on what, and the choice of solvers.
+    struct Bearing {
+        std::uint32_t a, b;        ///< bodies
+        std::uint32_t constraint;  ///< manifold or joint
+        bool joint;
+    };
+    void collectBearings();
+    void findLevels();
+    void estimateLoads();
+    float bucklingShare(const Bearing& bearing, float load, float number) const;
+    bool standsOn(std::uint32_t manifold) const;
+    void measureIslands();
+    bool decideIslands();
+    void chooseSolvers();
+
+    // world_direct.cpp: islands that are solved directly.
+    enum class DirectPass { positions, velocities };
+    void applyChoices();
+    void groupDirect();
+    void numberDirectBodies();
+    void beginDirect();
+    void solveDirect(DirectPass pass);
+    void endDirect();
+    bool isDirect(std::uint32_t body) const { return bodies[body].directSteps > 0; }
+
     // islands/sleeping.cpp
     void sleepQuietIslands();
+    void uniteConstraints(bool touchingOnly);
     void buildIslands();
     std::uint32_t findRoot(std::uint32_t body);
     void unite(std::uint32_t a, std::uint32_t b);
@@ -147,6 +174,10 @@ struct WorldImpl {
     void destroyJoint(std::uint32_t joint);
     std::uint32_t geometryIndex(const Shape& shape);
     void setMass(std::uint32_t body, const BodyDef& def);
+    void takeMass(std::uint32_t body, const MassProperties& mass);
+    void changeMass(std::uint32_t body, const MassProperties& mass);
+    void moveAnchors(std::uint32_t body, const Frame& move);
+    void compile(std::uint32_t joint);
     void resetSolverState(std::uint32_t body);
     void noteMomentum(std::uint32_t body);
     void refreshInertia(std::uint32_t body);
@@ -215,6 +246,8 @@ struct WorldImpl {
     std::uint64_t stepCount = 0, structureVersion = 0;
     double time = 0;
     float lastSubstep = 0;
+    bool graphChanged = true;      ///< since solvers were chosen, as far as bearings are concerned
+    bool structureChanged = true;  ///< the same for bodies and joints that were made, moved or woken
 
     // Derived from the state, or of the current step only.
     std::pmr::vector<GeometryEntry> geometries;
@@ -225,12 +258,34 @@ struct WorldImpl {
         std::uint8_t change;
     };
     AlignedArray<ChangedContact> changedContacts;
-    AlignedArray<std::uint32_t> islandParent;   ///< union-find over bodies
-    AlignedArray<float> islandQuiet;            ///< s, of the least quiet body of a root
+    AlignedArray<std::uint32_t> islandParent;  ///< union-find over bodies
+    AlignedArray<float> islandQuiet;           ///< s, of the least quiet body of a root
     AlignedArray<std::uint32_t> bodyStack;
-    AlignedArray<std::uint32_t> assemblyParent, assemblyPlace;    ///< per body, of those awake; 0: held by the world
-    AlignedArray<std::uint32_t> assemblyBodies, assemblyStarts;   ///< members of each assembly, one after the other
-    AlignedArray<std::uint8_t> bodyFlags;          ///< per awake body, set by finishBodies
+    AlignedArray<std::uint32_t> assemblyParent, assemblyPlace;   ///< per body, of those awake; 0: held by the world
+    AlignedArray<std::uint32_t> assemblyBodies, assemblyStarts;  ///< members of each assembly, one after the other
+    AlignedArray<Bearing> bearings;
+    AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
+    AlignedArray<std::uint32_t> levels, supports;  ///< per body: steps to what does not move; bodies that bear it
+    AlignedArray<float> carried;                   ///< kg, per body
+    AlignedArray<std::uint8_t> heldLevel;          ///< per body: something level is below it
+    AlignedArray<direct::IslandFeatures> islandFeatures;  ///< per root
+    struct DirectIsland {
+        std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
+        bool factored = false;
+        direct::SolveReport report;
+        double ms = 0;
+    };
+    AlignedArray<DirectIsland> directIslands;
+    AlignedArray<std::uint32_t> directBodies, directManifolds, directJoints;  ///< grouped by island
+    AlignedArray<float*> directLanes;
+    AlignedArray<JointSim*> directSims;
+    AlignedArray<std::uint32_t> directIndex;  ///< per body: of its island, or in it
+    AlignedArray<std::uint32_t> movedConstraints;
+    std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< at least one per direct island
+    bool directGrouped = false;
+    std::pmr::vector<StepStats::Island> ledger;
+    std::uint64_t directFailures = 0;      ///< solves given up since the world was made
+    AlignedArray<std::uint8_t> bodyFlags;  ///< per awake body, set by finishBodies
     struct PairFound {
         std::uint32_t a, b;
     };
@@ -245,8 +300,8 @@ struct WorldImpl {
         Vec3 normal;  ///< from A to B
         float speed, impulse;
     };
-    AlignedArray<SweptImpact> sweptImpacts;        ///< of this step, for its events
-    AlignedArray<StartPose> startPoses;            ///< per awake body, of bodies to sweep
+    AlignedArray<SweptImpact> sweptImpacts;  ///< of this step, for its events
+    AlignedArray<StartPose> startPoses;      ///< per awake body, of bodies to sweep
     SolverContext context;
     bool bouncy = false;  ///< does any contact of this step have restitution?
     JointContext jointContext;

@@ -48,8 +48,7 @@ std::uint32_t WorldImpl::createJoint(const JointDef& def) {
     sim = JointSim{};
     sim.stateA = bodies[a].state;
     sim.stateB = bodies[b].state;
-    compileJoint(def, a == 0 ? joined.frameA.position : bodies[a].local.position,
-                 b == 0 ? joined.frameB.position : bodies[b].local.position, sim);
+    compile(index);
     // Bodies that were in contact and no longer collide lose that contact.
     if (!joined.collide)
         for (std::uint32_t key = bodies[a].firstContact; key != kNone;) {
@@ -65,7 +64,16 @@ std::uint32_t WorldImpl::createJoint(const JointDef& def) {
     if (moves(a) && !awakeA) wakeBody(a);
     if (moves(b) && !awakeB) wakeBody(b);
     addJointToGraph(index);
+    structureChanged = true;
     return index;
+}
+
+/// The solver's form of a joint, from its definition and the centres of its bodies.
+void WorldImpl::compile(std::uint32_t index) {
+    const JointRecord& joint = joints[index];
+    const JointBodies& joined = bodiesOf(joint.def);
+    compileJoint(joint.def, joint.bodyA == 0 ? joined.frameA.position : bodies[joint.bodyA].local.position,
+                 joint.bodyB == 0 ? joined.frameB.position : bodies[joint.bodyB].local.position, jointSims[index]);
 }
 
 void WorldImpl::destroyJoint(std::uint32_t index) {
@@ -89,7 +97,9 @@ void WorldImpl::addJointToGraph(std::uint32_t index) {
     const bool movesA = moves(joint.bodyA), movesB = moves(joint.bodyB);
     if (joint.place.color != kNone) return;
     if ((movesA && !isAwake(joint.bodyA)) || (movesB && !isAwake(joint.bodyB))) return;
-    joint.place = graph.insertJoint(index, bodies[joint.bodyA].state, movesA, bodies[joint.bodyB].state, movesB);
+    joint.place = graph.insertJoint(index, bodies[joint.bodyA].state, movesA, bodies[joint.bodyB].state, movesB,
+                                    isDirect(joint.bodyA) || isDirect(joint.bodyB));
+    graphChanged = true;
 }
 
 void WorldImpl::removeJointFromGraph(std::uint32_t index) {
@@ -99,6 +109,7 @@ void WorldImpl::removeJointFromGraph(std::uint32_t index) {
                                                   bodies[joint.bodyB].state, moves(joint.bodyB));
     if (moved != kNone) joints[moved].place.slot = joint.place.slot;
     joint.place = {};
+    graphChanged = true;
 }
 
 }  // namespace ragtop

@@ -62,7 +62,8 @@ void WorldImpl::refitBounds() {
             const auto place = static_cast<std::size_t>(i);
             bodyFlags[place] = 0;
             for (std::uint32_t s = bodies[awakeBodies[place]].firstShape; s != kNone; s = shapes[s].next)
-                if (!contains(tree(shapes[s]).bounds(shapes[s].proxy), tightBounds(shapes[s], dt))) bodyFlags[place] = 1;
+                if (!contains(tree(shapes[s]).bounds(shapes[s].proxy), tightBounds(shapes[s], dt)))
+                    bodyFlags[place] = 1;
         }
     });
     for (std::size_t i = 0; i < awakeBodies.size(); ++i) {
@@ -111,9 +112,9 @@ void WorldImpl::findPairs() {
                     // A pair that both have moved is found by the lower index.
                     if (other == index || (shapes[other].inMoveBuffer && other < index)) return true;
                     if (pairs.contains(pairKey(index, other)) || !shouldCollide(shape, shapes[other])) return true;
-                    if (callbacks.filter && !callbacks.filter({shapeId(index), shapeId(other), id(shape.body),
-                                                               id(shapes[other].body), shape.userData,
-                                                               shapes[other].userData}))
+                    if (callbacks.filter &&
+                        !callbacks.filter({shapeId(index), shapeId(other), id(shape.body), id(shapes[other].body),
+                                           shape.userData, shapes[other].userData}))
                         return true;
                     found.push_back({index, other});
                     return true;
@@ -132,7 +133,7 @@ void WorldImpl::findPairs() {
 void WorldImpl::createContact(std::uint32_t a, std::uint32_t b) {
     // A mesh comes first; else a body that moves, because the narrow phase works in A's frame near its centre.
     const bool meshA = geometries[shapes[a].geometry].isMesh(), meshB = geometries[shapes[b].geometry].isMesh();
-    const bool swap = meshA != meshB ? meshB
+    const bool swap = meshA != meshB                                   ? meshB
                       : moves(shapes[a].body) != moves(shapes[b].body) ? moves(shapes[b].body)
                                                                        : b < a;
     if (swap) std::swap(a, b);
@@ -172,8 +173,8 @@ void WorldImpl::destroyContact(std::uint32_t index) {
     for (std::uint32_t i = 0; i < contact.manifoldCapacity; ++i) removeFromGraph(contact.firstManifold + i);
     if (contact.awakeIndex != kNone) removeAwakeContact(index);
     if (contact.touching) {
-        auto& list = contact.sensor ? (stepping ? sensorEnds : sensorEndsBetweenSteps)
-                                    : (stepping ? ends : endsBetweenSteps);
+        auto& list =
+            contact.sensor ? (stepping ? sensorEnds : sensorEndsBetweenSteps) : (stepping ? ends : endsBetweenSteps);
         list.push_back({shapeId(contact.shapeA), shapeId(contact.shapeB), id(contact.bodyA), id(contact.bodyB)});
     }
     unlink(contacts, bodies[contact.bodyA].firstContact, 2 * index);

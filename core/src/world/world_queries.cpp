@@ -34,7 +34,8 @@ Hit castThroughTrees(const WorldImpl& impl, const Bounds& start, const Vec3& tra
             if (!sees(filter, shape, impl.id(shape.body))) return closer;
             const Pose pose = impl.shapePose(shape);
             std::uint32_t triangle = 0;
-            const SweepHit hit = test(impl.geometries[shape.geometry].shape, pose, best ? best.fraction : 1.0f, triangle);
+            const SweepHit hit =
+                test(impl.geometries[shape.geometry].shape, pose, best ? best.fraction : 1.0f, triangle);
             if (!hit.hit || (best && hit.fraction >= best.fraction)) return closer;
             best.shape = impl.shapeId(index);
             best.body = impl.id(shape.body);
@@ -86,14 +87,15 @@ void World::castRays(std::span<const Ray> rays, std::span<Hit> results, const Qu
 
 void World::overlap(const Shape& shape, const Pose& pose, const std::function<bool(ShapeId)>& visit,
                     const QueryFilter& filter) const {
-    overlap(boundsOf(shape, pose),
-            [&](ShapeId id) {
-                const ShapeRecord& target = impl_->shapes[id.index];
-                if (!overlapsShape(shape, pose, impl_->geometries[target.geometry].shape, impl_->shapePose(target)))
-                    return true;
-                return visit(id);
-            },
-            filter);
+    overlap(
+        boundsOf(shape, pose),
+        [&](ShapeId id) {
+            const ShapeRecord& target = impl_->shapes[id.index];
+            if (!overlapsShape(shape, pose, impl_->geometries[target.geometry].shape, impl_->shapePose(target)))
+                return true;
+            return visit(id);
+        },
+        filter);
 }
 
 void World::overlap(const Bounds& bounds, const std::function<bool(ShapeId)>& visit, const QueryFilter& filter) const {
@@ -104,7 +106,8 @@ void World::overlap(const Bounds& bounds, const std::function<bool(ShapeId)>& vi
             const ShapeRecord& shape = impl_->shapes[index];
             if (!sees(filter, shape, impl_->id(shape.body))) return true;
             // Tree bounds are enlarged; the answer is about the shape's own.
-            if (!overlaps(bounds, boundsOf(impl_->geometries[shape.geometry].shape, impl_->shapePose(shape)))) return true;
+            if (!overlaps(bounds, boundsOf(impl_->geometries[shape.geometry].shape, impl_->shapePose(shape))))
+                return true;
             goOn = visit(impl_->shapeId(index));
             return goOn;
         });

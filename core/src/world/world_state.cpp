@@ -79,7 +79,7 @@ void WorldImpl::archive(Archive& archive) {
     archive(awakeBodies);
     archive(awakeContacts);
     archive(moveBuffer);
-    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
         ConstraintGraph::Color& color = graph.color(c);
         archive(color.manifolds);
         archive(color.joints);
@@ -96,6 +96,8 @@ void WorldImpl::archive(Archive& archive) {
     archive.value(time);
     archive.value(lastSubstep);
     archive.value(dt);
+    archive.value(graphChanged);
+    archive.value(structureChanged);
 }
 
 namespace {
@@ -171,7 +173,8 @@ void World::restore(std::span<const std::byte> from) {
     const StateHeader own = headerOf(*impl_, header.geometries < known ? header.geometries : known);
     if (const std::string why = whyForeign(header, own, from.size()); !why.empty()) throw std::invalid_argument(why);
     const auto payload = from.subspan(sizeof header, static_cast<std::size_t>(header.bytes) - sizeof header);
-    if (checksumOf(impl_->runner, payload) != header.checksum) throw std::invalid_argument("the state is cut short or damaged");
+    if (checksumOf(impl_->runner, payload) != header.checksum)
+        throw std::invalid_argument("the state is cut short or damaged");
     for (const bool apply : {false, true}) {
         StateReader reader(payload, apply);
         impl_->archive(reader);
@@ -192,6 +195,7 @@ void World::restore(std::span<const std::byte> from) {
 /// What is derived from the state or tells of the last step, after the state has changed as a whole.
 void WorldImpl::forgetDerived() {
     context.h = lastSubstep;
+    directGrouped = false;
     ++structureVersion;
     begins.clear();
     ends.clear();
@@ -209,8 +213,8 @@ void addJoint(StateHash& digest, const JointSim& joint) {
     digest.add(joint.block.impulseFirst);
     digest.add(joint.block.impulseSecond);
     const AxisRows& axis = joint.axis;
-    for (const float impulse : {axis.springImpulse, axis.frictionImpulse, axis.motorImpulse, axis.lowerImpulse,
-                                axis.upperImpulse})
+    for (const float impulse :
+         {axis.springImpulse, axis.frictionImpulse, axis.motorImpulse, axis.lowerImpulse, axis.upperImpulse})
         digest.add(impulse);
     const BallRows& ball = joint.ball;
     digest.add(ball.springImpulse);

@@ -21,6 +21,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     context.soft = makeSoftness(settings.contactFrequency * substepRate, settings.contactDamping, h);
     context.softStatic = makeSoftness(2 * settings.contactFrequency * substepRate, settings.staticContactDamping, h);
     context.pushOut = settings.pushOut / dt;
+    context.gravityStep = length(settings.gravity) * h;
     context.restitutionSpeed = settings.restitutionSpeed * length(settings.gravity) * dt;
     context.loadShare = settings.loadCarrying;
     jointContext = {h, substepRate, makeSoftness(settings.jointFrequency * substepRate, settings.jointDamping, h)};
@@ -40,12 +41,16 @@ void WorldImpl::step(World& world, double stepSeconds) {
         updateContacts();
         beginStage("contacts");
         applyContactChanges();
+        beginStage("islands");
+        chooseSolvers();
         beginStage("prepare");
         prepareBodies();
         findAssemblies();
         prepareConstraints();
+        beginDirect();
         beginStage("solve");
         for (int i = 0; i < settings.substeps; ++i) solveSubstep(world, i);
+        endDirect();
         beginStage("finish");
         finishBodies();
         sweepFastBodies();
@@ -74,11 +79,13 @@ void WorldImpl::solveSubstep(World& world, int number) {
         if (module->beforeSubstep) module->beforeSubstep(module->user, world, context.h);
     integrateVelocities();
     if (bouncy) bounce();
+    solveDirect(DirectPass::positions);
     warmStart();
     solve(true);
     moveAssemblies();
     integratePositions();
     context.elapsed = context.h * static_cast<float>(number + 1);
+    solveDirect(DirectPass::velocities);
     solve(false);
 }
 
@@ -108,7 +115,7 @@ void WorldImpl::prepareConstraints() {
     const bool rescale = lastSubstep > 0 && lastSubstep != context.h;
     const float ratio = rescale ? context.h / lastSubstep : 1;
     std::atomic<bool> anyBouncy{false};
-    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
         ConstraintGraph::Color& color = graph.color(c);
         if (rescale)
             for (const std::uint32_t joint : color.joints) rescaleJoint(jointSims[joint], ratio);
@@ -119,7 +126,8 @@ void WorldImpl::prepareConstraints() {
         runner.parallelFor(static_cast<int>(color.joints.size()), 32, [&](int begin, int end, int) {
             for (int i = begin; i < end; ++i) {
                 const std::uint32_t joint = color.joints[static_cast<std::size_t>(i)];
-                prepareJoint(jointSims[joint], jointBodies(joints[joint]), states.data(), inertias.data(), jointContext);
+                prepareJoint(jointSims[joint], jointBodies(joints[joint]), states.data(), inertias.data(),
+                             jointContext);
             }
         });
     }
@@ -173,10 +181,9 @@ void WorldImpl::forEachColor(Joint&& joint, Contact&& contact) {
 
 void WorldImpl::warmStart() {
     const BodyArrays arrays = bodyArrays();
-    forEachColor([&](std::uint32_t j) { warmStartJoint(jointSims[j], arrays.states, arrays.inertia, jointContext); },
-                 [&](float* bundles, int begin, int end) {
-                     kernels->warmStartContacts(bundles, begin, end, arrays, context);
-                 });
+    forEachColor(
+        [&](std::uint32_t j) { warmStartJoint(jointSims[j], arrays.states, arrays.inertia, jointContext); },
+        [&](float* bundles, int begin, int end) { kernels->warmStartContacts(bundles, begin, end, arrays, context); });
 }
 
 /// Friction beside the normal rows of each contact, or after those of all, as the settings say.
@@ -201,13 +208,15 @@ void WorldImpl::solve(bool useBias) {
 void WorldImpl::bounce() {
     constexpr int kSweeps = 32;
     const BodyArrays arrays = bodyArrays();
+    ConstraintGraph::Color& direct = graph.color(ConstraintGraph::kDirect);
     for (int i = 0; i < kSweeps; ++i) {
         std::atomic<bool> bounced{false};
-        forEachColor([](std::uint32_t) {},
-                     [&](float* bundles, int begin, int end) {
-                         if (kernels->bounceContacts(bundles, begin, end, arrays, context))
-                             bounced.store(true, std::memory_order_relaxed);
-                     });
+        const auto visit = [&](float* bundles, int begin, int end) {
+            if (kernels->bounceContacts(bundles, begin, end, arrays, context))
+                bounced.store(true, std::memory_order_relaxed);
+        };
+        for (int k = 0; k < graph.bundleCount(ConstraintGraph::kDirect); ++k) visit(direct.bundles.data(), k, k + 1);
+        forEachColor([](std::uint32_t) {}, visit);
         if (!bounced.load(std::memory_order_relaxed)) return;
     }
 }
@@ -249,8 +258,9 @@ void WorldImpl::restrictInertia(std::uint32_t index) {
     inverse = {};
     if (body.type != BodyType::dynamic) return;
     const Mat3 r = toMat3(body.rotation);
-    const Mat3 m = r * Mat3{body.inertia.x * Vec3{1, 0, 0}, body.inertia.y * Vec3{0, 1, 0}, body.inertia.z * Vec3{0, 0, 1}} *
-                   transpose(r);
+    const Mat3 m =
+        r * Mat3{body.inertia.x * Vec3{1, 0, 0}, body.inertia.y * Vec3{0, 1, 0}, body.inertia.z * Vec3{0, 0, 1}} *
+        transpose(r);
     const bool x = !body.locks.rotationX, y = !body.locks.rotationY, z = !body.locks.rotationZ;
     // A locked axis becomes an infinite moment: its row and column leave the matrix before it is inverted.
     const float xx = x ? m.cx.x : 1, yy = y ? m.cy.y : 1, zz = z ? m.cz.z : 1;
@@ -277,6 +287,8 @@ void WorldImpl::clearEvents() {
     surfaceEvents.clear();
     sleepEvents.clear();
     sleepEvents.swap(sleepEventsBetweenSteps);
+    // All may wake at once, however long they have slept.
+    sleepEvents.reserve(bodies.bytes() / sizeof(BodyRecord));
 }
 
 void WorldImpl::beginStage(const char* name) {

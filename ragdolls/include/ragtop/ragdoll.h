@@ -108,6 +108,10 @@ public:
     Ragdoll& operator=(Ragdoll&& other) noexcept;
 
     const RagdollDef& def() const { return def_; }
+    /// Changes masses and surfaces of the parts and limits, friction, springs and motors of the joints while it moves.
+    /// Parts, their shapes, joints and bones stay as many and where they are. Throws std::invalid_argument that says
+    /// which field is wrong, and changes nothing then.
+    void setDef(const RagdollDef& def);
     /// One per part.
     std::span<const BodyId> bodies() const { return bodies_; }
     /// One per joint of the definition.
@@ -124,6 +128,7 @@ public:
 private:
     void spawn(std::span<const Pose> partPoses, const Vec3& velocity);
     void release();
+    JointDef placed(const RagdollJoint& joint) const;
 
     World* world_;
     RagdollDef def_;

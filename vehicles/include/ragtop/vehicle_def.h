@@ -30,8 +30,9 @@ struct ChassisDef {
     Filter filter{};                      ///< of the bodywork, and of what the wheels stand on
 };
 
-/// A strut with a linear spring, a damper of two rates and a bump stop. The spring is preloaded so that the standing
-/// car has its wheels where the definition puts them.
+/// A strut with a linear spring, a damper of two rates and a bump stop. Unless the compression of the spring is given it
+/// is preloaded so that the standing car has its wheels where the definition puts them; with it, the car stands higher
+/// on stiffer springs and lower with more mass.
 struct SuspensionDef {
     Vec3 axis{0, 1, 0};                         ///< along which the hub rises, in the chassis
     float travelUp = 0.09f;                     ///< m from rest to the bump stop
@@ -39,6 +40,7 @@ struct SuspensionDef {
     float frequency = 1.4f;                     ///< Hz, undamped, of the load at rest on the spring
     float dampingRatio = 0.35f;                 ///< of that oscillation
     std::optional<float> stiffness{};           ///< N/m at the wheel, instead of the frequency
+    std::optional<float> springCompression{};   ///< m, with the wheel at its place; empty: what carries the standing car
     std::optional<float> compressionDamping{};  ///< N s/m at the wheel, instead of the ratio
     std::optional<float> reboundDamping{};      ///< N s/m at the wheel, instead of the ratio
     float bumpStopStiffness = 10;               ///< over the spring's
@@ -127,6 +129,15 @@ struct AerodynamicsDef {
     float airDensity = 1.2f;  ///< kg/m³
 };
 
+/// What the car looks like; nothing that moves depends on it.
+struct VehicleVisualDef {
+    std::string chassis{};                  ///< model file, of the bodywork or of the whole car
+    Frame frame{};                          ///< of the model in the chassis
+    float scale = 1;                        ///< over the size in the file
+    std::string wheel{};                    ///< model file of every wheel: axle along x, outside towards +x
+    std::vector<std::string> wheelNodes{};  ///< or the nodes of the model that are its wheels, in the order of those
+};
+
 struct VehicleDef {
     std::string name{};
     ChassisDef chassis{};
@@ -137,6 +148,7 @@ struct VehicleDef {
     DifferentialDef differential{};        ///< between the wheels of each driven axle
     DifferentialDef centerDifferential{};  ///< between driven axles, where there are several
     AerodynamicsDef aerodynamics{};
+    std::optional<VehicleVisualDef> visual{};  ///< empty: its shapes are drawn
 };
 
 /// Empty when the definition is usable; otherwise names the field, its value and what is allowed.
@@ -147,6 +159,7 @@ constexpr std::array<const char*, 1> requiredFields(const ChassisShape*) { retur
 constexpr std::array<const char*, 2> requiredFields(const ChassisDef*) { return {"shapes", "mass"}; }
 constexpr std::array<const char*, 2> requiredFields(const WheelDef*) { return {"position", "radius"}; }
 constexpr std::array<const char*, 2> requiredFields(const TorquePoint*) { return {"rpm", "torque"}; }
+constexpr std::array<const char*, 1> requiredFields(const VehicleVisualDef*) { return {"chassis"}; }
 constexpr std::array<const char*, 2> requiredFields(const VehicleDef*) { return {"chassis", "wheels"}; }
 
 template <class Visitor, class Self>
@@ -172,6 +185,8 @@ void describe(Visitor& visit, Self& self, const SuspensionDef*) {
     visit(Tunable{"frequency", "Hz", 0.1, 20, "of the load at rest on the spring"}, self.frequency);
     visit(Tunable{"dampingRatio", "1", 0, 5, "of that oscillation"}, self.dampingRatio);
     visit(Tunable{"stiffness", "N/m", 1e-3, 1e12, "at the wheel, instead of the frequency"}, self.stiffness);
+    visit(Tunable{"springCompression", "m", 0, 1e3, "with the wheel at its place; absent: what carries the standing car"},
+          self.springCompression);
     visit(Tunable{"compressionDamping", "N s/m", 0, 1e12, "at the wheel, instead of the ratio"},
           self.compressionDamping);
     visit(Tunable{"reboundDamping", "N s/m", 0, 1e12, "at the wheel, instead of the ratio"}, self.reboundDamping);
@@ -258,6 +273,15 @@ void describe(Visitor& visit, Self& self, const AerodynamicsDef*) {
     visit(Tunable{"airDensity", "kg/m³", 0, 1e4, "of the air"}, self.airDensity);
 }
 template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const VehicleVisualDef*) {
+    visit(Tunable{"chassis", "", 0, 0, "model file, of the bodywork or of the whole car"}, self.chassis);
+    visit(Tunable{"frame", "", 0, 0, "of the model in the chassis"}, self.frame);
+    visit(Tunable{"scale", "1", 1e-6, 1e6, "over the size in the file"}, self.scale);
+    visit(Tunable{"wheel", "", 0, 0, "model file of every wheel: axle along x, outside towards +x"}, self.wheel);
+    visit(Tunable{"wheelNodes", "", 0, 0, "or the nodes of the model that are its wheels, in the order of those"},
+          self.wheelNodes);
+}
+template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const VehicleDef*) {
     visit(Tunable{"name"}, self.name);
     visit(Tunable{"chassis", "", 0, 0, "the rigid body"}, self.chassis);
@@ -268,6 +292,7 @@ void describe(Visitor& visit, Self& self, const VehicleDef*) {
     visit(Tunable{"differential", "", 0, 0, "between the wheels of each driven axle"}, self.differential);
     visit(Tunable{"centerDifferential", "", 0, 0, "between driven axles"}, self.centerDifferential);
     visit(Tunable{"aerodynamics", "", 0, 0, "drag and lift"}, self.aerodynamics);
+    visit(Tunable{"visual", "", 0, 0, "what it looks like; absent: its shapes are drawn"}, self.visual);
 }
 
 }  // namespace ragtop

@@ -1,0 +1,77 @@
+#include "described_file.h"
+#include "joint_json.h"
+#include "ragtop/scene_tuning.h"
+#include "scene_file.h"
+
+namespace ragtop {
+namespace {
+
+Json write(const Pose& pose) { return {writeValue(pose.position), writeValue(pose.rotation)}; }
+
+Json write(const SceneBody& body) {
+    Json json = writeValue(body.def);
+    json["name"] = body.name;
+    json["type"] = writeValue(body.def.type);
+    json["pose"] = write(body.def.pose);
+    json["material"] = body.material;
+    json["masonry"] = body.masonry;
+    if (body.color) json["color"] = *body.color;
+    for (const ShapeDef& shape : body.def.shapes) {
+        json["shapes"].push_back({writeShape(shape.geometry), writeValue(shape.frame), writeValue(shape.density),
+                                  writeValue(shape.filter), shape.sensor, shape.reportsMotion});
+    }
+    return json;
+}
+
+Json write(const SceneJoint& joint) {
+    Json json{{"a", joint.bodyA}, {"b", joint.bodyB}};
+    writeJointKind(joint.def, json);
+    const JointBodies& ends = std::visit([](const auto& kind) -> const JointBodies& { return kind.bodies; }, joint.def);
+    json["frames"] = {writeValue(ends.frameA), writeValue(ends.frameB), ends.collide};
+    return json;
+}
+
+Json write(const SceneVehicle& vehicle) {
+    Json json = writeValue(vehicle.def);
+    const VehiclePlacement& place = vehicle.placement;
+    json["placement"] = {writeValue(place.position), writeValue(place.heading), writeValue(place.speed)};
+    for (const DriverAction& action : vehicle.script) {
+        json["script"].push_back(writeValue(ActionInFile{action.time, action.input}));
+    }
+    if (vehicle.driver) json["driver"] = {vehicle.driver->road, writeValue(vehicle.driver->speed)};
+    return json;
+}
+
+/// Everything but the names of the scene and what its vehicles and ragdolls are made from.
+Json write(const Scene& scene) {
+    Json json{
+        {"step", scene.step}, {"settings", writeValue(scene.settings)}, {"materials", writeValue(scene.materials)}};
+    for (const SceneBody& body : scene.bodies) json["bodies"].push_back(write(body));
+    for (const SceneJoint& joint : scene.joints) json["joints"].push_back(write(joint));
+    for (const SceneVehicle& vehicle : scene.vehicles) json["vehicles"].push_back(write(vehicle));
+    const RagdollDef* last = nullptr;
+    for (const SceneRagdoll& ragdoll : scene.ragdolls) {
+        Json one{write(ragdoll.placement), writeValue(ragdoll.velocity)};
+        if (ragdoll.def.get() != last) one.push_back(writeRagdoll(*ragdoll.def));
+        last = ragdoll.def.get();
+        json["ragdolls"].push_back(std::move(one));
+    }
+    return json;
+}
+
+}  // namespace
+
+bool sameStructure(const Scene& a, const Scene& b) {
+    std::vector<TunedValue> ofB;
+    for (const TunableField& field : tunablesOf(b)) ofB.emplace_back(field.path, field.value);
+    if (ofB.size() != tunablesOf(a).size()) return false;
+    Scene tuned = a;
+    try {
+        tune(tuned, ofB);
+    } catch (const TuneError&) {
+        return false;
+    }
+    return write(tuned) == write(b);
+}
+
+}  // namespace ragtop

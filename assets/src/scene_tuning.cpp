@@ -1,0 +1,280 @@
+#include "ragtop/scene_tuning.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
+
+#include "ragtop/world.h"
+#include "schema.h"
+
+namespace ragtop {
+namespace {
+
+/// Names of things that are not tuned while they run: structure, and the caller's names.
+bool isStructure(const TunableField& field) {
+    return field.label == "axle" || field.label == "surface" || field.label == "quiet";
+}
+
+/// The name, where no other has it, else the number.
+template <class T, class NameOf>
+std::string keyOf(const std::vector<T>& all, std::size_t i, NameOf nameOf) {
+    const std::string name = nameOf(all[i]);
+    const auto count = std::count_if(all.begin(), all.end(), [&](const T& one) { return nameOf(one) == name; });
+    return name.empty() || count > 1 ? std::to_string(i) : name;
+}
+
+/// Ragdolls of one definition.
+struct RagdollKind {
+    std::string name;
+    std::vector<std::size_t> members;
+    RagdollDef def;
+};
+
+std::vector<RagdollKind> ragdollKinds(const Scene& scene) {
+    std::vector<RagdollKind> kinds;
+    std::map<const RagdollDef*, std::size_t> known;
+    for (std::size_t i = 0; i < scene.ragdolls.size(); ++i) {
+        const SceneRagdoll& one = scene.ragdolls[i];
+        const auto [found, isNew] = known.try_emplace(one.def.get(), kinds.size());
+        if (isNew) kinds.push_back({one.name, {}, *one.def});
+        kinds[found->second].members.push_back(i);
+    }
+    // Those of a grid are called "person 1", "person 2" ...
+    for (RagdollKind& kind : kinds) {
+        if (kind.members.size() > 1 && kind.name.ends_with(" 1")) kind.name.resize(kind.name.size() - 2);
+    }
+    return kinds;
+}
+
+/// Copies of all that may be tuned, the references to their fields, and what puts them back into the scene.
+class Parts {
+public:
+    explicit Parts(const Scene& scene)
+        : settings_(scene.settings), materials_(scene.materials), ragdolls_(ragdollKinds(scene)) {
+        for (const SceneJoint& joint : scene.joints) joints_.push_back(joint.def);
+        for (const SceneVehicle& vehicle : scene.vehicles) vehicles_.push_back(vehicle.def);
+        collect(scene);
+    }
+    Parts(const Parts&) = delete;
+    Parts& operator=(const Parts&) = delete;
+
+    std::vector<TunableRef>& refs() { return refs_; }
+
+    /// The place of a path among refs().
+    std::size_t find(const std::string& path) const {
+        const auto found = index_.find(path);
+        if (found != index_.end()) return found->second;
+        std::vector<std::string> names;
+        for (const TunableRef& ref : refs_) names.push_back(ref.field.path);
+        const std::string near = nearestName(path, names);
+        throw TuneError(path, fmt::format("\"{}\" is none of the {} tunables{}", path, names.size(),
+                                          near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+    }
+
+    /// Those to which these references belong. Throws TuneError where one of them is not usable as a whole.
+    TunedParts checked(const std::set<std::size_t>& touched) const {
+        TunedParts tuned;
+        for (const Part& part : parts_) {
+            const auto first = touched.lower_bound(part.first);
+            if (first == touched.end() || *first >= part.first + part.count) continue;
+            if (const std::string why = part.whyInvalid(); !why.empty()) {
+                throw TuneError(refs_[*first].field.path, part.path + ": " + why);
+            }
+            part.note(tuned);
+        }
+        return tuned;
+    }
+
+    void commit(const TunedParts& tuned, Scene& scene) const {
+        if (tuned.settings) scene.settings = settings_;
+        for (const std::string& name : tuned.materials) scene.materials[name] = materials_.at(name);
+        for (SceneBody& body : scene.bodies) {
+            if (std::find(tuned.materials.begin(), tuned.materials.end(), body.material) == tuned.materials.end())
+                continue;
+            for (ShapeDef& shape : body.def.shapes) shape.material = materials_.at(body.material);
+        }
+        for (const std::size_t i : tuned.joints) scene.joints[i].def = joints_[i];
+        for (const std::size_t i : tuned.vehicles) scene.vehicles[i].def = vehicles_[i];
+        for (const RagdollKind& kind : ragdolls_) {
+            if (std::find(tuned.ragdolls.begin(), tuned.ragdolls.end(), kind.members[0]) == tuned.ragdolls.end())
+                continue;
+            const auto def = std::make_shared<const RagdollDef>(kind.def);
+            for (const std::size_t i : kind.members) scene.ragdolls[i].def = def;
+        }
+    }
+
+private:
+    struct Part {
+        std::string path;
+        std::size_t first, count;
+        std::function<std::string()> whyInvalid;
+        std::function<void(TunedParts&)> note;
+    };
+
+    void collect(const Scene& scene) {
+        add(
+            "settings", [&](const std::string& path) { addTunables(settings_, path, "world", refs_); },
+            [this] { return whyInvalid(settings_); }, [](TunedParts& tuned) { tuned.settings = true; });
+        for (auto& item : materials_) {
+            const std::string& name = item.first;
+            Material& material = item.second;
+            add(
+                "materials." + name,
+                [&](const std::string& path) { addTunables(material, path, "materials / " + name, refs_); },
+                [&material] { return whyInvalid(material); },
+                [&name](TunedParts& tuned) { tuned.materials.push_back(name); });
+        }
+        for (std::size_t i = 0; i < joints_.size(); ++i) {
+            const std::string name = keyOf(scene.joints, i, [](const SceneJoint& joint) { return joint.name; });
+            add(
+                "joints." + name, [&](const std::string& path) { addJoint(joints_[i], path, "joints / " + name); },
+                [this, i] { return whyInvalidKind(joints_[i]); },
+                [i](TunedParts& tuned) { tuned.joints.push_back(i); });
+        }
+        for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+            const std::string name = keyOf(scene.vehicles, i, [](const SceneVehicle& vehicle) { return vehicle.name; });
+            add(
+                "vehicles." + name,
+                [&](const std::string& path) { addVehicle(vehicles_[i], path, named("vehicle", name)); },
+                [this, i] { return whyInvalid(vehicles_[i]); },
+                [i](TunedParts& tuned) { tuned.vehicles.push_back(i); });
+        }
+        for (std::size_t i = 0; i < ragdolls_.size(); ++i) {
+            const std::string name = keyOf(ragdolls_, i, [](const RagdollKind& kind) { return kind.name; });
+            add(
+                "ragdolls." + name,
+                [&](const std::string& path) { addRagdoll(ragdolls_[i].def, path, named("ragdoll", name)); },
+                [this, i] { return whyInvalid(ragdolls_[i].def); },
+                [this, i](TunedParts& tuned) {
+                    const auto& members = ragdolls_[i].members;
+                    tuned.ragdolls.insert(tuned.ragdolls.end(), members.begin(), members.end());
+                });
+        }
+        for (std::size_t i = 0; i < refs_.size(); ++i) index_.emplace(refs_[i].field.path, i);
+    }
+
+    /// A number alone would say too little in a list.
+    static std::string named(const char* kind, const std::string& key) {
+        return key.find_first_not_of("0123456789") == std::string::npos ? std::string(kind) + " " + key : key;
+    }
+
+    template <class Fill>
+    void add(const std::string& path, Fill fill, std::function<std::string()> why,
+             std::function<void(TunedParts&)> note) {
+        const std::size_t first = refs_.size();
+        fill(path);
+        const auto begin = refs_.begin() + static_cast<std::ptrdiff_t>(first);
+        refs_.erase(std::remove_if(begin, refs_.end(), [](const TunableRef& ref) { return isStructure(ref.field); }),
+                    refs_.end());
+        parts_.push_back({path, first, refs_.size() - first, std::move(why), std::move(note)});
+    }
+
+    void addVehicle(VehicleDef& def, const std::string& path, const std::string& group) {
+        const std::size_t first = refs_.size();
+        addTunables(def, path, group, refs_);
+        const std::string looks = path + ".visual.";
+        const auto begin = refs_.begin() + static_cast<std::ptrdiff_t>(first);
+        refs_.erase(std::remove_if(begin, refs_.end(),
+                                   [&](const TunableRef& ref) { return ref.field.path.starts_with(looks); }),
+                    refs_.end());
+    }
+
+    void addRagdoll(RagdollDef& def, const std::string& path, const std::string& group) {
+        const auto partName = [](const RagdollPart& part) { return part.name; };
+        for (std::size_t i = 0; i < def.parts.size(); ++i) {
+            const std::string name = keyOf(def.parts, i, partName);
+            addTunables(def.parts[i], path + ".parts." + name, group + " / parts / " + name, refs_);
+        }
+        for (RagdollJoint& joint : def.joints) {
+            const std::string name = keyOf(def.parts, static_cast<std::size_t>(joint.child), partName);
+            addJoint(joint.joint, path + ".joints." + name, group + " / joints / " + name);
+        }
+    }
+
+    void addJoint(JointDef& joint, const std::string& path, const std::string& group) {
+        std::visit(
+            [&](auto& kind) {
+                const std::size_t first = refs_.size();
+                addTunables(kind, path, group, refs_);
+                // Without a spring there is nothing that its target and limit would change.
+                if constexpr (requires { kind.spring; }) {
+                    if (kind.spring) return;
+                    const auto begin = refs_.begin() + static_cast<std::ptrdiff_t>(first);
+                    const auto ofSpring = [](const TunableRef& ref) {
+                        const std::string& label = ref.field.label;
+                        return label == "target" || label == "rest" || label == "maxSpringTorque";
+                    };
+                    refs_.erase(std::remove_if(begin, refs_.end(), ofSpring), refs_.end());
+                }
+            },
+            joint);
+    }
+
+    /// Any two bodies will do: those of the joint exist only in a world.
+    static std::string whyInvalidKind(JointDef joint) {
+        std::visit(
+            [](auto& kind) {
+                kind.bodies.a = {0, 1};
+                kind.bodies.b = {1, 1};
+            },
+            joint);
+        return whyInvalid(joint);
+    }
+
+    WorldSettings settings_;
+    std::map<std::string, Material> materials_;
+    std::vector<JointDef> joints_;
+    std::vector<VehicleDef> vehicles_;
+    std::vector<RagdollKind> ragdolls_;
+    std::vector<TunableRef> refs_;
+    std::vector<Part> parts_;
+    std::map<std::string, std::size_t> index_;
+};
+
+}  // namespace
+
+std::vector<TunableField> tunablesOf(const Scene& scene) {
+    Parts parts(scene);
+    std::vector<TunableField> fields;
+    for (TunableRef& ref : parts.refs()) fields.push_back(std::move(ref.field));
+    return fields;
+}
+
+TunedParts tune(Scene& scene, std::span<const TunedValue> values) {
+    Parts parts(scene);
+    std::set<std::size_t> touched;
+    for (const auto& [path, value] : values) {
+        const std::size_t i = parts.find(path);
+        if (const std::string why = whyInvalid(parts.refs()[i].field, value); !why.empty()) throw TuneError(path, why);
+        parts.refs()[i].set(value);
+        touched.insert(i);
+    }
+    const TunedParts tuned = parts.checked(touched);
+    parts.commit(tuned, scene);
+    return tuned;
+}
+
+void apply(const Scene& scene, const TunedParts& parts, const RunningScene& to) {
+    if (parts.settings) to.world->setSettings(scene.settings);
+    for (std::size_t i = 0; i < to.bodies.size(); ++i) {
+        const std::string& material = scene.bodies[i].material;
+        if (std::find(parts.materials.begin(), parts.materials.end(), material) == parts.materials.end()) continue;
+        for (const ShapeId shape : to.world->shapes(to.bodies[i])) {
+            to.world->setMaterial(shape, scene.materials.at(material));
+        }
+    }
+    for (const std::size_t i : parts.joints) {
+        JointDef def = scene.joints[i].def;
+        const auto bodiesOf = [](auto& kind) -> JointBodies { return kind.bodies; };
+        const JointBodies bodies = std::visit(bodiesOf, to.world->def(to.joints[i]));
+        std::visit([&](auto& kind) { kind.bodies = bodies; }, def);
+        to.world->setDef(to.joints[i], def);
+    }
+    for (const std::size_t i : parts.vehicles) to.vehicles[i]->setDef(scene.vehicles[i].def);
+    for (const std::size_t i : parts.ragdolls) to.ragdolls[i]->setDef(*scene.ragdolls[i].def);
+}
+
+}  // namespace ragtop

@@ -1,0 +1,182 @@
+#include <btBulletDynamicsCommon.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "../scenery.h"
+#include "bullet_shapes.h"
+#include "peer.h"
+
+namespace ragtop::stability {
+namespace {
+
+/// Moves a body that is moved by its speed, where Bullet asks for it.
+class KinematicMotion : public btMotionState {
+public:
+    explicit KinematicMotion(const btTransform& start) : transform_(start) {}
+    void getWorldTransform(btTransform& transform) const override { transform = transform_; }
+    void setWorldTransform(const btTransform&) override {}
+    void advance(const btVector3& v, const btVector3& w, btScalar dt) {
+        btTransform next;
+        btTransformUtil::integrateTransform(transform_, v, w, dt, next);
+        transform_ = next;
+    }
+
+private:
+    btTransform transform_;
+};
+
+/// Bullet 3.24 with default settings: ten sequential impulses.
+class BulletEngine : public Engine {
+public:
+    BulletEngine(const Scene& scene, int substeps)
+        : peers_(scene),
+          substeps_(substeps),
+          dispatcher_(&configuration_),
+          world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
+        world_.setGravity(toBullet(scene.settings.gravity));
+        for (int i = 0; i < peers_.count(); ++i) addBody(i);
+        for (const SceneJoint& joint : scene.joints) addJoint(joint);
+    }
+    ~BulletEngine() override {
+        for (const auto& joint : joints_) world_.removeConstraint(joint.get());
+        for (const auto& body : bodies_)
+            if (body->isInWorld()) world_.removeRigidBody(body.get());
+    }
+
+    void step(double dt) override {
+        dt_ = dt / substeps_;
+        for (int i = 0; i < substeps_; ++i) {
+            // Forces are cleared after each step of Bullet's.
+            for (const Push& push : pushes_)
+                body(push.body).applyForce(push.force, push.point - body(push.body).getCenterOfMassPosition());
+            for (std::size_t k = 0; k < kinematic_.size(); ++k) {
+                const BodyDef& def = peers_.def(kinematicBodies_[k]);
+                kinematic_[k]->advance(toBullet(def.linearVelocity), toBullet(def.angularVelocity),
+                                       static_cast<btScalar>(dt_));
+            }
+            world_.stepSimulation(static_cast<btScalar>(dt_), 0);
+        }
+        pushes_.clear();
+    }
+    BodyMotion motion(int i) const override {
+        const btTransform& t = body(i).getWorldTransform();
+        const Pose pose{DVec3{fromBullet(t.getOrigin())}, fromBullet(t.getRotation())};
+        return {peers_.ownPose(i, pose), fromBullet(body(i).getLinearVelocity()),
+                fromBullet(body(i).getAngularVelocity())};
+    }
+    void setVelocity(int i, const Vec3& linear, const Vec3& angular) override {
+        body(i).setLinearVelocity(toBullet(linear));
+        body(i).setAngularVelocity(toBullet(angular));
+    }
+    void push(int i, const Vec3& force, const DVec3& point) override {
+        pushes_.push_back({i, toBullet(force), toBullet(toVec3(point))});
+    }
+    void remove(int i) override { world_.removeRigidBody(&body(i)); }
+    std::optional<double> normalForce(int a, int b) const override {
+        double sum = 0;
+        for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+            const btPersistentManifold* manifold = dispatcher_.getManifoldByIndexInternal(i);
+            const int first = manifold->getBody0()->getUserIndex(), second = manifold->getBody1()->getUserIndex();
+            if (!((first == a && second == b) || (first == b && second == a))) continue;
+            for (int k = 0; k < manifold->getNumContacts(); ++k)
+                sum += static_cast<double>(manifold->getContactPoint(k).getAppliedImpulse()) / dt_;
+        }
+        return sum;
+    }
+
+private:
+    struct Push {
+        int body;
+        btVector3 force, point;
+    };
+    btRigidBody& body(int i) const { return *bodies_[static_cast<std::size_t>(i)]; }
+
+    void addBody(int i) {
+        const BodyDef& def = peers_.def(i);
+        const Inertial& inertial = peers_.inertial(i);
+        const Material& material = def.shapes.at(0).material;
+        if (material.surfaceVelocity != Vec3{}) refuse("Bullet: surface velocity");
+        if (material.rollingResistance != 0) refuse("Bullet: rolling resistance over load");
+        const bool moves = def.type == BodyType::dynamic;
+        btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(inertial.mass), nullptr,
+                                                      shapes_.make(def, inertial.frame),
+                                                      moves ? toBullet(inertial.moments) : btVector3(0, 0, 0));
+        info.m_startWorldTransform = toBullet(peers_.startPose(i));
+        // Bullet multiplies what two bodies have; together the roots give the geometric mean.
+        info.m_friction = std::sqrt(material.friction);
+        info.m_restitution = std::sqrt(material.restitution);
+        bodies_.push_back(std::make_unique<btRigidBody>(info));
+        body(i).setUserIndex(i);
+        body(i).setActivationState(DISABLE_DEACTIVATION);
+        body(i).setLinearVelocity(toBullet(def.linearVelocity));
+        body(i).setAngularVelocity(toBullet(def.angularVelocity));
+        if (def.type == BodyType::kinematic) {
+            kinematic_.push_back(std::make_unique<KinematicMotion>(info.m_startWorldTransform));
+            kinematicBodies_.push_back(i);
+            body(i).setMotionState(kinematic_.back().get());
+            body(i).setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+        }
+        const Filter& filter = def.shapes[0].filter;
+        world_.addRigidBody(&body(i), static_cast<int>(filter.category), static_cast<int>(filter.mask));
+    }
+
+    void addJoint(const SceneJoint& joint) {
+        const JointBodies& frames = bodiesOf(joint.def);
+        btRigidBody& a = joint.bodyA == kWorld ? btTypedConstraint::getFixedBody() : body(joint.bodyA);
+        btRigidBody& b = body(joint.bodyB);
+        // Bullet's hinges turn about z, its sliders go along x.
+        const Frame z{{}, rotationBetween({0, 0, 1}, {1, 0, 0})};
+        const auto frame = [&](int side, const Frame& f, const Frame& turn) {
+            return toBullet(peers_.local(side, f) * turn);
+        };
+        if (const auto* ball = std::get_if<BallDef>(&joint.def)) {
+            if (ball->swingLimit || ball->twistLimit || ball->spring || ball->friction != 0)
+                refuse("Bullet: limited ball");
+            keep(std::make_unique<btPoint2PointConstraint>(a, b, frame(joint.bodyA, frames.frameA, {}).getOrigin(),
+                                                           frame(joint.bodyB, frames.frameB, {}).getOrigin()));
+        } else if (const auto* hinge = std::get_if<HingeDef>(&joint.def)) {
+            if (hinge->spring || hinge->friction != 0 || hinge->motor) refuse("Bullet: hinge with spring or motor");
+            auto constraint = std::make_unique<btHingeConstraint>(a, b, frame(joint.bodyA, frames.frameA, z),
+                                                                  frame(joint.bodyB, frames.frameB, z), true);
+            if (hinge->limit) constraint->setLimit(hinge->limit->lower, hinge->limit->upper);
+            keep(std::move(constraint));
+        } else if (const auto* slider = std::get_if<SliderDef>(&joint.def)) {
+            if (slider->limit || slider->spring || slider->motor) refuse("Bullet: slider with extras");
+            auto constraint = std::make_unique<btSliderConstraint>(a, b, frame(joint.bodyA, frames.frameA, {}),
+                                                                   frame(joint.bodyB, frames.frameB, {}), true);
+            constraint->setLowerLinLimit(1);
+            constraint->setUpperLinLimit(-1);
+            constraint->setLowerAngLimit(0);
+            constraint->setUpperAngLimit(0);
+            keep(std::move(constraint));
+        } else {
+            refuse("Bullet: this joint");
+        }
+        world_.addConstraint(joints_.back().get(), !frames.collide);
+    }
+    void keep(std::unique_ptr<btTypedConstraint> joint) { joints_.push_back(std::move(joint)); }
+
+    PeerBodies peers_;
+    int substeps_;
+    double dt_ = 1;
+    BulletShapes shapes_;
+    btDefaultCollisionConfiguration configuration_;
+    btCollisionDispatcher dispatcher_;
+    btDbvtBroadphase broadphase_;
+    btSequentialImpulseConstraintSolver solver_;
+    std::vector<std::unique_ptr<KinematicMotion>> kinematic_;
+    std::vector<int> kinematicBodies_;
+    std::vector<std::unique_ptr<btRigidBody>> bodies_;
+    std::vector<std::unique_ptr<btTypedConstraint>> joints_;
+    std::vector<Push> pushes_;
+    btDiscreteDynamicsWorld world_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> makeBullet(const Scene& scene) { return std::make_unique<BulletEngine>(scene, 1); }
+std::unique_ptr<Engine> makeBullet240(const Scene& scene) { return std::make_unique<BulletEngine>(scene, 4); }
+
+}  // namespace ragtop::stability

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+#include "ragtop/scene.h"
+
+namespace ragtop::stability {
+
+/// How a body moves: the pose of its definition's frame, the velocities of its centre of mass in world axes.
+struct BodyMotion {
+    Pose pose;
+    Vec3 v;  ///< m/s
+    Vec3 w;  ///< rad/s
+};
+
+/// Thrown by an adapter whose engine cannot represent something in a scene; the case then has no row for that engine.
+struct Unsupported : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// A scene in one engine, with the engine's default settings, on one thread, never sleeping. Bodies are named by
+/// their index in the scene.
+class Engine {
+public:
+    virtual ~Engine() = default;
+    virtual void step(double dt) = 0;
+    virtual BodyMotion motion(int body) const = 0;
+    virtual void setVelocity(int body, const Vec3& linear, const Vec3& angular) = 0;
+    /// A force (N) at a point of the world, during the next step.
+    virtual void push(int body, const Vec3& force, const DVec3& point) = 0;
+    virtual void remove(int body) = 0;
+    /// Sum of the normal forces (N) between two bodies in the last step; empty where the engine does not tell.
+    virtual std::optional<double> normalForce(int a, int b) const = 0;
+};
+
+struct EngineKind {
+    std::string name;
+    std::unique_ptr<Engine> (*make)(const Scene& scene);
+};
+
+/// Those that this program was built with; Ragtop is the first.
+std::span<const EngineKind> engineKinds();
+
+std::unique_ptr<Engine> makeRagtop(const Scene& scene);
+std::unique_ptr<Engine> makeBullet(const Scene& scene);
+std::unique_ptr<Engine> makeBullet240(const Scene& scene);
+std::unique_ptr<Engine> makeMujoco(const Scene& scene);
+std::unique_ptr<Engine> makeOde(const Scene& scene);
+std::unique_ptr<Engine> makeOdeExact(const Scene& scene);
+
+}  // namespace ragtop::stability

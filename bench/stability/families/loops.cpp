@@ -1,0 +1,136 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "../families.h"
+#include "../scenery.h"
+
+namespace ragtop::stability {
+namespace {
+
+/// A thin bar of 1 kg between two points; it collides with nothing.
+int addBar(Scene& scene, const DVec3& from, const DVec3& to) {
+    const DVec3 d = to - from;
+    const double length = std::hypot(d.x, d.y, d.z);
+    const float half = static_cast<float>(length / 2);
+    BodyDef def = solidBody(Box{{half, 0.02f, 0.02f}}, 0.5 * (from + to), 1, {});
+    def.pose.rotation = rotationBetween({1, 0, 0}, toVec3((1 / length) * d));
+    def.shapes[0].filter.mask = 0;
+    return add(scene, def);
+}
+
+struct Drift {
+    double gap = 0, energy = 0;
+};
+
+Drift watch(Run& run, double seconds, double scale) {
+    const double energy = run.energy();
+    Drift drift;
+    run.advance(seconds, [&] {
+        drift.gap = std::max(drift.gap, run.jointGap());
+        drift.energy = std::max(drift.energy, std::abs(run.energy() - energy) / scale);
+        return drift.gap < 1;
+    });
+    return drift;
+}
+
+void expectDrift(Trial& trial, const Drift& drift) {
+    trial.expectAtMost("gap", drift.gap, 1e-4, "m");
+    trial.expectAtMost("energy", drift.energy, 0.01, "1");
+}
+
+/// Windows of bars of 1 m in a row, pushed aside with 1 m/s: in each swing all bars lie on one line, where the
+/// mechanism could go on in several ways [IFToMM benchmark library, N-four-bar]. Energy is compared with the kinetic
+/// one at first.
+void fourBar(Trial& trial, int windows) {
+    Scene scene;
+    std::vector<int> posts, beams;
+    const auto foot = [](int i) { return DVec3{static_cast<double>(i), 0, 0}; };
+    const auto head = [](int i) { return DVec3{static_cast<double>(i), 1, 0}; };
+    for (int i = 0; i <= windows; ++i) posts.push_back(addBar(scene, foot(i), head(i)));
+    for (int i = 0; i < windows; ++i) beams.push_back(addBar(scene, head(i), head(i + 1)));
+    for (int i = 0; i <= windows; ++i) {
+        const int post = posts[static_cast<std::size_t>(i)];
+        addHinge(scene, kWorld, post, foot(i), {0, 0, 1});
+        if (i < windows) addHinge(scene, post, beams[static_cast<std::size_t>(i)], head(i), {0, 0, 1});
+        if (i > 0) addHinge(scene, beams[static_cast<std::size_t>(i - 1)], post, head(i), {0, 0, 1});
+    }
+    for (const int post : posts) {
+        scene.bodies[static_cast<std::size_t>(post)].def.linearVelocity = {0.5f, 0, 0};
+        scene.bodies[static_cast<std::size_t>(post)].def.angularVelocity = {0, 0, -1};
+    }
+    for (const int beam : beams) scene.bodies[static_cast<std::size_t>(beam)].def.linearVelocity = {1, 0, 0};
+    Run run = trial.start(scene);
+    // From upright to hanging every post falls by 1 m and every beam by 2 m.
+    expectDrift(trial, watch(run, 10, kGravity * (windows + 1 + 2 * windows)));
+}
+
+/// Six bars along the edges of a cube, on six hinges, one bar fixed: seven constraints too many, yet it moves
+/// [Bricard 1897; IFToMM benchmark library].
+void bricard(Trial& trial) {
+    const std::array<DVec3, 6> corners{DVec3{1, 0, 0}, DVec3{1, 1, 0}, DVec3{0, 1, 0},
+                                       DVec3{0, 1, 1}, DVec3{0, 0, 1}, DVec3{1, 0, 1}};
+    Scene scene;
+    std::vector<int> bars;
+    for (std::size_t i = 0; i < 6; ++i) {
+        const int bar = addBar(scene, corners[i], corners[(i + 1) % 6]);
+        if (i == 0) scene.bodies[static_cast<std::size_t>(bar)].def.type = BodyType::fixed;
+        bars.push_back(bar);
+    }
+    for (std::size_t i = 0; i < 6; ++i) {
+        const std::size_t next = (i + 1) % 6, after = (i + 2) % 6;
+        const Vec3 before = toVec3(corners[next] - corners[i]), behind = toVec3(corners[after] - corners[next]);
+        addHinge(scene, bars[i], bars[next], corners[next], cross(before, behind));
+    }
+    Run run = trial.start(scene);
+    double farthest = 0;
+    const double energy = run.energy();
+    Drift drift;
+    run.advance(10, [&] {
+        drift.gap = std::max(drift.gap, run.jointGap());
+        drift.energy = std::max(drift.energy, std::abs(run.energy() - energy) / (5 * kGravity));
+        farthest = std::max(farthest, run.moved(bars[3]));
+        return drift.gap < 1;
+    });
+    expectDrift(trial, drift);
+    trial.expectAtLeast("moves", farthest, 0.5, "m");
+}
+
+/// A door of 2 m × 1 m on hinges on one line, swinging: it neither slows down nor sags.
+void door(Trial& trial, int hinges) {
+    constexpr float kSpin = 2;
+    Scene scene;
+    BodyDef def = solidBody(Box{{0.5f, 1, 0.02f}}, {0.5, 1, 0}, 20, {});
+    def.angularVelocity = {0, kSpin, 0};
+    def.linearVelocity = {0, 0, -0.5f * kSpin};
+    const int body = add(scene, def);
+    for (int i = 0; i < hinges; ++i) addHinge(scene, kWorld, body, {0, 0.2 + 1.6 * i / (hinges - 1), 0}, {0, 1, 0});
+    Run run = trial.start(scene);
+    double gap = 0;
+    run.advance(60, [&] {
+        gap = std::max(gap, run.jointGap());
+        return gap < 1;
+    });
+    trial.expectAtMost("gap", gap, 1e-4, "m");
+    trial.expectNear("spin after a minute", static_cast<double>(run.motion(body).w.y), kSpin, 0.005 * kSpin, "rad/s");
+}
+
+}  // namespace
+
+Family loops() {
+    Family family{"loops", {}};
+    for (const int windows : {1, 4, 10})
+        family.cases.push_back(
+            {fmt::format("four-bar, {} windows", windows), [windows](Trial& trial) { fourBar(trial, windows); }});
+    family.cases.push_back({"Bricard", bricard});
+    for (const int hinges : {2, 3, 4})
+        family.cases.push_back(
+            {fmt::format("door on {} hinges", hinges), [hinges](Trial& trial) { door(trial, hinges); }});
+    return family;
+}
+
+}  // namespace ragtop::stability

@@ -1,0 +1,89 @@
+#include "isolation.h"
+
+#include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <system_error>
+
+namespace ragtop::stability {
+namespace {
+
+struct Child {
+    std::size_t work;
+    pid_t process;
+    int pipe;
+    std::string text;
+};
+
+[[noreturn]] void runChild(const std::function<std::string()>& job, int pipe) noexcept {
+    const std::string text = job();
+    for (std::size_t at = 0; at < text.size();) {
+        const ssize_t count = ::write(pipe, text.data() + at, text.size() - at);
+        if (count < 0) std::_Exit(1);
+        at += static_cast<std::size_t>(count);
+    }
+    std::_Exit(0);
+}
+
+Child start(std::size_t index, const std::function<std::string()>& job) {
+    int ends[2];
+    if (::pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
+    std::fflush(nullptr);
+    const pid_t process = ::fork();
+    if (process < 0) throw std::system_error(errno, std::generic_category(), "fork");
+    if (process == 0) {
+        ::close(ends[0]);
+        runChild(job, ends[1]);
+    }
+    ::close(ends[1]);
+    return {index, process, ends[0], {}};
+}
+
+Outcome finish(Child& child) {
+    ::close(child.pipe);
+    int status = 0;
+    ::waitpid(child.process, &status, 0);
+    if (WIFSIGNALED(status)) return {{}, ::strsignal(WTERMSIG(status))};
+    if (WEXITSTATUS(status) != 0) return {{}, "exit code " + std::to_string(WEXITSTATUS(status))};
+    return {std::move(child.text), {}};
+}
+
+/// Reads what the children have to say; true when the child is at its end.
+bool readSome(Child& child) {
+    char buffer[4096];
+    const ssize_t count = ::read(child.pipe, buffer, sizeof buffer);
+    if (count > 0) child.text.append(buffer, static_cast<std::size_t>(count));
+    return count == 0 || (count < 0 && errno != EINTR);
+}
+
+}  // namespace
+
+void runIsolated(const std::vector<std::function<std::string()>>& works, int processes,
+                 const std::function<void(std::size_t work, const Outcome&)>& done) {
+    std::vector<Child> running;
+    std::vector<std::optional<Outcome>> outcomes(works.size());
+    std::size_t next = 0, reported = 0;
+    while (reported < works.size()) {
+        while (next < works.size() && running.size() < static_cast<std::size_t>(processes)) {
+            running.push_back(start(next, works[next]));
+            ++next;
+        }
+        std::vector<pollfd> pipes;
+        for (const Child& child : running) pipes.push_back({child.pipe, POLLIN, 0});
+        ::poll(pipes.data(), pipes.size(), -1);
+        for (std::size_t i = running.size(); i-- > 0;) {
+            if (pipes[i].revents == 0 || !readSome(running[i])) continue;
+            outcomes[running[i].work] = finish(running[i]);
+            running.erase(running.begin() + static_cast<std::ptrdiff_t>(i));
+        }
+        for (; reported < works.size() && outcomes[reported]; ++reported) done(reported, *outcomes[reported]);
+    }
+}
+
+}  // namespace ragtop::stability

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace ragtop::stability {
+
+/// What became of a piece of work in a process of its own.
+struct Outcome {
+    std::string text;   ///< what the work returned
+    std::string death;  ///< empty, or what ended it otherwise
+};
+
+/// Runs works in child processes, so many at once, so that one that crashes or aborts takes nothing with it. `done`
+/// is given their outcomes in order. Works do not throw.
+void runIsolated(const std::vector<std::function<std::string()>>& works, int processes,
+                 const std::function<void(std::size_t work, const Outcome&)>& done);
+
+}  // namespace ragtop::stability

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "trial.h"
+
+namespace ragtop::stability {
+
+std::string tableHead();
+std::string tableLine(const Row& row);
+/// A list of {family, case, engine, value, reference, bound, unit, pass, ms}; a number that is none becomes null.
+std::string toJson(const std::vector<Row>& rows);
+std::vector<Row> rowsFromJson(const std::string& text);
+
+}  // namespace ragtop::stability

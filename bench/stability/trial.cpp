@@ -1,0 +1,183 @@
+#include "trial.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+#include <utility>
+
+#include "scenery.h"
+
+namespace ragtop::stability {
+namespace {
+
+double threadMs() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+std::string fileName(std::string text) {
+    for (char& c : text)
+        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-') c = '_';
+    return text + ".glb";
+}
+
+DVec3 anchor(const Pose& pose, const Frame& frame) { return transformPoint(pose, frame.position); }
+
+double distance(const DVec3& a, const DVec3& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
+
+}  // namespace
+
+/// A picture of the run for any engine: a world whose bodies touch nothing and are put where those of the engine are.
+struct Run::Film {
+    Film(const Scene& scene, std::filesystem::path path)
+        : instance(puppets(scene), world), recording(world, {.every = 1}), file(std::move(path)) {
+        constexpr Color kTints[] = {0xd98c4a, 0xc9793b, 0xe0a060, 0xb86a35, 0xd0925c};
+        for (std::size_t i = 0; i < instance.bodies.size(); ++i)
+            if (scene.bodies[i].def.type == BodyType::dynamic)
+                recording.paint(instance.bodies[i], kTints[i % std::size(kTints)]);
+    }
+    ~Film() {
+        try {
+            recording.write(file);
+        } catch (const AssetError& error) {
+            // The rows count all the same.
+            std::fprintf(stderr, "%s\n", error.what());
+        }
+    }
+    static Scene puppets(Scene scene) {
+        scene.joints.clear();
+        for (SceneBody& body : scene.bodies) {
+            if (body.def.type == BodyType::dynamic) body.def.type = BodyType::kinematic;
+            body.def.linearVelocity = body.def.angularVelocity = {};
+        }
+        return scene;
+    }
+    /// Every other step, which makes 30 frames of 60 steps.
+    void capture(const Engine& engine, double dt) {
+        if (++steps % 2 != 0) return;
+        for (std::size_t i = 0; i < instance.bodies.size(); ++i)
+            if (world.isValid(instance.bodies[i]) && world.type(instance.bodies[i]) != BodyType::fixed)
+                world.setPose(instance.bodies[i], engine.motion(static_cast<int>(i)).pose);
+        world.step(2 * dt);
+        recording.capture();
+    }
+    World world;
+    SceneInstance instance;
+    Recording recording;
+    std::filesystem::path file;
+    int steps = 0;
+};
+
+Run::Run(Trial& trial, Scene scene, const std::string& label) : trial_(&trial), scene_(std::move(scene)) {
+    for (const SceneBody& body : scene_.bodies)
+        masses_.push_back(body.def.type == BodyType::dynamic ? massOf(body.def) : MassProperties{});
+    engine_ = trial.engine().make(scene_);
+    const Trial::Setting& setting = trial.setting_;
+    if (setting.records) {
+        const std::string name = setting.family + "-" + setting.name + (label.empty() ? "" : "-") + label;
+        film_ = std::make_unique<Film>(scene_, *setting.records / fileName(name + "-" + trial.engine().name));
+    }
+}
+Run::~Run() = default;
+Run::Run(Run&&) noexcept = default;
+
+void Run::step() {
+    const double before = threadMs();
+    engine_->step(trial_->dt());
+    trial_->cpuMs_ += threadMs() - before;
+    trial_->simulated_ += trial_->dt();
+    ++steps_;
+    if (film_) film_->capture(*engine_, trial_->dt());
+}
+
+bool Run::advance(double seconds, const std::function<bool()>& goOn) {
+    const auto count = std::lround(seconds / trial_->dt());
+    for (long i = 0; i < count; ++i) {
+        step();
+        if (goOn && !goOn()) return false;
+    }
+    return true;
+}
+
+void Run::remove(int body) {
+    engine_->remove(body);
+    masses_[static_cast<std::size_t>(body)] = {};
+    if (film_) film_->world.destroy(film_->instance.bodies[static_cast<std::size_t>(body)]);
+}
+
+double Run::time() const { return steps_ * trial_->dt(); }
+double Run::dt() const { return trial_->dt(); }
+
+DVec3 Run::centerOfMass(int body) const {
+    return transformPoint(motion(body).pose, masses_[static_cast<std::size_t>(body)].center);
+}
+
+double Run::jointGap() const {
+    double largest = 0;
+    for (const SceneJoint& joint : scene_.joints) {
+        if (std::holds_alternative<DistanceDef>(joint.def) || std::holds_alternative<SliderDef>(joint.def)) continue;
+        const auto pose = [&](int body) { return body == kWorld ? Pose{} : motion(body).pose; };
+        const JointBodies& bodies =
+            std::visit([](const auto& def) -> const JointBodies& { return def.bodies; }, joint.def);
+        const double gap = distance(anchor(pose(joint.bodyA), bodies.frameA), anchor(pose(joint.bodyB), bodies.frameB));
+        // A pose that is no number must not pass for a closed joint.
+        if (!(gap <= largest)) largest = gap;
+    }
+    return largest;
+}
+
+double Run::energy() const {
+    double sum = 0;
+    const DVec3 g{scene_.settings.gravity};
+    for (std::size_t i = 0; i < masses_.size(); ++i) {
+        const MassProperties& mass = masses_[i];
+        if (!(mass.mass > 0)) continue;
+        const BodyMotion m = motion(static_cast<int>(i));
+        const DVec3 x = centerOfMass(static_cast<int>(i)), v{m.v};
+        const Vec3 w = inverseRotate(m.pose.rotation, m.w);
+        const double heightEnergy = -(g.x * x.x + g.y * x.y + g.z * x.z);
+        sum += static_cast<double>(mass.mass) * (heightEnergy + 0.5 * (v.x * v.x + v.y * v.y + v.z * v.z)) +
+               0.5 * static_cast<double>(dot(w, mass.inertia * w));
+    }
+    return sum;
+}
+
+DVec3 Run::angularMomentum(int body) const {
+    const BodyMotion m = motion(body);
+    const Mat3& inertia = masses_[static_cast<std::size_t>(body)].inertia;
+    return DVec3{rotate(m.pose.rotation, inertia * inverseRotate(m.pose.rotation, m.w))};
+}
+
+double Run::moved(int body) const {
+    return distance(position(body), scene_.bodies[static_cast<std::size_t>(body)].def.pose.position);
+}
+
+Run Trial::start(Scene scene, const std::string& label) { return {*this, std::move(scene), label}; }
+
+double Trial::allowance() const { return std::max(1.0, 60 * dt()); }
+
+void Trial::expectNear(const std::string& what, double value, double reference, double bound, const std::string& unit) {
+    bound *= allowance();
+    file(what, value, reference, bound, unit, std::abs(value - reference) <= bound);
+}
+void Trial::expectAtMost(const std::string& what, double value, double bound, const std::string& unit) {
+    bound *= allowance();
+    file(what, value, 0, bound, unit, std::abs(value) <= bound);
+}
+void Trial::expectAtLeast(const std::string& what, double value, double reference, const std::string& unit) {
+    file(what, value, reference, 0, unit, value >= reference);
+}
+
+void Trial::file(const std::string& what, double value, double reference, double bound, const std::string& unit,
+                 bool pass) {
+    const std::string name = setting_.name + (what.empty() ? "" : ": ") + what;
+    rows_.push_back({setting_.family, name, engine().name, value, reference, bound, unit, pass,
+                     simulated_ > 0 ? cpuMs_ / simulated_ : 0});
+}
+
+}  // namespace ragtop::stability

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine.h"
+#include "ragtop/recording.h"
+#include "ragtop/world.h"
+
+namespace ragtop::stability {
+
+/// One measured quantity and its verdict.
+struct Row {
+    std::string family, name, engine;
+    double value = 0;
+    double reference = 0;  ///< what it should be
+    double bound = 0;      ///< how far it may be off
+    std::string unit;
+    bool pass = false;
+    double ms = 0;  ///< processor time per simulated second, without setting up and measuring
+};
+
+class Trial;
+
+/// A scene on its way through one engine.
+class Run {
+public:
+    ~Run();
+    Run(Run&&) noexcept;
+
+    void step();
+    /// Steps for so many seconds; ends early, and returns false, when `goOn` returns false after a step.
+    bool advance(double seconds, const std::function<bool()>& goOn = {});
+    double time() const;
+    double dt() const;
+
+    BodyMotion motion(int body) const { return engine_->motion(body); }
+    DVec3 position(int body) const { return motion(body).pose.position; }
+    double height(int body) const { return position(body).y; }
+    DVec3 centerOfMass(int body) const;
+    Engine& engine() { return *engine_; }
+    void remove(int body);
+    const Scene& scene() const { return scene_; }
+
+    /// Largest distance between two points that a joint should hold together, m; rods and ropes do not count.
+    double jointGap() const;
+    /// Kinetic and potential energy of the dynamic bodies, J; potential is zero at the origin.
+    double energy() const;
+    /// About the centre of mass, world axes, kg m²/s.
+    DVec3 angularMomentum(int body) const;
+    /// How far a body is from where it began, m.
+    double moved(int body) const;
+
+private:
+    friend class Trial;
+    Run(Trial& trial, Scene scene, const std::string& label);
+    struct Film;
+
+    Trial* trial_;
+    Scene scene_;
+    std::vector<MassProperties> masses_;
+    std::unique_ptr<Engine> engine_;
+    std::unique_ptr<Film> film_;
+    int steps_ = 0;
+};
+
+/// One case in one engine: starts runs and files rows.
+class Trial {
+public:
+    struct Setting {
+        std::string family, name;
+        const EngineKind* engine = nullptr;
+        double dt = 1.0 / 60;
+        std::optional<std::filesystem::path> records;  ///< folder for recordings of the runs
+    };
+    explicit Trial(Setting setting) : setting_(std::move(setting)) {}
+
+    double dt() const { return setting_.dt; }
+    /// For cases that are about the step.
+    void setStep(double dt) { setting_.dt = dt; }
+    const EngineKind& engine() const { return *setting_.engine; }
+
+    /// `label` tells runs of one case apart.
+    Run start(Scene scene, const std::string& label = "");
+
+    // Bounds are for 60 steps a second; longer steps may be off by proportionally more, as a first-order method is.
+    /// Passes when |value − reference| ≤ bound.
+    void expectNear(const std::string& what, double value, double reference, double bound, const std::string& unit);
+    /// Passes when |value| ≤ bound; the reference is zero.
+    void expectAtMost(const std::string& what, double value, double bound, const std::string& unit);
+    /// Passes when value ≥ reference; the bound is zero.
+    void expectAtLeast(const std::string& what, double value, double reference, const std::string& unit);
+
+    const std::vector<Row>& rows() const { return rows_; }
+    /// Milliseconds of processor time that the runs took so far, and the seconds that they simulated.
+    double cpuMs() const { return cpuMs_; }
+    double simulated() const { return simulated_; }
+
+private:
+    friend class Run;
+    double allowance() const;
+    void file(const std::string& what, double value, double reference, double bound, const std::string& unit, bool pass);
+
+    Setting setting_;
+    std::vector<Row> rows_;
+    double cpuMs_ = 0;
+    double simulated_ = 0;
+};
+
+}  // namespace ragtop::stability

@@ -1,0 +1,41 @@
+#include "direct/choice.h"
+
+namespace ragtop::direct {
+
+namespace {
+
+constexpr float kDepth = 4;           ///< load number of columns that soft contacts carry without much sag
+constexpr float kHeavy = 8;           ///< load number of unequal bodies
+constexpr float kCrushing = 100;      ///< load number that no sweep carries, whatever else goes on
+constexpr float kQuiet = 0.125f;      ///< share of bodies that move up to which an island is at rest
+constexpr float kUnequal = 4;         ///< mass ratio from which bodies are unequal
+constexpr float kColumnPairs = 1.5f;  ///< pairs per body up to which nothing beside a column holds it
+constexpr float kHanging = 6;         ///< load number of joints that hang, whose every gap adds up
+constexpr float kJointed = 100;       ///< load number of other joints, as ankles of a figure that stands
+constexpr float kBuckling = 0.5f;     ///< share of the buckling load
+constexpr float kLeaning = 0.25f;     ///< share of bodies
+constexpr float kStay = 2.0f / 3;     ///< of a limit, for what is direct already
+
+}  // namespace
+
+const char* nameOf(Reason reason) {
+    constexpr const char* kNames[] = {"none", "asked", "heavy", "tall", "slender", "taut", "leaning", "staying"};
+    return kNames[static_cast<int>(reason)];
+}
+
+Reason chooseDirect(const IslandFeatures& island) {
+    if (island.bodies > kMostBodies || island.rolls) return Reason::none;
+    const float limit = island.direct ? kStay : 1.0f;
+    const auto bodies = static_cast<float>(island.bodies), pairs = static_cast<float>(island.pairs);
+    if (island.jointLoad > limit * (island.hangs ? kHanging : kJointed)) return Reason::taut;
+    if (island.contactLoad > limit * kCrushing && island.massRatio > limit * kUnequal) return Reason::heavy;
+    // What tumbles changes its contacts in every step, and sweeps are as good.
+    if (island.jointLoad > 0 || limit * static_cast<float>(island.moving) > kQuiet * bodies) return Reason::none;
+    if (island.contactLoad > limit * kHeavy && island.massRatio > limit * kUnequal) return Reason::heavy;
+    if (island.contactLoad > limit * kDepth && limit * pairs < kColumnPairs * bodies) return Reason::tall;
+    if (island.buckling > limit * kBuckling) return Reason::slender;
+    if (island.leaning >= 2 && static_cast<float>(island.leaning) > limit * kLeaning * bodies) return Reason::leaning;
+    return Reason::none;
+}
+
+}  // namespace ragtop::direct

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+namespace ragtop::direct {
+
+/// Why an island is solved directly.
+enum class Reason : std::uint8_t { none, asked, heavy, tall, slender, taut, leaning, staying };
+
+/// What decides how an island is solved. Loads are estimates: each body hands its weight, and what it carries, in equal
+/// shares to the neighbours that are nearer to the ground. A load number is such a load over the weight of the lighter
+/// of the two bodies that meet: a column of n equal boxes has n at its foot, a weight on a box their mass ratio.
+struct IslandFeatures {
+    std::uint32_t bodies = 0, pairs = 0;   ///< pairs: of moving bodies that touch or are joined
+    std::uint32_t moving = 0;              ///< bodies that are not nearly at rest
+    std::uint32_t leaning = 0;             ///< bodies at rest that nothing level holds up
+    float contactLoad = 0, jointLoad = 0;  ///< largest load numbers
+    float massRatio = 1;                   ///< largest of a loaded pair
+    float buckling = 0;                    ///< load over what soft contacts bear before they tilt away
+    bool hangs = false;                    ///< by joints, from something that does not move
+    bool rolls = false;   ///< some contact has resistance to turning or a grain, which only sweeps know
+    bool direct = false;  ///< is solved directly now
+    std::int32_t staying = 0, barred = 0;  ///< steps for which it stays so, or may not be (negative)
+    Reason reason = Reason::none;
+};
+
+inline constexpr std::uint32_t kMostBodies = 512;  ///< of an island that is solved directly
+inline constexpr std::int32_t kStayingSteps = 60;  ///< for which a choice outlives its reason
+inline constexpr std::int32_t kBarredSteps = 60;   ///< of sweeps after a direct solve that failed
+
+/// Limits fall by a third for an island that is solved directly already, so that none goes to and fro.
+const char* nameOf(Reason reason);
+Reason chooseDirect(const IslandFeatures& island);
+
+}  // namespace ragtop::direct

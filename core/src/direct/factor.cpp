@@ -1,0 +1,65 @@
+#include "direct/factor.h"
+
+#include <cstring>
+
+namespace ragtop::direct {
+
+BlockFactor::BlockFactor(std::pmr::memory_resource* memory)
+    : ordering_(memory), diagonal_(memory), lower_(memory), targets_(memory), permuted_(memory) {}
+
+bool BlockFactor::update(std::uint32_t count, const BlockPair* pairs, std::size_t pairCount) {
+    if (!ordering_.update(count, pairs, pairCount)) return false;
+    diagonal_.resizeForOverwrite(count);
+    lower_.resizeForOverwrite(ordering_.blockCount());
+    permuted_.resizeForOverwrite(6 * std::size_t{count});
+    targets_.clear();
+    for (std::uint32_t k = 0; k < count; ++k)
+        for (std::uint32_t b = ordering_.columnBegin(k); b < ordering_.columnBegin(k + 1); ++b) {
+            const std::uint32_t column = ordering_.row(b);
+            std::uint32_t at = ordering_.columnBegin(column);
+            for (std::uint32_t a = b + 1; a < ordering_.columnBegin(k + 1); ++a) {
+                while (ordering_.row(at) != ordering_.row(a)) ++at;
+                targets_.push(at);
+            }
+        }
+    return true;
+}
+
+void BlockFactor::setZero() {
+    std::memset(static_cast<void*>(diagonal_.data()), 0, diagonal_.size() * sizeof(Block6));
+    if (!lower_.empty()) std::memset(static_cast<void*>(lower_.data()), 0, lower_.size() * sizeof(Block6));
+}
+
+/// Right-looking: each column, once complete, is taken out of all columns that it reaches.
+bool BlockFactor::factorize() {
+    const std::uint32_t* target = targets_.data();
+    for (std::uint32_t k = 0; k < ordering_.count(); ++k) {
+        if (!direct::factorize(diagonal_[k])) return false;
+        const std::uint32_t begin = ordering_.columnBegin(k), end = ordering_.columnBegin(k + 1);
+        for (std::uint32_t b = begin; b < end; ++b) divideRight(lower_[b], diagonal_[k]);
+        for (std::uint32_t b = begin; b < end; ++b) {
+            subtractProduct(diagonal_[ordering_.row(b)], lower_[b], lower_[b]);
+            for (std::uint32_t a = b + 1; a < end; ++a) subtractProduct(lower_[*target++], lower_[a], lower_[b]);
+        }
+    }
+    return true;
+}
+
+void BlockFactor::solve(double* x) {
+    const std::uint32_t n = ordering_.count();
+    double* y = permuted_.data();
+    for (std::uint32_t v = 0; v < n; ++v) std::memcpy(y + 6 * ordering_.place(v), x + 6 * v, 6 * sizeof(double));
+    for (std::uint32_t k = 0; k < n; ++k) {
+        solveLower(diagonal_[k], y + 6 * k);
+        for (std::uint32_t b = ordering_.columnBegin(k); b < ordering_.columnBegin(k + 1); ++b)
+            subtractTimes(lower_[b], y + 6 * k, y + 6 * ordering_.row(b));
+    }
+    for (std::uint32_t k = n; k-- > 0;) {
+        for (std::uint32_t b = ordering_.columnBegin(k); b < ordering_.columnBegin(k + 1); ++b)
+            subtractTransposedTimes(lower_[b], y + 6 * ordering_.row(b), y + 6 * k);
+        solveUpper(diagonal_[k], y + 6 * k);
+    }
+    for (std::uint32_t v = 0; v < n; ++v) std::memcpy(x + 6 * v, y + 6 * ordering_.place(v), 6 * sizeof(double));
+}
+
+}  // namespace ragtop::direct

@@ -1,0 +1,295 @@
+// Targets, evaluation and line search of an island's system.
+
+#include <cmath>
+
+#include "constraints/contact_layout.h"
+#include "direct/island_system.h"
+
+namespace ragtop::direct {
+
+namespace {
+
+DVec3 toDouble(const Vec3& a) { return DVec3(a); }
+
+/// rotate(q, v) − v without cancellation.
+DVec3 turned(const Quat& q, const DVec3& v) {
+    const DVec3 u{q.x, q.y, q.z};
+    const DVec3 t = 2.0 * cross(u, v);
+    return static_cast<double>(q.w) * t + cross(u, t);
+}
+
+DVec3 pointVelocity(const double* v, std::int32_t body, const DVec3& arm) {
+    if (body == kFixed) return {};
+    const double* at = v + 6 * body;
+    return load(at) + cross(load(at + 3), arm);
+}
+
+double rowSpeed(const SystemRow& row, const double* v) {
+    double u = 0;
+    if (row.a != kFixed)
+        for (int k = 0; k < 6; ++k) u += row.ja[k] * v[6 * row.a + k];
+    if (row.b != kFixed)
+        for (int k = 0; k < 6; ++k) u += row.jb[k] * v[6 * row.b + k];
+    return u;
+}
+
+/// λ of a point at the speed u.
+ConePoint respond(const SystemPoint& p, double friction, const double u[3]) {
+    const double y[3] = {p.load[0] - (u[0] + friction * p.slip - p.target) / p.resistance,
+                         p.load[1] - u[1] / p.resistance, p.load[2] - u[2] / p.resistance};
+    return project(y, friction);
+}
+
+double respond(const SystemRow& row, double u, bool& free) {
+    const double y = row.load - (u - row.target) / row.resistance;
+    free = y >= row.lower && y <= row.upper;
+    return y < row.lower ? row.lower : y > row.upper ? row.upper : y;
+}
+
+}  // namespace
+
+void IslandSystem::updateGaps(const BodyArrays& arrays) {
+    for (const SystemContact& c : contacts_) {
+        const BodyState &a = arrays.states[c.stateA], &b = arrays.states[c.stateB];
+        const DVec3 moved = toDouble(b.dp) - toDouble(a.dp);
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            SystemPoint& p = points_[c.first + j];
+            // What turns is a round shape's core; its surface stays round.
+            const DVec3 turn = turned(b.dq, p.armB + c.roundB * c.normal) - turned(a.dq, p.armA - c.roundA * c.normal);
+            p.gap = p.startGap + dot(c.normal, moved + turn);
+        }
+    }
+}
+
+/// Apart, a gap may be used up within the substep; touching, errors decay as in the soft row. Points within kContactGap
+/// count as touching, so that rounding of gaps does not decide who bears a load.
+void IslandSystem::aimAtPositions(const BodyArrays& arrays, const SolverContext& context) {
+    updateGaps(arrays);
+    const double inverseH = context.inverseH;
+    for (const SystemContact& c : contacts_) {
+        const bool fixed = c.a == kFixed || c.b == kFixed;
+        const double rate = fixed ? context.softStatic.biasRate : context.soft.biasRate;
+        const double near = tuning::kContactGap * c.size, rounded = tuning::kRoundedGap * c.size;
+        const double push = static_cast<double>(context.pushOut) * c.size;
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            SystemPoint& p = points_[c.first + j];
+            const double error = p.gap > rounded ? p.gap - rounded : p.gap < -rounded ? p.gap + rounded : 0.0;
+            if (p.gap > near)
+                p.target = -(p.gap - near) * inverseH - rate * (near - rounded);
+            else
+                p.target = -rate * error < push ? -rate * error : push;
+        }
+    }
+}
+
+bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext& context) {
+    updateGaps(arrays);
+    double largest = 0;
+    const auto note = [&](double change) {
+        const double size = std::fabs(change);
+        if (size > largest) largest = size;
+    };
+    for (const SystemContact& c : contacts_) {
+        const double near = tuning::kContactGap * c.size;
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            SystemPoint& p = points_[c.first + j];
+            // What is to bounce comes to the surface with its own speed; the next substep reflects it there.
+            if (c.restitution > 0 && p.speed[0] < -static_cast<double>(context.restitutionSpeed)) continue;
+            const double target = p.gap > near ? -(p.gap - near) * static_cast<double>(context.inverseH) : 0.0;
+            if (p.impulse[0] > 0 || p.speed[0] < target) note(target - p.target);
+            p.target = target;
+        }
+    }
+    for (SystemRow& row : rows_) {
+        note(0.1 * row.bias);
+        row.target -= row.bias;
+    }
+    if (largest <= tuning::kSkip * gravityStep_) return false;
+    // What moving the positions did to the velocities (spins turn with their bodies) belongs to the free motion.
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const BodyState& state = arrays.states[bodies_[i].state];
+        for (int k = 0; k < 3; ++k) {
+            free_[6 * i + static_cast<std::size_t>(k)] +=
+                static_cast<double>(state.v[k]) - written_[6 * i + static_cast<std::size_t>(k)];
+            free_[6 * i + 3 + static_cast<std::size_t>(k)] +=
+                static_cast<double>(state.w[k]) - written_[6 * i + 3 + static_cast<std::size_t>(k)];
+        }
+        store(toDouble(state.v), velocity_.data() + 6 * i);
+        store(toDouble(state.w), velocity_.data() + 6 * i + 3);
+    }
+    return true;
+}
+
+void IslandSystem::applyImpulses(double* momentum, bool loads) const {
+    for (const SystemContact& c : contacts_) {
+        DVec3 sum, momentA, momentB;
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            const SystemPoint& p = points_[c.first + j];
+            const double* l = loads ? p.load : p.impulse;
+            const DVec3 f = l[0] * c.normal + l[1] * c.tangent1 + l[2] * c.tangent2;
+            sum = sum + f;
+            momentA = momentA + cross(p.armA, f);
+            momentB = momentB + cross(p.armB, f);
+        }
+        if (c.a != kFixed) {
+            add(-1.0 * sum, momentum + 6 * c.a);
+            add(-1.0 * momentA, momentum + 6 * c.a + 3);
+        }
+        if (c.b != kFixed) {
+            add(sum, momentum + 6 * c.b);
+            add(momentB, momentum + 6 * c.b + 3);
+        }
+    }
+    for (const SystemRow& row : rows_) {
+        const double l = loads ? row.load : row.impulse;
+        if (l == 0) continue;
+        for (int k = 0; k < 6; ++k) {
+            if (row.a != kFixed) momentum[6 * row.a + k] += row.ja[k] * l;
+            if (row.b != kFixed) momentum[6 * row.b + k] += row.jb[k] * l;
+        }
+    }
+}
+
+void IslandSystem::velocityOfLoads(double* v) const {
+    for (std::size_t i = 0; i < unknowns(); ++i) v[i] = 0;
+    applyImpulses(v, true);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        double* at = v + 6 * i;
+        for (int k = 0; k < 3; ++k) at[k] *= bodies_[i].inverseMass[k];
+        store(bodies_[i].inverseTaut * load(at + 3), at + 3);
+        for (std::size_t k = 0; k < 6; ++k) at[k] += free_[6 * i + k];
+    }
+}
+
+void IslandSystem::speedsAt(const double* v) {
+    for (const SystemContact& c : contacts_)
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            SystemPoint& p = points_[c.first + j];
+            const DVec3 u = pointVelocity(v, c.b, p.armB) - pointVelocity(v, c.a, p.armA);
+            p.speed[0] = dot(u, c.normal) + p.drift[0];
+            p.speed[1] = dot(u, c.tangent1) + p.drift[1];
+            p.speed[2] = dot(u, c.tangent2) + p.drift[2];
+        }
+    for (SystemRow& row : rows_) row.speed = rowSpeed(row, v);
+}
+
+Residual IslandSystem::evaluate(const double* v, double* gradient) {
+    speedsAt(v);
+    for (const SystemContact& c : contacts_)
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            SystemPoint& p = points_[c.first + j];
+            const ConePoint found = respond(p, c.friction, p.speed);
+            for (int k = 0; k < 3; ++k) p.impulse[k] = found.impulse[k];
+            p.region = found.region;
+        }
+    for (SystemRow& row : rows_) row.impulse = respond(row, row.speed, row.free);
+
+    for (std::size_t i = 0; i < unknowns(); ++i) gradient[i] = 0;
+    applyImpulses(gradient, false);
+    Residual residual;
+    residual.scale = impulseNorm(gradient);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const SystemBody& body = bodies_[i];
+        double* g = gradient + 6 * i;
+        const double* from = free_.data() + 6 * i;
+        for (int k = 0; k < 3; ++k) g[k] = body.mass[k] * (v[6 * i + static_cast<std::size_t>(k)] - from[k]) - g[k];
+        const DVec3 turn = load(v + 6 * i + 3) - load(from + 3);
+        store((body.inertia + body.stiffness) * turn - load(g + 3), g + 3);
+    }
+    residual.norm = impulseNorm(gradient);
+    return residual;
+}
+
+double IslandSystem::impulseNorm(const double* x) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const double* at = x + 6 * i;
+        for (int k = 0; k < 3; ++k) sum += bodies_[i].inverseMass[k] * at[k] * at[k];
+        const DVec3 l = load(at + 3);
+        sum += dot(l, bodies_[i].inverseInertia * l);
+    }
+    return std::sqrt(sum);
+}
+
+bool IslandSystem::loadsHold() const {
+    const double enough = tuning::kSkip * gravityStep_;
+    for (const SystemContact& c : contacts_)
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            const SystemPoint& p = points_[c.first + j];
+            for (int k = 0; k < 3; ++k)
+                if (std::fabs(p.impulse[k] - p.load[k]) * p.resistance > enough) return false;
+        }
+    for (const SystemRow& row : rows_)
+        if (std::fabs(row.impulse - row.load) * row.resistance > enough) return false;
+    return true;
+}
+
+void IslandSystem::keepLoads() {
+    for (SystemPoint& p : points_)
+        for (int k = 0; k < 3; ++k) p.impulse[k] = p.load[k];
+    for (SystemRow& row : rows_) row.impulse = row.load;
+}
+
+bool IslandSystem::regionsChanged() const {
+    for (const SystemPoint& p : points_)
+        if (p.region != p.factored) return true;
+    for (const SystemRow& row : rows_)
+        if (row.free != row.factored) return true;
+    return false;
+}
+
+void IslandSystem::changeAlong(const double* d) {
+    for (const SystemContact& c : contacts_)
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            SystemPoint& p = points_[c.first + j];
+            const DVec3 u = pointVelocity(d, c.b, p.armB) - pointVelocity(d, c.a, p.armA);
+            p.change[0] = dot(u, c.normal);
+            p.change[1] = dot(u, c.tangent1);
+            p.change[2] = dot(u, c.tangent2);
+        }
+    for (SystemRow& row : rows_) row.change = rowSpeed(row, d);
+}
+
+double IslandSystem::slopeAlong(const double* v, const double* d, double alpha) const {
+    double slope = 0;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const SystemBody& body = bodies_[i];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t at = 6 * i + k;
+            slope += d[at] * body.mass[k] * (v[at] + alpha * d[at] - free_[at]);
+        }
+        const DVec3 turn = load(v + 6 * i + 3) + alpha * load(d + 6 * i + 3) - load(free_.data() + 6 * i + 3);
+        slope += dot(load(d + 6 * i + 3), (body.inertia + body.stiffness) * turn);
+    }
+    for (const SystemContact& c : contacts_)
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            const SystemPoint& p = points_[c.first + j];
+            const double u[3] = {p.speed[0] + alpha * p.change[0], p.speed[1] + alpha * p.change[1],
+                                 p.speed[2] + alpha * p.change[2]};
+            const ConePoint found = respond(p, c.friction, u);
+            for (int k = 0; k < 3; ++k) slope -= p.change[k] * found.impulse[k];
+        }
+    for (const SystemRow& row : rows_) {
+        bool free;
+        slope -= row.change * respond(row, row.speed + alpha * row.change, free);
+    }
+    return slope;
+}
+
+/// The convex cone lifts what slides: its normal row obeys u_n = μ |u_t|. Adding the slip to the row takes that back
+/// [De Saxcé, Feng, 1998].
+double IslandSystem::updateSlips() {
+    double largest = 0;
+    for (const SystemContact& c : contacts_)
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            SystemPoint& p = points_[c.first + j];
+            const bool slides = p.region == ConeRegion::slide;
+            const double slip = slides ? std::sqrt(p.speed[1] * p.speed[1] + p.speed[2] * p.speed[2]) : 0.0;
+            const double change = c.friction * std::fabs(slip - p.slip);
+            if (change > largest) largest = change;
+            p.slip = slip;
+        }
+    return largest;
+}
+
+}  // namespace ragtop::direct

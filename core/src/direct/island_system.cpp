@@ -1,0 +1,327 @@
+#include "direct/island_system.h"
+
+#include <cstring>
+
+#include "constraints/contact_layout.h"
+#include "direct/joint_rows.h"
+
+namespace ragtop::direct {
+
+IslandSystem::IslandSystem(std::pmr::memory_resource* memory)
+    : bodies_(memory),
+      contacts_(memory),
+      points_(memory),
+      rows_(memory),
+      joints_(memory),
+      pairs_(memory),
+      jointEnds_(memory),
+      velocity_(memory),
+      free_(memory),
+      written_(memory),
+      factor_(memory),
+      scratch_{AlignedArray<double>(memory), AlignedArray<double>(memory), AlignedArray<double>(memory)} {}
+
+float& IslandSystem::pointField(const SystemContact& contact, std::uint32_t point, int index) const {
+    return field(contact, contact::kPoints + static_cast<int>(point) * contact::kPointFields + index);
+}
+
+namespace {
+
+/// Moments where an axis is locked are not asked for: its movement gets mass 1 and meets no Jacobian.
+void setMass(SystemBody& body, const BodyState& state, const BodyInertia& inertia) {
+    const double inverseMass = static_cast<double>(state.invMass);
+    for (int i = 0; i < 3; ++i) {
+        const bool locked = ((state.locks >> i) & 1u) != 0;
+        body.inverseMass[i] = locked ? 0 : inverseMass;
+        body.mass[i] = locked ? 1 : 1 / inverseMass;
+    }
+    body.inverseInertia = toDouble(inertia);
+    DSym3 full = body.inverseInertia;
+    if (!(full.xx > 0)) full.xx = 1;
+    if (!(full.yy > 0)) full.yy = 1;
+    if (!(full.zz > 0)) full.zz = 1;
+    body.inertia = inverse(full);
+}
+
+DVec3 toDouble(const Vec3& a) { return DVec3(a); }
+
+void tangents(const DVec3& n, DVec3& t1, DVec3& t2) {
+    const double sign = n.z < 0 ? -1.0 : 1.0;
+    const double a = -1 / (sign + n.z), b = n.x * n.y * a;
+    t1 = {1 + sign * n.x * n.x * a, sign * b, -sign * n.x};
+    t2 = {b, sign + n.y * n.y * a, -n.y};
+}
+
+}  // namespace
+
+void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, const SolverContext& context) {
+    gravityStep_ = static_cast<double>(context.gravityStep);
+    stride_ = static_cast<std::size_t>(parts.laneStride);
+    loadBodies(parts, arrays);
+    loadContacts(parts, arrays);
+    joints_.clear();
+    jointEnds_.clear();
+    for (std::size_t j = 0; j < parts.jointCount; ++j) {
+        JointSim& joint = *parts.joints[j];
+        joints_.push(&joint);
+        const auto end = [&](std::uint32_t state) {
+            return arrays.states[state].invMass > 0 ? static_cast<std::int32_t>(parts.localOf[state]) : kFixed;
+        };
+        jointEnds_.push(end(joint.stateA));
+        jointEnds_.push(end(joint.stateB));
+    }
+    constexpr std::size_t kMostRows = 12;  // a ball with everything; rows come and go with tension
+    rows_.reserve(kMostRows * joints_.size());
+    loadPattern();
+    const std::size_t n = unknowns();
+    velocity_.resizeForOverwrite(n);
+    free_.resizeForOverwrite(n);
+    written_.resizeForOverwrite(n);
+    scratch_.gradient.resizeForOverwrite(n);
+    scratch_.direction.resizeForOverwrite(n);
+    scratch_.trial.resizeForOverwrite(n);
+}
+
+void IslandSystem::loadBodies(const IslandParts& parts, const BodyArrays& arrays) {
+    bodies_.resizeForOverwrite(parts.bodyCount);
+    for (std::size_t i = 0; i < parts.bodyCount; ++i) {
+        const std::uint32_t state = parts.bodies[i];
+        parts.localOf[state] = static_cast<std::uint32_t>(i);
+        bodies_[i] = {};
+        bodies_[i].state = state;
+        setMass(bodies_[i], arrays.states[state], arrays.inertia[state]);
+    }
+}
+
+/// The wide rows have one friction impulse and one twist per manifold; here each point has its own. They are shared out
+/// by the points' loads so that both sums stay what they were.
+static void shareFriction(SystemPoint* points, const SystemContact& contact, const DVec3& center, const DVec3& friction,
+                          double twist) {
+    const std::uint32_t count = contact.count;
+    double total = 0, spread = 0;
+    DVec3 middle;
+    for (std::uint32_t j = 0; j < count; ++j) {
+        total += points[j].load[0];
+        middle = middle + points[j].load[0] * points[j].armA;
+    }
+    if (!(total > 0)) return;
+    middle = (1 / total) * middle;
+    for (std::uint32_t j = 0; j < count; ++j) {
+        const DVec3 arm = points[j].armA - middle;
+        spread += points[j].load[0] * dot(arm, arm);
+    }
+    const double rest = twist - dot(contact.normal, cross(middle - center, friction));
+    const double turn = spread > 0 ? rest / spread : 0;
+    for (std::uint32_t j = 0; j < count; ++j) {
+        const double share = points[j].load[0];
+        const DVec3 f = (share / total) * friction + (turn * share) * cross(contact.normal, points[j].armA - middle);
+        // Points that nearly coincide would need any force for a twist.
+        const double along1 = dot(f, contact.tangent1), along2 = dot(f, contact.tangent2);
+        const double size = std::sqrt(along1 * along1 + along2 * along2), most = contact.friction * share;
+        const double within = size > most ? most / size : 1.0;
+        points[j].load[1] = within * along1;
+        points[j].load[2] = within * along2;
+    }
+}
+
+/// What is loaded up to its cone slides already.
+static void guessSlips(SystemPoint* points, const SystemContact& contact, const BodyState& a, const BodyState& b) {
+    constexpr double kNearlySliding = 0.99;
+    for (std::uint32_t j = 0; j < contact.count; ++j) {
+        SystemPoint& p = points[j];
+        const double held = std::sqrt(p.load[1] * p.load[1] + p.load[2] * p.load[2]);
+        if (!(held > kNearlySliding * contact.friction * p.load[0])) continue;
+        DVec3 u;
+        if (contact.b != kFixed) u = u + toDouble(b.v) + cross(toDouble(b.w), p.armB);
+        if (contact.a != kFixed) u = u - toDouble(a.v) - cross(toDouble(a.w), p.armA);
+        const double u1 = dot(u, contact.tangent1) + p.drift[1], u2 = dot(u, contact.tangent2) + p.drift[2];
+        p.slip = std::sqrt(u1 * u1 + u2 * u2);
+    }
+}
+
+void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arrays) {
+    contacts_.clear();
+    points_.clear();
+    for (std::size_t i = 0; i < parts.contactCount; ++i) {
+        SystemContact c;
+        c.lane = parts.lanes[i];
+        const auto bits = [&](int index) {
+            std::uint32_t value;
+            std::memcpy(&value, &field(c, index), sizeof value);
+            return value;
+        };
+        const auto vector = [&](int index) { return DVec3{field(c, index), field(c, index + 1), field(c, index + 2)}; };
+        c.count = bits(contact::kPointCount);
+        if (c.count == 0) continue;
+        c.stateA = bits(contact::kBodyA);
+        c.stateB = bits(contact::kBodyB);
+        const BodyState &stateA = arrays.states[c.stateA], &stateB = arrays.states[c.stateB];
+        c.a = stateA.invMass > 0 ? static_cast<std::int32_t>(parts.localOf[c.stateA]) : kFixed;
+        c.b = stateB.invMass > 0 ? static_cast<std::int32_t>(parts.localOf[c.stateB]) : kFixed;
+        c.first = static_cast<std::uint32_t>(points_.size());
+        c.normal = vector(contact::kNormal);
+        c.normal = (1 / length(c.normal)) * c.normal;
+        tangents(c.normal, c.tangent1, c.tangent2);
+        c.friction = field(c, contact::kFriction);
+        if (field(c, contact::kSliding) > 0) c.friction *= field(c, contact::kSlidingShare);
+        c.restitution = field(c, contact::kRestitution);
+        c.size = field(c, contact::kSize);
+        c.roundA = field(c, contact::kRoundA);
+        c.roundB = field(c, contact::kRoundB);
+        const DVec3 offset = vector(contact::kOffset), surface = vector(contact::kSurface);
+        const auto fixedVelocity = [](const BodyState& state, const DVec3& arm) {
+            return state.invMass > 0 ? DVec3{} : toDouble(state.v) + cross(toDouble(state.w), arm);
+        };
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            SystemPoint p;
+            const int at = contact::kPoints + static_cast<int>(j) * contact::kPointFields;
+            p.armA = vector(at + contact::kAnchor);
+            p.armB = p.armA - offset;
+            p.startGap = p.gap = field(c, at + contact::kSeparation);
+            const double mass = field(c, at + contact::kMass);
+            p.resistance = tuning::kContactResistance / (mass > 0 ? mass : 1);
+            const DVec3 drift = fixedVelocity(stateB, p.armB) - fixedVelocity(stateA, p.armA);
+            p.drift[0] = dot(drift, c.normal);
+            p.drift[1] = dot(drift + surface, c.tangent1);
+            p.drift[2] = dot(drift + surface, c.tangent2);
+            p.load[0] = field(c, at + contact::kImpulse);
+            p.load[1] = p.load[2] = 0;
+            for (int k = 0; k < 3; ++k) p.impulse[k] = p.speed[k] = p.change[k] = 0;
+            points_.push(p);
+        }
+        SystemPoint* points = points_.data() + c.first;
+        shareFriction(points, c, vector(contact::kCenter), vector(contact::kFrictionImpulse),
+                      field(c, contact::kTwistImpulse));
+        guessSlips(points, c, stateA, stateB);
+        contacts_.push(c);
+    }
+}
+
+void IslandSystem::loadPattern() {
+    pairs_.clear();
+    const auto couple = [&](std::int32_t a, std::int32_t b) {
+        if (a != kFixed && b != kFixed && a != b)
+            pairs_.push({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b)});
+    };
+    for (const SystemContact& c : contacts_) couple(c.a, c.b);
+    for (std::size_t j = 0; j < joints_.size(); ++j) couple(jointEnds_[2 * j], jointEnds_[2 * j + 1]);
+    factor_.update(static_cast<std::uint32_t>(bodies_.size()), pairs_.data(), pairs_.size());
+    for (SystemContact& c : contacts_)
+        if (c.a != kFixed && c.b != kFixed)
+            c.block = factor_.ordering().blockOf(static_cast<std::uint32_t>(c.a), static_cast<std::uint32_t>(c.b));
+}
+
+void IslandSystem::refreshMasses(const BodyArrays& arrays) {
+    for (SystemBody& body : bodies_) {
+        setMass(body, arrays.states[body.state], arrays.inertia[body.state]);
+        body.stiffness = {};
+        body.inverseTaut = body.inverseInertia;
+    }
+}
+
+void IslandSystem::beginSubstep(const BodyArrays& arrays, const JointContext& joints) {
+    refreshMasses(arrays);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const BodyState& state = arrays.states[bodies_[i].state];
+        store(toDouble(state.v), free_.data() + 6 * i);
+        store(toDouble(state.w), free_.data() + 6 * i + 3);
+    }
+    buildRows(arrays, joints);
+}
+
+/// The stiffness of a body's joints over its inertia, about the axis for which it matters most.
+static double tautness(const SystemBody& body) {
+    const DSym3 &k = body.stiffness, &i = body.inverseInertia;
+    const double x = k.xx * i.xx, y = k.yy * i.yy, z = k.zz * i.zz;
+    return x > y ? (x > z ? x : z) : (y > z ? y : z);
+}
+
+/// Taut links turn far within a substep; what they turned by is known better once it has been solved.
+bool IslandSystem::aimAgain(const BodyArrays& arrays, const JointContext& joints) {
+    bool taut = false;
+    for (const SystemBody& body : bodies_) taut |= tautness(body) > tuning::kVeryTaut;
+    if (!taut) return false;
+    for (const SystemRow& row : rows_)
+        if (row.kind == RowKind::across) return false;  // its rest is the free motion
+    storeImpulses(rows_, joints_.data());
+    for (SystemBody& body : bodies_) body.stiffness = {};
+    buildRows(arrays, joints);
+    return true;
+}
+
+void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joints) {
+    rows_.clear();
+    if (joints_.empty()) return;
+    const JointRowBuilder builder{arrays, joints, rows_, bodies_.data()};
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+        builder.add(*joints_[j], static_cast<std::uint32_t>(j), jointEnds_[2 * j], jointEnds_[2 * j + 1]);
+    for (SystemBody& body : bodies_)
+        if (body.stiffness.xx > 0 || body.stiffness.yy > 0 || body.stiffness.zz > 0)
+            body.inverseTaut = inverse(body.inertia + body.stiffness);
+    for (SystemRow& row : rows_)
+        if (row.a != kFixed && row.b != kFixed)
+            row.block =
+                factor_.ordering().blockOf(static_cast<std::uint32_t>(row.a), static_cast<std::uint32_t>(row.b));
+}
+
+void IslandSystem::carryLoads() {
+    for (const SystemContact& c : contacts_)
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            SystemPoint& p = points_[c.first + j];
+            for (int k = 0; k < 3; ++k) p.load[k] = p.impulse[k];
+            pointField(c, j, contact::kPeak) += static_cast<float>(p.impulse[0]);
+        }
+    storeImpulses(rows_, joints_.data());
+}
+
+void IslandSystem::scaleResistance(double factor) {
+    for (SystemPoint& p : points_) p.resistance *= factor;
+}
+
+void IslandSystem::takeLoads() {
+    for (SystemPoint& p : points_)
+        for (int k = 0; k < 3; ++k) p.load[k] = p.impulse[k];
+    for (SystemRow& row : rows_)
+        if (row.kind != RowKind::axisSpring && row.kind != RowKind::across && !isBallSpring(row.kind))
+            row.load = row.impulse;
+}
+
+void IslandSystem::end() {
+    for (const SystemContact& c : contacts_) {
+        const DVec3 center{field(c, contact::kCenter), field(c, contact::kCenter + 1), field(c, contact::kCenter + 2)};
+        DVec3 friction;
+        double twist = 0;
+        bool slides = false, sticks = false;
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            const SystemPoint& p = points_[c.first + j];
+            const DVec3 f = p.load[1] * c.tangent1 + p.load[2] * c.tangent2;
+            friction = friction + f;
+            twist += dot(c.normal, cross(p.armA - center, f));
+            slides |= p.region == ConeRegion::slide;
+            sticks |= p.region == ConeRegion::stick;
+            pointField(c, j, contact::kImpulse) = static_cast<float>(p.load[0]);
+            pointField(c, j, contact::kLoad) = static_cast<float>(p.load[0]);
+        }
+        for (int k = 0; k < 3; ++k)
+            field(c, contact::kFrictionImpulse + k) = static_cast<float>(k == 0   ? friction.x
+                                                                         : k == 1 ? friction.y
+                                                                                  : friction.z);
+        field(c, contact::kTwistImpulse) = static_cast<float>(twist);
+        // Rows that are exact keep no place; sweeps that follow stick to that of now.
+        field(c, contact::kSliding) = slides && !sticks ? 1.0f : 0.0f;
+        for (int k = 0; k < 3; ++k) field(c, contact::kStick + k) = 0;
+    }
+}
+
+void IslandSystem::writeVelocities(const BodyArrays& arrays) {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const double* v = velocity_.data() + 6 * i;
+        BodyState& state = arrays.states[bodies_[i].state];
+        state.v = toVec3(load(v));
+        state.w = toVec3(load(v + 3));
+        store(toDouble(state.v), written_.data() + 6 * i);
+        store(toDouble(state.w), written_.data() + 6 * i + 3);
+    }
+}
+
+}  // namespace ragtop::direct

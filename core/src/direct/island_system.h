@@ -1,0 +1,206 @@
+#pragma once
+
+#include <cstdint>
+#include <memory_resource>
+
+#include "base/aligned_array.h"
+#include "constraints/joint_sim.h"
+#include "direct/contact_cone.h"
+#include "direct/factor.h"
+#include "direct/linear.h"
+#include "solve/kernel_table.h"
+
+/// The equations of one island and substep, and where their parts are stored. Unknown are the velocities of its bodies:
+///   minimise  ½ |v − v_free|²_M + Σ φ(J v),
+/// φ the potentials of contact points (contact_cone.h) and of scalar rows, both about carried loads λ̂. A load that is
+/// right already is kept whatever the resistance R is, so R need only be small enough for a quick answer to new loads.
+namespace ragtop::direct {
+
+inline constexpr std::int32_t kFixed = -1;  ///< a body that no impulse moves
+
+/// Numbers of the method.
+namespace tuning {
+inline constexpr double kContactResistance = 1e-4;  ///< R of a contact point, over its inverse mass
+inline constexpr double kRowResistance = 1e-6;      ///< the same of a row of a joint
+inline constexpr double kContactGap = 1e-4;         ///< gap up to which points count as touching, in sizes
+inline constexpr double kResidual = 1e-8;           ///< of a solved system, in units of its impulses
+inline constexpr double kRoundedGap = 2e-6;         ///< gap or overlap that is rounding, in sizes
+inline constexpr double kSkip = 1e-6;               ///< speed of a row that is left alone, in g h
+inline constexpr double kStiffLink = 1;             ///< 4 T h²/(m L) beyond which the stiffness of tension counts
+inline constexpr double kVeryTaut = 25;   ///< stiffness over inertia beyond which one linearization will not do
+inline constexpr double kImplicit = 0.5;  ///< γ: taut rows pull as at x + γ h (u − u_free)
+}  // namespace tuning
+
+/// A body of the island. Locked movements have mass 1 and no Jacobian.
+struct SystemBody {
+    std::uint32_t state = 0;
+    double mass[3] = {1, 1, 1};
+    double inverseMass[3] = {0, 0, 0};
+    DSym3 inertia, inverseInertia;  ///< without what taut rows add
+    DSym3 stiffness;                ///< h γ Σ λ K_g, kg m²
+    DSym3 inverseTaut;              ///< of both together
+};
+
+/// A manifold: its points share a basis and two bodies.
+struct SystemContact {
+    std::int32_t a = kFixed, b = kFixed;
+    std::uint32_t first = 0, count = 0, block = 0;
+    float* lane = nullptr;
+    DVec3 normal, tangent1, tangent2;
+    double friction = 0, restitution = 0, size = 0, roundA = 0, roundB = 0;
+    std::uint32_t stateA = 0, stateB = 0;
+};
+
+struct SystemPoint {
+    DVec3 armA, armB;            ///< m, from the centres of mass
+    double drift[3];             ///< m/s, by surfaces and by bodies that no impulse moves, in the basis
+    double startGap = 0;         ///< m, when the step began
+    double gap = 0;              ///< m
+    double resistance = 0;       ///< m/s per N s
+    double target = 0;           ///< û, m/s along the normal
+    double slip = 0;             ///< |u_t| that lifts the normal row
+    double load[3];              ///< λ̂, N s
+    double impulse[3];           ///< λ
+    double speed[3], change[3];  ///< u, and along the search direction
+    ConeRegion region = ConeRegion::apart, factored = ConeRegion::apart;
+};
+
+/// Which impulse of its joint a row is; those of three rows have room for two more.
+enum class RowKind : std::uint8_t {
+    first = 0,
+    second = 3,
+    ballSpring = 6,
+    ballFriction = 9,
+    axisSpring = 12,
+    axisFriction,
+    axisMotor,
+    axisLower,
+    axisUpper,
+    twistLower,
+    twistUpper,
+    swing,
+    across,
+};
+
+constexpr bool isBallSpring(RowKind kind) { return kind >= RowKind::ballSpring && kind < RowKind::ballFriction; }
+
+/// A scalar row with bounds: a joint's.
+struct SystemRow {
+    RowKind kind = RowKind::first;
+    std::uint32_t joint = 0;  ///< in the island
+    std::int32_t a = kFixed, b = kFixed;
+    std::uint32_t block = 0;
+    double ja[6], jb[6];
+    double load = 0, impulse = 0, resistance = 0;
+    double target = 0;  ///< û
+    double bias = 0;    ///< the part of it that corrects errors, left out when relaxing
+    double lower = 0, upper = 0;
+    double speed = 0, change = 0;
+    bool free = true, factored = true;  ///< within its bounds
+};
+
+/// |M (v − v_free) − Jᵀ λ| and |Jᵀ λ|, in the norm of M⁻¹.
+struct Residual {
+    double norm = 0, scale = 0;
+};
+
+/// What a system is made from: indices of states, lanes, joints.
+struct IslandParts {
+    const std::uint32_t* bodies = nullptr;
+    std::size_t bodyCount = 0;
+    float* const* lanes = nullptr;  ///< one per manifold
+    std::size_t contactCount = 0;
+    JointSim* const* joints = nullptr;
+    std::size_t jointCount = 0;
+    int laneStride = 0;
+    std::uint32_t* localOf = nullptr;  ///< scratch: index in the island of each state
+};
+
+class IslandSystem {
+public:
+    explicit IslandSystem(std::pmr::memory_resource* memory);
+
+    /// Once per step: bodies, points and loads; rows of joints come with each substep.
+    void begin(const IslandParts& parts, const BodyArrays& arrays, const SolverContext& context);
+    /// Writes loads and impulses back to lanes and joints.
+    void end();
+
+    /// Once per substep: free velocities, Jacobians of joints, masses.
+    void beginSubstep(const BodyArrays& arrays, const JointContext& joints);
+    /// Rows of taut joints anew, about the velocities that were found and written. False where that is not needed.
+    bool aimAgain(const BodyArrays& arrays, const JointContext& joints);
+    /// Targets of the pass that moves positions.
+    void aimAtPositions(const BodyArrays& arrays, const SolverContext& context);
+    /// Targets of the pass after it. False when they ask for nothing that the first has not given.
+    bool aimAtVelocities(const BodyArrays& arrays, const SolverContext& context);
+    /// Notes what was found as the loads that the next substep starts from.
+    void carryLoads();
+    void writeVelocities(const BodyArrays& arrays);
+
+    // For newton.cpp.
+    std::size_t bodyCount() const { return bodies_.size(); }
+    std::size_t unknowns() const { return 6 * bodies_.size(); }
+    std::size_t rowCount() const { return rows_.size(); }
+    std::size_t pointCount() const { return points_.size(); }
+    double* velocity() { return velocity_.data(); }
+    /// Speed that gravity gives per substep, m/s.
+    double gravityStep() const { return gravityStep_; }
+    /// v ← v_free + M⁻¹ Jᵀ λ̂
+    void velocityOfLoads(double* v) const;
+    /// u, λ and regions at v, and the gradient M (v − v_free) − Jᵀ λ.
+    Residual evaluate(const double* v, double* gradient);
+    /// True when the loads answer what was evaluated but for speeds that may be left alone; keepLoads takes them.
+    bool loadsHold() const;
+    void keepLoads();
+    /// Makes the impulses of the last evaluation the loads: a step of the method of multipliers.
+    void takeLoads();
+    void scaleResistance(double factor);
+    bool regionsChanged() const;
+    /// Assembles and factorizes the Hessian at the last evaluation; false when it is not positive definite.
+    bool factorize();
+    void solve(double* x) { factor_.solve(x); }
+    /// Prepares slopeAlong for a direction.
+    void changeAlong(const double* direction);
+    /// dℓ/dα at v + α d.
+    double slopeAlong(const double* v, const double* direction, double alpha) const;
+    /// Moves the slips to those of the last evaluation; the largest speed by which that changes a row, m/s.
+    double updateSlips();
+
+    struct Scratch {
+        AlignedArray<double> gradient, direction, trial;
+    };
+    Scratch& scratch() { return scratch_; }
+
+private:
+    void loadBodies(const IslandParts& parts, const BodyArrays& arrays);
+    void loadContacts(const IslandParts& parts, const BodyArrays& arrays);
+    void loadPattern();
+    void buildRows(const BodyArrays& arrays, const JointContext& joints);
+    void refreshMasses(const BodyArrays& arrays);
+    void updateGaps(const BodyArrays& arrays);
+    void speedsAt(const double* v);
+    void applyImpulses(double* momentum, bool loads) const;
+    double impulseNorm(const double* x) const;
+    void addMasses();
+    void addContact(const SystemContact& contact);
+    void addRow(SystemRow& row);
+    float& field(const SystemContact& contact, int index) const {
+        return contact.lane[static_cast<std::size_t>(index) * stride_];
+    }
+    float& pointField(const SystemContact& contact, std::uint32_t point, int index) const;
+
+    std::size_t stride_ = 1;
+    double gravityStep_ = 0;
+    AlignedArray<SystemBody> bodies_;
+    AlignedArray<SystemContact> contacts_;
+    AlignedArray<SystemPoint> points_;
+    AlignedArray<SystemRow> rows_;
+    AlignedArray<JointSim*> joints_;
+    AlignedArray<BlockPair> pairs_;
+    AlignedArray<std::int32_t> jointEnds_;  ///< two local bodies per joint
+    AlignedArray<double> velocity_, free_, written_;
+    BlockFactor factor_;
+    Scratch scratch_;
+};
+
+}  // namespace ragtop::direct

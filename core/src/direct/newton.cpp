@@ -1,0 +1,131 @@
+#include "direct/newton.h"
+
+#include <cmath>
+
+namespace ragtop::direct {
+
+namespace {
+
+constexpr int kIterations = 12;      ///< Newton steps from loads of the substep before
+constexpr int kMoreIterations = 40;  ///< of each stage where those do not suffice
+constexpr int kBudget = 160;         ///< Newton steps in one step of the world, after which no stages are tried
+constexpr int kStages = 2;           ///< softer systems that lead to the one that was asked for
+constexpr double kStage = 128;       ///< resistance of a stage over that of the next
+constexpr int kSlipRounds = 4;       ///< of the De Saxcé loop
+constexpr int kLineSteps = 30;
+constexpr double kSlipChange = 1e-3;  ///< of a row by which slips may still change, in g h
+constexpr double kLineSlope = 0.1;    ///< share of the slope that the line search leaves
+constexpr double kStale = 0.25;       ///< share of the residual that an old factor may leave
+constexpr double kRounding = 1e-5;    ///< relative residual at which lack of progress is rounding
+
+/// The α at which the slope has fallen enough: 1 where the quadratic model is right, else by false position with
+/// halving [Illinois], which a convex function cannot defeat.
+double lineSearch(const IslandSystem& system, const double* v, const double* d, double slope0) {
+    double low = 0, slopeLow = slope0, high = 1;
+    double slopeHigh = system.slopeAlong(v, d, high);
+    const double enough = kLineSlope * std::fabs(slope0);
+    if (!(slopeHigh > enough)) return 1;
+    int side = 0;
+    for (int i = 0; i < kLineSteps; ++i) {
+        const double alpha = (low * slopeHigh - high * slopeLow) / (slopeHigh - slopeLow);
+        const double slope = system.slopeAlong(v, d, alpha);
+        if (std::fabs(slope) <= enough) return alpha;
+        if (slope > 0) {
+            high = alpha, slopeHigh = slope;
+            if (side == 1) slopeLow *= 0.5;
+            side = 1;
+        } else {
+            low = alpha, slopeLow = slope;
+            if (side == -1) slopeHigh *= 0.5;
+            side = -1;
+        }
+    }
+    return low;
+}
+
+double dot(const double* a, const double* b, std::size_t n) {
+    double s = 0;
+    for (std::size_t i = 0; i < n; ++i) s += a[i] * b[i];
+    return s;
+}
+
+/// One convex problem. False when it was given up.
+bool minimize(IslandSystem& system, int iterations, bool& factored, SolveReport& report) {
+    const std::size_t n = system.unknowns();
+    double* v = system.velocity();
+    double* gradient = system.scratch().gradient.data();
+    double* direction = system.scratch().direction.data();
+    double last = 0;
+    bool stale = true;
+    for (int i = 0; i < iterations; ++i) {
+        const Residual residual = system.evaluate(v, gradient);
+        report.residual = residual.scale > 0 ? residual.norm / residual.scale : 0;
+        if (!std::isfinite(residual.norm)) return false;
+        if (residual.norm <= tuning::kResidual * residual.scale || residual.norm == 0) return true;
+        const bool slow = i > 0 && residual.norm > kStale * last;
+        if (slow && !stale && residual.norm <= kRounding * residual.scale) return true;
+        last = residual.norm;
+        if (!factored || slow || system.regionsChanged()) {
+            if (!system.factorize()) return false;
+            factored = true;
+            stale = false;
+            ++report.factorizations;
+        } else {
+            stale = true;
+        }
+        for (std::size_t k = 0; k < n; ++k) direction[k] = -gradient[k];
+        system.solve(direction);
+        ++report.iterations;
+        const double slope = dot(gradient, direction, n);
+        if (!(slope < 0)) return residual.norm <= kRounding * residual.scale;
+        system.changeAlong(direction);
+        const double alpha = lineSearch(system, v, direction, slope);
+        for (std::size_t k = 0; k < n; ++k) v[k] += alpha * direction[k];
+    }
+    return report.residual <= kRounding;
+}
+
+/// Loads far from the answer make a stiff system a hard one. Softer systems are easy, and the loads that each finds
+/// bring the next one near its answer.
+bool approach(IslandSystem& system, bool& factored, SolveReport& report) {
+    double scale = 1;
+    for (int stage = 0; stage < kStages; ++stage) scale *= kStage;
+    system.scaleResistance(scale);
+    bool found = false;
+    for (int stage = 0; stage <= kStages; ++stage) {
+        factored = false;
+        found = minimize(system, kMoreIterations, factored, report);
+        if (stage == kStages) break;
+        if (found) system.takeLoads();
+        system.scaleResistance(1 / kStage);
+    }
+    factored = false;
+    return found;
+}
+
+}  // namespace
+
+void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveReport& report) {
+    double* v = system.velocity();
+    if (startFromLoads) {
+        system.velocityOfLoads(v);
+        system.evaluate(v, system.scratch().gradient.data());
+        if (system.loadsHold()) {
+            system.keepLoads();
+            return;
+        }
+    }
+    const double enough = kSlipChange * system.gravityStep();
+    for (int round = 0; round < kSlipRounds; ++round) {
+        if (!minimize(system, kIterations, factored, report) &&
+            (report.iterations > kBudget || !approach(system, factored, report))) {
+            // Newton's steps descend, so that the velocity is sane; the impulses need not be.
+            system.keepLoads();
+            report.converged = false;
+            return;
+        }
+        if (system.updateSlips() <= enough) return;
+    }
+}
+
+}  // namespace ragtop::direct

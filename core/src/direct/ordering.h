@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <memory_resource>
+
+#include "base/aligned_array.h"
+
+namespace ragtop::direct {
+
+struct BlockPair {
+    std::uint32_t a, b;
+};
+
+/// The pattern of a symmetric block matrix and of its Cholesky factor, for variables in an order of minimum degree
+/// [George, Liu, 1989]: eliminating a variable joins all its neighbours, so the one with fewest goes first. A tree then
+/// gets no block that the matrix has not. Kept while the same pairs are given.
+class Ordering {
+public:
+    explicit Ordering(std::pmr::memory_resource* memory);
+
+    /// Variables 0..count−1 coupled by `pairs`, which may repeat. True when the pattern is a new one.
+    bool update(std::uint32_t count, const BlockPair* pairs, std::size_t pairCount);
+
+    std::uint32_t count() const { return count_; }
+    /// Place of a variable in the order of elimination.
+    std::uint32_t place(std::uint32_t variable) const { return place_[variable]; }
+    /// Off-diagonal blocks of column k: [columnBegin(k), columnBegin(k + 1)), their rows ascending.
+    std::uint32_t columnBegin(std::uint32_t k) const { return begin_[k]; }
+    std::uint32_t row(std::uint32_t block) const { return rows_[block]; }
+    std::uint32_t blockCount() const { return begin_[count_]; }
+    /// The block that couples two variables; they must be coupled.
+    std::uint32_t blockOf(std::uint32_t a, std::uint32_t b) const;
+
+private:
+    void eliminate();
+
+    std::uint32_t count_ = 0, words_ = 0;
+    AlignedArray<BlockPair> pairs_;
+    AlignedArray<std::uint64_t> neighbours_;  ///< one row of bits per variable
+    AlignedArray<std::uint32_t> degree_, place_, begin_, rows_;
+};
+
+}  // namespace ragtop::direct

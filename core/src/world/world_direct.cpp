@@ -1,0 +1,188 @@
+#include "direct/newton.h"
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+/// Moves all constraints of marked islands to the list of their solver.
+void WorldImpl::applyChoices() {
+    movedConstraints.clear();
+    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+        for (const std::uint32_t m : graph.color(c).manifolds) {
+            const ContactRecord& contact = contacts[manifolds[m].contact];
+            const bool direct = isDirect(contact.bodyA) || isDirect(contact.bodyB);
+            if (direct != (c == ConstraintGraph::kDirect)) movedConstraints.push(m);
+        }
+    for (const std::uint32_t m : movedConstraints) {
+        removeFromGraph(m);
+        addToGraph(m);
+    }
+    movedConstraints.clear();
+    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+        for (const std::uint32_t j : graph.color(c).joints) {
+            const bool direct = isDirect(joints[j].bodyA) || isDirect(joints[j].bodyB);
+            if (direct != (c == ConstraintGraph::kDirect)) movedConstraints.push(j);
+        }
+    for (const std::uint32_t j : movedConstraints) {
+        removeJointFromGraph(j);
+        addJointToGraph(j);
+    }
+}
+
+/// Islands of the direct list, their bodies numbered in the order in which its constraints name them, so that the
+/// grouping depends on that list alone.
+void WorldImpl::groupDirect() {
+    directIslands.clear();
+    directBodies.clear();
+    directManifolds.clear();
+    directJoints.clear();
+    const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
+    if (list.manifolds.empty() && list.joints.empty()) return;
+    islandParent.resizeForOverwrite(bodies.size());
+    directIndex.resizeForOverwrite(bodies.size());
+    const auto forEachPair = [&](auto&& visit) {
+        for (const std::uint32_t m : list.manifolds)
+            visit(contacts[manifolds[m].contact].bodyA, contacts[manifolds[m].contact].bodyB);
+        for (const std::uint32_t j : list.joints) visit(joints[j].bodyA, joints[j].bodyB);
+    };
+    forEachPair([&](std::uint32_t a, std::uint32_t b) {
+        for (const std::uint32_t body : {a, b}) islandParent[body] = body, directIndex[body] = kNone;
+    });
+    forEachPair([&](std::uint32_t a, std::uint32_t b) { unite(a, b); });
+    // Counts first, then places: a root's directIndex is its island.
+    const auto islandOf = [&](std::uint32_t a, std::uint32_t b) { return directIndex[findRoot(moves(a) ? a : b)]; };
+    forEachPair([&](std::uint32_t a, std::uint32_t b) {
+        std::uint32_t& index = directIndex[findRoot(moves(a) ? a : b)];
+        if (index != kNone) return;
+        index = static_cast<std::uint32_t>(directIslands.size());
+        directIslands.push({});
+    });
+    for (const std::uint32_t m : list.manifolds)
+        ++directIslands[islandOf(contacts[manifolds[m].contact].bodyA, contacts[manifolds[m].contact].bodyB)]
+              .contactCount;
+    for (const std::uint32_t j : list.joints) ++directIslands[islandOf(joints[j].bodyA, joints[j].bodyB)].jointCount;
+    std::uint32_t contactsBefore = 0, jointsBefore = 0;
+    for (DirectIsland& island : directIslands) {
+        island.firstContact = contactsBefore, island.firstJoint = jointsBefore;
+        contactsBefore += island.contactCount, jointsBefore += island.jointCount;
+        island.contactCount = island.jointCount = 0;
+    }
+    directManifolds.resizeForOverwrite(contactsBefore);
+    directJoints.resizeForOverwrite(jointsBefore);
+    for (const std::uint32_t m : list.manifolds) {
+        DirectIsland& island =
+            directIslands[islandOf(contacts[manifolds[m].contact].bodyA, contacts[manifolds[m].contact].bodyB)];
+        directManifolds[island.firstContact + island.contactCount++] = m;
+    }
+    for (const std::uint32_t j : list.joints) {
+        DirectIsland& island = directIslands[islandOf(joints[j].bodyA, joints[j].bodyB)];
+        directJoints[island.firstJoint + island.jointCount++] = j;
+    }
+    numberDirectBodies();
+}
+
+void WorldImpl::numberDirectBodies() {
+    for (DirectIsland& island : directIslands) {
+        island.firstBody = static_cast<std::uint32_t>(directBodies.size());
+        const auto number = [&](std::uint32_t body) {
+            if (!moves(body) || islandParent[body] == kNone) return;
+            islandParent[body] = kNone;  // counted
+            directBodies.push(body);
+        };
+        for (std::uint32_t i = 0; i < island.contactCount; ++i) {
+            const ContactRecord& contact = contacts[manifolds[directManifolds[island.firstContact + i]].contact];
+            number(contact.bodyA);
+            number(contact.bodyB);
+        }
+        for (std::uint32_t i = 0; i < island.jointCount; ++i) {
+            number(joints[directJoints[island.firstJoint + i]].bodyA);
+            number(joints[directJoints[island.firstJoint + i]].bodyB);
+        }
+        island.bodyCount = static_cast<std::uint32_t>(directBodies.size()) - island.firstBody;
+    }
+}
+
+void WorldImpl::beginDirect() {
+    while (directSystems.size() < directIslands.size())
+        directSystems.push_back(std::make_unique<direct::IslandSystem>(memory));
+    directLanes.resizeForOverwrite(directManifolds.size());
+    directSims.resizeForOverwrite(directJoints.size());
+    for (std::size_t i = 0; i < directManifolds.size(); ++i)
+        directLanes[i] = graph.lane(manifolds[directManifolds[i]].place);
+    for (std::size_t i = 0; i < directJoints.size(); ++i) directSims[i] = &jointSims[directJoints[i]];
+    directIndex.resizeForOverwrite(bodies.size());
+    runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            DirectIsland& island = directIslands[static_cast<std::size_t>(i)];
+            direct::IslandParts parts;
+            parts.bodies = directBodies.data() + island.firstBody;
+            parts.bodyCount = island.bodyCount;
+            parts.lanes = directLanes.data() + island.firstContact;
+            parts.contactCount = island.contactCount;
+            parts.joints = directSims.data() + island.firstJoint;
+            parts.jointCount = island.jointCount;
+            parts.laneStride = graph.lanes();
+            parts.localOf = directIndex.data();
+            directSystems[static_cast<std::size_t>(i)]->begin(parts, bodyArrays(), context);
+            island.factored = false;
+            island.report = {};
+            island.ms = 0;
+        }
+    });
+}
+
+void WorldImpl::solveDirect(DirectPass pass) {
+    if (directIslands.empty()) return;
+    const BodyArrays arrays = bodyArrays();
+    runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            DirectIsland& island = directIslands[static_cast<std::size_t>(i)];
+            direct::IslandSystem& system = *directSystems[static_cast<std::size_t>(i)];
+            const auto start = std::chrono::steady_clock::now();
+            switch (pass) {
+                case DirectPass::positions:
+                    system.beginSubstep(arrays, jointContext);
+                    system.aimAtPositions(arrays, context);
+                    if (island.jointCount > 0) island.factored = false;
+                    direct::solve(system, true, island.factored, island.report);
+                    system.writeVelocities(arrays);
+                    if (system.aimAgain(arrays, jointContext)) {
+                        island.factored = false;
+                        direct::solve(system, false, island.factored, island.report);
+                        system.writeVelocities(arrays);
+                    }
+                    break;
+                case DirectPass::velocities:
+                    if (system.aimAtVelocities(arrays, context)) {
+                        direct::solve(system, false, island.factored, island.report);
+                        system.writeVelocities(arrays);
+                    }
+                    system.carryLoads();
+                    break;
+            }
+            island.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        }
+    });
+}
+
+void WorldImpl::endDirect() {
+    // What could not be solved is left to sweeps for a while. Joints alone make a nearly linear system, of which only
+    // rounding can be left, and sweeps would tear it.
+    for (const DirectIsland& island : directIslands) {
+        if (island.report.converged || island.contactCount == 0) continue;
+        for (std::uint32_t i = 0; i < island.bodyCount; ++i)
+            bodies[directBodies[island.firstBody + i]].directSteps = -direct::kBarredSteps;
+        graphChanged = true;
+        ++directFailures;
+    }
+    ledger.clear();
+    for (const DirectIsland& island : directIslands)
+        ledger.push_back({direct::nameOf(bodies[directBodies[island.firstBody]].directReason),
+                          static_cast<int>(island.bodyCount), static_cast<int>(island.contactCount),
+                          static_cast<int>(island.jointCount), island.report.iterations, island.report.factorizations,
+                          island.report.residual, island.ms, island.report.converged});
+    runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) directSystems[static_cast<std::size_t>(i)]->end();
+    });
+}
+
+}  // namespace ragtop

@@ -1,0 +1,238 @@
+// Which islands are solved directly: what bears on what, and the choice.
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+constexpr float kSupportGap = 0.01f;  ///< gap over which bodies still bear on each other, in sizes
+constexpr float kLevel = 0.94f;       ///< cosine of the steepest support that counts as level, 20°
+constexpr float kSlow = 0.05f;        ///< speed of a body at rest, in √(gravity · size)
+
+}  // namespace
+
+/// Everything that bears or holds: contacts within reach, and joints.
+void WorldImpl::collectBearings() {
+    bearings.clear();
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
+        for (const std::uint32_t m : graph.color(c).manifolds) {
+            const ManifoldRecord& manifold = manifolds[m];
+            const ContactRecord& contact = contacts[manifold.contact];
+            const float reach = kSupportGap * std::min(shapes[contact.shapeA].size, shapes[contact.shapeB].size);
+            bool near = false;
+            for (int j = 0; j < manifold.pointCount; ++j) near |= manifold.separation[j] <= reach;
+            if (near) bearings.push({contact.bodyA, contact.bodyB, m, false});
+        }
+        for (const std::uint32_t j : graph.color(c).joints) bearings.push({joints[j].bodyA, joints[j].bodyB, j, true});
+    }
+}
+
+/// Distances from what does not move, by breadth first over the bearings; `bodyStack` keeps the order of the visit.
+void WorldImpl::findLevels() {
+    levels.resizeForOverwrite(bodies.size());
+    bearingBegin.resizeForOverwrite(bodies.size() + 1);
+    std::memset(bearingBegin.data(), 0, bearingBegin.size() * sizeof(std::uint32_t));
+    for (const std::uint32_t body : awakeBodies) levels[body] = kNone;
+    for (const Bearing& bearing : bearings) {
+        if (!moves(bearing.a) || !moves(bearing.b)) continue;
+        ++bearingBegin[bearing.a + 1];
+        ++bearingBegin[bearing.b + 1];
+    }
+    for (std::size_t i = 1; i < bearingBegin.size(); ++i) bearingBegin[i] += bearingBegin[i - 1];
+    neighbours.resizeForOverwrite(bearingBegin[bodies.size()]);
+    bodyStack.clear();
+    for (const Bearing& bearing : bearings) {
+        const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
+        if (movesA && movesB) {
+            neighbours[bearingBegin[bearing.a]++] = bearing.b;
+            neighbours[bearingBegin[bearing.b]++] = bearing.a;
+        } else if (const std::uint32_t body = movesA ? bearing.a : bearing.b; levels[body] == kNone) {
+            levels[body] = 1;
+            bodyStack.push(body);
+        }
+    }
+    // Each begin has moved to its end, which is where the next one began.
+    for (std::size_t i = 0; i < bodyStack.size(); ++i) {
+        const std::uint32_t body = bodyStack[i];
+        const std::uint32_t begin = body == 0 ? 0 : bearingBegin[body - 1];
+        for (std::uint32_t k = begin; k < bearingBegin[body]; ++k)
+            if (std::uint32_t& level = levels[neighbours[k]]; level == kNone) {
+                level = levels[body] + 1;
+                bodyStack.push(neighbours[k]);
+            }
+    }
+}
+
+/// The mass that each body hands to each neighbour below it: its own and what it carries, in equal shares.
+void WorldImpl::estimateLoads() {
+    carried.resizeForOverwrite(bodies.size());
+    supports.resizeForOverwrite(bodies.size());
+    for (const std::uint32_t body : awakeBodies) carried[body] = 0, supports[body] = 0;
+    for (const Bearing& bearing : bearings) {
+        const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
+        if (movesA && (!movesB || levels[bearing.b] < levels[bearing.a])) ++supports[bearing.a];
+        if (movesB && (!movesA || levels[bearing.a] < levels[bearing.b])) ++supports[bearing.b];
+    }
+    for (std::size_t i = bodyStack.size(); i-- > 0;) {
+        const std::uint32_t body = bodyStack[i];
+        const float share = (carried[body] + bodies[body].mass) / static_cast<float>(supports[body]);
+        const std::uint32_t begin = body == 0 ? 0 : bearingBegin[body - 1];
+        for (std::uint32_t k = begin; k < bearingBegin[body]; ++k)
+            if (levels[neighbours[k]] < levels[body]) carried[neighbours[k]] += share;
+    }
+}
+
+/// Load over the load under which soft contacts of this pair tilt away: a column of n boxes of height l stands while
+/// n³ m g l < 7.84 k_θ, with k_θ the stiffness of its points about their middle.
+float WorldImpl::bucklingShare(const Bearing& bearing, float load, float number) const {
+    const ManifoldRecord& manifold = manifolds[bearing.constraint];
+    if (manifold.pointCount < 3) return 0;
+    Vec3 middle;
+    const float count = static_cast<float>(manifold.pointCount);
+    for (int j = 0; j < manifold.pointCount; ++j) middle += (1 / count) * manifold.anchorA[j];
+    const Vec3 t1 = perpendicular(manifold.normal), t2 = cross(manifold.normal, t1);
+    float s11 = 0, s12 = 0, s22 = 0;
+    for (int j = 0; j < manifold.pointCount; ++j) {
+        const Vec3 arm = manifold.anchorA[j] - middle;
+        const float x = dot(arm, t1), y = dot(arm, t2);
+        s11 += x * x, s12 += x * y, s22 += y * y;
+    }
+    const float difference = s11 - s22;
+    const float spread = 0.5f * (s11 + s22 - std::sqrt(difference * difference + 4 * s12 * s12));
+    const float inverseMass = states[bodies[bearing.a].state].invMass + states[bodies[bearing.b].state].invMass;
+    const float omega = 2 * kPi * settings.contactFrequency * static_cast<float>(settings.substeps) / dt;
+    const bool fixed = !moves(bearing.a) || !moves(bearing.b);
+    const float stiffness = (fixed ? 4 : 1) * omega * omega * spread / inverseMass;
+    const BodyRecord& upper = bodies[moves(bearing.b) ? bearing.b : bearing.a];
+    const Vec3 arm = rotate(upper.rotation, moves(bearing.b) ? manifold.anchorB[0] : manifold.anchorA[0]);
+    const float gravity = length(settings.gravity);
+    if (!(gravity > 0)) return 0;
+    const float height = 2 * std::fabs(dot(arm, settings.gravity)) / gravity;
+    const float bending = load * gravity * number * number * height;
+    return stiffness > 0 ? bending / (7.84f * stiffness) : 0.0f;
+}
+
+/// A face, or something round: what stands on an edge or a corner needs others to hold it.
+bool WorldImpl::standsOn(std::uint32_t index) const {
+    const ManifoldRecord& manifold = manifolds[index];
+    const ContactRecord& contact = contacts[manifold.contact];
+    const float roundness = geometries[shapes[contact.shapeA].geometry].convex.radius +
+                            geometries[shapes[contact.shapeB].geometry].convex.radius;
+    return manifold.pointCount > 2 || roundness > 0;
+}
+
+void WorldImpl::measureIslands() {
+    collectBearings();
+    findLevels();
+    estimateLoads();
+    islandFeatures.resizeForOverwrite(bodies.size());
+    heldLevel.resizeForOverwrite(bodies.size());
+    for (const std::uint32_t body : awakeBodies) islandFeatures[body] = {}, heldLevel[body] = 0;
+
+    const float gravity = length(settings.gravity);
+    const Vec3 up = gravity > 0 ? (-1 / gravity) * settings.gravity : Vec3{};
+    for (const Bearing& bearing : bearings) {
+        const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
+        direct::IslandFeatures& island = islandFeatures[findRoot(movesA ? bearing.a : bearing.b)];
+        island.pairs += movesA && movesB;
+        const bool aBears = movesB && (!movesA || levels[bearing.a] < levels[bearing.b]);
+        const bool bBears = movesA && (!movesB || levels[bearing.b] < levels[bearing.a]);
+        if (!bearing.joint) {
+            const GraphPlace place = manifolds[bearing.constraint].place;
+            const float* lane = graph.lane(place);
+            for (const int field : {contact::kRolling, contact::kSpinning, contact::kCross})
+                island.rolls |= lane[field * graph.lanes()] != 0;
+            const Vec3 normal = rotate(bodies[bearing.a].rotation, manifolds[bearing.constraint].normal);
+            const float cosine = dot(normal, up);
+            const bool steady = standsOn(bearing.constraint);
+            if (steady && cosine > kLevel) heldLevel[bearing.b] = 1;
+            if (steady && cosine < -kLevel) heldLevel[bearing.a] = 1;
+        } else {
+            heldLevel[bearing.a] = heldLevel[bearing.b] = 1;
+            island.hangs |= !movesA || !movesB;
+        }
+        if (!aBears && !bBears) continue;
+        const std::uint32_t upper = aBears ? bearing.b : bearing.a;
+        const float load = (carried[upper] + bodies[upper].mass) / static_cast<float>(supports[upper]);
+        const float massA = movesA ? bodies[bearing.a].mass : bodies[bearing.b].mass;
+        const float massB = movesB ? bodies[bearing.b].mass : massA;
+        const float lighter = std::min(massA, massB), number = load / lighter;
+        float& largest = bearing.joint ? island.jointLoad : island.contactLoad;
+        largest = std::max(largest, number);
+        island.massRatio = std::max(island.massRatio, std::max(massA, massB) / lighter);
+        if (!bearing.joint) island.buckling = std::max(island.buckling, bucklingShare(bearing, load, number));
+    }
+    for (const std::uint32_t body : awakeBodies) {
+        if (!moves(body)) continue;
+        direct::IslandFeatures& island = islandFeatures[findRoot(body)];
+        ++island.bodies;
+        const float speed = length(states[body].v) + length(states[body].w) * bodies[body].radius;
+        const bool slow = speed <= kSlow * std::sqrt(gravity * bodies[body].size);
+        island.moving += !slow;
+        island.leaning += levels[body] != kNone && heldLevel[body] == 0 && slow;
+    }
+}
+
+/// Writes the choice for each island into its bodies. True while some island's choice will change by itself.
+bool WorldImpl::decideIslands() {
+    for (const std::uint32_t body : awakeBodies) {
+        if (!moves(body)) continue;
+        direct::IslandFeatures& island = islandFeatures[findRoot(body)];
+        const std::int32_t steps = bodies[body].directSteps;
+        island.direct |= steps > 0;
+        island.staying = std::max(island.staying, steps);
+        island.barred = std::min(island.barred, steps);
+    }
+    bool waiting = false;
+    for (const std::uint32_t body : awakeBodies) {
+        if (!moves(body) || findRoot(body) != body) continue;
+        direct::IslandFeatures& island = islandFeatures[body];
+        island.reason = chooseDirect(island);
+        if (settings.solver == 1) island.reason = direct::Reason::none, island.staying = 0;
+        if (settings.solver == 2 && island.bodies <= direct::kMostBodies && !island.rolls)
+            island.reason = direct::Reason::asked;
+        if (island.barred < 0) {
+            island.reason = direct::Reason::none;
+            island.staying = island.barred + 1;
+        } else if (island.reason != direct::Reason::none) {
+            island.staying = direct::kStayingSteps;
+            continue;
+        } else if (island.staying > 0 && --island.staying > 0) {
+            island.reason = direct::Reason::staying;
+        }
+        waiting |= island.staying != 0;
+    }
+    for (const std::uint32_t body : awakeBodies) {
+        if (!moves(body)) continue;
+        const direct::IslandFeatures& island = islandFeatures[findRoot(body)];
+        bodies[body].directSteps = island.staying;
+        bodies[body].directReason = island.reason;
+    }
+    return waiting;
+}
+
+/// Choices change when bearings do, so they are made anew only then. While no island is direct, that can wait a few
+/// steps, unless something was just made or put somewhere.
+void WorldImpl::chooseSolvers() {
+    constexpr std::uint64_t kPeriod = 4;
+    const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
+    const bool anyDirect = !list.manifolds.empty() || !list.joints.empty();
+    if (graphChanged && (anyDirect || structureChanged || stepCount % kPeriod == 0)) {
+        uniteConstraints(false);
+        measureIslands();
+        graphChanged = decideIslands();
+        structureChanged = false;
+        applyChoices();
+        directGrouped = false;
+    }
+    // Sleeping may have emptied the list since.
+    if (!directGrouped || !anyDirect) groupDirect();
+    directGrouped = true;
+}
+
+}  // namespace ragtop

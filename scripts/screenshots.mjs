@@ -1,0 +1,56 @@
+// Takes the pictures that scripts/screenshots.sh says. Each is of one step of a scene, so that it comes out the same.
+import path from 'node:path';
+import { acceptance, EVERYTHING, root, say } from '../tests/page/support/acceptance.mjs';
+import { ask, Browser, look, pause, step } from '../tests/page/support/browser.mjs';
+import { finished } from '../tests/page/support/picture.mjs';
+import { Program } from '../tests/page/support/program.mjs';
+
+const SIZE = { width: 1024, height: 576 };
+const LIT = ['contacts', 'joints', 'bounds', 'centers', 'islands', 'wheels', 'skeleton'];
+
+/**
+ * What is seen of each scene: after `steps` steps, from `eye` at `target` (m), with what is `shown`; the panels, or the
+ * scene alone; and what is done before, if anything.
+ */
+const PICTURES = {
+  crash: { steps: 46, eye: [-7, 2.8, -12.5], target: [-0.6, 1.3, -4.5], panels: true },
+  rain: { steps: 110, eye: [4.5, 3.5, -12.5], target: [0, 2.2, -2] },
+  tower: { steps: 42, eye: [5, 3.5, 15], target: [1.2, 5.6, 0], before: topple },
+  track: { steps: 480, chase: true, shown: ['wheels'], panels: true },
+  wrecker: { steps: 128, eye: [-9.5, 4.2, -4.5], target: [0, 2.9, 3] },
+};
+
+/** A heavy ball hits the tower in the middle. */
+async function topple(page) {
+  await step(page, 30);
+  await ask(page, 'shoot', { origin: [-9, 6.3, 2.5], direction: [9, 0.35, -2.5], speed: 25, radius: 0.6 });
+}
+
+async function takePicture(page, { steps, eye, target, chase = false, shown = [], panels = false, before }) {
+  await ask(page, 'pause');
+  await ask(page, 'reset');
+  await ask(page, 'show', Object.fromEntries(LIT.map((name) => [name, shown.includes(name)])));
+  if (!panels) await page.keyboard.press('h');
+  await before?.(page);
+  // A few at a time, so that the plots have something to show.
+  for (let left = steps; left > 0; left -= 6) await step(page, Math.min(left, 6));
+  if (chase) await page.click('#cameras [data-camera=chase]');
+  else await look(page, eye, target);
+  await finished(page);
+}
+
+await acceptance(EVERYTHING, async (test) => {
+  const folder = path.resolve(process.argv[2] ?? path.join(root, 'docs/pictures'));
+  const browser = await Browser.start(test);
+  for (const [scene, view] of Object.entries(PICTURES)) {
+    const program = await Program.start(test, scene);
+    const page = await browser.open(`${program.url}?quality=high`, SIZE);
+    await pause(page);
+    await takePicture(page, view);
+    const file = path.join(folder, `${scene}.png`);
+    await page.screenshot({ path: file });
+    say(file);
+    await page.context().close();
+    await program.stop();
+  }
+});

@@ -1,0 +1,98 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <memory_resource>
+#include <random>
+#include <vector>
+
+#include "direct/contact_cone.h"
+#include "direct/factor.h"
+
+namespace ragtop::direct {
+namespace {
+
+/// M + Jᵀ J over the pairs, which is positive definite.
+void fill(BlockFactor& factor, Eigen::MatrixXd& dense, const std::vector<BlockPair>& pairs, std::uint32_t count) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> number(-1, 1);
+    dense = Eigen::MatrixXd::Identity(6 * count, 6 * count);
+    for (const BlockPair& pair : pairs) {
+        Eigen::MatrixXd j = Eigen::MatrixXd::Zero(4, 6 * count);
+        for (int r = 0; r < 4; ++r)
+            for (int c = 0; c < 6; ++c) j(r, 6 * pair.a + c) = number(random), j(r, 6 * pair.b + c) = number(random);
+        dense += j.transpose() * j;
+    }
+    factor.setZero();
+    const auto copy = [&](Block6& block, std::uint32_t rows, std::uint32_t columns) {
+        for (int c = 0; c < 6; ++c)
+            for (int r = 0; r < 6; ++r) block.at[6 * c + r] = dense(6 * rows + r, 6 * columns + c);
+    };
+    for (std::uint32_t v = 0; v < count; ++v) copy(factor.diagonal(v), v, v);
+    for (const BlockPair& pair : pairs) {
+        Block6& block = factor.coupling(factor.ordering().blockOf(pair.a, pair.b));
+        if (factor.rowsAreOf(pair.a, pair.b))
+            copy(block, pair.a, pair.b);
+        else
+            copy(block, pair.b, pair.a);
+    }
+}
+
+TEST(BlockFactor, SolvesAsDenseEliminationDoes) {
+    const std::vector<BlockPair> pairs = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {3, 4}, {4, 5}, {5, 6}, {6, 1}, {2, 6}};
+    constexpr std::uint32_t kCount = 7;
+    BlockFactor factor(std::pmr::get_default_resource());
+    ASSERT_TRUE(factor.update(kCount, pairs.data(), pairs.size()));
+    EXPECT_FALSE(factor.update(kCount, pairs.data(), pairs.size())) << "the same pattern is no new one";
+    Eigen::MatrixXd dense;
+    fill(factor, dense, pairs, kCount);
+    ASSERT_TRUE(factor.factorize());
+    Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(6 * kCount, -1, 1);
+    const Eigen::VectorXd expected = dense.ldlt().solve(right);
+    factor.solve(right.data());
+    EXPECT_LT((right - expected).norm(), 1e-12 * expected.norm());
+}
+
+TEST(BlockFactor, TreesGetNoFill) {
+    std::vector<BlockPair> pairs;
+    for (std::uint32_t i = 1; i < 40; ++i) pairs.push_back({(i - 1) / 2, i});
+    BlockFactor factor(std::pmr::get_default_resource());
+    factor.update(40, pairs.data(), pairs.size());
+    EXPECT_EQ(factor.ordering().blockCount(), 39u);
+}
+
+TEST(BlockFactor, RefusesWhatIsNotPositiveDefinite) {
+    BlockFactor factor(std::pmr::get_default_resource());
+    factor.update(1, nullptr, 0);
+    factor.setZero();
+    EXPECT_FALSE(factor.factorize());
+}
+
+TEST(ContactCone, SlopeIsTheDerivativeOfTheProjection) {
+    const double points[][3] = {{2, 0.3, -0.4}, {0.5, 1, 2}, {-0.3, 2, 1}, {-5, 1, 0.5}};
+    constexpr double kFriction = 0.6, kStep = 1e-6;
+    constexpr int kPlace[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    for (const auto& y : points) {
+        double slope[6];
+        projectionSlope(y, kFriction, project(y, kFriction).region, slope);
+        for (int j = 0; j < 3; ++j) {
+            double ahead[3] = {y[0], y[1], y[2]}, behind[3] = {y[0], y[1], y[2]};
+            ahead[j] += kStep, behind[j] -= kStep;
+            const ConePoint a = project(ahead, kFriction), b = project(behind, kFriction);
+            for (int i = 0; i < 3; ++i)
+                EXPECT_NEAR(slope[kPlace[i][j]], (a.impulse[i] - b.impulse[i]) / (2 * kStep), 1e-8);
+        }
+    }
+}
+
+TEST(ContactCone, ProjectionIsNearestAndWithin) {
+    const double y[3] = {0.5, 1, 2};
+    const ConePoint p = project(y, 0.6);
+    EXPECT_NEAR(std::hypot(p.impulse[1], p.impulse[2]), 0.6 * p.impulse[0], 1e-15);
+    // What is left is perpendicular to the cone's ray.
+    double along = 0;
+    for (int i = 0; i < 3; ++i) along += p.impulse[i] * (y[i] - p.impulse[i]);
+    EXPECT_NEAR(along, 0, 1e-15);
+}
+
+}  // namespace
+}  // namespace ragtop::direct

@@ -1,0 +1,36 @@
+// One command makes the pictures of README and docs, a different one of each of five scenes.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { readdir, readFile } from 'node:fs/promises';
+import path from 'node:path';
+import { acceptance, EVERYTHING, pageFile, programFile, root, say } from './support/acceptance.mjs';
+import { Browser } from './support/browser.mjs';
+import { compare } from './support/picture.mjs';
+
+const PICTURES = 5;
+const LARGEST = 300e3;  // bytes
+
+await acceptance(EVERYTHING, async (test) => {
+  execFileSync(path.join(root, 'scripts/screenshots.sh'), [test.folder], {
+    stdio: 'inherit', env: { ...process.env, RAGTOP_PROGRAM: programFile, RAGTOP_PAGE: pageFile },
+  });
+  const names = (await readdir(test.folder)).sort();
+  assert.equal(names.length, PICTURES);
+  assert.deepEqual((await readdir(path.join(root, 'docs/pictures'))).sort(), names, 'docs/pictures has others');
+
+  const browser = await Browser.start(test);
+  const helper = await browser.empty();
+  const files = await Promise.all(names.map((name) => readFile(path.join(test.folder, name))));
+  for (const [i, name] of names.entries()) {
+    assert.ok(files[i].length <= LARGEST, `${name} has ${files[i].length} bytes`);
+    const { changed, colors } = await compare(helper, files[i], files[(i + 1) % PICTURES]);
+    say(`${name}: ${Math.round(files[i].length / 1000)} kB, ${colors} colours`);
+    assert.ok(colors > 1000, `${name} shows next to nothing`);
+    assert.ok(changed > 0.05, `${name} looks like the next one`);
+  }
+
+  const docs = (await readdir(path.join(root, 'docs'))).filter((name) => name.endsWith('.md'));
+  const pages = ['README.md', ...docs.map((name) => `docs/${name}`)];
+  const text = (await Promise.all(pages.map((page) => readFile(path.join(root, page), 'utf8')))).join('\n');
+  for (const name of names) assert.ok(text.includes(`pictures/${name})`), `${name} is in no page of the documentation`);
+});
