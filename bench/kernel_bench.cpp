@@ -53,8 +53,10 @@ public:
     }
     int bundleCount() const { return (bodyCount + kernels.lanes - 1) / kernels.lanes; }
     BodyArrays arrays() { return {states_.data(), inertias_.data(), dynamics_.data(), histories_.data()}; }
-    using ContactKernel = void (*)(float*, int, int, const BodyArrays&, const SolverContext&);
-    void run(ContactKernel kernel) { kernel(bundles_.data(), 0, bundleCount(), arrays(), context_); }
+    template <class ContactKernel>
+    void run(ContactKernel kernel) {
+        kernel(bundles_.data(), 0, bundleCount(), arrays(), context_);
+    }
     void integrate() {
         kernels.integrateVelocities(arrays(), order_.data(), 0, bodyCount, context_);
         kernels.integratePositions(arrays(), order_.data(), 0, bodyCount, context_);
@@ -77,6 +79,7 @@ private:
         std::memcpy(&at(contact::kPointCount), &points, sizeof points);
         at(contact::kNormal + 1) = 1;
         at(contact::kFriction) = 0.5f;
+        at(contact::kSlidingShare) = 1;
         at(contact::kSize) = 0.5f;
         for (int j = 0; j < contact::kMaxPoints; ++j) {
             const int point = contact::kPoints + j * contact::kPointFields;
