@@ -132,12 +132,14 @@ private:
             return toBullet(peers_.local(side, f) * turn);
         };
         if (const auto* ball = std::get_if<BallDef>(&joint.def)) {
-            if (ball->swingLimit || ball->twistLimit || ball->spring || ball->friction != 0)
+            if (ball->swingLimit || ball->swingEllipse || ball->swingPyramid || ball->reach || ball->twistLimit ||
+                ball->spring || ball->friction != 0)
                 refuse("Bullet: limited ball");
             keep(std::make_unique<btPoint2PointConstraint>(a, b, frame(joint.bodyA, frames.frameA, {}).getOrigin(),
                                                            frame(joint.bodyB, frames.frameB, {}).getOrigin()));
         } else if (const auto* hinge = std::get_if<HingeDef>(&joint.def)) {
-            if (hinge->spring || hinge->friction != 0 || hinge->motor) refuse("Bullet: hinge with spring or motor");
+            if (hinge->spring || hinge->friction != 0 || hinge->motor || !isPlain(*hinge))
+                refuse("Bullet: hinge with spring or motor");
             auto constraint = std::make_unique<btHingeConstraint>(a, b, frame(joint.bodyA, frames.frameA, z),
                                                                   frame(joint.bodyB, frames.frameB, z), true);
             if (hinge->limit) constraint->setLimit(hinge->limit->lower, hinge->limit->upper);
