@@ -125,7 +125,7 @@ JointDef limitedJoint(Dice& dice, int kind) {
             ball.swingEllipse = SwingEllipse{dice.between(0.1f, 2), dice.between(0.1f, 2)};
             return ball;
         case 2:
-            ball.swingPyramid = SwingPyramid{range(3), range(3)};
+            ball.swingPyramid = SwingPyramid{range(1.5f), range(1.5f)};
             return ball;
         case 3: {
             ball.twistLimit.reset();

@@ -71,7 +71,7 @@ struct SwingEllipse {
     float y = 1, z = 1;  ///< rad
 };
 
-/// Bounds of the swing towards y and z apart.
+/// Bounds of the swing about y and about z apart, each within a quarter turn; a reach polygon goes further.
 struct SwingPyramid {
     Range y{-1, 1}, z{-1, 1};  ///< rad
 };
@@ -142,8 +142,8 @@ void describe(Visitor& visit, Self& self, const SwingEllipse*) {
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const SwingPyramid*) {
-    visit(Tunable{"y", "rad", -3.1, 3.1, "range of the swing about y"}, self.y);
-    visit(Tunable{"z", "rad", -3.1, 3.1, "range of the swing about z"}, self.z);
+    visit(Tunable{"y", "rad", -1.5, 1.5, "range of the swing about y"}, self.y);
+    visit(Tunable{"z", "rad", -1.5, 1.5, "range of the swing about z"}, self.z);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const ReachCorner*) {
