@@ -39,7 +39,7 @@ constexpr Golden kGolden[] = {
     {0xd23e20cc6c934f8du, 0x76a939c475990aceu},  // wall
     {0xc067bbae51807983u, 0x0b7e4d88fef29701u},  // hills
     {0x51f695648574e90eu, 0x74297ae2d172942eu},  // bowl
-    {0x363ceb40cfeeb87au, 0x8e76801f8e8cec5bu},  // joints
+    {0x4c54c012050e8729u, 0x36528cdb0dc69db1u},  // joints
     {0x7d7d6431d97ea537u, 0x36d49de10ac8a8e6u},  // spinners
     {0x874dd66a9d3a6c4du, 0xb51a934c9a706effu},  // house
 };

@@ -175,6 +175,7 @@ public:
     std::span<const ContactEvent> sensorEnds() const;
     std::span<const SurfaceEvent> surfaceEvents() const;
     std::span<const SleepEvent> sleepEvents() const;
+    std::span<const JointBreak> jointBreaks() const;
     /// Calls `visit` for each touching pair with at least one loaded or overlapping point.
     void forEachContact(const std::function<void(const Contact&)>& visit) const;
     void forEachContact(BodyId body, const std::function<void(const Contact&)>& visit) const;

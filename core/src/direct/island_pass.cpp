@@ -82,6 +82,17 @@ void IslandSystem::aimAtPositions(const BodyArrays& arrays, const SolverContext&
     }
 }
 
+/// The speeds by which other bounds and drags of a row may change it.
+template <class Note>
+static void noteRest(const SystemRow& row, Note&& note) {
+    const double stiffer = row.resistance / row.resting.resistance - 1;
+    note(stiffer < 1 ? stiffer * row.speed : row.speed);
+    // A load at a bound that moves.
+    const double admittance = row.resistance / tuning::kRowResistance;
+    if (row.resting.upper != row.upper && row.impulse >= row.upper) note(admittance * row.upper);
+    if (row.resting.lower != row.lower && row.impulse <= row.lower) note(admittance * row.lower);
+}
+
 bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext& context) {
     updateGaps(arrays);
     double largest = 0;
@@ -101,8 +112,13 @@ bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext
         }
     }
     for (SystemRow& row : rows_) {
-        note(0.1 * row.bias);
-        row.target -= row.bias;
+        note(0.1 * (row.resting.target - row.target));
+        noteRest(row, note);
+        row.target = row.resting.target;
+        row.lower = row.resting.lower;
+        row.upper = row.resting.upper;
+        if (row.resting.resistance != row.resistance) row.factored = !row.free;
+        row.resistance = row.resting.resistance;
     }
     if (largest <= tuning::kSkip * gravityStep_) return false;
     // What moving the positions did to the velocities (spins turn with their bodies) belongs to the free motion.

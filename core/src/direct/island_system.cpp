@@ -70,7 +70,7 @@ void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, con
         jointEnds_.push(end(joint.stateA));
         jointEnds_.push(end(joint.stateB));
     }
-    constexpr std::size_t kMostRows = 12;  // a ball with everything; rows come and go with tension
+    constexpr std::size_t kMostRows = 24;  // a plane with everything; rows come and go with tension
     rows_.reserve(kMostRows * joints_.size());
     loadPattern();
     const std::size_t n = unknowns();
@@ -226,7 +226,7 @@ void IslandSystem::beginSubstep(const BodyArrays& arrays, const JointContext& jo
         store(toDouble(state.v), free_.data() + 6 * i);
         store(toDouble(state.w), free_.data() + 6 * i + 3);
     }
-    buildRows(arrays, joints);
+    buildRows(arrays, joints, true);
 }
 
 /// The stiffness of a body's joints over its inertia, about the axis for which it matters most.
@@ -245,14 +245,14 @@ bool IslandSystem::aimAgain(const BodyArrays& arrays, const JointContext& joints
         if (row.kind == RowKind::across) return false;  // its rest is the free motion
     storeImpulses(rows_, joints_.data());
     for (SystemBody& body : bodies_) body.stiffness = {};
-    buildRows(arrays, joints);
+    buildRows(arrays, joints, false);
     return true;
 }
 
-void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joints) {
+void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins) {
     rows_.clear();
     if (joints_.empty()) return;
-    const JointRowBuilder builder{arrays, joints, rows_, bodies_.data()};
+    const JointRowBuilder builder{arrays, joints, rows_, bodies_.data(), begins};
     for (std::size_t j = 0; j < joints_.size(); ++j)
         builder.add(*joints_[j], static_cast<std::uint32_t>(j), jointEnds_[2 * j], jointEnds_[2 * j + 1]);
     for (SystemBody& body : bodies_)
@@ -272,6 +272,7 @@ void IslandSystem::carryLoads() {
             pointField(c, j, contact::kPeak) += static_cast<float>(p.impulse[0]);
         }
     storeImpulses(rows_, joints_.data());
+    for (JointSim* joint : joints_) noteLoad(*joint);
 }
 
 void IslandSystem::scaleResistance(double factor) {
@@ -282,8 +283,7 @@ void IslandSystem::takeLoads() {
     for (SystemPoint& p : points_)
         for (int k = 0; k < 3; ++k) p.load[k] = p.impulse[k];
     for (SystemRow& row : rows_)
-        if (row.kind != RowKind::axisSpring && row.kind != RowKind::across && !isBallSpring(row.kind))
-            row.load = row.impulse;
+        if (!row.compliant) row.load = row.impulse;
 }
 
 void IslandSystem::end() {

@@ -70,31 +70,34 @@ enum class RowKind : std::uint8_t {
     first = 0,
     second = 3,
     ballSpring = 6,
-    ballFriction = 9,
-    axisSpring = 12,
-    axisFriction,
-    axisMotor,
-    axisLower,
-    axisUpper,
-    twistLower,
+    ballViscous = 9,
+    ballFriction = 12,
+    axis = 15,  ///< in the order of AxisSlot
+    swing = axis + kAxisSlots,
+    twistLower = swing + SwingLimit::kSides,
     twistUpper,
-    swing,
     across,
+    rigid,                                 ///< of an AxesBlock
+    axes = rigid + AxesBlock::kMostRigid,  ///< its coordinates, each in the order of AxisSlot
 };
 
-constexpr bool isBallSpring(RowKind kind) { return kind >= RowKind::ballSpring && kind < RowKind::ballFriction; }
+/// What a row asks for in the pass after positions have moved.
+struct RestingAim {
+    double target = 0, resistance = 0, lower = 0, upper = 0;
+};
 
 /// A scalar row with bounds: a joint's.
 struct SystemRow {
     RowKind kind = RowKind::first;
+    bool compliant = false;   ///< its load is what it pushes with at no speed
     std::uint32_t joint = 0;  ///< in the island
     std::int32_t a = kFixed, b = kFixed;
     std::uint32_t block = 0;
     double ja[6], jb[6];
     double load = 0, impulse = 0, resistance = 0;
     double target = 0;  ///< û
-    double bias = 0;    ///< the part of it that corrects errors, left out when relaxing
     double lower = 0, upper = 0;
+    RestingAim resting;
     double speed = 0, change = 0;
     bool free = true, factored = true;  ///< within its bounds
 };
@@ -175,7 +178,7 @@ private:
     void loadBodies(const IslandParts& parts, const BodyArrays& arrays);
     void loadContacts(const IslandParts& parts, const BodyArrays& arrays);
     void loadPattern();
-    void buildRows(const BodyArrays& arrays, const JointContext& joints);
+    void buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins);
     void refreshMasses(const BodyArrays& arrays);
     void updateGaps(const BodyArrays& arrays);
     void speedsAt(const double* v);

@@ -91,6 +91,8 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       surfaceEvents(memory),
       sleepEvents(memory),
       sleepEventsBetweenSteps(memory),
+      jointBreaks(memory),
+      brokenJoints(memory),
       stages(memory) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
     // Body 0 is the world: static, without shapes, the other end of joints to nowhere.

@@ -288,6 +288,7 @@ std::span<const ContactEvent> World::sensorBegins() const { return impl_->sensor
 std::span<const ContactEvent> World::sensorEnds() const { return impl_->sensorEnds; }
 std::span<const SurfaceEvent> World::surfaceEvents() const { return impl_->surfaceEvents; }
 std::span<const SleepEvent> World::sleepEvents() const { return impl_->sleepEvents; }
+std::span<const JointBreak> World::jointBreaks() const { return impl_->jointBreaks; }
 
 void World::forEachContact(const std::function<void(const Contact&)>& visit) const {
     for (std::uint32_t c = 0; c < impl_->contactSlots.count(); ++c)

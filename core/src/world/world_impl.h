@@ -185,6 +185,7 @@ struct WorldImpl {
                   const Frame& toInternal);
     void destroyBody(std::uint32_t body);
     std::uint32_t createJoint(const JointDef& def);
+    void breakJoints();
     void destroyJoint(std::uint32_t joint);
     std::uint32_t geometryIndex(const Shape& shape);
     void setMass(std::uint32_t body, const BodyDef& def);
@@ -334,6 +335,8 @@ struct WorldImpl {
     mutable std::mutex listsMutex;
     std::pmr::vector<SurfaceEvent> surfaceEvents;
     std::pmr::vector<SleepEvent> sleepEvents, sleepEventsBetweenSteps;
+    std::pmr::vector<JointBreak> jointBreaks;
+    std::pmr::vector<std::uint32_t> brokenJoints;
     std::pmr::vector<StepStats::Stage> stages;
     std::chrono::steady_clock::time_point stageStart, stepStart;
     double totalMs = 0;

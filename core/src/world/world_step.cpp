@@ -63,6 +63,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     });
 
     stepping = false;
+    breakJoints();
     lastSubstep = h;
     ++stepCount;
     time += stepSeconds;
@@ -285,6 +286,7 @@ void WorldImpl::clearEvents() {
     ends.swap(endsBetweenSteps);
     sensorEnds.swap(sensorEndsBetweenSteps);
     surfaceEvents.clear();
+    jointBreaks.clear();
     sleepEvents.clear();
     sleepEvents.swap(sleepEventsBetweenSteps);
     // All may wake at once, however long they have slept.
