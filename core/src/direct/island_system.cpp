@@ -57,6 +57,8 @@ void tangents(const DVec3& n, DVec3& t1, DVec3& t2) {
 void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, const SolverContext& context) {
     gravityStep_ = static_cast<double>(context.gravityStep);
     stride_ = static_cast<std::size_t>(parts.laneStride);
+    stopped_ = rests_ = false;
+    restedSubsteps_ = 0;
     loadBodies(parts, arrays);
     loadContacts(parts, arrays);
     joints_.clear();
@@ -124,13 +126,13 @@ static void shareFriction(SystemPoint* points, const SystemContact& contact, con
     }
 }
 
-/// What is loaded up to its cone slides already.
+/// What is loaded up to its cone, or not at all, slides already.
 static void guessSlips(SystemPoint* points, const SystemContact& contact, const BodyState& a, const BodyState& b) {
     constexpr double kNearlySliding = 0.99;
     for (std::uint32_t j = 0; j < contact.count; ++j) {
         SystemPoint& p = points[j];
         const double held = std::sqrt(p.load[1] * p.load[1] + p.load[2] * p.load[2]);
-        if (!(held > kNearlySliding * contact.friction * p.load[0])) continue;
+        if (held < kNearlySliding * contact.friction * p.load[0]) continue;
         DVec3 u;
         if (contact.b != kFixed) u = u + toDouble(b.v) + cross(toDouble(b.w), p.armB);
         if (contact.a != kFixed) u = u - toDouble(a.v) - cross(toDouble(a.w), p.armA);
@@ -220,12 +222,18 @@ void IslandSystem::refreshMasses(const BodyArrays& arrays) {
 }
 
 void IslandSystem::beginSubstep(const BodyArrays& arrays, const JointContext& joints) {
-    refreshMasses(arrays);
+    rests_ = stopped_;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         const BodyState& state = arrays.states[bodies_[i].state];
-        store(toDouble(state.v), free_.data() + 6 * i);
-        store(toDouble(state.w), free_.data() + 6 * i + 3);
+        double* free = free_.data() + 6 * i;
+        const DVec3 v = toDouble(state.v), w = toDouble(state.w);
+        rests_ &= v == load(free) && w == load(free + 3);
+        store(v, free);
+        store(w, free + 3);
     }
+    stopped_ = rests_;
+    if (rests_) return;
+    refreshMasses(arrays);
     buildRows(arrays, joints, true);
 }
 
@@ -265,6 +273,8 @@ void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joint
 }
 
 void IslandSystem::carryLoads() {
+    restedSubsteps_ += rests_;
+    if (rests_) return;
     for (const SystemContact& c : contacts_)
         for (std::uint32_t j = 0; j < c.count; ++j) {
             SystemPoint& p = points_[c.first + j];
@@ -301,6 +311,7 @@ void IslandSystem::end() {
             sticks |= p.region == ConeRegion::stick;
             pointField(c, j, contact::kImpulse) = static_cast<float>(p.load[0]);
             pointField(c, j, contact::kLoad) = static_cast<float>(p.load[0]);
+            pointField(c, j, contact::kPeak) += static_cast<float>(restedSubsteps_ * p.load[0]);
         }
         for (int k = 0; k < 3; ++k)
             field(c, contact::kFrictionImpulse + k) = static_cast<float>(k == 0   ? friction.x
@@ -315,6 +326,7 @@ void IslandSystem::end() {
 
 void IslandSystem::writeVelocities(const BodyArrays& arrays) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        stopBelow(i, tuning::kNothing * gravityStep_);
         const double* v = velocity_.data() + 6 * i;
         BodyState& state = arrays.states[bodies_[i].state];
         state.v = toVec3(load(v));

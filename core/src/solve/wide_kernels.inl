@@ -32,7 +32,9 @@ bool prepareContacts(float* bundles, int begin, int end, const BodyArrays& array
             const Lanes<N> impulse = select(present, c.field(pointField(j, contact::kImpulse)), Lanes<N>(0.0f));
             const Lanes<N> load = select(present, c.field(pointField(j, contact::kLoad)), Lanes<N>(0.0f));
             c.set(pointField(j, contact::kImpulse), impulse);
-            c.set(pointField(j, contact::kLoad), load + Lanes<N>(context.loadShare) * (impulse - load));
+            // What has lost half its load is no longer what it was, and would be pushed away.
+            const Lanes<N> carried = load + Lanes<N>(context.loadShare) * (impulse - load);
+            c.set(pointField(j, contact::kLoad), min(carried, impulse + impulse));
             c.set(pointField(j, contact::kApproach), dot(c.normal, c.relativeVelocity(rA, rB)));
             c.set(pointField(j, contact::kPeak), Lanes<N>(0.0f));
             // Points that are apart lose their say in where friction acts, smoothly, or tops would drift.

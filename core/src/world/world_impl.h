@@ -56,7 +56,10 @@ struct WorldImpl {
     void solve(bool useBias);
     void integratePositions();
     void bounce();
+    template <class Visit>
+    void forEachDirectBouncing(Visit&& visit);
     void finishBodies();
+    void stopVanishing(std::uint32_t body, float gravity);
     void restrictInertia(std::uint32_t body);
     template <class Joint, class Contact>
     void forEachColor(Joint&& joint, Contact&& contact);
@@ -141,6 +144,7 @@ struct WorldImpl {
         std::uint32_t constraint;  ///< manifold or joint
         bool joint;
     };
+    void noteForce(std::uint32_t body);
     void collectBearings();
     void findLevels();
     void estimateLoads();
@@ -150,12 +154,18 @@ struct WorldImpl {
     bool decideIslands();
     void chooseSolvers();
 
+    // world_settling.cpp
+    bool isUntouched(std::uint32_t body) const;
+    void loadNewContacts();
+    void settleNewContacts();
+
     // world_direct.cpp: islands that are solved directly.
     enum class DirectPass { positions, velocities };
     void applyChoices();
     void groupDirect();
     void numberDirectBodies();
     void beginDirect();
+    bool noteDirectBundles();
     void solveDirect(DirectPass pass);
     void endDirect();
     bool isDirect(std::uint32_t body) const { return bodies[body].directSteps > 0; }
@@ -285,6 +295,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> levels, supports;  ///< per body: steps to what does not move; bodies that bear it
     AlignedArray<float> carried;                   ///< kg, per body
     AlignedArray<std::uint8_t> heldLevel;          ///< per body: something level is below it
+    AlignedArray<std::uint32_t> freshManifolds;    ///< made in this step, of bodies that have not moved yet
     AlignedArray<direct::IslandFeatures> islandFeatures;  ///< per root
     struct DirectIsland {
         std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
@@ -300,6 +311,8 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> movedConstraints;
     std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< at least one per direct island
     bool directGrouped = false;
+    AlignedArray<float> bounceBundle;  ///< one contact at a time
+    AlignedArray<float> directSeen;    ///< bundles of direct islands when their systems were made
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;      ///< solves given up since the world was made
     AlignedArray<std::uint8_t> bodyFlags;  ///< per awake body, set by finishBodies
