@@ -63,6 +63,7 @@ struct ContactRecord {
     std::uint32_t awakeIndex = kNone;      ///< place in the list of awake contacts
     Frame collidedAt;                      ///< B's shape in A's when the manifolds were found
     float collidedMargin = 0;              ///< m, with this margin
+    float motion = 0;                      ///< m, of one relative to the other in this step, if they go on as they do
     bool collided = false;
     std::uint8_t manifoldCapacity = 1;
     bool isMesh = false, sensor = false, touching = false, reportsMotion = false;
