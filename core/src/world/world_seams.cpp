@@ -142,18 +142,21 @@ float WorldImpl::slackOf(std::uint32_t a, std::uint32_t b) const {
     return kStep * (shapes[a].size < shapes[b].size ? shapes[a].size : shapes[b].size);
 }
 
-/// Takes the points of contacts at seams out of this step. Only what closes is looked at: piles at rest have none.
+/// Takes the points of contacts at seams out of this step; their lanes are written anew in the next one. Only what moves
+/// is looked at.
 void WorldImpl::hideSeams() {
     runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const ContactRecord& contact = contacts[awakeContacts[static_cast<std::size_t>(i)]];
-            if (contact.sensor) continue;
+            if (contact.sensor || !contact.hasPoints || contact.isMesh) continue;
             const float size = slackOf(contact.shapeA, contact.shapeB) / kStep;
-            if (geometries[shapes[contact.shapeA].geometry].isMesh() || contact.motion < kClosing * size) continue;
+            if (bodies[contact.bodyA].ahead + bodies[contact.bodyB].ahead < kClosing * size) continue;
             const ManifoldRecord& manifold = manifolds[contact.firstManifold];
             if (manifold.place.color == kNone || manifold.pointCount == 0) continue;
-            if ((moves(contact.bodyA) && isSeam(manifold, 0)) || (moves(contact.bodyB) && isSeam(manifold, 1)))
+            if ((moves(contact.bodyA) && isSeam(manifold, 0)) || (moves(contact.bodyB) && isSeam(manifold, 1))) {
                 LaneView(graph.lane(manifold.place), graph.lanes()).setBits(contact::kPointCount, 0);
+                surfaceKept[indexOf(manifold)] = 0;
+            }
         }
     });
 }
