@@ -36,12 +36,12 @@ struct Golden {
 };
 constexpr Golden kGolden[] = {
     {0xfb21f32ec83c1fdeu, 0x918e5eb037551000u},  // tower
-    {0xd23e20cc6c934f8du, 0x76a939c475990aceu},  // wall
-    {0xc067bbae51807983u, 0x0b7e4d88fef29701u},  // hills
-    {0x51f695648574e90eu, 0x74297ae2d172942eu},  // bowl
-    {0x4c54c012050e8729u, 0x36528cdb0dc69db1u},  // joints
-    {0x7d7d6431d97ea537u, 0x36d49de10ac8a8e6u},  // spinners
-    {0x874dd66a9d3a6c4du, 0xb51a934c9a706effu},  // house
+    {0xfb3d5e21bc4ed17au, 0x0c9bdec158369972u},  // wall
+    {0xb1b97a05ca533cebu, 0x07973718c4a4f5e4u},  // hills
+    {0x61b67735415c24b1u, 0x939727e9b63d89c2u},  // bowl
+    {0x0a6e5bbf1c89a5ceu, 0x3bde8647e969ecf9u},  // joints
+    {0x05a037190763a116u, 0x7ff106c84cd37195u},  // spinners
+    {0x2a42ef2642660ae3u, 0x1eb09bee474fceaau},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 

@@ -93,6 +93,7 @@ struct WorldImpl {
     void updateSensors();
     void applyContactChanges();
     void applyContactChange(std::uint32_t contact);
+    Vec3 wayAtPoint(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
     bool willMeet(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
     bool reuseManifolds(ContactRecord& contact, const Frame& bInA, float margin, float size);
     PlacedManifold placed(const ContactRecord& contact, const ManifoldRecord& manifold) const;
@@ -113,6 +114,24 @@ struct WorldImpl {
     ContactSurface surfaceOfPair(std::uint32_t shapeA, std::uint32_t shapeB, std::uint32_t triangle) const;
     const Material& materialAt(const ShapeRecord& shape, std::uint32_t triangle) const;
     PairInfo pairInfo(const ContactRecord& contact) const;
+
+    // world_seams.cpp: side contacts between neighbouring obstacles.
+    void hideSeams();
+    bool slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const;
+    struct TouchedPlane {
+        bool touches = false;
+        DVec3 at;
+        Vec3 normal;      ///< towards the body that touches it
+        float depth = 0;  ///< m, of the overlap
+    };
+    Pose startOfStep(std::uint32_t body) const;
+    TouchedPlane touchedPlane(const ManifoldRecord& manifold, int side, float within) const;
+    bool separates(const TouchedPlane& plane, std::uint32_t front, std::uint32_t behind, float slack) const;
+    template <class Visit>
+    bool anyTouchedPlane(std::uint32_t body, float within, Visit&& visit) const;
+    bool isSeam(const ManifoldRecord& manifold, int side) const;
+    bool keptApart(std::uint32_t shape, std::uint32_t obstacle, const Pose& start, const Pose& end, float bulge) const;
+    float slackOf(std::uint32_t shapeA, std::uint32_t shapeB) const;
 
     // world_assemblies.cpp
     void findAssemblies();
@@ -334,6 +353,7 @@ struct WorldImpl {
     AlignedArray<StartPose> startPoses;      ///< per awake body, of bodies to sweep
     SolverContext context;
     bool bouncy = false;  ///< does any contact of this step have restitution?
+    bool posesMoved = false;   ///< poses are those of the end of the step, startPoses of its beginning
     JointContext jointContext;
     float dt = 0;
     std::vector<BodyId> bodyIds;

@@ -25,6 +25,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     context.gravityStep = length(settings.gravity) * h;
     context.restitutionSpeed = settings.restitutionSpeed * length(settings.gravity) * dt;
     context.loadShare = settings.loadCarrying;
+    context.staticLoadShare = settings.staticLoadCarrying;
     jointContext = {h, substepRate, makeSoftness(settings.jointFrequency * substepRate, settings.jointDamping, h)};
 
     stages.clear();
@@ -42,6 +43,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         updateContacts();
         beginStage("contacts");
         applyContactChanges();
+        hideSeams();
         beginStage("islands");
         chooseSolvers();
         beginStage("prepare");
