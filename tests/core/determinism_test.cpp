@@ -35,13 +35,13 @@ struct Golden {
     std::uint64_t early, late;
 };
 constexpr Golden kGolden[] = {
-    {0xfb21f32ec83c1fdeu, 0x918e5eb037551000u},  // tower
-    {0xfb3d5e21bc4ed17au, 0x0c9bdec158369972u},  // wall
-    {0xb1b97a05ca533cebu, 0x07973718c4a4f5e4u},  // hills
-    {0x61b67735415c24b1u, 0x939727e9b63d89c2u},  // bowl
-    {0x0a6e5bbf1c89a5ceu, 0x3bde8647e969ecf9u},  // joints
-    {0x05a037190763a116u, 0x7ff106c84cd37195u},  // spinners
-    {0x2a42ef2642660ae3u, 0x1eb09bee474fceaau},  // house
+    {0x74c6aa8bc7ab9128u, 0x33fbb68ba429de03u},  // tower
+    {0xf3798b020042bec8u, 0x63e02b03fa2b5d4au},  // wall
+    {0x65b79d13a19ff826u, 0xc1062e47686e3ff5u},  // hills
+    {0xac33e965acdedd30u, 0xc81131c5a82e0acbu},  // bowl
+    {0x6baec033fcc3438fu, 0x444011a5323a3eeau},  // joints
+    {0x3a4cebcc5725ad9cu, 0x8ce64a8af4fa536eu},  // spinners
+    {0x8951d72871ce4e6au, 0x62a18c3166fc921eu},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 

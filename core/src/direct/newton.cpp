@@ -117,6 +117,7 @@ bool approach(IslandSystem& system, bool& factored, SolveReport& report) {
 
 void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveReport& report) {
     double* v = system.velocity();
+    report.converged |= isLarge(system);
     if (startFromLoads) {
         system.velocityOfLoads(v);
         system.evaluate(v, system.scratch().gradient.data());
@@ -130,8 +131,9 @@ void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveRepor
     for (int round = 0; round < kSlipRounds; ++round) {
         if (!minimize(system, kIterations, factored, report) &&
             (isLarge(system) || report.iterations > kBudget || !approach(system, factored, report))) {
-            // Newton's steps descend, so that the velocity is sane; the impulses need not be.
-            system.keepLoads();
+            // Newton's steps descend, so that the velocity is sane; the impulses need not be. A large island goes on from
+            // there in its next solve.
+            if (!isLarge(system)) system.keepLoads();
             report.converged = false;
             return;
         }
