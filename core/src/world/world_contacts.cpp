@@ -471,23 +471,6 @@ void WorldImpl::applyContactChanges() {
     }
 }
 
-/// The way of A relative to B in this step at a point of a contact, if the bodies go on as they do.
-Vec3 WorldImpl::wayAtPoint(const ContactRecord& record, const ManifoldRecord& manifold, int point) const {
-    const auto velocity = [&](std::uint32_t index, const Vec3& anchor) {
-        const BodyRecord& body = bodies[index];
-        if (body.type == BodyType::fixed) return Vec3{};
-        return states[index].v + cross(states[index].w, rotate(body.rotation, anchor));
-    };
-    return dt * (velocity(record.bodyA, manifold.anchorA[point]) - velocity(record.bodyB, manifold.anchorB[point]));
-}
-
-/// Is a point closed already, or by the end of this step?
-bool WorldImpl::willMeet(const ContactRecord& record, const ManifoldRecord& manifold, int point) const {
-    if (manifold.separation[point] <= 0) return true;
-    const Vec3 normal = rotate(bodies[record.bodyA].rotation, manifold.normal);
-    return manifold.separation[point] <= dot(normal, wayAtPoint(record, manifold, point));
-}
-
 /// Puts the manifolds of a contact that have points into the graph and takes those without out of it. A body that
 /// sleeps wakes when it is met; until then it takes no part. The contacts of a body that wakes keep the geometry they
 /// fell asleep with, which has not changed.

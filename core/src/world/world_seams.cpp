@@ -85,6 +85,23 @@ bool WorldImpl::anyTouchedPlane(std::uint32_t body, float within, Visit&& visit)
     return false;
 }
 
+/// The way of A relative to B in this step at a point of a contact, if the bodies go on as they do.
+Vec3 WorldImpl::wayAtPoint(const ContactRecord& record, const ManifoldRecord& manifold, int point) const {
+    const auto velocity = [&](std::uint32_t index, const Vec3& anchor) {
+        const BodyRecord& body = bodies[index];
+        if (body.type == BodyType::fixed) return Vec3{};
+        return states[index].v + cross(states[index].w, rotate(body.rotation, anchor));
+    };
+    return dt * (velocity(record.bodyA, manifold.anchorA[point]) - velocity(record.bodyB, manifold.anchorB[point]));
+}
+
+/// Is a point closed already, or by the end of this step?
+bool WorldImpl::willMeet(const ContactRecord& record, const ManifoldRecord& manifold, int point) const {
+    if (manifold.separation[point] <= 0) return true;
+    const Vec3 normal = rotate(bodies[record.bodyA].rotation, manifold.normal);
+    return manifold.separation[point] <= dot(normal, wayAtPoint(record, manifold, point));
+}
+
 /// Does sliding along a plane, and that alone, close a contact in this step, or in the substep after it, which the last
 /// relaxing pass foresees? By more than `least`, which also stands for what accelerations add.
 bool WorldImpl::slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const {
@@ -142,8 +159,8 @@ float WorldImpl::slackOf(std::uint32_t a, std::uint32_t b) const {
     return kStep * (shapes[a].size < shapes[b].size ? shapes[a].size : shapes[b].size);
 }
 
-/// Takes the points of contacts at seams out of this step; their lanes are written anew in the next one. Only what moves
-/// is looked at.
+/// Takes the points of contacts at seams out of this step; their lanes are written anew in the next one. Only what
+/// moves is looked at.
 void WorldImpl::hideSeams() {
     runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
