@@ -13,6 +13,10 @@ void forEachKind(Visit visit) {
     visit("slider", SliderDef{});
     visit("fixed", FixedDef{});
     visit("distance", DistanceDef{});
+    visit("cylindrical", CylindricalDef{});
+    visit("universal", UniversalDef{});
+    visit("plane", PlaneDef{});
+    visit("screw", ScrewDef{});
 }
 
 }  // namespace
@@ -32,7 +36,8 @@ JointDef readJointKind(const JsonValue& object) {
     });
     if (kinds != 1) {
         object.fail("has " + std::to_string(kinds) +
-                    " kinds of joint, must have exactly one of ball, hinge, slider, fixed, distance");
+                    " kinds of joint, must have exactly one of ball, hinge, slider, fixed, distance, "
+                    "cylindrical, universal, plane, screw");
     }
     return joint;
 }

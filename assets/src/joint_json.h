@@ -6,8 +6,8 @@
 
 namespace ragtop {
 
-/// The kind of a joint is a member of its object: "ball", "hinge", "slider", "fixed" or "distance", holding the
-/// fields of that kind. Adds these members to the schema of the object.
+/// The kind of a joint is a member of its object: "ball", "hinge" and so on, holding the fields of that
+/// kind. Adds these members to the schema of the object.
 void addJointKinds(Json& objectSchema);
 /// Throws AssetError unless the object has exactly one kind. Bodies and frames are left alone.
 JointDef readJointKind(const JsonValue& object);

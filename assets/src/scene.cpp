@@ -207,6 +207,8 @@ private:
                 kind.bodies.frameA = frameIn(joint.bodyA, in.anchor, rotation);
                 kind.bodies.frameB = frameIn(joint.bodyB, in.anchorB.value_or(in.anchor), rotation);
                 kind.bodies.collide = in.collide;
+                kind.bodies.breakForce = in.breakForce.value_or(kNoForceLimit);
+                kind.bodies.breakTorque = in.breakTorque.value_or(kNoForceLimit);
             },
             joint.def);
         scene_.joints.push_back(std::move(joint));

@@ -181,6 +181,7 @@ struct SceneJointInFile {
     std::optional<DVec3> anchorB;
     Vec3 axis{1, 0, 0};
     bool collide = false;
+    std::optional<float> breakForce, breakTorque;
 };
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const SceneJointInFile*) {
@@ -191,6 +192,8 @@ void describe(Visitor& visit, Self& self, const SceneJointInFile*) {
     visit(Tunable{"anchorB", "m", -1e9, 1e9, "its other end, of a distance joint"}, self.anchorB);
     visit(Tunable{"axis", "1", -1e5, 1e5, "hinge, slide or twist axis, in the world"}, self.axis);
     visit(Tunable{.name = "collide", .meaning = "do the two bodies collide with each other?"}, self.collide);
+    visit(Tunable{"breakForce", "N", 1e-6, 1e12, "force beyond which it breaks"}, self.breakForce);
+    visit(Tunable{"breakTorque", "N m", 1e-6, 1e12, "torque beyond which it breaks"}, self.breakTorque);
 }
 inline Names requiredFields(const SceneJointInFile*) { return {"anchor"}; }
 

@@ -35,13 +35,13 @@ struct Golden {
     std::uint64_t early, late;
 };
 constexpr Golden kGolden[] = {
-    {0xfb21f32ec83c1fdeu, 0x918e5eb037551000u},  // tower
-    {0xd23e20cc6c934f8du, 0x76a939c475990aceu},  // wall
-    {0xc067bbae51807983u, 0x0b7e4d88fef29701u},  // hills
-    {0x51f695648574e90eu, 0x74297ae2d172942eu},  // bowl
-    {0x363ceb40cfeeb87au, 0x8e76801f8e8cec5bu},  // joints
-    {0x7d7d6431d97ea537u, 0x36d49de10ac8a8e6u},  // spinners
-    {0x874dd66a9d3a6c4du, 0xb51a934c9a706effu},  // house
+    {0x74c6aa8bc7ab9128u, 0x33fbb68ba429de03u},  // tower
+    {0xf3798b020042bec8u, 0x63e02b03fa2b5d4au},  // wall
+    {0x65b79d13a19ff826u, 0xc1062e47686e3ff5u},  // hills
+    {0xac33e965acdedd30u, 0xc81131c5a82e0acbu},  // bowl
+    {0x6baec033fcc3438fu, 0x444011a5323a3eeau},  // joints
+    {0x3a4cebcc5725ad9cu, 0x8ce64a8af4fa536eu},  // spinners
+    {0x8951d72871ce4e6au, 0x62a18c3166fc921eu},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 

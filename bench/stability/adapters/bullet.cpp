@@ -163,7 +163,7 @@ private:
             keep(ballConstraint(*ball, a, b, frame(joint.bodyA, frames.frameA, {}),
                                 frame(joint.bodyB, frames.frameB, {})));
         } else if (const auto* hinge = std::get_if<HingeDef>(&joint.def)) {
-            if (hinge->spring || hinge->motor || (hinge->friction != 0 && !options_.yardstick))
+            if (hinge->spring || hinge->motor || (hinge->friction != 0 && !options_.yardstick) || !isPlain(*hinge))
                 refuse("Bullet: hinge with spring or motor");
             auto constraint = std::make_unique<btHingeConstraint>(a, b, frame(joint.bodyA, frames.frameA, z),
                                                                   frame(joint.bodyB, frames.frameB, z), true);
@@ -187,6 +187,7 @@ private:
     /// With limits as a pyramid, and dry friction as motors that want no speed.
     std::unique_ptr<btTypedConstraint> ballConstraint(const BallDef& ball, btRigidBody& a, btRigidBody& b,
                                                       const btTransform& frameA, const btTransform& frameB) const {
+        if (ball.swingEllipse || ball.swingPyramid || ball.reach) refuse("Bullet: limited ball");
         if (!ball.swingLimit && !ball.twistLimit && !ball.spring && ball.friction == 0)
             return std::make_unique<btPoint2PointConstraint>(a, b, frameA.getOrigin(), frameB.getOrigin());
         if (!options_.yardstick || !ball.swingLimit || !ball.twistLimit || ball.spring) refuse("Bullet: limited ball");

@@ -87,7 +87,7 @@ private:
         if (std::holds_alternative<BallDef>(joint.def)) {
             addPoint(b, a, at.position);
         } else if (const auto* hinge = std::get_if<HingeDef>(&joint.def)) {
-            if (hinge->limit || hinge->spring || hinge->motor || hinge->friction != 0)
+            if (hinge->limit || hinge->spring || hinge->motor || hinge->friction != 0 || !isPlain(*hinge))
                 refuse("MuJoCo: free hinges only");
             // Two points of the axis, a decimetre to each side.
             const Vec3 axis = 0.1f * rotate(at.rotation, {1, 0, 0});

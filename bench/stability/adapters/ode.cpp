@@ -213,7 +213,8 @@ private:
             return joint;
         };
         if (const auto* ball = std::get_if<BallDef>(&scene.def)) {
-            if (ball->swingLimit || ball->twistLimit || ball->spring || ball->friction != 0)
+            if (ball->swingLimit || ball->swingEllipse || ball->swingPyramid || ball->reach || ball->twistLimit ||
+                ball->spring || ball->friction != 0)
                 refuse("ODE: limited ball");
             dJointSetBallAnchor(attach(dJointCreateBall(world_, nullptr)), at.position.x, at.position.y, at.position.z);
         } else if (const auto* hinge = std::get_if<HingeDef>(&scene.def)) {
@@ -231,7 +232,7 @@ private:
         }
     }
     void setExtras(dJointID joint, const HingeDef& hinge) {
-        if (hinge.motor || hinge.friction != 0) refuse("ODE: hinge with motor or friction");
+        if (hinge.motor || hinge.friction != 0 || !isPlain(hinge)) refuse("ODE: hinge with motor or friction");
         if (hinge.limit) {
             dJointSetHingeParam(joint, dParamLoStop, toReal(hinge.limit->lower));
             dJointSetHingeParam(joint, dParamHiStop, toReal(hinge.limit->upper));

@@ -44,4 +44,9 @@ const JointBodies& bodiesOf(const JointDef& def) {
     return std::visit([](const auto& joint) -> const JointBodies& { return joint.bodies; }, def);
 }
 
+bool isPlain(const HingeDef& hinge) {
+    return !hinge.bearing && !(hinge.stop.restitution > 0) && !(hinge.stop.stiffness > 0) &&
+           (!hinge.spring || !(hinge.spring->frequency > 0));
+}
+
 }  // namespace ragtop::stability

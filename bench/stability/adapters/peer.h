@@ -39,6 +39,8 @@ private:
 };
 
 const JointBodies& bodiesOf(const JointDef& def);
+/// Has the hinge only what every engine has: hard stops, and no friction but dry one?
+bool isPlain(const HingeDef& hinge);
 
 [[noreturn]] inline void refuse(const std::string& what) { throw Unsupported(what); }
 

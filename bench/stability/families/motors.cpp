@@ -1,4 +1,8 @@
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "../families.h"
@@ -56,8 +60,165 @@ void holds(Trial& trial) {
     trial.expectAtMost("speed", static_cast<double>(length(run.motion(kLinks - 1).v)), 0.001, "m/s");
 }
 
+constexpr float kInertia = 0.1f;
+
+/// A wheel of 0.1 kg m² on a hinge along z, without gravity.
+int addWheel(Scene& scene, float speed) {
+    BodyDef def = bodyWithMass(Sphere{0.2f}, {}, 2, {kInertia, kInertia, kInertia}, {});
+    def.angularVelocity = {0, 0, speed};
+    scene.settings.gravity = {};
+    return add(scene, def);
+}
+
+/// About z, in (−2π, 2π].
+double angleOf(Run& run, int body) {
+    const Quat q = run.motion(body).pose.rotation;
+    return 2 * std::atan2(static_cast<double>(q.z), static_cast<double>(q.w));
+}
+
+double turnedBy(Run& run, int body, double seconds) {
+    double angle = 0, before = 0;
+    run.advance(seconds, [&] {
+        const double now = angleOf(run, body);
+        angle += std::remainder(now - before, 2 * std::numbers::pi);
+        before = now;
+        return true;
+    });
+    return angle;
+}
+
+/// 0.5 N m stop 10 rad/s within 10 rad.
+void friction(Trial& trial, int rate) {
+    trial.setStep(1.0 / rate);
+    Scene scene;
+    const int wheel = addWheel(scene, 10);
+    addHinge(scene, kWorld, wheel, {}, {0, 0, 1}).friction = 0.5f;
+    Run run = trial.start(scene);
+    const double angle = turnedBy(run, wheel, 2.5);
+    trial.expectNear("angle", angle, 10, 0.01, "rad");
+    trial.expectAtMost("speed", static_cast<double>(run.motion(wheel).w.z), 1e-4, "rad/s");
+}
+
+/// A pendulum on a thick pin: friction μ r R with R about its weight takes 4 μ r/l off each half swing.
+void pin(Trial& trial, int rate) {
+    trial.setStep(1.0 / rate);
+    constexpr double kMu = 0.1, kRadius = 0.01, kStart = 0.1;
+    Scene scene;
+    BodyDef def = solidBody(Box{{0.02f, 0.5f, 0.02f}}, {0.5 * std::sin(kStart), -0.5 * std::cos(kStart), 0}, 1, {});
+    def.pose.rotation = rotationAbout({0, 0, 1}, static_cast<float>(kStart));
+    const int rod = add(scene, def);
+    addHinge(scene, kWorld, rod, {}, {0, 0, 1}).bearing =
+        Bearing{0, 0, static_cast<float>(kMu), static_cast<float>(kRadius)};
+    Run run = trial.start(scene);
+    double a = kStart, b = kStart, last = kStart;
+    int peaks = 0;
+    run.advance(20, [&] {
+        const DVec3 at = run.position(rod);
+        const double c = std::atan2(at.x, -at.y);
+        if ((b - a) * (c - b) < 0) {
+            last = std::abs(b - (c - a) * (c - a) / (8 * (a - 2 * b + c)));
+            ++peaks;
+        }
+        a = b, b = c;
+        return peaks < 8;
+    });
+    const double exact = 8 * 2 * kMu * kRadius / 0.5;
+    trial.expectNear("loss in 8 half swings", kStart - last, exact, 0.01 * exact, "rad");
+}
+
+/// A level rod sags from a spring until k θ = m g l/2 cos θ, at any step.
+void sag(Trial& trial, int rate, double stiffness) {
+    trial.setStep(1.0 / rate);
+    Scene scene;
+    const int rod = add(scene, solidBody(Box{{0.5f, 0.02f, 0.02f}}, {0.5, 0, 0}, 1, {}));
+    addHinge(scene, kWorld, rod, {}, {0, 0, 1}).spring =
+        Spring{static_cast<float>(stiffness), static_cast<float>(0.2 * stiffness)};
+    Run run = trial.start(scene);
+    run.advance(10);
+    double exact = 0;
+    for (int i = 0; i < 100; ++i) exact = 0.5 * (exact + 0.5 * kGravity * std::cos(exact) / stiffness);
+    trial.expectNear("sag", -angleOf(run, rod), exact, 0.01 * exact, "rad");
+}
+
+/// A wheel on a spring against x'' + 2 ζ ω x' + ω² x = 0.
+void response(Trial& trial, int rate, double zeta) {
+    trial.setStep(1.0 / rate);
+    const double omega = 2 * std::numbers::pi * 2, w = omega * std::sqrt(1 - zeta * zeta), decay = zeta * omega;
+    constexpr double kTarget = 0.4;
+    Scene scene;
+    const int wheel = addWheel(scene, 0);
+    HingeDef& hinge = addHinge(scene, kWorld, wheel, {}, {0, 0, 1});
+    const double inertia = static_cast<double>(kInertia);
+    hinge.spring = Spring{static_cast<float>(inertia * omega * omega), static_cast<float>(2 * inertia * decay)};
+    hinge.target = static_cast<float>(kTarget);
+    Run run = trial.start(scene);
+    double worst = 0;
+    run.advance(2, [&] {
+        const double now = angleOf(run, wheel);
+        // Positions stand half a substep of the engine's own before the velocities; four substeps are the default.
+        const double t = run.time() + run.dt() / 8;
+        const double exact = kTarget * (1 - std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t)));
+        worst = std::max(worst, std::abs(now - exact) / kTarget);
+        return true;
+    });
+    trial.expectAtMost("off its closed form", worst, 0.01, "1");
+}
+
+/// An undamped spring lets a wheel of 0.1 kg m² swing to twice its target at most; where the speed stands half a
+/// substep beside the angle, the amplitude is 1/cos(ωh/2) larger, and beyond one substep per radian it is damped.
+void stiff(Trial& trial, double stiffness) {
+    Scene scene;
+    const int wheel = addWheel(scene, 0);
+    HingeDef& hinge = addHinge(scene, kWorld, wheel, {}, {0, 0, 1});
+    hinge.spring = Spring{static_cast<float>(stiffness), 0};
+    hinge.target = 0.4f;
+    Run run = trial.start(scene);
+    double most = 0;
+    run.advance(5, [&] {
+        most = std::max(most, angleOf(run, wheel));
+        return true;
+    });
+    trial.expectAtMost("farthest", most, 0.4 * (1 + 1 / std::cos(0.5)), "rad");
+}
+
+/// A motor of 3 N m against a load of a little less and a little more.
+void stall(Trial& trial, double load) {
+    Scene scene;
+    scene.settings.gravity = {};
+    const float arm = 1;
+    BodyDef def = solidBody(Box{{0.1f, 0.1f, 0.1f}}, {static_cast<double>(arm), 0, 0}, 1, {});
+    scene.settings.gravity = {0, static_cast<float>(-3 * load), 0};
+    const int body = add(scene, def);
+    addHinge(scene, kWorld, body, {}, {0, 0, 1}).motor = Motor{0, 3};
+    Run run = trial.start(scene);
+    run.advance(2);
+    const double speed = -static_cast<double>(run.motion(body).w.z);
+    if (load < 1)
+        trial.expectAtMost("speed", speed, 1e-4, "rad/s");
+    else
+        trial.expectAtLeast("speed", speed, 1e-3, "rad/s");
+}
+
 }  // namespace
 
-Family motors() { return {"motors", {{"30 links on springs", holds}}}; }
+Family motors() {
+    Family family{"motors", {{"30 links on springs", holds}}};
+    for (const int rate : {30, 60, 120, 240}) {
+        const auto name = [rate](const char* what) { return fmt::format("{}, {} Hz", what, rate); };
+        family.cases.push_back({name("friction"), [rate](Trial& t) { friction(t, rate); }});
+        family.cases.push_back({name("friction of a loaded pin"), [rate](Trial& t) { pin(t, rate); }});
+        family.cases.push_back({name("sag of a spring"), [rate](Trial& t) { sag(t, rate, 50); }});
+        for (const double zeta : {0.0, 0.3})
+            family.cases.push_back({name(zeta > 0 ? "damped response" : "undamped response"),
+                                    [rate, zeta](Trial& t) { response(t, rate, zeta); }});
+    }
+    for (const double stiffness : {1e3, 1e4, 1e5, 1e6})
+        family.cases.push_back(
+            {fmt::format("spring of {:.0e} N m/rad", stiffness), [stiffness](Trial& t) { stiff(t, stiffness); }});
+    for (const double load : {0.999, 1.001})
+        family.cases.push_back(
+            {fmt::format("motor under {} of its torque", load), [load](Trial& t) { stall(t, load); }});
+    return family;
+}
 
 }  // namespace ragtop::stability

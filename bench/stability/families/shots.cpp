@@ -14,6 +14,7 @@ namespace {
 /// Shots at walls that stand side by side without meeting, flying along x at x = 0.
 constexpr double kLane = 8;  ///< m between the middles of two walls
 constexpr float kHalfWall = 2;
+constexpr double kRim = 0.25;  ///< m from the edge of a wall: half a shot reaches over it
 
 struct Wall {
     double thickness = 0.1;
@@ -48,12 +49,21 @@ public:
         longest_ = std::max(longest_, distance / static_cast<double>(velocity.x));
         ++lanes_;
     }
-    /// Waits until the slowest would have been there one and a half times.
+    /// Waits until the slowest would have been there one and a half times. What slides along its wall to the rim has
+    /// not passed it, wherever it goes from there.
     int passed(Trial& trial) {
         Run run = trial.start(std::move(scene_));
-        run.advance(1.5 * longest_ + 4 * trial.dt());
-        return static_cast<int>(
-            std::ranges::count_if(shots_, [&](int shot) { return !(run.position(shot).x < 0.05); }));
+        std::vector<bool> gone(shots_.size()), behind(shots_.size());
+        run.advance(1.5 * longest_ + 4 * trial.dt(), [&] {
+            for (std::size_t i = 0; i < shots_.size(); ++i) {
+                const DVec3 at = run.position(shots_[i]);
+                const double aside = std::max(std::abs(at.y), std::abs(at.z - kLane * static_cast<double>(i)));
+                if (!gone[i] && !(at.x < 0.05)) behind[i] = true;
+                if (aside > static_cast<double>(kHalfWall) - kRim) gone[i] = true;
+            }
+            return true;
+        });
+        return static_cast<int>(std::ranges::count(behind, true));
     }
 
 private:

@@ -39,6 +39,15 @@ struct SleepEvent {
     bool asleep = false;
 };
 
+/// A joint that broke under more than its definition allows. It exists no more.
+struct JointBreak {
+    JointId joint;
+    BodyId bodyA, bodyB;         ///< null: the world
+    std::uint64_t userData = 0;  ///< of the joint
+    Vec3 force;                  ///< N, that A exerted on B, mean over the step
+    Vec3 torque;                 ///< N m
+};
+
 /// One contact point as the solver left it.
 struct ContactPoint {
     DVec3 point;           ///< m, half way between the surfaces

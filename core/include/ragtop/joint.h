@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "ragtop/id.h"
+#include "ragtop/joint_parts.h"
 #include "ragtop/math.h"
 #include "ragtop/tunables.h"
 
@@ -13,76 +14,55 @@
 /// a joint frame is the hinge, slide or twist axis, and the joint's zero is where both frames agree.
 namespace ragtop {
 
-/// A closed range, in the unit of what it limits.
-struct Range {
-    float lower = 0, upper = 0;
-};
-
-/// A damped spring, integrated implicitly: stable at any stiffness and step.
-struct Spring {
-    float stiffness = 0;  ///< N/m or N m/rad
-    float damping = 0;    ///< N s/m or N m s/rad
-};
-
-/// Drives a speed with a bounded force or torque.
-struct Motor {
-    float targetSpeed = 0;  ///< m/s or rad/s
-    float maxForce = 0;     ///< N or N m
-};
-
-template <class Visitor, class Self>
-void describe(Visitor& visit, Self& self, const Range*) {
-    visit(Tunable{"lower", "m or rad", -1e5, 1e5, "lower end"}, self.lower);
-    visit(Tunable{"upper", "m or rad", -1e5, 1e5, "upper end"}, self.upper);
-}
-template <class Visitor, class Self>
-void describe(Visitor& visit, Self& self, const Spring*) {
-    visit(Tunable{"stiffness", "N/m or N m/rad", 0, 1e12, "restoring force per displacement"}, self.stiffness);
-    visit(Tunable{"damping", "N s/m or N m s/rad", 0, 1e12, "resisting force per speed"}, self.damping);
-}
-template <class Visitor, class Self>
-void describe(Visitor& visit, Self& self, const Motor*) {
-    visit(Tunable{"targetSpeed", "m/s or rad/s", -1e5, 1e5, "speed to reach"}, self.targetSpeed);
-    visit(Tunable{"maxForce", "N or N m", 0, 1e12, "largest force or torque"}, self.maxForce);
-}
-
 /// What a joint joins.
 struct JointBodies {
-    BodyId a{}, b{};           ///< a null id is the world, at its origin; not both
-    Frame frameA{}, frameB{};  ///< the joint's frame in each body, relative to the body's pose
-    bool collide = false;  ///< do the two bodies collide with each other?
+    BodyId a{}, b{};                    ///< a null id is the world, at its origin; not both
+    Frame frameA{}, frameB{};           ///< the joint's frame in each body, relative to the body's pose
+    bool collide = false;               ///< do the two bodies collide with each other?
+    float breakForce = kNoForceLimit;   ///< N, mean over a step; beyond it the joint is destroyed
+    float breakTorque = kNoForceLimit;  ///< N m, the same
     std::uint64_t userData = 0;
 };
 
-/// Holds two points together; swing and twist may be limited, resisted or driven.
+/// Holds two points together; swing and twist may be limited, resisted or driven. Of the shapes of the swing limit at
+/// most one may be given.
 struct BallDef {
     JointBodies bodies{};
-    std::optional<float> swingLimit{};  ///< rad, half angle of the cone of B's x axis about A's, in (0, π)
-    std::optional<Range> twistLimit{};  ///< rad, within [−π, π]
-    float friction = 0;               ///< N m, dry friction torque
-    std::optional<Spring> spring{};     ///< pulls B's rotation in A to `target`
-    Quat target{};                      ///< of B's joint frame in A's
-    float maxSpringTorque = 3.4e38f;  ///< N m
+    std::optional<float> swingLimit{};           ///< rad, half angle of the cone of B's x axis about A's, in (0, π)
+    std::optional<SwingEllipse> swingEllipse{};  ///< a cone with two half angles
+    std::optional<SwingPyramid> swingPyramid{};  ///< apart about y and z
+    std::optional<ReachPolygon> reach{};         ///< any spherical polygon, with a twist range of its own
+    std::optional<Range> twistLimit{};           ///< rad, within [−π, π]
+    Stop stop{};                                 ///< of all of these
+    float friction = 0;                          ///< N m, dry friction torque
+    std::optional<Bearing> bearing{};            ///< its other friction; the reaction counts as a whole
+    std::optional<Spring> spring{};              ///< pulls B's rotation in A to `target`
+    Quat target{};                               ///< of B's joint frame in A's
+    float maxSpringTorque = 3.4e38f;             ///< N m
 };
 
 /// Joins at a point and an axis.
 struct HingeDef {
     JointBodies bodies{};
-    std::optional<Range> limit{};    ///< rad, within [−π, π]
-    std::optional<Motor> motor{};    ///< rad/s, N m
-    std::optional<Spring> spring{};  ///< pulls the angle to `target`
-    float target = 0;              ///< rad
-    float friction = 0;            ///< N m, dry friction torque
+    std::optional<Range> limit{};      ///< rad; the angle is unwrapped and may be many turns
+    Stop stop{};                       ///< at the ends of the limit
+    std::optional<Motor> motor{};      ///< rad/s, N m
+    std::optional<Spring> spring{};    ///< pulls the angle to `target`
+    float target = 0;                  ///< rad
+    float friction = 0;                ///< N m, dry friction torque
+    std::optional<Bearing> bearing{};  ///< its other friction
 };
 
 /// Slides along the x axis without turning.
 struct SliderDef {
     JointBodies bodies{};
-    std::optional<Range> limit{};    ///< m
-    std::optional<Motor> motor{};    ///< m/s, N
-    std::optional<Spring> spring{};  ///< pulls the travel to `target`
-    float target = 0;              ///< m
-    float friction = 0;            ///< N, dry friction force
+    std::optional<Range> limit{};      ///< m
+    Stop stop{};                       ///< at the ends of the limit
+    std::optional<Motor> motor{};      ///< m/s, N
+    std::optional<Spring> spring{};    ///< pulls the travel to `target`
+    float target = 0;                  ///< m
+    float friction = 0;                ///< N, dry friction force
+    std::optional<Bearing> bearing{};  ///< its other friction
 };
 
 /// Welds two bodies.
@@ -95,43 +75,102 @@ struct FixedDef {
 struct DistanceDef {
     JointBodies bodies{};
     std::optional<Range> limit{};    ///< m, not negative
+    Stop stop{};                     ///< at the ends of the limit
     std::optional<Spring> spring{};  ///< pulls the distance to `rest`
-    float rest = 0;                ///< m
+    float rest = 0;                  ///< m
 };
 
-using JointDef = std::variant<BallDef, HingeDef, SliderDef, FixedDef, DistanceDef>;
+/// Turns about the x axes and slides along them.
+struct CylindricalDef {
+    JointBodies bodies{};
+    AxisDef turn{}, travel{};  ///< rad, m
+};
+
+/// Two shafts that cross: turns about A's x axis and about B's y axis, which stay at a right angle.
+struct UniversalDef {
+    JointBodies bodies{};
+    AxisDef first{}, second{};  ///< rad, about A's x and about B's y
+};
+
+/// Slides in A's y-z plane and turns about its normal x.
+struct PlaneDef {
+    JointBodies bodies{};
+    AxisDef y{}, z{}, turn{};  ///< m, m, rad
+};
+
+/// A nut on a thread: travels along the x axis by the pitch with each turn.
+struct ScrewDef {
+    JointBodies bodies{};
+    float pitch = 0.01f;  ///< m per turn, negative for a left-handed thread
+    AxisDef turn{};       ///< rad
+};
+
+using JointDef =
+    std::variant<BallDef, HingeDef, SliderDef, FixedDef, DistanceDef, CylindricalDef, UniversalDef, PlaneDef, ScrewDef>;
 
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const BallDef*) {
     visit(Tunable{"swingLimit", "rad", 1e-3, 3.1, "half angle of the swing cone"}, self.swingLimit);
+    visit(Tunable{.name = "swingEllipse", .meaning = "a cone with two half angles"}, self.swingEllipse);
+    visit(Tunable{.name = "swingPyramid", .meaning = "ranges of the swing about y and z"}, self.swingPyramid);
+    visit(Tunable{.name = "reach", .meaning = "a spherical polygon that the x axis stays in"}, self.reach);
     visit(Tunable{"twistLimit", "rad", -3.1416, 3.1416, "range of the twist about x"}, self.twistLimit);
+    visit(Tunable{.name = "stop", .meaning = "how limits stop what meets them"}, self.stop);
     visit(Tunable{"friction", "N m", 0, 1e9, "dry friction torque"}, self.friction);
+    visit(Tunable{.name = "bearing", .meaning = "other friction"}, self.bearing);
     visit(Tunable{"spring", "", 0, 0, "pulls the rotation to its target"}, self.spring);
     visit(Tunable{"maxSpringTorque", "N m", 0, 3.5e38, "largest torque of the spring"}, self.maxSpringTorque);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const HingeDef*) {
-    visit(Tunable{"limit", "rad", -3.1416, 3.1416, "range of the angle"}, self.limit);
+    visit(Tunable{"limit", "rad", -1e5, 1e5, "range of the unwrapped angle"}, self.limit);
+    visit(Tunable{.name = "stop", .meaning = "how the limit stops what meets it"}, self.stop);
     visit(Tunable{"motor", "", 0, 0, "drives the angular speed"}, self.motor);
     visit(Tunable{"spring", "", 0, 0, "pulls the angle to its target"}, self.spring);
-    visit(Tunable{"target", "rad", -3.1416, 3.1416, "rest angle of the spring"}, self.target);
+    visit(Tunable{"target", "rad", -1e5, 1e5, "rest angle of the spring"}, self.target);
     visit(Tunable{"friction", "N m", 0, 1e9, "dry friction torque"}, self.friction);
+    visit(Tunable{.name = "bearing", .meaning = "other friction"}, self.bearing);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const SliderDef*) {
     visit(Tunable{"limit", "m", -1e5, 1e5, "range of the travel"}, self.limit);
+    visit(Tunable{.name = "stop", .meaning = "how the limit stops what meets it"}, self.stop);
     visit(Tunable{"motor", "", 0, 0, "drives the speed"}, self.motor);
     visit(Tunable{"spring", "", 0, 0, "pulls the travel to its target"}, self.spring);
     visit(Tunable{"target", "m", -1e5, 1e5, "rest travel of the spring"}, self.target);
     visit(Tunable{"friction", "N", 0, 1e9, "dry friction force"}, self.friction);
+    visit(Tunable{.name = "bearing", .meaning = "other friction"}, self.bearing);
 }
 template <class Visitor, class Self>
 void describe(Visitor&, Self&, const FixedDef*) {}
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const DistanceDef*) {
     visit(Tunable{"limit", "m", 0, 1e5, "range of the distance"}, self.limit);
+    visit(Tunable{.name = "stop", .meaning = "how the limit stops what meets it"}, self.stop);
     visit(Tunable{"spring", "", 0, 0, "pulls the distance to its rest length"}, self.spring);
     visit(Tunable{"rest", "m", 0, 1e5, "rest length of the spring"}, self.rest);
+}
+
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const CylindricalDef*) {
+    visit(Tunable{.name = "turn", .meaning = "turning about the axis, rad"}, self.turn);
+    visit(Tunable{.name = "travel", .meaning = "sliding along it, m"}, self.travel);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const UniversalDef*) {
+    visit(Tunable{.name = "first", .meaning = "turning about A's x axis, rad"}, self.first);
+    visit(Tunable{.name = "second", .meaning = "turning about B's y axis, rad"}, self.second);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const PlaneDef*) {
+    visit(Tunable{.name = "y", .meaning = "sliding along A's y axis, m"}, self.y);
+    visit(Tunable{.name = "z", .meaning = "sliding along A's z axis, m"}, self.z);
+    visit(Tunable{.name = "turn", .meaning = "turning about the normal, rad"}, self.turn);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const ScrewDef*) {
+    visit(Tunable{"pitch", "m", -1e3, 1e3, "travel per turn"}, self.pitch);
+    visit(Tunable{.name = "turn", .meaning = "turning about the axis, rad"}, self.turn);
 }
 
 /// Empty when the definition is usable; otherwise names the field, its value and what is allowed.
@@ -139,9 +178,11 @@ std::string whyInvalid(const JointDef& def);
 
 /// What a joint does, in the world's axes, at the end of the last step.
 struct JointState {
-    Vec3 force;             ///< N, that A exerts on B
-    Vec3 torque;            ///< N m, about B's frame origin
-    float coordinate = 0;   ///< rad of a hinge, m of a slider or distance, rad of twist of a ball
+    Vec3 force;            ///< N, that A exerts on B
+    Vec3 torque;           ///< N m, about B's frame origin
+    float coordinate = 0;  ///< rad of a hinge, unwrapped, m of a slider or distance, rad of twist of a ball
+    float second = 0,
+          third = 0;        ///< travel of a cylindrical joint, second angle of a universal one, y and z of a plane
     float speed = 0;        ///< its rate
     float swing = 0;        ///< rad, balls only
     float gap = 0;          ///< m, between the points that should be one

@@ -11,16 +11,17 @@ namespace ragtop {
 /// How a world moves. Lengths and speeds inside are relative to the size of what touches and to gravity and step, so
 /// a scene of other size needs no other settings. May be changed between steps.
 struct WorldSettings {
-    Vec3 gravity{0, -9.81f, 0};     ///< m/s²
-    int substeps = 4;               ///< solver substeps per step
-    bool sleeping = true;           ///< islands at rest cost nothing
-    bool continuous = true;         ///< fast bodies do not pass through walls
+    Vec3 gravity{0, -9.81f, 0};         ///< m/s²
+    int substeps = 4;                   ///< solver substeps per step
+    bool sleeping = true;               ///< islands at rest cost nothing
+    bool continuous = true;             ///< fast bodies do not pass through walls
     float contactFrequency = 0.125f;    ///< of soft contacts, times the substep rate
     float contactDamping = 10.0f;       ///< damping ratio of soft contacts between moving bodies
     float staticContactDamping = 5.0f;  ///< the same against static bodies, which are twice as stiff
     float jointFrequency = 0.25f;       ///< of joints, times the substep rate
     float jointDamping = 2.0f;          ///< damping ratio of joints
-    float loadCarrying = 0.002f;         ///< share of a contact's load carried into the next step's rest point
+    float loadCarrying = 0.002f;        ///< share of a contact's load carried into the next step's rest point
+    float staticLoadCarrying = 0.03f;   ///< the same against static bodies
     int solver = 0;                     ///< 0: chosen per island; 1: sweeps; 2: direct wherever it fits
     float pushOut = 0.1f;               ///< largest speed of recovery from overlap, in sizes per step
     bool sequentialFriction = false;    ///< friction after all normal forces instead of beside each
@@ -46,6 +47,8 @@ void describe(Visitor& visit, Self& self, const WorldSettings*) {
     visit(Tunable{"jointDamping", "1", 0, 100, "damping ratio of joints"}, self.jointDamping);
     visit(Tunable{"loadCarrying", "1", 0, 0.05, "share of a contact's load carried into its rest point per step"},
           self.loadCarrying);
+    visit(Tunable{"staticLoadCarrying", "1", 0, 0.05, "the same of contacts with static bodies"},
+          self.staticLoadCarrying);
     visit(Tunable{"solver", "", 0, 2, "0: chosen per island, 1: sweeps, 2: direct"}, self.solver);
     visit(Tunable{"pushOut", "sizes/step", 0.001, 10, "largest speed of recovery from overlap"}, self.pushOut);
     visit(Tunable{"sequentialFriction", "", 0, 1, "friction after all normal forces instead of beside each"},

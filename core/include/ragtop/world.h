@@ -65,7 +65,7 @@ struct StepStats {
     };
     /// An island that was solved directly; all others were swept.
     struct Island {
-        const char* reason;      ///< why: asked, heavy, tall, slender, taut, leaning, or staying for a while
+        const char* reason;      ///< why: asked, heavy, tall, slender, deep, taut, leaning, or staying for a while
         int bodies, contacts, joints;
         int iterations, factorizations;  ///< Newton's, of all substeps
         double residual;         ///< of the impulses in the last solve, relative
@@ -175,6 +175,7 @@ public:
     std::span<const ContactEvent> sensorEnds() const;
     std::span<const SurfaceEvent> surfaceEvents() const;
     std::span<const SleepEvent> sleepEvents() const;
+    std::span<const JointBreak> jointBreaks() const;
     /// Calls `visit` for each touching pair with at least one loaded or overlapping point.
     void forEachContact(const std::function<void(const Contact&)>& visit) const;
     void forEachContact(BodyId body, const std::function<void(const Contact&)>& visit) const;

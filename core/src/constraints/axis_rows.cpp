@@ -1,123 +1,324 @@
+#include "constraints/axis_rows.h"
+
+#include <cmath>
+
 #include "constraints/rows.h"
 
 namespace ragtop {
-
-void compile(AxisRows& rows, const std::optional<Range>& limit, const std::optional<Motor>& motor,
-             const std::optional<Spring>& spring, float target, float friction) {
-    const AxisRows old = rows;
-    rows = {};
-    if (limit) {
-        rows.features |= limit->lower == limit->upper ? AxisRows::kLocked : AxisRows::kLimit;
-        rows.lower = limit->lower;
-        rows.upper = limit->upper;
-        if ((old.features & (AxisRows::kLimit | AxisRows::kLocked)) ==
-            (rows.features & (AxisRows::kLimit | AxisRows::kLocked))) {
-            rows.lowerImpulse = old.lowerImpulse;
-            rows.upperImpulse = old.upperImpulse;
-        }
-    }
-    if (motor) {
-        rows.features |= AxisRows::kMotor;
-        rows.targetSpeed = motor->targetSpeed;
-        rows.maxForce = motor->maxForce;
-        rows.motorImpulse = old.motorImpulse;
-    }
-    if (spring) {
-        rows.features |= AxisRows::kSpring;
-        rows.stiffness = spring->stiffness;
-        rows.damping = spring->damping;
-        rows.target = target;
-        rows.springImpulse = old.springImpulse;
-    }
-    if (friction > 0) {
-        rows.features |= AxisRows::kFriction;
-        rows.friction = friction;
-        rows.frictionImpulse = old.frictionImpulse;
-    }
-}
-
-float axisImpulse(const AxisRows& rows) {
-    return rows.springImpulse + rows.frictionImpulse + rows.motorImpulse + rows.lowerImpulse - rows.upperImpulse;
-}
-
-void rescale(AxisRows& rows, float ratio) {
-    rows.springImpulse *= ratio;
-    rows.frictionImpulse *= ratio;
-    rows.motorImpulse *= ratio;
-    rows.lowerImpulse *= ratio;
-    rows.upperImpulse *= ratio;
-}
-
-SpringRow makeSpring(float stiffness, float damping, float h) {
-    const float total = damping + h * stiffness;
-    if (!(h * total > 0)) return {};
-    return {1 / (h * total), stiffness / total, true};
-}
-
-float solveLimit(float& impulse, float margin, float speed, float inverseMass, const JointContext& context,
-                 bool useBias) {
-    Softness soft = kRigid;
-    float bias = 0;
-    if (margin > 0) {
-        bias = margin * context.inverseH;
-    } else if (useBias) {
-        soft = context.softness;
-        bias = soft.biasRate * margin;
-    }
-    const float old = impulse;
-    const float solved = old - soft.massScale * (speed + bias) / inverseMass - soft.impulseScale * old;
-    impulse = solved > 0 ? solved : 0.0f;
-    return impulse - old;
-}
-
 namespace {
+
+constexpr double kTurn = 6.283185307179586;
+
+/// Rebounds of less than so many times the speed gained in a substep are rest.
+constexpr float kRest = 4;
+/// Within this of its bound, an impulse has reached it.
+constexpr float kAtBound = 0.9999f;
 
 constexpr float clamp(float value, float lower, float upper) {
     return value < lower ? lower : value > upper ? upper : value;
 }
 
-float solveBounded(float& impulse, float speed, float inverseMass, float bound) {
-    const float old = impulse;
-    impulse = clamp(old - speed / inverseMass, -bound, bound);
-    return impulse - old;
-}
-
-float solveLocked(AxisRows& rows, float speed, float inverseMass, const JointContext& context, bool useBias) {
-    const Softness soft = useBias ? context.softness : kRigid;
-    const float delta = -soft.massScale * (speed + soft.biasRate * rows.lowerMargin) / inverseMass -
-                        soft.impulseScale * rows.lowerImpulse;
-    rows.lowerImpulse += delta;
-    return delta;
+std::uint32_t featuresOf(const AxisSettings& settings) {
+    std::uint32_t features = 0;
+    if (settings.limit)
+        features |= settings.limit->lower == settings.limit->upper ? AxisRows::kLocked : AxisRows::kLimit;
+    if (settings.motor) features |= AxisRows::kMotor;
+    if (settings.spring) features |= AxisRows::kSpring;
+    const Bearing bearing = settings.bearing.value_or(Bearing{});
+    if (settings.friction > 0 || bearing.breakaway > 0 || bearing.coefficient > 0) features |= AxisRows::kFriction;
+    if (bearing.viscous > 0) features |= AxisRows::kViscous;
+    return features;
 }
 
 }  // namespace
 
-float solveAxis(AxisRows& rows, float speed, float inverseMass, const JointContext& context, bool useBias) {
-    if (!(inverseMass > 0) || rows.features == 0) return 0;
-    float total = 0;
-    const auto add = [&](float delta) {
-        total += delta;
-        speed += inverseMass * delta;
-    };
-    if (rows.features & AxisRows::kSpring) {
-        const SpringRow spring = makeSpring(rows.stiffness, rows.damping, context.h);
-        if (spring.active) {
-            const float delta = -(speed + spring.beta * rows.springError + spring.gamma * rows.springImpulse) /
-                                (inverseMass + spring.gamma);
-            rows.springImpulse += delta;
-            add(delta);
-        }
+bool AxisRows::has(AxisSlot slot) const {
+    switch (slot) {
+        case AxisSlot::spring:
+            return (features & kSpring) != 0;
+        case AxisSlot::viscous:
+            return (features & kViscous) != 0;
+        case AxisSlot::friction:
+            return (features & kFriction) != 0;
+        case AxisSlot::motor:
+            return (features & kMotor) != 0;
+        case AxisSlot::lower:
+            return (features & (kLimit | kLocked)) != 0;
+        case AxisSlot::upper:
+            break;
     }
+    return (features & kLimit) != 0;
+}
+
+float& AxisRows::impulse(AxisSlot slot) {
+    switch (slot) {
+        case AxisSlot::spring:
+            return springImpulse;
+        case AxisSlot::viscous:
+            return viscousImpulse;
+        case AxisSlot::friction:
+            return frictionImpulse;
+        case AxisSlot::motor:
+            return motorImpulse;
+        case AxisSlot::lower:
+            return atLower.impulse;
+        case AxisSlot::upper:
+            break;
+    }
+    return atUpper.impulse;
+}
+
+void compile(AxisRows& rows, const AxisSettings& settings) {
+    const AxisRows old = rows;
+    rows = {};
+    rows.features = featuresOf(settings);
+    rows.lastAngle = old.lastAngle;
+    rows.turns = old.turns;
+    rows.tracked = old.tracked;
+    rows.stop = settings.stop;
+    if (settings.turns) rows.atLower.recovery = rows.atUpper.recovery = kTurnRecovery;
+    if (settings.limit) {
+        rows.lower = settings.limit->lower;
+        rows.upper = settings.limit->upper;
+    }
+    if (settings.motor) {
+        rows.targetSpeed = settings.motor->targetSpeed;
+        rows.maxForward = settings.motor->maxForce;
+        rows.maxReverse = settings.motor->maxReverse.value_or(settings.motor->maxForce);
+    }
+    if (const auto& spring = settings.spring) {
+        rows.stiffness = spring->stiffness;
+        rows.damping = spring->damping;
+        rows.frequency = spring->frequency;
+        rows.dampingRatio = spring->dampingRatio;
+        rows.springSpeed = spring->speed;
+        rows.feedForward = spring->feedForward;
+        rows.maxSpring = spring->maxForce;
+        rows.target = settings.target;
+    }
+    rows.friction = settings.friction;
+    if (const auto& bearing = settings.bearing) {
+        rows.breakaway = bearing->breakaway;
+        rows.viscous = bearing->viscous;
+        rows.loadFriction = bearing->coefficient * (settings.turns ? bearing->pinRadius : 1);
+    }
+    if (((old.features ^ rows.features) & (AxisRows::kLimit | AxisRows::kLocked)) == 0) {
+        rows.atLower.impulse = old.atLower.impulse;
+        rows.atUpper.impulse = old.atUpper.impulse;
+    }
+    for (const AxisSlot slot : {AxisSlot::spring, AxisSlot::viscous, AxisSlot::friction, AxisSlot::motor})
+        if (rows.has(slot)) rows.impulse(slot) = old.impulse(slot);
+}
+
+float axisImpulse(const AxisRows& rows) {
+    return rows.springImpulse + rows.viscousImpulse + rows.frictionImpulse + rows.motorImpulse + rows.atLower.impulse -
+           rows.atUpper.impulse;
+}
+
+void rescale(AxisRows& rows, float ratio) {
+    for (int slot = 0; slot < kAxisSlots; ++slot) rows.impulse(static_cast<AxisSlot>(slot)) *= ratio;
+    rows.dry.bound *= ratio;
+}
+
+/// The turns that bring an angle nearest to its range, none where it is within.
+static std::int32_t turnsInto(const AxisRows& rows, double angle) {
+    if (!(rows.features & (AxisRows::kLimit | AxisRows::kLocked))) return 0;
+    const double lower = rows.lower, upper = rows.upper;
+    const auto beyond = [&](double x) { return x < lower ? lower - x : x > upper ? x - upper : 0.0; };
+    const double wanted = angle < lower ? lower : upper;
+    if (beyond(angle) == 0) return 0;
+    const auto below = static_cast<std::int32_t>(std::floor((wanted - angle) / kTurn));
+    return beyond(angle + kTurn * below) <= beyond(angle + kTurn * (below + 1)) ? below : below + 1;
+}
+
+double unwrapped(const AxisRows& rows, float angle) {
+    std::int32_t turns = rows.turns;
+    if (!rows.tracked) {
+        turns = turnsInto(rows, static_cast<double>(angle));
+    } else if (angle - rows.lastAngle > kPi) {
+        --turns;
+    } else if (angle - rows.lastAngle < -kPi) {
+        ++turns;
+    }
+    return static_cast<double>(angle) + kTurn * turns;
+}
+
+void track(AxisRows& rows, float angle) {
+    const double turns = (unwrapped(rows, angle) - static_cast<double>(angle)) / kTurn;
+    rows.turns = static_cast<std::int32_t>(turns + (turns < 0 ? -0.5 : 0.5));
+    rows.lastAngle = angle;
+    rows.tracked = 1;
+}
+
+void setMargins(AxisRows& rows, double coordinate) {
+    rows.atLower.margin = static_cast<float>(coordinate - static_cast<double>(rows.lower));
+    rows.atUpper.margin = static_cast<float>(static_cast<double>(rows.upper) - coordinate);
+}
+
+bool DryFriction::begin(float size, float kinetic, float breakaway) {
+    slides = bound > 0 && size >= kAtBound * bound ? 1.0f : 0.0f;
+    bound = kinetic + (slides > 0 ? 0.0f : breakaway);
+    return slides > 0;
+}
+
+bool beginAxis(AxisRows& rows, double coordinate, float speed, float reaction, const JointContext& context) {
+    const float w = rows.inverseMass, h = context.h;
+    if (rows.features == 0 || !(w > 0)) return false;
+    if (rows.features & AxisRows::kSpring) {
+        const float omega = 2 * kPi * rows.frequency;
+        const bool tuned = rows.frequency > 0;
+        rows.springStiffness = tuned ? omega * omega / w : rows.stiffness;
+        rows.springError = static_cast<float>(coordinate - static_cast<double>(rows.target));
+        const float damping = tuned ? 2 * rows.dampingRatio * omega / w : rows.damping;
+        rows.springShare = springShares(rows.springStiffness, damping, w, h);
+    }
+    if (rows.features & AxisRows::kViscous) rows.viscousShare = springShares(0, rows.viscous, w, h);
     if (rows.features & AxisRows::kFriction) {
-        add(solveBounded(rows.frictionImpulse, speed, inverseMass, rows.friction * context.h));
+        const float size = rows.frictionImpulse < 0 ? -rows.frictionImpulse : rows.frictionImpulse;
+        const float kinetic = h * rows.friction + rows.loadFriction * reaction;
+        if (rows.dry.begin(size, kinetic, h * rows.breakaway)) rows.frictionImpulse *= 0.5f;
     }
     if (rows.features & AxisRows::kMotor) {
-        add(solveBounded(rows.motorImpulse, speed - rows.targetSpeed, inverseMass, rows.maxForce * context.h));
+        const bool forward = rows.motorImpulse >= kAtBound * h * rows.maxForward && rows.maxForward > 0;
+        const bool reverse = rows.motorImpulse <= -kAtBound * h * rows.maxReverse && rows.maxReverse > 0;
+        rows.motorStalls = forward ? 1.0f : reverse ? -1.0f : 0.0f;
+        if (rows.motorStalls != 0) rows.motorImpulse *= 0.5f;
     }
-    if (rows.features & AxisRows::kLocked) add(solveLocked(rows, speed, inverseMass, context, useBias));
     if (rows.features & AxisRows::kLimit) {
-        add(solveLimit(rows.lowerImpulse, rows.lowerMargin, speed, inverseMass, context, useBias));
-        add(-solveLimit(rows.upperImpulse, rows.upperMargin, -speed, inverseMass, context, useBias));
+        const bool lower = beginStop(rows.atLower, rows.stop, speed, h);
+        const bool upper = beginStop(rows.atUpper, rows.stop, -speed, h);
+        return lower || upper;
+    }
+    return false;
+}
+
+RowAim aimOf(const AxisRows& rows, AxisSlot slot, const JointContext& context, bool moving) {
+    const float h = context.h;
+    RowAim aim;
+    switch (slot) {
+        case AxisSlot::spring:
+            aim.drag = dragOf(moving ? rows.springShare.moving : rows.springShare.resting, rows.inverseMass);
+            aim.push = h * (rows.feedForward - rows.springStiffness * rows.springError) + aim.drag * rows.springSpeed;
+            aim.upper = h * rows.maxSpring;
+            aim.lower = -aim.upper;
+            break;
+        case AxisSlot::viscous:
+            aim.drag = dragOf(moving ? rows.viscousShare.moving : rows.viscousShare.resting, rows.inverseMass);
+            break;
+        case AxisSlot::friction:
+            aim.upper = rows.dry.boundOf(moving);
+            aim.lower = -aim.upper;
+            break;
+        case AxisSlot::motor:
+            aim.target = rows.targetSpeed;
+            aim.upper = h * rows.maxForward * (moving && rows.motorStalls > 0 ? 0.5f : 1.0f);
+            aim.lower = -h * rows.maxReverse * (moving && rows.motorStalls < 0 ? 0.5f : 1.0f);
+            break;
+        case AxisSlot::lower:
+            if (rows.features & AxisRows::kLocked) {
+                aim.soft = moving;
+                aim.target = moving ? -context.softness.biasRate * rows.atLower.margin : 0.0f;
+                break;
+            }
+            return aimAtStop(rows.atLower, rows.stop, rows.inverseMass, context, moving);
+        case AxisSlot::upper:
+            return aimAtStop(rows.atUpper, rows.stop, rows.inverseMass, context, moving);
+    }
+    return aim;
+}
+
+bool beginStop(StopSide& side, const Stop& stop, float speed, float h) {
+    const bool struck = side.impulse > 0 && (side.rebound > 0 || !(side.pressed > 0));
+    side.pressed = side.impulse > 0 && !(side.rebound > 0) ? 1.0f : 0.0f;
+    if (struck) side.impulse = 0;
+    if (side.rebound > 0) side.wasSeen = 0;
+    side.rebound = 0;
+    side.startMargin = side.margin;
+    const float gained = side.wasSeen > 0 ? speed - side.lastSpeed : 0.0f;
+    side.lastSpeed = speed;
+    side.wasSeen = 1;
+    side.share = 0;
+    // Some forces have acted on this speed already and some have not: half of what they give is nearest to both.
+    const float approach = -(speed + 0.5f * gained), change = gained < 0 ? -gained : gained;
+    if (stop.stiffness > 0) {
+        // A soft stop that is reached on the way acts for the rest of the substep.
+        if (side.margin >= 0 && side.margin < h * approach) side.share = 1 - side.margin / (h * approach);
+        return struck;
+    }
+    if (side.pressed > 0 || !(stop.restitution > 0)) return struck;
+    // What may reach the end does so in this substep: stopped there without a rebound, it would be at rest in the next.
+    if (!(approach > kRest * change) || side.margin >= h * (approach + change)) return struck;
+    const float toEnd = side.margin > 0 ? side.margin / approach : 0.0f, before = toEnd < h ? toEnd : h;
+    side.rebound = stop.restitution * approach;
+    side.landing = (side.rebound * (h - before) - side.margin) / h;
+    return struck;
+}
+
+namespace {
+
+/// A damped spring beyond the end: for the whole substep, or from where it is reached on the way.
+RowAim aimAtSoftStop(const StopSide& side, const Stop& stop, float inverseMass, float h, bool moving) {
+    RowAim aim;
+    aim.lower = 0;
+    if (side.startMargin < 0) {
+        const SpringShares shares = springShares(stop.stiffness, stop.damping, inverseMass, h);
+        aim.push = -h * stop.stiffness * side.startMargin;
+        aim.drag = dragOf(moving ? shares.moving : shares.resting, inverseMass);
+    } else if (side.share > 0) {
+        const SpringShares shares = springShares(stop.stiffness, stop.damping, inverseMass, side.share * h);
+        aim.drag = dragOf(moving ? 1 - side.share * (1 - shares.moving) : shares.resting, inverseMass);
+    } else {
+        aim.upper = 0;
+    }
+    return aim;
+}
+
+}  // namespace
+
+RowAim aimAtStop(const StopSide& side, const Stop& stop, float inverseMass, const JointContext& context, bool moving) {
+    RowAim aim;
+    aim.lower = 0;
+    if (stop.stiffness > 0) return aimAtSoftStop(side, stop, inverseMass, context.h, moving);
+    if (side.rebound > 0) {
+        aim.target = moving ? side.landing : side.rebound;
+    } else if (moving && side.margin > 0) {
+        aim.target = -side.margin * context.inverseH;
+    } else if (moving) {
+        aim.soft = true;
+        const float recovery = -context.softness.biasRate * side.margin, fastest = side.recovery * context.inverseH;
+        aim.target = recovery < fastest ? recovery : fastest;
+    } else if (side.margin > 0 && !(side.impulse > 0)) {
+        // What was not stopped while it moved has its speed still; the next substep stops it where it is to stop.
+        aim.upper = 0;
+    }
+    return aim;
+}
+
+float solveRow(float& impulse, const RowAim& aim, float speed, float inverseMass, const JointContext& context) {
+    const float old = impulse;
+    float solved;
+    if (aim.drag >= 0) {
+        solved = (aim.push - aim.drag * (speed - inverseMass * old)) / (1 + inverseMass * aim.drag);
+    } else {
+        const Softness soft = aim.soft ? context.softness : kRigid;
+        solved = old - soft.massScale * (speed - aim.target) / inverseMass - soft.impulseScale * old;
+    }
+    impulse = clamp(solved, aim.lower, aim.upper);
+    return impulse - old;
+}
+
+float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool moving) {
+    const float w = rows.inverseMass;
+    if (!(w > 0) || rows.features == 0) return 0;
+    float total = 0;
+    for (int i = 0; i < kAxisSlots; ++i) {
+        const auto slot = static_cast<AxisSlot>(i);
+        if (!rows.has(slot)) continue;
+        const float side = slot == AxisSlot::upper ? -1.0f : 1.0f;
+        const float delta =
+            side * solveRow(rows.impulse(slot), aimOf(rows, slot, context, moving), side * speed, w, context);
+        total += delta;
+        speed += w * delta;
     }
     return total;
 }

@@ -46,7 +46,7 @@ void ConstraintGraph::clearBits(int index, std::uint32_t bodyA, bool movesA, std
 }
 
 float* ConstraintGraph::lane(GraphPlace place) {
-    const bool single = place.color >= kOverflow;
+    const bool single = place.color == kOverflow;
     const auto n = static_cast<std::size_t>(lanes_);
     const std::size_t bundle = single ? place.slot : place.slot / n;
     const std::size_t lane = single ? 0 : place.slot % n;
@@ -56,7 +56,7 @@ float* ConstraintGraph::lane(GraphPlace place) {
 int ConstraintGraph::bundleCount(int index) const {
     const std::size_t count = color(index).manifolds.size();
     const auto n = static_cast<std::size_t>(lanes_);
-    return static_cast<int>(index >= kOverflow ? count : (count + n - 1) / n);
+    return static_cast<int>(index == kOverflow ? count : (count + n - 1) / n);
 }
 
 int ConstraintGraph::usedColors() const {

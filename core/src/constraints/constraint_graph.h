@@ -22,8 +22,8 @@ struct GraphPlace {
 /// in lanes and on threads, with the same result. Colours are filled as constraints come and go, first fit, which keeps
 /// every constraint in its lane as long as it lives [Catto, Box2D v3, 2024]. Contacts with static bodies use the last
 /// colours and are solved last. What fits nowhere is in the overflow colour, one constraint per bundle, solved serially
-/// before the others. Constraints of islands that are solved directly are in a list of their own, one per bundle as well,
-/// which only the sweeps of impacts visit.
+/// before the others. Constraints of islands that are solved directly are in a list of their own, in which bodies may
+/// occur as often as they like: no sweep visits it.
 class ConstraintGraph {
 public:
     static constexpr int kColors = 24;

@@ -11,10 +11,17 @@ Vec3 clampLength(const Vec3& a, float longest) {
     return l > longest ? (longest / l) * a : a;
 }
 
-Vec3 swingAxis(const Vec3& xA, const Vec3& xB) {
-    const Vec3 axis = cross(xA, xB);
-    if (lengthSquared(axis) > 1e-12f) return normalized(axis);
-    return dot(xA, xB) > 0 ? Vec3{} : perpendicular(xA);
+float largest(const Vec3& a) {
+    const float xy = a.x > a.y ? a.x : a.y;
+    return xy > a.z ? xy : a.z;
+}
+
+/// Drags of a spring that turns a body whose inverse inertia differs about its axes: those of the axis that follows
+/// most quickly, which are near to the damping for the others.
+void setDrags(float (&drags)[2], float stiffness, float damping, float inverseInertia, float h) {
+    const SpringShares shares = springShares(stiffness, damping, inverseInertia, h);
+    drags[0] = dragOf(shares.moving, inverseInertia);
+    drags[1] = dragOf(shares.resting, inverseInertia);
 }
 
 }  // namespace
@@ -36,29 +43,149 @@ SwingTwist swingTwist(const Quat& a, const Quat& b) {
 Vec3 twistAxis(const Vec3& xA, const Vec3& xB) { return normalized(xA + xB, {}); }
 
 Vec3 turningImpulse(const BallRows& rows) {
-    return rows.springImpulse + rows.frictionImpulse +
-           (rows.twistLowerImpulse - rows.twistUpperImpulse) * rows.twistAxis - rows.swingImpulse * rows.swingAxis;
+    Vec3 sum = rows.springImpulse + rows.viscousImpulse + rows.frictionImpulse +
+               (rows.twistLower.impulse - rows.twistUpper.impulse) * rows.twistAxis;
+    for (int i = 0; i < SwingLimit::kSides; ++i) sum += rows.swing[i].impulse * rows.swingAxis[i];
+    return sum;
 }
 
-void refreshBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, bool begins) {
+namespace {
+
+void compileSwing(SwingLimit& limit, const BallDef& def) {
+    limit = {};
+    if (def.swingLimit) {
+        limit.shape = SwingShape::circle;
+        limit.y = limit.z = *def.swingLimit;
+    } else if (def.swingEllipse) {
+        // Equal half angles are a circle, which has no axes to choose between.
+        limit.shape = def.swingEllipse->y == def.swingEllipse->z ? SwingShape::circle : SwingShape::ellipse;
+        limit.y = def.swingEllipse->y;
+        limit.z = def.swingEllipse->z;
+    } else if (def.swingPyramid) {
+        limit.shape = SwingShape::pyramid;
+        limit.rangeY = def.swingPyramid->y;
+        limit.rangeZ = def.swingPyramid->z;
+    } else if (def.reach) {
+        compile(limit, *def.reach);
+    }
+}
+
+bool limitsTwist(const std::optional<Range>& range) { return range && range->upper - range->lower < 2 * kPi; }
+
+}  // namespace
+
+void compile(BallRows& rows, const BallDef& def) {
+    const BallRows old = rows;
+    rows = {};
+    compileSwing(rows.swingLimit, def);
+    rows.stop = def.stop;
+    for (StopSide* side : {&rows.swing[0], &rows.swing[1], &rows.twistLower, &rows.twistUpper})
+        side->recovery = kTurnRecovery;
+    if (rows.swingLimit.shape != SwingShape::free) {
+        rows.features |= BallRows::kSwing;
+        for (int i = 0; i < SwingLimit::kSides; ++i) rows.swing[i].impulse = old.swing[i].impulse;
+    }
+    if (def.twistLimit) rows.twistLimit = *def.twistLimit;
+    if (def.reach || limitsTwist(def.twistLimit)) {
+        rows.features |= BallRows::kTwist;
+        rows.twistLower.impulse = old.twistLower.impulse;
+        rows.twistUpper.impulse = old.twistUpper.impulse;
+    }
+    if (const auto& spring = def.spring) {
+        rows.features |= BallRows::kSpring;
+        rows.stiffness = spring->stiffness;
+        rows.damping = spring->damping;
+        rows.frequency = spring->frequency;
+        rows.dampingRatio = spring->dampingRatio;
+        rows.target = normalized(def.target);
+        rows.maxSpring = def.maxSpringTorque < spring->maxForce ? def.maxSpringTorque : spring->maxForce;
+        rows.springImpulse = old.springImpulse;
+    }
+    const Bearing bearing = def.bearing.value_or(Bearing{});
+    rows.friction = def.friction;
+    rows.breakaway = bearing.breakaway;
+    rows.loadFriction = bearing.coefficient * bearing.pinRadius;
+    if (rows.friction > 0 || rows.breakaway > 0 || rows.loadFriction > 0) {
+        rows.features |= BallRows::kFriction;
+        rows.frictionImpulse = old.frictionImpulse;
+    }
+    if (bearing.viscous > 0) {
+        rows.features |= BallRows::kViscous;
+        rows.viscous = bearing.viscous;
+        rows.viscousImpulse = old.viscousImpulse;
+    }
+}
+
+void rescale(BallRows& rows, float ratio) {
+    for (Vec3* impulse : {&rows.springImpulse, &rows.viscousImpulse, &rows.frictionImpulse}) *impulse *= ratio;
+    for (StopSide* side : {&rows.swing[0], &rows.swing[1], &rows.twistLower, &rows.twistUpper}) side->impulse *= ratio;
+    rows.dry.bound *= ratio;
+}
+
+Range twistRange(const BallRows& rows, const Vec3& d) {
+    return rows.swingLimit.shape == SwingShape::polygon ? twistAt(rows.swingLimit, d) : rows.twistLimit;
+}
+
+namespace {
+
+void refreshLimits(BallRows& rows, const JointPlace& place) {
+    const Vec3 xA = rotate(place.a, {1, 0, 0}), xB = rotate(place.b, {1, 0, 0});
+    const Vec3 d = inverseRotate(place.a, xB);
+    if (rows.features & BallRows::kSwing) {
+        SwingMargin sides[SwingLimit::kSides];
+        swingMargins(rows.swingLimit, d, sides);
+        for (int i = 0; i < SwingLimit::kSides; ++i) {
+            rows.swing[i].margin = sides[i].margin;
+            rows.swingAxis[i] = rotate(place.a, sides[i].axis);
+        }
+    }
+    if (rows.features & BallRows::kTwist) {
+        const SwingTwist angles = swingTwist(place.a, place.b);
+        const float c = angles.cosHalfSwing;
+        rows.twistAxis = c > kNoTwist ? twistAxis(xA, xB) : Vec3{};
+        const Range range = twistRange(rows, d);
+        const float twist = wrapAbout(angles.twist, 0.5f * (range.lower + range.upper));
+        rows.twistLower.margin = c * (twist - range.lower);
+        rows.twistUpper.margin = c * (range.upper - twist);
+    }
+}
+
+void beginBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context) {
+    BallRows& rows = joint.ball;
+    const float h = context.h, inverseInertia = largest(diagonal(joint.block.mass.rest));
+    if (!(inverseInertia > 0)) return;
+    if (rows.features & BallRows::kSpring) {
+        rows.springError = rotationVector(place.b * conjugate(place.a * rows.target));
+        const float omega = 2 * kPi * rows.frequency;
+        const bool tuned = rows.frequency > 0;
+        rows.springStiffness = tuned ? omega * omega / inverseInertia : rows.stiffness;
+        const float damping = tuned ? 2 * rows.dampingRatio * omega / inverseInertia : rows.damping;
+        setDrags(rows.springDrag, rows.springStiffness, damping, inverseInertia, h);
+    }
+    if (rows.features & BallRows::kViscous) setDrags(rows.viscousDrag, 0, rows.viscous, inverseInertia, h);
+    if (rows.features & BallRows::kFriction) {
+        const float kinetic = h * rows.friction + rows.loadFriction * length(joint.block.impulseFirst);
+        if (rows.dry.begin(length(rows.frictionImpulse), kinetic, h * rows.breakaway)) rows.frictionImpulse *= 0.5f;
+    }
+    const Vec3 spin = pair.velocity(joint.arms).angular;
+    bool hadImpact = false;
+    for (int i = 0; i < SwingLimit::kSides; ++i)
+        hadImpact |= beginStop(rows.swing[i], rows.stop, dot(rows.swingAxis[i], spin), h);
+    const float twisting = dot(rows.twistAxis, spin);
+    hadImpact |= beginStop(rows.twistLower, rows.stop, twisting, h);
+    hadImpact |= beginStop(rows.twistUpper, rows.stop, -twisting, h);
+    beginBlock(joint.block, hadImpact);
+}
+
+}  // namespace
+
+void refreshBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh) {
     RigidBlock& block = joint.block;
     BallRows& rows = joint.ball;
     block.errorFirst = place.gap;
     refreshMass(block, pair.mass(joint.arms), rows.features != 0);
-    if (rows.features & (BallRows::kSwing | BallRows::kTwist)) {
-        const Vec3 xA = rotate(place.a, {1, 0, 0}), xB = rotate(place.b, {1, 0, 0});
-        const SwingTwist angles = swingTwist(place.a, place.b);
-        rows.swingAxis = swingAxis(xA, xB);
-        rows.swingMargin = rows.swingLimit - angles.swing;
-        const float c = angles.cosHalfSwing;
-        rows.twistAxis = c > kNoTwist ? twistAxis(xA, xB) : Vec3{};
-        const float twist = wrapAbout(angles.twist, 0.5f * (rows.twistLimit.lower + rows.twistLimit.upper));
-        rows.twistLowerMargin = c * (twist - rows.twistLimit.lower);
-        rows.twistUpperMargin = c * (rows.twistLimit.upper - twist);
-    }
-    if (begins && (rows.features & BallRows::kSpring)) {
-        rows.springError = rotationVector(place.b * conjugate(place.a * rows.target));
-    }
+    if (rows.features & (BallRows::kSwing | BallRows::kTwist)) refreshLimits(rows, place);
+    if (refresh.begins && rows.features != 0) beginBall(joint, place, pair, refresh.context);
 }
 
 namespace {
@@ -75,32 +202,28 @@ struct BallTurn {
     }
 };
 
-/// (P + γ E) Δλ = −(ω + β φ + γ λ), φ the rotation vector from the target.
-void solveSpring(BallRows& rows, BallTurn& turn, float h) {
-    const SpringRow spring = makeSpring(rows.stiffness, rows.damping, h);
-    if (!spring.active) return;
-    Sym3 k = turn.block.mass.rest;
-    k.xx += spring.gamma;
-    k.yy += spring.gamma;
-    k.zz += spring.gamma;
-    const Vec3 old = rows.springImpulse;
-    const Vec3 right = turn.speed + spring.beta * rows.springError + spring.gamma * old;
-    rows.springImpulse = clampLength(old - solve(factorize(k, diagonal(k)), right), rows.maxSpringTorque * h);
-    turn.add(rows.springImpulse - old);
+/// λ = push − drag ω about all axes at once: (E + drag P) λ = push − drag (ω − P λ_old).
+void solveCompliant(Vec3& impulse, const Vec3& push, float drag, float longest, BallTurn& turn) {
+    const Sym3& p = turn.block.mass.rest;
+    const Sym3 k{1 + drag * p.xx, drag * p.xy, drag * p.xz, 1 + drag * p.yy, drag * p.yz, 1 + drag * p.zz};
+    const Vec3 old = impulse;
+    impulse = clampLength(solve(factorize(k, diagonal(k)), push - drag * (turn.speed - p * old)), longest);
+    turn.add(impulse - old);
 }
 
-void solveFriction(BallRows& rows, BallTurn& turn, float h) {
+void solveFriction(BallRows& rows, BallTurn& turn, bool moving) {
     const Vec3 old = rows.frictionImpulse;
-    rows.frictionImpulse = clampLength(old - solve(turn.block.second, turn.speed), rows.friction * h);
+    rows.frictionImpulse = clampLength(old - solve(turn.block.second, turn.speed), rows.dry.boundOf(moving));
     turn.add(rows.frictionImpulse - old);
 }
 
-/// A limit whose margin grows with the speed about `axis`.
-void solveTurnLimit(float& impulse, float margin, const Vec3& axis, BallTurn& turn, const JointContext& context,
-                    bool useBias) {
+/// A stop whose margin grows with the speed about `axis`.
+void solveTurnStop(StopSide& side, const Vec3& axis, BallTurn& turn, const BallRows& rows, const JointContext& context,
+                   bool moving) {
     const float inverseMass = dot(axis, turn.block.mass.rest * axis);
     if (!(inverseMass > turn.block.noise)) return;
-    turn.add(solveLimit(impulse, margin, dot(axis, turn.speed), inverseMass, context, useBias) * axis);
+    const RowAim aim = aimAtStop(side, rows.stop, inverseMass, context, moving);
+    turn.add(solveRow(side.impulse, aim, dot(axis, turn.speed), inverseMass, context) * axis);
 }
 
 }  // namespace
@@ -111,15 +234,20 @@ void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, boo
     solveBlock(block, pair, joint.arms, useBias ? context.softness : kRigid);
     if (rows.features == 0) return;
     BallTurn turn{block, pair.velocity(joint.arms).angular, {}};
-    if (rows.features & BallRows::kSpring) solveSpring(rows, turn, context.h);
-    if (rows.features & BallRows::kFriction) solveFriction(rows, turn, context.h);
+    const int pass = useBias ? 0 : 1;
+    if (rows.features & BallRows::kSpring)
+        solveCompliant(rows.springImpulse, -context.h * rows.springStiffness * rows.springError, rows.springDrag[pass],
+                       context.h * rows.maxSpring, turn);
+    if (rows.features & BallRows::kViscous)
+        solveCompliant(rows.viscousImpulse, {}, rows.viscousDrag[pass], kNoForceLimit, turn);
+    if (rows.features & BallRows::kFriction) solveFriction(rows, turn, useBias);
     if (rows.features & BallRows::kTwist) {
-        solveTurnLimit(rows.twistLowerImpulse, rows.twistLowerMargin, rows.twistAxis, turn, context, useBias);
-        solveTurnLimit(rows.twistUpperImpulse, rows.twistUpperMargin, -rows.twistAxis, turn, context, useBias);
+        solveTurnStop(rows.twistLower, rows.twistAxis, turn, rows, context, useBias);
+        solveTurnStop(rows.twistUpper, -rows.twistAxis, turn, rows, context, useBias);
     }
-    if (rows.features & BallRows::kSwing) {
-        solveTurnLimit(rows.swingImpulse, rows.swingMargin, -rows.swingAxis, turn, context, useBias);
-    }
+    if (rows.features & BallRows::kSwing)
+        for (int i = 0; i < SwingLimit::kSides; ++i)
+            solveTurnStop(rows.swing[i], rows.swingAxis[i], turn, rows, context, useBias);
     const Vec3 force = -(block.mass.gain * turn.total);
     block.impulseFirst += force;
     pair.apply(joint.arms, {force, turn.total});

@@ -16,7 +16,7 @@ Vec3 axisError(const Vec3& xA, const Vec3& xB) {
 }
 
 /// Five rigid rows: C₁ = gap, C₂ = the two components of the error of the x axes. ω_rel is free along B's x axis.
-void refreshHinge(JointSim& joint, const JointPlace& place, const BodyPair& pair, bool begins) {
+void refreshHinge(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh) {
     const Vec3 xA = rotate(place.a, {1, 0, 0}), yA = rotate(place.a, {0, 1, 0}), xB = rotate(place.b, {1, 0, 0});
     RigidBlock& block = joint.block;
     const Vec3 y = normalized(yA - dot(yA, xB) * xB, perpendicular(xB));
@@ -25,11 +25,17 @@ void refreshHinge(JointSim& joint, const JointPlace& place, const BodyPair& pair
     block.errorSecond = transposeTimes(block.basis, axisError(xA, xB));
     block.impulseSecond -= dot(block.impulseSecond, xB) * xB;
     refreshMass(block, pair.mass(joint.arms), true);
-    if (joint.axis.features & ~(AxisRows::kMotor | AxisRows::kFriction)) {
-        const float angle = hingeAngle(place.a, place.b);
-        setMargins(joint.axis, angle, true);
-        if (begins) joint.axis.springError = wrapAbout(angle, joint.axis.target) - joint.axis.target;
-    }
+    const float mass = block.second.inverse[2];
+    joint.axis.inverseMass = mass > 0 ? 1 / mass : 0.0f;
+    const float raw = hingeAngle(place.a, place.b);
+    track(joint.axis, raw);
+    const double angle = unwrapped(joint.axis, raw);
+    setMargins(joint.axis, angle);
+    if (!refresh.begins) return;
+    const Vec3 load = block.impulseFirst - dot(block.impulseFirst, xB) * xB;
+    const bool hadImpact =
+        beginAxis(joint.axis, angle, dot(xB, pair.velocity(joint.arms).angular), length(load), refresh.context);
+    beginBlock(block, hadImpact);
 }
 
 }  // namespace ragtop

@@ -9,38 +9,9 @@ const JointBodies& bodiesOf(const JointDef& def) {
     return std::visit([](const auto& d) -> const JointBodies& { return d.bodies; }, def);
 }
 
-/// A whole turn is no limit.
-std::optional<Range> angleLimit(const std::optional<Range>& limit) {
-    return limit && limit->upper - limit->lower < 2 * kPi ? limit : std::nullopt;
-}
-
-void compileBall(const BallDef& def, BallRows& rows) {
-    const BallRows old = rows;
-    rows = {};
-    if (def.swingLimit) {
-        rows.features |= BallRows::kSwing;
-        rows.swingLimit = *def.swingLimit;
-        rows.swingImpulse = old.swingImpulse;
-    }
-    if (angleLimit(def.twistLimit)) {
-        rows.features |= BallRows::kTwist;
-        rows.twistLimit = *def.twistLimit;
-        rows.twistLowerImpulse = old.twistLowerImpulse;
-        rows.twistUpperImpulse = old.twistUpperImpulse;
-    }
-    if (def.spring) {
-        rows.features |= BallRows::kSpring;
-        rows.stiffness = def.spring->stiffness;
-        rows.damping = def.spring->damping;
-        rows.target = normalized(def.target);
-        rows.maxSpringTorque = def.maxSpringTorque;
-        rows.springImpulse = old.springImpulse;
-    }
-    if (def.friction > 0) {
-        rows.features |= BallRows::kFriction;
-        rows.friction = def.friction;
-        rows.frictionImpulse = old.frictionImpulse;
-    }
+template <class Def>
+AxisSettings settingsOf(const Def& def, bool turns) {
+    return {def.limit, def.stop, def.motor, def.spring, def.target, def.friction, def.bearing, turns};
 }
 
 JointPlace locate(JointSim& joint, const BodyPair& pair) {
@@ -51,39 +22,35 @@ JointPlace locate(JointSim& joint, const BodyPair& pair) {
     return {a.dq * joint.frameA, b.dq * joint.frameB, gap};
 }
 
-void refresh(JointSim& joint, const JointPlace& now, const BodyPair& pair, bool begins) {
+void refreshAt(JointSim& joint, const JointPlace& now, const BodyPair& pair, const Refresh& refresh) {
     switch (joint.kind) {
         case JointKind::none:
             break;
         case JointKind::ball:
-            refreshBall(joint, now, pair, begins);
+            refreshBall(joint, now, pair, refresh);
             break;
         case JointKind::hinge:
-            refreshHinge(joint, now, pair, begins);
+            refreshHinge(joint, now, pair, refresh);
             break;
         case JointKind::slider:
-            refreshSlider(joint, now, pair, begins);
+            refreshSlider(joint, now, pair, refresh);
             break;
         case JointKind::fixed:
             refreshFixed(joint, now, pair);
             break;
         case JointKind::distance:
-            refreshDistance(joint, now, pair, begins);
+            refreshDistance(joint, now, pair, refresh);
+            break;
+        default:
+            refreshAxes(joint, now, pair, refresh);
             break;
     }
 }
 
 }  // namespace
 
-void refreshJoint(JointSim& joint, const BodyPair& pair, bool begins) {
-    refresh(joint, locate(joint, pair), pair, begins);
-}
-
-void setMargins(AxisRows& rows, float coordinate, bool isAngle) {
-    if (!(rows.features & (AxisRows::kLimit | AxisRows::kLocked))) return;
-    const float x = isAngle ? wrapAbout(coordinate, 0.5f * (rows.lower + rows.upper)) : coordinate;
-    rows.lowerMargin = x - rows.lower;
-    rows.upperMargin = rows.upper - x;
+void refreshJoint(JointSim& joint, const BodyPair& pair, const Refresh& refresh) {
+    refreshAt(joint, locate(joint, pair), pair, refresh);
 }
 
 void compileJoint(const JointDef& def, const Vec3& centerA, const Vec3& centerB, JointSim& into) {
@@ -102,19 +69,23 @@ void compileJoint(const JointDef& def, const Vec3& centerA, const Vec3& centerB,
     into.localB = {bodies.frameB.position - centerB, normalized(bodies.frameB.rotation)};
     into.block.linearFirst = kind == JointKind::slider ? 0 : 1;
     into.block.rigidRows = kind == JointKind::fixed ? 3 : kind == JointKind::hinge || kind == JointKind::slider ? 2 : 0;
-    if (const auto* ball = std::get_if<BallDef>(&def)) {
-        compileBall(*ball, into.ball);
+    into.breakable = bodies.breakForce < kNoForceLimit || bodies.breakTorque < kNoForceLimit ? 1 : 0;
+    if (hasAxes(kind)) {
+        compileAxes(def, into);
+    } else if (const auto* ball = std::get_if<BallDef>(&def)) {
+        compile(into.ball, *ball);
     } else if (const auto* hinge = std::get_if<HingeDef>(&def)) {
-        compile(into.axis, angleLimit(hinge->limit), hinge->motor, hinge->spring, hinge->target, hinge->friction);
+        compile(into.axis, settingsOf(*hinge, true));
     } else if (const auto* slider = std::get_if<SliderDef>(&def)) {
-        compile(into.axis, slider->limit, slider->motor, slider->spring, slider->target, slider->friction);
+        compile(into.axis, settingsOf(*slider, false));
     } else if (const auto* distance = std::get_if<DistanceDef>(&def)) {
-        compile(into.axis, distance->limit, {}, distance->spring, distance->rest, 0);
+        compile(into.axis, {distance->limit, distance->stop, {}, distance->spring, distance->rest, 0, {}, false});
     }
 }
 
 void prepareJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodyState*, const BodyInertia*,
                   const JointContext&) {
+    joint.stepImpulse = {};
     joint.centerOffset = bodies.centerOffset;
     joint.anchorA = rotate(bodies.rotationA, joint.localA.position);
     joint.anchorB = rotate(bodies.rotationB, joint.localB.position);
@@ -123,6 +94,7 @@ void prepareJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodySt
 }
 
 PairVector carriedImpulse(const JointSim& joint) {
+    if (hasAxes(joint.kind)) return carriedImpulse(joint.axes);
     PairVector sum = blockImpulse(joint.block);
     const Vec3 alongAxis = axisImpulse(joint.axis) * joint.block.basis.cz;
     switch (joint.kind) {
@@ -136,8 +108,7 @@ PairVector carriedImpulse(const JointSim& joint) {
         case JointKind::ball:
             sum.angular += turningImpulse(joint.ball);
             break;
-        case JointKind::fixed:
-        case JointKind::none:
+        default:
             break;
     }
     return sum;
@@ -147,7 +118,7 @@ void warmStartJoint(JointSim& joint, BodyState* states, const BodyInertia* inert
     BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
     const JointPlace now = locate(joint, pair);
     pair.stiffen(joint.arms, carriedImpulse(joint).linear, context.h, joint.taut);
-    refresh(joint, now, pair, true);
+    refreshAt(joint, now, pair, {context, true});
     pair.apply(joint.arms, carriedImpulse(joint));
     pair.store();
 }
@@ -155,18 +126,16 @@ void warmStartJoint(JointSim& joint, BodyState* states, const BodyInertia* inert
 void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias) {
     RigidBlock& block = joint.block;
     solveBlock(block, pair, joint.arms, useBias ? context.softness : kRigid);
-    const float mass = block.second.inverse[2];
-    if (joint.axis.features == 0 || !(mass > 0)) return;
+    if (joint.axis.features == 0 || !(joint.axis.inverseMass > 0)) return;
     const PairVector u = pair.velocity(joint.arms);
     const float speed = dot(block.basis.cz, block.linearFirst ? u.angular : u.linear);
-    const float amount = solveAxis(joint.axis, speed, 1 / mass, context, useBias);
-    pair.apply(joint.arms, freeImpulse(block, amount));
+    pair.apply(joint.arms, freeImpulse(block, solveAxis(joint.axis, speed, context, useBias)));
 }
 
 void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
                 bool useBias) {
     BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
-    if (!useBias) refreshJoint(joint, pair, false);
+    if (!useBias) refreshJoint(joint, pair, {context, false});
     switch (joint.kind) {
         case JointKind::none:
             break;
@@ -183,20 +152,20 @@ void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, 
         case JointKind::distance:
             solveDistance(joint, pair, context, useBias);
             break;
+        default:
+            solveAxes(joint.axes, pair, joint.arms, context, useBias);
+            break;
     }
     pair.store();
+    if (!useBias) noteLoad(joint);
 }
 
 void rescaleJoint(JointSim& joint, float ratio) {
     joint.block.impulseFirst *= ratio;
     joint.block.impulseSecond *= ratio;
     rescale(joint.axis, ratio);
-    BallRows& ball = joint.ball;
-    ball.springImpulse *= ratio;
-    ball.frictionImpulse *= ratio;
-    ball.swingImpulse *= ratio;
-    ball.twistLowerImpulse *= ratio;
-    ball.twistUpperImpulse *= ratio;
+    rescale(joint.ball, ratio);
+    rescale(joint.axes, ratio);
 }
 
 }  // namespace ragtop

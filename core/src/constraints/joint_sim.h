@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "constraints/axes_block.h"
+#include "constraints/joint_swing.h"
 #include "constraints/rows.h"
 #include "ragtop/joint.h"
 #include "ragtop/math.h"
@@ -20,26 +22,43 @@ struct JointBodiesAtStep {
     Quat rotationA, rotationB;  ///< q₀ of both bodies (identity for the world)
 };
 
-enum class JointKind : std::uint32_t { none, ball, hinge, slider, fixed, distance };
+/// In the order of JointDef.
+enum class JointKind : std::uint32_t {
+    none,
+    ball,
+    hinge,
+    slider,
+    fixed,
+    distance,
+    cylindrical,
+    universal,
+    plane,
+    screw
+};
+constexpr bool hasAxes(JointKind kind) { return kind >= JointKind::cylindrical; }
 
 /// What only a ball has: rows that turn B in A about any axis.
 struct BallRows {
-    static constexpr std::uint32_t kSwing = 1, kTwist = 2, kSpring = 4, kFriction = 8;
+    static constexpr std::uint32_t kSwing = 1, kTwist = 2, kSpring = 4, kFriction = 8, kViscous = 16;
     std::uint32_t features = 0;
-    float swingLimit = 0;  ///< rad
-    Range twistLimit{};    ///< rad
-    float friction = 0;    ///< N m
-    float stiffness = 0, damping = 0, maxSpringTorque = 0;
+    Range twistLimit{};  ///< rad; a polygon has its own
+    Stop stop{};
+    float friction = 0, breakaway = 0, viscous = 0, loadFriction = 0;
+    float stiffness = 0, damping = 0, frequency = 0, dampingRatio = 0, maxSpring = 0;
     Quat target{};
 
     // Carried from substep to substep, N m s.
-    Vec3 springImpulse, frictionImpulse;  ///< world axes
-    float swingImpulse = 0, twistLowerImpulse = 0, twistUpperImpulse = 0;
+    Vec3 springImpulse, viscousImpulse, frictionImpulse;  ///< world axes
+    StopSide swing[SwingLimit::kSides], twistLower, twistUpper;
+    DryFriction dry;
 
     // Of the current substep.
-    Vec3 springError;           ///< rotation vector from the target when the substep began
-    Vec3 swingAxis, twistAxis;  ///< unit vectors, zero where the row has no direction
-    float swingMargin = 0, twistLowerMargin = 0, twistUpperMargin = 0;
+    Vec3 springError;              ///< rotation vector from the target when the substep began
+    float springStiffness = 0;     ///< N m/rad
+    float springDrag[2] = {0, 0};  ///< N m s per rad/s, in the pass that moves and in the other
+    float viscousDrag[2] = {0, 0};
+    Vec3 swingAxis[SwingLimit::kSides], twistAxis;  ///< unit vectors, zero where the row has no direction
+    SwingLimit swingLimit;
 };
 
 /// One joint in the solver: trivially copyable and without padding, so that a saved world is a copy of memory. The
@@ -60,6 +79,11 @@ struct JointSim {
     RigidBlock block;
     AxisRows axis;  ///< along the free direction of hinge, slider and distance
     BallRows ball;
+    AxesBlock axes;   ///< of those kinds that have one, instead of block and axis
+    float pitch = 0;  ///< m per rad, of a screw
+
+    std::uint32_t breakable = 0;
+    PairVector stepImpulse;  ///< what a breakable joint gave in this step so far, N s and N m s
 };
 static_assert(std::is_trivially_copyable_v<JointSim>);
 
@@ -74,6 +98,15 @@ void prepareJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodySt
 void warmStartJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context);
 void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
                 bool useBias);
+/// Everything that the joint carries over, as one impulse in the directions that were just refreshed.
+PairVector carriedImpulse(const JointSim& joint);
+/// At the end of each substep.
+inline void noteLoad(JointSim& joint) {
+    if (joint.breakable == 0) return;
+    const PairVector impulse = carriedImpulse(joint);
+    joint.stepImpulse.linear += impulse.linear;
+    joint.stepImpulse.angular += impulse.angular;
+}
 /// What is reported at the end of a step; reads velocities only from `states`.
 JointState jointState(const JointSim& joint, const JointBodiesAtStep& atEnd, const BodyState* states,
                       float inverseSubstep);

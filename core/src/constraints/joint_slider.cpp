@@ -9,7 +9,7 @@ Vec3 rotationError(const Quat& a, const Quat& b) {
 }
 
 /// Five rigid rows: C₁ = the rotation from A to B, C₂ = the gap across A's x axis. The gap is free along that axis.
-void refreshSlider(JointSim& joint, const JointPlace& place, const BodyPair& pair, bool begins) {
+void refreshSlider(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh) {
     RigidBlock& block = joint.block;
     const Vec3 x = rotate(place.a, {1, 0, 0});
     block.basis = {rotate(place.a, {0, 1, 0}), rotate(place.a, {0, 0, 1}), x};
@@ -17,9 +17,13 @@ void refreshSlider(JointSim& joint, const JointPlace& place, const BodyPair& pai
     block.errorSecond = transposeTimes(block.basis, place.gap);
     block.impulseSecond -= dot(block.impulseSecond, x) * x;
     refreshMass(block, pair.mass(joint.arms), true);
-    const float travel = block.errorSecond.z;
-    setMargins(joint.axis, travel, false);
-    if (begins) joint.axis.springError = travel - joint.axis.target;
+    const float mass = block.second.inverse[2], travel = block.errorSecond.z;
+    joint.axis.inverseMass = mass > 0 ? 1 / mass : 0.0f;
+    setMargins(joint.axis, static_cast<double>(travel));
+    if (!refresh.begins) return;
+    const bool hadImpact = beginAxis(joint.axis, static_cast<double>(travel), dot(x, pair.velocity(joint.arms).linear),
+                                     length(block.impulseSecond), refresh.context);
+    beginBlock(block, hadImpact);
 }
 
 }  // namespace ragtop

@@ -8,10 +8,10 @@ namespace {
 constexpr float kNoLimit = std::numeric_limits<float>::infinity();
 
 /// Distance of the coordinate to the nearer limit; of a locked one, minus its distance from where it is held.
-float limitMargin(AxisRows rows, float coordinate, bool isAngle) {
+float limitMargin(AxisRows rows, double coordinate) {
     if (!(rows.features & (AxisRows::kLimit | AxisRows::kLocked))) return kNoLimit;
-    setMargins(rows, coordinate, isAngle);
-    return rows.lowerMargin < rows.upperMargin ? rows.lowerMargin : rows.upperMargin;
+    setMargins(rows, coordinate);
+    return rows.atLower.margin < rows.atUpper.margin ? rows.atLower.margin : rows.atUpper.margin;
 }
 
 struct Relative {
@@ -29,13 +29,18 @@ void reportBall(const BallRows& rows, const Relative& at, JointState& state) {
     if (angles.cosHalfSwing > 0) state.speed = dot(axis, at.angularSpeed) / angles.cosHalfSwing;
     state.gap = length(at.gap);
     state.limitMargin = kNoLimit;
-    if (rows.features & BallRows::kSwing) state.limitMargin = rows.swingLimit - angles.swing;
+    const Vec3 d = inverseRotate(at.a, rotate(at.b, {1, 0, 0}));
+    const auto reach = [&](float margin) {
+        if (margin < state.limitMargin) state.limitMargin = margin;
+    };
+    SwingMargin sides[SwingLimit::kSides];
+    swingMargins(rows.swingLimit, d, sides);
+    for (const SwingMargin& side : sides) reach(side.margin);
     if (rows.features & BallRows::kTwist) {
-        const float twist = wrapAbout(angles.twist, 0.5f * (rows.twistLimit.lower + rows.twistLimit.upper));
-        const float margins[] = {twist - rows.twistLimit.lower, rows.twistLimit.upper - twist};
-        for (const float margin : margins) {
-            if (margin < state.limitMargin) state.limitMargin = margin;
-        }
+        const Range range = twistRange(rows, d);
+        const float twist = wrapAbout(angles.twist, 0.5f * (range.lower + range.upper));
+        reach(twist - range.lower);
+        reach(range.upper - twist);
     }
 }
 
@@ -45,13 +50,13 @@ void reportSlider(const AxisRows& rows, const Relative& at, const Vec3& angularS
     // d/dt (x · gap), where x turns with A.
     state.speed = dot(x, at.speed - cross(angularSpeedA, at.gap));
     state.gap = length(at.gap - state.coordinate * x);
-    state.limitMargin = limitMargin(rows, state.coordinate, false);
+    state.limitMargin = limitMargin(rows, static_cast<double>(state.coordinate));
 }
 
 void reportDistance(const AxisRows& rows, const Relative& at, JointState& state) {
     state.coordinate = length(at.gap);
     state.speed = dot(normalized(at.gap, {}), at.speed);
-    state.limitMargin = limitMargin(rows, state.coordinate, false);
+    state.limitMargin = limitMargin(rows, static_cast<double>(state.coordinate));
     // What a rod or rope holds together has a gap only where it is stretched or pressed beyond its range.
     state.gap = state.limitMargin < 0 ? -state.limitMargin : 0.0f;
 }
@@ -81,11 +86,13 @@ JointState jointState(const JointSim& joint, const JointBodiesAtStep& atEnd, con
         case JointKind::ball:
             reportBall(joint.ball, at, state);
             break;
-        case JointKind::hinge:
-            state.coordinate = hingeAngle(at.a, at.b);
+        case JointKind::hinge: {
+            const double angle = unwrapped(joint.axis, hingeAngle(at.a, at.b));
+            state.coordinate = static_cast<float>(angle);
             state.speed = dot(rotate(at.b, {1, 0, 0}), at.angularSpeed);
-            state.limitMargin = limitMargin(joint.axis, state.coordinate, true);
+            state.limitMargin = limitMargin(joint.axis, angle);
             break;
+        }
         case JointKind::slider:
             reportSlider(joint.axis, at, a.w, state);
             break;
@@ -95,6 +102,11 @@ JointState jointState(const JointSim& joint, const JointBodiesAtStep& atEnd, con
         case JointKind::fixed:
         case JointKind::none:
             break;
+        default: {
+            const Vec3 middle = at.speed - 0.5f * cross(a.w + b.w, at.gap);
+            reportAxes(joint, {at.a, at.b, at.gap}, {middle, at.angularSpeed}, state);
+            break;
+        }
     }
     return state;
 }

@@ -11,22 +11,31 @@ struct JointPlace {
     Vec3 gap;   ///< m, anchor of B minus that of A
 };
 
-/// Fills in directions, errors and masses from the current positions. Springs act on the displacement at the
-/// beginning of the substep in both passes: `begins` says that this is it.
-void refreshJoint(JointSim& joint, const BodyPair& pair, bool begins);
-void refreshBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, bool begins);
-void refreshHinge(JointSim& joint, const JointPlace& place, const BodyPair& pair, bool begins);
-void refreshSlider(JointSim& joint, const JointPlace& place, const BodyPair& pair, bool begins);
+/// What a refresh is for.
+struct Refresh {
+    const JointContext& context;
+    bool begins = false;  ///< the substep begins: what springs, friction and stops do in it is settled now
+};
+
+/// Fills in directions, errors and masses from the current positions.
+void refreshJoint(JointSim& joint, const BodyPair& pair, const Refresh& refresh);
+void refreshBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh);
+void refreshHinge(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh);
+void refreshSlider(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh);
 void refreshFixed(JointSim& joint, const JointPlace& place, const BodyPair& pair);
-void refreshDistance(JointSim& joint, const JointPlace& place, const BodyPair& pair, bool begins);
+void refreshAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh);
+void refreshDistance(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh);
 
 void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias);
 /// Hinge and slider: the block, then the rows of the free direction.
 void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias);
 void solveDistance(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias);
 
-/// Everything that the joint carries over, as one impulse in the directions that were just refreshed.
-PairVector carriedImpulse(const JointSim& joint);
+void compileAxes(const JointDef& def, JointSim& joint);
+/// Coordinates, gap and margins of a joint with an AxesBlock, at a place and relative velocity of its anchors' middle.
+void reportAxes(const JointSim& joint, const JointPlace& place, const PairVector& speed, JointState& state);
+void compile(BallRows& rows, const BallDef& def);
+void rescale(BallRows& rows, float ratio);
 /// The angular impulse of a ball's rows.
 Vec3 turningImpulse(const BallRows& rows);
 
@@ -43,9 +52,8 @@ SwingTwist swingTwist(const Quat& a, const Quat& b);
 Vec3 rotationError(const Quat& a, const Quat& b);
 /// The same for the two x axes alone, and perpendicular to both.
 Vec3 axisError(const Vec3& xA, const Vec3& xB);
-/// Margins of the coordinate to both limits; those of an angle are taken the short way round, so that half a turn
-/// beyond the middle of the range separates what is pushed up from what is pushed down.
-void setMargins(AxisRows& rows, float coordinate, bool isAngle);
+/// The twist range of a ball where B's x axis has the direction d in A's frame.
+Range twistRange(const BallRows& rows, const Vec3& d);
 /// Axis u of a twist limit: the twist rate is u · ω / cos(swing / 2).
 Vec3 twistAxis(const Vec3& xA, const Vec3& xB);
 

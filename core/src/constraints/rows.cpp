@@ -152,6 +152,15 @@ PairVector ordered(const RigidBlock& block, const Vec3& first, const Vec3& secon
 
 PairVector blockImpulse(const RigidBlock& block) { return ordered(block, block.impulseFirst, block.impulseSecond); }
 
+void beginBlock(RigidBlock& block, bool hadImpact) {
+    if (hadImpact) {
+        block.impulseFirst = block.startFirst;
+        block.impulseSecond = block.startSecond;
+    }
+    block.startFirst = block.impulseFirst;
+    block.startSecond = block.impulseSecond;
+}
+
 /// With r = u + βC, block elimination of K p = −r:
 ///   p₂ = −(Bᵀ P B)⁻¹ Bᵀ (r₂ − Gᵀ r₁),   p₁ = −K₁₁⁻¹ r₁ − G p₂,
 /// then Δλ = massScale p − impulseScale λ.

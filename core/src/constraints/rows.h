@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "constraints/axis_rows.h"
 #include "ragtop/joint.h"
 #include "ragtop/math.h"
 #include "solve/body_state.h"
@@ -125,6 +126,7 @@ Elimination eliminate(const Sym3& k11, const Mat3& k12, const Sym3& k22);
 struct RigidBlock {
     // Carried from substep to substep, in world axes.
     Vec3 impulseFirst, impulseSecond;  ///< N s and N m s, or the reverse when angular rows come first
+    Vec3 startFirst, startSecond;      ///< what they were when the substep began
 
     // Of the current substep.
     Elimination mass;
@@ -139,50 +141,11 @@ struct RigidBlock {
 /// Fills in the masses: the elimination when the second half has rows, else the first factor alone.
 void refreshMass(RigidBlock& block, const PairMass& mass, bool secondHasRows);
 PairVector blockImpulse(const RigidBlock& block);
+/// When a substep begins: notes the impulses, or takes back those noted before when the last substep had an impact.
+void beginBlock(RigidBlock& block, bool hadImpact);
 /// Solves the block and applies the impulse to the pair.
 void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const Softness& softness);
 /// The impulse of size `amount` along the free direction, together with what keeps the rigid rows' velocity.
 PairVector freeImpulse(RigidBlock& block, float amount);
-
-/// Limits, motor, spring and dry friction along one coordinate.
-struct AxisRows {
-    static constexpr std::uint32_t kLimit = 1, kLocked = 2, kMotor = 4, kSpring = 8, kFriction = 16;
-    std::uint32_t features = 0;
-    float lower = 0, upper = 0;                    ///< m or rad
-    float targetSpeed = 0, maxForce = 0;           ///< of the motor
-    float stiffness = 0, damping = 0, target = 0;  ///< of the spring
-    float friction = 0;                            ///< N or N m
-
-    // Carried from substep to substep, N s or N m s.
-    float springImpulse = 0, frictionImpulse = 0, motorImpulse = 0, lowerImpulse = 0, upperImpulse = 0;
-
-    // Of the current substep.
-    float springError = 0;                   ///< displacement from the target when the substep began
-    float lowerMargin = 0, upperMargin = 0;  ///< to the limits, negative beyond them
-};
-/// Takes a definition over and keeps the impulses of the rows that remain.
-void compile(AxisRows& rows, const std::optional<Range>& limit, const std::optional<Motor>& motor,
-             const std::optional<Spring>& spring, float target, float friction);
-float axisImpulse(const AxisRows& rows);
-void rescale(AxisRows& rows, float ratio);
-/// Solves all rows in turn, limits last, and returns the sum of the impulses added. `inverseMass` is the speed per
-/// impulse (0: the axis cannot move, and nothing is done).
-float solveAxis(AxisRows& rows, float speed, float inverseMass, const JointContext& context, bool useBias);
-
-/// One side of a limit; `speed` is the rate of `margin`. A margin above zero may be used up within the substep, so
-/// the limit is reached and not passed; one below zero is recovered softly, without leaving speed behind.
-float solveLimit(float& impulse, float margin, float speed, float inverseMass, const JointContext& context,
-                 bool useBias);
-
-/// An implicit spring as a row [Catto, Soft Constraints, GDC 2011]. With λ = −h (k (C + h u⁺) + d u⁺):
-///   u⁺ + γ λ + β C = 0,  γ = 1/(h (d + h k)),  β = k/(d + h k).
-struct SpringRow {
-    float gamma = 0, beta = 0;
-    bool active = false;
-};
-SpringRow makeSpring(float stiffness, float damping, float h);
-
-/// `angle` plus or minus a turn so that it lies within half a turn of `center`; |angle − center| < 3π.
-float wrapAbout(float angle, float center);
 
 }  // namespace ragtop

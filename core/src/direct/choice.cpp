@@ -5,6 +5,7 @@ namespace ragtop::direct {
 namespace {
 
 constexpr float kDepth = 4;           ///< load number of columns that soft contacts carry without much sag
+constexpr float kDeep = 8;            ///< load number of structures that swing and creep in soft contacts
 constexpr float kHeavy = 8;           ///< load number of unequal bodies
 constexpr float kCrushing = 100;      ///< load number that no sweep carries, whatever else goes on
 constexpr float kQuiet = 0.125f;      ///< share of bodies that move up to which an island is at rest
@@ -19,12 +20,14 @@ constexpr float kStay = 2.0f / 3;     ///< of a limit, for what is direct alread
 }  // namespace
 
 const char* nameOf(Reason reason) {
-    constexpr const char* kNames[] = {"none", "asked", "heavy", "tall", "slender", "taut", "leaning", "staying"};
+    constexpr const char* kNames[] = {"none", "asked", "heavy",   "tall",   "slender",
+                                      "deep", "taut",  "leaning", "staying"};
     return kNames[static_cast<int>(reason)];
 }
 
 Reason chooseDirect(const IslandFeatures& island) {
-    if (island.bodies > kMostBodies || island.rolls) return Reason::none;
+    if (island.bodies > kMostAtRest || island.rolls) return Reason::none;
+    if (island.bodies > kMostBodies && (island.restless > 0 || island.jointLoad > 0)) return Reason::none;
     const float limit = island.direct ? kStay : 1.0f;
     const auto bodies = static_cast<float>(island.bodies), pairs = static_cast<float>(island.pairs);
     if (island.jointLoad > limit * (island.hangs ? kHanging : kJointed)) return Reason::taut;
@@ -34,6 +37,7 @@ Reason chooseDirect(const IslandFeatures& island) {
     if (island.contactLoad > limit * kHeavy && island.massRatio > limit * kUnequal) return Reason::heavy;
     if (island.contactLoad > limit * kDepth && limit * pairs < kColumnPairs * bodies) return Reason::tall;
     if (island.buckling > limit * kBuckling) return Reason::slender;
+    if (island.contactLoad > limit * kDeep && island.moving == 0) return Reason::deep;
     if (island.leaning >= 2 && static_cast<float>(island.leaning) > limit * kLeaning * bodies) return Reason::leaning;
     return Reason::none;
 }

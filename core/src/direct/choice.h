@@ -5,7 +5,7 @@
 namespace ragtop::direct {
 
 /// Why an island is solved directly.
-enum class Reason : std::uint8_t { none, asked, heavy, tall, slender, taut, leaning, staying };
+enum class Reason : std::uint8_t { none, asked, heavy, tall, slender, deep, taut, leaning, staying };
 
 /// What decides how an island is solved. Loads are estimates: each body hands its weight, and what it carries, in equal
 /// shares to the neighbours that are nearer to the ground. A load number is such a load over the weight of the lighter
@@ -13,6 +13,7 @@ enum class Reason : std::uint8_t { none, asked, heavy, tall, slender, taut, lean
 struct IslandFeatures {
     std::uint32_t bodies = 0, pairs = 0;   ///< pairs: of moving bodies that touch or are joined
     std::uint32_t moving = 0;              ///< bodies that are not nearly at rest
+    std::uint32_t restless = 0;            ///< bodies that have neither just been made nor been at rest for long
     std::uint32_t leaning = 0;             ///< bodies at rest that nothing level holds up
     float contactLoad = 0, jointLoad = 0;  ///< largest load numbers
     float massRatio = 1;                   ///< largest of a loaded pair
@@ -21,12 +22,15 @@ struct IslandFeatures {
     bool rolls = false;   ///< some contact has resistance to turning or a grain, which only sweeps know
     bool direct = false;  ///< is solved directly now
     std::int32_t staying = 0, barred = 0;  ///< steps for which it stays so, or may not be (negative)
-    Reason reason = Reason::none;
+    Reason last = Reason::none, reason = Reason::none;
 };
 
-inline constexpr std::uint32_t kMostBodies = 512;  ///< of an island that is solved directly
-inline constexpr std::int32_t kStayingSteps = 60;  ///< for which a choice outlives its reason
-inline constexpr std::int32_t kBarredSteps = 60;   ///< of sweeps after a direct solve that failed
+inline constexpr std::uint32_t kMostBodies = 512;   ///< of an island that is solved directly whatever it does
+inline constexpr std::uint32_t kMostAtRest = 4096;  ///< of one that is so only as long as nothing in it moves
+inline constexpr float kLongRest = 1;               ///< s; more than it takes an island to fall asleep
+inline constexpr std::int32_t kStayingSteps = 60;   ///< for which a choice outlives its reason
+inline constexpr std::int32_t kFactorSteps = 10;    ///< of its stay that each step with a factor costs a large island
+inline constexpr std::int32_t kBarredSteps = 60;    ///< of sweeps after a direct solve that failed
 
 /// Limits fall by a third for an island that is solved directly already, so that none goes to and fro.
 const char* nameOf(Reason reason);

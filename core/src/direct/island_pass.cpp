@@ -82,7 +82,19 @@ void IslandSystem::aimAtPositions(const BodyArrays& arrays, const SolverContext&
     }
 }
 
+/// The speeds by which other bounds and drags of a row may change it.
+template <class Note>
+static void noteRest(const SystemRow& row, Note&& note) {
+    const double stiffer = row.resistance / row.resting.resistance - 1;
+    note(stiffer < 1 ? stiffer * row.speed : row.speed);
+    // A load at a bound that moves.
+    const double admittance = row.resistance / tuning::kRowResistance;
+    if (row.resting.upper != row.upper && row.impulse >= row.upper) note(admittance * row.upper);
+    if (row.resting.lower != row.lower && row.impulse <= row.lower) note(admittance * row.lower);
+}
+
 bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext& context) {
+    if (stopped_) return false;  // nothing was pushed
     updateGaps(arrays);
     double largest = 0;
     const auto note = [&](double change) {
@@ -100,11 +112,17 @@ bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext
             p.target = target;
         }
     }
+    const auto noteRow = [&](double change) { note(tuning::kAtRest / tuning::kSkip * change); };
     for (SystemRow& row : rows_) {
-        note(0.1 * row.bias);
-        row.target -= row.bias;
+        noteRow(0.1 * (row.resting.target - row.target));
+        noteRest(row, noteRow);
+        row.target = row.resting.target;
+        row.lower = row.resting.lower;
+        row.upper = row.resting.upper;
+        if (row.resting.resistance != row.resistance) row.factored = !row.free;
+        row.resistance = row.resting.resistance;
     }
-    if (largest <= tuning::kSkip * gravityStep_) return false;
+    if (largest <= tuning::kAtRest * gravityStep_) return false;
     // What moving the positions did to the velocities (spins turn with their bodies) belongs to the free motion.
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         const BodyState& state = arrays.states[bodies_[i].state];
@@ -212,15 +230,16 @@ double IslandSystem::impulseNorm(const double* x) const {
 }
 
 bool IslandSystem::loadsHold() const {
-    const double enough = tuning::kSkip * gravityStep_;
+    const double enough = tuning::kAtRest * gravityStep_, enoughOfRow = tuning::kSkip * gravityStep_;
     for (const SystemContact& c : contacts_)
         for (std::uint32_t j = 0; j < c.count; ++j) {
             const SystemPoint& p = points_[c.first + j];
+            const double rounded = tuning::kLoadRounding / tuning::kContactResistance * p.load[0] * p.resistance;
             for (int k = 0; k < 3; ++k)
-                if (std::fabs(p.impulse[k] - p.load[k]) * p.resistance > enough) return false;
+                if (std::fabs(p.impulse[k] - p.load[k]) * p.resistance > enough + rounded) return false;
         }
     for (const SystemRow& row : rows_)
-        if (std::fabs(row.impulse - row.load) * row.resistance > enough) return false;
+        if (std::fabs(row.impulse - row.load) * row.resistance > enoughOfRow) return false;
     return true;
 }
 
@@ -228,6 +247,34 @@ void IslandSystem::keepLoads() {
     for (SystemPoint& p : points_)
         for (int k = 0; k < 3; ++k) p.impulse[k] = p.load[k];
     for (SystemRow& row : rows_) row.impulse = row.load;
+}
+
+bool IslandSystem::stopBelow(std::size_t index, double speed) {
+    const SystemBody& body = bodies_[index];
+    double* v = velocity_.data() + 6 * index;
+    const DVec3 linear = load(v), turn = load(v + 3);
+    const double speed2 = dot(linear, linear) + dot(turn, body.inertia * turn) / body.mass[0];
+    if (speed2 > speed * speed) return false;
+    for (int k = 0; k < 6; ++k) v[k] = 0;
+    return true;
+}
+
+void IslandSystem::stopRounding() {
+    stopped_ = true;
+    double* loads = scratch_.trial.data();
+    for (std::size_t i = 0; i < bodies_.size(); ++i) loads[i] = 0;
+    for (const SystemContact& c : contacts_)
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            const SystemPoint& p = points_[c.first + j];
+            stopped_ &= p.drift[0] == 0 && p.drift[1] == 0 && p.drift[2] == 0;
+            if (c.a != kFixed) loads[c.a] += p.load[0];
+            if (c.b != kFixed) loads[c.b] += p.load[0];
+        }
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const SystemBody& body = bodies_[i];
+        const double rounded = tuning::kAtRest * gravityStep_ + tuning::kLoadRounding * loads[i] / body.mass[0];
+        stopped_ &= stopBelow(i, rounded);
+    }
 }
 
 bool IslandSystem::regionsChanged() const {
@@ -277,14 +324,14 @@ double IslandSystem::slopeAlong(const double* v, const double* d, double alpha) 
 }
 
 /// The convex cone lifts what slides: its normal row obeys u_n = μ |u_t|. Adding the slip to the row takes that back
-/// [De Saxcé, Feng, 1998].
+/// [De Saxcé, Feng, 1998], also where nothing bears yet, or such points would come and go with each round.
 double IslandSystem::updateSlips() {
     double largest = 0;
     for (const SystemContact& c : contacts_)
         for (std::uint32_t j = 0; j < c.count; ++j) {
             SystemPoint& p = points_[c.first + j];
-            const bool slides = p.region == ConeRegion::slide;
-            const double slip = slides ? std::sqrt(p.speed[1] * p.speed[1] + p.speed[2] * p.speed[2]) : 0.0;
+            const bool sticks = p.region == ConeRegion::stick;
+            const double slip = sticks ? 0.0 : std::sqrt(p.speed[1] * p.speed[1] + p.speed[2] * p.speed[2]);
             const double change = c.friction * std::fabs(slip - p.slip);
             if (change > largest) largest = change;
             p.slip = slip;

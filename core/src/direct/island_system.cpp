@@ -57,6 +57,8 @@ void tangents(const DVec3& n, DVec3& t1, DVec3& t2) {
 void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, const SolverContext& context) {
     gravityStep_ = static_cast<double>(context.gravityStep);
     stride_ = static_cast<std::size_t>(parts.laneStride);
+    stopped_ = rests_ = false;
+    restedSubsteps_ = 0;
     loadBodies(parts, arrays);
     loadContacts(parts, arrays);
     joints_.clear();
@@ -70,7 +72,7 @@ void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, con
         jointEnds_.push(end(joint.stateA));
         jointEnds_.push(end(joint.stateB));
     }
-    constexpr std::size_t kMostRows = 12;  // a ball with everything; rows come and go with tension
+    constexpr std::size_t kMostRows = 24;  // a plane with everything; rows come and go with tension
     rows_.reserve(kMostRows * joints_.size());
     loadPattern();
     const std::size_t n = unknowns();
@@ -124,13 +126,13 @@ static void shareFriction(SystemPoint* points, const SystemContact& contact, con
     }
 }
 
-/// What is loaded up to its cone slides already.
+/// What is loaded up to its cone, or not at all, slides already.
 static void guessSlips(SystemPoint* points, const SystemContact& contact, const BodyState& a, const BodyState& b) {
     constexpr double kNearlySliding = 0.99;
     for (std::uint32_t j = 0; j < contact.count; ++j) {
         SystemPoint& p = points[j];
         const double held = std::sqrt(p.load[1] * p.load[1] + p.load[2] * p.load[2]);
-        if (!(held > kNearlySliding * contact.friction * p.load[0])) continue;
+        if (held < kNearlySliding * contact.friction * p.load[0]) continue;
         DVec3 u;
         if (contact.b != kFixed) u = u + toDouble(b.v) + cross(toDouble(b.w), p.armB);
         if (contact.a != kFixed) u = u - toDouble(a.v) - cross(toDouble(a.w), p.armA);
@@ -220,13 +222,19 @@ void IslandSystem::refreshMasses(const BodyArrays& arrays) {
 }
 
 void IslandSystem::beginSubstep(const BodyArrays& arrays, const JointContext& joints) {
-    refreshMasses(arrays);
+    rests_ = stopped_;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         const BodyState& state = arrays.states[bodies_[i].state];
-        store(toDouble(state.v), free_.data() + 6 * i);
-        store(toDouble(state.w), free_.data() + 6 * i + 3);
+        double* free = free_.data() + 6 * i;
+        const DVec3 v = toDouble(state.v), w = toDouble(state.w);
+        rests_ &= v == load(free) && w == load(free + 3);
+        store(v, free);
+        store(w, free + 3);
     }
-    buildRows(arrays, joints);
+    stopped_ = rests_;
+    if (rests_) return;
+    refreshMasses(arrays);
+    buildRows(arrays, joints, true);
 }
 
 /// The stiffness of a body's joints over its inertia, about the axis for which it matters most.
@@ -245,14 +253,14 @@ bool IslandSystem::aimAgain(const BodyArrays& arrays, const JointContext& joints
         if (row.kind == RowKind::across) return false;  // its rest is the free motion
     storeImpulses(rows_, joints_.data());
     for (SystemBody& body : bodies_) body.stiffness = {};
-    buildRows(arrays, joints);
+    buildRows(arrays, joints, false);
     return true;
 }
 
-void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joints) {
+void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins) {
     rows_.clear();
     if (joints_.empty()) return;
-    const JointRowBuilder builder{arrays, joints, rows_, bodies_.data()};
+    const JointRowBuilder builder{arrays, joints, rows_, bodies_.data(), begins};
     for (std::size_t j = 0; j < joints_.size(); ++j)
         builder.add(*joints_[j], static_cast<std::uint32_t>(j), jointEnds_[2 * j], jointEnds_[2 * j + 1]);
     for (SystemBody& body : bodies_)
@@ -265,6 +273,8 @@ void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joint
 }
 
 void IslandSystem::carryLoads() {
+    restedSubsteps_ += rests_;
+    if (rests_) return;
     for (const SystemContact& c : contacts_)
         for (std::uint32_t j = 0; j < c.count; ++j) {
             SystemPoint& p = points_[c.first + j];
@@ -272,6 +282,7 @@ void IslandSystem::carryLoads() {
             pointField(c, j, contact::kPeak) += static_cast<float>(p.impulse[0]);
         }
     storeImpulses(rows_, joints_.data());
+    for (JointSim* joint : joints_) noteLoad(*joint);
 }
 
 void IslandSystem::scaleResistance(double factor) {
@@ -282,8 +293,7 @@ void IslandSystem::takeLoads() {
     for (SystemPoint& p : points_)
         for (int k = 0; k < 3; ++k) p.load[k] = p.impulse[k];
     for (SystemRow& row : rows_)
-        if (row.kind != RowKind::axisSpring && row.kind != RowKind::across && !isBallSpring(row.kind))
-            row.load = row.impulse;
+        if (!row.compliant) row.load = row.impulse;
 }
 
 void IslandSystem::end() {
@@ -301,6 +311,7 @@ void IslandSystem::end() {
             sticks |= p.region == ConeRegion::stick;
             pointField(c, j, contact::kImpulse) = static_cast<float>(p.load[0]);
             pointField(c, j, contact::kLoad) = static_cast<float>(p.load[0]);
+            pointField(c, j, contact::kPeak) += static_cast<float>(restedSubsteps_ * p.load[0]);
         }
         for (int k = 0; k < 3; ++k)
             field(c, contact::kFrictionImpulse + k) = static_cast<float>(k == 0   ? friction.x
@@ -315,6 +326,7 @@ void IslandSystem::end() {
 
 void IslandSystem::writeVelocities(const BodyArrays& arrays) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        stopBelow(i, tuning::kNothing * gravityStep_);
         const double* v = velocity_.data() + 6 * i;
         BodyState& state = arrays.states[bodies_[i].state];
         state.v = toVec3(load(v));

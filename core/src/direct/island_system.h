@@ -24,11 +24,14 @@ inline constexpr double kContactResistance = 1e-4;  ///< R of a contact point, o
 inline constexpr double kRowResistance = 1e-6;      ///< the same of a row of a joint
 inline constexpr double kContactGap = 1e-4;         ///< gap up to which points count as touching, in sizes
 inline constexpr double kResidual = 1e-8;           ///< of a solved system, in units of its impulses
-inline constexpr double kRoundedGap = 2e-6;         ///< gap or overlap that is rounding, in sizes
-inline constexpr double kSkip = 1e-6;               ///< speed of a row that is left alone, in g h
-inline constexpr double kStiffLink = 1;             ///< 4 T h²/(m L) beyond which the stiffness of tension counts
-inline constexpr double kVeryTaut = 25;   ///< stiffness over inertia beyond which one linearization will not do
-inline constexpr double kImplicit = 0.5;  ///< γ: taut rows pull as at x + γ h (u − u_free)
+inline constexpr double kRoundedGap = 1e-5;         ///< gap or overlap that is rounding, in sizes
+inline constexpr double kSkip = 1e-6;               ///< speed of a joint's row that is left alone, in g h
+inline constexpr double kAtRest = 2e-5;             ///< the same of a contact point, and of a body at rest
+inline constexpr double kNothing = 1e-12;      ///< speed of a body that is none, in g h; floats have no room for it
+inline constexpr double kLoadRounding = 5e-7;  ///< of loads between steps, in units of the load
+inline constexpr double kStiffLink = 1;        ///< 4 T h²/(m L) beyond which the stiffness of tension counts
+inline constexpr double kVeryTaut = 25;        ///< stiffness over inertia beyond which one linearization will not do
+inline constexpr double kImplicit = 0.5;       ///< γ: taut rows pull as at x + γ h (u − u_free)
 }  // namespace tuning
 
 /// A body of the island. Locked movements have mass 1 and no Jacobian.
@@ -70,31 +73,34 @@ enum class RowKind : std::uint8_t {
     first = 0,
     second = 3,
     ballSpring = 6,
-    ballFriction = 9,
-    axisSpring = 12,
-    axisFriction,
-    axisMotor,
-    axisLower,
-    axisUpper,
-    twistLower,
+    ballViscous = 9,
+    ballFriction = 12,
+    axis = 15,  ///< in the order of AxisSlot
+    swing = axis + kAxisSlots,
+    twistLower = swing + SwingLimit::kSides,
     twistUpper,
-    swing,
     across,
+    rigid,                                 ///< of an AxesBlock
+    axes = rigid + AxesBlock::kMostRigid,  ///< its coordinates, each in the order of AxisSlot
 };
 
-constexpr bool isBallSpring(RowKind kind) { return kind >= RowKind::ballSpring && kind < RowKind::ballFriction; }
+/// What a row asks for in the pass after positions have moved.
+struct RestingAim {
+    double target = 0, resistance = 0, lower = 0, upper = 0;
+};
 
 /// A scalar row with bounds: a joint's.
 struct SystemRow {
     RowKind kind = RowKind::first;
+    bool compliant = false;   ///< its load is what it pushes with at no speed
     std::uint32_t joint = 0;  ///< in the island
     std::int32_t a = kFixed, b = kFixed;
     std::uint32_t block = 0;
     double ja[6], jb[6];
     double load = 0, impulse = 0, resistance = 0;
     double target = 0;  ///< û
-    double bias = 0;    ///< the part of it that corrects errors, left out when relaxing
     double lower = 0, upper = 0;
+    RestingAim resting;
     double speed = 0, change = 0;
     bool free = true, factored = true;  ///< within its bounds
 };
@@ -122,6 +128,10 @@ public:
 
     /// Once per step: bodies, points and loads; rows of joints come with each substep.
     void begin(const IslandParts& parts, const BodyArrays& arrays, const SolverContext& context);
+    /// True when nothing moved in the last step, from its first substep on. Where nothing has changed since, a step
+    /// may begin with beginAgain: everything is as it was.
+    bool restedThrough(int substeps) const { return stopped_ && restedSubsteps_ + 1 >= substeps; }
+    void beginAgain() { restedSubsteps_ = 0; }
     /// Writes loads and impulses back to lanes and joints.
     void end();
 
@@ -152,6 +162,10 @@ public:
     /// True when the loads answer what was evaluated but for speeds that may be left alone; keepLoads takes them.
     bool loadsHold() const;
     void keepLoads();
+    /// Stops bodies at speeds that rounding of loads explains. Loads that hold for years must not add it up.
+    void stopRounding();
+    /// True when all bodies stand still and this substep asks what the one before did: then so does its answer.
+    bool rests() const { return rests_; }
     /// Makes the impulses of the last evaluation the loads: a step of the method of multipliers.
     void takeLoads();
     void scaleResistance(double factor);
@@ -175,7 +189,9 @@ private:
     void loadBodies(const IslandParts& parts, const BodyArrays& arrays);
     void loadContacts(const IslandParts& parts, const BodyArrays& arrays);
     void loadPattern();
-    void buildRows(const BodyArrays& arrays, const JointContext& joints);
+    void buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins);
+    /// Stops a body whose speed, of turning at its radius of gyration too, is not above the one given.
+    bool stopBelow(std::size_t body, double speed);
     void refreshMasses(const BodyArrays& arrays);
     void updateGaps(const BodyArrays& arrays);
     void speedsAt(const double* v);
@@ -191,6 +207,8 @@ private:
 
     std::size_t stride_ = 1;
     double gravityStep_ = 0;
+    bool stopped_ = false, rests_ = false;  ///< no body moves; and none will in this substep
+    int restedSubsteps_ = 0;                ///< of this step
     AlignedArray<SystemBody> bodies_;
     AlignedArray<SystemContact> contacts_;
     AlignedArray<SystemPoint> points_;

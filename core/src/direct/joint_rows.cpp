@@ -9,6 +9,7 @@ namespace ragtop::direct {
 namespace {
 
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
+constexpr float kFarAway = 1e9f;  ///< rad: no stop is there
 
 DVec3 toDouble(const Vec3& a) { return DVec3(a); }
 
@@ -70,51 +71,61 @@ public:
           armA_(toDouble(joint.arms.a)),
           armB_(toDouble(joint.arms.b)) {}
 
+    SystemRow along(const PairVector& d) const {
+        const DVec3 l = toDouble(d.linear), turn = toDouble(d.angular);
+        return row(l, cross(armA_, l) + turn, cross(armB_, l) + turn);
+    }
     SystemRow linear(const DVec3& d) const { return row(d, cross(armA_, d), cross(armB_, d)); }
     SystemRow angular(const DVec3& d) const { return row({}, d, d); }
 
-    void push(SystemRow row, RowKind kind, double load, double target, double bias, double lower, double upper) const {
+    void push(SystemRow row, RowKind kind, double load, double target, const RestingAim& resting) const {
         row.kind = kind;
         row.load = load;
         row.target = target;
-        row.bias = bias;
-        row.lower = lower;
-        row.upper = upper;
+        row.resting = resting;
         builder_.rows.push(row);
     }
     /// `ahead` is the error where free motion leads.
-    void rigid(const SystemRow& row, RowKind kind, double load, double error, double ahead) const {
+    void rigid(SystemRow row, RowKind kind, double load, double error, double ahead) const {
+        const double still = curving(row, error, ahead);
         const double bias = -static_cast<double>(builder_.context.softness.biasRate) * error;
-        push(row, kind, load, curving(row, error, ahead) + bias, bias, -kNoBound, kNoBound);
+        row.lower = -kNoBound, row.upper = kNoBound;
+        push(row, kind, load, still + bias, {still, row.resistance, -kNoBound, kNoBound});
     }
-    /// A margin that grows with the row's speed.
-    void limit(const SystemRow& row, RowKind kind, double load, double margin, double ahead) const {
-        const bool within = margin > 0;
-        const double rate = within ? builder_.context.inverseH : builder_.context.softness.biasRate;
-        const double bias = -rate * margin;
-        push(row, kind, load, curving(row, margin, ahead) + bias, within ? 0.0 : bias, 0, kNoBound);
+    /// A row as sweeps have it; `bend` is the speed along it at which its coordinate does not change.
+    void scalar(SystemRow row, RowKind kind, double load, const RowAim& moving, const RowAim& resting,
+                double inverseMass, double bend) const {
+        row.lower = moving.lower, row.upper = moving.upper;
+        RestingAim rest{bend + resting.target, row.resistance, resting.lower, resting.upper};
+        row.compliant = moving.drag >= 0;
+        if (!row.compliant) return push(row, kind, load, bend + moving.target, rest);
+        // λ = push − drag u. Without any drag it is a force, and its row has next to no say in the matrix.
+        constexpr double kNoDrag = 1e-9;
+        const auto resistanceOf = [&](const RowAim& aim) {
+            const double least = kNoDrag / inverseMass;
+            return 1 / (aim.drag > least ? aim.drag : least);
+        };
+        row.resistance = resistanceOf(moving);
+        rest.resistance = resistanceOf(resting);
+        rest.target = 0;
+        push(row, kind, moving.push, 0, rest);
     }
-    void bounded(const SystemRow& row, RowKind kind, double load, double speed, double bound) const {
-        push(row, kind, load, speed, 0, -bound, bound);
-    }
-    void spring(SystemRow row, RowKind kind, float stiffness, float damping, double error, double bound) const {
-        const SpringRow s = makeSpring(stiffness, damping, builder_.context.h);
-        if (!s.active) return;
-        row.resistance = s.gamma;
-        push(row, kind, 0, -static_cast<double>(s.beta) * error, 0, -bound, bound);
-    }
-    /// The stiffness of tension T across a line of length L: a spring h γ T/L about the free motion.
-    void across(const DVec3& d, double weight) const {
-        SystemRow r = linear(d);
-        r.resistance = 1 / weight;
-        push(r, RowKind::across, 0, freeSpeed(r), 0, -kNoBound, kNoBound);
-    }
-
-private:
     /// The speed along the row at which an error would not change: what free motion has, less the change it makes.
     double curving(const SystemRow& row, double error, double ahead) const {
         return freeSpeed(row) - (ahead - error) * static_cast<double>(builder_.context.inverseH);
     }
+    const JointContext& context() const { return builder_.context; }
+    /// The stiffness of tension T across a line of length L: a spring h γ T/L about the free motion.
+    void across(const DVec3& d, double weight) const {
+        SystemRow r = linear(d);
+        r.resistance = 1 / weight;
+        r.compliant = true;
+        r.lower = -kNoBound, r.upper = kNoBound;
+        const double speed = freeSpeed(r);
+        push(r, RowKind::across, 0, speed, {speed, r.resistance, -kNoBound, kNoBound});
+    }
+
+private:
     SystemRow row(const DVec3& d, const DVec3& turnA, const DVec3& turnB) const {
         SystemRow r;
         r.a = a_, r.b = b_, r.joint = index_;
@@ -178,45 +189,94 @@ void addBlock(const RowWriter& writer, const RigidBlock& block, const RigidBlock
     }
 }
 
+SystemRow opposite(SystemRow row) {
+    for (int k = 0; k < 6; ++k) row.ja[k] = -row.ja[k], row.jb[k] = -row.jb[k];
+    return row;
+}
+
+/// All at once, a stop does not know yet whether it will be met: a margin that may be used up may be so in both passes.
+RowAim restingAim(const StopSide& side, const Stop& stop, float inverseMass, const JointContext& context) {
+    const bool within = side.margin > 0 && !(side.rebound > 0) && !(stop.stiffness > 0);
+    return aimAtStop(side, stop, inverseMass, context, within);
+}
+
 /// The rows along a coordinate.
-void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis, const AxisRows& ahead, double h) {
-    SystemRow opposite = row;
-    for (int k = 0; k < 6; ++k) opposite.ja[k] = -row.ja[k], opposite.jb[k] = -row.jb[k];
-    if (axis.features & AxisRows::kSpring)
-        writer.spring(row, RowKind::axisSpring, axis.stiffness, axis.damping, axis.springError, kNoBound);
-    if (axis.features & AxisRows::kFriction)
-        writer.bounded(row, RowKind::axisFriction, axis.frictionImpulse, 0, static_cast<double>(axis.friction) * h);
-    if (axis.features & AxisRows::kMotor)
-        writer.bounded(row, RowKind::axisMotor, axis.motorImpulse, axis.targetSpeed,
-                       static_cast<double>(axis.maxForce) * h);
-    if (axis.features & AxisRows::kLocked)
-        writer.rigid(row, RowKind::axisLower, axis.lowerImpulse, axis.lowerMargin, ahead.lowerMargin);
-    if (axis.features & AxisRows::kLimit) {
-        writer.limit(row, RowKind::axisLower, axis.lowerImpulse, axis.lowerMargin, ahead.lowerMargin);
-        writer.limit(opposite, RowKind::axisUpper, axis.upperImpulse, axis.upperMargin, ahead.upperMargin);
+void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis, const AxisRows& ahead,
+             RowKind first = RowKind::axis) {
+    const double w = axis.inverseMass;
+    if (!(w > 0)) return;
+    for (int i = 0; i < kAxisSlots; ++i) {
+        const auto slot = static_cast<AxisSlot>(i);
+        if (!axis.has(slot)) continue;
+        const bool upper = slot == AxisSlot::upper, stops = upper || slot == AxisSlot::lower;
+        const SystemRow along = upper ? opposite(row) : row;
+        const StopSide &now = upper ? axis.atUpper : axis.atLower, &later = upper ? ahead.atUpper : ahead.atLower;
+        const double bend = stops ? writer.curving(along, now.margin, later.margin) : 0.0;
+        const bool stop = stops && (axis.features & AxisRows::kLimit) != 0;
+        writer.scalar(along, after(first, i), axis.impulse(slot), aimOf(axis, slot, writer.context(), true),
+                      stop ? restingAim(now, axis.stop, axis.inverseMass, writer.context())
+                           : aimOf(axis, slot, writer.context(), false),
+                      w, bend);
     }
 }
 
-void addBall(const RowWriter& writer, const BallRows& ball, const BallRows& ahead, double h) {
+void addAxes(const RowWriter& writer, const AxesBlock& block, const AxesBlock& ahead) {
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i)
+        writer.rigid(writer.along(block.rigid[i]), after(RowKind::rigid, static_cast<int>(i)), block.impulse[i],
+                     block.error[i], ahead.error[i]);
+    for (std::uint32_t f = 0; f < block.freeRows; ++f)
+        addAxis(writer, writer.along(block.free[f]), block.axis[f], ahead.axis[f],
+                after(RowKind::axes, static_cast<int>(f) * kAxisSlots));
+}
+
+/// A stop of the rotation; the margins of rows without a direction mean nothing.
+void addTurnStop(const RowWriter& writer, RowKind kind, const Vec3& axis, const StopSide& side, const StopSide& ahead,
+                 const JointSim& joint) {
+    const float w = dot(axis, joint.block.mass.rest * axis);
+    if (!(w > joint.block.noise)) return;
+    const SystemRow row = writer.angular(toDouble(axis));
+    const bool isThere = ahead.margin < kFarAway && side.margin < kFarAway;
+    const double bend = isThere ? writer.curving(row, side.margin, ahead.margin) : 0.0;
+    const Stop& stop = joint.ball.stop;
+    writer.scalar(row, kind, side.impulse, aimAtStop(side, stop, w, writer.context(), true),
+                  restingAim(side, stop, w, writer.context()), w, bend);
+}
+
+void addBall(const RowWriter& writer, const JointSim& joint, const BallRows& ahead) {
+    const BallRows& ball = joint.ball;
+    const double h = writer.context().h;
+    const float w = joint.block.mass.rest.xx + joint.block.mass.rest.yy + joint.block.mass.rest.zz;
+    if (ball.features == 0 || !(w > 0)) return;
     const DVec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     for (int k = 0; k < 3; ++k) {
-        if (ball.features & BallRows::kSpring)
-            writer.spring(writer.angular(axes[k]), after(RowKind::ballSpring, k), ball.stiffness, ball.damping,
-                          ball.springError[k], static_cast<double>(ball.maxSpringTorque) * h);
-        if (ball.features & BallRows::kFriction)
-            writer.bounded(writer.angular(axes[k]), after(RowKind::ballFriction, k), ball.frictionImpulse[k], 0,
-                           static_cast<double>(ball.friction) * h);
+        const SystemRow row = writer.angular(axes[k]);
+        RowAim moving, resting;
+        if (ball.features & BallRows::kSpring) {
+            moving.push = resting.push = static_cast<float>(-h) * ball.springStiffness * ball.springError[k];
+            moving.upper = resting.upper = static_cast<float>(h) * ball.maxSpring;
+            moving.lower = resting.lower = -moving.upper;
+            moving.drag = ball.springDrag[0], resting.drag = ball.springDrag[1];
+            writer.scalar(row, after(RowKind::ballSpring, k), 0, moving, resting, w, 0);
+        }
+        if (ball.features & BallRows::kViscous) {
+            moving = resting = {};
+            moving.drag = ball.viscousDrag[0], resting.drag = ball.viscousDrag[1];
+            writer.scalar(row, after(RowKind::ballViscous, k), 0, moving, resting, w, 0);
+        }
+        if (ball.features & BallRows::kFriction) {
+            moving = resting = {};
+            moving.upper = ball.dry.boundOf(true), resting.upper = ball.dry.boundOf(false);
+            moving.lower = -moving.upper, resting.lower = -resting.upper;
+            writer.scalar(row, after(RowKind::ballFriction, k), ball.frictionImpulse[k], moving, resting, w, 0);
+        }
     }
-    const DVec3 twist = toDouble(ball.twistAxis), swing = toDouble(ball.swingAxis);
-    if ((ball.features & BallRows::kTwist) && dot(twist, twist) > 0) {
-        writer.limit(writer.angular(twist), RowKind::twistLower, ball.twistLowerImpulse, ball.twistLowerMargin,
-                     ahead.twistLowerMargin);
-        writer.limit(writer.angular(-1.0 * twist), RowKind::twistUpper, ball.twistUpperImpulse, ball.twistUpperMargin,
-                     ahead.twistUpperMargin);
+    if (ball.features & BallRows::kTwist) {
+        addTurnStop(writer, RowKind::twistLower, ball.twistAxis, ball.twistLower, ahead.twistLower, joint);
+        addTurnStop(writer, RowKind::twistUpper, -ball.twistAxis, ball.twistUpper, ahead.twistUpper, joint);
     }
-    if ((ball.features & BallRows::kSwing) && dot(swing, swing) > 0)
-        writer.limit(writer.angular(-1.0 * swing), RowKind::swing, ball.swingImpulse, ball.swingMargin,
-                     ahead.swingMargin);
+    if (ball.features & BallRows::kSwing)
+        for (int i = 0; i < SwingLimit::kSides; ++i)
+            addTurnStop(writer, after(RowKind::swing, i), ball.swingAxis[i], ball.swing[i], ahead.swing[i], joint);
 }
 
 /// A rope under tension is stiff across its line.
@@ -239,11 +299,12 @@ void JointRowBuilder::add(JointSim& joint, std::uint32_t index, std::int32_t a, 
     joint.taut = {};
     Ends later = ends;
     later.advance(context.h);
-    refreshJoint(joint, later.pair(), false);
+    refreshJoint(joint, later.pair(), {context, false});
     const RigidBlock blockAhead = joint.block;
     const AxisRows axisAhead = joint.axis;
     const BallRows ballAhead = joint.ball;
-    refreshJoint(joint, ends.pair(), true);
+    const AxesBlock axesAhead = joint.axes;
+    refreshJoint(joint, ends.pair(), {context, begins});
 
     const double h = context.h;
     const DVec3 force = toDouble(carriedImpulse(joint).linear);
@@ -252,20 +313,24 @@ void JointRowBuilder::add(JointSim& joint, std::uint32_t index, std::int32_t a, 
 
     const RowWriter writer(*this, joint, index, a, b);
     const DVec3 free = toDouble(joint.block.basis.cz);
-    if (joint.kind != JointKind::distance && joint.kind != JointKind::none) addBlock(writer, joint.block, blockAhead);
+    if (joint.kind != JointKind::distance && joint.kind != JointKind::none && !hasAxes(joint.kind))
+        addBlock(writer, joint.block, blockAhead);
     switch (joint.kind) {
         case JointKind::ball:
-            addBall(writer, joint.ball, ballAhead, h);
+            addBall(writer, joint, ballAhead);
             break;
         case JointKind::hinge:
-            addAxis(writer, writer.angular(free), joint.axis, axisAhead, h);
+            addAxis(writer, writer.angular(free), joint.axis, axisAhead);
             break;
         case JointKind::slider:
-            addAxis(writer, writer.linear(free), joint.axis, axisAhead, h);
+            addAxis(writer, writer.linear(free), joint.axis, axisAhead);
             break;
         case JointKind::distance:
-            addAxis(writer, writer.linear(free), joint.axis, axisAhead, h);
+            addAxis(writer, writer.linear(free), joint.axis, axisAhead);
             addAcross(writer, joint, free, h);
+            break;
+        default:
+            addAxes(writer, joint.axes, axesAhead);
             break;
         case JointKind::fixed:
         case JointKind::none:
@@ -289,37 +354,23 @@ void storeImpulses(const AlignedArray<SystemRow>& rows, JointSim* const* joints)
             joint.block.impulseSecond += impulse * (k == 0 ? basis.cx : k == 1 ? basis.cy : basis.cz);
         } else if (isOf(RowKind::ballSpring)) {
             joint.ball.springImpulse[index(RowKind::ballSpring)] = impulse;
+        } else if (isOf(RowKind::ballViscous)) {
+            joint.ball.viscousImpulse[index(RowKind::ballViscous)] = impulse;
         } else if (isOf(RowKind::ballFriction)) {
             joint.ball.frictionImpulse[index(RowKind::ballFriction)] = impulse;
-        } else {
-            switch (row.kind) {
-                case RowKind::axisSpring:
-                    joint.axis.springImpulse = impulse;
-                    break;
-                case RowKind::axisFriction:
-                    joint.axis.frictionImpulse = impulse;
-                    break;
-                case RowKind::axisMotor:
-                    joint.axis.motorImpulse = impulse;
-                    break;
-                case RowKind::axisLower:
-                    joint.axis.lowerImpulse = impulse;
-                    break;
-                case RowKind::axisUpper:
-                    joint.axis.upperImpulse = impulse;
-                    break;
-                case RowKind::twistLower:
-                    joint.ball.twistLowerImpulse = impulse;
-                    break;
-                case RowKind::twistUpper:
-                    joint.ball.twistUpperImpulse = impulse;
-                    break;
-                case RowKind::swing:
-                    joint.ball.swingImpulse = impulse;
-                    break;
-                default:
-                    break;
-            }
+        } else if (row.kind >= RowKind::axes) {
+            const int at = index(RowKind::axes);
+            joint.axes.axis[at / kAxisSlots].impulse(static_cast<AxisSlot>(at % kAxisSlots)) = impulse;
+        } else if (row.kind >= RowKind::rigid) {
+            joint.axes.impulse[index(RowKind::rigid)] = impulse;
+        } else if (row.kind < RowKind::swing) {
+            joint.axis.impulse(static_cast<AxisSlot>(index(RowKind::axis))) = impulse;
+        } else if (row.kind < RowKind::twistLower) {
+            joint.ball.swing[index(RowKind::swing)].impulse = impulse;
+        } else if (row.kind == RowKind::twistLower) {
+            joint.ball.twistLower.impulse = impulse;
+        } else if (row.kind == RowKind::twistUpper) {
+            joint.ball.twistUpper.impulse = impulse;
         }
     }
 }

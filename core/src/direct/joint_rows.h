@@ -18,6 +18,7 @@ struct JointRowBuilder {
     const JointContext& context;
     AlignedArray<SystemRow>& rows;
     SystemBody* bodies;
+    bool begins;  ///< for the first time in the substep
 
     void add(JointSim& joint, std::uint32_t index, std::int32_t a, std::int32_t b) const;
 };

@@ -2,12 +2,15 @@
 
 #include <cmath>
 
+#include "direct/choice.h"
+
 namespace ragtop::direct {
 
 namespace {
 
 constexpr int kIterations = 12;      ///< Newton steps from loads of the substep before
 constexpr int kMoreIterations = 40;  ///< of each stage where those do not suffice
+constexpr int kLargeFactors = 6;     ///< in one step of a large island; it stays as it was
 constexpr int kBudget = 160;         ///< Newton steps in one step of the world, after which no stages are tried
 constexpr int kStages = 2;           ///< softer systems that lead to the one that was asked for
 constexpr double kStage = 128;       ///< resistance of a stage over that of the next
@@ -49,6 +52,12 @@ double dot(const double* a, const double* b, std::size_t n) {
     return s;
 }
 
+bool isLarge(const IslandSystem& system) { return system.bodyCount() > kMostBodies; }
+
+bool mayFactor(const IslandSystem& system, const SolveReport& report) {
+    return !isLarge(system) || report.factorizations < kLargeFactors;
+}
+
 /// One convex problem. False when it was given up.
 bool minimize(IslandSystem& system, int iterations, bool& factored, SolveReport& report) {
     const std::size_t n = system.unknowns();
@@ -65,8 +74,9 @@ bool minimize(IslandSystem& system, int iterations, bool& factored, SolveReport&
         const bool slow = i > 0 && residual.norm > kStale * last;
         if (slow && !stale && residual.norm <= kRounding * residual.scale) return true;
         last = residual.norm;
-        if (!factored || slow || system.regionsChanged()) {
-            if (!system.factorize()) return false;
+        const bool outdated = slow || system.regionsChanged();
+        if (!factored || (outdated && mayFactor(system, report))) {
+            if (!mayFactor(system, report) || !system.factorize()) return false;
             factored = true;
             stale = false;
             ++report.factorizations;
@@ -107,20 +117,23 @@ bool approach(IslandSystem& system, bool& factored, SolveReport& report) {
 
 void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveReport& report) {
     double* v = system.velocity();
+    report.converged |= isLarge(system);
     if (startFromLoads) {
         system.velocityOfLoads(v);
         system.evaluate(v, system.scratch().gradient.data());
         if (system.loadsHold()) {
             system.keepLoads();
+            system.stopRounding();
             return;
         }
     }
     const double enough = kSlipChange * system.gravityStep();
     for (int round = 0; round < kSlipRounds; ++round) {
         if (!minimize(system, kIterations, factored, report) &&
-            (report.iterations > kBudget || !approach(system, factored, report))) {
-            // Newton's steps descend, so that the velocity is sane; the impulses need not be.
-            system.keepLoads();
+            (isLarge(system) || report.iterations > kBudget || !approach(system, factored, report))) {
+            // Newton's steps descend, so that the velocity is sane; the impulses need not be. A large island goes on from
+            // there in its next solve.
+            if (!isLarge(system)) system.keepLoads();
             report.converged = false;
             return;
         }

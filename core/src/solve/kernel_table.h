@@ -48,6 +48,7 @@ struct SolverContext {
     float restitutionSpeed = 0;  ///< m/s
     float gravityStep = 0;       ///< m/s, what gravity gives in a substep
     float loadShare = 0;         ///< λ̂ ← λ̂ + share (λ − λ̂) per step
+    float staticLoadShare = 0;   ///< the same against what does not move
     float elapsed = 0;           ///< s of this step that positions have moved by
     bool lastSubstep = false;
     bool normals = true, friction = true;  ///< the rows that a pass solves

@@ -14,6 +14,24 @@
 namespace ragtop {
 namespace {
 
+/// λ̂ ← λ̂ + α (λ − λ̂). Integral action on a row that carries n times its own mass is stable while its time constant is
+/// long beside n times that of the row: contacts with the ground that carry little else than their body may be quick.
+template <int N>
+RAGTOP_INLINE void carryLoads(ContactBundle<N>& c, const SolverContext& context) {
+    const Lanes<N> zero(0.0f), one(1.0f), slow(context.loadShare), weight(2 * context.gravityStep);
+    const Mask<N> isStatic = Mask<N>{c.massA.v == zero.v} | Mask<N>{c.massB.v == zero.v};
+    const Lanes<N> quick = select(isStatic, Lanes<N>(context.staticLoadShare), zero);
+    for (int j = 0; j < contact::kMaxPoints; ++j) {
+        const Lanes<N> mass = c.field(pointField(j, contact::kMass)),
+                       impulse = c.field(pointField(j, contact::kImpulse));
+        const Lanes<N> load = select(mass > zero, c.field(pointField(j, contact::kLoad)), zero);
+        const Lanes<N> own = min(divideOrZero(weight * mass, impulse), one);
+        const Lanes<N> carried = load + max(slow, quick * own * own) * (impulse - load);
+        // What has lost half its load is no longer what it was, and would be pushed away.
+        c.set(pointField(j, contact::kLoad), min(carried, impulse + impulse));
+    }
+}
+
 template <int N>
 bool prepareContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
     typedef typename Mask<N>::V Int;
@@ -22,7 +40,6 @@ bool prepareContacts(float* bundles, int begin, int end, const BodyArrays& array
         ContactBundle<N> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
         const Int count = bits(c.field(contact::kPointCount));
         const Lanes<N> depth = 0.01f * c.field(contact::kSize);
-
         WideVec3<N> center{Lanes<N>(0.0f), Lanes<N>(0.0f), Lanes<N>(0.0f)};
         Lanes<N> weight(0.0f);
         for (int j = 0; j < contact::kMaxPoints; ++j) {
@@ -30,9 +47,7 @@ bool prepareContacts(float* bundles, int begin, int end, const BodyArrays& array
             const WideVec3<N> rA = c.vector(pointField(j, contact::kAnchor));
             const WideVec3<N> rB = rA - c.offset;
             const Lanes<N> impulse = select(present, c.field(pointField(j, contact::kImpulse)), Lanes<N>(0.0f));
-            const Lanes<N> load = select(present, c.field(pointField(j, contact::kLoad)), Lanes<N>(0.0f));
             c.set(pointField(j, contact::kImpulse), impulse);
-            c.set(pointField(j, contact::kLoad), load + Lanes<N>(context.loadShare) * (impulse - load));
             c.set(pointField(j, contact::kApproach), dot(c.normal, c.relativeVelocity(rA, rB)));
             c.set(pointField(j, contact::kPeak), Lanes<N>(0.0f));
             // Points that are apart lose their say in where friction acts, smoothly, or tops would drift.
@@ -50,6 +65,7 @@ bool prepareContacts(float* bundles, int begin, int end, const BodyArrays& array
         c.set(contact::kCenter, center);
         c.set(contact::kShift, c.shift);
         setMasses(c, Mask<N>{count == count});
+        carryLoads(c, context);
         const WideVec3<N> friction = c.vector(contact::kFrictionImpulse);
         c.set(contact::kFrictionImpulse, friction - dot(friction, c.normal) * c.normal);
         const WideVec3<N> stick = c.vector(contact::kStick);
@@ -87,11 +103,16 @@ void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arr
     }
 }
 
+/// Of the size: overlaps that no load leaves, which bodies come out of as fast as from the ground.
+constexpr float kDeep = 0.02f;
+
 /// C ≥ 0 per point. Apart, the row lets the gap close within the substep; overlapping, it is a soft row that relaxes
 /// towards the carried load (bias pass), or a rigid velocity row (relax pass, which takes back the push-out velocity).
 template <int N, bool kBias>
-RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
+RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArrays& arrays,
+                             const SolverContext& context) {
     const Lanes<N> inverseH(context.inverseH), zero(0.0f), one(1.0f), half(0.5f), threshold(-context.restitutionSpeed);
+    const Lanes<N> deepRate(context.softStatic.massScale * context.softStatic.biasRate);
     for (int i = begin; i < end; ++i) {
         ContactBundle<N> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
         WideVec3<N> dp;
@@ -101,20 +122,24 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
         if constexpr (!kBias) followTurns(c, dqA, dqB);
         const Separations<N> separations(c, dp, dqA, dqB);
         const Mask<N> isStatic = Mask<N>{c.massA.v == zero.v} | Mask<N>{c.massB.v == zero.v};
-        // Bodies that have moved by more than half a size are no longer where they touched: such arms would only lengthen.
+        // Bodies that have moved by more than half a size are no longer where they touched: such arms would only
+        // lengthen.
         const Lanes<N> reach = half * c.field(contact::kSize);
         c.moveArms(select(isStatic | (dot(dp, dp) > reach * reach), zero, half) * dp);
         if constexpr (!kBias) c.set(contact::kShift, c.shift);
-        Lanes<N> rate(0.0f), massScale(1.0f), impulseScale(0.0f), push(0.0f);
+        Lanes<N> rate(0.0f), massScale(1.0f), impulseScale(0.0f), push(0.0f), deep(0.0f);
         if constexpr (kBias) {
             massScale = select(isStatic, Lanes<N>(context.softStatic.massScale), Lanes<N>(context.soft.massScale));
             rate = massScale * select(isStatic, Lanes<N>(context.softStatic.biasRate), Lanes<N>(context.soft.biasRate));
             impulseScale =
                 select(isStatic, Lanes<N>(context.softStatic.impulseScale), Lanes<N>(context.soft.impulseScale));
             push = Lanes<N>(-context.pushOut) * c.field(contact::kSize);
+            deep = Lanes<N>(kDeep) * c.field(contact::kSize);
         }
 
         const Mask<N> bouncy = c.field(contact::kRestitution) > zero;
+        // What bounces is met at the end of a parabola, whose chord is flatter than its end.
+        const Lanes<N> lead = select(bouncy, half * Lanes<N>(context.gravityStep), zero);
         Lanes<N> total(0.0f), leverTotal(0.0f);
         for (int j = 0; j < contact::kMaxPoints; ++j) {
             const Lanes<N> mass = c.field(pointField(j, contact::kMass));
@@ -126,7 +151,9 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
                 const WideVec3<N> rA = anchor + c.shift, rB = rA - c.offset;
                 const Lanes<N> separation = separations.at(c, j, anchor);
                 const Mask<N> apart = separation > 0.0f;
-                const Lanes<N> bias = select(apart, separation * inverseH, max(rate * separation, push));
+                Lanes<N> overlap = rate * separation;
+                if constexpr (kBias) overlap = max(min(overlap, deepRate * (separation + deep)), push);
+                const Lanes<N> bias = select(apart, separation * inverseH + lead, overlap);
                 const Lanes<N> scale = select(apart, one, massScale);
                 const Lanes<N> leak = select(apart, zero, impulseScale);
 

@@ -1,5 +1,7 @@
 #include "world/draw_joint.h"
 
+#include "constraints/joint_swing.h"
+
 namespace ragtop {
 namespace {
 
@@ -38,6 +40,49 @@ struct JointPainter {
         draw.line(a.position, at({0, s.cos, s.sin}), color);
     }
 
+    /// A closed edge on the sphere of B's x axis, with lines from the joint, and that axis.
+    template <class Direction>
+    void edge(int lines, int perSpoke, Direction&& direction, Color color) const {
+        for (int i = 0; i < lines; ++i) {
+            draw.line(at(direction(i)), at(direction(i + 1)), color);
+            if (i % perSpoke == 0) draw.line(a.position, at(direction(i)), color);
+        }
+        draw.line(a.position, transformPoint(Pose{a.position, b.rotation}, {size, 0, 0}), kNowColor);
+    }
+    void swingEdge(const BallDef& ball, Color color) const {
+        edge(
+            2 * kAround, kAround / 4,
+            [&](int i) {
+                const SinCos around = sinCos(kPi / kAround * static_cast<float>(i));
+                return directionOfSwing(ball.swingEllipse->y * around.cos, ball.swingEllipse->z * around.sin);
+            },
+            color);
+    }
+    void pyramid(const SwingPyramid& limit, Color color) const {
+        const auto corner = [&](float y, float z) {
+            const SinCos aboutY = sinCos(y), aboutZ = sinCos(z);
+            // The two great circles through y and z meet here.
+            const Vec3 first{-aboutY.sin, 0, -aboutY.cos}, second{-aboutZ.sin, aboutZ.cos, 0};
+            return normalized(cross(second, first));
+        };
+        const Vec3 corners[4] = {corner(limit.y.lower, limit.z.lower), corner(limit.y.upper, limit.z.lower),
+                                 corner(limit.y.upper, limit.z.upper), corner(limit.y.lower, limit.z.upper)};
+        edge(
+            4, 1, [&](int i) { return corners[i % 4]; }, color);
+    }
+    void polygon(const ReachPolygon& reach, Color color) const {
+        constexpr int kPerEdge = 6;
+        edge(
+            kPerEdge * reach.count, kPerEdge,
+            [&](int i) {
+                const auto corner = [&](int k) {
+                    return normalized(reach.corners[static_cast<std::size_t>(k % reach.count)].direction);
+                };
+                const float share = static_cast<float>(i % kPerEdge) / kPerEdge;
+                return normalized((1 - share) * corner(i / kPerEdge) + share * corner(i / kPerEdge + 1));
+            },
+            color);
+    }
     void operator()(const BallDef& ball) const {
         const Color color = limitColor(kReached);
         if (ball.swingLimit) {
@@ -49,6 +94,9 @@ struct JointPainter {
             }
             draw.line(a.position, transformPoint(Pose{a.position, b.rotation}, {size, 0, 0}), kNowColor);
         }
+        if (ball.swingEllipse) swingEdge(ball, color);
+        if (ball.swingPyramid) pyramid(*ball.swingPyramid, color);
+        if (ball.reach) polygon(*ball.reach, color);
         if (ball.twistLimit) range(*ball.twistLimit, state.coordinate, color);
     }
     void operator()(const HingeDef& hinge) const {
@@ -71,6 +119,31 @@ struct JointPainter {
     }
     void operator()(const DistanceDef& distance) const {
         draw.line(a.position, b.position, distance.limit ? limitColor(kReached * size) : kNowColor);
+    }
+    /// The axis, and what turning and sliding are allowed along it.
+    void axisOf(const AxisDef& turn, const AxisDef& travel) const {
+        HingeDef hinge;
+        hinge.limit = turn.limit;
+        (*this)(hinge);
+        SliderDef slider;
+        slider.limit = travel.limit;
+        (*this)(slider);
+    }
+    void operator()(const CylindricalDef& joint) const { axisOf(joint.turn, joint.travel); }
+    void operator()(const ScrewDef& joint) const { axisOf(joint.turn, {}); }
+    void operator()(const UniversalDef& joint) const {
+        const Pose cross{a.position, b.rotation};
+        draw.line(at({-1, 0, 0}), at({1, 0, 0}), kJointColor);
+        draw.line(transformPoint(cross, {0, -size, 0}), transformPoint(cross, {0, size, 0}), kJointColor);
+        if (joint.first.limit) range(*joint.first.limit, state.coordinate, limitColor(kReached));
+    }
+    void operator()(const PlaneDef& joint) const {
+        const Range y = joint.y.limit.value_or(Range{-size, size}), z = joint.z.limit.value_or(Range{-size, size});
+        const float s = 1 / size;
+        const DVec3 corners[4] = {at({0, s * y.lower, s * z.lower}), at({0, s * y.upper, s * z.lower}),
+                                  at({0, s * y.upper, s * z.upper}), at({0, s * y.lower, s * z.upper})};
+        for (int i = 0; i < 4; ++i) draw.line(corners[i], corners[(i + 1) % 4], limitColor(kReached * size));
+        draw.line(a.position, b.position, kNowColor);
     }
     void operator()(const FixedDef&) const {}
 };

@@ -1,4 +1,5 @@
 #include "base/check_tunables.h"
+#include "constraints/joint_swing.h"
 #include "ragtop/body.h"
 #include "ragtop/joint.h"
 #include "ragtop/settings.h"
@@ -92,8 +93,22 @@ std::string whyInvalidBodies(const JointBodies& bodies) {
         return "bodies.a and bodies.b are both null, at least one must name a body";
     }
     if (bodies.a == bodies.b) return "bodies.b is the same body as bodies.a, must be another one or null";
+    for (const float limit : {bodies.breakForce, bodies.breakTorque})
+        if (!(limit > 0))
+            return "bodies.breakForce and bodies.breakTorque are " + numberText(bodies.breakForce) + " N and " +
+                   numberText(bodies.breakTorque) + " N m, must be above 0";
     std::string why = whyInvalidFrame("bodies.frameA", bodies.frameA);
     return why.empty() ? whyInvalidFrame("bodies.frameB", bodies.frameB) : why;
+}
+
+std::string whyInvalidSwing(const BallDef& ball) {
+    const int shapes = ball.swingLimit.has_value() + ball.swingEllipse.has_value() + ball.swingPyramid.has_value() +
+                       ball.reach.has_value();
+    if (shapes > 1)
+        return "swingLimit, swingEllipse, swingPyramid and reach: " + std::to_string(shapes) +
+               " are given, must be at most one";
+    if (ball.reach && ball.twistLimit) return "twistLimit is given beside reach, whose corners have their own";
+    return ball.reach ? whyInvalidReach(*ball.reach) : std::string();
 }
 
 }  // namespace
@@ -113,6 +128,7 @@ std::string whyInvalid(const JointDef& def) {
             if (why.empty()) why = whyOutOfRange(joint);
             if constexpr (requires { joint.maxSpringTorque; }) {
                 if (why.empty()) why = whyNoRotation("target", joint.target);
+                if (why.empty()) why = whyInvalidSwing(joint);
             }
             return why;
         },

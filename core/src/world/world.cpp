@@ -69,6 +69,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       supports(memory),
       carried(memory),
       heldLevel(memory),
+      freshManifolds(memory),
       islandFeatures(memory),
       directIslands(memory),
       directBodies(memory),
@@ -78,6 +79,8 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       directSims(memory),
       directIndex(memory),
       movedConstraints(memory),
+      bounceBundle(memory),
+      directSeen(memory),
       ledger(memory),
       bodyFlags(memory),
       sweptImpacts(memory),
@@ -91,6 +94,8 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       surfaceEvents(memory),
       sleepEvents(memory),
       sleepEventsBetweenSteps(memory),
+      jointBreaks(memory),
+      brokenJoints(memory),
       stages(memory) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
     // Body 0 is the world: static, without shapes, the other end of joints to nowhere.
@@ -122,6 +127,7 @@ void World::setSettings(const WorldSettings& settings) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
     const bool wake = settings.gravity != impl_->settings.gravity || !settings.sleeping;
     impl_->graphChanged |= settings.solver != impl_->settings.solver;
+    impl_->directSeen.clear();
     impl_->settings = settings;
     if (!wake) return;
     for (std::uint32_t i = 1; i < impl_->bodySlots.count(); ++i)

@@ -162,6 +162,7 @@ void World::applyForce(BodyId body, const Vec3& force, const DVec3& point) {
     const std::uint32_t i = impl_->index(body);
     if (!impl_->moves(i)) return;
     impl_->bodies[i].force += force;
+    impl_->noteForce(i);
     impl_->bodies[i].torque += cross(relative(point, impl_->bodies[i].center), force);
     impl_->wakeBody(i);
 }
@@ -288,6 +289,7 @@ std::span<const ContactEvent> World::sensorBegins() const { return impl_->sensor
 std::span<const ContactEvent> World::sensorEnds() const { return impl_->sensorEnds; }
 std::span<const SurfaceEvent> World::surfaceEvents() const { return impl_->surfaceEvents; }
 std::span<const SleepEvent> World::sleepEvents() const { return impl_->sleepEvents; }
+std::span<const JointBreak> World::jointBreaks() const { return impl_->jointBreaks; }
 
 void World::forEachContact(const std::function<void(const Contact&)>& visit) const {
     for (std::uint32_t c = 0; c < impl_->contactSlots.count(); ++c)

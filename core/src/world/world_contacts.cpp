@@ -1,6 +1,6 @@
 #include <cmath>
-#include <cstring>
 
+#include "world/lane_view.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -8,25 +8,6 @@ namespace ragtop {
 namespace {
 
 enum ContactChange : std::uint8_t { kUnchanged, kApart, kGraph };
-
-/// One field of a contact's lane.
-class LaneView {
-public:
-    LaneView(float* lane, int lanes) : lane_(lane), stride_(static_cast<std::size_t>(lanes)) {}
-    float& at(int field) { return lane_[static_cast<std::size_t>(field) * stride_]; }
-    float& at(int point, int field) { return at(contact::kPoints + point * contact::kPointFields + field); }
-    void set(int field, const Vec3& v) { at(field) = v.x, at(field + 1) = v.y, at(field + 2) = v.z; }
-    Vec3 vector(int field) { return {at(field), at(field + 1), at(field + 2)}; }
-    void setBits(int field, std::uint32_t bits) { std::memcpy(&at(field), &bits, sizeof bits); }
-
-private:
-    float* lane_;
-    std::size_t stride_;
-};
-
-}  // namespace
-
-namespace {
 
 /// How far the friction of a material with a grain is from that of one without.
 float unevenness(const Material& material) {
@@ -490,17 +471,21 @@ void WorldImpl::applyContactChanges() {
     }
 }
 
-/// Is a point closed already, or by the end of this step if the bodies go on as they do?
-bool WorldImpl::willMeet(const ContactRecord& record, const ManifoldRecord& manifold, int point) const {
-    if (manifold.separation[point] <= 0) return true;
+/// The way of A relative to B in this step at a point of a contact, if the bodies go on as they do.
+Vec3 WorldImpl::wayAtPoint(const ContactRecord& record, const ManifoldRecord& manifold, int point) const {
     const auto velocity = [&](std::uint32_t index, const Vec3& anchor) {
         const BodyRecord& body = bodies[index];
         if (body.type == BodyType::fixed) return Vec3{};
         return states[index].v + cross(states[index].w, rotate(body.rotation, anchor));
     };
-    const Vec3 approach =
-        velocity(record.bodyA, manifold.anchorA[point]) - velocity(record.bodyB, manifold.anchorB[point]);
-    return manifold.separation[point] <= dt * dot(rotate(bodies[record.bodyA].rotation, manifold.normal), approach);
+    return dt * (velocity(record.bodyA, manifold.anchorA[point]) - velocity(record.bodyB, manifold.anchorB[point]));
+}
+
+/// Is a point closed already, or by the end of this step?
+bool WorldImpl::willMeet(const ContactRecord& record, const ManifoldRecord& manifold, int point) const {
+    if (manifold.separation[point] <= 0) return true;
+    const Vec3 normal = rotate(bodies[record.bodyA].rotation, manifold.normal);
+    return manifold.separation[point] <= dot(normal, wayAtPoint(record, manifold, point));
 }
 
 /// Puts the manifolds of a contact that have points into the graph and takes those without out of it. A body that

@@ -151,8 +151,10 @@ void WorldImpl::sweepFastBodies() {
     sweptImpacts.clear();
     if (!settings.continuous) return;
     const std::size_t count = awakeBodies.size();
+    posesMoved = true;
     for (std::size_t i = 0; i < count; ++i)
         if (bodyFlags[i] != 0 && moves(awakeBodies[i])) sweepBody(awakeBodies[i]);
+    posesMoved = false;
 }
 
 /// How a body moved in this step: straight, and turning evenly, as many revolutions as its speed tells.
@@ -234,6 +236,7 @@ WorldImpl::Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& star
         const auto meet = [&](std::uint32_t other) {
             const ShapeRecord& obstacle = shapes[other];
             if (obstacle.body == index || obstacle.sensor || !maySweepInto(s, other)) return true;
+            if (keptApart(s, other, shapeStart, shapeEnd, bulge)) return true;
             const bool still = bodies[obstacle.body].type == BodyType::fixed;
             const SweptWay others =
                 still ? SweptWay{{bodies[obstacle.body].center, bodies[obstacle.body].rotation}, {}, {}}

@@ -1,3 +1,5 @@
+#include <cstring>
+
 #include "direct/newton.h"
 #include "world/world_impl.h"
 
@@ -32,6 +34,7 @@ void WorldImpl::applyChoices() {
 /// grouping depends on that list alone.
 void WorldImpl::groupDirect() {
     directIslands.clear();
+    directSeen.clear();
     directBodies.clear();
     directManifolds.clear();
     directJoints.clear();
@@ -101,7 +104,20 @@ void WorldImpl::numberDirectBodies() {
     }
 }
 
+/// True when the bundles of direct islands are those of the last call, to the bit.
+bool WorldImpl::noteDirectBundles() {
+    const AlignedArray<float>& now = graph.color(ConstraintGraph::kDirect).bundles;
+    const std::size_t bytes = now.size() * sizeof(float);
+    if (!now.empty() && directSeen.size() == now.size() && std::memcmp(directSeen.data(), now.data(), bytes) == 0)
+        return true;
+    directSeen.resizeForOverwrite(now.size());
+    if (!now.empty()) std::memcpy(static_cast<void*>(directSeen.data()), now.data(), bytes);
+    return false;
+}
+
 void WorldImpl::beginDirect() {
+    if (directIslands.empty()) return;
+    const bool unchanged = noteDirectBundles();
     while (directSystems.size() < directIslands.size())
         directSystems.push_back(std::make_unique<direct::IslandSystem>(memory));
     directLanes.resizeForOverwrite(directManifolds.size());
@@ -113,6 +129,14 @@ void WorldImpl::beginDirect() {
     runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             DirectIsland& island = directIslands[static_cast<std::size_t>(i)];
+            direct::IslandSystem& system = *directSystems[static_cast<std::size_t>(i)];
+            island.factored = false;
+            island.report = {};
+            island.ms = 0;
+            if (unchanged && island.jointCount == 0 && system.restedThrough(settings.substeps)) {
+                system.beginAgain();
+                continue;
+            }
             direct::IslandParts parts;
             parts.bodies = directBodies.data() + island.firstBody;
             parts.bodyCount = island.bodyCount;
@@ -122,10 +146,7 @@ void WorldImpl::beginDirect() {
             parts.jointCount = island.jointCount;
             parts.laneStride = graph.lanes();
             parts.localOf = directIndex.data();
-            directSystems[static_cast<std::size_t>(i)]->begin(parts, bodyArrays(), context);
-            island.factored = false;
-            island.report = {};
-            island.ms = 0;
+            system.begin(parts, bodyArrays(), context);
         }
     });
 }
@@ -141,6 +162,10 @@ void WorldImpl::solveDirect(DirectPass pass) {
             switch (pass) {
                 case DirectPass::positions:
                     system.beginSubstep(arrays, jointContext);
+                    if (system.rests()) {
+                        system.writeVelocities(arrays);
+                        break;
+                    }
                     system.aimAtPositions(arrays, context);
                     if (island.jointCount > 0) island.factored = false;
                     direct::solve(system, true, island.factored, island.report);
@@ -168,11 +193,15 @@ void WorldImpl::endDirect() {
     // What could not be solved is left to sweeps for a while. Joints alone make a nearly linear system, of which only
     // rounding can be left, and sweeps would tear it.
     for (const DirectIsland& island : directIslands) {
-        if (island.report.converged || island.contactCount == 0) continue;
-        for (std::uint32_t i = 0; i < island.bodyCount; ++i)
-            bodies[directBodies[island.firstBody + i]].directSteps = -direct::kBarredSteps;
-        graphChanged = true;
-        ++directFailures;
+        const bool failed = !island.report.converged && island.contactCount > 0;
+        const bool costly = island.bodyCount > direct::kMostBodies && island.report.factorizations > 0;
+        if (!failed && !costly) continue;
+        directFailures += failed;
+        for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
+            std::int32_t& steps = bodies[directBodies[island.firstBody + i]].directSteps;
+            steps -= direct::kFactorSteps;
+            if (failed || steps <= 0) steps = -direct::kBarredSteps, graphChanged = true;
+        }
     }
     ledger.clear();
     for (const DirectIsland& island : directIslands)

@@ -56,7 +56,10 @@ struct WorldImpl {
     void solve(bool useBias);
     void integratePositions();
     void bounce();
+    template <class Visit>
+    void forEachDirectBouncing(Visit&& visit);
     void finishBodies();
+    void stopVanishing(std::uint32_t body, float gravity);
     void restrictInertia(std::uint32_t body);
     template <class Joint, class Contact>
     void forEachColor(Joint&& joint, Contact&& contact);
@@ -90,6 +93,7 @@ struct WorldImpl {
     void updateSensors();
     void applyContactChanges();
     void applyContactChange(std::uint32_t contact);
+    Vec3 wayAtPoint(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
     bool willMeet(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
     bool reuseManifolds(ContactRecord& contact, const Frame& bInA, float margin, float size);
     PlacedManifold placed(const ContactRecord& contact, const ManifoldRecord& manifold) const;
@@ -110,6 +114,24 @@ struct WorldImpl {
     ContactSurface surfaceOfPair(std::uint32_t shapeA, std::uint32_t shapeB, std::uint32_t triangle) const;
     const Material& materialAt(const ShapeRecord& shape, std::uint32_t triangle) const;
     PairInfo pairInfo(const ContactRecord& contact) const;
+
+    // world_seams.cpp: side contacts between neighbouring obstacles.
+    void hideSeams();
+    bool slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const;
+    struct TouchedPlane {
+        bool touches = false;
+        DVec3 at;
+        Vec3 normal;      ///< towards the body that touches it
+        float depth = 0;  ///< m, of the overlap
+    };
+    Pose startOfStep(std::uint32_t body) const;
+    TouchedPlane touchedPlane(const ManifoldRecord& manifold, int side, float within) const;
+    bool separates(const TouchedPlane& plane, std::uint32_t front, std::uint32_t behind, float slack) const;
+    template <class Visit>
+    bool anyTouchedPlane(std::uint32_t body, float within, Visit&& visit) const;
+    bool isSeam(const ManifoldRecord& manifold, int side) const;
+    bool keptApart(std::uint32_t shape, std::uint32_t obstacle, const Pose& start, const Pose& end, float bulge) const;
+    float slackOf(std::uint32_t shapeA, std::uint32_t shapeB) const;
 
     // world_assemblies.cpp
     void findAssemblies();
@@ -141,6 +163,7 @@ struct WorldImpl {
         std::uint32_t constraint;  ///< manifold or joint
         bool joint;
     };
+    void noteForce(std::uint32_t body);
     void collectBearings();
     void findLevels();
     void estimateLoads();
@@ -150,12 +173,18 @@ struct WorldImpl {
     bool decideIslands();
     void chooseSolvers();
 
+    // world_settling.cpp
+    bool isUntouched(std::uint32_t body) const;
+    void loadNewContacts();
+    void settleNewContacts();
+
     // world_direct.cpp: islands that are solved directly.
     enum class DirectPass { positions, velocities };
     void applyChoices();
     void groupDirect();
     void numberDirectBodies();
     void beginDirect();
+    bool noteDirectBundles();
     void solveDirect(DirectPass pass);
     void endDirect();
     bool isDirect(std::uint32_t body) const { return bodies[body].directSteps > 0; }
@@ -185,6 +214,7 @@ struct WorldImpl {
                   const Frame& toInternal);
     void destroyBody(std::uint32_t body);
     std::uint32_t createJoint(const JointDef& def);
+    void breakJoints();
     void destroyJoint(std::uint32_t joint);
     std::uint32_t geometryIndex(const Shape& shape);
     void setMass(std::uint32_t body, const BodyDef& def);
@@ -284,6 +314,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> levels, supports;  ///< per body: steps to what does not move; bodies that bear it
     AlignedArray<float> carried;                   ///< kg, per body
     AlignedArray<std::uint8_t> heldLevel;          ///< per body: something level is below it
+    AlignedArray<std::uint32_t> freshManifolds;    ///< made in this step, of bodies that have not moved yet
     AlignedArray<direct::IslandFeatures> islandFeatures;  ///< per root
     struct DirectIsland {
         std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
@@ -299,6 +330,8 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> movedConstraints;
     std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< at least one per direct island
     bool directGrouped = false;
+    AlignedArray<float> bounceBundle;  ///< one contact at a time
+    AlignedArray<float> directSeen;    ///< bundles of direct islands when their systems were made
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;      ///< solves given up since the world was made
     AlignedArray<std::uint8_t> bodyFlags;  ///< per awake body, set by finishBodies
@@ -320,6 +353,7 @@ struct WorldImpl {
     AlignedArray<StartPose> startPoses;      ///< per awake body, of bodies to sweep
     SolverContext context;
     bool bouncy = false;  ///< does any contact of this step have restitution?
+    bool posesMoved = false;   ///< poses are those of the end of the step, startPoses of its beginning
     JointContext jointContext;
     float dt = 0;
     std::vector<BodyId> bodyIds;
@@ -334,6 +368,8 @@ struct WorldImpl {
     mutable std::mutex listsMutex;
     std::pmr::vector<SurfaceEvent> surfaceEvents;
     std::pmr::vector<SleepEvent> sleepEvents, sleepEventsBetweenSteps;
+    std::pmr::vector<JointBreak> jointBreaks;
+    std::pmr::vector<std::uint32_t> brokenJoints;
     std::pmr::vector<StepStats::Stage> stages;
     std::chrono::steady_clock::time_point stageStart, stepStart;
     double totalMs = 0;

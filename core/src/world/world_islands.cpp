@@ -12,9 +12,16 @@ namespace {
 
 constexpr float kSupportGap = 0.01f;  ///< gap over which bodies still bear on each other, in sizes
 constexpr float kLevel = 0.94f;       ///< cosine of the steepest support that counts as level, 20°
+constexpr float kPressed = 4;         ///< force on a body that counts as a load, in weights
 constexpr float kSlow = 0.05f;        ///< speed of a body at rest, in √(gravity · size)
 
 }  // namespace
+
+/// Forces beyond a few weights change what bears on what, as new bearings do.
+void WorldImpl::noteForce(std::uint32_t index) {
+    const BodyRecord& body = bodies[index];
+    if (length(body.force) > kPressed * body.mass * length(settings.gravity)) graphChanged = structureChanged = true;
+}
 
 /// Everything that bears or holds: contacts within reach, and joints.
 void WorldImpl::collectBearings() {
@@ -68,11 +75,14 @@ void WorldImpl::findLevels() {
     }
 }
 
-/// The mass that each body hands to each neighbour below it: its own and what it carries, in equal shares.
+/// The mass that each body hands to each neighbour below it: its own, that of the forces on it and what it carries, in
+/// equal shares.
 void WorldImpl::estimateLoads() {
     carried.resizeForOverwrite(bodies.size());
     supports.resizeForOverwrite(bodies.size());
-    for (const std::uint32_t body : awakeBodies) carried[body] = 0, supports[body] = 0;
+    const float gravity = length(settings.gravity), perForce = gravity > 0 ? 1 / gravity : 0.0f;
+    for (const std::uint32_t body : awakeBodies)
+        carried[body] = perForce * length(bodies[body].force), supports[body] = 0;
     for (const Bearing& bearing : bearings) {
         const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
         if (movesA && (!movesB || levels[bearing.b] < levels[bearing.a])) ++supports[bearing.a];
@@ -174,6 +184,8 @@ void WorldImpl::measureIslands() {
         const float speed = length(states[body].v) + length(states[body].w) * bodies[body].radius;
         const bool slow = speed <= kSlow * std::sqrt(gravity * bodies[body].size);
         island.moving += !slow;
+        const bool rests = isDirect(body) || isUntouched(body) || bodies[body].sleepTimer >= direct::kLongRest;
+        island.restless += !slow || !rests;
         island.leaning += levels[body] != kNone && heldLevel[body] == 0 && slow;
     }
 }
@@ -185,6 +197,7 @@ bool WorldImpl::decideIslands() {
         direct::IslandFeatures& island = islandFeatures[findRoot(body)];
         const std::int32_t steps = bodies[body].directSteps;
         island.direct |= steps > 0;
+        if (steps > 0) island.last = bodies[body].directReason;
         island.staying = std::max(island.staying, steps);
         island.barred = std::min(island.barred, steps);
     }
@@ -194,14 +207,17 @@ bool WorldImpl::decideIslands() {
         direct::IslandFeatures& island = islandFeatures[body];
         island.reason = chooseDirect(island);
         if (settings.solver == 1) island.reason = direct::Reason::none, island.staying = 0;
-        if (settings.solver == 2 && island.bodies <= direct::kMostBodies && !island.rolls)
-            island.reason = direct::Reason::asked;
+        const bool large = island.bodies > direct::kMostBodies;
+        if (settings.solver == 2 && !large && !island.rolls) island.reason = direct::Reason::asked;
         if (island.barred < 0) {
             island.reason = direct::Reason::none;
             island.staying = island.barred + 1;
         } else if (island.reason != direct::Reason::none) {
-            island.staying = direct::kStayingSteps;
+            if (!large || !island.direct) island.staying = direct::kStayingSteps;
             continue;
+        } else if (large || island.last == direct::Reason::deep) {
+            // Worth it at rest alone.
+            island.staying = 0;
         } else if (island.staying > 0 && --island.staying > 0) {
             island.reason = direct::Reason::staying;
         }
@@ -226,8 +242,9 @@ void WorldImpl::chooseSolvers() {
         uniteConstraints(false);
         measureIslands();
         graphChanged = decideIslands();
-        structureChanged = false;
         applyChoices();
+        if (structureChanged) loadNewContacts();
+        structureChanged = false;
         directGrouped = false;
     }
     // Sleeping may have emptied the list since.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -90,6 +91,27 @@ void WorldImpl::destroyJoint(std::uint32_t index) {
     // The bodies may collide from now on: their shapes look for partners again.
     for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
         for (std::uint32_t s = bodies[body].firstShape; s != kNone; s = shapes[s].next) markMoved(s);
+}
+
+/// In the order of their ids, so that events depend on the scene alone.
+void WorldImpl::breakJoints() {
+    brokenJoints.clear();
+    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+        for (const std::uint32_t j : graph.color(c).joints) {
+            if (jointSims[j].breakable == 0) continue;
+            const JointBodies& bound = bodiesOf(joints[j].def);
+            const PairVector& impulse = jointSims[j].stepImpulse;
+            if (length(impulse.linear) > bound.breakForce * dt || length(impulse.angular) > bound.breakTorque * dt)
+                brokenJoints.push_back(j);
+        }
+    std::sort(brokenJoints.begin(), brokenJoints.end());
+    for (const std::uint32_t j : brokenJoints) {
+        const JointBodies bound = bodiesOf(joints[j].def);
+        const PairVector& impulse = jointSims[j].stepImpulse;
+        jointBreaks.push_back(
+            {jointId(j), bound.a, bound.b, bound.userData, (1 / dt) * impulse.linear, (1 / dt) * impulse.angular});
+        destroyJoint(j);
+    }
 }
 
 void WorldImpl::addJointToGraph(std::uint32_t index) {

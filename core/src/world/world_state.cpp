@@ -206,6 +206,7 @@ void WorldImpl::forgetDerived() {
     sensorEnds.clear();
     surfaceEvents.clear();
     sleepEvents.clear();
+    jointBreaks.clear();
     sleepEventsBetweenSteps.clear();
     stages.clear();
 }
@@ -216,13 +217,13 @@ void addJoint(StateHash& digest, const JointSim& joint) {
     digest.add(joint.block.impulseFirst);
     digest.add(joint.block.impulseSecond);
     const AxisRows& axis = joint.axis;
-    for (const float impulse :
-         {axis.springImpulse, axis.frictionImpulse, axis.motorImpulse, axis.lowerImpulse, axis.upperImpulse})
-        digest.add(impulse);
+    for (int slot = 0; slot < kAxisSlots; ++slot) digest.add(axis.impulse(static_cast<AxisSlot>(slot)));
+    for (const float impulse : joint.axes.impulse) digest.add(impulse);
+    for (const AxisRows& each : joint.axes.axis) digest.add(axisImpulse(each));
     const BallRows& ball = joint.ball;
-    digest.add(ball.springImpulse);
-    digest.add(ball.frictionImpulse);
-    for (const float impulse : {ball.swingImpulse, ball.twistLowerImpulse, ball.twistUpperImpulse}) digest.add(impulse);
+    for (const Vec3& impulse : {ball.springImpulse, ball.viscousImpulse, ball.frictionImpulse}) digest.add(impulse);
+    for (const StopSide* side : {&ball.swing[0], &ball.swing[1], &ball.twistLower, &ball.twistUpper})
+        digest.add(side->impulse);
 }
 
 /// Impulses of a manifold, which are in its lane while it is in the graph.

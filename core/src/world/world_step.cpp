@@ -2,6 +2,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "constraints/contact_layout.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -24,6 +25,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     context.gravityStep = length(settings.gravity) * h;
     context.restitutionSpeed = settings.restitutionSpeed * length(settings.gravity) * dt;
     context.loadShare = settings.loadCarrying;
+    context.staticLoadShare = settings.staticLoadCarrying;
     jointContext = {h, substepRate, makeSoftness(settings.jointFrequency * substepRate, settings.jointDamping, h)};
 
     stages.clear();
@@ -41,6 +43,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         updateContacts();
         beginStage("contacts");
         applyContactChanges();
+        hideSeams();
         beginStage("islands");
         chooseSolvers();
         beginStage("prepare");
@@ -63,6 +66,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     });
 
     stepping = false;
+    breakJoints();
     lastSubstep = h;
     ++stepCount;
     time += stepSeconds;
@@ -81,6 +85,7 @@ void WorldImpl::solveSubstep(World& world, int number) {
     if (bouncy) bounce();
     solveDirect(DirectPass::positions);
     warmStart();
+    if (number == 0) settleNewContacts();
     solve(true);
     moveAssemblies();
     integratePositions();
@@ -204,21 +209,47 @@ void WorldImpl::solve(bool useBias) {
     pass(false, true);
 }
 
+/// Contacts of direct islands that may bounce, each in a bundle of its own: those of a list bundle may share bodies.
+template <class Visit>
+void WorldImpl::forEachDirectBouncing(Visit&& visit) {
+    const auto stride = static_cast<std::size_t>(graph.lanes());
+    bounceBundle.clear();
+    bounceBundle.resize(contact::kFields * stride, 0.0f);
+    for (const std::uint32_t m : graph.color(ConstraintGraph::kDirect).manifolds) {
+        float* lane = graph.lane(manifolds[m].place);
+        if (!(lane[contact::kRestitution * stride] > 0)) continue;
+        for (std::size_t f = 0; f < contact::kFields; ++f) bounceBundle[f * stride] = lane[f * stride];
+        visit(bounceBundle.data(), 0, 1);
+        for (std::size_t f = 0; f < contact::kFields; ++f) lane[f * stride] = bounceBundle[f * stride];
+    }
+}
+
 /// Sweeps until nothing more will meet, or enough: what is left then is stopped by the rows that do not bounce.
 void WorldImpl::bounce() {
     constexpr int kSweeps = 32;
     const BodyArrays arrays = bodyArrays();
-    ConstraintGraph::Color& direct = graph.color(ConstraintGraph::kDirect);
     for (int i = 0; i < kSweeps; ++i) {
         std::atomic<bool> bounced{false};
         const auto visit = [&](float* bundles, int begin, int end) {
             if (kernels->bounceContacts(bundles, begin, end, arrays, context))
                 bounced.store(true, std::memory_order_relaxed);
         };
-        for (int k = 0; k < graph.bundleCount(ConstraintGraph::kDirect); ++k) visit(direct.bundles.data(), k, k + 1);
+        forEachDirectBouncing(visit);
         forEachColor([](std::uint32_t) {}, visit);
         if (!bounced.load(std::memory_order_relaxed)) return;
     }
+}
+
+/// What sweeps have worn down to nothing is nothing: floats too small for their full precision scale with nothing.
+void WorldImpl::stopVanishing(std::uint32_t index, float gravity) {
+    constexpr float kNothing = 1e-12f;  // of the speed that gravity gives in a step
+    BodyState& state = states[index];
+    const float limit = kNothing * gravity * dt;
+    if (bodies[index].type != BodyType::dynamic) return;
+    if (length(state.v) < limit) state.v = {};
+    if (state.w == Vec3{} || !(length(state.w) * bodies[index].radius < limit)) return;
+    state.w = {};
+    noteMomentum(index);
 }
 
 /// Moves the poses, notes who is quiet and who was too fast for its size.
@@ -241,6 +272,7 @@ void WorldImpl::finishBodies() {
             body.rotation = normalized(state.dq * body.rotation);
             state.dp = {};
             state.dq = {};
+            stopVanishing(index, gravity);
             const float quiet = settings.sleepSpeed * std::sqrt(gravity * body.size);
             const float speed = length(state.v) + length(state.w) * body.radius;
             const bool still = body.type == BodyType::kinematic ? speed == 0 : speed <= quiet;
@@ -285,6 +317,7 @@ void WorldImpl::clearEvents() {
     ends.swap(endsBetweenSteps);
     sensorEnds.swap(sensorEndsBetweenSteps);
     surfaceEvents.clear();
+    jointBreaks.clear();
     sleepEvents.clear();
     sleepEvents.swap(sleepEventsBetweenSteps);
     // All may wake at once, however long they have slept.

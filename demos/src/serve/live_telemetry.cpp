@@ -57,7 +57,23 @@ struct Margins {
     Json operator()(const DistanceDef& distance) const {
         return Json::array({margin("distance", state.coordinate, lowerOf(distance.limit), upperOf(distance.limit))});
     }
+    Json operator()(const CylindricalDef& joint) const {
+        return {of("angle", state.coordinate, joint.turn), of("travel", state.second, joint.travel)};
+    }
+    Json operator()(const UniversalDef& joint) const {
+        return {of("first", state.coordinate, joint.first), of("second", state.second, joint.second)};
+    }
+    Json operator()(const PlaneDef& joint) const {
+        return {of("angle", state.coordinate, joint.turn), of("y", state.second, joint.y),
+                of("z", state.third, joint.z)};
+    }
+    Json operator()(const ScrewDef& joint) const { return Json::array({of("angle", state.coordinate, joint.turn)}); }
     Json operator()(const FixedDef&) const { return Json::array(); }
+
+private:
+    static Json of(const char* axis, float value, const AxisDef& def) {
+        return margin(axis, value, lowerOf(def.limit), upperOf(def.limit));
+    }
 };
 
 /// The joint that carries the body, or any other one; null: none.

@@ -1,0 +1,116 @@
+#include "constraints/axes_block.h"
+
+namespace ragtop {
+namespace {
+
+/// As in rows.cpp: what elimination in single precision leaves of the diagonal where the exact pivot is zero.
+constexpr float kZeroPivot = 1e-6f;
+
+PairVector operator*(float s, const PairVector& a) { return {s * a.linear, s * a.angular}; }
+void operator+=(PairVector& a, const PairVector& b) {
+    a.linear += b.linear;
+    a.angular += b.angular;
+}
+
+PairVector velocityOf(const PairMass& mass, const PairVector& impulse) {
+    return {mass.linear * impulse.linear + transposeTimes(mass.coupling, impulse.angular),
+            mass.coupling * impulse.linear + mass.angular * impulse.angular};
+}
+
+/// x ← K_rr⁻¹ x
+void solveRigid(const AxesBlock& block, float (&x)[AxesBlock::kMostRigid]) {
+    const std::uint32_t n = block.rigidRows;
+    for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t k = 0; k < i; ++k) x[i] -= block.lower[i][k] * x[k];
+    for (std::uint32_t i = 0; i < n; ++i) x[i] *= block.lower[i][i];
+    for (std::uint32_t i = n; i-- > 0;)
+        for (std::uint32_t k = i + 1; k < n; ++k) x[i] -= block.lower[k][i] * x[k];
+}
+
+void factorRigid(AxesBlock& block, const PairVector (&moved)[AxesBlock::kMostRigid]) {
+    float pivots[AxesBlock::kMostRigid] = {};
+    for (std::uint32_t j = 0; j < block.rigidRows; ++j) {
+        const float diagonal = speedAlong(block.rigid[j], moved[j]);
+        float pivot = diagonal;
+        for (std::uint32_t k = 0; k < j; ++k) pivot -= block.lower[j][k] * block.lower[j][k] * pivots[k];
+        const bool moves = pivot > kZeroPivot * diagonal;
+        pivots[j] = moves ? pivot : 0;
+        block.lower[j][j] = moves ? 1 / pivot : 0;
+        for (std::uint32_t i = j + 1; i < block.rigidRows; ++i) {
+            float value = speedAlong(block.rigid[i], moved[j]);
+            for (std::uint32_t k = 0; k < j; ++k) value -= block.lower[i][k] * block.lower[j][k] * pivots[k];
+            block.lower[i][j] = value * block.lower[j][j];
+        }
+    }
+}
+
+}  // namespace
+
+void refreshMass(AxesBlock& block, const PairMass& mass) {
+    PairVector moved[AxesBlock::kMostRigid];
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i) moved[i] = velocityOf(mass, block.rigid[i]);
+    factorRigid(block, moved);
+    for (std::uint32_t f = 0; f < block.freeRows; ++f) {
+        const float whole = speedAlong(block.free[f], velocityOf(mass, block.free[f]));
+        float left = whole;
+        for (std::uint32_t i = 0; i < block.rigidRows; ++i) block.gain[f][i] = speedAlong(block.free[f], moved[i]);
+        solveRigid(block, block.gain[f]);
+        for (std::uint32_t i = 0; i < block.rigidRows; ++i)
+            left -= block.gain[f][i] * speedAlong(block.free[f], moved[i]);
+        block.axis[f].inverseMass = left > kZeroPivot * whole ? left : 0.0f;
+    }
+}
+
+PairVector carriedImpulse(const AxesBlock& block) {
+    PairVector sum;
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i) sum += block.impulse[i] * block.rigid[i];
+    for (std::uint32_t f = 0; f < block.freeRows; ++f) sum += axisImpulse(block.axis[f]) * block.free[f];
+    return sum;
+}
+
+void beginAxes(AxesBlock& block, const double (&coordinates)[AxesBlock::kMostFree], const BodyPair& pair,
+               const Arms& arms, float reaction, const JointContext& context) {
+    const PairVector u = pair.velocity(arms);
+    bool hadImpact = false;
+    for (std::uint32_t f = 0; f < block.freeRows; ++f)
+        hadImpact |= beginAxis(block.axis[f], coordinates[f], speedAlong(block.free[f], u), reaction, context);
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i) {
+        if (hadImpact) block.impulse[i] = block.startImpulse[i];
+        block.startImpulse[i] = block.impulse[i];
+    }
+}
+
+void rescale(AxesBlock& block, float ratio) {
+    for (float& impulse : block.impulse) impulse *= ratio;
+    for (AxisRows& axis : block.axis) rescale(axis, ratio);
+}
+
+void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const JointContext& context, bool moving) {
+    const Softness soft = moving ? context.softness : kRigid;
+    const PairVector u = pair.velocity(arms);
+    float change[AxesBlock::kMostRigid] = {};
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i)
+        change[i] = -(speedAlong(block.rigid[i], u) + soft.biasRate * block.error[i]);
+    solveRigid(block, change);
+    PairVector total;
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i) {
+        change[i] = soft.massScale * change[i] - soft.impulseScale * block.impulse[i];
+        block.impulse[i] += change[i];
+        total += change[i] * block.rigid[i];
+    }
+    pair.apply(arms, total);
+    for (std::uint32_t f = 0; f < block.freeRows; ++f) {
+        if (block.axis[f].features == 0) continue;
+        const float speed = speedAlong(block.free[f], pair.velocity(arms));
+        const float amount = solveAxis(block.axis[f], speed, context, moving);
+        PairVector impulse = amount * block.free[f];
+        for (std::uint32_t i = 0; i < block.rigidRows; ++i) {
+            const float keeps = -amount * block.gain[f][i];
+            block.impulse[i] += keeps;
+            impulse += keeps * block.rigid[i];
+        }
+        pair.apply(arms, impulse);
+    }
+}
+
+}  // namespace ragtop

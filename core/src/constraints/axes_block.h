@@ -1,0 +1,43 @@
+#pragma once
+
+#include "constraints/rows.h"
+
+/// A joint of any rows: some rigid, solved as one block, and up to three coordinates that act through it. Joints whose
+/// rigid rows are not three of one half of the relative motion have this instead of a RigidBlock.
+namespace ragtop {
+
+struct AxesBlock {
+    static constexpr int kMostRigid = 6, kMostFree = 3;
+    std::uint32_t rigidRows = 0, freeRows = 0;
+
+    // Carried from substep to substep, along the directions of the rows.
+    float impulse[kMostRigid] = {}, startImpulse[kMostRigid] = {};
+    AxisRows axis[kMostFree];
+
+    // Of the current substep.
+    PairVector rigid[kMostRigid], free[kMostFree];  ///< what a row takes of the relative motion
+    float error[kMostRigid] = {};
+    float lower[kMostRigid][kMostRigid] = {};  ///< L D Lᵀ of the rigid rows: L, and the inverse pivots on its diagonal
+    float gain[kMostFree][kMostRigid] = {};  ///< K_rr⁻¹ K_rf: what keeps the rigid rows' velocity, per free impulse
+};
+
+/// Masses from the directions, once these are filled in.
+void refreshMass(AxesBlock& block, const PairMass& mass);
+/// All that is carried over as one impulse.
+PairVector carriedImpulse(const AxesBlock& block);
+void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const JointContext& context, bool moving);
+/// When a substep begins, once directions and masses are there.
+void beginAxes(AxesBlock& block, const double (&coordinates)[AxesBlock::kMostFree], const BodyPair& pair,
+               const Arms& arms, float reaction, const JointContext& context);
+void rescale(AxesBlock& block, float ratio);
+
+inline float speedAlong(const PairVector& row, const PairVector& velocity) {
+    return dot(row.linear, velocity.linear) + dot(row.angular, velocity.angular);
+}
+/// A travel of B along a direction that turns with A: at the shared point, half the gap away from either anchor, the
+/// relative velocity has half of what the gap turns by too much on each side.
+inline PairVector travelRow(const Vec3& direction, const Vec3& gap) {
+    return {direction, 0.5f * cross(gap, direction)};
+}
+
+}  // namespace ragtop

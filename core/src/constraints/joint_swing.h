@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "ragtop/joint_parts.h"
+
+/// How far a direction d, that of B's x axis in A's joint frame, is from the edge of what it may be.
+namespace ragtop {
+
+/// Signed angle to the nearest place of the edge, and the unit axis about which d turns inwards.
+struct SwingMargin {
+    float margin = 0;  ///< rad, negative outside
+    Vec3 axis;         ///< in the frame of d; zero where none is defined
+};
+
+enum class SwingShape : std::uint32_t { free, circle, ellipse, pyramid, polygon };
+
+/// A compiled limit of the swing.
+struct SwingLimit {
+    static constexpr int kSides = 2;
+    SwingShape shape = SwingShape::free;
+    float y = 0, z = 0;                       ///< rad, half angles of circle and ellipse
+    Range rangeY{}, rangeZ{};                 ///< rad, of the pyramid
+    std::uint32_t corners = 0;                ///< of the polygon
+    Vec3 corner[ReachPolygon::kMostCorners];  ///< unit vectors
+    Vec3 edge[ReachPolygon::kMostCorners];    ///< unit normals, inwards, of the arc from each to the next
+    Range twist[ReachPolygon::kMostCorners];  ///< rad, at each corner
+};
+void compile(SwingLimit& limit, const ReachPolygon& polygon);
+
+/// The nearest edge, and a second one where two may be reached at once. Sides that are not there have an endless
+/// margin.
+void swingMargins(const SwingLimit& limit, const Vec3& d, SwingMargin (&sides)[SwingLimit::kSides]);
+/// The twist that a polygon allows at d: the mean of its corners' by the inverse fourth power of their distance.
+Range twistAt(const SwingLimit& limit, const Vec3& d);
+
+/// B's x axis after a swing, a rotation vector across x, and the other way round.
+Vec3 directionOfSwing(float y, float z);
+
+/// Empty when edges do not cross and the corners are apart; otherwise the complaint.
+std::string whyInvalidReach(const ReachPolygon& polygon);
+
+}  // namespace ragtop

@@ -1,0 +1,164 @@
+#include "narrowphase/pairs.h"
+#include "world/lane_view.h"
+#include "world/world_impl.h"
+
+/// Seams between bodies. What slides from one tile of a floor to the next meets the side of the next one, or its edge,
+/// before it is over it: of all directions that keep the two apart the narrow phase takes the one with the widest gap.
+/// Where a body already touches something along a plane that has the other obstacle behind it, that plane keeps them
+/// apart, and the contact with the other obstacle has nothing to do.
+namespace ragtop {
+
+namespace {
+
+/// Of the size: how far shapes may reach through a plane that still separates them. Steps lower than this are no steps.
+constexpr float kStep = 0.01f;
+/// Of the size: contacts that close by less in a step stop nothing.
+constexpr float kClosing = 1e-3f;
+
+float reachAlong(const ConvexView& shape, const Vec3& direction) {
+    if (shape.kind == ConvexKind::hull) {
+        float most = dot(shape.hull->vertices[0], direction);
+        for (const Vec3& vertex : shape.hull->vertices) {
+            const float reach = dot(vertex, direction);
+            most = reach > most ? reach : most;
+        }
+        return most + shape.radius;
+    }
+    return dot(abs(direction), shape.halfExtents) + shape.radius;
+}
+
+/// How far a convex shape at a pose reaches along a direction, from a place in the world.
+float extentAlong(const ConvexView& shape, const Pose& pose, const Vec3& direction, const DVec3& from) {
+    return dot(direction, relative(pose.position, from)) + reachAlong(shape, inverseRotate(pose.rotation, direction));
+}
+
+}  // namespace
+
+/// A body at the beginning of the step: the manifolds of the step belong there.
+Pose WorldImpl::startOfStep(std::uint32_t index) const {
+    const BodyRecord& body = bodies[index];
+    if (!posesMoved || body.awakeIndex == kNone || body.awakeIndex >= startPoses.size())
+        return {body.center, body.rotation};
+    const StartPose& start = startPoses[body.awakeIndex];
+    return {start.center, start.rotation};
+}
+
+/// The surface that a manifold gives to one of its sides, where they touch within a distance.
+WorldImpl::TouchedPlane WorldImpl::touchedPlane(const ManifoldRecord& manifold, int side, float within) const {
+    const ContactRecord& contact = contacts[manifold.contact];
+    const Pose a = startOfStep(contact.bodyA);
+    TouchedPlane plane;
+    plane.normal = (side == 1 ? 1.0f : -1.0f) * rotate(a.rotation, manifold.normal);
+    for (int j = 0; j < manifold.pointCount; ++j) {
+        if (manifold.separation[j] > within) continue;
+        if (-manifold.separation[j] > plane.depth) plane.depth = -manifold.separation[j];
+        if (plane.touches) continue;
+        const Pose holder = side == 1 ? a : startOfStep(contact.bodyB);
+        const Vec3 anchor = rotate(holder.rotation, (side == 1 ? manifold.anchorA : manifold.anchorB)[j]);
+        plane.at = holder.position + (anchor - 0.5f * manifold.separation[j] * plane.normal);
+        plane.touches = true;
+    }
+    return plane;
+}
+
+/// Does a plane have one shape in front of it, but for what it overlaps there, and the other behind?
+bool WorldImpl::separates(const TouchedPlane& plane, std::uint32_t front, std::uint32_t behind, float slack) const {
+    const ShapeRecord &a = shapes[front], &b = shapes[behind];
+    const ConvexView &viewA = geometries[a.geometry].convex, &viewB = geometries[b.geometry].convex;
+    return extentAlong(viewA, startOfStep(a.body) * a.frame, -plane.normal, plane.at) <= slack + plane.depth &&
+           extentAlong(viewB, startOfStep(b.body) * b.frame, plane.normal, plane.at) <= slack;
+}
+
+/// Calls visit(plane, manifold, side) for what a body touches, until one says true.
+template <class Visit>
+bool WorldImpl::anyTouchedPlane(std::uint32_t body, float within, Visit&& visit) const {
+    for (std::uint32_t key = bodies[body].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+        const ContactRecord& contact = contacts[key >> 1];
+        if (contact.sensor) continue;
+        for (std::uint32_t k = 0; k < contact.manifoldCapacity; ++k) {
+            const ManifoldRecord& manifold = manifolds[contact.firstManifold + k];
+            if (manifold.pointCount == 0 || manifold.place.color == kNone) continue;
+            const TouchedPlane plane = touchedPlane(manifold, static_cast<int>(key & 1), within);
+            if (plane.touches && visit(plane, manifold, static_cast<int>(key & 1))) return true;
+        }
+    }
+    return false;
+}
+
+/// Does sliding along a plane, and that alone, close a contact in this step, or in the substep after it, which the last
+/// relaxing pass foresees? By more than `least`, which also stands for what accelerations add.
+bool WorldImpl::slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const {
+    const ContactRecord& contact = contacts[manifold.contact];
+    const Vec3 normal = rotate(bodies[contact.bodyA].rotation, manifold.normal);
+    const Vec3 along = normal - dot(normal, plane) * plane;
+    const float foreseen = 1 + context.h / dt;
+    for (int j = 0; j < manifold.pointCount; ++j) {
+        const Vec3 way = wayAtPoint(contact, manifold, j);
+        if (dot(way, along) > least && manifold.separation[j] <= foreseen * dot(way, normal) + least) return true;
+    }
+    return false;
+}
+
+/// Does a body's contact with something else keep the shapes of this one apart? `side` is that of the body.
+bool WorldImpl::isSeam(const ManifoldRecord& manifold, int side) const {
+    const ContactRecord& contact = contacts[manifold.contact];
+    const std::uint32_t shape = side == 1 ? contact.shapeB : contact.shapeA;
+    const std::uint32_t obstacle = side == 1 ? contact.shapeA : contact.shapeB;
+    const float slack = slackOf(shape, obstacle);
+    const auto keepsApart = [&](const TouchedPlane& plane, const ManifoldRecord& other, int otherSide) {
+        if (other.contact == manifold.contact) return false;
+        if (!slidesInto(manifold, plane.normal, kClosing * slack / kStep)) return false;
+        if (!separates(plane, shape, obstacle, slack)) return false;
+        // Where each of two planes has the other obstacle behind it, the earlier contact stays.
+        const ContactRecord& by = contacts[other.contact];
+        const std::uint32_t otherShape = otherSide == 1 ? by.shapeB : by.shapeA;
+        const std::uint32_t otherObstacle = otherSide == 1 ? by.shapeA : by.shapeB;
+        if (other.contact < manifold.contact || geometries[shapes[otherObstacle].geometry].isMesh()) return true;
+        const TouchedPlane own = touchedPlane(manifold, side, slack);
+        return !own.touches || !separates(own, otherShape, otherObstacle, slackOf(otherShape, otherObstacle));
+    };
+    return anyTouchedPlane(shapes[shape].body, slack, keepsApart);
+}
+
+/// The same on a swept way: in front of the plane at both of its ends, and as far as it may bulge between them.
+bool WorldImpl::keptApart(std::uint32_t shape, std::uint32_t obstacle, const Pose& start, const Pose& end,
+                          float bulge) const {
+    const ConvexView& view = geometries[shapes[shape].geometry].convex;
+    const ConvexView& solid = geometries[shapes[obstacle].geometry].convex;
+    const float slack = slackOf(shape, obstacle);
+    if (bulge > slack || geometries[shapes[obstacle].geometry].isMesh()) return false;
+    const Pose place = shapePose(shapes[obstacle]);
+    return anyTouchedPlane(
+        shapes[shape].body, slack, [&](const TouchedPlane& plane, const ManifoldRecord& by, int side) {
+            const ContactRecord& contact = contacts[by.contact];
+            if ((side == 1 ? contact.shapeA : contact.shapeB) == obstacle) return false;
+            return extentAlong(view, start, -plane.normal, plane.at) <= slack + plane.depth - bulge &&
+                   extentAlong(view, end, -plane.normal, plane.at) <= slack + plane.depth - bulge &&
+                   extentAlong(solid, place, plane.normal, plane.at) <= slack;
+        });
+}
+
+float WorldImpl::slackOf(std::uint32_t a, std::uint32_t b) const {
+    return kStep * (shapes[a].size < shapes[b].size ? shapes[a].size : shapes[b].size);
+}
+
+/// Takes the points of contacts at seams out of this step; their lanes are written anew in the next one. Only what moves
+/// is looked at.
+void WorldImpl::hideSeams() {
+    runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            const ContactRecord& contact = contacts[awakeContacts[static_cast<std::size_t>(i)]];
+            if (contact.sensor || !contact.hasPoints || contact.isMesh) continue;
+            const float size = slackOf(contact.shapeA, contact.shapeB) / kStep;
+            if (bodies[contact.bodyA].ahead + bodies[contact.bodyB].ahead < kClosing * size) continue;
+            const ManifoldRecord& manifold = manifolds[contact.firstManifold];
+            if (manifold.place.color == kNone || manifold.pointCount == 0) continue;
+            if ((moves(contact.bodyA) && isSeam(manifold, 0)) || (moves(contact.bodyB) && isSeam(manifold, 1))) {
+                LaneView(graph.lane(manifold.place), graph.lanes()).setBits(contact::kPointCount, 0);
+                surfaceKept[indexOf(manifold)] = 0;
+            }
+        }
+    });
+}
+
+}  // namespace ragtop

@@ -1,0 +1,76 @@
+// Loads of contacts that were just made between bodies at rest, so that what was built does not sink before it stands.
+
+#include <cmath>
+
+#include "constraints/contact_layout.h"
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+constexpr float kUpright = 0.94f;  ///< cosine of the steepest contact whose load is a weight
+constexpr int kSweeps = 16;        ///< that make estimated loads an equilibrium; what is left of their error is local
+
+}  // namespace
+
+/// True of what was just made and stands: it has no speed at all, as nothing keeps once it has been stepped.
+bool WorldImpl::isUntouched(std::uint32_t body) const {
+    const BodyState& state = states[bodies[body].state];
+    return state.v == Vec3{} && state.w == Vec3{};
+}
+
+/// The weight that the estimate hands down, in equal shares to the points, for each contact of bodies that have not
+/// moved yet and that carries nothing. Follows measureIslands.
+void WorldImpl::loadNewContacts() {
+    freshManifolds.clear();
+    const float gravity = length(settings.gravity);
+    if (!(gravity > 0)) return;
+    const Vec3 down = (1 / gravity) * settings.gravity;
+    const auto stride = static_cast<std::size_t>(graph.lanes());
+    for (const Bearing& bearing : bearings) {
+        if (bearing.joint || !isUntouched(bearing.a) || !isUntouched(bearing.b)) continue;
+        const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
+        const bool aBears = movesB && (!movesA || levels[bearing.a] < levels[bearing.b]);
+        const bool bBears = movesA && (!movesB || levels[bearing.b] < levels[bearing.a]);
+        if (!aBears && !bBears) continue;
+        const ManifoldRecord& manifold = manifolds[bearing.constraint];
+        const float along = std::fabs(dot(rotate(bodies[bearing.a].rotation, manifold.normal), down));
+        if (along < kUpright || manifold.pointCount == 0 || manifold.place.color == ConstraintGraph::kDirect) continue;
+        float* lane = graph.lane(manifold.place);
+        const auto at = [&](int point, int field) -> float& {
+            return lane[static_cast<std::size_t>(contact::kPoints + point * contact::kPointFields + field) * stride];
+        };
+        bool loaded = false;
+        for (int j = 0; j < manifold.pointCount; ++j) loaded |= at(j, contact::kImpulse) != 0;
+        if (loaded) continue;
+        const std::uint32_t upper = aBears ? bearing.b : bearing.a;
+        const float load = (carried[upper] + bodies[upper].mass) / static_cast<float>(supports[upper]);
+        const float share = load * context.gravityStep * along / static_cast<float>(manifold.pointCount);
+        for (int j = 0; j < manifold.pointCount; ++j) at(j, contact::kImpulse) = at(j, contact::kLoad) = share;
+        freshManifolds.push(bearing.constraint);
+    }
+}
+
+/// Sweeps that move nothing yet make the estimate an equilibrium, which is what these contacts carry from then on.
+void WorldImpl::settleNewContacts() {
+    if (freshManifolds.empty()) return;
+    for (int i = 0; i < kSweeps; ++i) solve(false);
+    const auto stride = static_cast<std::size_t>(graph.lanes());
+    for (const std::uint32_t m : freshManifolds) {
+        float* lane = graph.lane(manifolds[m].place);
+        for (int j = 0; j < manifolds[m].pointCount; ++j) {
+            float* point = lane + static_cast<std::size_t>(contact::kPoints + j * contact::kPointFields) * stride;
+            point[contact::kLoad * stride] = point[contact::kImpulse * stride];
+        }
+    }
+    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+        for (const std::uint32_t m : graph.color(c).manifolds)
+            for (int j = 0; j < manifolds[m].pointCount; ++j)
+                graph.lane(manifolds[m].place)[static_cast<std::size_t>(contact::kPoints + j * contact::kPointFields +
+                                                                        contact::kPeak) *
+                                               stride] = 0;
+    freshManifolds.clear();
+}
+
+}  // namespace ragtop
