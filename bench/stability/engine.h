@@ -32,6 +32,8 @@ public:
     virtual void setVelocity(int body, const Vec3& linear, const Vec3& angular) = 0;
     /// A force (N) at a point of the world, during the next step.
     virtual void push(int body, const Vec3& force, const DVec3& point) = 0;
+    /// Puts another body into the scene and returns its index.
+    virtual int add(const BodyDef&) { throw Unsupported("bodies that come later"); }
     virtual void remove(int body) = 0;
     /// Sum of the normal forces (N) between two bodies in the last step; empty where the engine does not tell.
     virtual std::optional<double> normalForce(int a, int b) const = 0;
@@ -48,6 +50,9 @@ std::span<const EngineKind> engineKinds();
 std::unique_ptr<Engine> makeRagtop(const Scene& scene);
 std::unique_ptr<Engine> makeBullet(const Scene& scene);
 std::unique_ptr<Engine> makeBullet240(const Scene& scene);
+/// Bullet as the speeds of other engines were compared with: hulls with its margin around them, limited balls as its
+/// six-axis springs with motors for friction, sleeping as the scene says. Takes bodies that come later.
+std::unique_ptr<Engine> makeBulletYardstick(const Scene& scene);
 std::unique_ptr<Engine> makeMujoco(const Scene& scene);
 std::unique_ptr<Engine> makeOde(const Scene& scene);
 std::unique_ptr<Engine> makeOdeExact(const Scene& scene);

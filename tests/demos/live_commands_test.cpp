@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <random>
 
 namespace ragtop::live {
@@ -72,6 +73,8 @@ TEST(Commands, TunedValuesHaveTheTypesOfTunables) {
 struct Bad {
     const char* text;
     const char* error;
+
+    friend std::ostream& operator<<(std::ostream& out, const Bad& bad) { return out << bad.text; }
 };
 
 class BadCommand : public testing::TestWithParam<Bad> {};

@@ -1,3 +1,4 @@
+#include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <cmath>
@@ -27,15 +28,36 @@ private:
     btTransform transform_;
 };
 
+/// Also lets bodies of one negative group pass through each other; the group is the proxy's body's second index.
+struct GroupFilter : btOverlapFilterCallback {
+    bool needBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const override {
+        if ((a->m_collisionFilterGroup & b->m_collisionFilterMask) == 0) return false;
+        if ((b->m_collisionFilterGroup & a->m_collisionFilterMask) == 0) return false;
+        const int group = groupOf(*a);
+        return group >= 0 || group != groupOf(*b);
+    }
+    static int groupOf(const btBroadphaseProxy& proxy) {
+        return static_cast<const btCollisionObject*>(proxy.m_clientObject)->getUserIndex2();
+    }
+};
+
+struct BulletOptions {
+    int substeps = 1;
+    bool yardstick = false;  ///< see makeBulletYardstick
+};
+
 /// Bullet 3.24 with default settings: ten sequential impulses.
 class BulletEngine : public Engine {
 public:
-    BulletEngine(const Scene& scene, int substeps)
+    BulletEngine(const Scene& scene, const BulletOptions& options)
         : peers_(scene),
-          substeps_(substeps),
+          options_(options),
+          shapes_(options.yardstick ? BulletShapes::Hulls::enlarged : BulletShapes::Hulls::shrunk),
+          sleeping_(options.yardstick && scene.settings.sleeping),
           dispatcher_(&configuration_),
           world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
         world_.setGravity(toBullet(scene.settings.gravity));
+        broadphase_.getOverlappingPairCache()->setOverlapFilterCallback(&filter_);
         for (int i = 0; i < peers_.count(); ++i) addBody(i);
         for (const SceneJoint& joint : scene.joints) addJoint(joint);
     }
@@ -46,8 +68,8 @@ public:
     }
 
     void step(double dt) override {
-        dt_ = dt / substeps_;
-        for (int i = 0; i < substeps_; ++i) {
+        dt_ = dt / options_.substeps;
+        for (int i = 0; i < options_.substeps; ++i) {
             // Forces are cleared after each step of Bullet's.
             for (const Push& push : pushes_)
                 body(push.body).applyForce(push.force, push.point - body(push.body).getCenterOfMassPosition());
@@ -72,6 +94,11 @@ public:
     }
     void push(int i, const Vec3& force, const DVec3& point) override {
         pushes_.push_back({i, toBullet(force), toBullet(toVec3(point))});
+    }
+    int add(const BodyDef& def) override {
+        peers_.add(def);
+        addBody(peers_.count() - 1);
+        return peers_.count() - 1;
     }
     void remove(int i) override { world_.removeRigidBody(&body(i)); }
     std::optional<double> normalForce(int a, int b) const override {
@@ -109,7 +136,8 @@ private:
         info.m_restitution = std::sqrt(material.restitution);
         bodies_.push_back(std::make_unique<btRigidBody>(info));
         body(i).setUserIndex(i);
-        body(i).setActivationState(DISABLE_DEACTIVATION);
+        body(i).setUserIndex2(def.shapes[0].filter.group);
+        if (!sleeping_ || !def.allowSleep) body(i).setActivationState(DISABLE_DEACTIVATION);
         body(i).setLinearVelocity(toBullet(def.linearVelocity));
         body(i).setAngularVelocity(toBullet(def.angularVelocity));
         if (def.type == BodyType::kinematic) {
@@ -132,17 +160,15 @@ private:
             return toBullet(peers_.local(side, f) * turn);
         };
         if (const auto* ball = std::get_if<BallDef>(&joint.def)) {
-            if (ball->swingLimit || ball->swingEllipse || ball->swingPyramid || ball->reach || ball->twistLimit ||
-                ball->spring || ball->friction != 0)
-                refuse("Bullet: limited ball");
-            keep(std::make_unique<btPoint2PointConstraint>(a, b, frame(joint.bodyA, frames.frameA, {}).getOrigin(),
-                                                           frame(joint.bodyB, frames.frameB, {}).getOrigin()));
+            keep(ballConstraint(*ball, a, b, frame(joint.bodyA, frames.frameA, {}),
+                                frame(joint.bodyB, frames.frameB, {})));
         } else if (const auto* hinge = std::get_if<HingeDef>(&joint.def)) {
-            if (hinge->spring || hinge->friction != 0 || hinge->motor || !isPlain(*hinge))
+            if (hinge->spring || hinge->motor || !isPlain(*hinge) || (hinge->friction != 0 && !options_.yardstick))
                 refuse("Bullet: hinge with spring or motor");
             auto constraint = std::make_unique<btHingeConstraint>(a, b, frame(joint.bodyA, frames.frameA, z),
                                                                   frame(joint.bodyB, frames.frameB, z), true);
             if (hinge->limit) constraint->setLimit(hinge->limit->lower, hinge->limit->upper);
+            if (hinge->friction != 0) constraint->enableAngularMotor(true, 0, hinge->friction * kYardstickStep);
             keep(std::move(constraint));
         } else if (const auto* slider = std::get_if<SliderDef>(&joint.def)) {
             if (slider->limit || slider->spring || slider->motor) refuse("Bullet: slider with extras");
@@ -158,12 +184,36 @@ private:
         }
         world_.addConstraint(joints_.back().get(), !frames.collide);
     }
+    /// With limits as a pyramid, and dry friction as motors that want no speed.
+    std::unique_ptr<btTypedConstraint> ballConstraint(const BallDef& ball, btRigidBody& a, btRigidBody& b,
+                                                      const btTransform& frameA, const btTransform& frameB) const {
+        if (ball.swingEllipse || ball.swingPyramid || ball.reach) refuse("Bullet: limited ball");
+        if (!ball.swingLimit && !ball.twistLimit && !ball.spring && ball.friction == 0)
+            return std::make_unique<btPoint2PointConstraint>(a, b, frameA.getOrigin(), frameB.getOrigin());
+        if (!options_.yardstick || !ball.swingLimit || !ball.twistLimit || ball.spring) refuse("Bullet: limited ball");
+        auto constraint = std::make_unique<btGeneric6DofSpring2Constraint>(a, b, frameA, frameB);
+        const btScalar swing = *ball.swingLimit;
+        constraint->setLinearLowerLimit({0, 0, 0});
+        constraint->setLinearUpperLimit({0, 0, 0});
+        constraint->setAngularLowerLimit({ball.twistLimit->lower, -swing, -swing});
+        constraint->setAngularUpperLimit({ball.twistLimit->upper, swing, swing});
+        for (int axis = 3; axis < 6; ++axis) {
+            constraint->enableMotor(axis, true);
+            constraint->setTargetVelocity(axis, 0);
+            constraint->setMaxMotorForce(axis, ball.friction);
+        }
+        return constraint;
+    }
     void keep(std::unique_ptr<btTypedConstraint> joint) { joints_.push_back(std::move(joint)); }
 
+    static constexpr float kYardstickStep = 1.0f / 60;  // s, for which Bullet wants an impulse
+
     PeerBodies peers_;
-    int substeps_;
+    BulletOptions options_;
     double dt_ = 1;
     BulletShapes shapes_;
+    bool sleeping_;
+    GroupFilter filter_;
     btDefaultCollisionConfiguration configuration_;
     btCollisionDispatcher dispatcher_;
     btDbvtBroadphase broadphase_;
@@ -178,7 +228,14 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Engine> makeBullet(const Scene& scene) { return std::make_unique<BulletEngine>(scene, 1); }
-std::unique_ptr<Engine> makeBullet240(const Scene& scene) { return std::make_unique<BulletEngine>(scene, 4); }
+std::unique_ptr<Engine> makeBullet(const Scene& scene) {
+    return std::make_unique<BulletEngine>(scene, BulletOptions{});
+}
+std::unique_ptr<Engine> makeBullet240(const Scene& scene) {
+    return std::make_unique<BulletEngine>(scene, BulletOptions{.substeps = 4});
+}
+std::unique_ptr<Engine> makeBulletYardstick(const Scene& scene) {
+    return std::make_unique<BulletEngine>(scene, BulletOptions{.yardstick = true});
+}
 
 }  // namespace ragtop::stability

@@ -11,6 +11,8 @@ namespace ragtop::stability {
 btCollisionShape* BulletShapes::make(const BodyDef& def, const Frame& frame) {
     if (def.shapes.size() == 1) {
         const Frame local = inverse(frame) * def.shapes[0].frame;
+        const auto* hull = std::get_if<ConvexHull>(&def.shapes[0].geometry);
+        if (hull && hulls_ == Hulls::enlarged) return makeEnlarged(*hull, local);
         if (local == Frame{}) return make(def.shapes[0].geometry);
     }
     auto* compound = keep(std::make_unique<btCompoundShape>());
@@ -40,6 +42,13 @@ btCollisionShape* BulletShapes::makeHull(const ConvexHull& hull) {
     for (int i = 0; i < shrunk.vertices.size(); ++i) result->addPoint(shrunk.vertices[i], false);
     result->recalcLocalAabb();
     result->setMargin(margin);
+    return result;
+}
+
+btCollisionShape* BulletShapes::makeEnlarged(const ConvexHull& hull, const Frame& frame) {
+    auto* result = keep(std::make_unique<btConvexHullShape>());
+    for (const Vec3& vertex : hull.vertices()) result->addPoint(toBullet(transformPoint(frame, vertex)), false);
+    result->recalcLocalAabb();
     return result;
 }
 

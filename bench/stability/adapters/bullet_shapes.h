@@ -12,21 +12,25 @@ namespace ragtop::stability {
 inline btVector3 toBullet(const Vec3& v) { return {v.x, v.y, v.z}; }
 inline btQuaternion toBullet(const Quat& q) { return {q.x, q.y, q.z, q.w}; }
 inline btTransform toBullet(const Frame& f) { return btTransform(toBullet(f.rotation), toBullet(f.position)); }
-inline btTransform toBullet(const Pose& p) {
-    return btTransform(toBullet(p.rotation), toBullet(toVec3(p.position)));
-}
+inline btTransform toBullet(const Pose& p) { return btTransform(toBullet(p.rotation), toBullet(toVec3(p.position))); }
 inline Vec3 fromBullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 inline Quat fromBullet(const btQuaternion& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
 /// Makes Bullet's shapes and keeps them.
 class BulletShapes {
 public:
+    enum class Hulls {
+        shrunk,    ///< so that with Bullet's margin they are as large as they should be
+        enlarged,  ///< as they are, the margin around them
+    };
+    explicit BulletShapes(Hulls hulls) : hulls_(hulls) {}
     /// All shapes of a body in one, in the frame given.
     btCollisionShape* make(const BodyDef& def, const Frame& frame);
 
 private:
     btCollisionShape* make(const Shape& shape);
     btCollisionShape* makeHull(const ConvexHull& hull);
+    btCollisionShape* makeEnlarged(const ConvexHull& hull, const Frame& frame);
     btCollisionShape* makeMesh(const TriangleMesh& mesh);
     template <class T>
     T* keep(std::unique_ptr<T> shape) {
@@ -34,6 +38,7 @@ private:
         shapes_.push_back(std::move(shape));
         return raw;
     }
+    Hulls hulls_;
     std::vector<std::unique_ptr<btCollisionShape>> shapes_;
     std::vector<std::unique_ptr<btTriangleMesh>> meshes_;
 };

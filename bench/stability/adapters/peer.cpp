@@ -28,10 +28,12 @@ Inertial inertialOf(const BodyDef& def) {
 }
 
 PeerBodies::PeerBodies(const Scene& scene) {
-    for (const SceneBody& body : scene.bodies) {
-        defs_.push_back(body.def);
-        inertials_.push_back(inertialOf(body.def));
-    }
+    for (const SceneBody& body : scene.bodies) add(body.def);
+}
+
+void PeerBodies::add(const BodyDef& def) {
+    defs_.push_back(def);
+    inertials_.push_back(inertialOf(def));
 }
 
 Frame PeerBodies::local(int body, const Frame& frame) const {

@@ -21,6 +21,7 @@ Inertial inertialOf(const BodyDef& def);
 class PeerBodies {
 public:
     explicit PeerBodies(const Scene& scene);
+    void add(const BodyDef& def);
 
     int count() const { return static_cast<int>(defs_.size()); }
     const BodyDef& def(int body) const { return defs_[index(body)]; }

@@ -1,6 +1,4 @@
-#include "ragtop/world.h"
-
-#include "../engine.h"
+#include "ragtop.h"
 
 namespace ragtop::stability {
 namespace {
@@ -12,37 +10,41 @@ WorldSettings settingsOf(const Scene& scene) {
     return settings;
 }
 
-class RagtopEngine : public Engine {
-public:
-    explicit RagtopEngine(const Scene& scene) : world_(settingsOf(scene)), instance_(scene, world_) {}
-
-    void step(double dt) override { world_.step(dt); }
-    BodyMotion motion(int body) const override {
-        const BodyId id = idOf(body);
-        return {world_.pose(id), world_.linearVelocity(id), world_.angularVelocity(id)};
-    }
-    void setVelocity(int body, const Vec3& linear, const Vec3& angular) override {
-        world_.setVelocity(idOf(body), linear, angular);
-    }
-    void push(int body, const Vec3& force, const DVec3& point) override { world_.applyForce(idOf(body), force, point); }
-    void remove(int body) override { world_.destroy(idOf(body)); }
-    std::optional<double> normalForce(int a, int b) const override {
-        double sum = 0;
-        world_.forEachContact(idOf(a), [&](const Contact& contact) {
-            if (contact.bodyA == idOf(b) || contact.bodyB == idOf(b)) sum += static_cast<double>(contact.normalForce);
-        });
-        return sum;
-    }
-
-private:
-    BodyId idOf(int body) const { return instance_.bodies[static_cast<std::size_t>(body)]; }
-
-    World world_;
-    SceneInstance instance_;
-};
-
 }  // namespace
 
-std::unique_ptr<Engine> makeRagtop(const Scene& scene) { return std::make_unique<RagtopEngine>(scene); }
+RagtopEngine::RagtopEngine(const Scene& scene, const WorldSettings& settings, const WorldConfig& config)
+    : world_(settings, config), instance_(scene, world_) {}
+
+BodyMotion RagtopEngine::motion(int body) const {
+    const BodyId id = idOf(body);
+    return {world_.pose(id), world_.linearVelocity(id), world_.angularVelocity(id)};
+}
+
+void RagtopEngine::setVelocity(int body, const Vec3& linear, const Vec3& angular) {
+    world_.setVelocity(idOf(body), linear, angular);
+}
+
+void RagtopEngine::push(int body, const Vec3& force, const DVec3& point) {
+    world_.applyForce(idOf(body), force, point);
+}
+
+int RagtopEngine::add(const BodyDef& def) {
+    instance_.bodies.push_back(world_.create(def));
+    return static_cast<int>(instance_.bodies.size()) - 1;
+}
+
+void RagtopEngine::remove(int body) { world_.destroy(idOf(body)); }
+
+std::optional<double> RagtopEngine::normalForce(int a, int b) const {
+    double sum = 0;
+    world_.forEachContact(idOf(a), [&](const Contact& contact) {
+        if (contact.bodyA == idOf(b) || contact.bodyB == idOf(b)) sum += static_cast<double>(contact.normalForce);
+    });
+    return sum;
+}
+
+std::unique_ptr<Engine> makeRagtop(const Scene& scene) {
+    return std::make_unique<RagtopEngine>(scene, settingsOf(scene));
+}
 
 }  // namespace ragtop::stability

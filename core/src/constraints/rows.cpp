@@ -132,7 +132,14 @@ void refreshMass(RigidBlock& block, const PairMass& mass, bool secondHasRows) {
     }
     block.mass = eliminate(k11, block.linearFirst ? transpose(mass.coupling) : mass.coupling, k22);
     block.noise = kZeroPivot * (k22.xx + k22.yy + k22.zz);
-    block.second = factorize(inBasis(block.mass.rest, block.basis), diagonal(inBasis(k22, block.basis)));
+    if (block.rigidRows == 0) {
+        // The rows of the second half stay in world axes.
+        block.second = factorize(block.mass.rest, diagonal(k22));
+        return;
+    }
+    const Mat3& b = block.basis;
+    block.second =
+        factorize(inBasis(block.mass.rest, b), {dot(b.cx, k22 * b.cx), dot(b.cy, k22 * b.cy), dot(b.cz, k22 * b.cz)});
 }
 
 namespace {

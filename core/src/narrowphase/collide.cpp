@@ -48,8 +48,11 @@ float sizeOf(const ConvexView& shape) {
 void collide(const ConvexView& a, const ConvexView& b, const Frame& bInA, float margin, SeparationCache& cache,
              Manifold& out) {
     out.pointCount = 0;
+    out.gap = margin;
     if (a.kind == ConvexKind::box && b.kind == ConvexKind::box) {
-        return pairs::boxes(a.halfExtents, b.halfExtents, bInA, margin, cache, out);
+        pairs::boxes(a.halfExtents, b.halfExtents, bInA, margin, cache, out);
+        out.gap = cache.separation > margin ? cache.separation : margin;
+        return;
     }
     const bool round = a.kind == ConvexKind::sphere || a.kind == ConvexKind::capsule;
     const bool swapped = round && b.kind > a.kind;

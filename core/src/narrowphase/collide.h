@@ -10,7 +10,7 @@
 /// contacts); all other tolerances follow from the sizes of the shapes. Pure functions: thread safe, no allocation.
 namespace ragtop {
 
-/// Two convex shapes; pointCount 0 when farther apart than margin.
+/// Two convex shapes; pointCount 0 when farther apart than margin, and by how much at least then in `gap`.
 void collide(const ConvexView& a, const ConvexView& b, const Frame& bInA, float margin, SeparationCache& cache,
              Manifold& out);
 

@@ -163,7 +163,11 @@ void hullCapsule(const HullView& a, const Vec3& p, const Vec3& q, float radius, 
     const Rod rod{p, q, radius, margin, size};
     for (const Plane& plane : a.planes.first(a.faces.size())) {
         const float heightP = dot(plane.normal, p), heightQ = dot(plane.normal, q);
-        if ((heightP < heightQ ? heightP : heightQ) - plane.offset - radius > margin) return;
+        const float separation = (heightP < heightQ ? heightP : heightQ) - plane.offset - radius;
+        if (separation > margin) {
+            out.gap = separation;
+            return;
+        }
     }
     const Vec3 ends[2] = {p, q};
     const gjk::PointsSupport supportA{a.vertices.data(), static_cast<int>(a.vertices.size())};

@@ -77,14 +77,20 @@ void hullContact(const HullView& a, const HullView& b, const SeparatingAxis& axi
 void hulls(const HullView& a, const HullView& b, const Frame& bInA, float margin, SeparationCache& cache,
            Manifold& out) {
     out.pointCount = 0;
-    if (cache.kind != 0 && stillSeparated(a, b, bInA, margin, cache)) return;
+    if (cache.kind != 0 && stillSeparated(a, b, bInA, margin, cache)) {
+        out.gap = cache.separation;
+        return;
+    }
     const PlacedHull placed(b, bInA);
     const float size = a.innerRadius < b.innerRadius ? a.innerRadius : b.innerRadius;
     SeparatingAxis before;
     if (cache.kind != 0) before = alongAxis(a, placed.view(), cache.kind, indexA(cache), indexB(cache));
     const SeparatingAxis axis = chooseAxis(a, placed.view(), margin, size, before);
     cache = toCache(axis);
-    if (axis.separation > margin) return;
+    if (axis.separation > margin) {
+        out.gap = axis.separation;
+        return;
+    }
     hullContact(a, placed.view(), axis, margin, size, out);
 }
 

@@ -10,7 +10,10 @@ void pointPair(const Vec3& pointA, float radiusA, const Vec3& pointB, float radi
     const Vec3 way = pointB - pointA;
     const float distance = length(way);
     const float separation = distance - radiusA - radiusB;
-    if (separation > margin) return;
+    if (separation > margin) {
+        out.gap = separation;
+        return;
+    }
     out.normal = distance > 0 ? (1.0f / distance) * way : fallback;
     out.pointCount = 1;
     out.points[0] = {pointA + (radiusA + 0.5f * separation) * out.normal, separation, feature};
@@ -29,7 +32,11 @@ void closestPoint(const gjk::Closest& cores, float radiusA, float radiusB, float
                   Manifold& out) {
     out.pointCount = 0;
     const float separation = cores.distance - radiusA - radiusB;
-    if (cores.overlap || separation > margin) return;
+    if (cores.overlap) return;
+    if (separation > margin) {
+        out.gap = separation;
+        return;
+    }
     out.normal = cores.normal;
     out.pointCount = 1;
     out.points[0] = {0.5f * (cores.pointA + radiusA * cores.normal + cores.pointB - radiusB * cores.normal), separation,
@@ -131,7 +138,10 @@ void hullSphere(const HullView& a, float radius, const Vec3& center, float margi
     std::size_t face = 0;
     for (std::size_t i = 0; i < a.faces.size(); ++i) {
         const float height = dot(a.planes[i].normal, center) - a.planes[i].offset;
-        if (height - radius > margin) return;
+        if (height - radius > margin) {
+            out.gap = height - radius;
+            return;
+        }
         if (i == 0 || height > most) {
             most = height;
             face = i;

@@ -20,6 +20,7 @@ struct ManifoldPoint {
 struct Manifold {
     Vec3 normal;  ///< unit, from A to B
     int pointCount = 0;
+    float gap = 0;  ///< m; where there are no points, the shapes are at least so far apart
     ManifoldPoint points[kMaxManifoldPoints];
     std::uint32_t triangle = 0;  ///< of a mesh or height field, the deepest one
 };

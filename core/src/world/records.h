@@ -15,37 +15,43 @@
 namespace ragtop {
 
 /// A body's internal frame is that of its principal axes at its centre of mass.
-struct BodyRecord {
-    DVec3 center;            ///< m, centre of mass in the world
-    Quat rotation;           ///< principal axes to world
-    Frame local;             ///< internal frame in the frame of the definition
-    Vec3 inertia;            ///< kg m², principal moments
-    float mass = 0;          ///< kg
-    Vec3 force, torque;      ///< N, N m, for the next step
-    float linearDamping = 0, angularDamping = 0, gravityScale = 1;
-    float size = 0;          ///< m, smallest size of its shapes
-    float radius = 0;        ///< m, of the ball about the centre that holds its shapes
-    float sleepTimer = 0;    ///< s
-    std::int32_t directSteps = 0;        ///< steps for which its island stays direct; negative: for which it may not be
-    std::uint32_t state = 0;             ///< index into the solver's arrays; 0 for fixed bodies
-    std::uint32_t awakeIndex = kNone;    ///< place in the list of awake bodies
-    std::uint32_t firstShape = kNone, firstContact = kNone, firstJoint = kNone;  ///< contact and joint: edge keys
+struct alignas(64) BodyRecord {
+    // One cache line of what pairs of bodies are looked at by.
+    DVec3 center;             ///< m, centre of mass in the world
+    double travel = 0;        ///< m, that no point of its shapes has gone farther in steps
+    Quat rotation;            ///< principal axes to world
+    float radius = 0;         ///< m, of the ball about the centre that holds its shapes
+    float ahead = 0;          ///< m, the same of the coming step, going on as it does
+    std::uint32_t state = 0;  ///< index into the solver's arrays; 0 for fixed bodies
     BodyType type = BodyType::dynamic;
+    bool refitted = false;  ///< at the end of the last step: some shape left its bounds
+
+    Frame local;         ///< internal frame in the frame of the definition
+    Vec3 inertia;        ///< kg m², principal moments
+    float mass = 0;      ///< kg
+    Vec3 force, torque;  ///< N, N m, for the next step
+    float linearDamping = 0, angularDamping = 0, gravityScale = 1;
+    float size = 0;                    ///< m, smallest size of its shapes
+    float room = 0;                    ///< m, how far its shape can go before it leaves its bounds, at least
+    float sleepTimer = 0;              ///< s
+    std::int32_t directSteps = 0;      ///< steps for which its island stays direct; negative: for which it may not be
+    std::uint32_t awakeIndex = kNone;  ///< place in the list of awake bodies
+    std::uint32_t firstShape = kNone, firstContact = kNone, firstJoint = kNone;  ///< contact and joint: edge keys
     bool allowSleep = true, continuous = true, bullet = false;
     AxisLocks locks;
     direct::Reason directReason = direct::Reason::none;
     std::uint64_t userData = 0;
 };
 
-struct ShapeRecord {
+struct alignas(64) ShapeRecord {
     Frame frame;  ///< in the body's internal frame
-    Filter filter;
-    Material material;
+    float size = 0;
     std::uint32_t body = 0, next = kNone;
     std::uint32_t geometry = 0;  ///< index into the world's geometry table
     std::uint32_t proxy = kNone;
-    float size = 0;
     bool isStaticTree = false, sensor = false, reportsMotion = false, inMoveBuffer = false;
+    Filter filter;
+    Material material;
     std::uint64_t userData = 0;
 };
 
@@ -55,18 +61,20 @@ struct Edge {
     std::uint32_t previous = kNone, next = kNone;
 };
 
-struct ContactRecord {
+struct alignas(64) ContactRecord {
     std::uint32_t shapeA = 0, shapeB = 0, bodyA = 0, bodyB = 0;
+    double apartUntil = 0;  ///< m, travels of both bodies up to which nothing can touch; 0: unknown
     Edge edges[2];
-    SeparationCache cache;
-    std::uint32_t firstManifold = kNone;   ///< one record, or kMaxManifolds of them for meshes and height fields
-    std::uint32_t awakeIndex = kNone;      ///< place in the list of awake contacts
-    Frame collidedAt;                      ///< B's shape in A's when the manifolds were found
-    float collidedMargin = 0;              ///< m, with this margin
-    bool collided = false;
+    std::uint32_t firstManifold = kNone;  ///< one record, or kMaxManifolds of them for meshes and height fields
+    std::uint32_t awakeIndex = kNone;     ///< place in the list of awake contacts
     std::uint8_t manifoldCapacity = 1;
     bool isMesh = false, sensor = false, touching = false, reportsMotion = false;
-    bool struck = false;                   ///< by a sweep in this step
+    bool struck = false;  ///< by a sweep in this step
+    bool collided = false;
+    bool hasPoints = false;  ///< has some manifold points?
+    SeparationCache cache;
+    Frame collidedAt;          ///< B's shape in A's when the manifolds were found
+    float collidedMargin = 0;  ///< m, with this margin
 };
 
 /// One direction of a contact. Its geometry moves with the bodies: a point is two anchors, one in each body, that met
@@ -75,18 +83,18 @@ struct ManifoldRecord {
     GraphPlace place;
     std::uint32_t contact = 0;
     std::int32_t pointCount = 0;
-    Vec3 normal;                        ///< in A's internal frame, from A to B
+    Vec3 normal;  ///< in A's internal frame, from A to B
     std::uint32_t triangle = 0;
     std::uint32_t feature[kMaxManifoldPoints] = {};
     Vec3 anchorA[kMaxManifoldPoints], anchorB[kMaxManifoldPoints];  ///< m, in the bodies' internal frames
     float separation[kMaxManifoldPoints] = {};                      ///< m, when found
     float impulse[kMaxManifoldPoints] = {}, load[kMaxManifoldPoints] = {};
     Vec3 frictionImpulse, rollImpulse;
-    Vec3 stick;                         ///< m, how far B has slipped on A since they stick
+    Vec3 stick;  ///< m, how far B has slipped on A since they stick
     float twistImpulse = 0;
     bool sliding = false;
-    bool loaded = false;                ///< at the end of the last step, of contacts that report their motion
-    float substep = 0;                  ///< s, the substep that the impulses belong to
+    bool loaded = false;       ///< at the end of the last step, of contacts that report their motion
+    float substep = 0;         ///< s, the substep that the impulses belong to
 };
 
 /// A manifold where the bodies are now.

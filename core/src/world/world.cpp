@@ -52,6 +52,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       movingTree(memory),
       pairs(memory),
       geometries(memory),
+      surfaceKept(memory),
       contactChanged(memory),
       changedContacts(memory),
       islandParent(memory),

@@ -232,6 +232,9 @@ void World::setMaterial(ShapeId shape, const Material& material) {
     if (const std::string wrong = whyInvalid(material); !wrong.empty()) throw std::invalid_argument(wrong);
     ShapeRecord& record = impl_->shapes[impl_->index(shape)];
     record.material = material;
+    for (std::uint32_t key = impl_->bodies[record.body].firstContact; key != kNone;
+         key = impl_->contacts[key >> 1].edges[key & 1].next)
+        impl_->forgetSurfaces(impl_->contacts[key >> 1]);
     impl_->wakeTouching(record.body);
 }
 void World::setFilter(ShapeId shape, const Filter& filter) {

@@ -266,7 +266,15 @@ void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3&
     if (!stepping) histories[index].velocityBefore += state.v - before;
 }
 
+/// What was put somewhere did not travel there.
+void WorldImpl::forgetGaps(std::uint32_t index) {
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next)
+        contacts[key >> 1].apartUntil = 0;
+}
+
 void WorldImpl::refreshBounds(std::uint32_t index) {
+    forgetGaps(index);
+    giveRoom(index);
     for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next) {
         if (shapes[s].proxy != kNone) removeProxy(s);
         insertProxy(s);

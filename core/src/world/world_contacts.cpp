@@ -131,6 +131,9 @@ void WorldImpl::placeLane(const ContactRecord& record, const ManifoldRecord& man
 void WorldImpl::writeSurface(const ContactRecord& record, const ManifoldRecord& manifold) {
     LaneView lane(graph.lane(manifold.place), graph.lanes());
     const ContactSurface surface = surfaceOf(record, manifold.triangle);
+    // Grain and surface velocity turn with the bodies.
+    const bool turns = surface.grain != Vec3{} || surface.surfaceVelocity != Vec3{};
+    surfaceKept[indexOf(manifold)] = callbacks.modify || turns ? 0 : 1;
     lane.setBits(contact::kPointCount, surface.enabled ? static_cast<std::uint32_t>(manifold.pointCount) : 0);
     lane.at(contact::kFriction) = surface.friction;
     lane.at(contact::kSlidingShare) = surface.slidingShare;
@@ -147,6 +150,16 @@ void WorldImpl::writeSurface(const ContactRecord& record, const ManifoldRecord& 
     lane.at(contact::kRoundA) = geometries[shapes[record.shapeA].geometry].convex.radius;
     lane.at(contact::kRoundB) = geometries[shapes[record.shapeB].geometry].convex.radius;
     lane.set(contact::kSurface, surface.surfaceVelocity);
+}
+
+void WorldImpl::forgetSurfaces(const ContactRecord& record) {
+    const std::uint32_t end = record.firstManifold + record.manifoldCapacity;
+    for (std::uint32_t k = record.firstManifold; k < end && k < surfaceKept.size(); ++k) surfaceKept[k] = 0;
+}
+
+/// The same where it may have changed since it was written.
+void WorldImpl::refreshSurface(const ContactRecord& record, const ManifoldRecord& manifold) {
+    if (surfaceKept[indexOf(manifold)] == 0 || callbacks.modify) writeSurface(record, manifold);
 }
 
 /// Writes a manifold with its impulses into its lane.
@@ -208,11 +221,41 @@ void WorldImpl::removeFromGraph(std::uint32_t index) {
     graphChanged = true;
 }
 
+/// How far each body may go in the coming step.
+void WorldImpl::lookAhead() {
+    runner.parallelFor(static_cast<int>(awakeBodies.size()), 256, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            const std::uint32_t body = awakeBodies[static_cast<std::size_t>(i)];
+            const BodyState& state = states[body];
+            bodies[body].ahead = (length(state.v) + length(state.w) * bodies[body].radius) * dt;
+        }
+    });
+}
+
+/// The list of awake contacts goes to and fro in memory: asks for what is looked at some places later.
+void WorldImpl::prefetchContact(int place, int end) const {
+    constexpr int kRecord = 12, kRest = 6;
+    if (place + kRecord < end) __builtin_prefetch(&contacts[awakeContacts[static_cast<std::size_t>(place + kRecord)]]);
+    if (place + kRest >= end) return;
+    const ContactRecord& record = contacts[awakeContacts[static_cast<std::size_t>(place + kRest)]];
+    __builtin_prefetch(&bodies[record.bodyA]);
+    __builtin_prefetch(&bodies[record.bodyB]);
+    if (!record.hasPoints) return;
+    const auto* manifold = reinterpret_cast<const char*>(&manifolds[record.firstManifold]);
+    for (std::size_t line = 0; line < sizeof(ManifoldRecord); line += 64) __builtin_prefetch(manifold + line);
+}
+
 void WorldImpl::updateContacts() {
     const int count = static_cast<int>(awakeContacts.size());
     contactChanged.resizeForOverwrite(awakeContacts.size());
+    anySensor.store(false, std::memory_order_relaxed);
+    surfaceKept.resize(manifolds.size(), 0);
+    lookAhead();
     runner.parallelFor(count, 32, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) updateContact(awakeContacts[static_cast<std::size_t>(i)]);
+        for (int i = begin; i < end; ++i) {
+            prefetchContact(i, end);
+            updateContact(awakeContacts[static_cast<std::size_t>(i)]);
+        }
     });
 }
 
@@ -289,7 +332,7 @@ bool WorldImpl::reuseManifolds(ContactRecord& record, const Frame& bInA, float m
     }
     for (std::uint32_t k = 0; any && k < record.manifoldCapacity; ++k)
         if (const ManifoldRecord& manifold = manifolds[record.firstManifold + k]; manifold.pointCount > 0)
-            writeSurface(record, manifold), placeLane(record, manifold);
+            refreshSurface(record, manifold), placeLane(record, manifold);
     return any;
 }
 
@@ -303,11 +346,11 @@ Frame WorldImpl::shapeBInA(const ContactRecord& record) const {
     return {inverseRotate(shapeA.frame.rotation, inA), normalized(conjugate(shapeA.frame.rotation) * turn)};
 }
 
-/// The narrow phase of a pair; returns how many directions it touches in.
-int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float margin,
-                             Manifold (&found)[kMaxManifolds]) const {
+/// The narrow phase of a pair; returns how many directions it touches in, at most as many as the contact has room for.
+int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float margin, std::span<Manifold> found) const {
     const GeometryEntry& a = geometries[shapes[record.shapeA].geometry];
     const GeometryEntry& b = geometries[shapes[record.shapeB].geometry];
+    found[0].gap = margin;
     if (a.mesh) return collide(*a.mesh, b.convex, bInA, margin, found);
     if (a.field) return collide(*a.field, b.convex, bInA, margin, found);
     collide(a.convex, b.convex, bInA, margin, record.cache, found[0]);
@@ -317,12 +360,14 @@ int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float mar
 /// What sensors overlap where the bodies are at the end of the step. Their manifolds carry no impulses and need no
 /// place.
 void WorldImpl::updateSensors() {
+    if (!anySensor.load(std::memory_order_relaxed)) return;
     runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             ContactRecord& record = contacts[awakeContacts[static_cast<std::size_t>(i)]];
             if (!record.sensor) continue;
             Manifold found[kMaxManifolds];
             const int count = findManifolds(record, shapeBInA(record), 0, found);
+            record.hasPoints = count > 0;
             ManifoldRecord& manifold = manifolds[record.firstManifold];
             manifold.pointCount = count > 0 ? 1 : 0;
             manifold.separation[0] = count > 0 ? found[0].points[0].separation : 0;
@@ -330,63 +375,75 @@ void WorldImpl::updateSensors() {
     });
 }
 
+/// How far the surfaces of a pair may come nearer in the coming step.
+float WorldImpl::motionAhead(const ContactRecord& record) const {
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
+    const BodyState &stateA = states[record.bodyA], &stateB = states[record.bodyB];
+    const float turnA = a.type == BodyType::fixed ? 0 : length(stateA.w) * a.radius;
+    const float turnB = b.type == BodyType::fixed ? 0 : length(stateB.w) * b.radius;
+    return (length(stateB.v - stateA.v) + turnA + turnB) * dt;
+}
+
+/// Contacts are found early enough that the motion of the step cannot pass them. A gap that what both bodies have
+/// travelled since it was found, and may travel now, cannot have closed needs no other look while bounds stay as they
+/// are.
 void WorldImpl::updateContact(std::uint32_t index) {
     ContactRecord& record = contacts[index];
-    const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
     std::uint8_t& change = contactChanged[record.awakeIndex];
     change = kUnchanged;
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
+    const double travel = a.travel + b.travel, ahead = static_cast<double>(a.ahead) + static_cast<double>(b.ahead);
+    if (travel + ahead < record.apartUntil && !a.refitted && !b.refitted) return;
+    const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
     if (!overlaps(tree(shapeA).bounds(shapeA.proxy), tree(shapeB).bounds(shapeB.proxy))) {
         change = kApart;
         return;
     }
-    if (record.sensor) return;
-
-    // Contacts are found early enough that the motion of this step cannot pass them.
-    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    const BodyState &stateA = states[record.bodyA], &stateB = states[record.bodyB];
+    if (record.sensor) {
+        anySensor.store(true, std::memory_order_relaxed);
+        return;
+    }
     const float size = shapeA.size < shapeB.size ? shapeA.size : shapeB.size;
-    const float turnA = a.type == BodyType::fixed ? 0 : length(stateA.w) * a.radius;
-    const float turnB = b.type == BodyType::fixed ? 0 : length(stateB.w) * b.radius;
-    const float motion = (length(stateB.v - stateA.v) + turnA + turnB) * dt;
-    const float margin = tuning::kSpeculative * size + motion;
-
+    const float margin = tuning::kSpeculative * size + motionAhead(record);
     const Frame bInA = shapeBInA(record);
     if (reuseManifolds(record, bInA, margin, size)) return;
     record.collided = true;
     record.collidedAt = bInA;
     record.collidedMargin = margin;
-    Manifold found[kMaxManifolds];
-    const int count = findManifolds(record, bInA, margin, found);
+    if (record.isMesh) {
+        Manifold found[kMaxManifolds];
+        change = takeManifolds(record, found, findManifolds(record, bInA, margin, found));
+        record.apartUntil = travel + static_cast<double>(found[0].gap - tuning::kSpeculative * size);
+    } else {
+        Manifold found[1];
+        change = takeManifolds(record, found, findManifolds(record, bInA, margin, found));
+        record.apartUntil = travel + static_cast<double>(found[0].gap - tuning::kSpeculative * size);
+    }
+    if (record.hasPoints) record.apartUntil = 0;
+}
 
-    const Quat rotationA = a.rotation * shapeA.frame.rotation;
-    const Vec3 offset = relative(b.center, a.center);
-    const Vec3 originA = rotate(a.rotation, shapeA.frame.position);
+/// Writes what the narrow phase has found into the records, and the lanes of those in the graph; tells what that
+/// changes.
+std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, const Manifold* found, int count) {
+    ManifoldRecord* old = &manifolds[record.firstManifold];
+    if (count == 0 && !record.hasPoints) return kUnchanged;
+    record.hasPoints = count > 0;
+    const ShapeRecord& shapeA = shapes[record.shapeA];
     Vec3 normals[kMaxManifolds];
     int place[kMaxManifolds];
     for (int i = 0; i < count; ++i) normals[i] = rotate(shapeA.frame.rotation, found[i].normal);
-    ManifoldRecord* old = &manifolds[record.firstManifold];
     matchManifolds(normals, count, old, record.manifoldCapacity, place);
 
+    std::uint8_t change = kUnchanged;
     bool written[kMaxManifolds] = {};
     for (int i = 0; i < count; ++i) {
         ManifoldRecord& manifold = old[place[i]];
         written[place[i]] = true;
         if (manifold.place.color != kNone) saveLane(manifold);
-        ManifoldRecord now = manifold;
-        now.normal = normals[i];
-        now.triangle = found[i].triangle;
-        now.pointCount = found[i].pointCount;
-        for (int j = 0; j < kMaxManifoldPoints; ++j) {
-            const ManifoldPoint& point = found[i].points[j];
-            const bool present = j < now.pointCount;
-            now.feature[j] = present ? point.feature : 0;
-            const Vec3 fromA = originA + rotate(rotationA, point.position);
-            now.anchorA[j] = present ? transformPoint(shapeA.frame, point.position) : Vec3{};
-            now.anchorB[j] = present ? inverseRotate(b.rotation, fromA - offset) : Vec3{};
-            now.separation[j] = present ? point.separation : 0;
-        }
-        carryImpulses(manifold, now);
-        manifold = now;
+        const ManifoldRecord before = manifold;
+        manifold.normal = normals[i];
+        placePoints(record, found[i], manifold);
+        carryImpulses(before, manifold);
         if (manifold.place.color != kNone)
             writeLane(record, manifold);
         else
@@ -396,6 +453,27 @@ void WorldImpl::updateContact(std::uint32_t index) {
         if (written[k] || old[k].pointCount == 0) continue;
         old[k].pointCount = 0;
         change = kGraph;
+    }
+    return change;
+}
+
+/// The points that were found as anchors in both bodies.
+void WorldImpl::placePoints(const ContactRecord& record, const Manifold& found, ManifoldRecord& manifold) const {
+    const ShapeRecord& shapeA = shapes[record.shapeA];
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
+    const Quat rotationA = a.rotation * shapeA.frame.rotation;
+    const Vec3 offset = relative(b.center, a.center);
+    const Vec3 originA = rotate(a.rotation, shapeA.frame.position);
+    manifold.triangle = found.triangle;
+    manifold.pointCount = found.pointCount;
+    for (int j = 0; j < kMaxManifoldPoints; ++j) {
+        const ManifoldPoint& point = found.points[j];
+        const bool present = j < manifold.pointCount;
+        manifold.feature[j] = present ? point.feature : 0;
+        const Vec3 fromA = originA + rotate(rotationA, point.position);
+        manifold.anchorA[j] = present ? transformPoint(shapeA.frame, point.position) : Vec3{};
+        manifold.anchorB[j] = present ? inverseRotate(b.rotation, fromA - offset) : Vec3{};
+        manifold.separation[j] = present ? point.separation : 0;
     }
 }
 

@@ -38,9 +38,10 @@ void WorldImpl::publishEvents() {
     runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const auto place = static_cast<std::size_t>(i);
+            prefetchContact(i, end);
             const ContactRecord& record = contacts[awakeContacts[place]];
             bool touching = record.struck;
-            for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
+            for (std::uint32_t k = 0; record.hasPoints && k < record.manifoldCapacity; ++k) {
                 const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
                 touching |= isLoaded(graph, manifold);
             }

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory_resource>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "base/aligned_array.h"
@@ -75,8 +77,15 @@ struct WorldImpl {
 
     // world_contacts.cpp: narrow phase.
     void updateContacts();
+    void prefetchContact(int place, int end) const;
     void updateContact(std::uint32_t contact);
-    int findManifolds(ContactRecord& contact, const Frame& bInA, float margin, Manifold (&found)[kMaxManifolds]) const;
+    void lookAhead();
+    float motionAhead(const ContactRecord& contact) const;
+    int findManifolds(ContactRecord& contact, const Frame& bInA, float margin, std::span<Manifold> found) const;
+    std::uint8_t takeManifolds(ContactRecord& contact, const Manifold* found, int count);
+    void placePoints(const ContactRecord& contact, const Manifold& found, ManifoldRecord& manifold) const;
+    void forgetGaps(std::uint32_t body);
+    void giveRoom(std::uint32_t body);
     Frame shapeBInA(const ContactRecord& contact) const;
     void updateSensors();
     void applyContactChanges();
@@ -86,6 +95,11 @@ struct WorldImpl {
     PlacedManifold placed(const ContactRecord& contact, const ManifoldRecord& manifold) const;
     void placeLane(const ContactRecord& contact, const ManifoldRecord& manifold);
     void writeSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
+    std::size_t indexOf(const ManifoldRecord& manifold) const {
+        return static_cast<std::size_t>(&manifold - manifolds.data());
+    }
+    void forgetSurfaces(const ContactRecord& contact);
+    void refreshSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
     void writeLane(const ContactRecord& contact, const ManifoldRecord& manifold);
     void saveLane(ManifoldRecord& manifold);
     void addToGraph(std::uint32_t manifold);
@@ -253,6 +267,8 @@ struct WorldImpl {
     // Derived from the state, or of the current step only.
     std::pmr::vector<GeometryEntry> geometries;
     std::vector<StepModule*> modules;
+    AlignedArray<std::uint8_t> surfaceKept;  ///< per manifold: what its lane says of surfaces does not change by itself
+    std::atomic<bool> anySensor{false};  ///< is any awake contact one?
     AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts
     struct ChangedContact {
         std::uint32_t contact;

@@ -55,19 +55,38 @@ void WorldImpl::markMoved(std::uint32_t shape) {
     moveBuffer.push(shape);
 }
 
-/// Bounds that were left are enlarged in place; their shapes look for partners in the next step.
+/// Bounds that are made now leave room; where there are several shapes, the one that has least is not known.
+void WorldImpl::giveRoom(std::uint32_t index) {
+    constexpr float kNearly = 0.99f;  // bounds are rounded
+    BodyRecord& body = bodies[index];
+    const bool single = body.firstShape != kNone && shapes[body.firstShape].next == kNone;
+    body.room = single && body.type != BodyType::fixed ? kNearly * tuning::kFatMargin * body.size : 0.0f;
+}
+
+/// Adds what each body has moved to its travel. Bounds that were left are enlarged in place; their shapes look for
+/// partners in the next step.
 void WorldImpl::refitBounds() {
     runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const auto place = static_cast<std::size_t>(i);
             bodyFlags[place] = 0;
-            for (std::uint32_t s = bodies[awakeBodies[place]].firstShape; s != kNone; s = shapes[s].next)
+            BodyRecord& body = bodies[awakeBodies[place]];
+            const Quat turn = body.rotation * conjugate(startPoses[place].rotation);
+            const float way = length(relative(body.center, startPoses[place].center)) +
+                              2 * length(Vec3{turn.x, turn.y, turn.z}) * body.radius;
+            body.travel += static_cast<double>(way);
+            body.room -= way;
+            body.refitted = false;
+            if (length(states[awakeBodies[place]].v) * dt < body.room) continue;
+            for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next)
                 if (!contains(tree(shapes[s]).bounds(shapes[s].proxy), tightBounds(shapes[s], dt)))
                     bodyFlags[place] = 1;
+            body.refitted = bodyFlags[place] != 0;
         }
     });
     for (std::size_t i = 0; i < awakeBodies.size(); ++i) {
         if (bodyFlags[i] == 0) continue;
+        giveRoom(awakeBodies[i]);
         for (std::uint32_t s = bodies[awakeBodies[i]].firstShape; s != kNone; s = shapes[s].next) {
             const ShapeRecord& shape = shapes[s];
             const Bounds tight = tightBounds(shape, dt);
@@ -186,6 +205,7 @@ void WorldImpl::destroyContact(std::uint32_t index) {
 
 void WorldImpl::addAwakeContact(std::uint32_t index) {
     contacts[index].awakeIndex = static_cast<std::uint32_t>(awakeContacts.size());
+    if (contacts[index].sensor) anySensor.store(true, std::memory_order_relaxed);
     awakeContacts.push(index);
 }
 

@@ -196,6 +196,9 @@ void World::restore(std::span<const std::byte> from) {
 void WorldImpl::forgetDerived() {
     context.h = lastSubstep;
     directGrouped = false;
+    // No such field of a lane is saved.
+    surfaceKept.clear();
+    surfaceKept.resize(manifolds.size(), 0);
     ++structureVersion;
     begins.clear();
     ends.clear();

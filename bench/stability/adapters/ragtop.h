@@ -1,0 +1,29 @@
+#pragma once
+
+#include "../engine.h"
+#include "ragtop/world.h"
+
+namespace ragtop::stability {
+
+class RagtopEngine : public Engine {
+public:
+    RagtopEngine(const Scene& scene, const WorldSettings& settings, const WorldConfig& config = {});
+
+    void step(double dt) override { world_.step(dt); }
+    BodyMotion motion(int body) const override;
+    void setVelocity(int body, const Vec3& linear, const Vec3& angular) override;
+    void push(int body, const Vec3& force, const DVec3& point) override;
+    int add(const BodyDef& def) override;
+    void remove(int body) override;
+    std::optional<double> normalForce(int a, int b) const override;
+
+    const World& world() const { return world_; }
+
+private:
+    BodyId idOf(int body) const { return instance_.bodies[static_cast<std::size_t>(body)]; }
+
+    World world_;
+    SceneInstance instance_;
+};
+
+}  // namespace ragtop::stability

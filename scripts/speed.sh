@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Times all scenes and keeps the result. See usage below.
+set -eu
+cd -P "$(dirname "${BASH_SOURCE[0]}")/.."
+
+usage() {
+    cat <<'END'
+Usage: scripts/speed.sh [option of "ragtop_bench speed"]...
+
+Times build/release/ragtop_bench on a machine that does nothing else, keeps the rows as
+bench/results/<time>_<commit>_<processor>.json, and renews the table of docs/speed.md from all that are kept.
+END
+}
+
+case ${1:-} in -h | --help) usage && exit ;; esac
+bench=build/release/ragtop_bench
+commit=$(git describe --always --dirty)
+processor=$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | head -n 1 | tr -cs 'A-Za-z0-9\n' '-')
+file=bench/results/$(date -u +%Y-%m-%dT%H%M)_${commit}_${processor%-}-$(nproc).json
+mkdir -p bench/results
+"$bench" speed "$@" --json "$file"
+table=$("$bench" speed --history bench/results)
+TABLE=$table awk '
+    /<!-- kept results -->/ { print; print ""; print ENVIRON["TABLE"]; print ""; skip = 1; next }
+    /<!-- end -->/ { skip = 0 }
+    !skip { print }' docs/speed.md >docs/speed.md.new
+mv docs/speed.md.new docs/speed.md
