@@ -30,10 +30,13 @@ Reason chooseDirect(const IslandFeatures& island) {
     if (island.bodies > kMostBodies && (island.restless > 0 || island.jointLoad > 0)) return Reason::none;
     const float limit = island.direct ? kStay : 1.0f;
     const auto bodies = static_cast<float>(island.bodies), pairs = static_cast<float>(island.pairs);
-    if (island.jointLoad > limit * (island.hangs ? kHanging : kJointed)) return Reason::taut;
-    if (island.contactLoad > limit * kCrushing && island.massRatio > limit * kUnequal) return Reason::heavy;
+    const bool jointed = island.jointLoad > 0, quiet = limit * static_cast<float>(island.moving) <= kQuiet * bodies;
+    if (island.hangs && island.jointLoad > limit * kHanging) return Reason::taut;
+    if (quiet && island.jointLoad > limit * kJointed) return Reason::taut;
+    if ((quiet || !jointed) && island.contactLoad > limit * kCrushing && island.massRatio > limit * kUnequal)
+        return Reason::heavy;
     // What tumbles changes its contacts in every step, and sweeps are as good.
-    if (island.jointLoad > 0 || limit * static_cast<float>(island.moving) > kQuiet * bodies) return Reason::none;
+    if (jointed || !quiet) return Reason::none;
     if (island.contactLoad > limit * kHeavy && island.massRatio > limit * kUnequal) return Reason::heavy;
     if (island.contactLoad > limit * kDepth && limit * pairs < kColumnPairs * bodies) return Reason::tall;
     if (island.buckling > limit * kBuckling) return Reason::slender;

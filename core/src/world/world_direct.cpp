@@ -130,7 +130,7 @@ void WorldImpl::beginDirect() {
         for (int i = begin; i < end; ++i) {
             DirectIsland& island = directIslands[static_cast<std::size_t>(i)];
             direct::IslandSystem& system = *directSystems[static_cast<std::size_t>(i)];
-            island.factored = false;
+            island.factored = island.swept = false;
             island.report = {};
             island.ms = 0;
             if (unchanged && island.jointCount == 0 && system.restedThrough(settings.substeps)) {
@@ -151,6 +151,12 @@ void WorldImpl::beginDirect() {
     });
 }
 
+/// Joints alone make a nearly linear system, of which only rounding can be left, and sweeps would tear it. A large
+/// island goes on from where it is.
+static bool isGivenUp(const WorldImpl::DirectIsland& island) {
+    return !island.report.converged && island.contactCount > 0 && island.bodyCount <= direct::kMostBodies;
+}
+
 void WorldImpl::solveDirect(DirectPass pass) {
     if (directIslands.empty()) return;
     const BodyArrays arrays = bodyArrays();
@@ -158,6 +164,10 @@ void WorldImpl::solveDirect(DirectPass pass) {
         for (int i = begin; i < end; ++i) {
             DirectIsland& island = directIslands[static_cast<std::size_t>(i)];
             direct::IslandSystem& system = *directSystems[static_cast<std::size_t>(i)];
+            if (island.swept) {
+                sweepIsland(island, pass);
+                continue;
+            }
             const auto start = std::chrono::steady_clock::now();
             switch (pass) {
                 case DirectPass::positions:
@@ -169,6 +179,11 @@ void WorldImpl::solveDirect(DirectPass pass) {
                     system.aimAtPositions(arrays, context);
                     if (island.jointCount > 0) island.factored = false;
                     direct::solve(system, true, island.factored, island.report);
+                    if (isGivenUp(island)) {
+                        island.swept = true;
+                        sweepIsland(island, pass);
+                        break;
+                    }
                     system.writeVelocities(arrays);
                     if (system.aimAgain(arrays, jointContext)) {
                         island.factored = false;
@@ -210,7 +225,8 @@ void WorldImpl::endDirect() {
                           static_cast<int>(island.jointCount), island.report.iterations, island.report.factorizations,
                           island.report.residual, island.ms, island.report.converged});
     runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) directSystems[static_cast<std::size_t>(i)]->end();
+        for (int i = begin; i < end; ++i)
+            if (!directIslands[static_cast<std::size_t>(i)].swept) directSystems[static_cast<std::size_t>(i)]->end();
     });
 }
 

@@ -187,6 +187,8 @@ struct WorldImpl {
     bool noteDirectBundles();
     void solveDirect(DirectPass pass);
     void endDirect();
+    struct DirectIsland;
+    void sweepIsland(const DirectIsland& island, DirectPass pass);
     bool isDirect(std::uint32_t body) const { return bodies[body].directSteps > 0; }
 
     // islands/sleeping.cpp
@@ -319,6 +321,7 @@ struct WorldImpl {
     struct DirectIsland {
         std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
         bool factored = false;
+        bool swept = false;  ///< given up in this step
         direct::SolveReport report;
         double ms = 0;
     };

@@ -235,7 +235,7 @@ bool WorldImpl::decideIslands() {
 /// Choices change when bearings do, so they are made anew only then. While no island is direct, that can wait a few
 /// steps, unless something was just made or put somewhere.
 void WorldImpl::chooseSolvers() {
-    constexpr std::uint64_t kPeriod = 4;
+    constexpr std::uint64_t kPeriod = 16;
     const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
     const bool anyDirect = !list.manifolds.empty() || !list.joints.empty();
     if (graphChanged && (anyDirect || structureChanged || stepCount % kPeriod == 0)) {
