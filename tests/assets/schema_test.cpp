@@ -67,8 +67,8 @@ TEST(Schema, SuggestsTheNearestName) {
 }
 
 TEST(Schema, AppliesTheRangeOfALimitToItsEnds) {
-    EXPECT_THAT(complaintOf<HingeDef>("{\"limit\": {\"lower\": -4, \"upper\": 1}}"),
-                HasSubstr("/limit/lower is -4, must be a number in [-3.1416, 3.1416] rad"));
+    EXPECT_THAT(complaintOf<BallDef>("{\"twistLimit\": {\"lower\": -4, \"upper\": 1}}"),
+                HasSubstr("/twistLimit/lower is -4, must be a number in [-3.1416, 3.1416] rad"));
     EXPECT_THAT(complaintOf<HingeDef>("{\"limit\": {\"lower\": 1}}"), HasSubstr("/limit/upper is missing"));
     EXPECT_THAT(complaintOf<HingeDef>("{\"limit\": {\"lower\": 1, \"upper\": 0}}"), HasSubstr("at most \"upper\""));
     EXPECT_FALSE(read<HingeDef>("{\"limit\": null}").limit.has_value());

@@ -36,12 +36,12 @@ struct Golden {
 };
 constexpr Golden kGolden[] = {
     {0x74c6aa8bc7ab9128u, 0x33fbb68ba429de03u},  // tower
-    {0xf3798b020042bec8u, 0x63e02b03fa2b5d4au},  // wall
-    {0x65b79d13a19ff826u, 0xc1062e47686e3ff5u},  // hills
-    {0xac33e965acdedd30u, 0xc81131c5a82e0acbu},  // bowl
-    {0x6baec033fcc3438fu, 0x444011a5323a3eeau},  // joints
-    {0x3a4cebcc5725ad9cu, 0x8ce64a8af4fa536eu},  // spinners
-    {0x8951d72871ce4e6au, 0x62a18c3166fc921eu},  // house
+    {0x3946cb1f82763d92u, 0x6e9131bec9c74ed4u},  // wall
+    {0x9a8e3d073aa067adu, 0x1eb6bcfcd3863d5bu},  // hills
+    {0x39cb7c955d1a02bcu, 0x65b95d701bbf28b0u},  // bowl
+    {0x5ebdbb842584d7e1u, 0x08ee0c1cb4b2a096u},  // joints
+    {0x75e222569a5d17f3u, 0x4b1ee1f4de7ee3d1u},  // spinners
+    {0xffd9c48076d65f69u, 0x88985f530f25cae0u},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 

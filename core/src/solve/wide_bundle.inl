@@ -180,7 +180,8 @@ RAGTOP_INLINE void followTurns(ContactBundle<N>& c, const WideQuat<N>& dqA, cons
     const WideVec3<N> rA = c.vector(contact::kCenter), rB = rA - c.offset;
     const WideVec3<N> wayA = cross(uA, rA - c.field(contact::kRoundA) * c.normal);
     const WideVec3<N> wayB = cross(uB, rB + c.field(contact::kRoundB) * c.normal);
-    const Mask<N> lost = (dot(wayA, wayA) > limit * dot(rA, rA)) | (dot(wayB, wayB) > limit * dot(rB, rB));
+    const Mask<N> far = (dot(wayA, wayA) > limit * dot(rA, rA)) | (dot(wayB, wayB) > limit * dot(rB, rB));
+    const Mask<N> lost = (turn > limit) & far;  // whatever the other lanes do
     const auto clear = [&](int field, int count) {
         for (int i = field; i < field + count; ++i) c.set(i, select(lost, zero, c.field(i)));
     };

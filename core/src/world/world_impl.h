@@ -117,6 +117,7 @@ struct WorldImpl {
 
     // world_seams.cpp: side contacts between neighbouring obstacles.
     void hideSeams();
+    bool closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const;
     bool slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const;
     struct TouchedPlane {
         bool touches = false;

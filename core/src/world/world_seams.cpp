@@ -102,6 +102,21 @@ bool WorldImpl::willMeet(const ContactRecord& record, const ManifoldRecord& mani
     return manifold.separation[point] <= dot(normal, wayAtPoint(record, manifold, point));
 }
 
+/// Does some point of a contact close in this step by more than `least`? What does not has nothing to hide.
+bool WorldImpl::closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const {
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
+    const BodyState &stateA = states[record.bodyA], &stateB = states[record.bodyB];
+    const Vec3 normal = rotate(a.rotation, manifold.normal);
+    const Vec3 way =
+        dt * ((a.type == BodyType::fixed ? Vec3{} : stateA.v) - (b.type == BodyType::fixed ? Vec3{} : stateB.v));
+    const float turning = (a.type == BodyType::fixed ? 0 : length(stateA.w) * a.radius) +
+                          (b.type == BodyType::fixed ? 0 : length(stateB.w) * b.radius);
+    if (!(dot(way, normal) + dt * turning > least)) return false;
+    for (int j = 0; j < manifold.pointCount; ++j)
+        if (dot(normal, wayAtPoint(record, manifold, j)) > least) return true;
+    return false;
+}
+
 /// Does sliding along a plane, and that alone, close a contact in this step, or in the substep after it, which the last
 /// relaxing pass foresees? By more than `least`, which also stands for what accelerations add.
 bool WorldImpl::slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const {
@@ -164,14 +179,20 @@ float WorldImpl::slackOf(std::uint32_t a, std::uint32_t b) const {
 void WorldImpl::hideSeams() {
     runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
-            const ContactRecord& contact = contacts[awakeContacts[static_cast<std::size_t>(i)]];
-            if (contact.sensor || !contact.hasPoints || contact.isMesh) continue;
-            const float size = slackOf(contact.shapeA, contact.shapeB) / kStep;
-            if (bodies[contact.bodyA].ahead + bodies[contact.bodyB].ahead < kClosing * size) continue;
-            const ManifoldRecord& manifold = manifolds[contact.firstManifold];
+            const ContactRecord& record = contacts[awakeContacts[static_cast<std::size_t>(i)]];
+            if (record.sensor || !record.hasPoints || record.isMesh) continue;
+            const float size = slackOf(record.shapeA, record.shapeB) / kStep;
+            if (bodies[record.bodyA].ahead + bodies[record.bodyB].ahead < kClosing * size) continue;
+            const ManifoldRecord& manifold = manifolds[record.firstManifold];
             if (manifold.place.color == kNone || manifold.pointCount == 0) continue;
-            if ((moves(contact.bodyA) && isSeam(manifold, 0)) || (moves(contact.bodyB) && isSeam(manifold, 1))) {
-                LaneView(graph.lane(manifold.place), graph.lanes()).setBits(contact::kPointCount, 0);
+            if (!closes(record, manifold, kClosing * size)) continue;
+            LaneView lane(graph.lane(manifold.place), graph.lanes());
+            // What bears a load already is no seam, or it would have been hidden before it did.
+            bool bears = false;
+            for (int j = 0; j < manifold.pointCount; ++j) bears |= lane.at(j, contact::kImpulse) > 0;
+            if (bears) continue;
+            if ((moves(record.bodyA) && isSeam(manifold, 0)) || (moves(record.bodyB) && isSeam(manifold, 1))) {
+                lane.setBits(contact::kPointCount, 0);
                 surfaceKept[indexOf(manifold)] = 0;
             }
         }
