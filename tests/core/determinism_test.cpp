@@ -36,10 +36,10 @@ struct Golden {
 };
 constexpr Golden kGolden[] = {
     {0x74c6aa8bc7ab9128u, 0x33fbb68ba429de03u},  // tower
-    {0x3946cb1f82763d92u, 0x6e9131bec9c74ed4u},  // wall
+    {0xd6af25a9ed944f1au, 0xfb92a2dc5cf4a2c3u},  // wall
     {0x9a8e3d073aa067adu, 0x1eb6bcfcd3863d5bu},  // hills
     {0x39cb7c955d1a02bcu, 0x65b95d701bbf28b0u},  // bowl
-    {0x5ebdbb842584d7e1u, 0x08ee0c1cb4b2a096u},  // joints
+    {0x5ebdbb842584d7e1u, 0x33bf330bd521c3f1u},  // joints
     {0x75e222569a5d17f3u, 0x4b1ee1f4de7ee3d1u},  // spinners
     {0xffd9c48076d65f69u, 0x88985f530f25cae0u},  // house
 };

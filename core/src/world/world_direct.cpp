@@ -151,10 +151,9 @@ void WorldImpl::beginDirect() {
     });
 }
 
-/// Joints alone make a nearly linear system, of which only rounding can be left, and sweeps would tear it. A large
-/// island goes on from where it is.
+/// Joints alone make a nearly linear system, of which only rounding can be left, and sweeps would tear it.
 static bool isGivenUp(const WorldImpl::DirectIsland& island) {
-    return !island.report.converged && island.contactCount > 0 && island.bodyCount <= direct::kMostBodies;
+    return !island.report.converged && island.contactCount > 0;
 }
 
 void WorldImpl::solveDirect(DirectPass pass) {
@@ -188,12 +187,17 @@ void WorldImpl::solveDirect(DirectPass pass) {
                     if (system.aimAgain(arrays, jointContext)) {
                         island.factored = false;
                         direct::solve(system, false, island.factored, island.report);
-                        system.writeVelocities(arrays);
+                        if (!isGivenUp(island)) system.writeVelocities(arrays);
                     }
                     break;
                 case DirectPass::velocities:
                     if (system.aimAtVelocities(arrays, context)) {
                         direct::solve(system, false, island.factored, island.report);
+                        if (isGivenUp(island)) {
+                            island.swept = true;
+                            sweepIsland(island, pass);
+                            break;
+                        }
                         system.writeVelocities(arrays);
                     }
                     system.carryLoads();
