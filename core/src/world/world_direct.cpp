@@ -209,10 +209,9 @@ void WorldImpl::solveDirect(DirectPass pass) {
 }
 
 void WorldImpl::endDirect() {
-    // What could not be solved is left to sweeps for a while. Joints alone make a nearly linear system, of which only
-    // rounding can be left, and sweeps would tear it.
+    // What could not be solved is left to sweeps for a while.
     for (const DirectIsland& island : directIslands) {
-        const bool failed = !island.report.converged && island.contactCount > 0;
+        const bool failed = isGivenUp(island);
         const bool costly = island.bodyCount > direct::kMostBodies && island.report.factorizations > 0;
         if (!failed && !costly) continue;
         directFailures += failed;
