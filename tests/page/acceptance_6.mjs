@@ -1,4 +1,4 @@
-// One command makes the pictures of README and docs, a different one of each of five scenes.
+// One command makes the pictures of README and docs, a different one of each scene shown.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { readdir, readFile } from 'node:fs/promises';
@@ -7,7 +7,7 @@ import { acceptance, EVERYTHING, pageFile, programFile, root, say } from './supp
 import { Browser } from './support/browser.mjs';
 import { compare } from './support/picture.mjs';
 
-const PICTURES = 5;
+const LEAST = 5;        // pictures
 const LARGEST = 300e3;  // bytes
 
 await acceptance(EVERYTHING, async (test) => {
@@ -15,7 +15,7 @@ await acceptance(EVERYTHING, async (test) => {
     stdio: 'inherit', env: { ...process.env, RAGTOP_PROGRAM: programFile, RAGTOP_PAGE: pageFile },
   });
   const names = (await readdir(test.folder)).sort();
-  assert.equal(names.length, PICTURES);
+  assert.ok(names.length >= LEAST, `there are ${names.length} pictures`);
   assert.deepEqual((await readdir(path.join(root, 'docs/pictures'))).sort(), names, 'docs/pictures has others');
 
   const browser = await Browser.start(test);
@@ -23,7 +23,7 @@ await acceptance(EVERYTHING, async (test) => {
   const files = await Promise.all(names.map((name) => readFile(path.join(test.folder, name))));
   for (const [i, name] of names.entries()) {
     assert.ok(files[i].length <= LARGEST, `${name} has ${files[i].length} bytes`);
-    const { changed, colors } = await compare(helper, files[i], files[(i + 1) % PICTURES]);
+    const { changed, colors } = await compare(helper, files[i], files[(i + 1) % names.length]);
     say(`${name}: ${Math.round(files[i].length / 1000)} kB, ${colors} colours`);
     assert.ok(colors > 1000, `${name} shows next to nothing`);
     assert.ok(changed > 0.05, `${name} looks like the next one`);
