@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "../tests/core/scenes.h"
+#include "../tests/core/tree_rig.h"
 #include "base/aligned_array.h"
 #include "broadphase/bounds_tree.h"
 #include "constraints/contact_layout.h"
@@ -37,7 +38,7 @@ public:
             const auto body = static_cast<std::uint32_t>(i + 1);
             states_[body].invMass = 0.001f;
             states_[body].v = {0.125f, -0.25f, 0};
-            inertias_[body] = {0.006f, 0, 0, 0.006f, 0, 0.006f, {0, 0}};
+            inertias_[body] = {0.006f, 0, 0, 0.006f, 0, 0.006f, 0, 0};
             dynamics_[body].inertia = {160, 160, 160};
             dynamics_[body].inverseInertia = {1 / 160.0f, 1 / 160.0f, 1 / 160.0f};
             dynamics_[body].acceleration = {0, -9.81f, 0};
@@ -138,6 +139,20 @@ BENCHMARK(contactSolve)->Apply(laneCounts);
 BENCHMARK(contactPrepare)->Apply(laneCounts);
 BENCHMARK(contactWarmStart)->Apply(laneCounts);
 BENCHMARK(bodyIntegrate)->Apply(laneCounts);
+
+/// Figures of sixteen balls: Jacobians, factor and solution of one substep; `twofold` in double precision.
+void treeSolve(benchmark::State& state, bool twofold) {
+    constexpr int kTrees = 64;
+    const direct::TreeTables& tables = direct::selectTreeKernels(static_cast<int>(state.range(0)));
+    const direct::TreeKernels& kernels = twofold ? tables.twofold : tables.single;
+    test::TreeRig rig(kernels, test::figure(4, 4), kTrees);
+    rig.begin();
+    for (auto _ : state) rig.solve(1.0f / 240, {40, 1, 0});
+    perItem(state, kTrees);
+    state.SetLabel(kernels.name);
+}
+BENCHMARK_CAPTURE(treeSolve, single, false)->Apply(laneCounts);
+BENCHMARK_CAPTURE(treeSolve, twofold, true)->Apply(laneCounts);
 
 /// Pairs as one box resting on another, with the cache of the step before.
 void pairBench(benchmark::State& state, const Shape& a, const Shape& b, const Vec3& offset) {

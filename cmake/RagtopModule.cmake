@@ -45,7 +45,7 @@ function(ragtop_module name)
         list(FILTER sources EXCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/src/${arg_WITHOUT}/")
     endif()
     # A program's entry point and the kernels of optional instruction sets are added where they apply.
-    list(FILTER sources EXCLUDE REGEX "/main\\.cpp$|/wide_kernels_(avx2|avx512)\\.cpp$")
+    list(FILTER sources EXCLUDE REGEX "/main\\.cpp$|/[a-z]+_kernels_(avx2|avx512)\\.cpp$")
     set(type)
     if(arg_STATIC)
         set(type STATIC)

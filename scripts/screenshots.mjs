@@ -18,6 +18,9 @@ const PICTURES = {
   tower: { steps: 42, eye: [5, 3.5, 15], target: [1.2, 5.6, 0], before: topple },
   track: { steps: 480, chase: true, shown: ['wheels'], panels: true },
   wrecker: { steps: 128, eye: [-9.5, 4.2, -4.5], target: [0, 2.9, 3] },
+  mechanisms: { steps: 60, eye: [0.5, 4.6, 8.6], target: [0, 1.1, 0.5], shown: ['joints'] },
+  door: { steps: 150, eye: [-3, 3.2, 5.5], target: [1, 0.8, 0] },
+  chain: { steps: 60, eye: [3, 5, 14], target: [1, 3.5, 1] },
 };
 
 /** A heavy ball hits the tower in the middle. */

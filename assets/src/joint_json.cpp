@@ -17,6 +17,8 @@ void forEachKind(Visit visit) {
     visit("universal", UniversalDef{});
     visit("plane", PlaneDef{});
     visit("screw", ScrewDef{});
+    visit("path", PathDef{});
+    visit("sixDof", SixDofDef{});
 }
 
 }  // namespace
@@ -37,7 +39,7 @@ JointDef readJointKind(const JsonValue& object) {
     if (kinds != 1) {
         object.fail("has " + std::to_string(kinds) +
                     " kinds of joint, must have exactly one of ball, hinge, slider, fixed, distance, "
-                    "cylindrical, universal, plane, screw");
+                    "cylindrical, universal, plane, screw, path, sixDof");
     }
     return joint;
 }

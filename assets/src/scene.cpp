@@ -44,6 +44,8 @@ public:
         generate(in_.stairs, "stairs", addStairs);
         forEach(in_.roads, "roads", [&](const RoadInFile& r, const JsonValue& at) { add(r, at); });
         forEach(in_.joints, "joints", [&](const SceneJointInFile& j, const JsonValue& at) { add(j, at); });
+        forEach(in_.couplings, "couplings", [&](const CouplingInFile& c, const JsonValue& at) { add(c, at); });
+        forEach(in_.animated, "animated", [&](const AnimatedInFile& a, const JsonValue& at) { add(a, at); });
         forEach(in_.vehicles, "vehicles", [&](const VehicleInFile& v, const JsonValue& at) { add(v, at); });
         forEach(in_.ragdolls, "ragdolls", [&](const RagdollInScene& r, const JsonValue& at) { add(r, at); });
         if (file_.has("tuning")) readTuning(file_.at("tuning"), scene_);
@@ -87,6 +89,14 @@ private:
                 if (joint.bodyA >= 0) joint.bodyA += offset;
                 if (joint.bodyB >= 0) joint.bodyB += offset;
             }
+            for (SceneCoupling& coupling : other.couplings)
+                for (std::size_t& joint : coupling.joints) joint += scene_.joints.size();
+            append(scene_.couplings, std::move(other.couplings));
+            for (SceneAnimation& animation : other.animated) {
+                animation.body += offset;
+                if (animation.carrier >= 0) animation.carrier += offset;
+            }
+            append(scene_.animated, std::move(other.animated));
             adoptMaterials(other);
             append(scene_.bodies, std::move(other.bodies));
             append(scene_.joints, std::move(other.joints));
@@ -212,6 +222,36 @@ private:
             },
             joint.def);
         scene_.joints.push_back(std::move(joint));
+    }
+
+    std::size_t jointNamed(const CoupledInFile& part, const JsonValue& at) const {
+        std::vector<std::string> names;
+        for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
+            if (scene_.joints[i].name == part.joint) return i;
+            if (!scene_.joints[i].name.empty()) names.push_back(scene_.joints[i].name);
+        }
+        failName(at.at("joint"), names, "named joints");
+    }
+
+    void add(const CouplingInFile& in, const JsonValue& at) {
+        if (in.parts.empty() || in.parts.size() > CouplingDef::kMostParts)
+            at.at("parts").fail(
+                fmt::format("has {} parts, must have 1 to {}", in.parts.size(), CouplingDef::kMostParts));
+        SceneCoupling coupling{in.name, {}, {}};
+        for (std::size_t i = 0; i < in.parts.size(); ++i) {
+            coupling.joints.push_back(jointNamed(in.parts[i], at.at("parts").at(i)));
+            coupling.def.parts[i] = {{}, in.parts[i].coordinate, in.parts[i].ratio};
+        }
+        coupling.def.count = static_cast<int>(in.parts.size());
+        coupling.def.sum = in.sum;
+        scene_.couplings.push_back(std::move(coupling));
+    }
+
+    void add(const AnimatedInFile& in, const JsonValue& at) {
+        SceneAnimation animation{bodyNamed(in.body, at, "body"), bodyNamed(in.carrier, at, "carrier"), in.def};
+        for (const KeyInFile& key : in.keys) animation.def.keys.push_back({key.time, {key.position, key.rotation}});
+        if (const std::string why = whyInvalid(animation.def); !why.empty()) at.fail("is not usable: " + why);
+        scene_.animated.push_back(std::move(animation));
     }
 
     void add(const VehicleInFile& in, const JsonValue& at) {

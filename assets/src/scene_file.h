@@ -197,6 +197,63 @@ void describe(Visitor& visit, Self& self, const SceneJointInFile*) {
 }
 inline Names requiredFields(const SceneJointInFile*) { return {"anchor"}; }
 
+struct CoupledInFile {
+    std::string joint;
+    int coordinate = 0;
+    float ratio = 1;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const CoupledInFile*) {
+    visit(Tunable{.name = "joint", .meaning = "name of a joint of the scene"}, self.joint);
+    visit(Tunable{"coordinate", "", 0, 5, "which of its coordinates"}, self.coordinate);
+    visit(Tunable{"ratio", "", -1e6, 1e6, "how often it counts in the sum"}, self.ratio);
+}
+inline Names requiredFields(const CoupledInFile*) { return {"joint"}; }
+
+struct CouplingInFile {
+    std::string name;
+    std::vector<CoupledInFile> parts;
+    AxisDef sum;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const CouplingInFile*) {
+    visit(Tunable{.name = "name"}, self.name);
+    visit(Tunable{.name = "parts", .meaning = "1 to 4 coordinates, which are added"}, self.parts);
+    visit(Tunable{.name = "sum", .meaning = "what acts along the sum; a limit with equal ends makes gears"}, self.sum);
+}
+inline Names requiredFields(const CouplingInFile*) { return {"parts"}; }
+
+struct KeyInFile {
+    double time = 0;
+    DVec3 position{};
+    Quat rotation{};
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const KeyInFile*) {
+    visit(Tunable{"time", "s", 0, 1e6, "of the animation's clock"}, self.time);
+    visit(Tunable{"position", "m", -1e9, 1e9, "of the body, in its carrier"}, self.position);
+    visit(Tunable{"rotation", "", 0, 0, "how it is turned"}, self.rotation);
+}
+inline Names requiredFields(const KeyInFile*) { return {"time", "position"}; }
+
+struct AnimatedInFile {
+    std::string body, carrier;
+    std::vector<KeyInFile> keys;
+    AnimatedBodyDef def;  ///< what its description covers
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const AnimatedInFile*) {
+    visit(Tunable{.name = "body", .meaning = "name of a dynamic body"}, self.body);
+    visit(Tunable{.name = "carrier", .meaning = "body that the keys are relative to; absent: the world"}, self.carrier);
+    visit(Tunable{.name = "keys", .meaning = "where it is when; it eases from one to the next"}, self.keys);
+    visit(Tunable{.name = "loops", .meaning = "from the last key on with the first"}, self.def.loops);
+    visit(Tunable{"maxForce", "N", 1e-6, 1e12, "its budget, beyond what its own motion takes"}, self.def.maxForce);
+    visit(Tunable{"maxTorque", "N m", 1e-6, 1e12, "likewise"}, self.def.maxTorque);
+    visit(Tunable{.name = "whenBlocked", .meaning = "what it does when that is not enough"}, self.def.whenBlocked);
+    visit(Tunable{"patience", "s", 0, 1e6, "for which it is blocked until it yields or breaks"}, self.def.patience);
+}
+inline Names requiredFields(const AnimatedInFile*) { return {"body", "keys"}; }
+
 struct ActionInFile {
     double time = 0;
     VehicleInput input;
@@ -286,6 +343,8 @@ struct SceneInFile {
     std::vector<StairsInFile> stairs;
     std::vector<RoadInFile> roads;
     std::vector<SceneJointInFile> joints;
+    std::vector<CouplingInFile> couplings;
+    std::vector<AnimatedInFile> animated;
     std::vector<VehicleInFile> vehicles;
     std::vector<RagdollInScene> ragdolls;
 };
@@ -307,6 +366,8 @@ void describe(Visitor& visit, Self& self, const SceneInFile*) {
     visit(Tunable{.name = "stairs"}, self.stairs);
     visit(Tunable{.name = "roads", .meaning = "surfaces along a line"}, self.roads);
     visit(Tunable{.name = "joints"}, self.joints);
+    visit(Tunable{.name = "couplings", .meaning = "of joints: gears, racks, pulleys, tendons"}, self.couplings);
+    visit(Tunable{.name = "animated", .meaning = "bodies that follow an animation with a force budget"}, self.animated);
     visit(Tunable{.name = "vehicles"}, self.vehicles);
     visit(Tunable{.name = "ragdolls"}, self.ragdolls);
 }

@@ -36,6 +36,19 @@ SceneInstance::SceneInstance(const Scene& scene, World& world) : world_(&world),
             def);
         named("joint", joint.name, i, [&] { joints.push_back(world.create(def)); });
     }
+    for (std::size_t i = 0; i < scene.couplings.size(); ++i) {
+        CouplingDef def = scene.couplings[i].def;
+        for (std::size_t k = 0; k < scene.couplings[i].joints.size(); ++k)
+            def.parts[k].joint = joints[scene.couplings[i].joints[k]];
+        named("coupling", scene.couplings[i].name, i, [&] { couplings.push_back(world.create(def)); });
+    }
+    animated.reserve(scene.animated.size());
+    for (std::size_t i = 0; i < scene.animated.size(); ++i) {
+        AnimatedBodyDef def = scene.animated[i].def;
+        def.body = idOf(scene.animated[i].body);
+        def.carrier = idOf(scene.animated[i].carrier);
+        named("animated", "", i, [&] { animated.emplace_back(world, def); });
+    }
     vehicles.reserve(scene.vehicles.size());
     for (std::size_t i = 0; i < scene.vehicles.size(); ++i) {
         const SceneVehicle& vehicle = scene.vehicles[i];

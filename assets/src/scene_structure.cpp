@@ -31,6 +31,21 @@ Json write(const SceneJoint& joint) {
     return json;
 }
 
+Json write(const SceneCoupling& coupling) {
+    Json json{{"joints", coupling.joints}, {"sum", writeValue(coupling.def.sum)}};
+    for (std::size_t i = 0; i < coupling.joints.size(); ++i) json["parts"].push_back(writeValue(coupling.def.parts[i]));
+    return json;
+}
+
+Json write(const SceneAnimation& animation) {
+    const AnimatedBodyDef& def = animation.def;
+    Json json{animation.body,           animation.carrier,         def.loops,
+              writeValue(def.maxForce), writeValue(def.maxTorque), static_cast<int>(def.whenBlocked),
+              writeValue(def.patience)};
+    for (const AnimationKey& key : def.keys) json.push_back({key.time, write(key.pose)});
+    return json;
+}
+
 Json write(const SceneVehicle& vehicle) {
     Json json = writeValue(vehicle.def);
     const VehiclePlacement& place = vehicle.placement;
@@ -48,6 +63,8 @@ Json write(const Scene& scene) {
         {"step", scene.step}, {"settings", writeValue(scene.settings)}, {"materials", writeValue(scene.materials)}};
     for (const SceneBody& body : scene.bodies) json["bodies"].push_back(write(body));
     for (const SceneJoint& joint : scene.joints) json["joints"].push_back(write(joint));
+    for (const SceneCoupling& coupling : scene.couplings) json["couplings"].push_back(write(coupling));
+    for (const SceneAnimation& animation : scene.animated) json["animated"].push_back(write(animation));
     for (const SceneVehicle& vehicle : scene.vehicles) json["vehicles"].push_back(write(vehicle));
     const RagdollDef* last = nullptr;
     for (const SceneRagdoll& ragdoll : scene.ragdolls) {

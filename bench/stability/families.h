@@ -30,6 +30,7 @@ Family dominoes();
 Family towers();
 Family balls();
 Family drift();
+Family mechanisms();
 Family determinism();
 
 /// All of them, in the order of the documentation.

@@ -60,8 +60,17 @@ TEST(JointJson, EveryKindComesBackTheSame) {
     ScrewDef screw;
     screw.pitch = -0.004f;
     screw.turn = everything(5);
-    const JointDef all[] = {hinge, ellipse, pyramid,   polygon,     cylindrical, universal,
-                            plane, screw,   BallDef{}, SliderDef{}, FixedDef{},  DistanceDef{}};
+    PathDef path;
+    path.curve.count = 3;
+    path.curve.points[1] = {1, 0.5f, 0};
+    path.curve.points[2] = {2, 0, 0.25f};
+    path.curve.closed = path.align = true;
+    path.travel = everything(6);
+    SixDofDef sixDof;
+    sixDof.x = everything(7);
+    sixDof.swingZ = everything(8);
+    const JointDef all[] = {path,      sixDof, hinge, ellipse,   pyramid,     polygon,    cylindrical,
+                            universal, plane,  screw, BallDef{}, SliderDef{}, FixedDef{}, DistanceDef{}};
     for (const JointDef& joint : all) {
         const JointDef again = readBack(joint);
         EXPECT_EQ(again.index(), joint.index());

@@ -25,8 +25,8 @@ std::filesystem::path fileWith(const std::string& name, const std::string& text)
 }
 
 TEST(Scene, ShipsWhatTheProgramLists) {
-    EXPECT_THAT(shippedScenes(),
-                testing::IsSupersetOf({"crash", "crash_unhit", "hills", "rain", "tower", "track", "wrecker"}));
+    EXPECT_THAT(shippedScenes(), testing::IsSupersetOf({"chain", "crash", "crash_unhit", "door", "hills", "mechanisms",
+                                                        "rain", "tower", "track", "wrecker"}));
     for (const std::string& name : shippedScenes()) {
         EXPECT_NE(sceneDescription(findScene(name)), "") << name;
         EXPECT_TRUE(loadScene(findScene(name)).camera) << name;
@@ -110,6 +110,29 @@ TEST(Scene, JointsHoldWhereTheFileSays) {
     EXPECT_NEAR(hinge.bodies.frameA.position.x, 2.5, 1e-6);
     EXPECT_NEAR(hinge.bodies.frameB.position.x, -0.5, 1e-6);
     EXPECT_NEAR(rotate(hinge.bodies.frameA.rotation, {1, 0, 0}).y, 1, 1e-6);
+}
+
+TEST(Scene, CouplesJointsAndAnimatesBodies) {
+    const auto path = fileWith("coupled.json", R"({
+      "settings": {"gravity": [0, 0, 0]},
+      "bodies": [{"name": "a", "shape": {"sphere": {"radius": 0.2}}, "position": [0, 0, 0]},
+                 {"name": "b", "shape": {"sphere": {"radius": 0.2}}, "position": [1, 0, 0]},
+                 {"name": "door", "shape": {"sphere": {"radius": 0.2}}, "position": [5, 0, 0]}],
+      "joints": [{"name": "first", "b": "a", "anchor": [0, 0, 0], "hinge": {"motor": {"targetSpeed": 3, "maxForce": 1e4}}},
+                 {"name": "second", "b": "b", "anchor": [1, 0, 0], "hinge": {}}],
+      "couplings": [{"parts": [{"joint": "second"}, {"joint": "first", "ratio": 2}],
+                     "sum": {"limit": {"lower": 0, "upper": 0}}}],
+      "animated": [{"body": "door", "maxForce": 50, "whenBlocked": "yield",
+                    "keys": [{"time": 0, "position": [5, 0, 0]}, {"time": 0.5, "position": [5, 1, 0]}]}]})");
+    const Scene scene = loadScene(path);
+    World world(scene.settings);
+    const SceneInstance instance(scene, world);
+    for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
+    EXPECT_NEAR(world.angularVelocity(instance.bodies[1]).x, -6, 1e-2);
+    EXPECT_NEAR(world.pose(instance.bodies[2]).position.y, 1, 1e-3);
+    EXPECT_THROW(loadScene(fileWith("uncoupled.json", R"({"bodies": [], "joints": [],
+      "couplings": [{"parts": [{"joint": "none"}]}]})")),
+                 AssetError);
 }
 
 TEST(Scene, EveryShippedSceneStepsWithFiniteNumbers) {

@@ -35,13 +35,14 @@ struct Golden {
     std::uint64_t early, late;
 };
 constexpr Golden kGolden[] = {
-    {0x74c6aa8bc7ab9128u, 0x33fbb68ba429de03u},  // tower
-    {0xd6af25a9ed944f1au, 0xfb92a2dc5cf4a2c3u},  // wall
-    {0x9a8e3d073aa067adu, 0x1eb6bcfcd3863d5bu},  // hills
-    {0x39cb7c955d1a02bcu, 0x65b95d701bbf28b0u},  // bowl
-    {0x5ebdbb842584d7e1u, 0x33bf330bd521c3f1u},  // joints
-    {0x75e222569a5d17f3u, 0x4b1ee1f4de7ee3d1u},  // spinners
-    {0xffd9c48076d65f69u, 0x88985f530f25cae0u},  // house
+    {0x72b1783858eff0fau, 0x81830e62a850b9ffu},  // tower
+    {0x37b1ad92fbfb6a85u, 0x916c37643eae0c1bu},  // wall
+    {0x4de4cef7fa389df0u, 0x2314c4f7f4f29538u},  // hills
+    {0x2eff02ecc3cefcb5u, 0x45b0a84fe4ebffd7u},  // bowl
+    {0x9e642093cf7aa38bu, 0xac0857b4258e7128u},  // joints
+    {0x12fd05e3d7419c94u, 0x8ccfff43f597628bu},  // spinners
+    {0x100847c3cafd2ae4u, 0xb97cf7150e80f5dau},  // chains
+    {0x6bb34bb83dede21bu, 0x34a163546e51c63bu},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 

@@ -133,6 +133,26 @@ TEST(DirectIslands, LargeOnesAreSweptWhileTheyMove) {
     EXPECT_EQ(wall.world.stats().givenUp, 0u);
 }
 
+/// What Newton's method leaves unfinished means nothing: the bodies keep the velocities of before and are swept.
+TEST(DirectIslands, UnfinishedSolveWritesNothing) {
+    Wall wall(20, 30);
+    run(wall.world, 0.5);
+    ASSERT_TRUE(wall.isDirect());
+    const BodyId pushed = wall.bricks[wall.bricks.size() / 2 + 5];
+    const float push = 200 * kGravity;
+    wall.world.applyForce(pushed, {0, 0, push * wall.world.mass(pushed).mass}, wall.world.pose(pushed).position);
+    wall.world.step(kDt);
+    ASSERT_EQ(wall.world.stats().givenUp, 1u);
+    ASSERT_EQ(wall.world.stats().islands.size(), 1u);
+    EXPECT_FALSE(wall.world.stats().islands[0].solved);
+    const float most = push * static_cast<float>(kDt);
+    EXPECT_GT(wall.world.linearVelocity(pushed).z, 0.5f * most);
+    for (const BodyId brick : wall.bricks) EXPECT_LE(length(wall.world.linearVelocity(brick)), most);
+    wall.world.step(kDt);
+    EXPECT_FALSE(wall.isDirect());
+    EXPECT_EQ(wall.world.stats().givenUp, 1u);
+}
+
 TEST(DirectIslands, WallAtRestRestoredGoesOnBitForBit) {
     Wall wall(10, 6);
     run(wall.world, 0.5);
@@ -143,6 +163,30 @@ TEST(DirectIslands, WallAtRestRestoredGoesOnBitForBit) {
     wall.world.restore(state);
     run(wall.world, 0.25);
     EXPECT_EQ(wall.world.hash(), expected);
+}
+
+/// Two cards, 25° from upright, that lean edge against edge: with a level normal there, as symmetry asks, they stand
+/// from μ = (tan 25° − thickness/length)/2 = 0.231. The normal of a card's face is 25° off, more than friction bears.
+TEST(DirectIslands, LeaningCardsStandByTheirEdges) {
+    constexpr double kLength = 0.4, kThickness = 0.002, kHalfWidth = 0.125, kLean = 25 * 3.14159265358979 / 180;
+    World world(withoutSleep());
+    addFloor(world, surface(0.3f));
+    const double x = kLength * std::sin(kLean), y = kLength * std::cos(kLean);
+    std::vector<BodyId> cards;
+    std::vector<DVec3> places;
+    for (const double side : {-1.0, 1.0}) {
+        const DVec3 foot{side * x, 0, 0}, head{0, y, 0}, middle{0.5 * side * x, 0.5 * y, 0};
+        const DVec3 back = (kThickness / kLength) * DVec3{side * y, x, 0};
+        std::vector<Vec3> corners;
+        for (const DVec3& corner : {foot, head, foot + back, head + back})
+            for (const double z : {-kHalfWidth, kHalfWidth})
+                corners.push_back(relative(DVec3{corner.x, corner.y, z}, middle));
+        places.push_back(middle);
+        cards.push_back(world.create(bodyDef(ConvexHull{corners}, middle, surface(0.3f))));
+    }
+    run(world, 5);
+    for (std::size_t i = 0; i < cards.size(); ++i)
+        EXPECT_LT(length(relative(world.pose(cards[i]).position, places[i])), 2e-4f);
 }
 
 /// Soft contacts without loads would let the top of n courses sink by n²/2 · g/ω², 40 mm at 30 Hz; loads that are wrong

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <vector>
 
+#include "constraints/joint_bundles.h"
 #include "constraints/joint_sim.h"
 #include "ragtop/math.h"
 #include "solve/body_state.h"
+#include "solve/joint_kernels.h"
 
 /// A few bodies and joints and the substep loop, without a world: so joints are tested alone.
 namespace ragtop::test {
@@ -56,14 +58,37 @@ public:
         const JointContext shared = context();
         for (JointSim& joint : joints) prepareJoint(joint, atStep(joint), states_.data(), inertia_.data(), shared);
         for (int i = 0; i < substeps; ++i) {
-            for (std::size_t b = 1; b < bodies.size(); ++b) {
-                if (bodies[b].mass > 0) states_[b].v += shared.h * gravity;
-            }
+            fall(shared.h);
             for (JointSim& joint : joints) warmStartJoint(joint, states_.data(), inertia_.data(), shared);
             for (JointSim& joint : joints) solveJoint(joint, states_.data(), inertia_.data(), shared, true);
             for (std::size_t b = 1; b < bodies.size(); ++b) move(b, shared.h);
             for (JointSim& joint : joints) solveJoint(joint, states_.data(), inertia_.data(), shared, false);
         }
+        end();
+    }
+    /// The same in lanes, as far as bundles go. No two joints share a moving body.
+    void step(const JointKernels& kernels, JointBundles& lanes) {
+        begin();
+        const JointLanesView view = lanes.view(joints.data());
+        const int bundles = lanes.color(ConstraintGraph::kOverflow).end;
+        const auto singles = [&](auto&& visit) {
+            for (int i = 0; i < lanes.color(ConstraintGraph::kOverflow).endSingle; ++i) visit(joints[lanes.single(i)]);
+        };
+        const JointPass pass{{states_.data(), inertia_.data(), nullptr, nullptr}, context()};
+        for (JointSim& joint : joints)
+            prepareJoint(joint, atStep(joint), states_.data(), inertia_.data(), pass.context);
+        kernels.load(view, 0, bundles);
+        for (int i = 0; i < substeps; ++i) {
+            fall(pass.context.h);
+            kernels.warmStart(view, 0, bundles, pass);
+            singles([&](JointSim& j) { warmStartJoint(j, states_.data(), inertia_.data(), pass.context); });
+            kernels.solve(view, 0, bundles, pass);
+            singles([&](JointSim& j) { solveJoint(j, states_.data(), inertia_.data(), pass.context, true); });
+            for (std::size_t b = 1; b < bodies.size(); ++b) move(b, pass.context.h);
+            kernels.relax(view, 0, bundles, pass);
+            singles([&](JointSim& j) { solveJoint(j, states_.data(), inertia_.data(), pass.context, false); });
+        }
+        kernels.store(view, 0, bundles);
         end();
     }
     void run(double seconds) {
@@ -141,6 +166,10 @@ private:
         const Vec3 y = toVec3(axes.times(body.inertia, {0, 1, 0}, inverse));
         const Vec3 z = toVec3(axes.times(body.inertia, {0, 0, 1}, inverse));
         return {x.x, x.y, x.z, y.y, y.z, z.z, {}};
+    }
+    void fall(float substep) {
+        for (std::size_t b = 1; b < bodies.size(); ++b)
+            if (bodies[b].mass > 0) states_[b].v += substep * gravity;
     }
     /// Keeps the angular momentum over the rotation.
     void move(std::size_t b, float substep) {

@@ -182,6 +182,41 @@ inline void addChain(World& world, const Scale& scale = {}, int links = 12) {
     }
 }
 
+/// A bare link at half a length from `above`; it collides with nothing.
+inline BodyId hangLink(World& world, const Scale& scale, BodyId above, double x, double z, bool heavy, bool hinge) {
+    BodyDef def;
+    ShapeDef shape;
+    shape.geometry =
+        heavy ? Shape{Sphere{scale.length(0.25f)}} : Shape{Capsule{scale.length(0.0625f), scale.length(0.125f)}};
+    shape.density = heavy ? 64000 : 1000;
+    shape.filter.mask = 0;
+    def.shapes.push_back(shape);
+    def.pose = {scale.position(x, 8, z), normalized(Quat{0, 0, -1, 1})};
+    const BodyId link = world.create(def);
+    JointBodies joined{.a = above, .b = link};
+    const Vec3 end = scale.length(Vec3{0, 0.25f, 0});
+    joined.frameA.position = above.isNull() ? toVec3(scale.position(x - 0.25, 8, z)) : end;
+    if (above.isNull()) joined.frameA.rotation = normalized(Quat{0, 0, -1, 1});
+    joined.frameB.position = -end;
+    if (hinge)
+        world.create(HingeDef{.bodies = joined});
+    else
+        world.create(BallDef{.bodies = joined});
+    return link;
+}
+
+/// Trees of bare joints, heavy at their ends: chains of two lengths, one of them of hinges, and one that forks.
+inline void addChains(World& world, const Scale& scale = {}) {
+    for (int chain = 0; chain < 7; ++chain) {
+        const int links = chain % 3 == 2 ? 9 : 6;
+        BodyId above;
+        for (int i = 0; i <= links; ++i) {
+            above = hangLink(world, scale, above, 0.5 * i + 0.25, 2.0 * chain, i == links, chain == 5);
+            if (chain == 6 && i == 3) hangLink(world, scale, above, 0.5 * i + 0.75, 2.0 * chain, true, false);
+        }
+    }
+}
+
 /// A figure of a torso and four limbs: cones, a hinge with limits, springs to a pose, friction.
 inline void addFigure(World& world, const Scale& scale, double x, double y) {
     const BodyId torso = addBox(world, scale, {0.25f, 0.5f, 0.125f}, x, y, 0);
@@ -332,6 +367,7 @@ inline constexpr Scenario kScenarios[] = {
      true, 400},
     {"joints", [](World& world, const Scale& scale) { addJoints(world, scale); }, false, 400},
     {"spinners", [](World& world, const Scale& scale) { addSpinners(world, scale); }, false, 300},
+    {"chains", [](World& world, const Scale& scale) { addChains(world, scale); }, false, 300},
     {"house", [](World& world, const Scale& scale) { addHouse(world, scale); }, true, 400},
 };
 

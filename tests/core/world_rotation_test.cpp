@@ -94,7 +94,8 @@ BodyDef tHandle() {
 // Euler's equations turn the middle component of ω through a Jacobian sine of period 4 K(k) / rate, with
 //   rate² = (I₃ − I₂)(L² − 2 E I₁) / (I₁ I₂ I₃),   k² = (I₂ − I₁)(2 E I₃ − L²) / ((I₃ − I₂)(L² − 2 E I₁))
 // for L² > 2 E I₂ and I₁ < I₂ < I₃, and 1 and 3 exchanged otherwise (Landau and Lifshitz, § 37). The splitting makes
-// the rate wrong by (|ω| h)² / 24 at most, and so the energy, of which the period depends on the logarithm.
+// the rate wrong by (|ω| h)² / 24 of a rotor step at most; the period depends on the logarithm of what the energy has
+// above the separatrix, which is kept to rounding.
 TEST(WorldRotation, ATHandleFlipsWithTheEllipticPeriod) {
     for (const float speed : {10.0f, 30.0f, 100.0f}) {
         World world(withoutGravity());
@@ -105,7 +106,8 @@ TEST(WorldRotation, ATHandleFlipsWithTheEllipticPeriod) {
         world.destroy(probe);
         int order[3] = {0, 1, 2};
         std::sort(order, order + 3, [&](int a, int b) { return moment[a] < moment[b]; });
-        Vec3 w{0.01f * speed, 0.01f * speed, 0.01f * speed};
+        Vec3 w;  // so near the separatrix that a change of energy by 1e-5 would send it around the wrong way
+        w[order[0]] = 0.01f * speed;
         w[order[1]] = speed;
         def.angularVelocity = w;
         const BodyId handle = world.create(def);
@@ -131,14 +133,14 @@ TEST(WorldRotation, ATHandleFlipsWithTheEllipticPeriod) {
             before = now;
         });
         ASSERT_GT(flips, 3);
-        EXPECT_NEAR((last - first) / flips, flip, 0.002 * flip) << speed;
+        EXPECT_NEAR((last - first) / flips, flip, 0.001 * flip) << speed;
     }
 }
 
 // A symmetric top on a point precesses steadily when I₁ cos θ Ω² − I₃ ω₃ Ω + m g r = 0, with I₁ about the point
 // (Goldstein, Classical Mechanics, § 5.7). The joint holds the point to h² of its acceleration.
 TEST(WorldRotation, AHeavyTopPrecessesSteadily) {
-    for (const double spin : {45.0, 60.0}) {
+    for (const double spin : {45.0, 60.0, 90.0}) {
         const double theta = 0.5, r = 0.4;
         World world(withoutSleep());
         BodyDef def = bodyDef(Box{{0.3f, 0.05f, 0.3f}}, {});

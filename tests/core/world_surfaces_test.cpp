@@ -239,6 +239,35 @@ TEST(WorldSurfaces, AModifyCallbackMakesIceAndOpensDoors) {
     EXPECT_TRUE(world.isValid(floor));
 }
 
+/// What it writes holds for that pair and step alone, whatever the materials say: a belt under one box, a floor that
+/// bounces one ball back to where it came from.
+TEST(WorldSurfaces, AModifyCallbackMovesSurfacesAndBounces) {
+    World world(withoutSleep());
+    addFloor(world, surface(0.8f));
+    BodyDef carried = bodyDef(Box{{0.3f, 0.3f, 0.3f}}, {0, 0.3, 0}, surface(0.8f));
+    carried.shapes[0].userData = 1;
+    BodyDef bouncing = bodyDef(Sphere{0.3f}, {3, 1.3, 0});
+    bouncing.shapes[0].userData = 2;
+    const BodyId box = world.create(carried), ball = world.create(bouncing);
+    const BodyId resting = world.create(bodyDef(Box{{0.3f, 0.3f, 0.3f}}, {-3, 0.3, 0}, surface(0.8f)));
+    WorldCallbacks callbacks;
+    callbacks.modify = [](const PairInfo& pair, ContactSurface& contact) {
+        // The box goes against the way that its own surface runs.
+        if (pair.userDataA == 1) contact.surfaceVelocity = {-1, 0, 0};
+        if (pair.userDataB == 1) contact.surfaceVelocity = {1, 0, 0};
+        if (pair.userDataA == 2 || pair.userDataB == 2) contact.restitution = 1;
+    };
+    world.setCallbacks(callbacks);
+    double highest = 0, lowest = 2;
+    run(world, 1.5, kDt, [&] {
+        lowest = std::min(lowest, height(world, ball));
+        if (lowest < 0.4) highest = std::max(highest, height(world, ball));
+    });
+    EXPECT_NEAR(std::abs(world.linearVelocity(box).x), 1, 1e-3);
+    EXPECT_NEAR(highest, 1.3, 1e-2);
+    EXPECT_NEAR(length(world.linearVelocity(resting)), 0, 1e-4);
+}
+
 // Pushing out is the only thing that could add energy, and the relax pass takes it back.
 TEST(WorldSurfaces, EnergyNeverGrowsInASettlingPile) {
     World world;

@@ -4,7 +4,7 @@
 # instructions would crash in code that has nothing to do with the kernels.
 set -eu
 "$1" -A -C --defined-only "$2" | awk '
-    /wide_kernels_avx/ && / W / { print; failed = 1 }
+    /wide_[a-z]*_avx/ && / W / { print; failed = 1 }
     END {
         if (failed) print "weak functions in the wide kernels (above): force them inline or give them internal linkage"
         exit failed

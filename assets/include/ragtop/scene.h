@@ -9,8 +9,10 @@
 #include <string_view>
 #include <vector>
 
+#include "ragtop/animated_body.h"
 #include "ragtop/asset_error.h"
 #include "ragtop/body.h"
+#include "ragtop/coupling.h"
 #include "ragtop/debug_draw.h"
 #include "ragtop/id.h"
 #include "ragtop/joint.h"
@@ -36,6 +38,17 @@ struct SceneJoint {
     std::string name{};
     int bodyA = -1, bodyB = -1;  ///< indices of the scene's bodies; −1: the world
     JointDef def{};              ///< its bodies are null
+};
+
+struct SceneCoupling {
+    std::string name{};
+    std::vector<std::size_t> joints{};  ///< of the scene's, one for each part
+    CouplingDef def{};                  ///< its joints are null
+};
+
+struct SceneAnimation {
+    int body = -1, carrier = -1;  ///< indices of the scene's bodies; −1: the world
+    AnimatedBodyDef def{};        ///< its bodies are null
 };
 
 /// From `time` on the driver does this.
@@ -90,6 +103,8 @@ struct Scene {
     std::map<std::string, Material> materials{};
     std::vector<SceneBody> bodies{};
     std::vector<SceneJoint> joints{};
+    std::vector<SceneCoupling> couplings{};
+    std::vector<SceneAnimation> animated{};
     std::vector<SceneRoad> roads{};
     std::vector<SceneVehicle> vehicles{};
     std::vector<SceneRagdoll> ragdolls{};
@@ -122,6 +137,8 @@ struct SceneInstance {
 
     std::vector<BodyId> bodies;    ///< in the order of the scene
     std::vector<JointId> joints;   ///< in the order of the scene
+    std::vector<CouplingId> couplings;  ///< in the order of the scene
+    std::vector<AnimatedBody> animated;
     std::vector<Vehicle> vehicles;
     std::vector<Ragdoll> ragdolls;
     std::vector<bool> scripted;  ///< false for a vehicle that somebody else drives: script and driver are passed over

@@ -19,5 +19,6 @@ struct Id {
 using BodyId = Id<struct BodyTag>;
 using ShapeId = Id<struct ShapeTag>;
 using JointId = Id<struct JointTag>;
+using CouplingId = Id<struct CouplingTag>;
 
 }  // namespace ragtop

@@ -36,8 +36,11 @@ struct BallDef {
     Stop stop{};                                 ///< of all of these
     float friction = 0;                          ///< N m, dry friction torque
     std::optional<Bearing> bearing{};            ///< its other friction; the reaction counts as a whole
-    std::optional<Spring> spring{};              ///< pulls B's rotation in A to `target`
+    std::optional<Spring> spring{};              ///< pulls B's rotation in A to `target`, the shortest way
+    std::optional<Spring> twistSpring{};         ///< turns about the twist axis; then `spring` swings alone
     Quat target{};                               ///< of B's joint frame in A's
+    Vec3 targetSpeed{};                          ///< rad/s, at which the target turns, in A's joint frame
+    Vec3 feedForward{};                          ///< N m, that the spring adds, in A's joint frame
     float maxSpringTorque = 3.4e38f;             ///< N m
 };
 
@@ -102,11 +105,30 @@ struct PlaneDef {
 struct ScrewDef {
     JointBodies bodies{};
     float pitch = 0.01f;  ///< m per turn, negative for a left-handed thread
-    AxisDef turn{};       ///< rad
+    AxisDef turn{};       ///< rad; its bearing's coefficient acts on the flanks of the thread, whose mean radius is
+                          ///< `pinRadius`
 };
 
-using JointDef =
-    std::variant<BallDef, HingeDef, SliderDef, FixedDef, DistanceDef, CylindricalDef, UniversalDef, PlaneDef, ScrewDef>;
+/// Keeps B's frame origin on a curve that is fixed in A's frame.
+struct PathDef {
+    JointBodies bodies{};
+    Curve curve{};
+    bool align = false;  ///< B's x axis points along the curve; B still rolls about it
+    AxisDef travel{};  ///< m along the curve from its first point; laps of a closed one add up. An open one is limited
+                       ///< to its length anyway.
+};
+
+/// Each degree of freedom as asked: a limit with equal ends locks it. The rotation of B in A is a swing after a twist:
+/// the twist about x, the swing as a rotation vector across x. Up to a swing of 2.5 rad; beyond, what acts along the
+/// swing fades.
+struct SixDofDef {
+    JointBodies bodies{};
+    AxisDef x{}, y{}, z{};                ///< m, along A's axes
+    AxisDef twist{}, swingY{}, swingZ{};  ///< rad
+};
+
+using JointDef = std::variant<BallDef, HingeDef, SliderDef, FixedDef, DistanceDef, CylindricalDef, UniversalDef,
+                              PlaneDef, ScrewDef, PathDef, SixDofDef>;
 
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const BallDef*) {
@@ -119,6 +141,11 @@ void describe(Visitor& visit, Self& self, const BallDef*) {
     visit(Tunable{"friction", "N m", 0, 1e9, "dry friction torque"}, self.friction);
     visit(Tunable{.name = "bearing", .meaning = "other friction"}, self.bearing);
     visit(Tunable{"spring", "", 0, 0, "pulls the rotation to its target"}, self.spring);
+    visit(Tunable{"twistSpring", "", 0, 0, "the same about the twist axis; the other then swings alone"},
+          self.twistSpring);
+    visit(Tunable{"targetSpeed", "rad/s", -1e5, 1e5, "at which the target turns, in A's joint frame"},
+          self.targetSpeed);
+    visit(Tunable{"feedForward", "N m", -1e12, 1e12, "torque that is added, in A's joint frame"}, self.feedForward);
     visit(Tunable{"maxSpringTorque", "N m", 0, 3.5e38, "largest torque of the spring"}, self.maxSpringTorque);
 }
 template <class Visitor, class Self>
@@ -173,6 +200,22 @@ void describe(Visitor& visit, Self& self, const ScrewDef*) {
     visit(Tunable{.name = "turn", .meaning = "turning about the axis, rad"}, self.turn);
 }
 
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const PathDef*) {
+    visit(Tunable{.name = "curve", .meaning = "in A's frame"}, self.curve);
+    visit(Tunable{"align", "", 0, 1, "does B's x axis point along it?"}, self.align);
+    visit(Tunable{.name = "travel", .meaning = "sliding along it, m"}, self.travel);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const SixDofDef*) {
+    visit(Tunable{.name = "x", .meaning = "sliding along A's x axis, m"}, self.x);
+    visit(Tunable{.name = "y", .meaning = "sliding along A's y axis, m"}, self.y);
+    visit(Tunable{.name = "z", .meaning = "sliding along A's z axis, m"}, self.z);
+    visit(Tunable{.name = "twist", .meaning = "turning about B's x axis, rad"}, self.twist);
+    visit(Tunable{.name = "swingY", .meaning = "swing about y, rad"}, self.swingY);
+    visit(Tunable{.name = "swingZ", .meaning = "swing about z, rad"}, self.swingZ);
+}
+
 /// Empty when the definition is usable; otherwise names the field, its value and what is allowed.
 std::string whyInvalid(const JointDef& def);
 
@@ -180,9 +223,13 @@ std::string whyInvalid(const JointDef& def);
 struct JointState {
     Vec3 force;            ///< N, that A exerts on B
     Vec3 torque;           ///< N m, about B's frame origin
-    float coordinate = 0;  ///< rad of a hinge, unwrapped, m of a slider or distance, rad of twist of a ball
-    float second = 0,
-          third = 0;        ///< travel of a cylindrical joint, second angle of a universal one, y and z of a plane
+    /// rad of a hinge, unwrapped, m of a slider, distance or path, rad of twist of a ball or six-degree-of-freedom
+    /// joint
+    float coordinate = 0;
+    /// Travel of a cylindrical joint, second angle of a universal one, y and z of a plane, swing of a
+    /// six-degree-of-freedom joint.
+    float second = 0, third = 0;
+    Vec3 travel;            ///< m, of a six-degree-of-freedom joint, along A's axes
     float speed = 0;        ///< its rate
     float swing = 0;        ///< rad, balls only
     float gap = 0;          ///< m, between the points that should be one

@@ -91,6 +91,15 @@ struct ReachPolygon {
     std::array<ReachCorner, kMostCorners> corners{};
 };
 
+/// A smooth curve through some points: the cubic spline whose curvature has no jumps [de Boor, A Practical Guide to
+/// Splines, 1978], by the chords between them; it ends straight.
+struct Curve {
+    static constexpr int kMostPoints = 16;
+    int count = 0;                           ///< 2 to 16, of a closed curve at least 3
+    std::array<Vec3, kMostPoints> points{};  ///< m; neighbours apart
+    bool closed = false;                     ///< from the last point back to the first
+};
+
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const Range*) {
     visit(Tunable{"lower", "m or rad", -1e5, 1e5, "lower end"}, self.lower);
@@ -154,6 +163,12 @@ template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const ReachPolygon*) {
     visit(Tunable{"count", "1", 3, ReachPolygon::kMostCorners, "corners in use"}, self.count);
     visit(Tunable{.name = "corners", .meaning = "counter-clockwise as seen from outside"}, self.corners);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const Curve*) {
+    visit(Tunable{"count", "1", 2, Curve::kMostPoints, "points in use"}, self.count);
+    visit(Tunable{"points", "m", -1e5, 1e5, "what the curve goes through"}, self.points);
+    visit(Tunable{"closed", "", 0, 1, "from the last point back to the first"}, self.closed);
 }
 
 }  // namespace ragtop

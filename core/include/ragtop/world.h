@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ragtop/body.h"
+#include "ragtop/coupling.h"
 #include "ragtop/debug_draw.h"
 #include "ragtop/events.h"
 #include "ragtop/id.h"
@@ -75,6 +76,9 @@ struct StepStats {
     std::span<const Stage> stages;    ///< in order; valid until the next step
     std::span<const Island> islands;  ///< likewise
     std::uint64_t givenUp = 0;        ///< direct solves that were, since the world was made
+    /// Times that a body was stopped where a step began, because a force or impulse beyond all measure had taken it out of
+    /// the range of numbers (1e15 m, or that in a step), since the world was made.
+    std::uint64_t runaways = 0;
     double totalMs = 0;
     int bodies = 0, awakeBodies = 0, contacts = 0, touching = 0, joints = 0, colors = 0;
     std::size_t bytes = 0;  ///< memory held
@@ -107,15 +111,20 @@ public:
     BodyId create(const StaticBody& def);
     BodyId create(const DynamicBody& def);
     JointId create(const JointDef& def);
+    /// Between joints of this world that are there already. It is destroyed with the first of them.
+    CouplingId create(const CouplingDef& def);
     /// Destroys a body with its shapes, contacts and joints; what it touched wakes.
     void destroy(BodyId body);
     void destroy(JointId joint);
+    void destroy(CouplingId coupling);
     bool isValid(BodyId body) const;
     bool isValid(ShapeId shape) const;
     bool isValid(JointId joint) const;
-    /// All bodies and joints, in the order of their index.
+    bool isValid(CouplingId coupling) const;
+    /// All bodies, joints and couplings, in the order of their index.
     std::span<const BodyId> bodies() const;
     std::span<const JointId> joints() const;
+    std::span<const CouplingId> couplings() const;
 
     // Bodies. The pose is that of the definition's frame; velocities are those of the centre of mass.
     Pose pose(BodyId body) const;
@@ -136,6 +145,7 @@ public:
     void setPose(BodyId body, const Pose& pose);
     void setVelocity(BodyId body, const Vec3& linear, const Vec3& angular);
     void setGravityScale(BodyId body, float scale);
+    float gravityScale(BodyId body) const;
     /// Changes mass, centre and inertia of a dynamic body (fuel, freight); its pose and the motion of its points stay.
     /// Throws std::invalid_argument and changes nothing when a value is not allowed.
     void setMass(BodyId body, const MassProperties& mass);
@@ -167,6 +177,12 @@ public:
     void setDef(JointId joint, const JointDef& def);
     JointState state(JointId joint) const;
     std::uint64_t userData(JointId joint) const;
+
+    // Couplings. setDef changes ratios and what acts along the sum, keeping the impulse; it may not change the joints.
+    const CouplingDef& def(CouplingId coupling) const;
+    void setDef(CouplingId coupling, const CouplingDef& def);
+    CouplingState state(CouplingId coupling) const;
+    std::uint64_t userData(CouplingId coupling) const;
 
     // Events and contacts of the last step.
     std::span<const ContactEvent> contactBegins() const;

@@ -1,10 +1,9 @@
 #include "constraints/axes_block.h"
 
+#include "constraints/joint_constants.h"
+
 namespace ragtop {
 namespace {
-
-/// As in rows.cpp: what elimination in single precision leaves of the diagonal where the exact pivot is zero.
-constexpr float kZeroPivot = 1e-6f;
 
 PairVector operator*(float s, const PairVector& a) { return {s * a.linear, s * a.angular}; }
 void operator+=(PairVector& a, const PairVector& b) {
@@ -51,6 +50,8 @@ void refreshMass(AxesBlock& block, const PairMass& mass) {
     for (std::uint32_t i = 0; i < block.rigidRows; ++i) moved[i] = velocityOf(mass, block.rigid[i]);
     factorRigid(block, moved);
     for (std::uint32_t f = 0; f < block.freeRows; ++f) {
+        block.axis[f].inverseMass = 0;
+        if (block.axis[f].features == 0) continue;
         const float whole = speedAlong(block.free[f], velocityOf(mass, block.free[f]));
         float left = whole;
         for (std::uint32_t i = 0; i < block.rigidRows; ++i) block.gain[f][i] = speedAlong(block.free[f], moved[i]);
@@ -85,6 +86,16 @@ void rescale(AxesBlock& block, float ratio) {
     for (AxisRows& axis : block.axis) rescale(axis, ratio);
 }
 
+PairVector freeImpulse(AxesBlock& block, std::uint32_t coordinate, float amount) {
+    PairVector impulse = amount * block.free[coordinate];
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i) {
+        const float keeps = -amount * block.gain[coordinate][i];
+        block.impulse[i] += keeps;
+        impulse += keeps * block.rigid[i];
+    }
+    return impulse;
+}
+
 void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const JointContext& context, bool moving) {
     const Softness soft = moving ? context.softness : kRigid;
     const PairVector u = pair.velocity(arms);
@@ -102,14 +113,7 @@ void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const JointCo
     for (std::uint32_t f = 0; f < block.freeRows; ++f) {
         if (block.axis[f].features == 0) continue;
         const float speed = speedAlong(block.free[f], pair.velocity(arms));
-        const float amount = solveAxis(block.axis[f], speed, context, moving);
-        PairVector impulse = amount * block.free[f];
-        for (std::uint32_t i = 0; i < block.rigidRows; ++i) {
-            const float keeps = -amount * block.gain[f][i];
-            block.impulse[i] += keeps;
-            impulse += keeps * block.rigid[i];
-        }
-        pair.apply(arms, impulse);
+        pair.apply(arms, freeImpulse(block, f, solveAxis(block.axis[f], speed, context, moving)));
     }
 }
 

@@ -7,8 +7,9 @@
 namespace ragtop {
 
 struct AxesBlock {
-    static constexpr int kMostRigid = 6, kMostFree = 3;
+    static constexpr int kMostRigid = 6, kMostFree = 6;
     std::uint32_t rigidRows = 0, freeRows = 0;
+    std::uint32_t locked = 0;  ///< a bit for each coordinate that is a rigid row, at AxisRows::lower
 
     // Carried from substep to substep, along the directions of the rows.
     float impulse[kMostRigid] = {}, startImpulse[kMostRigid] = {};
@@ -16,6 +17,7 @@ struct AxesBlock {
 
     // Of the current substep.
     PairVector rigid[kMostRigid], free[kMostFree];  ///< what a row takes of the relative motion
+    float value[kMostFree] = {};                    ///< of the coordinates, those of angles without their turns
     float error[kMostRigid] = {};
     float lower[kMostRigid][kMostRigid] = {};  ///< L D Lᵀ of the rigid rows: L, and the inverse pivots on its diagonal
     float gain[kMostFree][kMostRigid] = {};  ///< K_rr⁻¹ K_rf: what keeps the rigid rows' velocity, per free impulse
@@ -25,6 +27,8 @@ struct AxesBlock {
 void refreshMass(AxesBlock& block, const PairMass& mass);
 /// All that is carried over as one impulse.
 PairVector carriedImpulse(const AxesBlock& block);
+/// The impulse along a coordinate with what keeps the rigid rows' velocity, which is noted.
+PairVector freeImpulse(AxesBlock& block, std::uint32_t coordinate, float amount);
 void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const JointContext& context, bool moving);
 /// When a substep begins, once directions and masses are there.
 void beginAxes(AxesBlock& block, const double (&coordinates)[AxesBlock::kMostFree], const BodyPair& pair,

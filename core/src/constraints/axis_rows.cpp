@@ -2,17 +2,11 @@
 
 #include <cmath>
 
+#include "constraints/joint_constants.h"
 #include "constraints/rows.h"
 
 namespace ragtop {
 namespace {
-
-constexpr double kTurn = 6.283185307179586;
-
-/// Rebounds of less than so many times the speed gained in a substep are rest.
-constexpr float kRest = 4;
-/// Within this of its bound, an impulse has reached it.
-constexpr float kAtBound = 0.9999f;
 
 constexpr float clamp(float value, float lower, float upper) {
     return value < lower ? lower : value > upper ? upper : value;
@@ -75,6 +69,8 @@ void compile(AxisRows& rows, const AxisSettings& settings) {
     rows.lastAngle = old.lastAngle;
     rows.turns = old.turns;
     rows.tracked = old.tracked;
+    rows.features |= old.features & AxisRows::kCoupled;
+    rows.coupledImpulse = old.coupledImpulse;
     rows.stop = settings.stop;
     if (settings.turns) rows.atLower.recovery = rows.atUpper.recovery = kTurnRecovery;
     if (settings.limit) {
@@ -112,12 +108,13 @@ void compile(AxisRows& rows, const AxisSettings& settings) {
 
 float axisImpulse(const AxisRows& rows) {
     return rows.springImpulse + rows.viscousImpulse + rows.frictionImpulse + rows.motorImpulse + rows.atLower.impulse -
-           rows.atUpper.impulse;
+           rows.atUpper.impulse + rows.coupledImpulse;
 }
 
 void rescale(AxisRows& rows, float ratio) {
     for (int slot = 0; slot < kAxisSlots; ++slot) rows.impulse(static_cast<AxisSlot>(slot)) *= ratio;
     rows.dry.bound *= ratio;
+    rows.coupledImpulse *= ratio;
 }
 
 /// The turns that bring an angle nearest to its range, none where it is within.
@@ -163,10 +160,9 @@ bool DryFriction::begin(float size, float kinetic, float breakaway) {
 
 bool beginAxis(AxisRows& rows, double coordinate, float speed, float reaction, const JointContext& context) {
     const float w = rows.inverseMass, h = context.h;
-    if (rows.features == 0 || !(w > 0)) return false;
     if (rows.features & AxisRows::kSpring) {
         const float omega = 2 * kPi * rows.frequency;
-        const bool tuned = rows.frequency > 0;
+        const bool tuned = rows.frequency > 0 && w > 0;
         rows.springStiffness = tuned ? omega * omega / w : rows.stiffness;
         rows.springError = static_cast<float>(coordinate - static_cast<double>(rows.target));
         const float damping = tuned ? 2 * rows.dampingRatio * omega / w : rows.damping;
@@ -234,6 +230,7 @@ bool beginStop(StopSide& side, const Stop& stop, float speed, float h) {
     if (side.rebound > 0) side.wasSeen = 0;
     side.rebound = 0;
     side.startMargin = side.margin;
+    if (!(stop.stiffness > 0) && !(stop.restitution > 0)) return struck;
     const float gained = side.wasSeen > 0 ? speed - side.lastSpeed : 0.0f;
     side.lastSpeed = speed;
     side.wasSeen = 1;
@@ -247,7 +244,7 @@ bool beginStop(StopSide& side, const Stop& stop, float speed, float h) {
     }
     if (side.pressed > 0 || !(stop.restitution > 0)) return struck;
     // What may reach the end does so in this substep: stopped there without a rebound, it would be at rest in the next.
-    if (!(approach > kRest * change) || side.margin >= h * (approach + change)) return struck;
+    if (!(approach > kRestingRebound * change) || side.margin >= h * (approach + change)) return struck;
     const float toEnd = side.margin > 0 ? side.margin / approach : 0.0f, before = toEnd < h ? toEnd : h;
     side.rebound = stop.restitution * approach;
     side.landing = (side.rebound * (h - before) - side.margin) / h;
@@ -294,6 +291,12 @@ RowAim aimAtStop(const StopSide& side, const Stop& stop, float inverseMass, cons
     return aim;
 }
 
+bool mayAct(const StopSide& side, const Stop& stop, float speed, const JointContext& context, bool moving) {
+    if (stop.stiffness > 0 || side.impulse > 0) return true;
+    const RowAim aim = aimAtStop(side, stop, 0, context, moving);
+    return aim.upper > 0 && speed < aim.target;
+}
+
 float solveRow(float& impulse, const RowAim& aim, float speed, float inverseMass, const JointContext& context) {
     const float old = impulse;
     float solved;
@@ -315,6 +318,7 @@ float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool m
         const auto slot = static_cast<AxisSlot>(i);
         if (!rows.has(slot)) continue;
         const float side = slot == AxisSlot::upper ? -1.0f : 1.0f;
+        if (rows.isStop(slot) && !mayAct(rows.stopAt(slot), rows.stop, side * speed, context, moving)) continue;
         const float delta =
             side * solveRow(rows.impulse(slot), aimOf(rows, slot, context, moving), side * speed, w, context);
         total += delta;

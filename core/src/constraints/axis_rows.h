@@ -52,6 +52,8 @@ struct StopSide {
 /// When a substep begins; `speed` is that of the margin before the rows of the joint act. True when something ran into
 /// the stop in the substep before: an impact does not last, so that its impulses are no guess for those to come.
 bool beginStop(StopSide& side, const Stop& stop, float speed, float h);
+/// False where the row of a stop would leave an impulse of zero as it is.
+bool mayAct(const StopSide& side, const Stop& stop, float speed, const JointContext& context, bool moving);
 RowAim aimAtStop(const StopSide& side, const Stop& stop, float inverseMass, const JointContext& context, bool moving);
 
 /// Dry friction that knows whether it slides. What slides through a whole substep acts half before the motion and half
@@ -80,6 +82,7 @@ struct AxisSettings {
 
 struct AxisRows {
     static constexpr std::uint32_t kLimit = 1, kLocked = 2, kMotor = 4, kSpring = 8, kFriction = 16, kViscous = 32;
+    static constexpr std::uint32_t kCoupled = 64;  ///< other joints push along this coordinate
     std::uint32_t features = 0;
     float lower = 0, upper = 0;  ///< m or rad
     Stop stop{};
@@ -90,6 +93,7 @@ struct AxisRows {
 
     // Carried from substep to substep, N s or N m s.
     float springImpulse = 0, viscousImpulse = 0, frictionImpulse = 0, motorImpulse = 0;
+    float coupledImpulse = 0;  ///< of couplings with other joints, which carry it themselves
     StopSide atLower, atUpper;
     DryFriction dry;
     float motorStalls = 0;  ///< 1: forward, −1: in reverse, as far as it can
@@ -105,6 +109,8 @@ struct AxisRows {
     SpringShares springShare, viscousShare;
 
     bool has(AxisSlot slot) const;
+    bool isStop(AxisSlot slot) const { return slot >= AxisSlot::lower && (features & kLimit) != 0; }
+    const StopSide& stopAt(AxisSlot slot) const { return slot == AxisSlot::upper ? atUpper : atLower; }
     float& impulse(AxisSlot slot);
     float impulse(AxisSlot slot) const { return const_cast<AxisRows*>(this)->impulse(slot); }
 };

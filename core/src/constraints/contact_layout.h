@@ -49,6 +49,9 @@ enum PointField : int {
     kPointFields,
 };
 
+/// Of the size: overlaps that no load leaves, which bodies come out of as fast as from the ground.
+inline constexpr float kDeep = 0.02f;
+
 inline constexpr int kMaxPoints = 4;
 inline constexpr int kFields = kPoints + kMaxPoints * kPointFields;
 

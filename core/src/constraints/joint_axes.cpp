@@ -1,36 +1,13 @@
-#include "constraints/joint_types.h"
+#include "constraints/axes_writer.h"
 
 // Joints that are an AxesBlock: which rows are rigid, which are free, and how far each is off.
 namespace ragtop {
 namespace {
 
-Vec3 axisX(const Quat& q) { return rotate(q, {1, 0, 0}); }
-Vec3 axisY(const Quat& q) { return rotate(q, {0, 1, 0}); }
 Vec3 axisZ(const Quat& q) { return rotate(q, {0, 0, 1}); }
 
-/// Writes rows in turn.
-struct Writer {
-    AxesBlock& block;
-    double coordinates[AxesBlock::kMostFree] = {};
-
-    void rigid(const PairVector& row, float error) {
-        block.rigid[block.rigidRows] = row;
-        block.error[block.rigidRows++] = error;
-    }
-    void free(const PairVector& row, double coordinate) {
-        coordinates[block.freeRows] = coordinate;
-        setMargins(block.axis[block.freeRows], coordinate);
-        block.free[block.freeRows++] = row;
-    }
-    double turn(float angle) {
-        AxisRows& axis = block.axis[block.freeRows];
-        track(axis, angle);
-        return unwrapped(axis, angle);
-    }
-};
-
 /// Both x axes on one line: two rows across B's.
-void alignAxes(Writer& write, const JointPlace& place) {
+void alignAxes(AxesWriter& write, const JointPlace& place) {
     const Vec3 xB = axisX(place.b), yA = axisY(place.a);
     const Vec3 y = normalized(yA - dot(yA, xB) * xB, perpendicular(xB)), z = cross(xB, y);
     const Vec3 error = axisError(axisX(place.a), xB);
@@ -38,7 +15,7 @@ void alignAxes(Writer& write, const JointPlace& place) {
     write.rigid({{}, z}, dot(error, z));
 }
 
-void travel(Writer& write, const JointPlace& place, const Vec3& direction, bool free) {
+void travel(AxesWriter& write, const JointPlace& place, const Vec3& direction, bool free) {
     const float along = dot(direction, place.gap);
     const PairVector row = travelRow(direction, place.gap);
     if (free)
@@ -47,7 +24,7 @@ void travel(Writer& write, const JointPlace& place, const Vec3& direction, bool 
         write.rigid(row, along);
 }
 
-void refreshCylindrical(Writer& write, const JointPlace& place) {
+void refreshCylindrical(AxesWriter& write, const JointPlace& place) {
     alignAxes(write, place);
     travel(write, place, axisY(place.a), false);
     travel(write, place, axisZ(place.a), false);
@@ -55,7 +32,7 @@ void refreshCylindrical(Writer& write, const JointPlace& place) {
     travel(write, place, axisX(place.a), true);
 }
 
-void refreshPlane(Writer& write, const JointPlace& place) {
+void refreshPlane(AxesWriter& write, const JointPlace& place) {
     alignAxes(write, place);
     travel(write, place, axisX(place.a), false);
     write.free({{}, axisX(place.b)}, write.turn(hingeAngle(place.a, place.b)));
@@ -64,7 +41,7 @@ void refreshPlane(Writer& write, const JointPlace& place) {
 }
 
 /// The travel is the pitch times the angle with all its turns.
-void refreshScrew(Writer& write, const JointPlace& place, float pitch) {
+void refreshScrew(AxesWriter& write, const JointPlace& place, float pitch) {
     alignAxes(write, place);
     travel(write, place, axisY(place.a), false);
     travel(write, place, axisZ(place.a), false);
@@ -77,7 +54,7 @@ void refreshScrew(Writer& write, const JointPlace& place, float pitch) {
 }
 
 /// A cross of A's x and B's y axis, which stay at a right angle: ω = α' x_A + β' y_B, regular at any angles.
-void refreshUniversal(Writer& write, const JointPlace& place) {
+void refreshUniversal(AxesWriter& write, const JointPlace& place) {
     write.rigid({{1, 0, 0}, {}}, place.gap.x);
     write.rigid({{0, 1, 0}, {}}, place.gap.y);
     write.rigid({{0, 0, 1}, {}}, place.gap.z);
@@ -88,54 +65,107 @@ void refreshUniversal(Writer& write, const JointPlace& place) {
     write.free({{}, yB}, write.turn(arcTan2(dot(xB, cross(yB, xA)), dot(xB, xA))));
 }
 
-void writeRows(Writer& write, const JointSim& joint, const JointPlace& place) {
+void writeRows(AxesWriter& write, JointSim& joint, const JointPlace& place) {
     write.block.rigidRows = write.block.freeRows = 0;
     if (joint.kind == JointKind::cylindrical) refreshCylindrical(write, place);
     if (joint.kind == JointKind::plane) refreshPlane(write, place);
     if (joint.kind == JointKind::screw) refreshScrew(write, place, joint.pitch);
     if (joint.kind == JointKind::universal) refreshUniversal(write, place);
+    if (joint.kind == JointKind::path) writePath(write, joint.path, place);
+    if (joint.kind == JointKind::sixDof) writeSixDof(write, place);
+}
+
+}  // namespace
+
+namespace {
+
+/// The impulse that friction is measured by: across the axis, of a screw that of the flanks of its thread.
+float frictionLoad(const JointSim& joint, const JointPlace& place) {
+    const AxesBlock& block = joint.axes;
+    if (joint.kind == JointKind::screw && joint.threadRadius > 0) {
+        // With the thrust λ, the friction's torque τ and the tangent t of the lead, the flank at radius r bears
+        // N = (λ (1 + t²) − τ t/r) cos(lead), and friction μ N along it has the torque μ N r/cos(lead).
+        const float lead = joint.pitch / joint.threadRadius, thrust = block.impulse[4];
+        const float load = thrust * (1 + lead * lead) - block.axis[0].frictionImpulse * lead / joint.threadRadius;
+        return load < 0 ? -load : load;
+    }
+    const Vec3 carried = carriedImpulse(block).linear, x = axisX(place.b);
+    return length(carried - dot(carried, x) * x);
 }
 
 }  // namespace
 
 void refreshAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh) {
     AxesBlock& block = joint.axes;
-    Writer write{block};
+    AxesWriter write{block};
     writeRows(write, joint, place);
     refreshMass(block, pair.mass(joint.arms));
     if (!refresh.begins) return;
-    const PairVector carried = carriedImpulse(block);
-    const Vec3 x = axisX(place.b);
-    const Vec3 across = carried.linear - dot(carried.linear, x) * x;
-    beginAxes(block, write.coordinates, pair, joint.arms, length(across), refresh.context);
+    beginAxes(block, write.coordinates, pair, joint.arms, frictionLoad(joint, place), refresh.context);
 }
+
+namespace {
+
+void compileAxis(AxesBlock& block, std::uint32_t index, const AxisDef& def, bool turns) {
+    compile(block.axis[index], settingsOf(def, turns));
+}
+
+/// An open path ends in hard stops where its limit does not end before.
+void compilePath(const PathDef& def, JointSim& joint) {
+    compile(joint.path, def.curve, def.align);
+    AxisDef travel = def.travel;
+    if (!def.curve.closed) {
+        const Range whole{0, joint.path.length}, asked = travel.limit.value_or(whole);
+        travel.limit =
+            Range{asked.lower > 0 ? asked.lower : 0.0f, asked.upper < whole.upper ? asked.upper : whole.upper};
+    }
+    compileAxis(joint.axes, 0, travel, false);
+}
+
+void compileSixDof(const SixDofDef& def, AxesBlock& block) {
+    const AxisDef* axes[] = {&def.twist, &def.swingY, &def.swingZ, &def.x, &def.y, &def.z};
+    block.locked = 0;
+    for (std::uint32_t i = 0; i < 6; ++i) {
+        AxisDef axis = *axes[i];
+        if (axis.limit && axis.limit->lower == axis.limit->upper) {
+            // Rigid, so that nothing else can act along it.
+            block.locked |= 1u << i;
+            axis = {};
+        }
+        compileAxis(block, i, axis, i < 3);
+        if (block.locked & 1u << i) block.axis[i].lower = axes[i]->limit->lower;
+    }
+}
+
+}  // namespace
 
 void compileAxes(const JointDef& def, JointSim& joint) {
     AxesBlock& block = joint.axes;
-    const auto settings = [](const AxisDef& axis, bool turns) {
-        return AxisSettings{axis.limit,  axis.stop,     axis.motor,   axis.spring,
-                            axis.target, axis.friction, axis.bearing, turns};
-    };
     if (const auto* cylindrical = std::get_if<CylindricalDef>(&def)) {
-        compile(block.axis[0], settings(cylindrical->turn, true));
-        compile(block.axis[1], settings(cylindrical->travel, false));
+        compileAxis(block, 0, cylindrical->turn, true);
+        compileAxis(block, 1, cylindrical->travel, false);
     } else if (const auto* plane = std::get_if<PlaneDef>(&def)) {
-        compile(block.axis[0], settings(plane->turn, true));
-        compile(block.axis[1], settings(plane->y, false));
-        compile(block.axis[2], settings(plane->z, false));
+        compileAxis(block, 0, plane->turn, true);
+        compileAxis(block, 1, plane->y, false);
+        compileAxis(block, 2, plane->z, false);
     } else if (const auto* screw = std::get_if<ScrewDef>(&def)) {
-        compile(block.axis[0], settings(screw->turn, true));
+        compileAxis(block, 0, screw->turn, true);
         joint.pitch = screw->pitch / (2 * kPi);
+        joint.threadRadius = screw->turn.bearing ? screw->turn.bearing->pinRadius : 0.0f;
     } else if (const auto* universal = std::get_if<UniversalDef>(&def)) {
-        compile(block.axis[0], settings(universal->first, true));
-        compile(block.axis[1], settings(universal->second, true));
+        compileAxis(block, 0, universal->first, true);
+        compileAxis(block, 1, universal->second, true);
+    } else if (const auto* path = std::get_if<PathDef>(&def)) {
+        compilePath(*path, joint);
+    } else if (const auto* sixDof = std::get_if<SixDofDef>(&def)) {
+        compileSixDof(*sixDof, block);
     }
 }
 
 void reportAxes(const JointSim& joint, const JointPlace& place, const PairVector& speed, JointState& state) {
     JointSim now = joint;
-    Writer write{now.axes};
-    writeRows(write, joint, place);
+    AxesWriter write{now.axes};
+    writeRows(write, now, place);
     Vec3 off;
     for (std::uint32_t i = 0; i < now.axes.rigidRows; ++i)
         off += (now.axes.error[i] * length(now.axes.rigid[i].linear)) * normalized(now.axes.rigid[i].linear, {});
@@ -143,6 +173,7 @@ void reportAxes(const JointSim& joint, const JointPlace& place, const PairVector
     state.coordinate = static_cast<float>(write.coordinates[0]);
     state.second = static_cast<float>(write.coordinates[1]);
     state.third = static_cast<float>(write.coordinates[2]);
+    if (joint.kind == JointKind::sixDof) state.travel = {now.axes.value[3], now.axes.value[4], now.axes.value[5]};
     state.speed = speedAlong(now.axes.free[0], speed);
     for (std::uint32_t f = 0; f < now.axes.freeRows; ++f) {
         const AxisRows& axis = now.axes.axis[f];

@@ -1,10 +1,9 @@
+#include "constraints/joint_angle.h"
+#include "constraints/joint_constants.h"
 #include "constraints/joint_types.h"
 
 namespace ragtop {
 namespace {
-
-// Below this cosine of half the swing, within 0.1° of a half turn, the twist has no axis.
-constexpr float kNoTwist = 1e-3f;
 
 Vec3 clampLength(const Vec3& a, float longest) {
     const float l = length(a);
@@ -20,8 +19,8 @@ float largest(const Vec3& a) {
 /// most quickly, which are near to the damping for the others.
 void setDrags(float (&drags)[2], float stiffness, float damping, float inverseInertia, float h) {
     const SpringShares shares = springShares(stiffness, damping, inverseInertia, h);
-    drags[0] = dragOf(shares.moving, inverseInertia);
-    drags[1] = dragOf(shares.resting, inverseInertia);
+    drags[0] = inverseInertia > 0 ? dragOf(shares.moving, inverseInertia) : 0.0f;
+    drags[1] = inverseInertia > 0 ? dragOf(shares.resting, inverseInertia) : 0.0f;
 }
 
 }  // namespace
@@ -38,6 +37,14 @@ SwingTwist swingTwist(const Quat& a, const Quat& b) {
     return s;
 }
 
+/// As rotationVector, in single precision.
+Vec3 turnVector(const Quat& q) {
+    const float sine = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z);
+    if (!(sine > 0)) return {};
+    const float half = q.w < 0 ? -jointAngle(sine, -q.w) : jointAngle(sine, q.w);
+    return (2 * half / sine) * Vec3{q.x, q.y, q.z};
+}
+
 /// ω of the twist is ω · (xA + xB)/(1 + xA · xB) = (ω · u)/cos(swing/2). The row is scaled by that cosine, margin and
 /// rate alike, so that it stays a unit vector and fades where the twist loses its meaning.
 Vec3 twistAxis(const Vec3& xA, const Vec3& xB) { return normalized(xA + xB, {}); }
@@ -45,7 +52,7 @@ Vec3 twistAxis(const Vec3& xA, const Vec3& xB) { return normalized(xA + xB, {});
 Vec3 turningImpulse(const BallRows& rows) {
     Vec3 sum = rows.springImpulse + rows.viscousImpulse + rows.frictionImpulse +
                (rows.twistLower.impulse - rows.twistUpper.impulse) * rows.twistAxis;
-    for (int i = 0; i < SwingLimit::kSides; ++i) sum += rows.swing[i].impulse * rows.swingAxis[i];
+    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) sum += rows.swing[i].impulse * rows.swingAxis[i];
     return sum;
 }
 
@@ -83,7 +90,7 @@ void compile(BallRows& rows, const BallDef& def) {
         side->recovery = kTurnRecovery;
     if (rows.swingLimit.shape != SwingShape::free) {
         rows.features |= BallRows::kSwing;
-        for (int i = 0; i < SwingLimit::kSides; ++i) rows.swing[i].impulse = old.swing[i].impulse;
+        for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) rows.swing[i].impulse = old.swing[i].impulse;
     }
     if (def.twistLimit) rows.twistLimit = *def.twistLimit;
     if (def.reach || limitsTwist(def.twistLimit)) {
@@ -99,6 +106,14 @@ void compile(BallRows& rows, const BallDef& def) {
         rows.dampingRatio = spring->dampingRatio;
         rows.target = normalized(def.target);
         rows.maxSpring = def.maxSpringTorque < spring->maxForce ? def.maxSpringTorque : spring->maxForce;
+        rows.springImpulse = old.springImpulse;
+    }
+    if (needsDrives(def)) {
+        rows.features = (rows.features & ~BallRows::kSpring) | BallRows::kDrives;
+        rows.target = normalized(def.target);
+        rows.maxSpring = def.maxSpringTorque;
+        for (const std::optional<Spring>* spring : {&def.spring, &def.twistSpring})
+            if (*spring && (*spring)->maxForce < rows.maxSpring) rows.maxSpring = (*spring)->maxForce;
         rows.springImpulse = old.springImpulse;
     }
     const Bearing bearing = def.bearing.value_or(Bearing{});
@@ -129,22 +144,22 @@ Range twistRange(const BallRows& rows, const Vec3& d) {
 namespace {
 
 void refreshLimits(BallRows& rows, const JointPlace& place) {
-    const Vec3 xA = rotate(place.a, {1, 0, 0}), xB = rotate(place.b, {1, 0, 0});
+    const Vec3 xA = axisX(place.a), xB = axisX(place.b);
     const Vec3 d = inverseRotate(place.a, xB);
     if (rows.features & BallRows::kSwing) {
         SwingMargin sides[SwingLimit::kSides];
         swingMargins(rows.swingLimit, d, sides);
-        for (int i = 0; i < SwingLimit::kSides; ++i) {
+        for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) {
             rows.swing[i].margin = sides[i].margin;
             rows.swingAxis[i] = rotate(place.a, sides[i].axis);
         }
     }
     if (rows.features & BallRows::kTwist) {
-        const SwingTwist angles = swingTwist(place.a, place.b);
-        const float c = angles.cosHalfSwing;
+        const Quat q = conjugate(place.a) * place.b;
+        const float c = std::sqrt(q.x * q.x + q.w * q.w);
         rows.twistAxis = c > kNoTwist ? twistAxis(xA, xB) : Vec3{};
         const Range range = twistRange(rows, d);
-        const float twist = wrapAbout(angles.twist, 0.5f * (range.lower + range.upper));
+        const float twist = wrapAbout(angleAboutX(q), 0.5f * (range.lower + range.upper));
         rows.twistLower.margin = c * (twist - range.lower);
         rows.twistUpper.margin = c * (range.upper - twist);
     }
@@ -152,16 +167,17 @@ void refreshLimits(BallRows& rows, const JointPlace& place) {
 
 void beginBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context) {
     BallRows& rows = joint.ball;
-    const float h = context.h, inverseInertia = largest(diagonal(joint.block.mass.rest));
-    if (!(inverseInertia > 0)) return;
+    const float h = context.h, most = largest(diagonal(joint.block.mass.rest));
+    const float inverseInertia = most > joint.block.noise ? most : 0.0f;
     if (rows.features & BallRows::kSpring) {
-        rows.springError = rotationVector(place.b * conjugate(place.a * rows.target));
+        rows.springError = turnVector(place.b * conjugate(place.a * rows.target));
         const float omega = 2 * kPi * rows.frequency;
-        const bool tuned = rows.frequency > 0;
+        const bool tuned = rows.frequency > 0 && inverseInertia > 0;
         rows.springStiffness = tuned ? omega * omega / inverseInertia : rows.stiffness;
         const float damping = tuned ? 2 * rows.dampingRatio * omega / inverseInertia : rows.damping;
         setDrags(rows.springDrag, rows.springStiffness, damping, inverseInertia, h);
     }
+    if (rows.features & BallRows::kDrives) beginDrives(joint, place, inverseInertia, h);
     if (rows.features & BallRows::kViscous) setDrags(rows.viscousDrag, 0, rows.viscous, inverseInertia, h);
     if (rows.features & BallRows::kFriction) {
         const float kinetic = h * rows.friction + rows.loadFriction * length(joint.block.impulseFirst);
@@ -169,11 +185,13 @@ void beginBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, c
     }
     const Vec3 spin = pair.velocity(joint.arms).angular;
     bool hadImpact = false;
-    for (int i = 0; i < SwingLimit::kSides; ++i)
+    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
         hadImpact |= beginStop(rows.swing[i], rows.stop, dot(rows.swingAxis[i], spin), h);
-    const float twisting = dot(rows.twistAxis, spin);
-    hadImpact |= beginStop(rows.twistLower, rows.stop, twisting, h);
-    hadImpact |= beginStop(rows.twistUpper, rows.stop, -twisting, h);
+    if (rows.features & BallRows::kTwist) {
+        const float twisting = dot(rows.twistAxis, spin);
+        hadImpact |= beginStop(rows.twistLower, rows.stop, twisting, h);
+        hadImpact |= beginStop(rows.twistUpper, rows.stop, -twisting, h);
+    }
     beginBlock(joint.block, hadImpact);
 }
 
@@ -220,10 +238,12 @@ void solveFriction(BallRows& rows, BallTurn& turn, bool moving) {
 /// A stop whose margin grows with the speed about `axis`.
 void solveTurnStop(StopSide& side, const Vec3& axis, BallTurn& turn, const BallRows& rows, const JointContext& context,
                    bool moving) {
+    const float speed = dot(axis, turn.speed);
+    if (!mayAct(side, rows.stop, speed, context, moving)) return;
     const float inverseMass = dot(axis, turn.block.mass.rest * axis);
     if (!(inverseMass > turn.block.noise)) return;
     const RowAim aim = aimAtStop(side, rows.stop, inverseMass, context, moving);
-    turn.add(solveRow(side.impulse, aim, dot(axis, turn.speed), inverseMass, context) * axis);
+    turn.add(solveRow(side.impulse, aim, speed, inverseMass, context) * axis);
 }
 
 }  // namespace
@@ -238,6 +258,7 @@ void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, boo
     if (rows.features & BallRows::kSpring)
         solveCompliant(rows.springImpulse, -context.h * rows.springStiffness * rows.springError, rows.springDrag[pass],
                        context.h * rows.maxSpring, turn);
+    if (rows.features & BallRows::kDrives) turn.add(solveDrives(joint, turn.speed, pass, context.h * rows.maxSpring));
     if (rows.features & BallRows::kViscous)
         solveCompliant(rows.viscousImpulse, {}, rows.viscousDrag[pass], kNoForceLimit, turn);
     if (rows.features & BallRows::kFriction) solveFriction(rows, turn, useBias);
@@ -246,7 +267,7 @@ void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, boo
         solveTurnStop(rows.twistUpper, -rows.twistAxis, turn, rows, context, useBias);
     }
     if (rows.features & BallRows::kSwing)
-        for (int i = 0; i < SwingLimit::kSides; ++i)
+        for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
             solveTurnStop(rows.swing[i], rows.swingAxis[i], turn, rows, context, useBias);
     const Vec3 force = -(block.mass.gain * turn.total);
     block.impulseFirst += force;

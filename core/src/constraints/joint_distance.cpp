@@ -8,7 +8,7 @@ void refreshDistance(JointSim& joint, const JointPlace& place, const BodyPair& p
     const float distance = length(place.gap);
     // Coinciding anchors have no line: the last one serves, and at first A's x axis.
     Vec3& direction = joint.block.basis.cz;
-    const Vec3 fallback = lengthSquared(direction) > 0 ? direction : rotate(place.a, {1, 0, 0});
+    const Vec3 fallback = lengthSquared(direction) > 0 ? direction : axisX(place.a);
     direction = normalized(place.gap, fallback);
     const float inverseMass = pair.mass(joint.arms, direction);
     joint.axis.inverseMass = inverseMass;

@@ -1,9 +1,11 @@
+#include "constraints/joint_angle.h"
+#include "constraints/joint_constants.h"
 #include "constraints/joint_types.h"
 
 namespace ragtop {
 
 float angleAboutX(const Quat& q) {
-    const float angle = q.w < 0 ? 2 * arcTan2(-q.x, -q.w) : 2 * arcTan2(q.x, q.w);
+    const float angle = q.w < 0 ? 2 * jointAngle(-q.x, -q.w) : 2 * jointAngle(q.x, q.w);
     return angle > -kPi ? angle : kPi;
 }
 
@@ -11,13 +13,13 @@ Vec3 axisError(const Vec3& xA, const Vec3& xB) {
     // |xA × xB| = 2 sin(θ/2) cos(θ/2), and 1 + xA · xB = 2 cos²(θ/2).
     const Vec3 axis = cross(xA, xB);
     const float onePlusCos = 1 + dot(xA, xB);
-    if (onePlusCos > 1e-6f) return std::sqrt(2 / onePlusCos) * axis;
+    if (onePlusCos > kOpposite) return std::sqrt(2 / onePlusCos) * axis;
     return 2.0f * normalized(axis, perpendicular(xB));
 }
 
 /// Five rigid rows: C₁ = gap, C₂ = the two components of the error of the x axes. ω_rel is free along B's x axis.
 void refreshHinge(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh) {
-    const Vec3 xA = rotate(place.a, {1, 0, 0}), yA = rotate(place.a, {0, 1, 0}), xB = rotate(place.b, {1, 0, 0});
+    const Vec3 xA = axisX(place.a), yA = axisY(place.a), xB = axisX(place.b);
     RigidBlock& block = joint.block;
     const Vec3 y = normalized(yA - dot(yA, xB) * xB, perpendicular(xB));
     block.basis = {y, cross(xB, y), xB};

@@ -74,6 +74,7 @@ void compileJoint(const JointDef& def, const Vec3& centerA, const Vec3& centerB,
         compileAxes(def, into);
     } else if (const auto* ball = std::get_if<BallDef>(&def)) {
         compile(into.ball, *ball);
+        into.drives = compileDrives(*ball);
     } else if (const auto* hinge = std::get_if<HingeDef>(&def)) {
         compile(into.axis, settingsOf(*hinge, true));
     } else if (const auto* slider = std::get_if<SliderDef>(&def)) {
@@ -91,6 +92,16 @@ void prepareJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodySt
     joint.anchorB = rotate(bodies.rotationB, joint.localB.position);
     joint.frameA = bodies.rotationA * joint.localA.rotation;
     joint.frameB = bodies.rotationB * joint.localB.rotation;
+    // The turns that a range asks for are found before any pass, which then only counts them on.
+    if (joint.kind == JointKind::hinge && !joint.axis.tracked)
+        track(joint.axis, hingeAngle(joint.frameA, joint.frameB));
+}
+
+void placeJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodyState* states, const BodyInertia* inertia) {
+    prepareJoint(joint, bodies, states, inertia, {});
+    // Nothing is written without BodyPair::store.
+    const BodyPair pair(const_cast<BodyState*>(states), inertia, joint.stateA, joint.stateB, joint.taut);
+    refreshJoint(joint, pair, {{}, false});
 }
 
 PairVector carriedImpulse(const JointSim& joint) {
@@ -132,10 +143,9 @@ void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& cont
     pair.apply(joint.arms, freeImpulse(block, solveAxis(joint.axis, speed, context, useBias)));
 }
 
-void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
-                bool useBias) {
-    BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
-    if (!useBias) refreshJoint(joint, pair, {context, false});
+namespace {
+
+void solveRows(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias) {
     switch (joint.kind) {
         case JointKind::none:
             break;
@@ -157,7 +167,22 @@ void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, 
             break;
     }
     pair.store();
+}
+
+}  // namespace
+
+void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
+                bool useBias) {
+    BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+    if (!useBias) refreshJoint(joint, pair, {context, false});
+    solveRows(joint, pair, context, useBias);
     if (!useBias) noteLoad(joint);
+}
+
+void solveJointAgain(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
+                     bool useBias) {
+    BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+    solveRows(joint, pair, context, useBias);
 }
 
 void rescaleJoint(JointSim& joint, float ratio) {

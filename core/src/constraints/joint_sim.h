@@ -4,6 +4,8 @@
 #include <type_traits>
 
 #include "constraints/axes_block.h"
+#include "constraints/joint_ball_drives.h"
+#include "constraints/joint_path.h"
 #include "constraints/joint_swing.h"
 #include "constraints/rows.h"
 #include "ragtop/joint.h"
@@ -33,13 +35,16 @@ enum class JointKind : std::uint32_t {
     cylindrical,
     universal,
     plane,
-    screw
+    screw,
+    path,
+    sixDof
 };
 constexpr bool hasAxes(JointKind kind) { return kind >= JointKind::cylindrical; }
 
 /// What only a ball has: rows that turn B in A about any axis.
 struct BallRows {
     static constexpr std::uint32_t kSwing = 1, kTwist = 2, kSpring = 4, kFriction = 8, kViscous = 16;
+    static constexpr std::uint32_t kDrives = 32;  ///< JointSim::drives, in the stead of the spring
     std::uint32_t features = 0;
     Range twistLimit{};  ///< rad; a polygon has its own
     Stop stop{};
@@ -62,11 +67,13 @@ struct BallRows {
 };
 
 /// One joint in the solver: trivially copyable and without padding, so that a saved world is a copy of memory. The
-/// world reads and sets stateA and stateB only.
+/// world reads and sets stateA and stateB only. From centerOffset to ball the order is that of joints in lanes, which
+/// are transposed copies of it (joint_image.h).
 struct JointSim {
     std::uint32_t stateA = 0, stateB = 0;  ///< indices of states and inertias; 0 is the static body
 
     JointKind kind = JointKind::none;
+    std::uint32_t breakable = 0;
     Frame localA{}, localB{};  ///< joint frames relative to centre of mass and body rotation
 
     // Of the current step.
@@ -76,16 +83,17 @@ struct JointSim {
 
     Arms arms;  ///< m, of the current substep
     TautBodies taut;
+    PairVector stepImpulse;  ///< what a breakable joint gave in this step so far, N s and N m s
     RigidBlock block;
     AxisRows axis;  ///< along the free direction of hinge, slider and distance
     BallRows ball;
+    BallDrives drives;
     AxesBlock axes;   ///< of those kinds that have one, instead of block and axis
     float pitch = 0;  ///< m per rad, of a screw
-
-    std::uint32_t breakable = 0;
-    PairVector stepImpulse;  ///< what a breakable joint gave in this step so far, N s and N m s
+    float threadRadius = 0;  ///< m
+    PathRows path;
 };
-static_assert(std::is_trivially_copyable_v<JointSim>);
+static_assert(std::is_trivially_copyable_v<JointSim> && std::is_standard_layout_v<JointSim>);
 
 /// Compiles a definition that whyInvalid accepts. centerA/B: centre of mass of each body in its body frame (frames in
 /// a definition are relative to the body's pose). Keeps the impulses of `into` when it already holds a joint of the
@@ -94,10 +102,15 @@ void compileJoint(const JointDef& def, const Vec3& centerA, const Vec3& centerB,
 /// Once per step.
 void prepareJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodyState* states, const BodyInertia* inertia,
                   const JointContext& context);
+/// Directions and coordinates where the bodies are, for a look between steps.
+void placeJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodyState* states, const BodyInertia* inertia);
 /// Once per substep, in this order: warm start, solve with bias, (positions are integrated), solve without bias.
 void warmStartJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context);
 void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
                 bool useBias);
+/// The same once more, with the directions that are there.
+void solveJointAgain(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
+                     bool useBias);
 /// Everything that the joint carries over, as one impulse in the directions that were just refreshed.
 PairVector carriedImpulse(const JointSim& joint);
 /// At the end of each substep.

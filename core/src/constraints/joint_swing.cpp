@@ -5,13 +5,13 @@
 #include <string>
 
 #include "base/check_tunables.h"
+#include "constraints/joint_angle.h"
+#include "constraints/joint_constants.h"
 
 namespace ragtop {
 namespace {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
-/// Sines below this have no direction in single precision.
-constexpr float kNoDirection = 1e-6f;
 
 float magnitude(float a) { return a < 0 ? -a : a; }
 
@@ -27,10 +27,11 @@ SwingVector swingOf(const Vec3& d) {
     return {-angle * d.z / across, angle * d.y / across, angle};
 }
 
+/// Half a turn away, any axis leads back.
 SwingMargin circleMargin(float limit, const Vec3& d) {
-    const SwingVector swing = swingOf(d);
-    if (swing.size > kNoDirection) return {limit - swing.size, (-1 / swing.size) * Vec3{0, swing.y, swing.z}};
-    return {limit - swing.size, {}};
+    const float across = std::sqrt(d.y * d.y + d.z * d.z), margin = limit - jointAngle(across, d.x);
+    if (!(across > kNoDirection)) return {margin, d.x < 0 ? Vec3{0, 0, -1} : Vec3{}};
+    return {margin, {0, d.z / across, -d.y / across}};
 }
 
 /// A place of the ellipse's edge, its tangent with growing φ, and how far d lies along that tangent.

@@ -16,6 +16,11 @@ struct SwingMargin {
 
 enum class SwingShape : std::uint32_t { free, circle, ellipse, pyramid, polygon };
 
+/// Edges that may be reached at once.
+constexpr int sidesOf(SwingShape shape) {
+    return shape == SwingShape::free ? 0 : shape == SwingShape::circle || shape == SwingShape::ellipse ? 1 : 2;
+}
+
 /// A compiled limit of the swing.
 struct SwingLimit {
     static constexpr int kSides = 2;

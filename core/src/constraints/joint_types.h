@@ -11,6 +11,16 @@ struct JointPlace {
     Vec3 gap;   ///< m, anchor of B minus that of A
 };
 
+/// The axes of a frame.
+constexpr Vec3 axisX(const Quat& q) {
+    const float y = 2 * q.y, z = 2 * q.z;
+    return {1 - (q.y * y + q.z * z), q.x * y + q.w * z, q.x * z - q.w * y};
+}
+constexpr Vec3 axisY(const Quat& q) {
+    const float x = 2 * q.x, z = 2 * q.z;
+    return {q.y * x - q.w * z, 1 - (q.x * x + q.z * z), q.y * z + q.w * x};
+}
+
 /// What a refresh is for.
 struct Refresh {
     const JointContext& context;
@@ -35,6 +45,9 @@ void compileAxes(const JointDef& def, JointSim& joint);
 /// Coordinates, gap and margins of a joint with an AxesBlock, at a place and relative velocity of its anchors' middle.
 void reportAxes(const JointSim& joint, const JointPlace& place, const PairVector& speed, JointState& state);
 void compile(BallRows& rows, const BallDef& def);
+/// The drives of a ball: what does not change in a substep, and the change of their impulse in a pass.
+void beginDrives(JointSim& joint, const JointPlace& place, float inverseInertia, float h);
+Vec3 solveDrives(JointSim& joint, const Vec3& spin, int pass, float longest);
 void rescale(BallRows& rows, float ratio);
 /// The angular impulse of a ball's rows.
 Vec3 turningImpulse(const BallRows& rows);
@@ -47,6 +60,8 @@ struct SwingTwist {
     float cosHalfSwing = 1;
 };
 SwingTwist swingTwist(const Quat& a, const Quat& b);
+/// The rotation vector of q, at most half a turn long.
+Vec3 turnVector(const Quat& q);
 /// Twice the vector part of the rotation from a to b, which is its rotation vector while small and grows with the
 /// angle up to a half turn.
 Vec3 rotationError(const Quat& a, const Quat& b);

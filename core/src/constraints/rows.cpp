@@ -1,10 +1,10 @@
 #include "constraints/rows.h"
 
+#include "constraints/joint_constants.h"
+
 namespace ragtop {
 namespace {
 
-// Elimination in single precision leaves a few ulps (6e-8) of the diagonal where the exact pivot is zero.
-constexpr float kZeroPivot = 1e-6f;
 constexpr BodyInertia kNoInertia{};
 
 float inverseOr0(float pivot, float scale) { return pivot > kZeroPivot * scale ? 1 / pivot : 0.0f; }
@@ -19,9 +19,10 @@ Sym3 times(float share, const BodyInertia& i) {
 }
 
 /// Columns I⁻¹ (r × eᵢ): the spin that a unit impulse gives on the arm r.
-Mat3 turning(const Sym3& inverseInertia, const Vec3& r) {
-    return {inverseInertia * Vec3{0, r.z, -r.y}, inverseInertia * Vec3{-r.z, 0, r.x},
-            inverseInertia * Vec3{r.y, -r.x, 0}};
+Mat3 turning(const Sym3& i, const Vec3& r) {
+    return {{i.xy * r.z - i.xz * r.y, i.yy * r.z - i.yz * r.y, i.yz * r.z - i.zz * r.y},
+            {i.xz * r.x - i.xx * r.z, i.yz * r.x - i.xy * r.z, i.zz * r.x - i.xz * r.z},
+            {i.xx * r.y - i.xy * r.x, i.xy * r.y - i.yy * r.x, i.xz * r.y - i.yz * r.x}};
 }
 
 /// (r × eᵢ) · wⱼ
@@ -132,8 +133,8 @@ void refreshMass(RigidBlock& block, const PairMass& mass, bool secondHasRows) {
     }
     block.mass = eliminate(k11, block.linearFirst ? transpose(mass.coupling) : mass.coupling, k22);
     block.noise = kZeroPivot * (k22.xx + k22.yy + k22.zz);
-    if (block.rigidRows == 0) {
-        // The rows of the second half stay in world axes.
+    if (block.rigidRows != 2) {
+        // All rows of the second half stay in world axes.
         block.second = factorize(block.mass.rest, diagonal(k22));
         return;
     }
@@ -171,8 +172,13 @@ void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const Softn
     Vec3 p2;
     if (block.rigidRows > 0) {
         const Vec3 speed = (block.linearFirst ? u.angular : u.linear) - transposeTimes(block.mass.gain, first);
-        const Vec3 second = transposeTimes(block.basis, speed) + soft.biasRate * block.errorSecond;
-        p2 = block.basis * -(block.rigidRows == 3 ? solve(block.second, second) : solveFirstTwo(block.second, second));
+        if (block.rigidRows == 3) {
+            p2 = -solve(block.second, speed + soft.biasRate * block.errorSecond);
+        } else {
+            const Vec3 second = transposeTimes(block.basis, speed) + soft.biasRate * block.errorSecond;
+            const Vec3 solved = solveFirstTwo(block.second, second);
+            p2 = -(solved.x * block.basis.cx + solved.y * block.basis.cy);
+        }
         p1 -= block.mass.gain * p2;
     }
     p1 = soft.massScale * p1 - soft.impulseScale * block.impulseFirst;

@@ -131,7 +131,7 @@ struct RigidBlock {
     // Of the current substep.
     Elimination mass;
     Factor3 second;                ///< of Bᵀ P B
-    Mat3 basis;                    ///< B: rigid directions of the second half, then the free one
+    Mat3 basis;                    ///< B: two rigid directions of the second half, then the free one; else world axes
     Vec3 errorFirst, errorSecond;  ///< C, in world axes and in the basis
     float noise = 0;               ///< what P cannot tell from zero
 

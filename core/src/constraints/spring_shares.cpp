@@ -1,13 +1,11 @@
 #include <cmath>
 
 #include "constraints/axis_rows.h"
+#include "constraints/joint_constants.h"
 #include "ragtop/math.h"
 
 namespace ragtop {
 namespace {
-
-/// The least share: beyond it a damper is a brake, and any will do.
-constexpr double kLeastShare = 1e-3;
 
 /// 1 − e^{−x} for x ≥ 0, the same bits everywhere: halved until its series is short, then doubled again.
 double fading(double x) {
@@ -27,6 +25,12 @@ double fading(double x) {
     return sum;
 }
 
+/// Of at most half a radian; the first omitted term is below 3e-11 of the result.
+double shortSine(double x) {
+    const double s = x * x;
+    return x - x * s * (1.0 / 6 - s * (1.0 / 120 - s * (1.0 / 5040 - s * (1.0 / 362880))));
+}
+
 struct Shares {
     double moving, resting;
 };
@@ -37,7 +41,7 @@ Shares exactShares(double z, double x) {
     const double a = 0.5 * x, under = z - a * a;
     if (under > 0) {
         const double lost = fading(a), left = 1 - lost;
-        const double sine = static_cast<double>(sinCos(static_cast<float>(0.5 * std::sqrt(under))).sin);
+        const double sine = shortSine(0.5 * std::sqrt(under));
         return {(lost * lost + 4 * left * sine * sine) / z, left * left};
     }
     // Two real rates; the slow one without cancellation. The fast one may be a brake.

@@ -26,7 +26,7 @@ const char* nameOf(Reason reason) {
 }
 
 Reason chooseDirect(const IslandFeatures& island) {
-    if (island.bodies > kMostAtRest || island.rolls) return Reason::none;
+    if (island.bodies > kMostAtRest || island.rolls || island.coupled) return Reason::none;
     if (island.bodies > kMostBodies && (island.restless > 0 || island.jointLoad > 0)) return Reason::none;
     const float limit = island.direct ? kStay : 1.0f;
     const auto bodies = static_cast<float>(island.bodies), pairs = static_cast<float>(island.pairs);

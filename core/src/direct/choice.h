@@ -20,6 +20,7 @@ struct IslandFeatures {
     float buckling = 0;                    ///< load over what soft contacts bear before they tilt away
     bool hangs = false;                    ///< by joints, from something that does not move
     bool rolls = false;   ///< some contact has resistance to turning or a grain, which only sweeps know
+    bool coupled = false;  ///< joints are coupled with each other, which only sweeps know
     bool direct = false;  ///< is solved directly now
     std::int32_t staying = 0, barred = 0;  ///< steps for which it stays so, or may not be (negative)
     Reason last = Reason::none, reason = Reason::none;
@@ -31,6 +32,7 @@ inline constexpr float kLongRest = 1;               ///< s; more than it takes a
 inline constexpr std::int32_t kStayingSteps = 60;   ///< for which a choice outlives its reason
 inline constexpr std::int32_t kFactorSteps = 10;    ///< of its stay that each step with a factor costs a large island
 inline constexpr std::int32_t kBarredSteps = 60;    ///< of sweeps after a direct solve that failed
+inline constexpr std::uint8_t kMostDoublings = 5;   ///< of those steps, one for each further failure
 
 /// Limits fall by a third for an island that is solved directly already, so that none goes to and fro.
 const char* nameOf(Reason reason);

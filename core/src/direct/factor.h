@@ -25,6 +25,8 @@ public:
     /// True when a is the variable of the rows of the block that couples a and b.
     bool rowsAreOf(std::uint32_t a, std::uint32_t b) const { return ordering_.place(a) > ordering_.place(b); }
 
+    /// Products of blocks that factorizing takes.
+    std::size_t products() const { return targets_.size() + lower_.size(); }
     /// False when the matrix is not positive definite.
     bool factorize();
     /// x ← A⁻¹ x, six numbers per variable.

@@ -69,7 +69,7 @@ void IslandSystem::aimAtPositions(const BodyArrays& arrays, const SolverContext&
     for (const SystemContact& c : contacts_) {
         const bool fixed = c.a == kFixed || c.b == kFixed;
         const double rate = fixed ? context.softStatic.biasRate : context.soft.biasRate;
-        const double near = tuning::kContactGap * c.size, rounded = tuning::kRoundedGap * c.size;
+        const double near = c.near, rounded = c.rounded;
         const double push = static_cast<double>(context.pushOut) * c.size;
         for (std::uint32_t j = 0; j < c.count; ++j) {
             SystemPoint& p = points_[c.first + j];
@@ -102,7 +102,7 @@ bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext
         if (size > largest) largest = size;
     };
     for (const SystemContact& c : contacts_) {
-        const double near = tuning::kContactGap * c.size;
+        const double near = c.near;
         for (std::uint32_t j = 0; j < c.count; ++j) {
             SystemPoint& p = points_[c.first + j];
             // What is to bounce comes to the surface with its own speed; the next substep reflects it there.
@@ -123,14 +123,17 @@ bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext
         row.resistance = row.resting.resistance;
     }
     if (largest <= tuning::kAtRest * gravityStep_) return false;
+    // A load that errors of positions ask for in vain, because bodies that touch at many points cannot heed them all,
+    // is shifted to other points with every substep until none is asked for.
+    takePointLoads();
     // What moving the positions did to the velocities (spins turn with their bodies) belongs to the free motion.
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         const BodyState& state = arrays.states[bodies_[i].state];
         for (int k = 0; k < 3; ++k) {
             free_[6 * i + static_cast<std::size_t>(k)] +=
-                static_cast<double>(state.v[k]) - written_[6 * i + static_cast<std::size_t>(k)];
+                static_cast<double>(state.v[k]) - static_cast<double>(written_[2 * i][k]);
             free_[6 * i + 3 + static_cast<std::size_t>(k)] +=
-                static_cast<double>(state.w[k]) - written_[6 * i + 3 + static_cast<std::size_t>(k)];
+                static_cast<double>(state.w[k]) - static_cast<double>(written_[2 * i + 1][k]);
         }
         store(toDouble(state.v), velocity_.data() + 6 * i);
         store(toDouble(state.w), velocity_.data() + 6 * i + 3);
@@ -229,15 +232,37 @@ double IslandSystem::impulseNorm(const double* x) const {
     return std::sqrt(sum);
 }
 
-bool IslandSystem::loadsHold() const {
-    const double enough = tuning::kAtRest * gravityStep_, enoughOfRow = tuning::kSkip * gravityStep_;
+/// Rounding changes each load, and its arm, by parts of it: what that does to a body grows with all that it bears, and
+/// shows most at the point that gives way most easily.
+const double* IslandSystem::roundingSpeeds() {
+    double *speeds = scratch_.trial.data(), *give = scratch_.direction.data();
+    for (std::size_t i = 0; i < bodies_.size(); ++i) speeds[i] = give[i] = 0;
     for (const SystemContact& c : contacts_)
         for (std::uint32_t j = 0; j < c.count; ++j) {
             const SystemPoint& p = points_[c.first + j];
-            const double rounded = tuning::kLoadRounding / tuning::kContactResistance * p.load[0] * p.resistance;
-            for (int k = 0; k < 3; ++k)
-                if (std::fabs(p.impulse[k] - p.load[k]) * p.resistance > enough + rounded) return false;
+            for (const std::int32_t body : {c.a, c.b}) {
+                if (body == kFixed) continue;
+                speeds[body] += p.load[0];
+                if (p.resistance > give[body]) give[body] = p.resistance;
+            }
         }
+    constexpr double kPart = tuning::kLoadRounding / tuning::kContactResistance;
+    for (std::size_t i = 0; i < bodies_.size(); ++i)
+        speeds[i] = tuning::kAtRest * gravityStep_ + kPart * speeds[i] * give[i];
+    return speeds;
+}
+
+bool IslandSystem::loadsHold() {
+    const double *rounding = roundingSpeeds(), enoughOfRow = tuning::kSkip * gravityStep_;
+    for (const SystemContact& c : contacts_) {
+        const double ofA = c.a != kFixed ? rounding[c.a] : 0.0, ofB = c.b != kFixed ? rounding[c.b] : 0.0;
+        const double enough = ofA > ofB ? ofA : ofB;
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            const SystemPoint& p = points_[c.first + j];
+            for (int k = 0; k < 3; ++k)
+                if (std::fabs(p.impulse[k] - p.load[k]) * p.resistance > enough) return false;
+        }
+    }
     for (const SystemRow& row : rows_)
         if (std::fabs(row.impulse - row.load) * row.resistance > enoughOfRow) return false;
     return true;
@@ -261,20 +286,9 @@ bool IslandSystem::stopBelow(std::size_t index, double speed) {
 
 void IslandSystem::stopRounding() {
     stopped_ = true;
-    double* loads = scratch_.trial.data();
-    for (std::size_t i = 0; i < bodies_.size(); ++i) loads[i] = 0;
-    for (const SystemContact& c : contacts_)
-        for (std::uint32_t j = 0; j < c.count; ++j) {
-            const SystemPoint& p = points_[c.first + j];
-            stopped_ &= p.drift[0] == 0 && p.drift[1] == 0 && p.drift[2] == 0;
-            if (c.a != kFixed) loads[c.a] += p.load[0];
-            if (c.b != kFixed) loads[c.b] += p.load[0];
-        }
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        const SystemBody& body = bodies_[i];
-        const double rounded = tuning::kAtRest * gravityStep_ + tuning::kLoadRounding * loads[i] / body.mass[0];
-        stopped_ &= stopBelow(i, rounded);
-    }
+    const double* rounding = roundingSpeeds();
+    for (const SystemPoint& p : points_) stopped_ &= p.drift[0] == 0 && p.drift[1] == 0 && p.drift[2] == 0;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) stopped_ &= stopBelow(i, rounding[i]);
 }
 
 bool IslandSystem::regionsChanged() const {

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "constraints/contact_layout.h"
+#include "direct/friction_share.h"
 #include "direct/joint_rows.h"
 
 namespace ragtop::direct {
@@ -58,6 +59,7 @@ void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, con
     gravityStep_ = static_cast<double>(context.gravityStep);
     stride_ = static_cast<std::size_t>(parts.laneStride);
     stopped_ = rests_ = false;
+    loadsKept_ = true;
     restedSubsteps_ = 0;
     loadBodies(parts, arrays);
     loadContacts(parts, arrays);
@@ -78,7 +80,7 @@ void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, con
     const std::size_t n = unknowns();
     velocity_.resizeForOverwrite(n);
     free_.resizeForOverwrite(n);
-    written_.resizeForOverwrite(n);
+    written_.resizeForOverwrite(2 * bodies_.size());
     scratch_.gradient.resizeForOverwrite(n);
     scratch_.direction.resizeForOverwrite(n);
     scratch_.trial.resizeForOverwrite(n);
@@ -95,35 +97,20 @@ void IslandSystem::loadBodies(const IslandParts& parts, const BodyArrays& arrays
     }
 }
 
-/// The wide rows have one friction impulse and one twist per manifold; here each point has its own. They are shared out
-/// by the points' loads so that both sums stay what they were.
+/// The wide rows have one friction impulse and one twist per manifold; here each point has its own.
 static void shareFriction(SystemPoint* points, const SystemContact& contact, const DVec3& center, const DVec3& friction,
                           double twist) {
-    const std::uint32_t count = contact.count;
-    double total = 0, spread = 0;
-    DVec3 middle;
-    for (std::uint32_t j = 0; j < count; ++j) {
-        total += points[j].load[0];
-        middle = middle + points[j].load[0] * points[j].armA;
+    SharePoint shares[contact::kMaxPoints];
+    for (std::uint32_t j = 0; j < contact.count; ++j) {
+        const DVec3 arm = points[j].armA - center;
+        shares[j].x = dot(arm, contact.tangent1);
+        shares[j].y = dot(arm, contact.tangent2);
+        shares[j].normal = points[j].load[0];
     }
-    if (!(total > 0)) return;
-    middle = (1 / total) * middle;
-    for (std::uint32_t j = 0; j < count; ++j) {
-        const DVec3 arm = points[j].armA - middle;
-        spread += points[j].load[0] * dot(arm, arm);
-    }
-    const double rest = twist - dot(contact.normal, cross(middle - center, friction));
-    const double turn = spread > 0 ? rest / spread : 0;
-    for (std::uint32_t j = 0; j < count; ++j) {
-        const double share = points[j].load[0];
-        const DVec3 f = (share / total) * friction + (turn * share) * cross(contact.normal, points[j].armA - middle);
-        // Points that nearly coincide would need any force for a twist.
-        const double along1 = dot(f, contact.tangent1), along2 = dot(f, contact.tangent2);
-        const double size = std::sqrt(along1 * along1 + along2 * along2), most = contact.friction * share;
-        const double within = size > most ? most / size : 1.0;
-        points[j].load[1] = within * along1;
-        points[j].load[2] = within * along2;
-    }
+    const double along[2] = {dot(friction, contact.tangent1), dot(friction, contact.tangent2)};
+    shareFriction(shares, contact.count, contact.friction, along, twist);
+    for (std::uint32_t j = 0; j < contact.count; ++j)
+        for (int k = 0; k < 2; ++k) points[j].load[1 + k] = shares[j].friction[k];
 }
 
 /// What is loaded up to its cone, or not at all, slides already.
@@ -174,6 +161,7 @@ void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arra
         const auto fixedVelocity = [](const BodyState& state, const DVec3& arm) {
             return state.invMass > 0 ? DVec3{} : toDouble(state.v) + cross(toDouble(state.w), arm);
         };
+        double reach = 0;
         for (std::uint32_t j = 0; j < c.count; ++j) {
             SystemPoint p;
             const int at = contact::kPoints + static_cast<int>(j) * contact::kPointFields;
@@ -189,8 +177,12 @@ void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arra
             p.load[0] = field(c, at + contact::kImpulse);
             p.load[1] = p.load[2] = 0;
             for (int k = 0; k < 3; ++k) p.impulse[k] = p.speed[k] = p.change[k] = 0;
+            const double arms = length(p.armA) + length(p.armB);
+            reach = arms > reach ? arms : reach;
             points_.push(p);
         }
+        c.rounded = tuning::kRoundedGap * c.size + tuning::kRoundedArm * reach;
+        c.near = tuning::kContactGap * c.size + c.rounded;
         SystemPoint* points = points_.data() + c.first;
         shareFriction(points, c, vector(contact::kCenter), vector(contact::kFrictionImpulse),
                       field(c, contact::kTwistImpulse));
@@ -275,12 +267,10 @@ void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joint
 void IslandSystem::carryLoads() {
     restedSubsteps_ += rests_;
     if (rests_) return;
+    takePointLoads();
     for (const SystemContact& c : contacts_)
-        for (std::uint32_t j = 0; j < c.count; ++j) {
-            SystemPoint& p = points_[c.first + j];
-            for (int k = 0; k < 3; ++k) p.load[k] = p.impulse[k];
-            pointField(c, j, contact::kPeak) += static_cast<float>(p.impulse[0]);
-        }
+        for (std::uint32_t j = 0; j < c.count; ++j)
+            pointField(c, j, contact::kPeak) += static_cast<float>(points_[c.first + j].load[0]);
     storeImpulses(rows_, joints_.data());
     for (JointSim* joint : joints_) noteLoad(*joint);
 }
@@ -289,9 +279,16 @@ void IslandSystem::scaleResistance(double factor) {
     for (SystemPoint& p : points_) p.resistance *= factor;
 }
 
-void IslandSystem::takeLoads() {
+void IslandSystem::takePointLoads() {
     for (SystemPoint& p : points_)
-        for (int k = 0; k < 3; ++k) p.load[k] = p.impulse[k];
+        for (int k = 0; k < 3; ++k) {
+            loadsKept_ &= p.load[k] == p.impulse[k];
+            p.load[k] = p.impulse[k];
+        }
+}
+
+void IslandSystem::takeLoads() {
+    takePointLoads();
     for (SystemRow& row : rows_)
         if (!row.compliant) row.load = row.impulse;
 }
@@ -313,11 +310,14 @@ void IslandSystem::end() {
             pointField(c, j, contact::kLoad) = static_cast<float>(p.load[0]);
             pointField(c, j, contact::kPeak) += static_cast<float>(restedSubsteps_ * p.load[0]);
         }
-        for (int k = 0; k < 3; ++k)
-            field(c, contact::kFrictionImpulse + k) = static_cast<float>(k == 0   ? friction.x
-                                                                         : k == 1 ? friction.y
-                                                                                  : friction.z);
-        field(c, contact::kTwistImpulse) = static_cast<float>(twist);
+        // Loads that were shared out and kept would lose a little with every step if they were summed up again.
+        if (!loadsKept_) {
+            for (int k = 0; k < 3; ++k)
+                field(c, contact::kFrictionImpulse + k) = static_cast<float>(k == 0   ? friction.x
+                                                                             : k == 1 ? friction.y
+                                                                                      : friction.z);
+            field(c, contact::kTwistImpulse) = static_cast<float>(twist);
+        }
         // Rows that are exact keep no place; sweeps that follow stick to that of now.
         field(c, contact::kSliding) = slides && !sticks ? 1.0f : 0.0f;
         for (int k = 0; k < 3; ++k) field(c, contact::kStick + k) = 0;
@@ -331,8 +331,8 @@ void IslandSystem::writeVelocities(const BodyArrays& arrays) {
         BodyState& state = arrays.states[bodies_[i].state];
         state.v = toVec3(load(v));
         state.w = toVec3(load(v + 3));
-        store(toDouble(state.v), written_.data() + 6 * i);
-        store(toDouble(state.w), written_.data() + 6 * i + 3);
+        written_[2 * i] = state.v;
+        written_[2 * i + 1] = state.w;
     }
 }
 

@@ -7,6 +7,7 @@
 #include "constraints/joint_sim.h"
 #include "direct/contact_cone.h"
 #include "direct/factor.h"
+#include "direct/joint_tuning.h"
 #include "direct/linear.h"
 #include "solve/kernel_table.h"
 
@@ -21,17 +22,14 @@ inline constexpr std::int32_t kFixed = -1;  ///< a body that no impulse moves
 /// Numbers of the method.
 namespace tuning {
 inline constexpr double kContactResistance = 1e-4;  ///< R of a contact point, over its inverse mass
-inline constexpr double kRowResistance = 1e-6;      ///< the same of a row of a joint
 inline constexpr double kContactGap = 1e-4;         ///< gap up to which points count as touching, in sizes
 inline constexpr double kResidual = 1e-8;           ///< of a solved system, in units of its impulses
 inline constexpr double kRoundedGap = 1e-5;         ///< gap or overlap that is rounding, in sizes
+inline constexpr double kRoundedArm = 1e-6;         ///< the same in arms: a few units in the last place of a float
 inline constexpr double kSkip = 1e-6;               ///< speed of a joint's row that is left alone, in g h
 inline constexpr double kAtRest = 2e-5;             ///< the same of a contact point, and of a body at rest
 inline constexpr double kNothing = 1e-12;      ///< speed of a body that is none, in g h; floats have no room for it
 inline constexpr double kLoadRounding = 5e-7;  ///< of loads between steps, in units of the load
-inline constexpr double kStiffLink = 1;        ///< 4 T h²/(m L) beyond which the stiffness of tension counts
-inline constexpr double kVeryTaut = 25;        ///< stiffness over inertia beyond which one linearization will not do
-inline constexpr double kImplicit = 0.5;       ///< γ: taut rows pull as at x + γ h (u − u_free)
 }  // namespace tuning
 
 /// A body of the island. Locked movements have mass 1 and no Jacobian.
@@ -51,6 +49,8 @@ struct SystemContact {
     float* lane = nullptr;
     DVec3 normal, tangent1, tangent2;
     double friction = 0, restitution = 0, size = 0, roundA = 0, roundB = 0;
+    double near = 0;     ///< gap up to which points count as touching, m
+    double rounded = 0;  ///< gap or overlap that is rounding, m
     std::uint32_t stateA = 0, stateB = 0;
 };
 
@@ -160,7 +160,7 @@ public:
     /// u, λ and regions at v, and the gradient M (v − v_free) − Jᵀ λ.
     Residual evaluate(const double* v, double* gradient);
     /// True when the loads answer what was evaluated but for speeds that may be left alone; keepLoads takes them.
-    bool loadsHold() const;
+    bool loadsHold();
     void keepLoads();
     /// Stops bodies at speeds that rounding of loads explains. Loads that hold for years must not add it up.
     void stopRounding();
@@ -172,6 +172,8 @@ public:
     bool regionsChanged() const;
     /// Assembles and factorizes the Hessian at the last evaluation; false when it is not positive definite.
     bool factorize();
+    /// Products of blocks that factorizing takes.
+    std::size_t factorProducts() const { return factor_.products(); }
     void solve(double* x) { factor_.solve(x); }
     /// Prepares slopeAlong for a direction.
     void changeAlong(const double* direction);
@@ -195,6 +197,9 @@ private:
     void refreshMasses(const BodyArrays& arrays);
     void updateGaps(const BodyArrays& arrays);
     void speedsAt(const double* v);
+    /// Of each body, m/s, in the scratch: what may be left alone.
+    const double* roundingSpeeds();
+    void takePointLoads();
     void applyImpulses(double* momentum, bool loads) const;
     double impulseNorm(const double* x) const;
     void addMasses();
@@ -208,6 +213,7 @@ private:
     std::size_t stride_ = 1;
     double gravityStep_ = 0;
     bool stopped_ = false, rests_ = false;  ///< no body moves; and none will in this substep
+    bool loadsKept_ = false;                ///< loads of contacts are those that the step began with
     int restedSubsteps_ = 0;                ///< of this step
     AlignedArray<SystemBody> bodies_;
     AlignedArray<SystemContact> contacts_;
@@ -216,7 +222,10 @@ private:
     AlignedArray<JointSim*> joints_;
     AlignedArray<BlockPair> pairs_;
     AlignedArray<std::int32_t> jointEnds_;  ///< two local bodies per joint
-    AlignedArray<double> velocity_, free_, written_;
+    AlignedArray<double> velocity_, free_;
+    // v and w of each body as its state has them. As floats: gcc 12 leaves out the rounding of double to float to
+    // double where it vectorizes.
+    AlignedArray<Vec3> written_;
     BlockFactor factor_;
     Scratch scratch_;
 };

@@ -107,7 +107,8 @@ public:
         };
         row.resistance = resistanceOf(moving);
         rest.resistance = resistanceOf(resting);
-        rest.target = 0;
+        // What the second pass pushes with beyond the first, as a speed.
+        rest.target = static_cast<double>(resting.push - moving.push) * rest.resistance;
         push(row, kind, moving.push, 0, rest);
     }
     /// The speed along the row at which an error would not change: what free motion has, less the change it makes.
@@ -171,6 +172,8 @@ private:
     std::int32_t a_, b_;
     DVec3 armA_, armB_;
 };
+
+const Vec3& columnOf(const Mat3& m, int k) { return k == 0 ? m.cx : k == 1 ? m.cy : m.cz; }
 
 RowKind after(RowKind kind, int k) { return static_cast<RowKind>(static_cast<int>(kind) + k); }
 
@@ -257,6 +260,15 @@ void addBall(const RowWriter& writer, const JointSim& joint, const BallRows& ahe
             moving.lower = resting.lower = -moving.upper;
             moving.drag = ball.springDrag[0], resting.drag = ball.springDrag[1];
             writer.scalar(row, after(RowKind::ballSpring, k), 0, moving, resting, w, 0);
+        }
+        if (ball.features & BallRows::kDrives) {
+            const BallDrives& drives = joint.drives;
+            moving.push = drives.push[0][k], resting.push = drives.push[1][k];
+            moving.upper = resting.upper = static_cast<float>(h) * ball.maxSpring;
+            moving.lower = resting.lower = -moving.upper;
+            moving.drag = drives.drag[0][k], resting.drag = drives.drag[1][k];
+            writer.scalar(writer.angular(toDouble(columnOf(drives.basis, k))), after(RowKind::ballSpring, k), 0, moving,
+                          resting, w, 0);
         }
         if (ball.features & BallRows::kViscous) {
             moving = resting = {};
@@ -353,7 +365,9 @@ void storeImpulses(const AlignedArray<SystemRow>& rows, JointSim* const* joints)
             const int k = index(RowKind::second);
             joint.block.impulseSecond += impulse * (k == 0 ? basis.cx : k == 1 ? basis.cy : basis.cz);
         } else if (isOf(RowKind::ballSpring)) {
-            joint.ball.springImpulse[index(RowKind::ballSpring)] = impulse;
+            // Without drives their basis is that of the world.
+            if (row.kind == RowKind::ballSpring) joint.ball.springImpulse = {};
+            joint.ball.springImpulse += impulse * columnOf(joint.drives.basis, index(RowKind::ballSpring));
         } else if (isOf(RowKind::ballViscous)) {
             joint.ball.viscousImpulse[index(RowKind::ballViscous)] = impulse;
         } else if (isOf(RowKind::ballFriction)) {

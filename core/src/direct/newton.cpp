@@ -8,13 +8,14 @@ namespace ragtop::direct {
 
 namespace {
 
-constexpr int kIterations = 12;      ///< Newton steps from loads of the substep before
-constexpr int kMoreIterations = 40;  ///< of each stage where those do not suffice
-constexpr int kLargeFactors = 6;     ///< in one step of a large island; it stays as it was
-constexpr int kBudget = 160;         ///< Newton steps in one step of the world, after which no stages are tried
-constexpr int kStages = 2;           ///< softer systems that lead to the one that was asked for
-constexpr double kStage = 128;       ///< resistance of a stage over that of the next
-constexpr int kSlipRounds = 4;       ///< of the De Saxcé loop
+constexpr int kIterations = 12;        ///< Newton steps from loads of the substep before
+constexpr int kMoreIterations = 40;    ///< of each stage where those do not suffice
+constexpr int kLargeFactors = 6;       ///< in one step of a large island; it stays as it was
+constexpr double kMostProducts = 1e6;  ///< of blocks, in all factorizations of one step; some 0.1 s
+constexpr int kBudget = 160;           ///< Newton steps in one step of the world, after which no stages are tried
+constexpr int kStages = 2;             ///< softer systems that lead to the one that was asked for
+constexpr double kStage = 128;         ///< resistance of a stage over that of the next
+constexpr int kSlipRounds = 4;         ///< of the De Saxcé loop
 constexpr int kLineSteps = 30;
 constexpr double kSlipChange = 1e-3;  ///< of a row by which slips may still change, in g h
 constexpr double kLineSlope = 0.1;    ///< share of the slope that the line search leaves
@@ -55,7 +56,8 @@ double dot(const double* a, const double* b, std::size_t n) {
 bool isLarge(const IslandSystem& system) { return system.bodyCount() > kMostBodies; }
 
 bool mayFactor(const IslandSystem& system, const SolveReport& report) {
-    return !isLarge(system) || report.factorizations < kLargeFactors;
+    if (isLarge(system) && report.factorizations >= kLargeFactors) return false;
+    return (report.factorizations + 1) * static_cast<double>(system.factorProducts()) <= kMostProducts;
 }
 
 /// One convex problem. False when it was given up.
@@ -131,8 +133,8 @@ void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveRepor
     for (int round = 0; round < kSlipRounds; ++round) {
         if (!minimize(system, kIterations, factored, report) &&
             (isLarge(system) || report.iterations > kBudget || !approach(system, factored, report))) {
-            // Newton's steps descend, so that the velocity is sane; the impulses need not be. A large island goes on from
-            // there in its next solve.
+            // Newton's steps descend, so that the velocity is sane; the impulses need not be. A large island goes on
+            // from there in its next solve.
             if (!isLarge(system)) system.keepLoads();
             report.converged = false;
             return;

@@ -33,6 +33,7 @@ void WorldImpl::uniteConstraints(bool touchingOnly) {
         }
         for (const std::uint32_t j : graph.color(c).joints) unite(joints[j].bodyA, joints[j].bodyB);
     }
+    forEachCoupledPair([&](std::uint32_t a, std::uint32_t b) { unite(a, b); });
 }
 
 /// Islands are the components of moving bodies that touch or are joined.
@@ -129,6 +130,7 @@ void WorldImpl::wakeBody(std::uint32_t first) {
             const std::uint32_t other = (key & 1) != 0 ? joint.bodyA : joint.bodyB;
             if (moves(other) && !isAwake(other)) bodyStack.push(other);
             addJointToGraph(key >> 1);
+            if (joint.firstCoupling != kNone) pushCoupledBodies(key >> 1);
         }
         restoreContacts(index);
     }

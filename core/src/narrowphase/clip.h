@@ -4,6 +4,7 @@
 #include <span>
 
 #include "narrowphase/manifold.h"
+#include "narrowphase/reduce_points.h"
 #include "shapes/hull.h"
 
 /// Clipping the face of one polyhedron to the face of another, and choosing the points that make a manifold.
@@ -17,6 +18,19 @@ inline constexpr float kDepthTolerance = 0.001f;
 /// Of the size of the smaller shape: how far a corner may overhang the other face before it is cut. Boxes stacked flush
 /// keep their corners, and so their features.
 inline constexpr float kOverhang = 0.002f;
+
+/// Does a face serve better than the edge pair that was chosen, given the separations along both? An edge pair holds
+/// with one point, the less the deeper it is, and the sooner another edge takes its place: so of overlaps it must save
+/// a share [Gregorius, GDC 2013]. The face serves if its points show an overlap as deep as that of the edges.
+inline bool favoursFace(float face, float edge) {
+    constexpr float kShare = 0.1f;
+    return face < 0 && edge <= (1 - kShare) * face;
+}
+inline bool showsDepth(const Manifold& face, float depth) {
+    bool shows = false;
+    for (int i = 0; i < face.pointCount; ++i) shows |= face.points[i].separation <= depth;
+    return shows;
+}
 
 /// A corner of a polygon being clipped. Edges are named 0..127 on the incident polygon and 128 + side of the reference
 /// face; a corner is the meeting of two.
@@ -32,6 +46,10 @@ constexpr std::uint32_t faceFeature(const ClipPoint& point, int referenceFace, i
            (static_cast<std::uint32_t>(referenceFace) & 255u) << 16 |
            (static_cast<std::uint32_t>(incidentFace) & 127u) << 24 | (flipped ? 1u << 31 : 0u);
 }
+/// −1 where the feature names no faces. Only the lowest seven bits are known.
+constexpr int incidentFaceOf(std::uint32_t feature) {
+    return (feature >> 16 & 255u) == 255u ? -1 : static_cast<int>(feature >> 24 & 127u);
+}
 /// Indices below 512.
 constexpr std::uint32_t edgeFeature(int edgeA, int edgeB) {
     const auto a = static_cast<std::uint32_t>(edgeA), b = static_cast<std::uint32_t>(edgeB);
@@ -39,58 +57,6 @@ constexpr std::uint32_t edgeFeature(int edgeA, int edgeB) {
 }
 /// A single point without a better name.
 inline constexpr std::uint32_t kPointFeature = 255u << 16 | 1u << 26;
-
-/// Moves at most four points to the front and returns how many: of the nearly deepest the one farthest along a fixed
-/// direction, the one farthest from it, and the corners of the largest triangles on either side of the two, unless they
-/// all but lie between them. Ties go to the earlier point. `tolerance` is the difference in depth (m) that does not
-/// matter. At least one point.
-template <class Point>
-int reducePoints(Point* points, int count, const Vec3& normal, float tolerance) {
-    float deepest = points[0].separation;
-    for (int i = 1; i < count; ++i) deepest = points[i].separation < deepest ? points[i].separation : deepest;
-
-    const Vec3 direction = perpendicular(normal);
-    int best = -1;
-    float most = 0;
-    for (int i = 0; i < count; ++i) {
-        if (points[i].separation > deepest + tolerance) continue;
-        const float score = dot(points[i].position, direction);
-        if (best < 0 || score > most) {
-            best = i;
-            most = score;
-        }
-    }
-    const auto take = [&](int slot, int chosen) {
-        const Point point = points[slot];
-        points[slot] = points[chosen];
-        points[chosen] = point;
-    };
-    take(0, best);
-
-    const auto pick = [&](int slot, float least, auto&& scoreOf) {
-        int chosen = -1;
-        float high = least;
-        for (int i = slot; i < count; ++i) {
-            const float score = scoreOf(points[i].position);
-            if (score > high) {
-                chosen = i;
-                high = score;
-            }
-        }
-        if (chosen < 0) return false;
-        take(slot, chosen);
-        return true;
-    };
-    const Vec3 first = points[0].position;
-    if (!pick(1, 0, [&](const Vec3& p) { return lengthSquared(p - first); })) return 1;
-    const Vec3 span = points[1].position - first, side = cross(normal, span);
-    constexpr float kInLine = 0.01f;  // of the span
-    const float least = kInLine * lengthSquared(span);
-    int kept = 2;
-    if (pick(kept, least, [&](const Vec3& p) { return dot(side, p - first); })) ++kept;
-    if (pick(kept, least, [&](const Vec3& p) { return -dot(side, p - first); })) ++kept;
-    return kept;
-}
 
 /// Of the faces around the corner of `incident` that lies farthest against `normal`, the one that looks most against
 /// it.

@@ -311,6 +311,11 @@ void boxes(const Vec3& halfExtentsA, const Vec3& halfExtentsB, const Frame& bInA
         remember(cache, face);
         return;
     }
+    if (edge.kind != 0 && favoursFace(face.separation, edge.separation)) {
+        faceContact(b, bInA, face, margin, out);
+        if (showsDepth(out, edge.separation)) return remember(cache, face);
+        out.pointCount = 0;
+    }
     const Choice& best = edge.kind != 0 ? edge : face;
     remember(cache, best);
     if (best.kind == 3) {

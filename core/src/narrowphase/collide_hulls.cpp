@@ -1,3 +1,4 @@
+#include "narrowphase/edge_normal.h"
 #include "narrowphase/pairs.h"
 
 namespace ragtop::pairs {
@@ -48,19 +49,23 @@ void edgeContact(const HullView& a, const HullView& b, const SeparatingAxis& axi
     out.points[0] = {0.5f * (near.pointA + near.pointB), axis.separation, edgeFeature(axis.indexA, axis.indexB)};
 }
 
+void faceContact(const HullView& a, const HullView& b, const SeparatingAxis& axis, float margin, float size,
+                 Manifold& out) {
+    out.normal = axis.normal;
+    out.pointCount = axis.kind == 1 ? clipToFace(a, axis.indexA, b, margin, size, false, out.points)
+                                    : clipToFace(b, axis.indexB, a, margin, size, true, out.points);
+}
+
 }  // namespace
 
 void hullContact(const HullView& a, const HullView& b, const SeparatingAxis& axis, float margin, float size,
                  Manifold& out) {
     out.normal = axis.normal;
     out.pointCount = 0;
-    if (axis.kind == 1) {
-        out.pointCount = clipToFace(a, axis.indexA, b, margin, size, false, out.points);
-    } else if (axis.kind == 2) {
-        out.pointCount = clipToFace(b, axis.indexB, a, margin, size, true, out.points);
-    } else {
+    if (axis.kind == 3)
         edgeContact(a, b, axis, margin, out);
-    }
+    else
+        faceContact(a, b, axis, margin, size, out);
     if (out.pointCount > 0) return;
     const gjk::PointsSupport supportA{a.vertices.data(), static_cast<int>(a.vertices.size())};
     const gjk::PointsSupport supportB{b.vertices.data(), static_cast<int>(b.vertices.size())};
@@ -85,13 +90,23 @@ void hulls(const HullView& a, const HullView& b, const Frame& bInA, float margin
     const float size = a.innerRadius < b.innerRadius ? a.innerRadius : b.innerRadius;
     SeparatingAxis before;
     if (cache.kind != 0) before = alongAxis(a, placed.view(), cache.kind, indexA(cache), indexB(cache));
-    const SeparatingAxis axis = chooseAxis(a, placed.view(), margin, size, before);
+    const AxisChoice choice = chooseAxis(a, placed.view(), margin, size, before);
+    const SeparatingAxis& axis = choice.best;
     cache = toCache(axis);
     if (axis.separation > margin) {
         out.gap = axis.separation;
         return;
     }
+    if (choice.face.kind != 0 && favoursFace(choice.face.separation, axis.separation)) {
+        faceContact(a, placed.view(), choice.face, margin, size, out);
+        if (showsDepth(out, axis.separation)) {
+            cache = toCache(choice.face);
+            return;
+        }
+    }
     hullContact(a, placed.view(), axis, margin, size, out);
+    if (axis.kind == 1) turnToMiddle(a, axis.indexA, placed.view(), size, out);
+    if (axis.kind == 2) turnToMiddle(placed.view(), axis.indexB, a, size, out);
 }
 
 }  // namespace ragtop::pairs

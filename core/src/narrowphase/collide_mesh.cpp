@@ -215,7 +215,7 @@ private:
         const HullView& hull = mover_.hull->view();
         const SeparatingAxis front = alongAxis(triangle, hull, 1, 0, 0);
         if (front.separation > mover_.margin) return;
-        const SeparatingAxis axis = chooseAxis(triangle, hull, mover_.margin, mover_.size, front);
+        const SeparatingAxis axis = chooseAxis(triangle, hull, mover_.margin, mover_.size, front).best;
         if (axis.separation > mover_.margin) return;
         if (axis.kind == 1) {
             contact.normal = t.normal();

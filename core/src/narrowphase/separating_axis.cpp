@@ -148,21 +148,21 @@ SeparatingAxis alongAxis(const HullView& a, const HullView& b, int kind, int ind
     return {3, indexA, indexB, dot(normal, b.vertices[edgeB.from] - a.vertices[edgeA.from]), normal};
 }
 
-SeparatingAxis chooseAxis(const HullView& a, const HullView& b, float margin, float size,
-                          const SeparatingAxis& before) {
+AxisChoice chooseAxis(const HullView& a, const HullView& b, float margin, float size, const SeparatingAxis& before) {
     const float tolerance = kChoiceTolerance * size;
     SeparatingAxis face = bestFaceOfA(a, b);
-    if (face.separation > margin) return face;
+    if (face.separation > margin) return {face, {}};
     const SeparatingAxis faceB = bestFaceOfB(a, b);
     if (faceB.separation > face.separation) face = faceB;
-    if (face.separation > margin) return face;
+    if (face.separation > margin) return {face, {}};
     if ((before.kind == 1 || before.kind == 2) && before.separation >= face.separation - tolerance) face = before;
 
     const bool keepEdge = before.kind == 3 && before.separation > face.separation;
     const float toBeat = (keepEdge ? before.separation : face.separation) + tolerance;
     const SeparatingAxis edge = bestEdgePair(a, b, toBeat < margin ? toBeat : margin);
-    if (edge.kind != 0 && (edge.separation > margin || edge.separation > toBeat)) return edge;
-    return keepEdge ? before : face;
+    if (edge.kind != 0 && (edge.separation > margin || edge.separation > toBeat)) return {edge, face};
+    if (keepEdge) return {before, face};
+    return {face, {}};
 }
 
 SeparationCache toCache(const SeparatingAxis& axis) {

@@ -44,9 +44,13 @@ SeparatingAxis bestEdgePair(const HullView& a, const HullView& b, float least);
 /// The separation along one axis, from all corners, so that a positive one proves it whatever the axis.
 SeparatingAxis alongAxis(const HullView& a, const HullView& b, int kind, int indexA, int indexB);
 
+struct AxisChoice {
+    SeparatingAxis best;
+    SeparatingAxis face;  ///< where the best is an edge pair: the best of the faces
+};
 /// The axis of least overlap, with hysteresis in favour of faces and of `before` (kind 0: nothing before); an axis that
 /// separates by more than margin when there is one.
-SeparatingAxis chooseAxis(const HullView& a, const HullView& b, float margin, float size, const SeparatingAxis& before);
+AxisChoice chooseAxis(const HullView& a, const HullView& b, float margin, float size, const SeparatingAxis& before);
 
 SeparationCache toCache(const SeparatingAxis& axis);
 /// Edge indices need nine bits: the highest are in `pad`.

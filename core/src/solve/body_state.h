@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "ragtop/math.h"
@@ -23,13 +24,23 @@ static_assert(sizeof(BodyState) == 64);
 /// Inverse inertia about the centre of mass in world axes, of the current substep.
 struct alignas(32) BodyInertia {
     float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-    float pad[2] = {0, 0};
+    float excess = 0;  ///< J, see excessOfSpin; belongs to the momentum in the body's history
+    float pad = 0;
 };
 static_assert(sizeof(BodyInertia) == 32);
 
 constexpr Vec3 operator*(const BodyInertia& m, const Vec3& a) {
     return {m.xx * a.x + m.xy * a.y + m.xz * a.z, m.xy * a.x + m.yy * a.y + m.yz * a.z,
             m.xz * a.x + m.yz * a.y + m.zz * a.z};
+}
+
+/// J: 2E − |L|²/I₂ for the momentum p in principal axes, with I₂ the middle moment: what a free body keeps beside its
+/// momentum. Its sign says about which axis, that of the least or of the greatest moment, the body turns; 0 is the
+/// separatrix between both.
+constexpr float excessOfSpin(const Vec3& p, const Vec3& inverse) {
+    const float low = std::min(inverse.x, inverse.y), high = std::max(inverse.x, inverse.y);
+    const float middle = std::max(low, std::min(high, inverse.z));
+    return (inverse.x - middle) * p.x * p.x + (inverse.y - middle) * p.y * p.y + (inverse.z - middle) * p.z * p.z;
 }
 
 /// A soft row [Catto, Soft Constraints, GDC 2011]: ω = 2πf, a₁ = 2ζ + hω, a₂ = hω a₁.

@@ -54,6 +54,9 @@ struct SolverContext {
     bool normals = true, friction = true;  ///< the rows that a pass solves
 };
 
+/// Kinds of contacts that ask for more than the usual passes.
+enum ContactKind : unsigned { kBouncyContact = 1, kDeepContact = 2 };
+
 /// Wide kernels of one instruction set and lane count. Bundle ranges are in bundles, body ranges in entries of a list
 /// of state indices; they may run at once when they share no moving body.
 struct KernelTable {
@@ -61,8 +64,8 @@ struct KernelTable {
     int lanes;
     void (*integrateVelocities)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end, const SolverContext&);
     void (*integratePositions)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end, const SolverContext&);
-    /// True if any contact has restitution.
-    bool (*prepareContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
+    /// Tells which ContactKinds are among them.
+    unsigned (*prepareContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     /// Reflects what will meet within this substep; true if anything did.
     bool (*bounceContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     void (*warmStartContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);

@@ -60,11 +60,13 @@ template <int N> RAGTOP_INLINE Lanes<N> operator-(Lanes<N> a) { return -a.v; }
 template <int N> RAGTOP_INLINE Mask<N> operator>(Lanes<N> a, Lanes<N> b) { return {a.v > b.v}; }
 template <int N> RAGTOP_INLINE Mask<N> operator<(Lanes<N> a, Lanes<N> b) { return {a.v < b.v}; }
 template <int N> RAGTOP_INLINE Mask<N> operator<=(Lanes<N> a, Lanes<N> b) { return {a.v <= b.v}; }
+template <int N> RAGTOP_INLINE Mask<N> operator>=(Lanes<N> a, Lanes<N> b) { return {a.v >= b.v}; }
 template <int N> RAGTOP_INLINE Mask<N> operator>(Lanes<N> a, float b) { return {a.v > b}; }
 template <int N> RAGTOP_INLINE Mask<N> operator<(Lanes<N> a, float b) { return {a.v < b}; }
 template <int N> RAGTOP_INLINE Mask<N> operator!=(Lanes<N> a, float b) { return {a.v != b}; }
 template <int N> RAGTOP_INLINE Mask<N> operator&(Mask<N> a, Mask<N> b) { return {a.v & b.v}; }
 template <int N> RAGTOP_INLINE Mask<N> operator|(Mask<N> a, Mask<N> b) { return {a.v | b.v}; }
+template <int N> RAGTOP_INLINE Mask<N> operator!(Mask<N> a) { return {~a.v}; }
 template <int N>
 RAGTOP_INLINE Lanes<N> select(Mask<N> m, Lanes<N> a, Lanes<N> b) { return m.v ? a.v : b.v; }
 template <int N> RAGTOP_INLINE Lanes<N> max(Lanes<N> a, Lanes<N> b) { return a.v > b.v ? a.v : b.v; }
@@ -95,6 +97,10 @@ RAGTOP_INLINE Lanes<N> divideOrZero(Lanes<N> a, Lanes<N> b) {
 
 typedef float Float4 __attribute__((vector_size(16)));
 typedef float Float8 __attribute__((vector_size(32)));
+
+/// The same in memory, anywhere.
+typedef float Float4Row __attribute__((vector_size(16), aligned(4)));
+typedef float Float8Row __attribute__((vector_size(32), aligned(4)));
 
 /// Rows of eight floats, one per lane, to eight Lanes and back: out[i][lane] = rows[lane][i].
 RAGTOP_INLINE void transpose4(Float4& a, Float4& b, Float4& c, Float4& d) {
@@ -130,8 +136,8 @@ RAGTOP_INLINE void gather8(const float* const rows[N], Lanes<N> out[8]) {
     if constexpr (N == 4) {
         Float4 lo[4], hi[4];
         for (int i = 0; i < 4; ++i) {
-            lo[i] = *reinterpret_cast<const Float4*>(rows[i]);
-            hi[i] = *reinterpret_cast<const Float4*>(rows[i] + 4);
+            lo[i] = *reinterpret_cast<const Float4Row*>(rows[i]);
+            hi[i] = *reinterpret_cast<const Float4Row*>(rows[i] + 4);
         }
         transpose4(lo[0], lo[1], lo[2], lo[3]);
         transpose4(hi[0], hi[1], hi[2], hi[3]);
@@ -141,14 +147,14 @@ RAGTOP_INLINE void gather8(const float* const rows[N], Lanes<N> out[8]) {
         }
     } else if constexpr (N == 8) {
         Float8 r[8];
-        for (int i = 0; i < 8; ++i) r[i] = *reinterpret_cast<const Float8*>(rows[i]);
+        for (int i = 0; i < 8; ++i) r[i] = *reinterpret_cast<const Float8Row*>(rows[i]);
         transpose8(r);
         for (int i = 0; i < 8; ++i) out[i].v = r[i];
     } else {
         Float8 r[8], s[8];
         for (int i = 0; i < 8; ++i) {
-            r[i] = *reinterpret_cast<const Float8*>(rows[i]);
-            s[i] = *reinterpret_cast<const Float8*>(rows[i + 8]);
+            r[i] = *reinterpret_cast<const Float8Row*>(rows[i]);
+            s[i] = *reinterpret_cast<const Float8Row*>(rows[i + 8]);
         }
         transpose8(r);
         transpose8(s);
@@ -170,8 +176,8 @@ RAGTOP_INLINE void scatter8(float* const rows[N], const Lanes<N> in[8]) {
         transpose4(hi[0], hi[1], hi[2], hi[3]);
         for (int i = 0; i < 4; ++i)
             if (rows[i]) {
-                *reinterpret_cast<Float4*>(rows[i]) = lo[i];
-                *reinterpret_cast<Float4*>(rows[i] + 4) = hi[i];
+                *reinterpret_cast<Float4Row*>(rows[i]) = lo[i];
+                *reinterpret_cast<Float4Row*>(rows[i] + 4) = hi[i];
             }
     } else {
         for (int half = 0; half < N / 8; ++half) {
@@ -186,7 +192,7 @@ RAGTOP_INLINE void scatter8(float* const rows[N], const Lanes<N> in[8]) {
             }
             transpose8(r);
             for (int i = 0; i < 8; ++i)
-                if (rows[8 * half + i]) *reinterpret_cast<Float8*>(rows[8 * half + i]) = r[i];
+                if (rows[8 * half + i]) *reinterpret_cast<Float8Row*>(rows[8 * half + i]) = r[i];
         }
     }
 }

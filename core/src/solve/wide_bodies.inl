@@ -48,41 +48,6 @@ RAGTOP_INLINE void applyLocks(WideVec3<N>& v, Lanes<N> locks) {
     v.z = select(Mask<N>{(locked & 4) != 0}, Lanes<N>(0.0f), v.z);
 }
 
-/// v ← (v + h a) / (1 + h d),  ω ← (ω + h I⁻¹ τ) / (1 + h d)
-template <int N>
-void integrateVelocities(const BodyArrays& arrays, const std::uint32_t* bodies, int begin, int end,
-                         const SolverContext& context) {
-    const float h = context.h;
-    for (int i = begin; i < end; i += N) {
-        const BodyRows<N> rows(bodies, i, end);
-        Lanes<N> state[8], rates[8], forces[8], memory[8], inertia[8];
-        rows.gather(arrays.states, 0, state);
-        rows.gather(arrays.dynamics, 0, rates);
-        rows.gather(arrays.dynamics, 8, forces);
-        rows.gather(arrays.history, 0, memory);
-        rows.gather(arrays.inertia, 0, inertia);
-
-        WideVec3<N> v{state[0], state[1], state[2]};
-        WideVec3<N> w{state[4], state[5], state[6]};
-        const WideVec3<N> before{memory[0], memory[1], memory[2]};
-        const WideVec3<N> change = v - before;
-        memory[0] = v.x, memory[1] = v.y, memory[2] = v.z;
-        memory[4] = change.x, memory[5] = change.y, memory[6] = change.z;
-
-        const WideVec3<N> a{forces[0], forces[1], forces[2]};
-        const WideVec3<N> torque{forces[4], forces[5], forces[6]};
-        const SymmetricMatrix<N> inverse{inertia[0], inertia[1], inertia[2], inertia[3], inertia[4], inertia[5]};
-        v = rates[3] * (v + Lanes<N>(h) * a);
-        w = rates[7] * (w + Lanes<N>(h) * (inverse * torque));
-        applyLocks(v, state[7]);
-
-        state[0] = v.x, state[1] = v.y, state[2] = v.z;
-        state[4] = w.x, state[5] = w.y, state[6] = w.z;
-        rows.scatter(arrays.states, 0, state);
-        rows.scatter(arrays.history, 0, memory);
-    }
-}
-
 template <int N>
 RAGTOP_INLINE WideQuat<N> normalized(const WideQuat<N>& q) {
     const Lanes<N> norm = 1.0f / sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
@@ -140,15 +105,39 @@ struct MiddleAxis {
     }
 };
 
+/// Turns a body of momentum p = Rᵀ L, in axes of which y is the middle one, by the least angle that gives it back the
+/// excess  e(p) = α₁ p₁² + α₃ p₃²:  p ← p + λ g,  g = ∇e/2 − (e/|p|²) p,  λ = (e_kept − e) / (2 g·∇e/2).
+/// Only near the separatrix, where its sign is at stake; about the outer axes e is stationary and would tell nothing.
+template <int N>
+RAGTOP_INLINE WideQuat<N> keepingExcess(const WideQuat<N>& u, const WideVec3<N>& world, Lanes<N> alpha1,
+                                        Lanes<N> alpha3, Lanes<N> excess, const Mask<N>& free) {
+    const WideVec3<N> p = inverseRotate(u, world);
+    const Lanes<N> zero(0.0f), squared = dot(p, p);
+    const Lanes<N> range = 0.25f * squared * min(max(alpha1, -alpha1), max(alpha3, -alpha3));
+    const Mask<N> near = free & (max(excess, -excess) < range);
+    const WideVec3<N> slope{alpha1 * p.x, zero, alpha3 * p.z};
+    const Lanes<N> now = dot(slope, p), share = divideOrZero(now, squared);
+    const WideVec3<N> along = slope - share * p;
+    const Lanes<N> lambda = divideOrZero(excess - now, 2.0f * dot(along, slope));
+    // R ← R exp θ takes p to p − θ × p, so that θ = −λ p × g / |p|².
+    const WideVec3<N> half = (-0.5f * divideOrZero(lambda, squared)) * cross(p, along);
+    const WideQuat<N> turned = u * WideQuat<N>{half.x, half.y, half.z, Lanes<N>(1.0f)};
+    // Where e is stationary, or belongs to another momentum, the way would be far: rounding asks for 1e-6.
+    const Mask<N> little = near & (dot(half, half) < 1e-4f);
+    return {select(little, turned.x, u.x), select(little, turned.y, u.y), select(little, turned.z, u.z),
+            select(little, turned.w, u.w)};
+}
+
 /// Free rotation of a body of momentum `world` over h. The energy Σ pᵢ²/2Iᵢ is split as
 ///   |p|²/2I₂  +  α₁ p₁²/2  +  α₃ p₃²/2,   αᵢ = 1/Iᵢ − 1/I₂,   I₂ the middle moment.
 /// The first part turns the body about its momentum and commutes with the others, so it is exact; those are turns about
 /// single axes, taken symmetrically [Dullweber, Leimkuhler, McLachlan 1997]. A symmetric body has one α alone and is
 /// exact as a whole. The error in energy goes with h² |L|² α₁ α₃ max(α) I₂: rotor steps of h keep its root below 0.04,
-/// and every angle below one.
+/// and every angle below one. Rounding would still walk a body that flips over and over across its separatrix; its
+/// `excess` (see excessOfSpin) is therefore kept where nothing acted, and taken from the momentum elsewhere.
 template <int N>
-RAGTOP_INLINE void rotateFreely(WideQuat<N>& q, const WideVec3<N>& world, const WideVec3<N>& inverseInertia,
-                                float h) {
+RAGTOP_INLINE void rotateFreely(WideQuat<N>& q, const WideVec3<N>& world, const WideVec3<N>& inverseInertia, float h,
+                                const Mask<N>& free, Lanes<N>& excess) {
     typedef typename Mask<N>::V Int;
     const MiddleAxis<N> axes(inverseInertia);
     const WideVec3<N> inverse = axes.toY(inverseInertia);
@@ -156,6 +145,8 @@ RAGTOP_INLINE void rotateFreely(WideQuat<N>& q, const WideVec3<N>& world, const 
     WideVec3<N> p = axes.toY(inverseRotate(q, world));
     const WideVec3<N> exchanged = axes.toY({q.x, q.y, q.z});
     WideQuat<N> u{exchanged.x, exchanged.y, exchanged.z, q.w};
+
+    excess = select(free, excess, alpha1 * p.x * p.x + alpha3 * p.z * p.z);
 
     const Lanes<N> size1 = max(alpha1, -alpha1), size3 = max(alpha3, -alpha3), largest = max(size1, size3);
     constexpr float kError = 1.0f / 0.04f, kMaxSteps = 511;
@@ -179,8 +170,108 @@ RAGTOP_INLINE void rotateFreely(WideQuat<N>& q, const WideVec3<N>& world, const 
         p = select(active, m, p);
         u = {select(active, r.x, u.x), select(active, r.y, u.y), select(active, r.z, u.z), select(active, r.w, u.w)};
     }
+    if (any(free)) u = keepingExcess(u, axes.toY(world), alpha1, alpha3, excess, free);
     const WideVec3<N> axis = axes.back({u.x, u.y, u.z});
     q = normalized(WideQuat<N>{axis.x, axis.y, axis.z, u.w});
+}
+
+/// What a body turns by: its rotation, its moments, and the momentum of the last substep with what its angular velocity
+/// was changed by since.
+template <int N>
+struct FreeSpin {
+    WideQuat<N> q;
+    WideVec3<N> inverse, momentum;
+    Mask<N> free;  ///< nothing has changed it
+
+    RAGTOP_INLINE FreeSpin(const WideQuat<N>& rotation, const Lanes<N> rates[8], const WideVec3<N>& w,
+                           const Lanes<N> memory[8], const Lanes<N> start[8])
+        : q(normalized(rotation)), inverse{rates[4], rates[5], rates[6]} {
+        const WideVec3<N> turned = inverseRotate(q, w - WideVec3<N>{memory[3], memory[7], start[7]});
+        const WideVec3<N> gained = rotate(q, times(WideVec3<N>{rates[0], rates[1], rates[2]}, turned));
+        momentum = WideVec3<N>{start[4], start[5], start[6]} + gained;
+        free = dot(gained, gained) <= Lanes<N>(0.0f);
+    }
+
+    /// Spins about nearly one principal axis, fast enough for that axis to circle by more than a quarter radian in h.
+    RAGTOP_INLINE Mask<N> isFast(Lanes<N> spins, float h) {
+        const Lanes<N> zero(0.0f), one(1.0f);
+        const WideVec3<N> p = inverseRotate(q, momentum), squares = times(p, p);
+        const Mask<N> isX = (squares.y <= squares.x) & (squares.z <= squares.x);
+        const Mask<N> isY = (squares.x < squares.y) & (squares.z <= squares.y);
+        axis = select(isX, WideVec3<N>{one, zero, zero},
+                      select(isY, WideVec3<N>{zero, one, zero}, WideVec3<N>{zero, zero, one}));
+        const WideVec3<N> across = inverse - times(axis, inverse);
+        const Lanes<N> total = dot(p, p), largest = max(across.x, max(across.y, across.z));
+        const Lanes<N> along = dot(axis, squares);
+        return (spins > 0.0f) & (along > 0.8f * total) & ((h * h) * total * largest * largest > 1.0f / 16);
+    }
+
+    /// The angular velocity that moves the axis of spin in a straight line to where it will be after h, if nothing
+    /// acts.
+    RAGTOP_INLINE WideVec3<N> leading(const WideVec3<N>& w, float h, float inverseH, Lanes<N>& excess) const {
+        WideQuat<N> next = q;
+        rotateFreely(next, momentum, inverse, h, free, excess);
+        const WideVec3<N> now = rotate(q, axis);
+        return dot(now, w) * now + Lanes<N>(inverseH) * cross(now, rotate(next, axis) - now);
+    }
+
+private:
+    WideVec3<N> axis;
+};
+
+/// v ← (v + h a) / (1 + h d),  ω ← (ω + h I⁻¹ τ) / (1 + h d)
+/// The axis of a fast spin circles within a substep. Joints and contacts on it are told how far it will have come, not
+/// how fast it goes now; else they and free rotation take turns to push a top over where L h/I⊥ > 0.7.
+template <int N>
+void integrateVelocities(const BodyArrays& arrays, const std::uint32_t* bodies, int begin, int end,
+                         const SolverContext& context) {
+    const float h = context.h;
+    for (int i = begin; i < end; i += N) {
+        const BodyRows<N> rows(bodies, i, end);
+        Lanes<N> state[8], pose[8], rates[8], forces[8], memory[8], start[8], inertia[8];
+        rows.gather(arrays.states, 0, state);
+        rows.gather(arrays.states, 8, pose);
+        rows.gather(arrays.dynamics, 0, rates);
+        rows.gather(arrays.dynamics, 8, forces);
+        rows.gather(arrays.history, 0, memory);
+        rows.gather(arrays.history, 8, start);
+        rows.gather(arrays.inertia, 0, inertia);
+
+        WideVec3<N> v{state[0], state[1], state[2]};
+        WideVec3<N> w{state[4], state[5], state[6]};
+        const WideVec3<N> before{memory[0], memory[1], memory[2]};
+        const WideVec3<N> change = v - before;
+        memory[0] = v.x, memory[1] = v.y, memory[2] = v.z;
+        memory[4] = change.x, memory[5] = change.y, memory[6] = change.z;
+
+        const WideVec3<N> a{forces[0], forces[1], forces[2]};
+        const WideVec3<N> torque{forces[4], forces[5], forces[6]};
+        const SymmetricMatrix<N> inverse{inertia[0], inertia[1], inertia[2], inertia[3], inertia[4], inertia[5]};
+        v = rates[3] * (v + Lanes<N>(h) * a);
+        w = rates[7] * (w + Lanes<N>(h) * (inverse * torque));
+        applyLocks(v, state[7]);
+
+        FreeSpin<N> spin(
+            WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * WideQuat<N>{start[0], start[1], start[2], start[3]},
+            rates, w, memory, start);
+        const Mask<N> leads = spin.isFast(forces[3], h);
+        if (any(leads)) {
+            Lanes<N> excess = inertia[6];
+            w = select(leads, spin.leading(w, h, context.inverseH, excess), w);
+            memory[3] = select(leads, w.x, memory[3]), memory[7] = select(leads, w.y, memory[7]);
+            start[7] = select(leads, w.z, start[7]);
+            start[4] = select(leads, spin.momentum.x, start[4]), start[5] = select(leads, spin.momentum.y, start[5]);
+            start[6] = select(leads, spin.momentum.z, start[6]);
+            inertia[6] = select(leads, excess, inertia[6]);
+            rows.scatter(arrays.history, 8, start);
+            rows.scatter(arrays.inertia, 0, inertia);
+        }
+
+        state[0] = v.x, state[1] = v.y, state[2] = v.z;
+        state[4] = w.x, state[5] = w.y, state[6] = w.z;
+        rows.scatter(arrays.states, 0, state);
+        rows.scatter(arrays.history, 0, memory);
+    }
 }
 
 /// R diag(d) Rᵀ
@@ -222,12 +313,10 @@ void integratePositions(const BodyArrays& arrays, const std::uint32_t* bodies, i
         const WideVec3<N> dp = WideVec3<N>{pose[0], pose[1], pose[2]} + Lanes<N>(h) * (v - smooth);
 
         const WideQuat<N> q0{start[0], start[1], start[2], start[3]};
-        WideQuat<N> q = normalized(WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * q0);
-        const WideVec3<N> moments{rates[0], rates[1], rates[2]}, inverse{rates[4], rates[5], rates[6]};
-        const WideVec3<N> turned = inverseRotate(q, w - WideVec3<N>{memory[3], memory[7], start[7]});
-        const WideVec3<N> gained = rotate(q, times(moments, turned));
-        const WideVec3<N> momentum = WideVec3<N>{start[4], start[5], start[6]} + gained;
-        rotateFreely(q, momentum, inverse, h);
+        const FreeSpin<N> spin(WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * q0, rates, w, memory, start);
+        const WideVec3<N>&inverse = spin.inverse, &momentum = spin.momentum;
+        WideQuat<N> q = spin.q;
+        rotateFreely(q, momentum, inverse, h, spin.free, inertia[6]);
 
         const Mask<N> spins = forces[3] > 0.0f;
         const WideVec3<N> wNew = select(spins, rotate(q, times(inverse, inverseRotate(q, momentum))), w);

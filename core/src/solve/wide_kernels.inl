@@ -15,33 +15,37 @@ namespace ragtop {
 namespace {
 
 /// λ̂ ← λ̂ + α (λ − λ̂). Integral action on a row that carries n times its own mass is stable while its time constant is
-/// long beside n times that of the row: contacts with the ground that carry little else than their body may be quick.
+/// long beside n times that of the row: contacts with the ground that carry little else than their body may be quick, and
+/// so may points that have sunk to twice what counts as deep, as long as they are.
 template <int N>
 RAGTOP_INLINE void carryLoads(ContactBundle<N>& c, const SolverContext& context) {
     const Lanes<N> zero(0.0f), one(1.0f), slow(context.loadShare), weight(2 * context.gravityStep);
     const Mask<N> isStatic = Mask<N>{c.massA.v == zero.v} | Mask<N>{c.massB.v == zero.v};
-    const Lanes<N> quick = select(isStatic, Lanes<N>(context.staticLoadShare), zero);
+    const Lanes<N> fast(context.staticLoadShare), quick = select(isStatic, fast, zero);
+    const Lanes<N> deep = Lanes<N>(contact::kDeep) * c.field(contact::kSize);
     for (int j = 0; j < contact::kMaxPoints; ++j) {
         const Lanes<N> mass = c.field(pointField(j, contact::kMass)),
                        impulse = c.field(pointField(j, contact::kImpulse));
         const Lanes<N> load = select(mass > zero, c.field(pointField(j, contact::kLoad)), zero);
         const Lanes<N> own = min(divideOrZero(weight * mass, impulse), one);
-        const Lanes<N> carried = load + max(slow, quick * own * own) * (impulse - load);
+        const Lanes<N> sunk = divideOrZero(-c.field(pointField(j, contact::kSeparation)), deep);
+        const Lanes<N> deepShare = fast * min(max(sunk - one, zero), one);
+        const Lanes<N> carried = load + max(max(slow, deepShare), quick * own * own) * (impulse - load);
         // What has lost half its load is no longer what it was, and would be pushed away.
         c.set(pointField(j, contact::kLoad), min(carried, impulse + impulse));
     }
 }
 
 template <int N>
-bool prepareContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
+unsigned prepareContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
     typedef typename Mask<N>::V Int;
-    bool bounces = false;
+    unsigned kinds = 0;
     for (int i = begin; i < end; ++i) {
         ContactBundle<N> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
         const Int count = bits(c.field(contact::kPointCount));
-        const Lanes<N> depth = 0.01f * c.field(contact::kSize);
+        const Lanes<N> depth = 0.01f * c.field(contact::kSize), near = 0.01f * depth;
         WideVec3<N> center{Lanes<N>(0.0f), Lanes<N>(0.0f), Lanes<N>(0.0f)};
-        Lanes<N> weight(0.0f);
+        Lanes<N> weight(0.0f), deepest(0.0f);
         for (int j = 0; j < contact::kMaxPoints; ++j) {
             const Mask<N> present{count > j};
             const WideVec3<N> rA = c.vector(pointField(j, contact::kAnchor));
@@ -50,8 +54,11 @@ bool prepareContacts(float* bundles, int begin, int end, const BodyArrays& array
             c.set(pointField(j, contact::kImpulse), impulse);
             c.set(pointField(j, contact::kApproach), dot(c.normal, c.relativeVelocity(rA, rB)));
             c.set(pointField(j, contact::kPeak), Lanes<N>(0.0f));
-            // Points that are apart lose their say in where friction acts, smoothly, or tops would drift.
-            const Lanes<N> gap = max(c.field(pointField(j, contact::kSeparation)), Lanes<N>(0.0f));
+            // Points that are apart lose their say in where friction acts, smoothly, or tops would drift. At rest gaps
+            // are rounding: it must not move the centre, which carried twists are about.
+            const Lanes<N> separation = c.field(pointField(j, contact::kSeparation));
+            const Lanes<N> gap = max(separation - near, Lanes<N>(0.0f));
+            deepest = min(deepest, select(present, separation, Lanes<N>(0.0f)));
             const Lanes<N> share = select(present, divideOrZero(depth, depth + gap), Lanes<N>(0.0f));
             weight = weight + share;
             center = center + share * rA;
@@ -66,13 +73,17 @@ bool prepareContacts(float* bundles, int begin, int end, const BodyArrays& array
         c.set(contact::kShift, c.shift);
         setMasses(c, Mask<N>{count == count});
         carryLoads(c, context);
+        // Rounding of the normal does not count, or friction would change a little in every step at rest.
         const WideVec3<N> friction = c.vector(contact::kFrictionImpulse);
-        c.set(contact::kFrictionImpulse, friction - dot(friction, c.normal) * c.normal);
+        const Lanes<N> along = dot(friction, c.normal);
+        const Mask<N> leaves = along * along > 1e-12f * dot(friction, friction);
+        c.set(contact::kFrictionImpulse, friction - select(leaves, along, Lanes<N>(0.0f)) * c.normal);
         const WideVec3<N> stick = c.vector(contact::kStick);
         c.set(contact::kStick, stick - dot(stick, c.normal) * c.normal);
-        bounces |= any(c.field(contact::kRestitution) > 0.0f);
+        if (any(c.field(contact::kRestitution) > 0.0f)) kinds |= kBouncyContact;
+        if (any(deepest < Lanes<N>(-contact::kDeep) * c.field(contact::kSize))) kinds |= kDeepContact;
     }
-    return bounces;
+    return kinds;
 }
 
 template <int N>
@@ -103,9 +114,6 @@ void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arr
     }
 }
 
-/// Of the size: overlaps that no load leaves, which bodies come out of as fast as from the ground.
-constexpr float kDeep = 0.02f;
-
 /// C ≥ 0 per point. Apart, the row lets the gap close within the substep; overlapping, it is a soft row that relaxes
 /// towards the carried load (bias pass), or a rigid velocity row (relax pass, which takes back the push-out velocity).
 template <int N, bool kBias>
@@ -134,7 +142,7 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
             impulseScale =
                 select(isStatic, Lanes<N>(context.softStatic.impulseScale), Lanes<N>(context.soft.impulseScale));
             push = Lanes<N>(-context.pushOut) * c.field(contact::kSize);
-            deep = Lanes<N>(kDeep) * c.field(contact::kSize);
+            deep = Lanes<N>(contact::kDeep) * c.field(contact::kSize);
         }
 
         const Mask<N> bouncy = c.field(contact::kRestitution) > zero;

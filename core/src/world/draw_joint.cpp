@@ -1,5 +1,6 @@
 #include "world/draw_joint.h"
 
+#include "constraints/joint_path.h"
 #include "constraints/joint_swing.h"
 
 namespace ragtop {
@@ -144,6 +145,48 @@ struct JointPainter {
                                   at({0, s * y.upper, s * z.upper}), at({0, s * y.lower, s * z.upper})};
         for (int i = 0; i < 4; ++i) draw.line(corners[i], corners[(i + 1) % 4], limitColor(kReached * size));
         draw.line(a.position, b.position, kNowColor);
+    }
+    void operator()(const PathDef& joint) const {
+        PathRows path;
+        compile(path, joint.curve, joint.align);
+        DVec3 last;
+        for (std::uint32_t s = 0; s < path.segments; ++s)
+            for (int i = 0; i <= kAround; ++i) {
+                const Vec3 place = curvePoint(path, s, static_cast<float>(i) / kAround).place;
+                const DVec3 point = transformPoint(a, place);
+                if (i > 0) draw.line(last, point, limitColor(kReached * size));
+                last = point;
+            }
+        draw.line(b.position, transformPoint(b, {size, 0, 0}), kNowColor);
+    }
+    /// A box of the travels, the cone of the swings and the slice of the twist.
+    void operator()(const SixDofDef& joint) const {
+        const auto reach = [&](const AxisDef& axis) { return axis.limit.value_or(Range{-size, size}); };
+        const Range x = reach(joint.x), y = reach(joint.y), z = reach(joint.z);
+        const float s = 1 / size;
+        for (int corner = 0; corner < 8; ++corner)
+            for (int axis = 0; axis < 3; ++axis) {
+                if (corner & 1 << axis) continue;
+                const auto place = [&](int k) {
+                    return at({s * (k & 1 ? x.upper : x.lower), s * (k & 2 ? y.upper : y.lower),
+                               s * (k & 4 ? z.upper : z.lower)});
+                };
+                draw.line(place(corner), place(corner | 1 << axis), limitColor(kReached * size));
+            }
+        draw.line(a.position, b.position, kNowColor);
+        if (joint.twist.limit) range(*joint.twist.limit, state.coordinate, limitColor(kReached));
+        if (!joint.swingY.limit || !joint.swingZ.limit) return;
+        const Range &p = *joint.swingY.limit, &q = *joint.swingZ.limit;
+        const float corners[4][2] = {{p.lower, q.lower}, {p.upper, q.lower}, {p.upper, q.upper}, {p.lower, q.upper}};
+        edge(
+            kAround, kAround / 4,
+            [&](int i) {
+                const int k = i % kAround / (kAround / 4), next = (k + 1) % 4;
+                const float share = static_cast<float>(i % (kAround / 4)) / static_cast<float>(kAround / 4);
+                return directionOfSwing((1 - share) * corners[k][0] + share * corners[next][0],
+                                        (1 - share) * corners[k][1] + share * corners[next][1]);
+            },
+            limitColor(kReached));
     }
     void operator()(const FixedDef&) const {}
 };

@@ -6,6 +6,7 @@
 #include "direct/choice.h"
 #include "narrowphase/manifold.h"
 #include "ragtop/body.h"
+#include "ragtop/coupling.h"
 #include "ragtop/id.h"
 #include "ragtop/joint.h"
 #include "ragtop/math.h"
@@ -40,6 +41,7 @@ struct alignas(64) BodyRecord {
     bool allowSleep = true, continuous = true, bullet = false;
     AxisLocks locks;
     direct::Reason directReason = direct::Reason::none;
+    std::uint8_t directFailures = 0;  ///< solves of its island that were given up since one came to rest
     std::uint64_t userData = 0;
 };
 
@@ -110,6 +112,13 @@ struct JointRecord {
     GraphPlace place;
     std::uint32_t bodyA = 0, bodyB = 0;  ///< 0 is the world
     Edge edges[2];
+    std::uint32_t firstCoupling = kNone;  ///< kMostParts · coupling + part
+};
+
+/// Hangs in a list of each of its joints.
+struct CouplingRecord {
+    CouplingDef def;
+    std::uint32_t next[CouplingDef::kMostParts] = {kNone, kNone, kNone, kNone};
 };
 
 }  // namespace ragtop

@@ -1,6 +1,8 @@
 #include "base/check_tunables.h"
+#include "constraints/joint_path.h"
 #include "constraints/joint_swing.h"
 #include "ragtop/body.h"
+#include "ragtop/coupling.h"
 #include "ragtop/joint.h"
 #include "ragtop/settings.h"
 
@@ -130,9 +132,30 @@ std::string whyInvalid(const JointDef& def) {
                 if (why.empty()) why = whyNoRotation("target", joint.target);
                 if (why.empty()) why = whyInvalidSwing(joint);
             }
+            if constexpr (requires { joint.curve; }) {
+                if (why.empty()) why = whyInvalidCurve(joint.curve);
+            }
             return why;
         },
         def);
+}
+
+std::string whyInvalid(const CouplingDef& def) {
+    if (def.count < 1 || def.count > CouplingDef::kMostParts)
+        return "count is " + std::to_string(def.count) + ", must be in [1, " + std::to_string(CouplingDef::kMostParts) +
+               "]";
+    for (int i = 0; i < def.count; ++i) {
+        const CoupledCoordinate& part = def.parts[static_cast<std::size_t>(i)];
+        const std::string name = "parts[" + std::to_string(i) + "].";
+        if (std::string why = whyOutOfRange(part, name); !why.empty()) return why;
+        if (part.ratio == 0) return name + "ratio is 0, must be another number";
+        for (int k = 0; k < i; ++k) {
+            const CoupledCoordinate& other = def.parts[static_cast<std::size_t>(k)];
+            if (other.joint == part.joint && other.coordinate == part.coordinate)
+                return name + "joint and coordinate are those of parts[" + std::to_string(k) + "], must differ";
+        }
+    }
+    return whyOutOfRange(def.sum, "sum.");
 }
 
 std::string whyInvalid(const WorldSettings& settings) { return whyOutOfRange(settings); }

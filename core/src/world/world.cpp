@@ -28,10 +28,12 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       memory(orDefault(config.memory)),
       runner(config.tasks),
       kernels(&selectKernels(checkedLanes(config.lanes))),
+      jointKernels(&selectJointKernels(kernels->lanes)),
       bodySlots(memory),
       shapeSlots(memory),
       contactSlots(memory),
       jointSlots(memory),
+      couplingSlots(memory),
       bodies(memory),
       states(memory),
       inertias(memory),
@@ -44,6 +46,8 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       freeMeshManifolds(memory),
       joints(memory),
       jointSims(memory),
+      couplings(memory),
+      couplingSims(memory),
       awakeBodies(memory),
       awakeContacts(memory),
       moveBuffer(memory),
@@ -52,12 +56,15 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       movingTree(memory),
       pairs(memory),
       geometries(memory),
+      jointBundles(kernels->lanes, memory),
       surfaceKept(memory),
       contactChanged(memory),
       changedContacts(memory),
+      closingContacts(memory),
       islandParent(memory),
       islandQuiet(memory),
       bodyStack(memory),
+      sweptCouplings(memory),
       assemblyParent(memory),
       assemblyPlace(memory),
       assemblyBodies(memory),
@@ -79,7 +86,12 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       directSims(memory),
       directIndex(memory),
       movedConstraints(memory),
-      bounceBundle(memory),
+      chains(memory),
+      treeMark(memory),
+      treeBodies(memory),
+      deepContacts(memory),
+      deepStarts(memory),
+      deepBundles(memory),
       directSeen(memory),
       ledger(memory),
       bodyFlags(memory),
@@ -145,6 +157,7 @@ StepStats World::stats() const {
     stats.stages = w.stages;
     stats.islands = w.ledger;
     stats.givenUp = w.directFailures;
+    stats.runaways = w.runaways;
     stats.totalMs = w.totalMs;
     stats.bodies = static_cast<int>(w.bodySlots.used()) - 1;
     stats.awakeBodies = static_cast<int>(w.awakeBodies.size());
@@ -153,7 +166,8 @@ StepStats World::stats() const {
     stats.colors = w.graph.usedColors();
     for (const std::uint32_t c : w.awakeContacts) stats.touching += w.contacts[c].touching;
     stats.bytes = w.bodies.bytes() + w.states.bytes() + w.inertias.bytes() + w.dynamics.bytes() + w.histories.bytes() +
-                  w.shapes.bytes() + w.contacts.bytes() + w.manifolds.bytes() + w.joints.bytes() + w.jointSims.bytes();
+                  w.shapes.bytes() + w.contacts.bytes() + w.manifolds.bytes() + w.joints.bytes() + w.jointSims.bytes() +
+                  w.jointBundles.bytes();
     for (int c = 0; c < ConstraintGraph::kLists; ++c) stats.bytes += w.graph.color(c).bundles.bytes();
     return stats;
 }
@@ -185,6 +199,9 @@ BodyId World::create(const DynamicBody& def) {
     body.userData = def.userData;
     return create(body);
 }
+CouplingId World::create(const CouplingDef& def) { return impl_->couplingId(impl_->createCoupling(def)); }
+void World::destroy(CouplingId coupling) { impl_->destroyCoupling(impl_->index(coupling)); }
+bool World::isValid(CouplingId id) const { return impl_->couplingSlots.isValid(id.index, id.generation); }
 JointId World::create(const JointDef& def) { return impl_->jointId(impl_->createJoint(def)); }
 void World::destroy(BodyId body) { impl_->destroyBody(impl_->index(body)); }
 void World::destroy(JointId joint) { impl_->destroyJoint(impl_->index(joint)); }

@@ -28,6 +28,7 @@ void WorldImpl::rebuildLists() {
     listsVersion = structureVersion;
     bodyIds.clear();
     jointIds.clear();
+    couplingIds.clear();
     bodyShapes.resize(bodySlots.count());
     bodyJoints.resize(bodySlots.count());
     for (std::uint32_t i = 1; i < bodySlots.count(); ++i) {
@@ -44,6 +45,8 @@ void WorldImpl::rebuildLists() {
         for (const std::uint32_t body : {joints[j].bodyA, joints[j].bodyB})
             if (body != 0) bodyJoints[body].push_back(jointId(j));
     }
+    for (std::uint32_t c = 0; c < couplingSlots.count(); ++c)
+        if (couplingSlots.isUsed(c)) couplingIds.push_back(couplingId(c));
 }
 
 /// Concurrent readers may all find the lists out of date.
@@ -55,6 +58,7 @@ const WorldImpl& WorldImpl::lists() const {
 
 std::span<const BodyId> World::bodies() const { return impl_->lists().bodyIds; }
 std::span<const JointId> World::joints() const { return impl_->lists().jointIds; }
+std::span<const CouplingId> World::couplings() const { return impl_->lists().couplingIds; }
 std::span<const ShapeId> World::shapes(BodyId body) const {
     const std::uint32_t i = impl_->index(body);
     return impl_->lists().bodyShapes[i];
@@ -115,6 +119,8 @@ void World::setGravityScale(BodyId body, float scale) {
     impl_->bodies[i].gravityScale = scale;
     impl_->wakeBody(i);
 }
+
+float World::gravityScale(BodyId body) const { return impl_->bodies[impl_->index(body)].gravityScale; }
 
 void World::setMass(BodyId id, const MassProperties& mass) {
     const std::uint32_t i = impl_->index(id);
@@ -194,6 +200,7 @@ std::vector<BodyId> World::islands() const {
                 join(contact.bodyA, contact.bodyB);
         for (const std::uint32_t j : w.graph.color(c).joints) join(w.joints[j].bodyA, w.joints[j].bodyB);
     }
+    w.forEachCoupledPair(join);
     std::vector<BodyId> islands;
     for (const BodyId body : bodies())
         islands.push_back(w.moves(body.index) && w.isAwake(body.index) ? w.id(root(body.index)) : BodyId{});

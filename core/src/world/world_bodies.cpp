@@ -199,6 +199,7 @@ void WorldImpl::resetSolverState(std::uint32_t index) {
     const BodyRecord& body = bodies[index];
     BodyState& state = states[index];
     BodyDynamics& d = dynamics[index];
+    treesChanged = true;
     const bool isDynamic = body.type == BodyType::dynamic;
     const AxisLocks& locks = body.locks;
     const bool turns = isDynamic && !(locks.rotationX || locks.rotationY || locks.rotationZ) && body.inertia.x > 0 &&
@@ -220,11 +221,11 @@ void WorldImpl::resetSolverState(std::uint32_t index) {
 
 /// World inertia and momentum of a body that was turned, or given a velocity, from outside the solver.
 void WorldImpl::refreshInertia(std::uint32_t index) {
-    noteMomentum(index);
     if (dynamics[index].spins == 0)
         restrictInertia(index);
     else
         inertias[index] = inverseInertiaAt(index, bodies[index].rotation);
+    noteMomentum(index);
 }
 
 /// World inverse inertia of a body if it were turned so; what locks restrict stays as it is.
@@ -233,7 +234,7 @@ BodyInertia WorldImpl::inverseInertiaAt(std::uint32_t index, const Quat& rotatio
     const Mat3 r = toMat3(rotation);
     const Vec3 i = dynamics[index].inverseInertia;
     const Mat3 m = r * Mat3{i.x * Vec3{1, 0, 0}, i.y * Vec3{0, 1, 0}, i.z * Vec3{0, 0, 1}} * transpose(r);
-    BodyInertia inertia;
+    BodyInertia inertia = inertias[index];
     inertia.xx = m.cx.x, inertia.xy = m.cx.y, inertia.xz = m.cx.z;
     inertia.yy = m.cy.y, inertia.yz = m.cy.z, inertia.zz = m.cz.z;
     return inertia;
@@ -245,7 +246,9 @@ void WorldImpl::noteMomentum(std::uint32_t index) {
     const Quat& q = bodies[index].rotation;
     BodyHistory& history = histories[index];
     history.turningX = w.x, history.turningY = w.y, history.turningZ = w.z;
-    history.momentum = rotate(q, scale(dynamics[index].inertia, inverseRotate(q, w)));
+    const Vec3 momentum = scale(dynamics[index].inertia, inverseRotate(q, w));
+    history.momentum = rotate(q, momentum);
+    inertias[index].excess = excessOfSpin(momentum, dynamics[index].inverseInertia);
 }
 
 /// Takes the movements that locks forbid out of a velocity that was given.
@@ -335,6 +338,11 @@ std::uint32_t WorldImpl::index(ShapeId id) const {
 }
 std::uint32_t WorldImpl::index(JointId id) const {
     if (!jointSlots.isValid(id.index, id.generation)) throw std::out_of_range("no such joint: id names nothing");
+    return id.index;
+}
+
+std::uint32_t WorldImpl::index(CouplingId id) const {
+    if (!couplingSlots.isValid(id.index, id.generation)) throw std::out_of_range("no such coupling: id names nothing");
     return id.index;
 }
 

@@ -7,8 +7,6 @@ namespace ragtop {
 
 namespace {
 
-enum ContactChange : std::uint8_t { kUnchanged, kApart, kGraph };
-
 /// How far the friction of a material with a grain is from that of one without.
 float unevenness(const Material& material) {
     return material.crossFriction > 1 ? material.crossFriction : 1 / material.crossFriction;
@@ -202,44 +200,6 @@ void WorldImpl::removeFromGraph(std::uint32_t index) {
     graphChanged = true;
 }
 
-/// How far each body may go in the coming step.
-void WorldImpl::lookAhead() {
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 256, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) {
-            const std::uint32_t body = awakeBodies[static_cast<std::size_t>(i)];
-            const BodyState& state = states[body];
-            bodies[body].ahead = (length(state.v) + length(state.w) * bodies[body].radius) * dt;
-        }
-    });
-}
-
-/// The list of awake contacts goes to and fro in memory: asks for what is looked at some places later.
-void WorldImpl::prefetchContact(int place, int end) const {
-    constexpr int kRecord = 12, kRest = 6;
-    if (place + kRecord < end) __builtin_prefetch(&contacts[awakeContacts[static_cast<std::size_t>(place + kRecord)]]);
-    if (place + kRest >= end) return;
-    const ContactRecord& record = contacts[awakeContacts[static_cast<std::size_t>(place + kRest)]];
-    __builtin_prefetch(&bodies[record.bodyA]);
-    __builtin_prefetch(&bodies[record.bodyB]);
-    if (!record.hasPoints) return;
-    const auto* manifold = reinterpret_cast<const char*>(&manifolds[record.firstManifold]);
-    for (std::size_t line = 0; line < sizeof(ManifoldRecord); line += 64) __builtin_prefetch(manifold + line);
-}
-
-void WorldImpl::updateContacts() {
-    const int count = static_cast<int>(awakeContacts.size());
-    contactChanged.resizeForOverwrite(awakeContacts.size());
-    anySensor.store(false, std::memory_order_relaxed);
-    surfaceKept.resize(manifolds.size(), 0);
-    lookAhead();
-    runner.parallelFor(count, 32, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) {
-            prefetchContact(i, end);
-            updateContact(awakeContacts[static_cast<std::size_t>(i)]);
-        }
-    });
-}
-
 namespace {
 
 /// Moves impulses from the points of before to those of now that have the same feature.
@@ -338,71 +298,6 @@ int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float mar
     return found[0].pointCount > 0 ? 1 : 0;
 }
 
-/// What sensors overlap where the bodies are at the end of the step. Their manifolds carry no impulses and need no
-/// place.
-void WorldImpl::updateSensors() {
-    if (!anySensor.load(std::memory_order_relaxed)) return;
-    runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) {
-            ContactRecord& record = contacts[awakeContacts[static_cast<std::size_t>(i)]];
-            if (!record.sensor) continue;
-            Manifold found[kMaxManifolds];
-            const int count = findManifolds(record, shapeBInA(record), 0, found);
-            record.hasPoints = count > 0;
-            ManifoldRecord& manifold = manifolds[record.firstManifold];
-            manifold.pointCount = count > 0 ? 1 : 0;
-            manifold.separation[0] = count > 0 ? found[0].points[0].separation : 0;
-        }
-    });
-}
-
-/// How far the surfaces of a pair may come nearer in the coming step.
-float WorldImpl::motionAhead(const ContactRecord& record) const {
-    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    const BodyState &stateA = states[record.bodyA], &stateB = states[record.bodyB];
-    const float turnA = a.type == BodyType::fixed ? 0 : length(stateA.w) * a.radius;
-    const float turnB = b.type == BodyType::fixed ? 0 : length(stateB.w) * b.radius;
-    return (length(stateB.v - stateA.v) + turnA + turnB) * dt;
-}
-
-/// Contacts are found early enough that the motion of the step cannot pass them. A gap that what both bodies have
-/// travelled since it was found, and may travel now, cannot have closed needs no other look while bounds stay as they
-/// are.
-void WorldImpl::updateContact(std::uint32_t index) {
-    ContactRecord& record = contacts[index];
-    std::uint8_t& change = contactChanged[record.awakeIndex];
-    change = kUnchanged;
-    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    const double travel = a.travel + b.travel, ahead = static_cast<double>(a.ahead) + static_cast<double>(b.ahead);
-    if (travel + ahead < record.apartUntil && !a.refitted && !b.refitted) return;
-    const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
-    if (!overlaps(tree(shapeA).bounds(shapeA.proxy), tree(shapeB).bounds(shapeB.proxy))) {
-        change = kApart;
-        return;
-    }
-    if (record.sensor) {
-        anySensor.store(true, std::memory_order_relaxed);
-        return;
-    }
-    const float size = shapeA.size < shapeB.size ? shapeA.size : shapeB.size;
-    const float margin = tuning::kSpeculative * size + motionAhead(record);
-    const Frame bInA = shapeBInA(record);
-    if (reuseManifolds(record, bInA, margin, size)) return;
-    record.collided = true;
-    record.collidedAt = bInA;
-    record.collidedMargin = margin;
-    if (record.isMesh) {
-        Manifold found[kMaxManifolds];
-        change = takeManifolds(record, found, findManifolds(record, bInA, margin, found));
-        record.apartUntil = travel + static_cast<double>(found[0].gap - tuning::kSpeculative * size);
-    } else {
-        Manifold found[1];
-        change = takeManifolds(record, found, findManifolds(record, bInA, margin, found));
-        record.apartUntil = travel + static_cast<double>(found[0].gap - tuning::kSpeculative * size);
-    }
-    if (record.hasPoints) record.apartUntil = 0;
-}
-
 /// Writes what the narrow phase has found into the records, and the lanes of those in the graph; tells what that
 /// changes.
 std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, const Manifold* found, int count) {
@@ -456,40 +351,6 @@ void WorldImpl::placePoints(const ContactRecord& record, const Manifold& found, 
         manifold.anchorB[j] = present ? inverseRotate(b.rotation, fromA - offset) : Vec3{};
         manifold.separation[j] = present ? point.separation : 0;
     }
-}
-
-/// Contacts that came or went, in the order of the list, so that colours depend on the scene alone.
-void WorldImpl::applyContactChanges() {
-    changedContacts.clear();
-    for (std::size_t i = 0; i < awakeContacts.size(); ++i)
-        if (contactChanged[i] != kUnchanged) changedContacts.push({awakeContacts[i], contactChanged[i]});
-    for (const ChangedContact changed : changedContacts) {
-        if (changed.change == kApart)
-            destroyContact(changed.contact);
-        else
-            applyContactChange(changed.contact);
-    }
-}
-
-/// Puts the manifolds of a contact that have points into the graph and takes those without out of it. A body that
-/// sleeps wakes when it is met; until then it takes no part. The contacts of a body that wakes keep the geometry they
-/// fell asleep with, which has not changed.
-void WorldImpl::applyContactChange(std::uint32_t index) {
-    const ContactRecord record = contacts[index];
-    bool points = false, meets = false;
-    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
-        const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
-        if (manifold.pointCount == 0) removeFromGraph(record.firstManifold + k);
-        points |= manifold.pointCount > 0;
-        for (int j = 0; j < manifold.pointCount; ++j) meets |= willMeet(record, manifold, j);
-    }
-    if (!points || record.sensor) return;
-    const bool sleepsA = moves(record.bodyA) && !isAwake(record.bodyA);
-    const bool sleepsB = moves(record.bodyB) && !isAwake(record.bodyB);
-    if ((sleepsA || sleepsB) && !meets) return;
-    if (sleepsA) wakeBody(record.bodyA);
-    if (sleepsB) wakeBody(record.bodyB);
-    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) addToGraph(record.firstManifold + k);
 }
 
 }  // namespace ragtop

@@ -38,6 +38,7 @@ void WorldImpl::groupDirect() {
     directBodies.clear();
     directManifolds.clear();
     directJoints.clear();
+    chains.clear();
     const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
     if (list.manifolds.empty() && list.joints.empty()) return;
     islandParent.resizeForOverwrite(bodies.size());
@@ -81,6 +82,7 @@ void WorldImpl::groupDirect() {
         directJoints[island.firstJoint + island.jointCount++] = j;
     }
     numberDirectBodies();
+    planChains();
 }
 
 void WorldImpl::numberDirectBodies() {
@@ -133,7 +135,10 @@ void WorldImpl::beginDirect() {
             island.factored = island.swept = false;
             island.report = {};
             island.ms = 0;
-            if (unchanged && island.jointCount == 0 && system.restedThrough(settings.substeps)) {
+            island.unchanged = false;
+            if (island.tree) continue;
+            island.unchanged = unchanged && island.jointCount == 0 && system.restedThrough(settings.substeps);
+            if (island.unchanged) {
                 system.beginAgain();
                 continue;
             }
@@ -149,11 +154,13 @@ void WorldImpl::beginDirect() {
             system.begin(parts, bodyArrays(), context);
         }
     });
+    beginChains();
 }
 
-/// Joints alone make a nearly linear system, of which only rounding can be left, and sweeps would tear it.
+/// Joints alone make a nearly linear system, of which only rounding can be left, and sweeps would tear it; but a tree
+/// that could not be eliminated has no answer at all.
 static bool isGivenUp(const WorldImpl::DirectIsland& island) {
-    return !island.report.converged && island.contactCount > 0;
+    return !island.report.converged && (island.contactCount > 0 || island.tree);
 }
 
 void WorldImpl::solveDirect(DirectPass pass) {
@@ -163,6 +170,7 @@ void WorldImpl::solveDirect(DirectPass pass) {
         for (int i = begin; i < end; ++i) {
             DirectIsland& island = directIslands[static_cast<std::size_t>(i)];
             direct::IslandSystem& system = *directSystems[static_cast<std::size_t>(i)];
+            if (island.tree) continue;
             if (island.swept) {
                 sweepIsland(island, pass);
                 continue;
@@ -206,21 +214,31 @@ void WorldImpl::solveDirect(DirectPass pass) {
             island.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
         }
     });
+    solveChains(pass);
+}
+
+/// What could not be solved is left to sweeps for a while, each time for twice as long until it comes to rest: a heap
+/// that never can be is tried ever more seldom.
+void WorldImpl::barGivenUp(const DirectIsland& island, bool rests) {
+    const bool failed = isGivenUp(island);
+    const bool costly = island.bodyCount > direct::kMostBodies && island.report.factorizations > 0;
+    if (!failed && !costly && !rests) return;
+    directFailures += failed;
+    for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
+        BodyRecord& body = bodies[directBodies[island.firstBody + i]];
+        if (rests) body.directFailures = 0;
+        if (costly) body.directSteps -= direct::kFactorSteps;
+        if (!failed && body.directSteps > 0) continue;
+        body.directSteps = -(direct::kBarredSteps << body.directFailures);
+        if (body.directFailures < direct::kMostDoublings) ++body.directFailures;
+        graphChanged = true;
+    }
 }
 
 void WorldImpl::endDirect() {
-    // What could not be solved is left to sweeps for a while.
-    for (const DirectIsland& island : directIslands) {
-        const bool failed = isGivenUp(island);
-        const bool costly = island.bodyCount > direct::kMostBodies && island.report.factorizations > 0;
-        if (!failed && !costly) continue;
-        directFailures += failed;
-        for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
-            std::int32_t& steps = bodies[directBodies[island.firstBody + i]].directSteps;
-            steps -= direct::kFactorSteps;
-            if (failed || steps <= 0) steps = -direct::kBarredSteps, graphChanged = true;
-        }
-    }
+    for (std::size_t i = 0; i < directIslands.size(); ++i)
+        if (const DirectIsland& island = directIslands[i]; !island.unchanged)
+            barGivenUp(island, !island.tree && !island.swept && directSystems[i]->rests());
     ledger.clear();
     for (const DirectIsland& island : directIslands)
         ledger.push_back({direct::nameOf(bodies[directBodies[island.firstBody]].directReason),
@@ -229,7 +247,8 @@ void WorldImpl::endDirect() {
                           island.report.residual, island.ms, island.report.converged});
     runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i)
-            if (!directIslands[static_cast<std::size_t>(i)].swept) directSystems[static_cast<std::size_t>(i)]->end();
+            if (const DirectIsland& island = directIslands[static_cast<std::size_t>(i)]; !island.swept && !island.tree)
+                directSystems[static_cast<std::size_t>(i)]->end();
     });
 }
 

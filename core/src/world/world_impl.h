@@ -13,11 +13,15 @@
 #include "base/stage_runner.h"
 #include "broadphase/bounds_tree.h"
 #include "constraints/constraint_graph.h"
+#include "constraints/coupling.h"
+#include "constraints/joint_bundles.h"
 #include "constraints/joint_sim.h"
 #include "direct/newton.h"
+#include "direct/tree_plan.h"
 #include "narrowphase/collide.h"
 #include "ragtop/world.h"
 #include "shapes/geometry.h"
+#include "solve/joint_kernels.h"
 #include "solve/kernel_table.h"
 #include "world/records.h"
 #include "world/swept_motion.h"
@@ -43,6 +47,9 @@ struct GeometryEntry {
     bool isMesh() const { return mesh || field; }
 };
 
+/// What a step finds of an awake contact; kCloses comes beside the others.
+enum ContactChange : std::uint8_t { kUnchanged = 0, kApart = 1, kGraph = 2, kCloses = 4 };
+
 struct WorldImpl {
     WorldImpl(const WorldSettings& worldSettings, const WorldConfig& config);
 
@@ -50,6 +57,8 @@ struct WorldImpl {
     void step(World& world, double dt);
     void prepareBodies();
     void prepareConstraints();
+    void prepareJoints(int color);
+    void storeJoints();
     void solveSubstep(World& world, int number);
     void integrateVelocities();
     void warmStart();
@@ -59,10 +68,14 @@ struct WorldImpl {
     template <class Visit>
     void forEachDirectBouncing(Visit&& visit);
     void finishBodies();
+    bool ranAway(std::uint32_t body) const;
+    void stayPut(std::uint32_t body);
+    void forgetImpulses(std::uint32_t body);
+    void stopRunaways();
     void stopVanishing(std::uint32_t body, float gravity);
     void restrictInertia(std::uint32_t body);
-    template <class Joint, class Contact>
-    void forEachColor(Joint&& joint, Contact&& contact);
+    template <class Joint, class Joints, class Contacts>
+    void forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact);
 
     // world_pairs.cpp: broad phase.
     void findPairs();
@@ -78,21 +91,23 @@ struct WorldImpl {
     BoundsTree& tree(const ShapeRecord& shape) { return shape.isStaticTree ? staticTree : movingTree; }
     const BoundsTree& tree(const ShapeRecord& shape) const { return shape.isStaticTree ? staticTree : movingTree; }
 
-    // world_contacts.cpp: narrow phase.
-    void updateContacts();
+    // world_collide.cpp: narrow phase.
     void prefetchContact(int place, int end) const;
+    void updateContacts();
     void updateContact(std::uint32_t contact);
     void lookAhead();
     float motionAhead(const ContactRecord& contact) const;
+    void updateSensors();
+    void applyContactChanges();
+    void applyContactChange(std::uint32_t contact);
+
+    // world_contacts.cpp: manifolds and their lanes.
     int findManifolds(ContactRecord& contact, const Frame& bInA, float margin, std::span<Manifold> found) const;
     std::uint8_t takeManifolds(ContactRecord& contact, const Manifold* found, int count);
     void placePoints(const ContactRecord& contact, const Manifold& found, ManifoldRecord& manifold) const;
     void forgetGaps(std::uint32_t body);
     void giveRoom(std::uint32_t body);
     Frame shapeBInA(const ContactRecord& contact) const;
-    void updateSensors();
-    void applyContactChanges();
-    void applyContactChange(std::uint32_t contact);
     Vec3 wayAtPoint(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
     bool willMeet(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
     bool reuseManifolds(ContactRecord& contact, const Frame& bInA, float margin, float size);
@@ -117,6 +132,8 @@ struct WorldImpl {
 
     // world_seams.cpp: side contacts between neighbouring obstacles.
     void hideSeams();
+    void hideSeam(const ContactRecord& contact);
+    bool mayBeSeam(const ContactRecord& contact) const;
     bool closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const;
     bool slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const;
     struct TouchedPlane {
@@ -129,10 +146,14 @@ struct WorldImpl {
     TouchedPlane touchedPlane(const ManifoldRecord& manifold, int side, float within) const;
     bool separates(const TouchedPlane& plane, std::uint32_t front, std::uint32_t behind, float slack) const;
     template <class Visit>
-    bool anyTouchedPlane(std::uint32_t body, float within, Visit&& visit) const;
+    bool anyTouchedPlane(std::uint32_t body, float within, std::uint32_t except, Visit&& visit) const;
     bool isSeam(const ManifoldRecord& manifold, int side) const;
     bool keptApart(std::uint32_t shape, std::uint32_t obstacle, const Pose& start, const Pose& end, float bulge) const;
     float slackOf(std::uint32_t shapeA, std::uint32_t shapeB) const;
+
+    // world_deep.cpp
+    void collectDeep(bool any);
+    void relaxDeep();
 
     // world_assemblies.cpp
     void findAssemblies();
@@ -171,7 +192,7 @@ struct WorldImpl {
     float bucklingShare(const Bearing& bearing, float load, float number) const;
     bool standsOn(std::uint32_t manifold) const;
     void measureIslands();
-    bool decideIslands();
+    bool decideIslands(std::int32_t elapsed);
     void chooseSolvers();
 
     // world_settling.cpp
@@ -189,8 +210,25 @@ struct WorldImpl {
     void solveDirect(DirectPass pass);
     void endDirect();
     struct DirectIsland;
+    void barGivenUp(const DirectIsland& island, bool rests);
     void sweepIsland(const DirectIsland& island, DirectPass pass);
     bool isDirect(std::uint32_t body) const { return bodies[body].directSteps > 0; }
+
+    // world_trees.cpp: trees of joints, in lanes.
+    struct DrawnTree {
+        std::uint32_t anchor = kNone;  ///< body that does not move
+        std::uint32_t bodies = 0, joints = 0;
+        bool watched = false;  ///< impulses are wanted after every substep
+        bool twofold = false;  ///< masses ask for double precision
+    };
+    bool drawTree(std::uint32_t start, DrawnTree& drawn);
+    void layLinks(std::uint32_t root, DrawnTree& drawn);
+    void planChains();
+    void beginChains();
+    void solveChains(DirectPass pass);
+    void storeImpulses(const direct::TreePlan::Group& group, int lane);
+    template <class Visit>
+    void forEachChainGroup(Visit&& visit);
 
     // islands/sleeping.cpp
     void sleepQuietIslands();
@@ -219,6 +257,19 @@ struct WorldImpl {
     std::uint32_t createJoint(const JointDef& def);
     void breakJoints();
     void destroyJoint(std::uint32_t joint);
+
+    // world_couplings.cpp
+    std::uint32_t createCoupling(const CouplingDef& def);
+    void destroyCoupling(std::uint32_t coupling);
+    void checkCoupled(const CouplingDef& def) const;
+    void pushCoupledBodies(std::uint32_t joint);
+    bool isSwept(const CouplingDef& coupling) const;
+    void forEachCoupledPair(const std::function<void(std::uint32_t, std::uint32_t)>& visit) const;
+    void prepareCouplings(float ratio);
+    void carryCouplings();
+    void beginCouplings();
+    void solveCouplings(bool moving);
+
     std::uint32_t geometryIndex(const Shape& shape);
     void setMass(std::uint32_t body, const BodyDef& def);
     void takeMass(std::uint32_t body, const MassProperties& mass);
@@ -247,9 +298,11 @@ struct WorldImpl {
     std::uint32_t index(BodyId id) const;
     std::uint32_t index(ShapeId id) const;
     std::uint32_t index(JointId id) const;
+    std::uint32_t index(CouplingId id) const;
     BodyId id(std::uint32_t body) const { return {body, bodySlots.generation(body)}; }
     ShapeId shapeId(std::uint32_t shape) const { return {shape, shapeSlots.generation(shape)}; }
     JointId jointId(std::uint32_t joint) const { return {joint, jointSlots.generation(joint)}; }
+    CouplingId couplingId(std::uint32_t coupling) const { return {coupling, couplingSlots.generation(coupling)}; }
     template <class Records>
     void link(Records& records, std::uint32_t& first, std::uint32_t key);
     template <class Records>
@@ -272,9 +325,10 @@ struct WorldImpl {
     std::pmr::memory_resource* memory;
     StageRunner runner;
     const KernelTable* kernels;
+    const JointKernels* jointKernels;
 
     // Saved state.
-    Slots bodySlots, shapeSlots, contactSlots, jointSlots;
+    Slots bodySlots, shapeSlots, contactSlots, jointSlots, couplingSlots;
     AlignedArray<BodyRecord> bodies;
     AlignedArray<BodyState> states;
     AlignedArray<BodyInertia> inertias;
@@ -286,6 +340,8 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> freeManifolds, freeMeshManifolds;
     AlignedArray<JointRecord> joints;
     AlignedArray<JointSim> jointSims;
+    AlignedArray<CouplingRecord> couplings;
+    AlignedArray<CouplingSim> couplingSims;
     AlignedArray<std::uint32_t> awakeBodies, awakeContacts, moveBuffer;
     ConstraintGraph graph;
     BoundsTree staticTree, movingTree;
@@ -299,17 +355,21 @@ struct WorldImpl {
     // Derived from the state, or of the current step only.
     std::pmr::vector<GeometryEntry> geometries;
     std::vector<StepModule*> modules;
+    JointBundles jointBundles;
+    bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled
     AlignedArray<std::uint8_t> surfaceKept;  ///< per manifold: what its lane says of surfaces does not change by itself
-    std::atomic<bool> anySensor{false};  ///< is any awake contact one?
+    std::atomic<bool> anySensor{false};      ///< is any awake contact one?
     AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts
     struct ChangedContact {
         std::uint32_t contact;
         std::uint8_t change;
     };
     AlignedArray<ChangedContact> changedContacts;
+    AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step
     AlignedArray<std::uint32_t> islandParent;  ///< union-find over bodies
     AlignedArray<float> islandQuiet;           ///< s, of the least quiet body of a root
     AlignedArray<std::uint32_t> bodyStack;
+    AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     AlignedArray<std::uint32_t> assemblyParent, assemblyPlace;   ///< per body, of those awake; 0: held by the world
     AlignedArray<std::uint32_t> assemblyBodies, assemblyStarts;  ///< members of each assembly, one after the other
     AlignedArray<Bearing> bearings;
@@ -322,7 +382,10 @@ struct WorldImpl {
     struct DirectIsland {
         std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
         bool factored = false;
-        bool swept = false;  ///< given up in this step
+        bool swept = false;      ///< given up in this step
+        bool unchanged = false;  ///< since a step through which it rested
+        bool tree = false;       ///< eliminated in lanes, without a system
+        bool watched = false;    ///< of a tree: impulses are wanted after every substep
         direct::SolveReport report;
         double ms = 0;
     };
@@ -334,11 +397,22 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> movedConstraints;
     std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< at least one per direct island
     bool directGrouped = false;
-    AlignedArray<float> bounceBundle;  ///< one contact at a time
+    bool treesChanged = true;       ///< joints, their bodies or their rows, since trees were drawn up
+    direct::TreePlan chains;        ///< direct islands that are trees
+    AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
+    struct DeepContact {
+        GraphPlace from;
+        std::size_t to;  ///< its lane in deepBundles
+    };
+    AlignedArray<DeepContact> deepContacts;  ///< of this step, by colour
+    AlignedArray<std::uint32_t> deepStarts;  ///< bundle where each colour begins, and the end
+    AlignedArray<float> deepBundles;
     AlignedArray<float> directSeen;    ///< bundles of direct islands when their systems were made
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;      ///< solves given up since the world was made
-    AlignedArray<std::uint8_t> bodyFlags;  ///< per awake body, set by finishBodies
+    std::uint64_t runaways = 0;            ///< bodies stopped because they ran away
+    static constexpr std::uint8_t kRunaway = 2;
+    AlignedArray<std::uint8_t> bodyFlags;  ///< per awake body, set by finishBodies: 1 is to be swept
     struct PairFound {
         std::uint32_t a, b;
     };
@@ -356,12 +430,13 @@ struct WorldImpl {
     AlignedArray<SweptImpact> sweptImpacts;  ///< of this step, for its events
     AlignedArray<StartPose> startPoses;      ///< per awake body, of bodies to sweep
     SolverContext context;
-    bool bouncy = false;  ///< does any contact of this step have restitution?
-    bool posesMoved = false;   ///< poses are those of the end of the step, startPoses of its beginning
+    bool bouncy = false;      ///< does any contact of this step have restitution?
+    bool posesMoved = false;  ///< poses are those of the end of the step, startPoses of its beginning
     JointContext jointContext;
     float dt = 0;
     std::vector<BodyId> bodyIds;
     std::vector<JointId> jointIds;
+    std::vector<CouplingId> couplingIds;
     std::vector<std::vector<ShapeId>> bodyShapes;
     std::vector<std::vector<JointId>> bodyJoints;
     std::uint64_t listsVersion = ~std::uint64_t{0};

@@ -188,10 +188,12 @@ void WorldImpl::measureIslands() {
         island.restless += !slow || !rests;
         island.leaning += levels[body] != kNone && heldLevel[body] == 0 && slow;
     }
+    forEachCoupledPair([&](std::uint32_t, std::uint32_t body) { islandFeatures[findRoot(body)].coupled = true; });
 }
 
-/// Writes the choice for each island into its bodies. True while some island's choice will change by itself.
-bool WorldImpl::decideIslands() {
+/// Writes the choice for each island into its bodies, so many steps after the last one. True while some island's choice
+/// will change by itself.
+bool WorldImpl::decideIslands(std::int32_t elapsed) {
     for (const std::uint32_t body : awakeBodies) {
         if (!moves(body)) continue;
         direct::IslandFeatures& island = islandFeatures[findRoot(body)];
@@ -206,12 +208,12 @@ bool WorldImpl::decideIslands() {
         if (!moves(body) || findRoot(body) != body) continue;
         direct::IslandFeatures& island = islandFeatures[body];
         island.reason = chooseDirect(island);
-        if (settings.solver == 1) island.reason = direct::Reason::none, island.staying = 0;
+        if (settings.solver == 1 || island.coupled) island.reason = direct::Reason::none, island.staying = 0;
         const bool large = island.bodies > direct::kMostBodies;
-        if (settings.solver == 2 && !large && !island.rolls) island.reason = direct::Reason::asked;
+        if (settings.solver == 2 && !large && !island.rolls && !island.coupled) island.reason = direct::Reason::asked;
         if (island.barred < 0) {
             island.reason = direct::Reason::none;
-            island.staying = island.barred + 1;
+            island.staying = std::min(island.barred + elapsed, 0);
         } else if (island.reason != direct::Reason::none) {
             if (!large || !island.direct) island.staying = direct::kStayingSteps;
             continue;
@@ -235,21 +237,22 @@ bool WorldImpl::decideIslands() {
 /// Choices change when bearings do, so they are made anew only then. While no island is direct, that can wait a few
 /// steps, unless something was just made or put somewhere.
 void WorldImpl::chooseSolvers() {
-    constexpr std::uint64_t kPeriod = 16;
+    constexpr std::int32_t kPeriod = 16;
     const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
     const bool anyDirect = !list.manifolds.empty() || !list.joints.empty();
     if (graphChanged && (anyDirect || structureChanged || stepCount % kPeriod == 0)) {
         uniteConstraints(false);
         measureIslands();
-        graphChanged = decideIslands();
+        graphChanged = decideIslands(anyDirect ? 1 : kPeriod);
         applyChoices();
         if (structureChanged) loadNewContacts();
         structureChanged = false;
         directGrouped = false;
     }
     // Sleeping may have emptied the list since.
-    if (!directGrouped || !anyDirect) groupDirect();
+    if (!directGrouped || !anyDirect || treesChanged) groupDirect();
     directGrouped = true;
+    treesChanged = false;
 }
 
 }  // namespace ragtop

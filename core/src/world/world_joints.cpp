@@ -75,10 +75,12 @@ void WorldImpl::compile(std::uint32_t index) {
     const JointBodies& joined = bodiesOf(joint.def);
     compileJoint(joint.def, joint.bodyA == 0 ? joined.frameA.position : bodies[joint.bodyA].local.position,
                  joint.bodyB == 0 ? joined.frameB.position : bodies[joint.bodyB].local.position, jointSims[index]);
+    bundlesChanged = treesChanged = true;
 }
 
 void WorldImpl::destroyJoint(std::uint32_t index) {
     JointRecord& joint = joints[index];
+    while (joint.firstCoupling != kNone) destroyCoupling(joint.firstCoupling / CouplingDef::kMostParts);
     if (moves(joint.bodyA)) wakeBody(joint.bodyA);
     if (moves(joint.bodyB)) wakeBody(joint.bodyB);
     removeJointFromGraph(index);
@@ -121,7 +123,7 @@ void WorldImpl::addJointToGraph(std::uint32_t index) {
     if ((movesA && !isAwake(joint.bodyA)) || (movesB && !isAwake(joint.bodyB))) return;
     joint.place = graph.insertJoint(index, bodies[joint.bodyA].state, movesA, bodies[joint.bodyB].state, movesB,
                                     isDirect(joint.bodyA) || isDirect(joint.bodyB));
-    graphChanged = true;
+    graphChanged = bundlesChanged = treesChanged = true;
 }
 
 void WorldImpl::removeJointFromGraph(std::uint32_t index) {
@@ -131,7 +133,7 @@ void WorldImpl::removeJointFromGraph(std::uint32_t index) {
                                                   bodies[joint.bodyB].state, moves(joint.bodyB));
     if (moved != kNone) joints[moved].place.slot = joint.place.slot;
     joint.place = {};
-    graphChanged = true;
+    graphChanged = bundlesChanged = treesChanged = true;
 }
 
 }  // namespace ragtop

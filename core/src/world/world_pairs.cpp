@@ -207,6 +207,7 @@ void WorldImpl::addAwakeContact(std::uint32_t index) {
     contacts[index].awakeIndex = static_cast<std::uint32_t>(awakeContacts.size());
     if (contacts[index].sensor) anySensor.store(true, std::memory_order_relaxed);
     awakeContacts.push(index);
+    closingContacts.push(index);
 }
 
 void WorldImpl::removeAwakeContact(std::uint32_t index) {

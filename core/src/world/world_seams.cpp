@@ -69,12 +69,12 @@ bool WorldImpl::separates(const TouchedPlane& plane, std::uint32_t front, std::u
            extentAlong(viewB, startOfStep(b.body) * b.frame, plane.normal, plane.at) <= slack;
 }
 
-/// Calls visit(plane, manifold, side) for what a body touches, until one says true.
+/// Calls visit(plane, manifold, side) for what a body touches in other contacts than one, until one says true.
 template <class Visit>
-bool WorldImpl::anyTouchedPlane(std::uint32_t body, float within, Visit&& visit) const {
+bool WorldImpl::anyTouchedPlane(std::uint32_t body, float within, std::uint32_t except, Visit&& visit) const {
     for (std::uint32_t key = bodies[body].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
         const ContactRecord& contact = contacts[key >> 1];
-        if (contact.sensor) continue;
+        if (contact.sensor || key >> 1 == except) continue;
         for (std::uint32_t k = 0; k < contact.manifoldCapacity; ++k) {
             const ManifoldRecord& manifold = manifolds[contact.firstManifold + k];
             if (manifold.pointCount == 0 || manifold.place.color == kNone) continue;
@@ -138,7 +138,6 @@ bool WorldImpl::isSeam(const ManifoldRecord& manifold, int side) const {
     const std::uint32_t obstacle = side == 1 ? contact.shapeA : contact.shapeB;
     const float slack = slackOf(shape, obstacle);
     const auto keepsApart = [&](const TouchedPlane& plane, const ManifoldRecord& other, int otherSide) {
-        if (other.contact == manifold.contact) return false;
         if (!slidesInto(manifold, plane.normal, kClosing * slack / kStep)) return false;
         if (!separates(plane, shape, obstacle, slack)) return false;
         // Where each of two planes has the other obstacle behind it, the earlier contact stays.
@@ -149,7 +148,7 @@ bool WorldImpl::isSeam(const ManifoldRecord& manifold, int side) const {
         const TouchedPlane own = touchedPlane(manifold, side, slack);
         return !own.touches || !separates(own, otherShape, otherObstacle, slackOf(otherShape, otherObstacle));
     };
-    return anyTouchedPlane(shapes[shape].body, slack, keepsApart);
+    return anyTouchedPlane(shapes[shape].body, slack, manifold.contact, keepsApart);
 }
 
 /// The same on a swept way: in front of the plane at both of its ends, and as far as it may bulge between them.
@@ -161,7 +160,7 @@ bool WorldImpl::keptApart(std::uint32_t shape, std::uint32_t obstacle, const Pos
     if (bulge > slack || geometries[shapes[obstacle].geometry].isMesh()) return false;
     const Pose place = shapePose(shapes[obstacle]);
     return anyTouchedPlane(
-        shapes[shape].body, slack, [&](const TouchedPlane& plane, const ManifoldRecord& by, int side) {
+        shapes[shape].body, slack, kNone, [&](const TouchedPlane& plane, const ManifoldRecord& by, int side) {
             const ContactRecord& contact = contacts[by.contact];
             if ((side == 1 ? contact.shapeA : contact.shapeB) == obstacle) return false;
             return extentAlong(view, start, -plane.normal, plane.at) <= slack + plane.depth - bulge &&
@@ -174,27 +173,34 @@ float WorldImpl::slackOf(std::uint32_t a, std::uint32_t b) const {
     return kStep * (shapes[a].size < shapes[b].size ? shapes[a].size : shapes[b].size);
 }
 
-/// Takes the points of contacts at seams out of this step; their lanes are written anew in the next one. Only what
-/// moves is looked at.
+/// Only what moves and closes by more than a little is looked at.
+bool WorldImpl::mayBeSeam(const ContactRecord& record) const {
+    if (record.sensor || !record.hasPoints || record.isMesh) return false;
+    const float size = slackOf(record.shapeA, record.shapeB) / kStep;
+    if (bodies[record.bodyA].ahead + bodies[record.bodyB].ahead < kClosing * size) return false;
+    const ManifoldRecord& manifold = manifolds[record.firstManifold];
+    return manifold.pointCount > 0 && closes(record, manifold, kClosing * size);
+}
+
+void WorldImpl::hideSeam(const ContactRecord& record) {
+    const ManifoldRecord& manifold = manifolds[record.firstManifold];
+    if (manifold.place.color == kNone) return;
+    LaneView lane(graph.lane(manifold.place), graph.lanes());
+    // What bears a load already is no seam, or it would have been hidden before it did.
+    for (int j = 0; j < manifold.pointCount; ++j)
+        if (lane.at(j, contact::kImpulse) > 0) return;
+    if (!(moves(record.bodyA) && isSeam(manifold, 0)) && !(moves(record.bodyB) && isSeam(manifold, 1))) return;
+    lane.setBits(contact::kPointCount, 0);
+    surfaceKept[indexOf(manifold)] = 0;
+}
+
+/// Takes the points of contacts at seams out of this step; their lanes are written anew in the next one. Which may be
+/// seams was noted while they were collided; those of bodies that woke since are looked at here.
 void WorldImpl::hideSeams() {
-    runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
+    runner.parallelFor(static_cast<int>(closingContacts.size()), 32, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
-            const ContactRecord& record = contacts[awakeContacts[static_cast<std::size_t>(i)]];
-            if (record.sensor || !record.hasPoints || record.isMesh) continue;
-            const float size = slackOf(record.shapeA, record.shapeB) / kStep;
-            if (bodies[record.bodyA].ahead + bodies[record.bodyB].ahead < kClosing * size) continue;
-            const ManifoldRecord& manifold = manifolds[record.firstManifold];
-            if (manifold.place.color == kNone || manifold.pointCount == 0) continue;
-            if (!closes(record, manifold, kClosing * size)) continue;
-            LaneView lane(graph.lane(manifold.place), graph.lanes());
-            // What bears a load already is no seam, or it would have been hidden before it did.
-            bool bears = false;
-            for (int j = 0; j < manifold.pointCount; ++j) bears |= lane.at(j, contact::kImpulse) > 0;
-            if (bears) continue;
-            if ((moves(record.bodyA) && isSeam(manifold, 0)) || (moves(record.bodyB) && isSeam(manifold, 1))) {
-                lane.setBits(contact::kPointCount, 0);
-                surfaceKept[indexOf(manifold)] = 0;
-            }
+            const ContactRecord& record = contacts[closingContacts[static_cast<std::size_t>(i)]];
+            if (mayBeSeam(record)) hideSeam(record);
         }
     });
 }

@@ -17,7 +17,7 @@ struct StateHeader {
     char magic[8] = {'R', 'A', 'G', 'T', 'O', 'P', 'S', '1'};
     std::uint32_t lanes = 0, geometries = 0, modules = 0;
     std::uint32_t layout = sizeof(BodyRecord) + 7 * sizeof(ContactRecord) + 31 * sizeof(ManifoldRecord) +
-                           127 * sizeof(JointSim) + 8191 * sizeof(ShapeRecord);
+                           127 * sizeof(JointSim) + 511 * sizeof(CouplingSim) + 8191 * sizeof(ShapeRecord);
     std::uint64_t shapes = 0;    ///< digest of the geometries, which are not saved
     std::uint64_t bytes = 0;     ///< of header and payload
     std::uint64_t checksum = 0;  ///< of the payload
@@ -64,6 +64,7 @@ void WorldImpl::archive(Archive& archive) {
     shapeSlots.archive(archive);
     contactSlots.archive(archive);
     jointSlots.archive(archive);
+    couplingSlots.archive(archive);
     archive(bodies);
     archive(states);
     archive(inertias);
@@ -76,6 +77,8 @@ void WorldImpl::archive(Archive& archive) {
     archive(freeMeshManifolds);
     archive(joints);
     archive(jointSims);
+    archive(couplings);
+    archive(couplingSims);
     archive(awakeBodies);
     archive(awakeContacts);
     archive(moveBuffer);
@@ -196,6 +199,7 @@ void World::restore(std::span<const std::byte> from) {
 void WorldImpl::forgetDerived() {
     context.h = lastSubstep;
     directGrouped = false;
+    bundlesChanged = treesChanged = true;
     // No such field of a lane is saved.
     surfaceKept.clear();
     surfaceKept.resize(manifolds.size(), 0);
@@ -219,7 +223,7 @@ void addJoint(StateHash& digest, const JointSim& joint) {
     const AxisRows& axis = joint.axis;
     for (int slot = 0; slot < kAxisSlots; ++slot) digest.add(axis.impulse(static_cast<AxisSlot>(slot)));
     for (const float impulse : joint.axes.impulse) digest.add(impulse);
-    for (const AxisRows& each : joint.axes.axis) digest.add(axisImpulse(each));
+    for (std::uint32_t f = 0; f < joint.axes.freeRows; ++f) digest.add(axisImpulse(joint.axes.axis[f]));
     const BallRows& ball = joint.ball;
     for (const Vec3& impulse : {ball.springImpulse, ball.viscousImpulse, ball.frictionImpulse}) digest.add(impulse);
     for (const StopSide* side : {&ball.swing[0], &ball.swing[1], &ball.twistLower, &ball.twistUpper})
@@ -280,6 +284,8 @@ std::uint64_t WorldImpl::hash() const {
     }
     for (std::uint32_t j = 0; j < jointSlots.count(); ++j)
         if (jointSlots.isUsed(j)) addJoint(digest, jointSims[j]);
+    for (std::uint32_t c = 0; c < couplingSlots.count(); ++c)
+        if (couplingSlots.isUsed(c)) digest.add(axisImpulse(couplingSims[c].axis));
     for (const StepModule* module : modules)
         if (module->hash) digest.add(module->hash(module->user));
     return digest.value();

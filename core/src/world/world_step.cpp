@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "constraints/contact_layout.h"
+#include "world/single_bundle.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -53,9 +54,11 @@ void WorldImpl::step(World& world, double stepSeconds) {
         beginDirect();
         beginStage("solve");
         for (int i = 0; i < settings.substeps; ++i) solveSubstep(world, i);
+        storeJoints();
         endDirect();
         beginStage("finish");
         finishBodies();
+        stopRunaways();
         sweepFastBodies();
         refitBounds();
         beginStage("events");
@@ -91,6 +94,7 @@ void WorldImpl::solveSubstep(World& world, int number) {
     integratePositions();
     context.elapsed = context.h * static_cast<float>(number + 1);
     solveDirect(DirectPass::velocities);
+    relaxDeep();
     solve(false);
 }
 
@@ -119,24 +123,44 @@ void WorldImpl::prepareConstraints() {
     const BodyArrays arrays = bodyArrays();
     const bool rescale = lastSubstep > 0 && lastSubstep != context.h;
     const float ratio = rescale ? context.h / lastSubstep : 1;
-    std::atomic<bool> anyBouncy{false};
+    if (bundlesChanged) jointBundles.build(graph, jointSims.data());
+    bundlesChanged = false;
+    std::atomic<unsigned> found{0};
     for (int c = 0; c < ConstraintGraph::kLists; ++c) {
         ConstraintGraph::Color& color = graph.color(c);
         if (rescale)
             for (const std::uint32_t joint : color.joints) rescaleJoint(jointSims[joint], ratio);
         runner.parallelFor(graph.bundleCount(c), 32, [&](int begin, int end, int) {
-            if (kernels->prepareContacts(color.bundles.data(), begin, end, arrays, context))
-                anyBouncy.store(true, std::memory_order_relaxed);
+            const unsigned kinds = kernels->prepareContacts(color.bundles.data(), begin, end, arrays, context);
+            if (kinds != 0) found.fetch_or(kinds, std::memory_order_relaxed);
         });
-        runner.parallelFor(static_cast<int>(color.joints.size()), 32, [&](int begin, int end, int) {
-            for (int i = begin; i < end; ++i) {
-                const std::uint32_t joint = color.joints[static_cast<std::size_t>(i)];
-                prepareJoint(jointSims[joint], jointBodies(joints[joint]), states.data(), inertias.data(),
-                             jointContext);
-            }
-        });
+        prepareJoints(c);
     }
-    bouncy = anyBouncy.load(std::memory_order_relaxed);
+    bouncy = (found.load(std::memory_order_relaxed) & kBouncyContact) != 0;
+    collectDeep((found.load(std::memory_order_relaxed) & kDeepContact) != 0);
+    prepareCouplings(ratio);
+}
+
+void WorldImpl::prepareJoints(int c) {
+    const ConstraintGraph::Color& color = graph.color(c);
+    runner.parallelFor(static_cast<int>(color.joints.size()), 32, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            const std::uint32_t joint = color.joints[static_cast<std::size_t>(i)];
+            prepareJoint(jointSims[joint], jointBodies(joints[joint]), states.data(), inertias.data(), jointContext);
+        }
+    });
+    if (c >= ConstraintGraph::kColors) return;
+    const JointBundles::Color& bundled = jointBundles.color(c);
+    const JointLanesView view = jointBundles.view(jointSims.data());
+    runner.parallelFor(bundled.end - bundled.begin, 8, [&](int begin, int end, int) {
+        jointKernels->load(view, bundled.begin + begin, bundled.begin + end);
+    });
+}
+
+void WorldImpl::storeJoints() {
+    const JointLanesView view = jointBundles.view(jointSims.data());
+    runner.parallelFor(jointBundles.color(ConstraintGraph::kOverflow).end, 8,
+                       [&](int begin, int end, int) { jointKernels->store(view, begin, end); });
 }
 
 void WorldImpl::integrateVelocities() {
@@ -153,32 +177,51 @@ void WorldImpl::integratePositions() {
     });
 }
 
-/// Overflow first and serially, then the colours in order, each in parallel: joint(index) for its joints and
-/// contact(bundles, begin, end) for its bundles.
-template <class Joint, class Contact>
-void WorldImpl::forEachColor(Joint&& joint, Contact&& contact) {
+namespace {
+
+/// A list in blocks of `size`, numbered from `first`.
+struct Blocks {
+    int size, begin, end, first;
+
+    int count() const { return (end - begin + size - 1) / size; }
+    int next() const { return first + count(); }
+    template <class Visit>
+    void visit(int block, Visit&& visit) const {
+        const int from = begin + (block - first) * size;
+        visit(from, from + size < end ? from + size : end);
+    }
+};
+
+}  // namespace
+
+/// Overflow first and serially, then the colours in order, each in parallel: alone(joint) for its single joints,
+/// wide(begin, end) and contact(bundles, begin, end) for its bundles.
+template <class Joint, class Joints, class Contacts>
+void WorldImpl::forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact) {
     constexpr int kJointsPerBlock = 8;
-    const int bundlesPerBlock = 128 / graph.lanes();
+    const int jointBundlesPerBlock = 32 / graph.lanes(), contactBundlesPerBlock = 128 / graph.lanes();
+    const auto singles = [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) alone(jointBundles.single(i));
+    };
+    const JointBundles::Color& serial = jointBundles.color(ConstraintGraph::kOverflow);
     ConstraintGraph::Color& overflow = graph.color(ConstraintGraph::kOverflow);
-    for (const std::uint32_t j : overflow.joints) joint(j);
+    singles(serial.firstSingle, serial.endSingle);
     for (int i = 0; i < graph.bundleCount(ConstraintGraph::kOverflow); ++i) contact(overflow.bundles.data(), i, i + 1);
 
     for (int c = 0; c < ConstraintGraph::kColors; ++c) {
-        ConstraintGraph::Color& color = graph.color(c);
-        const int jointCount = static_cast<int>(color.joints.size());
-        const int jointBlocks = (jointCount + kJointsPerBlock - 1) / kJointsPerBlock;
-        const int bundles = graph.bundleCount(c);
-        const int blocks = jointBlocks + (bundles + bundlesPerBlock - 1) / bundlesPerBlock;
-        runner.parallelFor(blocks, 1, [&](int begin, int end, int) {
+        float* bundles = graph.color(c).bundles.data();
+        const JointBundles::Color& bundled = jointBundles.color(c);
+        const Blocks singleBlocks{kJointsPerBlock, bundled.firstSingle, bundled.endSingle, 0};
+        const Blocks wideBlocks{jointBundlesPerBlock, bundled.begin, bundled.end, singleBlocks.next()};
+        const Blocks contactBlocks{contactBundlesPerBlock, 0, graph.bundleCount(c), wideBlocks.next()};
+        runner.parallelFor(contactBlocks.next(), 1, [&](int begin, int end, int) {
             for (int b = begin; b < end; ++b) {
-                if (b < jointBlocks) {
-                    const int last = (b + 1) * kJointsPerBlock < jointCount ? (b + 1) * kJointsPerBlock : jointCount;
-                    for (int i = b * kJointsPerBlock; i < last; ++i) joint(color.joints[static_cast<std::size_t>(i)]);
-                } else {
-                    const int first = (b - jointBlocks) * bundlesPerBlock;
-                    const int last = first + bundlesPerBlock < bundles ? first + bundlesPerBlock : bundles;
-                    contact(color.bundles.data(), first, last);
-                }
+                if (b < wideBlocks.first)
+                    singleBlocks.visit(b, singles);
+                else if (b < contactBlocks.first)
+                    wideBlocks.visit(b, wide);
+                else
+                    contactBlocks.visit(b, [&](int first, int last) { contact(bundles, first, last); });
             }
         });
     }
@@ -186,15 +229,23 @@ void WorldImpl::forEachColor(Joint&& joint, Contact&& contact) {
 
 void WorldImpl::warmStart() {
     const BodyArrays arrays = bodyArrays();
+    carryCouplings();
+    const JointLanesView lanes = jointBundles.view(jointSims.data());
+    const JointPass wide{arrays, jointContext};
     forEachColor(
         [&](std::uint32_t j) { warmStartJoint(jointSims[j], arrays.states, arrays.inertia, jointContext); },
+        [&](int begin, int end) { jointKernels->warmStart(lanes, begin, end, wide); },
         [&](float* bundles, int begin, int end) { kernels->warmStartContacts(bundles, begin, end, arrays, context); });
+    beginCouplings();
 }
 
 /// Friction beside the normal rows of each contact, or after those of all, as the settings say.
 void WorldImpl::solve(bool useBias) {
     const BodyArrays arrays = bodyArrays();
     const auto solveBundles = useBias ? kernels->solveContacts : kernels->relaxContacts;
+    const auto solveJoints = useBias ? jointKernels->solve : jointKernels->relax;
+    const JointLanesView lanes = jointBundles.view(jointSims.data());
+    const JointPass wide{arrays, jointContext};
     const auto pass = [&](bool normals, bool friction) {
         context.normals = normals;
         context.friction = friction;
@@ -202,25 +253,25 @@ void WorldImpl::solve(bool useBias) {
             [&](std::uint32_t j) {
                 if (normals) solveJoint(jointSims[j], arrays.states, arrays.inertia, jointContext, useBias);
             },
+            [&](int begin, int end) {
+                if (normals) solveJoints(lanes, begin, end, wide);
+            },
             [&](float* bundles, int begin, int end) { solveBundles(bundles, begin, end, arrays, context); });
+        if (normals) solveCouplings(useBias);
     };
     if (!settings.sequentialFriction) return pass(true, true);
     pass(true, false);
     pass(false, true);
 }
 
-/// Contacts of direct islands that may bounce, each in a bundle of its own: those of a list bundle may share bodies.
+/// Contacts of direct islands that may bounce.
 template <class Visit>
 void WorldImpl::forEachDirectBouncing(Visit&& visit) {
     const auto stride = static_cast<std::size_t>(graph.lanes());
-    bounceBundle.clear();
-    bounceBundle.resize(contact::kFields * stride, 0.0f);
+    SingleBundle bundle(graph.lanes());
     for (const std::uint32_t m : graph.color(ConstraintGraph::kDirect).manifolds) {
         float* lane = graph.lane(manifolds[m].place);
-        if (!(lane[contact::kRestitution * stride] > 0)) continue;
-        for (std::size_t f = 0; f < contact::kFields; ++f) bounceBundle[f * stride] = lane[f * stride];
-        visit(bounceBundle.data(), 0, 1);
-        for (std::size_t f = 0; f < contact::kFields; ++f) lane[f * stride] = bounceBundle[f * stride];
+        if (lane[contact::kRestitution * stride] > 0) bundle.visit(lane, visit);
     }
 }
 
@@ -235,7 +286,7 @@ void WorldImpl::bounce() {
                 bounced.store(true, std::memory_order_relaxed);
         };
         forEachDirectBouncing(visit);
-        forEachColor([](std::uint32_t) {}, visit);
+        forEachColor([](std::uint32_t) {}, [](int, int) {}, visit);
         if (!bounced.load(std::memory_order_relaxed)) return;
     }
 }
@@ -264,10 +315,12 @@ void WorldImpl::finishBodies() {
             BodyRecord& body = bodies[index];
             BodyState& state = states[index];
             startPoses[place] = {body.center, body.rotation};
+            const bool lost = ranAway(index);
+            if (lost) stayPut(index);
             const float turn = 2 * length(Vec3{state.dq.x, state.dq.y, state.dq.z}) * body.radius;
             const float motion = length(state.dp) + turn;
             const bool fast = body.continuous && motion > tuning::kContinuousMotion * body.size;
-            bodyFlags[place] = fast ? 1 : 0;
+            bodyFlags[place] = lost ? kRunaway : fast ? 1 : 0;
             body.center = body.center + state.dp;
             body.rotation = normalized(state.dq * body.rotation);
             state.dp = {};

@@ -68,6 +68,12 @@ struct Margins {
                 of("z", state.third, joint.z)};
     }
     Json operator()(const ScrewDef& joint) const { return Json::array({of("angle", state.coordinate, joint.turn)}); }
+    Json operator()(const PathDef& joint) const { return Json::array({of("travel", state.coordinate, joint.travel)}); }
+    Json operator()(const SixDofDef& joint) const {
+        return {of("twist", state.coordinate, joint.twist), of("swing y", state.second, joint.swingY),
+                of("swing z", state.third, joint.swingZ),   of("x", state.travel.x, joint.x),
+                of("y", state.travel.y, joint.y),           of("z", state.travel.z, joint.z)};
+    }
     Json operator()(const FixedDef&) const { return Json::array(); }
 
 private:

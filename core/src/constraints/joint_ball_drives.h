@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+
+#include "ragtop/joint.h"
+#include "ragtop/math.h"
+
+namespace ragtop {
+
+/// Springs of a ball whose twist has a spring of its own, whose target turns or that add a torque.
+struct BallDrives {
+    struct Drive {
+        float stiffness = 0, damping = 0, frequency = 0, dampingRatio = 0;
+    };
+    Drive swing, twist;  ///< the first is the whole rotation's where they do not differ
+    std::uint32_t apart = 0;
+    Vec3 targetSpeed, feedForward;  ///< in A's joint frame
+
+    // Of the current substep.
+    Mat3 basis;    ///< of the rows: the world's axes, or the twist axis and two across it
+    Vec3 push[2];  ///< N m s along them, in the pass that moves and in the other
+    Vec3 drag[2];  ///< N m s per rad/s, likewise
+};
+/// Does a plain spring not do?
+bool needsDrives(const BallDef& def);
+BallDrives compileDrives(const BallDef& def);
+
+}  // namespace ragtop

@@ -1,0 +1,9 @@
+// AVX-512 F, DQ and VL, contraction off.
+#include "direct/tree_kernels.inl"
+
+namespace ragtop::direct {
+
+extern const TreeTables kTreesAvx51216;
+const TreeTables kTreesAvx51216 = makeTreeTables<16>("avx512");
+
+}  // namespace ragtop::direct

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "solve/kernel_table.h"
+
+/// Trees of joints as the kernels see them. A group holds up to W trees of equal topology side by side; its links are
+/// bodies, each after the one that it hangs from, each with the joint that holds it there.
+namespace ragtop::direct {
+
+/// What a link may do about its joint. A free link is a root that nothing holds.
+enum class TreeJoint : std::uint8_t { free, ball, hinge, fixed };
+
+struct TreeLink {
+    std::int32_t parent = -1;  ///< a link, or what does not move
+    TreeJoint joint = TreeJoint::free;
+    std::uint8_t childIsB = 0;  ///< the link is body B of its joint
+    std::uint8_t pad[2] = {0, 0};
+};
+
+/// Of a joint when the step begins, seen from its link (C) and that link's parent (P); rows of eight floats.
+struct alignas(32) TreeJointRow {
+    float offset[3] = {0, 0, 0};                           ///< m, centre of C minus that of P
+    float anchorC[3] = {0, 0, 0}, anchorP[3] = {0, 0, 0};  ///< m
+    float frameC[4] = {0, 0, 0, 1}, frameP[4] = {0, 0, 0, 1};
+    float force[3] = {0, 0, 0}, torque[3] = {0, 0, 0};  ///< N s and N m s that C receives
+    float pad = 0;
+};
+static_assert(sizeof(TreeJointRow) == 96);
+
+/// What C receives, N s and N m s.
+struct alignas(32) TreeImpulse {
+    float force[3] = {0, 0, 0};
+    float pad = 0;
+    float torque[3] = {0, 0, 0};
+    float pad2 = 0;
+};
+
+/// Lane i of link l is at [l · lanes + i]; lanes beyond `used` repeat the first.
+struct TreeGroup {
+    const TreeLink* links = nullptr;
+    int linkCount = 0, used = 0;
+    const std::uint32_t* anchors = nullptr;  ///< state of what the root hangs from, per lane
+    const std::uint32_t* states = nullptr;
+    const TreeJointRow* joints = nullptr;
+    TreeImpulse* impulses = nullptr;  ///< of the whole substep
+    std::byte* memory = nullptr;      ///< linkBytes per link
+    std::uint32_t failed = 0;         ///< one bit per lane: it had no answer in this step, and is left alone
+    std::uint32_t taut = 0;           ///< the same: it was solved twice
+};
+
+/// Of one instruction set, number of lanes and precision.
+///   begin: once per step, loads from the rows.
+///   solve: from free velocities to those at which no joint errs when the substep ends; impulses are those of the whole
+///          substep. Taut links are implicit.
+///   relax: after positions have moved: takes back the speed that brings errors in. Uses the factor of solve.
+struct TreeKernels {
+    const char* name;
+    int lanes;
+    std::size_t linkBytes;
+    void (*begin)(TreeGroup& group);
+    void (*solve)(TreeGroup& group, const BodyArrays& arrays, float h, const Softness& soft);
+    void (*relax)(TreeGroup& group, const BodyArrays& arrays);
+};
+
+/// Kernels beside those of `lanes` single lanes: as many for trees of moderate masses, and half as many of doubles.
+struct TreeTables {
+    TreeKernels single, twofold;
+};
+const TreeTables& selectTreeKernels(int lanes);
+
+}  // namespace ragtop::direct

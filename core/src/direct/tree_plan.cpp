@@ -1,0 +1,114 @@
+#include "direct/tree_plan.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace ragtop::direct {
+
+TreePlan::TreePlan(std::pmr::memory_resource* memory)
+    : trees_(memory),
+      links_(memory),
+      states_(memory),
+      joints_(memory),
+      order_(memory),
+      groups_(memory),
+      laneStates_(memory),
+      laneAnchors_(memory),
+      rows_(memory),
+      impulses_(memory),
+      memory_(memory) {}
+
+void TreePlan::clear() {
+    trees_.clear();
+    links_.clear();
+    states_.clear();
+    joints_.clear();
+    groups_.clear();
+    drawn_ = 0;
+}
+
+void TreePlan::push(const TreeLink& link, std::uint32_t state, std::uint32_t joint) {
+    links_.push(link);
+    states_.push(state);
+    joints_.push(joint);
+}
+
+void TreePlan::keep(std::uint32_t anchor, std::uint32_t owner, bool twofold) {
+    const auto end = static_cast<std::uint32_t>(links_.size());
+    trees_.push({drawn_, end - drawn_, anchor, owner, twofold});
+    drawn_ = end;
+}
+
+void TreePlan::drop() {
+    links_.resizeForOverwrite(drawn_);
+    states_.resizeForOverwrite(drawn_);
+    joints_.resizeForOverwrite(drawn_);
+}
+
+/// By all that must be equal in a group.
+int TreePlan::compare(const Tree& a, const Tree& b) const {
+    if (a.twofold != b.twofold) return a.twofold ? 1 : -1;
+    if (a.count != b.count) return a.count < b.count ? -1 : 1;
+    return std::memcmp(links_.data() + a.first, links_.data() + b.first, a.count * sizeof(TreeLink));
+}
+
+void TreePlan::group(const TreeTables& tables) {
+    groups_.clear();
+    const auto count = static_cast<std::uint32_t>(trees_.size());
+    order_.resizeForOverwrite(count);
+    for (std::uint32_t i = 0; i < count; ++i) order_[i] = i;
+    std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+        const int way = compare(trees_[a], trees_[b]);
+        return way != 0 ? way < 0 : a < b;
+    });
+    std::size_t rows = 0, lanes = 0, bytes = 0;
+    for (std::uint32_t i = 0; i < count;) {
+        Group group;
+        const Tree& first = trees_[order_[i]];
+        group.kernels = first.twofold ? &tables.twofold : &tables.single;
+        group.firstTree = i;
+        group.firstRow = rows;
+        group.lanes.linkCount = static_cast<int>(first.count);
+        while (i < count && group.lanes.used < group.kernels->lanes && compare(first, trees_[order_[i]]) == 0)
+            ++group.lanes.used, ++i;
+        rows += first.count * static_cast<std::size_t>(group.kernels->lanes);
+        lanes += static_cast<std::size_t>(group.kernels->lanes);
+        bytes += first.count * group.kernels->linkBytes;
+        groups_.push(group);
+    }
+    laneStates_.resizeForOverwrite(rows);
+    laneAnchors_.resizeForOverwrite(lanes);
+    rows_.resizeForOverwrite(rows);
+    impulses_.resizeForOverwrite(rows);
+    memory_.resizeForOverwrite(bytes);
+    lanes = bytes = 0;
+    for (Group& group : groups_) {
+        group.lanes.anchors = laneAnchors_.data() + lanes;
+        group.lanes.memory = memory_.data() + bytes;
+        lanes += static_cast<std::size_t>(group.kernels->lanes);
+        bytes += static_cast<std::size_t>(group.lanes.linkCount) * group.kernels->linkBytes;
+        layOut(group);
+    }
+}
+
+void TreePlan::layOut(Group& group) {
+    const Tree& first = treeOf(group, 0);
+    group.lanes.links = links_.data() + first.first;
+    group.lanes.states = laneStates_.data() + group.firstRow;
+    group.lanes.joints = rows_.data() + group.firstRow;
+    group.lanes.impulses = impulses_.data() + group.firstRow;
+    std::uint32_t* anchors = laneAnchors_.data() + (group.lanes.anchors - laneAnchors_.data());
+    for (int lane = 0; lane < group.kernels->lanes; ++lane) {
+        const Tree& tree = treeOf(group, lane < group.lanes.used ? lane : 0);
+        anchors[lane] = tree.anchor;
+        for (int l = 0; l < group.lanes.linkCount; ++l)
+            laneStates_[place(group, l, lane)] = states_[tree.first + static_cast<std::uint32_t>(l)];
+    }
+}
+
+void TreePlan::repeatRows(const Group& group) {
+    for (int lane = group.lanes.used; lane < group.kernels->lanes; ++lane)
+        for (int l = 0; l < group.lanes.linkCount; ++l) rows_[place(group, l, lane)] = rows_[place(group, l, 0)];
+}
+
+}  // namespace ragtop::direct

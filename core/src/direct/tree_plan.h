@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <memory_resource>
+
+#include "base/aligned_array.h"
+#include "direct/tree_layout.h"
+
+namespace ragtop::direct {
+
+/// Trees of joints and how they share lanes: those of equal topology side by side. Lanes never mix, so that no result
+/// depends on the company a tree is in.
+class TreePlan {
+public:
+    /// A tree; its links, joints and bodies are at [first, first + count) of their arrays.
+    struct Tree {
+        std::uint32_t first = 0, count = 0;
+        std::uint32_t anchor = 0;  ///< state of what the root hangs from
+        std::uint32_t owner = 0;   ///< the caller's
+        bool twofold = false;      ///< in double precision
+    };
+    struct Group {
+        TreeGroup lanes;
+        std::uint32_t firstTree = 0;  ///< in the order of trees
+        std::size_t firstRow = 0;
+        const TreeKernels* kernels = nullptr;
+    };
+
+    explicit TreePlan(std::pmr::memory_resource* memory);
+
+    void clear();
+    bool empty() const { return trees_.empty(); }
+    /// Links of the tree that is being drawn up: pushed one by one, then kept as a tree or dropped.
+    void push(const TreeLink& link, std::uint32_t state, std::uint32_t joint);
+    /// Joint of a link that has been pushed.
+    std::uint32_t drawnJoint(std::size_t i) const { return joints_[drawn_ + i]; }
+    void keep(std::uint32_t anchor, std::uint32_t owner, bool twofold);
+    void drop();
+    /// Groups what has been kept, and makes room for it.
+    void group(const TreeTables& tables);
+
+    std::size_t groupCount() const { return groups_.size(); }
+    Group& groupAt(std::size_t index) { return groups_[index]; }
+    const Tree& treeOf(const Group& group, int lane) const {
+        return trees_[order_[group.firstTree + static_cast<std::uint32_t>(lane)]];
+    }
+    std::uint32_t jointOf(const Tree& tree, int link) const {
+        return joints_[tree.first + static_cast<std::uint32_t>(link)];
+    }
+    const TreeLink& linkOf(const Tree& tree, int link) const {
+        return links_[tree.first + static_cast<std::uint32_t>(link)];
+    }
+    TreeJointRow& row(const Group& group, int link, int lane) { return rows_[place(group, link, lane)]; }
+    const TreeImpulse& impulse(const Group& group, int link, int lane) const {
+        return impulses_[place(group, link, lane)];
+    }
+    /// Lanes without a tree take the rows of the first.
+    void repeatRows(const Group& group);
+
+private:
+    static std::size_t place(const Group& group, int link, int lane) {
+        return group.firstRow + static_cast<std::size_t>(link * group.kernels->lanes + lane);
+    }
+    int compare(const Tree& a, const Tree& b) const;
+    void layOut(Group& group);
+
+    AlignedArray<Tree> trees_;
+    AlignedArray<TreeLink> links_;
+    AlignedArray<std::uint32_t> states_, joints_, order_;
+    AlignedArray<Group> groups_;
+    std::uint32_t drawn_ = 0;  ///< first link of the tree that is being drawn up
+    // Of the groups.
+    AlignedArray<std::uint32_t> laneStates_, laneAnchors_;
+    AlignedArray<TreeJointRow> rows_;
+    AlignedArray<TreeImpulse> impulses_;
+    AlignedArray<std::byte> memory_;
+};
+
+}  // namespace ragtop::direct

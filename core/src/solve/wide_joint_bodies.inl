@@ -1,0 +1,252 @@
+// A bundle of joints in lanes, the bodies they join and the masses of their rows. The operations are those of
+// constraints/rows.cpp in the same order, so that a joint has the same bits alone and in a lane.
+// Included by wide_joints.inl.
+
+namespace ragtop {
+namespace {
+
+template <int N>
+struct WideMat3 {
+    WideVec3<N> cx, cy, cz;
+};
+template <int N>
+RAGTOP_INLINE WideVec3<N> operator*(const WideMat3<N>& m, const WideVec3<N>& v) {
+    return v.x * m.cx + v.y * m.cy + v.z * m.cz;
+}
+template <int N>
+RAGTOP_INLINE WideVec3<N> transposeTimes(const WideMat3<N>& m, const WideVec3<N>& v) {
+    return {dot(m.cx, v), dot(m.cy, v), dot(m.cz, v)};
+}
+template <int N>
+RAGTOP_INLINE WideVec3<N> diagonal(const SymmetricMatrix<N>& m) {
+    return {m.xx, m.yy, m.zz};
+}
+template <int N>
+RAGTOP_INLINE SymmetricMatrix<N> operator*(Lanes<N> s, const SymmetricMatrix<N>& m) {
+    return {s * m.xx, s * m.xy, s * m.xz, s * m.yy, s * m.yz, s * m.zz};
+}
+template <int N>
+RAGTOP_INLINE SymmetricMatrix<N> operator+(const SymmetricMatrix<N>& a, const SymmetricMatrix<N>& b) {
+    return {a.xx + b.xx, a.xy + b.xy, a.xz + b.xz, a.yy + b.yy, a.yz + b.yz, a.zz + b.zz};
+}
+template <int N>
+RAGTOP_INLINE WideVec3<N> nothing() {
+    const Lanes<N> zero(0.0f);
+    return {zero, zero, zero};
+}
+template <int N>
+RAGTOP_INLINE Lanes<N> length(const WideVec3<N>& a) {
+    return sqrt(dot(a, a));
+}
+template <int N>
+RAGTOP_INLINE WideVec3<N> unitOr(const WideVec3<N>& a, const WideVec3<N>& fallback) {
+    const Lanes<N> l = length(a);
+    return select(l > 0.0f, (1.0f / l) * a, fallback);
+}
+
+/// As perpendicular of math.h.
+template <int N>
+RAGTOP_INLINE WideVec3<N> perpendicular(const WideVec3<N>& n) {
+    const Lanes<N> zero(0.0f), one(1.0f);
+    const Mask<N> flat = n.x * n.x < 0.5f;
+    const WideVec3<N> other{select(flat, one, zero), select(flat, zero, one), zero};
+    return unitOr(cross(n, other), WideVec3<N>{one, zero, zero});
+}
+
+/// L D Lᵀ, as Factor3.
+template <int N>
+struct WideFactor {
+    Lanes<N> inverse0, inverse1, inverse2, l10, l20, l21;
+};
+template <int N>
+RAGTOP_INLINE Lanes<N> inverseOrZero(Lanes<N> pivot, Lanes<N> scale) {
+    return select(pivot > kZeroPivot * scale, 1.0f / pivot, Lanes<N>(0.0f));
+}
+template <int N>
+RAGTOP_INLINE WideFactor<N> factorize(const SymmetricMatrix<N>& m, const WideVec3<N>& scale) {
+    WideFactor<N> f;
+    f.inverse0 = inverseOrZero(m.xx, scale.x);
+    f.l10 = m.xy * f.inverse0;
+    f.l20 = m.xz * f.inverse0;
+    f.inverse1 = inverseOrZero(m.yy - f.l10 * m.xy, scale.y);
+    const Lanes<N> yz = m.yz - f.l20 * m.xy;
+    f.l21 = yz * f.inverse1;
+    f.inverse2 = inverseOrZero(m.zz - f.l20 * m.xz - f.l21 * yz, scale.z);
+    return f;
+}
+template <int N>
+RAGTOP_INLINE WideVec3<N> solveFor(const WideFactor<N>& f, const WideVec3<N>& right) {
+    const Lanes<N> y = right.y - f.l10 * right.x;
+    const Lanes<N> z = f.inverse2 * (right.z - f.l20 * right.x - f.l21 * y);
+    const Lanes<N> solvedY = f.inverse1 * y - f.l21 * z;
+    return {f.inverse0 * right.x - f.l10 * solvedY - f.l20 * z, solvedY, z};
+}
+
+/// K of the relative motion, as PairMass.
+template <int N>
+struct WideMass {
+    SymmetricMatrix<N> linear, angular;
+    WideMat3<N> coupling;
+};
+template <int N>
+RAGTOP_INLINE WideMat3<N> turning(const SymmetricMatrix<N>& i, const WideVec3<N>& r) {
+    return {{i.xy * r.z - i.xz * r.y, i.yy * r.z - i.yz * r.y, i.yz * r.z - i.zz * r.y},
+            {i.xz * r.x - i.xx * r.z, i.yz * r.x - i.xy * r.z, i.zz * r.x - i.xz * r.z},
+            {i.xx * r.y - i.xy * r.x, i.xy * r.y - i.yy * r.x, i.xz * r.y - i.yz * r.x}};
+}
+template <int N>
+RAGTOP_INLINE SymmetricMatrix<N> outerCross(const WideMat3<N>& w, const WideVec3<N>& r) {
+    return {r.z * w.cx.y - r.y * w.cx.z, r.z * w.cy.y - r.y * w.cy.z, r.z * w.cz.y - r.y * w.cz.z,
+            r.x * w.cy.z - r.z * w.cy.x, r.x * w.cz.z - r.z * w.cz.x, r.y * w.cz.x - r.x * w.cz.y};
+}
+
+/// What joints do in a pass: velocities of the bodies are gathered once and scattered once.
+template <int N>
+struct WideJoint {
+    const JointBundle& bundle;
+    float* fields;
+    float* rowA[N];
+    float* rowB[N];
+    Lanes<N> a[8], b[8];  ///< velocity rows
+    WideVec3<N> vA, wA, vB, wB, massA, massB;
+    SymmetricMatrix<N> inertiaA, inertiaB;  ///< inverse
+    Lanes<N> shareA, shareB;                ///< of the inverse inertia
+    WideVec3<N> armA, armB, gap;
+    WideQuat<N> dqA, dqB;
+
+    RAGTOP_INLINE Lanes<N> at(int f) const { return Lanes<N>::load(fields + f * N); }
+    RAGTOP_INLINE WideVec3<N> vector(int f) const { return {at(f), at(f + 1), at(f + 2)}; }
+    RAGTOP_INLINE WideQuat<N> quaternion(int f) const { return {at(f), at(f + 1), at(f + 2), at(f + 3)}; }
+    RAGTOP_INLINE void set(int f, Lanes<N> value) { value.store(fields + f * N); }
+    RAGTOP_INLINE void set(int f, const WideVec3<N>& v) { set(f, v.x), set(f + 1, v.y), set(f + 2, v.z); }
+    RAGTOP_INLINE SymmetricMatrix<N> symmetric(int f) const {
+        return {at(f), at(f + 1), at(f + 2), at(f + 3), at(f + 4), at(f + 5)};
+    }
+    RAGTOP_INLINE void set(int f, const SymmetricMatrix<N>& m) {
+        set(f, m.xx), set(f + 1, m.xy), set(f + 2, m.xz), set(f + 3, m.yy), set(f + 4, m.yz), set(f + 5, m.zz);
+    }
+    RAGTOP_INLINE WideMat3<N> matrix(int f) const { return {vector(f), vector(f + 3), vector(f + 6)}; }
+    RAGTOP_INLINE void set(int f, const WideMat3<N>& m) { set(f, m.cx), set(f + 3, m.cy), set(f + 6, m.cz); }
+    RAGTOP_INLINE WideFactor<N> factor(int f) const {
+        return {at(f), at(f + 1), at(f + 2), at(f + 3), at(f + 4), at(f + 5)};
+    }
+    RAGTOP_INLINE void set(int f, const WideFactor<N>& m) {
+        set(f, m.inverse0), set(f + 1, m.inverse1), set(f + 2, m.inverse2);
+        set(f + 3, m.l10), set(f + 4, m.l20), set(f + 5, m.l21);
+    }
+
+    RAGTOP_INLINE WideJoint(const JointLanesView& view, int index, const BodyArrays& arrays)
+        : bundle(view.bundles[index]), fields(view.fields + bundle.fields) {
+        const std::uint32_t *indexA = view.statesA + index * N, *indexB = view.statesB + index * N;
+        const float *mA[N], *mB[N];
+        for (int i = 0; i < N; ++i) {
+            rowA[i] = reinterpret_cast<float*>(arrays.states + indexA[i]);
+            rowB[i] = reinterpret_cast<float*>(arrays.states + indexB[i]);
+            mA[i] = reinterpret_cast<const float*>(arrays.inertia + indexA[i]);
+            mB[i] = reinterpret_cast<const float*>(arrays.inertia + indexB[i]);
+        }
+        gather8<N>(const_cast<const float* const*>(rowA), a);
+        gather8<N>(const_cast<const float* const*>(rowB), b);
+        vA = {a[0], a[1], a[2]}, wA = {a[4], a[5], a[6]};
+        vB = {b[0], b[1], b[2]}, wB = {b[4], b[5], b[6]};
+        massA = massB = nothing<N>();
+        massA = {a[3], a[3], a[3]}, massB = {b[3], b[3], b[3]};
+        applyLocks(massA, a[7]);
+        applyLocks(massB, b[7]);
+        inertiaA = gatherInertia(mA, a[3]);
+        inertiaB = gatherInertia(mB, b[3]);
+        shareA = at(RAGTOP_JOINT_FIELD(taut.shareA));
+        shareB = at(RAGTOP_JOINT_FIELD(taut.shareB));
+    }
+    static RAGTOP_INLINE SymmetricMatrix<N> gatherInertia(const float* const rows[N], Lanes<N> inverseMass) {
+        Lanes<N> m[8];
+        gather8<N>(rows, m);
+        const Mask<N> moves = inverseMass > 0.0f;
+        for (int i = 0; i < 6; ++i) m[i] = select(moves, m[i], Lanes<N>(0.0f));
+        return {m[0], m[1], m[2], m[3], m[4], m[5]};
+    }
+
+    /// Where the bodies are now, and the shared point half way between the anchors.
+    RAGTOP_INLINE void locate() {
+        const float *pA[N], *pB[N];
+        for (int i = 0; i < N; ++i) pA[i] = rowA[i] + 8, pB[i] = rowB[i] + 8;
+        Lanes<N> dA[8], dB[8];
+        gather8<N>(pA, dA);
+        gather8<N>(pB, dB);
+        dqA = {dA[4], dA[5], dA[6], dA[7]}, dqB = {dB[4], dB[5], dB[6], dB[7]};
+        const WideVec3<N> anchorA = rotate(dqA, vector(RAGTOP_JOINT_FIELD(anchorA)));
+        const WideVec3<N> anchorB = rotate(dqB, vector(RAGTOP_JOINT_FIELD(anchorB)));
+        const WideVec3<N> dpA{dA[0], dA[1], dA[2]}, dpB{dB[0], dB[1], dB[2]};
+        gap = vector(RAGTOP_JOINT_FIELD(centerOffset)) + (dpB - dpA) + (anchorB - anchorA);
+        const Lanes<N> half(0.5f);
+        armA = anchorA + half * gap, armB = anchorB - half * gap;
+    }
+    RAGTOP_INLINE WideQuat<N> frameA() const { return dqA * quaternion(RAGTOP_JOINT_FIELD(frameA)); }
+    RAGTOP_INLINE WideQuat<N> frameB() const { return dqB * quaternion(RAGTOP_JOINT_FIELD(frameB)); }
+    RAGTOP_INLINE void storeArms() { set(RAGTOP_JOINT_FIELD(arms.a), armA), set(RAGTOP_JOINT_FIELD(arms.b), armB); }
+    RAGTOP_INLINE void loadArms() {
+        armA = vector(RAGTOP_JOINT_FIELD(arms.a)), armB = vector(RAGTOP_JOINT_FIELD(arms.b));
+    }
+
+    /// As BodyPair::stiffen.
+    RAGTOP_INLINE void stiffen(const WideVec3<N>& impulse, float h) {
+        shareA = tautShare(inertiaA, Lanes<N>(-h) * dot(armA, impulse), RAGTOP_JOINT_FIELD(taut.excessA));
+        shareB = tautShare(inertiaB, Lanes<N>(h) * dot(armB, impulse), RAGTOP_JOINT_FIELD(taut.excessB));
+        set(RAGTOP_JOINT_FIELD(taut.shareA), shareA);
+        set(RAGTOP_JOINT_FIELD(taut.shareB), shareB);
+    }
+    RAGTOP_INLINE Lanes<N> tautShare(const SymmetricMatrix<N>& inertia, Lanes<N> turn, int lastExcess) {
+        const Lanes<N> largest = max(inertia.zz, max(inertia.xx, inertia.yy));
+        const Lanes<N> now = turn * largest - Lanes<N>(TautBodies::kExplicit);
+        const Lanes<N> excess = min(now, at(lastExcess));
+        set(lastExcess, now);
+        return select(excess > 0.0f, 1.0f / (1.0f + excess), Lanes<N>(1.0f));
+    }
+
+    RAGTOP_INLINE WideVec3<N> linearVelocity() const { return (vB + cross(wB, armB)) - (vA + cross(wA, armA)); }
+    RAGTOP_INLINE WideVec3<N> angularVelocity() const { return wB - wA; }
+    RAGTOP_INLINE void apply(const WideVec3<N>& linear, const WideVec3<N>& angular) {
+        vA = vA - times(massA, linear);
+        wA = wA - shareA * (inertiaA * (cross(armA, linear) + angular));
+        vB = vB + times(massB, linear);
+        wB = wB + shareB * (inertiaB * (cross(armB, linear) + angular));
+    }
+    /// In some lanes.
+    RAGTOP_INLINE void applyWhere(Mask<N> lanes, const WideVec3<N>& linear, const WideVec3<N>& angular) {
+        const WideVec3<N> oldVA = vA, oldWA = wA, oldVB = vB, oldWB = wB;
+        apply(linear, angular);
+        vA = select(lanes, vA, oldVA), wA = select(lanes, wA, oldWA);
+        vB = select(lanes, vB, oldVB), wB = select(lanes, wB, oldWB);
+    }
+    RAGTOP_INLINE WideMass<N> mass() const {
+        const WideVec3<N> m = massA + massB;
+        const SymmetricMatrix<N> iA = shareA * inertiaA, iB = shareB * inertiaB;
+        const WideMat3<N> tA = turning(iA, armA), tB = turning(iB, armB);
+        const SymmetricMatrix<N> kA = outerCross(tA, armA), kB = outerCross(tB, armB);
+        return {{m.x + kA.xx + kB.xx, kA.xy + kB.xy, kA.xz + kB.xz, m.y + kA.yy + kB.yy, kA.yz + kB.yz,
+                 m.z + kA.zz + kB.zz},
+                iA + iB,
+                {tA.cx + tB.cx, tA.cy + tB.cy, tA.cz + tB.cz}};
+    }
+    RAGTOP_INLINE Lanes<N> mass(const WideVec3<N>& direction) const {
+        const WideVec3<N> ra = cross(armA, direction), rb = cross(armB, direction);
+        return dot(direction, times(massA + massB, direction)) + shareA * dot(ra, inertiaA * ra) +
+               shareB * dot(rb, inertiaB * rb);
+    }
+
+    /// Bodies that no impulse moves are shared between threads and never written.
+    RAGTOP_INLINE void writeVelocities() {
+        const Lanes<N> inverseMassA = a[3], inverseMassB = b[3];
+        a[0] = vA.x, a[1] = vA.y, a[2] = vA.z, a[4] = wA.x, a[5] = wA.y, a[6] = wA.z;
+        b[0] = vB.x, b[1] = vB.y, b[2] = vB.z, b[4] = wB.x, b[5] = wB.y, b[6] = wB.z;
+        for (int i = 0; i < N; ++i) {
+            if (!(inverseMassA[i] > 0)) rowA[i] = nullptr;
+            if (!(inverseMassB[i] > 0)) rowB[i] = nullptr;
+        }
+        scatter8<N>(rowA, a);
+        scatter8<N>(rowB, b);
+    }
+};
+
+}  // namespace
+}  // namespace ragtop

@@ -1,0 +1,188 @@
+#include <stdexcept>
+#include <string>
+
+#include "world/world_impl.h"
+
+// Couplings between joints: their life, and their part in a step. They are few, act on up to eight bodies at once and
+// are therefore solved one after the other, after the joints and contacts of all colours.
+namespace ragtop {
+
+namespace {
+
+constexpr std::uint32_t kParts = CouplingDef::kMostParts;
+
+std::string nameOf(int part) { return "parts[" + std::to_string(part) + "]"; }
+
+}  // namespace
+
+void WorldImpl::checkCoupled(const CouplingDef& def) const {
+    if (const std::string wrong = whyInvalid(def); !wrong.empty()) throw std::invalid_argument(wrong);
+    for (int i = 0; i < def.count; ++i) {
+        const CoupledCoordinate& part = def.parts[static_cast<std::size_t>(i)];
+        if (!jointSlots.isValid(part.joint.index, part.joint.generation))
+            throw std::invalid_argument(nameOf(i) + ".joint names no joint of this world");
+        if (!hasCoordinate(jointSims[part.joint.index].kind, part.coordinate))
+            throw std::invalid_argument(nameOf(i) + ".coordinate is " + std::to_string(part.coordinate) +
+                                        ", which this kind of joint does not have");
+    }
+}
+
+std::uint32_t WorldImpl::createCoupling(const CouplingDef& def) {
+    checkCoupled(def);
+    const std::uint32_t index = couplingSlots.acquire();
+    if (index >= couplings.size()) {
+        couplings.resize(index + 1, CouplingRecord{});
+        couplingSims.resize(index + 1, CouplingSim{});
+    }
+    CouplingRecord& coupling = couplings[index];
+    coupling = CouplingRecord{};
+    coupling.def = def;
+    couplingSims[index] = CouplingSim{};
+    compileCoupling(def, jointSims.data(), couplingSims[index]);
+    markCoupled(couplingSims[index], jointSims.data());
+    for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(def.count); ++i) {
+        JointRecord& joint = joints[def.parts[i].joint.index];
+        coupling.next[i] = joint.firstCoupling;
+        joint.firstCoupling = kParts * index + i;
+        for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
+            if (moves(body)) wakeBody(body);
+    }
+    ++structureVersion;
+    structureChanged = graphChanged = bundlesChanged = true;
+    return index;
+}
+
+void WorldImpl::destroyCoupling(std::uint32_t index) {
+    const CouplingRecord& coupling = couplings[index];
+    for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(coupling.def.count); ++i) {
+        const std::uint32_t j = coupling.def.parts[i].joint.index, key = kParts * index + i;
+        JointRecord& joint = joints[j];
+        std::uint32_t* at = &joint.firstCoupling;
+        while (*at != key) at = &couplings[*at / kParts].next[*at % kParts];
+        *at = coupling.next[i];
+        clearCoupled(jointSims[j], false);
+        for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
+            if (moves(body)) wakeBody(body);
+    }
+    couplingSlots.release(index);
+    for (std::uint32_t c = 0; c < couplingSlots.count(); ++c)
+        if (couplingSlots.isUsed(c)) markCoupled(couplingSims[c], jointSims.data());
+    ++structureVersion;
+    structureChanged = graphChanged = bundlesChanged = true;
+}
+
+/// What a coupling reaches from this joint wakes with it.
+void WorldImpl::pushCoupledBodies(std::uint32_t joint) {
+    for (std::uint32_t key = joints[joint].firstCoupling; key != kNone;
+         key = couplings[key / kParts].next[key % kParts]) {
+        const CouplingDef& def = couplings[key / kParts].def;
+        for (int i = 0; i < def.count; ++i) {
+            const JointRecord& other = joints[def.parts[static_cast<std::size_t>(i)].joint.index];
+            for (const std::uint32_t body : {other.bodyA, other.bodyB})
+                if (moves(body) && !isAwake(body)) bodyStack.push(body);
+        }
+    }
+}
+
+/// Calls visit(first, body) for the awake bodies of each coupling that move, `first` being the first of them.
+void WorldImpl::forEachCoupledPair(const std::function<void(std::uint32_t, std::uint32_t)>& visit) const {
+    for (std::uint32_t c = 0; c < couplingSlots.count(); ++c) {
+        if (!couplingSlots.isUsed(c)) continue;
+        const CouplingDef& def = couplings[c].def;
+        std::uint32_t first = kNone;
+        for (int i = 0; i < def.count; ++i) {
+            const JointRecord& joint = joints[def.parts[static_cast<std::size_t>(i)].joint.index];
+            for (const std::uint32_t body : {joint.bodyA, joint.bodyB}) {
+                if (!moves(body) || !isAwake(body)) continue;
+                if (first == kNone) first = body;
+                visit(first, body);
+            }
+        }
+    }
+}
+
+bool WorldImpl::isSwept(const CouplingDef& def) const {
+    for (int i = 0; i < def.count; ++i) {
+        const GraphPlace& place = joints[def.parts[static_cast<std::size_t>(i)].joint.index].place;
+        if (place.color == kNone || place.color == ConstraintGraph::kDirect) return false;
+    }
+    return true;
+}
+
+void WorldImpl::prepareCouplings(float ratio) {
+    sweptCouplings.clear();
+    for (std::uint32_t c = 0; c < couplingSlots.count(); ++c) {
+        if (!couplingSlots.isUsed(c) || !isSwept(couplings[c].def)) continue;
+        if (ratio != 1) rescale(couplingSims[c].axis, ratio);
+        sweptCouplings.push(c);
+    }
+}
+
+void WorldImpl::carryCouplings() {
+    for (const std::uint32_t c : sweptCouplings)
+        for (std::uint32_t i = 0; i < couplingSims[c].count; ++i)
+            clearCoupled(jointSims[couplingSims[c].joints[i]], true);
+    for (const std::uint32_t c : sweptCouplings) carryCoupling(couplingSims[c], jointSims.data());
+}
+
+void WorldImpl::beginCouplings() {
+    for (const std::uint32_t c : sweptCouplings)
+        beginCoupling(couplingSims[c], jointSims.data(), states.data(), inertias.data(), jointContext);
+}
+
+/// A push along one joint may open another that shares a body with it: so these are solved in turn.
+void WorldImpl::solveCouplings(bool moving) {
+    constexpr int kRounds = 4;
+    if (!moving)
+        for (const std::uint32_t c : sweptCouplings)
+            refreshCoupling(couplingSims[c], jointSims.data(), states.data(), inertias.data());
+    for (int round = 0; round < kRounds; ++round)
+        for (const std::uint32_t c : sweptCouplings) {
+            CouplingSim& coupling = couplingSims[c];
+            if (round > 0)
+                for (std::uint32_t i = 0; i < coupling.count; ++i)
+                    solveJointAgain(jointSims[coupling.joints[i]], states.data(), inertias.data(), jointContext,
+                                    moving);
+            solveCoupling(coupling, jointSims.data(), states.data(), inertias.data(), jointContext, moving);
+        }
+}
+
+const CouplingDef& World::def(CouplingId coupling) const { return impl_->couplings[impl_->index(coupling)].def; }
+
+void World::setDef(CouplingId id, const CouplingDef& def) {
+    const std::uint32_t index = impl_->index(id);
+    impl_->checkCoupled(def);
+    CouplingRecord& coupling = impl_->couplings[index];
+    bool same = def.count == coupling.def.count;
+    for (int i = 0; same && i < def.count; ++i) {
+        const auto &was = coupling.def.parts[static_cast<std::size_t>(i)], &is = def.parts[static_cast<std::size_t>(i)];
+        same = was.joint == is.joint && was.coordinate == is.coordinate;
+    }
+    if (!same) throw std::invalid_argument("setDef keeps the joints of a coupling and their coordinates");
+    coupling.def = def;
+    compileCoupling(def, impl_->jointSims.data(), impl_->couplingSims[index]);
+    for (int i = 0; i < def.count; ++i) {
+        const JointRecord& joint = impl_->joints[def.parts[static_cast<std::size_t>(i)].joint.index];
+        for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
+            if (impl_->moves(body)) impl_->wakeBody(body);
+    }
+}
+
+CouplingState World::state(CouplingId id) const {
+    const WorldImpl& world = *impl_;
+    const std::uint32_t index = world.index(id);
+    const CouplingSim& sim = world.couplingSims[index];
+    JointSim now[CouplingSim::kMost];
+    for (std::uint32_t i = 0; i < sim.count; ++i) {
+        now[i] = world.jointSims[sim.joints[i]];
+        placeJoint(now[i], world.jointBodies(world.joints[sim.joints[i]]), world.states.data(), world.inertias.data());
+    }
+    const float rate = world.lastSubstep > 0 ? 1 / world.lastSubstep : 0;
+    return couplingState(sim, now, world.states.data(), world.inertias.data(), rate);
+}
+
+std::uint64_t World::userData(CouplingId coupling) const {
+    return impl_->couplings[impl_->index(coupling)].def.userData;
+}
+
+}  // namespace ragtop

@@ -1,0 +1,109 @@
+// Further relaxing sweeps over contacts that are deep. Bodies are pushed out of an overlap with speeds that have
+// nothing to do with the motion of the scene. Where such contacts hang together the speeds add up, and one sweep takes
+// back a part of them only: what remained would throw the bodies apart.
+
+#include <cstring>
+
+#include "constraints/contact_layout.h"
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+constexpr int kSweeps = 3;  ///< beside the one over everything
+
+/// What relaxing sweeps read and write; all else of a contact stays as it is in the step, or is for the sweep over
+/// everything to tell: the place where it sticks, and the sums of impulses for events.
+struct Strip {
+    std::size_t field, count;
+};
+constexpr std::size_t impulseOf(std::size_t point) {
+    return contact::kPoints + point * contact::kPointFields + contact::kImpulse;
+}
+constexpr Strip kRelaxed[] = {{contact::kFrictionImpulse, 3},
+                              {contact::kTwistImpulse, 1},
+                              {contact::kRollImpulse, 3},
+                              {contact::kSliding, 1},
+                              {impulseOf(0), 1},
+                              {impulseOf(1), 1},
+                              {impulseOf(2), 1},
+                              {impulseOf(3), 1}};
+static_assert(contact::kMaxPoints == 4);
+
+void copyFields(const float* from, float* to, std::size_t stride, const Strip& fields) {
+    for (std::size_t f = fields.field; f < fields.field + fields.count; ++f) to[f * stride] = from[f * stride];
+}
+
+/// Deep enough to be pushed out faster than gravity would bring it back within a substep: `beyond` (m) more than kDeep.
+bool isDeep(const float* lane, std::size_t stride, float beyond) {
+    std::uint32_t count;
+    std::memcpy(&count, lane + contact::kPointCount * stride, sizeof count);
+    for (std::uint32_t j = 0; j < count; ++j) {
+        const std::size_t field = contact::kPoints + j * contact::kPointFields + contact::kSeparation;
+        if (lane[field * stride] < -contact::kDeep * lane[contact::kSize * stride] - beyond) return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+/// Copies the contacts of this step that are deep to bundles of their own; those of the overflow keep one each.
+void WorldImpl::collectDeep(bool any) {
+    deepContacts.clear();
+    deepStarts.clear();
+    if (!any) return;
+    const auto lanes = static_cast<std::size_t>(graph.lanes());
+    const float rate = context.softStatic.massScale * context.softStatic.biasRate;
+    const float beyond = rate > 0 ? context.gravityStep / rate : 0.0f;
+    constexpr auto kFields = static_cast<std::size_t>(contact::kFields);
+    std::size_t bundles = 0;
+    for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
+        deepStarts.push(static_cast<std::uint32_t>(bundles));
+        const std::size_t inBundle = c == ConstraintGraph::kOverflow ? 1 : lanes;
+        std::size_t used = 0;
+        const auto count = static_cast<std::uint32_t>(graph.color(c).manifolds.size());
+        for (std::uint32_t slot = 0; slot < count; ++slot) {
+            const GraphPlace place{static_cast<std::uint32_t>(c), slot};
+            if (!isDeep(graph.lane(place), lanes, beyond)) continue;
+            const std::size_t bundle = bundles + used / inBundle;
+            deepContacts.push({place, bundle * kFields * lanes + used % inBundle});
+            ++used;
+        }
+        bundles += (used + inBundle - 1) / inBundle;
+    }
+    deepStarts.push(static_cast<std::uint32_t>(bundles));
+    deepBundles.clear();
+    deepBundles.resize(bundles * kFields * lanes, 0.0f);
+    for (const DeepContact& deep : deepContacts)
+        copyFields(graph.lane(deep.from), deepBundles.data() + deep.to, lanes, {0, kFields});
+}
+
+/// In the order of the other sweeps.
+void WorldImpl::relaxDeep() {
+    if (deepContacts.empty()) return;
+    const BodyArrays arrays = bodyArrays();
+    SolverContext rows = context;
+    rows.normals = rows.friction = true;
+    const auto relax = [&](int begin, int end) {
+        kernels->relaxContacts(deepBundles.data(), begin, end, arrays, rows);
+    };
+    const auto startOf = [&](int color) { return static_cast<int>(deepStarts[static_cast<std::size_t>(color)]); };
+    const auto lanes = static_cast<std::size_t>(graph.lanes());
+    for (const DeepContact& deep : deepContacts)
+        for (const Strip& fields : kRelaxed)
+            copyFields(graph.lane(deep.from), deepBundles.data() + deep.to, lanes, fields);
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+        relax(startOf(ConstraintGraph::kOverflow), startOf(ConstraintGraph::kOverflow + 1));
+        for (int c = 0; c < ConstraintGraph::kColors; ++c) {
+            const int first = startOf(c);
+            runner.parallelFor(startOf(c + 1) - first, 16,
+                               [&](int begin, int end, int) { relax(first + begin, first + end); });
+        }
+    }
+    for (const DeepContact& deep : deepContacts)
+        for (const Strip& fields : kRelaxed)
+            copyFields(deepBundles.data() + deep.to, graph.lane(deep.from), lanes, fields);
+}
+
+}  // namespace ragtop

@@ -1,0 +1,71 @@
+#include <cmath>
+
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+/// m, and m in a step: no place and no motion is farther. Squares of it are still far from the end of single precision.
+constexpr float kFarthest = 1e15f;
+
+bool isNear(const Vec3& a) {
+    return std::abs(a.x) <= kFarthest && std::abs(a.y) <= kFarthest && std::abs(a.z) <= kFarthest;
+}
+
+}  // namespace
+
+/// True where a force beyond all measure, or a solver that failed, has left no motion that numbers can hold.
+bool WorldImpl::ranAway(std::uint32_t index) const {
+    const BodyState& state = states[index];
+    const Quat& q = state.dq;
+    const DVec3 c = bodies[index].center + state.dp;
+    const bool holds = isNear(state.dp) && isNear(dt * state.v) && isNear(dt * bodies[index].radius * state.w) &&
+                       std::isfinite(length(state.w)) && std::isfinite(q.x + q.y + q.z + q.w) &&
+                       std::abs(c.x) <= double{kFarthest} && std::abs(c.y) <= double{kFarthest} &&
+                       std::abs(c.z) <= double{kFarthest};
+    return !holds;
+}
+
+/// Stays where the step began, at rest.
+void WorldImpl::stayPut(std::uint32_t index) {
+    BodyState& state = states[index];
+    state.v = state.w = state.dp = {};
+    state.dq = {};
+    histories[index].velocityBefore = histories[index].lastChange = {};
+    refreshInertia(index);
+}
+
+/// Constraints of a body begin anew.
+void WorldImpl::forgetImpulses(std::uint32_t index) {
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+        const ContactRecord& record = contacts[key >> 1];
+        if (record.firstManifold == kNone) continue;
+        for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
+            ManifoldRecord& manifold = manifolds[record.firstManifold + k];
+            for (int j = 0; j < contact::kMaxPoints; ++j) manifold.impulse[j] = manifold.load[j] = 0;
+            manifold.frictionImpulse = manifold.rollImpulse = manifold.stick = {};
+            manifold.twistImpulse = 0;
+            if (manifold.place.color != kNone) writeLane(record, manifold);
+        }
+    }
+    for (std::uint32_t key = bodies[index].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
+        JointSim& joint = jointSims[key >> 1];
+        JointSim fresh{};
+        fresh.stateA = joint.stateA, fresh.stateB = joint.stateB;
+        joint = fresh;
+        compile(key >> 1);
+    }
+}
+
+/// One body's failure is not to be that of all it touches.
+void WorldImpl::stopRunaways() {
+    for (std::size_t i = 0; i < awakeBodies.size(); ++i) {
+        if (bodyFlags[i] != kRunaway) continue;
+        bodyFlags[i] = 0;
+        ++runaways;
+        forgetImpulses(awakeBodies[i]);
+    }
+}
+
+}  // namespace ragtop

@@ -1,0 +1,223 @@
+// Trees of joints: which there are, and their passes within the substep (direct/tree_kernels.inl).
+
+#include "constraints/joint_types.h"
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+constexpr float kSingleRatio = 30;  ///< ratio of masses up to which single precision has digits enough
+
+direct::TreeJoint treeJoint(JointKind kind) {
+    switch (kind) {
+        case JointKind::ball:
+            return direct::TreeJoint::ball;
+        case JointKind::hinge:
+            return direct::TreeJoint::hinge;
+        case JointKind::fixed:
+            return direct::TreeJoint::fixed;
+        default:
+            return direct::TreeJoint::free;  // none that trees know
+    }
+}
+
+/// Nothing but rigid rows.
+bool isBare(const JointSim& joint) {
+    return joint.kind == JointKind::ball ? joint.ball.features == 0 : joint.axis.features == 0;
+}
+
+/// Its state is followed, or it may break: its impulses are wanted after every substep.
+bool isWatched(const JointSim& joint) { return joint.kind == JointKind::hinge || joint.breakable != 0; }
+
+void put(const Vec3& from, float to[3]) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
+void put(const Quat& from, float to[4]) { to[0] = from.x, to[1] = from.y, to[2] = from.z, to[3] = from.w; }
+Vec3 get(const float from[3]) { return {from[0], from[1], from[2]}; }
+
+void fillRow(const JointSim& joint, bool childIsB, direct::TreeJointRow& row) {
+    const float sign = childIsB ? 1.0f : -1.0f;
+    put(sign * joint.centerOffset, row.offset);
+    put(childIsB ? joint.anchorB : joint.anchorA, row.anchorC);
+    put(childIsB ? joint.anchorA : joint.anchorB, row.anchorP);
+    put(childIsB ? joint.frameB : joint.frameA, row.frameC);
+    put(childIsB ? joint.frameA : joint.frameB, row.frameP);
+    put(sign * joint.block.impulseFirst, row.force);
+    put(sign * joint.block.impulseSecond, row.torque);
+}
+
+}  // namespace
+
+/// Draws up the tree of joints that holds `start`, from what it hangs from, or its first body. False, and nothing is
+/// drawn, when it is no tree, or has joints or bodies that trees do not know.
+bool WorldImpl::drawTree(std::uint32_t start, DrawnTree& drawn) {
+    drawn = {};
+    treeBodies.clear();
+    treeBodies.push(start);
+    treeMark[start] = start;
+    std::uint32_t root = start, counted = 0;
+    bool known = true;
+    for (std::size_t i = 0; i < treeBodies.size(); ++i) {
+        const std::uint32_t body = treeBodies[i];
+        known &= states[body].locks == 0 && dynamics[body].spins > 0 && isAwake(body);
+        if (drawn.anchor == kNone && body < root) root = body;
+        for (std::uint32_t key = bodies[body].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
+            const JointRecord& joint = joints[key >> 1];
+            const std::uint32_t other = (key & 1) != 0 ? joint.bodyA : joint.bodyB;
+            const JointSim& sim = jointSims[key >> 1];
+            known &= treeJoint(sim.kind) != direct::TreeJoint::free && isBare(sim);
+            drawn.watched |= isWatched(sim);
+            counted += moves(other) ? 1 : 2;
+            if (!moves(other)) {
+                known &= drawn.anchor == kNone;
+                drawn.anchor = other;
+                root = body;
+            } else if (treeMark[other] != start) {
+                treeMark[other] = start;
+                treeBodies.push(other);
+            }
+        }
+    }
+    drawn.bodies = static_cast<std::uint32_t>(treeBodies.size());
+    drawn.joints = counted / 2;
+    // Every joint but those to what does not move has been met from both of its bodies.
+    if (!known || drawn.joints != drawn.bodies - (drawn.anchor == kNone ? 1 : 0)) return false;
+    layLinks(root, drawn);
+    return true;
+}
+
+/// Links breadth first from the root.
+void WorldImpl::layLinks(std::uint32_t root, DrawnTree& drawn) {
+    float lightest = bodies[root].mass, heaviest = lightest;
+    treeBodies.clear();
+    const auto push = [&](std::uint32_t body, std::int32_t parent, std::uint32_t key) {
+        direct::TreeLink link;
+        link.parent = parent;
+        if (key != kNone) {
+            link.joint = treeJoint(jointSims[key >> 1].kind);
+            link.childIsB = joints[key >> 1].bodyB == body ? 1 : 0;
+        }
+        treeBodies.push(body);
+        chains.push(link, bodies[body].state, key == kNone ? kNone : key >> 1);
+        lightest = bodies[body].mass < lightest ? bodies[body].mass : lightest;
+        heaviest = bodies[body].mass > heaviest ? bodies[body].mass : heaviest;
+    };
+    const auto otherOf = [&](std::uint32_t key) {
+        return (key & 1) != 0 ? joints[key >> 1].bodyA : joints[key >> 1].bodyB;
+    };
+    const auto next = [&](std::uint32_t key) { return joints[key >> 1].edges[key & 1].next; };
+    std::uint32_t held = kNone;
+    for (std::uint32_t key = bodies[root].firstJoint; key != kNone; key = next(key))
+        if (!moves(otherOf(key))) held = key;
+    push(root, -1, held);
+    for (std::size_t i = 0; i < treeBodies.size(); ++i) {
+        const std::uint32_t body = treeBodies[i], above = chains.drawnJoint(i);
+        for (std::uint32_t key = bodies[body].firstJoint; key != kNone; key = next(key))
+            if ((key >> 1) != above && moves(otherOf(key))) push(otherOf(key), static_cast<std::int32_t>(i), key);
+    }
+    drawn.twofold = heaviest > kSingleRatio * lightest;
+}
+
+/// Direct islands that are trees of rigid rows and touch nothing.
+void WorldImpl::planChains() {
+    chains.clear();
+    if (directIslands.empty()) return;
+    treeMark.resizeForOverwrite(bodies.size());
+    for (const std::uint32_t body : awakeBodies) treeMark[body] = kNone;
+    for (std::size_t i = 0; i < directIslands.size(); ++i) {
+        DirectIsland& island = directIslands[i];
+        island.tree = island.watched = false;
+        if (island.contactCount > 0 || island.jointCount == 0) continue;
+        DrawnTree tree;
+        if (!drawTree(directBodies[island.firstBody], tree)) continue;
+        island.tree = tree.joints == island.jointCount && tree.bodies == island.bodyCount;
+        island.watched = tree.watched;
+        if (island.tree)
+            chains.keep(tree.anchor == kNone ? 0 : bodies[tree.anchor].state, static_cast<std::uint32_t>(i),
+                        tree.twofold);
+        else
+            chains.drop();
+    }
+    chains.group(direct::selectTreeKernels(graph.lanes()));
+}
+
+/// Rows and loads of this step.
+void WorldImpl::beginChains() {
+    forEachChainGroup([&](direct::TreePlan::Group& group) {
+        for (int lane = 0; lane < group.lanes.used; ++lane) {
+            const direct::TreePlan::Tree& tree = chains.treeOf(group, lane);
+            for (int l = 0; l < group.lanes.linkCount; ++l) {
+                direct::TreeJointRow& row = chains.row(group, l, lane);
+                row = {};
+                const direct::TreeLink& link = chains.linkOf(tree, l);
+                if (link.joint != direct::TreeJoint::free)
+                    fillRow(jointSims[chains.jointOf(tree, l)], link.childIsB != 0, row);
+            }
+        }
+        chains.repeatRows(group);
+        group.lanes.failed = 0;
+        group.kernels->begin(group.lanes);
+    });
+}
+
+/// In parallel.
+template <class Visit>
+void WorldImpl::forEachChainGroup(Visit&& visit) {
+    runner.parallelFor(static_cast<int>(chains.groupCount()), 1, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) visit(chains.groupAt(static_cast<std::size_t>(i)));
+    });
+}
+
+void WorldImpl::solveChains(DirectPass pass) {
+    const bool moves = pass == DirectPass::positions;
+    forEachChainGroup([&](direct::TreePlan::Group& group) {
+        const auto start = std::chrono::steady_clock::now();
+        if (moves)
+            group.kernels->solve(group.lanes, bodyArrays(), context.h, jointContext.softness);
+        else
+            group.kernels->relax(group.lanes, bodyArrays());
+        const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        for (int lane = 0; lane < group.lanes.used; ++lane) {
+            const direct::TreePlan::Tree& tree = chains.treeOf(group, lane);
+            DirectIsland& island = directIslands[tree.owner];
+            const auto has = [lane](std::uint32_t bits) { return ((bits >> lane) & 1u) != 0; };
+            island.ms += ms / group.lanes.used;
+            if (has(group.lanes.failed)) {
+                island.swept = true;
+                island.report.converged = false;
+            }
+            if (island.swept) {
+                sweepIsland(island, pass);
+                continue;
+            }
+            if (moves) {
+                const int rounds = has(group.lanes.taut) ? 2 : 1;
+                island.report.iterations += rounds;
+                island.report.factorizations += rounds;
+            } else {
+                ++island.report.iterations;
+                if (context.lastSubstep || island.watched) storeImpulses(group, lane);
+            }
+        }
+    });
+}
+
+void WorldImpl::storeImpulses(const direct::TreePlan::Group& group, int lane) {
+    const direct::TreePlan::Tree& tree = chains.treeOf(group, lane);
+    for (int l = 0; l < group.lanes.linkCount; ++l) {
+        const direct::TreeLink& link = chains.linkOf(tree, l);
+        if (link.joint == direct::TreeJoint::free) continue;
+        JointSim& joint = jointSims[chains.jointOf(tree, l)];
+        const direct::TreeImpulse& impulse = chains.impulse(group, l, lane);
+        const float sign = link.childIsB != 0 ? 1.0f : -1.0f;
+        joint.taut = {};
+        joint.block.impulseFirst = sign * get(impulse.force);
+        joint.block.impulseSecond = sign * get(impulse.torque);
+        if (!isWatched(joint)) continue;
+        // Turns of a hinge are counted.
+        refreshJoint(joint, BodyPair(states.data(), inertias.data(), joint.stateA, joint.stateB, joint.taut),
+                     {jointContext, false});
+        noteLoad(joint);
+    }
+}
+
+}  // namespace ragtop

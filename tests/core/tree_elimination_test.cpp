@@ -1,0 +1,239 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "tree_rig.h"
+
+namespace ragtop {
+namespace {
+
+using direct::TreeJoint;
+using direct::TreeKernels;
+using direct::TreeLink;
+using test::TreeRig;
+using Vector = Eigen::Vector3d;
+using Matrix = Eigen::Matrix3d;
+
+constexpr float kH = 1.0f / 240;
+
+Vector eigen(const Vec3& a) { return {a.x, a.y, a.z}; }
+Vector eigen(const float* a) { return {a[0], a[1], a[2]}; }
+Vector rotated(const Quat& q, const float* v) { return eigen(rotate(q, Vec3{v[0], v[1], v[2]})); }
+
+/// Everything that joints can be, branching, from the world or free.
+std::vector<TreeLink> mixed(bool held) {
+    return {{-1, held ? TreeJoint::hinge : TreeJoint::free, 1, {0, 0}},
+            {0, TreeJoint::ball, 1, {0, 0}},
+            {0, TreeJoint::hinge, 0, {0, 0}},
+            {1, TreeJoint::fixed, 1, {0, 0}},
+            {1, TreeJoint::hinge, 1, {0, 0}},
+            {2, TreeJoint::ball, 0, {0, 0}},
+            {5, TreeJoint::ball, 1, {0, 0}}};
+}
+
+/// M Δ = Jᵀ λ, J Δ + R λ = target − J v by a dense factorization, for gaps that shall close at the rate β and bodies
+/// that do not spin.
+struct Dense {
+    Eigen::VectorXd velocity;
+    std::vector<Vector> forces;
+
+    Dense(TreeRig& rig, int tree, double beta) {
+        const int n = rig.linkCount();
+        std::vector<Eigen::RowVectorXd> rows;
+        std::vector<double> wanted;
+        Eigen::MatrixXd inverseMass = Eigen::MatrixXd::Zero(6 * n, 6 * n);
+        velocity = Eigen::VectorXd::Zero(6 * n);
+        std::vector<int> firstRow;
+        for (int l = 0; l < n; ++l) {
+            const BodyState& s = rig.before(tree, l);
+            const BodyInertia& i = rig.inertia(tree, l);
+            velocity.segment<3>(6 * l) = eigen(s.v);
+            velocity.segment<3>(6 * l + 3) = eigen(s.w);
+            inverseMass.block<3, 3>(6 * l, 6 * l) = Matrix::Identity() * s.invMass;
+            inverseMass.block<3, 3>(6 * l + 3, 6 * l + 3) << i.xx, i.xy, i.xz, i.xy, i.yy, i.yz, i.xz, i.yz, i.zz;
+        }
+        for (int l = 0; l < n; ++l) {
+            const TreeLink& link = rig.links()[static_cast<std::size_t>(l)];
+            firstRow.push_back(static_cast<int>(rows.size()));
+            if (link.joint == TreeJoint::free) continue;
+            const direct::TreeJointRow& joint = rig.joint(tree, l);
+            const BodyState c = rig.before(tree, l);
+            const BodyState p = link.parent < 0 ? BodyState{} : rig.before(tree, link.parent);
+            const Vector rC = rotated(c.dq, joint.anchorC), rP = rotated(p.dq, joint.anchorP);
+            const Vector gap = eigen(joint.offset) + eigen(c.dp) - eigen(p.dp) + rC - rP;
+            const Vector armC = rC - 0.5 * gap, armP = rP + 0.5 * gap;
+            const auto add = [&](const Vector& linear, const Vector& turn, double speed) {
+                Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(6 * n);
+                row.segment<3>(6 * l) = linear;
+                row.segment<3>(6 * l + 3) = armC.cross(linear) + turn;
+                if (link.parent >= 0) {
+                    row.segment<3>(6 * link.parent) = -linear;
+                    row.segment<3>(6 * link.parent + 3) = -armP.cross(linear) - turn;
+                }
+                rows.push_back(row);
+                wanted.push_back(speed);
+            };
+            for (int k = 0; k < 3; ++k) add(Vector::Unit(k), Vector::Zero(), -beta * gap[k]);
+            if (link.joint == TreeJoint::ball) continue;
+            const auto frame = [](const float* q) { return Quat{q[0], q[1], q[2], q[3]}; };
+            const Quat qC = c.dq * frame(joint.frameC), qP = p.dq * frame(joint.frameP);
+            const Vector xC = eigen(rotate(qC, {1, 0, 0})), xP = eigen(rotate(qP, {1, 0, 0}));
+            if (link.joint == TreeJoint::hinge) {
+                const Vector x = link.childIsB ? xC : xP, y = x.unitOrthogonal(), z = x.cross(y);
+                const Vector error = xP.cross(xC) * std::sqrt(2 / (1 + xP.dot(xC)));
+                for (const Vector& d : {y, z}) add(Vector::Zero(), d, -beta * d.dot(error));
+            } else {
+                const Quat q = qC * conjugate(qP);
+                const Vector error = 2.0 * Vector{q.x, q.y, q.z};
+                for (int k = 0; k < 3; ++k) add(Vector::Zero(), Vector::Unit(k), -beta * error[k]);
+            }
+        }
+        Eigen::MatrixXd j(static_cast<Eigen::Index>(rows.size()), 6 * n);
+        Eigen::VectorXd target(j.rows());
+        for (Eigen::Index i = 0; i < j.rows(); ++i) {
+            j.row(i) = rows[static_cast<std::size_t>(i)];
+            target[i] = wanted[static_cast<std::size_t>(i)];
+        }
+        Eigen::MatrixXd w = j * inverseMass * j.transpose();
+        // Points give way by 10⁻⁶ of their inverse masses, the mean of all directions.
+        for (int l = 0; l < n; ++l)
+            if (const int i = firstRow[static_cast<std::size_t>(l)];
+                rig.links()[static_cast<std::size_t>(l)].joint != TreeJoint::free)
+                w.block<3, 3>(i, i) += 1e-6 / 3 * w.block<3, 3>(i, i).trace() * Matrix::Identity();
+        const Eigen::VectorXd impulse = w.ldlt().solve(target - j * velocity);
+        velocity += inverseMass * j.transpose() * impulse;
+        for (int l = 0; l < n; ++l)
+            forces.push_back(rig.links()[static_cast<std::size_t>(l)].joint == TreeJoint::free
+                                 ? Vector::Zero().eval()
+                                 : impulse.segment<3>(firstRow[static_cast<std::size_t>(l)]).eval());
+    }
+};
+
+void stopSpins(TreeRig& rig, int trees) {
+    for (int tree = 0; tree < trees; ++tree)
+        for (int l = 0; l < rig.linkCount(); ++l) rig.state(tree, l).w = {};
+    rig.keep();
+}
+
+/// Largest difference from the dense solution, in units of its largest speed.
+double worstError(TreeRig& rig, int trees, double beta) {
+    double worst = 0;
+    for (int tree = 0; tree < trees; ++tree) {
+        const Dense dense(rig, tree, beta);
+        const double scale = dense.velocity.cwiseAbs().maxCoeff();
+        for (int l = 0; l < rig.linkCount(); ++l) {
+            const BodyState& s = rig.state(tree, l);
+            worst = std::max(worst, (eigen(s.v) - dense.velocity.segment<3>(6 * l)).cwiseAbs().maxCoeff() / scale);
+            worst = std::max(worst, (eigen(s.w) - dense.velocity.segment<3>(6 * l + 3)).cwiseAbs().maxCoeff() / scale);
+            const Vector force = eigen(rig.impulse(tree, l).force);
+            worst = std::max(worst, (force - dense.forces[static_cast<std::size_t>(l)]).cwiseAbs().maxCoeff() / scale);
+        }
+    }
+    return worst;
+}
+
+TEST(TreeElimination, AgreesWithADenseFactorization) {
+    for (const bool held : {true, false}) {
+        const direct::TreeTables& tables = direct::selectTreeKernels(8);
+        for (const TreeKernels* kernels : {&tables.single, &tables.twofold}) {
+            TreeRig rig(*kernels, mixed(held), 11);
+            stopSpins(rig, 11);
+            const Softness soft{40, 1, 0};
+            rig.begin();
+            rig.solve(kH, soft);
+            // Arms and frames of the reference are rounded to single precision; masses and arms make a condition of
+            // some hundreds, which in single precision comes in twice.
+            const double rounding = kernels == &tables.single ? 3e-4 : 1e-5;
+            EXPECT_LT(worstError(rig, 11, 40), rounding) << kernels->lanes << held;
+        }
+    }
+}
+
+TEST(TreeElimination, SameBitsInAnyLaneOfAnyWidth) {
+    constexpr int kTrees = 19;
+    for (const bool twofold : {false, true}) {
+        std::vector<BodyState> expected;
+        for (const int lanes : {4, 8, 16}) {
+            const direct::TreeTables& tables = direct::selectTreeKernels(lanes);
+            const TreeKernels& kernels = twofold ? tables.twofold : tables.single;
+            TreeRig rig(kernels, mixed(true), kTrees, 100);
+            rig.begin();
+            rig.solve(kH, {40, 1, 0});
+            rig.relax();
+            std::vector<BodyState> found;
+            for (int tree = 0; tree < kTrees; ++tree)
+                for (int l = 0; l < rig.linkCount(); ++l) found.push_back(rig.state(tree, l));
+            if (expected.empty()) expected = found;
+            EXPECT_EQ(0, std::memcmp(found.data(), expected.data(), found.size() * sizeof(BodyState))) << lanes;
+            // The first alone: all other lanes repeat it.
+            TreeRig alone(kernels, mixed(true), 1, 100);
+            alone.begin();
+            alone.solve(kH, {40, 1, 0});
+            alone.relax();
+            for (int l = 0; l < alone.linkCount(); ++l)
+                EXPECT_EQ(0,
+                          std::memcmp(&alone.state(0, l), &expected[static_cast<std::size_t>(l)], sizeof(BodyState)));
+        }
+    }
+}
+
+TEST(TreeElimination, FreeTreeKeepsItsMomentum) {
+    const direct::TreeTables& tables = direct::selectTreeKernels(8);
+    for (const TreeKernels* kernels : {&tables.single, &tables.twofold}) {
+        TreeRig rig(*kernels, mixed(false), 8);
+        rig.begin();
+        rig.solve(kH, {40, 1, 0});
+        for (int tree = 0; tree < 8; ++tree) {
+            Vector change = Vector::Zero();
+            double size = 0;
+            for (int l = 0; l < rig.linkCount(); ++l) {
+                const BodyState &now = rig.state(tree, l), &before = rig.before(tree, l);
+                const Vector gained = (eigen(now.v) - eigen(before.v)) / static_cast<double>(before.invMass);
+                change += gained;
+                size += gained.norm();
+            }
+            EXPECT_LT(change.norm(), 1e-5 * size) << tree;  // a few roundings of single velocities per body
+        }
+    }
+}
+
+TEST(TreeElimination, ErrorsVanishWhenTheSubstepEnds) {
+    const TreeKernels& kernels = direct::selectTreeKernels(8).twofold;
+    TreeRig rig(kernels, test::figure(4, 4), 4);
+    rig.begin();
+    rig.solve(kH, {1 / kH, 1, 0});
+    for (int tree = 0; tree < 4; ++tree)
+        for (int l = 1; l < rig.linkCount(); ++l) {
+            const int parent = rig.links()[static_cast<std::size_t>(l)].parent;
+            const direct::TreeJointRow& joint = rig.joint(tree, l);
+            const auto moved = [](const BodyState& s, const float* anchor) {
+                const Vec3 half = 0.5f * kH * s.w;
+                const Quat dq = normalized(Quat{half.x, half.y, half.z, 1} * s.dq);
+                return Vector(eigen(s.dp) + static_cast<double>(kH) * eigen(s.v) + rotated(dq, anchor));
+            };
+            const Vector gap = eigen(joint.offset) + moved(rig.state(tree, l), joint.anchorC) -
+                               moved(rig.state(tree, parent), joint.anchorP);
+            // What remains is of second order in the change of spin within the substep: 0.3 m · (0.1 rad)² / 2 at most.
+            EXPECT_LT(gap.norm(), 2e-3) << tree << ' ' << l;
+        }
+}
+
+TEST(TreeElimination, WhatHasNoAnswerIsLeftAlone) {
+    const TreeKernels& kernels = direct::selectTreeKernels(8).single;
+    TreeRig rig(kernels, test::figure(2, 3), 8);
+    rig.state(3, 2).w = {NAN, 0, 0};
+    rig.keep();
+    rig.begin();
+    rig.solve(kH, {40, 1, 0});
+    EXPECT_EQ(rig.groupOf(3).failed, 1u << (3 % kernels.lanes));
+    for (int l = 0; l < rig.linkCount(); ++l) {
+        EXPECT_EQ(rig.state(3, l).v, rig.before(3, l).v);
+        EXPECT_NE(rig.state(4, l).v, rig.before(4, l).v);
+    }
+}
+
+}  // namespace
+}  // namespace ragtop

@@ -1,0 +1,156 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "world_support.h"
+
+namespace ragtop {
+namespace {
+
+using namespace test;
+
+/// Links of 1 kg and 0.5 m let go horizontally, a ball of `ratio` kg at their end, all on one kind of joint.
+struct Chain {
+    std::vector<BodyId> bodies;
+    std::vector<JointId> joints;
+
+    Chain(World& world, int links, float ratio, double z = 0, bool hinges = false,
+          float breakForce = std::numeric_limits<float>::infinity()) {
+        constexpr float kLength = 0.5f;
+        const Quat along = rotationBetween({0, 1, 0}, {1, 0, 0});
+        for (int i = 0; i <= links; ++i) {
+            const bool last = i == links;
+            BodyDef def = last ? bodyDef(Sphere{0.25f}, {i * 0.5 + 0.25, 0, z})
+                               : bodyDef(Capsule{0.05f, 0.2f}, {i * 0.5 + 0.25, 0, z});
+            if (!last) def.pose.rotation = along;
+            for (ShapeDef& shape : def.shapes) shape.filter.mask = 0;
+            const BodyId body = world.create(def);
+            MassProperties mass = world.mass(body);
+            const float scale = (last ? ratio : 1) / mass.mass;
+            mass.mass *= scale;
+            for (Vec3* column : {&mass.inertia.cx, &mass.inertia.cy, &mass.inertia.cz}) *column *= scale;
+            world.setMass(body, mass);
+            // Frames whose x axes lie along z.
+            const Quat aboutZ = rotationBetween({1, 0, 0}, {0, 0, 1});
+            JointBodies joined{.b = body};
+            joined.breakForce = breakForce;
+            if (bodies.empty()) {
+                joined.frameA = {{0, 0, static_cast<float>(z)}, aboutZ};
+            } else {
+                joined.a = bodies.back();
+                joined.frameA = {{0, 0.5f * kLength, 0}, conjugate(along) * aboutZ};
+            }
+            const Vec3 arm = last ? Vec3{-0.25f, 0, 0} : Vec3{0, -0.5f * kLength, 0};
+            joined.frameB = {arm, last ? aboutZ : conjugate(along) * aboutZ};
+            joints.push_back(hinges ? world.create(HingeDef{.bodies = joined})
+                                    : world.create(BallDef{.bodies = joined}));
+            bodies.push_back(body);
+        }
+    }
+    float largestGap(const World& world) const {
+        float gap = 0;
+        for (const JointId joint : joints)
+            if (world.isValid(joint)) gap = std::max(gap, world.state(joint).gap);
+        return gap;
+    }
+};
+
+double energyOf(const World& world, const Chain& chain) {
+    double energy = 0;
+    for (const BodyId body : chain.bodies) {
+        const Vec3 v = world.linearVelocity(body), l = angularMomentum(world, body);
+        energy += 0.5 * static_cast<double>(world.mass(body).mass * dot(v, v) + dot(l, world.angularVelocity(body))) +
+                  static_cast<double>(world.mass(body).mass * kGravity) * world.centerOfMass(body).y;
+    }
+    return energy;
+}
+
+TEST(TreesOfJoints, HeavyChainsSwingWithoutGapsOrLossOfEnergy) {
+    for (const bool hinges : {false, true}) {
+        World world(withoutSleep());
+        const Chain chain(world, 12, 1000, 0, hinges);
+        const double before = energyOf(world, chain), drop = 1000.0 * 9.81 * 6;
+        run(world, 3, kDt, [&] { ASSERT_LT(chain.largestGap(world), 1e-3f) << hinges; });
+        EXPECT_NEAR(energyOf(world, chain), before, 0.01 * drop) << hinges;
+        const auto islands = world.stats().islands;
+        ASSERT_EQ(islands.size(), 1u);
+        EXPECT_STREQ(islands[0].reason, "taut");
+        EXPECT_TRUE(islands[0].solved);
+        // Four substeps of one elimination, or two where it is very taut, and a pass after each.
+        EXPECT_LE(islands[0].iterations, 12);
+    }
+}
+
+TEST(TreesOfJoints, TensionOfAHangingChainIsItsWeight) {
+    World world(withoutSleep());
+    const Chain chain(world, 8, 100);
+    for (std::size_t i = 0; i < chain.bodies.size(); ++i)
+        world.setPose(chain.bodies[i],
+                      {{0, -0.5 * static_cast<double>(i) - 0.25, 0},
+                       i == 8 ? rotationBetween({1, 0, 0}, {0, -1, 0}) : rotationBetween({0, 1, 0}, {0, -1, 0})});
+    run(world, 2);
+    for (std::size_t i = 0; i < chain.joints.size(); ++i) {
+        const float weight = (100 + static_cast<float>(8 - i)) * kGravity;
+        EXPECT_NEAR(length(world.state(chain.joints[i]).force), weight, 1e-3f * weight) << i;
+    }
+}
+
+/// Chains of two lengths, one of them of hinges: groups of several trees, and one that is alone.
+std::vector<DVec3> placesAfter(const WorldConfig& config, int company, double seconds) {
+    World world(withoutSleep(), config);
+    const Chain first(world, 9, 300);
+    std::vector<Chain> others;
+    for (int i = 0; i < company; ++i)
+        others.emplace_back(world, i % 3 == 2 ? 11 : 9, 300.0f + i, 2.0 * i + 2, i % 4 == 3);
+    run(world, seconds);
+    std::vector<DVec3> places;
+    for (const BodyId body : first.bodies) places.push_back(world.centerOfMass(body));
+    return places;
+}
+
+TEST(TreesOfJoints, CompanyAndLanesChangeNoBit) {
+    const std::vector<DVec3> alone = placesAfter({.lanes = 4}, 0, 1.5);
+    for (const int lanes : {4, 8, 16})
+        for (const int company : {0, 13}) EXPECT_EQ(placesAfter({.lanes = lanes}, company, 1.5), alone) << lanes;
+}
+
+TEST(TreesOfJoints, RestoredWorldGoesOnBitForBit) {
+    World world(withoutSleep());
+    const Chain chain(world, 10, 500), other(world, 6, 500, 3, true);
+    run(world, 1);
+    std::vector<std::byte> state(world.saveSize());
+    world.save(state);
+    run(world, 1);
+    const std::uint64_t expected = world.hash();
+    world.restore(state);
+    run(world, 1);
+    EXPECT_EQ(world.hash(), expected);
+}
+
+TEST(TreesOfJoints, HingesCountTheirTurns) {
+    World world(withoutSleep());
+    const Chain chain(world, 8, 20, 0, true);
+    // Its neighbours are too light to keep the ball from going round, by 0.67 rad per step at first.
+    world.setVelocity(chain.bodies.back(), {0, 0, 0}, {0, 0, 40});
+    float last = 0, farthest = 0;
+    run(world, 1, kDt, [&] {
+        const float now = world.state(chain.joints.back()).coordinate;
+        EXPECT_LT(std::fabs(now - last), 0.5f * kPi);
+        last = now;
+        farthest = std::max(farthest, std::fabs(now));
+    });
+    EXPECT_GT(farthest, kPi);
+}
+
+TEST(TreesOfJoints, ChainBreaksWhereItsLoadIsTooLarge) {
+    World world(withoutSleep());
+    const Chain chain(world, 8, 100, 0, false, 500);
+    run(world, 1);
+    EXPECT_FALSE(world.isValid(chain.joints.front()));
+}
+
+}  // namespace
+}  // namespace ragtop
