@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <string>
 
@@ -10,7 +11,6 @@
 namespace ragtop::test {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
 const Quat kAboutZ = rotationBetween({1, 0, 0}, {0, 0, 1});
 
 WorldSettings settingsFor(int solver, bool gravity) {
@@ -25,7 +25,7 @@ ReachPolygon concave() {
     const double corners[][2] = {{0, 70}, {45, 20}, {90, 80}, {150, 60}, {180, 25}, {225, 70}, {290, 40}};
     ReachPolygon polygon;
     for (const auto& corner : corners) {
-        const double about = corner[0] * kPiDouble / 180, from = corner[1] * kPiDouble / 180;
+        const double about = corner[0] * std::numbers::pi / 180, from = corner[1] * std::numbers::pi / 180;
         polygon.corners[static_cast<std::size_t>(polygon.count++)] = {
             toVec3(DVec3{std::cos(from), std::sin(from) * std::cos(about), std::sin(from) * std::sin(about)}),
             {-0.5f, 0.7f}};
@@ -94,7 +94,7 @@ TEST(WorldJointParts, SpringsAreTheSameInBothSolvers) {
             BodyDef body = bodyDef(Sphere{0.2f}, {});
             body.mass = MassProperties{2, {}, {{0.1f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0.1f}}};
             const BodyId wheel = world.create(body);
-            const double omega = 2 * kPiDouble * 2;
+            const double omega = 2 * std::numbers::pi * 2;
             HingeDef def;
             def.bodies = {.b = wheel, .frameA = {{}, kAboutZ}, .frameB = {{}, kAboutZ}};
             def.spring = Spring{static_cast<float>(0.1 * omega * omega), static_cast<float>(2 * zeta * 0.1 * omega)};
