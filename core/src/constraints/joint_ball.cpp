@@ -246,6 +246,51 @@ void solveTurnStop(StopSide& side, const Vec3& axis, BallTurn& turn, const BallR
     turn.add(solveRow(side.impulse, aim, speed, inverseMass, context) * axis);
 }
 
+/// An overstepped stop that brings its margin back; asked in the pass that moves.
+bool isRecovering(const StopSide& side) { return side.margin < 0 && side.impulse > 0; }
+bool isRecovering(const BallRows& rows) {
+    if (rows.stop.stiffness > 0) return false;
+    bool recovers = false;
+    if (rows.features & BallRows::kTwist) recovers = isRecovering(rows.twistLower) || isRecovering(rows.twistUpper);
+    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) recovers = recovers || isRecovering(rows.swing[i]);
+    return recovers;
+}
+
+/// Takes what a recovering stop asks for out of the rotation.
+void hold(const StopSide& side, const Vec3& axis, const RigidBlock& block, Vec3& rotation) {
+    const Vec3 response = block.mass.rest * axis;
+    const float inverseMass = dot(axis, response), speed = dot(axis, rotation);
+    if (!isRecovering(side) || !(inverseMass > block.noise) || !(speed > 0)) return;
+    rotation -= (speed / inverseMass) * response;
+}
+
+/// The energy ½ ω · P⁻¹ ω that the relative rotation would have if nothing out of place were brought back, neither the
+/// point nor a margin.
+void noteEnergy(BallRows& rows, const BallTurn& turn, const BodyPair& pair, const Arms& arms) {
+    rows.mostEnergy = kNoForceLimit;
+    if (!isRecovering(rows)) return;
+    const RigidBlock& block = turn.block;
+    const PairVector u = pair.velocity(arms);
+    BodyPair still = pair;
+    still.apply(arms, {-solve(block.mass.first, u.linear), {}});
+    Vec3 rotation = turn.speed + (still.velocity(arms).angular - u.angular);
+    if (rows.features & BallRows::kTwist) {
+        hold(rows.twistLower, rows.twistAxis, block, rotation);
+        hold(rows.twistUpper, -rows.twistAxis, block, rotation);
+    }
+    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) hold(rows.swing[i], rows.swingAxis[i], block, rotation);
+    rows.mostEnergy = 0.5f * dot(rotation, solve(block.second, rotation));
+}
+
+/// A cone that closes on what turns in it would spin it up, as arms drawn in spin up a skater. Coming back from beyond a
+/// limit is to add no energy: the relative rotation is slowed down to what it had.
+void shedEnergy(const BallRows& rows, BallTurn& turn) {
+    if (!(rows.mostEnergy < kNoForceLimit)) return;
+    const Vec3 momentum = solve(turn.block.second, turn.speed);
+    const float energy = 0.5f * dot(turn.speed, momentum);
+    if (energy > rows.mostEnergy) turn.add((std::sqrt(rows.mostEnergy / energy) - 1) * momentum);
+}
+
 }  // namespace
 
 void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias) {
@@ -269,6 +314,12 @@ void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, boo
     if (rows.features & BallRows::kSwing)
         for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
             solveTurnStop(rows.swing[i], rows.swingAxis[i], turn, rows, context, useBias);
+    if (rows.features & (BallRows::kTwist | BallRows::kSwing)) {
+        if (useBias)
+            noteEnergy(rows, turn, pair, joint.arms);
+        else
+            shedEnergy(rows, turn);
+    }
     const Vec3 force = -(block.mass.gain * turn.total);
     block.impulseFirst += force;
     pair.apply(joint.arms, {force, turn.total});

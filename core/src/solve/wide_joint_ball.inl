@@ -190,8 +190,48 @@ struct WideBallTurn {
         total = select(lanes, total + impulse, total);
         speed = select(lanes, speed + rest * impulse, speed);
     }
-    RAGTOP_INLINE void solve(const WideTurns<N>& turns, const WideFactor<N>& second, const JointContext& context,
-                             bool moving) {
+    RAGTOP_INLINE Mask<N> isRecovering(int side) const {
+        return (j.at(side + RAGTOP_STOP_FIELD(margin)) < 0.0f) & (j.at(side + RAGTOP_STOP_FIELD(impulse)) > 0.0f);
+    }
+    RAGTOP_INLINE void hold(int side, const WideVec3<N>& axis, WideVec3<N>& rotation) const {
+        const WideVec3<N> response = rest * axis;
+        const Lanes<N> inverseMass = dot(axis, response), along = dot(axis, rotation);
+        const Mask<N> lanes = isRecovering(side) & (inverseMass > noise) & (along > 0.0f);
+        rotation = select(lanes, rotation - (along / inverseMass) * response, rotation);
+    }
+    RAGTOP_INLINE void noteEnergy(const WideTurns<N>& turns, const WideFactor<N>& first, const WideFactor<N>& second) {
+        constexpr int kMost = RAGTOP_JOINT_FIELD(ball.mostEnergy), kLower = RAGTOP_JOINT_FIELD(ball.twistLower),
+                      kUpper = RAGTOP_JOINT_FIELD(ball.twistUpper), kSwing = RAGTOP_JOINT_FIELD(ball.swing[0]);
+        const Lanes<N> all(kNoForceLimit);
+        const bool twists = j.bundle.features & BallRows::kTwist, swings = j.bundle.features & BallRows::kSwing;
+        Mask<N> recovers = all < all;
+        if (twists) recovers = isRecovering(kLower) | isRecovering(kUpper);
+        if (swings) recovers = recovers | isRecovering(kSwing);
+        j.set(kMost, all);
+        if (!any(recovers)) return;
+        WideJoint<N> still = j;
+        still.apply(-solveFor(first, j.linearVelocity()), nothing<N>());
+        WideVec3<N> rotation = speed + (still.angularVelocity() - j.angularVelocity());
+        if (twists) {
+            hold(kLower, turns.twistAxis, rotation);
+            hold(kUpper, -turns.twistAxis, rotation);
+        }
+        if (swings) hold(kSwing, turns.swingAxis, rotation);
+        j.set(kMost, select(recovers, 0.5f * dot(rotation, solveFor(second, rotation)), all));
+    }
+    RAGTOP_INLINE void shedEnergy(const WideFactor<N>& second) {
+        const Lanes<N> most = j.at(RAGTOP_JOINT_FIELD(ball.mostEnergy));
+        const Mask<N> limited = most < Lanes<N>(kNoForceLimit);
+        if (!any(limited)) return;
+        const WideVec3<N> momentum = solveFor(second, speed);
+        const Lanes<N> energy = 0.5f * dot(speed, momentum);
+        const Mask<N> lanes = limited & (energy > most);
+        const WideVec3<N> impulse = (sqrt(most / energy) - Lanes<N>(1.0f)) * momentum;
+        total = select(lanes, total + impulse, total);
+        speed = select(lanes, speed + rest * impulse, speed);
+    }
+    RAGTOP_INLINE void solve(const WideTurns<N>& turns, const WideFactor<N>& first, const WideFactor<N>& second,
+                             const JointContext& context, bool moving) {
         const std::uint32_t features = j.bundle.features;
         const Lanes<N> zero(0.0f), h(context.h);
         const int pass = moving ? 0 : 1;
@@ -210,6 +250,11 @@ struct WideBallTurn {
             stop(RAGTOP_JOINT_FIELD(ball.twistUpper), -turns.twistAxis, context, moving);
         }
         if (features & BallRows::kSwing) stop(RAGTOP_JOINT_FIELD(ball.swing[0]), turns.swingAxis, context, moving);
+        if (!(features & (BallRows::kSwing | BallRows::kTwist))) return;
+        if (moving)
+            noteEnergy(turns, first, second);
+        else
+            shedEnergy(second);
     }
 };
 
