@@ -248,42 +248,49 @@ void solveTurnStop(StopSide& side, const Vec3& axis, BallTurn& turn, const BallR
 
 /// An overstepped stop that brings its margin back; asked in the pass that moves.
 bool isRecovering(const StopSide& side) { return side.margin < 0 && side.impulse > 0; }
-bool isRecovering(const BallRows& rows) {
-    if (rows.stop.stiffness > 0) return false;
-    bool recovers = false;
-    if (rows.features & BallRows::kTwist) recovers = isRecovering(rows.twistLower) || isRecovering(rows.twistUpper);
-    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) recovers = recovers || isRecovering(rows.swing[i]);
-    return recovers;
-}
 
-/// Takes what a recovering stop asks for out of the rotation.
-void hold(const StopSide& side, const Vec3& axis, const RigidBlock& block, Vec3& rotation) {
-    const Vec3 response = block.mass.rest * axis;
-    const float inverseMass = dot(axis, response), speed = dot(axis, rotation);
-    if (!isRecovering(side) || !(inverseMass > block.noise) || !(speed > 0)) return;
-    rotation -= (speed / inverseMass) * response;
-}
+/// Takes the rates about some axes out of a rotation, n · ω = 0, by impulses about them: each axis is first made
+/// P-orthogonal to those before it.
+struct HeldAxes {
+    const RigidBlock& block;
+    Vec3 rotation;
+    Vec3 axes[1 + SwingLimit::kSides], responses[1 + SwingLimit::kSides];
+    float inverseMasses[1 + SwingLimit::kSides];
+    int count = 0;
+
+    void hold(Vec3 axis) {
+        for (int i = 0; i < count; ++i) axis -= (dot(axis, responses[i]) / inverseMasses[i]) * axes[i];
+        const Vec3 response = block.mass.rest * axis;
+        const float inverseMass = dot(axis, response);
+        if (!(inverseMass > block.noise)) return;
+        rotation -= (dot(axis, rotation) / inverseMass) * response;
+        axes[count] = axis;
+        responses[count] = response;
+        inverseMasses[count++] = inverseMass;
+    }
+};
 
 /// The energy ½ ω · P⁻¹ ω that the relative rotation would have if nothing out of place were brought back, neither the
 /// point nor a margin.
 void noteEnergy(BallRows& rows, const BallTurn& turn, const BodyPair& pair, const Arms& arms) {
     rows.mostEnergy = kNoForceLimit;
-    if (!isRecovering(rows)) return;
-    const RigidBlock& block = turn.block;
+    const bool twists =
+        (rows.features & BallRows::kTwist) && (isRecovering(rows.twistLower) || isRecovering(rows.twistUpper));
+    bool recovers = twists;
+    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) recovers = recovers || isRecovering(rows.swing[i]);
+    if (!recovers || rows.stop.stiffness > 0) return;
     const PairVector u = pair.velocity(arms);
     BodyPair still = pair;
-    still.apply(arms, {-solve(block.mass.first, u.linear), {}});
-    Vec3 rotation = turn.speed + (still.velocity(arms).angular - u.angular);
-    if (rows.features & BallRows::kTwist) {
-        hold(rows.twistLower, rows.twistAxis, block, rotation);
-        hold(rows.twistUpper, -rows.twistAxis, block, rotation);
-    }
-    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) hold(rows.swing[i], rows.swingAxis[i], block, rotation);
-    rows.mostEnergy = 0.5f * dot(rotation, solve(block.second, rotation));
+    still.apply(arms, {-solve(turn.block.mass.first, u.linear), {}});
+    HeldAxes held{turn.block, turn.speed + (still.velocity(arms).angular - u.angular), {}, {}, {}};
+    if (twists) held.hold(rows.twistAxis);
+    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
+        if (isRecovering(rows.swing[i])) held.hold(rows.swingAxis[i]);
+    rows.mostEnergy = 0.5f * dot(held.rotation, solve(turn.block.second, held.rotation));
 }
 
-/// A cone that closes on what turns in it would spin it up, as arms drawn in spin up a skater. Coming back from beyond a
-/// limit is to add no energy: the relative rotation is slowed down to what it had.
+/// A cone that closes on what turns in it would spin it up, as arms drawn in spin up a skater. Coming back from beyond
+/// a limit is to add no energy: the relative rotation is slowed down to what it had.
 void shedEnergy(const BallRows& rows, BallTurn& turn) {
     if (!(rows.mostEnergy < kNoForceLimit)) return;
     const Vec3 momentum = solve(turn.block.second, turn.speed);

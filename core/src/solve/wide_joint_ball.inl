@@ -193,31 +193,43 @@ struct WideBallTurn {
     RAGTOP_INLINE Mask<N> isRecovering(int side) const {
         return (j.at(side + RAGTOP_STOP_FIELD(margin)) < 0.0f) & (j.at(side + RAGTOP_STOP_FIELD(impulse)) > 0.0f);
     }
-    RAGTOP_INLINE void hold(int side, const WideVec3<N>& axis, WideVec3<N>& rotation) const {
+    /// As HeldAxes::hold of the twist and of the swing after it.
+    RAGTOP_INLINE WideVec3<N> heldRotation(const WideTurns<N>& turns, Mask<N> twists, Mask<N> swings,
+                                           WideVec3<N> rotation) const {
+        if (j.bundle.features & BallRows::kTwist) {
+            const WideVec3<N> response = rest * turns.twistAxis;
+            const Lanes<N> inverseMass = dot(turns.twistAxis, response);
+            twists = twists & (inverseMass > noise);
+            rotation =
+                select(twists, rotation - (dot(turns.twistAxis, rotation) / inverseMass) * response, rotation);
+            if (!(j.bundle.features & BallRows::kSwing)) return rotation;
+            const WideVec3<N> across =
+                turns.swingAxis - (dot(turns.swingAxis, response) / inverseMass) * turns.twistAxis;
+            return heldSwing(select(twists, across, turns.swingAxis), swings, rotation);
+        }
+        return heldSwing(turns.swingAxis, swings, rotation);
+    }
+    RAGTOP_INLINE WideVec3<N> heldSwing(const WideVec3<N>& axis, Mask<N> swings, const WideVec3<N>& rotation) const {
         const WideVec3<N> response = rest * axis;
-        const Lanes<N> inverseMass = dot(axis, response), along = dot(axis, rotation);
-        const Mask<N> lanes = isRecovering(side) & (inverseMass > noise) & (along > 0.0f);
-        rotation = select(lanes, rotation - (along / inverseMass) * response, rotation);
+        const Lanes<N> inverseMass = dot(axis, response);
+        return select(swings & (inverseMass > noise), rotation - (dot(axis, rotation) / inverseMass) * response,
+                      rotation);
     }
     RAGTOP_INLINE void noteEnergy(const WideTurns<N>& turns, const WideFactor<N>& first, const WideFactor<N>& second) {
-        constexpr int kMost = RAGTOP_JOINT_FIELD(ball.mostEnergy), kLower = RAGTOP_JOINT_FIELD(ball.twistLower),
-                      kUpper = RAGTOP_JOINT_FIELD(ball.twistUpper), kSwing = RAGTOP_JOINT_FIELD(ball.swing[0]);
+        constexpr int kMost = RAGTOP_JOINT_FIELD(ball.mostEnergy);
         const Lanes<N> all(kNoForceLimit);
-        const bool twists = j.bundle.features & BallRows::kTwist, swings = j.bundle.features & BallRows::kSwing;
-        Mask<N> recovers = all < all;
-        if (twists) recovers = isRecovering(kLower) | isRecovering(kUpper);
-        if (swings) recovers = recovers | isRecovering(kSwing);
+        Mask<N> twists = all < all, swings = twists;
+        if (j.bundle.features & BallRows::kTwist)
+            twists = isRecovering(RAGTOP_JOINT_FIELD(ball.twistLower)) |
+                     isRecovering(RAGTOP_JOINT_FIELD(ball.twistUpper));
+        if (j.bundle.features & BallRows::kSwing) swings = isRecovering(RAGTOP_JOINT_FIELD(ball.swing[0]));
         j.set(kMost, all);
-        if (!any(recovers)) return;
+        if (!any(twists | swings)) return;
         WideJoint<N> still = j;
         still.apply(-solveFor(first, j.linearVelocity()), nothing<N>());
-        WideVec3<N> rotation = speed + (still.angularVelocity() - j.angularVelocity());
-        if (twists) {
-            hold(kLower, turns.twistAxis, rotation);
-            hold(kUpper, -turns.twistAxis, rotation);
-        }
-        if (swings) hold(kSwing, turns.swingAxis, rotation);
-        j.set(kMost, select(recovers, 0.5f * dot(rotation, solveFor(second, rotation)), all));
+        const WideVec3<N> closed = speed + (still.angularVelocity() - j.angularVelocity());
+        const WideVec3<N> rotation = heldRotation(turns, twists, swings, closed);
+        j.set(kMost, select(twists | swings, 0.5f * dot(rotation, solveFor(second, rotation)), all));
     }
     RAGTOP_INLINE void shedEnergy(const WideFactor<N>& second) {
         const Lanes<N> most = j.at(RAGTOP_JOINT_FIELD(ball.mostEnergy));
