@@ -271,21 +271,19 @@ struct HeldAxes {
 };
 
 /// The energy ½ ω · P⁻¹ ω that the relative rotation would have if nothing out of place were brought back, neither the
-/// point nor a margin.
+/// point nor a margin: what acts would hold.
 void noteEnergy(BallRows& rows, const BallTurn& turn, const BodyPair& pair, const Arms& arms) {
     rows.mostEnergy = kNoForceLimit;
-    const bool twists =
-        (rows.features & BallRows::kTwist) && (isRecovering(rows.twistLower) || isRecovering(rows.twistUpper));
-    bool recovers = twists;
+    bool recovers = isRecovering(rows.twistLower) || isRecovering(rows.twistUpper);
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) recovers = recovers || isRecovering(rows.swing[i]);
     if (!recovers || rows.stop.stiffness > 0) return;
     const PairVector u = pair.velocity(arms);
     BodyPair still = pair;
     still.apply(arms, {-solve(turn.block.mass.first, u.linear), {}});
     HeldAxes held{turn.block, turn.speed + (still.velocity(arms).angular - u.angular), {}, {}, {}};
-    if (twists) held.hold(rows.twistAxis);
+    if (rows.twistLower.impulse > 0 || rows.twistUpper.impulse > 0) held.hold(rows.twistAxis);
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
-        if (isRecovering(rows.swing[i])) held.hold(rows.swingAxis[i]);
+        if (rows.swing[i].impulse > 0) held.hold(rows.swingAxis[i]);
     rows.mostEnergy = 0.5f * dot(held.rotation, solve(turn.block.second, held.rotation));
 }
 

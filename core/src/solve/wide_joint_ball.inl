@@ -190,9 +190,6 @@ struct WideBallTurn {
         total = select(lanes, total + impulse, total);
         speed = select(lanes, speed + rest * impulse, speed);
     }
-    RAGTOP_INLINE Mask<N> isRecovering(int side) const {
-        return (j.at(side + RAGTOP_STOP_FIELD(margin)) < 0.0f) & (j.at(side + RAGTOP_STOP_FIELD(impulse)) > 0.0f);
-    }
     /// As HeldAxes::hold of the twist and of the swing after it.
     RAGTOP_INLINE WideVec3<N> heldRotation(const WideTurns<N>& turns, Mask<N> twists, Mask<N> swings,
                                            WideVec3<N> rotation) const {
@@ -218,18 +215,24 @@ struct WideBallTurn {
     RAGTOP_INLINE void noteEnergy(const WideTurns<N>& turns, const WideFactor<N>& first, const WideFactor<N>& second) {
         constexpr int kMost = RAGTOP_JOINT_FIELD(ball.mostEnergy);
         const Lanes<N> all(kNoForceLimit);
-        Mask<N> twists = all < all, swings = twists;
-        if (j.bundle.features & BallRows::kTwist)
-            twists = isRecovering(RAGTOP_JOINT_FIELD(ball.twistLower)) |
-                     isRecovering(RAGTOP_JOINT_FIELD(ball.twistUpper));
-        if (j.bundle.features & BallRows::kSwing) swings = isRecovering(RAGTOP_JOINT_FIELD(ball.swing[0]));
+        Mask<N> recovers = all < all, twists = recovers, swings = recovers;
+        const auto consider = [&](int side, Mask<N>& acts) {
+            const Mask<N> pushes = j.at(side + RAGTOP_STOP_FIELD(impulse)) > 0.0f;
+            acts = acts | pushes;
+            recovers = recovers | (pushes & (j.at(side + RAGTOP_STOP_FIELD(margin)) < 0.0f));
+        };
+        if (j.bundle.features & BallRows::kTwist) {
+            consider(RAGTOP_JOINT_FIELD(ball.twistLower), twists);
+            consider(RAGTOP_JOINT_FIELD(ball.twistUpper), twists);
+        }
+        if (j.bundle.features & BallRows::kSwing) consider(RAGTOP_JOINT_FIELD(ball.swing[0]), swings);
         j.set(kMost, all);
-        if (!any(twists | swings)) return;
+        if (!any(recovers)) return;
         WideJoint<N> still = j;
         still.apply(-solveFor(first, j.linearVelocity()), nothing<N>());
         const WideVec3<N> closed = speed + (still.angularVelocity() - j.angularVelocity());
         const WideVec3<N> rotation = heldRotation(turns, twists, swings, closed);
-        j.set(kMost, select(twists | swings, 0.5f * dot(rotation, solveFor(second, rotation)), all));
+        j.set(kMost, select(recovers, 0.5f * dot(rotation, solveFor(second, rotation)), all));
     }
     RAGTOP_INLINE void shedEnergy(const WideFactor<N>& second) {
         const Lanes<N> most = j.at(RAGTOP_JOINT_FIELD(ball.mostEnergy));
