@@ -95,6 +95,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       directSeen(memory),
       ledger(memory),
       bodyFlags(memory),
+      tightNow(memory),
       sweptImpacts(memory),
       startPoses(memory),
       begins(memory),
