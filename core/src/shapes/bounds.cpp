@@ -8,16 +8,13 @@
 namespace ragtop {
 namespace {
 
-/// The neighbouring float above; the same bits everywhere without the C library.
-float nextUp(float v) {
-    if (v == 0) return std::numeric_limits<float>::denorm_min();
-    const auto bits = std::bit_cast<std::uint32_t>(v);
-    return std::bit_cast<float>(v > 0 ? bits + 1 : bits - 1);
-}
-/// The least float that is not below v, and the greatest not above it.
+/// The least float that is not below v, and the greatest not above it: the same bits everywhere without the C library,
+/// and without a branch that is as often taken as not. The neighbour above has one more in its bits, of a negative float
+/// one less; what rounds down to zero is positive.
 float roundedUp(double v) {
     const float f = static_cast<float>(v);
-    return f < v ? nextUp(f) : f;
+    const auto bits = std::bit_cast<std::uint32_t>(f), below = static_cast<std::uint32_t>(f < v);
+    return std::bit_cast<float>(bits + below - 2 * (below & (bits >> 31)));
 }
 float roundedDown(double v) { return -roundedUp(-v); }
 

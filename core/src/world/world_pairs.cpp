@@ -66,6 +66,7 @@ void WorldImpl::giveRoom(std::uint32_t index) {
 /// Adds what each body has moved to its travel. Bounds that were left are enlarged in place; their shapes look for
 /// partners in the next step.
 void WorldImpl::refitBounds() {
+    boundsNow.resizeForOverwrite(shapes.size());
     runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const auto place = static_cast<std::size_t>(i);
@@ -78,9 +79,10 @@ void WorldImpl::refitBounds() {
             body.room -= way;
             body.refitted = false;
             if (length(states[awakeBodies[place]].v) * dt < body.room) continue;
-            for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next)
-                if (!contains(tree(shapes[s]).bounds(shapes[s].proxy), tightBounds(shapes[s], dt)))
-                    bodyFlags[place] = 1;
+            for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
+                boundsNow[s] = tightBounds(shapes[s], dt);
+                if (!contains(tree(shapes[s]).bounds(shapes[s].proxy), boundsNow[s])) bodyFlags[place] = 1;
+            }
             body.refitted = bodyFlags[place] != 0;
         }
     });
@@ -89,9 +91,8 @@ void WorldImpl::refitBounds() {
         giveRoom(awakeBodies[i]);
         for (std::uint32_t s = bodies[awakeBodies[i]].firstShape; s != kNone; s = shapes[s].next) {
             const ShapeRecord& shape = shapes[s];
-            const Bounds tight = tightBounds(shape, dt);
-            if (contains(tree(shape).bounds(shape.proxy), tight)) continue;
-            tree(shape).enlarge(shape.proxy, enlarged(tight, tuning::kFatMargin * shape.size));
+            if (contains(tree(shape).bounds(shape.proxy), boundsNow[s])) continue;
+            tree(shape).enlarge(shape.proxy, enlarged(boundsNow[s], tuning::kFatMargin * shape.size));
             markMoved(s);
         }
     }
