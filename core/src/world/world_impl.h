@@ -122,6 +122,7 @@ struct WorldImpl {
     void refreshSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
     void writeLane(const ContactRecord& contact, const ManifoldRecord& manifold);
     void saveLane(ManifoldRecord& manifold);
+    void noteGraphChange(GraphPlace place);
     void addToGraph(std::uint32_t manifold);
     void removeFromGraph(std::uint32_t manifold);
     void addJointToGraph(std::uint32_t joint);
@@ -135,6 +136,7 @@ struct WorldImpl {
     void hideSeams();
     void hideSeam(const ContactRecord& contact);
     bool mayBeSeam(const ContactRecord& contact) const;
+    bool bearsLoad(const ManifoldRecord& manifold) const;
     bool closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const;
     bool slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const;
     struct TouchedPlane {
@@ -352,6 +354,8 @@ struct WorldImpl {
     double time = 0;
     float lastSubstep = 0;
     bool graphChanged = true;      ///< since solvers were chosen, as far as bearings are concerned
+    bool directChanged = true;     ///< the same where a direct island has part in it
+    std::uint64_t choiceStep = 0;  ///< in which solvers were chosen
     bool structureChanged = true;  ///< the same for bodies and joints that were made, moved or woken
 
     // Derived from the state, or of the current step only.

@@ -220,8 +220,9 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
         } else if (large || island.last == direct::Reason::deep) {
             // Worth it at rest alone.
             island.staying = 0;
-        } else if (island.staying > 0 && --island.staying > 0) {
-            island.reason = direct::Reason::staying;
+        } else if (island.staying > 0) {
+            island.staying = std::max(island.staying - elapsed, 0);
+            if (island.staying > 0) island.reason = direct::Reason::staying;
         }
         waiting |= island.staying != 0;
     }
@@ -234,21 +235,23 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
     return waiting;
 }
 
-/// Choices change when bearings do, so they are made anew only then. While no island is direct, that can wait a few
-/// steps, unless something was just made or put somewhere.
+/// Choices change when bearings do, so they are made anew only then: at once where a direct island has part in it or
+/// something was just made or put somewhere, else every few steps.
 void WorldImpl::chooseSolvers() {
-    constexpr std::int32_t kPeriod = 16;
+    constexpr std::uint64_t kPeriod = 16;
     const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
-    const bool anyDirect = !list.manifolds.empty() || !list.joints.empty();
-    if (graphChanged && (anyDirect || structureChanged || stepCount % kPeriod == 0)) {
+    const bool atOnce = structureChanged || directChanged;
+    if (graphChanged && (atOnce || stepCount % kPeriod == 0)) {
         uniteConstraints(false);
         measureIslands();
-        graphChanged = decideIslands(anyDirect ? 1 : kPeriod);
+        graphChanged = decideIslands(static_cast<std::int32_t>(std::min(stepCount - choiceStep, kPeriod)));
+        choiceStep = stepCount;
         applyChoices();
         if (structureChanged) loadNewContacts();
-        structureChanged = false;
+        structureChanged = directChanged = false;
         directGrouped = false;
     }
+    const bool anyDirect = !list.manifolds.empty() || !list.joints.empty();
     // Sleeping may have emptied the list since.
     if (!directGrouped || !anyDirect || treesChanged) groupDirect();
     directGrouped = true;
