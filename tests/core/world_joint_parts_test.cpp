@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -238,6 +239,31 @@ TEST(WorldJointParts, BreaksAtItsTorque) {
         const JointId joint = world.create(def);
         run(world, 1);
         EXPECT_EQ(world.isValid(joint), share > 1);
+    }
+}
+
+/// Swing limits less than a quarter turn wide lie ahead of the joint, along the x axis of A's frame.
+TEST(WorldJointParts, SwingLimitsAreDrawnOnTheSideTheyAreOn) {
+    struct Lines : DebugDraw {
+        DVec3 least{1e9, 0, 0};
+        void line(const DVec3& from, const DVec3& to, Color) override { least.x = std::min({least.x, from.x, to.x}); }
+    };
+    BallDef defs[4];
+    defs[0].swingLimit = 0.5f;
+    defs[1].swingEllipse = SwingEllipse{0.3f, 0.9f};
+    defs[2].swingPyramid = SwingPyramid{{-0.3f, 0.8f}, {-0.6f, 0.4f}};
+    defs[3].reach = concave();
+    for (BallDef& def : defs) {
+        World world(settingsFor(1, false));
+        def.bodies.b = world.create(bodyDef(Box{{0.5f, 0.05f, 0.04f}}, {5.5, 0, 0}));
+        def.bodies.frameA.position = {5, 0, 0};
+        def.bodies.frameB.position = {-0.5f, 0, 0};
+        world.create(def);
+        Lines lines;
+        lines.options = {.shapes = false, .joints = true};
+        world.draw(lines);
+        EXPECT_GT(lines.least.x, 5 - 1e-6);
+        EXPECT_LT(lines.least.x, 5 + 1e-6);
     }
 }
 

@@ -34,7 +34,7 @@ await acceptance(EVERYTHING, async (test) => {
     if (next < 0) continue;
     const { changed, colors } = await compare(helper, files[i], files[next]);
     say(`${name}: ${Math.round(files[i].length / 1000)} kB, ${colors} colours`);
-    assert.ok(colors > 1000, `${name} shows next to nothing`);
+    assert.ok(colors > 500, `${name} shows next to nothing`);
     assert.ok(changed > 0.05, `${name} looks like the next one`);
   }
 
