@@ -225,6 +225,8 @@ struct WorldImpl {
         bool watched = false;  ///< impulses are wanted after every substep
         bool twofold = false;  ///< masses ask for double precision
     };
+    static bool isTreeJoint(const JointSim& joint);
+    bool turnsFreely(std::uint32_t body) const;
     bool drawTree(std::uint32_t start, DrawnTree& drawn);
     void layLinks(std::uint32_t root, DrawnTree& drawn);
     void planChains();
