@@ -19,6 +19,7 @@
 #include "direct/newton.h"
 #include "direct/tree_plan.h"
 #include "narrowphase/collide.h"
+#include "narrowphase/collide_surfaces.h"
 #include "ragtop/world.h"
 #include "shapes/geometry.h"
 #include "solve/joint_kernels.h"
@@ -44,6 +45,9 @@ struct GeometryEntry {
     const MeshData* mesh = nullptr;
     const HeightFieldData* field = nullptr;
     float size = 0;
+    /// The triangles of a box or hull, in worlds where meshes move.
+    std::unique_ptr<const MeshData> skin{};
+    const MeshData* triangles() const { return mesh ? mesh : skin.get(); }
     bool isMesh() const { return mesh || field; }
 };
 
@@ -103,7 +107,11 @@ struct WorldImpl {
     void applyContactChange(std::uint32_t contact);
 
     // world_contacts.cpp: manifolds and their lanes.
+    bool meetAsSurfaces(const ContactRecord& contact) const;
+    int findSurfaceManifolds(const ContactRecord& contact, const Frame& bInA, float margin,
+                             std::span<Manifold> found) const;
     int findManifolds(ContactRecord& contact, const Frame& bInA, float margin, std::span<Manifold> found) const;
+    std::uint8_t takeSurfaceManifolds(ContactRecord& contact, const Manifold* found, int count);
     std::uint8_t takeManifolds(ContactRecord& contact, const Manifold* found, int count);
     void placePoints(const ContactRecord& contact, const Manifold& found, ManifoldRecord& manifold) const;
     void forgetGaps(std::uint32_t body);
@@ -277,6 +285,7 @@ struct WorldImpl {
     void solveCouplings(bool moving);
 
     std::uint32_t geometryIndex(const Shape& shape);
+    void makeSkins();
     void setMass(std::uint32_t body, const BodyDef& def);
     void takeMass(std::uint32_t body, const MassProperties& mass);
     void changeMass(std::uint32_t body, const MassProperties& mass);
@@ -362,6 +371,7 @@ struct WorldImpl {
 
     // Derived from the state, or of the current step only.
     std::pmr::vector<GeometryEntry> geometries;
+    bool meshesMove = false;  ///< has any dynamic body had a mesh?
     std::vector<StepModule*> modules;
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled
