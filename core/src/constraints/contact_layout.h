@@ -27,6 +27,7 @@ enum Field : int {
     kTwistImpulse = kFrictionImpulse + 3,  ///< N m s about the normal
     kRollImpulse,                          ///< 3, N m s
     kSliding = kRollImpulse + 3,           ///< 1 while the surfaces slide, 0 while they stick
+    kShifted,              ///< 1 until loads are found anew, where the points that hold a body on the ground changed
     kStick,                ///< 3, m, how far B has slipped on A since they stick, without this step's displacement
     kShift = kStick + 3,   ///< 3, m, half of how far B has moved from A in this step; 0 where one is fixed
     kCenter = kShift + 3,  ///< 3, friction centre from the centre of A, m; written by prepare

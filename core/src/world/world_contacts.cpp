@@ -226,6 +226,17 @@ void carryImpulses(const ManifoldRecord& before, ManifoldRecord& now) {
     }
 }
 
+/// Are its points other ones than before?
+bool hasOtherPoints(const ManifoldRecord& before, const ManifoldRecord& now) {
+    if (before.pointCount != now.pointCount) return true;
+    for (int j = 0; j < now.pointCount; ++j) {
+        bool known = false;
+        for (int k = 0; k < before.pointCount; ++k) known |= before.feature[k] == now.feature[j];
+        if (!known) return true;
+    }
+    return false;
+}
+
 /// For each new manifold the old one that faces the same way, at most once; the rest take free places.
 void matchManifolds(const Vec3* normals, int count, const ManifoldRecord* old, int capacity, int place[kMaxManifolds]) {
     bool used[kMaxManifolds] = {};
@@ -315,8 +326,8 @@ std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, const Manifold* fou
     for (int i = 0; i < count; ++i) normals[i] = rotate(shapeA.frame.rotation, found[i].normal);
     matchManifolds(normals, count, old, record.manifoldCapacity, place);
 
-    std::uint8_t change = kUnchanged;
-    bool written[kMaxManifolds] = {};
+    unsigned change = kUnchanged;
+    bool written[kMaxManifolds] = {}, others = false;
     for (int i = 0; i < count; ++i) {
         ManifoldRecord& manifold = old[place[i]];
         written[place[i]] = true;
@@ -325,17 +336,20 @@ std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, const Manifold* fou
         manifold.normal = normals[i];
         placePoints(record, found[i], manifold);
         carryImpulses(before, manifold);
+        others |= hasOtherPoints(before, manifold);
         if (manifold.place.color != kNone)
             writeLane(record, manifold);
         else
-            change = kGraph;
+            change |= kGraph;
     }
     for (int k = 0; k < record.manifoldCapacity; ++k) {
         if (written[k] || old[k].pointCount == 0) continue;
         old[k].pointCount = 0;
-        change = kGraph;
+        change |= kGraph;
+        others = true;
     }
-    return change;
+    if (others && holds(record)) change |= kPoints;
+    return static_cast<std::uint8_t>(change);
 }
 
 /// The points that were found as anchors in both bodies.

@@ -47,8 +47,9 @@ struct GeometryEntry {
     bool isMesh() const { return mesh || field; }
 };
 
-/// What a step finds of an awake contact; kCloses comes beside the others.
-enum ContactChange : std::uint8_t { kUnchanged = 0, kApart = 1, kGraph = 2, kCloses = 4 };
+/// What a step finds of an awake contact; kCloses and kPoints come beside the others: that it may be a seam, and that
+/// other points hold a body on what does not move.
+enum ContactChange : std::uint8_t { kUnchanged = 0, kApart = 1, kGraph = 2, kCloses = 4, kPoints = 8 };
 
 struct WorldImpl {
     WorldImpl(const WorldSettings& worldSettings, const WorldConfig& config);
@@ -100,6 +101,7 @@ struct WorldImpl {
     void updateSensors();
     void applyContactChanges();
     void applyContactChange(std::uint32_t contact);
+    void noteShiftedLoads();
 
     // world_contacts.cpp: manifolds and their lanes.
     int findManifolds(ContactRecord& contact, const Frame& bInA, float margin, std::span<Manifold> found) const;
@@ -190,7 +192,7 @@ struct WorldImpl {
     void noteForce(std::uint32_t body);
     void collectBearings();
     void findLevels();
-    void estimateLoads();
+    void estimateLoads(bool pushes);
     float bucklingShare(const Bearing& bearing, float load, float number) const;
     bool standsOn(std::uint32_t manifold) const;
     void measureIslands();
@@ -201,6 +203,7 @@ struct WorldImpl {
     bool isUntouched(std::uint32_t body) const;
     void loadNewContacts();
     void settleNewContacts();
+    void addPushes(float share);
 
     // world_direct.cpp: islands that are solved directly.
     enum class DirectPass { positions, velocities };
@@ -295,6 +298,8 @@ struct WorldImpl {
     void visitContact(std::uint32_t contact, const std::function<void(const Contact&)>& visit) const;
     JointBodiesAtStep jointBodies(const JointRecord& joint) const;
     Quat definitionRotation(const BodyRecord& body) const { return body.rotation * conjugate(body.local.rotation); }
+    /// Is one of the two held by the other, which does not move?
+    bool holds(const ContactRecord& contact) const { return moves(contact.bodyA) != moves(contact.bodyB); }
     bool moves(std::uint32_t body) const { return bodies[body].type == BodyType::dynamic && bodies[body].mass > 0; }
     bool isAwake(std::uint32_t body) const { return bodies[body].awakeIndex != kNone; }
     std::uint32_t index(BodyId id) const;
@@ -359,6 +364,7 @@ struct WorldImpl {
     // Derived from the state, or of the current step only.
     std::pmr::vector<GeometryEntry> geometries;
     std::vector<StepModule*> modules;
+    AlignedArray<int> sweptColors;  ///< of this step: those that hold something
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled
     AlignedArray<std::uint8_t> surfaceKept;  ///< per manifold: what its lane says of surfaces does not change by itself
@@ -369,6 +375,7 @@ struct WorldImpl {
         std::uint8_t change;
     };
     AlignedArray<ChangedContact> changedContacts;
+    AlignedArray<std::uint32_t> shiftedBodies;    ///< that other points of the ground hold than before
     AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step
     AlignedArray<std::uint32_t> islandParent;  ///< union-find over bodies
     AlignedArray<float> islandQuiet;           ///< s, of the least quiet body of a root
