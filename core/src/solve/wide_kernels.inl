@@ -139,8 +139,9 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
         // Bodies that have moved by more than half a size are no longer where they touched: such arms would only
         // lengthen.
         const Lanes<N> reach = half * c.field(contact::kSize);
-        c.moveArms(select(isStatic | (dot(dp, dp) > reach * reach), zero, half) * dp);
-        if constexpr (!kBias) c.set(contact::kShift, c.shift);
+        const WideVec3<N> displacement = select(isStatic | (dot(dp, dp) > reach * reach), zero, one) * dp;
+        c.moveArms(displacement);
+        if constexpr (!kBias) c.set(contact::kShift, displacement);
         Lanes<N> rate(0.0f), massScale(1.0f), impulseScale(0.0f), push(0.0f), deep(0.0f);
         if constexpr (kBias) {
             massScale = select(isStatic, Lanes<N>(context.softStatic.massScale), Lanes<N>(context.soft.massScale));

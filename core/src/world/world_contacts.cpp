@@ -12,6 +12,13 @@ float unevenness(const Material& material) {
     return material.crossFriction > 1 ? material.crossFriction : 1 / material.crossFriction;
 }
 
+/// The contact point of two round surfaces divides the way between their centres by their radii, and a flat one has an
+/// infinite radius: the share of B's way that the point goes is RA/(RA + RB), half of it where both are flat.
+float followShare(float roundA, float roundB) {
+    if (roundA > 0 && roundB > 0) return roundA / (roundA + roundB);
+    return roundA > 0 ? 0.0f : roundB > 0 ? 1.0f : 0.5f;
+}
+
 }  // namespace
 
 float combined(CombineRule a, float valueA, CombineRule b, float valueB) {
@@ -126,8 +133,11 @@ void WorldImpl::writeSurface(const ContactRecord& record, const ManifoldRecord& 
     lane.at(contact::kRestitution) = surface.restitution;
     lane.at(contact::kRolling) = surface.rollingResistance;
     lane.at(contact::kSpinning) = surface.spinningResistance;
-    lane.at(contact::kRoundA) = geometries[shapes[record.shapeA].geometry].convex.radius;
-    lane.at(contact::kRoundB) = geometries[shapes[record.shapeB].geometry].convex.radius;
+    const float roundA = geometries[shapes[record.shapeA].geometry].convex.radius;
+    const float roundB = geometries[shapes[record.shapeB].geometry].convex.radius;
+    lane.at(contact::kRoundA) = roundA;
+    lane.at(contact::kRoundB) = roundB;
+    lane.at(contact::kFollow) = followShare(roundA, roundB);
     lane.set(contact::kSurface, surface.surfaceVelocity);
 }
 
