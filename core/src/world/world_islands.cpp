@@ -163,6 +163,8 @@ void WorldImpl::measureIslands() {
             if (steady && cosine > kLevel) heldLevel[bearing.b] = 1;
             if (steady && cosine < -kLevel) heldLevel[bearing.a] = 1;
         } else {
+            ++island.joints;
+            island.bare &= isTreeJoint(jointSims[bearing.constraint]);
             heldLevel[bearing.a] = heldLevel[bearing.b] = 1;
             island.hangs |= !movesA || !movesB;
         }
@@ -181,6 +183,8 @@ void WorldImpl::measureIslands() {
         if (!moves(body)) continue;
         direct::IslandFeatures& island = islandFeatures[findRoot(body)];
         ++island.bodies;
+        island.bare &= turnsFreely(body);
+        island.spin = std::max(island.spin, context.h * length(states[body].w));
         const float speed = length(states[body].v) + length(states[body].w) * bodies[body].radius;
         const bool slow = speed <= kSlow * std::sqrt(gravity * bodies[body].size);
         island.moving += !slow;
@@ -188,6 +192,11 @@ void WorldImpl::measureIslands() {
         island.restless += !slow || !rests;
         island.leaning += levels[body] != kNone && heldLevel[body] == 0 && slow;
     }
+    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+        for (const std::uint32_t m : graph.color(c).manifolds) {
+            const ContactRecord& contact = contacts[manifolds[m].contact];
+            islandFeatures[findRoot(moves(contact.bodyA) ? contact.bodyA : contact.bodyB)].touches = true;
+        }
     forEachCoupledPair([&](std::uint32_t, std::uint32_t body) { islandFeatures[findRoot(body)].coupled = true; });
 }
 
@@ -216,9 +225,10 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
             island.staying = std::min(island.barred + elapsed, 0);
         } else if (island.reason != direct::Reason::none) {
             if (!large || !island.direct) island.staying = direct::kStayingSteps;
+            waiting |= island.reason == direct::Reason::tree;  // it may begin to spin
             continue;
-        } else if (large || island.last == direct::Reason::deep) {
-            // Worth it at rest alone.
+        } else if (large || island.last == direct::Reason::deep || island.last == direct::Reason::tree) {
+            // Worth it at rest alone, or as long as nothing is touched.
             island.staying = 0;
         } else if (island.staying > 0) {
             island.staying = std::max(island.staying - elapsed, 0);
