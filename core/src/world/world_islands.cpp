@@ -75,14 +75,14 @@ void WorldImpl::findLevels() {
     }
 }
 
-/// The mass that each body hands to each neighbour below it: its own, that of the forces on it and what it carries, in
-/// equal shares.
-void WorldImpl::estimateLoads() {
+/// The mass that each body hands to each neighbour below it: its own, that of what pushes it if that counts, and what it
+/// carries, in equal shares.
+void WorldImpl::estimateLoads(bool pushes) {
     carried.resizeForOverwrite(bodies.size());
     supports.resizeForOverwrite(bodies.size());
     const float gravity = length(settings.gravity), perForce = gravity > 0 ? 1 / gravity : 0.0f;
     for (const std::uint32_t body : awakeBodies)
-        carried[body] = perForce * length(bodies[body].force), supports[body] = 0;
+        carried[body] = pushes ? perForce * length(bodies[body].force) : 0.0f, supports[body] = 0;
     for (const Bearing& bearing : bearings) {
         const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
         if (movesA && (!movesB || levels[bearing.b] < levels[bearing.a])) ++supports[bearing.a];
@@ -139,7 +139,7 @@ bool WorldImpl::standsOn(std::uint32_t index) const {
 void WorldImpl::measureIslands() {
     collectBearings();
     findLevels();
-    estimateLoads();
+    estimateLoads(true);
     islandFeatures.resizeForOverwrite(bodies.size());
     heldLevel.resizeForOverwrite(bodies.size());
     for (const std::uint32_t body : awakeBodies) islandFeatures[body] = {}, heldLevel[body] = 0;
