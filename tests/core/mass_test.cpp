@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <stdexcept>
 
@@ -11,7 +12,6 @@
 namespace ragtop {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
 /// Sums are in double and rounded once.
 constexpr double kRounding = 2e-7;
 
@@ -26,7 +26,7 @@ void expectSame(const MassProperties& got, const MassProperties& wanted, float s
 
 TEST(Mass, OfASphereIsTheClosedForm) {
     const MassProperties m = massOf(Sphere{0.3f}, 700);
-    const double r = 0.3f, mass = 700 * 4.0 / 3 * kPiDouble * r * r * r;
+    const double r = 0.3f, mass = 700 * 4.0 / 3 * std::numbers::pi * r * r * r;
     EXPECT_NEAR(m.mass, mass, kRounding * mass);
     EXPECT_EQ(m.center, Vec3{});
     EXPECT_NEAR(m.inertia.cx.x, 0.4 * mass * r * r, kRounding * mass);
@@ -56,9 +56,9 @@ TEST(Mass, OfACapsuleIsTheSumOfItsSlices) {
         const double cap = std::max(0.0, std::abs(y) - h);
         const double s2 = r * r - cap * cap;
         const double dy = 2 * (r + h) / slices;
-        mass += 500 * kPiDouble * s2 * dy;
-        along += 0.5 * 500 * kPiDouble * s2 * s2 * dy;
-        across += 500 * kPiDouble * (0.25 * s2 * s2 + s2 * y * y) * dy;
+        mass += 500 * std::numbers::pi * s2 * dy;
+        along += 0.5 * 500 * std::numbers::pi * s2 * s2 * dy;
+        across += 500 * std::numbers::pi * (0.25 * s2 * s2 + s2 * y * y) * dy;
     }
     const MassProperties m = massOf(Capsule{0.25f, 0.4f}, 500);
     EXPECT_NEAR(m.mass, mass, 1e-6 * mass);
@@ -82,7 +82,7 @@ TEST(Mass, OfTheHullOfABoxIsThatOfTheBox) {
 /// as 1/n.
 TEST(Mass, OfSphericalHullsConvergesToTheSphere) {
     RAGTOP_NEEDS_HULLS();
-    const double volume = 4.0 / 3 * kPiDouble * 8;
+    const double volume = 4.0 / 3 * std::numbers::pi * 8;
     double first = 0;
     for (const int level : {2, 3, 4, 5}) {
         const MassProperties m = massOf(ConvexHull(spherePoints(level, 2)), 1);

@@ -266,6 +266,14 @@ TEST(Bounds, OfSurfacesHoldTheirVertices) {
     }
 }
 
+TEST(Bounds, OfABallsPathHoldTheBallAtBothEnds) {
+    const DVec3 from(1e6 + 0.1, -2, 3), to(1e6 - 0.7, 5, 3);
+    const Bounds path = boundsOfPath(from, to, 0.3f);
+    EXPECT_TRUE(contains(path, boundsOf(Sphere{0.3f}, Pose{from, {}})));
+    EXPECT_TRUE(contains(path, boundsOf(Sphere{0.3f}, Pose{to, {}})));
+    EXPECT_NEAR(path.upper.y - path.lower.y, 7.6f, 1e-5f);
+}
+
 TEST(Shape, SizesAndRadiiAreThoseOfGeometry) {
     EXPECT_EQ(sizeOf(Box{{3, 1, 2}}), 1);
     EXPECT_EQ(sizeOf(Capsule{0.25f, 9}), 0.25f);

@@ -160,6 +160,26 @@ TEST(StageRunner, SmallOrEmptyLoopsStayOnTheCaller) {
     EXPECT_EQ(calls, 1);
 }
 
+TEST(StageRunner, AloneOnTheCallerWakesNoWorker) {
+    StageRunner runner(threadTasks(2));
+    const auto caller = std::this_thread::get_id();
+    int calls = 0;
+    runner.aloneRegion([&] {
+        runner.parallelFor(1000, 10, [&](int begin, int end, int worker) {
+            calls += end - begin;
+            EXPECT_EQ(std::this_thread::get_id(), caller);
+            EXPECT_EQ(worker, 0);
+        });
+        runner.region([&] { ++calls; });  // within: as a part of it
+    });
+    EXPECT_EQ(calls, 1001);
+    std::vector<int> visits(1000);
+    runner.parallelFor(1000, 10, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) ++visits[static_cast<std::size_t>(i)];
+    });
+    EXPECT_EQ(visits, std::vector<int>(1000, 1));
+}
+
 TEST(StageRunner, WorkersReallyJoin) {
     if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "oneTBB starts no thread here";
     for (const TaskRunner& tasks : {threadTasks(2), tbbTasks(2)}) {

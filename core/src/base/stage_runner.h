@@ -49,6 +49,19 @@ public:
         if (workers_ == 1 || inRegion() || !openRegion(call, addressOf(body))) body();
     }
 
+    /// The same on the calling thread alone: waking workers costs more than they could help with little work.
+    template <class Body>
+    void aloneRegion(Body&& body) {
+        std::thread::id nobody;
+        const bool taken =
+            caller_.compare_exchange_strong(nobody, std::this_thread::get_id(), std::memory_order_acquire);
+        if (!taken) return body();
+        alone_ = true;
+        body();
+        alone_ = false;
+        caller_.store(std::thread::id{}, std::memory_order_release);
+    }
+
     /// Calls body(begin, end, worker) for blocks of `grain` that make up [0, count), each once, on any worker (0 is the
     /// calling thread); returns when all are done. Inline when there is one block or one worker; opens a region for the
     /// call when there is none. Any number of threads may call it at once: those that find the workers busy with
@@ -66,6 +79,7 @@ public:
             (*static_cast<Function*>(context))(begin, end, worker);
         };
         if (inRegion()) {
+            if (alone_) return body(0, count, 0);
             runStage(call, addressOf(body), count, grain);
             return;
         }
@@ -96,6 +110,7 @@ private:
     int workers_ = 1;
     std::atomic<std::thread::id> caller_{};  ///< whose region it is
     bool bodyDone_ = false;                  ///< of the caller alone
+    bool alone_ = false;                     ///< of the caller alone: its region has no workers
     BodyFunction body_ = nullptr;
     void* bodyContext_ = nullptr;
     std::atomic<int> joined_{0};

@@ -8,7 +8,8 @@ namespace ragtop {
 
 namespace {
 
-constexpr std::uint16_t kEnlarged = 1;
+/// Refits after which enlarged branches are rebuilt: turning keeps them good for a while, at a quarter of the cost.
+constexpr std::uint32_t kRefits = 8;
 
 float centerDistance(const Bounds& a, const Bounds& b) {
     return lengthSquared((a.lower + a.upper) - (b.lower + b.upper));
@@ -76,6 +77,28 @@ void BoundsTree::enlarge(std::uint32_t proxy, const Bounds& bounds) {
     }
 }
 
+void BoundsTree::refitEnlarged() {
+    if (root_ == kNull || (nodes_[root_].flags & (kEnlarged | kStale)) == 0) return;
+    if (++refits_ < kRefits) {
+        refitBranch(root_);
+    } else {
+        refits_ = 0;
+        rebuild(false);
+    }
+    limitHeight();
+}
+
+/// Children first, as high as the tree is at most.
+void BoundsTree::refitBranch(std::uint32_t index) {
+    if ((nodes_[index].flags & kEnlarged) == 0) return;
+    nodes_[index].flags = kStale;
+    if (nodes_[index].height == 0) return;
+    refitBranch(nodes_[index].left);
+    refitBranch(nodes_[index].right);
+    refit(index);
+    rotate(index);
+}
+
 void BoundsTree::setCategory(std::uint32_t proxy, std::uint32_t category) {
     nodes_[proxy].category = category;
     for (std::uint32_t index = nodes_[proxy].parent; index != kNull; index = nodes_[index].parent) {
@@ -89,6 +112,7 @@ void BoundsTree::restore(const Header& header, const void* nodes, std::size_t co
     root_ = header.root;
     freeList_ = header.freeList;
     proxyCount_ = header.proxyCount;
+    refits_ = header.refits;
 }
 
 /// What a node derives from its children.
@@ -99,7 +123,7 @@ void BoundsTree::refit(std::uint32_t index) {
     node.bounds = merge(left.bounds, right.bounds);
     node.category = left.category | right.category;
     node.height = static_cast<std::uint16_t>(1 + (left.height > right.height ? left.height : right.height));
-    node.flags |= static_cast<std::uint16_t>((left.flags | right.flags) & kEnlarged);
+    node.flags |= static_cast<std::uint16_t>(left.flags | right.flags);
 }
 
 void BoundsTree::insertLeaf(std::uint32_t leaf) {

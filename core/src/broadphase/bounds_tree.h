@@ -20,9 +20,9 @@ public:
         Bounds bounds;
         std::uint32_t parent = kNull;  ///< next free node when unused
         std::uint32_t left = kNull, right = kNull;
-        std::uint32_t value = 0;   ///< the caller's, leaves only
-        std::uint16_t height = 0;  ///< 0 for a leaf
-        std::uint16_t flags = 0;   ///< bit 0: enlarged since the last rebuild of its branch
+        std::uint32_t value = 0;               ///< the caller's, leaves only
+        std::uint16_t height = 0;              ///< 0 for a leaf
+        std::uint16_t flags = 0;               ///< kEnlarged, kStale
         std::uint32_t category = 0xffffffffu;  ///< or of the leaves below
     };
 
@@ -35,15 +35,16 @@ public:
     void remove(std::uint32_t proxy);
     /// Moves a proxy elsewhere in the tree.
     void move(std::uint32_t proxy, const Bounds& bounds);
-    /// Changes a proxy's bounds in place and grows its ancestors' to hold them, until rebuildEnlarged().
+    /// Changes a proxy's bounds in place and grows its ancestors' to hold them, until refitEnlarged().
     void enlarge(std::uint32_t proxy, const Bounds& bounds);
     void setCategory(std::uint32_t proxy, std::uint32_t category);
     const Bounds& bounds(std::uint32_t proxy) const { return nodes_[proxy].bounds; }
     std::uint32_t value(std::uint32_t proxy) const { return nodes_[proxy].value; }
     int proxyCount() const { return proxyCount_; }
     bool empty() const { return root_ == kNull; }
-    /// Rebuilds the branches that were enlarged, so that queries stay fast. Call once per step.
-    void rebuildEnlarged();
+    /// Fits the branches that were enlarged to what is below them and turns them where that makes them smaller, so that
+    /// queries stay fast. Call once per step.
+    void refitEnlarged();
 
     /// visit(value) → false to end.
     template <class Visit>
@@ -57,13 +58,16 @@ public:
     struct Header {
         std::uint32_t root = kNull, freeList = kNull;
         std::int32_t proxyCount = 0;
-        std::uint32_t pad = 0;
+        std::uint32_t refits = 0;
     };
-    Header header() const { return {root_, freeList_, proxyCount_, 0}; }
+    Header header() const { return {root_, freeList_, proxyCount_, refits_}; }
     const std::pmr::vector<Node>& nodes() const { return nodes_; }
     void restore(const Header& header, const void* nodes, std::size_t count);  ///< memory of any alignment
 
 private:
+    static constexpr std::uint16_t kEnlarged = 1;  ///< since the last refit
+    static constexpr std::uint16_t kStale = 2;     ///< refitted since its branch was rebuilt
+
     /// Half the surface, the cost of a node in the surface area heuristic.
     static constexpr float area(const Bounds& b) {
         const Vec3 size = b.upper - b.lower;
@@ -76,6 +80,7 @@ private:
     void removeLeaf(std::uint32_t leaf);
     std::uint32_t bestSibling(const Bounds& bounds) const;
     void refit(std::uint32_t index);
+    void refitBranch(std::uint32_t index);
     void rotate(std::uint32_t index);
     void limitHeight();
     /// A node that a rebuild takes over as it is, with what the cuts look at side by side.
@@ -94,6 +99,7 @@ private:
     std::pmr::vector<Branch> branches_;  ///< scratch of the rebuild
     std::uint32_t root_ = kNull, freeList_ = kNull;
     int proxyCount_ = 0;
+    std::uint32_t refits_ = 0;  ///< since branches were rebuilt
 };
 
 }  // namespace ragtop

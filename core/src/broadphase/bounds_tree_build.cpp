@@ -22,12 +22,6 @@ struct Bin {
 
 }  // namespace
 
-void BoundsTree::rebuildEnlarged() {
-    if (root_ == kNull || (nodes_[root_].flags & 1) == 0) return;
-    rebuild(false);
-    limitHeight();
-}
-
 void BoundsTree::rebuild(bool all) {
     collectBranches(all);
     const auto count = static_cast<std::uint32_t>(branches_.size());
@@ -44,7 +38,7 @@ void BoundsTree::collectBranches(bool all) {
     while (kept < branches_.size()) {
         const std::uint32_t index = branches_.back().index;
         const Node node = nodes_[index];
-        if (node.height > 0 && (all || (node.flags & 1) != 0)) {
+        if (node.height > 0 && (all || node.flags != 0)) {
             release(index);
             branches_.back().index = node.right;
             branches_.push_back({{}, node.left, 0});

@@ -41,38 +41,29 @@ struct TreeLanes {
     }
     const std::uint32_t* states(int l) const { return group.states + l * W; }
 
-    /// Masses, poses and velocities of all links, and of what the root hangs from.
-    RAGTOP_INLINE TreeMotion<R> load(const BodyArrays& arrays) const {
-        for (int l = 0; l < group.linkCount; ++l) {
-            TreeLane<R>& link = links[l];
-            velocities(arrays.states, states(l), link.motion, link.invMass);
-            displacements(arrays.states, states(l), link.motion);
-            R row[8];
-            gather(arrays.inertia, states(l), 0, row);
-            link.inverseInertia = {row[0], row[1], row[2], row[3], row[4], row[5]};
-        }
-        TreeMotion<R> anchor;
-        R none;
-        velocities(arrays.states, group.anchors, anchor, none);
-        displacements(arrays.states, group.anchors, anchor);
-        return anchor;
+    const TreeMotion<R>& motionAbove(int l, const TreeMotion<R>& anchor) const {
+        return group.links[l].parent < 0 ? anchor : links[group.links[l].parent].motion;
     }
 
-    /// Eliminates what has been set up; false lanes of the result have no answer.
-    RAGTOP_INLINE typename TreeReal<R>::Test factorize() const {
-        typename TreeReal<R>::Test ok = R(0.0f) < R(1.0f);
-        for (int l = group.linkCount; l-- > 0;) eliminate(links[l].node, parentNode(l), group.links[l].joint, ok);
-        return ok;
+    /// Mass, pose and velocity of a link.
+    RAGTOP_INLINE void load(int l, const BodyArrays& arrays) const {
+        TreeLane<R>& link = links[l];
+        velocities(arrays.states, states(l), link.motion, link.invMass);
+        displacements(arrays.states, states(l), link.motion);
+        R row[8];
+        gather(arrays.inertia, states(l), 0, row);
+        link.inverseInertia = {row[0], row[1], row[2], row[3], row[4], row[5]};
     }
-    RAGTOP_INLINE void substitute(typename TreeReal<R>::Test& ok) const {
-        const TreeVec<R> zero{R(0.0f), R(0.0f), R(0.0f)};
-        for (int l = 0; l < group.linkCount; ++l) links[l].node.momentum = {zero, zero};
-        for (int l = group.linkCount; l-- > 0;) passMomentum(links[l].node, parentNode(l), group.links[l].joint);
+
+    /// Velocities from the root on, when all momenta have been handed up. Clears lanes of `ok` that have no answer.
+    template <class Visit>
+    RAGTOP_INLINE void takeVelocities(typename TreeReal<R>::Test& ok, Visit&& visit) const {
         R largest(0.0f);
         for (int l = 0; l < group.linkCount; ++l) {
             TreeNode<R>& node = links[l].node;
             takeVelocity(node, parentNode(l), group.links[l].joint);
             largest = largest + dot(node.v, node.v) + dot(node.w, node.w);
+            visit(links[l]);
         }
         ok = ok & (largest * R(0.0f) < R(1.0f));  // false for what is no finite number
     }
@@ -123,25 +114,38 @@ void beginTrees(TreeGroup& group) {
     }
 }
 
-/// Targets and masses of one linearisation, about the spins in `about`.
+/// Target, stiffness and resistance of a link's joint, about the spins in `about`.
 template <class R>
-RAGTOP_INLINE void setUp(const TreeLanes<R>& lanes, const TreeMotion<R>& anchor, R h, R rate) {
-    const TreeGroup& group = lanes.group;
-    for (int l = 0; l < group.linkCount; ++l) clearStiffness(lanes.links[l]);
-    for (int l = 0; l < group.linkCount; ++l) {
-        const TreeLink& at = group.links[l];
+RAGTOP_INLINE void setUp(const TreeLanes<R>& lanes, int l, const TreeMotion<R>& anchor, R h, R rate) {
+    const TreeLink& at = lanes.group.links[l];
+    if (at.joint == direct::TreeJoint::free) return;
+    TreeLane<R>& link = lanes.links[l];
+    TreeLane<R>* parent = at.parent < 0 ? nullptr : &lanes.links[at.parent];
+    aim(link, at, lanes.motionAbove(l, anchor), parent ? parent->about : anchor.w, h, rate);
+    addStiffness(link, link.load, link.node.armC, h);
+    if (parent) addStiffness(*parent, -link.load, link.node.armP, h);
+    const R both = admittance(link, link.node.armC) + (parent ? admittance(*parent, link.node.armP) : R(0.0f));
+    link.node.resistance = R(kTreeResistance) * both;
+    link.node.d = link.node.d + scaled(link.node.resistance, link.load);
+}
+
+/// One linearisation from the leaves to the root, a link's whole work in one visit: its memory is some kilobytes, and
+/// waits. False lanes of `ok` have no answer, those of the result have links that are very taut.
+template <class R>
+RAGTOP_INLINE typename TreeReal<R>::Test eliminateTree(const TreeLanes<R>& lanes, const TreeMotion<R>& anchor, R h,
+                                                       R rate, typename TreeReal<R>::Test& ok) {
+    typename TreeReal<R>::Test taut = R(1.0f) < R(0.0f);
+    ok = R(0.0f) < R(1.0f);
+    for (int l = lanes.group.linkCount; l-- > 0;) {
         TreeLane<R>& link = lanes.links[l];
-        if (at.joint == direct::TreeJoint::free) continue;
-        TreeLane<R>* parent = at.parent < 0 ? nullptr : &lanes.links[at.parent];
-        const TreeMotion<R>& motionP = parent ? parent->motion : anchor;
-        aim(link, at, motionP, parent ? parent->about : anchor.w, h, rate);
-        addStiffness(link, link.load, link.node.armC, h);
-        if (parent) addStiffness(*parent, -link.load, link.node.armP, h);
-        const R both = admittance(link, link.node.armC) + (parent ? admittance(*parent, link.node.armP) : R(0.0f));
-        link.node.resistance = R(kTreeResistance) * both;
-        link.node.d = link.node.d + scaled(link.node.resistance, link.load);
+        const direct::TreeJoint joint = lanes.group.links[l].joint;
+        setUp(lanes, l, anchor, h, rate);
+        taut = taut | isVeryTaut(link);
+        addInertia(link);
+        eliminate(link.node, lanes.parentNode(l), joint, ok);
+        passMomentum(link.node, lanes.parentNode(l), joint);
     }
-    for (int l = 0; l < group.linkCount; ++l) setInertia(lanes.links[l]);
+    return taut;
 }
 
 template <class R>
@@ -149,60 +153,67 @@ void solveTrees(TreeGroup& group, const BodyArrays& arrays, float substep, const
     using Test = typename TreeReal<R>::Test;
     const TreeLanes<R> lanes(group);
     const R h(substep), rate(soft.biasRate);
-    const TreeMotion<R> anchor = lanes.load(arrays);
+    TreeMotion<R> anchor;
+    R none;
+    lanes.velocities(arrays.states, group.anchors, anchor, none);
+    lanes.displacements(arrays.states, group.anchors, anchor);
     for (int l = 0; l < group.linkCount; ++l) {
-        lanes.links[l].about = lanes.links[l].motion.w;
-        lanes.links[l].load = lanes.links[l].force;
+        TreeLane<R>& link = lanes.links[l];
+        lanes.load(l, arrays);
+        link.about = link.motion.w;
+        link.load = link.force;
+        place(lanes, l, anchor);
+        clearSums(link);
     }
-    for (int l = 0; l < group.linkCount; ++l) place(lanes, l, anchor);
-    group.taut = 0;
     Test ok;
-    for (int round = 0; round < 2; ++round) {
-        setUp(lanes, anchor, h, rate);
-        ok = lanes.factorize();
-        lanes.substitute(ok);
-        if (round == 1) break;
-        // What taut links turned by is known better once it has been solved.
-        Test taut = R(1.0f) < R(0.0f);
-        for (int l = 0; l < group.linkCount; ++l) taut = taut | isVeryTaut(lanes.links[l]);
-        for (int i = 0; i < group.used; ++i)
-            if (taut.v[i]) group.taut |= 1u << i;
-        if (group.taut == 0) break;
-        for (int l = 0; l < group.linkCount; ++l) {
-            TreeLane<R>& link = lanes.links[l];
-            link.about = choose(taut, link.motion.w + link.node.w, link.motion.w);
-            link.load = choose(taut, link.node.force, link.load);
-        }
+    const Test taut = eliminateTree(lanes, anchor, h, rate, ok);
+    group.taut = 0;
+    for (int i = 0; i < group.used; ++i)
+        if (taut.v[i]) group.taut |= 1u << i;
+    if (group.taut != 0) {
+        // What taut links turn by is known better once it has been solved.
+        lanes.takeVelocities(
+            ok, [&](TreeLane<R> & link) __attribute__((always_inline)) {
+                link.about = choose(taut, link.motion.w + link.node.w, link.motion.w);
+                link.load = choose(taut, link.node.force, link.load);
+                clearSums(link);
+            });
+        eliminateTree(lanes, anchor, h, rate, ok);
     }
-    for (int l = 0; l < group.linkCount; ++l) {
-        lanes.links[l].force = lanes.links[l].node.force;
-        lanes.links[l].torque = lanes.links[l].node.torque;
-    }
+    lanes.takeVelocities(
+        ok, [](TreeLane<R> & link) __attribute__((always_inline)) {
+            link.force = link.node.force;
+            link.torque = link.node.torque;
+        });
     lanes.store(arrays, ok);
 }
 
 template <class R>
 void relaxTrees(TreeGroup& group, const BodyArrays& arrays) {
     const TreeLanes<R> lanes(group);
+    const TreeVec<R> zero{R(0.0f), R(0.0f), R(0.0f)};
     TreeMotion<R> anchor;
     R none;
     lanes.velocities(arrays.states, group.anchors, anchor, none);
-    for (int l = 0; l < group.linkCount; ++l)
-        lanes.velocities(arrays.states, lanes.states(l), lanes.links[l].motion, lanes.links[l].invMass);
     for (int l = 0; l < group.linkCount; ++l) {
-        const TreeLink& at = group.links[l];
-        if (at.joint == direct::TreeJoint::free) continue;
         TreeLane<R>& link = lanes.links[l];
-        const TreeMotion<R>& parent = at.parent < 0 ? anchor : lanes.links[at.parent].motion;
-        ask(link, parent, link.still, link.stillTurn);
+        lanes.velocities(arrays.states, lanes.states(l), link.motion, link.invMass);
+        link.node.momentum = {zero, zero};
+    }
+    for (int l = group.linkCount; l-- > 0;) {
+        TreeLane<R>& link = lanes.links[l];
+        const direct::TreeJoint joint = group.links[l].joint;
+        if (joint == direct::TreeJoint::free) continue;
+        ask(link, lanes.motionAbove(l, anchor), link.still, link.stillTurn);
         link.node.d = link.node.d - scaled(link.node.resistance, link.force - link.load);
+        passMomentum(link.node, lanes.parentNode(l), joint);
     }
     typename TreeReal<R>::Test ok = R(0.0f) < R(1.0f);
-    lanes.substitute(ok);
-    for (int l = 0; l < group.linkCount; ++l) {
-        lanes.links[l].force = lanes.links[l].force + lanes.links[l].node.force;
-        lanes.links[l].torque = lanes.links[l].torque + lanes.links[l].node.torque;
-    }
+    lanes.takeVelocities(
+        ok, [](TreeLane<R> & link) __attribute__((always_inline)) {
+            link.force = link.force + link.node.force;
+            link.torque = link.torque + link.node.torque;
+        });
     lanes.store(arrays, ok);
 }
 

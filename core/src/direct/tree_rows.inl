@@ -66,20 +66,27 @@ struct TreeLane {
     TreeNode<R> node;
 };
 
+/// Before anything hangs from the link.
 template <class R>
-RAGTOP_INLINE void clearStiffness(TreeLane<R>& link) {
+RAGTOP_INLINE void clearSums(TreeLane<R>& link) {
     const R zero(0.0f);
-    link.stiffness = {zero, zero, zero, zero, zero, zero};
+    const TreeVec<R> none{zero, zero, zero};
+    const TreeSym<R> nothing{zero, zero, zero, zero, zero, zero};
+    link.stiffness = nothing;
+    link.node.inertia = {nothing, {none, none, none}, nothing};
+    link.node.momentum = {none, none};
 }
 
-/// Masses before anything hangs from the link.
+/// The link's own, beside what hangs from it.
 template <class R>
-RAGTOP_INLINE void setInertia(TreeLane<R>& link) {
-    const R zero(0.0f), mass = R(1.0f) / link.invMass;
+RAGTOP_INLINE void addInertia(TreeLane<R>& link) {
+    const R mass = R(1.0f) / link.invMass;
+    TreeInertia<R>& m = link.node.inertia;
     R determinant;
-    link.node.inertia.L = {mass, zero, zero, mass, zero, mass};
-    link.node.inertia.X = {{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}};
-    link.node.inertia.A = inverseOf(link.inverseInertia, determinant) + link.stiffness;
+    m.L.xx = m.L.xx + mass;
+    m.L.yy = m.L.yy + mass;
+    m.L.zz = m.L.zz + mass;
+    m.A = m.A + (inverseOf(link.inverseInertia, determinant) + link.stiffness);
 }
 
 template <class R>

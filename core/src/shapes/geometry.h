@@ -26,7 +26,7 @@ struct HullData {
         std::uint16_t count = 0;
     };
     struct Edge {
-        std::uint8_t from = 0, to = 0;           ///< vertices; left face runs from → to
+        std::uint8_t from = 0, to = 0;  ///< vertices; left face runs from → to
         std::uint8_t leftFace = 0, rightFace = 0;
     };
     std::vector<Vec3> vertices;
@@ -34,8 +34,8 @@ struct HullData {
     std::vector<Face> faces;
     std::vector<std::uint8_t> faceIndices;
     std::vector<Edge> edges;
-    Vec3 center;           ///< centre of mass of the solid
-    float innerRadius = 0; ///< of the largest ball about `center` inside
+    Vec3 center;            ///< centre of mass of the solid
+    float innerRadius = 0;  ///< of the largest ball about `center` inside
     Bounds bounds;
 };
 
@@ -82,8 +82,8 @@ struct HeightFieldData {
     int columns = 0, rows = 0;
     float spacing = 1;
     std::vector<float> heights;
-    std::vector<Vec3> normals;             ///< two per cell, in cell order
-    std::vector<std::uint8_t> activeEdges; ///< two per cell, as in MeshData
+    std::vector<Vec3> normals;              ///< two per cell, in cell order
+    std::vector<std::uint8_t> activeEdges;  ///< two per cell, as in MeshData
     float lowest = 0, highest = 0;
 };
 
@@ -100,9 +100,9 @@ enum class ConvexKind : std::uint8_t { sphere, capsule, box, hull };
 /// A convex shape in its own frame: a core (point, segment, box or hull) thickened by a radius.
 struct ConvexView {
     ConvexKind kind = ConvexKind::sphere;
-    float radius = 0;                 ///< sphere, capsule; 0 for box and hull
-    Vec3 halfExtents;                 ///< box; capsule: {0, halfHeight, 0}
-    const HullData* hull = nullptr;   ///< hull only
+    float radius = 0;                ///< sphere, capsule; 0 for box and hull
+    Vec3 halfExtents;                ///< box; capsule: {0, halfHeight, 0}
+    const HullData* hull = nullptr;  ///< hull only
 };
 
 /// Throws std::invalid_argument for a mesh, height field or compound.
@@ -114,6 +114,8 @@ float sizeOf(const Shape& shape);
 float radiusAbout(const Shape& shape, const Vec3& center);
 /// The bounds of a shape (no Compound) at a pose, rounded outwards.
 Bounds boundsOf(const Shape& shape, const Pose& pose);
+/// The bounds of a ball that goes from one place to another, rounded outwards.
+Bounds boundsOfPath(const DVec3& from, const DVec3& to, float radius);
 /// The bounds of a shape in a nearby frame.
 Bounds boundsOf(const Shape& shape, const Frame& frame);
 

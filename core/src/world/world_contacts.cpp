@@ -177,6 +177,11 @@ void WorldImpl::saveLane(ManifoldRecord& manifold) {
     manifold.substep = lastSubstep;
 }
 
+void WorldImpl::noteGraphChange(GraphPlace place) {
+    graphChanged = true;
+    directChanged |= place.color == ConstraintGraph::kDirect;
+}
+
 void WorldImpl::addToGraph(std::uint32_t index) {
     ManifoldRecord& manifold = manifolds[index];
     const ContactRecord& record = contacts[manifold.contact];
@@ -184,7 +189,7 @@ void WorldImpl::addToGraph(std::uint32_t index) {
     manifold.place =
         graph.insertContact(index, bodies[record.bodyA].state, moves(record.bodyA), bodies[record.bodyB].state,
                             moves(record.bodyB), isDirect(record.bodyA) || isDirect(record.bodyB));
-    graphChanged = true;
+    noteGraphChange(manifold.place);
     writeLane(record, manifold);
 }
 
@@ -196,8 +201,8 @@ void WorldImpl::removeFromGraph(std::uint32_t index) {
     const std::uint32_t moved = graph.removeContact(manifold.place, bodies[record.bodyA].state, moves(record.bodyA),
                                                     bodies[record.bodyB].state, moves(record.bodyB));
     if (moved != kNone) manifolds[moved].place.slot = manifold.place.slot;
+    noteGraphChange(manifold.place);
     manifold.place = {};
-    graphChanged = true;
 }
 
 namespace {

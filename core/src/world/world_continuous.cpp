@@ -145,6 +145,20 @@ Manifold touchOf(const TriangleView& t, const ConvexView& shape, const Frame& fr
 
 }  // namespace
 
+/// Does the ball that holds a body come near anything on which a sweep from `start` could end?
+bool WorldImpl::mayMeet(std::uint32_t index, const DVec3& start) const {
+    const BodyRecord& body = bodies[index];
+    const Bounds path = boundsOfPath(start, body.center, body.radius);
+    bool found = false;
+    const auto visit = [&](std::uint32_t shape) {
+        found = shapes[shape].body != index;
+        return !found;
+    };
+    staticTree.query(path, visit);
+    if (body.bullet && !found) movingTree.query(path, visit);
+    return found;
+}
+
 /// Bodies that moved far for their size are swept along their path, so that they do not pass what their contacts did
 /// not foresee. Serial and in order of the list.
 void WorldImpl::sweepFastBodies() {
@@ -153,7 +167,7 @@ void WorldImpl::sweepFastBodies() {
     const std::size_t count = awakeBodies.size();
     posesMoved = true;
     for (std::size_t i = 0; i < count; ++i)
-        if (bodyFlags[i] != 0 && moves(awakeBodies[i])) sweepBody(awakeBodies[i]);
+        if (bodyFlags[i] == kToSweep && moves(awakeBodies[i])) sweepBody(awakeBodies[i]);
     posesMoved = false;
 }
 

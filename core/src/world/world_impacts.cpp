@@ -155,6 +155,8 @@ bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float 
         bodies[other].center = end.position;
         bodies[other].rotation = end.rotation;
         refreshInertia(other);
+        BodyFlag& flag = bodyFlags[bodies[other].awakeIndex];
+        if (flag == kFastClear) flag = kToSweep;  // it goes another way now
     }
     return true;
 }

@@ -59,6 +59,7 @@ struct WorldImpl {
 
     // world_step.cpp: the stages of a step, in order.
     void step(World& world, double dt);
+    bool isLittle() const;
     void prepareBodies();
     void prepareConstraints();
     void prepareJoints(int color);
@@ -129,6 +130,7 @@ struct WorldImpl {
     void refreshSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
     void writeLane(const ContactRecord& contact, const ManifoldRecord& manifold);
     void saveLane(ManifoldRecord& manifold);
+    void noteGraphChange(GraphPlace place);
     void addToGraph(std::uint32_t manifold);
     void removeFromGraph(std::uint32_t manifold);
     void addJointToGraph(std::uint32_t joint);
@@ -142,6 +144,7 @@ struct WorldImpl {
     void hideSeams();
     void hideSeam(const ContactRecord& contact);
     bool mayBeSeam(const ContactRecord& contact) const;
+    bool bearsLoad(const ManifoldRecord& manifold) const;
     bool closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const;
     bool slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const;
     struct TouchedPlane {
@@ -174,6 +177,7 @@ struct WorldImpl {
         std::uint32_t shape = 0, obstacle = 0;
         Manifold touch;  ///< in the frame of the obstacle, the normal towards the shape
     };
+    bool mayMeet(std::uint32_t body, const DVec3& start) const;
     void sweepFastBodies();
     void sweepBody(std::uint32_t body);
     SweptWay wayOfStep(std::uint32_t body) const;
@@ -232,6 +236,8 @@ struct WorldImpl {
         bool watched = false;  ///< impulses are wanted after every substep
         bool twofold = false;  ///< masses ask for double precision
     };
+    static bool isTreeJoint(const JointSim& joint);
+    bool turnsFreely(std::uint32_t body) const;
     bool drawTree(std::uint32_t start, DrawnTree& drawn);
     void layLinks(std::uint32_t root, DrawnTree& drawn);
     void planChains();
@@ -362,6 +368,8 @@ struct WorldImpl {
     double time = 0;
     float lastSubstep = 0;
     bool graphChanged = true;      ///< since solvers were chosen, as far as bearings are concerned
+    bool directChanged = true;     ///< the same where a direct island has part in it
+    std::uint64_t choiceStep = 0;  ///< in which solvers were chosen
     bool structureChanged = true;  ///< the same for bodies and joints that were made, moved or woken
 
     // Derived from the state, or of the current step only.
@@ -379,8 +387,8 @@ struct WorldImpl {
     };
     AlignedArray<ChangedContact> changedContacts;
     AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step
-    AlignedArray<std::uint32_t> islandParent;  ///< union-find over bodies
-    AlignedArray<float> islandQuiet;           ///< s, of the least quiet body of a root
+    AlignedArray<std::uint32_t> islandParent;     ///< union-find over bodies
+    AlignedArray<float> islandQuiet;              ///< s, of the least quiet body of a root
     AlignedArray<std::uint32_t> bodyStack;
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     AlignedArray<std::uint32_t> assemblyParent, assemblyPlace;   ///< per body, of those awake; 0: held by the world
@@ -410,8 +418,8 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> movedConstraints;
     std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< at least one per direct island
     bool directGrouped = false;
-    bool treesChanged = true;       ///< joints, their bodies or their rows, since trees were drawn up
-    direct::TreePlan chains;        ///< direct islands that are trees
+    bool treesChanged = true;  ///< joints, their bodies or their rows, since trees were drawn up
+    direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
     struct DeepContact {
         GraphPlace from;
@@ -420,12 +428,18 @@ struct WorldImpl {
     AlignedArray<DeepContact> deepContacts;  ///< of this step, by colour
     AlignedArray<std::uint32_t> deepStarts;  ///< bundle where each colour begins, and the end
     AlignedArray<float> deepBundles;
-    AlignedArray<float> directSeen;    ///< bundles of direct islands when their systems were made
+    AlignedArray<float> directSeen;  ///< bundles of direct islands when their systems were made
     std::pmr::vector<StepStats::Island> ledger;
-    std::uint64_t directFailures = 0;      ///< solves given up since the world was made
-    std::uint64_t runaways = 0;            ///< bodies stopped because they ran away
-    static constexpr std::uint8_t kRunaway = 2;
-    AlignedArray<std::uint8_t> bodyFlags;  ///< per awake body, set by finishBodies: 1 is to be swept
+    std::uint64_t directFailures = 0;  ///< solves given up since the world was made
+    std::uint64_t runaways = 0;        ///< bodies stopped because they ran away
+    enum BodyFlag : std::uint8_t {
+        kNotFast,
+        kFastClear,  ///< went far for its size, but past nothing
+        kToSweep,    ///< went far for its size
+        kRunaway
+    };
+    AlignedArray<BodyFlag> bodyFlags;  ///< per awake body, set by finishBodies
+    AlignedArray<Bounds> tightNow;     ///< per shape, set by refitBounds where it looks
     struct PairFound {
         std::uint32_t a, b;
     };

@@ -66,10 +66,10 @@ void WorldImpl::giveRoom(std::uint32_t index) {
 /// Adds what each body has moved to its travel. Bounds that were left are enlarged in place; their shapes look for
 /// partners in the next step.
 void WorldImpl::refitBounds() {
+    tightNow.resizeForOverwrite(shapes.size());
     runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const auto place = static_cast<std::size_t>(i);
-            bodyFlags[place] = 0;
             BodyRecord& body = bodies[awakeBodies[place]];
             const Quat turn = body.rotation * conjugate(startPoses[place].rotation);
             const float way = length(relative(body.center, startPoses[place].center)) +
@@ -78,24 +78,23 @@ void WorldImpl::refitBounds() {
             body.room -= way;
             body.refitted = false;
             if (length(states[awakeBodies[place]].v) * dt < body.room) continue;
-            for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next)
-                if (!contains(tree(shapes[s]).bounds(shapes[s].proxy), tightBounds(shapes[s], dt)))
-                    bodyFlags[place] = 1;
-            body.refitted = bodyFlags[place] != 0;
+            for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
+                tightNow[s] = tightBounds(shapes[s], dt);
+                body.refitted |= !contains(tree(shapes[s]).bounds(shapes[s].proxy), tightNow[s]);
+            }
         }
     });
-    for (std::size_t i = 0; i < awakeBodies.size(); ++i) {
-        if (bodyFlags[i] == 0) continue;
-        giveRoom(awakeBodies[i]);
-        for (std::uint32_t s = bodies[awakeBodies[i]].firstShape; s != kNone; s = shapes[s].next) {
+    for (const std::uint32_t index : awakeBodies) {
+        if (!bodies[index].refitted) continue;
+        giveRoom(index);
+        for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next) {
             const ShapeRecord& shape = shapes[s];
-            const Bounds tight = tightBounds(shape, dt);
-            if (contains(tree(shape).bounds(shape.proxy), tight)) continue;
-            tree(shape).enlarge(shape.proxy, enlarged(tight, tuning::kFatMargin * shape.size));
+            if (contains(tree(shape).bounds(shape.proxy), tightNow[s])) continue;
+            tree(shape).enlarge(shape.proxy, enlarged(tightNow[s], tuning::kFatMargin * shape.size));
             markMoved(s);
         }
     }
-    movingTree.rebuildEnlarged();
+    movingTree.refitEnlarged();
 }
 
 bool WorldImpl::shouldCollide(const ShapeRecord& a, const ShapeRecord& b) const {

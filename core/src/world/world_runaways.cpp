@@ -62,7 +62,7 @@ void WorldImpl::forgetImpulses(std::uint32_t index) {
 void WorldImpl::stopRunaways() {
     for (std::size_t i = 0; i < awakeBodies.size(); ++i) {
         if (bodyFlags[i] != kRunaway) continue;
-        bodyFlags[i] = 0;
+        bodyFlags[i] = kNotFast;
         ++runaways;
         forgetImpulses(awakeBodies[i]);
     }

@@ -100,6 +100,8 @@ void WorldImpl::archive(Archive& archive) {
     archive.value(lastSubstep);
     archive.value(dt);
     archive.value(graphChanged);
+    archive.value(directChanged);
+    archive.value(choiceStep);
     archive.value(structureChanged);
 }
 
