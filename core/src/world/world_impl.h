@@ -178,7 +178,10 @@ struct WorldImpl {
     void sweepFastBodies();
     void sweepBody(std::uint32_t body);
     SweptWay wayOfStep(std::uint32_t body) const;
+    void rideAlong(std::uint32_t obstacle, float done, Pose& pose) const;
     Meeting firstMeeting(std::uint32_t body, const Pose& start, const Pose& end, float done, float until) const;
+    void sweepMesh(std::uint32_t body, std::uint32_t shape, const Pose& start, const Pose& end, float done, float until,
+                   Meeting& first) const;
     bool maySweepInto(std::uint32_t shape, std::uint32_t obstacle) const;
 
     // world_impacts.cpp
