@@ -7,7 +7,7 @@ namespace ragtop {
 
 /// How far each body may go in the coming step.
 void WorldImpl::lookAhead() {
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 256, [&](int begin, int end, int) {
+    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const std::uint32_t body = awakeBodies[static_cast<std::size_t>(i)];
             const BodyState& state = states[body];

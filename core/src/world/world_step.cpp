@@ -109,7 +109,7 @@ void WorldImpl::solveSubstep(World& world, int number) {
 }
 
 void WorldImpl::prepareBodies() {
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 128, [&](int begin, int end, int) {
+    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const std::uint32_t index = awakeBodies[static_cast<std::size_t>(i)];
             BodyRecord& body = bodies[index];
@@ -178,14 +178,14 @@ void WorldImpl::storeJoints() {
 
 void WorldImpl::integrateVelocities() {
     const BodyArrays arrays = bodyArrays();
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 256, [&](int begin, int end, int) {
+    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
         kernels->integrateVelocities(arrays, awakeBodies.data(), begin, end, context);
     });
 }
 
 void WorldImpl::integratePositions() {
     const BodyArrays arrays = bodyArrays();
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 256, [&](int begin, int end, int) {
+    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
         kernels->integratePositions(arrays, awakeBodies.data(), begin, end, context);
     });
 }
@@ -212,7 +212,7 @@ struct Blocks {
 template <class Joint, class Joints, class Contacts>
 void WorldImpl::forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact) {
     constexpr int kJointsPerBlock = 8;
-    const int jointBundlesPerBlock = 32 / graph.lanes(), contactBundlesPerBlock = 128 / graph.lanes();
+    const int jointBundlesPerBlock = 32 / graph.lanes(), contactBundlesPerBlock = 64 / graph.lanes();
     const auto singles = [&](int begin, int end) {
         for (int i = begin; i < end; ++i) alone(jointBundles.single(i));
     };
@@ -321,7 +321,7 @@ void WorldImpl::finishBodies() {
     const float gravity = length(settings.gravity);
     startPoses.resizeForOverwrite(awakeBodies.size());
     bodyFlags.resizeForOverwrite(awakeBodies.size());
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 128, [&](int begin, int end, int) {
+    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const auto place = static_cast<std::size_t>(i);
             const std::uint32_t index = awakeBodies[place];
