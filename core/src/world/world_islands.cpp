@@ -200,6 +200,13 @@ void WorldImpl::measureIslands() {
     forEachCoupledPair([&](std::uint32_t, std::uint32_t body) { islandFeatures[findRoot(body)].coupled = true; });
 }
 
+/// Of joints alone.
+static bool isMechanism(direct::Reason reason) {
+    return reason == direct::Reason::tree || reason == direct::Reason::loop;
+}
+/// Reasons that no choice outlives.
+static bool onlyWhile(direct::Reason reason) { return reason == direct::Reason::deep || isMechanism(reason); }
+
 /// Writes the choice for each island into its bodies, so many steps after the last one. True while some island's choice
 /// will change by itself.
 bool WorldImpl::decideIslands(std::int32_t elapsed) {
@@ -225,9 +232,9 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
             island.staying = std::min(island.barred + elapsed, 0);
         } else if (island.reason != direct::Reason::none) {
             if (!large || !island.direct) island.staying = direct::kStayingSteps;
-            waiting |= island.reason == direct::Reason::tree;  // it may begin to spin
+            waiting |= isMechanism(island.reason);  // it may begin to spin
             continue;
-        } else if (large || island.last == direct::Reason::deep || island.last == direct::Reason::tree) {
+        } else if (large || onlyWhile(island.last)) {
             // Worth it at rest alone, or as long as nothing is touched.
             island.staying = 0;
         } else if (island.staying > 0) {
