@@ -103,7 +103,8 @@ struct FacesBelow {
 
 class Contacts {
 public:
-    Contacts(const ContactReach& reach) : reach_(reach), gatherer_(reach.size) {}
+    Contacts(const ContactReach& reach, const Vec3& apart)
+        : reach_(reach), gatherer_(reach.size, normalized(apart, {})) {}
 
     /// `out` is the direction from the other surface to the corner's.
     void offerCorner(const Corner& corner, const Vec3& out, float separation, std::uint32_t source) {
@@ -377,6 +378,8 @@ void collideDeep(const MeshSide& mesh, const Other& other, Contacts& contacts, b
                  [&](const Facet& facet) { collideCorners(mesh, facet, other, contacts, ofA); });
 }
 
+Vec3 middle(const Bounds& b) { return 0.5f * (b.lower + b.upper); }
+
 bool asksForDepth(Contacts& contacts) { return contacts.gatherer().deepest() < -0.5f * kInward * contacts.size(); }
 
 }  // namespace
@@ -387,7 +390,7 @@ using namespace surface;
 int collideSurfaces(const MeshData& a, const MeshData& b, const Frame& bInA, const ContactReach& reach,
                     std::span<Manifold> out) {
     const MeshSide sideA(a, bInA.position), sideB(b, bInA.rotation);
-    Contacts contacts(reach);
+    Contacts contacts(reach, middle(sideB.bounds()) - middle(sideA.bounds()));
     collideMesh(sideA, sideB, contacts, true);
     collideMesh(sideB, sideA, contacts, false);
     const bool contained = contacts.gatherer().empty() &&
@@ -403,7 +406,7 @@ int collideSurfaces(const HeightFieldData& a, const MeshData& b, const Frame& bI
                     std::span<Manifold> out) {
     const FieldSide sideA(a, bInA.position);
     const MeshSide sideB(b, bInA.rotation);
-    Contacts contacts(reach);
+    Contacts contacts(reach, middle(sideB.bounds()) - middle(sideA.bounds()));
     collideField(sideA, sideB, contacts);
     collideMesh(sideB, sideA, contacts, false);
     return contacts.gatherer().write(bInA.position, out);
@@ -413,7 +416,7 @@ int collideSurfaces(const MeshData& a, const ConvexView& round, const Frame& bIn
                     std::span<Manifold> out) {
     const MeshSide mesh(a, bInA.position);
     const RoundSide side(round, bInA.rotation);
-    Contacts contacts(reach);
+    Contacts contacts(reach, middle(side.bounds()) - middle(mesh.bounds()));
     EdgeContacts edges(contacts);
     SharpEdge core;
     core.from = side.p;
