@@ -148,8 +148,9 @@ public:
             return true;
         });
         if constexpr (requires { side_.nearestFacet(corner_.at); }) {
-            if (!all_.found && side_.encloses() && overlaps(side_.bounds(), place))
-                look(side_.nearestFacet(corner_.at));
+            // What is inside and out of reach of the surface is as far inside the bounds.
+            const Bounds inner = grownBy(side_.bounds(), -kInward * contacts_.size());
+            if (!all_.found && side_.encloses() && overlaps(inner, place)) look(side_.nearestFacet(corner_.at));
         }
         if (!all_.found) return;
         Vec3 outward;
@@ -268,7 +269,7 @@ public:
     template <class Side>
     void collide(const Side& side, const Facet& facet) {
         for (int e = 0; ofA_ && e < 3; ++e)
-            if (facet.owns(e)) collide(sharpEdge(side, facet, e), 0);
+            if (facet.owns(e) && passesAny(facet.v[e], facet.edge(e))) collide(sharpEdge(side, facet, e), 0);
         for (int i = 0; i < count_; ++i) edges_[i].pierce(facet);
     }
     /// Edges that go in at one face of the other and out at another, where no edge of it is met: the middle of what is
@@ -314,6 +315,11 @@ private:
         }
     };
 
+    bool passesAny(const Vec3& from, const Vec3& along) const {
+        for (int i = 0; i < count_; ++i)
+            if (passEachOther(edges_[i].edge.from, edges_[i].edge.along, from, along)) return true;
+        return false;
+    }
     template <class Other>
     bool meetsAnyEdge(const SharpEdge& edge, float in, float out, const Other& other) const {
         const Vec3 p = edge.from + in * edge.along, q = edge.from + out * edge.along;
