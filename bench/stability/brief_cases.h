@@ -85,6 +85,7 @@ inline constexpr std::string_view kBriefCases[] = {
     "nonconvex/hooks of capsules",
     "nonconvex/mesh at 300 m/s at a fixed mesh",
     "nonconvex/mesh at 300 m/s at a moving mesh",
+    "nonconvex/compound at 300 m/s at a moving mesh",
 };
 
 }  // namespace ragtop::stability
