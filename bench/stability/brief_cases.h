@@ -88,6 +88,12 @@ inline constexpr std::string_view kBriefCases[] = {
     "determinism/joints",
     "determinism/spinners",
     "determinism/house",
+    "nonconvex/chain of 12 tori",
+    "nonconvex/hooks of mesh",
+    "nonconvex/hooks of capsules",
+    "nonconvex/mesh at 300 m/s at a fixed mesh",
+    "nonconvex/mesh at 300 m/s at a moving mesh",
+    "nonconvex/compound at 300 m/s at a moving mesh",
 };
 
 }  // namespace ragtop::stability

@@ -103,7 +103,8 @@ struct FacesBelow {
 
 class Contacts {
 public:
-    Contacts(const ContactReach& reach) : reach_(reach), gatherer_(reach.size) {}
+    Contacts(const ContactReach& reach, const Vec3& apart)
+        : reach_(reach), gatherer_(reach.size, normalized(apart, {})) {}
 
     /// `out` is the direction from the other surface to the corner's.
     void offerCorner(const Corner& corner, const Vec3& out, float separation, std::uint32_t source) {
@@ -147,8 +148,9 @@ public:
             return true;
         });
         if constexpr (requires { side_.nearestFacet(corner_.at); }) {
-            if (!all_.found && side_.encloses() && overlaps(side_.bounds(), place))
-                look(side_.nearestFacet(corner_.at));
+            // What is inside and out of reach of the surface is as far inside the bounds.
+            const Bounds inner = grownBy(side_.bounds(), -kInward * contacts_.size());
+            if (!all_.found && side_.encloses() && overlaps(inner, place)) look(side_.nearestFacet(corner_.at));
         }
         if (!all_.found) return;
         Vec3 outward;
@@ -267,7 +269,7 @@ public:
     template <class Side>
     void collide(const Side& side, const Facet& facet) {
         for (int e = 0; ofA_ && e < 3; ++e)
-            if (facet.owns(e)) collide(sharpEdge(side, facet, e), 0);
+            if (facet.owns(e) && passesAny(facet.v[e], facet.edge(e))) collide(sharpEdge(side, facet, e), 0);
         for (int i = 0; i < count_; ++i) edges_[i].pierce(facet);
     }
     /// Edges that go in at one face of the other and out at another, where no edge of it is met: the middle of what is
@@ -313,6 +315,11 @@ private:
         }
     };
 
+    bool passesAny(const Vec3& from, const Vec3& along) const {
+        for (int i = 0; i < count_; ++i)
+            if (passEachOther(edges_[i].edge.from, edges_[i].edge.along, from, along)) return true;
+        return false;
+    }
     template <class Other>
     bool meetsAnyEdge(const SharpEdge& edge, float in, float out, const Other& other) const {
         const Vec3 p = edge.from + in * edge.along, q = edge.from + out * edge.along;
@@ -377,6 +384,8 @@ void collideDeep(const MeshSide& mesh, const Other& other, Contacts& contacts, b
                  [&](const Facet& facet) { collideCorners(mesh, facet, other, contacts, ofA); });
 }
 
+Vec3 middle(const Bounds& b) { return 0.5f * (b.lower + b.upper); }
+
 bool asksForDepth(Contacts& contacts) { return contacts.gatherer().deepest() < -0.5f * kInward * contacts.size(); }
 
 }  // namespace
@@ -387,7 +396,7 @@ using namespace surface;
 int collideSurfaces(const MeshData& a, const MeshData& b, const Frame& bInA, const ContactReach& reach,
                     std::span<Manifold> out) {
     const MeshSide sideA(a, bInA.position), sideB(b, bInA.rotation);
-    Contacts contacts(reach);
+    Contacts contacts(reach, middle(sideB.bounds()) - middle(sideA.bounds()));
     collideMesh(sideA, sideB, contacts, true);
     collideMesh(sideB, sideA, contacts, false);
     const bool contained = contacts.gatherer().empty() &&
@@ -403,7 +412,7 @@ int collideSurfaces(const HeightFieldData& a, const MeshData& b, const Frame& bI
                     std::span<Manifold> out) {
     const FieldSide sideA(a, bInA.position);
     const MeshSide sideB(b, bInA.rotation);
-    Contacts contacts(reach);
+    Contacts contacts(reach, middle(sideB.bounds()) - middle(sideA.bounds()));
     collideField(sideA, sideB, contacts);
     collideMesh(sideB, sideA, contacts, false);
     return contacts.gatherer().write(bInA.position, out);
@@ -413,7 +422,7 @@ int collideSurfaces(const MeshData& a, const ConvexView& round, const Frame& bIn
                     std::span<Manifold> out) {
     const MeshSide mesh(a, bInA.position);
     const RoundSide side(round, bInA.rotation);
-    Contacts contacts(reach);
+    Contacts contacts(reach, middle(side.bounds()) - middle(mesh.bounds()));
     EdgeContacts edges(contacts);
     SharpEdge core;
     core.from = side.p;

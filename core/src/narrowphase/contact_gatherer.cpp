@@ -12,6 +12,10 @@ constexpr float kSameDirection = 0.9998f;  // cosine of about one degree
 /// Cosine of the angle up to which a contact joins another direction when there is no room for its own.
 constexpr float kSimilarDirection = 0.8f;
 constexpr float kSamePoint = 0.02f;  // of the size
+constexpr float kDeep = 0.1f;        // of the size: overlap whose way out is chosen
+/// Share of all depths with which the way from middle to middle counts for the way out; contacts that agree outweigh
+/// it.
+constexpr float kApart = 0.6f;
 
 }  // namespace
 
@@ -55,6 +59,25 @@ void ContactGatherer::join(Cluster& cluster, const ManifoldPoint& point) const {
     cluster.points[cluster.count++] = point;
 }
 
+/// Where parts lie deep in each other, some lead out one way and some the other, and would hold each other: those
+/// against the mean of all deep ones, by depth, and of the way apart are left out.
+void ContactGatherer::agreeOnWayOut() {
+    if (deepest_ > -kDeep * size_) return;
+    Vec3 mean;
+    float sum = 0;
+    for (int i = 0; i < count_; ++i) {
+        const ContactCandidate& candidate = candidates_[i];
+        if (!(candidate.point.separation < -kDeep * size_)) continue;
+        mean -= candidate.point.separation * candidate.normal;
+        sum -= candidate.point.separation;
+    }
+    mean += (kApart * sum) * apart_;
+    int kept = 0;
+    for (int i = 0; i < count_; ++i)
+        if (dot(candidates_[i].normal, mean) >= 0) candidates_[kept++] = candidates_[i];
+    count_ = kept;
+}
+
 /// Each direction is that of its deepest contact.
 void ContactGatherer::group() {
     std::sort(candidates_, candidates_ + count_, [](const ContactCandidate& a, const ContactCandidate& b) {
@@ -62,6 +85,7 @@ void ContactGatherer::group() {
         if (a.point.feature != b.point.feature) return a.point.feature < b.point.feature;
         return a.triangle < b.triangle;
     });
+    agreeOnWayOut();
     for (int i = 0; i < count_; ++i) {
         Cluster* const cluster = clusterFor(candidates_[i].normal);
         if (!cluster) continue;

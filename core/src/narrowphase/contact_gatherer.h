@@ -17,8 +17,9 @@ struct ContactCandidate {
 /// direction, the deepest first. Of more than there is room for the farthest apart go.
 class ContactGatherer {
 public:
-    /// `size` of the smaller of the two: points nearer to each other than a small part of it are one.
-    explicit ContactGatherer(float size) : size_(size) {}
+    /// `size` of the smaller of the two: points nearer to each other than a small part of it are one. `apart`:
+    /// direction from the middle of A to that of B.
+    ContactGatherer(float size, const Vec3& apart) : size_(size), apart_(apart) {}
     ContactGatherer(const ContactGatherer&) = delete;
     ContactGatherer& operator=(const ContactGatherer&) = delete;
 
@@ -38,11 +39,13 @@ private:
         ManifoldPoint points[kMaxPoints];
     };
 
+    void agreeOnWayOut();
     Cluster* clusterFor(const Vec3& normal);
     void join(Cluster& cluster, const ManifoldPoint& point) const;
     void group();
 
     float size_, deepest_ = 0;
+    Vec3 apart_;
     int count_ = 0, clusterCount_ = 0;
     union {  // not filled with zeros first
         ContactCandidate candidates_[kMost];

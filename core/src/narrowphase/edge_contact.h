@@ -20,6 +20,15 @@ struct SharpEdge {
     Vec3 middle() const;
 };
 
+/// Are two segments, each from a point along a vector, nearest to each other inside both? What is not cannot meet.
+inline bool passEachOther(const Vec3& from, const Vec3& along, const Vec3& otherFrom, const Vec3& otherAlong) {
+    const Vec3 r = from - otherFrom;
+    const float aa = lengthSquared(along), bb = lengthSquared(otherAlong), ab = dot(along, otherAlong);
+    const float ar = dot(along, r), br = dot(otherAlong, r), square = aa * bb - ab * ab;
+    const float s = ab * br - ar * bb, t = aa * br - ab * ar, slack = 1e-3f * aa * bb;
+    return s >= -slack && s <= square + slack && t >= -slack && t <= square + slack;
+}
+
 struct EdgeMeeting {
     bool found = false;
     Vec3 normal;  ///< from A to B
