@@ -33,6 +33,7 @@ Family drift();
 Family mechanisms();
 Family determinism();
 Family nonconvex();
+Family doors();
 
 /// All of them, in the order of the documentation.
 std::vector<Family> allFamilies();
