@@ -251,7 +251,7 @@ void solveTurnStop(StopSide& side, const Vec3& axis, BallTurn& turn, const BallR
 void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias) {
     RigidBlock& block = joint.block;
     BallRows& rows = joint.ball;
-    solveBlock(block, pair, joint.arms, useBias ? context.softness : kRigid);
+    solveRigid(joint, pair, context, useBias);
     if (rows.features == 0) return;
     BallTurn turn{block, pair.velocity(joint.arms).angular, {}};
     const int pass = useBias ? 0 : 1;
