@@ -168,15 +168,26 @@ private:
         return {x.x, x.y, x.z, y.y, y.z, z.z, {}};
     }
     void fall(float substep) {
-        for (std::size_t b = 1; b < bodies.size(); ++b)
-            if (bodies[b].mass > 0) states_[b].v += substep * gravity;
+        momentum_.resize(bodies.size());
+        led_.resize(bodies.size());
+        for (std::size_t b = 1; b < bodies.size(); ++b) {
+            if (!(bodies[b].mass > 0)) continue;
+            BodyState& state = states_[b];
+            state.v += substep * gravity;
+            // Joints see the angular velocity of half a substep ahead.
+            const Axes axes(state.dq * bodies[b].rotation);
+            momentum_[b] = axes.times(bodies[b].inertia, DVec3(state.w), itself);
+            state.w += 0.5f * substep * (inertia_[b] * cross(toVec3(momentum_[b]), state.w));
+            led_[b] = state.w;
+        }
     }
     /// Keeps the angular momentum over the rotation.
     void move(std::size_t b, float substep) {
         const RigBody& body = bodies[b];
         BodyState& state = states_[b];
         if (!(body.mass > 0)) return;
-        const DVec3 momentum = Axes(state.dq * body.rotation).times(body.inertia, DVec3(state.w), itself);
+        const Axes before(state.dq * body.rotation);
+        const DVec3 momentum = momentum_[b] + before.times(body.inertia, DVec3(state.w - led_[b]), itself);
         state.dp += substep * state.v;
         const float rate = length(state.w);
         if (rate > 0) state.dq = normalized(rotationAbout(state.w, rate * substep) * state.dq);
@@ -196,6 +207,8 @@ private:
 
     std::vector<BodyState> states_;
     std::vector<BodyInertia> inertia_;
+    std::vector<DVec3> momentum_;
+    std::vector<Vec3> led_;
 };
 
 /// A rod or box of uniform density, kg and kg m².

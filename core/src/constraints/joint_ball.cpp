@@ -301,7 +301,7 @@ void shedEnergy(const BallRows& rows, BallTurn& turn) {
 void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias) {
     RigidBlock& block = joint.block;
     BallRows& rows = joint.ball;
-    solveBlock(block, pair, joint.arms, useBias ? context.softness : kRigid);
+    solveRigid(joint, pair, context, useBias);
     if (rows.features == 0) return;
     BallTurn turn{block, pair.velocity(joint.arms).angular, {}};
     const int pass = useBias ? 0 : 1;

@@ -134,9 +134,30 @@ void warmStartJoint(JointSim& joint, BodyState* states, const BodyInertia* inert
     pair.store();
 }
 
+/// Of rows across a slider's axis, which turns with A, Coriolis' share is counted too.
+static PairVector meanVelocity(const JointSim& joint, const BodyPair& pair, float h) {
+    PairVector u = pair.velocity(joint.arms);
+    const bool hinged = joint.kind == JointKind::hinge;
+    const Turning w = hinged                          ? pair.turnsAbout(joint.block.basis.cz)
+                      : joint.kind == JointKind::ball ? pair.turns()
+                                                      : pair.turnsTogether();
+    if (hinged) u.angular += curvingAxes(w, joint.block.basis.cz, h);
+    Vec3 bend = curvingArms(w, joint.arms, h);
+    if (joint.kind == JointKind::slider) {
+        bend -= (h / (1 + h * h * dot(w.a, w.a))) * cross(w.a, u.linear);
+    }
+    u.linear += bend;
+    return u;
+}
+
+void solveRigid(JointSim& joint, BodyPair& pair, const JointContext& context, bool moving) {
+    const PairVector u = moving ? meanVelocity(joint, pair, context.h) : pair.velocity(joint.arms);
+    solveBlock(joint.block, pair, joint.arms, u, moving ? context.softness : kRigid);
+}
+
 void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias) {
     RigidBlock& block = joint.block;
-    solveBlock(block, pair, joint.arms, useBias ? context.softness : kRigid);
+    solveRigid(joint, pair, context, useBias);
     if (joint.axis.features == 0 || !(joint.axis.inverseMass > 0)) return;
     const PairVector u = pair.velocity(joint.arms);
     const float speed = dot(block.basis.cz, block.linearFirst ? u.angular : u.linear);
@@ -157,7 +178,7 @@ void solveRows(JointSim& joint, BodyPair& pair, const JointContext& context, boo
             solveBlockAndAxis(joint, pair, context, useBias);
             break;
         case JointKind::fixed:
-            solveBlock(joint.block, pair, joint.arms, useBias ? context.softness : kRigid);
+            solveRigid(joint, pair, context, useBias);
             break;
         case JointKind::distance:
             solveDistance(joint, pair, context, useBias);

@@ -36,6 +36,8 @@ void refreshFixed(JointSim& joint, const JointPlace& place, const BodyPair& pair
 void refreshAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh);
 void refreshDistance(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh);
 
+/// Solves the rigid rows: for the mean velocity of the substep where positions are to move, else for that of now.
+void solveRigid(JointSim& joint, BodyPair& pair, const JointContext& context, bool moving);
 void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias);
 /// Hinge and slider: the block, then the rows of the free direction.
 void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias);

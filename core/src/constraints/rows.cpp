@@ -68,11 +68,19 @@ BodyPair::BodyPair(BodyState* states, const BodyInertia* inertia, std::uint32_t 
 
 namespace {
 
-/// `turning` is h F · r; both its present and its last excess count.
-float tautShare(const BodyInertia& inertia, float turning, float& lastExcess) {
+/// The most that a moment turns a body about an axis across the arm, or a little more: the trace of I⁻¹ without what
+/// belongs to the arm's own axis. A rod under tension turns easily about that, which the tension does not mind.
+float easeAcross(const BodyInertia& inertia, const Vec3& arm) {
     float largest = inertia.xx > inertia.yy ? inertia.xx : inertia.yy;
     if (inertia.zz > largest) largest = inertia.zz;
-    const float now = turning * largest - TautBodies::kExplicit;
+    const float square = dot(arm, arm), along = dot(arm, inertia * arm);
+    const float across = inertia.xx + inertia.yy + inertia.zz - (square > 0 ? along / square : 0.0f);
+    return across < largest ? across : largest;
+}
+
+/// `pull` is h F · r; both the present and the last excess count.
+float tautShare(const BodyInertia& inertia, const Vec3& arm, float pull, float& lastExcess) {
+    const float now = pull * easeAcross(inertia, arm) - TautBodies::kExplicit;
     const float excess = now < lastExcess ? now : lastExcess;
     lastExcess = now;
     return excess > 0 ? 1 / (1 + excess) : 1.0f;
@@ -81,8 +89,8 @@ float tautShare(const BodyInertia& inertia, float turning, float& lastExcess) {
 }  // namespace
 
 void BodyPair::stiffen(const Arms& arms, const Vec3& impulse, float h, TautBodies& taut) {
-    shareA_ = taut.shareA = tautShare(*inertiaA_, -h * dot(arms.a, impulse), taut.excessA);
-    shareB_ = taut.shareB = tautShare(*inertiaB_, h * dot(arms.b, impulse), taut.excessB);
+    shareA_ = taut.shareA = tautShare(*inertiaA_, arms.a, -h * dot(arms.a, impulse), taut.excessA);
+    shareB_ = taut.shareB = tautShare(*inertiaB_, arms.b, h * dot(arms.b, impulse), taut.excessB);
 }
 
 void BodyPair::store() const {
@@ -165,8 +173,7 @@ void beginBlock(RigidBlock& block, bool hadImpact) {
 /// With r = u + βC, block elimination of K p = −r:
 ///   p₂ = −(Bᵀ P B)⁻¹ Bᵀ (r₂ − Gᵀ r₁),   p₁ = −K₁₁⁻¹ r₁ − G p₂,
 /// then Δλ = massScale p − impulseScale λ.
-void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const Softness& soft) {
-    const PairVector u = pair.velocity(arms);
+void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const PairVector& u, const Softness& soft) {
     const Vec3 first = (block.linearFirst ? u.linear : u.angular) + soft.biasRate * block.errorFirst;
     Vec3 p1 = -solve(block.mass.first, first);
     Vec3 p2;

@@ -67,6 +67,26 @@ struct Arms {
     Vec3 a, b;
 };
 
+/// An arm that turns with ω through θ = |ω| h leaves the line of its first speed; by what its mean speed over h
+/// differs:
+///   (r' − r)/h − ω × r = h (1 − cos θ)/θ² ω × (ω × r) − (1 − sin θ/θ) ω × r.
+/// Rows that are to find their bodies together when a substep ends [SHAKE; Ryckaert, Ciccotti, Berendsen, 1977] count
+/// it. Both shares are fractions that agree with the first two terms of their series and vanish where θ is large. An
+/// arm that turns itself by much is not foreseen, as stops and other joints may end its turn: by φ² = 1/3 half of it is
+/// left.
+inline Vec3 curving(const Vec3& w, const Vec3& r, float h) {
+    const Vec3 speed = cross(w, r);
+    const float length2 = dot(r, r), square = (h * h) * dot(w, w);
+    const float turn2 = length2 > 0 ? (h * h) * dot(speed, speed) / length2 : 0.0f;
+    const float share = 1 / (12 + square * (1 + 0.125f * square) + 108 * (turn2 * turn2));
+    return cross((6 * h * share) * w, speed) - (2 * square * share) * speed;
+}
+
+/// Angular velocities of both bodies, rad/s.
+struct Turning {
+    Vec3 a, b;
+};
+
 /// A force F on an arm r turns with neither of the bodies, so it resists their turning with the stiffness F · r; an
 /// explicit step of h cannot follow once h² F · r exceeds the moment of inertia a few times, which a light link under
 /// a heavy load soon does. Adding the stiffness to the inertia, h² F · r, makes the step implicit in it to first order
@@ -86,6 +106,12 @@ public:
     /// Measures the stiffness that the impulse carried over gives, and uses it.
     void stiffen(const Arms& arms, const Vec3& impulse, float h, TautBodies& taut);
     PairVector velocity(const Arms& arms) const;
+    /// The angular velocities of now, and of bodies that a joint lets turn against each other about x alone, or not at
+    /// all: what they differ by otherwise is weighted so that the joint's own impulses, which its rows take back, do
+    /// not count.
+    Turning turns() const { return {wA_, wB_}; }
+    Turning turnsTogether() const;
+    Turning turnsAbout(const Vec3& x) const;
     void apply(const Arms& arms, const PairVector& impulse);
     void store() const;
     PairMass mass(const Arms& arms) const;
@@ -104,6 +130,23 @@ private:
 
 inline PairVector BodyPair::velocity(const Arms& arms) const {
     return {(vB_ + cross(wB_, arms.b)) - (vA_ + cross(wA_, arms.a)), wB_ - wA_};
+}
+/// What turning adds to the mean speed over h: of the linear motion, and of two axes along x.
+inline Vec3 curvingArms(const Turning& w, const Arms& arms, float h) {
+    return curving(w.b, arms.b, h) - curving(w.a, arms.a, h);
+}
+inline Vec3 curvingAxes(const Turning& w, const Vec3& x, float h) {
+    return cross(x, curving(w.b, x, h) - curving(w.a, x, h));
+}
+inline Turning BodyPair::turnsTogether() const {
+    const float easeA = shareA_ * (inertiaA_->xx + inertiaA_->yy + inertiaA_->zz);
+    const float easeB = shareB_ * (inertiaB_->xx + inertiaB_->yy + inertiaB_->zz), both = easeA + easeB;
+    const Vec3 w = wA_ + (both > 0 ? easeA / both : 0.0f) * (wB_ - wA_);
+    return {w, w};
+}
+inline Turning BodyPair::turnsAbout(const Vec3& x) const {
+    const Vec3 w = turnsTogether().a;
+    return {w + dot(x, wA_ - w) * x, w + dot(x, wB_ - w) * x};
 }
 inline void BodyPair::apply(const Arms& arms, const PairVector& impulse) {
     vA_ -= scale(inverseMassA_, impulse.linear);
@@ -143,8 +186,8 @@ void refreshMass(RigidBlock& block, const PairMass& mass, bool secondHasRows);
 PairVector blockImpulse(const RigidBlock& block);
 /// When a substep begins: notes the impulses, or takes back those noted before when the last substep had an impact.
 void beginBlock(RigidBlock& block, bool hadImpact);
-/// Solves the block and applies the impulse to the pair.
-void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const Softness& softness);
+/// Solves the block for the velocity `u`, which its rows are to undo, and applies the impulse to the pair.
+void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const PairVector& u, const Softness& softness);
 /// The impulse of size `amount` along the free direction, together with what keeps the rigid rows' velocity.
 PairVector freeImpulse(RigidBlock& block, float amount);
 

@@ -192,7 +192,8 @@ struct FreeSpin {
         free = dot(gained, gained) <= Lanes<N>(0.0f);
     }
 
-    /// Spins about nearly one principal axis, fast enough for that axis to circle by more than a quarter radian in h.
+    /// Spins about nearly one principal axis, 3, which circles about the momentum by more than a quarter radian in h:
+    ///   rate = |L| (1/I₃ ± √((1/I₁ − 1/I₃)(1/I₂ − 1/I₃))),  − about the axis of the least moment.
     RAGTOP_INLINE Mask<N> isFast(Lanes<N> spins, float h) {
         const Lanes<N> zero(0.0f), one(1.0f);
         const WideVec3<N> p = inverseRotate(q, momentum), squares = times(p, p);
@@ -200,28 +201,47 @@ struct FreeSpin {
         const Mask<N> isY = (squares.x < squares.y) & (squares.z <= squares.y);
         axis = select(isX, WideVec3<N>{one, zero, zero},
                       select(isY, WideVec3<N>{zero, one, zero}, WideVec3<N>{zero, zero, one}));
-        const WideVec3<N> across = inverse - times(axis, inverse);
-        const Lanes<N> total = dot(p, p), largest = max(across.x, max(across.y, across.z));
-        const Lanes<N> along = dot(axis, squares);
-        return (spins > 0.0f) & (along > 0.8f * total) & ((h * h) * total * largest * largest > 1.0f / 16);
+        const Lanes<N> total = dot(p, p), along = dot(axis, squares), about = dot(axis, inverse);
+        const Lanes<N> first = select(isX, inverse.y, inverse.x) - about;
+        const Lanes<N> second = select(isX | isY, inverse.z, inverse.y) - about;
+        const Lanes<N> apart = sqrt(max(first * second, zero)), rate = about + select(first < zero, -apart, apart);
+        squaredTurn = (h * h) * total * rate * rate;
+        return (spins > 0.0f) & (along > 0.8f * total) & (squaredTurn > 1.0f / 16);
     }
 
-    /// The angular velocity that moves the axis of spin in a straight line to where it will be after h, if nothing
-    /// acts.
-    RAGTOP_INLINE WideVec3<N> leading(const WideVec3<N>& w, float h, float inverseH, Lanes<N>& excess) const {
+    /// The angular velocity of half a substep ahead, ω + ½ h I⁻¹ (L × ω), by at most a quarter of it.
+    RAGTOP_INLINE WideVec3<N> ahead(const WideVec3<N>& w, const SymmetricMatrix<N>& inverseWorld, float h) const {
+        const WideVec3<N> gain = Lanes<N>(0.5f * h) * (inverseWorld * cross(momentum, w));
+        const Lanes<N> square = dot(w, w);
+        return w + divideOrZero(square, square + 4.0f * dot(gain, gain)) * gain;
+    }
+
+    /// The angular velocity that moves the axis of spin e in a straight line to where it will be after h, if nothing
+    /// acts. Joints count besides how an arm curves with ω (`curving` in constraints/rows.h): with a the speed of e and
+    /// s the spin, c₁ a + c₂ s e × a is to be its way. Where it circles by more than a radian that is left to lead them
+    /// further, which damps the nutation that they feed by answering with I⁻¹.
+    RAGTOP_INLINE WideVec3<N> leading(const WideVec3<N>& w, float h, const Mask<N>& jointed, Lanes<N>& excess) const {
         WideQuat<N> next = q;
         rotateFreely(next, momentum, inverse, h, free, excess);
-        const WideVec3<N> now = rotate(q, axis);
-        return dot(now, w) * now + Lanes<N>(inverseH) * cross(now, rotate(next, axis) - now);
+        const WideVec3<N> now = rotate(q, axis), to = rotate(next, axis), way = to - dot(now, to) * now;
+        const Lanes<N> spin = dot(now, w), square = Lanes<N>(h * h) * dot(w, w);
+        const Lanes<N> share = 1.0f / (12.0f + square * (1.0f + 0.125f * square));
+        const Mask<N> curves = jointed & (squaredTurn < 1.0f);
+        const Lanes<N> c1 = select(curves, Lanes<N>(h) * (1.0f - 2.0f * square * share), Lanes<N>(h));
+        const Lanes<N> c2 = select(curves, Lanes<N>(6 * h * h) * share * spin, Lanes<N>(0.0f));
+        const WideVec3<N> speed = (1.0f / (c1 * c1 + c2 * c2)) * (c1 * way - c2 * cross(now, way));
+        return spin * now + cross(now, speed);
     }
 
 private:
     WideVec3<N> axis;
+    Lanes<N> squaredTurn;  ///< of the axis about the momentum in h
 };
 
 /// v ← (v + h a) / (1 + h d),  ω ← (ω + h I⁻¹ τ) / (1 + h d)
 /// The axis of a fast spin circles within a substep. Joints and contacts on it are told how far it will have come, not
-/// how fast it goes now; else they and free rotation take turns to push a top over where L h/I⊥ > 0.7.
+/// how fast it goes now; else they and free rotation take turns to push a top over where L h/I⊥ > 0.7. Joints on slower
+/// bodies are told the angular velocity of half a substep ahead.
 template <int N>
 void integrateVelocities(const BodyArrays& arrays, const std::uint32_t* bodies, int begin, int end,
                          const SolverContext& context) {
@@ -254,10 +274,12 @@ void integrateVelocities(const BodyArrays& arrays, const std::uint32_t* bodies, 
         FreeSpin<N> spin(
             WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * WideQuat<N>{start[0], start[1], start[2], start[3]},
             rates, w, memory, start);
-        const Mask<N> leads = spin.isFast(forces[3], h);
+        const Mask<N> jointed = (!(forces[7] > 0.0f)) & (forces[3] > 0.0f), fast = spin.isFast(forces[3], h);
+        const Mask<N> leads = jointed | fast;
         if (any(leads)) {
             Lanes<N> excess = inertia[6];
-            w = select(leads, spin.leading(w, h, context.inverseH, excess), w);
+            w = select(jointed, spin.ahead(w, inverse, h), w);
+            if (any(fast)) w = select(fast, spin.leading(w, h, jointed, excess), w);
             memory[3] = select(leads, w.x, memory[3]), memory[7] = select(leads, w.y, memory[7]);
             start[7] = select(leads, w.z, start[7]);
             start[4] = select(leads, spin.momentum.x, start[4]), start[5] = select(leads, spin.momentum.y, start[5]);

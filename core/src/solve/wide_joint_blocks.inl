@@ -49,8 +49,11 @@ RAGTOP_INLINE void addToBlock(WideJoint<N>& j, const WideVec3<N>& p1, const Wide
     j.apply(change1, change2);
 }
 template <int N>
-RAGTOP_INLINE WideVec3<N> firstResidual(const WideJoint<N>& j, const Softness& soft) {
-    return j.linearVelocity() + Lanes<N>(soft.biasRate) * j.gap;
+RAGTOP_INLINE WideVec3<N> firstResidual(const WideJoint<N>& j, const WideTurning<N>& w, const JointContext& context,
+                                        bool moving) {
+    WideVec3<N> u = j.linearVelocity();
+    if (moving) u = u + j.curvingArms(w, context.h);
+    return u + Lanes<N>(moving ? context.softness.biasRate : kRigid.biasRate) * j.gap;
 }
 
 // ---- balls
@@ -108,7 +111,7 @@ template <int N>
 RAGTOP_INLINE void solveBall(WideJoint<N>& j, const WideBlock<N>& block, const WideTurns<N>& turns,
                              const JointContext& context, bool moving) {
     const Softness& soft = moving ? context.softness : kRigid;
-    addToBlock(j, -solveFor(block.first, firstResidual(j, soft)), nothing<N>(), soft);
+    addToBlock(j, -solveFor(block.first, firstResidual(j, j.turns(), context, moving)), nothing<N>(), soft);
     if (j.bundle.features == 0) return;
     WideBallTurn<N> turn{j, block.rest, block.noise, j.angularVelocity(), nothing<N>()};
     turn.solve(turns, block.first, block.second, context, moving);
@@ -225,8 +228,11 @@ RAGTOP_INLINE void solveHinge(WideJoint<N>& j, const WideBlock<N>& block, Lanes<
     const Softness& soft = moving ? context.softness : kRigid;
     const WideFactor<N>& f = block.second;
     const WideMat3<N>& e = block.basis;
-    const WideVec3<N> residual = firstResidual(j, soft),
-                      speed = j.angularVelocity() - transposeTimes(block.gain, residual);
+    const WideTurning<N> w = j.turnsAbout(e.cz);
+    const WideVec3<N> residual = firstResidual(j, w, context, moving);
+    WideVec3<N> turn = j.angularVelocity();
+    if (moving) turn = turn + curvingAxes(w, e.cz, context.h);
+    const WideVec3<N> speed = turn - transposeTimes(block.gain, residual);
     const Lanes<N> bias(soft.biasRate);
     const Lanes<N> x = dot(e.cx, speed) + bias * block.errorSecond.x, y = dot(e.cy, speed) + bias * block.errorSecond.y;
     const Lanes<N> solvedY = f.inverse1 * (y - f.l10 * x), solvedX = f.inverse0 * x - f.l10 * solvedY;
@@ -287,8 +293,9 @@ RAGTOP_INLINE WideBlock<N> loadFixed(WideJoint<N>& j) {
     return block;
 }
 template <int N>
-RAGTOP_INLINE void solveFixed(WideJoint<N>& j, const WideBlock<N>& block, const Softness& soft) {
-    const WideVec3<N> residual = firstResidual(j, soft),
+RAGTOP_INLINE void solveFixed(WideJoint<N>& j, const WideBlock<N>& block, const JointContext& context, bool moving) {
+    const Softness& soft = moving ? context.softness : kRigid;
+    const WideVec3<N> residual = firstResidual(j, j.turnsTogether(), context, moving),
                       speed = j.angularVelocity() - transposeTimes(block.gain, residual);
     const WideVec3<N> p2 = -solveFor(block.second, speed + Lanes<N>(soft.biasRate) * block.errorSecond);
     addToBlock(j, -solveFor(block.first, residual) - block.gain * p2, p2, soft);

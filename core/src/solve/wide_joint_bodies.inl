@@ -100,6 +100,25 @@ RAGTOP_INLINE SymmetricMatrix<N> outerCross(const WideMat3<N>& w, const WideVec3
             r.x * w.cy.z - r.z * w.cy.x, r.x * w.cz.z - r.z * w.cz.x, r.y * w.cz.x - r.x * w.cz.y};
 }
 
+/// As curving of constraints/rows.h.
+template <int N>
+RAGTOP_INLINE WideVec3<N> curving(const WideVec3<N>& w, const WideVec3<N>& r, float h) {
+    const WideVec3<N> speed = cross(w, r);
+    const Lanes<N> square = Lanes<N>(h * h) * dot(w, w);
+    const Lanes<N> turn2 = divideOrZero(Lanes<N>(h * h) * dot(speed, speed), dot(r, r));
+    const Lanes<N> share = 1.0f / (12.0f + square * (1.0f + 0.125f * square) + 108.0f * (turn2 * turn2));
+    return cross((Lanes<N>(6 * h) * share) * w, speed) - (2.0f * square * share) * speed;
+}
+
+template <int N>
+struct WideTurning {
+    WideVec3<N> a, b;
+};
+template <int N>
+RAGTOP_INLINE WideVec3<N> curvingAxes(const WideTurning<N>& w, const WideVec3<N>& x, float h) {
+    return cross(x, curving(w.b, x, h) - curving(w.a, x, h));
+}
+
 /// What joints do in a pass: velocities of the bodies are gathered once and scattered once.
 template <int N>
 struct WideJoint {
@@ -190,14 +209,19 @@ struct WideJoint {
 
     /// As BodyPair::stiffen.
     RAGTOP_INLINE void stiffen(const WideVec3<N>& impulse, float h) {
-        shareA = tautShare(inertiaA, Lanes<N>(-h) * dot(armA, impulse), RAGTOP_JOINT_FIELD(taut.excessA));
-        shareB = tautShare(inertiaB, Lanes<N>(h) * dot(armB, impulse), RAGTOP_JOINT_FIELD(taut.excessB));
+        shareA = tautShare(inertiaA, armA, Lanes<N>(-h) * dot(armA, impulse), RAGTOP_JOINT_FIELD(taut.excessA));
+        shareB = tautShare(inertiaB, armB, Lanes<N>(h) * dot(armB, impulse), RAGTOP_JOINT_FIELD(taut.excessB));
         set(RAGTOP_JOINT_FIELD(taut.shareA), shareA);
         set(RAGTOP_JOINT_FIELD(taut.shareB), shareB);
     }
-    RAGTOP_INLINE Lanes<N> tautShare(const SymmetricMatrix<N>& inertia, Lanes<N> turn, int lastExcess) {
+    RAGTOP_INLINE Lanes<N> easeAcross(const SymmetricMatrix<N>& inertia, const WideVec3<N>& arm) const {
         const Lanes<N> largest = max(inertia.zz, max(inertia.xx, inertia.yy));
-        const Lanes<N> now = turn * largest - Lanes<N>(TautBodies::kExplicit);
+        const Lanes<N> square = dot(arm, arm), along = dot(arm, inertia * arm);
+        return min(inertia.xx + inertia.yy + inertia.zz - divideOrZero(along, square), largest);
+    }
+    RAGTOP_INLINE Lanes<N> tautShare(const SymmetricMatrix<N>& inertia, const WideVec3<N>& arm, Lanes<N> pull,
+                                     int lastExcess) {
+        const Lanes<N> now = pull * easeAcross(inertia, arm) - Lanes<N>(TautBodies::kExplicit);
         const Lanes<N> excess = min(now, at(lastExcess));
         set(lastExcess, now);
         return select(excess > 0.0f, 1.0f / (1.0f + excess), Lanes<N>(1.0f));
@@ -205,6 +229,21 @@ struct WideJoint {
 
     RAGTOP_INLINE WideVec3<N> linearVelocity() const { return (vB + cross(wB, armB)) - (vA + cross(wA, armA)); }
     RAGTOP_INLINE WideVec3<N> angularVelocity() const { return wB - wA; }
+    /// As BodyPair::turns, turnsTogether and turnsAbout.
+    RAGTOP_INLINE WideTurning<N> turns() const { return {wA, wB}; }
+    RAGTOP_INLINE WideTurning<N> turnsTogether() const {
+        const Lanes<N> easeA = shareA * (inertiaA.xx + inertiaA.yy + inertiaA.zz);
+        const Lanes<N> easeB = shareB * (inertiaB.xx + inertiaB.yy + inertiaB.zz);
+        const WideVec3<N> w = wA + divideOrZero(easeA, easeA + easeB) * (wB - wA);
+        return {w, w};
+    }
+    RAGTOP_INLINE WideTurning<N> turnsAbout(const WideVec3<N>& x) const {
+        const WideVec3<N> w = turnsTogether().a;
+        return {w + dot(x, wA - w) * x, w + dot(x, wB - w) * x};
+    }
+    RAGTOP_INLINE WideVec3<N> curvingArms(const WideTurning<N>& w, float h) const {
+        return curving(w.b, armB, h) - curving(w.a, armA, h);
+    }
     RAGTOP_INLINE void apply(const WideVec3<N>& linear, const WideVec3<N>& angular) {
         vA = vA - times(massA, linear);
         wA = wA - shareA * (inertiaA * (cross(armA, linear) + angular));

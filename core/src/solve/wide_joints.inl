@@ -85,7 +85,7 @@ void solveJoints(const JointLanesView& view, int begin, int end, const JointPass
                 solveHinge(j, loadHinge(j), j.at(RAGTOP_JOINT_FIELD(axis.inverseMass)), context, true);
                 break;
             case JointKind::fixed:
-                solveFixed(j, loadFixed(j), context.softness);
+                solveFixed(j, loadFixed(j), context, true);
                 break;
             default:
                 solveDistance(j, j.vector(RAGTOP_JOINT_FIELD(block.basis.cz)),
@@ -110,7 +110,7 @@ void relaxJoints(const JointLanesView& view, int begin, int end, const JointPass
                 relaxHinge(j, context);
                 break;
             case JointKind::fixed:
-                solveFixed(j, refreshFixed(j), kRigid);
+                solveFixed(j, refreshFixed(j), context, false);
                 break;
             default:
                 relaxDistance(j, context);
