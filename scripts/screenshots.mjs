@@ -1,4 +1,5 @@
 // Takes the pictures that scripts/screenshots.sh says. Each is of one step of a scene, so that it comes out the same.
+import { mkdir } from 'node:fs/promises';
 import path from 'node:path';
 import { acceptance, EVERYTHING, root, say } from '../tests/page/support/acceptance.mjs';
 import { ask, Browser, look, pause, step } from '../tests/page/support/browser.mjs';
@@ -23,6 +24,31 @@ const PICTURES = {
   chain: { steps: 60, eye: [3, 5, 14], target: [1, 3.5, 1] },
 };
 
+/** The middle of the picture. */
+const CLOSE = { x: 352, y: 135, width: 320, height: 300 };
+/** Where each kind of joint stands in `mechanisms`, and from how far away it is seen; m. */
+const JOINTS = {
+  'ball-cone': { at: [-5, 1.7, 4] },
+  'ball-ellipse': { at: [-3, 1.7, 4] },
+  'ball-pyramid': { at: [-1, 1.7, 4] },
+  'ball-reach': { at: [1, 1.7, 4] },
+  'ball-drives': { at: [3, 1.6, 4] },
+  distance: { at: [5, 1.9, 4], away: 3 },
+  hinge: { at: [-6.2, 1.4, 1], away: 2.2 },
+  slider: { at: [-4.5, 1.5, 1], away: 2.4 },
+  cylindrical: { at: [-3, 1.3, 1], away: 2.8 },
+  universal: { at: [-1.2, 1.5, 1], away: 2 },
+  plane: { at: [0.5, 1.4, 1], away: 2.8 },
+  screw: { at: [2, 1.9, 1], away: 3.4 },
+  path: { at: [3.9, 1.5, 1], away: 4.6 },
+  'six-dof': { at: [6, 1.6, 1], away: 2.4 },
+  fixed: { at: [7.4, 0.3, 1], away: 1.6 },
+  gear: { at: [-5.3, 1.5, -2], away: 4.4 },
+  rack: { at: [-2.3, 1.6, -2], away: 4 },
+  pulley: { at: [0.6, 2.1, -2], away: 5 },
+  tendon: { at: [3.3, 2, -2], away: 2.8 },
+};
+
 /** A heavy ball hits the tower in the middle. */
 async function topple(page) {
   await step(page, 30);
@@ -42,6 +68,23 @@ async function takePicture(page, { steps, eye, target, chase = false, shown = []
   await finished(page);
 }
 
+async function takeJoints(test, browser, folder) {
+  const program = await Program.start(test, 'mechanisms');
+  const page = await browser.open(`${program.url}?quality=high`, SIZE);
+  await pause(page);
+  await takePicture(page, { ...PICTURES.mechanisms, steps: 30 });
+  await mkdir(folder, { recursive: true });
+  for (const [name, { at, away = 2.4 }] of Object.entries(JOINTS)) {
+    await look(page, [at[0] + 0.35 * away, at[1] + 0.3 * away, at[2] + 0.88 * away], at);
+    const file = path.join(folder, `${name}.png`);
+    await finished(page);
+    await page.screenshot({ path: file, clip: CLOSE });
+    say(file);
+  }
+  await page.context().close();
+  await program.stop();
+}
+
 await acceptance(EVERYTHING, async (test) => {
   const folder = path.resolve(process.argv[2] ?? path.join(root, 'docs/pictures'));
   const browser = await Browser.start(test);
@@ -56,4 +99,5 @@ await acceptance(EVERYTHING, async (test) => {
     await page.context().close();
     await program.stop();
   }
+  await takeJoints(test, browser, path.join(folder, 'joints'));
 });

@@ -168,9 +168,7 @@ private:
                                    .material = material(in, at),
                                    .filter = in.filter,
                                    .sensor = in.sensor});
-        const bool surface =
-            std::holds_alternative<TriangleMesh>(*in.shape) || std::holds_alternative<HeightField>(*in.shape);
-        if (surface && in.type == BodyType::dynamic) {
+        if (std::holds_alternative<HeightField>(*in.shape) && in.type == BodyType::dynamic) {
             at.at("shape").fail("is a surface without volume, must be on a body of type \"fixed\" or \"kinematic\"");
         }
         if (const std::string wrong = whyInvalid(body.def); !wrong.empty()) at.fail("is no usable body: " + wrong);

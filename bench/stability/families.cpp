@@ -7,7 +7,7 @@ std::vector<Family> allFamilies() {
         stacks(),   massRatios(), masonry(),  inclines(),    stopping(),      isotropy(),    wedges(),
         painleve(), rotation(),   rolling(),  restitution(), walls(),         chains(),      loops(),
         motors(),   limits(),     overlaps(), shots(),       internalEdges(), stepSizes(),   machines(),
-        dominoes(), towers(),     balls(),    drift(),       mechanisms(),    determinism(),
+        dominoes(), towers(),     balls(),    drift(),       mechanisms(),    determinism(), nonconvex(),
     };
 }
 

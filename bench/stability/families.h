@@ -32,6 +32,7 @@ Family balls();
 Family drift();
 Family mechanisms();
 Family determinism();
+Family nonconvex();
 
 /// All of them, in the order of the documentation.
 std::vector<Family> allFamilies();

@@ -52,7 +52,10 @@ export function publishApi({ session, showing, rig, stage, ready }) {
       get target() {
         return rig.target.toArray();
       },
-      look: (eye, target) => rig.look(eye, target),
+      look(eye, target) {
+        rig.look(eye, target);
+        stage.requestDraw();
+      },
       /** Pixels of the page, from the top left corner, where a point of the scene is seen. */
       project: (point) => rig.project(point),
     },

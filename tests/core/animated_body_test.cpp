@@ -15,8 +15,6 @@ namespace {
 
 constexpr float kBudget = 300;
 
-double asDouble(float a) { return static_cast<double>(a); }
-
 AnimatedBodyDef sliding(BodyId door, WhenBlocked whenBlocked) {
     AnimatedBodyDef def;
     def.body = door;

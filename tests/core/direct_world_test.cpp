@@ -118,6 +118,33 @@ TEST(DirectIslands, LoadsThatHoldAreNotSolvedAgain) {
     EXPECT_LT(wall.largestMove(), 1e-5);
 }
 
+// With the factor at hand its rounds end at loads that hold, and what remains of speeds is rounding of the foot.
+TEST(DirectIslands, LargeOnesAreFactorizedOnceAndRest) {
+    Wall wall(20, 30);
+    int factorizations = 0;
+    run(wall.world, 0.25, kDt, [&] { factorizations += wall.world.stats().islands[0].factorizations; });
+    ASSERT_TRUE(wall.isDirect());
+    EXPECT_EQ(factorizations, 1);
+    const DVec3 before = wall.world.pose(wall.bricks.back()).position;
+    run(wall.world, 0.25, kDt, [&] { EXPECT_EQ(wall.world.stats().islands[0].iterations, 0); });
+    EXPECT_EQ(wall.world.pose(wall.bricks.back()).position, before);
+}
+
+// What comes and goes elsewhere, in every step, is no reason to choose anew; what meets the direct island is.
+TEST(DirectIslands, ChosenAnewAtOnceWhereTheyAreMet) {
+    Wall wall(10, 10);
+    run(wall.world, 0.25);
+    ASSERT_TRUE(wall.isDirect());
+    const std::size_t before = wall.world.stats().islands.size();
+    ASSERT_EQ(before, 1u);
+    const int bodies = wall.world.stats().islands[0].bodies;
+    BodyDef def = bodyDef(Box{{0.2f, 0.1f, 0.1f}}, wall.world.pose(wall.bricks.back()).position + DVec3(0, 0.205, 0));
+    wall.world.create(def);
+    run(wall.world, 0.25);
+    EXPECT_TRUE(wall.isDirect());
+    EXPECT_EQ(wall.world.stats().islands[0].bodies, bodies + 1);
+}
+
 TEST(DirectIslands, LargeOnesAreSweptWhileTheyMove) {
     Wall wall(20, 30);
     run(wall.world, 0.1);

@@ -1,16 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "joint_rig.h"
+#include "world_support.h"
 
 namespace ragtop::test {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
 const Quat kUp = rotationBetween({1, 0, 0}, {0, 1, 0});
-
-double asDouble(float a) { return static_cast<double>(a); }
 
 /// Without friction a body turns and falls along a post as if it were alone, whatever else pushes it.
 TEST(Cylindrical, TurnsAndSlidesFreely) {
@@ -65,7 +64,7 @@ TEST(Plane, SlidesAsAFreeBodyInItsPlane) {
 
 /// The nut's weight turns it: with r = pitch/2π, (m r² + I) α = m g r.
 TEST(Screw, FallsAlongItsThread) {
-    const double pitch = 0.2, r = pitch / (2 * kPiDouble);
+    const double pitch = 0.2, r = pitch / (2 * std::numbers::pi);
     Rig rig;
     const RigBody body = box(2, {0.1f, 0.1f, 0.1f}, {});
     rig.add(body);
@@ -77,7 +76,7 @@ TEST(Screw, FallsAlongItsThread) {
     const double acceleration = 2 * 9.81 * r / (2 * r * r + asDouble(body.inertia.y));
     EXPECT_NEAR(rig.state().speed, -2 * acceleration, 2e-3 * 2 * acceleration);
     EXPECT_NEAR(rig.bodies[1].position.y, r * asDouble(rig.state().coordinate), 1e-4);
-    EXPECT_GT(std::abs(rig.state().coordinate), 2 * kPiDouble);
+    EXPECT_GT(std::abs(rig.state().coordinate), 2 * std::numbers::pi);
 }
 
 /// A thread locks itself where the friction of its nut exceeds what its load turns it with.
@@ -128,9 +127,11 @@ TEST(Universal, TurnsAShaftAsTheCardanFormulaSays) {
         if (i < 60) continue;
         const double in = asDouble(rig.state(0).coordinate), turned = asDouble(rig.state(1).coordinate);
         // With the cross' first arm across the plane of the shafts: tan(out) = tan(in)/cos β or its inverse.
-        const double exact = std::min(
-            std::abs(std::remainder(std::atan2(std::sin(in) * std::cos(beta), std::cos(in)) - turned, 2 * kPiDouble)),
-            std::abs(std::remainder(std::atan2(std::sin(in), std::cos(in) * std::cos(beta)) - turned, 2 * kPiDouble)));
+        const double exact =
+            std::min(std::abs(std::remainder(std::atan2(std::sin(in) * std::cos(beta), std::cos(in)) - turned,
+                                             2 * std::numbers::pi)),
+                     std::abs(std::remainder(std::atan2(std::sin(in), std::cos(in) * std::cos(beta)) - turned,
+                                             2 * std::numbers::pi)));
         worst = std::max(worst, exact);
     }
     EXPECT_GT(rig.state(1).coordinate, 40);
@@ -152,7 +153,7 @@ TEST(Universal, LimitsEachOfItsAngles) {
         rig.step();
         worst = std::max(worst, -asDouble(rig.state().limitMargin));
     }
-    EXPECT_LT(worst, 0.1 * kPiDouble / 180 * 5);
+    EXPECT_LT(worst, 0.1 * std::numbers::pi / 180 * 5);
     EXPECT_LT(rig.state().gap, 1e-3);
 }
 

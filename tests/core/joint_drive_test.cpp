@@ -8,8 +8,6 @@
 namespace ragtop::test {
 namespace {
 
-double asDouble(float a) { return static_cast<double>(a); }
-
 struct Held {
     World world;
     BodyId body{};

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "constraints/joint_path.h"
@@ -10,16 +11,12 @@
 namespace ragtop::test {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
-
-double asDouble(float a) { return static_cast<double>(a); }
-
 Curve circle(float radius, int points) {
     Curve curve;
     curve.closed = true;
     curve.count = points;
     for (int i = 0; i < points; ++i) {
-        const double angle = 2 * kPiDouble * i / points;
+        const double angle = 2 * std::numbers::pi * i / points;
         curve.points[static_cast<std::size_t>(i)] = {static_cast<float>(radius * std::cos(angle)), 0,
                                                      static_cast<float>(radius * std::sin(angle))};
     }
@@ -30,7 +27,7 @@ Curve circle(float radius, int points) {
 TEST(Path, GoesThroughItsPointsWithoutJumpsOfCurvature) {
     PathRows path;
     compile(path, circle(2, 16), false);
-    EXPECT_NEAR(asDouble(path.length), 4 * kPiDouble, 1e-3);
+    EXPECT_NEAR(asDouble(path.length), 4 * std::numbers::pi, 1e-3);
     for (std::uint32_t s = 0; s < path.segments; ++s) {
         const CurvePoint end = curvePoint(path, s, 1), begin = curvePoint(path, (s + 1) % path.segments, 0);
         EXPECT_LT(length(end.place - begin.place), 1e-6f);

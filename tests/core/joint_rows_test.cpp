@@ -1,13 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "joint_rig.h"
 
 namespace ragtop::test {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
 constexpr float kDegree = kPi / 180;
 const Quat kAlongZ = rotationBetween({1, 0, 0}, {0, 0, 1});
 
@@ -40,7 +40,8 @@ TEST(Hinge, PeriodMatchesCompoundPendulum) {
     Rig rig = rod(amplitude);
     const RigBody& body = rig.bodies[1];
     const double aboutPivot = body.inertia.z + 0.25;
-    const double period = 2 * kPiDouble * std::sqrt(aboutPivot / (9.81 * 0.5)) * (1 + amplitude * amplitude / 16);
+    const double period =
+        2 * std::numbers::pi * std::sqrt(aboutPivot / (9.81 * 0.5)) * (1 + amplitude * amplitude / 16);
     double first = 0, last = 0, before = rig.state().coordinate;
     int crossings = 0;
     for (int i = 1; i <= 60 * 20; ++i) {
@@ -72,7 +73,7 @@ TEST(Hinge, SpringMovesAsTheDampedOscillatorAtEveryStep) {
     for (const double rate : {30.0, 60.0, 240.0})
         for (const double zeta : {0.0, 0.1, 0.7, 3.0})
             for (const double hertz : {0.5, 2.0, 5.0}) {
-                const double omega = 2 * kPiDouble * hertz;
+                const double omega = 2 * std::numbers::pi * hertz;
                 HingeDef def;
                 def.spring =
                     Spring{static_cast<float>(inertia * omega * omega), static_cast<float>(2 * zeta * inertia * omega)};
@@ -116,10 +117,10 @@ TEST(Hinge, SpringHoldsTheSameStaticAngleAtEveryStep) {
     def.spring = Spring{20, 4};
     def.target = kPi / 2;
     // k (target − θ) = m g l/2 sin θ, solved by bisection.
-    double low = 0, high = kPiDouble / 2;
+    double low = 0, high = std::numbers::pi / 2;
     for (int i = 0; i < 60; ++i) {
         const double middle = 0.5 * (low + high);
-        (20 * (kPiDouble / 2 - middle) > 9.81 * 0.5 * std::sin(middle) ? low : high) = middle;
+        (20 * (std::numbers::pi / 2 - middle) > 9.81 * 0.5 * std::sin(middle) ? low : high) = middle;
     }
     for (const double rate : {30.0, 60.0, 250.0}) {
         Rig rig = rod(1, def);
@@ -188,7 +189,7 @@ TEST(Hinge, FrictionStopsItAfterMomentumOverTorque) {
     for (int i = 1; i <= 150; ++i) {
         rig.step();
         const double now = rig.state().coordinate;
-        turned += std::remainder(now - before, 2 * kPiDouble);
+        turned += std::remainder(now - before, 2 * std::numbers::pi);
         before = now;
         if (stopped == 0 && std::abs(rig.state().speed) < 1e-5) stopped = i * rig.dt;
     }

@@ -1,16 +1,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <stdexcept>
 
+#include "mesh_bodies.h"
 #include "ragtop/shape.h"
 #include "shape_support.h"
 
 namespace ragtop {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
 /// Sums are in double and rounded once.
 constexpr double kRounding = 2e-7;
 
@@ -25,7 +26,7 @@ void expectSame(const MassProperties& got, const MassProperties& wanted, float s
 
 TEST(Mass, OfASphereIsTheClosedForm) {
     const MassProperties m = massOf(Sphere{0.3f}, 700);
-    const double r = 0.3f, mass = 700 * 4.0 / 3 * kPiDouble * r * r * r;
+    const double r = 0.3f, mass = 700 * 4.0 / 3 * std::numbers::pi * r * r * r;
     EXPECT_NEAR(m.mass, mass, kRounding * mass);
     EXPECT_EQ(m.center, Vec3{});
     EXPECT_NEAR(m.inertia.cx.x, 0.4 * mass * r * r, kRounding * mass);
@@ -55,9 +56,9 @@ TEST(Mass, OfACapsuleIsTheSumOfItsSlices) {
         const double cap = std::max(0.0, std::abs(y) - h);
         const double s2 = r * r - cap * cap;
         const double dy = 2 * (r + h) / slices;
-        mass += 500 * kPiDouble * s2 * dy;
-        along += 0.5 * 500 * kPiDouble * s2 * s2 * dy;
-        across += 500 * kPiDouble * (0.25 * s2 * s2 + s2 * y * y) * dy;
+        mass += 500 * std::numbers::pi * s2 * dy;
+        along += 0.5 * 500 * std::numbers::pi * s2 * s2 * dy;
+        across += 500 * std::numbers::pi * (0.25 * s2 * s2 + s2 * y * y) * dy;
     }
     const MassProperties m = massOf(Capsule{0.25f, 0.4f}, 500);
     EXPECT_NEAR(m.mass, mass, 1e-6 * mass);
@@ -81,7 +82,7 @@ TEST(Mass, OfTheHullOfABoxIsThatOfTheBox) {
 /// as 1/n.
 TEST(Mass, OfSphericalHullsConvergesToTheSphere) {
     RAGTOP_NEEDS_HULLS();
-    const double volume = 4.0 / 3 * kPiDouble * 8;
+    const double volume = 4.0 / 3 * std::numbers::pi * 8;
     double first = 0;
     for (const int level : {2, 3, 4, 5}) {
         const MassProperties m = massOf(ConvexHull(spherePoints(level, 2)), 1);
@@ -142,11 +143,48 @@ TEST(Mass, ScalesByPowersOfTwoToTheBit) {
     EXPECT_EQ(massOf(Capsule{0.3f, 0.7f}, 64 * 123).inertia.cy.y, 64 * one.inertia.cy.y);
 }
 
+TEST(Mass, OfAMeshIsThatOfWhatItEncloses) {
+    expectSame(massOf(scenes::boxMesh({1, 2, 3}), 10), massOf(Box{{1, 2, 3}}, 10), 3);
+    // Two boxes make an L, wherever it is.
+    Compound legs;
+    legs.parts.push_back({Box{{0.5f, 0.125f, 0.25f}}, {{0.5f, 0.125f, 0}, {}}});
+    legs.parts.push_back({Box{{0.125f, 0.375f, 0.25f}}, {{0.125f, 0.625f, 0}, {}}});
+    expectSame(massOf(scenes::angleIron(1, 0.25f, 0.25f), 10), massOf(legs, 10), 1);
+}
+
+TEST(Mass, OfAFineTorusIsThatOfTheBody) {
+    // V = 2 π² R r², I about the axis = m (R² + ¾ r²), across it m (½ R² + ⅝ r²); a polygon of n corners has
+    // sin(2π/n)/(2π/n) of the circle's area, which falls short by (2π/n)²/6 per direction.
+    const float R = 1, r = 0.25f;
+    const double m = 2 * 3.14159265 * 3.14159265 * 0.0625;
+    const double short_ = 2 * std::pow(2 * 3.14159265 / 64, 2) / 6;
+    const MassProperties got = massOf(scenes::torus(R, r, 64, 64), 1);
+    EXPECT_NEAR(got.mass, m, 1.01 * short_ * m);
+    EXPECT_NEAR(got.inertia.cz.z, m * (1 + 0.75 * 0.0625), 4 * short_ * m);
+    EXPECT_NEAR(got.inertia.cx.x, m * (0.5 + 0.625 * 0.0625), 4 * short_ * m);
+}
+
+TEST(Mass, OfAMeshOfWrongOrientationIsRefused) {
+    const auto tetrahedron = [](bool insideOut, bool oneTurned) {
+        const std::vector<Vec3> v{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+        std::vector<Triangle> t{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+        for (std::size_t i = 0; i < (insideOut ? 4u : oneTurned ? 1u : 0u); ++i) std::swap(t[i].b, t[i].c);
+        return TriangleMesh(v, t);
+    };
+    EXPECT_NEAR(massOf(tetrahedron(false, false), 6).mass, 1, 1e-6);
+    expectThrow([&] { massOf(tetrahedron(true, false), 1); },
+                "shape is a TriangleMesh that has a volume of -0.16666667 m³, which triangles that are clockwise seen from "
+                "outside make, and so has no mass");
+    expectThrow([&] { massOf(tetrahedron(false, true), 1); },
+                "shape is a TriangleMesh that has triangles of opposite orientation at the edge of vertices 0 and 1, and so "
+                "has no mass");
+}
+
 TEST(Mass, IsRefusedToSurfaces) {
     const std::vector<Vec3> vertices{{0, 0, 0}, {0, 0, 1}, {1, 0, 0}};
     const std::vector<Triangle> triangles{{0, 1, 2}};
     expectThrow([&] { massOf(TriangleMesh(vertices, triangles), 1); },
-                "shape is a TriangleMesh, which has no mass; must be a solid");
+                "shape is a TriangleMesh that is open at the edge of vertices 0 and 1, and so has no mass");
     const std::vector<float> heights(4, 0.0f);
     expectThrow([&] { massOf(HeightField(2, 2, 1, heights), 1); },
                 "shape is a HeightField, which has no mass; must be a solid");

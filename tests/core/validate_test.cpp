@@ -106,7 +106,7 @@ TEST(Validation, DynamicBodiesNeedMass) {
     EXPECT_EQ(whyInvalid(def), "");
 }
 
-TEST(Validation, DynamicBodiesRefuseSurfaces) {
+TEST(Validation, DynamicBodiesAreSolidUnlessTheirMassIsGiven) {
     const std::vector<float> heights(4, 0.0f);
     BodyDef def = ball();
     def.shapes.push_back({.geometry = HeightField(2, 2, 1, heights)});
@@ -117,7 +117,11 @@ TEST(Validation, DynamicBodiesRefuseSurfaces) {
     const std::vector<Vec3> vertices{{0, 0, 0}, {0, 0, 1}, {1, 0, 0}};
     const std::vector<Triangle> triangles{{0, 1, 2}};
     def.shapes[1].geometry = Compound{{CompoundPart{TriangleMesh(vertices, triangles), {}}}};
-    EXPECT_EQ(whyInvalid(def), "shapes[1].geometry is a TriangleMesh, which a dynamic body cannot have, must be solid");
+    EXPECT_EQ(whyInvalid(def),
+              "shapes[1].geometry has a TriangleMesh that is open at the edge of vertices 0 and 1; must be solid, or the "
+              "body's mass given");
+    def.mass = massOf(Sphere{}, 1);
+    EXPECT_EQ(whyInvalid(def), "");
 }
 
 TEST(Validation, JointsNeedTwoEnds) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -11,7 +12,6 @@
 namespace ragtop::test {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
 const Quat kAboutZ = rotationBetween({1, 0, 0}, {0, 0, 1});
 const Quat kAlongY = rotationBetween({1, 0, 0}, {0, 1, 0});
 
@@ -72,13 +72,13 @@ struct GearPair {
 TEST(Gear, KeepsItsRatioOverTenThousandTurns) {
     const float ratio = -17.0f / 41;
     GearPair pair(ratio, 1000, 400);
-    const double turns = 1e4, seconds = turns * 2 * kPiDouble / 400 + 0.5;
+    const double turns = 1e4, seconds = turns * 2 * std::numbers::pi / 400 + 0.5;
     double worst = 0;
     for (int i = 0; i < stepsIn(seconds); ++i) {
         pair.world.step(kDt);
         if (i > 60) worst = std::max(worst, std::abs(pair.world.state(pair.gears).sum));
     }
-    EXPECT_GT(static_cast<double>(pair.world.state(pair.driver).coordinate), turns * 2 * kPiDouble);
+    EXPECT_GT(static_cast<double>(pair.world.state(pair.driver).coordinate), turns * 2 * std::numbers::pi);
     EXPECT_LT(worst, 2e-5);
     EXPECT_LT(std::abs(pair.world.state(pair.gears).sum), 2e-6);
 }
@@ -200,7 +200,7 @@ TEST(Tendon, LimitsTheSumOfTwoAngles) {
         reached = std::max(reached, std::abs(static_cast<double>(world.state(hip).coordinate)));
         most = std::max(most, world.energy());
     });
-    EXPECT_LT(worst * 180 / kPiDouble, 0.1);
+    EXPECT_LT(worst * 180 / std::numbers::pi, 0.1);
     EXPECT_GT(reached, 1);
     EXPECT_LT(most - before, 1e-3 * 9.81 * 2);
 }

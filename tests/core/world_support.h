@@ -56,6 +56,8 @@ inline WorldSettings withoutSleep() {
     return settings;
 }
 
+inline double asDouble(float a) { return static_cast<double>(a); }
+
 inline int stepsIn(double seconds, double dt = kDt) { return static_cast<int>(std::lround(seconds / dt)); }
 
 inline void run(World& world, double seconds, double dt = kDt) {

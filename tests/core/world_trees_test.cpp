@@ -77,7 +77,7 @@ TEST(TreesOfJoints, HeavyChainsSwingWithoutGapsOrLossOfEnergy) {
         EXPECT_NEAR(energyOf(world, chain), before, 0.01 * drop) << hinges;
         const auto islands = world.stats().islands;
         ASSERT_EQ(islands.size(), 1u);
-        EXPECT_STREQ(islands[0].reason, "taut");
+        EXPECT_STREQ(islands[0].reason, "tree");
         EXPECT_TRUE(islands[0].solved);
         // Four substeps of one elimination, or two where it is very taut, and a pass after each.
         EXPECT_LE(islands[0].iterations, 12);

@@ -240,7 +240,7 @@ Family limits() {
     for (int kind = 0; kind < 4; ++kind)
         family.cases.push_back(
             {fmt::format("400 states of {}, anywhere", kKinds[kind]), [kind](Trial& t) { states(t, kind, true); }});
-    for (const double zeta : {0.0, 0.1, 0.3})
+    for (const double zeta : {0.0, 0.1, 0.3, 0.6})
         family.cases.push_back(
             {fmt::format("soft stop, damping ratio {}", zeta), [zeta](Trial& t) { soft(t, 60, zeta); }});
     return family;

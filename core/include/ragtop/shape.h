@@ -126,7 +126,8 @@ struct Triangle {
     std::uint32_t a = 0, b = 0, c = 0;
 };
 
-/// A fixed surface of triangles; collides on the counter-clockwise side. For static and kinematic bodies.
+/// A surface of triangles; collides on the counter-clockwise side. On dynamic bodies it is a solid of any form: closed,
+/// its triangles counter-clockwise seen from outside. One that is not needs the body's mass given and stays a thin sheet.
 class TriangleMesh {
 public:
     /// `materialOfTriangle` is empty, or has one index per triangle into `materials` (then the shape's own material
@@ -181,8 +182,8 @@ struct MassProperties {
     Mat3 inertia{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};  ///< kg m², about the centre, in the axes of that frame
 };
 
-/// Mass properties of a solid of uniform density (kg/m³). Meshes and height fields have none and throw
-/// std::invalid_argument.
+/// Mass properties of a solid of uniform density (kg/m³). Height fields and meshes that are not closed have none and
+/// throw std::invalid_argument, which tells the edge that is open or the triangles that are turned round.
 MassProperties massOf(const Shape& shape, float density);
 /// The same about another frame, and of several things at once (parallel axes).
 MassProperties transformed(const MassProperties& m, const Frame& frame);

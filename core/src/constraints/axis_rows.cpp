@@ -223,9 +223,18 @@ RowAim aimOf(const AxisRows& rows, AxisSlot slot, const JointContext& context, b
     return aim;
 }
 
+/// A spring that acts at the beginning of each substep leaves the speed that was half a substep ago, v + h k C w/2. Within
+/// a swing that is of no consequence; what leaves a damped stop leaves it at C = −c v/k and would miss that part for good.
+static float dueOnRelease(const StopSide& side, const Stop& stop, float h) {
+    const bool letsGo = side.pressed > 0 && !(side.impulse > 0) && !(side.due > 0) && side.startMargin < 0;
+    return letsGo ? -0.5f * h * stop.stiffness * side.startMargin : 0.0f;
+}
+
 bool beginStop(StopSide& side, const Stop& stop, float speed, float h) {
     const bool struck = side.impulse > 0 && (side.rebound > 0 || !(side.pressed > 0));
-    side.pressed = side.impulse > 0 && !(side.rebound > 0) ? 1.0f : 0.0f;
+    const float due = dueOnRelease(side, stop, h);
+    side.pressed = side.impulse > 0 && !(side.rebound > 0) && !(side.due > 0) ? 1.0f : 0.0f;
+    side.due = due;
     if (struck) side.impulse = 0;
     if (side.rebound > 0) side.wasSeen = 0;
     side.rebound = 0;
@@ -257,7 +266,10 @@ namespace {
 RowAim aimAtSoftStop(const StopSide& side, const Stop& stop, float inverseMass, float h, bool moving) {
     RowAim aim;
     aim.lower = 0;
-    if (side.startMargin < 0) {
+    if (side.due > 0) {
+        aim.push = side.due;
+        aim.drag = 0;
+    } else if (side.startMargin < 0) {
         const SpringShares shares = springShares(stop.stiffness, stop.damping, inverseMass, h);
         aim.push = -h * stop.stiffness * side.startMargin;
         aim.drag = dragOf(moving ? shares.moving : shares.resting, inverseMass);

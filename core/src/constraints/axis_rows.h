@@ -48,6 +48,7 @@ struct StopSide {
     float recovery = kNoForceLimit;     ///< m or rad per substep, the fastest recovery
     float share = 0;                    ///< of the substep in which a soft stop that is met on the way acts
     float pressed = 0;                  ///< 1 when it was in touch before this substep already
+    float due = 0;                      ///< N s, what a soft stop that has let go still gives
 };
 /// When a substep begins; `speed` is that of the margin before the rows of the joint act. True when something ran into
 /// the stop in the substep before: an impact does not last, so that its impulses are no guess for those to come.

@@ -1,5 +1,6 @@
 #include "constraints/constraint_graph.h"
 
+#include <bit>
 #include <cassert>
 #include <cstring>
 
@@ -20,6 +21,8 @@ void clearBit(AlignedArray<std::uint64_t>& bits, std::uint32_t i) { bits[i / 64]
 }  // namespace
 
 ConstraintGraph::ConstraintGraph(int lanes, std::pmr::memory_resource* memory) : lanes_(lanes) {
+    assert(std::has_single_bit(static_cast<unsigned>(lanes)));
+    laneBits_ = std::countr_zero(static_cast<unsigned>(lanes));
     colors_.reserve(kLists);
     for (int i = 0; i < kLists; ++i) colors_.emplace_back(memory);
 }
@@ -43,14 +46,6 @@ void ConstraintGraph::clearBits(int index, std::uint32_t bodyA, bool movesA, std
     Color& c = color(index);
     if (movesA) clearBit(c.bodies, bodyA);
     if (movesB) clearBit(c.bodies, bodyB);
-}
-
-float* ConstraintGraph::lane(GraphPlace place) {
-    const bool single = place.color == kOverflow;
-    const auto n = static_cast<std::size_t>(lanes_);
-    const std::size_t bundle = single ? place.slot : place.slot / n;
-    const std::size_t lane = single ? 0 : place.slot % n;
-    return colors_[place.color].bundles.data() + bundle * contact::kFields * n + lane;
 }
 
 int ConstraintGraph::bundleCount(int index) const {

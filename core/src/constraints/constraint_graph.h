@@ -54,7 +54,13 @@ public:
     std::uint32_t removeJoint(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
 
     /// First field of a contact's lane; field f is at lane[f · lanes()].
-    float* lane(GraphPlace place);
+    float* lane(GraphPlace place) {
+        const auto n = static_cast<std::size_t>(lanes_);
+        const bool single = place.color == kOverflow;
+        const std::size_t bundle = single ? place.slot : place.slot >> laneBits_;
+        const std::size_t lane = single ? 0 : place.slot & (n - 1);
+        return colors_[place.color].bundles.data() + bundle * contact::kFields * n + lane;
+    }
     const float* lane(GraphPlace place) const { return const_cast<ConstraintGraph*>(this)->lane(place); }
     int bundleCount(int color) const;
     Color& color(int index) { return colors_[static_cast<std::size_t>(index)]; }
@@ -65,7 +71,8 @@ private:
     int findColor(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
     void clearBits(int color, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
 
-    int lanes_;
+    int lanes_;     ///< a power of two
+    int laneBits_;  ///< its logarithm
     std::vector<Color> colors_;
 };
 

@@ -246,6 +246,56 @@ void solveTurnStop(StopSide& side, const Vec3& axis, BallTurn& turn, const BallR
     turn.add(solveRow(side.impulse, aim, speed, inverseMass, context) * axis);
 }
 
+/// An overstepped stop that brings its margin back; asked in the pass that moves.
+bool isRecovering(const StopSide& side) { return side.margin < 0 && side.impulse > 0; }
+
+/// Takes the rates about some axes out of a rotation, n · ω = 0, by impulses about them: each axis is first made
+/// P-orthogonal to those before it.
+struct HeldAxes {
+    const RigidBlock& block;
+    Vec3 rotation;
+    Vec3 axes[1 + SwingLimit::kSides], responses[1 + SwingLimit::kSides];
+    float inverseMasses[1 + SwingLimit::kSides];
+    int count = 0;
+
+    void hold(Vec3 axis) {
+        for (int i = 0; i < count; ++i) axis -= (dot(axis, responses[i]) / inverseMasses[i]) * axes[i];
+        const Vec3 response = block.mass.rest * axis;
+        const float inverseMass = dot(axis, response);
+        if (!(inverseMass > block.noise)) return;
+        rotation -= (dot(axis, rotation) / inverseMass) * response;
+        axes[count] = axis;
+        responses[count] = response;
+        inverseMasses[count++] = inverseMass;
+    }
+};
+
+/// The energy ½ ω · P⁻¹ ω that the relative rotation would have if nothing out of place were brought back, neither the
+/// point nor a margin: what acts would hold.
+void noteEnergy(BallRows& rows, const BallTurn& turn, const BodyPair& pair, const Arms& arms) {
+    rows.mostEnergy = kNoForceLimit;
+    bool recovers = isRecovering(rows.twistLower) || isRecovering(rows.twistUpper);
+    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) recovers = recovers || isRecovering(rows.swing[i]);
+    if (!recovers || rows.stop.stiffness > 0) return;
+    const PairVector u = pair.velocity(arms);
+    BodyPair still = pair;
+    still.apply(arms, {-solve(turn.block.mass.first, u.linear), {}});
+    HeldAxes held{turn.block, turn.speed + (still.velocity(arms).angular - u.angular), {}, {}, {}};
+    if (rows.twistLower.impulse > 0 || rows.twistUpper.impulse > 0) held.hold(rows.twistAxis);
+    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
+        if (rows.swing[i].impulse > 0) held.hold(rows.swingAxis[i]);
+    rows.mostEnergy = 0.5f * dot(held.rotation, solve(turn.block.second, held.rotation));
+}
+
+/// A cone that closes on what turns in it would spin it up, as arms drawn in spin up a skater. Coming back from beyond
+/// a limit is to add no energy: the relative rotation is slowed down to what it had.
+void shedEnergy(const BallRows& rows, BallTurn& turn) {
+    if (!(rows.mostEnergy < kNoForceLimit)) return;
+    const Vec3 momentum = solve(turn.block.second, turn.speed);
+    const float energy = 0.5f * dot(turn.speed, momentum);
+    if (energy > rows.mostEnergy) turn.add((std::sqrt(rows.mostEnergy / energy) - 1) * momentum);
+}
+
 }  // namespace
 
 void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias) {
@@ -269,6 +319,12 @@ void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, boo
     if (rows.features & BallRows::kSwing)
         for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
             solveTurnStop(rows.swing[i], rows.swingAxis[i], turn, rows, context, useBias);
+    if (rows.features & (BallRows::kTwist | BallRows::kSwing)) {
+        if (useBias)
+            noteEnergy(rows, turn, pair, joint.arms);
+        else
+            shedEnergy(rows, turn);
+    }
     const Vec3 force = -(block.mass.gain * turn.total);
     block.impulseFirst += force;
     pair.apply(joint.arms, {force, turn.total});

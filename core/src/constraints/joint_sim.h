@@ -63,6 +63,7 @@ struct BallRows {
     float springDrag[2] = {0, 0};  ///< N m s per rad/s, in the pass that moves and in the other
     float viscousDrag[2] = {0, 0};
     Vec3 swingAxis[SwingLimit::kSides], twistAxis;  ///< unit vectors, zero where the row has no direction
+    float mostEnergy = kNoForceLimit;  ///< J, of the relative rotation that a recovery from beyond a limit may leave
     SwingLimit swingLimit;
 };
 

@@ -15,13 +15,20 @@ constexpr float kHanging = 6;         ///< load number of joints that hang, whos
 constexpr float kJointed = 100;       ///< load number of other joints, as ankles of a figure that stands
 constexpr float kBuckling = 0.5f;     ///< share of the buckling load
 constexpr float kLeaning = 0.25f;     ///< share of bodies
+constexpr float kSpin = 0.125f;       ///< rad per substep, from which only free rotation knows how a top turns
 constexpr float kStay = 2.0f / 3;     ///< of a limit, for what is direct already
+
+/// Of joints alone: solved by elimination, at the cost of a sweep.
+bool isTree(const IslandFeatures& island) {
+    return island.joints > 0 && island.bare && !island.touches &&
+           island.joints == island.bodies - (island.hangs ? 0 : 1);
+}
 
 }  // namespace
 
 const char* nameOf(Reason reason) {
-    constexpr const char* kNames[] = {"none", "asked", "heavy",   "tall",   "slender",
-                                      "deep", "taut",  "leaning", "staying"};
+    constexpr const char* kNames[] = {"none", "asked", "heavy",   "tall", "slender",
+                                      "deep", "taut",  "leaning", "tree", "staying"};
     return kNames[static_cast<int>(reason)];
 }
 
@@ -29,6 +36,7 @@ Reason chooseDirect(const IslandFeatures& island) {
     if (island.bodies > kMostAtRest || island.rolls || island.coupled) return Reason::none;
     if (island.bodies > kMostBodies && (island.restless > 0 || island.jointLoad > 0)) return Reason::none;
     const float limit = island.direct ? kStay : 1.0f;
+    if (isTree(island) && limit * island.spin < kSpin) return Reason::tree;
     const auto bodies = static_cast<float>(island.bodies), pairs = static_cast<float>(island.pairs);
     const bool jointed = island.jointLoad > 0, quiet = limit * static_cast<float>(island.moving) <= kQuiet * bodies;
     if (island.hangs && island.jointLoad > limit * kHanging) return Reason::taut;

@@ -5,7 +5,7 @@
 namespace ragtop::direct {
 
 /// Why an island is solved directly.
-enum class Reason : std::uint8_t { none, asked, heavy, tall, slender, deep, taut, leaning, staying };
+enum class Reason : std::uint8_t { none, asked, heavy, tall, slender, deep, taut, leaning, tree, staying };
 
 /// What decides how an island is solved. Loads are estimates: each body hands its weight, and what it carries, in equal
 /// shares to the neighbours that are nearer to the ground. A load number is such a load over the weight of the lighter
@@ -15,10 +15,14 @@ struct IslandFeatures {
     std::uint32_t moving = 0;              ///< bodies that are not nearly at rest
     std::uint32_t restless = 0;            ///< bodies that have neither just been made nor been at rest for long
     std::uint32_t leaning = 0;             ///< bodies at rest that nothing level holds up
+    std::uint32_t joints = 0;
+    float spin = 0;  ///< rad, the largest turn in a substep
     float contactLoad = 0, jointLoad = 0;  ///< largest load numbers
     float massRatio = 1;                   ///< largest of a loaded pair
     float buckling = 0;                    ///< load over what soft contacts bear before they tilt away
     bool hangs = false;                    ///< by joints, from something that does not move
+    bool touches = false;  ///< has contacts, near or not
+    bool bare = true;      ///< bodies turn freely, and joints are such as trees know
     bool rolls = false;   ///< some contact has resistance to turning or a grain, which only sweeps know
     bool coupled = false;  ///< joints are coupled with each other, which only sweeps know
     bool direct = false;  ///< is solved directly now

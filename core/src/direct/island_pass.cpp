@@ -252,11 +252,11 @@ const double* IslandSystem::roundingSpeeds() {
     return speeds;
 }
 
-bool IslandSystem::loadsHold() {
-    const double *rounding = roundingSpeeds(), enoughOfRow = tuning::kSkip * gravityStep_;
+bool IslandSystem::loadsHold(double share) {
+    const double *rounding = roundingSpeeds(), enoughOfRow = share * tuning::kSkip * gravityStep_;
     for (const SystemContact& c : contacts_) {
         const double ofA = c.a != kFixed ? rounding[c.a] : 0.0, ofB = c.b != kFixed ? rounding[c.b] : 0.0;
-        const double enough = ofA > ofB ? ofA : ofB;
+        const double enough = share * (ofA > ofB ? ofA : ofB);
         for (std::uint32_t j = 0; j < c.count; ++j) {
             const SystemPoint& p = points_[c.first + j];
             for (int k = 0; k < 3; ++k)
@@ -274,12 +274,16 @@ void IslandSystem::keepLoads() {
     for (SystemRow& row : rows_) row.impulse = row.load;
 }
 
-bool IslandSystem::stopBelow(std::size_t index, double speed) {
+bool IslandSystem::isBelow(std::size_t index, double speed) const {
     const SystemBody& body = bodies_[index];
-    double* v = velocity_.data() + 6 * index;
+    const double* v = velocity_.data() + 6 * index;
     const DVec3 linear = load(v), turn = load(v + 3);
-    const double speed2 = dot(linear, linear) + dot(turn, body.inertia * turn) / body.mass[0];
-    if (speed2 > speed * speed) return false;
+    return dot(linear, linear) + dot(turn, body.inertia * turn) / body.mass[0] <= speed * speed;
+}
+
+bool IslandSystem::stopBelow(std::size_t index, double speed) {
+    if (!isBelow(index, speed)) return false;
+    double* v = velocity_.data() + 6 * index;
     for (int k = 0; k < 6; ++k) v[k] = 0;
     return true;
 }
@@ -288,7 +292,12 @@ void IslandSystem::stopRounding() {
     stopped_ = true;
     const double* rounding = roundingSpeeds();
     for (const SystemPoint& p : points_) stopped_ &= p.drift[0] == 0 && p.drift[1] == 0 && p.drift[2] == 0;
-    for (std::size_t i = 0; i < bodies_.size(); ++i) stopped_ &= stopBelow(i, rounding[i]);
+    // What rounding does to the foot of a column moves all that stands on it.
+    double largest = 0;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) largest = rounding[i] > largest ? rounding[i] : largest;
+    bool all = true;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) all &= isBelow(i, largest);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) stopped_ &= stopBelow(i, all ? largest : rounding[i]);
 }
 
 bool IslandSystem::regionsChanged() const {

@@ -159,8 +159,9 @@ public:
     void velocityOfLoads(double* v) const;
     /// u, λ and regions at v, and the gradient M (v − v_free) − Jᵀ λ.
     Residual evaluate(const double* v, double* gradient);
-    /// True when the loads answer what was evaluated but for speeds that may be left alone; keepLoads takes them.
-    bool loadsHold();
+    /// True when the loads answer what was evaluated but for speeds that may be left alone, or a share of those;
+    /// keepLoads takes them.
+    bool loadsHold(double share = 1);
     void keepLoads();
     /// Stops bodies at speeds that rounding of loads explains. Loads that hold for years must not add it up.
     void stopRounding();
@@ -192,7 +193,9 @@ private:
     void loadContacts(const IslandParts& parts, const BodyArrays& arrays);
     void loadPattern();
     void buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins);
-    /// Stops a body whose speed, of turning at its radius of gyration too, is not above the one given.
+    /// Is the speed of a body, of turning at its radius of gyration too, not above the one given?
+    bool isBelow(std::size_t body, double speed) const;
+    /// Stops such a body.
     bool stopBelow(std::size_t body, double speed);
     void refreshMasses(const BodyArrays& arrays);
     void updateGaps(const BodyArrays& arrays);

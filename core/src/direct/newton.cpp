@@ -16,6 +16,8 @@ constexpr int kBudget = 160;           ///< Newton steps in one step of the worl
 constexpr int kStages = 2;             ///< softer systems that lead to the one that was asked for
 constexpr double kStage = 128;         ///< resistance of a stage over that of the next
 constexpr int kSlipRounds = 4;         ///< of the De Saxcé loop
+constexpr int kRefining = 4;           ///< rounds of the method of multipliers of a large island
+constexpr double kRefined = 0.1;       ///< of the speeds that may be left alone, where those rounds end
 constexpr int kLineSteps = 30;
 constexpr double kSlipChange = 1e-3;  ///< of a row by which slips may still change, in g h
 constexpr double kLineSlope = 0.1;    ///< share of the slope that the line search leaves
@@ -115,6 +117,15 @@ bool approach(IslandSystem& system, bool& factored, SolveReport& report) {
     return found;
 }
 
+/// One round of the method of multipliers leaves the speeds R (λ − λ̂). A large island, whose factor is dear, uses it
+/// until they are next to nothing, so that the substeps that follow find loads that hold.
+void refine(IslandSystem& system, bool& factored, SolveReport& report) {
+    for (int round = 0; round < kRefining && !system.loadsHold(kRefined); ++round) {
+        system.takeLoads();
+        if (!minimize(system, kIterations, factored, report)) return;
+    }
+}
+
 }  // namespace
 
 void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveReport& report) {
@@ -139,8 +150,9 @@ void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveRepor
             report.converged = false;
             return;
         }
-        if (system.updateSlips() <= enough) return;
+        if (system.updateSlips() <= enough) break;
     }
+    if (startFromLoads && isLarge(system)) refine(system, factored, report);
 }
 
 }  // namespace ragtop::direct

@@ -1,5 +1,3 @@
-#include <cstring>
-
 #include "direct/tree_layout.h"
 
 namespace ragtop::direct {
@@ -14,13 +12,17 @@ extern const TreeTables kTreesAvx51216;
 #endif
 
 const TreeTables& selectTreeKernels(int lanes) {
-    const KernelTable& wide = selectKernels(lanes);
+    static constexpr KernelTables<TreeTables> kTables = {
+        &kTreesBaseline4,
+        &kTreesBaseline8,
+        &kTreesBaseline16,
 #if defined(RAGTOP_X86_KERNELS)
-    const TreeTables* const tables[] = {&kTreesAvx28, &kTreesAvx216, &kTreesAvx51216};
-    for (const TreeTables* table : tables)
-        if (table->single.lanes == wide.lanes && std::strcmp(table->single.name, wide.name) == 0) return *table;
+        &kTreesAvx28,
+        &kTreesAvx216,
+        &kTreesAvx51216,
 #endif
-    return wide.lanes == 16 ? kTreesBaseline16 : wide.lanes == 8 ? kTreesBaseline8 : kTreesBaseline4;
+    };
+    return selectTable<TreeTables>(kTables, lanes);
 }
 
 }  // namespace ragtop::direct

@@ -2,6 +2,7 @@
 
 #include "narrowphase/manifold_set.h"
 #include "narrowphase/pairs.h"
+#include "narrowphase/triangle_feature.h"
 
 /// A convex shape on a surface of triangles. Every triangle is tested on its own; then a contact whose direction the
 /// whole surface could not give (it would lie inside a neighbouring face) turns to the face normal or goes.
@@ -86,11 +87,6 @@ struct TriangleHull {
 };
 
 /// What of a triangle lies farthest along a direction.
-struct Feature {
-    enum Kind { face, edge, vertex } kind = face;
-    int index = 0;  ///< of the edge (from that vertex to the next) or vertex
-};
-
 Feature featureAlong(const TriangleHull& t, const Vec3& normal) {
     float height[3], highest = 0, longest = 0;
     for (int i = 0; i < 3; ++i) {
@@ -136,30 +132,6 @@ struct TriangleContact {
         return least;
     }
 };
-
-Vec3 nearestOnTriangle(const Vec3 (&v)[3], const Vec3& n, const Vec3& point, Feature& feature) {
-    float least = 0;
-    Vec3 best;
-    bool inside = true;
-    for (int i = 0; i < 3; ++i) {
-        const int j = i == 2 ? 0 : i + 1;
-        const Vec3 e = v[j] - v[i], r = point - v[i];
-        if (dot(cross(n, e), r) >= 0) continue;
-        const float along = dot(r, e), ee = lengthSquared(e);
-        const Vec3 near = along <= 0 ? v[i] : along >= ee ? v[j] : v[i] + (along / ee) * e;
-        const float square = lengthSquared(point - near);
-        if (!inside && square >= least) continue;
-        inside = false;
-        least = square;
-        best = near;
-        feature = along <= 0    ? Feature{Feature::vertex, i}
-                  : along >= ee ? Feature{Feature::vertex, j}
-                                : Feature{Feature::edge, i};
-    }
-    if (!inside) return best;
-    feature = {};
-    return point - dot(n, point - v[0]) * n;
-}
 
 constexpr std::uint32_t mixed(std::uint32_t feature, std::uint32_t triangle) {
     return (feature ^ (triangle + 1) * 2654435761u) | kNamedAfterTriangle;

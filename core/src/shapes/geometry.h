@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "ragtop/math.h"
@@ -59,7 +61,22 @@ struct MeshData {
     std::vector<Triangle> sourceTriangles;  ///< as the caller gave them
     int degenerateCount = 0;
     Bounds bounds;
+
+    // What a mesh that moves is collided by.
+    /// The triangle beyond each edge, kNoTriangle at a border.
+    std::vector<std::array<std::uint32_t, 3>> neighbours;
+    /// Per vertex the mean of the normals around it by their angles, unit; vertices at one place have the same.
+    std::vector<Vec3> vertexNormals;
+    /// Bits 0–2 edges, 3–5 vertices: each of the surface is owned by one of its triangles.
+    std::vector<std::uint8_t> owned;
+    /// Empty when the surface is closed and its triangles are counter-clockwise seen from outside.
+    std::string whyNotSolid;
+    /// m, that stands for the size of the solid: twice volume over surface, which is the radius of a rod. Of a surface
+    /// that is not solid a small part of its extent.
+    float thickness = 0;
 };
+
+inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 
 struct HeightFieldData {
     int columns = 0, rows = 0;

@@ -114,8 +114,10 @@ struct SolidOf {
 
     SolidMass operator()(const ConvexHull& s) const { return massOfHull(s.data(), density); }
 
-    SolidMass operator()(const TriangleMesh&) const {
-        throw std::invalid_argument("shape is a TriangleMesh, which has no mass; must be a solid");
+    SolidMass operator()(const TriangleMesh& s) const {
+        if (const std::string& why = s.data().whyNotSolid; !why.empty())
+            throw std::invalid_argument("shape is a TriangleMesh that " + why + ", and so has no mass");
+        return massOfMesh(s.data(), density);
     }
     SolidMass operator()(const HeightField&) const {
         throw std::invalid_argument("shape is a HeightField, which has no mass; must be a solid");
@@ -131,34 +133,56 @@ struct SolidOf {
 
 }  // namespace
 
-/// Tetrahedra from a point inside to the triangles of each face [Eberly, Polyhedral Mass Properties, 2002]. For one
-/// with edges a, b, c from that point, V = a · (b × c) / 6, ∫x dV = V (a + b + c) / 4 and
-/// ∫x xᵀ dV = V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), s = a + b + c.
+namespace {
+
+/// Sums tetrahedra from a point to triangles [Eberly, Polyhedral Mass Properties, 2002]. For one with edges a, b, c from
+/// that point, V = a · (b × c) / 6, ∫x dV = V (a + b + c) / 4 and ∫x xᵀ dV = V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ),
+/// s = a + b + c.
+struct Tetrahedra {
+    DVec3 origin;
+    double density;
+    SolidMass m;
+    DVec3 moment;
+
+    void add(const DVec3& a, const DVec3& b, const DVec3& c) {
+        const DVec3 s = a + b + c;
+        const double mass = density * dot(a, cross(b, c)) / 6;
+        m.mass += mass;
+        moment = moment + (0.25 * mass) * s;
+        for (const DVec3& point : {a, b, c, s}) addPoint(m, mass / 20, point);
+    }
+    SolidMass whole() {
+        const DVec3 offset = (1 / m.mass) * moment;
+        addPoint(m, -m.mass, offset);
+        m.center = origin + offset;
+        return m;
+    }
+};
+
+}  // namespace
+
 SolidMass massOfHull(const HullData& hull, double density) {
     DVec3 origin;
     for (const Vec3& v : hull.vertices) origin = origin + DVec3(v);
     origin = (1.0 / static_cast<double>(hull.vertices.size())) * origin;
-    SolidMass m;
-    DVec3 moment;
+    Tetrahedra sum{origin, density, {}, {}};
     for (const HullData::Face& face : hull.faces) {
         const auto corner = [&](int i) {
             return DVec3(hull.vertices[hull.faceIndices[static_cast<std::size_t>(face.firstIndex + i)]]) - origin;
         };
-        const DVec3 a = corner(0);
-        for (int i = 2; i < face.count; ++i) {
-            const DVec3 b = corner(i - 1), c = corner(i);
-            const DVec3 s = a + b + c;
-            const double mass = density * dot(a, cross(b, c)) / 6;
-            m.mass += mass;
-            moment = moment + (0.25 * mass) * s;
-            for (const DVec3& point : {a, b, c, s}) addPoint(m, mass / 20, point);
-        }
+        for (int i = 2; i < face.count; ++i) sum.add(corner(0), corner(i - 1), corner(i));
     }
-    if (!(m.mass > 0)) return {};
-    const DVec3 offset = (1 / m.mass) * moment;
-    addPoint(m, -m.mass, offset);
-    m.center = origin + offset;
-    return m;
+    return sum.m.mass > 0 ? sum.whole() : SolidMass{};
+}
+
+SolidMass massOfMesh(const MeshData& mesh, double density) {
+    const DVec3 origin = 0.5 * (DVec3(mesh.bounds.lower) + DVec3(mesh.bounds.upper));
+    Tetrahedra sum{origin, density, {}, {}};
+    for (const Triangle& t : mesh.sourceTriangles) {
+        const auto corner = [&](std::uint32_t i) { return DVec3(mesh.vertices[i]) - origin; };
+        sum.add(corner(t.a), corner(t.b), corner(t.c));
+    }
+    return sum.m.mass != 0 ? sum.whole() : SolidMass{};
 }
 
 MassProperties massOf(const Shape& shape, float density) { return rounded(std::visit(SolidOf{density}, shape)); }

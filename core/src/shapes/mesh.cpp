@@ -53,7 +53,42 @@ void checkMaterials(std::span<const std::uint8_t> materialOfTriangle, std::span<
     }
 }
 
+/// Those with area.
+void takeTriangles(MeshData& mesh) {
+    for (std::uint32_t i = 0; i < mesh.sourceTriangles.size(); ++i) {
+        const Triangle& t = mesh.sourceTriangles[i];
+        const Vec3 normal = triangleNormal(mesh.vertices[t.a], mesh.vertices[t.b], mesh.vertices[t.c]);
+        if (normal == Vec3{}) {
+            ++mesh.degenerateCount;
+            continue;
+        }
+        mesh.triangles.push_back(t);
+        mesh.normals.push_back(normal);
+        mesh.sourceIndex.push_back(i);
+    }
+}
+
+void finish(MeshData& mesh) {
+    findActiveEdges(mesh);
+    buildTree(mesh);
+    findSolid(mesh);
+}
+
 }  // namespace
+
+MeshData meshOf(const HullData& hull) {
+    MeshData mesh;
+    mesh.vertices = hull.vertices;
+    for (const HullData::Face& face : hull.faces) {
+        const auto corner = [&](int i) {
+            return static_cast<std::uint32_t>(hull.faceIndices[static_cast<std::size_t>(face.firstIndex + i)]);
+        };
+        for (int i = 2; i < face.count; ++i) mesh.sourceTriangles.push_back({corner(0), corner(i - 1), corner(i)});
+    }
+    takeTriangles(mesh);
+    finish(mesh);
+    return mesh;
+}
 
 TriangleMesh::TriangleMesh(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
                            std::span<const std::uint8_t> materialOfTriangle, std::span<const Material> materials) {
@@ -66,22 +101,11 @@ TriangleMesh::TriangleMesh(std::span<const Vec3> vertices, std::span<const Trian
     mesh.sourceTriangles.assign(triangles.begin(), triangles.end());
     mesh.materialOfTriangle.assign(materialOfTriangle.begin(), materialOfTriangle.end());
     mesh.materials.assign(materials.begin(), materials.end());
-    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-        const Triangle& t = triangles[i];
-        const Vec3 normal = triangleNormal(vertices[t.a], vertices[t.b], vertices[t.c]);
-        if (normal == Vec3{}) {
-            ++mesh.degenerateCount;
-            continue;
-        }
-        mesh.triangles.push_back(t);
-        mesh.normals.push_back(normal);
-        mesh.sourceIndex.push_back(i);
-    }
+    takeTriangles(mesh);
     if (mesh.triangles.empty()) {
         reject("triangles has " + std::to_string(triangles.size()) + " without area, must have at least 1 with area");
     }
-    findActiveEdges(mesh);
-    buildTree(mesh);
+    finish(mesh);
     data_ = std::make_shared<const MeshData>(std::move(mesh));
 }
 

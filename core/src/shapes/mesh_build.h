@@ -14,10 +14,29 @@ bool isActiveBend(float bend);
 /// Unit normal by the right-hand rule in double; zero when the area is zero next to the longest edge squared.
 Vec3 triangleNormal(const Vec3& a, const Vec3& b, const Vec3& c);
 
+/// One number for all vertices at the same place.
+std::vector<std::uint32_t> weld(const std::vector<Vec3>& vertices);
+
+/// An edge of a triangle as its boundary runs, keyed by the names of its ends regardless of direction.
+struct HalfEdge {
+    std::uint32_t low, high;
+    bool reversed;  ///< runs from high to low
+    std::uint32_t triangle;
+    std::uint8_t edge;
+};
+/// Those of the same edge one after the other. `name` as weld gives it.
+std::vector<HalfEdge> sortedHalfEdges(std::span<const Triangle> triangles, std::span<const std::uint32_t> name);
+
 /// Fills activeEdges out of vertices, triangles and normals; vertices at the same place count as one.
 void findActiveEdges(MeshData& mesh);
 
 /// Puts triangles, normals and sourceIndex in tree order and fills nodes.
 void buildTree(MeshData& mesh);
+
+/// The surface of a convex polyhedron.
+MeshData meshOf(const HullData& hull);
+
+/// Fills what a mesh that moves is collided by, after all else.
+void findSolid(MeshData& mesh);
 
 }  // namespace ragtop

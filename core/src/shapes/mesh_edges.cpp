@@ -13,7 +13,8 @@ constexpr float kFlatBend = 0.0174533f;
 /// rad. Closer to −π than this, two faces lie back to back: a blade, not a slit of no width.
 constexpr float kFold = 1e-3f;
 
-/// One number for all vertices at the same place.
+}  // namespace
+
 std::vector<std::uint32_t> weld(const std::vector<Vec3>& vertices) {
     std::vector<std::uint32_t> order(vertices.size());
     std::iota(order.begin(), order.end(), 0u);
@@ -28,20 +29,11 @@ std::vector<std::uint32_t> weld(const std::vector<Vec3>& vertices) {
     return name;
 }
 
-/// An edge of a triangle as its boundary runs, keyed by its ends regardless of direction.
-struct HalfEdge {
-    std::uint32_t low, high;
-    bool reversed;  ///< runs from high to low
-    std::uint32_t triangle;
-    std::uint8_t edge;
-};
-
-std::vector<HalfEdge> sortedHalfEdges(const MeshData& mesh) {
-    const std::vector<std::uint32_t> name = weld(mesh.vertices);
+std::vector<HalfEdge> sortedHalfEdges(std::span<const Triangle> triangles, std::span<const std::uint32_t> name) {
     std::vector<HalfEdge> halves;
-    halves.reserve(3 * mesh.triangles.size());
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        const Triangle& triangle = mesh.triangles[t];
+    halves.reserve(3 * triangles.size());
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+        const Triangle& triangle = triangles[t];
         const std::array<std::uint32_t, 3> corner{name[triangle.a], name[triangle.b], name[triangle.c]};
         for (std::uint8_t e = 0; e < 3; ++e) {
             const std::uint32_t from = corner[e], to = corner[(e + 1) % 3];
@@ -53,8 +45,6 @@ std::vector<HalfEdge> sortedHalfEdges(const MeshData& mesh) {
     });
     return halves;
 }
-
-}  // namespace
 
 float bendAt(const Vec3& own, const Vec3& other, const Vec3& direction) {
     const float bend = arcTan2(dot(cross(own, other), normalized(direction)), dot(own, other));
@@ -74,7 +64,7 @@ Vec3 triangleNormal(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 void findActiveEdges(MeshData& mesh) {
-    const std::vector<HalfEdge> halves = sortedHalfEdges(mesh);
+    const std::vector<HalfEdge> halves = sortedHalfEdges(mesh.triangles, weld(mesh.vertices));
     mesh.activeEdges.assign(mesh.triangles.size(), 0);
     for (std::size_t first = 0, last = 0; first < halves.size(); first = last) {
         while (last < halves.size() && halves[last].low == halves[first].low &&

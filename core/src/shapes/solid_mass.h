@@ -13,5 +13,7 @@ struct SolidMass {
 
 /// Of the polyhedron at the given density.
 SolidMass massOfHull(const HullData& hull, double density);
+/// Of what a closed surface encloses; negative where its triangles face inwards.
+SolidMass massOfMesh(const MeshData& mesh, double density);
 
 }  // namespace ragtop

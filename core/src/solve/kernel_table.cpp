@@ -11,19 +11,33 @@ extern const KernelTable kKernelsAvx216;
 extern const KernelTable kKernelsAvx51216;
 #endif
 
-const KernelTable& selectKernels(int lanes) {
+KernelSet selectKernelSet(int lanes) {
 #if defined(RAGTOP_X86_KERNELS)
     const bool avx2 = __builtin_cpu_supports("avx2");
     const bool avx512 =
         __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
     if (lanes == 0) lanes = avx512 ? 16 : avx2 ? 8 : 4;
-    if (lanes == 16 && avx512) return kKernelsAvx51216;
-    if (lanes == 16 && avx2) return kKernelsAvx216;
-    if (lanes == 8 && avx2) return kKernelsAvx28;
+    if (lanes == 16 && avx512) return KernelSet::avx512Lanes16;
+    if (lanes == 16 && avx2) return KernelSet::avx2Lanes16;
+    if (lanes == 8 && avx2) return KernelSet::avx2Lanes8;
 #endif
-    if (lanes == 16) return kKernelsBaseline16;
-    if (lanes == 8) return kKernelsBaseline8;
-    return kKernelsBaseline4;
+    if (lanes == 16) return KernelSet::baseline16;
+    if (lanes == 8) return KernelSet::baseline8;
+    return KernelSet::baseline4;
+}
+
+const KernelTable& selectKernels(int lanes) {
+    static constexpr KernelTables<KernelTable> kTables = {
+        &kKernelsBaseline4,
+        &kKernelsBaseline8,
+        &kKernelsBaseline16,
+#if defined(RAGTOP_X86_KERNELS)
+        &kKernelsAvx28,
+        &kKernelsAvx216,
+        &kKernelsAvx51216,
+#endif
+    };
+    return selectTable<KernelTable>(kTables, lanes);
 }
 
 }  // namespace ragtop

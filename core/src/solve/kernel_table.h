@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "ragtop/math.h"
@@ -57,6 +58,31 @@ struct SolverContext {
 /// Kinds of contacts that ask for more than the usual passes.
 enum ContactKind : unsigned { kBouncyContact = 1, kDeepContact = 2 };
 
+/// Instruction sets and lane counts that kernels are built for, in the order of each list of tables.
+enum class KernelSet {
+    baseline4,
+    baseline8,
+    baseline16,
+#if defined(RAGTOP_X86_KERNELS)
+    avx2Lanes8,
+    avx2Lanes16,
+    avx512Lanes16,
+#endif
+    count
+};
+
+/// The fastest set of `lanes` (4, 8, 16) lanes that this processor runs, or for 0 lanes the fastest of all.
+KernelSet selectKernelSet(int lanes);
+
+/// A table for each set.
+template <class Table>
+using KernelTables = const Table* const[static_cast<std::size_t>(KernelSet::count)];
+
+template <class Table>
+const Table& selectTable(const KernelTables<Table>& tables, int lanes) {
+    return *tables[static_cast<std::size_t>(selectKernelSet(lanes))];
+}
+
 /// Wide kernels of one instruction set and lane count. Bundle ranges are in bundles, body ranges in entries of a list
 /// of state indices; they may run at once when they share no moving body.
 struct KernelTable {
@@ -73,7 +99,7 @@ struct KernelTable {
     void (*relaxContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
 };
 
-/// The fastest table of `lanes` (4, 8, 16) lanes that this processor runs, or for 0 lanes the fastest of all.
+/// Those of `selectKernelSet`.
 const KernelTable& selectKernels(int lanes);
 
 }  // namespace ragtop

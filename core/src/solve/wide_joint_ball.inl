@@ -190,8 +190,63 @@ struct WideBallTurn {
         total = select(lanes, total + impulse, total);
         speed = select(lanes, speed + rest * impulse, speed);
     }
-    RAGTOP_INLINE void solve(const WideTurns<N>& turns, const WideFactor<N>& second, const JointContext& context,
-                             bool moving) {
+    /// As HeldAxes::hold of the twist and of the swing after it.
+    RAGTOP_INLINE WideVec3<N> heldRotation(const WideTurns<N>& turns, Mask<N> twists, Mask<N> swings,
+                                           WideVec3<N> rotation) const {
+        if (j.bundle.features & BallRows::kTwist) {
+            const WideVec3<N> response = rest * turns.twistAxis;
+            const Lanes<N> inverseMass = dot(turns.twistAxis, response);
+            twists = twists & (inverseMass > noise);
+            rotation =
+                select(twists, rotation - (dot(turns.twistAxis, rotation) / inverseMass) * response, rotation);
+            if (!(j.bundle.features & BallRows::kSwing)) return rotation;
+            const WideVec3<N> across =
+                turns.swingAxis - (dot(turns.swingAxis, response) / inverseMass) * turns.twistAxis;
+            return heldSwing(select(twists, across, turns.swingAxis), swings, rotation);
+        }
+        return heldSwing(turns.swingAxis, swings, rotation);
+    }
+    RAGTOP_INLINE WideVec3<N> heldSwing(const WideVec3<N>& axis, Mask<N> swings, const WideVec3<N>& rotation) const {
+        const WideVec3<N> response = rest * axis;
+        const Lanes<N> inverseMass = dot(axis, response);
+        return select(swings & (inverseMass > noise), rotation - (dot(axis, rotation) / inverseMass) * response,
+                      rotation);
+    }
+    RAGTOP_INLINE void noteEnergy(const WideTurns<N>& turns, const WideFactor<N>& first, const WideFactor<N>& second) {
+        constexpr int kMost = RAGTOP_JOINT_FIELD(ball.mostEnergy);
+        const Lanes<N> all(kNoForceLimit);
+        Mask<N> recovers = all < all, twists = recovers, swings = recovers;
+        const auto consider = [&](int side, Mask<N>& acts) {
+            const Mask<N> pushes = j.at(side + RAGTOP_STOP_FIELD(impulse)) > 0.0f;
+            acts = acts | pushes;
+            recovers = recovers | (pushes & (j.at(side + RAGTOP_STOP_FIELD(margin)) < 0.0f));
+        };
+        if (j.bundle.features & BallRows::kTwist) {
+            consider(RAGTOP_JOINT_FIELD(ball.twistLower), twists);
+            consider(RAGTOP_JOINT_FIELD(ball.twistUpper), twists);
+        }
+        if (j.bundle.features & BallRows::kSwing) consider(RAGTOP_JOINT_FIELD(ball.swing[0]), swings);
+        j.set(kMost, all);
+        if (!any(recovers)) return;
+        WideJoint<N> still = j;
+        still.apply(-solveFor(first, j.linearVelocity()), nothing<N>());
+        const WideVec3<N> closed = speed + (still.angularVelocity() - j.angularVelocity());
+        const WideVec3<N> rotation = heldRotation(turns, twists, swings, closed);
+        j.set(kMost, select(recovers, 0.5f * dot(rotation, solveFor(second, rotation)), all));
+    }
+    RAGTOP_INLINE void shedEnergy(const WideFactor<N>& second) {
+        const Lanes<N> most = j.at(RAGTOP_JOINT_FIELD(ball.mostEnergy));
+        const Mask<N> limited = most < Lanes<N>(kNoForceLimit);
+        if (!any(limited)) return;
+        const WideVec3<N> momentum = solveFor(second, speed);
+        const Lanes<N> energy = 0.5f * dot(speed, momentum);
+        const Mask<N> lanes = limited & (energy > most);
+        const WideVec3<N> impulse = (sqrt(most / energy) - Lanes<N>(1.0f)) * momentum;
+        total = select(lanes, total + impulse, total);
+        speed = select(lanes, speed + rest * impulse, speed);
+    }
+    RAGTOP_INLINE void solve(const WideTurns<N>& turns, const WideFactor<N>& first, const WideFactor<N>& second,
+                             const JointContext& context, bool moving) {
         const std::uint32_t features = j.bundle.features;
         const Lanes<N> zero(0.0f), h(context.h);
         const int pass = moving ? 0 : 1;
@@ -210,6 +265,11 @@ struct WideBallTurn {
             stop(RAGTOP_JOINT_FIELD(ball.twistUpper), -turns.twistAxis, context, moving);
         }
         if (features & BallRows::kSwing) stop(RAGTOP_JOINT_FIELD(ball.swing[0]), turns.swingAxis, context, moving);
+        if (!(features & (BallRows::kSwing | BallRows::kTwist))) return;
+        if (moving)
+            noteEnergy(turns, first, second);
+        else
+            shedEnergy(second);
     }
 };
 

@@ -55,6 +55,9 @@ RAGTOP_INLINE WideVec3<N> firstResidual(const WideJoint<N>& j, const Softness& s
 
 // ---- balls
 
+/// Features whose rows need the inverse of P.
+constexpr std::uint32_t kSolvesTurn = BallRows::kFriction | BallRows::kSwing | BallRows::kTwist;
+
 template <int N>
 RAGTOP_INLINE WideBlock<N> refreshBall(const WideJoint<N>& j) {
     WideBlock<N> block;
@@ -65,7 +68,7 @@ RAGTOP_INLINE WideBlock<N> refreshBall(const WideJoint<N>& j) {
     }
     eliminate(block, k);
     block.noise = kZeroPivot * (k.angular.xx + k.angular.yy + k.angular.zz);
-    if (j.bundle.features & BallRows::kFriction) block.second = factorize(block.rest, diagonal(k.angular));
+    if (j.bundle.features & kSolvesTurn) block.second = factorize(block.rest, diagonal(k.angular));
     return block;
 }
 template <int N>
@@ -77,7 +80,7 @@ RAGTOP_INLINE void beginBallJoint(WideJoint<N>& j, const JointContext& context) 
     j.set(RAGTOP_JOINT_FIELD(block.mass.gain), block.gain);
     j.set(RAGTOP_JOINT_FIELD(block.mass.rest), block.rest);
     j.set(RAGTOP_JOINT_FIELD(block.noise), block.noise);
-    if (j.bundle.features & BallRows::kFriction) j.set(RAGTOP_JOINT_FIELD(block.second), block.second);
+    if (j.bundle.features & kSolvesTurn) j.set(RAGTOP_JOINT_FIELD(block.second), block.second);
     const WideTurns<N> turns = findTurns(j);
     storeTurns(j, turns);
     beginBlock(j, beginBall(j, turns, block.rest, block.noise, context));
@@ -91,7 +94,7 @@ RAGTOP_INLINE WideBlock<N> loadBall(WideJoint<N>& j) {
     block.gain = j.matrix(RAGTOP_JOINT_FIELD(block.mass.gain));
     block.rest = j.symmetric(RAGTOP_JOINT_FIELD(block.mass.rest));
     block.noise = j.at(RAGTOP_JOINT_FIELD(block.noise));
-    if (j.bundle.features & BallRows::kFriction) block.second = j.factor(RAGTOP_JOINT_FIELD(block.second));
+    if (j.bundle.features & kSolvesTurn) block.second = j.factor(RAGTOP_JOINT_FIELD(block.second));
     return block;
 }
 template <int N>
@@ -108,7 +111,7 @@ RAGTOP_INLINE void solveBall(WideJoint<N>& j, const WideBlock<N>& block, const W
     addToBlock(j, -solveFor(block.first, firstResidual(j, soft)), nothing<N>(), soft);
     if (j.bundle.features == 0) return;
     WideBallTurn<N> turn{j, block.rest, block.noise, j.angularVelocity(), nothing<N>()};
-    turn.solve(turns, block.second, context, moving);
+    turn.solve(turns, block.first, block.second, context, moving);
     const WideVec3<N> force = -(block.gain * turn.total);
     constexpr int kFirst = RAGTOP_JOINT_FIELD(block.impulseFirst);
     j.set(kFirst, j.vector(kFirst) + force);

@@ -64,7 +64,7 @@ struct JointPainter {
             const SinCos aboutY = sinCos(y), aboutZ = sinCos(z);
             // The two great circles through y and z meet here.
             const Vec3 first{-aboutY.sin, 0, -aboutY.cos}, second{-aboutZ.sin, aboutZ.cos, 0};
-            return normalized(cross(second, first));
+            return normalized(cross(first, second));
         };
         const Vec3 corners[4] = {corner(limit.y.lower, limit.z.lower), corner(limit.y.upper, limit.z.lower),
                                  corner(limit.y.upper, limit.z.upper), corner(limit.y.lower, limit.z.upper)};

@@ -23,4 +23,17 @@ private:
     std::size_t stride_;
 };
 
+/// The same to read only.
+class LaneReader {
+public:
+    LaneReader(const float* lane, int lanes) : lane_(lane), stride_(static_cast<std::size_t>(lanes)) {}
+    float at(int field) const { return lane_[static_cast<std::size_t>(field) * stride_]; }
+    float at(int point, int field) const { return at(contact::kPoints + point * contact::kPointFields + field); }
+    Vec3 vector(int field) const { return {at(field), at(field + 1), at(field + 2)}; }
+
+private:
+    const float* lane_;
+    std::size_t stride_;
+};
+
 }  // namespace ragtop

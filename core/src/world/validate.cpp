@@ -5,6 +5,7 @@
 #include "ragtop/coupling.h"
 #include "ragtop/joint.h"
 #include "ragtop/settings.h"
+#include "shapes/geometry.h"
 
 namespace ragtop {
 namespace {
@@ -47,13 +48,20 @@ std::string whyInvalidMass(const MassProperties& mass, const BodyDef& def) {
     return whyInvalidInertia(mass.inertia, !(locks.rotationX && locks.rotationY && locks.rotationZ));
 }
 
-/// The kind of the first surface in a shape, which has no inside and so no mass; empty when all is solid.
-std::string surfaceIn(const Shape& shape) {
-    if (std::holds_alternative<TriangleMesh>(shape)) return "TriangleMesh";
-    if (std::holds_alternative<HeightField>(shape)) return "HeightField";
+bool hasHeightField(const Shape& shape) {
+    if (const auto* compound = std::get_if<Compound>(&shape)) {
+        for (const CompoundPart& part : compound->parts)
+            if (hasHeightField(part.shape)) return true;
+    }
+    return std::holds_alternative<HeightField>(shape);
+}
+
+/// Why the first surface in a shape encloses nothing, and so has no mass; empty when all is solid.
+std::string whyNotSolid(const Shape& shape) {
+    if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) return mesh->data().whyNotSolid;
     if (const auto* compound = std::get_if<Compound>(&shape)) {
         for (const CompoundPart& part : compound->parts) {
-            if (std::string kind = surfaceIn(part.shape); !kind.empty()) return kind;
+            if (std::string why = whyNotSolid(part.shape); !why.empty()) return why;
         }
     }
     return {};
@@ -66,11 +74,8 @@ std::string whyInvalidShape(const std::string& name, const ShapeDef& shape, Body
         return name + ".density is " + numberText(shape.density) + ", must be finite and at least 0 kg/m³";
     }
     if (std::string why = whyInvalid(shape.material); !why.empty()) return name + ".material." + why;
-    if (type == BodyType::dynamic) {
-        if (const std::string kind = surfaceIn(shape.geometry); !kind.empty()) {
-            return name + ".geometry is a " + kind + ", which a dynamic body cannot have, must be solid";
-        }
-    }
+    if (type == BodyType::dynamic && hasHeightField(shape.geometry))
+        return name + ".geometry is a HeightField, which a dynamic body cannot have, must be solid";
     return {};
 }
 
@@ -79,8 +84,10 @@ std::string whyInvalidShapes(const BodyDef& def) {
     for (std::size_t i = 0; i < def.shapes.size(); ++i) {
         const std::string name = "shapes[" + std::to_string(i) + "]";
         if (std::string why = whyInvalidShape(name, def.shapes[i], def.type); !why.empty()) return why;
-        if (def.type == BodyType::dynamic && !def.shapes[i].sensor)
-            mass += massOf(def.shapes[i].geometry, def.shapes[i].density).mass;
+        if (def.type != BodyType::dynamic || def.mass || def.shapes[i].sensor) continue;
+        if (const std::string why = whyNotSolid(def.shapes[i].geometry); !why.empty())
+            return name + ".geometry has a TriangleMesh that " + why + "; must be solid, or the body's mass given";
+        mass += massOf(def.shapes[i].geometry, def.shapes[i].density).mass;
     }
     if (def.type != BodyType::dynamic || def.mass) return {};
     if (!(mass > 0) || !std::isfinite(mass)) {

@@ -139,7 +139,7 @@ const WorldSettings& World::settings() const { return impl_->settings; }
 void World::setSettings(const WorldSettings& settings) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
     const bool wake = settings.gravity != impl_->settings.gravity || !settings.sleeping;
-    impl_->graphChanged |= settings.solver != impl_->settings.solver;
+    if (settings.solver != impl_->settings.solver) impl_->graphChanged = impl_->directChanged = true;
     impl_->directSeen.clear();
     impl_->settings = settings;
     if (!wake) return;

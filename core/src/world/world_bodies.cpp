@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "base/symmetric_eigen.h"
+#include "shapes/hull.h"
+#include "shapes/mesh_build.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -42,7 +44,7 @@ Pose WorldImpl::shapePose(const ShapeRecord& shape) const {
 
 /// Shapes that share data share an entry.
 std::uint32_t WorldImpl::geometryIndex(const Shape& shape) {
-    GeometryEntry entry{shape, {}, nullptr, nullptr, sizeOf(shape)};
+    GeometryEntry entry{shape, {}, nullptr, nullptr, sizeOf(shape), nullptr};
     if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
         entry.mesh = &mesh->data();
     } else if (const auto* field = std::get_if<HeightField>(&shape)) {
@@ -58,7 +60,19 @@ std::uint32_t WorldImpl::geometryIndex(const Shape& shape) {
             return static_cast<std::uint32_t>(i);
     }
     geometries.push_back(std::move(entry));
+    if (meshesMove) makeSkins();
     return static_cast<std::uint32_t>(geometries.size() - 1);
+}
+
+/// Meshes that move meet boxes and hulls by their triangles.
+void WorldImpl::makeSkins() {
+    meshesMove = true;
+    for (GeometryEntry& entry : geometries) {
+        const bool box = entry.convex.kind == ConvexKind::box, hull = entry.convex.kind == ConvexKind::hull;
+        if (entry.isMesh() || entry.skin || !(box || hull)) continue;
+        entry.skin =
+            std::make_unique<const MeshData>(meshOf(box ? boxHull(entry.convex.halfExtents) : *entry.convex.hull));
+    }
 }
 
 /// Mass, centre and principal axes, from the definition or from shapes and densities.
@@ -184,6 +198,10 @@ void WorldImpl::addShape(std::uint32_t bodyIndex, const ShapeDef& def, const Fra
     shape.body = bodyIndex;
     shape.geometry = geometryIndex(geometry);
     shape.size = geometries[shape.geometry].size;
+    if (body.type == BodyType::dynamic && geometries[shape.geometry].mesh) {
+        shape.size = geometries[shape.geometry].mesh->thickness;
+        if (!meshesMove) makeSkins();
+    }
     shape.sensor = def.sensor;
     shape.reportsMotion = def.reportsMotion;
     shape.userData = def.userData;

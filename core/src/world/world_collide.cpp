@@ -100,7 +100,9 @@ void WorldImpl::updateContact(std::uint32_t index) {
     record.collidedMargin = margin;
     if (record.isMesh) {
         Manifold found[kMaxManifolds];
-        change = takeManifolds(record, found, findManifolds(record, bInA, margin, found));
+        const int count = findManifolds(record, bInA, margin, found);
+        change = meetAsSurfaces(record) ? takeSurfaceManifolds(record, found, count)
+                                        : takeManifolds(record, found, count);
         record.apartUntil = travel + static_cast<double>(found[0].gap - tuning::kSpeculative * size);
     } else {
         Manifold found[1];

@@ -177,6 +177,11 @@ void WorldImpl::saveLane(ManifoldRecord& manifold) {
     manifold.substep = lastSubstep;
 }
 
+void WorldImpl::noteGraphChange(GraphPlace place) {
+    graphChanged = true;
+    directChanged |= place.color == ConstraintGraph::kDirect;
+}
+
 void WorldImpl::addToGraph(std::uint32_t index) {
     ManifoldRecord& manifold = manifolds[index];
     const ContactRecord& record = contacts[manifold.contact];
@@ -184,7 +189,7 @@ void WorldImpl::addToGraph(std::uint32_t index) {
     manifold.place =
         graph.insertContact(index, bodies[record.bodyA].state, moves(record.bodyA), bodies[record.bodyB].state,
                             moves(record.bodyB), isDirect(record.bodyA) || isDirect(record.bodyB));
-    graphChanged = true;
+    noteGraphChange(manifold.place);
     writeLane(record, manifold);
 }
 
@@ -196,8 +201,8 @@ void WorldImpl::removeFromGraph(std::uint32_t index) {
     const std::uint32_t moved = graph.removeContact(manifold.place, bodies[record.bodyA].state, moves(record.bodyA),
                                                     bodies[record.bodyB].state, moves(record.bodyB));
     if (moved != kNone) manifolds[moved].place.slot = manifold.place.slot;
+    noteGraphChange(manifold.place);
     manifold.place = {};
-    graphChanged = true;
 }
 
 namespace {
@@ -219,6 +224,33 @@ void carryImpulses(const ManifoldRecord& before, ManifoldRecord& now) {
                 break;
             }
     }
+}
+
+/// Contacts of surfaces go from feature to feature as they roll and slide on each other. What a place that is gone bore is
+/// borne by the nearest one of now that faces alike, so that nothing sinks until it finds its load anew.
+void handOverImpulses(std::span<const ManifoldRecord> before, std::span<ManifoldRecord> now, float size) {
+    constexpr float kNear = 0.5f, kAlike = 0.7f;
+    for (const ManifoldRecord& old : before)
+        for (int j = 0; j < old.pointCount; ++j) {
+            if (!(old.impulse[j] > 0 || old.load[j] > 0)) continue;
+            ManifoldRecord* heir = nullptr;
+            int place = 0;
+            float least = kNear * kNear * size * size;
+            bool kept = false;
+            for (ManifoldRecord& manifold : now) {
+                const float facing = dot(manifold.normal, old.normal);
+                if (facing < kAlike) continue;
+                for (int k = 0; k < manifold.pointCount; ++k) {
+                    kept |= &manifold - now.data() == &old - before.data() && manifold.feature[k] == old.feature[j];
+                    const float square = lengthSquared(manifold.anchorA[k] - old.anchorA[j]);
+                    if (square < least) least = square, heir = &manifold, place = k;
+                }
+            }
+            if (kept || !heir) continue;
+            const float share = dot(heir->normal, old.normal);
+            heir->impulse[place] += share * old.impulse[j];
+            heir->load[place] += share * old.load[j];
+        }
 }
 
 /// For each new manifold the old one that faces the same way, at most once; the rest take free places.
@@ -287,10 +319,38 @@ Frame WorldImpl::shapeBInA(const ContactRecord& record) const {
     return {inverseRotate(shapeA.frame.rotation, inA), normalized(conjugate(shapeA.frame.rotation) * turn)};
 }
 
+/// Does a mesh of a dynamic body take part? Meshes that only others move collide triangle by triangle.
+bool WorldImpl::meetAsSurfaces(const ContactRecord& record) const {
+    const GeometryEntry& a = geometries[shapes[record.shapeA].geometry];
+    const GeometryEntry& b = geometries[shapes[record.shapeB].geometry];
+    return b.isMesh() || (a.mesh && bodies[record.bodyA].type == BodyType::dynamic);
+}
+
+/// The way of the step beside the margin of a pair is that in which B moves; only what turns goes everywhere, and what
+/// both share and one of them may lose in the step to something else, up to half the size.
+int WorldImpl::findSurfaceManifolds(const ContactRecord& record, const Frame& bInA, float margin,
+                                    std::span<Manifold> found) const {
+    const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
+    const GeometryEntry &a = geometries[shapeA.geometry], &b = geometries[shapeB.geometry];
+    ContactReach reach{margin, {}, shapeA.size < shapeB.size ? shapeA.size : shapeB.size};
+    if (margin > 0) {
+        const Vec3 vA = states[record.bodyA].v, vB = states[record.bodyB].v, way = dt * (vB - vA);
+        const float slower = lengthSquared(vA) < lengthSquared(vB) ? length(vA) : length(vB);
+        const float shared = dt * slower, most = 0.5f * reach.size;
+        reach.way = inverseRotate(bodies[record.bodyA].rotation * shapeA.frame.rotation, way);
+        reach.margin = margin - length(way) + (shared < most ? shared : most);
+    }
+    found[0].gap = reach.margin;
+    if (a.field) return collideSurfaces(*a.field, *b.mesh, bInA, reach, found);
+    if (b.triangles()) return collideSurfaces(*a.mesh, *b.triangles(), bInA, reach, found);
+    return collideSurfaces(*a.mesh, b.convex, bInA, reach, found);
+}
+
 /// The narrow phase of a pair; returns how many directions it touches in, at most as many as the contact has room for.
 int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float margin, std::span<Manifold> found) const {
     const GeometryEntry& a = geometries[shapes[record.shapeA].geometry];
     const GeometryEntry& b = geometries[shapes[record.shapeB].geometry];
+    if (record.isMesh && meetAsSurfaces(record)) return findSurfaceManifolds(record, bInA, margin, found);
     found[0].gap = margin;
     if (a.mesh) return collide(*a.mesh, b.convex, bInA, margin, found);
     if (a.field) return collide(*a.field, b.convex, bInA, margin, found);
@@ -330,6 +390,22 @@ std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, const Manifold* fou
         old[k].pointCount = 0;
         change = kGraph;
     }
+    return change;
+}
+
+/// The same of meshes that move.
+std::uint8_t WorldImpl::takeSurfaceManifolds(ContactRecord& record, const Manifold* found, int count) {
+    const std::span<ManifoldRecord> now(&manifolds[record.firstManifold], record.manifoldCapacity);
+    ManifoldRecord before[kMaxManifolds];
+    for (std::size_t k = 0; k < now.size(); ++k) {
+        if (now[k].place.color != kNone) saveLane(now[k]);
+        before[k] = now[k];
+    }
+    const std::uint8_t change = takeManifolds(record, found, count);
+    const float sizeA = shapes[record.shapeA].size, sizeB = shapes[record.shapeB].size;
+    handOverImpulses({before, now.size()}, now, sizeA < sizeB ? sizeA : sizeB);
+    for (const ManifoldRecord& manifold : now)
+        if (manifold.pointCount > 0 && manifold.place.color != kNone) writeLane(record, manifold);
     return change;
 }
 

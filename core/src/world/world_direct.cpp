@@ -231,7 +231,7 @@ void WorldImpl::barGivenUp(const DirectIsland& island, bool rests) {
         if (!failed && body.directSteps > 0) continue;
         body.directSteps = -(direct::kBarredSteps << body.directFailures);
         if (body.directFailures < direct::kMostDoublings) ++body.directFailures;
-        graphChanged = true;
+        graphChanged = directChanged = true;
     }
 }
 

@@ -1,33 +1,27 @@
 #include <cmath>
 
+#include "world/lane_view.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
 
 namespace {
 
-/// What the solver left in a contact's lane.
-struct LaneReader {
-    const float* lane;
-    std::size_t stride;
-    float at(int field) const { return lane[static_cast<std::size_t>(field) * stride]; }
-    float at(int point, int field) const { return at(contact::kPoints + point * contact::kPointFields + field); }
-    Vec3 vector(int field) const { return {at(field), at(field + 1), at(field + 2)}; }
-};
-
 LaneReader reader(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
-    return {graph.lane(manifold.place), static_cast<std::size_t>(graph.lanes())};
+    return {graph.lane(manifold.place), graph.lanes()};
 }
 
 /// Does a point overlap, or did it carry load in this step?
 bool isLoaded(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
-    bool loaded = false;
-    const bool solved = manifold.place.color != kNone;
+    if (manifold.place.color == kNone) {
+        for (int j = 0; j < manifold.pointCount; ++j)
+            if (manifold.separation[j] <= 0) return true;
+        return false;
+    }
+    const LaneReader lane = reader(graph, manifold);
     for (int j = 0; j < manifold.pointCount; ++j)
-        loaded |= solved ? reader(graph, manifold).at(j, contact::kSeparation) <= 0 ||
-                               reader(graph, manifold).at(j, contact::kPeak) > 0
-                         : manifold.separation[j] <= 0;
-    return loaded;
+        if (lane.at(j, contact::kSeparation) <= 0 || lane.at(j, contact::kPeak) > 0) return true;
+    return false;
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "direct/newton.h"
 #include "direct/tree_plan.h"
 #include "narrowphase/collide.h"
+#include "narrowphase/collide_surfaces.h"
 #include "ragtop/world.h"
 #include "shapes/geometry.h"
 #include "solve/joint_kernels.h"
@@ -44,6 +45,9 @@ struct GeometryEntry {
     const MeshData* mesh = nullptr;
     const HeightFieldData* field = nullptr;
     float size = 0;
+    /// The triangles of a box or hull, in worlds where meshes move.
+    std::unique_ptr<const MeshData> skin{};
+    const MeshData* triangles() const { return mesh ? mesh : skin.get(); }
     bool isMesh() const { return mesh || field; }
 };
 
@@ -103,7 +107,11 @@ struct WorldImpl {
     void applyContactChange(std::uint32_t contact);
 
     // world_contacts.cpp: manifolds and their lanes.
+    bool meetAsSurfaces(const ContactRecord& contact) const;
+    int findSurfaceManifolds(const ContactRecord& contact, const Frame& bInA, float margin,
+                             std::span<Manifold> found) const;
     int findManifolds(ContactRecord& contact, const Frame& bInA, float margin, std::span<Manifold> found) const;
+    std::uint8_t takeSurfaceManifolds(ContactRecord& contact, const Manifold* found, int count);
     std::uint8_t takeManifolds(ContactRecord& contact, const Manifold* found, int count);
     void placePoints(const ContactRecord& contact, const Manifold& found, ManifoldRecord& manifold) const;
     void forgetGaps(std::uint32_t body);
@@ -122,6 +130,7 @@ struct WorldImpl {
     void refreshSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
     void writeLane(const ContactRecord& contact, const ManifoldRecord& manifold);
     void saveLane(ManifoldRecord& manifold);
+    void noteGraphChange(GraphPlace place);
     void addToGraph(std::uint32_t manifold);
     void removeFromGraph(std::uint32_t manifold);
     void addJointToGraph(std::uint32_t joint);
@@ -135,6 +144,7 @@ struct WorldImpl {
     void hideSeams();
     void hideSeam(const ContactRecord& contact);
     bool mayBeSeam(const ContactRecord& contact) const;
+    bool bearsLoad(const ManifoldRecord& manifold) const;
     bool closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const;
     bool slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const;
     struct TouchedPlane {
@@ -223,6 +233,8 @@ struct WorldImpl {
         bool watched = false;  ///< impulses are wanted after every substep
         bool twofold = false;  ///< masses ask for double precision
     };
+    static bool isTreeJoint(const JointSim& joint);
+    bool turnsFreely(std::uint32_t body) const;
     bool drawTree(std::uint32_t start, DrawnTree& drawn);
     void layLinks(std::uint32_t root, DrawnTree& drawn);
     void planChains();
@@ -273,6 +285,7 @@ struct WorldImpl {
     void solveCouplings(bool moving);
 
     std::uint32_t geometryIndex(const Shape& shape);
+    void makeSkins();
     void setMass(std::uint32_t body, const BodyDef& def);
     void takeMass(std::uint32_t body, const MassProperties& mass);
     void changeMass(std::uint32_t body, const MassProperties& mass);
@@ -352,10 +365,13 @@ struct WorldImpl {
     double time = 0;
     float lastSubstep = 0;
     bool graphChanged = true;      ///< since solvers were chosen, as far as bearings are concerned
+    bool directChanged = true;     ///< the same where a direct island has part in it
+    std::uint64_t choiceStep = 0;  ///< in which solvers were chosen
     bool structureChanged = true;  ///< the same for bodies and joints that were made, moved or woken
 
     // Derived from the state, or of the current step only.
     std::pmr::vector<GeometryEntry> geometries;
+    bool meshesMove = false;  ///< has any dynamic body had a mesh?
     std::vector<StepModule*> modules;
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled

@@ -163,6 +163,8 @@ void WorldImpl::measureIslands() {
             if (steady && cosine > kLevel) heldLevel[bearing.b] = 1;
             if (steady && cosine < -kLevel) heldLevel[bearing.a] = 1;
         } else {
+            ++island.joints;
+            island.bare &= isTreeJoint(jointSims[bearing.constraint]);
             heldLevel[bearing.a] = heldLevel[bearing.b] = 1;
             island.hangs |= !movesA || !movesB;
         }
@@ -181,6 +183,8 @@ void WorldImpl::measureIslands() {
         if (!moves(body)) continue;
         direct::IslandFeatures& island = islandFeatures[findRoot(body)];
         ++island.bodies;
+        island.bare &= turnsFreely(body);
+        island.spin = std::max(island.spin, context.h * length(states[body].w));
         const float speed = length(states[body].v) + length(states[body].w) * bodies[body].radius;
         const bool slow = speed <= kSlow * std::sqrt(gravity * bodies[body].size);
         island.moving += !slow;
@@ -188,6 +192,11 @@ void WorldImpl::measureIslands() {
         island.restless += !slow || !rests;
         island.leaning += levels[body] != kNone && heldLevel[body] == 0 && slow;
     }
+    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+        for (const std::uint32_t m : graph.color(c).manifolds) {
+            const ContactRecord& contact = contacts[manifolds[m].contact];
+            islandFeatures[findRoot(moves(contact.bodyA) ? contact.bodyA : contact.bodyB)].touches = true;
+        }
     forEachCoupledPair([&](std::uint32_t, std::uint32_t body) { islandFeatures[findRoot(body)].coupled = true; });
 }
 
@@ -216,12 +225,14 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
             island.staying = std::min(island.barred + elapsed, 0);
         } else if (island.reason != direct::Reason::none) {
             if (!large || !island.direct) island.staying = direct::kStayingSteps;
+            waiting |= island.reason == direct::Reason::tree;  // it may begin to spin
             continue;
-        } else if (large || island.last == direct::Reason::deep) {
-            // Worth it at rest alone.
+        } else if (large || island.last == direct::Reason::deep || island.last == direct::Reason::tree) {
+            // Worth it at rest alone, or as long as nothing is touched.
             island.staying = 0;
-        } else if (island.staying > 0 && --island.staying > 0) {
-            island.reason = direct::Reason::staying;
+        } else if (island.staying > 0) {
+            island.staying = std::max(island.staying - elapsed, 0);
+            if (island.staying > 0) island.reason = direct::Reason::staying;
         }
         waiting |= island.staying != 0;
     }
@@ -234,21 +245,23 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
     return waiting;
 }
 
-/// Choices change when bearings do, so they are made anew only then. While no island is direct, that can wait a few
-/// steps, unless something was just made or put somewhere.
+/// Choices change when bearings do, so they are made anew only then: at once where a direct island has part in it or
+/// something was just made or put somewhere, else every few steps.
 void WorldImpl::chooseSolvers() {
-    constexpr std::int32_t kPeriod = 16;
+    constexpr std::uint64_t kPeriod = 16;
     const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
-    const bool anyDirect = !list.manifolds.empty() || !list.joints.empty();
-    if (graphChanged && (anyDirect || structureChanged || stepCount % kPeriod == 0)) {
+    const bool atOnce = structureChanged || directChanged;
+    if (graphChanged && (atOnce || stepCount % kPeriod == 0)) {
         uniteConstraints(false);
         measureIslands();
-        graphChanged = decideIslands(anyDirect ? 1 : kPeriod);
+        graphChanged = decideIslands(static_cast<std::int32_t>(std::min(stepCount - choiceStep, kPeriod)));
+        choiceStep = stepCount;
         applyChoices();
         if (structureChanged) loadNewContacts();
-        structureChanged = false;
+        structureChanged = directChanged = false;
         directGrouped = false;
     }
+    const bool anyDirect = !list.manifolds.empty() || !list.joints.empty();
     // Sleeping may have emptied the list since.
     if (!directGrouped || !anyDirect || treesChanged) groupDirect();
     directGrouped = true;

@@ -123,7 +123,8 @@ void WorldImpl::addJointToGraph(std::uint32_t index) {
     if ((movesA && !isAwake(joint.bodyA)) || (movesB && !isAwake(joint.bodyB))) return;
     joint.place = graph.insertJoint(index, bodies[joint.bodyA].state, movesA, bodies[joint.bodyB].state, movesB,
                                     isDirect(joint.bodyA) || isDirect(joint.bodyB));
-    graphChanged = bundlesChanged = treesChanged = true;
+    noteGraphChange(joint.place);
+    bundlesChanged = treesChanged = true;
 }
 
 void WorldImpl::removeJointFromGraph(std::uint32_t index) {
@@ -132,8 +133,9 @@ void WorldImpl::removeJointFromGraph(std::uint32_t index) {
     const std::uint32_t moved = graph.removeJoint(joint.place, bodies[joint.bodyA].state, moves(joint.bodyA),
                                                   bodies[joint.bodyB].state, moves(joint.bodyB));
     if (moved != kNone) joints[moved].place.slot = joint.place.slot;
+    noteGraphChange(joint.place);
     joint.place = {};
-    graphChanged = bundlesChanged = treesChanged = true;
+    bundlesChanged = treesChanged = true;
 }
 
 }  // namespace ragtop

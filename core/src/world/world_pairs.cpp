@@ -102,7 +102,8 @@ bool WorldImpl::shouldCollide(const ShapeRecord& a, const ShapeRecord& b) const 
         const bool sensorPair = (a.sensor || b.sensor) && a.body != b.body;
         if (!sensorPair) return false;
     }
-    if (geometries[a.geometry].isMesh() && geometries[b.geometry].isMesh()) return false;
+    if (geometries[a.geometry].isMesh() && geometries[b.geometry].isMesh() && !moves(a.body) && !moves(b.body))
+        return false;
     if (!filtersAgree(a.filter, b.filter)) return false;
     for (std::uint32_t key = bodies[a.body].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
         const JointRecord& joint = joints[key >> 1];
@@ -149,10 +150,13 @@ void WorldImpl::findPairs() {
 }
 
 void WorldImpl::createContact(std::uint32_t a, std::uint32_t b) {
-    // A mesh comes first; else a body that moves, because the narrow phase works in A's frame near its centre.
+    // A mesh comes first, and of meshes one that does not move, as height fields; else a body that moves, because the
+    // narrow phase works in A's frame near its centre.
     const bool meshA = geometries[shapes[a].geometry].isMesh(), meshB = geometries[shapes[b].geometry].isMesh();
+    const bool movesA = moves(shapes[a].body), movesB = moves(shapes[b].body);
     const bool swap = meshA != meshB                                   ? meshB
-                      : moves(shapes[a].body) != moves(shapes[b].body) ? moves(shapes[b].body)
+                      : meshA && movesA != movesB                      ? movesA
+                      : movesA != movesB                               ? movesB
                                                                        : b < a;
     if (swap) std::swap(a, b);
     const ShapeRecord &shapeA = shapes[a], &shapeB = shapes[b];

@@ -102,7 +102,8 @@ bool WorldImpl::willMeet(const ContactRecord& record, const ManifoldRecord& mani
     return manifold.separation[point] <= dot(normal, wayAtPoint(record, manifold, point));
 }
 
-/// Does some point of a contact close in this step by more than `least`? What does not has nothing to hide.
+/// Does a contact close in this step by more than `least`, and some point of it meet in this step, or in the substep
+/// after it, which the last relaxing pass foresees? What does not has nothing to hide.
 bool WorldImpl::closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const {
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
     const BodyState &stateA = states[record.bodyA], &stateB = states[record.bodyB];
@@ -112,13 +113,18 @@ bool WorldImpl::closes(const ContactRecord& record, const ManifoldRecord& manifo
     const float turning = (a.type == BodyType::fixed ? 0 : length(stateA.w) * a.radius) +
                           (b.type == BodyType::fixed ? 0 : length(stateB.w) * b.radius);
     if (!(dot(way, normal) + dt * turning > least)) return false;
-    for (int j = 0; j < manifold.pointCount; ++j)
-        if (dot(normal, wayAtPoint(record, manifold, j)) > least) return true;
-    return false;
+    const float foreseen = 1 + context.h / dt;
+    bool nearer = false, meets = false;
+    for (int j = 0; j < manifold.pointCount; ++j) {
+        const float closing = dot(wayAtPoint(record, manifold, j), normal);
+        nearer |= closing > least;
+        meets |= manifold.separation[j] <= foreseen * closing + least;
+    }
+    return nearer && meets;
 }
 
-/// Does sliding along a plane, and that alone, close a contact in this step, or in the substep after it, which the last
-/// relaxing pass foresees? By more than `least`, which also stands for what accelerations add.
+/// Does sliding along a plane, and that alone, close a contact in the time of `closes`? By more than `least`, which also
+/// stands for what accelerations add.
 bool WorldImpl::slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const {
     const ContactRecord& contact = contacts[manifold.contact];
     const Vec3 normal = rotate(bodies[contact.bodyA].rotation, manifold.normal);
@@ -173,24 +179,29 @@ float WorldImpl::slackOf(std::uint32_t a, std::uint32_t b) const {
     return kStep * (shapes[a].size < shapes[b].size ? shapes[a].size : shapes[b].size);
 }
 
-/// Only what moves and closes by more than a little is looked at.
+/// What bears a load already is no seam, or it would have been hidden before it did.
+bool WorldImpl::bearsLoad(const ManifoldRecord& manifold) const {
+    if (manifold.place.color == kNone) return false;
+    const LaneReader lane(graph.lane(manifold.place), graph.lanes());
+    for (int j = 0; j < manifold.pointCount; ++j)
+        if (lane.at(j, contact::kImpulse) > 0) return true;
+    return false;
+}
+
+/// Only what moves, closes by more than a little and is about to meet is looked at.
 bool WorldImpl::mayBeSeam(const ContactRecord& record) const {
     if (record.sensor || !record.hasPoints || record.isMesh) return false;
     const float size = slackOf(record.shapeA, record.shapeB) / kStep;
     if (bodies[record.bodyA].ahead + bodies[record.bodyB].ahead < kClosing * size) return false;
     const ManifoldRecord& manifold = manifolds[record.firstManifold];
-    return manifold.pointCount > 0 && closes(record, manifold, kClosing * size);
+    return manifold.pointCount > 0 && !bearsLoad(manifold) && closes(record, manifold, kClosing * size);
 }
 
 void WorldImpl::hideSeam(const ContactRecord& record) {
     const ManifoldRecord& manifold = manifolds[record.firstManifold];
     if (manifold.place.color == kNone) return;
-    LaneView lane(graph.lane(manifold.place), graph.lanes());
-    // What bears a load already is no seam, or it would have been hidden before it did.
-    for (int j = 0; j < manifold.pointCount; ++j)
-        if (lane.at(j, contact::kImpulse) > 0) return;
     if (!(moves(record.bodyA) && isSeam(manifold, 0)) && !(moves(record.bodyB) && isSeam(manifold, 1))) return;
-    lane.setBits(contact::kPointCount, 0);
+    LaneView(graph.lane(manifold.place), graph.lanes()).setBits(contact::kPointCount, 0);
     surfaceKept[indexOf(manifold)] = 0;
 }
 

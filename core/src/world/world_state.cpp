@@ -100,6 +100,8 @@ void WorldImpl::archive(Archive& archive) {
     archive.value(lastSubstep);
     archive.value(dt);
     archive.value(graphChanged);
+    archive.value(directChanged);
+    archive.value(choiceStep);
     archive.value(structureChanged);
 }
 
@@ -204,6 +206,9 @@ void WorldImpl::forgetDerived() {
     surfaceKept.clear();
     surfaceKept.resize(manifolds.size(), 0);
     ++structureVersion;
+    for (const ShapeRecord& shape : shapes) {
+        if (!meshesMove && geometries[shape.geometry].mesh && bodies[shape.body].type == BodyType::dynamic) makeSkins();
+    }
     begins.clear();
     ends.clear();
     sensorBegins.clear();

@@ -47,6 +47,11 @@ void fillRow(const JointSim& joint, bool childIsB, direct::TreeJointRow& row) {
 
 }  // namespace
 
+bool WorldImpl::isTreeJoint(const JointSim& joint) {
+    return treeJoint(joint.kind) != direct::TreeJoint::free && isBare(joint);
+}
+bool WorldImpl::turnsFreely(std::uint32_t body) const { return states[body].locks == 0 && dynamics[body].spins > 0; }
+
 /// Draws up the tree of joints that holds `start`, from what it hangs from, or its first body. False, and nothing is
 /// drawn, when it is no tree, or has joints or bodies that trees do not know.
 bool WorldImpl::drawTree(std::uint32_t start, DrawnTree& drawn) {
@@ -58,13 +63,13 @@ bool WorldImpl::drawTree(std::uint32_t start, DrawnTree& drawn) {
     bool known = true;
     for (std::size_t i = 0; i < treeBodies.size(); ++i) {
         const std::uint32_t body = treeBodies[i];
-        known &= states[body].locks == 0 && dynamics[body].spins > 0 && isAwake(body);
+        known &= turnsFreely(body) && isAwake(body);
         if (drawn.anchor == kNone && body < root) root = body;
         for (std::uint32_t key = bodies[body].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
             const JointRecord& joint = joints[key >> 1];
             const std::uint32_t other = (key & 1) != 0 ? joint.bodyA : joint.bodyB;
             const JointSim& sim = jointSims[key >> 1];
-            known &= treeJoint(sim.kind) != direct::TreeJoint::free && isBare(sim);
+            known &= isTreeJoint(sim);
             drawn.watched |= isWatched(sim);
             counted += moves(other) ? 1 : 2;
             if (!moves(other)) {
