@@ -36,13 +36,13 @@ struct Golden {
 };
 constexpr Golden kGolden[] = {
     {0x8b536803ea82b09fu, 0x397334c56f6a235au},  // tower
-    {0x397ef72dab584b93u, 0x85ed22c42060b1ffu},  // wall
-    {0x987a60844ec1ad78u, 0x04c3f9a65638f2d3u},  // hills
-    {0x2eff02ecc3cefcb5u, 0x9cd0f94b108af70au},  // bowl
-    {0x9e642093cf7aa38bu, 0x5351cc529f6b6a40u},  // joints
-    {0x12fd05e3d7419c94u, 0x8ccfff43f597628bu},  // spinners
+    {0xfbfe1d15b5b78d4du, 0xb717183742e35825u},  // wall
+    {0x2bf8d0b959525e29u, 0xc2945bf151372610u},  // hills
+    {0x50b33c82eac10f55u, 0xa5aba3c7b1c02d6fu},  // bowl
+    {0x59511048ea7ea120u, 0x888abc4e34624f01u},  // joints
+    {0x3446f1f9bc9c459fu, 0x0f57dc4142516a40u},  // spinners
     {0x100847c3cafd2ae4u, 0xf06258474fa3aa46u},  // chains
-    {0xd535e08a3004df15u, 0x20242fa0c8c32166u},  // house
+    {0xb505613d91775112u, 0x79ef4769e2c5b835u},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 

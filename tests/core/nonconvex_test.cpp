@@ -2,6 +2,7 @@
 
 #include "heap_counter.h"
 #include "mesh_bodies.h"
+#include "narrowphase/mesh_sweep.h"
 #include "ragtop/tasks.h"
 #include "scenes.h"
 #include "world_support.h"
@@ -145,6 +146,62 @@ TEST(MovingMesh, ComesOutOfOverlapWithoutAJump) {
         EXPECT_LT(highest, 0.01) << onMesh;
         EXPECT_NEAR(height(world, ring), 0.6, 0.001) << onMesh;
         EXPECT_NEAR(height(world, flat), 0.1, 0.001) << onMesh;
+    }
+}
+
+/// Along a line the time of an impact is the gap over the speed.
+TEST(MovingMesh, MeetsAPlaneWhenTheGapIsUsedUp) {
+    const TriangleMesh ring = torus(0.5f, 0.125f), wall = scenes::boxMesh({0.5f, 4, 4});
+    MeshPath path;
+    path.mesh = &ring.data();
+    path.start.position = {-3, 0, 0};
+    path.way = {10, 0, 0};
+    path.target = 1e-3f;
+    // Its corners begin on the x axis at ±(R + r); the wall's face is at −0.5.
+    const MeshSweepHit hit = timeOfImpact(wall.data(), path);
+    ASSERT_TRUE(hit.hit);
+    EXPECT_NEAR(hit.fraction, (3 - 0.5 - 0.625) / 10, 2e-4);
+    EXPECT_LT(length(hit.normal - Vec3{-1, 0, 0}), 1e-3f);
+    path.way = {0, 10, 0};
+    EXPECT_FALSE(timeOfImpact(wall.data(), path).hit);
+    // A wall that turns about a point 3 m below comes to where the ring waits: it leans by asin(d/l).
+    path.way = {};
+    path.start.position = {-1.5f, 0, 0};
+    path.axisCenter = {0, -3, 0};
+    path.axisTurn = {0, 0, 1};
+    const MeshSweepHit leaning = timeOfImpact(wall.data(), path);
+    ASSERT_TRUE(leaning.hit);
+    EXPECT_LT(leaning.fraction, 0.5f);
+    EXPECT_GT(leaning.fraction, 0.05f);
+}
+
+/// Whatever the phase of the step, at 300 m/s, with the wall fixed or coming.
+TEST(MovingMesh, DoesNotPassAThinMesh) {
+    for (const bool comes : {false, true}) {
+        World world(withoutGravity());
+        std::vector<BodyId> walls, rings;
+        scenes::Dice dice(6);
+        for (int i = 0; i < 16; ++i) {
+            BodyDef wall = bodyDef(scenes::boxMesh({0.02f, 2, 2}), {0, 0, 8.0 * i}, surface(0.5f),
+                                   comes ? BodyType::dynamic : BodyType::fixed);
+            wall.shapes[0].density = 8000;
+            if (comes) wall.linearVelocity = {-150, 0, 0};
+            wall.bullet = true;
+            walls.push_back(world.create(wall));
+            BodyDef ring = bodyDef(torus(0.25f, 0.05f, 16, 8), {-6 - 5.0 * i / 16, 0, 8.0 * i}, surface(0.5f));
+            ring.pose.rotation = dice.rotation();
+            ring.linearVelocity = {comes ? 150.0f : 300.0f, 0, 0};
+            ring.bullet = true;
+            rings.push_back(world.create(ring));
+        }
+        for (int step = 0; step < 4; ++step) {
+            world.step(kDt);
+            for (std::size_t i = 0; i < rings.size(); ++i) {
+                const Vec3 at = inverseTransformPoint(world.pose(walls[i]), world.centerOfMass(rings[i]));
+                const bool gone = std::abs(at.y) > 1.5f || std::abs(at.z) > 1.5f;
+                EXPECT_TRUE(gone || at.x < 0) << comes << ' ' << i;
+            }
+        }
     }
 }
 

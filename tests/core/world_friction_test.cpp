@@ -146,6 +146,39 @@ TEST(WorldFriction, RollingResistanceStopsABall) {
     EXPECT_NEAR(world.pose(ball).position.x - start.x, expected, 0.01 * expected);
 }
 
+// Balls under a board roll at half its speed, and each takes m a (1/4 + I/(4 m r²)) = 0.35 m a from it. The board touches
+// them below its middle; pushed there it stays level. A point of contact that did not stay over the ball would have a
+// part of its turning along the normal, and the board would sink. Loads begin as the weight in equal shares, whatever
+// pushes: sweeps with the push move a twentieth of it.
+TEST(WorldFriction, ABoardRollsOnBallsAndKeepsItsHeight) {
+    World world(withoutSleep());
+    addFloor(world, surface(0.8f));
+    BodyDef ball = bodyDef(Sphere{0.1f}, {}, surface(0.8f)), board = bodyDef(Box{{2, 0.1f, 2}}, {0, 0.3, 0}, surface(0.8f));
+    ball.shapes[0].density = 1 / massOf(Sphere{0.1f}, 1).mass;
+    board.shapes[0].density = 10 / massOf(Box{{2, 0.1f, 2}}, 1).mass;
+    std::vector<BodyId> balls;
+    for (const double x : {-1.5, 0.0, 1.5})
+        for (const double z : {-1.5, 0.0, 1.5}) {
+            ball.pose.position = {x, 0.1, z};
+            balls.push_back(world.create(ball));
+        }
+    const BodyId top = world.create(board);
+    const double push = 60, acceleration = push / (10 + 9 * 0.35);
+    for (int i = 1; i <= 30; ++i) {
+        world.applyForce(top, {static_cast<float>(push), 0, 0}, world.pose(top).position + DVec3{0, -0.1, 0});
+        world.step(kDt);
+        if (i == 1)
+            for (const BodyId id : balls)
+                world.forEachContact(id, [&](const Contact& contact) {
+                    const double carried = contact.bodyA == top || contact.bodyB == top ? 10.0 / 9 : 19.0 / 9;
+                    EXPECT_NEAR(contact.normalForce, carried * 9.81, 0.1 * carried * 9.81);
+                });
+        EXPECT_NEAR(height(world, top), 0.3, 3e-5) << "step " << i;
+    }
+    EXPECT_NEAR(world.linearVelocity(top).x, acceleration * 0.5, 1e-3 * acceleration * 0.5);
+    EXPECT_NEAR(world.linearVelocity(balls[4]).x, acceleration * 0.25, 1e-3 * acceleration * 0.25);
+}
+
 TEST(WorldFriction, ABallRollsDownASlopeWithFiveSeventhsOfTheSlide) {
     const double theta = 0.3;
     World world(slope(theta, 0.5));

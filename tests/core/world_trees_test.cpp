@@ -130,6 +130,42 @@ TEST(TreesOfJoints, RestoredWorldGoesOnBitForBit) {
     EXPECT_EQ(world.hash(), expected);
 }
 
+/// Two posts and a beam of 1 m on four hinges, pushed aside: in each swing all lie on one line, where the mechanism
+/// could go on in two ways.
+TEST(LoopsOfJoints, FourBarStaysClosedThroughItsSingularPose) {
+    World world(withoutSleep());
+    const Quat aboutZ = rotationBetween({1, 0, 0}, {0, 0, 1});
+    const auto bar = [&](const DVec3& center, const Vec3& half, const Vec3& v, float spin) {
+        BodyDef def = bodyDef(Box{half}, center);
+        def.shapes[0].filter.mask = 0;
+        def.linearVelocity = v;
+        def.angularVelocity = {0, 0, spin};
+        return world.create(def);
+    };
+    const Vec3 upright{0.02f, 0.5f, 0.02f}, level{0.5f, 0.02f, 0.02f};
+    const BodyId left = bar({0, 0.5, 0}, upright, {0.5f, 0, 0}, -1);
+    const BodyId right = bar({1, 0.5, 0}, upright, {0.5f, 0, 0}, -1);
+    const BodyId beam = bar({0.5, 1, 0}, level, {1, 0, 0}, 0);
+    std::vector<JointId> hinges;
+    const auto hinge = [&](BodyId a, const Vec3& inA, BodyId b, const Vec3& inB) {
+        hinges.push_back(world.create(HingeDef{.bodies = {a, b, {inA, aboutZ}, {inB, aboutZ}}}));
+    };
+    hinge({}, {}, left, {0, -0.5f, 0});
+    hinge({}, {1, 0, 0}, right, {0, -0.5f, 0});
+    hinge(left, {0, 0.5f, 0}, beam, {-0.5f, 0, 0});
+    hinge(beam, {0.5f, 0, 0}, right, {0, 0.5f, 0});
+    float gap = 0;
+    double lowest = 0;
+    run(world, 5, kDt, [&] {
+        for (const JointId joint : hinges) gap = std::max(gap, world.state(joint).gap);
+        lowest = std::min(lowest, world.centerOfMass(beam).y);
+    });
+    EXPECT_LT(gap, 1e-4f);
+    EXPECT_LT(lowest, -0.95);  // it hangs down in between
+    ASSERT_EQ(world.stats().islands.size(), 1u);
+    EXPECT_STREQ(world.stats().islands[0].reason, "loop");
+}
+
 TEST(TreesOfJoints, HingesCountTheirTurns) {
     World world(withoutSleep());
     const Chain chain(world, 8, 20, 0, true);

@@ -91,7 +91,7 @@ const std::vector<Broken> kScenes{
     scene("flat_hull", {"/bodies/0/shape/hull makes no shape"}),
     scene("ragged_heights", {"/bodies/0/shape/heightField makes no shape", "heights/1 has 2 numbers, must have 3"}),
     scene("mesh_index", {"/bodies/0/shape/mesh makes no shape"}),
-    scene("dynamic_mesh", {"/bodies/0/shape", "\"fixed\" or \"kinematic\""}),
+    scene("dynamic_mesh", {"/bodies/0", "open at the edge of vertices 0 and 1", "must be solid"}),
     scene("missing_mesh", {"/bodies/0/shape/mesh is \"no_such.obj\"", "must name a file"}),
     scene("missing_character", {"/ragdolls/0/character is \"no_such.glb\"", "must name a file"}),
     scene("unknown_material", {"/bodies/0/material is \"brik\"", "did you mean \"brick\"?"}),

@@ -22,13 +22,15 @@ enum Field : int {
     kSize,      ///< length that stands for the pair's size, m
     kRoundA,    ///< m, radius about A's core: the point of a round surface that touches does not turn with A
     kRoundB,
+    kFollow,                          ///< share of B's displacement from A that the shared point makes too
     kSurface,                         ///< 3, velocity of B's surface relative to A's beyond the bodies' motion, m/s
     kFrictionImpulse = kSurface + 3,  ///< 3, world axes, N s
     kTwistImpulse = kFrictionImpulse + 3,  ///< N m s about the normal
     kRollImpulse,                          ///< 3, N m s
     kSliding = kRollImpulse + 3,           ///< 1 while the surfaces slide, 0 while they stick
+    kShifted,              ///< 1 until loads are found anew, where the points that hold a body on the ground changed
     kStick,                ///< 3, m, how far B has slipped on A since they stick, without this step's displacement
-    kShift = kStick + 3,   ///< 3, m, half of how far B has moved from A in this step; 0 where one is fixed
+    kShift = kStick + 3,   ///< 3, m, how far B has moved from A in this step; 0 where one is fixed
     kCenter = kShift + 3,  ///< 3, friction centre from the centre of A, m; written by prepare
     kTangentMass = kCenter + 3,  ///< 3, symmetric 2 × 2 in the tangent basis of the normal, kg
     kTwistMass = kTangentMass + 3,

@@ -18,17 +18,17 @@ constexpr float kLeaning = 0.25f;     ///< share of bodies
 constexpr float kSpin = 0.125f;       ///< rad per substep, from which only free rotation knows how a top turns
 constexpr float kStay = 2.0f / 3;     ///< of a limit, for what is direct already
 
-/// Of joints alone: solved by elimination, at the cost of a sweep.
-bool isTree(const IslandFeatures& island) {
-    return island.joints > 0 && island.bare && !island.touches &&
-           island.joints == island.bodies - (island.hangs ? 0 : 1);
+/// Joints alone, calmly turning.
+bool isMechanism(const IslandFeatures& island, float limit) {
+    return island.joints > 0 && island.bare && !island.touches && limit * island.spin < kSpin;
 }
+std::uint32_t jointsOfTree(const IslandFeatures& island) { return island.bodies - (island.hangs ? 0 : 1); }
 
 }  // namespace
 
 const char* nameOf(Reason reason) {
-    constexpr const char* kNames[] = {"none", "asked", "heavy",   "tall", "slender",
-                                      "deep", "taut",  "leaning", "tree", "staying"};
+    constexpr const char* kNames[] = {"none", "asked",   "heavy", "tall", "slender", "deep",
+                                      "taut", "leaning", "tree",  "loop", "staying"};
     return kNames[static_cast<int>(reason)];
 }
 
@@ -36,7 +36,11 @@ Reason chooseDirect(const IslandFeatures& island) {
     if (island.bodies > kMostAtRest || island.rolls || island.coupled) return Reason::none;
     if (island.bodies > kMostBodies && (island.restless > 0 || island.jointLoad > 0)) return Reason::none;
     const float limit = island.direct ? kStay : 1.0f;
-    if (isTree(island) && limit * island.spin < kSpin) return Reason::tree;
+    if (isMechanism(island, limit)) {
+        // Elimination costs no more than a sweep. Loops are another matter, but sweeps do not close them.
+        if (island.joints == jointsOfTree(island)) return Reason::tree;
+        if (island.bodies > 1 && island.bodies <= kMostLooped) return Reason::loop;
+    }
     const auto bodies = static_cast<float>(island.bodies), pairs = static_cast<float>(island.pairs);
     const bool jointed = island.jointLoad > 0, quiet = limit * static_cast<float>(island.moving) <= kQuiet * bodies;
     if (island.hangs && island.jointLoad > limit * kHanging) return Reason::taut;

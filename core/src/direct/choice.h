@@ -5,7 +5,7 @@
 namespace ragtop::direct {
 
 /// Why an island is solved directly.
-enum class Reason : std::uint8_t { none, asked, heavy, tall, slender, deep, taut, leaning, tree, staying };
+enum class Reason : std::uint8_t { none, asked, heavy, tall, slender, deep, taut, leaning, tree, loop, staying };
 
 /// What decides how an island is solved. Loads are estimates: each body hands its weight, and what it carries, in equal
 /// shares to the neighbours that are nearer to the ground. A load number is such a load over the weight of the lighter
@@ -32,6 +32,7 @@ struct IslandFeatures {
 
 inline constexpr std::uint32_t kMostBodies = 512;   ///< of an island that is solved directly whatever it does
 inline constexpr std::uint32_t kMostAtRest = 4096;  ///< of one that is so only as long as nothing in it moves
+inline constexpr std::uint32_t kMostLooped = 64;    ///< of a mechanism, whose factor costs more than its sweeps
 inline constexpr float kLongRest = 1;               ///< s; more than it takes an island to fall asleep
 inline constexpr std::int32_t kStayingSteps = 60;   ///< for which a choice outlives its reason
 inline constexpr std::int32_t kFactorSteps = 10;    ///< of its stay that each step with a factor costs a large island

@@ -47,11 +47,11 @@ struct ContactBundle {
         offset = vector(contact::kOffset);
     }
 
-    /// The shared point of an impulse lies half way between the anchors, wherever the bodies have moved: then what one
-    /// loses of the angular momentum about any place the other gains.
-    RAGTOP_INLINE void moveArms(const WideVec3<N>& halfDisplacement) {
-        shift = halfDisplacement;
-        offset = offset + (shift + shift);
+    /// The bodies share the point of an impulse wherever they have moved: then what one loses of the angular momentum
+    /// about any place the other gains. It lies half way between the anchors, or stays below what is round.
+    RAGTOP_INLINE void moveArms(const WideVec3<N>& displacement) {
+        shift = field(contact::kFollow) * displacement;
+        offset = offset + displacement;
     }
     RAGTOP_INLINE WideVec3<N> arm(int i) const { return vector(i) + shift; }
 

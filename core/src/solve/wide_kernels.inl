@@ -14,12 +14,18 @@
 namespace ragtop {
 namespace {
 
+/// How much of what a row with the ground carries is its own body's: 1 up to twice its weight, then less.
+template <int N>
+RAGTOP_INLINE Lanes<N> ownShare(Lanes<N> mass, Lanes<N> impulse, const SolverContext& context) {
+    return min(divideOrZero(Lanes<N>(2 * context.gravityStep) * mass, impulse), Lanes<N>(1.0f));
+}
+
 /// λ̂ ← λ̂ + α (λ − λ̂). Integral action on a row that carries n times its own mass is stable while its time constant is
 /// long beside n times that of the row: contacts with the ground that carry little else than their body may be quick, and
 /// so may points that have sunk to twice what counts as deep, as long as they are.
 template <int N>
 RAGTOP_INLINE void carryLoads(ContactBundle<N>& c, const SolverContext& context) {
-    const Lanes<N> zero(0.0f), one(1.0f), slow(context.loadShare), weight(2 * context.gravityStep);
+    const Lanes<N> zero(0.0f), one(1.0f), slow(context.loadShare);
     const Mask<N> isStatic = Mask<N>{c.massA.v == zero.v} | Mask<N>{c.massB.v == zero.v};
     const Lanes<N> fast(context.staticLoadShare), quick = select(isStatic, fast, zero);
     const Lanes<N> deep = Lanes<N>(contact::kDeep) * c.field(contact::kSize);
@@ -27,7 +33,7 @@ RAGTOP_INLINE void carryLoads(ContactBundle<N>& c, const SolverContext& context)
         const Lanes<N> mass = c.field(pointField(j, contact::kMass)),
                        impulse = c.field(pointField(j, contact::kImpulse));
         const Lanes<N> load = select(mass > zero, c.field(pointField(j, contact::kLoad)), zero);
-        const Lanes<N> own = min(divideOrZero(weight * mass, impulse), one);
+        const Lanes<N> own = ownShare(mass, impulse, context);
         const Lanes<N> sunk = divideOrZero(-c.field(pointField(j, contact::kSeparation)), deep);
         const Lanes<N> deepShare = fast * min(max(sunk - one, zero), one);
         const Lanes<N> carried = load + max(max(slow, deepShare), quick * own * own) * (impulse - load);
@@ -133,8 +139,9 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
         // Bodies that have moved by more than half a size are no longer where they touched: such arms would only
         // lengthen.
         const Lanes<N> reach = half * c.field(contact::kSize);
-        c.moveArms(select(isStatic | (dot(dp, dp) > reach * reach), zero, half) * dp);
-        if constexpr (!kBias) c.set(contact::kShift, c.shift);
+        const WideVec3<N> displacement = select(isStatic | (dot(dp, dp) > reach * reach), zero, one) * dp;
+        c.moveArms(displacement);
+        if constexpr (!kBias) c.set(contact::kShift, displacement);
         Lanes<N> rate(0.0f), massScale(1.0f), impulseScale(0.0f), push(0.0f), deep(0.0f);
         if constexpr (kBias) {
             massScale = select(isStatic, Lanes<N>(context.softStatic.massScale), Lanes<N>(context.soft.massScale));
@@ -145,6 +152,11 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
             deep = Lanes<N>(contact::kDeep) * c.field(contact::kSize);
         }
 
+        // What holds a body on the ground has changed: nothing pulls towards loads of other points, and those that the
+        // first substep finds are carried from then on. Else the body would sag where it loses a point, and rise again.
+        const Lanes<N> shifted = c.field(contact::kShifted);
+        const bool anyShifted = any(shifted > zero);
+        if constexpr (kBias) impulseScale = (one - shifted) * impulseScale;
         const Mask<N> bouncy = c.field(contact::kRestitution) > zero;
         // What bounces is met at the end of a parabola, whose chord is flatter than its end.
         const Lanes<N> lead = select(bouncy, half * Lanes<N>(context.gravityStep), zero);
@@ -175,10 +187,15 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
                 c.applyImpulse((impulse - old) * c.normal, rA, rB);
                 if constexpr (!kBias)
                     c.set(pointField(j, contact::kPeak), c.field(pointField(j, contact::kPeak)) + impulse);
+                if (!kBias && anyShifted) {
+                    const Lanes<N> own = ownShare(mass, impulse, context), load = c.field(pointField(j, contact::kLoad));
+                    c.set(pointField(j, contact::kLoad), load + shifted * own * own * (impulse - load));
+                }
             }
             total = total + impulse;
             leverTotal = leverTotal + c.field(pointField(j, contact::kLever)) * impulse;
         }
+        if (!kBias && context.normals && anyShifted) c.set(contact::kShifted, zero);
         if (context.friction) {
             solveTurning(c, total, leverTotal);
             solveFriction<N, kBias>(c, total, rate, slipOf(c, dp, dqA, dqB, context.elapsed), context);

@@ -1,5 +1,6 @@
 // What touches: the narrow phase of each awake contact once per step, and what it changes.
 
+#include "world/lane_view.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -81,7 +82,7 @@ void WorldImpl::updateContact(std::uint32_t index) {
     if (travel + ahead < record.apartUntil && !a.refitted && !b.refitted) return;
     const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
     if (!overlaps(tree(shapeA).bounds(shapeA.proxy), tree(shapeB).bounds(shapeB.proxy))) {
-        change = kApart;
+        change = record.hasPoints && !record.sensor && holds(record) ? kApart | kPoints : kApart;
         return;
     }
     if (record.sensor) {
@@ -118,10 +119,15 @@ void WorldImpl::updateContact(std::uint32_t index) {
 void WorldImpl::applyContactChanges() {
     changedContacts.clear();
     closingContacts.clear();
+    shiftedBodies.clear();
     for (std::size_t i = 0; i < awakeContacts.size(); ++i) {
         const std::uint8_t change = contactChanged[i];
         if (change == kUnchanged) continue;
         if ((change & kCloses) != 0) closingContacts.push(awakeContacts[i]);
+        if ((change & kPoints) != 0) {
+            const ContactRecord& record = contacts[awakeContacts[i]];
+            shiftedBodies.push(moves(record.bodyA) ? record.bodyA : record.bodyB);
+        }
         if ((change & (kApart | kGraph)) != 0) changedContacts.push({awakeContacts[i], change});
     }
     for (const ChangedContact changed : changedContacts) {
@@ -130,6 +136,21 @@ void WorldImpl::applyContactChanges() {
         else
             applyContactChange(changed.contact);
     }
+    noteShiftedLoads();
+}
+
+/// Where points that hold a body came or went, all that hold it find their loads anew.
+void WorldImpl::noteShiftedLoads() {
+    for (const std::uint32_t body : shiftedBodies)
+        for (std::uint32_t key = bodies[body].firstContact; key != kNone;
+             key = contacts[key >> 1].edges[key & 1].next) {
+            const ContactRecord& record = contacts[key >> 1];
+            if (!record.hasPoints || !holds(record)) continue;
+            for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k)
+                if (const GraphPlace place = manifolds[record.firstManifold + k].place;
+                    place.color < ConstraintGraph::kDirect)
+                    LaneView(graph.lane(place), graph.lanes()).at(contact::kShifted) = 1;
+        }
 }
 
 /// Puts the manifolds of a contact that have points into the graph and takes those without out of it. A body that

@@ -12,6 +12,13 @@ float unevenness(const Material& material) {
     return material.crossFriction > 1 ? material.crossFriction : 1 / material.crossFriction;
 }
 
+/// The contact point of two round surfaces divides the way between their centres by their radii, and a flat one has an
+/// infinite radius: the share of B's way that the point goes is RA/(RA + RB), half of it where both are flat.
+float followShare(float roundA, float roundB) {
+    if (roundA > 0 && roundB > 0) return roundA / (roundA + roundB);
+    return roundA > 0 ? 0.0f : roundB > 0 ? 1.0f : 0.5f;
+}
+
 }  // namespace
 
 float combined(CombineRule a, float valueA, CombineRule b, float valueB) {
@@ -126,8 +133,11 @@ void WorldImpl::writeSurface(const ContactRecord& record, const ManifoldRecord& 
     lane.at(contact::kRestitution) = surface.restitution;
     lane.at(contact::kRolling) = surface.rollingResistance;
     lane.at(contact::kSpinning) = surface.spinningResistance;
-    lane.at(contact::kRoundA) = geometries[shapes[record.shapeA].geometry].convex.radius;
-    lane.at(contact::kRoundB) = geometries[shapes[record.shapeB].geometry].convex.radius;
+    const float roundA = geometries[shapes[record.shapeA].geometry].convex.radius;
+    const float roundB = geometries[shapes[record.shapeB].geometry].convex.radius;
+    lane.at(contact::kRoundA) = roundA;
+    lane.at(contact::kRoundB) = roundB;
+    lane.at(contact::kFollow) = followShare(roundA, roundB);
     lane.set(contact::kSurface, surface.surfaceVelocity);
 }
 
@@ -253,6 +263,17 @@ void handOverImpulses(std::span<const ManifoldRecord> before, std::span<Manifold
         }
 }
 
+/// Are its points other ones than before?
+bool hasOtherPoints(const ManifoldRecord& before, const ManifoldRecord& now) {
+    if (before.pointCount != now.pointCount) return true;
+    for (int j = 0; j < now.pointCount; ++j) {
+        bool known = false;
+        for (int k = 0; k < before.pointCount; ++k) known |= before.feature[k] == now.feature[j];
+        if (!known) return true;
+    }
+    return false;
+}
+
 /// For each new manifold the old one that faces the same way, at most once; the rest take free places.
 void matchManifolds(const Vec3* normals, int count, const ManifoldRecord* old, int capacity, int place[kMaxManifolds]) {
     bool used[kMaxManifolds] = {};
@@ -370,8 +391,8 @@ std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, const Manifold* fou
     for (int i = 0; i < count; ++i) normals[i] = rotate(shapeA.frame.rotation, found[i].normal);
     matchManifolds(normals, count, old, record.manifoldCapacity, place);
 
-    std::uint8_t change = kUnchanged;
-    bool written[kMaxManifolds] = {};
+    unsigned change = kUnchanged;
+    bool written[kMaxManifolds] = {}, others = false;
     for (int i = 0; i < count; ++i) {
         ManifoldRecord& manifold = old[place[i]];
         written[place[i]] = true;
@@ -380,17 +401,20 @@ std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, const Manifold* fou
         manifold.normal = normals[i];
         placePoints(record, found[i], manifold);
         carryImpulses(before, manifold);
+        others |= hasOtherPoints(before, manifold);
         if (manifold.place.color != kNone)
             writeLane(record, manifold);
         else
-            change = kGraph;
+            change |= kGraph;
     }
     for (int k = 0; k < record.manifoldCapacity; ++k) {
         if (written[k] || old[k].pointCount == 0) continue;
         old[k].pointCount = 0;
-        change = kGraph;
+        change |= kGraph;
+        others = true;
     }
-    return change;
+    if (others && holds(record)) change |= kPoints;
+    return static_cast<std::uint8_t>(change);
 }
 
 /// The same of meshes that move.

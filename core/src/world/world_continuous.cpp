@@ -186,8 +186,17 @@ SweptWay WorldImpl::wayOfStep(std::uint32_t index) const {
     return path;
 }
 
+/// Takes what is left behind on an obstacle that moves on along with it, or the obstacle would pass it.
+void WorldImpl::rideAlong(std::uint32_t obstacle, float done, Pose& pose) const {
+    if (bodies[obstacle].type == BodyType::fixed) return;
+    const SweptWay way = wayOfStep(obstacle);
+    const Frame beside = relative(way.at(done), pose);
+    pose = way.at(1) * beside;
+    pose.rotation = normalized(pose.rotation);
+}
+
 /// Plays the impacts of a body one after the other, each with the rest of its time. Long turns are swept piece by
-/// piece. What is left after the last impact, or piece, is lost.
+/// piece. What is left after the last impact, or piece, is lost, but for the way of what it lies on.
 void WorldImpl::sweepBody(std::uint32_t index) {
     constexpr int kMaxImpacts = 8, kMaxStuck = 3, kMaxPieces = 64;
     constexpr float kPiece = 1.5f;  // rad
@@ -208,14 +217,17 @@ void WorldImpl::sweepBody(std::uint32_t index) {
         const float met = share * meeting.fraction;
         path = {path.at(met), (1 - met) * path.way, (1 - met) * path.turn};
         done += (until - done) * meeting.fraction;
-        if (++impacts > kMaxImpacts) break;
+        if (++impacts > kMaxImpacts) {
+            rideAlong(shapes[meeting.obstacle].body, done, path.from);
+            break;
+        }
         // What meets a surface again and again at once rattles on it: its turn is lost, and it slides along.
         stuck = meeting.fraction == 0 ? stuck + 1 : 0;
         if (stuck > kMaxStuck) {
-            const Quat place =
-                wayOfStep(shapes[meeting.obstacle].body).at(done).rotation * shapes[meeting.obstacle].frame.rotation;
+            const SweptWay others = wayOfStep(shapes[meeting.obstacle].body);
+            const Quat place = others.at(done).rotation * shapes[meeting.obstacle].frame.rotation;
             const Vec3 normal = rotate(place, meeting.touch.normal);
-            const float into = dot(path.way, normal);
+            const float into = dot(path.way - (1 - done) * others.way, normal);
             path.way -= (into < 0 ? into : 0.0f) * normal;
             path.turn = {};
             continue;
@@ -238,7 +250,11 @@ WorldImpl::Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& star
     for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
         const ShapeRecord& shape = shapes[s];
         const GeometryEntry& geometry = geometries[shape.geometry];
-        if (shape.sensor || geometry.isMesh()) continue;
+        if (shape.sensor || geometry.field) continue;
+        if (geometry.mesh) {
+            sweepMesh(index, s, start, end, done, until, first);
+            continue;
+        }
         const Pose shapeStart = start * shape.frame, shapeEnd = end * shape.frame;
         // A point at r that turns by θ leaves its chord by r (1 − cos θ/2) at most.
         const float bulge = body.radius * (1 - std::abs((end.rotation * conjugate(start.rotation)).w));

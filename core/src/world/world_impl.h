@@ -25,6 +25,7 @@
 #include "solve/joint_kernels.h"
 #include "solve/kernel_table.h"
 #include "world/records.h"
+#include "world/step_finds.h"
 #include "world/swept_motion.h"
 
 namespace ragtop {
@@ -51,8 +52,9 @@ struct GeometryEntry {
     bool isMesh() const { return mesh || field; }
 };
 
-/// What a step finds of an awake contact; kCloses comes beside the others.
-enum ContactChange : std::uint8_t { kUnchanged = 0, kApart = 1, kGraph = 2, kCloses = 4 };
+/// What a step finds of an awake contact; kCloses and kPoints come beside the others: that it may be a seam, and that
+/// other points hold a body on what does not move.
+enum ContactChange : std::uint8_t { kUnchanged = 0, kApart = 1, kGraph = 2, kCloses = 4, kPoints = 8 };
 
 struct WorldImpl {
     WorldImpl(const WorldSettings& worldSettings, const WorldConfig& config);
@@ -105,6 +107,7 @@ struct WorldImpl {
     void updateSensors();
     void applyContactChanges();
     void applyContactChange(std::uint32_t contact);
+    void noteShiftedLoads();
 
     // world_contacts.cpp: manifolds and their lanes.
     bool meetAsSurfaces(const ContactRecord& contact) const;
@@ -147,12 +150,6 @@ struct WorldImpl {
     bool bearsLoad(const ManifoldRecord& manifold) const;
     bool closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const;
     bool slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const;
-    struct TouchedPlane {
-        bool touches = false;
-        DVec3 at;
-        Vec3 normal;      ///< towards the body that touches it
-        float depth = 0;  ///< m, of the overlap
-    };
     Pose startOfStep(std::uint32_t body) const;
     TouchedPlane touchedPlane(const ManifoldRecord& manifold, int side, float within) const;
     bool separates(const TouchedPlane& plane, std::uint32_t front, std::uint32_t behind, float slack) const;
@@ -181,7 +178,10 @@ struct WorldImpl {
     void sweepFastBodies();
     void sweepBody(std::uint32_t body);
     SweptWay wayOfStep(std::uint32_t body) const;
+    void rideAlong(std::uint32_t obstacle, float done, Pose& pose) const;
     Meeting firstMeeting(std::uint32_t body, const Pose& start, const Pose& end, float done, float until) const;
+    void sweepMesh(std::uint32_t body, std::uint32_t shape, const Pose& start, const Pose& end, float done, float until,
+                   Meeting& first) const;
     bool maySweepInto(std::uint32_t shape, std::uint32_t obstacle) const;
 
     // world_impacts.cpp
@@ -200,7 +200,7 @@ struct WorldImpl {
     void noteForce(std::uint32_t body);
     void collectBearings();
     void findLevels();
-    void estimateLoads();
+    void estimateLoads(bool pushes);
     float bucklingShare(const Bearing& bearing, float load, float number) const;
     bool standsOn(std::uint32_t manifold) const;
     void measureIslands();
@@ -211,6 +211,7 @@ struct WorldImpl {
     bool isUntouched(std::uint32_t body) const;
     void loadNewContacts();
     void settleNewContacts();
+    void addPushes(float share);
 
     // world_direct.cpp: islands that are solved directly.
     enum class DirectPass { positions, velocities };
@@ -227,12 +228,6 @@ struct WorldImpl {
     bool isDirect(std::uint32_t body) const { return bodies[body].directSteps > 0; }
 
     // world_trees.cpp: trees of joints, in lanes.
-    struct DrawnTree {
-        std::uint32_t anchor = kNone;  ///< body that does not move
-        std::uint32_t bodies = 0, joints = 0;
-        bool watched = false;  ///< impulses are wanted after every substep
-        bool twofold = false;  ///< masses ask for double precision
-    };
     static bool isTreeJoint(const JointSim& joint);
     bool turnsFreely(std::uint32_t body) const;
     bool drawTree(std::uint32_t start, DrawnTree& drawn);
@@ -308,6 +303,8 @@ struct WorldImpl {
     void visitContact(std::uint32_t contact, const std::function<void(const Contact&)>& visit) const;
     JointBodiesAtStep jointBodies(const JointRecord& joint) const;
     Quat definitionRotation(const BodyRecord& body) const { return body.rotation * conjugate(body.local.rotation); }
+    /// Is one of the two held by the other, which does not move?
+    bool holds(const ContactRecord& contact) const { return moves(contact.bodyA) != moves(contact.bodyB); }
     bool moves(std::uint32_t body) const { return bodies[body].type == BodyType::dynamic && bodies[body].mass > 0; }
     bool isAwake(std::uint32_t body) const { return bodies[body].awakeIndex != kNone; }
     std::uint32_t index(BodyId id) const;
@@ -373,6 +370,7 @@ struct WorldImpl {
     std::pmr::vector<GeometryEntry> geometries;
     bool meshesMove = false;  ///< has any dynamic body had a mesh?
     std::vector<StepModule*> modules;
+    AlignedArray<int> sweptColors;  ///< of this step: those that hold something
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled
     AlignedArray<std::uint8_t> surfaceKept;  ///< per manifold: what its lane says of surfaces does not change by itself
@@ -383,6 +381,7 @@ struct WorldImpl {
         std::uint8_t change;
     };
     AlignedArray<ChangedContact> changedContacts;
+    AlignedArray<std::uint32_t> shiftedBodies;    ///< that other points of the ground hold than before
     AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step
     AlignedArray<std::uint32_t> islandParent;     ///< union-find over bodies
     AlignedArray<float> islandQuiet;              ///< s, of the least quiet body of a root

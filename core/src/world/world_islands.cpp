@@ -75,14 +75,14 @@ void WorldImpl::findLevels() {
     }
 }
 
-/// The mass that each body hands to each neighbour below it: its own, that of the forces on it and what it carries, in
-/// equal shares.
-void WorldImpl::estimateLoads() {
+/// The mass that each body hands to each neighbour below it: its own, that of what pushes it if that counts, and what it
+/// carries, in equal shares.
+void WorldImpl::estimateLoads(bool pushes) {
     carried.resizeForOverwrite(bodies.size());
     supports.resizeForOverwrite(bodies.size());
     const float gravity = length(settings.gravity), perForce = gravity > 0 ? 1 / gravity : 0.0f;
     for (const std::uint32_t body : awakeBodies)
-        carried[body] = perForce * length(bodies[body].force), supports[body] = 0;
+        carried[body] = pushes ? perForce * length(bodies[body].force) : 0.0f, supports[body] = 0;
     for (const Bearing& bearing : bearings) {
         const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
         if (movesA && (!movesB || levels[bearing.b] < levels[bearing.a])) ++supports[bearing.a];
@@ -139,7 +139,7 @@ bool WorldImpl::standsOn(std::uint32_t index) const {
 void WorldImpl::measureIslands() {
     collectBearings();
     findLevels();
-    estimateLoads();
+    estimateLoads(true);
     islandFeatures.resizeForOverwrite(bodies.size());
     heldLevel.resizeForOverwrite(bodies.size());
     for (const std::uint32_t body : awakeBodies) islandFeatures[body] = {}, heldLevel[body] = 0;
@@ -200,6 +200,13 @@ void WorldImpl::measureIslands() {
     forEachCoupledPair([&](std::uint32_t, std::uint32_t body) { islandFeatures[findRoot(body)].coupled = true; });
 }
 
+/// Of joints alone.
+static bool isMechanism(direct::Reason reason) {
+    return reason == direct::Reason::tree || reason == direct::Reason::loop;
+}
+/// Reasons that no choice outlives.
+static bool onlyWhile(direct::Reason reason) { return reason == direct::Reason::deep || isMechanism(reason); }
+
 /// Writes the choice for each island into its bodies, so many steps after the last one. True while some island's choice
 /// will change by itself.
 bool WorldImpl::decideIslands(std::int32_t elapsed) {
@@ -225,9 +232,9 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
             island.staying = std::min(island.barred + elapsed, 0);
         } else if (island.reason != direct::Reason::none) {
             if (!large || !island.direct) island.staying = direct::kStayingSteps;
-            waiting |= island.reason == direct::Reason::tree;  // it may begin to spin
+            waiting |= isMechanism(island.reason);  // it may begin to spin
             continue;
-        } else if (large || island.last == direct::Reason::deep || island.last == direct::Reason::tree) {
+        } else if (large || onlyWhile(island.last)) {
             // Worth it at rest alone, or as long as nothing is touched.
             island.staying = 0;
         } else if (island.staying > 0) {

@@ -44,7 +44,7 @@ Pose WorldImpl::startOfStep(std::uint32_t index) const {
 }
 
 /// The surface that a manifold gives to one of its sides, where they touch within a distance.
-WorldImpl::TouchedPlane WorldImpl::touchedPlane(const ManifoldRecord& manifold, int side, float within) const {
+TouchedPlane WorldImpl::touchedPlane(const ManifoldRecord& manifold, int side, float within) const {
     const ContactRecord& contact = contacts[manifold.contact];
     const Pose a = startOfStep(contact.bodyA);
     TouchedPlane plane;

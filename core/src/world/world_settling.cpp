@@ -21,9 +21,10 @@ bool WorldImpl::isUntouched(std::uint32_t body) const {
 }
 
 /// The weight that the estimate hands down, in equal shares to the points, for each contact of bodies that have not
-/// moved yet and that carries nothing. Follows measureIslands.
+/// moved yet and that carries nothing; what pushes today is no weight. Follows measureIslands.
 void WorldImpl::loadNewContacts() {
     freshManifolds.clear();
+    estimateLoads(false);
     const float gravity = length(settings.gravity);
     if (!(gravity > 0)) return;
     const Vec3 down = (1 / gravity) * settings.gravity;
@@ -52,10 +53,24 @@ void WorldImpl::loadNewContacts() {
     }
 }
 
-/// Sweeps that move nothing yet make the estimate an equilibrium, which is what these contacts carry from then on.
+/// Adds a share of the velocities that forces and torques, beside gravity, have given in this substep.
+void WorldImpl::addPushes(float share) {
+    for (const std::uint32_t index : awakeBodies) {
+        if (!moves(index) || states[index].locks != 0) continue;
+        const BodyDynamics& d = dynamics[index];
+        const Vec3 push = d.acceleration - bodies[index].gravityScale * settings.gravity;
+        if (push != Vec3{}) states[index].v += share * context.h * d.linearDecay * push;
+        if (d.torque != Vec3{}) states[index].w += share * context.h * d.angularDecay * (inertias[index] * d.torque);
+    }
+}
+
+/// Sweeps that move nothing yet make the estimate an equilibrium of weights, which is what these contacts carry from then
+/// on.
 void WorldImpl::settleNewContacts() {
     if (freshManifolds.empty()) return;
+    addPushes(-1);
     for (int i = 0; i < kSweeps; ++i) solve(false);
+    addPushes(1);
     const auto stride = static_cast<std::size_t>(graph.lanes());
     for (const std::uint32_t m : freshManifolds) {
         float* lane = graph.lane(manifolds[m].place);

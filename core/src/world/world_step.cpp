@@ -146,6 +146,9 @@ void WorldImpl::prepareConstraints() {
         });
         prepareJoints(c);
     }
+    sweptColors.clear();
+    for (int c = 0; c < ConstraintGraph::kColors; ++c)
+        if (!graph.color(c).manifolds.empty() || !graph.color(c).joints.empty()) sweptColors.push(c);
     bouncy = (found.load(std::memory_order_relaxed) & kBouncyContact) != 0;
     collectDeep((found.load(std::memory_order_relaxed) & kDeepContact) != 0);
     prepareCouplings(ratio);
@@ -218,7 +221,7 @@ void WorldImpl::forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact) {
     singles(serial.firstSingle, serial.endSingle);
     for (int i = 0; i < graph.bundleCount(ConstraintGraph::kOverflow); ++i) contact(overflow.bundles.data(), i, i + 1);
 
-    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
+    for (const int c : sweptColors) {
         float* bundles = graph.color(c).bundles.data();
         const JointBundles::Color& bundled = jointBundles.color(c);
         const Blocks singleBlocks{kJointsPerBlock, bundled.firstSingle, bundled.endSingle, 0};
