@@ -129,7 +129,10 @@ void WorldImpl::findPairs() {
                 const Bounds bounds = tree(shape).bounds(shape.proxy);
                 const auto visit = [&](std::uint32_t other) {
                     // A pair that both have moved is found by the lower index.
-                    if (other == index || (shapes[other].inMoveBuffer && other < index)) return true;
+                    const ShapeRecord& partner = shapes[other];
+                    if (other == index || (partner.inMoveBuffer && other < index)) return true;
+                    // Before the table of pairs is asked, which is memory in no order.
+                    if (!filtersAgree(shape.filter, partner.filter)) return true;
                     if (pairs.contains(pairKey(index, other)) || !shouldCollide(shape, shapes[other])) return true;
                     if (callbacks.filter &&
                         !callbacks.filter({shapeId(index), shapeId(other), id(shape.body), id(shapes[other].body),
