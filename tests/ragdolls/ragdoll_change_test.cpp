@@ -44,7 +44,8 @@ TEST(RagdollChange, MassesSurfacesAndLimitsReachTheWorld) {
     const std::size_t joint = limitedBall(def);
     std::get<BallDef>(def.joints[joint].joint).swingLimit = 0.2f;
     fall.person.setDef(def);
-    EXPECT_EQ(fall.world.linearVelocity(fall.person.bodies()[0]), speed);
+    // Its points go on as they did; the centre is one of them but for rounding.
+    EXPECT_LT(length(fall.world.linearVelocity(fall.person.bodies()[0]) - speed), 1e-6f * length(speed));
     EXPECT_EQ(fall.world.mass(fall.person.bodies()[0]).mass, def.parts[0].mass);
     EXPECT_EQ(fall.world.material(fall.world.shapes(fall.person.bodies()[0])[0]).friction, 0.1f);
     EXPECT_EQ(std::get<BallDef>(fall.world.def(fall.person.joints()[joint])).swingLimit, 0.2f);
