@@ -203,6 +203,7 @@ struct WorldImpl {
     void estimateLoads(bool pushes);
     float bucklingShare(const Bearing& bearing, float load, float number) const;
     bool standsOn(std::uint32_t manifold) const;
+    bool isInContact(std::uint32_t body) const;
     void measureIslands();
     bool decideIslands(std::int32_t elapsed);
     void chooseSolvers();

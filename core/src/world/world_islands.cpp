@@ -136,6 +136,16 @@ bool WorldImpl::standsOn(std::uint32_t index) const {
     return manifold.pointCount > 2 || roundness > 0;
 }
 
+/// Some contact of the body is in the graph.
+bool WorldImpl::isInContact(std::uint32_t body) const {
+    for (std::uint32_t key = bodies[body].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+        const ContactRecord& contact = contacts[key >> 1];
+        for (int k = 0; k < contact.manifoldCapacity; ++k)
+            if (manifolds[contact.firstManifold + static_cast<std::uint32_t>(k)].place.color != kNone) return true;
+    }
+    return false;
+}
+
 void WorldImpl::measureIslands() {
     collectBearings();
     findLevels();
@@ -192,11 +202,11 @@ void WorldImpl::measureIslands() {
         island.restless += !slow || !rests;
         island.leaning += levels[body] != kNone && heldLevel[body] == 0 && slow;
     }
-    for (int c = 0; c < ConstraintGraph::kLists; ++c)
-        for (const std::uint32_t m : graph.color(c).manifolds) {
-            const ContactRecord& contact = contacts[manifolds[m].contact];
-            islandFeatures[findRoot(moves(contact.bodyA) ? contact.bodyA : contact.bodyB)].touches = true;
-        }
+    for (const std::uint32_t body : awakeBodies) {
+        if (!moves(body)) continue;
+        direct::IslandFeatures& island = islandFeatures[findRoot(body)];
+        if (island.joints > 0 && !island.touches) island.touches = isInContact(body);
+    }
     forEachCoupledPair([&](std::uint32_t, std::uint32_t body) { islandFeatures[findRoot(body)].coupled = true; });
 }
 
