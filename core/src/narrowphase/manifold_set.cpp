@@ -78,19 +78,7 @@ void ManifoldSet::add(const Vec3& normal, std::span<const ManifoldPoint> points,
 }
 
 int ManifoldSet::write(const Vec3& offset, std::span<Manifold> out) {
-    int written = 0;
-    for (int i = 0; i < count_ && written < static_cast<int>(out.size()); ++i) {
-        Cluster& cluster = clusters_[i];
-        Manifold& manifold = out[static_cast<std::size_t>(written++)];
-        manifold.normal = cluster.normal;
-        manifold.triangle = cluster.triangle;
-        manifold.pointCount = reducePoints(cluster.points, cluster.count, cluster.normal, kDepthTolerance * size_);
-        for (int k = 0; k < manifold.pointCount; ++k) {
-            manifold.points[k] = cluster.points[k];
-            manifold.points[k].position += offset;
-        }
-    }
-    return written;
+    return writeClusters(clusters_, count_, kDepthTolerance * size_, offset, out);
 }
 
 }  // namespace ragtop

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
+
+#include "narrowphase/manifold.h"
 #include "ragtop/math.h"
 
 /// Choosing the points that make a manifold: four that can exert nearly every wrench that all could. Over all
@@ -120,6 +124,25 @@ int reducePoints(Point* points, int count, const Vec3& normal, float tolerance) 
     }
     if (kept == 4 && count > 4) widen(points, count, normal, deepest + tolerance);
     return kept;
+}
+
+/// Clusters of contacts of one direction each as manifolds of the points that reach most, moved by `offset`; as many as
+/// there is room for. Returns how many.
+template <class Cluster>
+int writeClusters(Cluster* clusters, int count, float tolerance, const Vec3& offset, std::span<Manifold> out) {
+    int written = 0;
+    for (int i = 0; i < count && written < static_cast<int>(out.size()); ++i) {
+        Cluster& cluster = clusters[i];
+        Manifold& manifold = out[static_cast<std::size_t>(written++)];
+        manifold.normal = cluster.normal;
+        manifold.triangle = cluster.triangle;
+        manifold.pointCount = reducePoints(cluster.points, cluster.count, cluster.normal, tolerance);
+        for (int k = 0; k < manifold.pointCount; ++k) {
+            manifold.points[k] = cluster.points[k];
+            manifold.points[k].position += offset;
+        }
+    }
+    return written;
 }
 
 }  // namespace ragtop
