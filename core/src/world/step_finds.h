@@ -2,6 +2,9 @@
 
 #include <cstdint>
 
+#include "constraints/constraint_graph.h"
+#include "direct/newton.h"
+#include "narrowphase/manifold.h"
 #include "ragtop/math.h"
 #include "world/records.h"
 
@@ -22,6 +25,64 @@ struct DrawnTree {
     std::uint32_t bodies = 0, joints = 0;
     bool watched = false;  ///< impulses are wanted after every substep
     bool twofold = false;  ///< masses ask for double precision
+};
+
+/// What a fast body meets first on its way (world_continuous.cpp).
+struct Meeting {
+    bool hit = false;
+    float fraction = 1;  ///< of the way that was swept
+    std::uint32_t shape = 0, obstacle = 0;
+    Manifold touch;  ///< in the frame of the obstacle, the normal towards the shape
+};
+
+/// A contact or joint through which bodies may bear on each other (world_islands.cpp).
+struct IslandBearing {
+    std::uint32_t a, b;        ///< bodies
+    std::uint32_t constraint;  ///< manifold or joint
+    bool joint;
+};
+
+/// An island that is solved directly, in the lists of its step (world_direct.cpp).
+struct DirectIsland {
+    std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
+    bool factored = false;
+    bool swept = false;      ///< given up in this step
+    bool unchanged = false;  ///< since a step through which it rested
+    bool tree = false;       ///< eliminated in lanes, without a system
+    bool watched = false;    ///< of a tree: impulses are wanted after every substep
+    direct::SolveReport report;
+    double ms = 0;
+};
+
+/// A contact that is relaxed further times (world_deep.cpp).
+struct DeepContact {
+    GraphPlace from;
+    std::size_t to;  ///< its lane in deepBundles
+};
+
+/// A contact for which a step found a change, of ContactChange.
+struct ChangedContact {
+    std::uint32_t contact;
+    std::uint8_t change;
+};
+
+/// Two shapes whose bounds have met (world_pairs.cpp).
+struct PairFound {
+    std::uint32_t a, b;
+};
+
+/// Where a body was when a step began.
+struct StartPose {
+    DVec3 center;
+    Quat rotation;
+};
+
+/// An impact of a swept body, for the step's events.
+struct SweptImpact {
+    std::uint32_t contact, triangle;
+    DVec3 point;
+    Vec3 normal;  ///< from A to B
+    float speed, impulse;
 };
 
 }  // namespace ragtop

@@ -243,7 +243,7 @@ void WorldImpl::sweepBody(std::uint32_t index) {
 
 /// The first surface that a body would go into on its way from a pose at the share `done` of the step to one at
 /// `until`.
-WorldImpl::Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& start, const Pose& end, float done,
+Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& start, const Pose& end, float done,
                                            float until) const {
     const BodyRecord& body = bodies[index];
     Meeting first;

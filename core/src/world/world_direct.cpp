@@ -159,7 +159,7 @@ void WorldImpl::beginDirect() {
 
 /// Joints alone make a nearly linear system, of which only rounding can be left, and sweeps would tear it; but a tree
 /// that could not be eliminated has no answer at all.
-static bool isGivenUp(const WorldImpl::DirectIsland& island) {
+static bool isGivenUp(const DirectIsland& island) {
     return !island.report.converged && (island.contactCount > 0 || island.tree);
 }
 

@@ -168,12 +168,6 @@ struct WorldImpl {
     void moveAssemblies();
 
     // world_continuous.cpp
-    struct Meeting {
-        bool hit = false;
-        float fraction = 1;  ///< of the way that was swept
-        std::uint32_t shape = 0, obstacle = 0;
-        Manifold touch;  ///< in the frame of the obstacle, the normal towards the shape
-    };
     bool mayMeet(std::uint32_t body, const DVec3& start) const;
     void sweepFastBodies();
     void sweepBody(std::uint32_t body);
@@ -192,16 +186,11 @@ struct WorldImpl {
     void noteImpact(const Meeting& meeting, const Vec3& normal, const Pose& place, float speed, float impulse);
 
     // world_islands.cpp: what bears on what, and the choice of solvers.
-    struct Bearing {
-        std::uint32_t a, b;        ///< bodies
-        std::uint32_t constraint;  ///< manifold or joint
-        bool joint;
-    };
     void noteForce(std::uint32_t body);
     void collectBearings();
     void findLevels();
     void estimateLoads(bool pushes);
-    float bucklingShare(const Bearing& bearing, float load, float number) const;
+    float bucklingShare(const IslandBearing& bearing, float load, float number) const;
     bool standsOn(std::uint32_t manifold) const;
     bool isInContact(std::uint32_t body) const;
     void measureIslands();
@@ -223,7 +212,6 @@ struct WorldImpl {
     bool noteDirectBundles();
     void solveDirect(DirectPass pass);
     void endDirect();
-    struct DirectIsland;
     void barGivenUp(const DirectIsland& island, bool rests);
     void sweepIsland(const DirectIsland& island, DirectPass pass);
     bool isDirect(std::uint32_t body) const { return bodies[body].directSteps > 0; }
@@ -377,10 +365,6 @@ struct WorldImpl {
     AlignedArray<std::uint8_t> surfaceKept;  ///< per manifold: what its lane says of surfaces does not change by itself
     std::atomic<bool> anySensor{false};      ///< is any awake contact one?
     AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts
-    struct ChangedContact {
-        std::uint32_t contact;
-        std::uint8_t change;
-    };
     AlignedArray<ChangedContact> changedContacts;
     AlignedArray<std::uint32_t> shiftedBodies;    ///< that other points of the ground hold than before
     AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step
@@ -390,23 +374,13 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     AlignedArray<std::uint32_t> assemblyParent, assemblyPlace;   ///< per body, of those awake; 0: held by the world
     AlignedArray<std::uint32_t> assemblyBodies, assemblyStarts;  ///< members of each assembly, one after the other
-    AlignedArray<Bearing> bearings;
+    AlignedArray<IslandBearing> bearings;
     AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
     AlignedArray<std::uint32_t> levels, supports;  ///< per body: steps to what does not move; bodies that bear it
     AlignedArray<float> carried;                   ///< kg, per body
     AlignedArray<std::uint8_t> heldLevel;          ///< per body: something level is below it
     AlignedArray<std::uint32_t> freshManifolds;    ///< made in this step, of bodies that have not moved yet
     AlignedArray<direct::IslandFeatures> islandFeatures;  ///< per root
-    struct DirectIsland {
-        std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
-        bool factored = false;
-        bool swept = false;      ///< given up in this step
-        bool unchanged = false;  ///< since a step through which it rested
-        bool tree = false;       ///< eliminated in lanes, without a system
-        bool watched = false;    ///< of a tree: impulses are wanted after every substep
-        direct::SolveReport report;
-        double ms = 0;
-    };
     AlignedArray<DirectIsland> directIslands;
     AlignedArray<std::uint32_t> directBodies, directManifolds, directJoints;  ///< grouped by island
     AlignedArray<float*> directLanes;
@@ -418,10 +392,6 @@ struct WorldImpl {
     bool treesChanged = true;  ///< joints, their bodies or their rows, since trees were drawn up
     direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
-    struct DeepContact {
-        GraphPlace from;
-        std::size_t to;  ///< its lane in deepBundles
-    };
     AlignedArray<DeepContact> deepContacts;  ///< of this step, by colour
     AlignedArray<std::uint32_t> deepStarts;  ///< bundle where each colour begins, and the end
     AlignedArray<float> deepBundles;
@@ -437,20 +407,7 @@ struct WorldImpl {
     };
     AlignedArray<BodyFlag> bodyFlags;  ///< per awake body, set by finishBodies
     AlignedArray<Bounds> tightNow;     ///< per shape, set by refitBounds where it looks
-    struct PairFound {
-        std::uint32_t a, b;
-    };
     std::vector<std::pmr::vector<PairFound>> foundPairs;  ///< per block of the move buffer
-    struct StartPose {
-        DVec3 center;
-        Quat rotation;
-    };
-    struct SweptImpact {
-        std::uint32_t contact, triangle;
-        DVec3 point;
-        Vec3 normal;  ///< from A to B
-        float speed, impulse;
-    };
     AlignedArray<SweptImpact> sweptImpacts;  ///< of this step, for its events
     AlignedArray<StartPose> startPoses;      ///< per awake body, of bodies to sweep
     SolverContext context;

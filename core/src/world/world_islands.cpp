@@ -45,7 +45,7 @@ void WorldImpl::findLevels() {
     bearingBegin.resizeForOverwrite(bodies.size() + 1);
     std::memset(bearingBegin.data(), 0, bearingBegin.size() * sizeof(std::uint32_t));
     for (const std::uint32_t body : awakeBodies) levels[body] = kNone;
-    for (const Bearing& bearing : bearings) {
+    for (const IslandBearing& bearing : bearings) {
         if (!moves(bearing.a) || !moves(bearing.b)) continue;
         ++bearingBegin[bearing.a + 1];
         ++bearingBegin[bearing.b + 1];
@@ -53,7 +53,7 @@ void WorldImpl::findLevels() {
     for (std::size_t i = 1; i < bearingBegin.size(); ++i) bearingBegin[i] += bearingBegin[i - 1];
     neighbours.resizeForOverwrite(bearingBegin[bodies.size()]);
     bodyStack.clear();
-    for (const Bearing& bearing : bearings) {
+    for (const IslandBearing& bearing : bearings) {
         const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
         if (movesA && movesB) {
             neighbours[bearingBegin[bearing.a]++] = bearing.b;
@@ -83,7 +83,7 @@ void WorldImpl::estimateLoads(bool pushes) {
     const float gravity = length(settings.gravity), perForce = gravity > 0 ? 1 / gravity : 0.0f;
     for (const std::uint32_t body : awakeBodies)
         carried[body] = pushes ? perForce * length(bodies[body].force) : 0.0f, supports[body] = 0;
-    for (const Bearing& bearing : bearings) {
+    for (const IslandBearing& bearing : bearings) {
         const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
         if (movesA && (!movesB || levels[bearing.b] < levels[bearing.a])) ++supports[bearing.a];
         if (movesB && (!movesA || levels[bearing.a] < levels[bearing.b])) ++supports[bearing.b];
@@ -99,7 +99,7 @@ void WorldImpl::estimateLoads(bool pushes) {
 
 /// Load over the load under which soft contacts of this pair tilt away: a column of n boxes of height l stands while
 /// n³ m g l < 7.84 k_θ, with k_θ the stiffness of its points about their middle.
-float WorldImpl::bucklingShare(const Bearing& bearing, float load, float number) const {
+float WorldImpl::bucklingShare(const IslandBearing& bearing, float load, float number) const {
     const ManifoldRecord& manifold = manifolds[bearing.constraint];
     if (manifold.pointCount < 3) return 0;
     Vec3 middle;
@@ -156,7 +156,7 @@ void WorldImpl::measureIslands() {
 
     const float gravity = length(settings.gravity);
     const Vec3 up = gravity > 0 ? (-1 / gravity) * settings.gravity : Vec3{};
-    for (const Bearing& bearing : bearings) {
+    for (const IslandBearing& bearing : bearings) {
         const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
         direct::IslandFeatures& island = islandFeatures[findRoot(movesA ? bearing.a : bearing.b)];
         island.pairs += movesA && movesB;

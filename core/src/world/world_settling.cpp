@@ -29,7 +29,7 @@ void WorldImpl::loadNewContacts() {
     if (!(gravity > 0)) return;
     const Vec3 down = (1 / gravity) * settings.gravity;
     const auto stride = static_cast<std::size_t>(graph.lanes());
-    for (const Bearing& bearing : bearings) {
+    for (const IslandBearing& bearing : bearings) {
         if (bearing.joint || !isUntouched(bearing.a) || !isUntouched(bearing.b)) continue;
         const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
         const bool aBears = movesB && (!movesA || levels[bearing.a] < levels[bearing.b]);
