@@ -96,6 +96,14 @@ PairVector freeImpulse(AxesBlock& block, std::uint32_t coordinate, float amount)
     return impulse;
 }
 
+/// As reactionTo: what keeps a rigid row's velocity under all that acts along free coordinates.
+static float reactionOf(const AxesBlock& block, std::uint32_t row) {
+    float sum = 0;
+    for (std::uint32_t f = 0; f < block.freeRows; ++f)
+        if (block.axis[f].features != 0) sum -= axisImpulse(block.axis[f]) * block.gain[f][row];
+    return sum;
+}
+
 void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const JointContext& context, bool moving) {
     const Softness soft = moving ? context.softness : kRigid;
     const PairVector u = pair.velocity(arms);
@@ -105,7 +113,7 @@ void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const JointCo
     solveRigid(block, change);
     PairVector total;
     for (std::uint32_t i = 0; i < block.rigidRows; ++i) {
-        change[i] = soft.massScale * change[i] - soft.impulseScale * block.impulse[i];
+        change[i] = soft.massScale * change[i] - soft.impulseScale * (block.impulse[i] - reactionOf(block, i));
         block.impulse[i] += change[i];
         total += change[i] * block.rigid[i];
     }

@@ -152,7 +152,9 @@ static PairVector meanVelocity(const JointSim& joint, const BodyPair& pair, floa
 
 void solveRigid(JointSim& joint, BodyPair& pair, const JointContext& context, bool moving) {
     const PairVector u = moving ? meanVelocity(joint, pair, context.h) : pair.velocity(joint.arms);
-    solveBlock(joint.block, pair, joint.arms, u, moving ? context.softness : kRigid);
+    const bool pushed = moving && joint.axis.features != 0;
+    const Reaction held = pushed ? reactionTo(joint.block, axisImpulse(joint.axis)) : Reaction{};
+    solveBlock(joint.block, pair, joint.arms, u, moving ? context.softness : kRigid, held);
 }
 
 void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias) {

@@ -186,8 +186,15 @@ void refreshMass(RigidBlock& block, const PairMass& mass, bool secondHasRows);
 PairVector blockImpulse(const RigidBlock& block);
 /// When a substep begins: notes the impulses, or takes back those noted before when the last substep had an impact.
 void beginBlock(RigidBlock& block, bool hadImpact);
-/// Solves the block for the velocity `u`, which its rows are to undo, and applies the impulse to the pair.
-void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const PairVector& u, const Softness& softness);
+/// What keeps the velocity of rigid rows while an impulse acts along the free direction.
+struct Reaction {
+    Vec3 first, second;
+};
+Reaction reactionTo(const RigidBlock& block, float amount);
+/// Solves the block for the velocity `u`, which its rows are to undo, and applies the impulse to the pair. Of what it
+/// carries, only what is not `held` gives way.
+void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const PairVector& u, const Softness& softness,
+                const Reaction& held = {});
 /// The impulse of size `amount` along the free direction, together with what keeps the rigid rows' velocity.
 PairVector freeImpulse(RigidBlock& block, float amount);
 
