@@ -322,7 +322,7 @@ float solveRow(float& impulse, const RowAim& aim, float speed, float inverseMass
     return impulse - old;
 }
 
-float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool moving) {
+float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool moving, float bend) {
     const float w = rows.inverseMass;
     if (!(w > 0) || rows.features == 0) return 0;
     float total = 0;
@@ -330,9 +330,10 @@ float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool m
         const auto slot = static_cast<AxisSlot>(i);
         if (!rows.has(slot)) continue;
         const float side = slot == AxisSlot::upper ? -1.0f : 1.0f;
-        if (rows.isStop(slot) && !mayAct(rows.stopAt(slot), rows.stop, side * speed, context, moving)) continue;
+        const float along = side * (moving && slot >= AxisSlot::lower ? speed + bend : speed);
+        if (rows.isStop(slot) && !mayAct(rows.stopAt(slot), rows.stop, along, context, moving)) continue;
         const float delta =
-            side * solveRow(rows.impulse(slot), aimOf(rows, slot, context, moving), side * speed, w, context);
+            side * solveRow(rows.impulse(slot), aimOf(rows, slot, context, moving), along, w, context);
         total += delta;
         speed += w * delta;
     }

@@ -49,6 +49,31 @@ void refreshAt(JointSim& joint, const JointPlace& now, const BodyPair& pair, con
 
 }  // namespace
 
+namespace {
+
+/// A turn by h |ω|, as far as tan(θ/2) = θ/2 (1 + θ²/12 + θ⁴/120) goes: 1e-4 at a radian.
+Quat turned(const Vec3& w, float h) {
+    const Vec3 turn = h * w;
+    const float square = dot(turn, turn);
+    const Vec3 half = (0.5f + square * (1.0f / 24 + square * (1.0f / 240))) * turn;
+    return normalized(Quat{half.x, half.y, half.z, 1});
+}
+/// R r − r
+Vec3 displaced(const Quat& q, const Vec3& r) {
+    const Vec3 axis{q.x, q.y, q.z}, across = cross(axis, r);
+    return 2 * (q.w * across + cross(axis, across));
+}
+
+}  // namespace
+
+JointPlace placeAhead(const JointPlace& now, const Arms& arms, const BodyPair& pair, float h) {
+    const Turning w = pair.turns();
+    const Quat a = turned(w.a, h), b = turned(w.b, h);
+    const Arms anchors{arms.a - 0.5f * now.gap, arms.b + 0.5f * now.gap};
+    const Vec3 gap = now.gap + h * pair.velocity({}).linear + (displaced(b, anchors.b) - displaced(a, anchors.a));
+    return {a * now.a, b * now.b, gap};
+}
+
 void refreshJoint(JointSim& joint, const BodyPair& pair, const Refresh& refresh) {
     refreshAt(joint, locate(joint, pair), pair, refresh);
 }
@@ -184,6 +209,7 @@ void solveRows(JointSim& joint, BodyPair& pair, const JointContext& context, boo
             solveDistance(joint, pair, context, useBias);
             break;
         default:
+            if (useBias) foreseeAxes(joint, locate(joint, pair), pair, context);
             solveAxes(joint.axes, pair, joint.arms, context, useBias);
             break;
     }
@@ -204,6 +230,25 @@ void solveJointAgain(JointSim& joint, BodyState* states, const BodyInertia* iner
                      bool useBias) {
     BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
     solveRows(joint, pair, context, useBias);
+}
+
+bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inertia) {
+    BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+    const Vec3 first = joint.block.impulseFirst, second = joint.block.impulseSecond;
+    const PairVector before = pair.velocity(joint.arms);
+    if (hasAxes(joint.kind)) {
+        pair = held(joint.axes, pair, joint.arms);
+    } else if (joint.kind != JointKind::distance) {
+        solveRigid(joint, pair, {}, false);
+    } else if (joint.axis.features & AxisRows::kLocked && joint.axis.inverseMass > 0) {
+        const Vec3 line = joint.block.basis.cz;
+        pair.apply(joint.arms, {(-dot(line, before.linear) / joint.axis.inverseMass) * line, {}});
+    }
+    joint.block.impulseFirst = first;
+    joint.block.impulseSecond = second;
+    pair.store();
+    const PairVector after = pair.velocity(joint.arms);
+    return after.linear != before.linear || after.angular != before.angular;
 }
 
 void rescaleJoint(JointSim& joint, float ratio) {
