@@ -17,7 +17,8 @@ struct AxesBlock {
 
     // Of the current substep.
     PairVector rigid[kMostRigid], free[kMostFree];  ///< what a row takes of the relative motion
-    float value[kMostFree] = {}, rounded[kMostFree] = {};  ///< m, or rad with all turns, and what single precision leaves
+    /// Coordinates, m, or rad with all turns, and what single precision leaves of them.
+    float value[kMostFree] = {}, rounded[kMostFree] = {};
     float error[kMostRigid] = {};
     float rigidBend[kMostRigid] = {}, freeBend[kMostFree] = {};  ///< mean rates over the substep less those of now
     float lower[kMostRigid][kMostRigid] = {};  ///< L D Lᵀ of the rigid rows: L, and the inverse pivots on its diagonal

@@ -175,6 +175,23 @@ static PairVector meanVelocity(const JointSim& joint, const BodyPair& pair, floa
     return u;
 }
 
+/// The travel s along the slide x of bodies that turn together:  s'' = |ω × x|² s + x · ω × (ω × (rB − rA))
+static float slidingBend(const JointSim& joint, const BodyPair& pair, float h) {
+    const Vec3 x = joint.block.basis.cz;
+    const Turning w = pair.turnsTogether();
+    const Vec3 across = cross(w.a, x);
+    const float rate = dot(across, across) / (1 + h * h * dot(w.a, w.a));
+    return dot(x, curvingArms(w, joint.arms, h)) + 0.5f * h * rate * joint.block.errorSecond.z;
+}
+
+float bendOf(const JointSim& joint, std::uint32_t coordinate, const BodyPair& pair, float h) {
+    if (hasAxes(joint.kind)) return joint.axes.freeBend[coordinate];
+    if (joint.kind == JointKind::slider) return slidingBend(joint, pair, h);
+    if (joint.kind != JointKind::distance) return 0;
+    const float speed = dot(joint.block.basis.cz, pair.velocity(joint.arms).linear);
+    return pair.receding(joint.arms, joint.block.errorFirst, speed, h);
+}
+
 void solveRigid(JointSim& joint, BodyPair& pair, const JointContext& context, bool moving) {
     const PairVector u = moving ? meanVelocity(joint, pair, context.h) : pair.velocity(joint.arms);
     solveBlock(joint.block, pair, joint.arms, u, moving ? context.softness : kRigid);
@@ -186,7 +203,8 @@ void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& cont
     if (joint.axis.features == 0 || !(joint.axis.inverseMass > 0)) return;
     const PairVector u = pair.velocity(joint.arms);
     const float speed = dot(block.basis.cz, block.linearFirst ? u.angular : u.linear);
-    pair.apply(joint.arms, freeImpulse(block, solveAxis(joint.axis, speed, context, useBias)));
+    const float bend = useBias && joint.axis.keepsRange() ? bendOf(joint, 0, pair, context.h) : 0.0f;
+    pair.apply(joint.arms, freeImpulse(block, solveAxis(joint.axis, speed, context, useBias, bend)));
 }
 
 namespace {
@@ -246,9 +264,16 @@ bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inerti
     }
     joint.block.impulseFirst = first;
     joint.block.impulseSecond = second;
-    pair.store();
+    constexpr float kRounding = 1e-5f;
     const PairVector after = pair.velocity(joint.arms);
-    return after.linear != before.linear || after.angular != before.angular;
+    const Vec3 vA = states[joint.stateA].v, wA = states[joint.stateA].w, vB = states[joint.stateB].v,
+               wB = states[joint.stateB].w;
+    const float turning = length(wA) + length(wB);
+    const float moving = length(vA) + length(vB) + length(cross(wA, joint.arms.a)) + length(cross(wB, joint.arms.b));
+    const bool fits = length(after.linear - before.linear) <= kRounding * moving &&
+                      length(after.angular - before.angular) <= kRounding * turning;
+    if (!fits) pair.store();
+    return !fits;
 }
 
 void rescaleJoint(JointSim& joint, float ratio) {

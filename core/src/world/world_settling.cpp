@@ -1,5 +1,5 @@
-// Loads of contacts that were just made between bodies at rest, so that what was built does not sink before it stands; and
-// velocities of bodies that were just joined.
+// Loads of contacts that were just made between bodies at rest, so that what was built does not sink before it stands;
+// and velocities of bodies that were just joined.
 
 #include <cmath>
 
@@ -17,8 +17,9 @@ constexpr int kJointSweeps = 32;
 
 }  // namespace
 
-/// Bodies that a joint was just made for lose at once what their velocities have that it does not allow, as in an impact.
-/// The soft rows would let some of it open the joint first, and closing it again gives energy to what the joint bears.
+/// Bodies that a joint was just made for lose at once what their velocities have that it does not allow, as in an
+/// impact. The soft rows would let some of it open the joint first, and closing it again gives energy to what the joint
+/// bears.
 void WorldImpl::settleNewJoints() {
     for (const std::uint32_t j : newJoints)
         if (j != kNone) placeJoint(jointSims[j], jointBodies(joints[j]), states.data(), inertias.data());
@@ -86,8 +87,8 @@ void WorldImpl::addPushes(float share) {
     }
 }
 
-/// Sweeps that move nothing yet make the estimate an equilibrium of weights, which is what these contacts carry from then
-/// on.
+/// Sweeps that move nothing yet make the estimate an equilibrium of weights, which is what these contacts carry from
+/// then on.
 void WorldImpl::settleNewContacts() {
     if (freshManifolds.empty()) return;
     addPushes(-1);
