@@ -341,6 +341,7 @@ RAGTOP_INLINE void beginDistance(WideJoint<N>& j, const JointContext& context) {
     WideVec3<N> direction;
     const Lanes<N> distance = refreshDistance(j, direction), mass = j.mass(direction);
     j.set(RAGTOP_JOINT_FIELD(axis.inverseMass), mass);
+    j.set(RAGTOP_JOINT_FIELD(block.errorFirst), j.gap);
     beginAxis(j, marginsOf(j, distance), distance - j.at(RAGTOP_JOINT_FIELD(axis.target)), mass,
               dot(direction, j.linearVelocity()), Lanes<N>(0.0f), context);
 }
@@ -348,7 +349,10 @@ template <int N>
 RAGTOP_INLINE void solveDistance(WideJoint<N>& j, const WideVec3<N>& direction, Lanes<N> mass,
                                  const JointContext& context, bool moving) {
     WideAxis<N> axis(j, mass, context, moving);
-    axis.solve(dot(direction, j.linearVelocity()));
+    const Lanes<N> speed = dot(direction, j.linearVelocity());
+    constexpr std::uint32_t kRange = AxisRows::kLimit | AxisRows::kLocked;
+    if (moving && (j.bundle.features & kRange)) axis.bend = j.receding(speed, context.h);
+    axis.solve(speed);
     j.apply(axis.total * direction, nothing<N>());
 }
 template <int N>

@@ -201,6 +201,7 @@ struct WorldImpl {
     bool isUntouched(std::uint32_t body) const;
     void loadNewContacts();
     void settleNewContacts();
+    void settleNewJoints();
     void addPushes(float share);
 
     // world_direct.cpp: islands that are solved directly.
@@ -347,6 +348,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> freeManifolds, freeMeshManifolds;
     AlignedArray<JointRecord> joints;
     AlignedArray<JointSim> jointSims;
+    AlignedArray<std::uint32_t> newJoints;  ///< made since the last step
     AlignedArray<CouplingRecord> couplings;
     AlignedArray<CouplingSim> couplingSims;
     AlignedArray<std::uint32_t> awakeBodies, awakeContacts, moveBuffer;

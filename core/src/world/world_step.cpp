@@ -50,6 +50,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         beginStage("prepare");
         prepareBodies();
         findAssemblies();
+        settleNewJoints();
         prepareConstraints();
         beginDirect();
         beginStage("solve");
