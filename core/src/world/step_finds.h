@@ -50,6 +50,7 @@ struct DirectIsland {
     bool unchanged = false;  ///< since a step through which it rested
     bool tree = false;       ///< eliminated in lanes, without a system
     bool watched = false;    ///< of a tree: impulses are wanted after every substep
+    bool leapfrog = false;   ///< of a tree: speeds are those of the middle of a substep
     direct::SolveReport report;
     double ms = 0;
 };
