@@ -96,6 +96,7 @@ void WorldImpl::solveSubstep(World& world, int number) {
     context.lastSubstep = number + 1 == settings.substeps;
     for (StepModule* module : modules)
         if (module->beforeSubstep) module->beforeSubstep(module->user, world, context.h);
+    readMechanisms();
     integrateVelocities();
     if (bouncy) bounce();
     solveDirect(DirectPass::positions);
