@@ -86,6 +86,7 @@ struct WorldImpl {
 
     // world_pairs.cpp: broad phase.
     void findPairs();
+    void findPairsOfMoved(bool obstaclesToo);
     void launch(std::uint32_t body);
     void coverMotion(std::uint32_t body);
     void coverLaunched(bool all);

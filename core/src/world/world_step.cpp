@@ -40,8 +40,8 @@ void WorldImpl::step(World& world, double stepSeconds) {
 
     const auto all = [&] {
         beginStage("pairs");
-        coverLaunched(longer);
         findPairs();  // may grow arrays, as may the changes of contacts; nothing else below does
+        coverLaunched(longer);
         beginStage("collide");
         updateContacts();
         beginStage("contacts");
