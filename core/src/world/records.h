@@ -27,6 +27,7 @@ struct alignas(64) BodyRecord {
     std::uint32_t state = 0;  ///< index into the solver's arrays; 0 for fixed bodies
     BodyType type = BodyType::dynamic;
     bool refitted = false;  ///< at the end of the last step: some shape left its bounds
+    bool launched = false;  ///< was given a velocity since, which its bounds do not count
 
     Frame local;         ///< internal frame in the frame of the definition
     Vec3 inertia;        ///< kg m², principal moments

@@ -286,6 +286,7 @@ void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3&
     state.w = angular;
     if (bodies[index].type == BodyType::dynamic) obeyLocks(index);
     if (!stepping) histories[index].velocityBefore += state.v - before;
+    launch(index);
 }
 
 /// What was put somewhere did not travel there.

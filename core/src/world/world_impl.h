@@ -88,6 +88,10 @@ struct WorldImpl {
 
     // world_pairs.cpp: broad phase.
     void findPairs();
+    void findPairsOfMoved(bool obstaclesToo);
+    void launch(std::uint32_t body);
+    void coverMotion(std::uint32_t body);
+    void coverLaunched(bool all);
     void refitBounds();
     void createContact(std::uint32_t shapeA, std::uint32_t shapeB);
     void destroyContact(std::uint32_t contact);
@@ -363,6 +367,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> freeManifolds, freeMeshManifolds;
     AlignedArray<JointRecord> joints;
     AlignedArray<JointSim> jointSims;
+    AlignedArray<std::uint32_t> launchedBodies;  ///< BodyRecord::launched, and some that are no more
     AlignedArray<std::uint32_t> newJoints;  ///< made since the last step
     AlignedArray<CouplingRecord> couplings;
     AlignedArray<CouplingSim> couplingSims;
