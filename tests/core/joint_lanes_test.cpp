@@ -112,8 +112,10 @@ Rig pairs(const Kind& kind, int count, std::uint64_t seed) {
         return Vec3{dice.between(-size, size), dice.between(-size, size), dice.between(-size, size)};
     };
     const auto body = [&] {
-        RigBody b =
-            box(dice.between(0.125f, 8), {dice.between(0.125f, 1), dice.between(0.125f, 1), 0.25f}, DVec3(vector(2)));
+        // One draw after the other: the order of a call's arguments is the compiler's.
+        const DVec3 place(vector(2));
+        const Vec3 size{dice.between(0.125f, 1), dice.between(0.125f, 1), 0.25f};
+        RigBody b = box(dice.between(0.125f, 8), size, place);
         b.rotation = dice.rotation();
         b.v = vector(4);
         b.w = vector(16);
