@@ -105,7 +105,11 @@ struct WorldImpl {
     const BoundsTree& tree(const ShapeRecord& shape) const { return shape.isStaticTree ? staticTree : movingTree; }
 
     // world_collide.cpp: narrow phase.
+    void sortAwakeContacts();
     void prefetchContact(int place, int end) const;
+    void prefetchCollision(const ContactRecord& contact) const;
+    void updateSome(int begin, int end, int last);
+    bool stays(const ContactRecord& contact) const;
     void updateContacts();
     void updateContact(std::uint32_t contact);
     std::uint8_t keepManifolds(ContactRecord& contact);
