@@ -114,6 +114,13 @@ void contactSolve(benchmark::State& state) {
     perItem(state, kContacts);
     state.SetLabel(rows.kernels.name);
 }
+/// One relaxing pass over the same.
+void contactRelax(benchmark::State& state) {
+    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts);
+    for (auto _ : state) rows.run(rows.kernels.relaxContacts);
+    perItem(state, kContacts);
+    state.SetLabel(rows.kernels.name);
+}
 void contactPrepare(benchmark::State& state) {
     ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts);
     for (auto _ : state) rows.run(rows.kernels.prepareContacts);
@@ -136,6 +143,7 @@ void laneCounts(benchmark::internal::Benchmark* bench) {
     bench->ArgName("lanes")->Arg(4)->Arg(8)->Arg(16)->Unit(benchmark::kMicrosecond);
 }
 BENCHMARK(contactSolve)->Apply(laneCounts);
+BENCHMARK(contactRelax)->Apply(laneCounts);
 BENCHMARK(contactPrepare)->Apply(laneCounts);
 BENCHMARK(contactWarmStart)->Apply(laneCounts);
 BENCHMARK(bodyIntegrate)->Apply(laneCounts);

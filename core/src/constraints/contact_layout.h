@@ -9,6 +9,8 @@ namespace ragtop::contact {
 enum Field : int {
     kBodyA,  ///< index of the body's state, as integer bits; 0 is the static body
     kBodyB,
+    kRecordA,  ///< index of the body's record, as integer bits
+    kRecordB,
     kPointCount,              ///< integer bits
     kNormal,                  ///< 3, from A to B
     kOffset = kNormal + 3,    ///< 3, centre of B minus centre of A at the beginning of the step, m

@@ -5,6 +5,7 @@
 
 #include "ragtop/math.h"
 #include "solve/body_state.h"
+#include "solve/contact_places.h"
 
 namespace ragtop {
 
@@ -91,6 +92,8 @@ struct KernelTable {
     int lanes;
     void (*integrateVelocities)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end, const SolverContext&);
     void (*integratePositions)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end, const SolverContext&);
+    /// Brings the geometry of contacts to where their bodies are.
+    void (*placeContacts)(float* bundles, int begin, int end, const LaneManifolds&, const ContactPlaces&);
     /// Tells which ContactKinds are among them.
     unsigned (*prepareContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     /// Reflects what will meet within this substep; true if anything did.
@@ -98,6 +101,8 @@ struct KernelTable {
     void (*warmStartContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     void (*solveContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     void (*relaxContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
+    /// A ManifoldTouch per lane of all bundles.
+    void (*readTouches)(const float* bundles, int begin, int end, std::uint8_t* touches);
 };
 
 /// Those of `selectKernelSet`.

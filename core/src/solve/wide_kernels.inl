@@ -8,6 +8,7 @@
 #include "solve/lanes.h"
 #include "solve/wide_bodies.inl"
 #include "solve/wide_bundle.inl"
+#include "solve/wide_places.inl"
 #include "solve/wide_friction.inl"
 #include "solve/wide_bounce.inl"
 
@@ -219,11 +220,13 @@ constexpr KernelTable makeTable(const char* name) {
             N,
             integrateVelocities<N>,
             integratePositions<N>,
+            placeContacts<N>,
             prepareContacts<N>,
             bounceContacts<N>,
             warmStartContacts<N>,
             solveContacts<N>,
-            relaxContacts<N>};
+            relaxContacts<N>,
+            readTouches<N>};
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "ragtop/id.h"
 #include "ragtop/joint.h"
 #include "ragtop/math.h"
+#include "solve/contact_places.h"
 
 /// What a world keeps of each object, apart from what the solver streams through. All plain data, linked by indices, so
 /// that a saved world is a copy of memory.
@@ -64,32 +65,36 @@ struct Edge {
 };
 
 struct alignas(64) ContactRecord {
+    // One cache line of what is asked in every step.
     std::uint32_t shapeA = 0, shapeB = 0, bodyA = 0, bodyB = 0;
-    double apartUntil = 0;  ///< m, travels of both bodies up to which nothing can touch; 0: unknown
-    Edge edges[2];
+    /// m, travels of both bodies up to which nothing can touch, or the manifolds are kept; 0: unknown.
+    double until = 0;
+    float aheadMost = 0;                  ///< m, that both may go in a step for which the manifolds are kept
+    float size = 0;                       ///< m, of the smaller shape
     std::uint32_t firstManifold = kNone;  ///< one record, or kMaxManifolds of them for meshes and height fields
     std::uint32_t awakeIndex = kNone;     ///< place in the list of awake contacts
     std::uint8_t manifoldCapacity = 1;
     bool isMesh = false, sensor = false, touching = false, reportsMotion = false;
     bool struck = false;  ///< by a sweep in this step
     bool collided = false;
-    bool hasPoints = false;  ///< has some manifold points?
+    bool hasPoints = false;    ///< has some manifold points?
+    bool bearsLoad = false;    ///< did its first manifold at the end of the last step?
+    bool surfaceOpen = false;  ///< what its lanes say of surfaces may have changed
+
+    Edge edges[2];
     SeparationCache cache;
     Frame collidedAt;          ///< B's shape in A's when the manifolds were found
     float collidedMargin = 0;  ///< m, with this margin
 };
+static_assert(sizeof(ContactRecord) == 128);
 
 /// One direction of a contact. Its geometry moves with the bodies: a point is two anchors, one in each body, that met
 /// half way between the surfaces when it was found. While in the graph its impulses live in its lane; otherwise here.
-struct ManifoldRecord {
+struct ManifoldRecord : ManifoldAnchors {
     GraphPlace place;
     std::uint32_t contact = 0;
-    std::int32_t pointCount = 0;
-    Vec3 normal;  ///< in A's internal frame, from A to B
     std::uint32_t triangle = 0;
     std::uint32_t feature[kMaxManifoldPoints] = {};
-    Vec3 anchorA[kMaxManifoldPoints], anchorB[kMaxManifoldPoints];  ///< m, in the bodies' internal frames
-    float separation[kMaxManifoldPoints] = {};                      ///< m, when found
     float impulse[kMaxManifoldPoints] = {}, load[kMaxManifoldPoints] = {};
     Vec3 frictionImpulse, rollImpulse;
     Vec3 stick;  ///< m, how far B has slipped on A since they stick

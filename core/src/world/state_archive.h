@@ -25,14 +25,15 @@ struct Strip {
 constexpr int impulseField(int point) { return contact::kPoints + point * contact::kPointFields + contact::kImpulse; }
 constexpr int loadField(int point) { return contact::kPoints + point * contact::kPointFields + contact::kLoad; }
 inline constexpr Strip kStrips[] = {
-    {contact::kBodyA, 1},           {contact::kBodyB, 1},        {contact::kSize, 1},
+    {contact::kBodyA, 1},           {contact::kBodyB, 1},        {contact::kRecordA, 1},
+    {contact::kRecordB, 1},         {contact::kSize, 1},
     {contact::kFrictionImpulse, 3}, {contact::kTwistImpulse, 1}, {contact::kRollImpulse, 3},
     {contact::kSliding, 1},         {contact::kStick, 3},
     {impulseField(0), 1}, {impulseField(1), 1}, {impulseField(2), 1}, {impulseField(3), 1},
     {loadField(0), 1},    {loadField(1), 1},    {loadField(2), 1},    {loadField(3), 1},
 };
 static_assert(contact::kMaxPoints == 4);
-inline constexpr int kFieldsSaved = 22;
+inline constexpr int kFieldsSaved = 24;
 
 /// Calls visit(first float, number of floats) for what is saved of a bundle.
 template <class Visit>

@@ -242,7 +242,7 @@ void World::setMaterial(ShapeId shape, const Material& material) {
     record.material = material;
     for (std::uint32_t key = impl_->bodies[record.body].firstContact; key != kNone;
          key = impl_->contacts[key >> 1].edges[key & 1].next)
-        impl_->forgetSurfaces(impl_->contacts[key >> 1]);
+        impl_->contacts[key >> 1].surfaceOpen = true;
     impl_->wakeTouching(record.body);
 }
 void World::setFilter(ShapeId shape, const Filter& filter) {

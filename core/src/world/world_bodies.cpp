@@ -290,7 +290,7 @@ void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3&
 /// What was put somewhere did not travel there.
 void WorldImpl::forgetGaps(std::uint32_t index) {
     for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next)
-        contacts[key >> 1].apartUntil = 0;
+        contacts[key >> 1].until = 0;
 }
 
 void WorldImpl::refreshBounds(std::uint32_t index) {

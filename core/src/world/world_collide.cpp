@@ -24,16 +24,12 @@ void WorldImpl::prefetchContact(int place, int end) const {
     const ContactRecord& record = contacts[awakeContacts[static_cast<std::size_t>(place + kRest)]];
     __builtin_prefetch(&bodies[record.bodyA]);
     __builtin_prefetch(&bodies[record.bodyB]);
-    if (!record.hasPoints) return;
-    const auto* manifold = reinterpret_cast<const char*>(&manifolds[record.firstManifold]);
-    for (std::size_t line = 0; line < sizeof(ManifoldRecord); line += 64) __builtin_prefetch(manifold + line);
 }
 
 void WorldImpl::updateContacts() {
     const int count = static_cast<int>(awakeContacts.size());
     contactChanged.resizeForOverwrite(awakeContacts.size());
     anySensor.store(false, std::memory_order_relaxed);
-    surfaceKept.resize(manifolds.size(), 0);
     lookAhead();
     runner.parallelFor(count, 32, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
@@ -41,6 +37,7 @@ void WorldImpl::updateContacts() {
             updateContact(awakeContacts[static_cast<std::size_t>(i)]);
         }
     });
+    surfacesForgotten = false;
 }
 
 /// What sensors overlap where the bodies are at the end of the step. Their manifolds carry no impulses and need no
@@ -72,14 +69,21 @@ float WorldImpl::motionAhead(const ContactRecord& record) const {
 
 /// Contacts are found early enough that the motion of the step cannot pass them. A gap that what both bodies have
 /// travelled since it was found, and may travel now, cannot have closed needs no other look while bounds stay as they
-/// are.
+/// are; nor do manifolds that have not moved far.
 void WorldImpl::updateContact(std::uint32_t index) {
     ContactRecord& record = contacts[index];
     std::uint8_t& change = contactChanged[record.awakeIndex];
     change = kUnchanged;
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
     const double travel = a.travel + b.travel, ahead = static_cast<double>(a.ahead) + static_cast<double>(b.ahead);
-    if (travel + ahead < record.apartUntil && !a.refitted && !b.refitted) return;
+    if (!a.refitted && !b.refitted) {
+        if (!record.hasPoints && travel + ahead < record.until) return;
+        if (record.hasPoints && travel < record.until && ahead < static_cast<double>(record.aheadMost) &&
+            lastSubstep == context.h) {
+            change = keepManifolds(record);
+            return;
+        }
+    }
     const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
     if (!overlaps(tree(shapeA).bounds(shapeA.proxy), tree(shapeB).bounds(shapeB.proxy))) {
         change = record.hasPoints && !record.sensor && holds(record) ? kApart | kPoints : kApart;
@@ -89,30 +93,36 @@ void WorldImpl::updateContact(std::uint32_t index) {
         anySensor.store(true, std::memory_order_relaxed);
         return;
     }
-    const float size = shapeA.size < shapeB.size ? shapeA.size : shapeB.size;
-    const float margin = tuning::kSpeculative * size + motionAhead(record);
+    const float margin = tuning::kSpeculative * record.size + motionAhead(record);
     const Frame bInA = shapeBInA(record);
-    if (reuseManifolds(record, bInA, margin, size)) {
-        change = mayBeSeam(record) ? kCloses : kUnchanged;
-        return;
-    }
+    change = reuseManifolds(record, bInA, margin, travel) ? keepManifolds(record)
+                                                          : collideAnew(record, bInA, margin, travel);
+}
+
+/// Manifolds that are kept are brought to where the bodies are when constraints are prepared.
+std::uint8_t WorldImpl::keepManifolds(ContactRecord& record) {
+    refreshSurfaces(record);
+    return !record.bearsLoad && mayBeSeam(record) ? kCloses : kUnchanged;
+}
+
+std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const Frame& bInA, float margin, double travel) {
     record.collided = true;
     record.collidedAt = bInA;
     record.collidedMargin = margin;
-    if (record.isMesh) {
-        Manifold found[kMaxManifolds];
-        const int count = findManifolds(record, bInA, margin, found);
-        change = meetAsSurfaces(record) ? takeSurfaceManifolds(record, found, count)
-                                        : takeManifolds(record, found, count);
-        record.apartUntil = travel + static_cast<double>(found[0].gap - tuning::kSpeculative * size);
-    } else {
-        Manifold found[1];
-        change = takeManifolds(record, found, findManifolds(record, bInA, margin, found));
-        record.apartUntil = travel + static_cast<double>(found[0].gap - tuning::kSpeculative * size);
+    Manifold found[kMaxManifolds];
+    const int count = findManifolds(record, bInA, margin, {found, record.manifoldCapacity});
+    unsigned change = record.isMesh && meetAsSurfaces(record) ? takeSurfaceManifolds(record, found, count)
+                                                              : takeManifolds(record, found, count);
+    if (!record.hasPoints) {
+        record.until = travel + static_cast<double>(found[0].gap - tuning::kSpeculative * record.size);
+        return static_cast<std::uint8_t>(change);
     }
-    if (!record.hasPoints) return;
-    record.apartUntil = 0;
+    record.until = 0;
+    if (!turnsUnderContact(record))
+        record.until = travel + static_cast<double>(tuning::kReuse * record.size / motionPerTravel(record, bInA));
+    record.aheadMost = margin + (tuning::kReuse - tuning::kSpeculative) * record.size;
     if (mayBeSeam(record)) change |= kCloses;
+    return static_cast<std::uint8_t>(change);
 }
 
 /// Contacts that came or went, in the order of the list, so that colours depend on the scene alone.
@@ -168,7 +178,10 @@ void WorldImpl::applyContactChange(std::uint32_t index) {
     if (!points || record.sensor) return;
     const bool sleepsA = moves(record.bodyA) && !isAwake(record.bodyA);
     const bool sleepsB = moves(record.bodyB) && !isAwake(record.bodyB);
-    if ((sleepsA || sleepsB) && !meets) return;
+    if ((sleepsA || sleepsB) && !meets) {
+        contacts[index].until = 0;
+        return;
+    }
     if (sleepsA) wakeBody(record.bodyA);
     if (sleepsB) wakeBody(record.bodyB);
     for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) addToGraph(record.firstManifold + k);

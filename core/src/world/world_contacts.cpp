@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "world/lane_view.h"
@@ -101,25 +102,13 @@ PlacedManifold WorldImpl::placed(const ContactRecord& record, const ManifoldReco
     return now;
 }
 
-/// Brings the geometry of a lane to where the bodies are.
-void WorldImpl::placeLane(const ContactRecord& record, const ManifoldRecord& manifold) {
-    LaneView lane(graph.lane(manifold.place), graph.lanes());
-    const PlacedManifold now = placed(record, manifold);
-    lane.set(contact::kNormal, now.normal);
-    lane.set(contact::kOffset, now.offset);
-    for (int j = 0; j < contact::kMaxPoints; ++j) {
-        lane.set(contact::kPoints + j * contact::kPointFields + contact::kAnchor, now.anchor[j]);
-        lane.at(j, contact::kSeparation) = now.separation[j];
-    }
-}
-
 /// Writes what the surfaces do to each other; a callback may change it in every step.
 void WorldImpl::writeSurface(const ContactRecord& record, const ManifoldRecord& manifold) {
     LaneView lane(graph.lane(manifold.place), graph.lanes());
     const ContactSurface surface = surfaceOf(record, manifold.triangle);
     // Grain and surface velocity turn with the bodies.
     const bool turns = surface.grain != Vec3{} || surface.surfaceVelocity != Vec3{};
-    surfaceKept[indexOf(manifold)] = callbacks.modify || turns ? 0 : 1;
+    contacts[manifold.contact].surfaceOpen |= callbacks.modify || turns;
     lane.setBits(contact::kPointCount, surface.enabled ? static_cast<std::uint32_t>(manifold.pointCount) : 0);
     lane.at(contact::kFriction) = surface.friction;
     lane.at(contact::kSlidingShare) = surface.slidingShare;
@@ -141,14 +130,13 @@ void WorldImpl::writeSurface(const ContactRecord& record, const ManifoldRecord& 
     lane.set(contact::kSurface, surface.surfaceVelocity);
 }
 
-void WorldImpl::forgetSurfaces(const ContactRecord& record) {
-    const std::uint32_t end = record.firstManifold + record.manifoldCapacity;
-    for (std::uint32_t k = record.firstManifold; k < end && k < surfaceKept.size(); ++k) surfaceKept[k] = 0;
-}
-
-/// The same where it may have changed since it was written.
-void WorldImpl::refreshSurface(const ContactRecord& record, const ManifoldRecord& manifold) {
-    if (surfaceKept[indexOf(manifold)] == 0 || callbacks.modify) writeSurface(record, manifold);
+/// Where surfaces may have changed, they are written anew for all manifolds that have a lane.
+void WorldImpl::refreshSurfaces(ContactRecord& record) {
+    if (!record.surfaceOpen && !callbacks.modify && !surfacesForgotten) return;
+    record.surfaceOpen = false;
+    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k)
+        if (const ManifoldRecord& manifold = manifolds[record.firstManifold + k]; manifold.place.color != kNone)
+            writeSurface(record, manifold);
 }
 
 /// Writes a manifold with its impulses into its lane.
@@ -156,8 +144,9 @@ void WorldImpl::writeLane(const ContactRecord& record, const ManifoldRecord& man
     LaneView lane(graph.lane(manifold.place), graph.lanes());
     lane.setBits(contact::kBodyA, bodies[record.bodyA].state);
     lane.setBits(contact::kBodyB, bodies[record.bodyB].state);
-    const float sizeA = shapes[record.shapeA].size, sizeB = shapes[record.shapeB].size;
-    lane.at(contact::kSize) = sizeA < sizeB ? sizeA : sizeB;
+    lane.setBits(contact::kRecordA, record.bodyA);
+    lane.setBits(contact::kRecordB, record.bodyB);
+    lane.at(contact::kSize) = record.size;
     writeSurface(record, manifold);
     const float ratio = manifold.substep > 0 ? context.h / manifold.substep : 1;
     for (int j = 0; j < contact::kMaxPoints; ++j) {
@@ -169,7 +158,6 @@ void WorldImpl::writeLane(const ContactRecord& record, const ManifoldRecord& man
     lane.at(contact::kTwistImpulse) = ratio * manifold.twistImpulse;
     lane.at(contact::kSliding) = manifold.sliding ? 1.0f : 0.0f;
     lane.set(contact::kStick, manifold.stick);
-    placeLane(record, manifold);
 }
 
 /// Copies the impulses of a lane into the record.
@@ -213,6 +201,8 @@ void WorldImpl::removeFromGraph(std::uint32_t index) {
     if (moved != kNone) manifolds[moved].place.slot = manifold.place.slot;
     noteGraphChange(manifold.place);
     manifold.place = {};
+    manifoldTouches[index] = manifold.pointCount > 0 ? kUnknownTouch : 0;
+    contacts[manifold.contact].until = 0;
 }
 
 namespace {
@@ -263,6 +253,13 @@ void handOverImpulses(std::span<const ManifoldRecord> before, std::span<Manifold
         }
 }
 
+/// Are its points those that were found, in the same order?
+bool hasSamePoints(const ManifoldRecord& before, const Manifold& found) {
+    bool same = before.pointCount == found.pointCount;
+    for (int j = 0; same && j < found.pointCount; ++j) same = before.feature[j] == found.points[j].feature;
+    return same;
+}
+
 /// Are its points other ones than before?
 bool hasOtherPoints(const ManifoldRecord& before, const ManifoldRecord& now) {
     if (before.pointCount != now.pointCount) return true;
@@ -304,30 +301,45 @@ void matchManifolds(const Vec3* normals, int count, const ManifoldRecord* old, i
 
 /// Where a pair has hardly moved since its manifolds were found, they are still right when they move with the bodies:
 /// cheaper, and quieter at rest [Catto, Box3D, 2026]. The bound is a share of the size; a turn counts by the arc that
-/// it makes at the radius of the smaller body.
-bool WorldImpl::reuseManifolds(ContactRecord& record, const Frame& bInA, float margin, float size) {
-    // A round surface turns under its contact point, and is cheap to collide.
-    const float roundness = geometries[shapes[record.shapeA].geometry].convex.radius +
-                            geometries[shapes[record.shapeB].geometry].convex.radius;
+/// it makes at the radius of the smaller body. How much of it is left is noted as what the bodies may travel until this
+/// is to be asked again.
+bool WorldImpl::reuseManifolds(ContactRecord& record, const Frame& bInA, float margin, double travel) const {
     // Impulses of another substep length are rescaled on their way through the record.
     if (lastSubstep != context.h) return false;
-    if (!record.collided || record.sensor || roundness > 0 || margin > record.collidedMargin + tuning::kReuse * size)
+    const float most = tuning::kReuse * record.size;
+    if (!record.collided || !record.hasPoints || turnsUnderContact(record) || margin > record.collidedMargin + most)
         return false;
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
     const Quat turn = conjugate(record.collidedAt.rotation) * bInA.rotation;
     const float arc = 2 * length(Vec3{turn.x, turn.y, turn.z}) * (a.radius < b.radius ? a.radius : b.radius);
-    if (length(bInA.position - record.collidedAt.position) + arc > tuning::kReuse * size) return false;
-    bool any = false;
+    const float left = most - (length(bInA.position - record.collidedAt.position) + arc);
+    if (left < 0) return false;
     for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
         const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
-        if (manifold.pointCount == 0) continue;
-        if (manifold.place.color == kNone) return false;
-        any = true;
+        if (manifold.pointCount > 0 && manifold.place.color == kNone) return false;
     }
-    for (std::uint32_t k = 0; any && k < record.manifoldCapacity; ++k)
-        if (const ManifoldRecord& manifold = manifolds[record.firstManifold + k]; manifold.pointCount > 0)
-            refreshSurface(record, manifold), placeLane(record, manifold);
-    return any;
+    record.until = travel + static_cast<double>(left / motionPerTravel(record, bInA));
+    return true;
+}
+
+/// How far a pair moves against each other, as manifolds are kept by, for what its bodies have travelled, at most: a turn
+/// θ of a body counts θ R there, and here the way of B's shape seen from A beside the arc.
+float WorldImpl::motionPerTravel(const ContactRecord& record, const Frame& bInA) const {
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
+    const float arc = a.radius < b.radius ? a.radius : b.radius;
+    const float leverA = length(shapes[record.shapeA].frame.position) + length(bInA.position);
+    const float leverB = length(shapes[record.shapeB].frame.position);
+    float most = 1;
+    if (a.type != BodyType::fixed) most = std::max(most, (leverA + arc) / a.radius);
+    if (b.type != BodyType::fixed) most = std::max(most, (leverB + arc) / b.radius);
+    return most;
+}
+
+/// A round surface turns under its contact point, and is cheap to collide.
+bool WorldImpl::turnsUnderContact(const ContactRecord& record) const {
+    return geometries[shapes[record.shapeA].geometry].convex.radius +
+               geometries[shapes[record.shapeB].geometry].convex.radius >
+           0;
 }
 
 /// The frame of shape B in that of shape A, where the bodies are.
@@ -385,6 +397,7 @@ std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, const Manifold* fou
     ManifoldRecord* old = &manifolds[record.firstManifold];
     if (count == 0 && !record.hasPoints) return kUnchanged;
     record.hasPoints = count > 0;
+    refreshSurfaces(record);
     const ShapeRecord& shapeA = shapes[record.shapeA];
     Vec3 normals[kMaxManifolds];
     int place[kMaxManifolds];
@@ -396,6 +409,13 @@ std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, const Manifold* fou
     for (int i = 0; i < count; ++i) {
         ManifoldRecord& manifold = old[place[i]];
         written[place[i]] = true;
+        // Its impulses stay in its lane, and so do its surfaces.
+        if (manifold.place.color != kNone && lastSubstep == context.h && hasSamePoints(manifold, found[i]) &&
+            manifold.triangle == found[i].triangle) {
+            manifold.normal = normals[i];
+            placePoints(record, found[i], manifold);
+            continue;
+        }
         if (manifold.place.color != kNone) saveLane(manifold);
         const ManifoldRecord before = manifold;
         manifold.normal = normals[i];
@@ -405,7 +425,7 @@ std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, const Manifold* fou
         if (manifold.place.color != kNone)
             writeLane(record, manifold);
         else
-            change |= kGraph;
+            change |= kGraph, manifoldTouches[record.firstManifold + static_cast<std::size_t>(place[i])] = kUnknownTouch;
     }
     for (int k = 0; k < record.manifoldCapacity; ++k) {
         if (written[k] || old[k].pointCount == 0) continue;

@@ -26,19 +26,46 @@ bool isLoaded(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
 
 }  // namespace
 
+/// What the lanes say of all manifolds in the graph.
+void WorldImpl::findTouches() {
+    const auto lanes = static_cast<std::size_t>(graph.lanes());
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
+        const ConstraintGraph::Color& color = graph.color(c);
+        const std::size_t perBundle = c == ConstraintGraph::kOverflow ? 1 : lanes;
+        laneTouches.resizeForOverwrite(static_cast<std::size_t>(graph.bundleCount(c)) * lanes);
+        runner.parallelFor(graph.bundleCount(c), 32, [&](int begin, int end, int) {
+            kernels->readTouches(color.bundles.data(), begin, end, laneTouches.data());
+            for (auto bundle = static_cast<std::size_t>(begin); bundle < static_cast<std::size_t>(end); ++bundle)
+                for (std::size_t lane = 0; lane < perBundle && bundle * perBundle + lane < color.manifolds.size(); ++lane)
+                    manifoldTouches[color.manifolds[bundle * perBundle + lane]] = laneTouches[bundle * lanes + lane];
+        });
+    }
+}
+
+/// Does a contact touch after the step? Notes whether it bears a load.
+bool WorldImpl::isTouching(ContactRecord& record) {
+    bool touching = record.struck;
+    for (std::uint32_t k = 0; record.hasPoints && k < record.manifoldCapacity; ++k) {
+        const std::uint8_t touch = manifoldTouches[record.firstManifold + k];
+        const bool unknown = touch == kUnknownTouch || record.sensor;
+        touching |= unknown ? isLoaded(graph, manifolds[record.firstManifold + k]) : (touch & kTouches) != 0;
+        const bool bears = !unknown && (touch & kBearsLoad) != 0;
+        if (k == 0 && record.bearsLoad != bears) record.bearsLoad = bears;
+    }
+    return touching;
+}
+
 /// Contacts touch when a point carries load or overlaps; begin and end are reported in the order of the list.
 void WorldImpl::publishEvents() {
+    findTouches();
     contactChanged.resizeForOverwrite(awakeContacts.size());
     runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
+        constexpr int kNext = 12;
         for (int i = begin; i < end; ++i) {
             const auto place = static_cast<std::size_t>(i);
-            prefetchContact(i, end);
-            const ContactRecord& record = contacts[awakeContacts[place]];
-            bool touching = record.struck;
-            for (std::uint32_t k = 0; record.hasPoints && k < record.manifoldCapacity; ++k) {
-                const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
-                touching |= isLoaded(graph, manifold);
-            }
+            if (i + kNext < end) __builtin_prefetch(&contacts[awakeContacts[place + kNext]]);
+            ContactRecord& record = contacts[awakeContacts[place]];
+            const bool touching = isTouching(record);
             contactChanged[place] = touching != record.touching || (touching && record.reportsMotion) ? 1 : 0;
         }
     });

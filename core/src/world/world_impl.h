@@ -64,6 +64,7 @@ struct WorldImpl {
     bool isLittle() const;
     void prepareBodies();
     void prepareConstraints();
+    unsigned placeAndPrepare(int color, int begin, int end);
     void prepareJoints(int color);
     void storeJoints();
     void solveSubstep(World& world, int number);
@@ -102,6 +103,8 @@ struct WorldImpl {
     void prefetchContact(int place, int end) const;
     void updateContacts();
     void updateContact(std::uint32_t contact);
+    std::uint8_t keepManifolds(ContactRecord& contact);
+    std::uint8_t collideAnew(ContactRecord& contact, const Frame& bInA, float margin, double travel);
     void lookAhead();
     float motionAhead(const ContactRecord& contact) const;
     void updateSensors();
@@ -122,15 +125,12 @@ struct WorldImpl {
     Frame shapeBInA(const ContactRecord& contact) const;
     Vec3 wayAtPoint(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
     bool willMeet(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
-    bool reuseManifolds(ContactRecord& contact, const Frame& bInA, float margin, float size);
+    bool reuseManifolds(ContactRecord& contact, const Frame& bInA, float margin, double travel) const;
+    bool turnsUnderContact(const ContactRecord& contact) const;
+    float motionPerTravel(const ContactRecord& contact, const Frame& bInA) const;
     PlacedManifold placed(const ContactRecord& contact, const ManifoldRecord& manifold) const;
-    void placeLane(const ContactRecord& contact, const ManifoldRecord& manifold);
     void writeSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
-    std::size_t indexOf(const ManifoldRecord& manifold) const {
-        return static_cast<std::size_t>(&manifold - manifolds.data());
-    }
-    void forgetSurfaces(const ContactRecord& contact);
-    void refreshSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
+    void refreshSurfaces(ContactRecord& contact);
     void writeLane(const ContactRecord& contact, const ManifoldRecord& manifold);
     void saveLane(ManifoldRecord& manifold);
     void noteGraphChange(GraphPlace place);
@@ -145,7 +145,7 @@ struct WorldImpl {
 
     // world_seams.cpp: side contacts between neighbouring obstacles.
     void hideSeams();
-    void hideSeam(const ContactRecord& contact);
+    void hideSeam(ContactRecord& contact);
     bool mayBeSeam(const ContactRecord& contact) const;
     bool bearsLoad(const ManifoldRecord& manifold) const;
     bool closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const;
@@ -201,6 +201,7 @@ struct WorldImpl {
     bool isUntouched(std::uint32_t body) const;
     void loadNewContacts();
     void settleNewContacts();
+    void settleNewJoints();
     void addPushes(float share);
 
     // world_direct.cpp: islands that are solved directly.
@@ -242,6 +243,8 @@ struct WorldImpl {
 
     // world_events.cpp
     void publishEvents();
+    void findTouches();
+    bool isTouching(ContactRecord& contact);
     void publishContact(std::uint32_t contact);
     void publishSurface(const ContactRecord& contact, ManifoldRecord& manifold);
     void publishSweptImpacts();
@@ -317,6 +320,10 @@ struct WorldImpl {
     void forgetDerived();
     std::uint64_t hash() const;
 
+    ContactPlaces contactPlaces() const {
+        return {&bodies.data()->center, &bodies.data()->rotation, sizeof(BodyRecord), manifolds.data(),
+                sizeof(ManifoldRecord)};
+    }
     BodyArrays bodyArrays() { return {states.data(), inertias.data(), dynamics.data(), histories.data()}; }
     void beginStage(const char* name);
     void endStages();
@@ -341,6 +348,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> freeManifolds, freeMeshManifolds;
     AlignedArray<JointRecord> joints;
     AlignedArray<JointSim> jointSims;
+    AlignedArray<std::uint32_t> newJoints;  ///< made since the last step
     AlignedArray<CouplingRecord> couplings;
     AlignedArray<CouplingSim> couplingSims;
     AlignedArray<std::uint32_t> awakeBodies, awakeContacts, moveBuffer;
@@ -362,7 +370,9 @@ struct WorldImpl {
     AlignedArray<int> sweptColors;  ///< of this step: those that hold something
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled
-    AlignedArray<std::uint8_t> surfaceKept;  ///< per manifold: what its lane says of surfaces does not change by itself
+    AlignedArray<std::uint8_t> manifoldTouches;  ///< per manifold, a ManifoldTouch at the end of the last step
+    AlignedArray<std::uint8_t> laneTouches;      ///< the same per lane of a colour
+    bool surfacesForgotten = false;              ///< lanes are to be told anew what the surfaces are
     std::atomic<bool> anySensor{false};      ///< is any awake contact one?
     AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts
     AlignedArray<ChangedContact> changedContacts;

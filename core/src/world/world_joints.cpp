@@ -65,6 +65,7 @@ std::uint32_t WorldImpl::createJoint(const JointDef& def) {
     if (moves(a) && !awakeA) wakeBody(a);
     if (moves(b) && !awakeB) wakeBody(b);
     addJointToGraph(index);
+    newJoints.push(index);
     structureChanged = true;
     return index;
 }
@@ -86,6 +87,8 @@ void WorldImpl::destroyJoint(std::uint32_t index) {
     removeJointFromGraph(index);
     unlink(joints, bodies[joint.bodyA].firstJoint, 2 * index);
     unlink(joints, bodies[joint.bodyB].firstJoint, 2 * index + 1);
+    for (std::uint32_t& made : newJoints)
+        if (made == index) made = kNone;
     const bool collided = bodiesOf(joint.def).collide;
     jointSlots.release(index);
     ++structureVersion;

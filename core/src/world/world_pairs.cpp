@@ -171,6 +171,7 @@ void WorldImpl::createContact(std::uint32_t a, std::uint32_t b) {
     contact.shapeB = b;
     contact.bodyA = shapeA.body;
     contact.bodyB = shapeB.body;
+    contact.size = shapeA.size < shapeB.size ? shapeA.size : shapeB.size;
     contact.isMesh = meshA || meshB;
     contact.sensor = shapeA.sensor || shapeB.sensor;
     contact.reportsMotion = shapeA.reportsMotion || shapeB.reportsMotion;
@@ -179,6 +180,7 @@ void WorldImpl::createContact(std::uint32_t a, std::uint32_t b) {
     if (free.empty()) {
         contact.firstManifold = static_cast<std::uint32_t>(manifolds.size());
         manifolds.resize(manifolds.size() + contact.manifoldCapacity, {});
+        manifoldTouches.resize(manifolds.size(), 0);
     } else {
         contact.firstManifold = free.back();
         free.pop();

@@ -39,7 +39,8 @@ void WorldImpl::stayPut(std::uint32_t index) {
 /// Constraints of a body begin anew.
 void WorldImpl::forgetImpulses(std::uint32_t index) {
     for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
-        const ContactRecord& record = contacts[key >> 1];
+        ContactRecord& record = contacts[key >> 1];
+        record.bearsLoad = false;
         if (record.firstManifold == kNone) continue;
         for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
             ManifoldRecord& manifold = manifolds[record.firstManifold + k];

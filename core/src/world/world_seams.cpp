@@ -191,18 +191,17 @@ bool WorldImpl::bearsLoad(const ManifoldRecord& manifold) const {
 /// Only what moves, closes by more than a little and is about to meet is looked at.
 bool WorldImpl::mayBeSeam(const ContactRecord& record) const {
     if (record.sensor || !record.hasPoints || record.isMesh) return false;
-    const float size = slackOf(record.shapeA, record.shapeB) / kStep;
-    if (bodies[record.bodyA].ahead + bodies[record.bodyB].ahead < kClosing * size) return false;
+    if (bodies[record.bodyA].ahead + bodies[record.bodyB].ahead < kClosing * record.size) return false;
     const ManifoldRecord& manifold = manifolds[record.firstManifold];
-    return manifold.pointCount > 0 && !bearsLoad(manifold) && closes(record, manifold, kClosing * size);
+    return manifold.pointCount > 0 && !bearsLoad(manifold) && closes(record, manifold, kClosing * record.size);
 }
 
-void WorldImpl::hideSeam(const ContactRecord& record) {
+void WorldImpl::hideSeam(ContactRecord& record) {
     const ManifoldRecord& manifold = manifolds[record.firstManifold];
     if (manifold.place.color == kNone) return;
     if (!(moves(record.bodyA) && isSeam(manifold, 0)) && !(moves(record.bodyB) && isSeam(manifold, 1))) return;
     LaneView(graph.lane(manifold.place), graph.lanes()).setBits(contact::kPointCount, 0);
-    surfaceKept[indexOf(manifold)] = 0;
+    record.surfaceOpen = true;
 }
 
 /// Takes the points of contacts at seams out of this step; their lanes are written anew in the next one. Which may be
@@ -210,7 +209,7 @@ void WorldImpl::hideSeam(const ContactRecord& record) {
 void WorldImpl::hideSeams() {
     runner.parallelFor(static_cast<int>(closingContacts.size()), 32, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
-            const ContactRecord& record = contacts[closingContacts[static_cast<std::size_t>(i)]];
+            ContactRecord& record = contacts[closingContacts[static_cast<std::size_t>(i)]];
             if (mayBeSeam(record)) hideSeam(record);
         }
     });

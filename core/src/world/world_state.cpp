@@ -77,6 +77,7 @@ void WorldImpl::archive(Archive& archive) {
     archive(freeMeshManifolds);
     archive(joints);
     archive(jointSims);
+    archive(newJoints);
     archive(couplings);
     archive(couplingSims);
     archive(awakeBodies);
@@ -203,8 +204,9 @@ void WorldImpl::forgetDerived() {
     directGrouped = false;
     bundlesChanged = treesChanged = true;
     // No such field of a lane is saved.
-    surfaceKept.clear();
-    surfaceKept.resize(manifolds.size(), 0);
+    surfacesForgotten = true;
+    manifoldTouches.clear();
+    for (const ManifoldRecord& manifold : manifolds) manifoldTouches.push(manifold.pointCount > 0 ? kUnknownTouch : 0);
     ++structureVersion;
     for (const ShapeRecord& shape : shapes) {
         if (!meshesMove && geometries[shape.geometry].mesh && bodies[shape.body].type == BodyType::dynamic) makeSkins();

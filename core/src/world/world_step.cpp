@@ -50,6 +50,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         beginStage("prepare");
         prepareBodies();
         findAssemblies();
+        settleNewJoints();
         prepareConstraints();
         beginDirect();
         beginStage("solve");
@@ -131,7 +132,6 @@ void WorldImpl::prepareBodies() {
 }
 
 void WorldImpl::prepareConstraints() {
-    const BodyArrays arrays = bodyArrays();
     const bool rescale = lastSubstep > 0 && lastSubstep != context.h;
     const float ratio = rescale ? context.h / lastSubstep : 1;
     if (bundlesChanged) jointBundles.build(graph, jointSims.data());
@@ -142,7 +142,7 @@ void WorldImpl::prepareConstraints() {
         if (rescale)
             for (const std::uint32_t joint : color.joints) rescaleJoint(jointSims[joint], ratio);
         runner.parallelFor(graph.bundleCount(c), 32, [&](int begin, int end, int) {
-            const unsigned kinds = kernels->prepareContacts(color.bundles.data(), begin, end, arrays, context);
+            const unsigned kinds = placeAndPrepare(c, begin, end);
             if (kinds != 0) found.fetch_or(kinds, std::memory_order_relaxed);
         });
         prepareJoints(c);
@@ -153,6 +153,22 @@ void WorldImpl::prepareConstraints() {
     bouncy = (found.load(std::memory_order_relaxed) & kBouncyContact) != 0;
     collectDeep((found.load(std::memory_order_relaxed) & kDeepContact) != 0);
     prepareCouplings(ratio);
+}
+
+/// Some bundles at a time, which the cache holds in between.
+unsigned WorldImpl::placeAndPrepare(int c, int begin, int end) {
+    constexpr int kAtOnce = 4;
+    ConstraintGraph::Color& color = graph.color(c);
+    const LaneManifolds list{color.manifolds.data(), static_cast<int>(color.manifolds.size()),
+                             c == ConstraintGraph::kOverflow ? 1 : graph.lanes()};
+    const ContactPlaces places = contactPlaces();
+    unsigned kinds = 0;
+    for (int i = begin; i < end; i += kAtOnce) {
+        const int last = i + kAtOnce < end ? i + kAtOnce : end;
+        kernels->placeContacts(color.bundles.data(), i, last, list, places);
+        kinds |= kernels->prepareContacts(color.bundles.data(), i, last, bodyArrays(), context);
+    }
+    return kinds;
 }
 
 void WorldImpl::prepareJoints(int c) {
