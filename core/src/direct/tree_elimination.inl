@@ -88,6 +88,7 @@ RAGTOP_INLINE TreeSym<R> productOfCommuting(const TreeSym<R>& m, const TreeSym<R
 ///   L'' ← L'' B⁻¹,  X'' ← B⁻¹ X'',  A'' ← A'' − R X''ᵀ B⁻¹ X''.
 template <class R>
 RAGTOP_INLINE void giveWay(TreeNode<R>& node, bool turns) {
+    if constexpr (!TreeReal<R>::kYields) return;
     TreeInertia<R>& m = node.inertia;
     const R r = node.resistance, one(1.0f);
     R determinant;
@@ -140,7 +141,7 @@ RAGTOP_INLINE void passMomentum(TreeNode<R>& node, TreeNode<R>* parent, direct::
     l = l - cross(node.armC, p);
     if (joint == direct::TreeJoint::ball) {
         p = p - m.X * l;
-        p = node.yielding * p;
+        if constexpr (TreeReal<R>::kYields) p = node.yielding * p;
         if (!parent) return;
         const TreeVec<R> f = p - m.L * node.d;
         parent->momentum.p = parent->momentum.p + f;
@@ -153,8 +154,10 @@ RAGTOP_INLINE void passMomentum(TreeNode<R>& node, TreeNode<R>* parent, direct::
         p = p - scaled(share, node.y);
         l = l - scaled(share, node.z);
     }
-    l = l - scaled(node.resistance, transposed(m.X, p));
-    p = node.yielding * p;
+    if constexpr (TreeReal<R>::kYields) {
+        l = l - scaled(node.resistance, transposed(m.X, p));
+        p = node.yielding * p;
+    }
     if (!parent) return;
     const TreeVec<R> f = p - m.L * node.d - m.X * node.e;
     const TreeVec<R> t = l - transposed(m.X, node.d) - m.A * node.e;
@@ -179,14 +182,14 @@ RAGTOP_INLINE void takeVelocity(TreeNode<R>& node, const TreeNode<R>* parent, di
     if (joint == direct::TreeJoint::ball) {
         node.force = m.L * u - p;
         node.torque = zero;
-        u = u - scaled(node.resistance, node.force);
+        if constexpr (TreeReal<R>::kYields) u = u - scaled(node.resistance, node.force);
         node.w = m.A * l - transposed(m.X, u);
     } else {
         TreeVec<R> w = node.e;
         if (parent) w = w + parent->w;
         node.force = m.L * u + m.X * w - p;
         node.torque = transposed(m.X, u) + m.A * w - l;
-        u = u - scaled(node.resistance, node.force);
+        if constexpr (TreeReal<R>::kYields) u = u - scaled(node.resistance, node.force);
         if (joint == direct::TreeJoint::hinge)
             w = w + scaled(node.inverse * (node.carry - dot(node.y, u) - dot(node.z, w)), node.axis);
         node.w = w;

@@ -190,6 +190,7 @@ RAGTOP_INLINE void bear(const TreeLanes<R>& lanes, int l, R h) {
     TreeLane<R>* parent = above < 0 ? nullptr : &lanes.links[above];
     addStiffness(link, link.load, link.node.armC, h);
     if (parent) addStiffness(*parent, -link.load, link.node.armP, h);
+    if constexpr (!TreeReal<R>::kYields) return;
     const R both = admittance(link, link.node.armC) + (parent ? admittance(*parent, link.node.armP) : R(0.0f));
     link.node.resistance = R(kTreeResistance) * both;
 }
@@ -198,7 +199,7 @@ RAGTOP_INLINE void bear(const TreeLanes<R>& lanes, int l, R h) {
 template <class R>
 RAGTOP_INLINE void handUp(const TreeLanes<R>& lanes, int l, R share) {
     TreeNode<R>& node = lanes.links[l].node;
-    node.d = node.d + scaled(share * node.resistance, lanes.links[l].load);
+    if constexpr (TreeReal<R>::kYields) node.d = node.d + scaled(share * node.resistance, lanes.links[l].load);
     passMomentum(node, lanes.parentNode(l), lanes.group.links[l].joint);
 }
 

@@ -7,6 +7,9 @@
 namespace ragtop {
 namespace {
 
+/// Apart from its callers, which seldom need it.
+#define RAGTOP_APART __attribute__((noinline))
+
 template <int N>
 struct DoubleTypes;
 template <>
@@ -39,6 +42,11 @@ struct DoubleLanes {
     V v;
 
     DoubleLanes() = default;
+    RAGTOP_INLINE DoubleLanes(const DoubleLanes& a) : v(a.v) {}  // as Lanes
+    RAGTOP_INLINE DoubleLanes& operator=(const DoubleLanes& a) {
+        v = a.v;
+        return *this;
+    }
     RAGTOP_INLINE DoubleLanes(V a) : v(a) {}
     RAGTOP_INLINE DoubleLanes(double a) : v(a - V{}) {}
     RAGTOP_INLINE double operator[](int lane) const { return v[lane]; }
@@ -104,13 +112,14 @@ RAGTOP_INLINE DoubleLanes<N> sqrt(DoubleLanes<N> a) {
     return r;
 }
 
-/// What differs between precisions: how eight floats per lane come and go, and the scheme (TreeKernels).
+/// What differs between precisions: how eight floats per lane come and go, the scheme (TreeKernels), and whether points
+/// give way by 10⁻⁶, which in single precision is a few roundings.
 template <class R>
 struct TreeReal;
 template <int N>
 struct TreeReal<Lanes<N>> {
     static constexpr int kLanes = N;
-    static constexpr bool kLeapfrog = true;
+    static constexpr bool kLeapfrog = true, kYields = false;
     using Test = Mask<N>;
     static RAGTOP_INLINE Lanes<N> toSingle(Lanes<N> a) { return a; }
     static RAGTOP_INLINE void gather(const float* const rows[N], Lanes<N> out[8]) { gather8<N>(rows, out); }
@@ -119,7 +128,7 @@ struct TreeReal<Lanes<N>> {
 template <int N>
 struct TreeReal<DoubleLanes<N>> {
     static constexpr int kLanes = N;
-    static constexpr bool kLeapfrog = false;
+    static constexpr bool kLeapfrog = false, kYields = true;
     using Test = DoubleMask<N>;
     using Double = typename DoubleTypes<N>::Double;
     using Float = typename DoubleTypes<N>::Float;

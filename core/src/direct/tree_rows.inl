@@ -141,16 +141,18 @@ RAGTOP_INLINE void place(const Group& lanes, int l, const TreeMotion<R>& anchor)
 template <class R>
 struct TreeTurn {
     TreeVec<R> w;
-    R h, square;  ///< θ²
+    R h, square;      ///< θ²
+    R second, third;  ///< h (1 − cos θ)/θ², 1 − sin θ/θ
 
-    RAGTOP_INLINE TreeTurn(const TreeVec<R>& about, R substep)
-        : w(about), h(substep), square(min(substep * substep * dot(about, about), R(10.0f))) {}
+    RAGTOP_INLINE TreeTurn(const TreeVec<R>& about, R substep) : w(about), h(substep) {
+        square = min(h * h * dot(w, w), R(10.0f));
+        second = h * (R(0.5f) - square * (R(1.0f / 24) - square * R(1.0f / 720)));
+        third = square * (R(1.0f / 6) - square * (R(1.0f / 120) - square * R(1.0f / 5040)));
+    }
 
     /// What it adds to an arm in 1/h, beside ω × r:  h (1 − cos θ)/θ² ω × (ω × r) − (1 − sin θ/θ) ω × r.
     RAGTOP_INLINE TreeVec<R> curving(const TreeVec<R>& r) const {
         const TreeVec<R> once = cross(w, r);
-        const R second = h * (R(0.5f) - square * (R(1.0f / 24) - square * R(1.0f / 720)));
-        const R third = square * (R(1.0f / 6) - square * (R(1.0f / 120) - square * R(1.0f / 5040)));
         return scaled(second, cross(w, once)) - scaled(third, once);
     }
     RAGTOP_INLINE TreeVec<R> operator()(const TreeVec<R>& r) const { return r + scaled(h, cross(w, r) + curving(r)); }
@@ -208,7 +210,7 @@ RAGTOP_INLINE void rest(TreeLane<R>& link, const direct::TreeLink& at, const Tre
 
 /// The larger part of ∂²/∂θ² of a force's work on an arm, (F · r) E − ½ (r Fᵀ + F rᵀ): what is not negative.
 template <class R>
-RAGTOP_INLINE TreeSym<R> tautStiffness(const TreeVec<R>& force, const TreeVec<R>& arm, R f, R r, R share) {
+RAGTOP_APART TreeSym<R> tautStiffness(const TreeVec<R>& force, const TreeVec<R>& arm, R f, R r, R share) {
     const R zero(0.0f), one(1.0f), largest = f * r, along = dot(force, arm);
     const R safeF = select(f > zero, f, one), safeR = select(r > zero, r, one);
     const TreeVec<R> axis = cross(arm, force), apart = scaled(one / safeR, arm) - scaled(one / safeF, force);
@@ -234,10 +236,12 @@ RAGTOP_INLINE R easeAcross(const TreeSym<R>& i, const TreeVec<R>& arm) {
 /// For a thin link T = |impulse|/h, r = L/2 and I = m L²/12, so 4 T h²/(m L) = ⅔ h |impulse| r / I.
 template <class R>
 RAGTOP_INLINE void addStiffness(TreeLane<R>& link, const TreeVec<R>& impulse, const TreeVec<R>& arm, R h) {
-    const R f = sqrt(dot(impulse, impulse)), r = sqrt(dot(arm, arm));
-    const R ratio = R(2.0f / 3 / kTreeStiffLink) * h * f * r * easeAcross(link.inverseInertia, arm);
+    const TreeSym<R>& i = link.inverseInertia;
+    const R factor = R(2.0f / 3 / kTreeStiffLink) * h, f2 = dot(impulse, impulse), r2 = dot(arm, arm);
+    const R bound = factor * max(i.xx, max(i.yy, i.zz));
+    if (!any(f2 * r2 * (bound * bound) > R(0.99f))) return;  // the ratio below is less than one for certain
+    const R f = sqrt(f2), r = sqrt(r2), ratio = factor * f * r * easeAcross(i, arm);
     const R share = max(R(0.0f), min(R(1.0f), ratio - R(1.0f)));
-    if (!any(share > R(0.0f))) return;
     link.stiffness = link.stiffness + tautStiffness(impulse, arm, f, r, share * R(kTreeImplicit) * h);
 }
 

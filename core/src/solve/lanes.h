@@ -41,6 +41,12 @@ struct Lanes {
     V v;
 
     Lanes() = default;
+    // Trivial copies of structures of lanes would be made in pieces of 16 bytes, which wider loads then wait for.
+    RAGTOP_INLINE Lanes(const Lanes& a) : v(a.v) {}
+    RAGTOP_INLINE Lanes& operator=(const Lanes& a) {
+        v = a.v;
+        return *this;
+    }
     RAGTOP_INLINE Lanes(V a) : v(a) {}
     RAGTOP_INLINE Lanes(float a) : v(a - V{}) {}
     static RAGTOP_INLINE Lanes load(const float* p) { return *reinterpret_cast<const V*>(p); }
