@@ -21,6 +21,7 @@ Family chains();
 Family loops();
 Family motors();
 Family limits();
+Family jointStates();
 Family overlaps();
 Family shots();
 Family internalEdges();

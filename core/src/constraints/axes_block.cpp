@@ -69,12 +69,11 @@ PairVector carriedImpulse(const AxesBlock& block) {
     return sum;
 }
 
-void beginAxes(AxesBlock& block, const double (&coordinates)[AxesBlock::kMostFree], const BodyPair& pair,
-               const Arms& arms, float reaction, const JointContext& context) {
+void beginAxes(AxesBlock& block, const BodyPair& pair, const Arms& arms, float reaction, const JointContext& context) {
     const PairVector u = pair.velocity(arms);
     bool hadImpact = false;
     for (std::uint32_t f = 0; f < block.freeRows; ++f)
-        hadImpact |= beginAxis(block.axis[f], coordinates[f], speedAlong(block.free[f], u), reaction, context);
+        hadImpact |= beginAxis(block.axis[f], coordinateOf(block, f), speedAlong(block.free[f], u), reaction, context);
     for (std::uint32_t i = 0; i < block.rigidRows; ++i) {
         if (hadImpact) block.impulse[i] = block.startImpulse[i];
         block.startImpulse[i] = block.impulse[i];
@@ -96,16 +95,38 @@ PairVector freeImpulse(AxesBlock& block, std::uint32_t coordinate, float amount)
     return impulse;
 }
 
+/// As reactionTo: what keeps a rigid row's velocity under all that acts along free coordinates.
+static float reactionOf(const AxesBlock& block, std::uint32_t row) {
+    float sum = 0;
+    for (std::uint32_t f = 0; f < block.freeRows; ++f)
+        if (block.axis[f].features != 0) sum -= axisImpulse(block.axis[f]) * block.gain[f][row];
+    return sum;
+}
+
+BodyPair held(const AxesBlock& block, const BodyPair& pair, const Arms& arms) {
+    const PairVector u = pair.velocity(arms);
+    float impulse[AxesBlock::kMostRigid] = {};
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i) impulse[i] = -speedAlong(block.rigid[i], u);
+    solveRigid(block, impulse);
+    PairVector total;
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i) total += impulse[i] * block.rigid[i];
+    BodyPair holds = pair;
+    holds.apply(arms, total);
+    return holds;
+}
+
 void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const JointContext& context, bool moving) {
     const Softness soft = moving ? context.softness : kRigid;
     const PairVector u = pair.velocity(arms);
     float change[AxesBlock::kMostRigid] = {};
-    for (std::uint32_t i = 0; i < block.rigidRows; ++i)
-        change[i] = -(speedAlong(block.rigid[i], u) + soft.biasRate * block.error[i]);
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i) {
+        const float bend = moving ? block.rigidBend[i] : 0.0f;
+        change[i] = -(speedAlong(block.rigid[i], u) + bend + soft.biasRate * block.error[i]);
+    }
     solveRigid(block, change);
     PairVector total;
     for (std::uint32_t i = 0; i < block.rigidRows; ++i) {
-        change[i] = soft.massScale * change[i] - soft.impulseScale * block.impulse[i];
+        change[i] = soft.massScale * change[i] - soft.impulseScale * (block.impulse[i] - reactionOf(block, i));
         block.impulse[i] += change[i];
         total += change[i] * block.rigid[i];
     }
@@ -113,7 +134,7 @@ void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const JointCo
     for (std::uint32_t f = 0; f < block.freeRows; ++f) {
         if (block.axis[f].features == 0) continue;
         const float speed = speedAlong(block.free[f], pair.velocity(arms));
-        pair.apply(arms, freeImpulse(block, f, solveAxis(block.axis[f], speed, context, moving)));
+        pair.apply(arms, freeImpulse(block, f, solveAxis(block.axis[f], speed, context, moving, block.freeBend[f])));
     }
 }
 

@@ -17,22 +17,28 @@ struct AxesBlock {
 
     // Of the current substep.
     PairVector rigid[kMostRigid], free[kMostFree];  ///< what a row takes of the relative motion
-    float value[kMostFree] = {};                    ///< of the coordinates, those of angles without their turns
+    /// Coordinates, m, or rad with all turns, and what single precision leaves of them.
+    float value[kMostFree] = {}, rounded[kMostFree] = {};
     float error[kMostRigid] = {};
+    float rigidBend[kMostRigid] = {}, freeBend[kMostFree] = {};  ///< mean rates over the substep less those of now
     float lower[kMostRigid][kMostRigid] = {};  ///< L D Lᵀ of the rigid rows: L, and the inverse pivots on its diagonal
     float gain[kMostFree][kMostRigid] = {};  ///< K_rr⁻¹ K_rf: what keeps the rigid rows' velocity, per free impulse
 };
 
+inline double coordinateOf(const AxesBlock& block, std::uint32_t f) {
+    return static_cast<double>(block.value[f]) + static_cast<double>(block.rounded[f]);
+}
 /// Masses from the directions, once these are filled in.
 void refreshMass(AxesBlock& block, const PairMass& mass);
 /// All that is carried over as one impulse.
 PairVector carriedImpulse(const AxesBlock& block);
 /// The impulse along a coordinate with what keeps the rigid rows' velocity, which is noted.
 PairVector freeImpulse(AxesBlock& block, std::uint32_t coordinate, float amount);
+/// The velocities that the rigid rows leave when they only hold.
+BodyPair held(const AxesBlock& block, const BodyPair& pair, const Arms& arms);
 void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const JointContext& context, bool moving);
 /// When a substep begins, once directions and masses are there.
-void beginAxes(AxesBlock& block, const double (&coordinates)[AxesBlock::kMostFree], const BodyPair& pair,
-               const Arms& arms, float reaction, const JointContext& context);
+void beginAxes(AxesBlock& block, const BodyPair& pair, const Arms& arms, float reaction, const JointContext& context);
 void rescale(AxesBlock& block, float ratio);
 
 inline float speedAlong(const PairVector& row, const PairVector& velocity) {

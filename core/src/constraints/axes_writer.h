@@ -4,29 +4,41 @@
 
 namespace ragtop {
 
-/// Fills the rows of an AxesBlock in turn.
+/// Errors and coordinates of an AxesBlock at another place.
+struct AxesPlace {
+    float error[AxesBlock::kMostRigid] = {};
+    double coordinate[AxesBlock::kMostFree] = {};
+};
+
+/// Fills the rows of an AxesBlock in turn, or only tells how far they would be off elsewhere.
 struct AxesWriter {
     AxesBlock& block;
-    double coordinates[AxesBlock::kMostFree] = {};
+    AxesPlace* elsewhere = nullptr;  ///< where given, the block stays as it is
+    std::uint32_t rigidRows = 0, freeRows = 0;
 
     void rigid(const PairVector& row, float error) {
-        block.rigid[block.rigidRows] = row;
-        block.error[block.rigidRows++] = error;
+        const std::uint32_t i = rigidRows++;
+        (elsewhere ? elsewhere->error : block.error)[i] = error;
+        if (!elsewhere) block.rigid[i] = row;
     }
     void free(const PairVector& row, double coordinate) {
-        const std::uint32_t f = block.freeRows++;
-        coordinates[f] = coordinate;
-        block.free[f] = row;
-        block.value[f] = static_cast<float>(coordinate);
+        const std::uint32_t f = freeRows++;
+        if (elsewhere) {
+            elsewhere->coordinate[f] = coordinate;
+        } else {
+            block.free[f] = row;
+            block.value[f] = static_cast<float>(coordinate);
+            block.rounded[f] = static_cast<float>(coordinate - static_cast<double>(block.value[f]));
+        }
         if (block.locked & 1u << f)
             rigid(row, static_cast<float>(coordinate - static_cast<double>(block.axis[f].lower)));
-        else
+        else if (!elsewhere)
             setMargins(block.axis[f], coordinate);
     }
     /// The angle of the next free row with its turns.
     double turn(float angle) {
-        AxisRows& axis = block.axis[block.freeRows];
-        track(axis, angle);
+        AxisRows& axis = block.axis[freeRows];
+        if (!elsewhere) track(axis, angle);
         return unwrapped(axis, angle);
     }
 };

@@ -223,8 +223,9 @@ RowAim aimOf(const AxisRows& rows, AxisSlot slot, const JointContext& context, b
     return aim;
 }
 
-/// A spring that acts at the beginning of each substep leaves the speed that was half a substep ago, v + h k C w/2. Within
-/// a swing that is of no consequence; what leaves a damped stop leaves it at C = −c v/k and would miss that part for good.
+/// A spring that acts at the beginning of each substep leaves the speed that was half a substep ago, v + h k C w/2.
+/// Within a swing that is of no consequence; what leaves a damped stop leaves it at C = −c v/k and would miss that part
+/// for good.
 static float dueOnRelease(const StopSide& side, const Stop& stop, float h) {
     const bool letsGo = side.pressed > 0 && !(side.impulse > 0) && !(side.due > 0) && side.startMargin < 0;
     return letsGo ? -0.5f * h * stop.stiffness * side.startMargin : 0.0f;
@@ -322,7 +323,7 @@ float solveRow(float& impulse, const RowAim& aim, float speed, float inverseMass
     return impulse - old;
 }
 
-float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool moving) {
+float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool moving, float bend) {
     const float w = rows.inverseMass;
     if (!(w > 0) || rows.features == 0) return 0;
     float total = 0;
@@ -330,9 +331,9 @@ float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool m
         const auto slot = static_cast<AxisSlot>(i);
         if (!rows.has(slot)) continue;
         const float side = slot == AxisSlot::upper ? -1.0f : 1.0f;
-        if (rows.isStop(slot) && !mayAct(rows.stopAt(slot), rows.stop, side * speed, context, moving)) continue;
-        const float delta =
-            side * solveRow(rows.impulse(slot), aimOf(rows, slot, context, moving), side * speed, w, context);
+        const float along = side * (moving && slot >= AxisSlot::lower ? speed + bend : speed);
+        if (rows.isStop(slot) && !mayAct(rows.stopAt(slot), rows.stop, along, context, moving)) continue;
+        const float delta = side * solveRow(rows.impulse(slot), aimOf(rows, slot, context, moving), along, w, context);
         total += delta;
         speed += w * delta;
     }

@@ -111,6 +111,7 @@ struct AxisRows {
 
     bool has(AxisSlot slot) const;
     bool isStop(AxisSlot slot) const { return slot >= AxisSlot::lower && (features & kLimit) != 0; }
+    bool keepsRange() const { return (features & (kLimit | kLocked)) != 0; }
     const StopSide& stopAt(AxisSlot slot) const { return slot == AxisSlot::upper ? atUpper : atLower; }
     float& impulse(AxisSlot slot);
     float impulse(AxisSlot slot) const { return const_cast<AxisRows*>(this)->impulse(slot); }
@@ -134,8 +135,10 @@ bool beginAxis(AxisRows& rows, double coordinate, float speed, float reaction, c
 RowAim aimOf(const AxisRows& rows, AxisSlot slot, const JointContext& context, bool moving);
 /// Solves one row and returns the change of its impulse.
 float solveRow(float& impulse, const RowAim& aim, float speed, float inverseMass, const JointContext& context);
-/// Solves all rows in turn, limits last, and returns the sum of the impulses added.
-float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool moving);
+/// Solves all rows in turn, limits last, and returns the sum of the impulses added. Where positions are to move, what
+/// is to stay within a range counts `bend`, by which its mean rate differs from its speed; springs, dampers and motors
+/// know how their own motion goes on.
+float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool moving, float bend = 0);
 
 /// `angle` plus or minus a turn so that it lies within half a turn of `center`; |angle − center| < 3π.
 float wrapAbout(float angle, float center);

@@ -22,7 +22,7 @@ PairVector rowOf(const JointSim& joint, std::uint32_t coordinate) {
 double valueOf(const JointSim& joint, std::uint32_t coordinate) {
     const AxisRows& axis = axisOf(const_cast<JointSim&>(joint), coordinate);
     if (axis.tracked) return unwrapped(axis, axis.lastAngle);
-    if (hasAxes(joint.kind)) return static_cast<double>(joint.axes.value[coordinate]);
+    if (hasAxes(joint.kind)) return coordinateOf(joint.axes, coordinate);
     return static_cast<double>(joint.kind == JointKind::slider ? joint.block.errorSecond.z
                                                                : length(joint.block.errorFirst));
 }
@@ -89,16 +89,34 @@ double sumOf(const CouplingSim& coupling, const JointSim* joints) {
     return sum;
 }
 
-float speedOf(const CouplingSim& coupling, const JointSim* joints, const BodyState* states,
-              const BodyInertia* inertia) {
-    float speed = 0;
+/// Σ ratio · what(joint, coordinate, its bodies)
+template <class What>
+float sumOverParts(const CouplingSim& coupling, const JointSim* joints, const BodyState* states,
+                   const BodyInertia* inertia, What&& what) {
+    float sum = 0;
     for (std::uint32_t i = 0; i < coupling.count; ++i) {
         const JointSim& joint = joints[coupling.joints[i]];
         // Nothing is written without BodyPair::store.
         const BodyPair pair(const_cast<BodyState*>(states), inertia, joint.stateA, joint.stateB, joint.taut);
-        speed += coupling.ratios[i] * speedAlong(rowOf(joint, coupling.coordinates[i]), pair.velocity(joint.arms));
+        sum += coupling.ratios[i] * what(joint, coupling.coordinates[i], pair);
     }
-    return speed;
+    return sum;
+}
+
+float speedOf(const CouplingSim& coupling, const JointSim* joints, const BodyState* states,
+              const BodyInertia* inertia) {
+    return sumOverParts(coupling, joints, states, inertia,
+                        [](const JointSim& joint, std::uint32_t coordinate, const BodyPair& pair) {
+                            return speedAlong(rowOf(joint, coordinate), pair.velocity(joint.arms));
+                        });
+}
+
+float bendOf(const CouplingSim& coupling, const JointSim* joints, const BodyState* states, const BodyInertia* inertia,
+             float h) {
+    return sumOverParts(coupling, joints, states, inertia,
+                        [&](const JointSim& joint, std::uint32_t coordinate, const BodyPair& pair) {
+                            return bendOf(joint, coordinate, pair, h);
+                        });
 }
 
 void pushAll(const CouplingSim& coupling, JointSim* joints, BodyState* states, const BodyInertia* inertia,
@@ -207,7 +225,9 @@ void refreshCoupling(CouplingSim& coupling, JointSim* joints, const BodyState* s
 void solveCoupling(CouplingSim& coupling, JointSim* joints, BodyState* states, const BodyInertia* inertia,
                    const JointContext& context, bool moving) {
     const float speed = speedOf(coupling, joints, states, inertia);
-    pushAll(coupling, joints, states, inertia, solveAxis(coupling.axis, speed, context, moving));
+    const float bend =
+        moving && coupling.axis.keepsRange() ? bendOf(coupling, joints, states, inertia, context.h) : 0.0f;
+    pushAll(coupling, joints, states, inertia, solveAxis(coupling.axis, speed, context, moving, bend));
 }
 
 CouplingState couplingState(const CouplingSim& coupling, const JointSim (&joints)[CouplingSim::kMost],

@@ -66,13 +66,14 @@ void refreshUniversal(AxesWriter& write, const JointPlace& place) {
 }
 
 void writeRows(AxesWriter& write, JointSim& joint, const JointPlace& place) {
-    write.block.rigidRows = write.block.freeRows = 0;
     if (joint.kind == JointKind::cylindrical) refreshCylindrical(write, place);
     if (joint.kind == JointKind::plane) refreshPlane(write, place);
     if (joint.kind == JointKind::screw) refreshScrew(write, place, joint.pitch);
     if (joint.kind == JointKind::universal) refreshUniversal(write, place);
     if (joint.kind == JointKind::path) writePath(write, joint.path, place);
     if (joint.kind == JointKind::sixDof) writeSixDof(write, place);
+    write.block.rigidRows = write.rigidRows;
+    write.block.freeRows = write.freeRows;
 }
 
 }  // namespace
@@ -101,7 +102,30 @@ void refreshAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair,
     writeRows(write, joint, place);
     refreshMass(block, pair.mass(joint.arms));
     if (!refresh.begins) return;
-    beginAxes(block, write.coordinates, pair, joint.arms, frictionLoad(joint, place), refresh.context);
+    beginAxes(block, pair, joint.arms, frictionLoad(joint, place), refresh.context);
+}
+
+/// Where the velocities lead that the rigid rows leave, by how much does each row go another way than its rate says?
+/// Angles that turn by more than half a radian are not foreseen, as in `curving`.
+void foreseeAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context) {
+    AxesBlock& block = joint.axes;
+    const BodyPair holds = held(block, pair, joint.arms);
+    const PairVector u = holds.velocity(joint.arms);
+    const Turning w = holds.turns();
+    const PathPlace onPath = joint.path.at;
+    AxesPlace ahead;
+    AxesWriter write{block, &ahead};
+    writeRows(write, joint, placeAhead(place, joint.arms, holds, context.h));
+    joint.path.at = onPath;
+    const float a = dot(w.a, w.a), b = dot(w.b, w.b), square = context.h * context.h * (a > b ? a : b);
+    const float share = 1 / (1 + 9 * square * square);
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i)
+        block.rigidBend[i] =
+            share * (context.inverseH * (ahead.error[i] - block.error[i]) - speedAlong(block.rigid[i], u));
+    for (std::uint32_t f = 0; f < block.freeRows; ++f) {
+        const auto way = static_cast<float>(ahead.coordinate[f] - coordinateOf(block, f));
+        block.freeBend[f] = share * (context.inverseH * way - speedAlong(block.free[f], u));
+    }
 }
 
 namespace {
@@ -170,9 +194,9 @@ void reportAxes(const JointSim& joint, const JointPlace& place, const PairVector
     for (std::uint32_t i = 0; i < now.axes.rigidRows; ++i)
         off += (now.axes.error[i] * length(now.axes.rigid[i].linear)) * normalized(now.axes.rigid[i].linear, {});
     state.gap = length(off);
-    state.coordinate = static_cast<float>(write.coordinates[0]);
-    state.second = static_cast<float>(write.coordinates[1]);
-    state.third = static_cast<float>(write.coordinates[2]);
+    state.coordinate = now.axes.value[0];
+    state.second = now.axes.value[1];
+    state.third = now.axes.value[2];
     if (joint.kind == JointKind::sixDof) state.travel = {now.axes.value[3], now.axes.value[4], now.axes.value[5]};
     state.speed = speedAlong(now.axes.free[0], speed);
     for (std::uint32_t f = 0; f < now.axes.freeRows; ++f) {

@@ -21,7 +21,8 @@ void refreshDistance(JointSim& joint, const JointPlace& place, const BodyPair& p
 void solveDistance(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias) {
     const Vec3 direction = joint.block.basis.cz;
     const float speed = dot(direction, pair.velocity(joint.arms).linear);
-    pair.apply(joint.arms, {solveAxis(joint.axis, speed, context, useBias) * direction, {}});
+    const float bend = useBias && joint.axis.keepsRange() ? bendOf(joint, 0, pair, context.h) : 0.0f;
+    pair.apply(joint.arms, {solveAxis(joint.axis, speed, context, useBias, bend) * direction, {}});
 }
 
 }  // namespace ragtop

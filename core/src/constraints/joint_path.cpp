@@ -77,10 +77,10 @@ void findNearest(PathRows& path, const Vec3& p) {
             const float distance = lengthSquared(cubicAt(path, s, t).place - p);
             if (!(distance < least)) continue;
             least = distance;
-            path.segment = s;
-            path.parameter = t;
+            path.at.segment = s;
+            path.at.parameter = t;
         }
-    path.tracked = 1;
+    path.at.tracked = 1;
 }
 
 }  // namespace
@@ -106,11 +106,7 @@ void compile(PathRows& path, const Curve& curve, bool align) {
     }
     path.length = static_cast<float>(sum);
     if (!same) return;
-    path.segment = old.segment;
-    path.tracked = old.tracked;
-    path.laps = old.laps;
-    path.parameter = old.parameter;
-    path.across = old.across;
+    path.at = old.at;
 }
 
 CurvePoint curvePoint(const PathRows& path, std::uint32_t segment, float parameter) {
@@ -125,36 +121,36 @@ CurvePoint curvePoint(const PathRows& path, std::uint32_t segment, float paramet
 void follow(PathRows& path, const Vec3& p) {
     constexpr int kSteps = 6;
     constexpr float kEnough = 1e-6f;
-    const bool begins = path.tracked == 0;
+    const bool begins = path.at.tracked == 0;
     if (begins) findNearest(path, p);
     const bool closed = path.segments == path.points;
     for (int i = 0; i < kSteps; ++i) {
-        const float inside = path.parameter < 0 ? 0 : path.parameter > 1 ? 1 : path.parameter;
-        const float step = inside + towards(path, path.segment, inside, p) - path.parameter;
-        path.parameter += step;
-        const bool last = path.segment + 1 == path.segments, first = path.segment == 0;
-        if (path.parameter > 1 && (closed || !last)) {
-            path.segment = last ? 0 : path.segment + 1;
-            path.laps += last;
-            path.parameter = 0;
-        } else if (path.parameter < 0 && (closed || !first)) {
-            path.segment = first ? path.segments - 1 : path.segment - 1;
-            path.laps -= first;
-            path.parameter = 1;
+        const float inside = path.at.parameter < 0 ? 0 : path.at.parameter > 1 ? 1 : path.at.parameter;
+        const float step = inside + towards(path, path.at.segment, inside, p) - path.at.parameter;
+        path.at.parameter += step;
+        const bool last = path.at.segment + 1 == path.segments, first = path.at.segment == 0;
+        if (path.at.parameter > 1 && (closed || !last)) {
+            path.at.segment = last ? 0 : path.at.segment + 1;
+            path.at.laps += last;
+            path.at.parameter = 0;
+        } else if (path.at.parameter < 0 && (closed || !first)) {
+            path.at.segment = first ? path.segments - 1 : path.at.segment - 1;
+            path.at.laps -= first;
+            path.at.parameter = 1;
         } else if (step < kEnough && step > -kEnough) {
             break;
         }
     }
     // Where a closed curve begins, its end is as near.
-    if (begins) path.laps = 0;
+    if (begins) path.at.laps = 0;
 }
 
 double travelAlong(const PathRows& path) {
-    const float t = path.parameter, inside = t < 0 ? 0 : t > 1 ? 1 : t;
+    const float t = path.at.parameter, inside = t < 0 ? 0 : t > 1 ? 1 : t;
     const double beyond =
-        static_cast<double>(t - inside) * static_cast<double>(length(cubicAt(path, path.segment, inside).first));
-    return static_cast<double>(path.laps) * static_cast<double>(path.length) +
-           static_cast<double>(path.start[path.segment]) + lengthTo(path, path.segment, inside) + beyond;
+        static_cast<double>(t - inside) * static_cast<double>(length(cubicAt(path, path.at.segment, inside).first));
+    return static_cast<double>(path.at.laps) * static_cast<double>(path.length) +
+           static_cast<double>(path.start[path.at.segment]) + lengthTo(path, path.at.segment, inside) + beyond;
 }
 
 /// B's anchor stays across the curve where it is nearest. As it travels the tangent turns, κ per metre, and so does
@@ -162,10 +158,10 @@ double travelAlong(const PathRows& path) {
 void writePath(AxesWriter& write, PathRows& path, const JointPlace& place) {
     const Vec3 p = inverseRotate(place.a, place.gap);
     follow(path, p);
-    const CurvePoint at = curvePoint(path, path.segment, path.parameter);
+    const CurvePoint at = curvePoint(path, path.at.segment, path.at.parameter);
     const Vec3 tangent = rotate(place.a, at.tangent), off = rotate(place.a, p - at.place);
-    path.across = normalized(path.across - dot(path.across, at.tangent) * at.tangent, perpendicular(at.tangent));
-    const Vec3 n = rotate(place.a, path.across), b = cross(tangent, n);
+    path.at.across = normalized(path.at.across - dot(path.at.across, at.tangent) * at.tangent, perpendicular(at.tangent));
+    const Vec3 n = rotate(place.a, path.at.across), b = cross(tangent, n);
     write.rigid(travelRow(n, place.gap), dot(off, n));
     write.rigid(travelRow(b, place.gap), dot(off, b));
     const PairVector along = travelRow(tangent, place.gap);

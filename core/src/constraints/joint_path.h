@@ -7,6 +7,14 @@
 
 namespace ragtop {
 
+/// Where on a curve a joint is.
+struct PathPlace {
+    std::uint32_t segment = 0, tracked = 0;
+    std::int32_t laps = 0;
+    float parameter = 0;
+    Vec3 across{0, 1, 0};  ///< unit vector across the curve that turns with it, in A's frame
+};
+
 /// A compiled curve and where on it a joint is. Segment i goes from point i to the next; its parameter is in [0, 1].
 struct PathRows {
     static constexpr int kMost = Curve::kMostPoints;
@@ -16,11 +24,7 @@ struct PathRows {
     float start[kMost] = {};          ///< m along the curve to its beginning
     float length = 0;                 ///< m
 
-    // Carried from substep to substep.
-    std::uint32_t segment = 0, tracked = 0;
-    std::int32_t laps = 0;
-    float parameter = 0;
-    Vec3 across{0, 1, 0};  ///< unit vector across the curve that turns with it, in A's frame
+    PathPlace at;  ///< carried from substep to substep
 };
 /// Keeps the place where the curve is still the same.
 void compile(PathRows& path, const Curve& curve, bool align);

@@ -49,6 +49,31 @@ void refreshAt(JointSim& joint, const JointPlace& now, const BodyPair& pair, con
 
 }  // namespace
 
+namespace {
+
+/// A turn by h |ω|, as far as tan(θ/2) = θ/2 (1 + θ²/12 + θ⁴/120) goes: 1e-4 at a radian.
+Quat turned(const Vec3& w, float h) {
+    const Vec3 turn = h * w;
+    const float square = dot(turn, turn);
+    const Vec3 half = (0.5f + square * (1.0f / 24 + square * (1.0f / 240))) * turn;
+    return normalized(Quat{half.x, half.y, half.z, 1});
+}
+/// R r − r
+Vec3 displaced(const Quat& q, const Vec3& r) {
+    const Vec3 axis{q.x, q.y, q.z}, across = cross(axis, r);
+    return 2 * (q.w * across + cross(axis, across));
+}
+
+}  // namespace
+
+JointPlace placeAhead(const JointPlace& now, const Arms& arms, const BodyPair& pair, float h) {
+    const Turning w = pair.turns();
+    const Quat a = turned(w.a, h), b = turned(w.b, h);
+    const Arms anchors{arms.a - 0.5f * now.gap, arms.b + 0.5f * now.gap};
+    const Vec3 gap = now.gap + h * pair.velocity({}).linear + (displaced(b, anchors.b) - displaced(a, anchors.a));
+    return {a * now.a, b * now.b, gap};
+}
+
 void refreshJoint(JointSim& joint, const BodyPair& pair, const Refresh& refresh) {
     refreshAt(joint, locate(joint, pair), pair, refresh);
 }
@@ -150,9 +175,28 @@ static PairVector meanVelocity(const JointSim& joint, const BodyPair& pair, floa
     return u;
 }
 
+/// The travel s along the slide x of bodies that turn together:  s'' = |ω × x|² s + x · ω × (ω × (rB − rA))
+static float slidingBend(const JointSim& joint, const BodyPair& pair, float h) {
+    const Vec3 x = joint.block.basis.cz;
+    const Turning w = pair.turnsTogether();
+    const Vec3 across = cross(w.a, x);
+    const float rate = dot(across, across) / (1 + h * h * dot(w.a, w.a));
+    return dot(x, curvingArms(w, joint.arms, h)) + 0.5f * h * rate * joint.block.errorSecond.z;
+}
+
+float bendOf(const JointSim& joint, std::uint32_t coordinate, const BodyPair& pair, float h) {
+    if (hasAxes(joint.kind)) return joint.axes.freeBend[coordinate];
+    if (joint.kind == JointKind::slider) return slidingBend(joint, pair, h);
+    if (joint.kind != JointKind::distance) return 0;
+    const float speed = dot(joint.block.basis.cz, pair.velocity(joint.arms).linear);
+    return pair.receding(joint.arms, joint.block.errorFirst, speed, h);
+}
+
 void solveRigid(JointSim& joint, BodyPair& pair, const JointContext& context, bool moving) {
     const PairVector u = moving ? meanVelocity(joint, pair, context.h) : pair.velocity(joint.arms);
-    solveBlock(joint.block, pair, joint.arms, u, moving ? context.softness : kRigid);
+    const bool pushed = moving && joint.axis.features != 0;
+    const Reaction held = pushed ? reactionTo(joint.block, axisImpulse(joint.axis)) : Reaction{};
+    solveBlock(joint.block, pair, joint.arms, u, moving ? context.softness : kRigid, held);
 }
 
 void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias) {
@@ -161,7 +205,8 @@ void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& cont
     if (joint.axis.features == 0 || !(joint.axis.inverseMass > 0)) return;
     const PairVector u = pair.velocity(joint.arms);
     const float speed = dot(block.basis.cz, block.linearFirst ? u.angular : u.linear);
-    pair.apply(joint.arms, freeImpulse(block, solveAxis(joint.axis, speed, context, useBias)));
+    const float bend = useBias && joint.axis.keepsRange() ? bendOf(joint, 0, pair, context.h) : 0.0f;
+    pair.apply(joint.arms, freeImpulse(block, solveAxis(joint.axis, speed, context, useBias, bend)));
 }
 
 namespace {
@@ -184,6 +229,7 @@ void solveRows(JointSim& joint, BodyPair& pair, const JointContext& context, boo
             solveDistance(joint, pair, context, useBias);
             break;
         default:
+            if (useBias) foreseeAxes(joint, locate(joint, pair), pair, context);
             solveAxes(joint.axes, pair, joint.arms, context, useBias);
             break;
     }
@@ -204,6 +250,32 @@ void solveJointAgain(JointSim& joint, BodyState* states, const BodyInertia* iner
                      bool useBias) {
     BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
     solveRows(joint, pair, context, useBias);
+}
+
+bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inertia) {
+    BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+    const Vec3 first = joint.block.impulseFirst, second = joint.block.impulseSecond;
+    const PairVector before = pair.velocity(joint.arms);
+    if (hasAxes(joint.kind)) {
+        pair = held(joint.axes, pair, joint.arms);
+    } else if (joint.kind != JointKind::distance) {
+        solveRigid(joint, pair, {}, false);
+    } else if (joint.axis.features & AxisRows::kLocked && joint.axis.inverseMass > 0) {
+        const Vec3 line = joint.block.basis.cz;
+        pair.apply(joint.arms, {(-dot(line, before.linear) / joint.axis.inverseMass) * line, {}});
+    }
+    joint.block.impulseFirst = first;
+    joint.block.impulseSecond = second;
+    constexpr float kRounding = 1e-5f;
+    const PairVector after = pair.velocity(joint.arms);
+    const Vec3 vA = states[joint.stateA].v, wA = states[joint.stateA].w, vB = states[joint.stateB].v,
+               wB = states[joint.stateB].w;
+    const float turning = length(wA) + length(wB);
+    const float moving = length(vA) + length(vB) + length(cross(wA, joint.arms.a)) + length(cross(wB, joint.arms.b));
+    const bool fits = length(after.linear - before.linear) <= kRounding * moving &&
+                      length(after.angular - before.angular) <= kRounding * turning;
+    if (!fits) pair.store();
+    return !fits;
 }
 
 void rescaleJoint(JointSim& joint, float ratio) {

@@ -121,6 +121,9 @@ inline void noteLoad(JointSim& joint) {
     joint.stepImpulse.linear += impulse.linear;
     joint.stepImpulse.angular += impulse.angular;
 }
+/// Takes out of the velocities what the rigid rows do not allow, as a joint that was just made does; nothing is carried
+/// over from that. True where that was more than rounding.
+bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inertia);
 /// What is reported at the end of a step; reads velocities only from `states`.
 JointState jointState(const JointSim& joint, const JointBodiesAtStep& atEnd, const BodyState* states,
                       float inverseSubstep);

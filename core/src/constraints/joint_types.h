@@ -34,6 +34,12 @@ void refreshHinge(JointSim& joint, const JointPlace& place, const BodyPair& pair
 void refreshSlider(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh);
 void refreshFixed(JointSim& joint, const JointPlace& place, const BodyPair& pair);
 void refreshAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh);
+/// How the rows of an AxesBlock will bend within the substep, as velocities are now.
+void foreseeAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context);
+/// By how much the mean rate of a free coordinate over h will differ from its speed now.
+float bendOf(const JointSim& joint, std::uint32_t coordinate, const BodyPair& pair, float h);
+/// Where the joint's frames will be after h.
+JointPlace placeAhead(const JointPlace& now, const Arms& arms, const BodyPair& pair, float h);
 void refreshDistance(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh);
 
 /// Solves the rigid rows: for the mean velocity of the substep where positions are to move, else for that of now.

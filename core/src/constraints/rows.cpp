@@ -173,7 +173,8 @@ void beginBlock(RigidBlock& block, bool hadImpact) {
 /// With r = u + βC, block elimination of K p = −r:
 ///   p₂ = −(Bᵀ P B)⁻¹ Bᵀ (r₂ − Gᵀ r₁),   p₁ = −K₁₁⁻¹ r₁ − G p₂,
 /// then Δλ = massScale p − impulseScale λ.
-void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const PairVector& u, const Softness& soft) {
+void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const PairVector& u, const Softness& soft,
+                const Reaction& held) {
     const Vec3 first = (block.linearFirst ? u.linear : u.angular) + soft.biasRate * block.errorFirst;
     Vec3 p1 = -solve(block.mass.first, first);
     Vec3 p2;
@@ -188,22 +189,25 @@ void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const PairV
         }
         p1 -= block.mass.gain * p2;
     }
-    p1 = soft.massScale * p1 - soft.impulseScale * block.impulseFirst;
-    p2 = soft.massScale * p2 - soft.impulseScale * block.impulseSecond;
+    p1 = soft.massScale * p1 - soft.impulseScale * (block.impulseFirst - held.first);
+    p2 = soft.massScale * p2 - soft.impulseScale * (block.impulseSecond - held.second);
     block.impulseFirst += p1;
     block.impulseSecond += p2;
     pair.apply(arms, ordered(block, p1, p2));
 }
 
 /// With Bᵀ P B = L D Lᵀ, the second half's impulse B L⁻ᵀ e₃ moves the free direction alone, by D₃.
-PairVector freeImpulse(RigidBlock& block, float amount) {
+Reaction reactionTo(const RigidBlock& block, float amount) {
     const Factor3& f = block.second;
     const Vec3 rigid = -amount * ((f.l20 - f.l10 * f.l21) * block.basis.cx + f.l21 * block.basis.cy);
-    const Vec3 second = rigid + amount * block.basis.cz;
-    const Vec3 first = -(block.mass.gain * second);
-    block.impulseFirst += first;
-    block.impulseSecond += rigid;
-    return ordered(block, first, second);
+    return {-(block.mass.gain * (rigid + amount * block.basis.cz)), rigid};
+}
+
+PairVector freeImpulse(RigidBlock& block, float amount) {
+    const Reaction held = reactionTo(block, amount);
+    block.impulseFirst += held.first;
+    block.impulseSecond += held.second;
+    return ordered(block, held.first, held.second + amount * block.basis.cz);
 }
 
 }  // namespace ragtop

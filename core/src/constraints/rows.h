@@ -112,6 +112,9 @@ public:
     Turning turns() const { return {wA_, wB_}; }
     Turning turnsTogether() const;
     Turning turnsAbout(const Vec3& x) const;
+    /// By how much the mean speed over h at which the anchors, `gap` apart, recede from each other will exceed `speed`,
+    /// that of now. As with `curving`, a line that turns by much is not foreseen: of half a radian half is left.
+    float receding(const Arms& arms, const Vec3& gap, float speed, float h) const;
     void apply(const Arms& arms, const PairVector& impulse);
     void store() const;
     PairMass mass(const Arms& arms) const;
@@ -147,6 +150,16 @@ inline Turning BodyPair::turnsTogether() const {
 inline Turning BodyPair::turnsAbout(const Vec3& x) const {
     const Vec3 w = turnsTogether().a;
     return {w + dot(x, wA_ - w) * x, w + dot(x, wB_ - w) * x};
+}
+/// With the mean velocity U of the gap g:  (|g + h U| − |g|)/h = (2 g · U + h U²)/(|g + h U| + |g|)
+inline float BodyPair::receding(const Arms& arms, const Vec3& gap, float speed, float h) const {
+    const Arms anchors{arms.a - 0.5f * gap, arms.b + 0.5f * gap};
+    const Vec3 u = velocity(anchors).linear + curvingArms(turns(), anchors, h), ahead = gap + h * u;
+    const float now = length(gap), later = length(ahead), both = now + later;
+    const float mean = both > 0 ? (2 * dot(gap, u) + h * dot(u, u)) / both : 0.0f;
+    const float cosine = now * later > 0 ? dot(gap, ahead) / (now * later) : 0.0f;
+    const float share = cosine > 0 ? (cosine * cosine) * (cosine * cosine) : 0.0f;
+    return share * (mean - speed);
 }
 inline void BodyPair::apply(const Arms& arms, const PairVector& impulse) {
     vA_ -= scale(inverseMassA_, impulse.linear);
@@ -186,8 +199,15 @@ void refreshMass(RigidBlock& block, const PairMass& mass, bool secondHasRows);
 PairVector blockImpulse(const RigidBlock& block);
 /// When a substep begins: notes the impulses, or takes back those noted before when the last substep had an impact.
 void beginBlock(RigidBlock& block, bool hadImpact);
-/// Solves the block for the velocity `u`, which its rows are to undo, and applies the impulse to the pair.
-void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const PairVector& u, const Softness& softness);
+/// What keeps the velocity of rigid rows while an impulse acts along the free direction.
+struct Reaction {
+    Vec3 first, second;
+};
+Reaction reactionTo(const RigidBlock& block, float amount);
+/// Solves the block for the velocity `u`, which its rows are to undo, and applies the impulse to the pair. Of what it
+/// carries, only what is not `held` gives way.
+void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const PairVector& u, const Softness& softness,
+                const Reaction& held = {});
 /// The impulse of size `amount` along the free direction, together with what keeps the rigid rows' velocity.
 PairVector freeImpulse(RigidBlock& block, float amount);
 

@@ -37,13 +37,28 @@ RAGTOP_INLINE void beginBlock(WideJoint<N>& j, Mask<N> hadImpact) {
     j.set(kSecond, second), j.set(kStartSecond, second);
 }
 
+/// As Reaction.
+template <int N>
+struct WideReaction {
+    WideVec3<N> first = nothing<N>(), second = nothing<N>();
+};
+template <int N>
+RAGTOP_INLINE WideReaction<N> reactionTo(const WideBlock<N>& block, Lanes<N> amount) {
+    const WideFactor<N>& f = block.second;
+    const WideMat3<N>& e = block.basis;
+    const WideVec3<N> rigid = -amount * ((f.l20 - f.l10 * f.l21) * e.cx + f.l21 * e.cy);
+    return {-(block.gain * (rigid + amount * e.cz)), rigid};
+}
+
 /// The end of solveBlock: softens what the rows ask for, carries and applies it.
 template <int N>
-RAGTOP_INLINE void addToBlock(WideJoint<N>& j, const WideVec3<N>& p1, const WideVec3<N>& p2, const Softness& soft) {
+RAGTOP_INLINE void addToBlock(WideJoint<N>& j, const WideVec3<N>& p1, const WideVec3<N>& p2, const Softness& soft,
+                              const WideReaction<N>& held = {}) {
     constexpr int kFirst = RAGTOP_JOINT_FIELD(block.impulseFirst), kSecond = RAGTOP_JOINT_FIELD(block.impulseSecond);
     const Lanes<N> massScale(soft.massScale), impulseScale(soft.impulseScale);
     const WideVec3<N> first = j.vector(kFirst), second = j.vector(kSecond);
-    const WideVec3<N> change1 = massScale * p1 - impulseScale * first, change2 = massScale * p2 - impulseScale * second;
+    const WideVec3<N> change1 = massScale * p1 - impulseScale * (first - held.first),
+                      change2 = massScale * p2 - impulseScale * (second - held.second);
     j.set(kFirst, first + change1);
     j.set(kSecond, second + change2);
     j.apply(change1, change2);
@@ -237,19 +252,21 @@ RAGTOP_INLINE void solveHinge(WideJoint<N>& j, const WideBlock<N>& block, Lanes<
     const Lanes<N> x = dot(e.cx, speed) + bias * block.errorSecond.x, y = dot(e.cy, speed) + bias * block.errorSecond.y;
     const Lanes<N> solvedY = f.inverse1 * (y - f.l10 * x), solvedX = f.inverse0 * x - f.l10 * solvedY;
     const WideVec3<N> p2 = -(solvedX * e.cx + solvedY * e.cy);
-    addToBlock(j, -solveFor(block.first, residual) - block.gain * p2, p2, soft);
+    WideReaction<N> held;
+    if (moving && j.bundle.features != 0) held = reactionTo(block, axisImpulse(j));
+    addToBlock(j, -solveFor(block.first, residual) - block.gain * p2, p2, soft, held);
     if (j.bundle.features == 0) return;
 
     WideAxis<N> axis(j, freeInverseMass, context, moving);
     axis.solve(dot(e.cz, j.angularVelocity()));
     // As freeImpulse.
-    const WideVec3<N> rigid = -axis.total * ((f.l20 - f.l10 * f.l21) * e.cx + f.l21 * e.cy);
-    const WideVec3<N> second = rigid + axis.total * e.cz, first = -(block.gain * second);
+    const WideReaction<N> reaction = reactionTo(block, axis.total);
+    const WideVec3<N> second = reaction.second + axis.total * e.cz;
     constexpr int kFirst = RAGTOP_JOINT_FIELD(block.impulseFirst), kSecond = RAGTOP_JOINT_FIELD(block.impulseSecond);
     const WideVec3<N> oldFirst = j.vector(kFirst), oldSecond = j.vector(kSecond);
-    j.set(kFirst, select(axis.movable, oldFirst + first, oldFirst));
-    j.set(kSecond, select(axis.movable, oldSecond + rigid, oldSecond));
-    j.applyWhere(axis.movable, first, second);
+    j.set(kFirst, select(axis.movable, oldFirst + reaction.first, oldFirst));
+    j.set(kSecond, select(axis.movable, oldSecond + reaction.second, oldSecond));
+    j.applyWhere(axis.movable, reaction.first, second);
 }
 template <int N>
 RAGTOP_INLINE void relaxHinge(WideJoint<N>& j, const JointContext& context) {
@@ -324,6 +341,7 @@ RAGTOP_INLINE void beginDistance(WideJoint<N>& j, const JointContext& context) {
     WideVec3<N> direction;
     const Lanes<N> distance = refreshDistance(j, direction), mass = j.mass(direction);
     j.set(RAGTOP_JOINT_FIELD(axis.inverseMass), mass);
+    j.set(RAGTOP_JOINT_FIELD(block.errorFirst), j.gap);
     beginAxis(j, marginsOf(j, distance), distance - j.at(RAGTOP_JOINT_FIELD(axis.target)), mass,
               dot(direction, j.linearVelocity()), Lanes<N>(0.0f), context);
 }
@@ -331,7 +349,10 @@ template <int N>
 RAGTOP_INLINE void solveDistance(WideJoint<N>& j, const WideVec3<N>& direction, Lanes<N> mass,
                                  const JointContext& context, bool moving) {
     WideAxis<N> axis(j, mass, context, moving);
-    axis.solve(dot(direction, j.linearVelocity()));
+    const Lanes<N> speed = dot(direction, j.linearVelocity());
+    constexpr std::uint32_t kRange = AxisRows::kLimit | AxisRows::kLocked;
+    if (moving && (j.bundle.features & kRange)) axis.bend = j.receding(speed, context.h);
+    axis.solve(speed);
     j.apply(axis.total * direction, nothing<N>());
 }
 template <int N>

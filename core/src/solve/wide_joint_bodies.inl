@@ -244,6 +244,17 @@ struct WideJoint {
     RAGTOP_INLINE WideVec3<N> curvingArms(const WideTurning<N>& w, float h) const {
         return curving(w.b, armB, h) - curving(w.a, armA, h);
     }
+    /// As BodyPair::receding.
+    RAGTOP_INLINE Lanes<N> receding(Lanes<N> speed, float substep) const {
+        const Lanes<N> half(0.5f), h(substep);
+        const WideVec3<N> anchorA = armA - half * gap, anchorB = armB + half * gap;
+        const WideVec3<N> bends = curving(wB, anchorB, substep) - curving(wA, anchorA, substep);
+        const WideVec3<N> u = ((vB + cross(wB, anchorB)) - (vA + cross(wA, anchorA))) + bends, ahead = gap + h * u;
+        const Lanes<N> now = length(gap), later = length(ahead), zero(0.0f);
+        const Lanes<N> mean = divideOrZero(2.0f * dot(gap, u) + h * dot(u, u), now + later);
+        const Lanes<N> cosine = max(divideOrZero(dot(gap, ahead), now * later), zero);
+        return (cosine * cosine) * (cosine * cosine) * (mean - speed);
+    }
     RAGTOP_INLINE void apply(const WideVec3<N>& linear, const WideVec3<N>& angular) {
         vA = vA - times(massA, linear);
         wA = wA - shareA * (inertiaA * (cross(armA, linear) + angular));

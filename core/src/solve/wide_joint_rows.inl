@@ -144,10 +144,11 @@ struct WideAxis {
     const JointContext& context;
     bool moving;
     Lanes<N> inverseMass, speed, total;
+    Lanes<N> bend;  ///< of the mean rate, which rows that keep a range count
     Mask<N> movable;
 
     RAGTOP_INLINE WideAxis(WideJoint<N>& joint, Lanes<N> mass, const JointContext& c, bool moves)
-        : j(joint), context(c), moving(moves), inverseMass(mass), total(0.0f), movable(mass > 0.0f) {}
+        : j(joint), context(c), moving(moves), inverseMass(mass), total(0.0f), bend(0.0f), movable(mass > 0.0f) {}
 
     RAGTOP_INLINE void add(int field, Lanes<N> impulse) {
         const Lanes<N> old = j.at(field), solved = select(movable, impulse, old), change = solved - old;
@@ -167,7 +168,7 @@ struct WideAxis {
     }
     /// `sign` −1: a stop whose margin shrinks with the coordinate.
     RAGTOP_INLINE void stop(int side, float sign) {
-        const Lanes<N> along = sign * speed;
+        const Lanes<N> along = sign * (moving ? speed + bend : speed);
         const WideStopAim<N> aim(j, side, along, context, moving);
         const Mask<N> lanes = aim.acts & movable;
         if (!any(lanes)) return;
@@ -186,6 +187,7 @@ struct WideAxis {
     }
     RAGTOP_INLINE void locked() {
         const Lanes<N> all(kNoForceLimit), margin = j.at(RAGTOP_JOINT_FIELD(axis.atLower.margin));
+        if (moving) speed = speed + bend;
         rigid(RAGTOP_JOINT_FIELD(axis.atLower.impulse),
               moving ? Lanes<N>(-context.softness.biasRate) * margin : Lanes<N>(0.0f), -all, all,
               moving ? context.softness : kRigid);

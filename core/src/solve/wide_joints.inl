@@ -88,6 +88,7 @@ void solveJoints(const JointLanesView& view, int begin, int end, const JointPass
                 solveFixed(j, loadFixed(j), context, true);
                 break;
             default:
+                j.gap = j.vector(RAGTOP_JOINT_FIELD(block.errorFirst));
                 solveDistance(j, j.vector(RAGTOP_JOINT_FIELD(block.basis.cz)),
                               j.at(RAGTOP_JOINT_FIELD(axis.inverseMass)), context, true);
                 break;

@@ -46,6 +46,8 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       freeMeshManifolds(memory),
       joints(memory),
       jointSims(memory),
+      launchedBodies(memory),
+      newJoints(memory),
       couplings(memory),
       couplingSims(memory),
       awakeBodies(memory),

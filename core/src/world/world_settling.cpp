@@ -1,4 +1,5 @@
-// Loads of contacts that were just made between bodies at rest, so that what was built does not sink before it stands.
+// Loads of contacts that were just made between bodies at rest, so that what was built does not sink before it stands;
+// and velocities of bodies that were just joined.
 
 #include <cmath>
 
@@ -12,7 +13,29 @@ namespace {
 constexpr float kUpright = 0.94f;  ///< cosine of the steepest contact whose load is a weight
 constexpr int kSweeps = 16;        ///< that make estimated loads an equilibrium; what is left of their error is local
 
+constexpr int kJointSweeps = 32;
+
 }  // namespace
+
+/// Bodies that a joint was just made for lose at once what their velocities have that it does not allow, as in an
+/// impact. The soft rows would let some of it open the joint first, and closing it again gives energy to what the joint
+/// bears.
+void WorldImpl::settleNewJoints() {
+    for (const std::uint32_t j : newJoints)
+        if (j != kNone) placeJoint(jointSims[j], jointBodies(joints[j]), states.data(), inertias.data());
+    bool fits = false;
+    for (int i = 0; i < kJointSweeps && !fits; ++i) {
+        fits = true;
+        for (const std::uint32_t j : newJoints)
+            if (j != kNone && fitVelocities(jointSims[j], states.data(), inertias.data())) fits = false;
+    }
+    for (const std::uint32_t j : newJoints) {
+        if (j == kNone) continue;
+        for (const std::uint32_t body : {joints[j].bodyA, joints[j].bodyB})
+            if (moves(body)) noteMomentum(body);
+    }
+    newJoints.clear();
+}
 
 /// True of what was just made and stands: it has no speed at all, as nothing keeps once it has been stepped.
 bool WorldImpl::isUntouched(std::uint32_t body) const {
@@ -64,8 +87,8 @@ void WorldImpl::addPushes(float share) {
     }
 }
 
-/// Sweeps that move nothing yet make the estimate an equilibrium of weights, which is what these contacts carry from then
-/// on.
+/// Sweeps that move nothing yet make the estimate an equilibrium of weights, which is what these contacts carry from
+/// then on.
 void WorldImpl::settleNewContacts() {
     if (freshManifolds.empty()) return;
     addPushes(-1);
