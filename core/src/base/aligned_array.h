@@ -95,6 +95,12 @@ public:
         generations_.push(1);
         return static_cast<std::uint32_t>(generations_.size() - 1);
     }
+    /// What is in use has been moved to the first `used` indices: the rest is free.
+    void compact(std::uint32_t used) {
+        free_.clear();
+        for (std::uint32_t i = 0; i < count(); ++i) generations_[i] = i < used ? 1 : 2;
+        for (std::uint32_t i = count(); i > used; --i) free_.push(i - 1);
+    }
     /// Odd generations are in use, even ones free.
     void release(std::uint32_t index) {
         ++generations_[index];

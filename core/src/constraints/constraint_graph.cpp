@@ -93,6 +93,29 @@ std::uint32_t ConstraintGraph::removeContact(GraphPlace place, std::uint32_t bod
     return moved;
 }
 
+void ConstraintGraph::reorderContacts(int index, AlignedArray<std::uint32_t>& from) {
+    AlignedArray<std::uint32_t>& list = color(index).manifolds;
+    const auto n = static_cast<std::size_t>(lanes_);
+    const auto laneOf = [&](std::uint32_t slot) { return lane({static_cast<std::uint32_t>(index), slot}); };
+    for (std::uint32_t start = 0; start < from.size(); ++start) {
+        if (from[start] == start) continue;
+        float first[contact::kFields];
+        for (std::size_t f = 0; f < contact::kFields; ++f) first[f] = laneOf(start)[f * n];
+        const std::uint32_t firstManifold = list[start];
+        std::uint32_t place = start;
+        while (from[place] != start) {
+            const std::uint32_t next = from[place];
+            for (std::size_t f = 0; f < contact::kFields; ++f) laneOf(place)[f * n] = laneOf(next)[f * n];
+            list[place] = list[next];
+            from[place] = place;
+            place = next;
+        }
+        for (std::size_t f = 0; f < contact::kFields; ++f) laneOf(place)[f * n] = first[f];
+        list[place] = firstManifold;
+        from[place] = place;
+    }
+}
+
 GraphPlace ConstraintGraph::insertJoint(std::uint32_t joint, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
                                         bool movesB, bool direct) {
     const int index = direct ? kDirect : findColor(bodyA, movesA, bodyB, movesB);

@@ -49,6 +49,8 @@ public:
                              bool direct);
     /// The manifold that took over the slot, or kNone.
     std::uint32_t removeContact(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
+    /// Puts what is in slot from[slot] of a colour into each slot; `from` is a permutation, which this uses up.
+    void reorderContacts(int color, AlignedArray<std::uint32_t>& from);
     GraphPlace insertJoint(std::uint32_t joint, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB,
                            bool direct);
     std::uint32_t removeJoint(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);

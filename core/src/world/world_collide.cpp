@@ -75,6 +75,7 @@ void WorldImpl::updateSome(int begin, int end, int last) {
 }
 
 void WorldImpl::updateContacts() {
+    orderContacts();
     sortAwakeContacts();
     const int count = static_cast<int>(awakeContacts.size());
     contactChanged.resizeForOverwrite(awakeContacts.size());

@@ -26,6 +26,11 @@ bool isLoaded(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
 
 }  // namespace
 
+void WorldImpl::forgetTouches() {
+    manifoldTouches.clear();
+    for (const ManifoldRecord& manifold : manifolds) manifoldTouches.push(manifold.pointCount > 0 ? kUnknownTouch : 0);
+}
+
 /// What the lanes say of all manifolds in the graph.
 void WorldImpl::findTouches() {
     const auto lanes = static_cast<std::size_t>(graph.lanes());

@@ -121,6 +121,13 @@ struct WorldImpl {
     void applyContactChange(std::uint32_t contact);
     void noteShiftedLoads();
 
+    // world_order.cpp: contacts in the order of space.
+    void orderContacts();
+    void sortContactsBySpace();
+    void moveContacts();
+    void moveManifolds();
+    void moveLanes();
+
     // world_contacts.cpp: manifolds and their lanes.
     bool meetAsSurfaces(const ContactRecord& contact) const;
     int findSurfaceManifolds(const ContactRecord& contact, const Frame& bInA, float margin,
@@ -265,6 +272,7 @@ struct WorldImpl {
     // world_events.cpp
     void publishEvents();
     void findTouches();
+    void forgetTouches();
     bool isTouching(ContactRecord& contact);
     void publishContact(std::uint32_t contact);
     void publishSurface(const ContactRecord& contact, ManifoldRecord& manifold);
@@ -382,6 +390,7 @@ struct WorldImpl {
     std::uint64_t stepCount = 0, structureVersion = 0;
     double time = 0;
     float lastSubstep = 0;
+    std::uint32_t contactsMade = 0;  ///< since they were put in order
     bool graphChanged = true;      ///< since solvers were chosen, as far as bearings are concerned
     bool directChanged = true;     ///< the same where a direct island has part in it
     std::uint64_t choiceStep = 0;  ///< in which solvers were chosen
@@ -394,6 +403,8 @@ struct WorldImpl {
     AlignedArray<int> sweptColors;  ///< of this step: those that hold something
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled
+    AlignedArray<std::uint64_t> contactOrder;  ///< scratch of world_order.cpp, as the two after it
+    AlignedArray<std::uint32_t> movedFrom, movedTo;
     AlignedArray<std::uint8_t> manifoldTouches;  ///< per manifold, a ManifoldTouch at the end of the last step
     AlignedArray<std::uint8_t> laneTouches;      ///< the same per lane of a colour
     bool surfacesForgotten = false;              ///< lanes are to be told anew what the surfaces are

@@ -204,6 +204,7 @@ void WorldImpl::createContact(std::uint32_t a, std::uint32_t b) {
     if (swap) std::swap(a, b);
     const ShapeRecord &shapeA = shapes[a], &shapeB = shapes[b];
     const std::uint32_t index = contactSlots.acquire();
+    ++contactsMade;
     if (index >= contacts.size()) contacts.resize(index + 1, {});
     ContactRecord& contact = contacts[index];
     contact = {};

@@ -100,6 +100,7 @@ void WorldImpl::archive(Archive& archive) {
     archive.value(stepCount);
     archive.value(time);
     archive.value(lastSubstep);
+    archive.value(contactsMade);
     archive.value(dt);
     archive.value(graphChanged);
     archive.value(directChanged);
@@ -206,8 +207,7 @@ void WorldImpl::forgetDerived() {
     bundlesChanged = treesChanged = true;
     // No such field of a lane is saved.
     surfacesForgotten = true;
-    manifoldTouches.clear();
-    for (const ManifoldRecord& manifold : manifolds) manifoldTouches.push(manifold.pointCount > 0 ? kUnknownTouch : 0);
+    forgetTouches();
     ++structureVersion;
     for (const ShapeRecord& shape : shapes) {
         if (!meshesMove && geometries[shape.geometry].mesh && bodies[shape.body].type == BodyType::dynamic) makeSkins();
