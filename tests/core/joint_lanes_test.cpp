@@ -141,7 +141,9 @@ Rig pairs(const Kind& kind, int count, std::uint64_t seed) {
                                   rotate(placed.rotation, joint.bodies.frameB.position) + gap;
             },
             def);
-        rig.join(a, b, def);
+        // Held or locked bodies are of no figure.
+        const bool mayBe = !held && rig.bodies[a].locks == 0 && rig.bodies[b].locks == 0;
+        rig.join(a, b, def).ofFigure = static_cast<float>(mayBe && i % 2 == 0 ? 1 : 0);
     }
     return rig;
 }

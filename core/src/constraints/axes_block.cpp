@@ -115,8 +115,17 @@ BodyPair held(const AxesBlock& block, const BodyPair& pair, const Arms& arms) {
     return holds;
 }
 
-void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const JointContext& context, bool moving) {
-    const Softness soft = moving ? context.softness : kRigid;
+void closeAxes(const AxesBlock& block, const BodyPair& pair, const Arms& arms, float share) {
+    float change[AxesBlock::kMostRigid] = {};
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i) change[i] = -share * block.error[i];
+    solveRigid(block, change);
+    PairVector total;
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i) total += change[i] * block.rigid[i];
+    pair.move(arms, total);
+}
+
+void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const Softness& soft, const JointContext& context,
+               bool moving) {
     const PairVector u = pair.velocity(arms);
     float change[AxesBlock::kMostRigid] = {};
     for (std::uint32_t i = 0; i < block.rigidRows; ++i) {

@@ -36,7 +36,10 @@ PairVector carriedImpulse(const AxesBlock& block);
 PairVector freeImpulse(AxesBlock& block, std::uint32_t coordinate, float amount);
 /// The velocities that the rigid rows leave when they only hold.
 BodyPair held(const AxesBlock& block, const BodyPair& pair, const Arms& arms);
-void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const JointContext& context, bool moving);
+void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const Softness& rigid, const JointContext& context,
+               bool moving);
+/// Moves the bodies such that `share` of the rigid rows' errors is gone, to first order.
+void closeAxes(const AxesBlock& block, const BodyPair& pair, const Arms& arms, float share);
 /// When a substep begins, once directions and masses are there.
 void beginAxes(AxesBlock& block, const BodyPair& pair, const Arms& arms, float reaction, const JointContext& context);
 void rescale(AxesBlock& block, float ratio);

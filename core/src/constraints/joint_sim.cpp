@@ -1,5 +1,8 @@
 #include "constraints/joint_sim.h"
 
+#include <cmath>
+
+#include "constraints/joint_constants.h"
 #include "constraints/joint_types.h"
 
 namespace ragtop {
@@ -175,6 +178,50 @@ static PairVector meanVelocity(const JointSim& joint, const BodyPair& pair, floa
     return u;
 }
 
+/// e² = |gap|² + ℓ² |turn|² of the rigid rows, ℓ = |rA| + |rB|.
+static float squaredError(const JointSim& joint, float length) {
+    float linear = 0, angular = 0;
+    if (hasAxes(joint.kind)) {
+        const AxesBlock& axes = joint.axes;
+        for (std::uint32_t i = 0; i < axes.rigidRows; ++i)
+            (lengthSquared(axes.rigid[i].linear) > 0 ? linear : angular) += axes.error[i] * axes.error[i];
+        return linear + (length * length) * angular;
+    }
+    const RigidBlock& block = joint.block;
+    const float first = lengthSquared(block.errorFirst);
+    const Vec3& e = block.errorSecond;
+    const float second = block.rigidRows == 0 ? 0.0f : block.rigidRows == 2 ? e.x * e.x + e.y * e.y : lengthSquared(e);
+    return block.linearFirst ? first + (length * length) * second : second + (length * length) * first;
+}
+
+/// The share of its error that a joint of a figure has beyond what velocities bring back.
+static float openShare(const JointSim& joint, const BodyPair& pair, float h) {
+    const float armA = length(joint.arms.a), armB = length(joint.arms.b);
+    const Turning w = pair.turns();
+    const float error = std::sqrt(squaredError(joint, armA + armB));
+    const float near = (kBending * h * h) * (armA * dot(w.a, w.a) + armB * dot(w.b, w.b));
+    return error > near ? 1 - near / error : 0.0f;
+}
+
+/// Joints of a figure carry their whole load: sweeps nearly solve it, and the leak of soft rows is for what they do
+/// not.
+static Softness softnessOf(const JointSim& joint, const BodyPair& pair, const JointContext& context) {
+    if (joint.ofFigure == 0) return context.softness;
+    return {context.softness.biasRate * (1 - openShare(joint, pair, context.h)), 1, 0};
+}
+
+/// Closes what is open by moving the bodies. That they are moved gives them no speed, so nothing is fed that other rows
+/// would have to take back.
+static void closeJoint(const JointSim& joint, const BodyPair& pair, float h) {
+    if (joint.ofFigure == 0 || joint.kind == JointKind::distance) return;
+    const float share = openShare(joint, pair, h);
+    if (!(share > 0)) return;
+    if (hasAxes(joint.kind))
+        closeAxes(joint.axes, pair, joint.arms, share);
+    else
+        closeBlock(joint.block, pair, joint.arms, share);
+}
+
 /// The travel s along the slide x of bodies that turn together:  s'' = |ω × x|² s + x · ω × (ω × (rB − rA))
 static float slidingBend(const JointSim& joint, const BodyPair& pair, float h) {
     const Vec3 x = joint.block.basis.cz;
@@ -196,7 +243,7 @@ void solveRigid(JointSim& joint, BodyPair& pair, const JointContext& context, bo
     const PairVector u = moving ? meanVelocity(joint, pair, context.h) : pair.velocity(joint.arms);
     const bool pushed = moving && joint.axis.features != 0;
     const Reaction held = pushed ? reactionTo(joint.block, axisImpulse(joint.axis)) : Reaction{};
-    solveBlock(joint.block, pair, joint.arms, u, moving ? context.softness : kRigid, held);
+    solveBlock(joint.block, pair, joint.arms, u, moving ? softnessOf(joint, pair, context) : kRigid, held);
 }
 
 void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias) {
@@ -230,7 +277,8 @@ void solveRows(JointSim& joint, BodyPair& pair, const JointContext& context, boo
             break;
         default:
             if (useBias) foreseeAxes(joint, locate(joint, pair), pair, context);
-            solveAxes(joint.axes, pair, joint.arms, context, useBias);
+            solveAxes(joint.axes, pair, joint.arms, useBias ? softnessOf(joint, pair, context) : kRigid, context,
+                      useBias);
             break;
     }
     pair.store();
@@ -241,7 +289,10 @@ void solveRows(JointSim& joint, BodyPair& pair, const JointContext& context, boo
 void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
                 bool useBias) {
     BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
-    if (!useBias) refreshJoint(joint, pair, {context, false});
+    if (!useBias) {
+        refreshJoint(joint, pair, {context, false});
+        closeJoint(joint, pair, context.h);
+    }
     solveRows(joint, pair, context, useBias);
     if (!useBias) noteLoad(joint);
 }

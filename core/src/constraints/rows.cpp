@@ -93,6 +93,23 @@ void BodyPair::stiffen(const Arms& arms, const Vec3& impulse, float h, TautBodie
     shareB_ = taut.shareB = tautShare(*inertiaB_, arms.b, h * dot(arms.b, impulse), taut.excessB);
 }
 
+/// q ← (½ θ, 1) q, normalised.
+static Quat turned(const Quat& q, const Vec3& turn) {
+    return normalized(Quat{0.5f * turn.x, 0.5f * turn.y, 0.5f * turn.z, 1.0f} * q);
+}
+
+void BodyPair::move(const Arms& arms, const PairVector& impulse) const {
+    BodyState &a = *stateA_, &b = *stateB_;
+    if (a.invMass > 0) {
+        a.dp -= scale(inverseMassA_, impulse.linear);
+        a.dq = turned(a.dq, -(shareA_ * (*inertiaA_ * (cross(arms.a, impulse.linear) + impulse.angular))));
+    }
+    if (b.invMass > 0) {
+        b.dp += scale(inverseMassB_, impulse.linear);
+        b.dq = turned(b.dq, shareB_ * (*inertiaB_ * (cross(arms.b, impulse.linear) + impulse.angular)));
+    }
+}
+
 void BodyPair::store() const {
     if (stateA_->invMass > 0) {
         stateA_->v = vA_;
@@ -170,30 +187,46 @@ void beginBlock(RigidBlock& block, bool hadImpact) {
     block.startSecond = block.impulseSecond;
 }
 
+namespace {
+
+struct Halves {
+    Vec3 first, second;
+};
+
 /// With r = u + βC, block elimination of K p = −r:
-///   p₂ = −(Bᵀ P B)⁻¹ Bᵀ (r₂ − Gᵀ r₁),   p₁ = −K₁₁⁻¹ r₁ − G p₂,
-/// then Δλ = massScale p − impulseScale λ.
+///   p₂ = −(Bᵀ P B)⁻¹ Bᵀ (r₂ − Gᵀ r₁),   p₁ = −K₁₁⁻¹ r₁ − G p₂.
+Halves answer(const RigidBlock& block, const PairVector& u, float biasRate) {
+    const Vec3 first = (block.linearFirst ? u.linear : u.angular) + biasRate * block.errorFirst;
+    Halves p{-solve(block.mass.first, first), {}};
+    if (block.rigidRows == 0) return p;
+    const Vec3 speed = (block.linearFirst ? u.angular : u.linear) - transposeTimes(block.mass.gain, first);
+    if (block.rigidRows == 3) {
+        p.second = -solve(block.second, speed + biasRate * block.errorSecond);
+    } else {
+        const Vec3 second = transposeTimes(block.basis, speed) + biasRate * block.errorSecond;
+        const Vec3 solved = solveFirstTwo(block.second, second);
+        p.second = -(solved.x * block.basis.cx + solved.y * block.basis.cy);
+    }
+    p.first -= block.mass.gain * p.second;
+    return p;
+}
+
+}  // namespace
+
+/// Δλ = massScale p − impulseScale λ
 void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const PairVector& u, const Softness& soft,
                 const Reaction& held) {
-    const Vec3 first = (block.linearFirst ? u.linear : u.angular) + soft.biasRate * block.errorFirst;
-    Vec3 p1 = -solve(block.mass.first, first);
-    Vec3 p2;
-    if (block.rigidRows > 0) {
-        const Vec3 speed = (block.linearFirst ? u.angular : u.linear) - transposeTimes(block.mass.gain, first);
-        if (block.rigidRows == 3) {
-            p2 = -solve(block.second, speed + soft.biasRate * block.errorSecond);
-        } else {
-            const Vec3 second = transposeTimes(block.basis, speed) + soft.biasRate * block.errorSecond;
-            const Vec3 solved = solveFirstTwo(block.second, second);
-            p2 = -(solved.x * block.basis.cx + solved.y * block.basis.cy);
-        }
-        p1 -= block.mass.gain * p2;
-    }
-    p1 = soft.massScale * p1 - soft.impulseScale * (block.impulseFirst - held.first);
-    p2 = soft.massScale * p2 - soft.impulseScale * (block.impulseSecond - held.second);
-    block.impulseFirst += p1;
-    block.impulseSecond += p2;
-    pair.apply(arms, ordered(block, p1, p2));
+    Halves p = answer(block, u, soft.biasRate);
+    p.first = soft.massScale * p.first - soft.impulseScale * (block.impulseFirst - held.first);
+    p.second = soft.massScale * p.second - soft.impulseScale * (block.impulseSecond - held.second);
+    block.impulseFirst += p.first;
+    block.impulseSecond += p.second;
+    pair.apply(arms, ordered(block, p.first, p.second));
+}
+
+void closeBlock(const RigidBlock& block, const BodyPair& pair, const Arms& arms, float share) {
+    const Halves p = answer(block, {}, 1);
+    pair.move(arms, ordered(block, share * p.first, share * p.second));
 }
 
 /// With Bᵀ P B = L D Lᵀ, the second half's impulse B L⁻ᵀ e₃ moves the free direction alone, by D₃.

@@ -117,6 +117,8 @@ public:
     float receding(const Arms& arms, const Vec3& gap, float speed, float h) const;
     void apply(const Arms& arms, const PairVector& impulse);
     void store() const;
+    /// Changes places as `apply` changes velocities: of kg m and kg m², and at once.
+    void move(const Arms& arms, const PairVector& impulse) const;
     PairMass mass(const Arms& arms) const;
     /// J M⁻¹ Jᵀ of one linear direction alone.
     float mass(const Arms& arms, const Vec3& direction) const;
@@ -208,6 +210,8 @@ Reaction reactionTo(const RigidBlock& block, float amount);
 /// carries, only what is not `held` gives way.
 void solveBlock(RigidBlock& block, BodyPair& pair, const Arms& arms, const PairVector& u, const Softness& softness,
                 const Reaction& held = {});
+/// Moves the bodies such that `share` of the errors is gone, to first order.
+void closeBlock(const RigidBlock& block, const BodyPair& pair, const Arms& arms, float share);
 /// The impulse of size `amount` along the free direction, together with what keeps the rigid rows' velocity.
 PairVector freeImpulse(RigidBlock& block, float amount);
 

@@ -50,25 +50,70 @@ RAGTOP_INLINE WideReaction<N> reactionTo(const WideBlock<N>& block, Lanes<N> amo
     return {-(block.gain * (rigid + amount * e.cz)), rigid};
 }
 
+/// As Softness, by lane.
+template <int N>
+struct WideSoftness {
+    Lanes<N> biasRate, massScale, impulseScale;
+};
+/// As openShare.
+template <int N>
+RAGTOP_INLINE Lanes<N> openShare(const WideJoint<N>& j, Lanes<N> squaredTurn, float h) {
+    const Lanes<N> armA = length(j.armA), armB = length(j.armB), arms = armA + armB;
+    const Lanes<N> error = sqrt(dot(j.gap, j.gap) + (arms * arms) * squaredTurn);
+    const Lanes<N> near = Lanes<N>(kBending * h * h) * (armA * dot(j.wA, j.wA) + armB * dot(j.wB, j.wB));
+    return select(error > near, 1.0f - near / error, Lanes<N>(0.0f));
+}
+template <int N>
+RAGTOP_INLINE Mask<N> ofFigures(const WideJoint<N>& j) {
+    return j.at(RAGTOP_JOINT_FIELD(ofFigure)) > 0.0f;
+}
+/// As softnessOf in the moving pass, rigid in the other.
+template <int N>
+RAGTOP_INLINE WideSoftness<N> softnessOf(const WideJoint<N>& j, Lanes<N> squaredTurn, const JointContext& context,
+                                         bool moving) {
+    const Lanes<N> zero(0.0f), one(1.0f);
+    if (!moving) return {zero, one, zero};
+    const Softness& soft = context.softness;
+    const Lanes<N> rate(soft.biasRate), mass(soft.massScale), impulse(soft.impulseScale);
+    const Mask<N> rigid = ofFigures(j);
+    if (!any(rigid)) return {rate, mass, impulse};
+    return {select(rigid, rate * (one - openShare(j, squaredTurn, context.h)), rate), select(rigid, one, mass),
+            select(rigid, zero, impulse)};
+}
+
+template <int N>
+struct WideHalves {
+    WideVec3<N> first, second;
+};
 /// The end of solveBlock: softens what the rows ask for, carries and applies it.
 template <int N>
-RAGTOP_INLINE void addToBlock(WideJoint<N>& j, const WideVec3<N>& p1, const WideVec3<N>& p2, const Softness& soft,
+RAGTOP_INLINE void addToBlock(WideJoint<N>& j, const WideHalves<N>& p, const WideSoftness<N>& soft,
                               const WideReaction<N>& held = {}) {
     constexpr int kFirst = RAGTOP_JOINT_FIELD(block.impulseFirst), kSecond = RAGTOP_JOINT_FIELD(block.impulseSecond);
-    const Lanes<N> massScale(soft.massScale), impulseScale(soft.impulseScale);
     const WideVec3<N> first = j.vector(kFirst), second = j.vector(kSecond);
-    const WideVec3<N> change1 = massScale * p1 - impulseScale * (first - held.first),
-                      change2 = massScale * p2 - impulseScale * (second - held.second);
+    const WideVec3<N> change1 = soft.massScale * p.first - soft.impulseScale * (first - held.first),
+                      change2 = soft.massScale * p.second - soft.impulseScale * (second - held.second);
     j.set(kFirst, first + change1);
     j.set(kSecond, second + change2);
     j.apply(change1, change2);
 }
 template <int N>
-RAGTOP_INLINE WideVec3<N> firstResidual(const WideJoint<N>& j, const WideTurning<N>& w, const JointContext& context,
-                                        bool moving) {
+RAGTOP_INLINE WideVec3<N> firstResidual(const WideJoint<N>& j, const WideTurning<N>& w, const WideSoftness<N>& soft,
+                                        const JointContext& context, bool moving) {
     WideVec3<N> u = j.linearVelocity();
     if (moving) u = u + j.curvingArms(w, context.h);
-    return u + Lanes<N>(moving ? context.softness.biasRate : kRigid.biasRate) * j.gap;
+    return u + soft.biasRate * j.gap;
+}
+/// As closeJoint: answer() is what the rows ask for to be closed.
+template <int N, class Answer>
+RAGTOP_INLINE void closeJoint(WideJoint<N>& j, Lanes<N> squaredTurn, float h, Answer&& answer) {
+    const Mask<N> rigid = ofFigures(j);
+    if (!any(rigid)) return;
+    const Lanes<N> share = openShare(j, squaredTurn, h);
+    const Mask<N> open = rigid & (share > 0.0f);
+    if (!any(open)) return;
+    const WideHalves<N> p = answer();
+    j.moveWhere(open, share * p.first, share * p.second);
 }
 
 // ---- balls
@@ -125,8 +170,8 @@ RAGTOP_INLINE WideTurns<N> loadTurns(const WideJoint<N>& j) {
 template <int N>
 RAGTOP_INLINE void solveBall(WideJoint<N>& j, const WideBlock<N>& block, const WideTurns<N>& turns,
                              const JointContext& context, bool moving) {
-    const Softness& soft = moving ? context.softness : kRigid;
-    addToBlock(j, -solveFor(block.first, firstResidual(j, j.turns(), context, moving)), nothing<N>(), soft);
+    const WideSoftness<N> soft = softnessOf(j, Lanes<N>(0.0f), context, moving);
+    addToBlock(j, {-solveFor(block.first, firstResidual(j, j.turns(), soft, context, moving)), nothing<N>()}, soft);
     if (j.bundle.features == 0) return;
     WideBallTurn<N> turn{j, block.rest, block.noise, j.angularVelocity(), nothing<N>()};
     turn.solve(turns, block.first, block.second, context, moving);
@@ -138,6 +183,7 @@ RAGTOP_INLINE void solveBall(WideJoint<N>& j, const WideBlock<N>& block, const W
 template <int N>
 RAGTOP_INLINE void relaxBall(WideJoint<N>& j, const JointContext& context) {
     const WideBlock<N> block = refreshBall(j);
+    closeJoint(j, Lanes<N>(0.0f), context.h, [&] { return WideHalves<N>{-solveFor(block.first, j.gap), nothing<N>()}; });
     if (j.bundle.features == 0) return solveBall(j, block, {}, context, false);
     const WideTurns<N> turns = findTurns(j);
     storeTurns(j, turns);
@@ -237,24 +283,33 @@ RAGTOP_INLINE WideBlock<N> loadHinge(WideJoint<N>& j) {
     block.basis = j.matrix(RAGTOP_JOINT_FIELD(block.basis));
     return block;
 }
+/// What the rows ask for, as answer of rows.cpp; of the error of axes `bias`.
+template <int N>
+RAGTOP_INLINE WideHalves<N> answerOfHinge(const WideBlock<N>& block, const WideVec3<N>& residual,
+                                          const WideVec3<N>& turn, Lanes<N> bias) {
+    const WideFactor<N>& f = block.second;
+    const WideMat3<N>& e = block.basis;
+    const WideVec3<N> speed = turn - transposeTimes(block.gain, residual);
+    const Lanes<N> x = dot(e.cx, speed) + bias * block.errorSecond.x, y = dot(e.cy, speed) + bias * block.errorSecond.y;
+    const Lanes<N> solvedY = f.inverse1 * (y - f.l10 * x), solvedX = f.inverse0 * x - f.l10 * solvedY;
+    const WideVec3<N> second = -(solvedX * e.cx + solvedY * e.cy);
+    return {-solveFor(block.first, residual) - block.gain * second, second};
+}
+template <int N>
+RAGTOP_INLINE Lanes<N> squaredTurn(const WideBlock<N>& hinge) {
+    return hinge.errorSecond.x * hinge.errorSecond.x + hinge.errorSecond.y * hinge.errorSecond.y;
+}
 template <int N>
 RAGTOP_INLINE void solveHinge(WideJoint<N>& j, const WideBlock<N>& block, Lanes<N> freeInverseMass,
                               const JointContext& context, bool moving) {
-    const Softness& soft = moving ? context.softness : kRigid;
-    const WideFactor<N>& f = block.second;
     const WideMat3<N>& e = block.basis;
+    const WideSoftness<N> soft = softnessOf(j, squaredTurn(block), context, moving);
     const WideTurning<N> w = j.turnsAbout(e.cz);
-    const WideVec3<N> residual = firstResidual(j, w, context, moving);
     WideVec3<N> turn = j.angularVelocity();
     if (moving) turn = turn + curvingAxes(w, e.cz, context.h);
-    const WideVec3<N> speed = turn - transposeTimes(block.gain, residual);
-    const Lanes<N> bias(soft.biasRate);
-    const Lanes<N> x = dot(e.cx, speed) + bias * block.errorSecond.x, y = dot(e.cy, speed) + bias * block.errorSecond.y;
-    const Lanes<N> solvedY = f.inverse1 * (y - f.l10 * x), solvedX = f.inverse0 * x - f.l10 * solvedY;
-    const WideVec3<N> p2 = -(solvedX * e.cx + solvedY * e.cy);
     WideReaction<N> held;
     if (moving && j.bundle.features != 0) held = reactionTo(block, axisImpulse(j));
-    addToBlock(j, -solveFor(block.first, residual) - block.gain * p2, p2, soft, held);
+    addToBlock(j, answerOfHinge(block, firstResidual(j, w, soft, context, moving), turn, soft.biasRate), soft, held);
     if (j.bundle.features == 0) return;
 
     WideAxis<N> axis(j, freeInverseMass, context, moving);
@@ -275,6 +330,7 @@ RAGTOP_INLINE void relaxHinge(WideJoint<N>& j, const JointContext& context) {
     const WideAngle<N> angle(j, angleAboutX(conjugate(a) * b));
     j.set(RAGTOP_JOINT_FIELD(block.basis.cz), block.basis.cz);
     if (j.bundle.features != 0) storeMargins(j, angle.margins);
+    closeJoint(j, squaredTurn(block), context.h, [&] { return answerOfHinge(block, j.gap, nothing<N>(), Lanes<N>(1.0f)); });
     solveHinge(j, block, freeMass(block), context, false);
 }
 
@@ -310,12 +366,24 @@ RAGTOP_INLINE WideBlock<N> loadFixed(WideJoint<N>& j) {
     return block;
 }
 template <int N>
+RAGTOP_INLINE WideHalves<N> answerOfFixed(const WideBlock<N>& block, const WideVec3<N>& residual,
+                                          const WideVec3<N>& turn, Lanes<N> bias) {
+    const WideVec3<N> speed = turn - transposeTimes(block.gain, residual);
+    const WideVec3<N> second = -solveFor(block.second, speed + bias * block.errorSecond);
+    return {-solveFor(block.first, residual) - block.gain * second, second};
+}
+template <int N>
 RAGTOP_INLINE void solveFixed(WideJoint<N>& j, const WideBlock<N>& block, const JointContext& context, bool moving) {
-    const Softness& soft = moving ? context.softness : kRigid;
-    const WideVec3<N> residual = firstResidual(j, j.turnsTogether(), context, moving),
-                      speed = j.angularVelocity() - transposeTimes(block.gain, residual);
-    const WideVec3<N> p2 = -solveFor(block.second, speed + Lanes<N>(soft.biasRate) * block.errorSecond);
-    addToBlock(j, -solveFor(block.first, residual) - block.gain * p2, p2, soft);
+    const WideSoftness<N> soft = softnessOf(j, dot(block.errorSecond, block.errorSecond), context, moving);
+    const WideVec3<N> residual = firstResidual(j, j.turnsTogether(), soft, context, moving);
+    addToBlock(j, answerOfFixed(block, residual, j.angularVelocity(), soft.biasRate), soft);
+}
+template <int N>
+RAGTOP_INLINE void relaxFixed(WideJoint<N>& j, const JointContext& context) {
+    const WideBlock<N> block = refreshFixed(j);
+    closeJoint(j, dot(block.errorSecond, block.errorSecond), context.h,
+               [&] { return answerOfFixed(block, j.gap, nothing<N>(), Lanes<N>(1.0f)); });
+    solveFixed(j, block, context, false);
 }
 
 // ---- distances

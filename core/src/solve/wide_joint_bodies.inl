@@ -132,6 +132,7 @@ struct WideJoint {
     Lanes<N> shareA, shareB;                ///< of the inverse inertia
     WideVec3<N> armA, armB, gap;
     WideQuat<N> dqA, dqB;
+    Lanes<N> poseA[8], poseB[8];  ///< displacements
 
     RAGTOP_INLINE Lanes<N> at(int f) const { return Lanes<N>::load(fields + f * N); }
     RAGTOP_INLINE WideVec3<N> vector(int f) const { return {at(f), at(f + 1), at(f + 2)}; }
@@ -189,13 +190,12 @@ struct WideJoint {
     RAGTOP_INLINE void locate() {
         const float *pA[N], *pB[N];
         for (int i = 0; i < N; ++i) pA[i] = rowA[i] + 8, pB[i] = rowB[i] + 8;
-        Lanes<N> dA[8], dB[8];
-        gather8<N>(pA, dA);
-        gather8<N>(pB, dB);
-        dqA = {dA[4], dA[5], dA[6], dA[7]}, dqB = {dB[4], dB[5], dB[6], dB[7]};
+        gather8<N>(pA, poseA);
+        gather8<N>(pB, poseB);
+        dqA = {poseA[4], poseA[5], poseA[6], poseA[7]}, dqB = {poseB[4], poseB[5], poseB[6], poseB[7]};
         const WideVec3<N> anchorA = rotate(dqA, vector(RAGTOP_JOINT_FIELD(anchorA)));
         const WideVec3<N> anchorB = rotate(dqB, vector(RAGTOP_JOINT_FIELD(anchorB)));
-        const WideVec3<N> dpA{dA[0], dA[1], dA[2]}, dpB{dB[0], dB[1], dB[2]};
+        const WideVec3<N> dpA{poseA[0], poseA[1], poseA[2]}, dpB{poseB[0], poseB[1], poseB[2]};
         gap = vector(RAGTOP_JOINT_FIELD(centerOffset)) + (dpB - dpA) + (anchorB - anchorA);
         const Lanes<N> half(0.5f);
         armA = anchorA + half * gap, armB = anchorB - half * gap;
@@ -282,6 +282,25 @@ struct WideJoint {
         const WideVec3<N> ra = cross(armA, direction), rb = cross(armB, direction);
         return dot(direction, times(massA + massB, direction)) + shareA * dot(ra, inertiaA * ra) +
                shareB * dot(rb, inertiaB * rb);
+    }
+
+    /// As BodyPair::move, in some lanes; once, where locate has found the bodies.
+    RAGTOP_INLINE void moveWhere(Mask<N> lanes, const WideVec3<N>& linear, const WideVec3<N>& angular) {
+        displace(lanes, rowA, a[3], poseA, -times(massA, linear),
+                 -(shareA * (inertiaA * (cross(armA, linear) + angular))));
+        displace(lanes, rowB, b[3], poseB, times(massB, linear), shareB * (inertiaB * (cross(armB, linear) + angular)));
+    }
+    static RAGTOP_INLINE void displace(Mask<N> lanes, float* const (&rows)[N], Lanes<N> inverseMass, Lanes<N> (&pose)[8],
+                                       const WideVec3<N>& way, const WideVec3<N>& turn) {
+        const Lanes<N> half(0.5f);
+        const WideQuat<N> q = normalized(WideQuat<N>{half * turn.x, half * turn.y, half * turn.z, Lanes<N>(1.0f)} *
+                                         WideQuat<N>{pose[4], pose[5], pose[6], pose[7]});
+        pose[0] = pose[0] + way.x, pose[1] = pose[1] + way.y, pose[2] = pose[2] + way.z;
+        pose[4] = q.x, pose[5] = q.y, pose[6] = q.z, pose[7] = q.w;
+        const Mask<N> moves = lanes & (inverseMass > 0.0f);
+        float* out[N];
+        for (int i = 0; i < N; ++i) out[i] = moves.v[i] != 0 ? rows[i] + 8 : nullptr;
+        scatter8<N>(out, pose);
     }
 
     /// Bodies that no impulse moves are shared between threads and never written.

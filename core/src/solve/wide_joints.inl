@@ -111,7 +111,7 @@ void relaxJoints(const JointLanesView& view, int begin, int end, const JointPass
                 relaxHinge(j, context);
                 break;
             case JointKind::fixed:
-                solveFixed(j, refreshFixed(j), context, false);
+                relaxFixed(j, context);
                 break;
             default:
                 relaxDistance(j, context);

@@ -75,6 +75,8 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       sweptCouplings(memory),
       assemblyParent(memory),
       assemblyPlace(memory),
+      assemblyJoints(memory),
+      assemblyIsFigure(memory),
       assemblyBodies(memory),
       assemblyStarts(memory),
       bearings(memory),

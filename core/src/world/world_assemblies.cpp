@@ -5,6 +5,9 @@ namespace ragtop {
 
 namespace {
 
+constexpr std::uint32_t kMostLimbs = 32;  ///< of a figure
+constexpr float kMostUnequal = 16;        ///< ratio of the masses that a figure's joint holds together
+
 std::uint32_t rootOf(AlignedArray<std::uint32_t>& parent, std::uint32_t body) {
     while (parent[body] != body) {
         parent[body] = parent[parent[body]];
@@ -35,6 +38,7 @@ void WorldImpl::findAssemblies() {
         }
     for (const DirectIsland& island : directIslands)
         if (island.leapfrog) assemblyParent[place(directBodies[island.firstBody])] = 0;
+    countJointsOfAssemblies();
     // Counts, then places, per root in the order of the list of awake bodies.
     assemblyPlace.resizeForOverwrite(bodies.size());
     for (const std::uint32_t body : awakeBodies) assemblyPlace[body] = 0;
@@ -45,6 +49,7 @@ void WorldImpl::findAssemblies() {
     for (const std::uint32_t body : awakeBodies) {
         const std::uint32_t count = assemblyPlace[body];
         if (count == 0) continue;
+        assemblyIsFigure[body] = count <= kMostLimbs && assemblyJoints[body] + 1 == count ? 1 : 0;
         assemblyStarts.push(total);
         assemblyPlace[body] = total;
         total += count;
@@ -52,7 +57,36 @@ void WorldImpl::findAssemblies() {
     assemblyStarts.push(total);
     assemblyBodies.resizeForOverwrite(total);
     for (const std::uint32_t body : awakeBodies)
-        if (const std::uint32_t root = rootOfMember(body); root != 0) assemblyBodies[assemblyPlace[root]++] = body;
+        if (const std::uint32_t root = rootOfMember(body); root != 0) {
+            assemblyBodies[assemblyPlace[root]++] = body;
+            assemblyParent[body] = root;
+        }
+}
+
+/// Per root, kNone where bodies are too unequal for a figure; what hangs from the world counts for none.
+void WorldImpl::countJointsOfAssemblies() {
+    assemblyJoints.resizeForOverwrite(bodies.size());
+    assemblyIsFigure.resizeForOverwrite(bodies.size());
+    assemblyJoints[0] = assemblyIsFigure[0] = 0;
+    for (const std::uint32_t body : awakeBodies) assemblyJoints[body] = assemblyIsFigure[body] = 0;
+    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+        for (const std::uint32_t joint : graph.color(c).joints) {
+            const JointRecord& record = joints[joint];
+            std::uint32_t& count =
+                assemblyJoints[rootOf(assemblyParent, moves(record.bodyA) ? record.bodyA : record.bodyB)];
+            const float a = bodies[record.bodyA].mass, b = bodies[record.bodyB].mass;
+            const bool unequal = a > kMostUnequal * b || b > kMostUnequal * a;
+            count = unequal || count == kNone ? kNone : count + 1;
+        }
+}
+
+/// A figure is a tree of a few dozen bodies, not too unequal, that joints hold together and that hangs from nothing.
+/// Sweeps come so close to its solution that its joints need no leak. Of loops, and of heavy loads on chains, they do
+/// not.
+bool WorldImpl::isOfFigure(std::uint32_t joint) const {
+    const JointRecord& record = joints[joint];
+    if (!moves(record.bodyA) || !moves(record.bodyB)) return false;
+    return assemblyIsFigure[assemblyParent[record.bodyA]] != 0;
 }
 
 /// The position map of integratePositions for the common motion of each assembly: its centre of mass moves by h v − ½

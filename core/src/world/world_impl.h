@@ -181,6 +181,8 @@ struct WorldImpl {
 
     // world_assemblies.cpp
     void findAssemblies();
+    void countJointsOfAssemblies();
+    bool isOfFigure(std::uint32_t joint) const;
     void moveAssemblies();
 
     // world_continuous.cpp
@@ -418,6 +420,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> bodyStack;
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     AlignedArray<std::uint32_t> assemblyParent, assemblyPlace;   ///< per body, of those awake; 0: held by the world
+    AlignedArray<std::uint32_t> assemblyJoints, assemblyIsFigure;  ///< per body that is a parent of itself
     AlignedArray<std::uint32_t> assemblyBodies, assemblyStarts;  ///< members of each assembly, one after the other
     AlignedArray<IslandBearing> bearings;
     AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body

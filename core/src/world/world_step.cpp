@@ -179,6 +179,7 @@ void WorldImpl::prepareJoints(int c) {
     runner.parallelFor(static_cast<int>(color.joints.size()), 32, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const std::uint32_t joint = color.joints[static_cast<std::size_t>(i)];
+            jointSims[joint].ofFigure = isOfFigure(joint) ? 1.0f : 0.0f;
             prepareJoint(jointSims[joint], jointBodies(joints[joint]), states.data(), inertias.data(), jointContext);
         }
     });
