@@ -93,7 +93,6 @@ inline constexpr std::string_view kBriefCases[] = {
     "limits/400 states of universal",
     "joint_states/200 of universal, a body and the world",
     "joint_states/200 of ring, two bodies",
-    "joint_checks/elliptic cone",
     "joint_checks/reach polygon",
     "joint_checks/tendon over two hinges",
     "joint_checks/bad definitions",
