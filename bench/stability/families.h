@@ -22,6 +22,7 @@ Family loops();
 Family motors();
 Family limits();
 Family jointStates();
+Family jointChecks();
 Family overlaps();
 Family shots();
 Family internalEdges();

@@ -85,8 +85,8 @@ void WorldImpl::coverMotion(std::uint32_t index) {
     if (left) giveRoom(index);
 }
 
-/// `all`: this step is longer than the one that bounds were made for, as the first one is. What moves is met in this step;
-/// obstacles that stand still are swept to, and looked for in the next one.
+/// `all`: this step is longer than the one that bounds were made for, as the first one is. What moves is met in this
+/// step; obstacles that stand still are swept to, and looked for in the next one.
 void WorldImpl::coverLaunched(bool all) {
     for (const std::uint32_t index : launchedBodies) {
         if (!bodies[index].launched) continue;
@@ -197,10 +197,7 @@ void WorldImpl::createContact(std::uint32_t a, std::uint32_t b) {
     // narrow phase works in A's frame near its centre.
     const bool meshA = geometries[shapes[a].geometry].isMesh(), meshB = geometries[shapes[b].geometry].isMesh();
     const bool movesA = moves(shapes[a].body), movesB = moves(shapes[b].body);
-    const bool swap = meshA != meshB                                   ? meshB
-                      : meshA && movesA != movesB                      ? movesA
-                      : movesA != movesB                               ? movesB
-                                                                       : b < a;
+    const bool swap = meshA != meshB ? meshB : meshA && movesA != movesB ? movesA : movesA != movesB ? movesB : b < a;
     if (swap) std::swap(a, b);
     const ShapeRecord &shapeA = shapes[a], &shapeB = shapes[b];
     const std::uint32_t index = contactSlots.acquire();
