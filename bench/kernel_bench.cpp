@@ -155,7 +155,7 @@ void treeSolve(benchmark::State& state, bool twofold) {
     const direct::TreeKernels& kernels = twofold ? tables.twofold : tables.single;
     test::TreeRig rig(kernels, test::figure(4, 4), kTrees);
     rig.begin();
-    for (auto _ : state) rig.solve(1.0f / 240, {40, 1, 0});
+    for (auto _ : state) rig.solve({1.0f / 240, 40});
     perItem(state, kTrees);
     state.SetLabel(kernels.name);
 }

@@ -93,6 +93,8 @@ inline constexpr std::string_view kBriefCases[] = {
     "limits/soft stop, damping ratio 0.3",
     "limits/soft stop, damping ratio 0.6",
     "mechanisms/conical pendulum",
+    "mechanisms/double pendulum",
+    "mechanisms/fifteen parts thrown",
     "doors/stalls",
     "doors/yields",
     "doors/breaks what is in its way",

@@ -150,6 +150,7 @@ AxisDef locked() {
 TEST(SixDof, MovesAsTheJointThatItsLocksMakeIt) {
     for (int kind = 0; kind < 3; ++kind) {
         Vec3 places[2];
+        float speed = 0;
         for (int sixDof = 0; sixDof < 2; ++sixDof) {
             World world(withoutSleep());
             BodyDef body = bodyDef(Box{{0.4f, 0.1f, 0.2f}}, {0.4, 0, 0});
@@ -176,8 +177,10 @@ TEST(SixDof, MovesAsTheJointThatItsLocksMakeIt) {
             world.create(sixDof ? JointDef(def) : plain);
             run(world, 0.8);
             places[sixDof] = toVec3(world.pose(ends.b).position);
+            speed = length(world.linearVelocity(ends.b));
         }
-        EXPECT_LT(length(places[0] - places[1]), 2e-3f) << kind;
+        // What hangs from a bare hinge or ball is a tree of joints and leaps; sweeps are ahead by half a substep.
+        EXPECT_LT(length(places[0] - places[1]), static_cast<float>(kDt / 8) * speed) << kind;
     }
 }
 

@@ -21,12 +21,16 @@ public:
           trees_(trees),
           states_(std::pmr::get_default_resource()),
           inertias_(std::pmr::get_default_resource()),
+          dynamics_(std::pmr::get_default_resource()),
+          histories_(std::pmr::get_default_resource()),
           rows_(std::pmr::get_default_resource()),
           impulses_(std::pmr::get_default_resource()),
           memory_(std::pmr::get_default_resource()) {
         const std::size_t bodies = 1 + 2 * links_.size() * static_cast<std::size_t>(trees);
         states_.resize(bodies, {});
         inertias_.resize(bodies, {});
+        dynamics_.resize(bodies, {});
+        histories_.resize(bodies, {});
         rows_.resize(paddedRows(), {});
         impulses_.resize(paddedRows(), {});
         memory_.resize(static_cast<std::size_t>(groupCount()) * links_.size() * kernels_.linkBytes, std::byte{0});
@@ -39,15 +43,15 @@ public:
 
     int groupCount() const { return (trees_ + kernels_.lanes - 1) / kernels_.lanes; }
     int linkCount() const { return static_cast<int>(links_.size()); }
-    BodyArrays arrays() { return {states_.data(), inertias_.data(), nullptr, nullptr}; }
+    BodyArrays arrays() { return {states_.data(), inertias_.data(), dynamics_.data(), histories_.data()}; }
     void begin() {
-        for (direct::TreeGroup& g : groups_) kernels_.begin(g);
+        for (direct::TreeGroup& g : groups_) kernels_.begin(g, arrays());
     }
-    void solve(float h, const Softness& soft) {
-        for (direct::TreeGroup& g : groups_) kernels_.solve(g, arrays(), h, soft);
+    void solve(const direct::TreeSubstep& substep) {
+        for (direct::TreeGroup& g : groups_) kernels_.solve(g, arrays(), substep);
     }
-    void relax() {
-        for (direct::TreeGroup& g : groups_) kernels_.relax(g, arrays());
+    void relax(const direct::TreeSubstep& substep) {
+        for (direct::TreeGroup& g : groups_) kernels_.relax(g, arrays(), substep);
     }
     /// Makes the present the beginning.
     void keep() { start_.assign(states_.begin(), states_.end()); }
@@ -131,6 +135,8 @@ private:
     int trees_;
     AlignedArray<BodyState> states_;
     AlignedArray<BodyInertia> inertias_;
+    AlignedArray<BodyDynamics> dynamics_;
+    AlignedArray<BodyHistory> histories_;
     AlignedArray<direct::TreeJointRow> rows_;
     AlignedArray<direct::TreeImpulse> impulses_;
     AlignedArray<std::byte> memory_;

@@ -55,6 +55,29 @@ struct TreeLanes {
         link.inverseInertia = {row[0], row[1], row[2], row[3], row[4], row[5]};
     }
 
+    /// Half of a substep's forces that are not to act yet, or are still to act: `kick` seconds of them.
+    RAGTOP_INLINE void push(TreeLane<R>& link, R kick) const {
+        link.motion.fine = link.motion.fine + scaled(kick, link.acceleration);
+        link.motion.w = link.motion.w + scaled(kick, link.inverseInertia * link.moment);
+    }
+
+    /// Masses, poses and velocities, and where the joints are.
+    RAGTOP_INLINE void loadAll(const BodyArrays& arrays, TreeMotion<R>& anchor) const {
+        loadAnchor(arrays, anchor);
+        for (int l = 0; l < group.linkCount; ++l) {
+            load(l, arrays);
+            place(*this, l, anchor);
+            clearSums(links[l]);
+        }
+    }
+    RAGTOP_INLINE void loadAnchor(const BodyArrays& arrays, TreeMotion<R>& anchor) const {
+        const R zero(0.0f);
+        R none;
+        velocities(arrays.states, group.anchors, anchor, none);
+        displacements(arrays.states, group.anchors, anchor);
+        anchor.fine = {zero, zero, zero};
+    }
+
     /// Velocities from the root on, when all momenta have been handed up. Clears lanes of `ok` that have no answer.
     template <class Visit>
     RAGTOP_INLINE void takeVelocities(typename TreeReal<R>::Test& ok, Visit&& visit) const {
@@ -68,21 +91,23 @@ struct TreeLanes {
         ok = ok & (largest * R(0.0f) < R(1.0f));  // false for what is no finite number
     }
 
-    /// Adds the changes to the bodies, and gives the impulses.
+    /// Adds the changes to the bodies, and gives the impulses. What single precision leaves out of a velocity is kept.
     RAGTOP_INLINE void store(const BodyArrays& arrays, typename TreeReal<R>::Test ok) const {
         for (int i = 0; i < group.used; ++i)
             if (!ok.v[i]) group.failed |= 1u << i;
         for (int l = 0; l < group.linkCount; ++l) {
             TreeLane<R>& link = links[l];
-            const TreeNode<R>& node = link.node;
-            const TreeVec<R> v = link.motion.v + node.v, w = link.motion.w + node.w;
+            TreeMotion<R>& m = link.motion;
+            const TreeVec<R> change = m.fine + link.node.v, v = toSingle(m.v + change), w = m.w + link.node.w;
+            m.fine = change - (v - m.v);
+            link.written = v;
             const R zero(0.0f);
             const R row[8] = {v.x, v.y, v.z, link.invMass, w.x, w.y, w.z, zero};
             const TreeVec<R>&f = link.force, &t = link.torque;
             const R impulse[8] = {f.x, f.y, f.z, zero, t.x, t.y, t.z, zero};
             float *to[W], *given[W];
             for (int i = 0; i < W; ++i) {
-                const bool written = i < group.used && ((group.failed >> i) & 1u) == 0;
+                const bool written = isWritten(i);
                 to[i] = written ? reinterpret_cast<float*>(arrays.states + states(l)[i]) : nullptr;
                 given[i] = written ? group.impulses[l * W + i].force : nullptr;
             }
@@ -90,10 +115,49 @@ struct TreeLanes {
             TreeReal<R>::scatter(given, impulse);
         }
     }
+    RAGTOP_INLINE bool isWritten(int lane) const { return lane < group.used && ((group.failed >> lane) & 1u) == 0; }
+    static RAGTOP_INLINE TreeVec<R> toSingle(const TreeVec<R>& a) {
+        return {TreeReal<R>::toSingle(a.x), TreeReal<R>::toSingle(a.y), TreeReal<R>::toSingle(a.z)};
+    }
+
+    /// What velocities lack stays with the bodies between two steps, where nobody asks for their last change.
+    RAGTOP_INLINE void storeFine(const BodyArrays& arrays) const {
+        for (int l = 0; l < group.linkCount; ++l) {
+            R row[8];
+            gather(arrays.history, states(l), 0, row);
+            const TreeVec<R>& fine = links[l].motion.fine;
+            row[4] = fine.x, row[5] = fine.y, row[6] = fine.z;
+            float* to[W];
+            for (int i = 0; i < W; ++i)
+                to[i] = isWritten(i) ? reinterpret_cast<float*>(arrays.history + states(l)[i]) : nullptr;
+            TreeReal<R>::scatter(to, row);
+        }
+    }
+    RAGTOP_INLINE void loadFine(int l, const BodyArrays& arrays) const {
+        TreeLane<R>& link = links[l];
+        R row[8], none;
+        velocities(arrays.states, states(l), link.motion, none);
+        link.written = link.motion.v;
+        gather(arrays.history, states(l), 0, row);
+        link.motion.fine = withinRounding({row[4], row[5], row[6]}, link.written);
+    }
+    /// Adds what rounding left out when the forces of a substep were added to the velocity that was written.
+    RAGTOP_INLINE void refine(TreeLane<R>& link, R h) const {
+        TreeMotion<R>& m = link.motion;
+        m.fine = m.fine + withinRounding(scaled(h, link.acceleration) - (m.v - link.written), m.v);
+    }
+    /// Others may have changed the velocity: that is no rounding.
+    static RAGTOP_INLINE TreeVec<R> withinRounding(const TreeVec<R>& a, const TreeVec<R>& v) {
+        const auto within = [](R x, R of) __attribute__((always_inline)) {
+            const R limit = R(1.2e-7f) * max(of, -of);
+            return select(max(x, -x) < limit, x, R(0.0f));
+        };
+        return {within(a.x, v.x), within(a.y, v.y), within(a.z, v.z)};
+    }
 };
 
 template <class R>
-void beginTrees(TreeGroup& group) {
+void beginTrees(TreeGroup& group, const BodyArrays& arrays) {
     const TreeLanes<R> lanes(group);
     constexpr int W = TreeReal<R>::kLanes;
     for (int l = 0; l < group.linkCount; ++l) {
@@ -111,98 +175,132 @@ void beginTrees(TreeGroup& group) {
         link.frameP = {row[13], row[14], row[15], row[16]};
         link.force = {row[17], row[18], row[19]};
         link.torque = {row[20], row[21], row[22]};
+        lanes.gather(arrays.dynamics, lanes.states(l), 8, row);
+        link.acceleration = {row[0], row[1], row[2]};
+        link.moment = {row[4], row[5], row[6]};
+        lanes.loadFine(l, arrays);
     }
 }
 
-/// Target, stiffness and resistance of a link's joint, about the spins in `about`.
+/// Stiffness and resistance of a link's joint.
 template <class R>
-RAGTOP_INLINE void setUp(const TreeLanes<R>& lanes, int l, const TreeMotion<R>& anchor, R h, R rate) {
-    const TreeLink& at = lanes.group.links[l];
-    if (at.joint == direct::TreeJoint::free) return;
+RAGTOP_INLINE void bear(const TreeLanes<R>& lanes, int l, R h) {
     TreeLane<R>& link = lanes.links[l];
-    TreeLane<R>* parent = at.parent < 0 ? nullptr : &lanes.links[at.parent];
-    aim(link, at, lanes.motionAbove(l, anchor), parent ? parent->about : anchor.w, h, rate);
+    const int above = lanes.group.links[l].parent;
+    TreeLane<R>* parent = above < 0 ? nullptr : &lanes.links[above];
     addStiffness(link, link.load, link.node.armC, h);
     if (parent) addStiffness(*parent, -link.load, link.node.armP, h);
     const R both = admittance(link, link.node.armC) + (parent ? admittance(*parent, link.node.armP) : R(0.0f));
     link.node.resistance = R(kTreeResistance) * both;
-    link.node.d = link.node.d + scaled(link.node.resistance, link.load);
 }
 
-/// One linearisation from the leaves to the root, a link's whole work in one visit: its memory is some kilobytes, and
-/// waits. False lanes of `ok` have no answer, those of the result have links that are very taut.
+/// Hands up what a link's joint asks for; it is likely to give `share` of its load.
 template <class R>
-RAGTOP_INLINE typename TreeReal<R>::Test eliminateTree(const TreeLanes<R>& lanes, const TreeMotion<R>& anchor, R h,
-                                                       R rate, typename TreeReal<R>::Test& ok) {
+RAGTOP_INLINE void handUp(const TreeLanes<R>& lanes, int l, R share) {
+    TreeNode<R>& node = lanes.links[l].node;
+    node.d = node.d + scaled(share * node.resistance, lanes.links[l].load);
+    passMomentum(node, lanes.parentNode(l), lanes.group.links[l].joint);
+}
+
+/// From the leaves to the root, a link's whole work in one visit: its memory is some kilobytes, and waits. `ask(l)`
+/// says what joints want. False lanes of `ok` have no answer, those of the result have links that are very taut.
+template <class R, class Ask>
+RAGTOP_INLINE typename TreeReal<R>::Test eliminateTree(const TreeLanes<R>& lanes, R h, R share,
+                                                       typename TreeReal<R>::Test& ok, Ask&& ask) {
     typename TreeReal<R>::Test taut = R(1.0f) < R(0.0f);
     ok = R(0.0f) < R(1.0f);
     for (int l = lanes.group.linkCount; l-- > 0;) {
         TreeLane<R>& link = lanes.links[l];
         const direct::TreeJoint joint = lanes.group.links[l].joint;
-        setUp(lanes, l, anchor, h, rate);
+        if (joint != direct::TreeJoint::free) bear(lanes, l, h);
         taut = taut | isVeryTaut(link);
         addInertia(link);
+        if (joint != direct::TreeJoint::free) ask(l);
         eliminate(link.node, lanes.parentNode(l), joint, ok);
-        passMomentum(link.node, lanes.parentNode(l), joint);
+        handUp(lanes, l, share);
     }
     return taut;
 }
 
+/// The same with the factor that is there.
+template <class R, class Ask>
+RAGTOP_INLINE void askAgain(const TreeLanes<R>& lanes, R share, Ask&& ask) {
+    for (int l = lanes.group.linkCount; l-- > 0;) {
+        if (lanes.group.links[l].joint == direct::TreeJoint::free) continue;
+        ask(l);
+        handUp(lanes, l, share);
+    }
+}
+
 template <class R>
-void solveTrees(TreeGroup& group, const BodyArrays& arrays, float substep, const Softness& soft) {
+void solveTrees(TreeGroup& group, const BodyArrays& arrays, const direct::TreeSubstep& substep) {
     using Test = typename TreeReal<R>::Test;
+    constexpr bool kLeapfrog = TreeReal<R>::kLeapfrog;
     const TreeLanes<R> lanes(group);
-    const R h(substep), rate(soft.biasRate);
+    const bool halved = kLeapfrog && substep.first;
+    const R h(substep.h), rate(substep.biasRate), share(halved ? 0.5f : 1.0f);
     TreeMotion<R> anchor;
-    R none;
-    lanes.velocities(arrays.states, group.anchors, anchor, none);
-    lanes.displacements(arrays.states, group.anchors, anchor);
+    lanes.loadAll(arrays, anchor);
     for (int l = 0; l < group.linkCount; ++l) {
         TreeLane<R>& link = lanes.links[l];
-        lanes.load(l, arrays);
+        lanes.refine(link, h);
+        if (halved) lanes.push(link, R(-0.5f) * h);
         link.about = link.motion.w;
         link.load = link.force;
-        place(lanes, l, anchor);
-        clearSums(link);
     }
+    const auto ask = [&](int l) __attribute__((always_inline)) {
+        const TreeLink& at = group.links[l];
+        aim(lanes.links[l], at, lanes.motionAbove(l, anchor), at.parent < 0 ? anchor.w : lanes.links[at.parent].about,
+            h, rate);
+    };
+    const auto whole = [share](const TreeLane<R>& link) __attribute__((always_inline)) {
+        return link.node.force + scaled(R(1.0f) - share, link.load);
+    };
     Test ok;
-    const Test taut = eliminateTree(lanes, anchor, h, rate, ok);
+    const Test taut = eliminateTree(lanes, h, share, ok, ask);
     group.taut = 0;
     for (int i = 0; i < group.used; ++i)
         if (taut.v[i]) group.taut |= 1u << i;
-    if (group.taut != 0) {
-        // What taut links turn by is known better once it has been solved.
+    const bool anew = group.taut != 0;
+    if (kLeapfrog || anew) {
+        // What links turn by is known better once it has been solved, and so is the load of those that are taut.
         lanes.takeVelocities(
             ok, [&](TreeLane<R> & link) __attribute__((always_inline)) {
-                link.about = choose(taut, link.motion.w + link.node.w, link.motion.w);
-                link.load = choose(taut, link.node.force, link.load);
-                clearSums(link);
+                const TreeVec<R> w = link.motion.w + link.node.w;
+                link.about = kLeapfrog ? w : choose(taut, w, link.motion.w);
+                if (anew) {
+                    link.load = choose(taut, whole(link), link.load);
+                    clearSums(link);
+                } else {
+                    clearMomentum(link);
+                }
             });
-        eliminateTree(lanes, anchor, h, rate, ok);
+        if (anew)
+            eliminateTree(lanes, h, share, ok, ask);
+        else
+            askAgain(lanes, share, ask);
     }
     lanes.takeVelocities(
-        ok, [](TreeLane<R> & link) __attribute__((always_inline)) {
-            link.force = link.node.force;
-            link.torque = link.node.torque;
+        ok, [&](TreeLane<R> & link) __attribute__((always_inline)) {
+            link.force = whole(link);
+            link.torque = link.node.torque + scaled(R(1.0f) - share, link.torque);
         });
     lanes.store(arrays, ok);
 }
 
+/// What errors of positions brought in is taken back with the factor of the substep.
 template <class R>
-void relaxTrees(TreeGroup& group, const BodyArrays& arrays) {
-    const TreeLanes<R> lanes(group);
-    const TreeVec<R> zero{R(0.0f), R(0.0f), R(0.0f)};
+RAGTOP_INLINE void takeBack(const TreeLanes<R>& lanes, const BodyArrays& arrays) {
     TreeMotion<R> anchor;
-    R none;
-    lanes.velocities(arrays.states, group.anchors, anchor, none);
-    for (int l = 0; l < group.linkCount; ++l) {
+    lanes.loadAnchor(arrays, anchor);
+    for (int l = 0; l < lanes.group.linkCount; ++l) {
         TreeLane<R>& link = lanes.links[l];
         lanes.velocities(arrays.states, lanes.states(l), link.motion, link.invMass);
-        link.node.momentum = {zero, zero};
+        clearMomentum(link);
     }
-    for (int l = group.linkCount; l-- > 0;) {
+    for (int l = lanes.group.linkCount; l-- > 0;) {
         TreeLane<R>& link = lanes.links[l];
-        const direct::TreeJoint joint = group.links[l].joint;
+        const direct::TreeJoint joint = lanes.group.links[l].joint;
         if (joint == direct::TreeJoint::free) continue;
         ask(link, lanes.motionAbove(l, anchor), link.still, link.stillTurn);
         link.node.d = link.node.d - scaled(link.node.resistance, link.force - link.load);
@@ -217,9 +315,44 @@ void relaxTrees(TreeGroup& group, const BodyArrays& arrays) {
     lanes.store(arrays, ok);
 }
 
+/// The forces of the last half substep, and speeds that open no joint where it is now. The next half substep will ask
+/// for as much again.
+template <class R>
+RAGTOP_INLINE void arrive(const TreeLanes<R>& lanes, const BodyArrays& arrays, R h) {
+    TreeMotion<R> anchor;
+    lanes.loadAll(arrays, anchor);
+    for (int l = 0; l < lanes.group.linkCount; ++l) {
+        TreeLane<R>& link = lanes.links[l];
+        lanes.push(link, R(0.5f) * h);
+        link.load = link.force;
+    }
+    typename TreeReal<R>::Test ok;
+    eliminateTree(
+        lanes, h, R(0.5f), ok, [&](int l) __attribute__((always_inline)) {
+            rest(lanes.links[l], lanes.group.links[l], lanes.motionAbove(l, anchor));
+        });
+    lanes.takeVelocities(
+        ok, [](TreeLane<R> & link) __attribute__((always_inline)) {
+            link.force = scaled(R(2.0f), link.node.force);
+            link.torque = scaled(R(2.0f), link.node.torque);
+        });
+    lanes.store(arrays, ok);
+}
+
+template <class R>
+void relaxTrees(TreeGroup& group, const BodyArrays& arrays, const direct::TreeSubstep& substep) {
+    const TreeLanes<R> lanes(group);
+    if (!TreeReal<R>::kLeapfrog)
+        takeBack(lanes, arrays);
+    else if (substep.last)
+        arrive(lanes, arrays, R(substep.h));
+    if (substep.last) lanes.storeFine(arrays);
+}
+
 template <class R>
 constexpr direct::TreeKernels makeTreeKernels(const char* name) {
-    return {name, TreeReal<R>::kLanes, sizeof(TreeLane<R>), beginTrees<R>, solveTrees<R>, relaxTrees<R>};
+    return {name,          TreeReal<R>::kLanes, sizeof(TreeLane<R>), TreeReal<R>::kLeapfrog,
+            beginTrees<R>, solveTrees<R>,       relaxTrees<R>};
 }
 template <int N>
 constexpr direct::TreeTables makeTreeTables(const char* name) {

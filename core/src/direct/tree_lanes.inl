@@ -104,22 +104,28 @@ RAGTOP_INLINE DoubleLanes<N> sqrt(DoubleLanes<N> a) {
     return r;
 }
 
-/// What differs between precisions: how eight floats per lane come and go.
+/// What differs between precisions: how eight floats per lane come and go, and the scheme (TreeKernels).
 template <class R>
 struct TreeReal;
 template <int N>
 struct TreeReal<Lanes<N>> {
     static constexpr int kLanes = N;
+    static constexpr bool kLeapfrog = true;
     using Test = Mask<N>;
+    static RAGTOP_INLINE Lanes<N> toSingle(Lanes<N> a) { return a; }
     static RAGTOP_INLINE void gather(const float* const rows[N], Lanes<N> out[8]) { gather8<N>(rows, out); }
     static RAGTOP_INLINE void scatter(float* const rows[N], const Lanes<N> in[8]) { scatter8<N>(rows, in); }
 };
 template <int N>
 struct TreeReal<DoubleLanes<N>> {
     static constexpr int kLanes = N;
+    static constexpr bool kLeapfrog = false;
     using Test = DoubleMask<N>;
     using Double = typename DoubleTypes<N>::Double;
     using Float = typename DoubleTypes<N>::Float;
+    static RAGTOP_INLINE DoubleLanes<N> toSingle(DoubleLanes<N> a) {
+        return __builtin_convertvector(__builtin_convertvector(a.v, Float), Double);
+    }
     static RAGTOP_INLINE void gather(const float* const rows[N], DoubleLanes<N> out[8]) {
         constexpr int kWide = N < 4 ? 4 : N;
         const float* wide[kWide];

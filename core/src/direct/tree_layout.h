@@ -50,18 +50,28 @@ struct TreeGroup {
     std::uint32_t taut = 0;           ///< the same: it was solved twice
 };
 
+struct TreeSubstep {
+    float h = 0;                       ///< s
+    float biasRate = 0;                ///< 1/s, at which errors of positions are closed
+    bool first = false, last = false;  ///< of its step
+};
+
 /// Of one instruction set, number of lanes and precision.
-///   begin: once per step, loads from the rows.
-///   solve: from free velocities to those at which no joint errs when the substep ends; impulses are those of the whole
+///   begin: once per step, loads from the rows and the forces on bodies.
+///   solve: from free velocities to those at which no joint errs when the substep ends; impulses are those of a whole
 ///          substep. Taut links are implicit.
-///   relax: after positions have moved: takes back the speed that brings errors in. Uses the factor of solve.
+///   relax: after positions have moved.
+/// Leapfrog: speeds are those of the middle of a substep while a step lasts, and those of its moment when it begins and
+/// ends, where half a substep's forces act before the motion and half after it, and joints are relaxed about where they
+/// are. Otherwise all forces act before the motion, and each relaxing takes back the speed that brought errors in.
 struct TreeKernels {
     const char* name;
     int lanes;
     std::size_t linkBytes;
-    void (*begin)(TreeGroup& group);
-    void (*solve)(TreeGroup& group, const BodyArrays& arrays, float h, const Softness& soft);
-    void (*relax)(TreeGroup& group, const BodyArrays& arrays);
+    bool leapfrog;
+    void (*begin)(TreeGroup& group, const BodyArrays& arrays);
+    void (*solve)(TreeGroup& group, const BodyArrays& arrays, const TreeSubstep& substep);
+    void (*relax)(TreeGroup& group, const BodyArrays& arrays, const TreeSubstep& substep);
 };
 
 /// Kernels beside those of `lanes` single lanes: as many for trees of moderate masses, and half as many of doubles.

@@ -42,6 +42,7 @@ RAGTOP_INLINE TreeVec<R> axisX(const TreeQuat<R>& q) {
 template <class R>
 struct TreeMotion {
     TreeVec<R> v, w;  ///< m/s, rad/s
+    TreeVec<R> fine;  ///< m/s, beside v
     TreeVec<R> dp;    ///< m, since the step began
     TreeQuat<R> dq;
 };
@@ -52,6 +53,8 @@ struct TreeLane {
     // Of the step.
     TreeVec<R> offset, anchorC, anchorP;
     TreeQuat<R> frameC, frameP;
+    TreeVec<R> acceleration, moment;  ///< m/s² and N m, forces on the body
+    TreeVec<R> written;               ///< m/s, the speed that the body was given last
     // Carried from substep to substep, N s and N m s.
     TreeVec<R> force, torque;  ///< in all
     TreeVec<R> load;           ///< λ̂, about which the point gives way
@@ -61,12 +64,16 @@ struct TreeLane {
     TreeSym<R> inverseInertia, stiffness;
     TreeVec<R> about;             ///< rad/s, the spin about which errors are predicted
     TreeVec<R> rC, rP, gap;       ///< m: from the centres to the anchors, and C's anchor minus P's
-    TreeVec<R> turnError;         ///< rad
     TreeVec<R> still, stillTurn;  ///< relative speeds at which errors do not change
     TreeNode<R> node;
 };
 
 /// Before anything hangs from the link.
+template <class R>
+RAGTOP_INLINE void clearMomentum(TreeLane<R>& link) {
+    const TreeVec<R> none{R(0.0f), R(0.0f), R(0.0f)};
+    link.node.momentum = {none, none};
+}
 template <class R>
 RAGTOP_INLINE void clearSums(TreeLane<R>& link) {
     const R zero(0.0f);
@@ -74,7 +81,7 @@ RAGTOP_INLINE void clearSums(TreeLane<R>& link) {
     const TreeSym<R> nothing{zero, zero, zero, zero, zero, zero};
     link.stiffness = nothing;
     link.node.inertia = {nothing, {none, none, none}, nothing};
-    link.node.momentum = {none, none};
+    clearMomentum(link);
 }
 
 /// The link's own, beside what hangs from it.
@@ -130,29 +137,36 @@ RAGTOP_INLINE void place(const Group& lanes, int l, const TreeMotion<R>& anchor)
     link.node.armP = link.rP + half;
 }
 
-/// What the turn by tan(angle/2) = |t| about t adds to an arm, in 1/h and without its first order 2 t × r/h.
+/// The turn by h ω, by its series: θ = |ω| h. Links of trees turn by less than a radian.
 template <class R>
-RAGTOP_INLINE TreeVec<R> curving(const TreeVec<R>& t, const TreeVec<R>& r, R twoPerH) {
-    const TreeVec<R> once = cross(t, r);
-    const R square = dot(t, t);
-    return scaled(twoPerH / (R(1.0f) + square), cross(t, once) - scaled(square, once));
-}
-/// The same turn of a unit vector or frame.
-template <class R>
-RAGTOP_INLINE TreeVec<R> turned(const TreeVec<R>& t, const TreeVec<R>& r) {
-    return r + scaled(R(2.0f) / (R(1.0f) + dot(t, t)), cross(t, r + cross(t, r)));
-}
-template <class R>
-RAGTOP_INLINE TreeQuat<R> turned(const TreeVec<R>& t, const TreeQuat<R>& q) {
-    const R norm = R(1.0f) / sqrt(R(1.0f) + dot(t, t));
-    return TreeQuat<R>{norm * t.x, norm * t.y, norm * t.z, norm} * q;
-}
+struct TreeTurn {
+    TreeVec<R> w;
+    R h, square;  ///< θ²
+
+    RAGTOP_INLINE TreeTurn(const TreeVec<R>& about, R substep)
+        : w(about), h(substep), square(min(substep * substep * dot(about, about), R(10.0f))) {}
+
+    /// What it adds to an arm in 1/h, beside ω × r:  h (1 − cos θ)/θ² ω × (ω × r) − (1 − sin θ/θ) ω × r.
+    RAGTOP_INLINE TreeVec<R> curving(const TreeVec<R>& r) const {
+        const TreeVec<R> once = cross(w, r);
+        const R second = h * (R(0.5f) - square * (R(1.0f / 24) - square * R(1.0f / 720)));
+        const R third = square * (R(1.0f / 6) - square * (R(1.0f / 120) - square * R(1.0f / 5040)));
+        return scaled(second, cross(w, once)) - scaled(third, once);
+    }
+    RAGTOP_INLINE TreeVec<R> operator()(const TreeVec<R>& r) const { return r + scaled(h, cross(w, r) + curving(r)); }
+    RAGTOP_INLINE TreeQuat<R> operator()(const TreeQuat<R>& q) const {
+        const R x = R(0.25f) * square;
+        const R sine = R(0.5f) * h * (R(1.0f) - x * (R(1.0f / 6) - x * (R(1.0f / 120) - x * R(1.0f / 5040))));
+        const R cosine = R(1.0f) - x * (R(0.5f) - x * (R(1.0f / 24) - x * R(1.0f / 720)));
+        return TreeQuat<R>{sine * w.x, sine * w.y, sine * w.z, cosine} * q;
+    }
+};
 
 /// What the rows still need to reach relative speeds `u` and `w` from the velocities in `motion`.
 template <class R>
 RAGTOP_INLINE void ask(TreeLane<R>& link, const TreeMotion<R>& p, const TreeVec<R>& u, const TreeVec<R>& w) {
     const TreeMotion<R>& c = link.motion;
-    link.node.d = u - (c.v + cross(c.w, link.node.armC) - p.v - cross(p.w, link.node.armP));
+    link.node.d = u - (((c.v - p.v) + (c.fine - p.fine)) + (cross(c.w, link.node.armC) - cross(p.w, link.node.armP)));
     link.node.e = w - (c.w - p.w);
 }
 
@@ -160,30 +174,36 @@ RAGTOP_INLINE void ask(TreeLane<R>& link, const TreeMotion<R>& p, const TreeVec<
 template <class R>
 RAGTOP_INLINE void aim(TreeLane<R>& link, const direct::TreeLink& at, const TreeMotion<R>& p, const TreeVec<R>& aboutP,
                        R h, R rate) {
-    const TreeVec<R> tC = scaled(R(0.5f) * h, link.about), tP = scaled(R(0.5f) * h, aboutP);
-    const R twoPerH = R(2.0f) / h;
-    link.still = curving(tP, link.rP, twoPerH) - curving(tC, link.rC, twoPerH) -
-                 cross(scaled(R(0.5f), link.about + aboutP), link.gap);
-    const TreeVec<R> u = link.still - scaled(rate, link.gap);
-    TreeVec<R> w{R(0.0f), R(0.0f), R(0.0f)};
+    const TreeTurn<R> turnC(link.about, h), turnP(aboutP, h);
+    link.still =
+        turnP.curving(link.rP) - turnC.curving(link.rC) - cross(scaled(R(0.5f), link.about + aboutP), link.gap);
+    const TreeVec<R> none{R(0.0f), R(0.0f), R(0.0f)};
+    TreeVec<R> error = none;
+    link.stillTurn = none;
     if (turnsWithParent<R>(at.joint)) {
         const TreeQuat<R> qC = link.motion.dq * link.frameC, qP = p.dq * link.frameP;
         TreeVec<R> ahead;
         if (at.joint == direct::TreeJoint::hinge) {
             const TreeVec<R> xC = axisX(qC), xP = axisX(qP);
             link.node.axis = at.childIsB ? xC : xP;
-            link.turnError = errorOfAxes(xP, xC);
-            ahead = errorOfAxes(turned(tP, xP), turned(tC, xC));
+            error = errorOfAxes(xP, xC);
+            ahead = errorOfAxes(turnP(xP), turnC(xC));
         } else {
-            link.turnError = errorOfFrames(qP, qC);
-            ahead = errorOfFrames(turned(tP, qP), turned(tC, qC));
+            error = errorOfFrames(qP, qC);
+            ahead = errorOfFrames(turnP(qP), turnC(qC));
         }
-        link.stillTurn = link.about - aboutP - scaled(R(1.0f) / h, ahead - link.turnError);
-        w = link.stillTurn - scaled(rate, link.turnError);
-    } else {
-        link.stillTurn = w;
+        link.stillTurn = link.about - aboutP - scaled(R(1.0f) / h, ahead - error);
     }
-    ask(link, p, u, w);
+    ask(link, p, link.still - scaled(rate, link.gap), link.stillTurn - scaled(rate, error));
+}
+
+/// The speeds at which a joint rests, where it is now.
+template <class R>
+RAGTOP_INLINE void rest(TreeLane<R>& link, const direct::TreeLink& at, const TreeMotion<R>& p) {
+    const TreeVec<R> none{R(0.0f), R(0.0f), R(0.0f)};
+    if (at.joint == direct::TreeJoint::hinge)
+        link.node.axis = at.childIsB ? axisX(link.motion.dq * link.frameC) : axisX(p.dq * link.frameP);
+    ask(link, p, none, none);
 }
 
 /// The larger part of ∂²/∂θ² of a force's work on an arm, (F · r) E − ½ (r Fᵀ + F rᵀ): what is not negative.
@@ -203,12 +223,19 @@ RAGTOP_INLINE TreeSym<R> tautStiffness(const TreeVec<R>& force, const TreeVec<R>
     return TreeSym<R>{stiff, zero, zero, stiff, zero, stiff} + across + outer(first, axis) + outer(second, apart);
 }
 
+/// The most that a moment turns the link about an axis across the arm, or a little more: what tension minds.
+template <class R>
+RAGTOP_INLINE R easeAcross(const TreeSym<R>& i, const TreeVec<R>& arm) {
+    const R square = dot(arm, arm), along = dot(arm, i * arm), largest = max(i.xx, max(i.yy, i.zz));
+    if (!TreeReal<R>::kLeapfrog) return largest;
+    return min(largest, i.xx + i.yy + i.zz - along / max(square, R(1e-30f)));
+}
+
 /// For a thin link T = |impulse|/h, r = L/2 and I = m L²/12, so 4 T h²/(m L) = ⅔ h |impulse| r / I.
 template <class R>
 RAGTOP_INLINE void addStiffness(TreeLane<R>& link, const TreeVec<R>& impulse, const TreeVec<R>& arm, R h) {
-    const TreeSym<R>& i = link.inverseInertia;
     const R f = sqrt(dot(impulse, impulse)), r = sqrt(dot(arm, arm));
-    const R ratio = R(2.0f / 3 / kTreeStiffLink) * h * f * r * max(i.xx, max(i.yy, i.zz));
+    const R ratio = R(2.0f / 3 / kTreeStiffLink) * h * f * r * easeAcross(link.inverseInertia, arm);
     const R share = max(R(0.0f), min(R(1.0f), ratio - R(1.0f)));
     if (!any(share > R(0.0f))) return;
     link.stiffness = link.stiffness + tautStiffness(impulse, arm, f, r, share * R(kTreeImplicit) * h);

@@ -27,7 +27,8 @@ static_assert(sizeof(BodyDynamics) == 64);
 struct alignas(64) BodyHistory {
     Vec3 velocityBefore;      ///< m/s at the beginning of the substep
     float turningX = 0;       ///< rad/s, angular velocity at the end of the last substep
-    Vec3 lastChange;          ///< m/s, change of velocity over the substep before
+    Vec3 lastChange;          ///< m/s, change of velocity over the substep before; of links of trees, between steps, what
+                              ///< single precision leaves out of their velocity (direct/tree_kernels.inl)
     float turningY = 0;
     Quat rotation;            ///< principal axes to world, at the beginning of the step
     Vec3 momentum;            ///< kg m²/s about the centre of mass, world axes; zero where `spins` is
@@ -52,7 +53,7 @@ struct SolverContext {
     float loadShare = 0;         ///< λ̂ ← λ̂ + share (λ − λ̂) per step
     float staticLoadShare = 0;   ///< the same against what does not move
     float elapsed = 0;           ///< s of this step that positions have moved by
-    bool lastSubstep = false;
+    bool firstSubstep = false, lastSubstep = false;
     bool normals = true, friction = true;  ///< the rows that a pass solves
 };
 

@@ -51,6 +51,7 @@ struct DirectIsland {
     bool tree = false;       ///< eliminated in lanes, without a system
     bool mechanism = false;  ///< moves by itself, without a system
     bool watched = false;    ///< of a tree or mechanism: impulses are wanted after every substep
+    bool leapfrog = false;   ///< of a tree: speeds are those of the middle of a substep
     direct::SolveReport report;
     double ms = 0;
 };

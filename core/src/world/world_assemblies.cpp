@@ -16,7 +16,7 @@ std::uint32_t rootOf(AlignedArray<std::uint32_t>& parent, std::uint32_t body) {
 }  // namespace
 
 /// Groups the bodies of this step's joints. State 0 stands for all that does not move: what is joined to it swings, and
-/// is left out, as is what moves along some axes only.
+/// is left out, as is what moves along some axes only, and trees whose speeds are those of the middle of a substep.
 void WorldImpl::findAssemblies() {
     assemblyBodies.clear();
     assemblyStarts.clear();
@@ -33,6 +33,8 @@ void WorldImpl::findAssemblies() {
             // The lower index becomes the root, so that what does not move wins.
             assemblyParent[a < b ? b : a] = a < b ? a : b;
         }
+    for (const DirectIsland& island : directIslands)
+        if (island.leapfrog) assemblyParent[place(directBodies[island.firstBody])] = 0;
     // Counts, then places, per root in the order of the list of awake bodies.
     assemblyPlace.resizeForOverwrite(bodies.size());
     for (const std::uint32_t body : awakeBodies) assemblyPlace[body] = 0;

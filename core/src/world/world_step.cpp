@@ -92,6 +92,7 @@ bool WorldImpl::isLittle() const {
 
 void WorldImpl::solveSubstep(World& world, int number) {
     context.elapsed = context.h * static_cast<float>(number);
+    context.firstSubstep = number == 0;
     context.lastSubstep = number + 1 == settings.substeps;
     for (StepModule* module : modules)
         if (module->beforeSubstep) module->beforeSubstep(module->user, world, context.h);

@@ -130,12 +130,13 @@ void WorldImpl::planChains() {
     for (const std::uint32_t body : awakeBodies) treeMark[body] = kNone;
     for (std::size_t i = 0; i < directIslands.size(); ++i) {
         DirectIsland& island = directIslands[i];
-        island.tree = island.watched = false;
+        island.tree = island.watched = island.leapfrog = false;
         if (island.contactCount > 0 || island.jointCount == 0) continue;
         DrawnTree tree;
         if (!drawTree(directBodies[island.firstBody], tree)) continue;
         island.tree = tree.joints == island.jointCount && tree.bodies == island.bodyCount;
         island.watched = tree.watched;
+        island.leapfrog = island.tree && !tree.twofold;
         if (island.tree)
             chains.keep(tree.anchor == kNone ? 0 : bodies[tree.anchor].state, static_cast<std::uint32_t>(i),
                         tree.twofold);
@@ -160,7 +161,7 @@ void WorldImpl::beginChains() {
         }
         chains.repeatRows(group);
         group.lanes.failed = 0;
-        group.kernels->begin(group.lanes);
+        group.kernels->begin(group.lanes, bodyArrays());
     });
 }
 
@@ -176,10 +177,10 @@ void WorldImpl::solveChains(DirectPass pass) {
     const bool moves = pass == DirectPass::positions;
     forEachChainGroup([&](direct::TreePlan::Group& group) {
         const auto start = std::chrono::steady_clock::now();
-        if (moves)
-            group.kernels->solve(group.lanes, bodyArrays(), context.h, jointContext.softness);
-        else
-            group.kernels->relax(group.lanes, bodyArrays());
+        const direct::TreeSubstep substep{context.h, jointContext.softness.biasRate, context.firstSubstep,
+                                          context.lastSubstep};
+        const bool relaxes = !group.kernels->leapfrog || context.lastSubstep;
+        (moves ? group.kernels->solve : group.kernels->relax)(group.lanes, bodyArrays(), substep);
         const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
         for (int lane = 0; lane < group.lanes.used; ++lane) {
             const direct::TreePlan::Tree& tree = chains.treeOf(group, lane);
@@ -195,11 +196,12 @@ void WorldImpl::solveChains(DirectPass pass) {
                 continue;
             }
             if (moves) {
-                const int rounds = has(group.lanes.taut) ? 2 : 1;
-                island.report.iterations += rounds;
-                island.report.factorizations += rounds;
+                const bool taut = has(group.lanes.taut);
+                island.report.iterations += taut || group.kernels->leapfrog ? 2 : 1;
+                island.report.factorizations += taut ? 2 : 1;
             } else {
-                ++island.report.iterations;
+                island.report.iterations += relaxes;
+                island.report.factorizations += relaxes && group.kernels->leapfrog;
                 if (context.lastSubstep || island.watched) storeImpulses(group, lane);
             }
         }
