@@ -81,6 +81,28 @@ TEST(Mechanisms, DoorsKeepTheirSpinAndTheirHingesShareTheWeight) {
     }
 }
 
+/// Limits make it a case for Newton's method, whose loads are carried from substep to substep.
+TEST(DirectJoints, HingesOfADoorDoNotPullAgainstEachOther) {
+    WorldSettings settings = withoutSleep();
+    settings.solver = 2;
+    World world(settings);
+    Door door(world, 0);
+    const Quat up = rotationBetween({1, 0, 0}, {0, 1, 0});
+    for (const float y : {0.2f, 1.0f, 1.8f}) {
+        HingeDef def{.bodies = {{}, door.body, {{0, y, 0}, up}, {{-0.5f, y - 1, 0}, up}}};
+        def.limit = Range{-1000, 1000};
+        door.hinges.push_back(world.create(def));
+    }
+    run(world, 20, kDt, [&] { ASSERT_LT(door.gap(world), 1e-5f); });
+    EXPECT_NEAR(world.angularVelocity(door.body).y, 2, 2e-3f);
+    for (const JointId hinge : door.hinges) {
+        const Vec3 force = world.state(hinge).force;
+        EXPECT_NEAR(force.y, 20 * kGravity / 3, 0.01f * 20 * kGravity / 3);
+        // The turning moment of the weight and the centripetal force: no more than both on one hinge.
+        EXPECT_LT(std::hypot(force.x, force.z), 20 * kGravity * 0.5f / 1.6f + 20 * 4 * 0.5f);
+    }
+}
+
 TEST(Mechanisms, TurnsOfHingesAreCountedHoweverFast) {
     World world(withoutSleep());
     const Door door(world, 2);

@@ -274,6 +274,26 @@ void IslandSystem::keepLoads() {
     for (SystemRow& row : rows_) row.impulse = row.load;
 }
 
+/// Rigid rows that hold nothing new add up what rounding asks of them: λ ← R⁻¹ J H⁻¹ Jᵀ λ keeps all that moves a body,
+/// but for the share R of its row's inverse mass, and nothing else.
+void IslandSystem::dropSelfStress() {
+    const auto isRigid = [](const SystemRow& row) {
+        return !row.compliant && std::isinf(row.lower) && std::isinf(row.upper);
+    };
+    double* x = scratch_.direction.data();
+    for (std::size_t i = 0; i < unknowns(); ++i) x[i] = 0;
+    for (const SystemRow& row : rows_) {
+        if (!isRigid(row)) continue;
+        for (int k = 0; k < 6; ++k) {
+            if (row.a != kFixed) x[6 * row.a + k] += row.ja[k] * row.impulse;
+            if (row.b != kFixed) x[6 * row.b + k] += row.jb[k] * row.impulse;
+        }
+    }
+    factor_.solve(x);
+    for (SystemRow& row : rows_)
+        if (isRigid(row)) row.impulse = rowSpeed(row, x) / row.resistance;
+}
+
 bool IslandSystem::isBelow(std::size_t index, double speed) const {
     const SystemBody& body = bodies_[index];
     const double* v = velocity_.data() + 6 * index;

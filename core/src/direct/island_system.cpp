@@ -74,6 +74,9 @@ void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, con
         jointEnds_.push(end(joint.stateA));
         jointEnds_.push(end(joint.stateB));
     }
+    bool held = false;
+    for (const std::int32_t end : jointEnds_) held |= end == kFixed;
+    loops_ = joints_.size() + (held ? 0 : 1) > bodies_.size();
     constexpr std::size_t kMostRows = 24;  // a plane with everything; rows come and go with tension
     rows_.reserve(kMostRows * joints_.size());
     loadPattern();
@@ -264,9 +267,10 @@ void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joint
                 factor_.ordering().blockOf(static_cast<std::uint32_t>(row.a), static_cast<std::uint32_t>(row.b));
 }
 
-void IslandSystem::carryLoads() {
+void IslandSystem::carryLoads(bool factored) {
     restedSubsteps_ += rests_;
     if (rests_) return;
+    if (factored && loops_) dropSelfStress();
     takePointLoads();
     for (const SystemContact& c : contacts_)
         for (std::uint32_t j = 0; j < c.count; ++j)

@@ -143,8 +143,9 @@ public:
     void aimAtPositions(const BodyArrays& arrays, const SolverContext& context);
     /// Targets of the pass after it. False when they ask for nothing that the first has not given.
     bool aimAtVelocities(const BodyArrays& arrays, const SolverContext& context);
-    /// Notes what was found as the loads that the next substep starts from.
-    void carryLoads();
+    /// Notes what was found as the loads that the next substep starts from. With a factor, loads of joints by which
+    /// they pull against each other alone are left out.
+    void carryLoads(bool factored);
     void writeVelocities(const BodyArrays& arrays);
 
     // For newton.cpp.
@@ -205,6 +206,7 @@ private:
     void takePointLoads();
     void applyImpulses(double* momentum, bool loads) const;
     double impulseNorm(const double* x) const;
+    void dropSelfStress();
     void addMasses();
     void addContact(const SystemContact& contact);
     void addRow(SystemRow& row);
@@ -217,6 +219,7 @@ private:
     double gravityStep_ = 0;
     bool stopped_ = false, rests_ = false;  ///< no body moves; and none will in this substep
     bool loadsKept_ = false;                ///< loads of contacts are those that the step began with
+    bool loops_ = false;                    ///< joints may pull against each other
     int restedSubsteps_ = 0;                ///< of this step
     AlignedArray<SystemBody> bodies_;
     AlignedArray<SystemContact> contacts_;

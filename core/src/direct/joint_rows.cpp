@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "constraints/joint_types.h"
+#include "direct/rotation.h"
 
 namespace ragtop::direct {
 
@@ -52,8 +53,7 @@ struct Ends {
     void advance(float time) {
         for (BodyState* s : {&states[1], &states[2]}) {
             s->dp += time * s->v;
-            const Vec3 half = 0.5f * time * s->w;
-            s->dq = normalized(Quat{half.x, half.y, half.z, 1} * s->dq);
+            s->dq = toFloat(turnBy(static_cast<double>(time) * DVec3(s->w)) * direct::toDouble(s->dq));
         }
     }
     BodyPair pair() { return {states, inertias, 1, 2, TautBodies{}}; }

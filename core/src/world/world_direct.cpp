@@ -220,7 +220,7 @@ void WorldImpl::solveDirect(DirectPass pass) {
                         }
                         system.writeVelocities(arrays);
                     }
-                    system.carryLoads();
+                    system.carryLoads(island.factored);
                     break;
             }
             island.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
