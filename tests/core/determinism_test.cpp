@@ -39,7 +39,7 @@ constexpr Golden kGolden[] = {
     {0x78bfa44b3987f7ebu, 0x173c70a9114e02b8u},  // wall
     {0x79b72cc29bfefd8eu, 0x846fd7b509df647bu},  // hills
     {0x42ce20aa9efec0ecu, 0x2998267c098fe2b8u},  // bowl
-    {0x7c7e83ffbf1c41bcu, 0xd70fb2ee59132442u},  // joints
+    {0xff4ef3a9c7f98ff0u, 0x2bcb8399797d3b59u},  // joints
     {0x895c65204a0d90c9u, 0xc3f146f26a48569au},  // spinners
     {0x71feecffa84f857fu, 0x394af5eab3401fe0u},  // chains
     {0x31b7af6683f05ccdu, 0x377c25756fd2d86fu},  // house
