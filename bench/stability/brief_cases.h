@@ -50,6 +50,8 @@ inline constexpr std::string_view kBriefCases[] = {
     "loops/four-bar, 1 windows",
     "loops/four-bar, 4 windows",
     "loops/four-bar, 10 windows",
+    "loops/Bricard",
+    "loops/Andrews",
     "loops/door on 2 hinges",
     "loops/door on 3 hinges",
     "loops/door on 4 hinges",

@@ -36,13 +36,13 @@ struct Golden {
 };
 constexpr Golden kGolden[] = {
     {0x8b536803ea82b09fu, 0x397334c56f6a235au},  // tower
-    {0xfbfe1d15b5b78d4du, 0xb717183742e35825u},  // wall
-    {0x9cfc4fc0389aa9cfu, 0x72db2c81be2f572bu},  // hills
-    {0x50b33c82eac10f55u, 0xa5aba3c7b1c02d6fu},  // bowl
-    {0x12f14014b2d57e51u, 0x2de9b55deb4c942du},  // joints
-    {0x3446f1f9bc9c459fu, 0x0f57dc4142516a40u},  // spinners
+    {0x78bfa44b3987f7ebu, 0x173c70a9114e02b8u},  // wall
+    {0x79b72cc29bfefd8eu, 0x846fd7b509df647bu},  // hills
+    {0x42ce20aa9efec0ecu, 0x2998267c098fe2b8u},  // bowl
+    {0x7c7e83ffbf1c41bcu, 0xd70fb2ee59132442u},  // joints
+    {0x895c65204a0d90c9u, 0xc3f146f26a48569au},  // spinners
     {0x71feecffa84f857fu, 0x394af5eab3401fe0u},  // chains
-    {0xb505613d91775112u, 0x79ef4769e2c5b835u},  // house
+    {0x31b7af6683f05ccdu, 0x377c25756fd2d86fu},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 

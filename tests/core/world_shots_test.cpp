@@ -75,6 +75,25 @@ TEST(WorldShots, NothingOfTenThousandPassesAWall) {
 }
 
 // Two bullets that fly at each other exchange their velocities when they bounce, head on and past each other's middle.
+/// Bodies as fast as this pass their bounds, which are made before the length of the step is known, in any step: the
+/// first one, one after they were pushed, and one that is longer than those before.
+TEST(WorldShots, BodiesMeetInTheStepInWhichTheyAreSetGoing) {
+    for (const char* when : {"first", "pushed", "longer"}) {
+        const bool pushed = when == std::string("pushed"), longer = when == std::string("longer");
+        World world(withoutGravity());
+        BodyDef left = bodyDef(Sphere{0.1f}, {-2, 0, 0}), right = bodyDef(Sphere{0.1f}, {2, 0, 0});
+        left.bullet = right.bullet = true;
+        const Vec3 speed{150, 0, 0};
+        if (!pushed && !longer) left.linearVelocity = speed, right.linearVelocity = -speed;
+        const BodyId a = world.create(left), b = world.create(right);
+        if (longer || pushed) world.step(longer ? 1e-6 : kDt);
+        if (longer || pushed) world.setVelocity(a, speed, {}), world.setVelocity(b, -speed, {});
+        if (longer) world.step(1e-6);
+        world.step(kDt);
+        EXPECT_LT(world.pose(a).position.x, world.pose(b).position.x) << when;
+    }
+}
+
 TEST(WorldShots, TwoBulletsMeet) {
     for (int phase = 0; phase < 64; ++phase) {
         World world(withoutGravity());

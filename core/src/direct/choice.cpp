@@ -16,12 +16,11 @@ constexpr float kJointed = 100;       ///< load number of other joints, as ankle
 constexpr float kBuckling = 0.5f;     ///< share of the buckling load
 constexpr float kLeaning = 0.25f;     ///< share of bodies
 constexpr float kSpin = 0.125f;       ///< rad per substep, from which only free rotation knows how a top turns
+constexpr float kLoopSpin = 1;        ///< the same of mechanisms with loops, which divide the substep
 constexpr float kStay = 2.0f / 3;     ///< of a limit, for what is direct already
 
-/// Joints alone, calmly turning.
-bool isMechanism(const IslandFeatures& island, float limit) {
-    return island.joints > 0 && island.bare && !island.touches && limit * island.spin < kSpin;
-}
+/// Joints alone.
+bool isMechanism(const IslandFeatures& island) { return island.joints > 0 && island.bare && !island.touches; }
 std::uint32_t jointsOfTree(const IslandFeatures& island) { return island.bodies - (island.hangs ? 0 : 1); }
 
 }  // namespace
@@ -36,10 +35,11 @@ Reason chooseDirect(const IslandFeatures& island) {
     if (island.bodies > kMostAtRest || island.rolls || island.coupled) return Reason::none;
     if (island.bodies > kMostBodies && (island.restless > 0 || island.jointLoad > 0)) return Reason::none;
     const float limit = island.direct ? kStay : 1.0f;
-    if (isMechanism(island, limit)) {
+    if (isMechanism(island)) {
         // Elimination costs no more than a sweep. Loops are another matter, but sweeps do not close them.
-        if (island.joints == jointsOfTree(island)) return Reason::tree;
-        if (island.bodies > 1 && island.bodies <= kMostLooped) return Reason::loop;
+        const bool tree = island.joints == jointsOfTree(island);
+        if (tree && limit * island.spin < kSpin) return Reason::tree;
+        if (!tree && island.bodies <= kMostLooped && limit * island.spin < kLoopSpin) return Reason::loop;
     }
     const auto bodies = static_cast<float>(island.bodies), pairs = static_cast<float>(island.pairs);
     const bool jointed = island.jointLoad > 0, quiet = limit * static_cast<float>(island.moving) <= kQuiet * bodies;

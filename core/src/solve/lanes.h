@@ -71,11 +71,22 @@ template <int N>
 RAGTOP_INLINE Lanes<N> select(Mask<N> m, Lanes<N> a, Lanes<N> b) { return m.v ? a.v : b.v; }
 template <int N> RAGTOP_INLINE Lanes<N> max(Lanes<N> a, Lanes<N> b) { return a.v > b.v ? a.v : b.v; }
 template <int N> RAGTOP_INLINE Lanes<N> min(Lanes<N> a, Lanes<N> b) { return a.v < b.v ? a.v : b.v; }
+/// Folded in halves: lanes taken out one by one would cost as much as a row.
+RAGTOP_INLINE bool anySet(VectorTypes<4>::Int v) {
+    typedef long long Pair __attribute__((vector_size(16)));
+    const Pair pair = reinterpret_cast<Pair>(v);
+    return (pair[0] | pair[1]) != 0;
+}
+RAGTOP_INLINE bool anySet(VectorTypes<8>::Int v) {
+    return anySet(__builtin_shufflevector(v, v, 0, 1, 2, 3) | __builtin_shufflevector(v, v, 4, 5, 6, 7));
+}
+RAGTOP_INLINE bool anySet(VectorTypes<16>::Int v) {
+    return anySet(__builtin_shufflevector(v, v, 0, 1, 2, 3, 4, 5, 6, 7) |
+                  __builtin_shufflevector(v, v, 8, 9, 10, 11, 12, 13, 14, 15));
+}
 template <int N>
 RAGTOP_INLINE bool any(Mask<N> m) {
-    int set = 0;
-    for (int i = 0; i < N; ++i) set |= m.v[i];
-    return set != 0;
+    return anySet(m.v);
 }
 template <int N>
 RAGTOP_INLINE Lanes<N> sqrt(Lanes<N> a) {
@@ -163,9 +174,9 @@ RAGTOP_INLINE void gather8(const float* const rows[N], Lanes<N> out[8]) {
     }
 }
 
-/// Scatters eight floats per lane to rows[lane]; a null row is left out.
-template <int N>
-RAGTOP_INLINE void scatter8(float* const rows[N], const Lanes<N> in[8]) {
+/// Scatters eight floats per lane to rows[lane]; a null row is left out where `kAll` is false.
+template <int N, bool kAll>
+RAGTOP_INLINE void scatterRows(float* const rows[N], const Lanes<N> in[8]) {
     if constexpr (N == 4) {
         Float4 lo[4], hi[4];
         for (int i = 0; i < 4; ++i) {
@@ -175,7 +186,7 @@ RAGTOP_INLINE void scatter8(float* const rows[N], const Lanes<N> in[8]) {
         transpose4(lo[0], lo[1], lo[2], lo[3]);
         transpose4(hi[0], hi[1], hi[2], hi[3]);
         for (int i = 0; i < 4; ++i)
-            if (rows[i]) {
+            if (kAll || rows[i]) {
                 *reinterpret_cast<Float4Row*>(rows[i]) = lo[i];
                 *reinterpret_cast<Float4Row*>(rows[i] + 4) = hi[i];
             }
@@ -192,9 +203,17 @@ RAGTOP_INLINE void scatter8(float* const rows[N], const Lanes<N> in[8]) {
             }
             transpose8(r);
             for (int i = 0; i < 8; ++i)
-                if (rows[8 * half + i]) *reinterpret_cast<Float8Row*>(rows[8 * half + i]) = r[i];
+                if (kAll || rows[8 * half + i]) *reinterpret_cast<Float8Row*>(rows[8 * half + i]) = r[i];
         }
     }
+}
+template <int N>
+RAGTOP_INLINE void scatter8(float* const rows[N], const Lanes<N> in[8]) {
+    scatterRows<N, false>(rows, in);
+}
+template <int N>
+RAGTOP_INLINE void scatterAll8(float* const rows[N], const Lanes<N> in[8]) {
+    scatterRows<N, true>(rows, in);
 }
 
 /// A vector and a quaternion per lane.

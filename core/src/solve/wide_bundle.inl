@@ -61,12 +61,14 @@ struct ContactBundle {
         applyLocks(vB, b[7]);
         a[0] = vA.x, a[1] = vA.y, a[2] = vA.z, a[4] = wA.x, a[5] = wA.y, a[6] = wA.z;
         b[0] = vB.x, b[1] = vB.y, b[2] = vB.z, b[4] = wB.x, b[5] = wB.y, b[6] = wB.z;
-        for (int i = 0; i < N; ++i) {
-            if (!(massA[i] > 0)) rowA[i] = nullptr;
-            if (!(massB[i] > 0)) rowB[i] = nullptr;
-        }
-        scatter8<N>(rowA, a);
-        scatter8<N>(rowB, b);
+        scatterMoving(rowA, a, massA);
+        scatterMoving(rowB, b, massB);
+    }
+    static RAGTOP_INLINE void scatterMoving(float* const rows[N], const Lanes<N> values[8], Lanes<N> mass) {
+        if (!any(!(mass > 0.0f))) return scatterAll8<N>(rows, values);
+        float* moving[N];
+        for (int i = 0; i < N; ++i) moving[i] = mass[i] > 0 ? rows[i] : nullptr;
+        scatter8<N>(moving, values);
     }
 
     /// Displacements since the beginning of the step.
@@ -92,12 +94,8 @@ struct ContactBundle {
         gather8<N>(const_cast<const float* const*>(pB), dB);
         dA[0] = dA[0] + dpA.x, dA[1] = dA[1] + dpA.y, dA[2] = dA[2] + dpA.z;
         dB[0] = dB[0] + dpB.x, dB[1] = dB[1] + dpB.y, dB[2] = dB[2] + dpB.z;
-        for (int i = 0; i < N; ++i) {
-            if (!(massA[i] > 0)) pA[i] = nullptr;
-            if (!(massB[i] > 0)) pB[i] = nullptr;
-        }
-        scatter8<N>(pA, dA);
-        scatter8<N>(pB, dB);
+        scatterMoving(pA, dA, massA);
+        scatterMoving(pB, dB, massB);
     }
 
     RAGTOP_INLINE void applyImpulse(const WideVec3<N>& impulse, const WideVec3<N>& rA, const WideVec3<N>& rB) {
@@ -118,6 +116,43 @@ struct ContactBundle {
                                       const WideVec3<N>& e, Lanes<N> de) const {
         return (massA + massB) * de + dot(cross(rA, d), inertiaA * cross(rA, e)) +
                dot(cross(rB, d), inertiaB * cross(rB, e));
+    }
+};
+
+/// The rows along a bundle's normal, one point after the other:
+///   u = n · (vB − vA) + (rB × n) · ωB − (rA × n) · ωA,   rB × n = rA × n − offset × n.
+/// Linear velocities count through their part along n alone, and are written when all points are done; what follows
+/// from one point to the next is then a few operations long.
+template <int N>
+struct NormalRows {
+    struct Arms {
+        WideVec3<N> a, b;  ///< r × n
+    };
+    WideVec3<N> shiftArm, offsetArm;
+    Lanes<N> closing, inverseMass, total{0.0f};
+
+    RAGTOP_INLINE explicit NormalRows(const ContactBundle<N>& c)
+        : shiftArm(cross(c.shift, c.normal)),
+          offsetArm(cross(c.offset, c.normal)),
+          closing(dot(c.normal, c.vB - c.vA)),
+          inverseMass(c.massA + c.massB) {}
+    RAGTOP_INLINE Arms arms(const ContactBundle<N>& c, const WideVec3<N>& anchor) const {
+        const WideVec3<N> a = cross(anchor, c.normal) + shiftArm;
+        return {a, a - offsetArm};
+    }
+    RAGTOP_INLINE Lanes<N> speed(const ContactBundle<N>& c, const Arms& arms) const {
+        return closing + (dot(arms.b, c.wB) - dot(arms.a, c.wA));
+    }
+    RAGTOP_INLINE void apply(ContactBundle<N>& c, const Arms& arms, Lanes<N> change) {
+        c.wA = c.wA - change * (c.inertiaA * arms.a);
+        c.wB = c.wB + change * (c.inertiaB * arms.b);
+        closing = closing + inverseMass * change;
+        total = total + change;
+    }
+    RAGTOP_INLINE void finish(ContactBundle<N>& c) const {
+        const WideVec3<N> impulse = total * c.normal;
+        c.vA = c.vA - c.massA * impulse;
+        c.vB = c.vB + c.massB * impulse;
     }
 };
 

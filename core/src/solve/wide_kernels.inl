@@ -147,8 +147,7 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
         if constexpr (kBias) {
             massScale = select(isStatic, Lanes<N>(context.softStatic.massScale), Lanes<N>(context.soft.massScale));
             rate = massScale * select(isStatic, Lanes<N>(context.softStatic.biasRate), Lanes<N>(context.soft.biasRate));
-            impulseScale =
-                select(isStatic, Lanes<N>(context.softStatic.impulseScale), Lanes<N>(context.soft.impulseScale));
+            impulseScale = select(isStatic, Lanes<N>(context.softStatic.impulseScale), Lanes<N>(context.soft.impulseScale));
             push = Lanes<N>(-context.pushOut) * c.field(contact::kSize);
             deep = Lanes<N>(contact::kDeep) * c.field(contact::kSize);
         }
@@ -162,6 +161,7 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
         // What bounces is met at the end of a parabola, whose chord is flatter than its end.
         const Lanes<N> lead = select(bouncy, half * Lanes<N>(context.gravityStep), zero);
         Lanes<N> total(0.0f), leverTotal(0.0f);
+        NormalRows<N> rows(c);
         for (int j = 0; j < contact::kMaxPoints; ++j) {
             const Lanes<N> mass = c.field(pointField(j, contact::kMass));
             if (!any(mass > 0.0f)) break;
@@ -169,7 +169,7 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
             Lanes<N> impulse = old;
             if (context.normals) {
                 const WideVec3<N> anchor = c.vector(pointField(j, contact::kAnchor));
-                const WideVec3<N> rA = anchor + c.shift, rB = rA - c.offset;
+                const typename NormalRows<N>::Arms arms = rows.arms(c, anchor);
                 const Lanes<N> separation = separations.at(c, j, anchor);
                 const Mask<N> apart = separation > 0.0f;
                 Lanes<N> overlap = rate * separation;
@@ -178,14 +178,14 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
                 const Lanes<N> scale = select(apart, one, massScale);
                 const Lanes<N> leak = select(apart, zero, impulseScale);
 
-                const Lanes<N> speed = dot(c.normal, c.relativeVelocity(rA, rB));
+                const Lanes<N> speed = rows.speed(c, arms);
                 Lanes<N> change = -(mass * (scale * speed + bias));
                 if constexpr (kBias) change = change - leak * (old - c.field(pointField(j, contact::kLoad)));
                 impulse = max(old + change, zero);
                 // What is to bounce comes to the surface with its own speed; the next substep reflects it there.
                 if constexpr (!kBias) impulse = select(bouncy & (speed < threshold), old, impulse);
                 c.set(pointField(j, contact::kImpulse), impulse);
-                c.applyImpulse((impulse - old) * c.normal, rA, rB);
+                rows.apply(c, arms, impulse - old);
                 if constexpr (!kBias)
                     c.set(pointField(j, contact::kPeak), c.field(pointField(j, contact::kPeak)) + impulse);
                 if (!kBias && anyShifted) {
@@ -196,6 +196,7 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
             total = total + impulse;
             leverTotal = leverTotal + c.field(pointField(j, contact::kLever)) * impulse;
         }
+        rows.finish(c);
         if (!kBias && context.normals && anyShifted) c.set(contact::kShifted, zero);
         if (context.friction) {
             solveTurning(c, total, leverTotal);

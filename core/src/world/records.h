@@ -27,6 +27,7 @@ struct alignas(64) BodyRecord {
     std::uint32_t state = 0;  ///< index into the solver's arrays; 0 for fixed bodies
     BodyType type = BodyType::dynamic;
     bool refitted = false;  ///< at the end of the last step: some shape left its bounds
+    bool launched = false;  ///< was given a velocity since, which its bounds do not count
 
     Frame local;         ///< internal frame in the frame of the definition
     Vec3 inertia;        ///< kg m², principal moments
@@ -43,6 +44,8 @@ struct alignas(64) BodyRecord {
     AxisLocks locks;
     direct::Reason directReason = direct::Reason::none;
     std::uint8_t directFailures = 0;  ///< solves of its island that were given up since one came to rest
+    std::uint8_t innerSteps = 1;      ///< of each substep, as part of a mechanism
+    std::uint8_t calmSteps = 0;       ///< for which half as many would have done
     std::uint64_t userData = 0;
 };
 

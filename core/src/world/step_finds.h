@@ -49,7 +49,8 @@ struct DirectIsland {
     bool swept = false;      ///< given up in this step
     bool unchanged = false;  ///< since a step through which it rested
     bool tree = false;       ///< eliminated in lanes, without a system
-    bool watched = false;    ///< of a tree: impulses are wanted after every substep
+    bool mechanism = false;  ///< moves by itself, without a system
+    bool watched = false;    ///< of a tree or mechanism: impulses are wanted after every substep
     bool leapfrog = false;   ///< of a tree: speeds are those of the middle of a substep
     direct::SolveReport report;
     double ms = 0;

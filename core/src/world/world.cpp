@@ -46,6 +46,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       freeMeshManifolds(memory),
       joints(memory),
       jointSims(memory),
+      launchedBodies(memory),
       newJoints(memory),
       couplings(memory),
       couplingSims(memory),

@@ -258,10 +258,11 @@ BodyInertia WorldImpl::inverseInertiaAt(std::uint32_t index, const Quat& rotatio
     return inertia;
 }
 
-/// The angular momentum that belongs to the velocity and rotation of now.
-void WorldImpl::noteMomentum(std::uint32_t index) {
+void WorldImpl::noteMomentum(std::uint32_t index) { noteMomentum(index, bodies[index].rotation); }
+
+/// The angular momentum that belongs to the velocity of now and a rotation.
+void WorldImpl::noteMomentum(std::uint32_t index, const Quat& q) {
     const Vec3 w = states[index].w;
-    const Quat& q = bodies[index].rotation;
     BodyHistory& history = histories[index];
     history.turningX = w.x, history.turningY = w.y, history.turningZ = w.z;
     const Vec3 momentum = scale(dynamics[index].inertia, inverseRotate(q, w));
@@ -285,6 +286,7 @@ void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3&
     state.w = angular;
     if (bodies[index].type == BodyType::dynamic) obeyLocks(index);
     if (!stepping) histories[index].velocityBefore += state.v - before;
+    launch(index);
 }
 
 /// What was put somewhere did not travel there.

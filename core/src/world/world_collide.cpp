@@ -1,5 +1,7 @@
 // What touches: the narrow phase of each awake contact once per step, and what it changes.
 
+#include <algorithm>
+
 #include "world/lane_view.h"
 #include "world/world_impl.h"
 
@@ -16,7 +18,23 @@ void WorldImpl::lookAhead() {
     });
 }
 
-/// The list of awake contacts goes to and fro in memory: asks for what is looked at some places later.
+namespace {
+
+/// Contacts that are asked whether they stay as they are before those that do not are collided.
+constexpr int kAskedAtOnce = 32;
+
+}  // namespace
+
+/// Contacts come and go in any order, and records are found faster in that of memory. Seldom: a few in disorder do little.
+void WorldImpl::sortAwakeContacts() {
+    constexpr std::uint64_t kSteps = 64;
+    if (stepCount % kSteps != 0) return;
+    std::sort(awakeContacts.begin(), awakeContacts.end());
+    for (std::size_t i = 0; i < awakeContacts.size(); ++i)
+        contacts[awakeContacts[i]].awakeIndex = static_cast<std::uint32_t>(i);
+}
+
+/// Asks for what is looked at some places later.
 void WorldImpl::prefetchContact(int place, int end) const {
     constexpr int kRecord = 12, kRest = 6;
     if (place + kRecord < end) __builtin_prefetch(&contacts[awakeContacts[static_cast<std::size_t>(place + kRecord)]]);
@@ -26,16 +44,45 @@ void WorldImpl::prefetchContact(int place, int end) const {
     __builtin_prefetch(&bodies[record.bodyB]);
 }
 
+/// Asks for what colliding a pair will read.
+void WorldImpl::prefetchCollision(const ContactRecord& record) const {
+    constexpr std::size_t kLine = 64;
+    __builtin_prefetch(reinterpret_cast<const char*>(&record) + kLine);
+    __builtin_prefetch(&shapes[record.shapeA]);
+    __builtin_prefetch(&shapes[record.shapeB]);
+    if (!record.hasPoints) return;
+    const auto* manifold = reinterpret_cast<const char*>(&manifolds[record.firstManifold]);
+    for (std::size_t line = 0; line < sizeof(ManifoldRecord); line += kLine) __builtin_prefetch(manifold + line);
+}
+
+/// What does not stay is collided after the others were asked: until then its memory is on the way.
+void WorldImpl::updateSome(int begin, int end, int last) {
+    std::uint32_t asked[kAskedAtOnce];
+    int count = 0;
+    for (int i = begin; i < end; ++i) {
+        prefetchContact(i, last);
+        const std::uint32_t index = awakeContacts[static_cast<std::size_t>(i)];
+        ContactRecord& record = contacts[index];
+        std::uint8_t& change = contactChanged[record.awakeIndex];
+        if (stays(record)) {
+            change = record.hasPoints ? keepManifolds(record) : std::uint8_t{kUnchanged};
+        } else {
+            prefetchCollision(record);
+            asked[count++] = index;
+        }
+    }
+    for (int k = 0; k < count; ++k) updateContact(asked[k]);
+}
+
 void WorldImpl::updateContacts() {
+    sortAwakeContacts();
     const int count = static_cast<int>(awakeContacts.size());
     contactChanged.resizeForOverwrite(awakeContacts.size());
     anySensor.store(false, std::memory_order_relaxed);
     lookAhead();
-    runner.parallelFor(count, 32, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) {
-            prefetchContact(i, end);
-            updateContact(awakeContacts[static_cast<std::size_t>(i)]);
-        }
+    runner.parallelFor(count, kAskedAtOnce, [&](int begin, int end, int) {
+        for (int i = begin; i < end; i += kAskedAtOnce)
+            updateSome(i, i + kAskedAtOnce < end ? i + kAskedAtOnce : end, end);
     });
     surfacesForgotten = false;
 }
@@ -67,23 +114,22 @@ float WorldImpl::motionAhead(const ContactRecord& record) const {
     return (length(stateB.v - stateA.v) + turnA + turnB) * dt;
 }
 
-/// Contacts are found early enough that the motion of the step cannot pass them. A gap that what both bodies have
-/// travelled since it was found, and may travel now, cannot have closed needs no other look while bounds stay as they
-/// are; nor do manifolds that have not moved far.
+/// A gap that what both bodies have travelled since it was found, and may travel now, cannot have closed needs no other
+/// look while bounds stay as they are; nor do manifolds that have not moved far.
+bool WorldImpl::stays(const ContactRecord& record) const {
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
+    if (a.refitted || b.refitted) return false;
+    const double travel = a.travel + b.travel, ahead = static_cast<double>(a.ahead) + static_cast<double>(b.ahead);
+    if (!record.hasPoints) return travel + ahead < record.until;
+    return travel < record.until && ahead < static_cast<double>(record.aheadMost) && lastSubstep == context.h;
+}
+
+/// Contacts are found early enough that the motion of the step cannot pass them.
 void WorldImpl::updateContact(std::uint32_t index) {
     ContactRecord& record = contacts[index];
     std::uint8_t& change = contactChanged[record.awakeIndex];
     change = kUnchanged;
-    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    const double travel = a.travel + b.travel, ahead = static_cast<double>(a.ahead) + static_cast<double>(b.ahead);
-    if (!a.refitted && !b.refitted) {
-        if (!record.hasPoints && travel + ahead < record.until) return;
-        if (record.hasPoints && travel < record.until && ahead < static_cast<double>(record.aheadMost) &&
-            lastSubstep == context.h) {
-            change = keepManifolds(record);
-            return;
-        }
-    }
+    const double travel = bodies[record.bodyA].travel + bodies[record.bodyB].travel;
     const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
     if (!overlaps(tree(shapeA).bounds(shapeA.proxy), tree(shapeB).bounds(shapeB.proxy))) {
         change = record.hasPoints && !record.sensor && holds(record) ? kApart | kPoints : kApart;

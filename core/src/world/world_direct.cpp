@@ -83,6 +83,7 @@ void WorldImpl::groupDirect() {
     }
     numberDirectBodies();
     planChains();
+    planMechanisms();
 }
 
 void WorldImpl::numberDirectBodies() {
@@ -117,6 +118,9 @@ bool WorldImpl::noteDirectBundles() {
     return false;
 }
 
+/// Of Newton's method.
+static bool hasSystem(const DirectIsland& island) { return !island.tree && !island.mechanism; }
+
 void WorldImpl::beginDirect() {
     if (directIslands.empty()) return;
     const bool unchanged = noteDirectBundles();
@@ -137,6 +141,10 @@ void WorldImpl::beginDirect() {
             island.ms = 0;
             island.unchanged = false;
             if (island.tree) continue;
+            if (island.mechanism) {
+                beginMechanism(island, *mechanisms[static_cast<std::size_t>(i)]);
+                continue;
+            }
             island.unchanged = unchanged && island.jointCount == 0 && system.restedThrough(settings.substeps);
             if (island.unchanged) {
                 system.beginAgain();
@@ -160,7 +168,7 @@ void WorldImpl::beginDirect() {
 /// Joints alone make a nearly linear system, of which only rounding can be left, and sweeps would tear it; but a tree
 /// that could not be eliminated has no answer at all.
 static bool isGivenUp(const DirectIsland& island) {
-    return !island.report.converged && (island.contactCount > 0 || island.tree);
+    return !island.report.converged && (island.contactCount > 0 || island.tree || island.mechanism);
 }
 
 void WorldImpl::solveDirect(DirectPass pass) {
@@ -173,6 +181,10 @@ void WorldImpl::solveDirect(DirectPass pass) {
             if (island.tree) continue;
             if (island.swept) {
                 sweepIsland(island, pass);
+                continue;
+            }
+            if (island.mechanism) {
+                solveMechanism(island, *mechanisms[static_cast<std::size_t>(i)], pass);
                 continue;
             }
             const auto start = std::chrono::steady_clock::now();
@@ -238,7 +250,9 @@ void WorldImpl::barGivenUp(const DirectIsland& island, bool rests) {
 void WorldImpl::endDirect() {
     for (std::size_t i = 0; i < directIslands.size(); ++i)
         if (const DirectIsland& island = directIslands[i]; !island.unchanged)
-            barGivenUp(island, !island.tree && !island.swept && directSystems[i]->rests());
+            barGivenUp(island, hasSystem(island) && !island.swept && directSystems[i]->rests());
+    for (std::size_t i = 0; i < directIslands.size(); ++i)
+        if (const DirectIsland& island = directIslands[i]; island.mechanism) keepPace(island, *mechanisms[i]);
     ledger.clear();
     for (const DirectIsland& island : directIslands)
         ledger.push_back({direct::nameOf(bodies[directBodies[island.firstBody]].directReason),
@@ -247,7 +261,7 @@ void WorldImpl::endDirect() {
                           island.report.residual, island.ms, island.report.converged});
     runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i)
-            if (const DirectIsland& island = directIslands[static_cast<std::size_t>(i)]; !island.swept && !island.tree)
+            if (const DirectIsland& island = directIslands[static_cast<std::size_t>(i)]; !island.swept && hasSystem(island))
                 directSystems[static_cast<std::size_t>(i)]->end();
     });
 }

@@ -16,6 +16,7 @@
 #include "constraints/coupling.h"
 #include "constraints/joint_bundles.h"
 #include "constraints/joint_sim.h"
+#include "direct/mechanism.h"
 #include "direct/newton.h"
 #include "direct/tree_plan.h"
 #include "narrowphase/collide.h"
@@ -87,6 +88,10 @@ struct WorldImpl {
 
     // world_pairs.cpp: broad phase.
     void findPairs();
+    void findPairsOfMoved(bool obstaclesToo);
+    void launch(std::uint32_t body);
+    void coverMotion(std::uint32_t body);
+    void coverLaunched(bool all);
     void refitBounds();
     void createContact(std::uint32_t shapeA, std::uint32_t shapeB);
     void destroyContact(std::uint32_t contact);
@@ -100,7 +105,11 @@ struct WorldImpl {
     const BoundsTree& tree(const ShapeRecord& shape) const { return shape.isStaticTree ? staticTree : movingTree; }
 
     // world_collide.cpp: narrow phase.
+    void sortAwakeContacts();
     void prefetchContact(int place, int end) const;
+    void prefetchCollision(const ContactRecord& contact) const;
+    void updateSome(int begin, int end, int last);
+    bool stays(const ContactRecord& contact) const;
     void updateContacts();
     void updateContact(std::uint32_t contact);
     std::uint8_t keepManifolds(ContactRecord& contact);
@@ -231,6 +240,18 @@ struct WorldImpl {
     template <class Visit>
     void forEachChainGroup(Visit&& visit);
 
+    // world_mechanisms.cpp: those with loops, in their own time.
+    void planMechanisms();
+    bool keepsOwnTime(const DirectIsland& island) const;
+    void loadMechanismBody(std::uint32_t index, direct::MechanismBody& body, direct::MechanismPose& pose) const;
+    void beginMechanism(const DirectIsland& island, direct::Mechanism& mechanism);
+    void readMechanism(const DirectIsland& island, direct::Mechanism& mechanism);
+    void readMechanisms();
+    void keepPace(const DirectIsland& island, const direct::Mechanism& mechanism);
+    void writeMechanism(const DirectIsland& island, direct::Mechanism& mechanism);
+    void storeLoads(const DirectIsland& island, direct::Mechanism& mechanism);
+    void solveMechanism(DirectIsland& island, direct::Mechanism& mechanism, DirectPass pass);
+
     // islands/sleeping.cpp
     void sleepQuietIslands();
     void uniteConstraints(bool touchingOnly);
@@ -282,6 +303,7 @@ struct WorldImpl {
     void compile(std::uint32_t joint);
     void resetSolverState(std::uint32_t body);
     void noteMomentum(std::uint32_t body);
+    void noteMomentum(std::uint32_t body, const Quat& rotation);
     void refreshInertia(std::uint32_t body);
     BodyInertia inverseInertiaAt(std::uint32_t body, const Quat& rotation) const;
     void obeyLocks(std::uint32_t body);
@@ -295,6 +317,7 @@ struct WorldImpl {
     void rebuildLists();
     const WorldImpl& lists() const;
     void visitContact(std::uint32_t contact, const std::function<void(const Contact&)>& visit) const;
+    DVec3 jointCenter(const JointRecord& joint, std::uint32_t body) const;
     JointBodiesAtStep jointBodies(const JointRecord& joint) const;
     Quat definitionRotation(const BodyRecord& body) const { return body.rotation * conjugate(body.local.rotation); }
     /// Is one of the two held by the other, which does not move?
@@ -350,6 +373,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> freeManifolds, freeMeshManifolds;
     AlignedArray<JointRecord> joints;
     AlignedArray<JointSim> jointSims;
+    AlignedArray<std::uint32_t> launchedBodies;  ///< BodyRecord::launched, and some that are no more
     AlignedArray<std::uint32_t> newJoints;  ///< made since the last step
     AlignedArray<CouplingRecord> couplings;
     AlignedArray<CouplingSim> couplingSims;
@@ -401,6 +425,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> directIndex;  ///< per body: of its island, or in it
     AlignedArray<std::uint32_t> movedConstraints;
     std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< at least one per direct island
+    std::vector<std::unique_ptr<direct::Mechanism>> mechanisms;  ///< likewise, where one is
     bool directGrouped = false;
     bool treesChanged = true;  ///< joints, their bodies or their rows, since trees were drawn up
     direct::TreePlan chains;   ///< direct islands that are trees

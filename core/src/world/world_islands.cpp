@@ -240,6 +240,7 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
         if (island.barred < 0) {
             island.reason = direct::Reason::none;
             island.staying = std::min(island.barred + elapsed, 0);
+            waiting = true;  // to be chosen anew
         } else if (island.reason != direct::Reason::none) {
             if (!large || !island.direct) island.staying = direct::kStayingSteps;
             waiting |= isMechanism(island.reason);  // it may begin to spin

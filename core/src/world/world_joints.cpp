@@ -14,13 +14,17 @@ const JointBodies& bodiesOf(const JointDef& def) {
 
 }  // namespace
 
-/// The world as a body has its centre at the joint's frame, so that nothing large is rounded.
-JointBodiesAtStep WorldImpl::jointBodies(const JointRecord& joint) const {
+/// Of one of a joint's bodies. The world as a body has its centre at the joint's frame, so that nothing large is rounded.
+DVec3 WorldImpl::jointCenter(const JointRecord& joint, std::uint32_t body) const {
+    if (body != 0) return bodies[body].center;
     const JointBodies& def = bodiesOf(joint.def);
+    return DVec3((joint.bodyA == 0 ? def.frameA : def.frameB).position);
+}
+
+JointBodiesAtStep WorldImpl::jointBodies(const JointRecord& joint) const {
     const BodyRecord &a = bodies[joint.bodyA], &b = bodies[joint.bodyB];
-    const DVec3 centerA = joint.bodyA == 0 ? DVec3(def.frameA.position) : a.center;
-    const DVec3 centerB = joint.bodyB == 0 ? DVec3(def.frameB.position) : b.center;
-    return {relative(centerB, centerA), definitionRotation(a), definitionRotation(b)};
+    return {relative(jointCenter(joint, joint.bodyB), jointCenter(joint, joint.bodyA)), definitionRotation(a),
+            definitionRotation(b)};
 }
 
 std::uint32_t WorldImpl::createJoint(const JointDef& def) {

@@ -63,6 +63,42 @@ void WorldImpl::giveRoom(std::uint32_t index) {
     body.room = single && body.type != BodyType::fixed ? kNearly * tuning::kFatMargin * body.size : 0.0f;
 }
 
+/// Bounds made at the end of a step count the motion of the next one, going on as it does; what was set going since is
+/// not in them.
+void WorldImpl::launch(std::uint32_t index) {
+    if (bodies[index].launched) return;
+    bodies[index].launched = true;
+    launchedBodies.push(index);
+}
+
+void WorldImpl::coverMotion(std::uint32_t index) {
+    bool left = false;
+    for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next) {
+        const ShapeRecord& shape = shapes[s];
+        if (shape.isStaticTree || shape.proxy == kNone) continue;
+        const Bounds tight = tightBounds(shape, dt);
+        if (contains(movingTree.bounds(shape.proxy), tight)) continue;
+        movingTree.enlarge(shape.proxy, enlarged(tight, tuning::kFatMargin * shape.size));
+        markMoved(s);
+        left = true;
+    }
+    if (left) giveRoom(index);
+}
+
+/// `all`: this step is longer than the one that bounds were made for, as the first one is. What moves is met in this step;
+/// obstacles that stand still are swept to, and looked for in the next one.
+void WorldImpl::coverLaunched(bool all) {
+    for (const std::uint32_t index : launchedBodies) {
+        if (!bodies[index].launched) continue;
+        bodies[index].launched = false;
+        if (!all) coverMotion(index);
+    }
+    launchedBodies.clear();
+    if (all)
+        for (const std::uint32_t index : awakeBodies) coverMotion(index);
+    if (!moveBuffer.empty()) findPairsOfMoved(false);
+}
+
 /// Adds what each body has moved to its travel. Bounds that were left are enlarged in place; their shapes look for
 /// partners in the next step.
 void WorldImpl::refitBounds() {
@@ -115,6 +151,12 @@ bool WorldImpl::shouldCollide(const ShapeRecord& a, const ShapeRecord& b) const 
 }
 
 void WorldImpl::findPairs() {
+    findPairsOfMoved(true);
+    for (const std::uint32_t shape : moveBuffer) shapes[shape].inMoveBuffer = false;
+    moveBuffer.clear();
+}
+
+void WorldImpl::findPairsOfMoved(bool obstaclesToo) {
     const int count = static_cast<int>(moveBuffer.size());
     const auto blocks = static_cast<std::size_t>((count + kShapesPerBlock - 1) / kShapesPerBlock);
     while (foundPairs.size() < blocks) foundPairs.emplace_back(memory);
@@ -142,14 +184,12 @@ void WorldImpl::findPairs() {
                     return true;
                 };
                 movingTree.query(bounds, visit);
-                if (!shape.isStaticTree) staticTree.query(bounds, visit);
+                if (obstaclesToo && !shape.isStaticTree) staticTree.query(bounds, visit);
             }
         }
     });
     for (std::size_t block = 0; block < blocks; ++block)
         for (const PairFound& pair : foundPairs[block]) createContact(pair.a, pair.b);
-    for (const std::uint32_t shape : moveBuffer) shapes[shape].inMoveBuffer = false;
-    moveBuffer.clear();
 }
 
 void WorldImpl::createContact(std::uint32_t a, std::uint32_t b) {

@@ -77,6 +77,7 @@ void WorldImpl::archive(Archive& archive) {
     archive(freeMeshManifolds);
     archive(joints);
     archive(jointSims);
+    archive(launchedBodies);
     archive(newJoints);
     archive(couplings);
     archive(couplingSims);

@@ -14,6 +14,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     const bool valid = std::isfinite(stepSeconds) && stepSeconds > 0;
     assert(valid);
     if (!valid) return;
+    const bool longer = static_cast<float>(stepSeconds) > dt;
     dt = static_cast<float>(stepSeconds);
     const float h = dt / static_cast<float>(settings.substeps);
     const float substepRate = 1 / h;
@@ -40,6 +41,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     const auto all = [&] {
         beginStage("pairs");
         findPairs();  // may grow arrays, as may the changes of contacts; nothing else below does
+        coverLaunched(longer);
         beginStage("collide");
         updateContacts();
         beginStage("contacts");
@@ -96,6 +98,7 @@ void WorldImpl::solveSubstep(World& world, int number) {
     context.lastSubstep = number + 1 == settings.substeps;
     for (StepModule* module : modules)
         if (module->beforeSubstep) module->beforeSubstep(module->user, world, context.h);
+    readMechanisms();
     integrateVelocities();
     if (bouncy) bounce();
     solveDirect(DirectPass::positions);
