@@ -31,9 +31,9 @@ struct Row {
     }
 };
 
-// Bodies at rest are moved together and stay at rest: what is moved gets no speed. Each sweep closes a joint but for the
-// second order of its turns, so that two bodies are together after a step of four; nothing acts from outside, so the
-// centre of mass stays where it is but for rounding.
+// Bodies at rest are moved together and stay at rest: what is moved gets no speed. Each sweep closes a joint but for
+// the second order of its turns, so that two bodies are together after a step of four; nothing acts from outside, so
+// the centre of mass stays where it is but for rounding.
 TEST(WorldFigures, OpenJointsCloseWithoutSpeed) {
     World world(WorldSettings{.gravity = {0, 0, 0}, .sleeping = false});
     const Row row(world, 2, 5, 0.02f);

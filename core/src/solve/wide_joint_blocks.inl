@@ -330,7 +330,8 @@ RAGTOP_INLINE void relaxHinge(WideJoint<N>& j, const JointContext& context) {
     const WideAngle<N> angle(j, angleAboutX(conjugate(a) * b));
     j.set(RAGTOP_JOINT_FIELD(block.basis.cz), block.basis.cz);
     if (j.bundle.features != 0) storeMargins(j, angle.margins);
-    closeJoint(j, squaredTurn(block), context.h, [&] { return answerOfHinge(block, j.gap, nothing<N>(), Lanes<N>(1.0f)); });
+    closeJoint(j, squaredTurn(block), context.h,
+               [&] { return answerOfHinge(block, j.gap, nothing<N>(), Lanes<N>(1.0f)); });
     solveHinge(j, block, freeMass(block), context, false);
 }
 
