@@ -82,9 +82,11 @@ void WorldImpl::countJointsOfAssemblies() {
 
 /// A figure is a tree of a few dozen bodies, not too unequal, that joints hold together and that hangs from nothing.
 /// Sweeps come so close to its solution that its joints need no leak. Of loops, and of heavy loads on chains, they do
-/// not.
+/// not. Joints along which bodies travel are not among them: a curved way leaves errors that are not those of turning.
 bool WorldImpl::isOfFigure(std::uint32_t joint) const {
     const JointRecord& record = joints[joint];
+    const JointKind kind = jointSims[joint].kind;
+    if (kind != JointKind::ball && kind != JointKind::hinge && kind != JointKind::fixed) return false;
     if (!moves(record.bodyA) || !moves(record.bodyB)) return false;
     return assemblyIsFigure[assemblyParent[record.bodyA]] != 0;
 }

@@ -28,34 +28,9 @@
 #include "world/records.h"
 #include "world/step_finds.h"
 #include "world/swept_motion.h"
+#include "world/world_parts.h"
 
 namespace ragtop {
-
-/// Lengths relative to the size of what touches, and other numbers of the method.
-namespace tuning {
-inline constexpr float kSpeculative = 0.02f;      ///< contact margin at rest, in sizes of the smaller shape
-inline constexpr float kReuse = 0.05f;            ///< motion of a pair within which its manifolds are kept, in sizes
-inline constexpr float kFatMargin = 0.1f;         ///< enlargement of bounds, in sizes
-inline constexpr float kContinuousMotion = 0.5f;  ///< motion per step beyond which a body is swept, in sizes
-inline constexpr float kSlideSpeed = 0.05f;       ///< slowest slide or roll reported, in √(gravity · size)
-}  // namespace tuning
-
-/// A geometry shared by shapes, never moved; not part of a saved state.
-struct GeometryEntry {
-    Shape shape;
-    ConvexView convex;
-    const MeshData* mesh = nullptr;
-    const HeightFieldData* field = nullptr;
-    float size = 0;
-    /// The triangles of a box or hull, in worlds where meshes move.
-    std::unique_ptr<const MeshData> skin{};
-    const MeshData* triangles() const { return mesh ? mesh : skin.get(); }
-    bool isMesh() const { return mesh || field; }
-};
-
-/// What a step finds of an awake contact; kCloses and kPoints come beside the others: that it may be a seam, and that
-/// other points hold a body on what does not move.
-enum ContactChange : std::uint8_t { kUnchanged = 0, kApart = 1, kGraph = 2, kCloses = 4, kPoints = 8 };
 
 struct WorldImpl {
     WorldImpl(const WorldSettings& worldSettings, const WorldConfig& config);
