@@ -73,7 +73,8 @@ void beginAxes(AxesBlock& block, const BodyPair& pair, const Arms& arms, float r
     const PairVector u = pair.velocity(arms);
     bool hadImpact = false;
     for (std::uint32_t f = 0; f < block.freeRows; ++f)
-        hadImpact |= beginAxis(block.axis[f], coordinateOf(block, f), speedAlong(block.free[f], u), reaction, context);
+        hadImpact |= beginAxis(block.axis[f], coordinateOf(block, f), speedAlong(block.free[f], u), reaction, context,
+                               block.freeBend[f]);
     for (std::uint32_t i = 0; i < block.rigidRows; ++i) {
         if (hadImpact) block.impulse[i] = block.startImpulse[i];
         block.startImpulse[i] = block.impulse[i];

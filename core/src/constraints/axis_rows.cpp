@@ -4,6 +4,7 @@
 
 #include "constraints/joint_constants.h"
 #include "constraints/rows.h"
+#include "constraints/soft_course.h"
 
 namespace ragtop {
 namespace {
@@ -158,7 +159,8 @@ bool DryFriction::begin(float size, float kinetic, float breakaway) {
     return slides > 0;
 }
 
-bool beginAxis(AxisRows& rows, double coordinate, float speed, float reaction, const JointContext& context) {
+bool beginAxis(AxisRows& rows, double coordinate, float speed, float reaction, const JointContext& context,
+               float bend) {
     const float w = rows.inverseMass, h = context.h;
     if (rows.features & AxisRows::kSpring) {
         const float omega = 2 * kPi * rows.frequency;
@@ -181,8 +183,8 @@ bool beginAxis(AxisRows& rows, double coordinate, float speed, float reaction, c
         if (rows.motorStalls != 0) rows.motorImpulse *= 0.5f;
     }
     if (rows.features & AxisRows::kLimit) {
-        const bool lower = beginStop(rows.atLower, rows.stop, speed, h);
-        const bool upper = beginStop(rows.atUpper, rows.stop, -speed, h);
+        const bool lower = beginStop(rows.atLower, rows.stop, speed, w, h, bend);
+        const bool upper = beginStop(rows.atUpper, rows.stop, -speed, w, h, -bend);
         return lower || upper;
     }
     return false;
@@ -231,13 +233,16 @@ static float dueOnRelease(const StopSide& side, const Stop& stop, float h) {
     return letsGo ? -0.5f * h * stop.stiffness * side.startMargin : 0.0f;
 }
 
-bool beginStop(StopSide& side, const Stop& stop, float speed, float h) {
-    const bool struck = side.impulse > 0 && (side.rebound > 0 || !(side.pressed > 0));
-    const float due = dueOnRelease(side, stop, h);
-    side.pressed = side.impulse > 0 && !(side.rebound > 0) && !(side.due > 0) ? 1.0f : 0.0f;
+bool beginStop(StopSide& side, const Stop& stop, float speed, float inverseMass, float h, float bend) {
+    const bool jumped = side.rebound > 0 || side.meets > 0;
+    const bool struck = side.impulse > 0 && (jumped || !(side.pressed > 0));
+    const float due = jumped ? 0.0f : dueOnRelease(side, stop, h);
+    const bool met = side.meets == kArrives;
+    side.pressed = met || (side.impulse > 0 && !jumped && !(side.due > 0)) ? 1.0f : 0.0f;
     side.due = due;
+    side.meets = 0;
     if (struck) side.impulse = 0;
-    if (side.rebound > 0) side.wasSeen = 0;
+    if (jumped) side.wasSeen = 0;
     side.rebound = 0;
     side.startMargin = side.margin;
     if (!(stop.stiffness > 0) && !(stop.restitution > 0)) return struck;
@@ -248,6 +253,15 @@ bool beginStop(StopSide& side, const Stop& stop, float speed, float h) {
     // Some forces have acted on this speed already and some have not: half of what they give is nearest to both.
     const float approach = -(speed + 0.5f * gained), change = gained < 0 ? -gained : gained;
     if (stop.stiffness > 0) {
+        const float along = bend + (side.margin < 0 ? speed : -approach);
+        const SoftCourse course(stop.stiffness, stop.damping, inverseMass, h);
+        const SoftMeeting meeting = course.meet(side.margin, along, side.pressed > 0);
+        if (meeting.meets) {
+            side.meets = side.margin < 0 ? kLeaves : kArrives;
+            side.due = 0;
+            side.landing = meeting.mean, side.leaving = meeting.last + bend;
+            return struck;
+        }
         // A soft stop that is reached on the way acts for the rest of the substep.
         if (side.margin >= 0 && side.margin < h * approach) side.share = 1 - side.margin / (h * approach);
         return struck;
@@ -267,7 +281,9 @@ namespace {
 RowAim aimAtSoftStop(const StopSide& side, const Stop& stop, float inverseMass, float h, bool moving) {
     RowAim aim;
     aim.lower = 0;
-    if (side.due > 0) {
+    if (side.meets > 0) {
+        aim.target = moving ? side.landing : side.leaving;
+    } else if (side.due > 0) {
         aim.push = side.due;
         aim.drag = 0;
     } else if (side.startMargin < 0) {

@@ -37,6 +37,8 @@ inline float dragOf(float share, float inverseMass) { return (1 / share - 1) / i
 /// with unequal moments would make energy of it that is not taken back.
 inline constexpr float kTurnRecovery = 0.01f;
 
+inline constexpr float kArrives = 1, kLeaves = 2;
+
 /// One end of a range. Its coordinate is the margin, which is negative beyond the end.
 struct StopSide {
     float impulse = 0;                  ///< N s or N m s, carried
@@ -49,10 +51,12 @@ struct StopSide {
     float share = 0;                    ///< of the substep in which a soft stop that is met on the way acts
     float pressed = 0;                  ///< 1 when it was in touch before this substep already
     float due = 0;                      ///< N s, what a soft stop that has let go still gives
+    float meets = 0;                    ///< a soft stop on the way, kArrives or kLeaves, with `landing` and `leaving`
+    float leaving = 0;                  ///< speed after the substep
 };
 /// When a substep begins; `speed` is that of the margin before the rows of the joint act. True when something ran into
 /// the stop in the substep before: an impact does not last, so that its impulses are no guess for those to come.
-bool beginStop(StopSide& side, const Stop& stop, float speed, float h);
+bool beginStop(StopSide& side, const Stop& stop, float speed, float inverseMass, float h, float bend = 0);
 /// False where the row of a stop would leave an impulse of zero as it is.
 bool mayAct(const StopSide& side, const Stop& stop, float speed, const JointContext& context, bool moving);
 RowAim aimAtStop(const StopSide& side, const Stop& stop, float inverseMass, const JointContext& context, bool moving);
@@ -129,8 +133,9 @@ void track(AxisRows& rows, float angle);
 /// Margins of a coordinate to both ends.
 void setMargins(AxisRows& rows, double coordinate);
 /// When a substep begins, before the rows act: what does not change in it. `reaction` is the impulse across the axis
-/// that the joint gave in the last one. True as for stops.
-bool beginAxis(AxisRows& rows, double coordinate, float speed, float reaction, const JointContext& context);
+/// that the joint gave in the last one, `bend` that of solveAxis. True as for stops.
+bool beginAxis(AxisRows& rows, double coordinate, float speed, float reaction, const JointContext& context,
+               float bend = 0);
 
 RowAim aimOf(const AxisRows& rows, AxisSlot slot, const JointContext& context, bool moving);
 /// Solves one row and returns the change of its impulse.

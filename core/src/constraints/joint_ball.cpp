@@ -186,11 +186,11 @@ void beginBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, c
     const Vec3 spin = pair.velocity(joint.arms).angular;
     bool hadImpact = false;
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
-        hadImpact |= beginStop(rows.swing[i], rows.stop, dot(rows.swingAxis[i], spin), h);
+        hadImpact |= beginStop(rows.swing[i], rows.stop, dot(rows.swingAxis[i], spin), 0, h);
     if (rows.features & BallRows::kTwist) {
         const float twisting = dot(rows.twistAxis, spin);
-        hadImpact |= beginStop(rows.twistLower, rows.stop, twisting, h);
-        hadImpact |= beginStop(rows.twistUpper, rows.stop, -twisting, h);
+        hadImpact |= beginStop(rows.twistLower, rows.stop, twisting, 0, h);
+        hadImpact |= beginStop(rows.twistUpper, rows.stop, -twisting, 0, h);
     }
     beginBlock(joint.block, hadImpact);
 }

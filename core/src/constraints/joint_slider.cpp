@@ -21,8 +21,9 @@ void refreshSlider(JointSim& joint, const JointPlace& place, const BodyPair& pai
     joint.axis.inverseMass = mass > 0 ? 1 / mass : 0.0f;
     setMargins(joint.axis, static_cast<double>(travel));
     if (!refresh.begins) return;
-    const bool hadImpact = beginAxis(joint.axis, static_cast<double>(travel), dot(x, pair.velocity(joint.arms).linear),
-                                     length(block.impulseSecond), refresh.context);
+    const bool hadImpact =
+        beginAxis(joint.axis, static_cast<double>(travel), dot(x, pair.velocity(joint.arms).linear),
+                  length(block.impulseSecond), refresh.context, bendOf(joint, 0, pair, refresh.context.h));
     beginBlock(block, hadImpact);
 }
 
