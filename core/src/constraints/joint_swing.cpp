@@ -49,23 +49,27 @@ EdgePlace edgePlace(float y, float z, const SinCos& phi, const Vec3& d) {
 }
 
 /// The φ in [low, high] at which d has no part along the edge, by false position with halving [Illinois]; d lies ahead
-/// at `low` and behind at `high`.
+/// at `low` and behind at `high`. On a half axis its end is another such place: close to it d has hardly any part along
+/// the edge either, and false position would take that for the end of its search.
 EdgePlace nearestPlace(const SwingLimit& limit, const Vec3& d, float low, float atLow, float high, float atHigh) {
-    constexpr int kEvaluations = 10;
-    constexpr float kEnough = 1e-3f;  // rad along the edge, which is 1e-6 across it
+    constexpr int kEvaluations = 12, kHalvings = 3;
+    constexpr float kEnough = 2e-4f;  // rad, of d along the edge
+    constexpr float kUneven = 0.05f;
     EdgePlace best{};
     int side = 0;
     for (int i = 0; i < kEvaluations; ++i) {
-        const float phi = (low * atHigh - high * atLow) / (atHigh - atLow);
+        const bool uneven = atLow < -kUneven * atHigh || -atHigh < kUneven * atLow;
+        const bool halves = i < kHalvings && uneven;
+        const float phi = halves ? 0.5f * (low + high) : (low * atHigh - high * atLow) / (atHigh - atLow);
         best = edgePlace(limit.y, limit.z, sinCos(phi), d);
         if (magnitude(best.ahead) <= kEnough * length(best.tangent)) break;
         if (best.ahead > 0) {
             low = phi, atLow = best.ahead;
-            if (side == 1) atHigh *= 0.5f;
+            if (side == 1 && !halves) atHigh *= 0.5f;
             side = 1;
         } else {
             high = phi, atHigh = best.ahead;
-            if (side == -1) atLow *= 0.5f;
+            if (side == -1 && !halves) atLow *= 0.5f;
             side = -1;
         }
     }
