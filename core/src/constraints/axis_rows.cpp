@@ -235,7 +235,7 @@ static float dueOnRelease(const StopSide& side, const Stop& stop, float h) {
 
 bool beginStop(StopSide& side, const Stop& stop, float speed, float inverseMass, float h, float bend) {
     const bool jumped = side.rebound > 0 || side.meets > 0;
-    const bool struck = side.impulse > 0 && (jumped || !(side.pressed > 0));
+    const bool struck = jumped ? side.impulse != 0 : side.impulse > 0 && !(side.pressed > 0);
     const float due = jumped ? 0.0f : dueOnRelease(side, stop, h);
     const bool met = side.meets == kArrives;
     side.pressed = met || (side.impulse > 0 && !jumped && !(side.due > 0)) ? 1.0f : 0.0f;

@@ -48,27 +48,39 @@ EdgePlace edgePlace(float y, float z, const SinCos& phi, const Vec3& d) {
     return {{turn.cos, q * sz, -q * sy}, tangent, dot(tangent, d)};
 }
 
-/// The φ in [low, high] at which d has no part along the edge, by false position with halving [Illinois]; d lies ahead
-/// at `low` and behind at `high`. On a half axis its end is another such place: close to it d has hardly any part along
-/// the edge either, and false position would take that for the end of its search.
-EdgePlace nearestPlace(const SwingLimit& limit, const Vec3& d, float low, float atLow, float high, float atHigh) {
-    constexpr int kEvaluations = 12, kHalvings = 3;
-    constexpr float kEnough = 2e-4f;  // rad, of d along the edge
+/// Between two directions of the quadrant, `share` of the chord from the first.
+SinCos between(const SinCos& a, const SinCos& b, float share) {
+    const float s = a.sin + share * (b.sin - a.sin), c = a.cos + share * (b.cos - a.cos);
+    const float inverse = 1 / std::sqrt(s * s + c * c);
+    return {inverse * s, inverse * c};
+}
+
+/// The place between `low` and `high` at which d has no part along the edge, by false position with halving [Illinois];
+/// d lies ahead at `low` and behind at `high`. It ends when no place between could be nearer by more than kEnough.
+/// On a half axis its end is another such place: close to it d has hardly any part along the edge, and false position
+/// would creep away from it.
+EdgePlace nearestPlace(const SwingLimit& limit, const Vec3& d, SinCos low, float atLow, SinCos high, float atHigh) {
+    constexpr int kEvaluations = 14, kHalvings = 3;
+    constexpr float kEnough = 5e-5f, kAbreast = 1e-4f;  // rad
     constexpr float kUneven = 0.05f;
     EdgePlace best{};
     int side = 0;
     for (int i = 0; i < kEvaluations; ++i) {
         const bool uneven = atLow < -kUneven * atHigh || -atHigh < kUneven * atLow;
         const bool halves = i < kHalvings && uneven;
-        const float phi = halves ? 0.5f * (low + high) : (low * atHigh - high * atLow) / (atHigh - atLow);
-        best = edgePlace(limit.y, limit.z, sinCos(phi), d);
-        if (magnitude(best.ahead) <= kEnough * length(best.tangent)) break;
+        const SinCos next = between(low, high, halves ? 0.5f : atLow / (atLow - atHigh));
+        best = edgePlace(limit.y, limit.z, next, d);
+        // Along the way to the end the distance δ falls by dδ = ahead/sin δ dφ, with less and less ahead.
+        const SinCos& end = best.ahead > 0 ? high : low;
+        const float gain = magnitude(best.ahead * (next.cos * end.sin - next.sin * end.cos));
+        const float sine = length(cross(d, best.place));
+        if (gain < 2 * kEnough * sine || magnitude(best.ahead) < kAbreast * length(best.tangent)) break;
         if (best.ahead > 0) {
-            low = phi, atLow = best.ahead;
+            low = next, atLow = best.ahead;
             if (side == 1 && !halves) atHigh *= 0.5f;
             side = 1;
         } else {
-            high = phi, atHigh = best.ahead;
+            high = next, atHigh = best.ahead;
             if (side == -1 && !halves) atLow *= 0.5f;
             side = -1;
         }
@@ -79,17 +91,17 @@ EdgePlace nearestPlace(const SwingLimit& limit, const Vec3& d, float low, float 
 /// The nearest place of the edge in the quadrant of d. Its ends are stationary too where d is on a half axis, and the
 /// nearest only if d lies towards them from a little further on.
 EdgePlace nearestInQuadrant(const SwingLimit& limit, const Vec3& d) {
-    constexpr float kLittle = 0.02f;
-    const auto at = [&](float phi) { return edgePlace(limit.y, limit.z, sinCos(phi), d); };
-    const float last = 0.5f * kPi - kLittle;
-    const EdgePlace low = at(kLittle), high = at(last);
-    if (low.ahead > 0 && high.ahead < 0) return nearestPlace(limit, d, kLittle, low.ahead, last, high.ahead);
+    constexpr SinCos kFirst{0, 1}, kLast{1, 0};
+    constexpr SinCos kAfterFirst{0.019998667f, 0.9998f}, kBeforeLast{0.9998f, 0.019998667f};  // 0.02 rad from them
+    const auto at = [&](const SinCos& phi) { return edgePlace(limit.y, limit.z, phi, d); };
+    const EdgePlace low = at(kAfterFirst), high = at(kBeforeLast);
+    if (low.ahead > 0 && high.ahead < 0) return nearestPlace(limit, d, kAfterFirst, low.ahead, kBeforeLast, high.ahead);
     if (!(low.ahead > 0)) {
-        const EdgePlace end = edgePlace(limit.y, limit.z, {0, 1}, d);
-        return end.ahead > 0 && low.ahead < 0 ? nearestPlace(limit, d, 0, end.ahead, kLittle, low.ahead) : end;
+        const EdgePlace end = at(kFirst);
+        return end.ahead > 0 && low.ahead < 0 ? nearestPlace(limit, d, kFirst, end.ahead, kAfterFirst, low.ahead) : end;
     }
-    const EdgePlace end = edgePlace(limit.y, limit.z, {1, 0}, d);
-    return end.ahead < 0 && high.ahead > 0 ? nearestPlace(limit, d, last, high.ahead, 0.5f * kPi, end.ahead) : end;
+    const EdgePlace end = at(kLast);
+    return end.ahead < 0 && high.ahead > 0 ? nearestPlace(limit, d, kBeforeLast, high.ahead, kLast, end.ahead) : end;
 }
 
 SwingMargin ellipseMargin(const SwingLimit& limit, const Vec3& direction) {
