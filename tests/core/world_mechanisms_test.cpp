@@ -122,13 +122,7 @@ TEST(Mechanisms, RestoredWorldGoesOnBitForBit) {
     addRing(world, 30);
     const Door door(world, 3, 10);
     run(world, 1);
-    std::vector<std::byte> state(world.saveSize());
-    world.save(state);
-    run(world, 1);
-    const std::uint64_t expected = world.hash();
-    world.restore(state);
-    run(world, 1);
-    EXPECT_EQ(world.hash(), expected);
+    expectRestoredGoesOn(world);
 }
 
 TEST(Mechanisms, ThreadsLanesAndCompanyChangeNoBit) {

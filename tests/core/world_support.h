@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -71,6 +72,17 @@ void run(World& world, double seconds, double dt, Each&& each) {
         world.step(dt);
         each();
     }
+}
+
+/// A second from now, and the same second again from what was saved: the same bits.
+inline void expectRestoredGoesOn(World& world) {
+    std::vector<std::byte> state(world.saveSize());
+    world.save(state);
+    run(world, 1);
+    const std::uint64_t expected = world.hash();
+    world.restore(state);
+    run(world, 1);
+    EXPECT_EQ(world.hash(), expected);
 }
 
 inline double height(const World& world, BodyId body) { return world.pose(body).position.y; }

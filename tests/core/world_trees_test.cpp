@@ -122,13 +122,7 @@ TEST(TreesOfJoints, RestoredWorldGoesOnBitForBit) {
     World world(withoutSleep());
     const Chain chain(world, 10, 500), other(world, 6, 500, 3, true);
     run(world, 1);
-    std::vector<std::byte> state(world.saveSize());
-    world.save(state);
-    run(world, 1);
-    const std::uint64_t expected = world.hash();
-    world.restore(state);
-    run(world, 1);
-    EXPECT_EQ(world.hash(), expected);
+    expectRestoredGoesOn(world);
 }
 
 /// Two rods of 1 m on hinges, one below the other, let go from the side.

@@ -55,16 +55,7 @@ Drawn pyramid(Dice& dice) {
 }
 Drawn polygon(Dice& dice) {
     BallDef ball;
-    ReachPolygon reach;
-    reach.count = 7;
-    for (int i = 0; i < reach.count; ++i) {
-        const double about = 2 * std::numbers::pi * i / reach.count;
-        const double from = static_cast<double>(dice.between(0.2f, 2.2f));
-        reach.corners[static_cast<std::size_t>(i)] = {
-            toVec3({std::cos(from), std::sin(from) * std::cos(about), std::sin(from) * std::sin(about)}),
-            around(dice, 0, 3)};
-    }
-    ball.reach = reach;
+    ball.reach = anyReach(dice, [&] { return around(dice, 0, 3); });
     const float swing = dice.between(0, 0.15f);
     return {ball, swung(dice, swing, 0)};
 }

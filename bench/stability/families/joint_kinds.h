@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cmath>
+#include <cstddef>
+#include <numbers>
 #include <span>
 
 #include "../scenery.h"
@@ -21,6 +24,20 @@ struct JointType {
     Drawn (*draw)(Dice& dice);
 };
 std::span<const JointType> jointTypes();
+
+/// A polygon of seven corners about x, 0.2 to 2.2 rad from it, each with a twist range from `twists`.
+template <class Twists>
+ReachPolygon anyReach(Dice& dice, Twists&& twists) {
+    ReachPolygon reach;
+    reach.count = 7;
+    for (int i = 0; i < reach.count; ++i) {
+        const double about = 2 * std::numbers::pi * i / reach.count;
+        const double from = static_cast<double>(dice.between(0.2f, 2.2f));
+        reach.corners[static_cast<std::size_t>(i)] = {
+            toVec3({std::cos(from), std::sin(from) * std::cos(about), std::sin(from) * std::sin(about)}), twists()};
+    }
+    return reach;
+}
 
 /// One joint between two bodies, or the world and one, at any state; bodies move with up to 10 rad/s.
 void addJoint(Scene& scene, Dice& dice, const Drawn& drawn, const DVec3& place, bool twoBodies);

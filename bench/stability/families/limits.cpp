@@ -8,6 +8,7 @@
 
 #include "../families.h"
 #include "../scenery.h"
+#include "joint_kinds.h"
 
 namespace ragtop::stability {
 namespace {
@@ -127,20 +128,10 @@ JointDef limitedJoint(Dice& dice, int kind) {
         case 2:
             ball.swingPyramid = SwingPyramid{range(1.5f), range(1.5f)};
             return ball;
-        case 3: {
+        case 3:
             ball.twistLimit.reset();
-            ReachPolygon reach;
-            reach.count = 7;
-            for (int i = 0; i < reach.count; ++i) {
-                const double about = 2 * std::numbers::pi * i / reach.count;
-                const double from = static_cast<double>(dice.between(0.2f, 2.2f));
-                reach.corners[static_cast<std::size_t>(i)] = {
-                    toVec3({std::cos(from), std::sin(from) * std::cos(about), std::sin(from) * std::sin(about)}),
-                    range(3)};
-            }
-            ball.reach = reach;
+            ball.reach = anyReach(dice, [&] { return range(3); });
             return ball;
-        }
         case 4:
             hinge.limit = turn.limit;
             return hinge;
