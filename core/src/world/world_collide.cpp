@@ -1,6 +1,7 @@
 // What touches: the narrow phase of each awake contact once per step, and what it changes.
 
 #include <algorithm>
+#include <memory>
 
 #include "base/prefetch.h"
 #include "world/lane_view.h"
@@ -56,6 +57,17 @@ void WorldImpl::prefetchCollision(const ContactRecord& record) const {
     for (std::size_t line = 0; line < sizeof(ManifoldRecord); line += kLine) prefetch(manifold + line);
 }
 
+/// Asks for what the shapes of a pair lead to, once these are there.
+void WorldImpl::prefetchShapes(const ContactRecord& record) const {
+    for (const std::uint32_t index : {record.shapeA, record.shapeB}) {
+        const ShapeRecord& shape = shapes[index];
+        prefetch(&tree(shape).bounds(shape.proxy));
+        prefetch(&geometries[shape.geometry].convex);
+    }
+    prefetch(&states[record.bodyA]);
+    prefetch(&states[record.bodyB]);
+}
+
 /// What does not stay is collided after the others were asked: until then its memory is on the way.
 void WorldImpl::updateSome(int begin, int end, int last) {
     std::uint32_t asked[kAskedAtOnce];
@@ -66,13 +78,18 @@ void WorldImpl::updateSome(int begin, int end, int last) {
         ContactRecord& record = contacts[index];
         std::uint8_t& change = contactChanged[record.awakeIndex];
         if (stays(record)) {
-            change = record.hasPoints ? keepManifolds(record) : std::uint8_t{kUnchanged};
+            change = keepManifolds(record);
         } else {
             prefetchCollision(record);
             asked[count++] = index;
         }
     }
-    for (int k = 0; k < count; ++k) updateContact(asked[k]);
+    constexpr int kNext = 6;
+    for (int k = 0; k < count && k < kNext; ++k) prefetchShapes(contacts[asked[k]]);
+    for (int k = 0; k < count; ++k) {
+        if (k + kNext < count) prefetchShapes(contacts[asked[k + kNext]]);
+        updateContact(asked[k]);
+    }
 }
 
 void WorldImpl::updateContacts() {
@@ -120,7 +137,11 @@ float WorldImpl::motionAhead(const ContactRecord& record) const {
 /// look while bounds stay as they are; nor do manifolds that have not moved far.
 bool WorldImpl::stays(const ContactRecord& record) const {
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    if (a.refitted || b.refitted) return false;
+    return !a.refitted && !b.refitted && keepsGeometry(record);
+}
+
+bool WorldImpl::keepsGeometry(const ContactRecord& record) const {
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
     const double travel = a.travel + b.travel, ahead = static_cast<double>(a.ahead) + static_cast<double>(b.ahead);
     if (!record.hasPoints) return travel + ahead < record.until;
     return travel < record.until && ahead < static_cast<double>(record.aheadMost) && lastSubstep == context.h;
@@ -141,6 +162,10 @@ void WorldImpl::updateContact(std::uint32_t index) {
         anySensor.store(true, std::memory_order_relaxed);
         return;
     }
+    if (keepsGeometry(record)) {
+        change = keepManifolds(record);
+        return;
+    }
     const float margin = tuning::kSpeculative * record.size + motionAhead(record);
     const Frame bInA = shapeBInA(record);
     change = reuseManifolds(record, bInA, margin, travel) ? keepManifolds(record)
@@ -149,6 +174,7 @@ void WorldImpl::updateContact(std::uint32_t index) {
 
 /// Manifolds that are kept are brought to where the bodies are when constraints are prepared.
 std::uint8_t WorldImpl::keepManifolds(ContactRecord& record) {
+    if (!record.hasPoints) return kUnchanged;
     refreshSurfaces(record);
     return !record.bearsLoad && mayBeSeam(record) ? kCloses : kUnchanged;
 }
@@ -157,7 +183,12 @@ std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const Frame& bInA, fl
     record.collided = true;
     record.collidedAt = bInA;
     record.collidedMargin = margin;
-    Manifold found[kMaxManifolds];
+    union Unfilled {  // with zeros: most pairs touch in one direction, if any
+        Unfilled() {}
+        Manifold manifolds[kMaxManifolds];
+    } room;
+    Manifold* const found = room.manifolds;
+    std::construct_at(found);
     const int count = findManifolds(record, bInA, margin, {found, record.manifoldCapacity});
     unsigned change = record.isMesh && meetAsSurfaces(record) ? takeSurfaceManifolds(record, found, count)
                                                               : takeManifolds(record, found, count);

@@ -83,8 +83,10 @@ struct WorldImpl {
     void sortAwakeContacts();
     void prefetchContact(int place, int end) const;
     void prefetchCollision(const ContactRecord& contact) const;
+    void prefetchShapes(const ContactRecord& contact) const;
     void updateSome(int begin, int end, int last);
     bool stays(const ContactRecord& contact) const;
+    bool keepsGeometry(const ContactRecord& contact) const;
     void updateContacts();
     void updateContact(std::uint32_t contact);
     std::uint8_t keepManifolds(ContactRecord& contact);
