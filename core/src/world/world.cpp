@@ -41,9 +41,12 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       histories(memory),
       shapes(memory),
       contacts(memory),
+      contactLinks(memory),
       manifolds(memory),
       freeManifolds(memory),
       freeMeshManifolds(memory),
+      storedImpulses(memory),
+      freeStored(memory),
       joints(memory),
       jointSims(memory),
       launchedBodies(memory),
@@ -105,7 +108,6 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       directSeen(memory),
       ledger(memory),
       bodyFlags(memory),
-      tightNow(memory),
       sweptImpacts(memory),
       startPoses(memory),
       begins(memory),
@@ -121,6 +123,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       brokenJoints(memory),
       stages(memory) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
+    for (int worker = 0; worker < runner.workers(); ++worker) heldManifolds.emplace_back(memory);
     // Body 0 is the world: static, without shapes, the other end of joints to nowhere.
     bodySlots.acquire();
     bodies.resize(1, {});
@@ -177,7 +180,7 @@ StepStats World::stats() const {
     stats.colors = w.graph.usedColors();
     for (const std::uint32_t c : w.awakeContacts) stats.touching += w.contacts[c].touching;
     stats.bytes = w.bodies.bytes() + w.states.bytes() + w.inertias.bytes() + w.dynamics.bytes() + w.histories.bytes() +
-                  w.shapes.bytes() + w.contacts.bytes() + w.manifolds.bytes() + w.joints.bytes() + w.jointSims.bytes() +
+                  w.shapes.bytes() + w.contacts.bytes() + w.contactLinks.bytes() + w.manifolds.bytes() + w.joints.bytes() + w.jointSims.bytes() +
                   w.jointBundles.bytes();
     for (int c = 0; c < ConstraintGraph::kLists; ++c) stats.bytes += w.graph.color(c).bundles.bytes();
     return stats;

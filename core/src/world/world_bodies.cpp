@@ -126,11 +126,10 @@ void WorldImpl::changeMass(std::uint32_t index, const MassProperties& mass) {
 }
 
 void WorldImpl::moveAnchors(std::uint32_t index, const Frame& move) {
-    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = nextContact(key)) {
         const ContactRecord& contact = contacts[key >> 1];
         const bool isA = contact.bodyA == index;
-        for (std::uint32_t k = 0; k < contact.manifoldCapacity; ++k) {
-            ManifoldRecord& manifold = manifolds[contact.firstManifold + k];
+        for (ManifoldRecord& manifold : manifoldsOf(contact)) {
             if (isA) manifold.normal = rotate(move.rotation, manifold.normal);
             for (int j = 0; j < manifold.pointCount; ++j) {
                 Vec3& anchor = (isA ? manifold.anchorA : manifold.anchorB)[j];
@@ -291,7 +290,7 @@ void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3&
 
 /// What was put somewhere did not travel there.
 void WorldImpl::forgetGaps(std::uint32_t index) {
-    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next)
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = nextContact(key))
         contacts[key >> 1].until = 0;
 }
 
