@@ -65,7 +65,11 @@ void TreePlan::group(const TreeTables& tables) {
     for (std::uint32_t i = 0; i < count;) {
         Group group;
         const Tree& first = trees_[order_[i]];
-        group.kernels = first.twofold ? &tables.twofold : &tables.single;
+        const auto kernelsOf = [&](const TreeTables& from) { return first.twofold ? &from.twofold : &from.single; };
+        group.kernels = kernelsOf(tables);
+        const std::uint32_t beyond = i + static_cast<std::uint32_t>(group.kernels->lanes);
+        if (tables.wider && beyond < count && compare(first, trees_[order_[beyond]]) == 0)
+            group.kernels = kernelsOf(*tables.wider);
         group.firstTree = i;
         group.firstRow = rows;
         group.lanes.linkCount = static_cast<int>(first.count);
