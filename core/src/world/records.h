@@ -46,8 +46,8 @@ struct alignas(64) BodyRecord {
     std::uint8_t directFailures = 0;  ///< solves of its island that were given up since one came to rest
     std::uint8_t innerSteps = 1;      ///< of each substep, as part of a mechanism
     std::uint8_t calmSteps = 0;       ///< for which half as many would have done
-    std::uint64_t userData = 0;
 };
+static_assert(sizeof(BodyRecord) == 192);
 
 struct alignas(64) ShapeRecord {
     Frame frame;  ///< in the body's internal frame

@@ -39,6 +39,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       inertias(memory),
       dynamics(memory),
       histories(memory),
+      bodyUserData(memory),
       shapes(memory),
       contacts(memory),
       contactLinks(memory),
@@ -132,12 +133,14 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
     inertias.resize(1, {});
     dynamics.resize(1, {});
     histories.resize(1, {});
+    bodyUserData.resize(1, 0);
     const auto expected = static_cast<std::size_t>(std::max(config.expectedBodies, 0)) + 1;
     bodies.reserve(expected);
     states.reserve(expected);
     inertias.reserve(expected);
     dynamics.reserve(expected);
     histories.reserve(expected);
+    bodyUserData.reserve(expected);
     shapes.reserve(expected);
     awakeBodies.reserve(expected);
 }

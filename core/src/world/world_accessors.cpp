@@ -89,7 +89,7 @@ Vec3 World::velocityAt(BodyId body, const DVec3& point) const {
 }
 BodyType World::type(BodyId body) const { return impl_->bodies[impl_->index(body)].type; }
 bool World::isAwake(BodyId body) const { return impl_->isAwake(impl_->index(body)); }
-std::uint64_t World::userData(BodyId body) const { return impl_->bodies[impl_->index(body)].userData; }
+std::uint64_t World::userData(BodyId body) const { return impl_->bodyUserData[impl_->index(body)]; }
 
 MassProperties World::mass(BodyId id) const {
     const BodyRecord& body = impl_->bodies[impl_->index(id)];

@@ -147,6 +147,7 @@ std::uint32_t WorldImpl::createBody(const BodyDef& def) {
     grow(inertias, index, BodyInertia{});
     grow(dynamics, index, BodyDynamics{});
     grow(histories, index, BodyHistory{});
+    grow(bodyUserData, index, std::uint64_t{0});
     BodyRecord& body = bodies[index];
     body.type = def.type;
     body.linearDamping = def.linearDamping;
@@ -156,7 +157,7 @@ std::uint32_t WorldImpl::createBody(const BodyDef& def) {
     body.continuous = def.continuous;
     body.bullet = def.bullet;
     body.locks = def.locks;
-    body.userData = def.userData;
+    bodyUserData[index] = def.userData;
     body.state = def.type == BodyType::fixed ? 0 : index;
     setMass(index, def);
     const Pose start{def.pose.position, normalized(def.pose.rotation)};

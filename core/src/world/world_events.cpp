@@ -28,8 +28,9 @@ bool isLoaded(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
 }  // namespace
 
 void WorldImpl::forgetTouches() {
-    manifoldTouches.clear();
-    for (const ManifoldRecord& manifold : manifolds) manifoldTouches.push(manifold.pointCount > 0 ? kUnknownTouch : 0);
+    manifoldTouches.resizeForOverwrite(manifolds.size());
+    for (std::size_t i = 0; i < manifolds.size(); ++i)
+        manifoldTouches[i] = manifolds[i].pointCount > 0 ? kUnknownTouch : 0;
 }
 
 /// What the lanes say of all manifolds in the graph.

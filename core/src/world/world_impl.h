@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/aligned_array.h"
+#include "base/paged_array.h"
 #include "base/pair_set.h"
 #include "base/stage_runner.h"
 #include "broadphase/bounds_tree.h"
@@ -349,8 +350,8 @@ struct WorldImpl {
     std::uint64_t hash() const;
 
     ContactPlaces contactPlaces() const {
-        return {&bodies.data()->center, &bodies.data()->rotation, sizeof(BodyRecord), manifolds.data(),
-                sizeof(ManifoldRecord)};
+        return {&bodies.data()->center, &bodies.data()->rotation, sizeof(BodyRecord), manifolds.pages(),
+                manifolds.kPageBits,    sizeof(ManifoldRecord)};
     }
     BodyArrays bodyArrays() { return {states.data(), inertias.data(), dynamics.data(), histories.data()}; }
     void beginStage(const char* name);
@@ -370,10 +371,11 @@ struct WorldImpl {
     AlignedArray<BodyInertia> inertias;
     AlignedArray<BodyDynamics> dynamics;
     AlignedArray<BodyHistory> histories;
+    AlignedArray<std::uint64_t> bodyUserData;
     AlignedArray<ShapeRecord> shapes;
-    AlignedArray<ContactRecord> contacts;
-    AlignedArray<ContactLinks> contactLinks;  ///< of each contact
-    AlignedArray<ManifoldRecord> manifolds;
+    PagedArray<ContactRecord> contacts;
+    PagedArray<ContactLinks> contactLinks;  ///< of each contact
+    PagedArray<ManifoldRecord> manifolds;
     AlignedArray<std::uint32_t> freeManifolds, freeMeshManifolds;
     AlignedArray<ManifoldImpulses> storedImpulses;
     AlignedArray<std::uint32_t> freeStored;

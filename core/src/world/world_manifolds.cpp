@@ -16,7 +16,9 @@ constexpr std::uint32_t kIndexBits = 26;
 std::uint32_t WorldImpl::allotManifolds(std::uint32_t count) {
     AlignedArray<std::uint32_t>& free = count > 1 ? freeMeshManifolds : freeManifolds;
     if (free.empty()) {
-        const auto first = static_cast<std::uint32_t>(manifolds.size());
+        // Those of one contact lie on one page.
+        auto first = static_cast<std::uint32_t>(manifolds.size());
+        for (; first % count != 0; ++first) freeManifolds.push(first);
         manifolds.resize(first + count, {});
         manifoldTouches.resize(manifolds.size(), 0);
         return first;

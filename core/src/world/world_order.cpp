@@ -20,7 +20,7 @@ std::uint32_t spread(std::uint32_t v) {
 
 /// Puts what was at from[place] to each place; `from` is a permutation, which this uses up.
 template <class... T>
-void permute(AlignedArray<std::uint32_t>& from, AlignedArray<T>&... items) {
+void permute(AlignedArray<std::uint32_t>& from, PagedArray<T>&... items) {
     for (std::uint32_t start = 0; start < from.size(); ++start) {
         if (from[start] == start) continue;
         std::uint32_t place = start;
@@ -88,19 +88,23 @@ void WorldImpl::moveContacts() {
     for (BodyRecord& body : bodies) follow(body.firstContact);
 }
 
-/// The same for manifolds, in the order of their contacts, free ones last.
+/// The same for manifolds, in the order of their contacts, those of meshes first and free ones last.
 void WorldImpl::moveManifolds() {
     movedFrom.clear();
-    const auto take = [&](std::uint32_t first, std::uint32_t capacity) {
+    const auto take = [&](std::uint32_t& first, std::uint32_t count) {
         const auto place = static_cast<std::uint32_t>(movedFrom.size());
-        for (std::uint32_t k = 0; k < capacity; ++k) movedFrom.push(first + k);
-        return place;
+        for (std::uint32_t k = 0; k < count; ++k) movedFrom.push(first + k);
+        first = place;
     };
-    for (std::uint32_t i = 0; i < contactOrder.size(); ++i)
-        if (ContactRecord& record = contacts[i]; record.firstManifold != kNone)
-            record.firstManifold = take(record.firstManifold, record.manifoldCapacity);
-    for (std::uint32_t& first : freeManifolds) first = take(first, 1);
-    for (std::uint32_t& first : freeMeshManifolds) first = take(first, kMaxManifolds);
+    const auto takeAll = [&](std::uint32_t count, AlignedArray<std::uint32_t>& free) {
+        for (std::uint32_t i = 0; i < contactOrder.size(); ++i)
+            if (ContactRecord& record = contacts[i]; record.manifoldCapacity == count && record.firstManifold != kNone)
+                take(record.firstManifold, count);
+        for (std::uint32_t& first : free) take(first, count);
+    };
+    // Those that have several stay within pages.
+    takeAll(kMaxManifolds, freeMeshManifolds);
+    takeAll(1, freeManifolds);
     movedTo.resizeForOverwrite(manifolds.size());
     for (std::uint32_t i = 0; i < movedFrom.size(); ++i) movedTo[movedFrom[i]] = i;
     permute(movedFrom, manifolds);

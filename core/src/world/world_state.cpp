@@ -70,6 +70,7 @@ void WorldImpl::archive(Archive& archive) {
     archive(inertias);
     archive(dynamics);
     archive(histories);
+    archive(bodyUserData);
     archive(shapes);
     archive(contacts);
     archive(contactLinks);
