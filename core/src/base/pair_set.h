@@ -34,7 +34,7 @@ public:
 
     /// Makes room for this many keys without further memory.
     void reserve(std::size_t keys) {
-        const std::size_t wanted = std::bit_ceil(std::max<std::size_t>(2 * keys, kSmallest));
+        const std::size_t wanted = std::bit_ceil(std::max<std::size_t>(keys + keys / 3 + 1, kSmallest));
         if (wanted > entries_.size()) rehash(wanted);
     }
 
@@ -102,7 +102,7 @@ private:
         return static_cast<std::size_t>(mixed >> (64 - std::countr_zero(entries_.size())));
     }
 
-    /// Where the key is, or the free entry where it belongs. At most half of the entries are used, so one is free.
+    /// Where the key is, or the free entry where it belongs. At most three of four entries are used, so one is free.
     std::size_t placeOf(std::uint64_t key) const {
         const std::size_t mask = entries_.size() - 1;
         std::size_t at = homeOf(key);

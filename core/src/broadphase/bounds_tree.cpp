@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cstring>
 
+#include "base/stage_runner.h"
+
 namespace ragtop {
 
 namespace {
@@ -77,10 +79,21 @@ void BoundsTree::enlarge(std::uint32_t proxy, const Bounds& bounds) {
     }
 }
 
-void BoundsTree::refitEnlarged() {
+void BoundsTree::tellGiven(std::uint32_t proxy) {
+    for (std::uint32_t index = nodes_[proxy].parent; index != kNull; index = nodes_[index].parent) {
+        if ((nodes_[index].flags & kEnlarged) != 0) return;
+        nodes_[index].flags |= kEnlarged;
+    }
+}
+
+void BoundsTree::refitEnlarged(StageRunner* runner) {
     if (root_ == kNull || (nodes_[root_].flags & (kEnlarged | kStale)) == 0) return;
+    if (nodes_[root_].height == 0) {
+        nodes_[root_].flags = 0;
+        return;
+    }
     if (++refits_ < kRefits) {
-        refitBranch(root_);
+        runner ? refitBranches(*runner) : refitBranch(root_);
     } else {
         refits_ = 0;
         rebuild(false);
@@ -90,13 +103,43 @@ void BoundsTree::refitEnlarged() {
 
 /// Children first, as high as the tree is at most.
 void BoundsTree::refitBranch(std::uint32_t index) {
-    if ((nodes_[index].flags & kEnlarged) == 0) return;
+    Node& node = nodes_[index];
+    if ((node.flags & kEnlarged) == 0) return;
+    if (node.height == 0) {
+        node.flags = 0;
+        return;
+    }
+    refitBranch(node.left);
+    refitBranch(node.right);
+    refitNode(index);
+}
+
+void BoundsTree::refitNode(std::uint32_t index) {
     nodes_[index].flags = kStale;
-    if (nodes_[index].height == 0) return;
-    refitBranch(nodes_[index].left);
-    refitBranch(nodes_[index].right);
     refit(index);
     rotate(index);
+}
+
+/// Branches of one level share nothing: each turns within itself. What is above them follows, children first.
+void BoundsTree::refitBranches(StageRunner& runner) {
+    constexpr int kBranches = 32, kLow = 5;  // some tens of leaves in each
+    std::uint32_t branches[kBranches], above[kBranches];
+    int count = 0, opened = 0;
+    branches[count++] = root_;
+    for (int i = 0; i < count && runner.workers() > 1;) {
+        const Node& node = nodes_[branches[i]];
+        if (count == kBranches || node.height < kLow || (node.flags & kEnlarged) == 0) {
+            ++i;
+            continue;
+        }
+        above[opened++] = branches[i];
+        branches[i] = node.left;
+        branches[count++] = node.right;
+    }
+    runner.parallelFor(count, 1, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) refitBranch(branches[i]);
+    });
+    while (opened > 0) refitNode(above[--opened]);
 }
 
 void BoundsTree::setCategory(std::uint32_t proxy, std::uint32_t category) {

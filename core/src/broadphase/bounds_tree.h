@@ -8,6 +8,8 @@
 
 namespace ragtop {
 
+class StageRunner;
+
 /// A dynamic binary tree of bounds. Proxies are created with enlarged bounds by the caller. Deterministic: the same
 /// calls give the same tree.
 class BoundsTree {
@@ -37,14 +39,22 @@ public:
     void move(std::uint32_t proxy, const Bounds& bounds);
     /// Changes a proxy's bounds in place and grows its ancestors' to hold them, until refitEnlarged().
     void enlarge(std::uint32_t proxy, const Bounds& bounds);
+    /// The same in two parts, for many proxies at once: threads give bounds to proxies, each to its own; then what was
+    /// given is told of each, on one thread. Nothing may be looked for until refitEnlarged().
+    void give(std::uint32_t proxy, const Bounds& bounds) {
+        nodes_[proxy].bounds = bounds;
+        nodes_[proxy].flags |= kEnlarged;
+    }
+    bool wasGiven(std::uint32_t proxy) const { return (nodes_[proxy].flags & kEnlarged) != 0; }
+    void tellGiven(std::uint32_t proxy);
     void setCategory(std::uint32_t proxy, std::uint32_t category);
     const Bounds& bounds(std::uint32_t proxy) const { return nodes_[proxy].bounds; }
     std::uint32_t value(std::uint32_t proxy) const { return nodes_[proxy].value; }
     int proxyCount() const { return proxyCount_; }
     bool empty() const { return root_ == kNull; }
     /// Fits the branches that were enlarged to what is below them and turns them where that makes them smaller, so that
-    /// queries stay fast. Call once per step.
-    void refitEnlarged();
+    /// queries stay fast. Call once per step. The tree does not depend on the runner.
+    void refitEnlarged(StageRunner* runner = nullptr);
 
     /// visit(value) → false to end.
     template <class Visit>
@@ -81,6 +91,8 @@ private:
     std::uint32_t bestSibling(const Bounds& bounds) const;
     void refit(std::uint32_t index);
     void refitBranch(std::uint32_t index);
+    void refitNode(std::uint32_t index);
+    void refitBranches(StageRunner& runner);
     void rotate(std::uint32_t index);
     void limitHeight();
     /// A node that a rebuild takes over as it is, with what the cuts look at side by side.
