@@ -72,6 +72,44 @@ TEST(SwingLimit, EllipseIsWithinATenthOfADegreeOfBruteForce) {
     }
 }
 
+SwingMargin marginOf(float y, float z, const Vec3& d) {
+    SwingLimit limit;
+    limit.shape = SwingShape::ellipse;
+    limit.y = y, limit.z = z;
+    SwingMargin sides[SwingLimit::kSides];
+    swingMargins(limit, d, sides);
+    return sides[0];
+}
+
+/// Of a swing along the short half axis the end of that axis is nearest, and of one beyond the long axis its end.
+TEST(SwingLimit, EllipseIsExactOnItsHalfAxes) {
+    for (const auto& [y, z] : {std::pair{0.3f, 1.2f}, {0.9f, 1.0f}, {0.05f, 1.5f}, {0.001f, 0.002f}, {1, 1.0001f}})
+        for (const float sign : {-1.0f, 1.0f}) {
+            EXPECT_NEAR(marginOf(y, z, {1, 0, 0}).margin, y, 2e-6f) << y << " " << z;
+            for (const float share : {0.1f, 0.9f, 0.999f, 1.001f, 1.5f}) {
+                const SwingMargin across = marginOf(y, z, directionOfSwing(sign * share * y, 0));
+                EXPECT_NEAR(across.margin, y - share * y, 2e-6f) << y << " " << z << " " << share;
+                EXPECT_NEAR(across.axis.y, -sign, 1e-3f) << y << " " << z << " " << share;
+                if (share < 1) continue;
+                const SwingMargin along = marginOf(y, z, directionOfSwing(0, sign * share * z));
+                EXPECT_NEAR(along.margin, z - share * z, 2e-6f) << y << " " << z << " " << share;
+                EXPECT_NEAR(along.axis.z, -sign, 1e-3f) << y << " " << z << " " << share;
+            }
+        }
+}
+
+/// Opposite to x as well, and as slender as may be.
+TEST(SwingLimit, EllipseHasAMarginAnywhere) {
+    Directions directions;
+    for (const auto& [y, z] : {std::pair{0.001f, 3.1f}, {3.1f, 0.001f}, {0.001f, 0.001001f}, {3.1f, 3}})
+        for (int i = 0; i < 1000; ++i) {
+            const Vec3 d = i == 0 ? Vec3{-1, 0, 0} : i == 1 ? Vec3{0, 1, 0} : directions.next();
+            const SwingMargin side = marginOf(y, z, d);
+            EXPECT_TRUE(std::abs(side.margin) <= kPi) << d.x << " " << d.y << " " << d.z;
+            EXPECT_NEAR(length(side.axis), 1, 1e-3f) << d.x << " " << d.y << " " << d.z;
+        }
+}
+
 ReachPolygon polygonOf(const std::vector<Vec3>& corners) {
     ReachPolygon polygon;
     polygon.count = static_cast<int>(corners.size());
