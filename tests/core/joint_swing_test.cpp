@@ -197,6 +197,26 @@ TEST(SwingLimit, TwistRangeIsThatOfEachCorner) {
     EXPECT_LT(middle.upper, 2);
 }
 
+/// A twist limit whose ends change with the swing pushes along their slope, or swinging would carry it beyond them.
+TEST(SwingLimit, TwistEndsGrowAsTheirTiltSays) {
+    ReachPolygon polygon = aroundX({{0, 40}, {90, 60}, {180, 30}, {270, 50}});
+    const Range twists[] = {{-1, 1}, {-2, 0.5f}, {-0.5f, 2}, {-1, 0.2f}};
+    for (std::size_t i = 0; i < 4; ++i) polygon.corners[i].twist = twists[i];
+    SwingLimit limit;
+    compile(limit, polygon);
+    Directions directions;
+    for (int i = 0; i < 500; ++i) {
+        const Vec3 d = directions.next(), w = directions.next();
+        constexpr float kStep = 2e-3f;
+        const Range range = twistAt(limit, d), before = twistAt(limit, rotate(rotationAbout(w, -kStep), d)),
+                    after = twistAt(limit, rotate(rotationAbout(w, kStep), d));
+        const TwistTilt tilt = twistTiltAt(limit, d, range);
+        // Central differences leave steps² times a third derivative, of some 3/distance³ to the nearest corner.
+        EXPECT_NEAR(dot(w, tilt.lower), (after.lower - before.lower) / (2 * kStep), 0.01f * (1 + length(tilt.lower)));
+        EXPECT_NEAR(dot(w, tilt.upper), (after.upper - before.upper) / (2 * kStep), 0.01f * (1 + length(tilt.upper)));
+    }
+}
+
 TEST(SwingLimit, SaysWhatIsWrongWithAPolygon) {
     EXPECT_NE(whyInvalidReach(polygonOf({{1, 0, 0}, {0, 1, 0}})), "");
     EXPECT_NE(whyInvalidReach(polygonOf({{1, 0, 0}, {0, 0, 0}, {0, 0, 1}})).find("corners[1].direction is zero"),

@@ -124,8 +124,13 @@ void swingMargins(const SwingLimit& limit, const Vec3& d, SwingMargin (&sides)[S
     }
 }
 
+namespace {
+
+constexpr float kSame = 1e-8f;  // of a squared distance: at a corner its own range counts
+
+}  // namespace
+
 Range twistAt(const SwingLimit& limit, const Vec3& d) {
-    constexpr float kSame = 1e-8f;  // of a squared distance: at a corner its own range counts
     float lower = 0, upper = 0, sum = 0;
     for (std::uint32_t i = 0; i < limit.corners; ++i) {
         const float distance = lengthSquared(d - limit.corner[i]) + kSame;
@@ -135,6 +140,20 @@ Range twistAt(const SwingLimit& limit, const Vec3& d) {
         sum += weight;
     }
     return {lower / sum, upper / sum};
+}
+
+/// With weights W = |d − c|⁻⁴ and d' = ω × d:  W' = 4 |d − c|⁻⁶ ω · (d × c),  (Σ W L/Σ W)' = Σ W' (L − mean)/Σ W.
+TwistTilt twistTiltAt(const SwingLimit& limit, const Vec3& d, const Range& range) {
+    TwistTilt tilt;
+    float sum = 0;
+    for (std::uint32_t i = 0; i < limit.corners; ++i) {
+        const float near = 1 / (lengthSquared(d - limit.corner[i]) + kSame), weight = near * near;
+        const Vec3 grows = (4 * weight * near) * cross(d, limit.corner[i]);
+        tilt.lower += (limit.twist[i].lower - range.lower) * grows;
+        tilt.upper += (limit.twist[i].upper - range.upper) * grows;
+        sum += weight;
+    }
+    return {(1 / sum) * tilt.lower, (1 / sum) * tilt.upper};
 }
 
 namespace {
