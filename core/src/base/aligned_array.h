@@ -11,7 +11,7 @@ namespace ragtop {
 
 /// A growing array of plain data on a caller's memory resource, aligned for the widest lanes. New elements are zero
 /// bytes or a given value. Its memory is its value, so that a world is saved by copying. It grows by its own size while
-/// that is small, and by a quarter of it where the rest would count.
+/// that is small, and by an eighth of it where the rest would count.
 template <class T>
 class AlignedArray {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -41,9 +41,11 @@ public:
     T& back() { return data_[size_ - 1]; }
     std::size_t capacity() const { return capacity_; }
     std::size_t bytes() const { return capacity_ * sizeof(T); }
+    bool isLarge() const { return bytes() >= kLarge; }
 
     void reserve(std::size_t capacity) {
         if (capacity <= capacity_) return;
+        if (size_ == 0) release();
         T* grown = static_cast<T*>(memory_->allocate(capacity * sizeof(T), kAlignment));
         if (size_ > 0) std::memcpy(static_cast<void*>(grown), data_, size_ * sizeof(T));
         if (data_) memory_->deallocate(data_, capacity_ * sizeof(T), kAlignment);
@@ -73,13 +75,19 @@ public:
     }
     void pop() { --size_; }
     void clear() { size_ = 0; }
+    /// Gives all memory back.
+    void release() {
+        if (data_) memory_->deallocate(data_, bytes(), kAlignment);
+        data_ = nullptr;
+        size_ = capacity_ = 0;
+    }
 
 private:
     static constexpr std::size_t kAlignment = 64;
     static constexpr std::size_t kFew = 16, kLarge = std::size_t{1} << 20;  ///< elements, bytes
 
     std::size_t grownFor(std::size_t size) const {
-        const std::size_t more = bytes() < kLarge ? capacity_ : capacity_ / 4;
+        const std::size_t more = isLarge() ? capacity_ / 8 : capacity_;
         const std::size_t grown = capacity_ + more > kFew ? capacity_ + more : kFew;
         return grown > size ? grown : size;
     }

@@ -12,9 +12,9 @@
 
 namespace ragtop {
 
-/// A growing array of plain data in pages of the same size: what is there stays where it is and is never copied, and no
-/// more than a page is unused. While there is one page it grows by its own size. Elements are beside each other as far
-/// as a page reaches, which starts at a multiple of kPage.
+/// A growing array of plain data in pages of the same size: what is there stays where it is and is never copied. While
+/// there is one page it grows by its own size, then by a page in 32, and one more. Elements are beside each other as far as
+/// a page reaches, which starts at a multiple of kPage.
 template <class T>
 class PagedArray {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -74,7 +74,9 @@ private:
 
     void reserve(std::size_t size) {
         if (size > capacity_ && capacity_ < kPage) growFirst(size);
-        for (; capacity_ < size; capacity_ += kPage) pages_.push(allocate(kPage));
+        if (size <= capacity_) return;
+        const std::size_t wanted = size + pages_.size() / 32 * kPage;
+        for (; capacity_ < wanted; capacity_ += kPage) pages_.push(allocate(kPage));
     }
     void growFirst(std::size_t size) {
         std::size_t grown = capacity_ > 0 ? 2 * capacity_ : kFew;

@@ -22,6 +22,7 @@ float centerDistance(const Bounds& a, const Bounds& b) {
 void BoundsTree::reserve(std::size_t proxies) {
     nodes_.reserve(2 * proxies);
     branches_.reserve(proxies);
+    parts_.reserve(proxies);
 }
 
 std::uint32_t BoundsTree::allocate() {
@@ -96,7 +97,7 @@ void BoundsTree::refitEnlarged(StageRunner* runner) {
         runner ? refitBranches(*runner) : refitBranch(root_);
     } else {
         refits_ = 0;
-        rebuild(false);
+        rebuild(false, runner);
     }
     limitHeight();
 }
@@ -126,15 +127,16 @@ void BoundsTree::refitBranches(StageRunner& runner) {
     std::uint32_t branches[kBranches], above[kBranches];
     int count = 0, opened = 0;
     branches[count++] = root_;
-    for (int i = 0; i < count && runner.workers() > 1;) {
-        const Node& node = nodes_[branches[i]];
-        if (count == kBranches || node.height < kLow || (node.flags & kEnlarged) == 0) {
-            ++i;
-            continue;
+    for (bool more = runner.workers() > 1; more;) {
+        more = false;
+        for (int i = 0, end = count; i < end && count < kBranches; ++i) {
+            const Node& node = nodes_[branches[i]];
+            if (node.height < kLow || (node.flags & kEnlarged) == 0) continue;
+            above[opened++] = branches[i];
+            branches[i] = node.left;
+            branches[count++] = node.right;
+            more = true;
         }
-        above[opened++] = branches[i];
-        branches[i] = node.left;
-        branches[count++] = node.right;
     }
     runner.parallelFor(count, 1, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) refitBranch(branches[i]);
@@ -311,7 +313,7 @@ void BoundsTree::rotate(std::uint32_t index) {
 void BoundsTree::limitHeight() {
     if (root_ == kNull) return;
     const int bits = static_cast<int>(std::bit_width(static_cast<std::uint32_t>(proxyCount_)));
-    if (nodes_[root_].height > 2 * bits + 16) rebuild(true);
+    if (nodes_[root_].height > 2 * bits + 16) rebuild(true, nullptr);
 }
 
 }  // namespace ragtop

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory_resource>
+#include <utility>
 #include <vector>
 
 #include "ragtop/math.h"
@@ -28,7 +29,7 @@ public:
         std::uint32_t category = 0xffffffffu;  ///< or of the leaves below
     };
 
-    explicit BoundsTree(std::pmr::memory_resource* memory) : nodes_(memory), branches_(memory) {}
+    explicit BoundsTree(std::pmr::memory_resource* memory) : nodes_(memory), branches_(memory), parts_(memory) {}
 
     /// Sets memory aside so that this many proxies need no more of it.
     void reserve(std::size_t proxies);
@@ -101,14 +102,26 @@ private:
         std::uint32_t index = kNull;
         std::uint32_t bin = 0;
     };
+    /// Branches that become one, and the nodes that this takes: one less.
+    struct Part {
+        Branch* branches;
+        std::uint32_t count;
+        int binnedLevels;
+        const std::uint32_t* nodes;
+
+        std::uint32_t root() const { return count == 1 ? branches[0].index : nodes[0]; }
+    };
     void collectBranches(bool all);
-    void rebuild(bool all);
-    std::uint32_t build(Branch* branches, std::uint32_t count, int binnedLevels);
+    void rebuild(bool all, StageRunner* runner);
+    std::pair<Part, Part> split(const Part& part);
+    void build(const Part& part);
+    void buildParts(const Part& whole, StageRunner& runner);
     static std::uint32_t partition(Branch* branches, std::uint32_t count, bool binned);
     static int cheapestCut(const Branch* branches, std::uint32_t count);
 
     std::pmr::vector<Node> nodes_;
     std::pmr::vector<Branch> branches_;  ///< scratch of the rebuild
+    std::pmr::vector<std::uint32_t> parts_;  ///< the same: nodes in the order in which they are taken
     std::uint32_t root_ = kNull, freeList_ = kNull;
     int proxyCount_ = 0;
     std::uint32_t refits_ = 0;  ///< since branches were rebuilt

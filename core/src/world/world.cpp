@@ -106,6 +106,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       deepContacts(memory),
       deepStarts(memory),
       deepBundles(memory),
+      laneIsDeep(memory),
       directSeen(memory),
       ledger(memory),
       bodyFlags(memory),

@@ -42,7 +42,9 @@ struct WorldImpl {
     void prepareBodies();
     void prepareConstraints();
     unsigned placeAndPrepare(int color, int begin, int end);
-    void prepareJoints(int color);
+    template <class Count, class Visit>
+    void forBlocksOfAllLists(int size, Count&& count, Visit&& visit);
+    void prepareJoints();
     void storeJoints();
     void solveSubstep(World& world, int number);
     void integrateVelocities();
@@ -64,6 +66,7 @@ struct WorldImpl {
 
     // world_pairs.cpp: broad phase.
     void findPairs();
+    class PairsMet;
     void findPairsOfMoved(bool obstaclesToo);
     void launch(std::uint32_t body);
     void coverMotion(std::uint32_t body);
@@ -177,6 +180,9 @@ struct WorldImpl {
     float slackOf(std::uint32_t shapeA, std::uint32_t shapeB) const;
 
     // world_deep.cpp
+    void giveBackDeep();
+    template <class Visit>
+    void forEachDeep(Visit&& visit);
     void collectDeep(bool any);
     void relaxDeep();
 
@@ -190,6 +196,8 @@ struct WorldImpl {
     bool mayMeet(std::uint32_t body, const DVec3& start) const;
     void sweepFastBodies();
     void sweepBody(std::uint32_t body);
+    void clearWays();
+    bool meetsAnything(std::uint32_t body) const;
     SweptWay wayOfStep(std::uint32_t body) const;
     void rideAlong(std::uint32_t obstacle, float done, Pose& pose) const;
     Meeting firstMeeting(std::uint32_t body, const Pose& start, const Pose& end, float done, float until) const;
@@ -447,6 +455,8 @@ struct WorldImpl {
     AlignedArray<DeepContact> deepContacts;  ///< of this step, by colour
     AlignedArray<std::uint32_t> deepStarts;  ///< bundle where each colour begins, and the end
     AlignedArray<float> deepBundles;
+    AlignedArray<std::uint8_t> laneIsDeep;  ///< of a colour
+    int deepSpareSteps = 0;  ///< for which little of their memory was used
     AlignedArray<float> directSeen;  ///< bundles of direct islands when their systems were made
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made

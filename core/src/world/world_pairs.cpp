@@ -157,6 +157,39 @@ void WorldImpl::findPairs() {
     moveBuffer.clear();
 }
 
+/// Pairs whose bounds a shape has met, few at a time: by the time the table of pairs is asked for them, in which they lie in
+/// no order, its memory is on the way.
+class WorldImpl::PairsMet {
+public:
+    PairsMet(const WorldImpl& world, std::pmr::vector<PairFound>& found) : world_(world), found_(found) {}
+    void add(std::uint32_t shape, std::uint32_t other) {
+        world_.pairs.prefetch(pairKey(shape, other));
+        met_[count_++] = {shape, other};
+        if (count_ == kMost) ask();
+    }
+    void ask() {
+        for (int i = 0; i < count_; ++i)
+            if (isNew(met_[i])) found_.push_back(met_[i]);
+        count_ = 0;
+    }
+
+private:
+    static constexpr int kMost = 64;
+
+    bool isNew(const PairFound& pair) const {
+        const ShapeRecord &a = world_.shapes[pair.a], &b = world_.shapes[pair.b];
+        if (world_.pairs.contains(pairKey(pair.a, pair.b)) || !world_.shouldCollide(a, b)) return false;
+        return !world_.callbacks.filter ||
+               world_.callbacks.filter({world_.shapeId(pair.a), world_.shapeId(pair.b), world_.id(a.body),
+                                        world_.id(b.body), a.userData, b.userData});
+    }
+
+    const WorldImpl& world_;
+    std::pmr::vector<PairFound>& found_;
+    PairFound met_[kMost];
+    int count_ = 0;
+};
+
 void WorldImpl::findPairsOfMoved(bool obstaclesToo) {
     const int count = static_cast<int>(moveBuffer.size());
     const auto blocks = static_cast<std::size_t>((count + kShapesPerBlock - 1) / kShapesPerBlock);
@@ -165,6 +198,7 @@ void WorldImpl::findPairsOfMoved(bool obstaclesToo) {
         for (int block = begin; block < end; ++block) {
             auto& found = foundPairs[static_cast<std::size_t>(block)];
             found.clear();
+            PairsMet met(*this, found);
             const int last = (block + 1) * kShapesPerBlock < count ? (block + 1) * kShapesPerBlock : count;
             for (int i = block * kShapesPerBlock; i < last; ++i) {
                 const std::uint32_t index = moveBuffer[static_cast<std::size_t>(i)];
@@ -173,20 +207,14 @@ void WorldImpl::findPairsOfMoved(bool obstaclesToo) {
                 const auto visit = [&](std::uint32_t other) {
                     // A pair that both have moved is found by the lower index.
                     const ShapeRecord& partner = shapes[other];
-                    if (other == index || (partner.inMoveBuffer && other < index)) return true;
-                    // Before the table of pairs is asked, which is memory in no order.
-                    if (!filtersAgree(shape.filter, partner.filter)) return true;
-                    if (pairs.contains(pairKey(index, other)) || !shouldCollide(shape, shapes[other])) return true;
-                    if (callbacks.filter &&
-                        !callbacks.filter({shapeId(index), shapeId(other), id(shape.body), id(shapes[other].body),
-                                           shape.userData, shapes[other].userData}))
-                        return true;
-                    found.push_back({index, other});
+                    const bool foundByOther = other == index || (partner.inMoveBuffer && other < index);
+                    if (!foundByOther && filtersAgree(shape.filter, partner.filter)) met.add(index, other);
                     return true;
                 };
                 movingTree.query(bounds, visit);
                 if (obstaclesToo && !shape.isStaticTree) staticTree.query(bounds, visit);
             }
+            met.ask();
         }
     });
     for (std::size_t block = 0; block < blocks; ++block)
