@@ -37,6 +37,16 @@ public:
         return static_cast<const T*>(pages_[i >> kPageBits])[i & (kPage - 1)];
     }
     void* const* pages() const { return pages_.data(); }
+    /// The elements while the array does not grow, for loops: what they write cannot be where the pages are.
+    class View {
+    public:
+        explicit View(void* const* pages) : pages_(pages) {}
+        T& operator[](std::size_t i) const { return static_cast<T*>(pages_[i >> kPageBits])[i & (kPage - 1)]; }
+
+    private:
+        void* const* pages_;
+    };
+    View view() { return View(pages_.data()); }
     std::size_t capacity() const { return capacity_; }
     std::size_t bytes() const { return capacity_ * sizeof(T) + pages_.bytes(); }
 

@@ -97,6 +97,8 @@ void WorldImpl::collectDeep(bool any) {
         bundles += (used + inBundle - 1) / inBundle;
     }
     deepStarts.push(static_cast<std::uint32_t>(bundles));
+    if (const std::size_t floats = bundles * kFields * lanes; floats > deepBundles.capacity())
+        deepBundles.reserve(floats + floats / 4);
     deepBundles.resize(bundles * kFields * lanes, 0.0f);
     forEachDeep([&](const DeepContact& deep) {
         copyFields(graph.lane(deep.from), deepBundles.data() + deep.to, lanes, {0, kFields});

@@ -33,7 +33,7 @@ void WorldImpl::releaseManifolds(ContactRecord& record) {
     if (record.firstManifold == kNone) return;
     for (ManifoldRecord& manifold : manifoldsOf(record)) {
         forgetStored(manifold);
-        manifold = {};
+        manifold.pointCount = 0;
     }
     (record.manifoldCapacity > 1 ? freeMeshManifolds : freeManifolds).push(record.firstManifold);
     record.firstManifold = kNone;
