@@ -1,6 +1,7 @@
 // What touches: the narrow phase of each awake contact once per step, and what it changes.
 
 #include <algorithm>
+#include <memory>
 
 #include "base/prefetch.h"
 #include "world/lane_view.h"
@@ -55,6 +56,17 @@ void WorldImpl::prefetchCollision(const ContactRecord& record) const {
     for (std::size_t line = 0; line < sizeof(ManifoldRecord); line += kLine) prefetch(manifold + line);
 }
 
+/// Asks for what the shapes of a pair lead to, once these are there.
+void WorldImpl::prefetchShapes(const ContactRecord& record) const {
+    for (const std::uint32_t index : {record.shapeA, record.shapeB}) {
+        const ShapeRecord& shape = shapes[index];
+        prefetch(&tree(shape).bounds(shape.proxy));
+        prefetch(&geometries[shape.geometry].convex);
+    }
+    prefetch(&states[record.bodyA]);
+    prefetch(&states[record.bodyB]);
+}
+
 /// What does not stay is collided after the others were asked: until then its memory is on the way.
 void WorldImpl::updateSome(int begin, int end, int last, int worker) {
     std::uint32_t asked[kAskedAtOnce];
@@ -66,13 +78,18 @@ void WorldImpl::updateSome(int begin, int end, int last, int worker) {
         ContactRecord& record = records[index];
         std::uint8_t& change = contactChanged[record.awakeIndex];
         if (stays(record)) {
-            change = record.hasPoints ? keepManifolds(record) : std::uint8_t{kUnchanged};
+            change = keepManifolds(record);
         } else {
             prefetchCollision(record);
             asked[count++] = index;
         }
     }
-    for (int k = 0; k < count; ++k) updateContact(asked[k], worker);
+    constexpr int kNext = 6;
+    for (int k = 0; k < count && k < kNext; ++k) prefetchShapes(contacts[asked[k]]);
+    for (int k = 0; k < count; ++k) {
+        if (k + kNext < count) prefetchShapes(contacts[asked[k + kNext]]);
+        updateContact(asked[k], worker);
+    }
 }
 
 void WorldImpl::updateContacts() {
@@ -121,7 +138,11 @@ float WorldImpl::motionAhead(const ContactRecord& record) const {
 /// look while bounds stay as they are; nor do manifolds that have not moved far.
 bool WorldImpl::stays(const ContactRecord& record) const {
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    if (a.refitted || b.refitted) return false;
+    return !a.refitted && !b.refitted && keepsGeometry(record);
+}
+
+bool WorldImpl::keepsGeometry(const ContactRecord& record) const {
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
     const double travel = a.travel + b.travel, ahead = static_cast<double>(a.ahead) + static_cast<double>(b.ahead);
     if (!record.hasPoints) return travel + ahead < record.until;
     return travel < record.until && ahead < static_cast<double>(record.aheadMost) && lastSubstep == context.h;
@@ -142,6 +163,10 @@ void WorldImpl::updateContact(std::uint32_t index, int worker) {
         anySensor.store(true, std::memory_order_relaxed);
         return;
     }
+    if (keepsGeometry(record)) {
+        change = keepManifolds(record);
+        return;
+    }
     const float margin = tuning::kSpeculative * record.size + motionAhead(record);
     const Frame bInA = shapeBInA(record);
     change = reuseManifolds(record, bInA, margin, travel) ? keepManifolds(record)
@@ -150,6 +175,7 @@ void WorldImpl::updateContact(std::uint32_t index, int worker) {
 
 /// Manifolds that are kept are brought to where the bodies are when constraints are prepared.
 std::uint8_t WorldImpl::keepManifolds(ContactRecord& record) {
+    if (!record.hasPoints) return kUnchanged;
     refreshSurfaces(record);
     return !record.bearsLoad && mayBeSeam(record, manifolds[record.firstManifold]) ? kCloses : kUnchanged;
 }
@@ -157,16 +183,20 @@ std::uint8_t WorldImpl::keepManifolds(ContactRecord& record) {
 std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const Frame& bInA, float margin, double travel,
                                     int worker) {
     record.collidedMargin = margin;
-    Manifold room[kMaxManifolds];
-    const int count = findManifolds(record, bInA, margin, {room, record.manifoldCapacity});
-    const std::span<const Manifold> found(room, static_cast<std::size_t>(count));
+    union Unfilled {  // with zeros: most pairs touch in one direction, if any
+        Unfilled() {}
+        Manifold manifolds[kMaxManifolds];
+    } room;
+    std::construct_at(room.manifolds);
+    const int count = findManifolds(record, bInA, margin, {room.manifolds, record.manifoldCapacity});
+    const std::span<const Manifold> found(room.manifolds, static_cast<std::size_t>(count));
     const bool first = record.firstManifold == kNone;
     unsigned change = kUnchanged;
     if (!first)
         change = record.isMesh && meetAsSurfaces(record) ? takeSurfaceManifolds(record, found)
                                                          : takeManifolds(record, found);
     if (count == 0) {
-        record.until = travel + static_cast<double>(room[0].gap - tuning::kSpeculative * record.size);
+        record.until = travel + static_cast<double>(room.manifolds[0].gap - tuning::kSpeculative * record.size);
         return static_cast<std::uint8_t>(change);
     }
     if (first) change = holds(record) ? kGraph | kFound | kPoints : kGraph | kFound;

@@ -87,8 +87,10 @@ struct WorldImpl {
     void sortAwakeContacts();
     void prefetchContact(int place, int end) const;
     void prefetchCollision(const ContactRecord& contact) const;
+    void prefetchShapes(const ContactRecord& contact) const;
     void updateSome(int begin, int end, int last, int worker);
     bool stays(const ContactRecord& contact) const;
+    bool keepsGeometry(const ContactRecord& contact) const;
     void updateContacts();
     void updateContact(std::uint32_t contact, int worker);
     std::uint8_t keepManifolds(ContactRecord& contact);
@@ -450,11 +452,7 @@ struct WorldImpl {
     bool treesChanged = true;  ///< joints, their bodies or their rows, since trees were drawn up
     direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
-    AlignedArray<DeepContact> deepContacts;  ///< of this step, by colour
-    AlignedArray<std::uint32_t> deepStarts;  ///< bundle where each colour begins, and the end
-    AlignedArray<float> deepBundles;
-    AlignedArray<std::uint8_t> laneIsDeep;  ///< of a colour
-    int deepSpareSteps = 0;  ///< for which little of their memory was used
+    DeepContacts deep;
     AlignedArray<float> directSeen;  ///< bundles of direct islands when their systems were made
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made
