@@ -65,8 +65,8 @@ struct DeepContact {
 };
 struct DeepContacts {
     explicit DeepContacts(std::pmr::memory_resource* memory)
-        : contacts(memory), starts(memory), bundles(memory), isDeep(memory) {}
-    AlignedArray<DeepContact> contacts;  ///< of this step, by colour
+        : all(memory), starts(memory), bundles(memory), isDeep(memory) {}
+    AlignedArray<DeepContact> all;  ///< of this step, by colour
     AlignedArray<std::uint32_t> starts;  ///< bundle where each colour begins, and the end
     AlignedArray<float> bundles;
     AlignedArray<std::uint8_t> isDeep;  ///< per lane of a colour

@@ -103,7 +103,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       chains(memory),
       treeMark(memory),
       treeBodies(memory),
-      deep(memory),
+      deepContacts(memory),
       directSeen(memory),
       ledger(memory),
       bodyFlags(memory),
