@@ -15,6 +15,13 @@ inline FourFloats loadFour(const float* from) {
     return *reinterpret_cast<const Unaligned*>(from);
 }
 
+/// Does a comparison hold in all lanes?
+inline bool holdsInAll(FourInts holds) {
+    typedef std::int64_t Halves __attribute__((vector_size(16)));
+    const Halves halves = reinterpret_cast<Halves>(holds);
+    return (halves[0] & halves[1]) == -1;
+}
+
 /// Bit i for each lane i of a comparison that holds.
 inline unsigned lanesWhere(FourInts holds) {
     typedef std::int64_t Halves __attribute__((vector_size(16)));
