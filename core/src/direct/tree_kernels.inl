@@ -1,6 +1,6 @@
 // Trees of joints of equal topology side by side in lanes. Included by one source per instruction set.
 
-#include "direct/tree_rows.inl"
+#include "direct/tree_limbs.inl"
 
 namespace ragtop {
 namespace {
@@ -18,6 +18,11 @@ struct TreeLanes {
     RAGTOP_INLINE explicit TreeLanes(TreeGroup& g) : group(g), links(reinterpret_cast<TreeLane<R>*>(g.memory)) {}
     RAGTOP_INLINE TreeNode<R>* parentNode(int l) const {
         return group.links[l].parent < 0 ? nullptr : &links[group.links[l].parent].node;
+    }
+    RAGTOP_INLINE bool isLimb(int l) const { return group.links[l].below != direct::kNoLimb; }
+    RAGTOP_INLINE bool isBelowLimb(int l) const { return group.links[l].parent >= 0 && isLimb(group.links[l].parent); }
+    RAGTOP_INLINE TreeNode<R>* nodeBelow(int l) const {
+        return group.links[l].below < 0 ? nullptr : &links[group.links[l].below].node;
     }
     template <class Row>
     RAGTOP_INLINE void gather(const Row* rows, const std::uint32_t* index, int offset, R out[8]) const {
@@ -84,7 +89,12 @@ struct TreeLanes {
         R largest(0.0f);
         for (int l = 0; l < group.linkCount; ++l) {
             TreeNode<R>& node = links[l].node;
-            takeVelocity(node, parentNode(l), group.links[l].joint);
+            if (isLimb(l)) {
+                if (!isBelowLimb(l)) takeImpulse(node, parentNode(l));
+                takeLimbVelocity(links[l], nodeBelow(l));
+            } else {
+                takeVelocity(node, parentNode(l), group.links[l].joint, isBelowLimb(l));
+            }
             largest = largest + dot(node.v, node.v) + dot(node.w, node.w);
             visit(links[l]);
         }
@@ -179,6 +189,8 @@ void beginTrees(TreeGroup& group, const BodyArrays& arrays) {
         link.acceleration = {row[0], row[1], row[2]};
         link.moment = {row[4], row[5], row[6]};
         lanes.loadFine(l, arrays);
+        const R zero(0.0f);
+        link.stillTurn = link.node.torque = {zero, zero, zero};
     }
 }
 
@@ -195,12 +207,35 @@ RAGTOP_INLINE void bear(const TreeLanes<R>& lanes, int l, R h) {
     link.node.resistance = R(kTreeResistance) * both;
 }
 
-/// Hands up what a link's joint asks for; it is likely to give `share` of its load.
+/// Hands up what a link's joint asks for.
+template <class R>
+RAGTOP_INLINE void handUp(const TreeLanes<R>& lanes, int l) {
+    TreeNode<R>& node = lanes.links[l].node;
+    if (!lanes.isLimb(l)) {
+        passMomentum(node, lanes.parentNode(l), lanes.group.links[l].joint, lanes.isBelowLimb(l));
+        return;
+    }
+    passLack(node, lanes.nodeBelow(l));
+    if (!lanes.isBelowLimb(l)) endLack(node, lanes.parentNode(l));
+}
+/// The joint is likely to give `share` of its load.
 template <class R>
 RAGTOP_INLINE void handUp(const TreeLanes<R>& lanes, int l, R share) {
     TreeNode<R>& node = lanes.links[l].node;
     if constexpr (TreeReal<R>::kYields) node.d = node.d + scaled(share * node.resistance, lanes.links[l].load);
-    passMomentum(node, lanes.parentNode(l), lanes.group.links[l].joint);
+    handUp(lanes, l);
+}
+
+template <class R, class Test>
+RAGTOP_INLINE void eliminateLink(const TreeLanes<R>& lanes, int l, Test& ok) {
+    TreeLane<R>& link = lanes.links[l];
+    if (!lanes.isLimb(l)) {
+        addInertia(link);
+        eliminate(link.node, lanes.parentNode(l), lanes.group.links[l].joint, lanes.isBelowLimb(l), ok);
+        return;
+    }
+    eliminateLimb(link, lanes.nodeBelow(l), ok);
+    if (!lanes.isBelowLimb(l)) endLimb(link.node, lanes.parentNode(l), ok);
 }
 
 /// From the leaves to the root, a link's whole work in one visit: its memory is some kilobytes, and waits. `ask(l)`
@@ -214,10 +249,9 @@ RAGTOP_INLINE typename TreeReal<R>::Test eliminateTree(const TreeLanes<R>& lanes
         TreeLane<R>& link = lanes.links[l];
         const direct::TreeJoint joint = lanes.group.links[l].joint;
         if (joint != direct::TreeJoint::free) bear(lanes, l, h);
-        taut = taut | isVeryTaut(link);
-        addInertia(link);
+        if (link.stiff) taut = taut | isVeryTaut(link);
         if (joint != direct::TreeJoint::free) ask(l);
-        eliminate(link.node, lanes.parentNode(l), joint, ok);
+        eliminateLink(lanes, l, ok);
         handUp(lanes, l, share);
     }
     return taut;
@@ -246,14 +280,17 @@ void solveTrees(TreeGroup& group, const BodyArrays& arrays, const direct::TreeSu
         TreeLane<R>& link = lanes.links[l];
         lanes.refine(link, h);
         if (halved) lanes.push(link, R(-0.5f) * h);
-        link.about = link.motion.w;
+        link.turn = TreeTurn<R>(link.motion.w, h);
         link.load = link.force;
     }
-    const auto ask = [&](int l) __attribute__((always_inline)) {
+    const TreeTurn<R> anchorTurn(anchor.w, h);
+    const auto aimed = [&](int l, bool again) __attribute__((always_inline)) {
         const TreeLink& at = group.links[l];
-        aim(lanes.links[l], at, lanes.motionAbove(l, anchor), at.parent < 0 ? anchor.w : lanes.links[at.parent].about,
-            h, rate);
+        aim(lanes.links[l], at, lanes.motionAbove(l, anchor), at.parent < 0 ? anchorTurn : lanes.links[at.parent].turn,
+            h, rate, again);
     };
+    const auto ask = [&](int l) __attribute__((always_inline)) { aimed(l, false); };
+    const auto askAnew = [&](int l) __attribute__((always_inline)) { aimed(l, true); };
     const auto whole = [share](const TreeLane<R>& link) __attribute__((always_inline)) {
         return link.node.force + scaled(R(1.0f) - share, link.load);
     };
@@ -268,7 +305,7 @@ void solveTrees(TreeGroup& group, const BodyArrays& arrays, const direct::TreeSu
         lanes.takeVelocities(
             ok, [&](TreeLane<R> & link) __attribute__((always_inline)) {
                 const TreeVec<R> w = link.motion.w + link.node.w;
-                link.about = kLeapfrog ? w : choose(taut, w, link.motion.w);
+                link.turn = TreeTurn<R>(kLeapfrog ? w : choose(taut, w, link.motion.w), h);
                 if (anew) {
                     link.load = choose(taut, whole(link), link.load);
                     clearSums(link);
@@ -277,9 +314,9 @@ void solveTrees(TreeGroup& group, const BodyArrays& arrays, const direct::TreeSu
                 }
             });
         if (anew)
-            eliminateTree(lanes, h, share, ok, ask);
+            eliminateTree(lanes, h, share, ok, askAnew);
         else
-            askAgain(lanes, share, ask);
+            askAgain(lanes, share, askAnew);
     }
     lanes.takeVelocities(
         ok, [&](TreeLane<R> & link) __attribute__((always_inline)) {
@@ -305,7 +342,7 @@ RAGTOP_INLINE void takeBack(const TreeLanes<R>& lanes, const BodyArrays& arrays)
         if (joint == direct::TreeJoint::free) continue;
         ask(link, lanes.motionAbove(l, anchor), link.still, link.stillTurn);
         link.node.d = link.node.d - scaled(link.node.resistance, link.force - link.load);
-        passMomentum(link.node, lanes.parentNode(l), joint);
+        handUp(lanes, l);
     }
     typename TreeReal<R>::Test ok = R(0.0f) < R(1.0f);
     lanes.takeVelocities(
