@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/prefetch.h"
 #include "world/lane_view.h"
 #include "world/world_impl.h"
 
@@ -37,22 +38,22 @@ void WorldImpl::sortAwakeContacts() {
 /// Asks for what is looked at some places later.
 void WorldImpl::prefetchContact(int place, int end) const {
     constexpr int kRecord = 12, kRest = 6;
-    if (place + kRecord < end) __builtin_prefetch(&contacts[awakeContacts[static_cast<std::size_t>(place + kRecord)]]);
+    if (place + kRecord < end) prefetch(&contacts[awakeContacts[static_cast<std::size_t>(place + kRecord)]]);
     if (place + kRest >= end) return;
     const ContactRecord& record = contacts[awakeContacts[static_cast<std::size_t>(place + kRest)]];
-    __builtin_prefetch(&bodies[record.bodyA]);
-    __builtin_prefetch(&bodies[record.bodyB]);
+    prefetch(&bodies[record.bodyA]);
+    prefetch(&bodies[record.bodyB]);
 }
 
 /// Asks for what colliding a pair will read.
 void WorldImpl::prefetchCollision(const ContactRecord& record) const {
     constexpr std::size_t kLine = 64;
-    __builtin_prefetch(reinterpret_cast<const char*>(&record) + kLine);
-    __builtin_prefetch(&shapes[record.shapeA]);
-    __builtin_prefetch(&shapes[record.shapeB]);
+    prefetch(reinterpret_cast<const char*>(&record) + kLine);
+    prefetch(&shapes[record.shapeA]);
+    prefetch(&shapes[record.shapeB]);
     if (!record.hasPoints) return;
     const auto* manifold = reinterpret_cast<const char*>(&manifolds[record.firstManifold]);
-    for (std::size_t line = 0; line < sizeof(ManifoldRecord); line += kLine) __builtin_prefetch(manifold + line);
+    for (std::size_t line = 0; line < sizeof(ManifoldRecord); line += kLine) prefetch(manifold + line);
 }
 
 /// What does not stay is collided after the others were asked: until then its memory is on the way.

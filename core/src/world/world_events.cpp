@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "base/prefetch.h"
 #include "world/lane_view.h"
 #include "world/world_impl.h"
 
@@ -68,7 +69,7 @@ void WorldImpl::publishEvents() {
         constexpr int kNext = 12;
         for (int i = begin; i < end; ++i) {
             const auto place = static_cast<std::size_t>(i);
-            if (i + kNext < end) __builtin_prefetch(&contacts[awakeContacts[place + kNext]]);
+            if (i + kNext < end) prefetch(&contacts[awakeContacts[place + kNext]]);
             ContactRecord& record = contacts[awakeContacts[place]];
             const bool touching = isTouching(record);
             contactChanged[place] = touching != record.touching || (touching && record.reportsMotion) ? 1 : 0;
