@@ -83,10 +83,9 @@ struct TreeLanes {
         anchor.fine = {zero, zero, zero};
     }
 
-    /// Velocities from the root on, when all momenta have been handed up. Clears lanes of `ok` that have no answer.
+    /// Velocities from the root on, when all momenta have been handed up.
     template <class Visit>
-    RAGTOP_INLINE void takeVelocities(typename TreeReal<R>::Test& ok, Visit&& visit) const {
-        R largest(0.0f);
+    RAGTOP_INLINE void takeVelocities(Visit&& visit) const {
         for (int l = 0; l < group.linkCount; ++l) {
             TreeNode<R>& node = links[l].node;
             if (isLimb(l)) {
@@ -95,9 +94,18 @@ struct TreeLanes {
             } else {
                 takeVelocity(node, parentNode(l), group.links[l].joint, isBelowLimb(l));
             }
-            largest = largest + dot(node.v, node.v) + dot(node.w, node.w);
             visit(links[l]);
         }
+    }
+    /// The same to the end. Clears lanes of `ok` that have no answer.
+    template <class Visit>
+    RAGTOP_INLINE void takeLastVelocities(typename TreeReal<R>::Test& ok, Visit&& visit) const {
+        R largest(0.0f);
+        takeVelocities([&](TreeLane<R> & link) __attribute__((always_inline)) {
+            const TreeNode<R>& node = link.node;
+            largest = largest + dot(node.v, node.v) + dot(node.w, node.w);
+            visit(link);
+        });
         ok = ok & (largest * R(0.0f) < R(1.0f));  // false for what is no finite number
     }
 
@@ -194,15 +202,15 @@ void beginTrees(TreeGroup& group, const BodyArrays& arrays) {
     }
 }
 
-/// Stiffness and resistance of a link's joint.
+/// Stiffness and resistance of a link's joint; `again` under another load.
 template <class R>
-RAGTOP_INLINE void bear(const TreeLanes<R>& lanes, int l, R h) {
+RAGTOP_INLINE void bear(const TreeLanes<R>& lanes, int l, R h, bool again) {
     TreeLane<R>& link = lanes.links[l];
     const int above = lanes.group.links[l].parent;
     TreeLane<R>* parent = above < 0 ? nullptr : &lanes.links[above];
     addStiffness(link, link.load, link.node.armC, h);
     if (parent) addStiffness(*parent, -link.load, link.node.armP, h);
-    if constexpr (!TreeReal<R>::kYields) return;
+    if (!TreeReal<R>::kYields || again) return;
     const R both = admittance(link, link.node.armC) + (parent ? admittance(*parent, link.node.armP) : R(0.0f));
     link.node.resistance = R(kTreeResistance) * both;
 }
@@ -241,14 +249,14 @@ RAGTOP_INLINE void eliminateLink(const TreeLanes<R>& lanes, int l, Test& ok) {
 /// From the leaves to the root, a link's whole work in one visit: its memory is some kilobytes, and waits. `ask(l)`
 /// says what joints want. False lanes of `ok` have no answer, those of the result have links that are very taut.
 template <class R, class Ask>
-RAGTOP_INLINE typename TreeReal<R>::Test eliminateTree(const TreeLanes<R>& lanes, R h, R share,
+RAGTOP_INLINE typename TreeReal<R>::Test eliminateTree(const TreeLanes<R>& lanes, R h, R share, bool again,
                                                        typename TreeReal<R>::Test& ok, Ask&& ask) {
     typename TreeReal<R>::Test taut = R(1.0f) < R(0.0f);
     ok = R(0.0f) < R(1.0f);
     for (int l = lanes.group.linkCount; l-- > 0;) {
         TreeLane<R>& link = lanes.links[l];
         const direct::TreeJoint joint = lanes.group.links[l].joint;
-        if (joint != direct::TreeJoint::free) bear(lanes, l, h);
+        if (joint != direct::TreeJoint::free) bear(lanes, l, h, again);
         if (link.stiff) taut = taut | isVeryTaut(link);
         if (joint != direct::TreeJoint::free) ask(l);
         eliminateLink(lanes, l, ok);
@@ -295,30 +303,29 @@ void solveTrees(TreeGroup& group, const BodyArrays& arrays, const direct::TreeSu
         return link.node.force + scaled(R(1.0f) - share, link.load);
     };
     Test ok;
-    const Test taut = eliminateTree(lanes, h, share, ok, ask);
+    const Test taut = eliminateTree(lanes, h, share, false, ok, ask);
     group.taut = 0;
     for (int i = 0; i < group.used; ++i)
         if (taut.v[i]) group.taut |= 1u << i;
     const bool anew = group.taut != 0;
     if (kLeapfrog || anew) {
         // What links turn by is known better once it has been solved, and so is the load of those that are taut.
-        lanes.takeVelocities(
-            ok, [&](TreeLane<R> & link) __attribute__((always_inline)) {
-                const TreeVec<R> w = link.motion.w + link.node.w;
-                link.turn = TreeTurn<R>(kLeapfrog ? w : choose(taut, w, link.motion.w), h);
-                if (anew) {
-                    link.load = choose(taut, whole(link), link.load);
-                    clearSums(link);
-                } else {
-                    clearMomentum(link);
-                }
-            });
+        lanes.takeVelocities([&](TreeLane<R> & link) __attribute__((always_inline)) {
+            const TreeVec<R> w = link.motion.w + link.node.w;
+            link.turn = TreeTurn<R>(kLeapfrog ? w : choose(taut, w, link.motion.w), h);
+            if (anew) {
+                link.load = choose(taut, whole(link), link.load);
+                clearSums(link);
+            } else {
+                clearMomentum(link);
+            }
+        });
         if (anew)
-            eliminateTree(lanes, h, share, ok, askAnew);
+            eliminateTree(lanes, h, share, true, ok, askAnew);
         else
             askAgain(lanes, share, askAnew);
     }
-    lanes.takeVelocities(
+    lanes.takeLastVelocities(
         ok, [&](TreeLane<R> & link) __attribute__((always_inline)) {
             link.force = whole(link);
             link.torque = link.node.torque + scaled(R(1.0f) - share, link.torque);
@@ -345,7 +352,7 @@ RAGTOP_INLINE void takeBack(const TreeLanes<R>& lanes, const BodyArrays& arrays)
         handUp(lanes, l);
     }
     typename TreeReal<R>::Test ok = R(0.0f) < R(1.0f);
-    lanes.takeVelocities(
+    lanes.takeLastVelocities(
         ok, [](TreeLane<R> & link) __attribute__((always_inline)) {
             link.force = link.force + link.node.force;
             link.torque = link.torque + link.node.torque;
@@ -366,10 +373,10 @@ RAGTOP_INLINE void arrive(const TreeLanes<R>& lanes, const BodyArrays& arrays, R
     }
     typename TreeReal<R>::Test ok;
     eliminateTree(
-        lanes, h, R(0.5f), ok, [&](int l) __attribute__((always_inline)) {
+        lanes, h, R(0.5f), false, ok, [&](int l) __attribute__((always_inline)) {
             rest(lanes.links[l], lanes.group.links[l], lanes.motionAbove(l, anchor));
         });
-    lanes.takeVelocities(
+    lanes.takeLastVelocities(
         ok, [](TreeLane<R> & link) __attribute__((always_inline)) {
             link.force = scaled(R(2.0f), link.node.force);
             link.torque = scaled(R(2.0f), link.node.torque);

@@ -218,14 +218,14 @@ RAGTOP_INLINE void rest(TreeLane<R>& link, const direct::TreeLink& at, const Tre
 template <class R>
 RAGTOP_APART TreeSym<R> tautStiffness(const TreeVec<R>& force, const TreeVec<R>& arm, R f, R r, R share) {
     const R zero(0.0f), one(1.0f), largest = f * r, along = dot(force, arm);
-    const R safeF = select(f > zero, f, one), safeR = select(r > zero, r, one);
-    const TreeVec<R> axis = cross(arm, force), apart = scaled(one / safeR, arm) - scaled(one / safeF, force);
+    const R inverse = one / select(largest > zero, largest, one), inverseR = inverse * f, inverseF = inverse * r;
+    const TreeVec<R> axis = cross(arm, force), apart = scaled(inverseR, arm) - scaled(inverseF, force);
     const R sine2 = dot(axis, axis), spread2 = dot(apart, apart);
     const auto bent = (sine2 > R(1e-12f) * largest * largest) & (spread2 > R(1e-12f));
     const R pulls = select(along > zero, share, zero);
     // In line: F r across the arm, if it pulls.
     const R stiff = select(bent, zero, pulls * largest);
-    const TreeSym<R> across = outer(-(stiff / (safeR * safeR)), arm);
+    const TreeSym<R> across = outer(-(stiff * (inverseR * inverseR)), arm);
     const R first = select(bent, pulls * along / select(bent, sine2, one), zero);
     const R second = select(bent, R(0.5f) * share * (along + largest) / select(bent, spread2, one), zero);
     return TreeSym<R>{stiff, zero, zero, stiff, zero, stiff} + across + outer(first, axis) + outer(second, apart);
