@@ -205,8 +205,8 @@ TEST(TreeElimination, LimbsAgreeWithTheGeneralWayAndADenseFactorization) {
                 stopSpins(rig, 11);
                 rig.begin();
                 rig.solve({kH, 40});
-                // Impulses and what they are made of are rounded, and the rounding grows by the condition of the rows; in
-                // doubles the reference's arms are rounded to single precision, which moves rows by as much.
+                // Impulses and what they are made of are rounded, and the rounding grows by the condition of the rows;
+                // in doubles the reference's arms are rounded to single precision, which moves rows by as much.
                 EXPECT_LT(worstError(rig, 11, 40, kernels->leapfrog, true), 8 * std::pow(2.0, -24))
                     << kernels->lanes << ' ' << seed << ' ' << limbs;
             }

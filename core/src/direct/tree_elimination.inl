@@ -118,8 +118,8 @@ RAGTOP_INLINE void giveWay(TreeNode<R>& node, bool turns) {
     m.X = moved;
 }
 
-/// First half of the work: inertias of `node` are about its centre and complete. A limb above is told how much the point
-/// yields.
+/// First half of the work: inertias of `node` are about its centre and complete. A limb above is told how much the
+/// point yields.
 template <class R, class Test>
 RAGTOP_INLINE void eliminate(TreeNode<R>& node, TreeNode<R>* parent, direct::TreeJoint joint, bool belowLimb,
                              Test& ok) {

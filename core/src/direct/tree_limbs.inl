@@ -1,11 +1,12 @@
 // Limbs of trees, in lanes: links on balls from which at most one other hangs, on a ball too. Included by
 // tree_kernels.inl.
 //
-// Their elimination needs nothing larger than 3 × 3. With r and s from the centre of a limb to its own joint and to that
-// of what hangs from it, and W its inverse inertia, an impulse at one changes the speed of the other by
+// Their elimination needs nothing larger than 3 × 3. With r and s from the centre of a limb to its own joint and to
+// that of what hangs from it, and W its inverse inertia, an impulse at one changes the speed of the other by
 //   Λ_rs = E/m − [r] W [s].
-// Let Y say by what the speed of a joint's point changes per impulse, of all that hangs there, and g what it gains without
-// one. The joint between a limb and what hangs from it takes λ = D⁻¹ (Λ_sr λ_above + e), D = Y + Λ_ss + R, e = d − g,
+// Let Y say by what the speed of a joint's point changes per impulse, of all that hangs there, and g what it gains
+// without one. The joint between a limb and what hangs from it takes
+//   λ = D⁻¹ (Λ_sr λ_above + e),  D = Y + Λ_ss + R,  e = d − g,
 // after which the limb has
 //   Y_r = Λ_rr − H Λ_sr,  g_r = −H e,  H = Λ_rs D⁻¹:
 // the block Cholesky factorization of J M̂⁻¹ Jᵀ, which is block tridiagonal along a limb.
