@@ -153,7 +153,7 @@ void treeSolve(benchmark::State& state, bool twofold) {
     constexpr int kTrees = 64;
     const direct::TreeTables& tables = direct::selectTreeKernels(static_cast<int>(state.range(0)));
     const direct::TreeKernels& kernels = twofold ? tables.twofold : tables.single;
-    test::TreeRig rig(kernels, test::figure(4, 4), kTrees);
+    test::TreeRig rig(kernels, test::limbed(test::figure(4, 4)), kTrees);
     rig.begin();
     for (auto _ : state) rig.solve({1.0f / 240, 40});
     perItem(state, kTrees);

@@ -145,6 +145,11 @@ private:
     std::vector<direct::TreeGroup> groups_;
 };
 
+inline std::vector<direct::TreeLink> limbed(std::vector<direct::TreeLink> links) {
+    direct::markLimbs(links.data(), links.size());
+    return links;
+}
+
 /// A body from which `limbs` limbs of balls grow, each of `length` links: 16 joints for 4 × 4.
 inline std::vector<direct::TreeLink> figure(int limbs, int length) {
     std::vector<direct::TreeLink> links(1);

@@ -41,20 +41,28 @@ struct TreeNode {
     TreeVec<R> d, e;           ///< asked of u and w, child minus parent
     TreeVec<R> v, w;           ///< Δ
     TreeVec<R> force, torque;  ///< N s, N m s that the link receives at the point
+    // Of limbs, see tree_limbs.inl.
+    TreeSym<R> ease;        ///< W
+    TreeSym<R> admittance;  ///< Y, of what hangs from a limb too
+    TreeSym<R> give;        ///< D⁻¹; where a limb ends (Y + R)⁻¹
+    TreeMat<R> lever;       ///< H
+    TreeVec<R> lack;        ///< e
 };
 
 template <class R>
-RAGTOP_INLINE void addMessage(TreeNode<R>& parent, const TreeVec<R>& r, const TreeInertia<R>& m, bool turns) {
-    const TreeMat<R> lever = timesCross(m.L, r);
+RAGTOP_INLINE void addMessage(TreeNode<R>& parent, const TreeVec<R>& r, const TreeInertia<R>& m) {
+    const TreeMat<R> moved = m.X - timesCross(m.L, r);
     parent.inertia.L = parent.inertia.L + m.L;
-    if (turns) {
-        const TreeMat<R> moved = m.X - lever;
-        parent.inertia.X = parent.inertia.X + moved;
-        parent.inertia.A = parent.inertia.A + m.A - crossBoth(r, moved, m.X);
-    } else {
-        parent.inertia.X = parent.inertia.X - lever;
-        parent.inertia.A = parent.inertia.A + crossLeft(r, lever);
-    }
+    parent.inertia.X = parent.inertia.X + moved;
+    parent.inertia.A = parent.inertia.A + m.A - crossBoth(r, moved, m.X);
+}
+/// Of what turns freely about the point.
+template <class R>
+RAGTOP_INLINE void addPointMessage(TreeNode<R>& parent, const TreeVec<R>& r, const TreeSym<R>& inertia) {
+    const TreeMat<R> lever = timesCross(inertia, r);
+    parent.inertia.L = parent.inertia.L + inertia;
+    parent.inertia.X = parent.inertia.X - lever;
+    parent.inertia.A = parent.inertia.A + crossLeft(r, lever);
 }
 
 /// Moves a link's inertia from its centre to the point.
@@ -65,12 +73,19 @@ RAGTOP_INLINE void moveToPoint(TreeInertia<R>& m, const TreeVec<R>& r) {
     m.X = moved;
 }
 
-/// The inertia that is left when the rotation is free; false lanes of `ok` have none.
+/// Clears lanes of `ok` where the matrix is not positive.
+template <class R, class Test>
+RAGTOP_INLINE TreeSym<R> inverseOfPositive(const TreeSym<R>& m, Test& ok) {
+    R determinant;
+    const TreeSym<R> inverse = inverseOf(m, determinant);
+    ok = ok & (determinant > R(0.0f)) & (m.xx > R(0.0f));
+    return inverse;
+}
+
+/// The inertia that is left when the rotation is free.
 template <class R, class Test>
 RAGTOP_INLINE void freeRotation(TreeInertia<R>& m, Test& ok) {
-    R determinant;
-    m.A = inverseOf(m.A, determinant);
-    ok = ok & (determinant > R(0.0f)) & (m.A.xx > R(0.0f));
+    m.A = inverseOfPositive(m.A, ok);
     const TreeMat<R> gain = product(m.X, m.A);
     m.L = m.L - productTransposed(gain, m.X);
     m.X = gain;
@@ -103,14 +118,14 @@ RAGTOP_INLINE void giveWay(TreeNode<R>& node, bool turns) {
     m.X = moved;
 }
 
-/// First half of the work: inertias of `node` are about its centre and complete.
+/// First half of the work: inertias of `node` are about its centre and complete. A limb above is told how much the
+/// point yields.
 template <class R, class Test>
-RAGTOP_INLINE void eliminate(TreeNode<R>& node, TreeNode<R>* parent, direct::TreeJoint joint, Test& ok) {
+RAGTOP_INLINE void eliminate(TreeNode<R>& node, TreeNode<R>* parent, direct::TreeJoint joint, bool belowLimb,
+                             Test& ok) {
     if (joint == direct::TreeJoint::free) {
         freeRotation(node.inertia, ok);
-        R determinant;
-        node.inertia.L = inverseOf(node.inertia.L, determinant);
-        ok = ok & (determinant > R(0.0f));
+        node.inertia.L = inverseOfPositive(node.inertia.L, ok);
         return;
     }
     moveToPoint(node.inertia, node.armC);
@@ -127,20 +142,32 @@ RAGTOP_INLINE void eliminate(TreeNode<R>& node, TreeNode<R>* parent, direct::Tre
         m.X = m.X - outer(node.inverse, node.y, node.z);
         m.A = m.A - outer(node.inverse, node.z);
     }
+    if (belowLimb) {
+        node.admittance = inverseOfPositive(node.inertia.L, ok);
+        return;
+    }
     const bool turns = joint != direct::TreeJoint::ball;  // else X is G, which belongs to the link alone
     giveWay(node, turns);
-    if (parent) addMessage(*parent, node.armP, node.inertia, turns);
+    if (!parent) return;
+    if (turns)
+        addMessage(*parent, node.armP, node.inertia);
+    else
+        addPointMessage(*parent, node.armP, node.inertia.L);
 }
 
 /// Second half, leaves first: momenta of `node` are complete.
 template <class R>
-RAGTOP_INLINE void passMomentum(TreeNode<R>& node, TreeNode<R>* parent, direct::TreeJoint joint) {
+RAGTOP_INLINE void passMomentum(TreeNode<R>& node, TreeNode<R>* parent, direct::TreeJoint joint, bool belowLimb) {
     if (joint == direct::TreeJoint::free) return;
     const TreeInertia<R>& m = node.inertia;
     TreeVec<R>&p = node.momentum.p, &l = node.momentum.l;
     l = l - cross(node.armC, p);
     if (joint == direct::TreeJoint::ball) {
         p = p - m.X * l;
+        if (belowLimb) {
+            node.lack = node.d - node.admittance * p;
+            return;
+        }
         if constexpr (TreeReal<R>::kYields) p = node.yielding * p;
         if (!parent) return;
         const TreeVec<R> f = p - m.L * node.d;
@@ -165,9 +192,9 @@ RAGTOP_INLINE void passMomentum(TreeNode<R>& node, TreeNode<R>* parent, direct::
     parent->momentum.l = parent->momentum.l + t + cross(node.armP, f);
 }
 
-/// And back, root first.
+/// And back, root first. A limb above has found the force.
 template <class R>
-RAGTOP_INLINE void takeVelocity(TreeNode<R>& node, const TreeNode<R>* parent, direct::TreeJoint joint) {
+RAGTOP_INLINE void takeVelocity(TreeNode<R>& node, const TreeNode<R>* parent, direct::TreeJoint joint, bool belowLimb) {
     const TreeInertia<R>& m = node.inertia;
     const TreeVec<R>&p = node.momentum.p, &l = node.momentum.l;
     const TreeVec<R> zero{R(0.0f), R(0.0f), R(0.0f)};
@@ -180,7 +207,7 @@ RAGTOP_INLINE void takeVelocity(TreeNode<R>& node, const TreeNode<R>* parent, di
     TreeVec<R> u = node.d;
     if (parent) u = u + parent->v + cross(parent->w, node.armP);
     if (joint == direct::TreeJoint::ball) {
-        node.force = m.L * u - p;
+        if (!belowLimb) node.force = m.L * u - p;
         node.torque = zero;
         if constexpr (TreeReal<R>::kYields) u = u - scaled(node.resistance, node.force);
         node.w = m.A * l - transposed(m.X, u);

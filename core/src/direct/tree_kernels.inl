@@ -1,6 +1,6 @@
 // Trees of joints of equal topology side by side in lanes. Included by one source per instruction set.
 
-#include "direct/tree_rows.inl"
+#include "direct/tree_limbs.inl"
 
 namespace ragtop {
 namespace {
@@ -18,6 +18,11 @@ struct TreeLanes {
     RAGTOP_INLINE explicit TreeLanes(TreeGroup& g) : group(g), links(reinterpret_cast<TreeLane<R>*>(g.memory)) {}
     RAGTOP_INLINE TreeNode<R>* parentNode(int l) const {
         return group.links[l].parent < 0 ? nullptr : &links[group.links[l].parent].node;
+    }
+    RAGTOP_INLINE bool isLimb(int l) const { return group.links[l].below != direct::kNoLimb; }
+    RAGTOP_INLINE bool isBelowLimb(int l) const { return group.links[l].parent >= 0 && isLimb(group.links[l].parent); }
+    RAGTOP_INLINE TreeNode<R>* nodeBelow(int l) const {
+        return group.links[l].below < 0 ? nullptr : &links[group.links[l].below].node;
     }
     template <class Row>
     RAGTOP_INLINE void gather(const Row* rows, const std::uint32_t* index, int offset, R out[8]) const {
@@ -78,16 +83,29 @@ struct TreeLanes {
         anchor.fine = {zero, zero, zero};
     }
 
-    /// Velocities from the root on, when all momenta have been handed up. Clears lanes of `ok` that have no answer.
+    /// Velocities from the root on, when all momenta have been handed up.
     template <class Visit>
-    RAGTOP_INLINE void takeVelocities(typename TreeReal<R>::Test& ok, Visit&& visit) const {
-        R largest(0.0f);
+    RAGTOP_INLINE void takeVelocities(Visit&& visit) const {
         for (int l = 0; l < group.linkCount; ++l) {
             TreeNode<R>& node = links[l].node;
-            takeVelocity(node, parentNode(l), group.links[l].joint);
-            largest = largest + dot(node.v, node.v) + dot(node.w, node.w);
+            if (isLimb(l)) {
+                if (!isBelowLimb(l)) takeImpulse(node, parentNode(l));
+                takeLimbVelocity(links[l], nodeBelow(l));
+            } else {
+                takeVelocity(node, parentNode(l), group.links[l].joint, isBelowLimb(l));
+            }
             visit(links[l]);
         }
+    }
+    /// The same to the end. Clears lanes of `ok` that have no answer.
+    template <class Visit>
+    RAGTOP_INLINE void takeLastVelocities(typename TreeReal<R>::Test& ok, Visit&& visit) const {
+        R largest(0.0f);
+        takeVelocities([&](TreeLane<R> & link) __attribute__((always_inline)) {
+            const TreeNode<R>& node = link.node;
+            largest = largest + dot(node.v, node.v) + dot(node.w, node.w);
+            visit(link);
+        });
         ok = ok & (largest * R(0.0f) < R(1.0f));  // false for what is no finite number
     }
 
@@ -179,45 +197,69 @@ void beginTrees(TreeGroup& group, const BodyArrays& arrays) {
         link.acceleration = {row[0], row[1], row[2]};
         link.moment = {row[4], row[5], row[6]};
         lanes.loadFine(l, arrays);
+        const R zero(0.0f);
+        link.stillTurn = link.node.torque = {zero, zero, zero};
     }
 }
 
-/// Stiffness and resistance of a link's joint.
+/// Stiffness and resistance of a link's joint; `again` under another load.
 template <class R>
-RAGTOP_INLINE void bear(const TreeLanes<R>& lanes, int l, R h) {
+RAGTOP_INLINE void bear(const TreeLanes<R>& lanes, int l, R h, bool again) {
     TreeLane<R>& link = lanes.links[l];
     const int above = lanes.group.links[l].parent;
     TreeLane<R>* parent = above < 0 ? nullptr : &lanes.links[above];
     addStiffness(link, link.load, link.node.armC, h);
     if (parent) addStiffness(*parent, -link.load, link.node.armP, h);
-    if constexpr (!TreeReal<R>::kYields) return;
+    if (!TreeReal<R>::kYields || again) return;
     const R both = admittance(link, link.node.armC) + (parent ? admittance(*parent, link.node.armP) : R(0.0f));
     link.node.resistance = R(kTreeResistance) * both;
 }
 
-/// Hands up what a link's joint asks for; it is likely to give `share` of its load.
+/// Hands up what a link's joint asks for.
+template <class R>
+RAGTOP_INLINE void handUp(const TreeLanes<R>& lanes, int l) {
+    TreeNode<R>& node = lanes.links[l].node;
+    if (!lanes.isLimb(l)) {
+        passMomentum(node, lanes.parentNode(l), lanes.group.links[l].joint, lanes.isBelowLimb(l));
+        return;
+    }
+    passLack(node, lanes.nodeBelow(l));
+    if (!lanes.isBelowLimb(l)) endLack(node, lanes.parentNode(l));
+}
+/// The joint is likely to give `share` of its load.
 template <class R>
 RAGTOP_INLINE void handUp(const TreeLanes<R>& lanes, int l, R share) {
     TreeNode<R>& node = lanes.links[l].node;
     if constexpr (TreeReal<R>::kYields) node.d = node.d + scaled(share * node.resistance, lanes.links[l].load);
-    passMomentum(node, lanes.parentNode(l), lanes.group.links[l].joint);
+    handUp(lanes, l);
+}
+
+template <class R, class Test>
+RAGTOP_INLINE void eliminateLink(const TreeLanes<R>& lanes, int l, Test& ok) {
+    TreeLane<R>& link = lanes.links[l];
+    if (!lanes.isLimb(l)) {
+        addInertia(link);
+        eliminate(link.node, lanes.parentNode(l), lanes.group.links[l].joint, lanes.isBelowLimb(l), ok);
+        return;
+    }
+    eliminateLimb(link, lanes.nodeBelow(l), ok);
+    if (!lanes.isBelowLimb(l)) endLimb(link.node, lanes.parentNode(l), ok);
 }
 
 /// From the leaves to the root, a link's whole work in one visit: its memory is some kilobytes, and waits. `ask(l)`
 /// says what joints want. False lanes of `ok` have no answer, those of the result have links that are very taut.
 template <class R, class Ask>
-RAGTOP_INLINE typename TreeReal<R>::Test eliminateTree(const TreeLanes<R>& lanes, R h, R share,
+RAGTOP_INLINE typename TreeReal<R>::Test eliminateTree(const TreeLanes<R>& lanes, R h, R share, bool again,
                                                        typename TreeReal<R>::Test& ok, Ask&& ask) {
     typename TreeReal<R>::Test taut = R(1.0f) < R(0.0f);
     ok = R(0.0f) < R(1.0f);
     for (int l = lanes.group.linkCount; l-- > 0;) {
         TreeLane<R>& link = lanes.links[l];
         const direct::TreeJoint joint = lanes.group.links[l].joint;
-        if (joint != direct::TreeJoint::free) bear(lanes, l, h);
-        taut = taut | isVeryTaut(link);
-        addInertia(link);
+        if (joint != direct::TreeJoint::free) bear(lanes, l, h, again);
+        if (link.stiff) taut = taut | isVeryTaut(link);
         if (joint != direct::TreeJoint::free) ask(l);
-        eliminate(link.node, lanes.parentNode(l), joint, ok);
+        eliminateLink(lanes, l, ok);
         handUp(lanes, l, share);
     }
     return taut;
@@ -246,42 +288,44 @@ void solveTrees(TreeGroup& group, const BodyArrays& arrays, const direct::TreeSu
         TreeLane<R>& link = lanes.links[l];
         lanes.refine(link, h);
         if (halved) lanes.push(link, R(-0.5f) * h);
-        link.about = link.motion.w;
+        link.turn = TreeTurn<R>(link.motion.w, h);
         link.load = link.force;
     }
-    const auto ask = [&](int l) __attribute__((always_inline)) {
+    const TreeTurn<R> anchorTurn(anchor.w, h);
+    const auto aimed = [&](int l, bool again) __attribute__((always_inline)) {
         const TreeLink& at = group.links[l];
-        aim(lanes.links[l], at, lanes.motionAbove(l, anchor), at.parent < 0 ? anchor.w : lanes.links[at.parent].about,
-            h, rate);
+        aim(lanes.links[l], at, lanes.motionAbove(l, anchor), at.parent < 0 ? anchorTurn : lanes.links[at.parent].turn,
+            h, rate, again);
     };
+    const auto ask = [&](int l) __attribute__((always_inline)) { aimed(l, false); };
+    const auto askAnew = [&](int l) __attribute__((always_inline)) { aimed(l, true); };
     const auto whole = [share](const TreeLane<R>& link) __attribute__((always_inline)) {
         return link.node.force + scaled(R(1.0f) - share, link.load);
     };
     Test ok;
-    const Test taut = eliminateTree(lanes, h, share, ok, ask);
+    const Test taut = eliminateTree(lanes, h, share, false, ok, ask);
     group.taut = 0;
     for (int i = 0; i < group.used; ++i)
         if (taut.v[i]) group.taut |= 1u << i;
     const bool anew = group.taut != 0;
     if (kLeapfrog || anew) {
         // What links turn by is known better once it has been solved, and so is the load of those that are taut.
-        lanes.takeVelocities(
-            ok, [&](TreeLane<R> & link) __attribute__((always_inline)) {
-                const TreeVec<R> w = link.motion.w + link.node.w;
-                link.about = kLeapfrog ? w : choose(taut, w, link.motion.w);
-                if (anew) {
-                    link.load = choose(taut, whole(link), link.load);
-                    clearSums(link);
-                } else {
-                    clearMomentum(link);
-                }
-            });
+        lanes.takeVelocities([&](TreeLane<R> & link) __attribute__((always_inline)) {
+            const TreeVec<R> w = link.motion.w + link.node.w;
+            link.turn = TreeTurn<R>(kLeapfrog ? w : choose(taut, w, link.motion.w), h);
+            if (anew) {
+                link.load = choose(taut, whole(link), link.load);
+                clearSums(link);
+            } else {
+                clearMomentum(link);
+            }
+        });
         if (anew)
-            eliminateTree(lanes, h, share, ok, ask);
+            eliminateTree(lanes, h, share, true, ok, askAnew);
         else
-            askAgain(lanes, share, ask);
+            askAgain(lanes, share, askAnew);
     }
-    lanes.takeVelocities(
+    lanes.takeLastVelocities(
         ok, [&](TreeLane<R> & link) __attribute__((always_inline)) {
             link.force = whole(link);
             link.torque = link.node.torque + scaled(R(1.0f) - share, link.torque);
@@ -305,10 +349,10 @@ RAGTOP_INLINE void takeBack(const TreeLanes<R>& lanes, const BodyArrays& arrays)
         if (joint == direct::TreeJoint::free) continue;
         ask(link, lanes.motionAbove(l, anchor), link.still, link.stillTurn);
         link.node.d = link.node.d - scaled(link.node.resistance, link.force - link.load);
-        passMomentum(link.node, lanes.parentNode(l), joint);
+        handUp(lanes, l);
     }
     typename TreeReal<R>::Test ok = R(0.0f) < R(1.0f);
-    lanes.takeVelocities(
+    lanes.takeLastVelocities(
         ok, [](TreeLane<R> & link) __attribute__((always_inline)) {
             link.force = link.force + link.node.force;
             link.torque = link.torque + link.node.torque;
@@ -329,10 +373,10 @@ RAGTOP_INLINE void arrive(const TreeLanes<R>& lanes, const BodyArrays& arrays, R
     }
     typename TreeReal<R>::Test ok;
     eliminateTree(
-        lanes, h, R(0.5f), ok, [&](int l) __attribute__((always_inline)) {
+        lanes, h, R(0.5f), false, ok, [&](int l) __attribute__((always_inline)) {
             rest(lanes.links[l], lanes.group.links[l], lanes.motionAbove(l, anchor));
         });
-    lanes.takeVelocities(
+    lanes.takeLastVelocities(
         ok, [](TreeLane<R> & link) __attribute__((always_inline)) {
             link.force = scaled(R(2.0f), link.node.force);
             link.torque = scaled(R(2.0f), link.node.torque);

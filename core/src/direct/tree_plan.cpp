@@ -5,6 +5,15 @@
 
 namespace ragtop::direct {
 
+void markLimbs(TreeLink* links, std::size_t count) {
+    for (std::size_t l = 0; l < count; ++l) links[l].below = links[l].joint == TreeJoint::ball ? -1 : kNoLimb;
+    for (std::size_t l = 0; l < count; ++l) {
+        if (links[l].parent < 0) continue;
+        std::int32_t& below = links[static_cast<std::size_t>(links[l].parent)].below;
+        below = below == -1 && links[l].joint == TreeJoint::ball ? static_cast<std::int32_t>(l) : kNoLimb;
+    }
+}
+
 TreePlan::TreePlan(std::pmr::memory_resource* memory)
     : trees_(memory),
       links_(memory),
@@ -35,6 +44,7 @@ void TreePlan::push(const TreeLink& link, std::uint32_t state, std::uint32_t joi
 
 void TreePlan::keep(std::uint32_t anchor, std::uint32_t owner, bool twofold) {
     const auto end = static_cast<std::uint32_t>(links_.size());
+    markLimbs(links_.data() + drawn_, end - drawn_);
     trees_.push({drawn_, end - drawn_, anchor, owner, twofold});
     drawn_ = end;
 }

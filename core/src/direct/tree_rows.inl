@@ -47,6 +47,34 @@ struct TreeMotion {
     TreeQuat<R> dq;
 };
 
+/// The turn by h ω, by its series: θ = |ω| h. Links of trees turn by less than a radian.
+template <class R>
+struct TreeTurn {
+    TreeVec<R> w;
+    R h, square;      ///< θ²
+    R second, third;  ///< h (1 − cos θ)/θ², 1 − sin θ/θ
+
+    TreeTurn() = default;
+    RAGTOP_INLINE TreeTurn(const TreeVec<R>& about, R substep) : w(about), h(substep) {
+        square = min(h * h * dot(w, w), R(10.0f));
+        second = h * (R(0.5f) - square * (R(1.0f / 24) - square * R(1.0f / 720)));
+        third = square * (R(1.0f / 6) - square * (R(1.0f / 120) - square * R(1.0f / 5040)));
+    }
+
+    /// What it adds to an arm in 1/h, beside ω × r:  h (1 − cos θ)/θ² ω × (ω × r) − (1 − sin θ/θ) ω × r.
+    RAGTOP_INLINE TreeVec<R> curving(const TreeVec<R>& r) const {
+        const TreeVec<R> once = cross(w, r);
+        return scaled(second, cross(w, once)) - scaled(third, once);
+    }
+    RAGTOP_INLINE TreeVec<R> operator()(const TreeVec<R>& r) const { return r + scaled(h, cross(w, r) + curving(r)); }
+    RAGTOP_INLINE TreeQuat<R> operator()(const TreeQuat<R>& q) const {
+        const R x = R(0.25f) * square;
+        const R sine = R(0.5f) * h * (R(1.0f) - x * (R(1.0f / 6) - x * (R(1.0f / 120) - x * R(1.0f / 5040))));
+        const R cosine = R(1.0f) - x * (R(0.5f) - x * (R(1.0f / 24) - x * R(1.0f / 720)));
+        return TreeQuat<R>{sine * w.x, sine * w.y, sine * w.z, cosine} * q;
+    }
+};
+
 /// A link in lanes: a body, and the joint that holds it.
 template <class R>
 struct TreeLane {
@@ -62,7 +90,9 @@ struct TreeLane {
     TreeMotion<R> motion;
     R invMass;
     TreeSym<R> inverseInertia, stiffness;
-    TreeVec<R> about;             ///< rad/s, the spin about which errors are predicted
+    bool stiff;                   ///< some lane has stiffness
+    TreeTurn<R> turn;             ///< by which errors are predicted
+    TreeVec<R> wanted;            ///< of the point, beside what the turn asks for
     TreeVec<R> rC, rP, gap;       ///< m: from the centres to the anchors, and C's anchor minus P's
     TreeVec<R> still, stillTurn;  ///< relative speeds at which errors do not change
     TreeNode<R> node;
@@ -80,6 +110,7 @@ RAGTOP_INLINE void clearSums(TreeLane<R>& link) {
     const TreeVec<R> none{zero, zero, zero};
     const TreeSym<R> nothing{zero, zero, zero, zero, zero, zero};
     link.stiffness = nothing;
+    link.stiff = false;
     link.node.inertia = {nothing, {none, none, none}, nothing};
     clearMomentum(link);
 }
@@ -137,66 +168,41 @@ RAGTOP_INLINE void place(const Group& lanes, int l, const TreeMotion<R>& anchor)
     link.node.armP = link.rP + half;
 }
 
-/// The turn by h ω, by its series: θ = |ω| h. Links of trees turn by less than a radian.
+/// Relative speed of a joint's point, from the velocities in `motion`.
 template <class R>
-struct TreeTurn {
-    TreeVec<R> w;
-    R h, square;      ///< θ²
-    R second, third;  ///< h (1 − cos θ)/θ², 1 − sin θ/θ
-
-    RAGTOP_INLINE TreeTurn(const TreeVec<R>& about, R substep) : w(about), h(substep) {
-        square = min(h * h * dot(w, w), R(10.0f));
-        second = h * (R(0.5f) - square * (R(1.0f / 24) - square * R(1.0f / 720)));
-        third = square * (R(1.0f / 6) - square * (R(1.0f / 120) - square * R(1.0f / 5040)));
-    }
-
-    /// What it adds to an arm in 1/h, beside ω × r:  h (1 − cos θ)/θ² ω × (ω × r) − (1 − sin θ/θ) ω × r.
-    RAGTOP_INLINE TreeVec<R> curving(const TreeVec<R>& r) const {
-        const TreeVec<R> once = cross(w, r);
-        return scaled(second, cross(w, once)) - scaled(third, once);
-    }
-    RAGTOP_INLINE TreeVec<R> operator()(const TreeVec<R>& r) const { return r + scaled(h, cross(w, r) + curving(r)); }
-    RAGTOP_INLINE TreeQuat<R> operator()(const TreeQuat<R>& q) const {
-        const R x = R(0.25f) * square;
-        const R sine = R(0.5f) * h * (R(1.0f) - x * (R(1.0f / 6) - x * (R(1.0f / 120) - x * R(1.0f / 5040))));
-        const R cosine = R(1.0f) - x * (R(0.5f) - x * (R(1.0f / 24) - x * R(1.0f / 720)));
-        return TreeQuat<R>{sine * w.x, sine * w.y, sine * w.z, cosine} * q;
-    }
-};
-
-/// What the rows still need to reach relative speeds `u` and `w` from the velocities in `motion`.
+RAGTOP_INLINE TreeVec<R> opening(const TreeLane<R>& link, const TreeMotion<R>& p) {
+    const TreeMotion<R>& c = link.motion;
+    return ((c.v - p.v) + (c.fine - p.fine)) + (cross(c.w, link.node.armC) - cross(p.w, link.node.armP));
+}
+/// What the rows still need to reach relative speeds `u` and `w`.
 template <class R>
 RAGTOP_INLINE void ask(TreeLane<R>& link, const TreeMotion<R>& p, const TreeVec<R>& u, const TreeVec<R>& w) {
-    const TreeMotion<R>& c = link.motion;
-    link.node.d = u - (((c.v - p.v) + (c.fine - p.fine)) + (cross(c.w, link.node.armC) - cross(p.w, link.node.armP)));
-    link.node.e = w - (c.w - p.w);
+    link.node.d = u - opening(link, p);
+    link.node.e = w - (link.motion.w - p.w);
 }
 
-/// Targets of a joint, with errors predicted for the spins `about` of its link and of its parent.
+/// Targets of a joint, with errors predicted for the turns of its link and of its parent; `again` about other turns.
 template <class R>
-RAGTOP_INLINE void aim(TreeLane<R>& link, const direct::TreeLink& at, const TreeMotion<R>& p, const TreeVec<R>& aboutP,
-                       R h, R rate) {
-    const TreeTurn<R> turnC(link.about, h), turnP(aboutP, h);
-    link.still =
-        turnP.curving(link.rP) - turnC.curving(link.rC) - cross(scaled(R(0.5f), link.about + aboutP), link.gap);
-    const TreeVec<R> none{R(0.0f), R(0.0f), R(0.0f)};
-    TreeVec<R> error = none;
-    link.stillTurn = none;
-    if (turnsWithParent<R>(at.joint)) {
-        const TreeQuat<R> qC = link.motion.dq * link.frameC, qP = p.dq * link.frameP;
-        TreeVec<R> ahead;
-        if (at.joint == direct::TreeJoint::hinge) {
-            const TreeVec<R> xC = axisX(qC), xP = axisX(qP);
-            link.node.axis = at.childIsB ? xC : xP;
-            error = errorOfAxes(xP, xC);
-            ahead = errorOfAxes(turnP(xP), turnC(xC));
-        } else {
-            error = errorOfFrames(qP, qC);
-            ahead = errorOfFrames(turnP(qP), turnC(qC));
-        }
-        link.stillTurn = link.about - aboutP - scaled(R(1.0f) / h, ahead - error);
+RAGTOP_INLINE void aim(TreeLane<R>& link, const direct::TreeLink& at, const TreeMotion<R>& p, const TreeTurn<R>& turnP,
+                       R h, R rate, bool again) {
+    const TreeTurn<R>& turnC = link.turn;
+    if (!again) link.wanted = -(scaled(rate, link.gap) + opening(link, p));
+    link.still = turnP.curving(link.rP) - turnC.curving(link.rC) - cross(scaled(R(0.5f), turnC.w + turnP.w), link.gap);
+    link.node.d = link.wanted + link.still;
+    if (!turnsWithParent<R>(at.joint)) return;
+    const TreeQuat<R> qC = link.motion.dq * link.frameC, qP = p.dq * link.frameP;
+    TreeVec<R> error, ahead;
+    if (at.joint == direct::TreeJoint::hinge) {
+        const TreeVec<R> xC = axisX(qC), xP = axisX(qP);
+        link.node.axis = at.childIsB ? xC : xP;
+        error = errorOfAxes(xP, xC);
+        ahead = errorOfAxes(turnP(xP), turnC(xC));
+    } else {
+        error = errorOfFrames(qP, qC);
+        ahead = errorOfFrames(turnP(qP), turnC(qC));
     }
-    ask(link, p, link.still - scaled(rate, link.gap), link.stillTurn - scaled(rate, error));
+    link.stillTurn = turnC.w - turnP.w - scaled(R(1.0f) / h, ahead - error);
+    link.node.e = link.stillTurn - scaled(rate, error) - (link.motion.w - p.w);
 }
 
 /// The speeds at which a joint rests, where it is now.
@@ -212,14 +218,14 @@ RAGTOP_INLINE void rest(TreeLane<R>& link, const direct::TreeLink& at, const Tre
 template <class R>
 RAGTOP_APART TreeSym<R> tautStiffness(const TreeVec<R>& force, const TreeVec<R>& arm, R f, R r, R share) {
     const R zero(0.0f), one(1.0f), largest = f * r, along = dot(force, arm);
-    const R safeF = select(f > zero, f, one), safeR = select(r > zero, r, one);
-    const TreeVec<R> axis = cross(arm, force), apart = scaled(one / safeR, arm) - scaled(one / safeF, force);
+    const R inverse = one / select(largest > zero, largest, one), inverseR = inverse * f, inverseF = inverse * r;
+    const TreeVec<R> axis = cross(arm, force), apart = scaled(inverseR, arm) - scaled(inverseF, force);
     const R sine2 = dot(axis, axis), spread2 = dot(apart, apart);
     const auto bent = (sine2 > R(1e-12f) * largest * largest) & (spread2 > R(1e-12f));
     const R pulls = select(along > zero, share, zero);
     // In line: F r across the arm, if it pulls.
     const R stiff = select(bent, zero, pulls * largest);
-    const TreeSym<R> across = outer(-(stiff / (safeR * safeR)), arm);
+    const TreeSym<R> across = outer(-(stiff * (inverseR * inverseR)), arm);
     const R first = select(bent, pulls * along / select(bent, sine2, one), zero);
     const R second = select(bent, R(0.5f) * share * (along + largest) / select(bent, spread2, one), zero);
     return TreeSym<R>{stiff, zero, zero, stiff, zero, stiff} + across + outer(first, axis) + outer(second, apart);
@@ -240,6 +246,7 @@ RAGTOP_INLINE void addStiffness(TreeLane<R>& link, const TreeVec<R>& impulse, co
     const R factor = R(2.0f / 3 / kTreeStiffLink) * h, f2 = dot(impulse, impulse), r2 = dot(arm, arm);
     const R bound = factor * max(i.xx, max(i.yy, i.zz));
     if (!any(f2 * r2 * (bound * bound) > R(0.99f))) return;  // the ratio below is less than one for certain
+    link.stiff = true;
     const R f = sqrt(f2), r = sqrt(r2), ratio = factor * f * r * easeAcross(i, arm);
     const R share = max(R(0.0f), min(R(1.0f), ratio - R(1.0f)));
     link.stiffness = link.stiffness + tautStiffness(impulse, arm, f, r, share * R(kTreeImplicit) * h);

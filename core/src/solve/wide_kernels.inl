@@ -215,12 +215,13 @@ void relaxContacts(float* bundles, int begin, int end, const BodyArrays& arrays,
     solvePass<N, false>(bundles, begin, end, arrays, context);
 }
 
-template <int N>
+/// Bodies are in no bundles and may be wider.
+template <int N, int kBodies = N>
 constexpr KernelTable makeTable(const char* name) {
     return {name,
             N,
-            integrateVelocities<N>,
-            integratePositions<N>,
+            integrateVelocities<kBodies>,
+            integratePositions<kBodies>,
             placeContacts<N>,
             prepareContacts<N>,
             bounceContacts<N>,
