@@ -102,6 +102,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       deepContacts(memory),
       deepStarts(memory),
       deepBundles(memory),
+      deepLanes(memory),
       directSeen(memory),
       ledger(memory),
       bodyFlags(memory),

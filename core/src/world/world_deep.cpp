@@ -35,39 +35,38 @@ void copyFields(const float* from, float* to, std::size_t stride, const Strip& f
     for (std::size_t f = fields.field; f < fields.field + fields.count; ++f) to[f * stride] = from[f * stride];
 }
 
-/// Deep enough to be pushed out faster than gravity would bring it back within a substep: `beyond` (m) more than kDeep.
-bool isDeep(const float* lane, std::size_t stride, float beyond) {
-    std::uint32_t count;
-    std::memcpy(&count, lane + contact::kPointCount * stride, sizeof count);
-    for (std::uint32_t j = 0; j < count; ++j) {
-        const std::size_t field = contact::kPoints + j * contact::kPointFields + contact::kSeparation;
-        if (lane[field * stride] < -contact::kDeep * lane[contact::kSize * stride] - beyond) return true;
-    }
-    return false;
+/// What the contact in a lane has its bundle has.
+void shareTraits(float* bundles, std::size_t lane, std::size_t lanes) {
+    const std::size_t bundle = lane / (contact::kFields * lanes) * contact::kFields * lanes;
+    std::uint32_t own, all;
+    std::memcpy(&own, bundles + lane + contact::kTraits * lanes, sizeof own);
+    float* const first = bundles + bundle + contact::kTraits * lanes;
+    std::memcpy(&all, first, sizeof all);
+    all |= own;
+    std::memcpy(first, &all, sizeof all);
 }
 
 }  // namespace
 
-/// Copies the contacts of this step that are deep to bundles of their own; those of the overflow keep one each.
+/// Copies the contacts of this step that prepare has found to be deep to bundles of their own; those of the overflow keep
+/// one each.
 void WorldImpl::collectDeep(bool any) {
     deepContacts.clear();
     deepStarts.clear();
     if (!any) return;
     const auto lanes = static_cast<std::size_t>(graph.lanes());
-    const float rate = context.softStatic.massScale * context.softStatic.biasRate;
-    const float beyond = rate > 0 ? context.gravityStep / rate : 0.0f;
     constexpr auto kFields = static_cast<std::size_t>(contact::kFields);
     std::size_t bundles = 0;
     for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
         deepStarts.push(static_cast<std::uint32_t>(bundles));
         const std::size_t inBundle = c == ConstraintGraph::kOverflow ? 1 : lanes;
+        const std::uint8_t* deep = deepLanes.data() + laneStarts[static_cast<std::size_t>(c)];
         std::size_t used = 0;
         const auto count = static_cast<std::uint32_t>(graph.color(c).manifolds.size());
         for (std::uint32_t slot = 0; slot < count; ++slot) {
-            const GraphPlace place{static_cast<std::uint32_t>(c), slot};
-            if (!isDeep(graph.lane(place), lanes, beyond)) continue;
+            if (deep[slot / inBundle * lanes + slot % inBundle] == 0) continue;
             const std::size_t bundle = bundles + used / inBundle;
-            deepContacts.push({place, bundle * kFields * lanes + used % inBundle});
+            deepContacts.push({{static_cast<std::uint32_t>(c), slot}, bundle * kFields * lanes + used % inBundle});
             ++used;
         }
         bundles += (used + inBundle - 1) / inBundle;
@@ -77,6 +76,7 @@ void WorldImpl::collectDeep(bool any) {
     deepBundles.resize(bundles * kFields * lanes, 0.0f);
     for (const DeepContact& deep : deepContacts)
         copyFields(graph.lane(deep.from), deepBundles.data() + deep.to, lanes, {0, kFields});
+    for (const DeepContact& deep : deepContacts) shareTraits(deepBundles.data(), deep.to, lanes);
 }
 
 /// In the order of the other sweeps.

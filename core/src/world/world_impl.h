@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -40,6 +41,7 @@ struct WorldImpl {
     bool isLittle() const;
     void prepareBodies();
     void prepareConstraints();
+    void groupContacts();
     unsigned placeAndPrepare(int color, int begin, int end);
     void prepareJoints(int color);
     void storeJoints();
@@ -419,6 +421,8 @@ struct WorldImpl {
     AlignedArray<DeepContact> deepContacts;  ///< of this step, by colour
     AlignedArray<std::uint32_t> deepStarts;  ///< bundle where each colour begins, and the end
     AlignedArray<float> deepBundles;
+    AlignedArray<std::uint8_t> deepLanes;  ///< per lane of all bundles, colour by colour: is it deep?
+    std::array<std::size_t, ConstraintGraph::kLists> laneStarts{};  ///< first of each colour in deepLanes
     AlignedArray<float> directSeen;  ///< bundles of direct islands when their systems were made
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made

@@ -139,6 +139,7 @@ void WorldImpl::prepareConstraints() {
     const float ratio = rescale ? context.h / lastSubstep : 1;
     if (bundlesChanged) jointBundles.build(graph, jointSims.data());
     bundlesChanged = false;
+    groupContacts();
     std::atomic<unsigned> found{0};
     for (int c = 0; c < ConstraintGraph::kLists; ++c) {
         ConstraintGraph::Color& color = graph.color(c);
@@ -158,6 +159,20 @@ void WorldImpl::prepareConstraints() {
     prepareCouplings(ratio);
 }
 
+/// Puts contacts with equally many points side by side, so that bundles solve few that are not there; numbers the lanes.
+void WorldImpl::groupContacts() {
+    runner.parallelFor(ConstraintGraph::kColors, 1, [&](int begin, int end, int) {
+        for (int c = begin; c < end; ++c)
+            graph.groupByPoints(c, [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
+    });
+    std::size_t lanes = 0;
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
+        laneStarts[static_cast<std::size_t>(c)] = lanes;
+        lanes += static_cast<std::size_t>(graph.bundleCount(c)) * static_cast<std::size_t>(graph.lanes());
+    }
+    deepLanes.resizeForOverwrite(lanes);
+}
+
 /// Some bundles at a time, which the cache holds in between.
 unsigned WorldImpl::placeAndPrepare(int c, int begin, int end) {
     constexpr int kAtOnce = 4;
@@ -169,7 +184,8 @@ unsigned WorldImpl::placeAndPrepare(int c, int begin, int end) {
     for (int i = begin; i < end; i += kAtOnce) {
         const int last = i + kAtOnce < end ? i + kAtOnce : end;
         kernels->placeContacts(color.bundles.data(), i, last, list, places);
-        kinds |= kernels->prepareContacts(color.bundles.data(), i, last, bodyArrays(), context);
+        kinds |= kernels->prepareContacts(color.bundles.data(), i, last, bodyArrays(), context,
+                                          deepLanes.data() + laneStarts[static_cast<std::size_t>(c)]);
     }
     return kinds;
 }
