@@ -34,6 +34,7 @@ public:
         dynamics_.resize(count + 1, {});
         histories_.resize(count + 1, {});
         bundles_.resize(static_cast<std::size_t>(bundleCount() * contact::kFields * kernels.lanes), 0.0f);
+        deep_.resize(static_cast<std::size_t>(bundleCount() * kernels.lanes));
         for (int i = 0; i < contacts; ++i) {
             const auto body = static_cast<std::uint32_t>(i + 1);
             states_[body].invMass = 0.001f;
@@ -50,13 +51,16 @@ public:
         context_.soft = makeSoftness(30, 10, context_.h);
         context_.softStatic = makeSoftness(60, 5, context_.h);
         context_.pushOut = 6;
-        kernels.prepareContacts(bundles_.data(), 0, bundleCount(), arrays(), context_);
+        prepare();
     }
     int bundleCount() const { return (bodyCount + kernels.lanes - 1) / kernels.lanes; }
     BodyArrays arrays() { return {states_.data(), inertias_.data(), dynamics_.data(), histories_.data()}; }
     template <class ContactKernel>
     void run(ContactKernel kernel) {
         kernel(bundles_.data(), 0, bundleCount(), arrays(), context_);
+    }
+    void prepare() {
+        kernels.prepareContacts(bundles_.data(), 0, bundleCount(), arrays(), context_, deep_.data());
     }
     void integrate() {
         kernels.integrateVelocities(arrays(), order_.data(), 0, bodyCount, context_);
@@ -96,6 +100,7 @@ private:
     AlignedArray<BodyDynamics> dynamics_;
     AlignedArray<BodyHistory> histories_;
     AlignedArray<float> bundles_;
+    std::vector<std::uint8_t> deep_;
     std::vector<std::uint32_t> order_;
     SolverContext context_;
 };
@@ -123,7 +128,7 @@ void contactRelax(benchmark::State& state) {
 }
 void contactPrepare(benchmark::State& state) {
     ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts);
-    for (auto _ : state) rows.run(rows.kernels.prepareContacts);
+    for (auto _ : state) rows.prepare();
     perItem(state, kContacts);
     state.SetLabel(rows.kernels.name);
 }

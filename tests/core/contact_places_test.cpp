@@ -48,7 +48,7 @@ struct Placing {
     }
     bool isStatic(int i) const { return i % 3 == 0; }
 
-    /// Fields of all contacts, contact by contact.
+    /// Fields of all contacts, contact by contact; zero for points that a contact does not have.
     std::vector<float> run(int lanes, int perBundle) const {
         const KernelTable& kernels = selectKernels(lanes);
         const int bundles = (kCount + perBundle - 1) / perBundle;
@@ -75,7 +75,12 @@ struct Placing {
                                sizeof(ManifoldAnchors)});
         std::vector<float> fields;
         for (int i = 0; i < kCount; ++i)
-            for (int f = 0; f < contact::kFields; ++f) fields.push_back(*at(i, f));
+            for (int f = 0; f < contact::kFields; ++f) {
+                const int end = contact::kPoints + contact::kMaxPoints * contact::kPointFields;
+                const int points = manifolds[order[static_cast<std::size_t>(i)]].pointCount;
+                const bool absent = f >= contact::kPoints + points * contact::kPointFields && f < end;
+                fields.push_back(absent ? 0.0f : *at(i, f));
+            }
         return fields;
     }
 };

@@ -1,8 +1,10 @@
 #include "constraints/constraint_graph.h"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cstring>
+#include <utility>
 
 namespace ragtop {
 
@@ -114,6 +116,38 @@ void ConstraintGraph::reorderContacts(int index, AlignedArray<std::uint32_t>& fr
         list[place] = firstManifold;
         from[place] = place;
     }
+}
+
+void ConstraintGraph::countPoints(int index) {
+    Color& c = color(index);
+    c.points.resizeForOverwrite(c.manifolds.size());
+    const auto n = static_cast<std::size_t>(lanes_);
+    for (std::size_t first = 0; first < c.points.size(); first += n) {
+        const float* counts = c.bundles.data() + first * contact::kFields + contact::kPointCount * n;
+        for (std::size_t i = first; i < first + n && i < c.points.size(); ++i) {
+            std::uint32_t count;
+            std::memcpy(&count, counts + (i - first), sizeof count);
+            c.points[i] = static_cast<std::uint8_t>(count);
+        }
+    }
+}
+
+void ConstraintGraph::exchangeContacts(GraphPlace a, GraphPlace b) {
+    Color& c = colors_[a.color];
+    const auto n = static_cast<std::size_t>(lanes_);
+    float *laneA = lane(a), *laneB = lane(b);
+    const auto exchange = [&](std::size_t first, std::size_t count) {
+        for (std::size_t f = first; f < first + count; ++f) std::swap(laneA[f * n], laneB[f * n]);
+    };
+    exchange(contact::kBodyA, contact::kTraits - contact::kBodyA);
+    exchange(contact::kFriction, contact::kShift - contact::kFriction);
+    exchange(contact::kRecordA, contact::kApproach - contact::kRecordA);
+    const std::size_t points = std::max(c.points[a.slot], c.points[b.slot]);
+    for (std::size_t j = 0; j < points; ++j)
+        for (const std::size_t field : {contact::kImpulse, contact::kLoad})
+            exchange(contact::kPoints + j * contact::kPointFields + field, 1);
+    std::swap(c.manifolds[a.slot], c.manifolds[b.slot]);
+    std::swap(c.points[a.slot], c.points[b.slot]);
 }
 
 GraphPlace ConstraintGraph::insertJoint(std::uint32_t joint, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,

@@ -34,9 +34,10 @@ public:
 
     struct Color {
         explicit Color(std::pmr::memory_resource* memory)
-            : bundles(memory), manifolds(memory), joints(memory), bodies(memory) {}
+            : bundles(memory), manifolds(memory), points(memory), joints(memory), bodies(memory) {}
         AlignedArray<float> bundles;            ///< contact::kFields · lanes floats per bundle
         AlignedArray<std::uint32_t> manifolds;  ///< of each slot
+        AlignedArray<std::uint8_t> points;      ///< of each slot, while slots are grouped by them
         AlignedArray<std::uint32_t> joints;     ///< of each joint slot
         AlignedArray<std::uint64_t> bodies;     ///< one bit per body
     };
@@ -51,6 +52,10 @@ public:
     std::uint32_t removeContact(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
     /// Puts what is in slot from[slot] of a colour into each slot; `from` is a permutation, which this uses up.
     void reorderContacts(int color, AlignedArray<std::uint32_t>& from);
+    /// Puts contacts of a colour in the order of how many points they have, most first, by as few exchanges as it takes:
+    /// what outlives a step moves, what prepare writes does not. moved(manifold, slot) is told of each.
+    template <class Moved>
+    void groupByPoints(int color, Moved&& moved);
     GraphPlace insertJoint(std::uint32_t joint, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB,
                            bool direct);
     std::uint32_t removeJoint(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
@@ -70,6 +75,8 @@ public:
     int usedColors() const;
 
 private:
+    void countPoints(int color);
+    void exchangeContacts(GraphPlace a, GraphPlace b);
     int findColor(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
     void clearBits(int color, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
 
@@ -77,5 +84,26 @@ private:
     int laneBits_;  ///< its logarithm
     std::vector<Color> colors_;
 };
+
+template <class Moved>
+void ConstraintGraph::groupByPoints(int index, Moved&& moved) {
+    constexpr std::size_t kClasses = contact::kMaxPoints + 1;
+    Color& c = color(index);
+    if (c.manifolds.size() <= static_cast<std::size_t>(lanes_)) return;
+    countPoints(index);
+    std::uint32_t next[kClasses] = {}, end[kClasses] = {};  // of each class: where to look for strangers
+    for (const std::uint8_t points : c.points) ++end[contact::kMaxPoints - points];
+    for (std::size_t k = 1; k < kClasses; ++k) next[k] = end[k - 1], end[k] += end[k - 1];
+    for (std::size_t k = 0; k < kClasses; ++k)
+        for (std::uint32_t slot = next[k]; slot < end[k]; ++slot)
+            while (contact::kMaxPoints - c.points[slot] != static_cast<int>(k)) {
+                const auto home = static_cast<std::size_t>(contact::kMaxPoints - c.points[slot]);
+                while (contact::kMaxPoints - c.points[next[home]] == static_cast<int>(home)) ++next[home];
+                const auto place = static_cast<std::uint32_t>(index);
+                exchangeContacts({place, slot}, {place, next[home]});
+                moved(c.manifolds[slot], slot);
+                moved(c.manifolds[next[home]], next[home]);
+            }
+}
 
 }  // namespace ragtop

@@ -105,8 +105,9 @@ struct KernelTable {
     void (*integratePositions)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end, const SolverContext&);
     /// Brings the geometry of contacts to where their bodies are.
     void (*placeContacts)(float* bundles, int begin, int end, const LaneManifolds&, const ContactPlaces&);
-    /// Tells which ContactKinds are among them.
-    unsigned (*prepareContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
+    /// Tells which ContactKinds are among them, and per lane of all bundles whether it is deep.
+    unsigned (*prepareContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&,
+                                std::uint8_t* deep);
     /// Reflects what will meet within this substep; true if anything did.
     bool (*bounceContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     void (*warmStartContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);

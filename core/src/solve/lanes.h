@@ -4,6 +4,8 @@
 // Everything lives in an anonymous namespace, because each instruction set compiles its own copy and the linker must
 // not merge them; for the same reason the kernels call nothing inline from elsewhere.
 
+#include <cstdint>
+
 namespace ragtop {
 namespace {
 
@@ -15,16 +17,19 @@ template <>
 struct VectorTypes<4> {
     typedef float Float __attribute__((vector_size(16)));
     typedef int Int __attribute__((vector_size(16)));
+    typedef unsigned char Bytes __attribute__((vector_size(4)));
 };
 template <>
 struct VectorTypes<8> {
     typedef float Float __attribute__((vector_size(32)));
     typedef int Int __attribute__((vector_size(32)));
+    typedef unsigned char Bytes __attribute__((vector_size(8)));
 };
 template <>
 struct VectorTypes<16> {
     typedef float Float __attribute__((vector_size(64)));
     typedef int Int __attribute__((vector_size(64)));
+    typedef unsigned char Bytes __attribute__((vector_size(16)));
 };
 
 template <int N>
@@ -77,14 +82,19 @@ template <int N>
 RAGTOP_INLINE Lanes<N> select(Mask<N> m, Lanes<N> a, Lanes<N> b) { return m.v ? a.v : b.v; }
 template <int N> RAGTOP_INLINE Lanes<N> max(Lanes<N> a, Lanes<N> b) { return a.v > b.v ? a.v : b.v; }
 template <int N> RAGTOP_INLINE Lanes<N> min(Lanes<N> a, Lanes<N> b) { return a.v < b.v ? a.v : b.v; }
-/// Folded in halves: lanes taken out one by one would cost as much as a row.
+/// Of masks. Without the instruction that asks for it, folded in halves: lanes taken out one by one would cost as much as
+/// a row.
 RAGTOP_INLINE bool anySet(VectorTypes<4>::Int v) {
     typedef long long Pair __attribute__((vector_size(16)));
     const Pair pair = reinterpret_cast<Pair>(v);
     return (pair[0] | pair[1]) != 0;
 }
 RAGTOP_INLINE bool anySet(VectorTypes<8>::Int v) {
+#if defined(__AVX__)
+    return __builtin_ia32_movmskps256(reinterpret_cast<VectorTypes<8>::Float>(v)) != 0;
+#else
     return anySet(__builtin_shufflevector(v, v, 0, 1, 2, 3) | __builtin_shufflevector(v, v, 4, 5, 6, 7));
+#endif
 }
 RAGTOP_INLINE bool anySet(VectorTypes<16>::Int v) {
     return anySet(__builtin_shufflevector(v, v, 0, 1, 2, 3, 4, 5, 6, 7) |
@@ -93,6 +103,12 @@ RAGTOP_INLINE bool anySet(VectorTypes<16>::Int v) {
 template <int N>
 RAGTOP_INLINE bool any(Mask<N> m) {
     return anySet(m.v);
+}
+/// The lowest byte of each lane.
+template <int N>
+RAGTOP_INLINE void storeBytes(typename VectorTypes<N>::Int v, std::uint8_t* to) {
+    const typename VectorTypes<N>::Bytes bytes = __builtin_convertvector(v, typename VectorTypes<N>::Bytes);
+    __builtin_memcpy(to, &bytes, N);
 }
 template <int N>
 RAGTOP_INLINE Lanes<N> sqrt(Lanes<N> a) {
@@ -147,6 +163,29 @@ RAGTOP_INLINE void transpose8(Float8 r[8]) {
     }
 }
 
+/// In each group of four lanes: the columns of a 4 × 4 block become its rows.
+RAGTOP_INLINE void transposeFours(Float8& a, Float8& b, Float8& c, Float8& d) {
+    const Float8 ab0 = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 ab1 = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+    const Float8 cd0 = __builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 cd1 = __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15);
+    a = __builtin_shufflevector(ab0, cd0, 0, 1, 8, 9, 4, 5, 12, 13);
+    b = __builtin_shufflevector(ab0, cd0, 2, 3, 10, 11, 6, 7, 14, 15);
+    c = __builtin_shufflevector(ab1, cd1, 0, 1, 8, 9, 4, 5, 12, 13);
+    d = __builtin_shufflevector(ab1, cd1, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+
+/// Four floats of each of eight rows, as four Lanes. Halves are loaded to where they belong, which spares a third of the
+/// exchanges.
+RAGTOP_INLINE void gatherFours(const float* const rows[8], int first, Float8 out[4]) {
+    for (int i = 0; i < 4; ++i) {
+        const Float4 lower = *reinterpret_cast<const Float4Row*>(rows[i] + first);
+        const Float4 upper = *reinterpret_cast<const Float4Row*>(rows[i + 4] + first);
+        out[i] = __builtin_shufflevector(lower, upper, 0, 1, 2, 3, 4, 5, 6, 7);
+    }
+    transposeFours(out[0], out[1], out[2], out[3]);
+}
+
 /// Gathers eight consecutive floats per lane from rows[lane].
 template <int N>
 RAGTOP_INLINE void gather8(const float* const rows[N], Lanes<N> out[8]) {
@@ -162,21 +201,20 @@ RAGTOP_INLINE void gather8(const float* const rows[N], Lanes<N> out[8]) {
             out[i].v = lo[i];
             out[i + 4].v = hi[i];
         }
-    } else if constexpr (N == 8) {
-        Float8 r[8];
-        for (int i = 0; i < 8; ++i) r[i] = *reinterpret_cast<const Float8Row*>(rows[i]);
-        transpose8(r);
-        for (int i = 0; i < 8; ++i) out[i].v = r[i];
     } else {
-        Float8 r[8], s[8];
-        for (int i = 0; i < 8; ++i) {
-            r[i] = *reinterpret_cast<const Float8Row*>(rows[i]);
-            s[i] = *reinterpret_cast<const Float8Row*>(rows[i + 8]);
+        for (int part = 0; part < 2; ++part) {
+            Float8 r[4];
+            gatherFours(rows, 4 * part, r);
+            if constexpr (N == 8) {
+                for (int i = 0; i < 4; ++i) out[4 * part + i].v = r[i];
+            } else {
+                Float8 s[4];
+                gatherFours(rows + 8, 4 * part, s);
+                for (int i = 0; i < 4; ++i)
+                    out[4 * part + i].v =
+                        __builtin_shufflevector(r[i], s[i], 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+            }
         }
-        transpose8(r);
-        transpose8(s);
-        for (int i = 0; i < 8; ++i)
-            out[i].v = __builtin_shufflevector(r[i], s[i], 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
     }
 }
 

@@ -88,8 +88,8 @@ bool bounceContacts(float* bundles, int begin, int end, const BodyArrays& arrays
         for (int j = 0; j < contact::kMaxPoints; ++j) {
             total = total + impulses[j];
             moment = moment + impulses[j] * impacts.time[j];
-            const Lanes<N> approach = c.field(pointField(j, contact::kApproach));
-            c.set(pointField(j, contact::kApproach), select(impacts.strikes[j], min(approach, impacts.speed[j]), approach));
+            const Lanes<N> approach = c.field(contact::kApproach + j);
+            c.set(contact::kApproach + j, select(impacts.strikes[j], min(approach, impacts.speed[j]), approach));
             c.set(pointField(j, contact::kPeak), c.field(pointField(j, contact::kPeak)) + impulses[j]);
         }
         const WideVec3<N> center = c.arm(contact::kCenter);

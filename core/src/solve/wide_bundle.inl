@@ -8,6 +8,7 @@ template <int N>
 struct ContactBundle {
     float* fields;
     const BodyArrays& arrays;
+    std::int32_t traits;  ///< contact::Traits of some lane
     float* rowA[N];
     float* rowB[N];
     Lanes<N> a[8], b[8];  ///< velocity rows
@@ -24,27 +25,35 @@ struct ContactBundle {
         set(i, value.x), set(i + 1, value.y), set(i + 2, value.z);
     }
 
+    /// A field that is zero in bundles without the trait.
+    RAGTOP_INLINE Lanes<N> rare(int i, contact::Trait trait) const {
+        return (traits & trait) != 0 ? field(i) : Lanes<N>(0.0f);
+    }
+    RAGTOP_INLINE WideVec3<N> rareVector(int i, contact::Trait trait) const {
+        return {rare(i, trait), rare(i + 1, trait), rare(i + 2, trait)};
+    }
+
     RAGTOP_INLINE ContactBundle(float* bundle, const BodyArrays& bodies) : fields(bundle), arrays(bodies) {
-        const auto* indexA = reinterpret_cast<const std::uint32_t*>(fields + contact::kBodyA * N);
-        const auto* indexB = reinterpret_cast<const std::uint32_t*>(fields + contact::kBodyB * N);
-        const float *mA[N], *mB[N];
-        for (int i = 0; i < N; ++i) {
-            rowA[i] = reinterpret_cast<float*>(arrays.states + indexA[i]);
-            rowB[i] = reinterpret_cast<float*>(arrays.states + indexB[i]);
-            mA[i] = reinterpret_cast<const float*>(arrays.inertia + indexA[i]);
-            mB[i] = reinterpret_cast<const float*>(arrays.inertia + indexB[i]);
-        }
-        gather8<N>(const_cast<const float* const*>(rowA), a);
-        gather8<N>(const_cast<const float* const*>(rowB), b);
+        traits = reinterpret_cast<const std::int32_t*>(fields)[contact::kTraits * N];
+        gatherBody(contact::kBodyA, rowA, a, inertiaA);
+        gatherBody(contact::kBodyB, rowB, b, inertiaB);
         vA = {a[0], a[1], a[2]}, wA = {a[4], a[5], a[6]}, massA = a[3];
         vB = {b[0], b[1], b[2]}, wB = {b[4], b[5], b[6]}, massB = b[3];
-        Lanes<N> m[8];
-        gather8<N>(mA, m);
-        inertiaA = {m[0], m[1], m[2], m[3], m[4], m[5]};
-        gather8<N>(mB, m);
-        inertiaB = {m[0], m[1], m[2], m[3], m[4], m[5]};
         normal = vector(contact::kNormal);
         offset = vector(contact::kOffset);
+    }
+
+    RAGTOP_INLINE void gatherBody(int index, float* rows[N], Lanes<N> state[8], SymmetricMatrix<N>& inverse) const {
+        const auto* indices = reinterpret_cast<const std::uint32_t*>(fields + index * N);
+        const float* matrices[N];
+        for (int i = 0; i < N; ++i) {
+            rows[i] = reinterpret_cast<float*>(arrays.states + indices[i]);
+            matrices[i] = reinterpret_cast<const float*>(arrays.inertia + indices[i]);
+        }
+        gather8<N>(const_cast<const float* const*>(rows), state);
+        Lanes<N> m[8];
+        gather8<N>(matrices, m);
+        inverse = {m[0], m[1], m[2], m[3], m[4], m[5]};
     }
 
     /// The bodies share the point of an impulse wherever they have moved: then what one loses of the angular momentum
@@ -66,6 +75,7 @@ struct ContactBundle {
     }
     static RAGTOP_INLINE void scatterMoving(float* const rows[N], const Lanes<N> values[8], Lanes<N> mass) {
         if (!any(!(mass > 0.0f))) return scatterAll8<N>(rows, values);
+        if (!any(mass > 0.0f)) return;
         float* moving[N];
         for (int i = 0; i < N; ++i) moving[i] = mass[i] > 0 ? rows[i] : nullptr;
         scatter8<N>(moving, values);
@@ -178,7 +188,7 @@ RAGTOP_INLINE void setMasses(ContactBundle<N>& c, Mask<N> lanes) {
     const Int count = bits(c.field(contact::kPointCount));
     const Lanes<N> zero(0.0f), one(1.0f);
     const auto set = [&](int field, Lanes<N> value) { c.set(field, select(lanes, value, c.field(field))); };
-    for (int j = 0; j < contact::kMaxPoints; ++j) {
+    for (int j = 0; j < contact::kMaxPoints && any(Mask<N>{count > j}); ++j) {
         const WideVec3<N> rA = c.arm(pointField(j, contact::kAnchor));
         const Lanes<N> k = c.admittance(rA, rA - c.offset, c.normal, c.normal, one);
         set(pointField(j, contact::kMass), select(Mask<N>{count > j}, divideOrZero(one, k), zero));
@@ -213,8 +223,8 @@ RAGTOP_INLINE void followTurns(ContactBundle<N>& c, const WideQuat<N>& dqA, cons
     setMasses(c, turn > little);
     if (!any(turn > limit)) return;
     const WideVec3<N> rA = c.vector(contact::kCenter), rB = rA - c.offset;
-    const WideVec3<N> wayA = cross(uA, rA - c.field(contact::kRoundA) * c.normal);
-    const WideVec3<N> wayB = cross(uB, rB + c.field(contact::kRoundB) * c.normal);
+    const WideVec3<N> wayA = cross(uA, rA - c.rare(contact::kRoundA, contact::kRound) * c.normal);
+    const WideVec3<N> wayB = cross(uB, rB + c.rare(contact::kRoundB, contact::kRound) * c.normal);
     const Mask<N> far = (dot(wayA, wayA) > limit * dot(rA, rA)) | (dot(wayB, wayB) > limit * dot(rB, rB));
     const Mask<N> lost = (turn > limit) & far;  // whatever the other lanes do
     const auto clear = [&](int field, int count) {
@@ -246,8 +256,8 @@ struct Separations {
                               const WideQuat<N>& dqB) {
         const WideVec3<N> turnA = inverseTurn(dqA, c.normal), turnB = inverseTurn(dqB, c.normal);
         turn = turnB - turnA;
-        moved = dot(c.normal, dp) - dot(turnB, c.offset) + c.field(contact::kRoundA) * dot(turnA, c.normal) +
-                c.field(contact::kRoundB) * dot(turnB, c.normal);
+        moved = dot(c.normal, dp) - dot(turnB, c.offset) + c.rare(contact::kRoundA, contact::kRound) * dot(turnA, c.normal) +
+                c.rare(contact::kRoundB, contact::kRound) * dot(turnB, c.normal);
     }
     RAGTOP_INLINE Lanes<N> at(const ContactBundle<N>& c, int point, const WideVec3<N>& anchor) const {
         return c.field(pointField(point, contact::kSeparation)) + (moved + dot(turn, anchor));

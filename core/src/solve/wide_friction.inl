@@ -9,8 +9,8 @@ namespace {
 template <int N>
 RAGTOP_INLINE WideVec3<N> intoCone(const ContactBundle<N>& c, const WideVec3<N>& wanted, Lanes<N> load, Lanes<N>& sliding) {
     Lanes<N> squared = dot(wanted, wanted);
-    const Lanes<N> cross = c.field(contact::kCross);
-    if (any(cross != 0.0f)) {
+    if ((c.traits & contact::kUneven) != 0) {
+        const Lanes<N> cross = c.field(contact::kCross);
         const Lanes<N> across = dot(wanted, c.vector(contact::kAcross));
         squared = squared + cross * across * across;
     }
@@ -42,16 +42,17 @@ RAGTOP_INLINE WideVec3<N> stoppingImpulse(const ContactBundle<N>& c, const WideV
 template <int N>
 RAGTOP_INLINE void solveTurning(ContactBundle<N>& c, Lanes<N> total, Lanes<N> leverTotal) {
     const Lanes<N> mu = c.field(contact::kFriction);
-    const Lanes<N> old = c.field(contact::kTwistImpulse), limit = mu * leverTotal + c.field(contact::kSpinning) * total;
+    const Lanes<N> old = c.field(contact::kTwistImpulse), limit = mu * leverTotal + c.rare(contact::kSpinning, contact::kSpins) * total;
     const Lanes<N> wanted = old - c.field(contact::kTwistMass) * dot(c.normal, c.wB - c.wA);
     const Lanes<N> twist = min(max(wanted, -limit), limit);
     c.set(contact::kTwistImpulse, twist);
     c.applyAngular((twist - old) * c.normal);
 
+    if ((c.traits & contact::kRolls) == 0) return;
     const Lanes<N> rolling = c.field(contact::kRolling);
-    if (!any(rolling > 0.0f)) return;
     const WideVec3<N> before = c.vector(contact::kRollImpulse);
-    const WideVec3<N> roll = intoBall(before - c.field(contact::kRollMass) * (c.wB - c.wA), rolling * total);
+    const WideVec3<N> stopping = before - c.field(contact::kRollMass) * (c.wB - c.wA);
+    const WideVec3<N> roll = select(rolling > 0.0f, intoBall(stopping, rolling * total), before);
     c.set(contact::kRollImpulse, roll);
     c.applyAngular(roll - before);
 }
@@ -69,7 +70,7 @@ RAGTOP_INLINE Slip<N> slipOf(const ContactBundle<N>& c, const WideVec3<N>& dp, c
     const WideVec3<N> rA = c.arm(contact::kCenter), rB = rA - c.offset;
     const WideVec3<N> turnA{dqA.x + dqA.x, dqA.y + dqA.y, dqA.z + dqA.z};
     const WideVec3<N> turnB{dqB.x + dqB.x, dqB.y + dqB.y, dqB.z + dqB.z};
-    const WideVec3<N> way = dp + cross(turnB, rB) - cross(turnA, rA) + Lanes<N>(elapsed) * c.vector(contact::kSurface);
+    const WideVec3<N> way = dp + cross(turnB, rB) - cross(turnA, rA) + Lanes<N>(elapsed) * c.rareVector(contact::kSurface, contact::kMovingSurface);
     const WideVec3<N> turn = turnB - turnA;
     return {way - dot(way, c.normal) * c.normal, dot(turn, turn) < Lanes<N>(kFirstOrderTurn * kFirstOrderTurn)};
 }
@@ -81,7 +82,7 @@ RAGTOP_INLINE void solveFriction(ContactBundle<N>& c, Lanes<N> total, Lanes<N> r
                                  const SolverContext& context) {
     const Lanes<N> zero(0.0f), one(1.0f);
     const WideVec3<N> rA = c.arm(contact::kCenter), rB = rA - c.offset;
-    WideVec3<N> speed = c.relativeVelocity(rA, rB) + c.vector(contact::kSurface);
+    WideVec3<N> speed = c.relativeVelocity(rA, rB) + c.rareVector(contact::kSurface, contact::kMovingSurface);
     const WideVec3<N> kept = c.vector(contact::kStick);
     Lanes<N> sliding = c.field(contact::kSliding);
     if constexpr (kBias)

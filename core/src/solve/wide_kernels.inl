@@ -25,12 +25,13 @@ RAGTOP_INLINE Lanes<N> ownShare(Lanes<N> mass, Lanes<N> impulse, const SolverCon
 /// long beside n times that of the row: contacts with the ground that carry little else than their body may be quick, and
 /// so may points that have sunk to twice what counts as deep, as long as they are.
 template <int N>
-RAGTOP_INLINE void carryLoads(ContactBundle<N>& c, const SolverContext& context) {
+RAGTOP_INLINE void carryLoads(ContactBundle<N>& c, typename Mask<N>::V count, const SolverContext& context) {
     const Lanes<N> zero(0.0f), one(1.0f), slow(context.loadShare);
     const Mask<N> isStatic = Mask<N>{c.massA.v == zero.v} | Mask<N>{c.massB.v == zero.v};
     const Lanes<N> fast(context.staticLoadShare), quick = select(isStatic, fast, zero);
     const Lanes<N> deep = Lanes<N>(contact::kDeep) * c.field(contact::kSize);
     for (int j = 0; j < contact::kMaxPoints; ++j) {
+        if (!any(Mask<N>{count > j})) return;
         const Lanes<N> mass = c.field(pointField(j, contact::kMass)),
                        impulse = c.field(pointField(j, contact::kImpulse));
         const Lanes<N> load = select(mass > zero, c.field(pointField(j, contact::kLoad)), zero);
@@ -43,43 +44,77 @@ RAGTOP_INLINE void carryLoads(ContactBundle<N>& c, const SolverContext& context)
     }
 }
 
+/// Which contact::Traits the lanes have. By bits: −0 is added like any other number.
 template <int N>
-unsigned prepareContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
+RAGTOP_INLINE std::int32_t traitsOf(const ContactBundle<N>& c) {
+    typedef typename Mask<N>::V Int;
+    const auto trait = [](contact::Trait which, Int set) { return anySet(set != 0) ? which : 0; };
+    const auto field = [&](int i) { return bits(c.field(i)); };
+    const auto vector = [&](int i) { return field(i) | field(i + 1) | field(i + 2); };
+    return trait(contact::kBouncy, field(contact::kRestitution)) | trait(contact::kUneven, field(contact::kCross)) |
+           trait(contact::kRolls, field(contact::kRolling) | vector(contact::kRollImpulse)) |
+           trait(contact::kSpins, field(contact::kSpinning)) |
+           trait(contact::kRound, field(contact::kRoundA) | field(contact::kRoundB)) |
+           trait(contact::kMovingSurface, vector(contact::kSurface)) |
+           trait(contact::kFindsLoad, field(contact::kShifted));
+}
+
+/// What begins anew in a step: sums of impulses, speeds of approach and the friction centre. Returns the deepest
+/// separations.
+template <int N>
+RAGTOP_INLINE Lanes<N> preparePoints(ContactBundle<N>& c, typename Mask<N>::V count) {
+    const Lanes<N> depth = 0.01f * c.field(contact::kSize), near = 0.01f * depth, zero(0.0f);
+    WideVec3<N> center{zero, zero, zero};
+    Lanes<N> weight(0.0f), deepest(0.0f);
+    int points = 0;
+    for (int j = 0; j < contact::kMaxPoints; ++j) {
+        const Mask<N> present{count > j};
+        c.set(pointField(j, contact::kPeak), zero);
+        if (!any(present)) {
+            for (const int field : {contact::kImpulse, contact::kMass, contact::kLoad}) c.set(pointField(j, field), zero);
+            continue;
+        }
+        points = j + 1;
+        const WideVec3<N> rA = c.vector(pointField(j, contact::kAnchor));
+        const WideVec3<N> rB = rA - c.offset;
+        const Lanes<N> impulse = select(present, c.field(pointField(j, contact::kImpulse)), zero);
+        c.set(pointField(j, contact::kImpulse), impulse);
+        c.set(contact::kApproach + j, dot(c.normal, c.relativeVelocity(rA, rB)));
+        // Points that are apart lose their say in where friction acts, smoothly, or tops would drift. At rest gaps
+        // are rounding: it must not move the centre, which carried twists are about.
+        const Lanes<N> separation = c.field(pointField(j, contact::kSeparation));
+        const Lanes<N> gap = max(separation - near, zero);
+        deepest = min(deepest, select(present, separation, zero));
+        const Lanes<N> share = select(present, divideOrZero(depth, depth + gap), zero);
+        weight = weight + share;
+        center = center + share * rA;
+    }
+    center = divideOrZero(Lanes<N>(1.0f), weight) * center;
+    for (int j = 0; j < points; ++j) {
+        const WideVec3<N> arm = c.vector(pointField(j, contact::kAnchor)) - center;
+        c.set(pointField(j, contact::kLever), sqrt(dot(arm, arm)));
+    }
+    c.set(contact::kCenter, center);
+    return deepest;
+}
+
+template <int N>
+unsigned prepareContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context,
+                         std::uint8_t* deep) {
     typedef typename Mask<N>::V Int;
     unsigned kinds = 0;
+    // So deep that it is pushed out faster than gravity would bring it back within a substep.
+    const float rate = context.softStatic.massScale * context.softStatic.biasRate;
+    const float beyond = rate > 0 ? context.gravityStep / rate : 0.0f;
     for (int i = begin; i < end; ++i) {
         ContactBundle<N> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
         const Int count = bits(c.field(contact::kPointCount));
-        const Lanes<N> depth = 0.01f * c.field(contact::kSize), near = 0.01f * depth;
-        WideVec3<N> center{Lanes<N>(0.0f), Lanes<N>(0.0f), Lanes<N>(0.0f)};
-        Lanes<N> weight(0.0f), deepest(0.0f);
-        for (int j = 0; j < contact::kMaxPoints; ++j) {
-            const Mask<N> present{count > j};
-            const WideVec3<N> rA = c.vector(pointField(j, contact::kAnchor));
-            const WideVec3<N> rB = rA - c.offset;
-            const Lanes<N> impulse = select(present, c.field(pointField(j, contact::kImpulse)), Lanes<N>(0.0f));
-            c.set(pointField(j, contact::kImpulse), impulse);
-            c.set(pointField(j, contact::kApproach), dot(c.normal, c.relativeVelocity(rA, rB)));
-            c.set(pointField(j, contact::kPeak), Lanes<N>(0.0f));
-            // Points that are apart lose their say in where friction acts, smoothly, or tops would drift. At rest gaps
-            // are rounding: it must not move the centre, which carried twists are about.
-            const Lanes<N> separation = c.field(pointField(j, contact::kSeparation));
-            const Lanes<N> gap = max(separation - near, Lanes<N>(0.0f));
-            deepest = min(deepest, select(present, separation, Lanes<N>(0.0f)));
-            const Lanes<N> share = select(present, divideOrZero(depth, depth + gap), Lanes<N>(0.0f));
-            weight = weight + share;
-            center = center + share * rA;
-        }
-        center = divideOrZero(Lanes<N>(1.0f), weight) * center;
-        for (int j = 0; j < contact::kMaxPoints; ++j) {
-            const WideVec3<N> arm = c.vector(pointField(j, contact::kAnchor)) - center;
-            c.set(pointField(j, contact::kLever), sqrt(dot(arm, arm)));
-        }
-
-        c.set(contact::kCenter, center);
+        c.traits = traitsOf(c);
+        c.set(contact::kTraits, Lanes<N>(reinterpret_cast<typename Lanes<N>::V>(Int{} + c.traits)));
+        const Lanes<N> deepest = preparePoints(c, count);
         c.set(contact::kShift, c.shift);
         setMasses(c, Mask<N>{count == count});
-        carryLoads(c, context);
+        carryLoads(c, count, context);
         // Rounding of the normal does not count, or friction would change a little in every step at rest.
         const WideVec3<N> friction = c.vector(contact::kFrictionImpulse);
         const Lanes<N> along = dot(friction, c.normal);
@@ -87,8 +122,10 @@ unsigned prepareContacts(float* bundles, int begin, int end, const BodyArrays& a
         c.set(contact::kFrictionImpulse, friction - select(leaves, along, Lanes<N>(0.0f)) * c.normal);
         const WideVec3<N> stick = c.vector(contact::kStick);
         c.set(contact::kStick, stick - dot(stick, c.normal) * c.normal);
-        if (any(c.field(contact::kRestitution) > 0.0f)) kinds |= kBouncyContact;
-        if (any(deepest < Lanes<N>(-contact::kDeep) * c.field(contact::kSize))) kinds |= kDeepContact;
+        if ((c.traits & contact::kBouncy) != 0) kinds |= kBouncyContact;
+        const Mask<N> isDeep = deepest < Lanes<N>(-contact::kDeep) * c.field(contact::kSize) - Lanes<N>(beyond);
+        if (any(isDeep)) kinds |= kDeepContact;
+        storeBytes<N>(isDeep.v & 1, deep + static_cast<long>(i) * N);
     }
     return kinds;
 }
@@ -102,6 +139,7 @@ void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arr
         WideVec3<N> moment{Lanes<N>(0.0f), Lanes<N>(0.0f), Lanes<N>(0.0f)};
         for (int j = 0; j < contact::kMaxPoints; ++j) {
             const Lanes<N> impulse = c.field(pointField(j, contact::kImpulse));
+            if (!any(impulse > 0.0f)) continue;
             total = total + impulse;
             moment = moment + impulse * c.vector(pointField(j, contact::kAnchor));
         }
@@ -110,7 +148,8 @@ void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arr
         const WideVec3<N> linear = total * c.normal + c.vector(contact::kFrictionImpulse);
         const WideVec3<N> friction = c.vector(contact::kFrictionImpulse);
         const WideVec3<N> center = c.arm(contact::kCenter);
-        const WideVec3<N> spin = c.field(contact::kTwistImpulse) * c.normal + c.vector(contact::kRollImpulse);
+        const WideVec3<N> spin =
+            c.field(contact::kTwistImpulse) * c.normal + c.rareVector(contact::kRollImpulse, contact::kRolls);
         const WideVec3<N> angularA = cross(moment, c.normal) + cross(center, friction) + spin;
         const WideVec3<N> angularB = angularA - cross(c.offset, linear);
         c.vA = c.vA - c.massA * linear;
@@ -154,10 +193,10 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
 
         // What holds a body on the ground has changed: nothing pulls towards loads of other points, and those that the
         // first substep finds are carried from then on. Else the body would sag where it loses a point, and rise again.
-        const Lanes<N> shifted = c.field(contact::kShifted);
-        const bool anyShifted = any(shifted > zero);
+        const Lanes<N> shifted = c.rare(contact::kShifted, contact::kFindsLoad);
+        const bool anyShifted = (c.traits & contact::kFindsLoad) != 0;
         if constexpr (kBias) impulseScale = (one - shifted) * impulseScale;
-        const Mask<N> bouncy = c.field(contact::kRestitution) > zero;
+        const Mask<N> bouncy = c.rare(contact::kRestitution, contact::kBouncy) > zero;
         // What bounces is met at the end of a parabola, whose chord is flatter than its end.
         const Lanes<N> lead = select(bouncy, half * Lanes<N>(context.gravityStep), zero);
         Lanes<N> total(0.0f), leverTotal(0.0f);

@@ -98,7 +98,8 @@ void placeContacts(float* bundles, int begin, int end, const LaneManifolds& list
         };
         set(contact::kNormal, normal);
         set(contact::kOffset, offset);
-        for (int j = 0; j < contact::kMaxPoints; ++j) {
+        const typename Mask<N>::V count = bits(found.f[3]);
+        for (int j = 0; j < contact::kMaxPoints && anySet(count > j); ++j) {
             const WideVec3<N> onA = rotate(qA, found.anchorA(j)) - reference;
             const WideVec3<N> onB = rotate(qB, found.anchorB(j)) + offset;
             set(pointField(j, contact::kAnchor), Lanes<N>(0.5f) * (onA + onB));
@@ -124,7 +125,7 @@ void readTouches(const float* bundles, int begin, int end, std::uint8_t* touches
             const Mask<N> bears = field(pointField(j, contact::kImpulse)) > 0.0f;
             found |= present & ((meets.v & static_cast<int>(kTouches)) | (bears.v & static_cast<int>(kBearsLoad)));
         }
-        for (int lane = 0; lane < N; ++lane) touches[i * N + lane] = static_cast<std::uint8_t>(found[lane]);
+        storeBytes<N>(found, touches + static_cast<long>(i) * N);
     }
 }
 

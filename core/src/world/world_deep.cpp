@@ -35,15 +35,15 @@ void copyFields(const float* from, float* to, std::size_t stride, const Strip& f
     for (std::size_t f = fields.field; f < fields.field + fields.count; ++f) to[f * stride] = from[f * stride];
 }
 
-/// Deep enough to be pushed out faster than gravity would bring it back within a substep: `beyond` (m) more than kDeep.
-bool isDeep(const float* lane, std::size_t stride, float beyond) {
-    std::uint32_t count;
-    std::memcpy(&count, lane + contact::kPointCount * stride, sizeof count);
-    for (std::uint32_t j = 0; j < count; ++j) {
-        const std::size_t field = contact::kPoints + j * contact::kPointFields + contact::kSeparation;
-        if (lane[field * stride] < -contact::kDeep * lane[contact::kSize * stride] - beyond) return true;
-    }
-    return false;
+/// What the contact in a lane has its bundle has.
+void shareTraits(float* bundles, std::size_t lane, std::size_t lanes) {
+    const std::size_t bundle = lane / (contact::kFields * lanes) * contact::kFields * lanes;
+    std::uint32_t own, all;
+    std::memcpy(&own, bundles + lane + contact::kTraits * lanes, sizeof own);
+    float* const first = bundles + bundle + contact::kTraits * lanes;
+    std::memcpy(&all, first, sizeof all);
+    all |= own;
+    std::memcpy(first, &all, sizeof all);
 }
 
 }  // namespace
@@ -66,7 +66,8 @@ void WorldImpl::forEachDeep(Visit&& visit) {
     });
 }
 
-/// Copies the contacts of this step that are deep to bundles of their own; those of the overflow keep one each.
+/// Copies the contacts of this step that prepare has found to be deep to bundles of their own; those of the overflow keep
+/// one each.
 void WorldImpl::collectDeep(bool any) {
     giveBackDeep();
     deepContacts.all.clear();
@@ -74,23 +75,16 @@ void WorldImpl::collectDeep(bool any) {
     deepContacts.bundles.clear();
     if (!any) return;
     const auto lanes = static_cast<std::size_t>(graph.lanes());
-    const float rate = context.softStatic.massScale * context.softStatic.biasRate;
-    const float beyond = rate > 0 ? context.gravityStep / rate : 0.0f;
     constexpr auto kFields = static_cast<std::size_t>(contact::kFields);
     std::size_t bundles = 0;
     for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
         deepContacts.starts.push(static_cast<std::uint32_t>(bundles));
         const std::size_t inBundle = c == ConstraintGraph::kOverflow ? 1 : lanes;
+        const std::uint8_t* deep = deepContacts.isDeep.data() + deepContacts.laneStarts[static_cast<std::size_t>(c)];
         std::size_t used = 0;
         const auto count = static_cast<std::uint32_t>(graph.color(c).manifolds.size());
-        deepContacts.isDeep.resizeForOverwrite(count);
-        runner.parallelFor(static_cast<int>(count), 512, [&](int begin, int end, int) {
-            for (auto slot = static_cast<std::uint32_t>(begin); slot < static_cast<std::uint32_t>(end); ++slot)
-                deepContacts.isDeep[slot] =
-                    isDeep(graph.lane({static_cast<std::uint32_t>(c), slot}), lanes, beyond) ? 1 : 0;
-        });
         for (std::uint32_t slot = 0; slot < count; ++slot) {
-            if (deepContacts.isDeep[slot] == 0) continue;
+            if (deep[slot / inBundle * lanes + slot % inBundle] == 0) continue;
             const std::size_t bundle = bundles + used / inBundle;
             deepContacts.all.push({{static_cast<std::uint32_t>(c), slot}, bundle * kFields * lanes + used % inBundle});
             ++used;
@@ -104,6 +98,7 @@ void WorldImpl::collectDeep(bool any) {
     forEachDeep([&](const DeepContact& contact) {
         copyFields(graph.lane(contact.from), deepContacts.bundles.data() + contact.to, lanes, {0, kFields});
     });
+    for (const DeepContact& deep : deepContacts.all) shareTraits(deepContacts.bundles.data(), deep.to, lanes);
 }
 
 /// In the order of the other sweeps.

@@ -132,8 +132,8 @@ void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord
     float approach = 0;
     for (int j = 0; j < manifold.pointCount; ++j) {
         event.impulse += lane.at(j, contact::kPeak);
-        if (lane.at(j, contact::kPeak) > 0 && lane.at(j, contact::kApproach) < approach)
-            approach = lane.at(j, contact::kApproach);
+        if (lane.at(j, contact::kPeak) > 0 && lane.at(contact::kApproach + j) < approach)
+            approach = lane.at(contact::kApproach + j);
     }
     if (event.impulse <= 0) return;
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -41,6 +42,7 @@ struct WorldImpl {
     bool isLittle() const;
     void prepareBodies();
     void prepareConstraints();
+    void groupContacts();
     unsigned placeAndPrepare(int color, int begin, int end);
     template <class Count, class Visit>
     void forBlocksOfAllLists(int size, Count&& count, Visit&& visit);

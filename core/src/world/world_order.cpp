@@ -115,13 +115,16 @@ void WorldImpl::moveManifolds() {
     forgetTouches();
 }
 
-/// Lanes in the order of their manifolds. Lists that are solved serially keep theirs.
+/// Lanes in the order of their manifolds, those with equally many points together (ConstraintGraph::groupByPoints). Lists
+/// that are solved serially keep theirs.
 void WorldImpl::moveLanes() {
     for (int c = 0; c < ConstraintGraph::kColors; ++c) {
         const AlignedArray<std::uint32_t>& list = graph.color(c).manifolds;
         contactOrder.clear();
-        for (std::uint32_t slot = 0; slot < list.size(); ++slot)
-            contactOrder.push(std::uint64_t{list[slot]} << 32 | slot);
+        for (std::uint32_t slot = 0; slot < list.size(); ++slot) {
+            const auto missing = static_cast<std::uint64_t>(kMaxManifoldPoints - manifolds[list[slot]].pointCount);
+            contactOrder.push(missing << 61 | std::uint64_t{list[slot]} << 32 | slot);
+        }
         std::sort(contactOrder.begin(), contactOrder.end());
         movedFrom.clear();
         for (const std::uint64_t entry : contactOrder) movedFrom.push(static_cast<std::uint32_t>(entry));

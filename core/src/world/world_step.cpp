@@ -154,6 +154,7 @@ void WorldImpl::prepareConstraints() {
     const float ratio = rescale ? context.h / lastSubstep : 1;
     if (bundlesChanged) jointBundles.build(graph, jointSims.data());
     bundlesChanged = false;
+    groupContacts();
     std::atomic<unsigned> found{0};
     forBlocksOfAllLists(
         8, [&](int c) { return graph.bundleCount(c); },
@@ -173,6 +174,20 @@ void WorldImpl::prepareConstraints() {
     prepareCouplings(ratio);
 }
 
+/// Puts contacts with equally many points side by side, so that bundles solve few that are not there; numbers the lanes.
+void WorldImpl::groupContacts() {
+    runner.parallelFor(ConstraintGraph::kColors, 1, [&](int begin, int end, int) {
+        for (int c = begin; c < end; ++c)
+            graph.groupByPoints(c, [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
+    });
+    std::size_t lanes = 0;
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
+        deepContacts.laneStarts[static_cast<std::size_t>(c)] = lanes;
+        lanes += static_cast<std::size_t>(graph.bundleCount(c)) * static_cast<std::size_t>(graph.lanes());
+    }
+    deepContacts.isDeep.resizeForOverwrite(lanes);
+}
+
 /// Some bundles at a time, which the cache holds in between.
 unsigned WorldImpl::placeAndPrepare(int c, int begin, int end) {
     constexpr int kAtOnce = 4;
@@ -180,11 +195,12 @@ unsigned WorldImpl::placeAndPrepare(int c, int begin, int end) {
     const LaneManifolds list{color.manifolds.data(), static_cast<int>(color.manifolds.size()),
                              c == ConstraintGraph::kOverflow ? 1 : graph.lanes()};
     const ContactPlaces places = contactPlaces();
+    std::uint8_t* const deep = deepContacts.isDeep.data() + deepContacts.laneStarts[static_cast<std::size_t>(c)];
     unsigned kinds = 0;
     for (int i = begin; i < end; i += kAtOnce) {
         const int last = i + kAtOnce < end ? i + kAtOnce : end;
         kernels->placeContacts(color.bundles.data(), i, last, list, places);
-        kinds |= kernels->prepareContacts(color.bundles.data(), i, last, bodyArrays(), context);
+        kinds |= kernels->prepareContacts(color.bundles.data(), i, last, bodyArrays(), context, deep);
     }
     return kinds;
 }
