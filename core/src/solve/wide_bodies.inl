@@ -175,6 +175,16 @@ RAGTOP_INLINE void rotateFreely(WideQuat<N>& q, const WideVec3<N>& world, const 
     q = normalized(WideQuat<N>{axis.x, axis.y, axis.z, u.w});
 }
 
+/// A turn by ω + ½ h I⁻¹ (L × ω), the mean angular velocity of a substep up to its second order. In bodies,
+/// |Iⱼ − Iₖ| ≤ Iᵢ, so that what is left out is a twelfth of the third power of the turn: less than rounding.
+template <int N>
+RAGTOP_INLINE WideQuat<N> turnedLittle(const WideQuat<N>& q, const WideVec3<N>& w, const WideVec3<N>& momentum,
+                                       const SymmetricMatrix<N>& inverseWorld, float h) {
+    const WideVec3<N> u = Lanes<N>(0.5f * h) * (w + Lanes<N>(0.5f * h) * (inverseWorld * cross(momentum, w)));
+    const Lanes<N> squared = dot(u, u), ratio = 1.0f - (1.0f / 6) * squared;
+    return normalized(WideQuat<N>{ratio * u.x, ratio * u.y, ratio * u.z, 1.0f - 0.5f * squared} * q);
+}
+
 /// What a body turns by: its rotation, its moments, and the momentum of the last substep with what its angular velocity
 /// was changed by since.
 template <int N>
@@ -190,6 +200,21 @@ struct FreeSpin {
         const WideVec3<N> gained = rotate(q, times(WideVec3<N>{rates[0], rates[1], rates[2]}, turned));
         momentum = WideVec3<N>{start[4], start[5], start[6]} + gained;
         free = dot(gained, gained) <= Lanes<N>(0.0f);
+    }
+
+    /// By what shows no third power in single precision. What nothing acts on is left to the splitting, which keeps its
+    /// energy for good, unless it does not turn at all.
+    RAGTOP_INLINE Mask<N> turnsLittle(const WideVec3<N>& w, float h) const {
+        constexpr float kLittle = 1.0f / 256;  // rad
+        const Mask<N> acted = (!free) | (!(dot(momentum, momentum) > 0.0f));
+        return acted & (Lanes<N>(h * h) * dot(w, w) < kLittle * kLittle);
+    }
+    /// As excessOfSpin.
+    RAGTOP_INLINE Lanes<N> excess() const {
+        const WideVec3<N> p = inverseRotate(q, momentum);
+        const Lanes<N> low = min(inverse.x, inverse.y), high = max(inverse.x, inverse.y);
+        const Lanes<N> middle = max(low, min(high, inverse.z));
+        return (inverse.x - middle) * p.x * p.x + (inverse.y - middle) * p.y * p.y + (inverse.z - middle) * p.z * p.z;
     }
 
     /// Spins about nearly one principal axis, 3, which circles about the momentum by more than a quarter radian in h:
@@ -238,6 +263,14 @@ private:
     Lanes<N> squaredTurn;  ///< of the axis about the momentum in h
 };
 
+/// False where FreeSpin::isFast would be: |L| ≤ I_max |ω|, and its rate is below 2/I_min.
+template <int N>
+RAGTOP_INLINE Mask<N> mayBeFast(const Lanes<N> rates[8], const WideVec3<N>& w, float h) {
+    const Lanes<N> moment = max(rates[0], max(rates[1], rates[2])), inverse = max(rates[4], max(rates[5], rates[6]));
+    const Lanes<N> turn = Lanes<N>(2 * h) * (moment * inverse);
+    return turn * turn * dot(w, w) > 1.0f / 20;  // of 1/16, for what rounding makes of it
+}
+
 /// v ← (v + h a) / (1 + h d),  ω ← (ω + h I⁻¹ τ) / (1 + h d)
 /// The axis of a fast spin circles within a substep. Joints and contacts on it are told how far it will have come, not
 /// how fast it goes now; else they and free rotation take turns to push a top over where L h/I⊥ > 0.7. Joints on slower
@@ -271,12 +304,12 @@ void integrateVelocities(const BodyArrays& arrays, const std::uint32_t* bodies, 
         w = rates[7] * (w + Lanes<N>(h) * (inverse * torque));
         applyLocks(v, state[7]);
 
-        FreeSpin<N> spin(
-            WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * WideQuat<N>{start[0], start[1], start[2], start[3]},
-            rates, w, memory, start);
-        const Mask<N> jointed = (!(forces[7] > 0.0f)) & (forces[3] > 0.0f), fast = spin.isFast(forces[3], h);
-        const Mask<N> leads = jointed | fast;
-        if (any(leads)) {
+        const Mask<N> jointed = (!(forces[7] > 0.0f)) & (forces[3] > 0.0f);
+        if (any(jointed | mayBeFast(rates, w, h))) {
+            FreeSpin<N> spin(
+                WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * WideQuat<N>{start[0], start[1], start[2], start[3]},
+                rates, w, memory, start);
+            const Mask<N> fast = spin.isFast(forces[3], h), leads = jointed | fast;
             Lanes<N> excess = inertia[6];
             w = select(jointed, spin.ahead(w, inverse, h), w);
             if (any(fast)) w = select(fast, spin.leading(w, h, jointed, excess), w);
@@ -308,6 +341,11 @@ RAGTOP_INLINE SymmetricMatrix<N> rotated(const WideQuat<N>& q, const WideVec3<N>
             d.x * a.y * a.z + d.y * b.y * b.z + d.z * c.y * c.z, d.x * a.z * a.z + d.y * b.z * b.z + d.z * c.z * c.z};
 }
 
+template <int N>
+RAGTOP_INLINE Mask<N> isZero(const WideVec3<N>& a) {
+    return !((a.x != 0.0f) | (a.y != 0.0f) | (a.z != 0.0f));
+}
+
 /// x ← x + h v − ½ h² a, with a the part of this substep's acceleration that the substep before had too: free fall and
 /// steady sliding are then exact parabolas, while impacts and resting contacts, whose accelerations reverse or vanish,
 /// see no correction (docs/adr/0004-position-map.md).
@@ -315,20 +353,29 @@ template <int N>
 void integratePositions(const BodyArrays& arrays, const std::uint32_t* bodies, int begin, int end,
                         const SolverContext& context) {
     const float h = context.h;
+    const Lanes<N> zero(0.0f);
     for (int i = begin; i < end; i += N) {
         const BodyRows<N> rows(bodies, i, end);
         Lanes<N> state[8], pose[8], rates[8], forces[8], memory[8], start[8], inertia[8];
         rows.gather(arrays.states, 0, state);
-        rows.gather(arrays.states, 8, pose);
-        rows.gather(arrays.dynamics, 0, rates);
         rows.gather(arrays.dynamics, 8, forces);
         rows.gather(arrays.history, 0, memory);
         rows.gather(arrays.history, 8, start);
-        rows.gather(arrays.inertia, 0, inertia);
 
         const WideVec3<N> v{state[0], state[1], state[2]};
         const WideVec3<N> w{state[4], state[5], state[6]};
-        const WideVec3<N> now = v - WideVec3<N>{memory[0], memory[1], memory[2]};
+        // What stood still and stands still has no momentum, and keeps its place to the bit.
+        const WideVec3<N> before{memory[0], memory[1], memory[2]}, told{memory[3], memory[7], start[7]};
+        const WideVec3<N> stored{start[4], start[5], start[6]};
+        const Mask<N> spins = forces[3] > 0.0f, alone = spins & (forces[7] > 0.0f);
+        const Mask<N> still = alone & isZero(v) & isZero(before) & isZero(w);
+        const Mask<N> settled = still & isZero(told) & isZero(stored);
+        if (!any(!settled)) continue;
+        rows.gather(arrays.states, 8, pose);
+        rows.gather(arrays.dynamics, 0, rates);
+        rows.gather(arrays.inertia, 0, inertia);
+
+        const WideVec3<N> now = v - before;
         const WideVec3<N> last{memory[4], memory[5], memory[6]};
         const Lanes<N> share = min(max(divideOrZero(dot(last, now), dot(now, now)), Lanes<N>(0.0f)), Lanes<N>(1.0f));
         WideVec3<N> smooth = (0.5f * share * forces[7]) * now;
@@ -336,26 +383,40 @@ void integratePositions(const BodyArrays& arrays, const std::uint32_t* bodies, i
 
         const WideQuat<N> q0{start[0], start[1], start[2], start[3]};
         const FreeSpin<N> spin(WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * q0, rates, w, memory, start);
-        const WideVec3<N>&inverse = spin.inverse, &momentum = spin.momentum;
-        WideQuat<N> q = spin.q;
-        rotateFreely(q, momentum, inverse, h, spin.free, inertia[6]);
+        const WideVec3<N>& inverse = spin.inverse;
+        const WideVec3<N> momentum = select(still, WideVec3<N>{zero, zero, zero}, spin.momentum);
+        const Mask<N> little = still | (alone & spin.turnsLittle(w, h));
+        const SymmetricMatrix<N> inverseBefore{inertia[0], inertia[1], inertia[2], inertia[3], inertia[4], inertia[5]};
+        WideQuat<N> q = turnedLittle(spin.q, w, momentum, inverseBefore, h);
+        inertia[6] = select(little & !still, spin.excess(), inertia[6]);
+        if (any(!little)) {
+            WideQuat<N> split = spin.q;
+            Lanes<N> excess = inertia[6];
+            rotateFreely(split, momentum, inverse, h, spin.free, excess);
+            q = {select(little, q.x, split.x), select(little, q.y, split.y), select(little, q.z, split.z),
+                 select(little, q.w, split.w)};
+            inertia[6] = select(little, inertia[6], excess);
+        }
 
-        const Mask<N> spins = forces[3] > 0.0f;
-        const WideVec3<N> wNew = select(spins, rotate(q, times(inverse, inverseRotate(q, momentum))), w);
+        const Mask<N> turns = spins & !still;
+        const WideVec3<N> wNew = select(turns, rotate(q, times(inverse, inverseRotate(q, momentum))), w);
+        const WideVec3<N> toldNew = select(settled, told, wNew), storedNew = select(settled, stored, momentum);
+        const WideVec3<N> place = select(still, WideVec3<N>{pose[0], pose[1], pose[2]}, dp);
         const WideQuat<N> dq = q * WideQuat<N>{-q0.x, -q0.y, -q0.z, q0.w};
         const SymmetricMatrix<N> inverseWorld = rotated(q, inverse);
 
         state[4] = wNew.x, state[5] = wNew.y, state[6] = wNew.z;
-        memory[3] = wNew.x, memory[7] = wNew.y, start[7] = wNew.z;
-        start[4] = momentum.x, start[5] = momentum.y, start[6] = momentum.z;
-        pose[0] = dp.x, pose[1] = dp.y, pose[2] = dp.z;
-        pose[4] = dq.x, pose[5] = dq.y, pose[6] = dq.z, pose[7] = dq.w;
-        inertia[0] = select(spins, inverseWorld.xx, inertia[0]);
-        inertia[1] = select(spins, inverseWorld.xy, inertia[1]);
-        inertia[2] = select(spins, inverseWorld.xz, inertia[2]);
-        inertia[3] = select(spins, inverseWorld.yy, inertia[3]);
-        inertia[4] = select(spins, inverseWorld.yz, inertia[4]);
-        inertia[5] = select(spins, inverseWorld.zz, inertia[5]);
+        memory[3] = toldNew.x, memory[7] = toldNew.y, start[7] = toldNew.z;
+        start[4] = storedNew.x, start[5] = storedNew.y, start[6] = storedNew.z;
+        pose[0] = place.x, pose[1] = place.y, pose[2] = place.z;
+        pose[4] = select(still, pose[4], dq.x), pose[5] = select(still, pose[5], dq.y);
+        pose[6] = select(still, pose[6], dq.z), pose[7] = select(still, pose[7], dq.w);
+        inertia[0] = select(turns, inverseWorld.xx, inertia[0]);
+        inertia[1] = select(turns, inverseWorld.xy, inertia[1]);
+        inertia[2] = select(turns, inverseWorld.xz, inertia[2]);
+        inertia[3] = select(turns, inverseWorld.yy, inertia[3]);
+        inertia[4] = select(turns, inverseWorld.yz, inertia[4]);
+        inertia[5] = select(turns, inverseWorld.zz, inertia[5]);
         rows.scatter(arrays.states, 0, state);
         rows.scatter(arrays.states, 8, pose);
         rows.scatter(arrays.history, 0, memory);

@@ -390,7 +390,7 @@ void WorldImpl::finishBodies() {
             const float motion = length(state.dp) + turn;
             const bool fast = body.continuous && motion > tuning::kContinuousMotion * body.size;
             body.center = body.center + state.dp;
-            body.rotation = normalized(state.dq * body.rotation);
+            if (state.dq != Quat{}) body.rotation = normalized(state.dq * body.rotation);
             bodyFlags[place] = lost                                       ? kRunaway
                                : !fast                                    ? kNotFast
                                : mayMeet(index, startPoses[place].center) ? kToSweep
