@@ -157,28 +157,46 @@ Drawn softSlider(Dice& dice) {
     return {def};
 }
 
+Place turned(Dice& dice) { return {anyRotation(dice)}; }
+Place aboutX(Dice& dice) { return {rotationAbout(kX, dice.between(-3, 3))}; }
+Place alongX(Dice& dice) { return {{}, dice.between(-1, 1) * kX}; }
+/// As far as soft stops give way to what these bodies bring.
+Place littleAboutX(Dice& dice) { return {rotationAbout(kX, dice.between(-1, 1))}; }
+Place littleAlongX(Dice& dice) { return {{}, dice.between(-0.4f, 0.4f) * kX}; }
+Place thrown(Dice& dice) { return {anyRotation(dice), anyVector(dice, 1)}; }
+Place alongAndAboutX(Dice& dice) { return {rotationAbout(kX, dice.between(-3, 3)), dice.between(-1, 1) * kX}; }
+Place aboutXThenY(Dice& dice) {
+    return {rotationAbout(kX, dice.between(-3, 3)) * rotationAbout(kY, dice.between(-3, 3))};
+}
+Place onPlane(Dice& dice) {
+    return {rotationAbout(kX, dice.between(-3, 3)), {0, dice.between(-1, 1), dice.between(-1, 1)}};
+}
+Place aboutZAndX(Dice& dice) {
+    return {rotationAbout(kZ, dice.between(-1.5f, 1.5f)) * rotationAbout(kX, dice.between(-3, 3))};
+}
+
 const JointType kTypes[] = {
-    {"cone", cone},
-    {"ellipse", ellipse},
-    {"pyramid", pyramid},
-    {"polygon", polygon},
+    {"cone", cone, turned},
+    {"ellipse", ellipse, turned},
+    {"pyramid", pyramid, turned},
+    {"polygon", polygon, turned},
     {"ball", freeBall},
-    {"hinge", hinge},
-    {"slider", slider},
+    {"hinge", hinge, aboutX},
+    {"slider", slider, alongX},
     {"fixed", fixed},
-    {"rope", rope},
+    {"rope", rope, thrown},
     {"rod", rod},
-    {"cylindrical", cylindrical},
-    {"universal", universal},
-    {"plane", plane},
+    {"cylindrical", cylindrical, alongAndAboutX},
+    {"universal", universal, aboutXThenY},
+    {"plane", plane, onPlane},
     {"screw", screw},
     {"path", path},
     {"ring", [](Dice& dice) { return ring(dice, false); }},
     {"aligned ring", [](Dice& dice) { return ring(dice, true); }},
-    {"six degrees", sixDof},
-    {"six degrees, four locked", lockedSixDof},
-    {"hinge with soft stops", softHinge},
-    {"slider with soft stops", softSlider},
+    {"six degrees", sixDof, thrown},
+    {"six degrees, four locked", lockedSixDof, aboutZAndX},
+    {"hinge with soft stops", softHinge, littleAboutX},
+    {"slider with soft stops", softSlider, littleAlongX},
 };
 
 /// A body of moments 0.02, 0.06 and 0.05 kg m² whose joint is 0.3 m beside its centre.

@@ -13,15 +13,21 @@ namespace ragtop::stability {
 inline constexpr float kJointedMass = 1;                     ///< kg
 inline constexpr Vec3 kJointedMoments{0.02f, 0.06f, 0.05f};  ///< kg m²
 
-/// A joint with limits, and where within them B begins, in A's joint frame.
+/// A joint with limits, and where within them B begins, as in Place.
 struct Drawn {
     JointDef def;
+    Quat rotation{};
+    Vec3 offset{};
+};
+/// Where B begins, in A's joint frame.
+struct Place {
     Quat rotation{};
     Vec3 offset{};
 };
 struct JointType {
     const char* name;
     Drawn (*draw)(Dice& dice);
+    Place (*anywhere)(Dice& dice) = nullptr;  ///< what fits the joint but not its limits; none: it has no limits
 };
 std::span<const JointType> jointTypes();
 

@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numbers>
-#include <vector>
 
 #include "../families.h"
 #include "../scenery.h"
-#include "joint_kinds.h"
 
 namespace ragtop::stability {
 namespace {
@@ -108,110 +105,6 @@ void soft(Trial& trial, int rate, double zeta) {
     trial.expectNear("speed after", static_cast<double>(run.motion(body).w.z), exact, 0.02 * std::abs(exact), "rad/s");
 }
 
-/// All that a limited joint may be.
-JointDef limitedJoint(Dice& dice, int kind) {
-    const auto range = [&](float size) { return Range{-size * dice.between(0, 1), size * dice.between(0.02f, 1)}; };
-    AxisDef turn, travel;
-    turn.limit = range(8);
-    travel.limit = range(1);
-    BallDef ball;
-    ball.twistLimit = range(3);
-    HingeDef hinge;
-    SliderDef slider;
-    switch (kind) {
-        case 0:
-            ball.swingLimit = dice.between(0.1f, 3);
-            return ball;
-        case 1:
-            ball.swingEllipse = SwingEllipse{dice.between(0.1f, 2), dice.between(0.1f, 2)};
-            return ball;
-        case 2:
-            ball.swingPyramid = SwingPyramid{range(1.5f), range(1.5f)};
-            return ball;
-        case 3:
-            ball.twistLimit.reset();
-            ball.reach = anyReach(dice, [&] { return range(3); });
-            return ball;
-        case 4:
-            hinge.limit = turn.limit;
-            return hinge;
-        case 5:
-            slider.limit = travel.limit;
-            return slider;
-        case 6:
-            return CylindricalDef{{}, turn, travel};
-        case 7:
-            return UniversalDef{{}, turn, turn};
-        case 8:
-            return PlaneDef{{}, travel, travel, turn};
-        default:
-            return ScrewDef{{}, dice.between(0.05f, 0.5f), turn};
-    }
-}
-
-constexpr const char* kKinds[] = {"cone",   "ellipse",     "pyramid",   "polygon", "hinge",
-                                  "slider", "cylindrical", "universal", "plane",   "screw"};
-
-/// Joints thrown into their limits with up to 10 rad/s, from zero or from anywhere, beyond the limits too: none may
-/// gain energy in the 2 s that follow the first step, in which what does not fit the joint is lost.
-void states(Trial& trial, int kind, bool anywhere) {
-    constexpr int kJoints = 400;
-    constexpr float kMass = 1;
-    const Vec3 moments{0.02f, 0.06f, 0.05f};
-    Dice dice;
-    Scene scene;
-    scene.settings.gravity = {};
-    for (int i = 0; i < kJoints; ++i) {
-        const DVec3 place{4.0 * i, 0, 0};
-        const auto vector = [&](float size) {
-            return size * Vec3{dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1)};
-        };
-        BodyDef def = bodyWithMass(Sphere{0.2f}, place, kMass, moments, {});
-        def.shapes[0].filter.mask = 0;
-        const Quat turned =
-            normalized(Quat{dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1)});
-        const Vec3 arm{-0.3f, 0, 0};
-        if (anywhere) def.pose.rotation = turned;
-        def.pose.position = place - DVec3(rotate(def.pose.rotation, arm));
-        def.angularVelocity = vector(6);
-        def.linearVelocity = cross(def.angularVelocity, -rotate(def.pose.rotation, arm));
-        SceneJoint joint{"", kWorld, add(scene, def), limitedJoint(dice, kind)};
-        std::visit(
-            [&](auto& each) {
-                each.bodies.frameA.position = toVec3(place);
-                each.bodies.frameB.position = arm;
-            },
-            joint.def);
-        scene.joints.push_back(joint);
-    }
-    Run run = trial.start(scene);
-    const auto energyOf = [&](int body) {
-        const BodyMotion motion = run.motion(body);
-        const DVec3 v(motion.v);
-        const Vec3 w = inverseRotate(motion.pose.rotation, motion.w);
-        const double turning = static_cast<double>(dot(w, scale(moments, w)));
-        return 0.5 * (static_cast<double>(kMass) * (v.x * v.x + v.y * v.y + v.z * v.z) + turning);
-    };
-    run.step();
-    std::vector<double> start;
-    for (int i = 0; i < kJoints; ++i) start.push_back(energyOf(i));
-    double gained = 0;
-    int gaining = 0;
-    std::vector<bool> did(kJoints, false);
-    run.advance(2, [&] {
-        for (int i = 0; i < kJoints; ++i) {
-            const auto at = static_cast<std::size_t>(i);
-            // What is at rest has nothing to compare with.
-            const double gain = (energyOf(i) - start[at]) / std::max(start[at], 0.01);
-            gained = std::max(gained, gain);
-            if (!(gain <= 0.001) && !did[at]) ++gaining, did[at] = true;
-        }
-        return true;
-    });
-    trial.expectAtMost("energy gained", gained, 0.001, "1");
-    trial.expectAtMost("joints that gain", gaining, 0, "1");
-}
-
 }  // namespace
 
 Family limits() {
@@ -225,12 +118,6 @@ Family limits() {
         family.cases.push_back(
             {fmt::format("stop with restitution, {} Hz", rate), [rate](Trial& t) { rebound(t, rate); }});
     }
-    for (int kind = 0; kind < static_cast<int>(std::size(kKinds)); ++kind)
-        family.cases.push_back(
-            {fmt::format("400 states of {}", kKinds[kind]), [kind](Trial& trial) { states(trial, kind, false); }});
-    for (int kind = 0; kind < 4; ++kind)
-        family.cases.push_back(
-            {fmt::format("400 states of {}, anywhere", kKinds[kind]), [kind](Trial& t) { states(t, kind, true); }});
     for (const double zeta : {0.0, 0.1, 0.3, 0.6})
         family.cases.push_back(
             {fmt::format("soft stop, damping ratio {}", zeta), [zeta](Trial& t) { soft(t, 60, zeta); }});

@@ -257,7 +257,7 @@ bool beginStop(StopSide& side, const Stop& stop, float speed, float inverseMass,
         const SoftCourse course(stop.stiffness, stop.damping, inverseMass, h);
         const SoftMeeting meeting = course.meet(side.margin, along, side.pressed > 0);
         if (meeting.meets) {
-            side.meets = side.margin < 0 ? kLeaves : kArrives;
+            side.meets = meeting.leaves ? kLeaves : kArrives;
             side.due = 0;
             side.landing = meeting.mean, side.leaving = meeting.last + bend;
             return struck;

@@ -222,13 +222,10 @@ static void closeJoint(const JointSim& joint, const BodyPair& pair, float h) {
         closeBlock(joint.block, pair, joint.arms, share);
 }
 
-/// The travel s along the slide x of bodies that turn together:  s'' = |ω × x|² s + x · ω × (ω × (rB − rA))
+/// The travel s along the slide x of bodies that turn together:  s'' = x · ω × (ω × (rB − rA)), with the arms to the
+/// shared point, which hold the travel.
 static float slidingBend(const JointSim& joint, const BodyPair& pair, float h) {
-    const Vec3 x = joint.block.basis.cz;
-    const Turning w = pair.turnsTogether();
-    const Vec3 across = cross(w.a, x);
-    const float rate = dot(across, across) / (1 + h * h * dot(w.a, w.a));
-    return dot(x, curvingArms(w, joint.arms, h)) + 0.5f * h * rate * joint.block.errorSecond.z;
+    return dot(joint.block.basis.cz, curvingArms(pair.turnsTogether(), joint.arms, h));
 }
 
 float bendOf(const JointSim& joint, std::uint32_t coordinate, const BodyPair& pair, float h) {

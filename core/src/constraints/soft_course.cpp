@@ -29,13 +29,32 @@ SoftCourse::Place SoftCourse::after(const Place& from, double t) const {
             left * (cosine * from.v - sine * (square_ * from.x + 0.5 * damping_ * from.v))};
 }
 
-/// Meets the stop on the way and follows it for the rest of the substep. The speed it leaves is that from which rows go
-/// on exactly:  x₂ − x₁ = q₁ (h v − (ωh)² x₁).
-SoftMeeting SoftCourse::arrive(double margin, double speed) const {
-    const double inside = h_ + margin / speed;
-    const Place now = after({0, speed}, inside), next = after(now, h_);
+/// The substep ends beyond the stop. The speed it leaves is that from which rows go on exactly:
+///   x₂ − x₁ = q₁ (h v − (ωh)² x₁).
+SoftMeeting SoftCourse::goOn(const Place& now, double margin) const {
+    const Place next = after(now, h_);
     const double last = (next.x - now.x) / (h_ * moving_) + h_ * square_ * now.x;
-    return {true, static_cast<float>((now.x - margin) / h_), static_cast<float>(last)};
+    return {true, false, static_cast<float>((now.x - margin) / h_), static_cast<float>(last)};
+}
+
+/// Is let go after `until` and flies on from there.
+SoftMeeting SoftCourse::fly(const Place& from, double until, double margin) const {
+    const Place end = after(from, until);
+    const double mean = (end.x + end.v * (h_ - until) - margin) / h_;
+    return {true, true, static_cast<float>(mean), static_cast<float>(end.v)};
+}
+
+/// Meets the stop on the way and follows it for the rest of the substep.
+SoftMeeting SoftCourse::arrive(double margin, double speed) const {
+    return goOn(after({0, speed}, h_ + margin / speed), margin);
+}
+
+/// Is beyond the stop when nothing has pushed yet: its speed is that of this very place.
+SoftMeeting SoftCourse::begin(double margin, double speed) const {
+    const Place now{margin, speed};
+    const double until = forceFree(now);
+    if (!(until > 0)) return {};
+    return until < h_ && speed > 0 ? fly(now, until, margin) : goOn(after(now, h_), margin);
 }
 
 /// When the stop ceases to push: ω² x + d v obeys the same equation as x.
@@ -48,22 +67,19 @@ double SoftCourse::forceFree(const Place& now) const {
     return angle / rate_;
 }
 
-/// Is let go on the way and flies on from there.
+/// Is let go on the way.
 SoftMeeting SoftCourse::leave(double margin, double speed) const {
     const double step = h_ * moving_ * (speed - h_ * square_ * margin);
     // The speed at this place, of which `speed` lags: that which leads where rows would lead.
     const Place still = after({margin, 0}, h_), unit = after({0, 1}, h_);
     const Place now{margin, (margin + step - still.x) / unit.x};
     const double until = forceFree(now);
-    if (!(until < h_) || !(now.v > 0)) return {};
-    const Place end = after(now, until);
-    const double mean = (end.x + end.v * (h_ - until) - margin) / h_;
-    return {true, static_cast<float>(mean), static_cast<float>(end.v)};
+    return until < h_ && now.v > 0 ? fly(now, until, margin) : SoftMeeting{};
 }
 
 SoftMeeting SoftCourse::meet(float margin, float speed, bool pressed) const {
     if (!follows_) return {};
-    if (margin < 0) return pressed ? leave(margin, speed) : SoftMeeting{};
+    if (margin < 0) return pressed ? leave(margin, speed) : begin(margin, speed);
     if (margin + static_cast<float>(h_) * speed < 0) return arrive(margin, speed);
     return {};
 }

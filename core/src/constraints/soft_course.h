@@ -2,9 +2,9 @@
 
 namespace ragtop {
 
-/// What a soft stop does in a substep in which it is met or left: speeds of the margin.
+/// What a soft stop does in a substep in which it is met or left, or that begins beyond it: speeds of the margin.
 struct SoftMeeting {
-    bool meets = false;
+    bool meets = false, leaves = false;
     float mean = 0;  ///< over the substep, so that the margin ends where it should
     float last = 0;  ///< which the substep leaves
 };
@@ -25,6 +25,9 @@ private:
     };
     Place after(const Place& from, double t) const;
     SoftMeeting arrive(double margin, double speed) const;
+    SoftMeeting begin(double margin, double speed) const;
+    SoftMeeting goOn(const Place& now, double margin) const;
+    SoftMeeting fly(const Place& from, double until, double margin) const;
     SoftMeeting leave(double margin, double speed) const;
     double forceFree(const Place& now) const;
 

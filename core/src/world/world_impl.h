@@ -18,6 +18,7 @@
 #include "constraints/coupling.h"
 #include "constraints/joint_bundles.h"
 #include "constraints/joint_sim.h"
+#include "constraints/overstepped.h"
 #include "direct/mechanism.h"
 #include "direct/newton.h"
 #include "direct/tree_plan.h"
@@ -197,6 +198,8 @@ struct WorldImpl {
     // world_continuous.cpp
     bool mayMeet(std::uint32_t body, const DVec3& start) const;
     void sweepFastBodies();
+    void followSweptLimbs();
+    void noteSwept(std::uint32_t index);
     void sweepBody(std::uint32_t body);
     void clearWays();
     bool meetsAnything(std::uint32_t body) const;
@@ -231,6 +234,10 @@ struct WorldImpl {
     void loadNewContacts();
     void settleNewContacts();
     void settleNewJoints();
+    // world_overstepped.cpp
+    void noteOverstepped(std::uint32_t joint);
+    void bringBackJoints();
+    void shiftBody(std::uint32_t index, const Shift& shift);
     void addPushes(float share);
 
     // world_direct.cpp: islands that are solved directly.
@@ -395,6 +402,7 @@ struct WorldImpl {
     AlignedArray<JointSim> jointSims;
     AlignedArray<std::uint32_t> launchedBodies;  ///< BodyRecord::launched, and some that are no more
     AlignedArray<std::uint32_t> newJoints;  ///< made since the last step
+    AlignedArray<std::uint32_t> overstepped;  ///< joints that were made beyond their hard limits, and are so still
     AlignedArray<CouplingRecord> couplings;
     AlignedArray<CouplingSim> couplingSims;
     AlignedArray<std::uint32_t> awakeBodies, awakeContacts, moveBuffer;
@@ -463,10 +471,12 @@ struct WorldImpl {
         kNotFast,
         kFastClear,  ///< went far for its size, but past nothing
         kToSweep,    ///< went far for its size
+        kSwept,      ///< met something on its way, or is joined to what did
         kRunaway
     };
     AlignedArray<BodyFlag> bodyFlags;  ///< per awake body, set by finishBodies
     std::vector<std::pmr::vector<PairFound>> foundPairs;  ///< per block of the move buffer
+    AlignedArray<std::uint32_t> sweptBodies;  ///< those that are kSwept in this step
     AlignedArray<SweptImpact> sweptImpacts;  ///< of this step, for its events
     AlignedArray<StartPose> startPoses;      ///< per awake body, of bodies to sweep
     SolverContext context;

@@ -92,8 +92,9 @@ void WorldImpl::destroyJoint(std::uint32_t index) {
     removeJointFromGraph(index);
     unlink(joints, bodies[joint.bodyA].firstJoint, 2 * index);
     unlink(joints, bodies[joint.bodyB].firstJoint, 2 * index + 1);
-    for (std::uint32_t& made : newJoints)
-        if (made == index) made = kNone;
+    for (AlignedArray<std::uint32_t>* list : {&newJoints, &overstepped})
+        for (std::uint32_t& listed : *list)
+            if (listed == index) listed = kNone;
     const bool collided = bodiesOf(joint.def).collide;
     jointSlots.release(index);
     ++structureVersion;

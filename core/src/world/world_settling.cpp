@@ -31,6 +31,7 @@ void WorldImpl::settleNewJoints() {
     }
     for (const std::uint32_t j : newJoints) {
         if (j == kNone) continue;
+        noteOverstepped(j);
         for (const std::uint32_t body : {joints[j].bodyA, joints[j].bodyB})
             if (moves(body)) noteMomentum(body);
     }

@@ -83,6 +83,7 @@ void WorldImpl::archive(Archive& archive) {
     archive(jointSims);
     archive(launchedBodies);
     archive(newJoints);
+    archive(overstepped);
     archive(couplings);
     archive(couplingSims);
     archive(awakeBodies);

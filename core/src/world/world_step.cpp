@@ -62,6 +62,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         beginStage("finish");
         finishBodies();
         stopRunaways();
+        bringBackJoints();
         sweepFastBodies();
         refitBounds();
         beginStage("events");
