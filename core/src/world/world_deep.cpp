@@ -51,8 +51,8 @@ void shareTraits(float* bundles, std::size_t lane, std::size_t lanes) {
 /// What falls all at once is deep for a moment, with copies of half of all contacts: large memory of which little is
 /// used for long is given back.
 void WorldImpl::giveBackDeep() {
-    constexpr int kLong = 64;
-    const bool used = 8 * deepContacts.bundles.size() > deepContacts.bundles.capacity();
+    constexpr int kLong = 16;
+    const bool used = 4 * deepContacts.bundles.size() > deepContacts.bundles.capacity();
     deepContacts.spareSteps = used || !deepContacts.bundles.isLarge() ? 0 : deepContacts.spareSteps + 1;
     if (deepContacts.spareSteps < kLong) return;
     deepContacts.bundles.release();
