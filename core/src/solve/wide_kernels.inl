@@ -175,7 +175,6 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
         WideVec3<N> dp;
         WideQuat<N> dqA, dqB;
         c.gatherDisplacements(dp, dqA, dqB);
-
         c.turnCores(dqA, dqB);
         if constexpr (!kBias) followTurns(c, dqA, dqB);
         const Separations<N> separations(c, dp, dqA, dqB);
