@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory_resource>
 
@@ -69,7 +70,8 @@ struct DeepContacts {
     AlignedArray<DeepContact> all;  ///< of this step, by colour
     AlignedArray<std::uint32_t> starts;  ///< bundle where each colour begins, and the end
     AlignedArray<float> bundles;
-    AlignedArray<std::uint8_t> isDeep;  ///< per lane of a colour
+    AlignedArray<std::uint8_t> isDeep;  ///< per lane of all bundles, colour by colour; written by prepare
+    std::array<std::size_t, ConstraintGraph::kLists> laneStarts{};  ///< first lane of each colour
     int spareSteps = 0;                 ///< for which little of the bundles' memory was used
 };
 

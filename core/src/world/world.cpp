@@ -104,12 +104,6 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       treeMark(memory),
       treeBodies(memory),
       deepContacts(memory),
-<<<<<<< HEAD
-      deepStarts(memory),
-      deepBundles(memory),
-      deepLanes(memory),
-=======
->>>>>>> ba41578d53b9971d79de3dec5a44216644394538
       directSeen(memory),
       ledger(memory),
       bodyFlags(memory),

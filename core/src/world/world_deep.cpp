@@ -48,10 +48,6 @@ void shareTraits(float* bundles, std::size_t lane, std::size_t lanes) {
 
 }  // namespace
 
-<<<<<<< HEAD
-/// Copies the contacts of this step that prepare has found to be deep to bundles of their own; those of the overflow keep
-/// one each.
-=======
 /// What falls all at once is deep for a moment, with copies of half of all contacts: large memory of which little is
 /// used for long is given back.
 void WorldImpl::giveBackDeep() {
@@ -70,8 +66,7 @@ void WorldImpl::forEachDeep(Visit&& visit) {
     });
 }
 
-/// Copies the contacts of this step that are deep to bundles of their own; those of the overflow keep one each.
->>>>>>> ba41578d53b9971d79de3dec5a44216644394538
+/// Copies the contacts of this step that prepare has found to be deep to bundles of their own; those of the overflow keep one each.
 void WorldImpl::collectDeep(bool any) {
     giveBackDeep();
     deepContacts.all.clear();
@@ -84,37 +79,17 @@ void WorldImpl::collectDeep(bool any) {
     for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
         deepContacts.starts.push(static_cast<std::uint32_t>(bundles));
         const std::size_t inBundle = c == ConstraintGraph::kOverflow ? 1 : lanes;
-        const std::uint8_t* deep = deepLanes.data() + laneStarts[static_cast<std::size_t>(c)];
+        const std::uint8_t* deep = deepContacts.isDeep.data() + deepContacts.laneStarts[static_cast<std::size_t>(c)];
         std::size_t used = 0;
         const auto count = static_cast<std::uint32_t>(graph.color(c).manifolds.size());
-        deepContacts.isDeep.resizeForOverwrite(count);
-        runner.parallelFor(static_cast<int>(count), 512, [&](int begin, int end, int) {
-            for (auto slot = static_cast<std::uint32_t>(begin); slot < static_cast<std::uint32_t>(end); ++slot)
-                deepContacts.isDeep[slot] =
-                    isDeep(graph.lane({static_cast<std::uint32_t>(c), slot}), lanes, beyond) ? 1 : 0;
-        });
         for (std::uint32_t slot = 0; slot < count; ++slot) {
-<<<<<<< HEAD
             if (deep[slot / inBundle * lanes + slot % inBundle] == 0) continue;
             const std::size_t bundle = bundles + used / inBundle;
-            deepContacts.push({{static_cast<std::uint32_t>(c), slot}, bundle * kFields * lanes + used % inBundle});
-=======
-            if (deepContacts.isDeep[slot] == 0) continue;
-            const std::size_t bundle = bundles + used / inBundle;
             deepContacts.all.push({{static_cast<std::uint32_t>(c), slot}, bundle * kFields * lanes + used % inBundle});
->>>>>>> ba41578d53b9971d79de3dec5a44216644394538
             ++used;
         }
         bundles += (used + inBundle - 1) / inBundle;
     }
-<<<<<<< HEAD
-    deepStarts.push(static_cast<std::uint32_t>(bundles));
-    deepBundles.clear();
-    deepBundles.resize(bundles * kFields * lanes, 0.0f);
-    for (const DeepContact& deep : deepContacts)
-        copyFields(graph.lane(deep.from), deepBundles.data() + deep.to, lanes, {0, kFields});
-    for (const DeepContact& deep : deepContacts) shareTraits(deepBundles.data(), deep.to, lanes);
-=======
     deepContacts.starts.push(static_cast<std::uint32_t>(bundles));
     if (const std::size_t floats = bundles * kFields * lanes; floats > deepContacts.bundles.capacity())
         deepContacts.bundles.reserve(floats + floats / 4);
@@ -122,7 +97,7 @@ void WorldImpl::collectDeep(bool any) {
     forEachDeep([&](const DeepContact& contact) {
         copyFields(graph.lane(contact.from), deepContacts.bundles.data() + contact.to, lanes, {0, kFields});
     });
->>>>>>> ba41578d53b9971d79de3dec5a44216644394538
+    for (const DeepContact& contact : deepContacts.all) shareTraits(deepContacts.bundles.data(), contact.to, lanes);
 }
 
 /// In the order of the other sweeps.

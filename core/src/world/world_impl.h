@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -454,15 +453,7 @@ struct WorldImpl {
     bool treesChanged = true;  ///< joints, their bodies or their rows, since trees were drawn up
     direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
-<<<<<<< HEAD
-    AlignedArray<DeepContact> deepContacts;  ///< of this step, by colour
-    AlignedArray<std::uint32_t> deepStarts;  ///< bundle where each colour begins, and the end
-    AlignedArray<float> deepBundles;
-    AlignedArray<std::uint8_t> deepLanes;  ///< per lane of all bundles, colour by colour: is it deep?
-    std::array<std::size_t, ConstraintGraph::kLists> laneStarts{};  ///< first of each colour in deepLanes
-=======
     DeepContacts deepContacts;
->>>>>>> ba41578d53b9971d79de3dec5a44216644394538
     AlignedArray<float> directSeen;  ///< bundles of direct islands when their systems were made
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made

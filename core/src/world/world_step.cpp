@@ -182,10 +182,10 @@ void WorldImpl::groupContacts() {
     });
     std::size_t lanes = 0;
     for (int c = 0; c < ConstraintGraph::kLists; ++c) {
-        laneStarts[static_cast<std::size_t>(c)] = lanes;
+        deepContacts.laneStarts[static_cast<std::size_t>(c)] = lanes;
         lanes += static_cast<std::size_t>(graph.bundleCount(c)) * static_cast<std::size_t>(graph.lanes());
     }
-    deepLanes.resizeForOverwrite(lanes);
+    deepContacts.isDeep.resizeForOverwrite(lanes);
 }
 
 /// Some bundles at a time, which the cache holds in between.
@@ -200,7 +200,7 @@ unsigned WorldImpl::placeAndPrepare(int c, int begin, int end) {
         const int last = i + kAtOnce < end ? i + kAtOnce : end;
         kernels->placeContacts(color.bundles.data(), i, last, list, places);
         kinds |= kernels->prepareContacts(color.bundles.data(), i, last, bodyArrays(), context,
-                                          deepLanes.data() + laneStarts[static_cast<std::size_t>(c)]);
+                                          deepContacts.isDeep.data() + deepContacts.laneStarts[static_cast<std::size_t>(c)]);
     }
     return kinds;
 }
