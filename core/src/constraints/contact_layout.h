@@ -52,6 +52,8 @@ enum Field : int {
     kRollImpulse,                ///< 3, N m s
     kRoundA = kRollImpulse + 3,  ///< m, radius about A's core: the point of a round surface that touches does not turn with A
     kRoundB,
+    kCoreShareA,  ///< share of the way of A's core, as A turns, that the shared point makes too
+    kCoreShareB,
     kSurface,                 ///< 3, velocity of B's surface relative to A's beyond the bodies' motion, m/s
     kShifted = kSurface + 3,  ///< 1 until loads are found anew, where the points that hold a body on the ground changed
     kApproach,                ///< one per point: normal velocity just before the point is struck, m/s
@@ -67,6 +69,7 @@ enum Trait : int {
     kRound = 16,          ///< kRoundA, kRoundB
     kMovingSurface = 32,  ///< kSurface
     kFindsLoad = 64,      ///< kShifted
+    kTurningCore = 128,   ///< kCoreShareA, kCoreShareB
 };
 
 /// Of the size: overlaps that no load leaves, which bodies come out of as fast as from the ground.

@@ -71,7 +71,7 @@ bool bounceContacts(float* bundles, int begin, int end, const BodyArrays& arrays
         foresee(c, acceleration, context, impacts);
         if (!any(impacts.any)) continue;
         bounced = true;
-        c.moveArms(c.vector(contact::kShift));
+        c.recallArms();
 
         Lanes<N> impulses[contact::kMaxPoints] = {zero, zero, zero, zero};
         for (int sweep = 0; sweep < kBounceSweeps; ++sweep)

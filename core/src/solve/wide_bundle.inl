@@ -17,6 +17,8 @@ struct ContactBundle {
     SymmetricMatrix<N> inertiaA, inertiaB;  ///< inverse
     WideVec3<N> normal, offset;  ///< the offset is that of now where `shift` is
     WideVec3<N> shift{Lanes<N>(0.0f), Lanes<N>(0.0f), Lanes<N>(0.0f)};
+    bool coresTurned = false;  ///< what turnCores has set counts
+    WideQuat<N> turnA{}, turnB{};
 
     RAGTOP_INLINE Lanes<N> field(int i) const { return Lanes<N>::load(fields + i * N); }
     RAGTOP_INLINE WideVec3<N> vector(int i) const { return {field(i), field(i + 1), field(i + 2)}; }
@@ -62,7 +64,23 @@ struct ContactBundle {
         shift = field(contact::kFollow) * displacement;
         offset = offset + displacement;
     }
-    RAGTOP_INLINE WideVec3<N> arm(int i) const { return vector(i) + shift; }
+    /// A round surface touches beyond its core, which turns with the body: so does the shared point, by its share.
+    RAGTOP_INLINE void turnCores(const WideQuat<N>& dqA, const WideQuat<N>& dqB) {
+        if ((traits & contact::kTurningCore) == 0) return;
+        turnA = {-dqA.x, -dqA.y, -dqA.z, dqA.w}, turnB = {-dqB.x, -dqB.y, -dqB.z, dqB.w};
+        coresTurned = true;
+    }
+    /// How far the shared point that was at `anchor` has gone with the cores.
+    RAGTOP_INLINE WideVec3<N> wayWithCores(const WideVec3<N>& anchor) const {
+        const WideVec3<N> coreA = anchor - field(contact::kRoundA) * normal;
+        const WideVec3<N> coreB = anchor - vector(contact::kOffset) + field(contact::kRoundB) * normal;
+        return field(contact::kCoreShareA) * inverseTurn(turnA, coreA) +
+               field(contact::kCoreShareB) * inverseTurn(turnB, coreB);
+    }
+    RAGTOP_INLINE WideVec3<N> arm(int i) const {
+        const WideVec3<N> anchor = vector(i);
+        return coresTurned ? anchor + shift + wayWithCores(anchor) : anchor + shift;
+    }
 
     /// Writes velocities back; bodies that no impulse moves are shared between threads and never written.
     RAGTOP_INLINE void writeVelocities() {
@@ -91,6 +109,16 @@ struct ContactBundle {
         dp = {dB[0] - dA[0], dB[1] - dA[1], dB[2] - dA[2]};
         dqA = {dA[4], dA[5], dA[6], dA[7]};
         dqB = {dB[4], dB[5], dB[6], dB[7]};
+    }
+
+    /// The arms of the last relaxing pass, where the bodies still are.
+    RAGTOP_INLINE void recallArms() {
+        moveArms(vector(contact::kShift));
+        if ((traits & contact::kTurningCore) == 0) return;
+        WideVec3<N> dp;
+        WideQuat<N> dqA, dqB;
+        gatherDisplacements(dp, dqA, dqB);
+        turnCores(dqA, dqB);
     }
 
     /// Adds to the displacements of the bodies that impulses move, before velocities are written.
@@ -147,7 +175,8 @@ struct NormalRows {
           closing(dot(c.normal, c.vB - c.vA)),
           inverseMass(c.massA + c.massB) {}
     RAGTOP_INLINE Arms arms(const ContactBundle<N>& c, const WideVec3<N>& anchor) const {
-        const WideVec3<N> a = cross(anchor, c.normal) + shiftArm;
+        WideVec3<N> a = cross(anchor, c.normal) + shiftArm;
+        if (c.coresTurned) a = a + cross(c.wayWithCores(anchor), c.normal);
         return {a, a - offsetArm};
     }
     RAGTOP_INLINE Lanes<N> speed(const ContactBundle<N>& c, const Arms& arms) const {
@@ -181,21 +210,21 @@ constexpr float kFirstOrderTurn = 0.02f;
 
 constexpr int pointField(int point, int field) { return contact::kPoints + point * contact::kPointFields + field; }
 
-/// Effective masses of the rows of some lanes, for the inertia of now.
-template <int N>
-RAGTOP_INLINE void setMasses(ContactBundle<N>& c, Mask<N> lanes) {
+/// Effective masses of the rows of some lanes, for the inertia of now and the arms armOf(field).
+template <int N, class Arm>
+RAGTOP_INLINE void setMasses(ContactBundle<N>& c, Mask<N> lanes, Arm&& armOf) {
     typedef typename Mask<N>::V Int;
     const Int count = bits(c.field(contact::kPointCount));
     const Lanes<N> zero(0.0f), one(1.0f);
     const auto set = [&](int field, Lanes<N> value) { c.set(field, select(lanes, value, c.field(field))); };
     for (int j = 0; j < contact::kMaxPoints && any(Mask<N>{count > j}); ++j) {
-        const WideVec3<N> rA = c.arm(pointField(j, contact::kAnchor));
+        const WideVec3<N> rA = armOf(pointField(j, contact::kAnchor));
         const Lanes<N> k = c.admittance(rA, rA - c.offset, c.normal, c.normal, one);
         set(pointField(j, contact::kMass), select(Mask<N>{count > j}, divideOrZero(one, k), zero));
     }
     WideVec3<N> t1, t2;
     tangents(c.normal, t1, t2);
-    const WideVec3<N> rA = c.arm(contact::kCenter), rB = rA - c.offset;
+    const WideVec3<N> rA = armOf(contact::kCenter), rB = rA - c.offset;
     const Lanes<N> k11 = c.admittance(rA, rB, t1, t1, one);
     const Lanes<N> k12 = c.admittance(rA, rB, t1, t2, zero);
     const Lanes<N> k22 = c.admittance(rA, rB, t2, t2, one);
@@ -220,7 +249,7 @@ RAGTOP_INLINE void followTurns(ContactBundle<N>& c, const WideQuat<N>& dqA, cons
     const WideVec3<N> uA{dqA.x, dqA.y, dqA.z}, uB{dqB.x, dqB.y, dqB.z};
     const Lanes<N> turn = max(dot(uA, uA), dot(uB, uB));
     if (!any(turn > little)) return;
-    setMasses(c, turn > little);
+    setMasses(c, turn > little, [&](int field) { return c.arm(field); });
     if (!any(turn > limit)) return;
     const WideVec3<N> rA = c.vector(contact::kCenter), rB = rA - c.offset;
     const WideVec3<N> wayA = cross(uA, rA - c.rare(contact::kRoundA, contact::kRound) * c.normal);

@@ -56,7 +56,8 @@ RAGTOP_INLINE std::int32_t traitsOf(const ContactBundle<N>& c) {
            trait(contact::kSpins, field(contact::kSpinning)) |
            trait(contact::kRound, field(contact::kRoundA) | field(contact::kRoundB)) |
            trait(contact::kMovingSurface, vector(contact::kSurface)) |
-           trait(contact::kFindsLoad, field(contact::kShifted));
+           trait(contact::kFindsLoad, field(contact::kShifted)) |
+           trait(contact::kTurningCore, field(contact::kCoreShareA) | field(contact::kCoreShareB));
 }
 
 /// What begins anew in a step: sums of impulses, speeds of approach and the friction centre. Returns the deepest
@@ -113,7 +114,7 @@ unsigned prepareContacts(float* bundles, int begin, int end, const BodyArrays& a
         c.set(contact::kTraits, Lanes<N>(reinterpret_cast<typename Lanes<N>::V>(Int{} + c.traits)));
         const Lanes<N> deepest = preparePoints(c, count);
         c.set(contact::kShift, c.shift);
-        setMasses(c, Mask<N>{count == count});
+        setMasses(c, Mask<N>{count == count}, [&](int field) { return c.vector(field); });
         carryLoads(c, count, context);
         // Rounding of the normal does not count, or friction would change a little in every step at rest.
         const WideVec3<N> friction = c.vector(contact::kFrictionImpulse);
@@ -134,14 +135,16 @@ template <int N>
 void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext&) {
     for (int i = begin; i < end; ++i) {
         ContactBundle<N> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
-        c.moveArms(c.vector(contact::kShift));
+        c.recallArms();
         Lanes<N> total(0.0f);
         WideVec3<N> moment{Lanes<N>(0.0f), Lanes<N>(0.0f), Lanes<N>(0.0f)};
         for (int j = 0; j < contact::kMaxPoints; ++j) {
             const Lanes<N> impulse = c.field(pointField(j, contact::kImpulse));
             if (!any(impulse > 0.0f)) continue;
             total = total + impulse;
-            moment = moment + impulse * c.vector(pointField(j, contact::kAnchor));
+            const WideVec3<N> anchor = c.vector(pointField(j, contact::kAnchor));
+            moment = moment + impulse * anchor;
+            if (c.coresTurned) moment = moment + impulse * c.wayWithCores(anchor);
         }
         moment = moment + total * c.shift;
         // Σ λⱼ rAⱼ × n and, since rBⱼ = rAⱼ − offset, (Σ λⱼ rAⱼ − Σ λⱼ offset) × n
@@ -172,7 +175,7 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
         WideVec3<N> dp;
         WideQuat<N> dqA, dqB;
         c.gatherDisplacements(dp, dqA, dqB);
-
+        c.turnCores(dqA, dqB);
         if constexpr (!kBias) followTurns(c, dqA, dqB);
         const Separations<N> separations(c, dp, dqA, dqB);
         const Mask<N> isStatic = Mask<N>{c.massA.v == zero.v} | Mask<N>{c.massB.v == zero.v};

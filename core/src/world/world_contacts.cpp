@@ -20,6 +20,11 @@ float followShare(float roundA, float roundB) {
     return roundA > 0 ? 0.0f : roundB > 0 ? 1.0f : 0.5f;
 }
 
+/// Does a round surface's core go anywhere when its body turns? That of a ball about the centre of mass does not.
+bool coreTurns(const ShapeRecord& shape, const ConvexView& convex) {
+    return convex.radius > 0 && !(convex.kind == ConvexKind::sphere && shape.frame.position == Vec3{});
+}
+
 }  // namespace
 
 float combined(CombineRule a, float valueA, CombineRule b, float valueB) {
@@ -122,11 +127,15 @@ void WorldImpl::writeSurface(const ContactRecord& record, const ManifoldRecord& 
     lane.at(contact::kRestitution) = surface.restitution;
     lane.at(contact::kRolling) = surface.rollingResistance;
     lane.at(contact::kSpinning) = surface.spinningResistance;
-    const float roundA = geometries[shapes[record.shapeA].geometry].convex.radius;
-    const float roundB = geometries[shapes[record.shapeB].geometry].convex.radius;
-    lane.at(contact::kRoundA) = roundA;
-    lane.at(contact::kRoundB) = roundB;
-    lane.at(contact::kFollow) = followShare(roundA, roundB);
+    const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
+    const ConvexView &a = geometries[shapeA.geometry].convex, &b = geometries[shapeB.geometry].convex;
+    const float follow = followShare(a.radius, b.radius);
+    lane.at(contact::kRoundA) = a.radius;
+    lane.at(contact::kRoundB) = b.radius;
+    lane.at(contact::kFollow) = follow;
+    // What does not move has no say in it.
+    lane.at(contact::kCoreShareA) = coreTurns(shapeA, a) ? (moves(record.bodyB) ? 1 - follow : 1.0f) : 0.0f;
+    lane.at(contact::kCoreShareB) = coreTurns(shapeB, b) ? (moves(record.bodyA) ? follow : 1.0f) : 0.0f;
     lane.set(contact::kSurface, surface.surfaceVelocity);
 }
 
