@@ -1,12 +1,14 @@
 #pragma once
 
+#include "broadphase/sought_bounds.h"
 #include "broadphase/swept_box.h"
 
 namespace ragtop {
 
 template <class Visit>
 void BoundsTree::query(const Bounds& bounds, Visit&& visit) const {
-    if (root_ == kNull || !overlaps(nodes_[root_].bounds, bounds)) return;
+    const SoughtBounds sought(bounds);
+    if (root_ == kNull || !sought.overlaps(nodes_[root_].bounds)) return;
     // One waiting node per level at most: the right siblings of the path down to the current node.
     std::uint32_t waiting[kMaxHeight];
     int count = 0;
@@ -16,8 +18,8 @@ void BoundsTree::query(const Bounds& bounds, Visit&& visit) const {
         if (node.height == 0) {
             if (!visit(node.value)) return;
         } else {
-            const bool left = overlaps(nodes_[node.left].bounds, bounds);
-            const bool right = overlaps(nodes_[node.right].bounds, bounds);
+            const bool left = sought.overlaps(nodes_[node.left].bounds);
+            const bool right = sought.overlaps(nodes_[node.right].bounds);
             if (left) {
                 if (right) waiting[count++] = node.right;
                 index = node.left;

@@ -1,3 +1,4 @@
+#include <memory>
 #include <optional>
 
 #include "narrowphase/manifold_set.h"
@@ -152,14 +153,45 @@ public:
     SurfaceContacts(const Surface& surface, const Mover& mover) : surface_(surface), mover_(mover), set_(mover.size) {}
 
     int run(std::span<Manifold> out) {
-        forEachTriangle(surface_, mover_.bounds(), [this](const TriangleView& view) {
+        const Bounds bounds = mover_.bounds();
+        gather(bounds);
+        const auto visitOne = [this](const TriangleView& view) {
             visit(TriangleHull(view, mover_.position));
             return true;
-        });
+        };
+        forEachNear(bounds, visitOne);
         return set_.write(mover_.position, out);
     }
 
 private:
+    /// Keeps the triangles around the mover, so that what lies at its contacts is found without another walk.
+    void gather(const Bounds& bounds) {
+        const Vec3 reach = reachAt(max(abs(bounds.lower), abs(bounds.upper)));
+        gathered_ = {bounds.lower - reach, bounds.upper + reach};
+        forEachTriangle(surface_, gathered_, [this](const TriangleView& view) {
+            gatheredAll_ = nearCount_ < kMostNear;
+            if (gatheredAll_) std::construct_at(&near_[nearCount_++], view);
+            return gatheredAll_;
+        });
+    }
+
+    /// As forEachTriangle.
+    template <class Visit>
+    void forEachNear(const Bounds& bounds, Visit&& visitOne) const {
+        if (!gatheredAll_ || !contains(gathered_, bounds)) return forEachTriangle(surface_, bounds, visitOne);
+        for (int i = 0; i < nearCount_; ++i) {
+            const TriangleView& view = near_[i];
+            if (overlaps(boundsOfTriangle(view.a, view.b, view.c), bounds) && !visitOne(view)) return;
+        }
+    }
+
+    /// How far around a place of the mesh the corners there may lie.
+    Vec3 reachAt(const Vec3& place) const {
+        constexpr float kRounding = 1e-6f;
+        const float near = kAtPoint * mover_.size;
+        return Vec3{near, near, near} + kRounding * abs(place);
+    }
+
     void visit(const TriangleHull& t) {
         const float height = dot(t.normal(), mover_.center) - t.planes[0].offset;
         if (height < -kBehind * mover_.size) return;
@@ -241,11 +273,9 @@ private:
     /// Do all triangles at a point of the surface lie below the plane through it?
     bool isOutermost(const Vec3& at, const Vec3& normal) const {
         const float near = kAtPoint * mover_.size;
-        const Vec3 place = mover_.position + at;
-        constexpr float kRounding = 1e-6f;
-        const Vec3 reach = Vec3{near, near, near} + kRounding * abs(place);
+        const Vec3 place = mover_.position + at, reach = reachAt(place);
         bool outermost = true;
-        forEachTriangle(surface_, {place - reach, place + reach}, [&](const TriangleView& view) {
+        forEachNear({place - reach, place + reach}, [&](const TriangleView& view) {
             const TriangleHull other(view, mover_.position);
             Feature feature;
             const Vec3 nearest = nearestOnTriangle(other.vertices, other.normal(), at, feature);
@@ -279,9 +309,17 @@ private:
         contact.count = kept;
     }
 
+    static constexpr int kMostNear = 48;
+
     const Surface& surface_;
     const Mover& mover_;
     ManifoldSet set_;
+    Bounds gathered_;
+    bool gatheredAll_ = true;
+    int nearCount_ = 0;
+    union {  // not filled with zeros first
+        TriangleView near_[kMostNear];
+    };
 };
 
 }  // namespace

@@ -36,11 +36,6 @@ struct SeparatingAxis {
     Vec3 normal;
 };
 
-/// Only faces listed in `faces` are tried, edges use the planes on both sides: a triangle lists its front alone.
-SeparatingAxis bestFaceOfA(const HullView& a, const HullView& b);
-SeparatingAxis bestFaceOfB(const HullView& a, const HullView& b);
-/// The edge pair of greatest separation above `least`, kind 0 when there is none.
-SeparatingAxis bestEdgePair(const HullView& a, const HullView& b, float least);
 /// The separation along one axis, from all corners, so that a positive one proves it whatever the axis.
 SeparatingAxis alongAxis(const HullView& a, const HullView& b, int kind, int indexA, int indexB);
 
@@ -49,7 +44,8 @@ struct AxisChoice {
     SeparatingAxis face;  ///< where the best is an edge pair: the best of the faces
 };
 /// The axis of least overlap, with hysteresis in favour of faces and of `before` (kind 0: nothing before); an axis that
-/// separates by more than margin when there is one.
+/// separates by more than margin when there is one. Only faces listed in `faces` are tried, edges use the planes on both
+/// sides: a triangle lists its front alone.
 AxisChoice chooseAxis(const HullView& a, const HullView& b, float margin, float size, const SeparatingAxis& before);
 
 SeparationCache toCache(const SeparatingAxis& axis);

@@ -47,6 +47,16 @@ struct MeshNode {
     std::uint32_t count = 0;  ///< leaf: number of triangles; inner: 0
 };
 
+/// The same tree with up to four children to a branch, in its order, for walks that look at all of them at once.
+/// Absent children meet nothing.
+struct alignas(64) MeshBranch {
+    static constexpr int kWidth = 4;
+    float lower[3][kWidth], upper[3][kWidth];  ///< m, by axis and child
+    std::uint32_t first[kWidth] = {};          ///< leaf: first triangle; inner: index of the branch
+    std::uint32_t count[kWidth] = {};          ///< leaf: number of triangles; inner: 0
+};
+static_assert(sizeof(MeshBranch) == 128);
+
 struct MeshData {
     std::vector<Vec3> vertices;
     std::vector<Triangle> triangles;         ///< in tree order
@@ -58,6 +68,7 @@ struct MeshData {
     std::vector<std::uint8_t> materialOfTriangle;  ///< in the caller's order, empty or one per triangle
     std::vector<Material> materials;
     std::vector<MeshNode> nodes;
+    std::vector<MeshBranch> branches;
     std::vector<Triangle> sourceTriangles;  ///< as the caller gave them
     int degenerateCount = 0;
     Bounds bounds;

@@ -14,6 +14,9 @@ constexpr int kBalancedDepth = kMeshTreeDepth - 34;
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr Bounds kNothing{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+/// Meets nothing, not even what reaches everywhere.
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr Bounds kNowhere{{kNaN, kNaN, kNaN}, {kNaN, kNaN, kNaN}};
 
 struct Item {
     Bounds bounds;
@@ -115,6 +118,41 @@ void addNode(std::vector<MeshNode>& nodes, const Items& items, std::uint32_t fir
     addNode(nodes, items.subspan(half), first + static_cast<std::uint32_t>(half), depth + 1);
 }
 
+/// The branch of an inner node: its children, of which the largest give way to their own while there is room. A leaf
+/// that is the whole tree is the only child of its branch.
+void addBranch(MeshData& mesh, std::uint32_t node) {
+    constexpr std::size_t kWidth = MeshBranch::kWidth;
+    std::uint32_t child[kWidth] = {node};
+    std::size_t count = 1;
+    for (;;) {
+        std::size_t largest = kWidth;
+        float most = -1;
+        for (std::size_t i = 0; i < count; ++i) {
+            const MeshNode& candidate = mesh.nodes[child[i]];
+            const float surface = halfSurface({candidate.lower, candidate.upper});
+            if (candidate.count == 0 && surface > most) largest = i, most = surface;
+        }
+        if (largest == kWidth || count == kWidth) break;
+        for (std::size_t i = count++; i > largest + 1; --i) child[i] = child[i - 1];
+        child[largest + 1] = mesh.nodes[child[largest]].first;
+        ++child[largest];
+    }
+    const std::size_t self = mesh.branches.size();
+    mesh.branches.emplace_back();
+    for (std::size_t i = 0; i < kWidth; ++i) {
+        const MeshNode& of = mesh.nodes[i < count ? child[i] : node];
+        const Bounds bounds = i < count ? Bounds{of.lower, of.upper} : kNowhere;
+        for (int axis = 0; axis < 3; ++axis) {
+            mesh.branches[self].lower[axis][i] = bounds.lower[axis];
+            mesh.branches[self].upper[axis][i] = bounds.upper[axis];
+        }
+        if (i >= count) continue;
+        mesh.branches[self].first[i] = of.count > 0 ? of.first : static_cast<std::uint32_t>(mesh.branches.size());
+        mesh.branches[self].count[i] = of.count;
+        if (of.count == 0) addBranch(mesh, child[i]);
+    }
+}
+
 template <class T>
 void reorder(std::vector<T>& values, const std::vector<Item>& items) {
     std::vector<T> old = std::move(values);
@@ -134,6 +172,8 @@ void buildTree(MeshData& mesh) {
     }
     mesh.nodes.clear();
     addNode(mesh.nodes, items, 0, 0);
+    mesh.branches.clear();
+    addBranch(mesh, 0);
     mesh.bounds = {mesh.nodes[0].lower, mesh.nodes[0].upper};
     reorder(mesh.triangles, items);
     reorder(mesh.normals, items);

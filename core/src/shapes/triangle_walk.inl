@@ -1,6 +1,10 @@
 #pragma once
 
+#include <bit>
 #include <cassert>
+#include <cstdint>
+
+#include "base/four_floats.h"
 
 namespace ragtop {
 
@@ -11,29 +15,42 @@ inline Bounds boundsOfTriangle(const Vec3& a, const Vec3& b, const Vec3& c) {
     return {min(min(a, b), c), max(max(a, b), c)};
 }
 
+/// Bit i for each child whose bounds meet `bounds`, as `overlaps` says.
+inline unsigned childrenMeeting(const MeshBranch& branch, const Bounds& bounds) {
+    static_assert(MeshBranch::kWidth == 4);
+    FourInts meets = {-1, -1, -1, -1};
+    for (int axis = 0; axis < 3; ++axis)
+        meets &= (loadFour(branch.lower[axis]) <= bounds.upper[axis]) & (loadFour(branch.upper[axis]) >= bounds.lower[axis]);
+    return lanesWhere(meets);
+}
+
 template <class Visit>
 void forEachTriangle(const MeshData& mesh, const Bounds& bounds, Visit&& visit) {
-    std::uint32_t stack[kMeshTreeDepth];
-    int waiting = 0;
-    for (std::uint32_t at = 0;;) {
-        const MeshNode& node = mesh.nodes[at];
-        const bool near = overlaps(Bounds{node.lower, node.upper}, bounds);
-        if (near && node.count == 0) {
-            assert(waiting < kMeshTreeDepth);
-            stack[waiting++] = node.first;
-            ++at;
+    struct Waiting {
+        std::uint32_t first, count;  ///< as in MeshBranch
+    };
+    // Every level leaves all children but one waiting.
+    Waiting stack[(MeshBranch::kWidth - 1) * kMeshTreeDepth + 1];
+    stack[0] = {0, 0};
+    for (int waiting = 1; waiting > 0;) {
+        const Waiting next = stack[--waiting];
+        if (next.count == 0) {
+            const MeshBranch& branch = mesh.branches[next.first];
+            // The first child is looked at next, so it goes on top.
+            for (unsigned near = childrenMeeting(branch, bounds); near != 0;) {
+                const int child = std::bit_width(near) - 1;
+                near ^= 1u << child;
+                assert(waiting <= (MeshBranch::kWidth - 1) * kMeshTreeDepth);
+                stack[waiting++] = {branch.first[child], branch.count[child]};
+            }
             continue;
         }
-        if (near) {
-            for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-                const Triangle& t = mesh.triangles[i];
-                const TriangleView view{mesh.vertices[t.a], mesh.vertices[t.b],  mesh.vertices[t.c],
-                                        mesh.normals[i],    mesh.activeEdges[i], mesh.sourceIndex[i]};
-                if (overlaps(boundsOfTriangle(view.a, view.b, view.c), bounds) && !visit(view)) return;
-            }
+        for (std::uint32_t i = next.first; i < next.first + next.count; ++i) {
+            const Triangle& t = mesh.triangles[i];
+            const TriangleView view{mesh.vertices[t.a], mesh.vertices[t.b],  mesh.vertices[t.c],
+                                    mesh.normals[i],    mesh.activeEdges[i], mesh.sourceIndex[i]};
+            if (overlaps(boundsOfTriangle(view.a, view.b, view.c), bounds) && !visit(view)) return;
         }
-        if (waiting == 0) return;
-        at = stack[--waiting];
     }
 }
 

@@ -1,7 +1,9 @@
 // What touches: the narrow phase of each awake contact once per step, and what it changes.
 
 #include <algorithm>
+#include <memory>
 
+#include "base/prefetch.h"
 #include "world/lane_view.h"
 #include "world/world_impl.h"
 
@@ -37,41 +39,57 @@ void WorldImpl::sortAwakeContacts() {
 /// Asks for what is looked at some places later.
 void WorldImpl::prefetchContact(int place, int end) const {
     constexpr int kRecord = 12, kRest = 6;
-    if (place + kRecord < end) __builtin_prefetch(&contacts[awakeContacts[static_cast<std::size_t>(place + kRecord)]]);
+    if (place + kRecord < end) prefetch(&contacts[awakeContacts[static_cast<std::size_t>(place + kRecord)]]);
     if (place + kRest >= end) return;
     const ContactRecord& record = contacts[awakeContacts[static_cast<std::size_t>(place + kRest)]];
-    __builtin_prefetch(&bodies[record.bodyA]);
-    __builtin_prefetch(&bodies[record.bodyB]);
+    prefetch(&bodies[record.bodyA]);
+    prefetch(&bodies[record.bodyB]);
 }
 
 /// Asks for what colliding a pair will read.
 void WorldImpl::prefetchCollision(const ContactRecord& record) const {
     constexpr std::size_t kLine = 64;
-    __builtin_prefetch(reinterpret_cast<const char*>(&record) + kLine);
-    __builtin_prefetch(&shapes[record.shapeA]);
-    __builtin_prefetch(&shapes[record.shapeB]);
+    prefetch(&shapes[record.shapeA]);
+    prefetch(&shapes[record.shapeB]);
     if (!record.hasPoints) return;
     const auto* manifold = reinterpret_cast<const char*>(&manifolds[record.firstManifold]);
-    for (std::size_t line = 0; line < sizeof(ManifoldRecord); line += kLine) __builtin_prefetch(manifold + line);
+    for (std::size_t line = 0; line < sizeof(ManifoldRecord); line += kLine) prefetch(manifold + line);
+}
+
+/// Asks for what the shapes of a pair lead to, once these are there.
+void WorldImpl::prefetchShapes(const ContactRecord& record) const {
+    for (const std::uint32_t index : {record.shapeA, record.shapeB}) {
+        const ShapeRecord& shape = shapes[index];
+        prefetch(&tree(shape).bounds(shape.proxy));
+        prefetch(&geometries[shape.geometry].convex);
+    }
+    prefetch(&states[record.bodyA]);
+    prefetch(&states[record.bodyB]);
 }
 
 /// What does not stay is collided after the others were asked: until then its memory is on the way.
-void WorldImpl::updateSome(int begin, int end, int last) {
+void WorldImpl::updateSome(int begin, int end, int last, int worker) {
     std::uint32_t asked[kAskedAtOnce];
     int count = 0;
+    const auto records = contacts.view();
     for (int i = begin; i < end; ++i) {
         prefetchContact(i, last);
         const std::uint32_t index = awakeContacts[static_cast<std::size_t>(i)];
-        ContactRecord& record = contacts[index];
+        ContactRecord& record = records[index];
         std::uint8_t& change = contactChanged[record.awakeIndex];
         if (stays(record)) {
-            change = record.hasPoints ? keepManifolds(record) : std::uint8_t{kUnchanged};
+            change = keepManifolds(record);
         } else {
             prefetchCollision(record);
             asked[count++] = index;
         }
     }
-    for (int k = 0; k < count; ++k) updateContact(asked[k]);
+    constexpr int kNext = 6;
+    for (int k = 0; k < count && k < kNext; ++k) prefetchShapes(contacts[asked[k]]);
+    for (int k = 0; k < count; ++k) {
+        if (k + kNext < count) prefetchShapes(contacts[asked[k + kNext]]);
+        updateContact(asked[k], worker);
+    }
 }
 
 void WorldImpl::updateContacts() {
@@ -81,9 +99,10 @@ void WorldImpl::updateContacts() {
     contactChanged.resizeForOverwrite(awakeContacts.size());
     anySensor.store(false, std::memory_order_relaxed);
     lookAhead();
-    runner.parallelFor(count, kAskedAtOnce, [&](int begin, int end, int) {
+    makeRoomToHold();
+    runner.parallelFor(count, kAskedAtOnce, [&](int begin, int end, int worker) {
         for (int i = begin; i < end; i += kAskedAtOnce)
-            updateSome(i, i + kAskedAtOnce < end ? i + kAskedAtOnce : end, end);
+            updateSome(i, i + kAskedAtOnce < end ? i + kAskedAtOnce : end, end, worker);
     });
     surfacesForgotten = false;
 }
@@ -119,14 +138,18 @@ float WorldImpl::motionAhead(const ContactRecord& record) const {
 /// look while bounds stay as they are; nor do manifolds that have not moved far.
 bool WorldImpl::stays(const ContactRecord& record) const {
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    if (a.refitted || b.refitted) return false;
+    return !a.refitted && !b.refitted && keepsGeometry(record);
+}
+
+bool WorldImpl::keepsGeometry(const ContactRecord& record) const {
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
     const double travel = a.travel + b.travel, ahead = static_cast<double>(a.ahead) + static_cast<double>(b.ahead);
     if (!record.hasPoints) return travel + ahead < record.until;
     return travel < record.until && ahead < static_cast<double>(record.aheadMost) && lastSubstep == context.h;
 }
 
 /// Contacts are found early enough that the motion of the step cannot pass them.
-void WorldImpl::updateContact(std::uint32_t index) {
+void WorldImpl::updateContact(std::uint32_t index, int worker) {
     ContactRecord& record = contacts[index];
     std::uint8_t& change = contactChanged[record.awakeIndex];
     change = kUnchanged;
@@ -140,35 +163,50 @@ void WorldImpl::updateContact(std::uint32_t index) {
         anySensor.store(true, std::memory_order_relaxed);
         return;
     }
+    if (keepsGeometry(record)) {
+        change = keepManifolds(record);
+        return;
+    }
     const float margin = tuning::kSpeculative * record.size + motionAhead(record);
     const Frame bInA = shapeBInA(record);
     change = reuseManifolds(record, bInA, margin, travel) ? keepManifolds(record)
-                                                          : collideAnew(record, bInA, margin, travel);
+                                                          : collideAnew(record, bInA, margin, travel, worker);
 }
 
 /// Manifolds that are kept are brought to where the bodies are when constraints are prepared.
 std::uint8_t WorldImpl::keepManifolds(ContactRecord& record) {
+    if (!record.hasPoints) return kUnchanged;
     refreshSurfaces(record);
-    return !record.bearsLoad && mayBeSeam(record) ? kCloses : kUnchanged;
+    return !record.bearsLoad && mayBeSeam(record, manifolds[record.firstManifold]) ? kCloses : kUnchanged;
 }
 
-std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const Frame& bInA, float margin, double travel) {
-    record.collided = true;
-    record.collidedAt = bInA;
+std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const Frame& bInA, float margin, double travel,
+                                    int worker) {
     record.collidedMargin = margin;
-    Manifold found[kMaxManifolds];
-    const int count = findManifolds(record, bInA, margin, {found, record.manifoldCapacity});
-    unsigned change = record.isMesh && meetAsSurfaces(record) ? takeSurfaceManifolds(record, found, count)
-                                                              : takeManifolds(record, found, count);
-    if (!record.hasPoints) {
-        record.until = travel + static_cast<double>(found[0].gap - tuning::kSpeculative * record.size);
+    union Unfilled {  // with zeros: most pairs touch in one direction, if any
+        Unfilled() {}
+        Manifold manifolds[kMaxManifolds];
+    } room;
+    std::construct_at(room.manifolds);
+    const int count = findManifolds(record, bInA, margin, {room.manifolds, record.manifoldCapacity});
+    const std::span<const Manifold> found(room.manifolds, static_cast<std::size_t>(count));
+    const bool first = record.firstManifold == kNone;
+    unsigned change = kUnchanged;
+    if (!first)
+        change = record.isMesh && meetAsSurfaces(record) ? takeSurfaceManifolds(record, found)
+                                                         : takeManifolds(record, found);
+    if (count == 0) {
+        record.until = travel + static_cast<double>(room.manifolds[0].gap - tuning::kSpeculative * record.size);
         return static_cast<std::uint8_t>(change);
     }
+    if (first) change = holds(record) ? kGraph | kFound | kPoints : kGraph | kFound;
+    ManifoldRecord& manifold = first ? takeFirstManifolds(record, found, worker) : manifolds[record.firstManifold];
+    manifold.collidedAt = bInA;
     record.until = 0;
     if (!turnsUnderContact(record))
         record.until = travel + static_cast<double>(tuning::kReuse * record.size / motionPerTravel(record, bInA));
     record.aheadMost = margin + (tuning::kReuse - tuning::kSpeculative) * record.size;
-    if (mayBeSeam(record)) change |= kCloses;
+    if (mayBeSeam(record, manifold)) change |= kCloses;
     return static_cast<std::uint8_t>(change);
 }
 
@@ -180,6 +218,7 @@ void WorldImpl::applyContactChanges() {
     for (std::size_t i = 0; i < awakeContacts.size(); ++i) {
         const std::uint8_t change = contactChanged[i];
         if (change == kUnchanged) continue;
+        if ((change & kFound) != 0) settleManifolds(awakeContacts[i]);
         if ((change & kCloses) != 0) closingContacts.push(awakeContacts[i]);
         if ((change & kPoints) != 0) {
             const ContactRecord& record = contacts[awakeContacts[i]];
@@ -194,19 +233,20 @@ void WorldImpl::applyContactChanges() {
             applyContactChange(changed.contact);
     }
     noteShiftedLoads();
+    // All may fall asleep at once, when nothing may grow.
+    if (settings.sleeping) storedImpulses.reserve(manifolds.capacity()), freeStored.reserve(manifolds.capacity());
 }
 
 /// Where points that hold a body came or went, all that hold it find their loads anew.
 void WorldImpl::noteShiftedLoads() {
     for (const std::uint32_t body : shiftedBodies)
         for (std::uint32_t key = bodies[body].firstContact; key != kNone;
-             key = contacts[key >> 1].edges[key & 1].next) {
+             key = nextContact(key)) {
             const ContactRecord& record = contacts[key >> 1];
             if (!record.hasPoints || !holds(record)) continue;
-            for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k)
-                if (const GraphPlace place = manifolds[record.firstManifold + k].place;
-                    place.color < ConstraintGraph::kDirect)
-                    LaneView(graph.lane(place), graph.lanes()).at(contact::kShifted) = 1;
+            for (const ManifoldRecord& manifold : manifoldsOf(record))
+                if (manifold.place.color < ConstraintGraph::kDirect)
+                    LaneView(graph.lane(manifold.place), graph.lanes()).at(contact::kShifted) = 1;
         }
 }
 
@@ -214,24 +254,23 @@ void WorldImpl::noteShiftedLoads() {
 /// sleeps wakes when it is met; until then it takes no part. The contacts of a body that wakes keep the geometry they
 /// fell asleep with, which has not changed.
 void WorldImpl::applyContactChange(std::uint32_t index) {
-    const ContactRecord record = contacts[index];
-    bool points = false, meets = false;
-    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
-        const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
-        if (manifold.pointCount == 0) removeFromGraph(record.firstManifold + k);
-        points |= manifold.pointCount > 0;
+    ContactRecord& record = contacts[index];
+    bool meets = false;
+    forEachManifold(record, [&](std::uint32_t k) {
+        const ManifoldRecord& manifold = manifolds[k];
+        if (manifold.pointCount == 0) removeFromGraph(k);
         for (int j = 0; j < manifold.pointCount; ++j) meets |= willMeet(record, manifold, j);
-    }
-    if (!points || record.sensor) return;
+    });
+    if (!record.hasPoints) return releaseManifolds(record);
     const bool sleepsA = moves(record.bodyA) && !isAwake(record.bodyA);
     const bool sleepsB = moves(record.bodyB) && !isAwake(record.bodyB);
     if ((sleepsA || sleepsB) && !meets) {
-        contacts[index].until = 0;
+        record.until = 0;
         return;
     }
     if (sleepsA) wakeBody(record.bodyA);
     if (sleepsB) wakeBody(record.bodyB);
-    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) addToGraph(record.firstManifold + k);
+    forEachManifold(record, [&](std::uint32_t manifold) { addToGraph(manifold); });
 }
 
 }  // namespace ragtop
