@@ -5,6 +5,7 @@
 
 #include "../tests/core/scenes.h"
 #include "constraints/joint_bundles.h"
+#include "constraints/joint_swing.h"
 #include "solve/joint_kernels.h"
 
 /// Joints in lanes on one thread, in time per joint and substep.
@@ -133,6 +134,48 @@ RAGTOP_JOINT_BENCH(hinge);
 RAGTOP_JOINT_BENCH(limitedHinge);
 RAGTOP_JOINT_BENCH(fixed);
 RAGTOP_JOINT_BENCH(rope);
+
+/// The margin of a swing in any direction.
+void swingMargin(benchmark::State& state, const SwingLimit& limit) {
+    constexpr int kDirections = 4096;
+    scenes::Dice dice(5);
+    std::vector<Vec3> directions;
+    while (directions.size() < kDirections) {
+        const Vec3 d{dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1)};
+        if (const float l = length(d); l > 0.1f && l < 1) directions.push_back((1 / l) * d);
+    }
+    for (auto _ : state)
+        for (const Vec3& d : directions) {
+            SwingMargin sides[SwingLimit::kSides];
+            swingMargins(limit, d, sides);
+            benchmark::DoNotOptimize(sides);
+        }
+    state.counters["time/item"] =
+        benchmark::Counter(kDirections, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+SwingLimit elliptic(float y, float z) {
+    SwingLimit limit;
+    limit.shape = SwingShape::ellipse;
+    limit.y = y, limit.z = z;
+    return limit;
+}
+/// Corners by turns near and far, so that half of them are concave.
+SwingLimit reachOf(int corners) {
+    ReachPolygon reach;
+    reach.count = corners;
+    for (int i = 0; i < corners; ++i) {
+        const SinCos about = sinCos(2 * kPi * static_cast<float>(i) / static_cast<float>(corners));
+        const SinCos from = sinCos(i % 2 == 0 ? 0.6f : 1.1f);
+        reach.corners[static_cast<std::size_t>(i)].direction = {from.cos, from.sin * about.cos, from.sin * about.sin};
+    }
+    SwingLimit limit;
+    compile(limit, reach);
+    return limit;
+}
+BENCHMARK_CAPTURE(swingMargin, ellipse, elliptic(0.3f, 1.2f))->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(swingMargin, wideEllipse, elliptic(2.2f, 0.6f))->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(swingMargin, polygonOf6, reachOf(6))->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(swingMargin, polygonOf12, reachOf(12))->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace ragtop

@@ -193,7 +193,7 @@ ConvexHull pebble(std::uint64_t seed) {
         points.push_back(0.5f * normalized(Vec3{dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1)}));
     return ConvexHull(points);
 }
-void hullHull(benchmark::State& state) { pairBench(state, pebble(3), pebble(4), {0, 0.85f, 0}); }
+void hullHull(benchmark::State& state) { pairBench(state, pebble(3), pebble(4), {0, 0.75f, 0}); }
 BENCHMARK(boxBox);
 BENCHMARK(boxBoxNear);
 BENCHMARK(hullHull);

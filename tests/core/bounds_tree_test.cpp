@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <map>
 #include <memory_resource>
 #include <random>
 #include <vector>
+
+#include "base/stage_runner.h"
 
 namespace ragtop {
 namespace {
@@ -239,6 +242,39 @@ TEST(BoundsTree, RefitsTightenWhatMotionLoosened) {
     for (int i = 0; i < 100; ++i) {
         const Bounds region = model.box(50, 8);
         ASSERT_EQ(model.queried(region), model.expected(region));
+    }
+}
+
+/// Bounds given on many threads make the tree that enlarging one after the other makes.
+TEST(BoundsTree, ThreadsRefitToTheSameTree) {
+    Model serial, threaded;
+    for (int i = 0; i < 3000; ++i) {
+        const Bounds bounds = serial.box(50, 0.5f);
+        serial.insert(bounds);
+        threaded.insert(bounds);
+    }
+    StageRunner runner(threadTasks(3));
+    std::mt19937 random(3);
+    for (int step = 0; step < 20; ++step) {
+        std::vector<std::pair<std::uint32_t, Bounds>> moved;
+        for (auto& [proxy, bounds] : serial.proxies)
+            if (random() % 3 == 0) moved.push_back({proxy, bounds = serial.box(50, 0.5f)});
+        for (const auto& [proxy, bounds] : moved) serial.tree.enlarge(proxy, bounds);
+        serial.tree.refitEnlarged();
+        runner.parallelFor(static_cast<int>(moved.size()), 16, [&](int begin, int end, int) {
+            for (int i = begin; i < end; ++i)
+                threaded.tree.give(moved[static_cast<std::size_t>(i)].first, moved[static_cast<std::size_t>(i)].second);
+        });
+        for (const auto& [proxy, bounds] : moved) {
+            EXPECT_TRUE(threaded.tree.wasGiven(proxy));
+            threaded.tree.tellGiven(proxy);
+        }
+        threaded.tree.refitEnlarged(&runner);
+        ASSERT_EQ(serial.tree.nodes().size(), threaded.tree.nodes().size());
+        for (std::size_t i = 0; i < serial.tree.nodes().size(); ++i) {
+            const BoundsTree::Node &a = serial.tree.nodes()[i], &b = threaded.tree.nodes()[i];
+            ASSERT_EQ(std::memcmp(&a, &b, sizeof a), 0) << "step " << step << ", node " << i;
+        }
     }
 }
 

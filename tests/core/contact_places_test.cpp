@@ -66,8 +66,12 @@ struct Placing {
             std::memcpy(at(i, contact::kRecordB), &b, sizeof b);
         }
         const LaneManifolds list{order.data(), kCount, perBundle};
+        constexpr unsigned kPageBits = 3;
+        std::vector<const void*> pages;
+        for (std::size_t page = 0; page << kPageBits < manifolds.size(); ++page)
+            pages.push_back(&manifolds[page << kPageBits]);
         kernels.placeContacts(first, 0, bundles, list,
-                              {&places[0].center, &places[0].rotation, sizeof(Place), manifolds.data(),
+                              {&places[0].center, &places[0].rotation, sizeof(Place), pages.data(), kPageBits,
                                sizeof(ManifoldAnchors)});
         std::vector<float> fields;
         for (int i = 0; i < kCount; ++i)

@@ -72,6 +72,44 @@ TEST(SwingLimit, EllipseIsWithinATenthOfADegreeOfBruteForce) {
     }
 }
 
+SwingMargin marginOf(float y, float z, const Vec3& d) {
+    SwingLimit limit;
+    limit.shape = SwingShape::ellipse;
+    limit.y = y, limit.z = z;
+    SwingMargin sides[SwingLimit::kSides];
+    swingMargins(limit, d, sides);
+    return sides[0];
+}
+
+/// Of a swing along the short half axis the end of that axis is nearest, and of one beyond the long axis its end.
+TEST(SwingLimit, EllipseIsExactOnItsHalfAxes) {
+    for (const auto& [y, z] : {std::pair{0.3f, 1.2f}, {0.9f, 1.0f}, {0.05f, 1.5f}, {0.001f, 0.002f}, {1, 1.0001f}})
+        for (const float sign : {-1.0f, 1.0f}) {
+            EXPECT_NEAR(marginOf(y, z, {1, 0, 0}).margin, y, 2e-6f) << y << " " << z;
+            for (const float share : {0.1f, 0.9f, 0.999f, 1.001f, 1.5f}) {
+                const SwingMargin across = marginOf(y, z, directionOfSwing(sign * share * y, 0));
+                EXPECT_NEAR(across.margin, y - share * y, 2e-6f) << y << " " << z << " " << share;
+                EXPECT_NEAR(across.axis.y, -sign, 1e-3f) << y << " " << z << " " << share;
+                if (share < 1) continue;
+                const SwingMargin along = marginOf(y, z, directionOfSwing(0, sign * share * z));
+                EXPECT_NEAR(along.margin, z - share * z, 2e-6f) << y << " " << z << " " << share;
+                EXPECT_NEAR(along.axis.z, -sign, 1e-3f) << y << " " << z << " " << share;
+            }
+        }
+}
+
+/// Opposite to x as well, and as slender as may be.
+TEST(SwingLimit, EllipseHasAMarginAnywhere) {
+    Directions directions;
+    for (const auto& [y, z] : {std::pair{0.001f, 3.1f}, {3.1f, 0.001f}, {0.001f, 0.001001f}, {3.1f, 3}})
+        for (int i = 0; i < 1000; ++i) {
+            const Vec3 d = i == 0 ? Vec3{-1, 0, 0} : i == 1 ? Vec3{0, 1, 0} : directions.next();
+            const SwingMargin side = marginOf(y, z, d);
+            EXPECT_TRUE(std::abs(side.margin) <= kPi) << d.x << " " << d.y << " " << d.z;
+            EXPECT_NEAR(length(side.axis), 1, 1e-3f) << d.x << " " << d.y << " " << d.z;
+        }
+}
+
 ReachPolygon polygonOf(const std::vector<Vec3>& corners) {
     ReachPolygon polygon;
     polygon.count = static_cast<int>(corners.size());
@@ -157,6 +195,26 @@ TEST(SwingLimit, TwistRangeIsThatOfEachCorner) {
     const Range middle = twistAt(limit, {1, 0, 0});
     EXPECT_GT(middle.lower, -2);
     EXPECT_LT(middle.upper, 2);
+}
+
+/// A twist limit whose ends change with the swing pushes along their slope, or swinging would carry it beyond them.
+TEST(SwingLimit, TwistEndsGrowAsTheirTiltSays) {
+    ReachPolygon polygon = aroundX({{0, 40}, {90, 60}, {180, 30}, {270, 50}});
+    const Range twists[] = {{-1, 1}, {-2, 0.5f}, {-0.5f, 2}, {-1, 0.2f}};
+    for (std::size_t i = 0; i < 4; ++i) polygon.corners[i].twist = twists[i];
+    SwingLimit limit;
+    compile(limit, polygon);
+    Directions directions;
+    for (int i = 0; i < 500; ++i) {
+        const Vec3 d = directions.next(), w = directions.next();
+        constexpr float kStep = 2e-3f;
+        const Range range = twistAt(limit, d), before = twistAt(limit, rotate(rotationAbout(w, -kStep), d)),
+                    after = twistAt(limit, rotate(rotationAbout(w, kStep), d));
+        const TwistTilt tilt = twistTiltAt(limit, d, range);
+        // Central differences leave steps² times a third derivative, of some 3/distance³ to the nearest corner.
+        EXPECT_NEAR(dot(w, tilt.lower), (after.lower - before.lower) / (2 * kStep), 0.01f * (1 + length(tilt.lower)));
+        EXPECT_NEAR(dot(w, tilt.upper), (after.upper - before.upper) / (2 * kStep), 0.01f * (1 + length(tilt.upper)));
+    }
 }
 
 TEST(SwingLimit, SaysWhatIsWrongWithAPolygon) {

@@ -257,7 +257,7 @@ TEST(MechanismFailure, WhatHasNoAnswerIsGivenUp) {
 }
 
 TEST(Rotation, FreeTurnKeepsEnergyAndMomentumOfAFlippingBody) {
-    const DVec3 moments{1, 2, 3}, inverse{1, 0.5, 1.0 / 3}, momentum{0.02, 4, 0.01};
+    const DVec3 inverse{1, 0.5, 1.0 / 3}, momentum{0.02, 4, 0.01};  // moments 1, 2, 3
     const auto energyOf = [&](const DQuat& q) {
         const DVec3 p = inverseRotate(q, momentum);
         return 0.5 * (p.x * p.x * inverse.x + p.y * p.y * inverse.y + p.z * p.z * inverse.z);

@@ -65,7 +65,7 @@ TEST(PairSet, NeighbouringIndicesSpreadOut) {
     }
     std::size_t longest = 0, run = 0;
     for (const PairSet::Entry& entry : set.entries()) {
-        run = entry.used ? run + 1 : 0;
+        run = entry.used() ? run + 1 : 0;
         longest = std::max(longest, run);
     }
     EXPECT_LT(longest, 100u);

@@ -118,6 +118,22 @@ TEST(TreesOfJoints, CompanyAndLanesChangeNoBit) {
         for (const int company : {0, 13}) EXPECT_EQ(placesAfter({.lanes = lanes}, company, 1.5), alone) << lanes;
 }
 
+/// Narrow groups before wide ones: vectors of every width must lie where they may be read.
+TEST(TreesOfJoints, AnyCompanyOfWidthsChangesNoBit) {
+    for (int light = 1; light <= 4; ++light) {
+        std::vector<std::uint64_t> hashes;
+        for (const int lanes : {4, 8, 16}) {
+            World world(withoutSleep(), {.lanes = lanes});
+            for (int i = 0; i < light; ++i) Chain(world, 7 + i, 2, 2.0 * i);
+            for (int i = 0; i < 11; ++i) Chain(world, 9, 300, -2.0 * i - 2);
+            run(world, 0.2);
+            hashes.push_back(world.hash());
+        }
+        EXPECT_EQ(hashes[1], hashes[0]) << light;
+        EXPECT_EQ(hashes[2], hashes[0]) << light;
+    }
+}
+
 TEST(TreesOfJoints, RestoredWorldGoesOnBitForBit) {
     World world(withoutSleep());
     const Chain chain(world, 10, 500), other(world, 6, 500, 3, true);

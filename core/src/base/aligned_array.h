@@ -10,7 +10,8 @@
 namespace ragtop {
 
 /// A growing array of plain data on a caller's memory resource, aligned for the widest lanes. New elements are zero
-/// bytes or a given value. Its memory is its value, so that a world is saved by copying.
+/// bytes or a given value. Its memory is its value, so that a world is saved by copying. It grows by its own size while
+/// that is small, and by an eighth of it where the rest would count.
 template <class T>
 class AlignedArray {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -38,10 +39,13 @@ public:
     const T* begin() const { return data_; }
     const T* end() const { return data_ + size_; }
     T& back() { return data_[size_ - 1]; }
+    std::size_t capacity() const { return capacity_; }
     std::size_t bytes() const { return capacity_ * sizeof(T); }
+    bool isLarge() const { return bytes() >= kLarge; }
 
     void reserve(std::size_t capacity) {
         if (capacity <= capacity_) return;
+        if (size_ == 0) release();
         T* grown = static_cast<T*>(memory_->allocate(capacity * sizeof(T), kAlignment));
         if (size_ > 0) std::memcpy(static_cast<void*>(grown), data_, size_ * sizeof(T));
         if (data_) memory_->deallocate(data_, capacity_ * sizeof(T), kAlignment);
@@ -50,19 +54,19 @@ public:
     }
     /// New elements are `value`.
     void resize(std::size_t size, const T& value) {
-        if (size > capacity_) reserve(size > 2 * capacity_ ? size : 2 * capacity_);
+        if (size > capacity_) reserve(grownFor(size));
         for (std::size_t i = size_; i < size; ++i) ::new (static_cast<void*>(data_ + i)) T(value);
         size_ = size;
     }
     /// New elements have unspecified values; for memory that is overwritten at once.
     void resizeForOverwrite(std::size_t size) {
-        if (size > capacity_) reserve(size > 2 * capacity_ ? size : 2 * capacity_);
+        if (size > capacity_) reserve(grownFor(size));
         size_ = size;
     }
     void push(const T& value) {
         if (size_ == capacity_) {
             const T copy = value;
-            reserve(capacity_ == 0 ? 16 : 2 * capacity_);
+            reserve(grownFor(size_ + 1));
             ::new (static_cast<void*>(data_ + size_)) T(copy);
         } else {
             ::new (static_cast<void*>(data_ + size_)) T(value);
@@ -71,9 +75,22 @@ public:
     }
     void pop() { --size_; }
     void clear() { size_ = 0; }
+    /// Gives all memory back.
+    void release() {
+        if (data_) memory_->deallocate(data_, bytes(), kAlignment);
+        data_ = nullptr;
+        size_ = capacity_ = 0;
+    }
 
 private:
     static constexpr std::size_t kAlignment = 64;
+    static constexpr std::size_t kFew = 16, kLarge = std::size_t{1} << 20;  ///< elements, bytes
+
+    std::size_t grownFor(std::size_t size) const {
+        const std::size_t more = isLarge() ? capacity_ / 8 : capacity_;
+        const std::size_t grown = capacity_ + more > kFew ? capacity_ + more : kFew;
+        return grown > size ? grown : size;
+    }
 
     std::pmr::memory_resource* memory_;
     T* data_ = nullptr;

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <memory_resource>
 #include <span>
 #include <vector>
+
+#include "base/prefetch.h"
 
 namespace ragtop {
 
@@ -20,11 +23,16 @@ constexpr std::uint64_t pairKey(std::uint32_t a, std::uint32_t b) {
 /// The Art of Computer Programming 3, 1998, 6.4 algorithm R], so that it never fills with marks of the dead. The same
 /// calls give the same table, which is plain memory to save.
 class PairSet {
+    static constexpr std::uint32_t kUnused = ~std::uint32_t{0};
+
 public:
+    /// The key is in two halves, so that an entry is twelve bytes and not sixteen.
     struct Entry {
-        std::uint64_t key = 0;
-        std::uint32_t value = 0;
-        std::uint32_t used = 0;
+        std::uint32_t low = 0, high = 0;
+        std::uint32_t value = kUnused;
+
+        std::uint64_t key() const { return std::uint64_t{high} << 32 | low; }
+        bool used() const { return value != kUnused; }
     };
 
     explicit PairSet(std::pmr::memory_resource* memory) : entries_(memory) {}
@@ -34,16 +42,17 @@ public:
 
     /// Makes room for this many keys without further memory.
     void reserve(std::size_t keys) {
-        const std::size_t wanted = std::bit_ceil(std::max<std::size_t>(2 * keys, kSmallest));
+        const std::size_t wanted = std::bit_ceil(std::max<std::size_t>(keys + keys / 3 + 1, kSmallest));
         if (wanted > entries_.size()) rehash(wanted);
     }
 
-    /// False, and nothing changes, when the key is there already.
+    /// False, and nothing changes, when the key is there already. The greatest value marks what is unused.
     bool insert(std::uint64_t key, std::uint32_t value) {
+        assert(value != kUnused);
         reserve(size_ + 1);
         const std::size_t at = placeOf(key);
-        if (entries_[at].used) return false;
-        entries_[at] = {key, value, 1};
+        if (entries_[at].used()) return false;
+        entries_[at] = {static_cast<std::uint32_t>(key), static_cast<std::uint32_t>(key >> 32), value};
         ++size_;
         return true;
     }
@@ -52,10 +61,14 @@ public:
     const std::uint32_t* find(std::uint64_t key) const {
         if (size_ == 0) return nullptr;
         const Entry& entry = entries_[placeOf(key)];
-        return entry.used ? &entry.value : nullptr;
+        return entry.used() ? &entry.value : nullptr;
     }
     std::uint32_t* find(std::uint64_t key) {
         return const_cast<std::uint32_t*>(static_cast<const PairSet*>(this)->find(key));
+    }
+    /// Asks for the memory that looking for a key will read.
+    void prefetch(std::uint64_t key) const {
+        if (size_ > 0) ragtop::prefetch(&entries_[homeOf(key)]);
     }
     bool contains(std::uint64_t key) const { return find(key) != nullptr; }
 
@@ -63,11 +76,11 @@ public:
     bool erase(std::uint64_t key) {
         if (size_ == 0) return false;
         std::size_t hole = placeOf(key);
-        if (!entries_[hole].used) return false;
+        if (!entries_[hole].used()) return false;
         // An entry behind the hole moves into it unless its home lies behind the hole as well.
         const std::size_t mask = entries_.size() - 1;
-        for (std::size_t i = (hole + 1) & mask; entries_[i].used; i = (i + 1) & mask) {
-            const std::size_t home = homeOf(entries_[i].key);
+        for (std::size_t i = (hole + 1) & mask; entries_[i].used(); i = (i + 1) & mask) {
+            const std::size_t home = homeOf(entries_[i].key());
             if (((i - home) & mask) >= ((i - hole) & mask)) {
                 entries_[hole] = entries_[i];
                 hole = i;
@@ -90,7 +103,7 @@ public:
         entries_.resize(count);
         if (count > 0) std::memcpy(static_cast<void*>(entries_.data()), entries, count * sizeof(Entry));
         size_ = static_cast<std::size_t>(
-            std::count_if(entries_.begin(), entries_.end(), [](const Entry& entry) { return entry.used != 0; }));
+            std::count_if(entries_.begin(), entries_.end(), [](const Entry& entry) { return entry.used(); }));
     }
 
 private:
@@ -102,11 +115,11 @@ private:
         return static_cast<std::size_t>(mixed >> (64 - std::countr_zero(entries_.size())));
     }
 
-    /// Where the key is, or the free entry where it belongs. At most half of the entries are used, so one is free.
+    /// Where the key is, or the free entry where it belongs. At most three of four entries are used, so one is free.
     std::size_t placeOf(std::uint64_t key) const {
         const std::size_t mask = entries_.size() - 1;
         std::size_t at = homeOf(key);
-        while (entries_[at].used && entries_[at].key != key) at = (at + 1) & mask;
+        while (entries_[at].used() && entries_[at].key() != key) at = (at + 1) & mask;
         return at;
     }
 
@@ -114,7 +127,7 @@ private:
         std::pmr::vector<Entry> old(capacity, Entry{}, entries_.get_allocator());
         old.swap(entries_);
         for (const Entry& entry : old) {
-            if (entry.used) entries_[placeOf(entry.key)] = entry;
+            if (entry.used()) entries_[placeOf(entry.key())] = entry;
         }
     }
 

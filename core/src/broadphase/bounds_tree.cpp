@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cstring>
 
+#include "base/stage_runner.h"
+
 namespace ragtop {
 
 namespace {
@@ -20,6 +22,7 @@ float centerDistance(const Bounds& a, const Bounds& b) {
 void BoundsTree::reserve(std::size_t proxies) {
     nodes_.reserve(2 * proxies);
     branches_.reserve(proxies);
+    parts_.reserve(proxies);
 }
 
 std::uint32_t BoundsTree::allocate() {
@@ -77,26 +80,68 @@ void BoundsTree::enlarge(std::uint32_t proxy, const Bounds& bounds) {
     }
 }
 
-void BoundsTree::refitEnlarged() {
+void BoundsTree::tellGiven(std::uint32_t proxy) {
+    for (std::uint32_t index = nodes_[proxy].parent; index != kNull; index = nodes_[index].parent) {
+        if ((nodes_[index].flags & kEnlarged) != 0) return;
+        nodes_[index].flags |= kEnlarged;
+    }
+}
+
+void BoundsTree::refitEnlarged(StageRunner* runner) {
     if (root_ == kNull || (nodes_[root_].flags & (kEnlarged | kStale)) == 0) return;
+    if (nodes_[root_].height == 0) {
+        nodes_[root_].flags = 0;
+        return;
+    }
     if (++refits_ < kRefits) {
-        refitBranch(root_);
+        runner ? refitBranches(*runner) : refitBranch(root_);
     } else {
         refits_ = 0;
-        rebuild(false);
+        rebuild(false, runner);
     }
     limitHeight();
 }
 
 /// Children first, as high as the tree is at most.
 void BoundsTree::refitBranch(std::uint32_t index) {
-    if ((nodes_[index].flags & kEnlarged) == 0) return;
+    Node& node = nodes_[index];
+    if ((node.flags & kEnlarged) == 0) return;
+    if (node.height == 0) {
+        node.flags = 0;
+        return;
+    }
+    refitBranch(node.left);
+    refitBranch(node.right);
+    refitNode(index);
+}
+
+void BoundsTree::refitNode(std::uint32_t index) {
     nodes_[index].flags = kStale;
-    if (nodes_[index].height == 0) return;
-    refitBranch(nodes_[index].left);
-    refitBranch(nodes_[index].right);
     refit(index);
     rotate(index);
+}
+
+/// Branches of one level share nothing: each turns within itself. What is above them follows, children first.
+void BoundsTree::refitBranches(StageRunner& runner) {
+    constexpr int kBranches = 32, kLow = 5;  // some tens of leaves in each
+    std::uint32_t branches[kBranches], above[kBranches];
+    int count = 0, opened = 0;
+    branches[count++] = root_;
+    for (bool more = runner.workers() > 1; more;) {
+        more = false;
+        for (int i = 0, end = count; i < end && count < kBranches; ++i) {
+            const Node& node = nodes_[branches[i]];
+            if (node.height < kLow || (node.flags & kEnlarged) == 0) continue;
+            above[opened++] = branches[i];
+            branches[i] = node.left;
+            branches[count++] = node.right;
+            more = true;
+        }
+    }
+    runner.parallelFor(count, 1, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) refitBranch(branches[i]);
+    });
+    while (opened > 0) refitNode(above[--opened]);
 }
 
 void BoundsTree::setCategory(std::uint32_t proxy, std::uint32_t category) {
@@ -268,7 +313,7 @@ void BoundsTree::rotate(std::uint32_t index) {
 void BoundsTree::limitHeight() {
     if (root_ == kNull) return;
     const int bits = static_cast<int>(std::bit_width(static_cast<std::uint32_t>(proxyCount_)));
-    if (nodes_[root_].height > 2 * bits + 16) rebuild(true);
+    if (nodes_[root_].height > 2 * bits + 16) rebuild(true, nullptr);
 }
 
 }  // namespace ragtop

@@ -2,11 +2,14 @@
 
 #include <cstdint>
 #include <memory_resource>
+#include <utility>
 #include <vector>
 
 #include "ragtop/math.h"
 
 namespace ragtop {
+
+class StageRunner;
 
 /// A dynamic binary tree of bounds. Proxies are created with enlarged bounds by the caller. Deterministic: the same
 /// calls give the same tree.
@@ -26,7 +29,7 @@ public:
         std::uint32_t category = 0xffffffffu;  ///< or of the leaves below
     };
 
-    explicit BoundsTree(std::pmr::memory_resource* memory) : nodes_(memory), branches_(memory) {}
+    explicit BoundsTree(std::pmr::memory_resource* memory) : nodes_(memory), branches_(memory), parts_(memory) {}
 
     /// Sets memory aside so that this many proxies need no more of it.
     void reserve(std::size_t proxies);
@@ -37,14 +40,22 @@ public:
     void move(std::uint32_t proxy, const Bounds& bounds);
     /// Changes a proxy's bounds in place and grows its ancestors' to hold them, until refitEnlarged().
     void enlarge(std::uint32_t proxy, const Bounds& bounds);
+    /// The same in two parts, for many proxies at once: threads give bounds to proxies, each to its own; then what was
+    /// given is told of each, on one thread. Nothing may be looked for until refitEnlarged().
+    void give(std::uint32_t proxy, const Bounds& bounds) {
+        nodes_[proxy].bounds = bounds;
+        nodes_[proxy].flags |= kEnlarged;
+    }
+    bool wasGiven(std::uint32_t proxy) const { return (nodes_[proxy].flags & kEnlarged) != 0; }
+    void tellGiven(std::uint32_t proxy);
     void setCategory(std::uint32_t proxy, std::uint32_t category);
     const Bounds& bounds(std::uint32_t proxy) const { return nodes_[proxy].bounds; }
     std::uint32_t value(std::uint32_t proxy) const { return nodes_[proxy].value; }
     int proxyCount() const { return proxyCount_; }
     bool empty() const { return root_ == kNull; }
     /// Fits the branches that were enlarged to what is below them and turns them where that makes them smaller, so that
-    /// queries stay fast. Call once per step.
-    void refitEnlarged();
+    /// queries stay fast. Call once per step. The tree does not depend on the runner.
+    void refitEnlarged(StageRunner* runner = nullptr);
 
     /// visit(value) → false to end.
     template <class Visit>
@@ -81,6 +92,8 @@ private:
     std::uint32_t bestSibling(const Bounds& bounds) const;
     void refit(std::uint32_t index);
     void refitBranch(std::uint32_t index);
+    void refitNode(std::uint32_t index);
+    void refitBranches(StageRunner& runner);
     void rotate(std::uint32_t index);
     void limitHeight();
     /// A node that a rebuild takes over as it is, with what the cuts look at side by side.
@@ -89,14 +102,26 @@ private:
         std::uint32_t index = kNull;
         std::uint32_t bin = 0;
     };
+    /// Branches that become one, and the nodes that this takes: one less.
+    struct Part {
+        Branch* branches;
+        std::uint32_t count;
+        int binnedLevels;
+        const std::uint32_t* nodes;
+
+        std::uint32_t root() const { return count == 1 ? branches[0].index : nodes[0]; }
+    };
     void collectBranches(bool all);
-    void rebuild(bool all);
-    std::uint32_t build(Branch* branches, std::uint32_t count, int binnedLevels);
+    void rebuild(bool all, StageRunner* runner);
+    std::pair<Part, Part> split(const Part& part);
+    void build(const Part& part);
+    void buildParts(const Part& whole, StageRunner& runner);
     static std::uint32_t partition(Branch* branches, std::uint32_t count, bool binned);
     static int cheapestCut(const Branch* branches, std::uint32_t count);
 
     std::pmr::vector<Node> nodes_;
     std::pmr::vector<Branch> branches_;  ///< scratch of the rebuild
+    std::pmr::vector<std::uint32_t> parts_;  ///< the same: nodes in the order in which they are taken
     std::uint32_t root_ = kNull, freeList_ = kNull;
     int proxyCount_ = 0;
     std::uint32_t refits_ = 0;  ///< since branches were rebuilt

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "base/stage_runner.h"
 #include "broadphase/bounds_tree.h"
 
 /// Rebuilding of branches from the top down by binned surface areas [Wald, On Fast Construction of SAH-based Bounding
@@ -22,10 +23,16 @@ struct Bin {
 
 }  // namespace
 
-void BoundsTree::rebuild(bool all) {
+void BoundsTree::rebuild(bool all, StageRunner* runner) {
     collectBranches(all);
     const auto count = static_cast<std::uint32_t>(branches_.size());
-    root_ = build(branches_.data(), count, static_cast<int>(std::bit_width(count)));
+    parts_.clear();
+    for (std::uint32_t i = 1; i < count; ++i) parts_.push_back(allocate());
+    // The binned cut may be lopsided; after these levels of it the rest is halved, so that the height stays within twice the
+    // logarithm of the count.
+    const Part whole{branches_.data(), count, static_cast<int>(std::bit_width(count)), parts_.data()};
+    root_ = whole.root();
+    runner ? buildParts(whole, *runner) : build(whole);
     nodes_[root_].parent = kNull;
 }
 
@@ -50,20 +57,50 @@ void BoundsTree::collectBranches(bool all) {
     }
 }
 
-/// The binned cut may be lopsided; after `binnedLevels` levels of it the rest is halved, so that the height stays
-/// within twice the logarithm of the count.
-std::uint32_t BoundsTree::build(Branch* branches, std::uint32_t count, int binnedLevels) {
-    if (count == 1) return branches[0].index;
-    const std::uint32_t cut = count == 2 ? 1 : partition(branches, count, binnedLevels > 0);
-    const std::uint32_t index = allocate();
-    const std::uint32_t left = build(branches, cut, binnedLevels - 1);
-    const std::uint32_t right = build(branches + cut, count - cut, binnedLevels - 1);
-    nodes_[index].left = left;
-    nodes_[index].right = right;
-    nodes_[left].parent = index;
-    nodes_[right].parent = index;
-    refit(index);
-    return index;
+/// Links the root of several branches with those of its two sides, which are yet to be built.
+std::pair<BoundsTree::Part, BoundsTree::Part> BoundsTree::split(const Part& part) {
+    const std::uint32_t cut = part.count == 2 ? 1 : partition(part.branches, part.count, part.binnedLevels > 0);
+    const Part left{part.branches, cut, part.binnedLevels - 1, part.nodes + 1};
+    const Part right{part.branches + cut, part.count - cut, part.binnedLevels - 1, part.nodes + cut};
+    const std::uint32_t index = part.root();
+    nodes_[index].left = left.root();
+    nodes_[index].right = right.root();
+    nodes_[left.root()].parent = index;
+    nodes_[right.root()].parent = index;
+    return {left, right};
+}
+
+void BoundsTree::build(const Part& part) {
+    if (part.count == 1) return;
+    const auto [left, right] = split(part);
+    build(left);
+    build(right);
+    refit(part.root());
+}
+
+/// Parts share nothing; what is above them follows, children first.
+void BoundsTree::buildParts(const Part& whole, StageRunner& runner) {
+    constexpr int kParts = 32;
+    constexpr std::uint32_t kFew = 64;  // branches
+    Part parts[kParts];
+    std::uint32_t above[kParts];
+    int count = 0, opened = 0;
+    parts[count++] = whole;
+    for (bool more = runner.workers() > 1; more;) {
+        more = false;
+        for (int i = 0, end = count; i < end && count < kParts; ++i) {
+            if (parts[i].count < kFew) continue;
+            above[opened++] = parts[i].root();
+            const auto [left, right] = split(parts[i]);
+            parts[i] = left;
+            parts[count++] = right;
+            more = true;
+        }
+    }
+    runner.parallelFor(count, 1, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) build(parts[i]);
+    });
+    while (opened > 0) refit(above[--opened]);
 }
 
 /// Sorts the branches to the two sides of a cut across the axis along which their centres spread most; the count of

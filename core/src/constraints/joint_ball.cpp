@@ -52,6 +52,7 @@ Vec3 twistAxis(const Vec3& xA, const Vec3& xB) { return normalized(xA + xB, {});
 Vec3 turningImpulse(const BallRows& rows) {
     Vec3 sum = rows.springImpulse + rows.viscousImpulse + rows.frictionImpulse +
                (rows.twistLower.impulse - rows.twistUpper.impulse) * rows.twistAxis;
+    if (rows.hasTilt()) sum += rows.twistLower.impulse * rows.lowerTilt + rows.twistUpper.impulse * rows.upperTilt;
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) sum += rows.swing[i].impulse * rows.swingAxis[i];
     return sum;
 }
@@ -162,6 +163,11 @@ void refreshLimits(BallRows& rows, const JointPlace& place) {
         const float twist = wrapAbout(angleAboutX(q), 0.5f * (range.lower + range.upper));
         rows.twistLower.margin = c * (twist - range.lower);
         rows.twistUpper.margin = c * (range.upper - twist);
+        if (rows.hasTilt()) {
+            const TwistTilt tilt = c > kNoTwist ? twistTiltAt(rows.swingLimit, d, range) : TwistTilt{};
+            rows.lowerTilt = rotate(place.a, -c * tilt.lower);
+            rows.upperTilt = rotate(place.a, c * tilt.upper);
+        }
     }
 }
 
@@ -188,9 +194,8 @@ void beginBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, c
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
         hadImpact |= beginStop(rows.swing[i], rows.stop, dot(rows.swingAxis[i], spin), 0, h);
     if (rows.features & BallRows::kTwist) {
-        const float twisting = dot(rows.twistAxis, spin);
-        hadImpact |= beginStop(rows.twistLower, rows.stop, twisting, 0, h);
-        hadImpact |= beginStop(rows.twistUpper, rows.stop, -twisting, 0, h);
+        hadImpact |= beginStop(rows.twistLower, rows.stop, dot(rows.lowerTwistAxis(), spin), 0, h);
+        hadImpact |= beginStop(rows.twistUpper, rows.stop, -dot(-rows.upperTwistAxis(), spin), 0, h);
     }
     beginBlock(joint.block, hadImpact);
 }
@@ -281,7 +286,10 @@ void noteEnergy(BallRows& rows, const BallTurn& turn, const BodyPair& pair, cons
     BodyPair still = pair;
     still.apply(arms, {-solve(turn.block.mass.first, u.linear), {}});
     HeldAxes held{turn.block, turn.speed + (still.velocity(arms).angular - u.angular), {}, {}, {}};
-    if (rows.twistLower.impulse > 0 || rows.twistUpper.impulse > 0) held.hold(rows.twistAxis);
+    if (rows.twistLower.impulse > 0)
+        held.hold(rows.lowerTwistAxis());
+    else if (rows.twistUpper.impulse > 0)
+        held.hold(-rows.upperTwistAxis());
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
         if (rows.swing[i].impulse > 0) held.hold(rows.swingAxis[i]);
     rows.mostEnergy = 0.5f * dot(held.rotation, solve(turn.block.second, held.rotation));
@@ -313,8 +321,8 @@ void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, boo
         solveCompliant(rows.viscousImpulse, {}, rows.viscousDrag[pass], kNoForceLimit, turn);
     if (rows.features & BallRows::kFriction) solveFriction(rows, turn, useBias);
     if (rows.features & BallRows::kTwist) {
-        solveTurnStop(rows.twistLower, rows.twistAxis, turn, rows, context, useBias);
-        solveTurnStop(rows.twistUpper, -rows.twistAxis, turn, rows, context, useBias);
+        solveTurnStop(rows.twistLower, rows.lowerTwistAxis(), turn, rows, context, useBias);
+        solveTurnStop(rows.twistUpper, rows.upperTwistAxis(), turn, rows, context, useBias);
     }
     if (rows.features & BallRows::kSwing)
         for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)

@@ -65,6 +65,13 @@ struct BallRows {
     Vec3 swingAxis[SwingLimit::kSides], twistAxis;  ///< unit vectors, zero where the row has no direction
     float mostEnergy = kNoForceLimit;  ///< J, of the relative rotation that a recovery from beyond a limit may leave
     SwingLimit swingLimit;
+    /// What the ends of a polygon's twist range add to the axes of their rows as they grow with the swing; else zero.
+    /// Not of unit length.
+    Vec3 lowerTilt, upperTilt;
+
+    Vec3 lowerTwistAxis() const { return hasTilt() ? twistAxis + lowerTilt : twistAxis; }
+    Vec3 upperTwistAxis() const { return hasTilt() ? -twistAxis + upperTilt : -twistAxis; }
+    bool hasTilt() const { return swingLimit.shape == SwingShape::polygon; }
 };
 
 /// One joint in the solver: trivially copyable and without padding, so that a saved world is a copy of memory. The
@@ -84,14 +91,14 @@ struct JointSim {
 
     Arms arms;  ///< m, of the current substep
     TautBodies taut;
-    float ofFigure = 0;  ///< 1: the joint is one of a figure's, see openShare
+    float ofFigure = 0;      ///< 1: the joint is one of a figure's, see openShare
     PairVector stepImpulse;  ///< what a breakable joint gave in this step so far, N s and N m s
     RigidBlock block;
     AxisRows axis;  ///< along the free direction of hinge, slider and distance
     BallRows ball;
     BallDrives drives;
-    AxesBlock axes;   ///< of those kinds that have one, instead of block and axis
-    float pitch = 0;  ///< m per rad, of a screw
+    AxesBlock axes;          ///< of those kinds that have one, instead of block and axis
+    float pitch = 0;         ///< m per rad, of a screw
     float threadRadius = 0;  ///< m
     PathRows path;
 };

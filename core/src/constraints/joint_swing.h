@@ -39,6 +39,11 @@ void compile(SwingLimit& limit, const ReachPolygon& polygon);
 void swingMargins(const SwingLimit& limit, const Vec3& d, SwingMargin (&sides)[SwingLimit::kSides]);
 /// The twist that a polygon allows at d: the mean of its corners' by the inverse fourth power of their distance.
 Range twistAt(const SwingLimit& limit, const Vec3& d);
+/// How the ends of that range grow as d turns: by ω · lower and ω · upper.
+struct TwistTilt {
+    Vec3 lower, upper;
+};
+TwistTilt twistTiltAt(const SwingLimit& limit, const Vec3& d, const Range& range);
 
 /// B's x axis after a swing, a rotation vector across x, and the other way round.
 Vec3 directionOfSwing(float y, float z);

@@ -283,8 +283,8 @@ void addBall(const RowWriter& writer, const JointSim& joint, const BallRows& ahe
         }
     }
     if (ball.features & BallRows::kTwist) {
-        addTurnStop(writer, RowKind::twistLower, ball.twistAxis, ball.twistLower, ahead.twistLower, joint);
-        addTurnStop(writer, RowKind::twistUpper, -ball.twistAxis, ball.twistUpper, ahead.twistUpper, joint);
+        addTurnStop(writer, RowKind::twistLower, ball.lowerTwistAxis(), ball.twistLower, ahead.twistLower, joint);
+        addTurnStop(writer, RowKind::twistUpper, ball.upperTwistAxis(), ball.twistUpper, ahead.twistUpper, joint);
     }
     if (ball.features & BallRows::kSwing)
         for (int i = 0; i < SwingLimit::kSides; ++i)

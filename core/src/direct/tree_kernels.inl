@@ -356,8 +356,8 @@ constexpr direct::TreeKernels makeTreeKernels(const char* name) {
             beginTrees<R>, solveTrees<R>,       relaxTrees<R>};
 }
 template <int N>
-constexpr direct::TreeTables makeTreeTables(const char* name) {
-    return {makeTreeKernels<Lanes<N>>(name), makeTreeKernels<DoubleLanes<N / 2>>(name)};
+constexpr direct::TreeTables makeTreeTables(const char* name, const direct::TreeTables* wider = nullptr) {
+    return {makeTreeKernels<Lanes<N>>(name), makeTreeKernels<DoubleLanes<N / 2>>(name), wider};
 }
 
 }  // namespace

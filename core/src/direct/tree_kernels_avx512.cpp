@@ -5,5 +5,7 @@ namespace ragtop::direct {
 
 extern const TreeTables kTreesAvx51216;
 const TreeTables kTreesAvx51216 = makeTreeTables<16>("avx512");
+extern const TreeTables kTreesAvx5128;
+const TreeTables kTreesAvx5128 = makeTreeTables<8>("avx512", &kTreesAvx51216);
 
 }  // namespace ragtop::direct

@@ -74,9 +74,11 @@ struct TreeKernels {
     void (*relax)(TreeGroup& group, const BodyArrays& arrays, const TreeSubstep& substep);
 };
 
-/// Kernels beside those of `lanes` single lanes: as many for trees of moderate masses, and half as many of doubles.
+/// Kernels beside those of `lanes` single lanes: as many for trees of moderate masses, and half as many of doubles. Where
+/// the machine has wider vectors, `wider` are those of twice as many lanes, for trees that fill them.
 struct TreeTables {
     TreeKernels single, twofold;
+    const TreeTables* wider = nullptr;
 };
 const TreeTables& selectTreeKernels(int lanes);
 

@@ -52,6 +52,9 @@ int TreePlan::compare(const Tree& a, const Tree& b) const {
     return std::memcmp(links_.data() + a.first, links_.data() + b.first, a.count * sizeof(TreeLink));
 }
 
+/// The next place where vectors of every width may lie: groups of different widths follow one another.
+constexpr std::size_t onLine(std::size_t bytes) { return (bytes + 63) & ~std::size_t{63}; }
+
 void TreePlan::group(const TreeTables& tables) {
     groups_.clear();
     const auto count = static_cast<std::uint32_t>(trees_.size());
@@ -65,7 +68,11 @@ void TreePlan::group(const TreeTables& tables) {
     for (std::uint32_t i = 0; i < count;) {
         Group group;
         const Tree& first = trees_[order_[i]];
-        group.kernels = first.twofold ? &tables.twofold : &tables.single;
+        const auto kernelsOf = [&](const TreeTables& from) { return first.twofold ? &from.twofold : &from.single; };
+        group.kernels = kernelsOf(tables);
+        const std::uint32_t beyond = i + static_cast<std::uint32_t>(group.kernels->lanes);
+        if (tables.wider && beyond < count && compare(first, trees_[order_[beyond]]) == 0)
+            group.kernels = kernelsOf(*tables.wider);
         group.firstTree = i;
         group.firstRow = rows;
         group.lanes.linkCount = static_cast<int>(first.count);
@@ -73,7 +80,7 @@ void TreePlan::group(const TreeTables& tables) {
             ++group.lanes.used, ++i;
         rows += first.count * static_cast<std::size_t>(group.kernels->lanes);
         lanes += static_cast<std::size_t>(group.kernels->lanes);
-        bytes += first.count * group.kernels->linkBytes;
+        bytes = onLine(bytes) + first.count * group.kernels->linkBytes;
         groups_.push(group);
     }
     laneStates_.resizeForOverwrite(rows);
@@ -83,6 +90,7 @@ void TreePlan::group(const TreeTables& tables) {
     memory_.resizeForOverwrite(bytes);
     lanes = bytes = 0;
     for (Group& group : groups_) {
+        bytes = onLine(bytes);
         group.lanes.anchors = laneAnchors_.data() + lanes;
         group.lanes.memory = memory_.data() + bytes;
         lanes += static_cast<std::size_t>(group.kernels->lanes);

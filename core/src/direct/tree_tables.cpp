@@ -8,6 +8,7 @@ extern const TreeTables kTreesBaseline16;
 #if defined(RAGTOP_X86_KERNELS)
 extern const TreeTables kTreesAvx28;
 extern const TreeTables kTreesAvx216;
+extern const TreeTables kTreesAvx5128;
 extern const TreeTables kTreesAvx51216;
 #endif
 
@@ -19,6 +20,7 @@ const TreeTables& selectTreeKernels(int lanes) {
 #if defined(RAGTOP_X86_KERNELS)
         &kTreesAvx28,
         &kTreesAvx216,
+        &kTreesAvx5128,
         &kTreesAvx51216,
 #endif
     };

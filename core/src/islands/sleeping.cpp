@@ -53,7 +53,7 @@ void WorldImpl::buildIslands() {
     for (const std::uint32_t body : awakeBodies) {
         if (moves(body) || bodies[body].sleepTimer > 0) continue;
         for (std::uint32_t key = bodies[body].firstContact; key != kNone;
-             key = contacts[key >> 1].edges[key & 1].next) {
+             key = nextContact(key)) {
             const ContactRecord& contact = contacts[key >> 1];
             const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
             if (contact.touching && !contact.sensor && moves(other) && isAwake(other)) islandQuiet[findRoot(other)] = 0;
@@ -92,10 +92,10 @@ void WorldImpl::sleepBody(std::uint32_t index) {
     states[index].v = states[index].w = {};
     histories[index].velocityBefore = histories[index].lastChange = {};
     noteMomentum(index);
-    for (std::uint32_t key = body.firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+    for (std::uint32_t key = body.firstContact; key != kNone; key = nextContact(key)) {
         const std::uint32_t c = key >> 1;
         const ContactRecord& contact = contacts[c];
-        for (std::uint32_t k = 0; k < contact.manifoldCapacity; ++k) removeFromGraph(contact.firstManifold + k);
+        forEachManifold(contact, [&](std::uint32_t manifold) { removeFromGraph(manifold); });
         if (contact.awakeIndex != kNone && !isAwake(contact.bodyA) && !isAwake(contact.bodyB)) removeAwakeContact(c);
     }
     for (std::uint32_t key = body.firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next)
@@ -118,7 +118,7 @@ void WorldImpl::wakeBody(std::uint32_t first) {
         awakeBodies.push(index);
         structureChanged = graphChanged = true;
         noteSleep(index, false);
-        for (std::uint32_t key = body.firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+        for (std::uint32_t key = body.firstContact; key != kNone; key = nextContact(key)) {
             const ContactRecord& contact = contacts[key >> 1];
             if (contact.awakeIndex == kNone) addAwakeContact(key >> 1);
             const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
@@ -138,18 +138,18 @@ void WorldImpl::wakeBody(std::uint32_t first) {
 
 /// Puts the contacts of a body that woke back into the graph, those with bodies that still sleep excepted.
 void WorldImpl::restoreContacts(std::uint32_t index) {
-    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = nextContact(key)) {
         const ContactRecord& contact = contacts[key >> 1];
         const bool sleeps =
             (moves(contact.bodyA) && !isAwake(contact.bodyA)) || (moves(contact.bodyB) && !isAwake(contact.bodyB));
         if (sleeps) continue;
-        for (std::uint32_t k = 0; k < contact.manifoldCapacity; ++k) addToGraph(contact.firstManifold + k);
+        forEachManifold(contact, [&](std::uint32_t manifold) { addToGraph(manifold); });
     }
 }
 
 void WorldImpl::wakeTouching(std::uint32_t index) {
     wakeBody(index);
-    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = nextContact(key)) {
         const ContactRecord& contact = contacts[key >> 1];
         if (contact.touching && !contact.sensor) wakeBody((key & 1) != 0 ? contact.bodyA : contact.bodyB);
     }

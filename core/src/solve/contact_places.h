@@ -17,13 +17,15 @@ struct alignas(64) ManifoldAnchors {
 };
 static_assert(sizeof(ManifoldAnchors) == 128);
 
-/// Where bodies are, and manifolds on them: what the first records hold, and how many bytes the next ones are away.
+/// Where bodies are, and manifolds on them: what the first records hold, and how many bytes the next ones are away. Records
+/// of manifolds are in pages of 2^pageBits.
 /// A rotation is followed by four more floats of its record.
 struct ContactPlaces {
     const DVec3* centers;
     const Quat* rotations;
     std::size_t bodyStride;
-    const ManifoldAnchors* manifolds;
+    const void* const* manifoldPages;
+    unsigned pageBits;
     std::size_t manifoldStride;
 };
 

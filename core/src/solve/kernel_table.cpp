@@ -8,6 +8,7 @@ extern const KernelTable kKernelsBaseline16;
 #if defined(RAGTOP_X86_KERNELS)
 extern const KernelTable kKernelsAvx28;
 extern const KernelTable kKernelsAvx216;
+extern const KernelTable kKernelsAvx5128;
 extern const KernelTable kKernelsAvx51216;
 #endif
 
@@ -19,6 +20,7 @@ KernelSet selectKernelSet(int lanes) {
     if (lanes == 0) lanes = avx512 ? 16 : avx2 ? 8 : 4;
     if (lanes == 16 && avx512) return KernelSet::avx512Lanes16;
     if (lanes == 16 && avx2) return KernelSet::avx2Lanes16;
+    if (lanes == 8 && avx512) return KernelSet::avx512Lanes8;
     if (lanes == 8 && avx2) return KernelSet::avx2Lanes8;
 #endif
     if (lanes == 16) return KernelSet::baseline16;
@@ -34,6 +36,7 @@ const KernelTable& selectKernels(int lanes) {
 #if defined(RAGTOP_X86_KERNELS)
         &kKernelsAvx28,
         &kKernelsAvx216,
+        &kKernelsAvx5128,
         &kKernelsAvx51216,
 #endif
     };

@@ -68,6 +68,7 @@ enum class KernelSet {
 #if defined(RAGTOP_X86_KERNELS)
     avx2Lanes8,
     avx2Lanes16,
+    avx512Lanes8,
     avx512Lanes16,
 #endif
     count

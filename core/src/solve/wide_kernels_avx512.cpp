@@ -3,6 +3,8 @@
 
 namespace ragtop {
 
+extern const KernelTable kKernelsAvx5128;
+const KernelTable kKernelsAvx5128 = makeTable<8>("avx512");
 extern const KernelTable kKernelsAvx51216;
 const KernelTable kKernelsAvx51216 = makeTable<16>("avx512");
 

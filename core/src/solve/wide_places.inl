@@ -27,13 +27,18 @@ RAGTOP_INLINE const char* rowOf(const void* first, std::size_t stride, std::uint
     return static_cast<const char*>(first) + stride * index;
 }
 
+RAGTOP_INLINE const char* manifoldAt(const ContactPlaces& places, std::uint32_t index) {
+    return rowOf(places.manifoldPages[index >> places.pageBits], places.manifoldStride,
+                 index & ((1u << places.pageBits) - 1));
+}
+
 template <int N>
 RAGTOP_INLINE void prefetchPlaces(const float* bundle, const std::uint32_t* manifolds, int count,
                                   const ContactPlaces& places) {
     const auto* recordA = reinterpret_cast<const std::uint32_t*>(bundle + contact::kRecordA * N);
     const auto* recordB = reinterpret_cast<const std::uint32_t*>(bundle + contact::kRecordB * N);
     for (int i = 0; i < count && i < N; ++i) {
-        const char* manifold = rowOf(places.manifolds, places.manifoldStride, manifolds[i]);
+        const char* manifold = manifoldAt(places, manifolds[i]);
         __builtin_prefetch(manifold);
         __builtin_prefetch(manifold + 64);
         __builtin_prefetch(rowOf(places.centers, places.bodyStride, recordA[i]));
@@ -57,9 +62,9 @@ void placeContacts(float* bundles, int begin, int end, const LaneManifolds& list
         const float *anchors[N], *turnsA[N], *turnsB[N];
         alignas(64) float apart[3][N];
         for (int lane = 0; lane < N; ++lane) {
-            anchors[lane] = lane < used ? reinterpret_cast<const float*>(
-                                              rowOf(places.manifolds, places.manifoldStride, list.manifolds[slot + lane]))
-                                        : kNothing;
+            anchors[lane] = lane < used
+                                ? reinterpret_cast<const float*>(manifoldAt(places, list.manifolds[slot + lane]))
+                                : kNothing;
             turnsA[lane] = reinterpret_cast<const float*>(rowOf(places.rotations, places.bodyStride, recordA[lane]));
             turnsB[lane] = reinterpret_cast<const float*>(rowOf(places.rotations, places.bodyStride, recordB[lane]));
             const auto* a = reinterpret_cast<const double*>(rowOf(places.centers, places.bodyStride, recordA[lane]));

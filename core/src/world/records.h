@@ -46,8 +46,8 @@ struct alignas(64) BodyRecord {
     std::uint8_t directFailures = 0;  ///< solves of its island that were given up since one came to rest
     std::uint8_t innerSteps = 1;      ///< of each substep, as part of a mechanism
     std::uint8_t calmSteps = 0;       ///< for which half as many would have done
-    std::uint64_t userData = 0;
 };
+static_assert(sizeof(BodyRecord) == 192);
 
 struct alignas(64) ShapeRecord {
     Frame frame;  ///< in the body's internal frame
@@ -61,50 +61,56 @@ struct alignas(64) ShapeRecord {
     std::uint64_t userData = 0;
 };
 
-/// A pair of shapes whose enlarged bounds overlap. Contacts and joints hang in two lists, one per body; an edge key is
-/// 2 · index + side.
+/// Contacts and joints hang in two lists, one per body; an edge key is 2 · index + side.
 struct Edge {
     std::uint32_t previous = kNone, next = kNone;
 };
+struct ContactLinks {
+    Edge edges[2];
+};
 
+/// A pair of shapes whose enlarged bounds overlap: one cache line. Two of three in a pile have no points; those have no
+/// manifold either.
 struct alignas(64) ContactRecord {
-    // One cache line of what is asked in every step.
     std::uint32_t shapeA = 0, shapeB = 0, bodyA = 0, bodyB = 0;
     /// m, travels of both bodies up to which nothing can touch, or the manifolds are kept; 0: unknown.
     double until = 0;
     float aheadMost = 0;                  ///< m, that both may go in a step for which the manifolds are kept
     float size = 0;                       ///< m, of the smaller shape
-    std::uint32_t firstManifold = kNone;  ///< one record, or kMaxManifolds of them for meshes and height fields
+    std::uint32_t firstManifold = kNone;  ///< of manifoldCapacity one after the other, while there are points
     std::uint32_t awakeIndex = kNone;     ///< place in the list of awake contacts
-    std::uint8_t manifoldCapacity = 1;
+    SeparationCache cache;
+    std::uint8_t manifoldCapacity = 1;  ///< kMaxManifolds for meshes and height fields
     bool isMesh = false, sensor = false, touching = false, reportsMotion = false;
-    bool struck = false;  ///< by a sweep in this step
-    bool collided = false;
+    bool struck = false;       ///< by a sweep in this step
     bool hasPoints = false;    ///< has some manifold points?
     bool bearsLoad = false;    ///< did its first manifold at the end of the last step?
     bool surfaceOpen = false;  ///< what its lanes say of surfaces may have changed
-
-    Edge edges[2];
-    SeparationCache cache;
-    Frame collidedAt;          ///< B's shape in A's when the manifolds were found
-    float collidedMargin = 0;  ///< m, with this margin
+    std::uint8_t loaded = 0;   ///< a bit per manifold: at the end of the last step, where motion is reported
+    float collidedMargin = 0;  ///< m, that its manifolds were found with
 };
-static_assert(sizeof(ContactRecord) == 128);
+static_assert(sizeof(ContactRecord) == 64 && kMaxManifolds == 8);
 
 /// One direction of a contact. Its geometry moves with the bodies: a point is two anchors, one in each body, that met
-/// half way between the surfaces when it was found. While in the graph its impulses live in its lane; otherwise here.
+/// half way between the surfaces when it was found.
 struct ManifoldRecord : ManifoldAnchors {
     GraphPlace place;
     std::uint32_t contact = 0;
     std::uint32_t triangle = 0;
     std::uint32_t feature[kMaxManifoldPoints] = {};
-    float impulse[kMaxManifoldPoints] = {}, load[kMaxManifoldPoints] = {};
+    Frame collidedAt;              ///< B's shape in A's when a contact's manifolds were found; of its first one
+    std::uint32_t stored = kNone;  ///< index of its impulses while it has no lane; none: they are zero
+};
+static_assert(sizeof(ManifoldRecord) == 192);
+
+/// The impulses of a manifold, which are in its lane while it is in the graph.
+struct ManifoldImpulses {
+    float impulse[kMaxManifoldPoints] = {}, load[kMaxManifoldPoints] = {};  ///< N s
     Vec3 frictionImpulse, rollImpulse;
     Vec3 stick;  ///< m, how far B has slipped on A since they stick
     float twistImpulse = 0;
+    float substep = 0;  ///< s, that they belong to
     bool sliding = false;
-    bool loaded = false;       ///< at the end of the last step, of contacts that report their motion
-    float substep = 0;         ///< s, the substep that the impulses belong to
 };
 
 /// A manifold where the bodies are now.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/aligned_array.h"
+#include "base/paged_array.h"
 #include "base/pair_set.h"
 #include "broadphase/bounds_tree.h"
 #include "constraints/constraint_graph.h"
@@ -68,6 +69,8 @@ public:
     template <class T>
     void operator()(AlignedArray<T>& array) { bytes += sizeof(std::uint64_t) + array.size() * sizeof(T); }
     template <class T>
+    void operator()(PagedArray<T>& array) { bytes += sizeof(std::uint64_t) + array.size() * sizeof(T); }
+    template <class T>
     void value(T&) { bytes += sizeof(T); }
     void tree(BoundsTree& tree) { bytes += sizeof(BoundsTree::Header) + 8 + tree.nodes().size() * sizeof(BoundsTree::Node); }
     void pairs(PairSet& pairs) { bytes += 8 + pairs.entries().size() * sizeof(PairSet::Entry); }
@@ -91,6 +94,12 @@ public:
     }
     template <class T>
     void operator()(AlignedArray<T>& array) { list(array.data(), array.size()); }
+    template <class T>
+    void operator()(PagedArray<T>& array) {
+        std::uint64_t count = array.size();
+        value(count);
+        array.forEachPart([&](const void* part, std::size_t bytes) { raw(part, bytes); });
+    }
     void tree(BoundsTree& tree) {
         BoundsTree::Header header = tree.header();
         value(header);
@@ -144,6 +153,11 @@ public:
         if (!apply_ || failed_) return;
         array.resizeForOverwrite(bytes.size() / sizeof(T));
         if (!bytes.empty()) std::memcpy(static_cast<void*>(array.data()), bytes.data(), bytes.size());
+    }
+    template <class T>
+    void operator()(PagedArray<T>& array) {
+        const auto bytes = list(sizeof(T));
+        if (apply_ && !failed_) array.restore(bytes.data(), bytes.size() / sizeof(T));
     }
     void tree(BoundsTree& tree) {
         BoundsTree::Header header;

@@ -39,11 +39,15 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       inertias(memory),
       dynamics(memory),
       histories(memory),
+      bodyUserData(memory),
       shapes(memory),
       contacts(memory),
+      contactLinks(memory),
       manifolds(memory),
       freeManifolds(memory),
       freeMeshManifolds(memory),
+      storedImpulses(memory),
+      freeStored(memory),
       joints(memory),
       jointSims(memory),
       launchedBodies(memory),
@@ -102,10 +106,10 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       deepContacts(memory),
       deepStarts(memory),
       deepBundles(memory),
+      laneIsDeep(memory),
       directSeen(memory),
       ledger(memory),
       bodyFlags(memory),
-      tightNow(memory),
       sweptImpacts(memory),
       startPoses(memory),
       begins(memory),
@@ -121,6 +125,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       brokenJoints(memory),
       stages(memory) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
+    for (int worker = 0; worker < runner.workers(); ++worker) heldManifolds.emplace_back(memory);
     // Body 0 is the world: static, without shapes, the other end of joints to nowhere.
     bodySlots.acquire();
     bodies.resize(1, {});
@@ -129,12 +134,14 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
     inertias.resize(1, {});
     dynamics.resize(1, {});
     histories.resize(1, {});
+    bodyUserData.resize(1, 0);
     const auto expected = static_cast<std::size_t>(std::max(config.expectedBodies, 0)) + 1;
     bodies.reserve(expected);
     states.reserve(expected);
     inertias.reserve(expected);
     dynamics.reserve(expected);
     histories.reserve(expected);
+    bodyUserData.reserve(expected);
     shapes.reserve(expected);
     awakeBodies.reserve(expected);
 }
@@ -177,7 +184,7 @@ StepStats World::stats() const {
     stats.colors = w.graph.usedColors();
     for (const std::uint32_t c : w.awakeContacts) stats.touching += w.contacts[c].touching;
     stats.bytes = w.bodies.bytes() + w.states.bytes() + w.inertias.bytes() + w.dynamics.bytes() + w.histories.bytes() +
-                  w.shapes.bytes() + w.contacts.bytes() + w.manifolds.bytes() + w.joints.bytes() + w.jointSims.bytes() +
+                  w.shapes.bytes() + w.contacts.bytes() + w.contactLinks.bytes() + w.manifolds.bytes() + w.joints.bytes() + w.jointSims.bytes() +
                   w.jointBundles.bytes();
     for (int c = 0; c < ConstraintGraph::kLists; ++c) stats.bytes += w.graph.color(c).bundles.bytes();
     return stats;

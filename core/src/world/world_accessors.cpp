@@ -89,7 +89,7 @@ Vec3 World::velocityAt(BodyId body, const DVec3& point) const {
 }
 BodyType World::type(BodyId body) const { return impl_->bodies[impl_->index(body)].type; }
 bool World::isAwake(BodyId body) const { return impl_->isAwake(impl_->index(body)); }
-std::uint64_t World::userData(BodyId body) const { return impl_->bodies[impl_->index(body)].userData; }
+std::uint64_t World::userData(BodyId body) const { return impl_->bodyUserData[impl_->index(body)]; }
 
 MassProperties World::mass(BodyId id) const {
     const BodyRecord& body = impl_->bodies[impl_->index(id)];
@@ -241,7 +241,7 @@ void World::setMaterial(ShapeId shape, const Material& material) {
     ShapeRecord& record = impl_->shapes[impl_->index(shape)];
     record.material = material;
     for (std::uint32_t key = impl_->bodies[record.body].firstContact; key != kNone;
-         key = impl_->contacts[key >> 1].edges[key & 1].next)
+         key = impl_->nextContact(key))
         impl_->contacts[key >> 1].surfaceOpen = true;
     impl_->wakeTouching(record.body);
 }
@@ -252,7 +252,7 @@ void World::setFilter(ShapeId shape, const Filter& filter) {
     record.filter = filter;
     for (std::uint32_t key = impl_->bodies[record.body].firstContact; key != kNone;) {
         const ContactRecord& contact = impl_->contacts[key >> 1];
-        const std::uint32_t next = contact.edges[key & 1].next;
+        const std::uint32_t next = impl_->nextContact(key);
         if (contact.shapeA == i || contact.shapeB == i) impl_->destroyContact(key >> 1);
         key = next;
     }
@@ -304,14 +304,13 @@ void World::forEachContact(const std::function<void(const Contact&)>& visit) con
 }
 void World::forEachContact(BodyId body, const std::function<void(const Contact&)>& visit) const {
     std::uint32_t key = impl_->bodies[impl_->index(body)].firstContact;
-    for (; key != kNone; key = impl_->contacts[key >> 1].edges[key & 1].next) impl_->visitContact(key >> 1, visit);
+    for (; key != kNone; key = impl_->nextContact(key)) impl_->visitContact(key >> 1, visit);
 }
 void WorldImpl::visitContact(std::uint32_t index, const std::function<void(const Contact&)>& visit) const {
     const ContactRecord& record = contacts[index];
     if (!record.touching || record.sensor) return;
-    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k)
-        if (const ManifoldRecord& manifold = manifolds[record.firstManifold + k]; manifold.pointCount > 0)
-            visit(describe(record, manifold));
+    for (const ManifoldRecord& manifold : manifoldsOf(record))
+        if (manifold.pointCount > 0) visit(describe(record, manifold));
 }
 
 double World::energy() const {

@@ -126,11 +126,10 @@ void WorldImpl::changeMass(std::uint32_t index, const MassProperties& mass) {
 }
 
 void WorldImpl::moveAnchors(std::uint32_t index, const Frame& move) {
-    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = nextContact(key)) {
         const ContactRecord& contact = contacts[key >> 1];
         const bool isA = contact.bodyA == index;
-        for (std::uint32_t k = 0; k < contact.manifoldCapacity; ++k) {
-            ManifoldRecord& manifold = manifolds[contact.firstManifold + k];
+        for (ManifoldRecord& manifold : manifoldsOf(contact)) {
             if (isA) manifold.normal = rotate(move.rotation, manifold.normal);
             for (int j = 0; j < manifold.pointCount; ++j) {
                 Vec3& anchor = (isA ? manifold.anchorA : manifold.anchorB)[j];
@@ -148,6 +147,7 @@ std::uint32_t WorldImpl::createBody(const BodyDef& def) {
     grow(inertias, index, BodyInertia{});
     grow(dynamics, index, BodyDynamics{});
     grow(histories, index, BodyHistory{});
+    grow(bodyUserData, index, std::uint64_t{0});
     BodyRecord& body = bodies[index];
     body.type = def.type;
     body.linearDamping = def.linearDamping;
@@ -157,7 +157,7 @@ std::uint32_t WorldImpl::createBody(const BodyDef& def) {
     body.continuous = def.continuous;
     body.bullet = def.bullet;
     body.locks = def.locks;
-    body.userData = def.userData;
+    bodyUserData[index] = def.userData;
     body.state = def.type == BodyType::fixed ? 0 : index;
     setMass(index, def);
     const Pose start{def.pose.position, normalized(def.pose.rotation)};
@@ -291,7 +291,7 @@ void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3&
 
 /// What was put somewhere did not travel there.
 void WorldImpl::forgetGaps(std::uint32_t index) {
-    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next)
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = nextContact(key))
         contacts[key >> 1].until = 0;
 }
 

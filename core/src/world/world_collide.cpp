@@ -49,7 +49,6 @@ void WorldImpl::prefetchContact(int place, int end) const {
 /// Asks for what colliding a pair will read.
 void WorldImpl::prefetchCollision(const ContactRecord& record) const {
     constexpr std::size_t kLine = 64;
-    prefetch(reinterpret_cast<const char*>(&record) + kLine);
     prefetch(&shapes[record.shapeA]);
     prefetch(&shapes[record.shapeB]);
     if (!record.hasPoints) return;
@@ -69,7 +68,7 @@ void WorldImpl::prefetchShapes(const ContactRecord& record) const {
 }
 
 /// What does not stay is collided after the others were asked: until then its memory is on the way.
-void WorldImpl::updateSome(int begin, int end, int last) {
+void WorldImpl::updateSome(int begin, int end, int last, int worker) {
     std::uint32_t asked[kAskedAtOnce];
     int count = 0;
     for (int i = begin; i < end; ++i) {
@@ -91,7 +90,7 @@ void WorldImpl::updateSome(int begin, int end, int last) {
         for (int k = first + kNext; k < past + kNext && k < count; ++k) prefetchShapes(contacts[asked[k]]);
         PairPlace places[kFour];
         placePairs(asked + first, past - first, places);
-        for (int k = first; k < past; ++k) updateContact(asked[k], places[k - first]);
+        for (int k = first; k < past; ++k) updateContact(asked[k], places[k - first], worker);
     }
 }
 
@@ -102,9 +101,10 @@ void WorldImpl::updateContacts() {
     contactChanged.resizeForOverwrite(awakeContacts.size());
     anySensor.store(false, std::memory_order_relaxed);
     lookAhead();
-    runner.parallelFor(count, kAskedAtOnce, [&](int begin, int end, int) {
+    makeRoomToHold();
+    runner.parallelFor(count, kAskedAtOnce, [&](int begin, int end, int worker) {
         for (int i = begin; i < end; i += kAskedAtOnce)
-            updateSome(i, i + kAskedAtOnce < end ? i + kAskedAtOnce : end, end);
+            updateSome(i, i + kAskedAtOnce < end ? i + kAskedAtOnce : end, end, worker);
     });
     surfacesForgotten = false;
 }
@@ -142,7 +142,7 @@ bool WorldImpl::keepsGeometry(const ContactRecord& record) const {
 }
 
 /// Contacts are found early enough that the motion of the step cannot pass them.
-void WorldImpl::updateContact(std::uint32_t index, const PairPlace& place) {
+void WorldImpl::updateContact(std::uint32_t index, const PairPlace& place, int worker) {
     ContactRecord& record = contacts[index];
     std::uint8_t& change = contactChanged[record.awakeIndex];
     change = kUnchanged;
@@ -160,38 +160,42 @@ void WorldImpl::updateContact(std::uint32_t index, const PairPlace& place) {
         change = keepManifolds(record);
         return;
     }
-    change = reuseManifolds(record, place, travel) ? keepManifolds(record) : collideAnew(record, place, travel);
+    change = reuseManifolds(record, place, travel) ? keepManifolds(record) : collideAnew(record, place, travel, worker);
 }
 
 /// Manifolds that are kept are brought to where the bodies are when constraints are prepared.
 std::uint8_t WorldImpl::keepManifolds(ContactRecord& record) {
     if (!record.hasPoints) return kUnchanged;
     refreshSurfaces(record);
-    return !record.bearsLoad && mayBeSeam(record) ? kCloses : kUnchanged;
+    return !record.bearsLoad && mayBeSeam(record, manifolds[record.firstManifold]) ? kCloses : kUnchanged;
 }
 
-std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const PairPlace& place, double travel) {
-    record.collided = true;
-    record.collidedAt = place.bInA;
+std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const PairPlace& place, double travel, int worker) {
     record.collidedMargin = place.margin;
     union Unfilled {  // with zeros: most pairs touch in one direction, if any
         Unfilled() {}
         Manifold manifolds[kMaxManifolds];
     } room;
-    Manifold* const found = room.manifolds;
-    std::construct_at(found);
-    const int count = findManifolds(record, place.bInA, place.margin, {found, record.manifoldCapacity});
-    unsigned change = record.isMesh && meetAsSurfaces(record) ? takeSurfaceManifolds(record, found, count)
-                                                              : takeManifolds(record, found, count);
-    if (!record.hasPoints) {
-        record.until = travel + static_cast<double>(found[0].gap - tuning::kSpeculative * record.size);
+    std::construct_at(room.manifolds);
+    const int count = findManifolds(record, place.bInA, place.margin, {room.manifolds, record.manifoldCapacity});
+    const std::span<const Manifold> found(room.manifolds, static_cast<std::size_t>(count));
+    const bool first = record.firstManifold == kNone;
+    unsigned change = kUnchanged;
+    if (!first)
+        change = record.isMesh && meetAsSurfaces(record) ? takeSurfaceManifolds(record, found)
+                                                         : takeManifolds(record, found);
+    if (count == 0) {
+        record.until = travel + static_cast<double>(room.manifolds[0].gap - tuning::kSpeculative * record.size);
         return static_cast<std::uint8_t>(change);
     }
+    if (first) change = holds(record) ? kGraph | kFound | kPoints : kGraph | kFound;
+    ManifoldRecord& manifold = first ? takeFirstManifolds(record, found, worker) : manifolds[record.firstManifold];
+    manifold.collidedAt = place.bInA;
     record.until = 0;
     if (!turnsUnderContact(record))
         record.until = travel + static_cast<double>(tuning::kReuse * record.size / place.perTravel);
     record.aheadMost = place.margin + (tuning::kReuse - tuning::kSpeculative) * record.size;
-    if (mayBeSeam(record)) change |= kCloses;
+    if (mayBeSeam(record, manifold)) change |= kCloses;
     return static_cast<std::uint8_t>(change);
 }
 
@@ -203,6 +207,7 @@ void WorldImpl::applyContactChanges() {
     for (std::size_t i = 0; i < awakeContacts.size(); ++i) {
         const std::uint8_t change = contactChanged[i];
         if (change == kUnchanged) continue;
+        if ((change & kFound) != 0) settleManifolds(awakeContacts[i]);
         if ((change & kCloses) != 0) closingContacts.push(awakeContacts[i]);
         if ((change & kPoints) != 0) {
             const ContactRecord& record = contacts[awakeContacts[i]];
@@ -217,19 +222,20 @@ void WorldImpl::applyContactChanges() {
             applyContactChange(changed.contact);
     }
     noteShiftedLoads();
+    // All may fall asleep at once, when nothing may grow.
+    if (settings.sleeping) storedImpulses.reserve(manifolds.capacity()), freeStored.reserve(manifolds.capacity());
 }
 
 /// Where points that hold a body came or went, all that hold it find their loads anew.
 void WorldImpl::noteShiftedLoads() {
     for (const std::uint32_t body : shiftedBodies)
         for (std::uint32_t key = bodies[body].firstContact; key != kNone;
-             key = contacts[key >> 1].edges[key & 1].next) {
+             key = nextContact(key)) {
             const ContactRecord& record = contacts[key >> 1];
             if (!record.hasPoints || !holds(record)) continue;
-            for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k)
-                if (const GraphPlace place = manifolds[record.firstManifold + k].place;
-                    place.color < ConstraintGraph::kDirect)
-                    LaneView(graph.lane(place), graph.lanes()).at(contact::kShifted) = 1;
+            for (const ManifoldRecord& manifold : manifoldsOf(record))
+                if (manifold.place.color < ConstraintGraph::kDirect)
+                    LaneView(graph.lane(manifold.place), graph.lanes()).at(contact::kShifted) = 1;
         }
 }
 
@@ -237,24 +243,23 @@ void WorldImpl::noteShiftedLoads() {
 /// sleeps wakes when it is met; until then it takes no part. The contacts of a body that wakes keep the geometry they
 /// fell asleep with, which has not changed.
 void WorldImpl::applyContactChange(std::uint32_t index) {
-    const ContactRecord record = contacts[index];
-    bool points = false, meets = false;
-    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
-        const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
-        if (manifold.pointCount == 0) removeFromGraph(record.firstManifold + k);
-        points |= manifold.pointCount > 0;
+    ContactRecord& record = contacts[index];
+    bool meets = false;
+    forEachManifold(record, [&](std::uint32_t k) {
+        const ManifoldRecord& manifold = manifolds[k];
+        if (manifold.pointCount == 0) removeFromGraph(k);
         for (int j = 0; j < manifold.pointCount; ++j) meets |= willMeet(record, manifold, j);
-    }
-    if (!points || record.sensor) return;
+    });
+    if (!record.hasPoints) return releaseManifolds(record);
     const bool sleepsA = moves(record.bodyA) && !isAwake(record.bodyA);
     const bool sleepsB = moves(record.bodyB) && !isAwake(record.bodyB);
     if ((sleepsA || sleepsB) && !meets) {
-        contacts[index].until = 0;
+        record.until = 0;
         return;
     }
     if (sleepsA) wakeBody(record.bodyA);
     if (sleepsB) wakeBody(record.bodyB);
-    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) addToGraph(record.firstManifold + k);
+    forEachManifold(record, [&](std::uint32_t manifold) { addToGraph(manifold); });
 }
 
 }  // namespace ragtop

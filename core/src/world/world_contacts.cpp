@@ -134,13 +134,13 @@ void WorldImpl::writeSurface(const ContactRecord& record, const ManifoldRecord& 
 void WorldImpl::refreshSurfaces(ContactRecord& record) {
     if (!record.surfaceOpen && !callbacks.modify && !surfacesForgotten) return;
     record.surfaceOpen = false;
-    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k)
-        if (const ManifoldRecord& manifold = manifolds[record.firstManifold + k]; manifold.place.color != kNone)
-            writeSurface(record, manifold);
+    for (const ManifoldRecord& manifold : manifoldsOf(record))
+        if (manifold.place.color != kNone) writeSurface(record, manifold);
 }
 
 /// Writes a manifold with its impulses into its lane.
-void WorldImpl::writeLane(const ContactRecord& record, const ManifoldRecord& manifold) {
+void WorldImpl::writeLane(const ContactRecord& record, const ManifoldRecord& manifold,
+                          const ManifoldImpulses& impulses) {
     LaneView lane(graph.lane(manifold.place), graph.lanes());
     lane.setBits(contact::kBodyA, bodies[record.bodyA].state);
     lane.setBits(contact::kBodyB, bodies[record.bodyB].state);
@@ -148,31 +148,16 @@ void WorldImpl::writeLane(const ContactRecord& record, const ManifoldRecord& man
     lane.setBits(contact::kRecordB, record.bodyB);
     lane.at(contact::kSize) = record.size;
     writeSurface(record, manifold);
-    const float ratio = manifold.substep > 0 ? context.h / manifold.substep : 1;
+    const float ratio = impulses.substep > 0 ? context.h / impulses.substep : 1;
     for (int j = 0; j < contact::kMaxPoints; ++j) {
-        lane.at(j, contact::kImpulse) = ratio * manifold.impulse[j];
-        lane.at(j, contact::kLoad) = ratio * manifold.load[j];
+        lane.at(j, contact::kImpulse) = ratio * impulses.impulse[j];
+        lane.at(j, contact::kLoad) = ratio * impulses.load[j];
     }
-    lane.set(contact::kFrictionImpulse, ratio * manifold.frictionImpulse);
-    lane.set(contact::kRollImpulse, ratio * manifold.rollImpulse);
-    lane.at(contact::kTwistImpulse) = ratio * manifold.twistImpulse;
-    lane.at(contact::kSliding) = manifold.sliding ? 1.0f : 0.0f;
-    lane.set(contact::kStick, manifold.stick);
-}
-
-/// Copies the impulses of a lane into the record.
-void WorldImpl::saveLane(ManifoldRecord& manifold) {
-    LaneView lane(graph.lane(manifold.place), graph.lanes());
-    for (int j = 0; j < contact::kMaxPoints; ++j) {
-        manifold.impulse[j] = lane.at(j, contact::kImpulse);
-        manifold.load[j] = lane.at(j, contact::kLoad);
-    }
-    manifold.frictionImpulse = lane.vector(contact::kFrictionImpulse);
-    manifold.rollImpulse = lane.vector(contact::kRollImpulse);
-    manifold.twistImpulse = lane.at(contact::kTwistImpulse);
-    manifold.sliding = lane.at(contact::kSliding) > 0;
-    manifold.stick = lane.vector(contact::kStick);
-    manifold.substep = lastSubstep;
+    lane.set(contact::kFrictionImpulse, ratio * impulses.frictionImpulse);
+    lane.set(contact::kRollImpulse, ratio * impulses.rollImpulse);
+    lane.at(contact::kTwistImpulse) = ratio * impulses.twistImpulse;
+    lane.at(contact::kSliding) = impulses.sliding ? 1.0f : 0.0f;
+    lane.set(contact::kStick, impulses.stick);
 }
 
 void WorldImpl::noteGraphChange(GraphPlace place) {
@@ -184,17 +169,19 @@ void WorldImpl::addToGraph(std::uint32_t index) {
     ManifoldRecord& manifold = manifolds[index];
     const ContactRecord& record = contacts[manifold.contact];
     if (manifold.place.color != kNone || manifold.pointCount == 0 || record.sensor) return;
+    const ManifoldImpulses impulses = impulsesOf(manifold);
     manifold.place =
         graph.insertContact(index, bodies[record.bodyA].state, moves(record.bodyA), bodies[record.bodyB].state,
                             moves(record.bodyB), isDirect(record.bodyA) || isDirect(record.bodyB));
     noteGraphChange(manifold.place);
-    writeLane(record, manifold);
+    writeLane(record, manifold, impulses);
+    if (record.manifoldCapacity == 1) forgetStored(manifold);
 }
 
 void WorldImpl::removeFromGraph(std::uint32_t index) {
     ManifoldRecord& manifold = manifolds[index];
     if (manifold.place.color == kNone) return;
-    saveLane(manifold);
+    if (manifold.pointCount > 0) storeImpulses(manifold);
     const ContactRecord& record = contacts[manifold.contact];
     const std::uint32_t moved = graph.removeContact(manifold.place, bodies[record.bodyA].state, moves(record.bodyA),
                                                     bodies[record.bodyB].state, moves(record.bodyB));
@@ -207,49 +194,49 @@ void WorldImpl::removeFromGraph(std::uint32_t index) {
 
 namespace {
 
-/// Moves impulses from the points of before to those of now that have the same feature.
-void carryImpulses(const ManifoldRecord& before, ManifoldRecord& now) {
-    if (before.pointCount == 0) {
-        now.frictionImpulse = now.rollImpulse = now.stick = {};
-        now.twistImpulse = 0;
-        now.sliding = false;
-    }
+/// Impulses of the points of before for those of now that have the same feature.
+ManifoldImpulses carriedImpulses(const ManifoldRecord& before, const ManifoldImpulses& known, const ManifoldRecord& now) {
+    ManifoldImpulses carried;
+    if (before.pointCount > 0) carried = known;
     for (int j = 0; j < kMaxManifoldPoints; ++j) {
-        now.impulse[j] = now.load[j] = 0;
+        carried.impulse[j] = carried.load[j] = 0;
         if (j >= now.pointCount) continue;
         for (int k = 0; k < before.pointCount; ++k)
             if (before.feature[k] == now.feature[j]) {
-                now.impulse[j] = before.impulse[k];
-                now.load[j] = before.load[k];
+                carried.impulse[j] = known.impulse[k];
+                carried.load[j] = known.load[k];
                 break;
             }
     }
+    return carried;
 }
 
 /// Contacts of surfaces go from feature to feature as they roll and slide on each other. What a place that is gone bore is
 /// borne by the nearest one of now that faces alike, so that nothing sinks until it finds its load anew.
-void handOverImpulses(std::span<const ManifoldRecord> before, std::span<ManifoldRecord> now, float size) {
+void handOverImpulses(std::span<const ManifoldRecord> before, const ManifoldImpulses* known,
+                      std::span<const ManifoldRecord> now, ManifoldImpulses* carried, float size) {
     constexpr float kNear = 0.5f, kAlike = 0.7f;
-    for (const ManifoldRecord& old : before)
-        for (int j = 0; j < old.pointCount; ++j) {
-            if (!(old.impulse[j] > 0 || old.load[j] > 0)) continue;
-            ManifoldRecord* heir = nullptr;
+    for (std::size_t i = 0; i < before.size(); ++i)
+        for (int j = 0; j < before[i].pointCount; ++j) {
+            const ManifoldRecord& old = before[i];
+            if (!(known[i].impulse[j] > 0 || known[i].load[j] > 0)) continue;
+            const ManifoldRecord* heir = nullptr;
             int place = 0;
             float least = kNear * kNear * size * size;
             bool kept = false;
-            for (ManifoldRecord& manifold : now) {
+            for (const ManifoldRecord& manifold : now) {
                 const float facing = dot(manifold.normal, old.normal);
                 if (facing < kAlike) continue;
                 for (int k = 0; k < manifold.pointCount; ++k) {
-                    kept |= &manifold - now.data() == &old - before.data() && manifold.feature[k] == old.feature[j];
+                    kept |= &manifold == &now[i] && manifold.feature[k] == old.feature[j];
                     const float square = lengthSquared(manifold.anchorA[k] - old.anchorA[j]);
                     if (square < least) least = square, heir = &manifold, place = k;
                 }
             }
             if (kept || !heir) continue;
             const float share = dot(heir->normal, old.normal);
-            heir->impulse[place] += share * old.impulse[j];
-            heir->load[place] += share * old.load[j];
+            carried[heir - now.data()].impulse[place] += share * known[i].impulse[j];
+            carried[heir - now.data()].load[place] += share * known[i].load[j];
         }
 }
 
@@ -307,14 +294,11 @@ bool WorldImpl::reuseManifolds(ContactRecord& record, const PairPlace& place, do
     // Impulses of another substep length are rescaled on their way through the record.
     if (lastSubstep != context.h) return false;
     const float most = tuning::kReuse * record.size;
-    if (!record.collided || !record.hasPoints || turnsUnderContact(record) || place.margin > record.collidedMargin + most)
-        return false;
+    if (!record.hasPoints || turnsUnderContact(record) || place.margin > record.collidedMargin + most) return false;
     const float left = most - place.moved;
     if (left < 0) return false;
-    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
-        const ManifoldRecord& manifold = manifolds[record.firstManifold + k];
+    for (const ManifoldRecord& manifold : manifoldsOf(record))
         if (manifold.pointCount > 0 && manifold.place.color == kNone) return false;
-    }
     record.until = travel + static_cast<double>(left / place.perTravel);
     return true;
 }
@@ -375,40 +359,50 @@ int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float mar
     return found[0].pointCount > 0 ? 1 : 0;
 }
 
+/// What a contact without manifolds has found; returns the first.
+ManifoldRecord& WorldImpl::takeFirstManifolds(ContactRecord& record, std::span<const Manifold> found, int worker) {
+    const std::span<ManifoldRecord> held = holdManifolds(record, worker);
+    record.hasPoints = true;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        held[i].normal = rotate(shapes[record.shapeA].frame.rotation, found[i].normal);
+        placePoints(record, found[i], held[i]);
+    }
+    return held[0];
+}
+
 /// Writes what the narrow phase has found into the records, and the lanes of those in the graph; tells what that
 /// changes.
-std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, const Manifold* found, int count) {
+std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, std::span<const Manifold> found) {
     ManifoldRecord* old = &manifolds[record.firstManifold];
-    if (count == 0 && !record.hasPoints) return kUnchanged;
+    const int count = static_cast<int>(found.size());
     record.hasPoints = count > 0;
     refreshSurfaces(record);
     const ShapeRecord& shapeA = shapes[record.shapeA];
     Vec3 normals[kMaxManifolds];
     int place[kMaxManifolds];
-    for (int i = 0; i < count; ++i) normals[i] = rotate(shapeA.frame.rotation, found[i].normal);
+    for (int i = 0; i < count; ++i) normals[i] = rotate(shapeA.frame.rotation, found[static_cast<std::size_t>(i)].normal);
     matchManifolds(normals, count, old, record.manifoldCapacity, place);
 
     unsigned change = kUnchanged;
     bool written[kMaxManifolds] = {}, others = false;
     for (int i = 0; i < count; ++i) {
+        const Manifold& fresh = found[static_cast<std::size_t>(i)];
         ManifoldRecord& manifold = old[place[i]];
         written[place[i]] = true;
         // Its impulses stay in its lane, and so do its surfaces.
-        if (manifold.place.color != kNone && lastSubstep == context.h && hasSamePoints(manifold, found[i]) &&
-            manifold.triangle == found[i].triangle) {
+        if (manifold.place.color != kNone && lastSubstep == context.h && hasSamePoints(manifold, fresh) &&
+            manifold.triangle == fresh.triangle) {
             manifold.normal = normals[i];
-            placePoints(record, found[i], manifold);
+            placePoints(record, fresh, manifold);
             continue;
         }
-        if (manifold.place.color != kNone) saveLane(manifold);
         const ManifoldRecord before = manifold;
+        const ManifoldImpulses known = impulsesOf(manifold);
         manifold.normal = normals[i];
-        placePoints(record, found[i], manifold);
-        carryImpulses(before, manifold);
+        placePoints(record, fresh, manifold);
         others |= hasOtherPoints(before, manifold);
-        if (manifold.place.color != kNone)
-            writeLane(record, manifold);
-        else
+        writeImpulses(record, manifold, carriedImpulses(before, known, manifold));
+        if (manifold.place.color == kNone)
             change |= kGraph, manifoldTouches[record.firstManifold + static_cast<std::size_t>(place[i])] = kUnknownTouch;
     }
     for (int k = 0; k < record.manifoldCapacity; ++k) {
@@ -422,18 +416,17 @@ std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, const Manifold* fou
 }
 
 /// The same of meshes that move.
-std::uint8_t WorldImpl::takeSurfaceManifolds(ContactRecord& record, const Manifold* found, int count) {
-    const std::span<ManifoldRecord> now(&manifolds[record.firstManifold], record.manifoldCapacity);
+std::uint8_t WorldImpl::takeSurfaceManifolds(ContactRecord& record, std::span<const Manifold> found) {
+    const std::span<ManifoldRecord> now = manifoldsOf(record);
     ManifoldRecord before[kMaxManifolds];
-    for (std::size_t k = 0; k < now.size(); ++k) {
-        if (now[k].place.color != kNone) saveLane(now[k]);
-        before[k] = now[k];
-    }
-    const std::uint8_t change = takeManifolds(record, found, count);
+    ManifoldImpulses known[kMaxManifolds], handed[kMaxManifolds];
+    for (std::size_t k = 0; k < now.size(); ++k) before[k] = now[k], known[k] = impulsesOf(now[k]);
+    const std::uint8_t change = takeManifolds(record, found);
+    for (std::size_t k = 0; k < now.size(); ++k) handed[k] = carriedImpulses(before[k], known[k], now[k]);
     const float sizeA = shapes[record.shapeA].size, sizeB = shapes[record.shapeB].size;
-    handOverImpulses({before, now.size()}, now, sizeA < sizeB ? sizeA : sizeB);
-    for (const ManifoldRecord& manifold : now)
-        if (manifold.pointCount > 0 && manifold.place.color != kNone) writeLane(record, manifold);
+    handOverImpulses({before, now.size()}, known, now, handed, sizeA < sizeB ? sizeA : sizeB);
+    for (std::size_t k = 0; k < now.size(); ++k)
+        if (now[k].pointCount > 0) writeImpulses(record, now[k], handed[k]);
     return change;
 }
 

@@ -160,15 +160,57 @@ bool WorldImpl::mayMeet(std::uint32_t index, const DVec3& start) const {
 }
 
 /// Bodies that moved far for their size are swept along their path, so that they do not pass what their contacts did
-/// not foresee. Serial and in order of the list.
+/// not foresee. Serial and in order of the list, but for those that meet nothing.
 void WorldImpl::sweepFastBodies() {
     sweptImpacts.clear();
     if (!settings.continuous) return;
     const std::size_t count = awakeBodies.size();
     posesMoved = true;
+    if (runner.workers() > 1) clearWays();
     for (std::size_t i = 0; i < count; ++i)
         if (bodyFlags[i] == kToSweep && moves(awakeBodies[i])) sweepBody(awakeBodies[i]);
     posesMoved = false;
+}
+
+/// What is swept past obstacles that stand still alone, and meets none, depends on nothing that other sweeps change; one
+/// that pushes it on lets it be swept after all.
+void WorldImpl::clearWays() {
+    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) {
+            const std::uint32_t body = awakeBodies[static_cast<std::size_t>(i)];
+            BodyFlag& flag = bodyFlags[static_cast<std::size_t>(i)];
+            if (flag == kToSweep && moves(body) && !bodies[body].bullet && !meetsAnything(body)) flag = kFastClear;
+        }
+    });
+}
+
+namespace {
+
+constexpr int kMaxPieces = 64;
+
+/// The share of a way that is swept at once: long turns are swept piece by piece.
+float firstPiece(const SweptWay& path) {
+    constexpr float kPiece = 1.5f;  // rad
+    return 1 / (1 + std::floor(length(path.turn) / kPiece));
+}
+
+SweptWay afterPiece(const SweptWay& path, float share) {
+    return {path.at(share), (1 - share) * path.way, (1 - share) * path.turn};
+}
+
+}  // namespace
+
+bool WorldImpl::meetsAnything(std::uint32_t index) const {
+    SweptWay path = wayOfStep(index);
+    float done = 0;
+    for (int piece = 0; piece < kMaxPieces && done < 1; ++piece) {
+        const float share = firstPiece(path);
+        const float until = share < 1 ? done + (1 - done) * share : 1.0f;
+        if (firstMeeting(index, path.from, path.at(share), done, until).hit) return true;
+        path = afterPiece(path, share);
+        done = until;
+    }
+    return false;
 }
 
 /// How a body moved in this step: straight, and turning evenly, as many revolutions as its speed tells.
@@ -195,27 +237,25 @@ void WorldImpl::rideAlong(std::uint32_t obstacle, float done, Pose& pose) const 
     pose.rotation = normalized(pose.rotation);
 }
 
-/// Plays the impacts of a body one after the other, each with the rest of its time. Long turns are swept piece by
-/// piece. What is left after the last impact, or piece, is lost, but for the way of what it lies on.
+/// Plays the impacts of a body one after the other, each with the rest of its time. What is left after the last impact, or piece, is lost, but for the way of what it lies on.
 void WorldImpl::sweepBody(std::uint32_t index) {
-    constexpr int kMaxImpacts = 8, kMaxStuck = 3, kMaxPieces = 64;
-    constexpr float kPiece = 1.5f;  // rad
+    constexpr int kMaxImpacts = 8, kMaxStuck = 3;
     SweptWay path = wayOfStep(index);
     Quat velocityAt = bodies[index].rotation;
     float done = 0;
     int impacts = 0, stuck = 0;
     for (int piece = 0; piece < kMaxPieces && done < 1; ++piece) {
-        const float share = 1 / (1 + std::floor(length(path.turn) / kPiece));
+        const float share = firstPiece(path);
         const Pose to = path.at(share);
         const float until = share < 1 ? done + (1 - done) * share : 1.0f;
         const Meeting meeting = firstMeeting(index, path.from, to, done, until);
         if (!meeting.hit) {
-            path = {to, (1 - share) * path.way, (1 - share) * path.turn};
+            path = afterPiece(path, share);
             done = until;
             continue;
         }
         const float met = share * meeting.fraction;
-        path = {path.at(met), (1 - met) * path.way, (1 - met) * path.turn};
+        path = afterPiece(path, met);
         done += (until - done) * meeting.fraction;
         if (++impacts > kMaxImpacts) {
             rideAlong(shapes[meeting.obstacle].body, done, path.from);

@@ -48,10 +48,30 @@ bool isDeep(const float* lane, std::size_t stride, float beyond) {
 
 }  // namespace
 
+/// What falls all at once is deep for a moment, with copies of half of all contacts: large memory of which little is used
+/// for long is given back.
+void WorldImpl::giveBackDeep() {
+    constexpr int kLong = 64;
+    const bool used = 8 * deepBundles.size() > deepBundles.capacity();
+    deepSpareSteps = used || !deepBundles.isLarge() ? 0 : deepSpareSteps + 1;
+    if (deepSpareSteps < kLong) return;
+    deepBundles.release();
+    deepSpareSteps = 0;
+}
+
+template <class Visit>
+void WorldImpl::forEachDeep(Visit&& visit) {
+    runner.parallelFor(static_cast<int>(deepContacts.size()), 64, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) visit(deepContacts[static_cast<std::size_t>(i)]);
+    });
+}
+
 /// Copies the contacts of this step that are deep to bundles of their own; those of the overflow keep one each.
 void WorldImpl::collectDeep(bool any) {
+    giveBackDeep();
     deepContacts.clear();
     deepStarts.clear();
+    deepBundles.clear();
     if (!any) return;
     const auto lanes = static_cast<std::size_t>(graph.lanes());
     const float rate = context.softStatic.massScale * context.softStatic.biasRate;
@@ -63,20 +83,24 @@ void WorldImpl::collectDeep(bool any) {
         const std::size_t inBundle = c == ConstraintGraph::kOverflow ? 1 : lanes;
         std::size_t used = 0;
         const auto count = static_cast<std::uint32_t>(graph.color(c).manifolds.size());
+        laneIsDeep.resizeForOverwrite(count);
+        runner.parallelFor(static_cast<int>(count), 512, [&](int begin, int end, int) {
+            for (auto slot = static_cast<std::uint32_t>(begin); slot < static_cast<std::uint32_t>(end); ++slot)
+                laneIsDeep[slot] = isDeep(graph.lane({static_cast<std::uint32_t>(c), slot}), lanes, beyond) ? 1 : 0;
+        });
         for (std::uint32_t slot = 0; slot < count; ++slot) {
-            const GraphPlace place{static_cast<std::uint32_t>(c), slot};
-            if (!isDeep(graph.lane(place), lanes, beyond)) continue;
+            if (laneIsDeep[slot] == 0) continue;
             const std::size_t bundle = bundles + used / inBundle;
-            deepContacts.push({place, bundle * kFields * lanes + used % inBundle});
+            deepContacts.push({{static_cast<std::uint32_t>(c), slot}, bundle * kFields * lanes + used % inBundle});
             ++used;
         }
         bundles += (used + inBundle - 1) / inBundle;
     }
     deepStarts.push(static_cast<std::uint32_t>(bundles));
-    deepBundles.clear();
     deepBundles.resize(bundles * kFields * lanes, 0.0f);
-    for (const DeepContact& deep : deepContacts)
+    forEachDeep([&](const DeepContact& deep) {
         copyFields(graph.lane(deep.from), deepBundles.data() + deep.to, lanes, {0, kFields});
+    });
 }
 
 /// In the order of the other sweeps.
@@ -90,9 +114,10 @@ void WorldImpl::relaxDeep() {
     };
     const auto startOf = [&](int color) { return static_cast<int>(deepStarts[static_cast<std::size_t>(color)]); };
     const auto lanes = static_cast<std::size_t>(graph.lanes());
-    for (const DeepContact& deep : deepContacts)
+    forEachDeep([&](const DeepContact& deep) {
         for (const Strip& fields : kRelaxed)
             copyFields(graph.lane(deep.from), deepBundles.data() + deep.to, lanes, fields);
+    });
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
         relax(startOf(ConstraintGraph::kOverflow), startOf(ConstraintGraph::kOverflow + 1));
         for (int c = 0; c < ConstraintGraph::kColors; ++c) {
@@ -101,9 +126,10 @@ void WorldImpl::relaxDeep() {
                                [&](int begin, int end, int) { relax(first + begin, first + end); });
         }
     }
-    for (const DeepContact& deep : deepContacts)
+    forEachDeep([&](const DeepContact& deep) {
         for (const Strip& fields : kRelaxed)
             copyFields(deepBundles.data() + deep.to, graph.lane(deep.from), lanes, fields);
+    });
 }
 
 }  // namespace ragtop

@@ -28,8 +28,9 @@ bool isLoaded(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
 }  // namespace
 
 void WorldImpl::forgetTouches() {
-    manifoldTouches.clear();
-    for (const ManifoldRecord& manifold : manifolds) manifoldTouches.push(manifold.pointCount > 0 ? kUnknownTouch : 0);
+    manifoldTouches.resizeForOverwrite(manifolds.size());
+    for (std::size_t i = 0; i < manifolds.size(); ++i)
+        manifoldTouches[i] = manifolds[i].pointCount > 0 ? kUnknownTouch : 0;
 }
 
 /// What the lanes say of all manifolds in the graph.
@@ -103,13 +104,16 @@ void WorldImpl::publishSweptImpacts() {
 void WorldImpl::publishContact(std::uint32_t index) {
     ContactRecord& record = contacts[index];
     bool touching = record.struck;
-    for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
-        ManifoldRecord& manifold = manifolds[record.firstManifold + k];
+    unsigned loadedNow = 0, bit = 1;
+    for (const ManifoldRecord& manifold : manifoldsOf(record)) {
         const bool loaded = isLoaded(graph, manifold);
         touching |= loaded;
-        if (loaded && record.reportsMotion && manifold.place.color != kNone) publishSurface(record, manifold);
-        manifold.loaded = loaded && record.reportsMotion;
+        if (loaded && record.reportsMotion && manifold.place.color != kNone)
+            publishSurface(record, manifold, (record.loaded & bit) != 0);
+        if (loaded && record.reportsMotion) loadedNow |= bit;
+        bit <<= 1;
     }
+    record.loaded = static_cast<std::uint8_t>(loadedNow);
     if (touching == record.touching) return;
     const ContactEvent event{shapeId(record.shapeA), shapeId(record.shapeB), id(record.bodyA), id(record.bodyB)};
     if (record.sensor)
@@ -119,7 +123,7 @@ void WorldImpl::publishContact(std::uint32_t index) {
     record.touching = touching;
 }
 
-void WorldImpl::publishSurface(const ContactRecord& record, ManifoldRecord& manifold) {
+void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord& manifold, bool wasLoaded) {
     const LaneReader lane = reader(graph, manifold);
     SurfaceEvent event;
     float approach = 0;
@@ -145,7 +149,7 @@ void WorldImpl::publishSurface(const ContactRecord& record, ManifoldRecord& mani
     event.point = (a.state == 0 ? b.center : a.center) + rA;
     event.normal = normal;
     // An impact is over in the step that it begins in; what it leaves for the next is no other one.
-    if (approach < -context.restitutionSpeed && !manifold.loaded) {
+    if (approach < -context.restitutionSpeed && !wasLoaded) {
         event.kind = SurfaceEvent::Kind::impact;
         event.speed = -approach;
         surfaceEvents.push_back(event);
@@ -168,18 +172,17 @@ Contact WorldImpl::describe(const ContactRecord& record, const ManifoldRecord& m
     const PlacedManifold now = placed(record, manifold);
     result.normal = now.normal;
     result.pointCount = manifold.pointCount;
-    const bool inGraph = manifold.place.color != kNone;
+    const ManifoldImpulses impulses = impulsesOf(manifold);
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
     const float rate = lastSubstep > 0 ? 1 / lastSubstep : 0;
     for (int j = 0; j < manifold.pointCount; ++j) {
         ContactPoint& point = result.points[j];
         point.point = (a.state == 0 ? b.center : a.center) + now.anchor[j];
         point.separation = now.separation[j];
-        point.impulse = inGraph ? reader(graph, manifold).at(j, contact::kImpulse) : manifold.impulse[j];
+        point.impulse = impulses.impulse[j];
         result.normalForce += rate * point.impulse;
     }
-    result.frictionForce =
-        rate * (inGraph ? reader(graph, manifold).vector(contact::kFrictionImpulse) : manifold.frictionImpulse);
+    result.frictionForce = rate * impulses.frictionImpulse;
     return result;
 }
 

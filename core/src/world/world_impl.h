@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/aligned_array.h"
+#include "base/paged_array.h"
 #include "base/pair_set.h"
 #include "base/stage_runner.h"
 #include "broadphase/bounds_tree.h"
@@ -41,7 +42,9 @@ struct WorldImpl {
     void prepareBodies();
     void prepareConstraints();
     unsigned placeAndPrepare(int color, int begin, int end);
-    void prepareJoints(int color);
+    template <class Count, class Visit>
+    void forBlocksOfAllLists(int size, Count&& count, Visit&& visit);
+    void prepareJoints();
     void storeJoints();
     void solveSubstep(World& world, int number);
     void integrateVelocities();
@@ -63,6 +66,7 @@ struct WorldImpl {
 
     // world_pairs.cpp: broad phase.
     void findPairs();
+    class PairsMet;
     void findPairsOfMoved(bool obstaclesToo);
     void launch(std::uint32_t body);
     void coverMotion(std::uint32_t body);
@@ -84,14 +88,14 @@ struct WorldImpl {
     void prefetchContact(int place, int end) const;
     void prefetchCollision(const ContactRecord& contact) const;
     void prefetchShapes(const ContactRecord& contact) const;
-    void updateSome(int begin, int end, int last);
+    void updateSome(int begin, int end, int last, int worker);
     bool stays(const ContactRecord& contact) const;
     bool keepsGeometry(const ContactRecord& contact) const;
     void updateContacts();
     void placePairs(const std::uint32_t* asked, int count, PairPlace* out) const;  // world_pair_places.cpp
-    void updateContact(std::uint32_t contact, const PairPlace& place);
+    void updateContact(std::uint32_t contact, const PairPlace& place, int worker);
     std::uint8_t keepManifolds(ContactRecord& contact);
-    std::uint8_t collideAnew(ContactRecord& contact, const PairPlace& place, double travel);
+    std::uint8_t collideAnew(ContactRecord& contact, const PairPlace& place, double travel, int worker);
     void lookAhead();
     void updateSensors();
     void applyContactChanges();
@@ -105,13 +109,37 @@ struct WorldImpl {
     void moveManifolds();
     void moveLanes();
 
+    // world_manifolds.cpp: where manifolds and their impulses are kept.
+    std::span<ManifoldRecord> manifoldsOf(const ContactRecord& contact) {
+        if (contact.firstManifold == kNone) return {};
+        return {&manifolds[contact.firstManifold], contact.manifoldCapacity};
+    }
+    std::span<const ManifoldRecord> manifoldsOf(const ContactRecord& contact) const {
+        return const_cast<WorldImpl*>(this)->manifoldsOf(contact);
+    }
+    template <class Visit>
+    void forEachManifold(const ContactRecord& contact, Visit&& visit) const {
+        for (std::uint32_t k = 0; contact.firstManifold != kNone && k < contact.manifoldCapacity; ++k)
+            visit(contact.firstManifold + k);
+    }
+    std::uint32_t allotManifolds(std::uint32_t count);
+    void releaseManifolds(ContactRecord& contact);
+    std::span<ManifoldRecord> holdManifolds(ContactRecord& contact, int worker);
+    void makeRoomToHold();
+    void settleManifolds(std::uint32_t contact);
+    ManifoldImpulses impulsesOf(const ManifoldRecord& manifold) const;
+    void storeImpulses(ManifoldRecord& manifold);
+    void forgetStored(ManifoldRecord& manifold);
+    void writeImpulses(const ContactRecord& contact, const ManifoldRecord& manifold, const ManifoldImpulses& impulses);
+
     // world_contacts.cpp: manifolds and their lanes.
     bool meetAsSurfaces(const ContactRecord& contact) const;
     int findSurfaceManifolds(const ContactRecord& contact, const Frame& bInA, float margin,
                              std::span<Manifold> found) const;
     int findManifolds(ContactRecord& contact, const Frame& bInA, float margin, std::span<Manifold> found) const;
-    std::uint8_t takeSurfaceManifolds(ContactRecord& contact, const Manifold* found, int count);
-    std::uint8_t takeManifolds(ContactRecord& contact, const Manifold* found, int count);
+    std::uint8_t takeSurfaceManifolds(ContactRecord& contact, std::span<const Manifold> found);
+    std::uint8_t takeManifolds(ContactRecord& contact, std::span<const Manifold> found);
+    ManifoldRecord& takeFirstManifolds(ContactRecord& contact, std::span<const Manifold> found, int worker);
     void placePoints(const ContactRecord& contact, const Manifold& found, ManifoldRecord& manifold) const;
     void forgetGaps(std::uint32_t body);
     void giveRoom(std::uint32_t body);
@@ -123,8 +151,7 @@ struct WorldImpl {
     PlacedManifold placed(const ContactRecord& contact, const ManifoldRecord& manifold) const;
     void writeSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
     void refreshSurfaces(ContactRecord& contact);
-    void writeLane(const ContactRecord& contact, const ManifoldRecord& manifold);
-    void saveLane(ManifoldRecord& manifold);
+    void writeLane(const ContactRecord& contact, const ManifoldRecord& manifold, const ManifoldImpulses& impulses);
     void noteGraphChange(GraphPlace place);
     void addToGraph(std::uint32_t manifold);
     void removeFromGraph(std::uint32_t manifold);
@@ -138,7 +165,7 @@ struct WorldImpl {
     // world_seams.cpp: side contacts between neighbouring obstacles.
     void hideSeams();
     void hideSeam(ContactRecord& contact);
-    bool mayBeSeam(const ContactRecord& contact) const;
+    bool mayBeSeam(const ContactRecord& contact, const ManifoldRecord& manifold) const;
     bool bearsLoad(const ManifoldRecord& manifold) const;
     bool closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const;
     bool slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const;
@@ -152,6 +179,9 @@ struct WorldImpl {
     float slackOf(std::uint32_t shapeA, std::uint32_t shapeB) const;
 
     // world_deep.cpp
+    void giveBackDeep();
+    template <class Visit>
+    void forEachDeep(Visit&& visit);
     void collectDeep(bool any);
     void relaxDeep();
 
@@ -165,6 +195,8 @@ struct WorldImpl {
     bool mayMeet(std::uint32_t body, const DVec3& start) const;
     void sweepFastBodies();
     void sweepBody(std::uint32_t body);
+    void clearWays();
+    bool meetsAnything(std::uint32_t body) const;
     SweptWay wayOfStep(std::uint32_t body) const;
     void rideAlong(std::uint32_t obstacle, float done, Pose& pose) const;
     Meeting firstMeeting(std::uint32_t body, const Pose& start, const Pose& end, float done, float until) const;
@@ -253,7 +285,7 @@ struct WorldImpl {
     void forgetTouches();
     bool isTouching(ContactRecord& contact);
     void publishContact(std::uint32_t contact);
-    void publishSurface(const ContactRecord& contact, ManifoldRecord& manifold);
+    void publishSurface(const ContactRecord& contact, const ManifoldRecord& manifold, bool wasLoaded);
     void publishSweptImpacts();
     Contact describe(const ContactRecord& contact, const ManifoldRecord& manifold) const;
 
@@ -316,10 +348,7 @@ struct WorldImpl {
     ShapeId shapeId(std::uint32_t shape) const { return {shape, shapeSlots.generation(shape)}; }
     JointId jointId(std::uint32_t joint) const { return {joint, jointSlots.generation(joint)}; }
     CouplingId couplingId(std::uint32_t coupling) const { return {coupling, couplingSlots.generation(coupling)}; }
-    template <class Records>
-    void link(Records& records, std::uint32_t& first, std::uint32_t key);
-    template <class Records>
-    void unlink(Records& records, std::uint32_t& first, std::uint32_t key);
+    std::uint32_t nextContact(std::uint32_t key) const { return contactLinks[key >> 1].edges[key & 1].next; }
     void addAwakeContact(std::uint32_t contact);
     void removeAwakeContact(std::uint32_t contact);
 
@@ -330,8 +359,8 @@ struct WorldImpl {
     std::uint64_t hash() const;
 
     ContactPlaces contactPlaces() const {
-        return {&bodies.data()->center, &bodies.data()->rotation, sizeof(BodyRecord), manifolds.data(),
-                sizeof(ManifoldRecord)};
+        return {&bodies.data()->center, &bodies.data()->rotation, sizeof(BodyRecord), manifolds.pages(),
+                manifolds.kPageBits,    sizeof(ManifoldRecord)};
     }
     BodyArrays bodyArrays() { return {states.data(), inertias.data(), dynamics.data(), histories.data()}; }
     void beginStage(const char* name);
@@ -351,10 +380,14 @@ struct WorldImpl {
     AlignedArray<BodyInertia> inertias;
     AlignedArray<BodyDynamics> dynamics;
     AlignedArray<BodyHistory> histories;
+    AlignedArray<std::uint64_t> bodyUserData;
     AlignedArray<ShapeRecord> shapes;
-    AlignedArray<ContactRecord> contacts;
-    AlignedArray<ManifoldRecord> manifolds;
+    PagedArray<ContactRecord> contacts;
+    PagedArray<ContactLinks> contactLinks;  ///< of each contact
+    PagedArray<ManifoldRecord> manifolds;
     AlignedArray<std::uint32_t> freeManifolds, freeMeshManifolds;
+    AlignedArray<ManifoldImpulses> storedImpulses;
+    AlignedArray<std::uint32_t> freeStored;
     AlignedArray<JointRecord> joints;
     AlignedArray<JointSim> jointSims;
     AlignedArray<std::uint32_t> launchedBodies;  ///< BodyRecord::launched, and some that are no more
@@ -387,6 +420,7 @@ struct WorldImpl {
     AlignedArray<std::uint8_t> laneTouches;      ///< the same per lane of a colour
     bool surfacesForgotten = false;              ///< lanes are to be told anew what the surfaces are
     std::atomic<bool> anySensor{false};      ///< is any awake contact one?
+    std::vector<AlignedArray<ManifoldRecord>> heldManifolds;  ///< per worker: found in this step, without a place yet
     AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts
     AlignedArray<ChangedContact> changedContacts;
     AlignedArray<std::uint32_t> shiftedBodies;    ///< that other points of the ground hold than before
@@ -420,6 +454,8 @@ struct WorldImpl {
     AlignedArray<DeepContact> deepContacts;  ///< of this step, by colour
     AlignedArray<std::uint32_t> deepStarts;  ///< bundle where each colour begins, and the end
     AlignedArray<float> deepBundles;
+    AlignedArray<std::uint8_t> laneIsDeep;  ///< of a colour
+    int deepSpareSteps = 0;  ///< for which little of their memory was used
     AlignedArray<float> directSeen;  ///< bundles of direct islands when their systems were made
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made
@@ -431,7 +467,6 @@ struct WorldImpl {
         kRunaway
     };
     AlignedArray<BodyFlag> bodyFlags;  ///< per awake body, set by finishBodies
-    AlignedArray<Bounds> tightNow;     ///< per shape, set by refitBounds where it looks
     std::vector<std::pmr::vector<PairFound>> foundPairs;  ///< per block of the move buffer
     AlignedArray<SweptImpact> sweptImpacts;  ///< of this step, for its events
     AlignedArray<StartPose> startPoses;      ///< per awake body, of bodies to sweep
@@ -459,21 +494,5 @@ struct WorldImpl {
     std::chrono::steady_clock::time_point stageStart, stepStart;
     double totalMs = 0;
 };
-
-template <class Records>
-void WorldImpl::link(Records& records, std::uint32_t& first, std::uint32_t key) {
-    Edge& edge = records[key >> 1].edges[key & 1];
-    edge = {kNone, first};
-    if (first != kNone) records[first >> 1].edges[first & 1].previous = key;
-    first = key;
-}
-
-template <class Records>
-void WorldImpl::unlink(Records& records, std::uint32_t& first, std::uint32_t key) {
-    const Edge edge = records[key >> 1].edges[key & 1];
-    if (edge.previous != kNone) records[edge.previous >> 1].edges[edge.previous & 1].next = edge.next;
-    if (edge.next != kNone) records[edge.next >> 1].edges[edge.next & 1].previous = edge.previous;
-    if (first == key) first = edge.next;
-}
 
 }  // namespace ragtop

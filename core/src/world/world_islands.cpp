@@ -138,10 +138,9 @@ bool WorldImpl::standsOn(std::uint32_t index) const {
 
 /// Some contact of the body is in the graph.
 bool WorldImpl::isInContact(std::uint32_t body) const {
-    for (std::uint32_t key = bodies[body].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
-        const ContactRecord& contact = contacts[key >> 1];
-        for (int k = 0; k < contact.manifoldCapacity; ++k)
-            if (manifolds[contact.firstManifold + static_cast<std::uint32_t>(k)].place.color != kNone) return true;
+    for (std::uint32_t key = bodies[body].firstContact; key != kNone; key = nextContact(key)) {
+        for (const ManifoldRecord& manifold : manifoldsOf(contacts[key >> 1]))
+            if (manifold.place.color != kNone) return true;
     }
     return false;
 }

@@ -2,6 +2,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "world/edge_list.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -57,7 +58,7 @@ std::uint32_t WorldImpl::createJoint(const JointDef& def) {
     // Bodies that were in contact and no longer collide lose that contact.
     if (!joined.collide)
         for (std::uint32_t key = bodies[a].firstContact; key != kNone;) {
-            const std::uint32_t next = contacts[key >> 1].edges[key & 1].next;
+            const std::uint32_t next = nextContact(key);
             const ContactRecord& contact = contacts[key >> 1];
             if (contact.bodyA == b || contact.bodyB == b) destroyContact(key >> 1);
             key = next;

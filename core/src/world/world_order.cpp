@@ -19,19 +19,18 @@ std::uint32_t spread(std::uint32_t v) {
 }
 
 /// Puts what was at from[place] to each place; `from` is a permutation, which this uses up.
-template <class T>
-void permute(AlignedArray<T>& items, AlignedArray<std::uint32_t>& from) {
+template <class... T>
+void permute(AlignedArray<std::uint32_t>& from, PagedArray<T>&... items) {
     for (std::uint32_t start = 0; start < from.size(); ++start) {
         if (from[start] == start) continue;
-        const T first = items[start];
         std::uint32_t place = start;
+        // Exchanges carry what was at the start along to the end of the cycle.
         while (from[place] != start) {
             const std::uint32_t next = from[place];
-            items[place] = items[next];
+            (std::swap(items[place], items[next]), ...);
             from[place] = place;
             place = next;
         }
-        items[place] = first;
         from[place] = place;
     }
 }
@@ -71,7 +70,7 @@ void WorldImpl::moveContacts() {
     for (std::uint32_t i = 0; i < count; ++i)
         if (!contactSlots.isUsed(i)) movedFrom.push(i);
     for (std::uint32_t i = 0; i < count; ++i) movedTo[movedFrom[i]] = i;
-    permute(contacts, movedFrom);
+    permute(movedFrom, contacts, contactLinks);
     contactSlots.compact(static_cast<std::uint32_t>(contactOrder.size()));
 
     const auto follow = [&](std::uint32_t& key) {
@@ -80,7 +79,7 @@ void WorldImpl::moveContacts() {
     awakeContacts.clear();
     for (std::uint32_t i = 0; i < contactOrder.size(); ++i) {
         ContactRecord& record = contacts[i];
-        for (Edge& edge : record.edges) follow(edge.previous), follow(edge.next);
+        for (Edge& edge : contactLinks[i].edges) follow(edge.previous), follow(edge.next);
         *pairs.find(pairKey(record.shapeA, record.shapeB)) = i;
         if (record.awakeIndex == kNone) continue;
         record.awakeIndex = static_cast<std::uint32_t>(awakeContacts.size());
@@ -89,24 +88,28 @@ void WorldImpl::moveContacts() {
     for (BodyRecord& body : bodies) follow(body.firstContact);
 }
 
-/// The same for manifolds, in the order of their contacts, free ones last.
+/// The same for manifolds, in the order of their contacts, those of meshes first and free ones last.
 void WorldImpl::moveManifolds() {
     movedFrom.clear();
-    const auto take = [&](std::uint32_t first, std::uint32_t capacity) {
+    const auto take = [&](std::uint32_t& first, std::uint32_t count) {
         const auto place = static_cast<std::uint32_t>(movedFrom.size());
-        for (std::uint32_t k = 0; k < capacity; ++k) movedFrom.push(first + k);
-        return place;
+        for (std::uint32_t k = 0; k < count; ++k) movedFrom.push(first + k);
+        first = place;
     };
-    for (std::uint32_t i = 0; i < contactOrder.size(); ++i)
-        contacts[i].firstManifold = take(contacts[i].firstManifold, contacts[i].manifoldCapacity);
-    for (std::uint32_t& first : freeManifolds) first = take(first, 1);
-    for (std::uint32_t& first : freeMeshManifolds) first = take(first, kMaxManifolds);
+    const auto takeAll = [&](std::uint32_t count, AlignedArray<std::uint32_t>& free) {
+        for (std::uint32_t i = 0; i < contactOrder.size(); ++i)
+            if (ContactRecord& record = contacts[i]; record.manifoldCapacity == count && record.firstManifold != kNone)
+                take(record.firstManifold, count);
+        for (std::uint32_t& first : free) take(first, count);
+    };
+    // Those that have several stay within pages.
+    takeAll(kMaxManifolds, freeMeshManifolds);
+    takeAll(1, freeManifolds);
     movedTo.resizeForOverwrite(manifolds.size());
     for (std::uint32_t i = 0; i < movedFrom.size(); ++i) movedTo[movedFrom[i]] = i;
-    permute(manifolds, movedFrom);
+    permute(movedFrom, manifolds);
     for (std::uint32_t i = 0; i < contactOrder.size(); ++i)
-        for (std::uint32_t k = 0; k < contacts[i].manifoldCapacity; ++k)
-            manifolds[contacts[i].firstManifold + k].contact = i;
+        for (ManifoldRecord& manifold : manifoldsOf(contacts[i])) manifold.contact = i;
     for (int c = 0; c < ConstraintGraph::kLists; ++c)
         for (std::uint32_t& manifold : graph.color(c).manifolds) manifold = movedTo[manifold];
     forgetTouches();

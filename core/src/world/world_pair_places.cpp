@@ -78,7 +78,9 @@ void WorldImpl::placePairs(const std::uint32_t* asked, int count, PairPlace* out
         const ContactRecord& record = contacts[asked[i < count ? i : 0]];
         const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
         rows.shapeA[i] = &shapes[record.shapeA].frame, rows.shapeB[i] = &shapes[record.shapeB].frame;
-        rows.collidedAt[i] = &record.collidedAt;
+        // Pairs without a manifold are not asked how far they moved.
+        const bool found = record.firstManifold != kNone;
+        rows.collidedAt[i] = found ? &manifolds[record.firstManifold].collidedAt : rows.shapeA[i];
         rows.rotationA[i] = &a.rotation, rows.rotationB[i] = &b.rotation;
         rows.vA[i] = &states[record.bodyA].v, rows.wA[i] = &states[record.bodyA].w;
         rows.vB[i] = &states[record.bodyB].v, rows.wB[i] = &states[record.bodyB].w;

@@ -1,3 +1,4 @@
+#include "world/edge_list.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -102,7 +103,6 @@ void WorldImpl::coverLaunched(bool all) {
 /// Adds what each body has moved to its travel. Bounds that were left are enlarged in place; their shapes look for
 /// partners in the next step.
 void WorldImpl::refitBounds() {
-    tightNow.resizeForOverwrite(shapes.size());
     runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const auto place = static_cast<std::size_t>(i);
@@ -115,22 +115,23 @@ void WorldImpl::refitBounds() {
             body.refitted = false;
             if (length(states[awakeBodies[place]].v) * dt < body.room) continue;
             for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
-                tightNow[s] = tightBounds(shapes[s], dt);
-                body.refitted |= !contains(tree(shapes[s]).bounds(shapes[s].proxy), tightNow[s]);
+                const Bounds tight = tightBounds(shapes[s], dt);
+                if (contains(movingTree.bounds(shapes[s].proxy), tight)) continue;
+                movingTree.give(shapes[s].proxy, enlarged(tight, tuning::kFatMargin * shapes[s].size));
+                body.refitted = true;
             }
+            if (body.refitted) giveRoom(awakeBodies[place]);
         }
     });
     for (const std::uint32_t index : awakeBodies) {
         if (!bodies[index].refitted) continue;
-        giveRoom(index);
         for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next) {
-            const ShapeRecord& shape = shapes[s];
-            if (contains(tree(shape).bounds(shape.proxy), tightNow[s])) continue;
-            tree(shape).enlarge(shape.proxy, enlarged(tightNow[s], tuning::kFatMargin * shape.size));
+            if (!movingTree.wasGiven(shapes[s].proxy)) continue;
+            movingTree.tellGiven(shapes[s].proxy);
             markMoved(s);
         }
     }
-    movingTree.refitEnlarged();
+    movingTree.refitEnlarged(&runner);
 }
 
 bool WorldImpl::shouldCollide(const ShapeRecord& a, const ShapeRecord& b) const {
@@ -156,6 +157,39 @@ void WorldImpl::findPairs() {
     moveBuffer.clear();
 }
 
+/// Pairs whose bounds a shape has met, few at a time: by the time the table of pairs is asked for them, in which they lie in
+/// no order, its memory is on the way.
+class WorldImpl::PairsMet {
+public:
+    PairsMet(const WorldImpl& world, std::pmr::vector<PairFound>& found) : world_(world), found_(found) {}
+    void add(std::uint32_t shape, std::uint32_t other) {
+        world_.pairs.prefetch(pairKey(shape, other));
+        met_[count_++] = {shape, other};
+        if (count_ == kMost) ask();
+    }
+    void ask() {
+        for (int i = 0; i < count_; ++i)
+            if (isNew(met_[i])) found_.push_back(met_[i]);
+        count_ = 0;
+    }
+
+private:
+    static constexpr int kMost = 64;
+
+    bool isNew(const PairFound& pair) const {
+        const ShapeRecord &a = world_.shapes[pair.a], &b = world_.shapes[pair.b];
+        if (world_.pairs.contains(pairKey(pair.a, pair.b)) || !world_.shouldCollide(a, b)) return false;
+        return !world_.callbacks.filter ||
+               world_.callbacks.filter({world_.shapeId(pair.a), world_.shapeId(pair.b), world_.id(a.body),
+                                        world_.id(b.body), a.userData, b.userData});
+    }
+
+    const WorldImpl& world_;
+    std::pmr::vector<PairFound>& found_;
+    PairFound met_[kMost];
+    int count_ = 0;
+};
+
 void WorldImpl::findPairsOfMoved(bool obstaclesToo) {
     const int count = static_cast<int>(moveBuffer.size());
     const auto blocks = static_cast<std::size_t>((count + kShapesPerBlock - 1) / kShapesPerBlock);
@@ -164,6 +198,7 @@ void WorldImpl::findPairsOfMoved(bool obstaclesToo) {
         for (int block = begin; block < end; ++block) {
             auto& found = foundPairs[static_cast<std::size_t>(block)];
             found.clear();
+            PairsMet met(*this, found);
             const int last = (block + 1) * kShapesPerBlock < count ? (block + 1) * kShapesPerBlock : count;
             for (int i = block * kShapesPerBlock; i < last; ++i) {
                 const std::uint32_t index = moveBuffer[static_cast<std::size_t>(i)];
@@ -172,20 +207,14 @@ void WorldImpl::findPairsOfMoved(bool obstaclesToo) {
                 const auto visit = [&](std::uint32_t other) {
                     // A pair that both have moved is found by the lower index.
                     const ShapeRecord& partner = shapes[other];
-                    if (other == index || (partner.inMoveBuffer && other < index)) return true;
-                    // Before the table of pairs is asked, which is memory in no order.
-                    if (!filtersAgree(shape.filter, partner.filter)) return true;
-                    if (pairs.contains(pairKey(index, other)) || !shouldCollide(shape, shapes[other])) return true;
-                    if (callbacks.filter &&
-                        !callbacks.filter({shapeId(index), shapeId(other), id(shape.body), id(shapes[other].body),
-                                           shape.userData, shapes[other].userData}))
-                        return true;
-                    found.push_back({index, other});
+                    const bool foundByOther = other == index || (partner.inMoveBuffer && other < index);
+                    if (!foundByOther && filtersAgree(shape.filter, partner.filter)) met.add(index, other);
                     return true;
                 };
                 movingTree.query(bounds, visit);
                 if (obstaclesToo && !shape.isStaticTree) staticTree.query(bounds, visit);
             }
+            met.ask();
         }
     });
     for (std::size_t block = 0; block < blocks; ++block)
@@ -202,7 +231,7 @@ void WorldImpl::createContact(std::uint32_t a, std::uint32_t b) {
     const ShapeRecord &shapeA = shapes[a], &shapeB = shapes[b];
     const std::uint32_t index = contactSlots.acquire();
     ++contactsMade;
-    if (index >= contacts.size()) contacts.resize(index + 1, {});
+    if (index >= contacts.size()) contacts.resize(index + 1, {}), contactLinks.resize(index + 1, {});
     ContactRecord& contact = contacts[index];
     contact = {};
     contact.shapeA = a;
@@ -214,38 +243,32 @@ void WorldImpl::createContact(std::uint32_t a, std::uint32_t b) {
     contact.sensor = shapeA.sensor || shapeB.sensor;
     contact.reportsMotion = shapeA.reportsMotion || shapeB.reportsMotion;
     contact.manifoldCapacity = contact.isMesh ? kMaxManifolds : 1;
-    AlignedArray<std::uint32_t>& free = contact.isMesh ? freeMeshManifolds : freeManifolds;
-    if (free.empty()) {
-        contact.firstManifold = static_cast<std::uint32_t>(manifolds.size());
-        manifolds.resize(manifolds.size() + contact.manifoldCapacity, {});
-        manifoldTouches.resize(manifolds.size(), 0);
-    } else {
-        contact.firstManifold = free.back();
-        free.pop();
+    if (contact.sensor) {  // what it overlaps is told at the end of a step, when nothing may grow
+        contact.firstManifold = allotManifolds(contact.manifoldCapacity);
+        for (ManifoldRecord& manifold : manifoldsOf(contact)) manifold.contact = index;
     }
-    for (std::uint32_t i = 0; i < contact.manifoldCapacity; ++i) {
-        manifolds[contact.firstManifold + i] = {};
-        manifolds[contact.firstManifold + i].contact = index;
-    }
-    link(contacts, bodies[contact.bodyA].firstContact, 2 * index);
-    link(contacts, bodies[contact.bodyB].firstContact, 2 * index + 1);
+    link(contactLinks, bodies[contact.bodyA].firstContact, 2 * index);
+    link(contactLinks, bodies[contact.bodyB].firstContact, 2 * index + 1);
     pairs.insert(pairKey(a, b), index);
     if (isAwake(contact.bodyA) || isAwake(contact.bodyB)) addAwakeContact(index);
 }
 
 void WorldImpl::destroyContact(std::uint32_t index) {
     ContactRecord& contact = contacts[index];
-    for (std::uint32_t i = 0; i < contact.manifoldCapacity; ++i) removeFromGraph(contact.firstManifold + i);
+    forEachManifold(contact, [&](std::uint32_t manifold) {
+        manifolds[manifold].pointCount = 0;
+        removeFromGraph(manifold);
+    });
+    releaseManifolds(contact);
     if (contact.awakeIndex != kNone) removeAwakeContact(index);
     if (contact.touching) {
         auto& list =
             contact.sensor ? (stepping ? sensorEnds : sensorEndsBetweenSteps) : (stepping ? ends : endsBetweenSteps);
         list.push_back({shapeId(contact.shapeA), shapeId(contact.shapeB), id(contact.bodyA), id(contact.bodyB)});
     }
-    unlink(contacts, bodies[contact.bodyA].firstContact, 2 * index);
-    unlink(contacts, bodies[contact.bodyB].firstContact, 2 * index + 1);
+    unlink(contactLinks, bodies[contact.bodyA].firstContact, 2 * index);
+    unlink(contactLinks, bodies[contact.bodyB].firstContact, 2 * index + 1);
     pairs.erase(pairKey(contact.shapeA, contact.shapeB));
-    (contact.isMesh ? freeMeshManifolds : freeManifolds).push(contact.firstManifold);
     contactSlots.release(index);
 }
 

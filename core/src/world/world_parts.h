@@ -39,8 +39,8 @@ struct PairPlace {
     float perTravel = 1;  ///< of such motion, at most, for what both bodies travel
 };
 
-/// What a step finds of an awake contact; kCloses and kPoints come beside the others: that it may be a seam, and that
-/// other points hold a body on what does not move.
-enum ContactChange : std::uint8_t { kUnchanged = 0, kApart = 1, kGraph = 2, kCloses = 4, kPoints = 8 };
+/// What a step finds of an awake contact; the last three come beside the others: that it may be a seam, that other points
+/// hold a body on what does not move, and that it had no manifold before.
+enum ContactChange : std::uint8_t { kUnchanged = 0, kApart = 1, kGraph = 2, kCloses = 4, kPoints = 8, kFound = 16 };
 
 }  // namespace ragtop

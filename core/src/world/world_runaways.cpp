@@ -38,17 +38,10 @@ void WorldImpl::stayPut(std::uint32_t index) {
 
 /// Constraints of a body begin anew.
 void WorldImpl::forgetImpulses(std::uint32_t index) {
-    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = nextContact(key)) {
         ContactRecord& record = contacts[key >> 1];
         record.bearsLoad = false;
-        if (record.firstManifold == kNone) continue;
-        for (std::uint32_t k = 0; k < record.manifoldCapacity; ++k) {
-            ManifoldRecord& manifold = manifolds[record.firstManifold + k];
-            for (int j = 0; j < contact::kMaxPoints; ++j) manifold.impulse[j] = manifold.load[j] = 0;
-            manifold.frictionImpulse = manifold.rollImpulse = manifold.stick = {};
-            manifold.twistImpulse = 0;
-            if (manifold.place.color != kNone) writeLane(record, manifold);
-        }
+        for (const ManifoldRecord& manifold : manifoldsOf(record)) writeImpulses(record, manifold, {});
     }
     for (std::uint32_t key = bodies[index].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
         JointSim& joint = jointSims[key >> 1];

@@ -72,11 +72,10 @@ bool WorldImpl::separates(const TouchedPlane& plane, std::uint32_t front, std::u
 /// Calls visit(plane, manifold, side) for what a body touches in other contacts than one, until one says true.
 template <class Visit>
 bool WorldImpl::anyTouchedPlane(std::uint32_t body, float within, std::uint32_t except, Visit&& visit) const {
-    for (std::uint32_t key = bodies[body].firstContact; key != kNone; key = contacts[key >> 1].edges[key & 1].next) {
+    for (std::uint32_t key = bodies[body].firstContact; key != kNone; key = nextContact(key)) {
         const ContactRecord& contact = contacts[key >> 1];
         if (contact.sensor || key >> 1 == except) continue;
-        for (std::uint32_t k = 0; k < contact.manifoldCapacity; ++k) {
-            const ManifoldRecord& manifold = manifolds[contact.firstManifold + k];
+        for (const ManifoldRecord& manifold : manifoldsOf(contact)) {
             if (manifold.pointCount == 0 || manifold.place.color == kNone) continue;
             const TouchedPlane plane = touchedPlane(manifold, static_cast<int>(key & 1), within);
             if (plane.touches && visit(plane, manifold, static_cast<int>(key & 1))) return true;
@@ -189,10 +188,9 @@ bool WorldImpl::bearsLoad(const ManifoldRecord& manifold) const {
 }
 
 /// Only what moves, closes by more than a little and is about to meet is looked at.
-bool WorldImpl::mayBeSeam(const ContactRecord& record) const {
-    if (record.sensor || !record.hasPoints || record.isMesh) return false;
+bool WorldImpl::mayBeSeam(const ContactRecord& record, const ManifoldRecord& manifold) const {
+    if (record.sensor || record.isMesh) return false;
     if (bodies[record.bodyA].ahead + bodies[record.bodyB].ahead < kClosing * record.size) return false;
-    const ManifoldRecord& manifold = manifolds[record.firstManifold];
     return manifold.pointCount > 0 && !bearsLoad(manifold) && closes(record, manifold, kClosing * record.size);
 }
 
@@ -210,7 +208,7 @@ void WorldImpl::hideSeams() {
     runner.parallelFor(static_cast<int>(closingContacts.size()), 32, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             ContactRecord& record = contacts[closingContacts[static_cast<std::size_t>(i)]];
-            if (mayBeSeam(record)) hideSeam(record);
+            if (record.hasPoints && mayBeSeam(record, manifolds[record.firstManifold])) hideSeam(record);
         }
     });
 }

@@ -70,11 +70,15 @@ void WorldImpl::archive(Archive& archive) {
     archive(inertias);
     archive(dynamics);
     archive(histories);
+    archive(bodyUserData);
     archive(shapes);
     archive(contacts);
+    archive(contactLinks);
     archive(manifolds);
     archive(freeManifolds);
     archive(freeMeshManifolds);
+    archive(storedImpulses);
+    archive(freeStored);
     archive(joints);
     archive(jointSims);
     archive(launchedBodies);
@@ -238,30 +242,18 @@ void addJoint(StateHash& digest, const JointSim& joint) {
         digest.add(side->impulse);
 }
 
-/// Impulses of a manifold, which are in its lane while it is in the graph.
-void addManifold(StateHash& digest, const ConstraintGraph& graph, const ManifoldRecord& manifold) {
-    if (manifold.place.color == kNone) {
-        for (int j = 0; j < manifold.pointCount; ++j) {
-            digest.add(manifold.impulse[j]);
-            digest.add(manifold.load[j]);
-        }
-        digest.add(manifold.frictionImpulse);
-        digest.add(manifold.rollImpulse);
-        digest.add(manifold.twistImpulse);
-        digest.add(manifold.stick);
-        digest.add(manifold.sliding);
-        return;
-    }
-    const float* lane = graph.lane(manifold.place);
-    const auto at = [&](int field) { return lane[static_cast<std::size_t>(field * graph.lanes())]; };
+void addManifold(StateHash& digest, const WorldImpl& world, const ManifoldRecord& manifold) {
+    const ManifoldImpulses impulses = world.impulsesOf(manifold);
     for (int j = 0; j < manifold.pointCount; ++j) {
-        digest.add(at(contact::kPoints + j * contact::kPointFields + contact::kImpulse));
-        digest.add(at(contact::kPoints + j * contact::kPointFields + contact::kLoad));
+        digest.add(impulses.impulse[j]);
+        digest.add(impulses.load[j]);
     }
-    for (const int field : {contact::kFrictionImpulse, contact::kRollImpulse, contact::kStick})
-        digest.add(Vec3{at(field), at(field + 1), at(field + 2)});
-    digest.add(at(contact::kTwistImpulse));
-    digest.add(at(contact::kSliding) > 0);
+    digest.add(impulses.frictionImpulse);
+    digest.add(impulses.rollImpulse);
+    if (manifold.place.color != kNone) digest.add(impulses.stick);
+    digest.add(impulses.twistImpulse);
+    if (manifold.place.color == kNone) digest.add(impulses.stick);
+    digest.add(impulses.sliding);
 }
 
 }  // namespace
@@ -286,9 +278,8 @@ std::uint64_t WorldImpl::hash() const {
     }
     for (std::uint32_t i = 0; i < contactSlots.count(); ++i) {
         if (!contactSlots.isUsed(i)) continue;
-        for (std::uint32_t k = 0; k < contacts[i].manifoldCapacity; ++k)
-            if (const ManifoldRecord& manifold = manifolds[contacts[i].firstManifold + k]; manifold.pointCount > 0)
-                addManifold(digest, graph, manifold);
+        for (const ManifoldRecord& manifold : manifoldsOf(contacts[i]))
+            if (manifold.pointCount > 0) addManifold(digest, *this, manifold);
     }
     for (std::uint32_t j = 0; j < jointSlots.count(); ++j)
         if (jointSlots.isUsed(j)) addJoint(digest, jointSims[j]);

@@ -134,22 +134,37 @@ void WorldImpl::prepareBodies() {
     });
 }
 
+/// Calls visit(list, begin, end) for blocks of `size` of all lists of the graph, in any order and at once.
+template <class Count, class Visit>
+void WorldImpl::forBlocksOfAllLists(int size, Count&& count, Visit&& visit) {
+    int starts[ConstraintGraph::kLists + 1] = {};
+    for (int c = 0; c < ConstraintGraph::kLists; ++c) starts[c + 1] = starts[c] + (count(c) + size - 1) / size;
+    runner.parallelFor(starts[ConstraintGraph::kLists], 1, [&](int begin, int end, int) {
+        int c = 0;
+        for (int block = begin; block < end; ++block) {
+            while (starts[c + 1] <= block) ++c;
+            const int first = (block - starts[c]) * size, all = count(c);
+            visit(c, first, first + size < all ? first + size : all);
+        }
+    });
+}
+
 void WorldImpl::prepareConstraints() {
     const bool rescale = lastSubstep > 0 && lastSubstep != context.h;
     const float ratio = rescale ? context.h / lastSubstep : 1;
     if (bundlesChanged) jointBundles.build(graph, jointSims.data());
     bundlesChanged = false;
     std::atomic<unsigned> found{0};
-    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
-        ConstraintGraph::Color& color = graph.color(c);
-        if (rescale)
-            for (const std::uint32_t joint : color.joints) rescaleJoint(jointSims[joint], ratio);
-        runner.parallelFor(graph.bundleCount(c), 32, [&](int begin, int end, int) {
+    forBlocksOfAllLists(
+        8, [&](int c) { return graph.bundleCount(c); },
+        [&](int c, int begin, int end) {
             const unsigned kinds = placeAndPrepare(c, begin, end);
             if (kinds != 0) found.fetch_or(kinds, std::memory_order_relaxed);
         });
-        prepareJoints(c);
-    }
+    if (rescale)
+        for (int c = 0; c < ConstraintGraph::kLists; ++c)
+            for (const std::uint32_t joint : graph.color(c).joints) rescaleJoint(jointSims[joint], ratio);
+    prepareJoints();
     sweptColors.clear();
     for (int c = 0; c < ConstraintGraph::kColors; ++c)
         if (!graph.color(c).manifolds.empty() || !graph.color(c).joints.empty()) sweptColors.push(c);
@@ -174,20 +189,24 @@ unsigned WorldImpl::placeAndPrepare(int c, int begin, int end) {
     return kinds;
 }
 
-void WorldImpl::prepareJoints(int c) {
-    const ConstraintGraph::Color& color = graph.color(c);
-    runner.parallelFor(static_cast<int>(color.joints.size()), 32, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) {
-            const std::uint32_t joint = color.joints[static_cast<std::size_t>(i)];
-            jointSims[joint].ofFigure = isOfFigure(joint) ? 1.0f : 0.0f;
-            prepareJoint(jointSims[joint], jointBodies(joints[joint]), states.data(), inertias.data(), jointContext);
-        }
-    });
-    if (c >= ConstraintGraph::kColors) return;
-    const JointBundles::Color& bundled = jointBundles.color(c);
+void WorldImpl::prepareJoints() {
+    forBlocksOfAllLists(
+        16, [&](int c) { return static_cast<int>(graph.color(c).joints.size()); },
+        [&](int c, int begin, int end) {
+            for (int i = begin; i < end; ++i) {
+                const std::uint32_t joint = graph.color(c).joints[static_cast<std::size_t>(i)];
+                jointSims[joint].ofFigure = isOfFigure(joint) ? 1.0f : 0.0f;
+                prepareJoint(jointSims[joint], jointBodies(joints[joint]), states.data(), inertias.data(),
+                             jointContext);
+            }
+        });
     const JointLanesView view = jointBundles.view(jointSims.data());
-    runner.parallelFor(bundled.end - bundled.begin, 8, [&](int begin, int end, int) {
-        jointKernels->load(view, bundled.begin + begin, bundled.begin + end);
+    const auto bundles = [&](int c) {
+        return c < ConstraintGraph::kColors ? jointBundles.color(c).end - jointBundles.color(c).begin : 0;
+    };
+    forBlocksOfAllLists(4, bundles, [&](int c, int begin, int end) {
+        const int first = jointBundles.color(c).begin;
+        jointKernels->load(view, first + begin, first + end);
     });
 }
 
