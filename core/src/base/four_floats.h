@@ -24,10 +24,14 @@ inline void storeFour(float* to, FourFloats v) {
 
 /// Bit i for each lane i of a comparison that holds.
 inline unsigned lanesWhere(FourInts holds) {
+#if defined(__SSE__)
+    return static_cast<unsigned>(__builtin_ia32_movmskps(reinterpret_cast<FourFloats>(holds)));
+#else
     typedef std::int64_t Halves __attribute__((vector_size(16)));
     const Halves halves = reinterpret_cast<Halves>(holds & FourInts{1, 2, 4, 8});
     const auto both = static_cast<std::uint64_t>(halves[0] | halves[1]);
     return static_cast<unsigned>((both | both >> 32) & 15u);
+#endif
 }
 
 inline FourInts spread(int v) { return FourInts{v, v, v, v}; }

@@ -54,8 +54,8 @@ FourFloats motionAhead(const PairRows& rows, float dt) {
     return (length(vB - vA) + length(wA) * loadFour(rows.turningA) + length(wB) * loadFour(rows.turningB)) * dt;
 }
 
-/// How far a pair moves against each other, as manifolds are kept by, for what its bodies have travelled, at most: a turn
-/// θ of a body counts θ R there, and here the way of B's shape seen from A beside the arc.
+/// How far a pair moves against each other, as manifolds are kept by, for what its bodies have travelled, at most: a
+/// turn θ of a body counts θ R there, and here the way of B's shape seen from A beside the arc.
 FourFloats motionPerTravel(const PairRows& rows, const FourVectors& inA, const FourFrames& shapeA,
                            const FourFrames& shapeB, FourFloats arc) {
     const FourFloats leverA = length(shapeA.position) + length(inA), leverB = length(shapeB.position);
