@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <memory_resource>
 #include <random>
 #include <vector>
 
 #include "base/stage_runner.h"
+#include "broadphase/sought_bounds.h"
 
 namespace ragtop {
 namespace {
@@ -275,6 +278,19 @@ TEST(BoundsTree, ThreadsRefitToTheSameTree) {
             const BoundsTree::Node &a = serial.tree.nodes()[i], &b = threaded.tree.nodes()[i];
             ASSERT_EQ(std::memcmp(&a, &b, sizeof a), 0) << "step " << step << ", node " << i;
         }
+    }
+}
+
+TEST(SoughtBounds, OverlapWhereBoundsDo) {
+    Model model;
+    const float infinity = std::numeric_limits<float>::infinity();
+    const Bounds all{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}}, one{{0, 0, 0}, {1, 1, 1}};
+    EXPECT_TRUE(SoughtBounds(one).overlaps({{1, 0, 0}, {2, 1, 1}}));
+    EXPECT_FALSE(SoughtBounds(one).overlaps({{std::nextafter(1.0f, 2.0f), 0, 0}, {2, 1, 1}}));
+    for (int i = 0; i < 10000; ++i) {
+        const Bounds a = model.box(4, 3), b = model.box(4, 3);
+        ASSERT_EQ(SoughtBounds(a).overlaps(b), overlaps(a, b));
+        ASSERT_TRUE(SoughtBounds(all).overlaps(b) && SoughtBounds(a).overlaps(all));
     }
 }
 

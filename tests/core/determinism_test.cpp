@@ -9,6 +9,7 @@
 
 #include "ragtop/tasks.h"
 #include "scenes.h"
+#include "solve/kernel_table.h"
 
 namespace ragtop {
 namespace {
@@ -73,6 +74,20 @@ TEST_P(Determinism, LanesDoNotMatter) {
     const std::uint64_t expected = hashAfter(scenario(), {.lanes = 4}, steps);
     EXPECT_EQ(hashAfter(scenario(), {.lanes = 8}, steps), expected);
     EXPECT_EQ(hashAfter(scenario(), {.lanes = 16}, steps), expected);
+}
+
+/// The kernels of processors that have less than this one.
+TEST_P(Determinism, InstructionsDoNotMatter) {
+    const int steps = scenario().steps / 8;
+    const std::uint64_t expected = hashAfter(scenario(), {.lanes = 4}, steps);
+    const Instructions widest = usableInstructions();
+    for (const Instructions most : {Instructions::baseline, Instructions::avx2}) {
+        if (most >= widest) continue;
+        limitInstructions(most);
+        for (const int lanes : {8, 16})
+            EXPECT_EQ(hashAfter(scenario(), {.lanes = lanes}, steps), expected) << static_cast<int>(most);
+        limitInstructions(widest);
+    }
 }
 
 TEST_P(Determinism, ThreadsDoNotMatter) {

@@ -22,6 +22,13 @@ inline void storeFour(float* to, FourFloats v) {
     *reinterpret_cast<Unaligned*>(to) = v;
 }
 
+/// Does a comparison hold in all lanes?
+inline bool holdsInAll(FourInts holds) {
+    typedef std::int64_t Halves __attribute__((vector_size(16)));
+    const Halves halves = reinterpret_cast<Halves>(holds);
+    return (halves[0] & halves[1]) == -1;
+}
+
 /// Bit i for each lane i of a comparison that holds.
 inline unsigned lanesWhere(FourInts holds) {
 #if defined(__SSE__)

@@ -13,8 +13,8 @@
 namespace ragtop {
 
 /// A growing array of plain data in pages of the same size: what is there stays where it is and is never copied. While
-/// there is one page it grows by its own size, then by a page in 32, and one more. Elements are beside each other as far as
-/// a page reaches, which starts at a multiple of kPage.
+/// there is one page it grows by its own size, then by a page in 32, and one more. Elements are beside each other as
+/// far as a page reaches, which starts at a multiple of kPage.
 template <class T>
 class PagedArray {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -33,10 +33,18 @@ public:
     std::size_t size() const { return size_; }
     bool empty() const { return size_ == 0; }
     T& operator[](std::size_t i) { return static_cast<T*>(pages_[i >> kPageBits])[i & (kPage - 1)]; }
-    const T& operator[](std::size_t i) const {
-        return static_cast<const T*>(pages_[i >> kPageBits])[i & (kPage - 1)];
-    }
+    const T& operator[](std::size_t i) const { return static_cast<const T*>(pages_[i >> kPageBits])[i & (kPage - 1)]; }
     void* const* pages() const { return pages_.data(); }
+    /// The elements while the array does not grow, for loops: what they write cannot be where the pages are.
+    class View {
+    public:
+        explicit View(void* const* pages) : pages_(pages) {}
+        T& operator[](std::size_t i) const { return static_cast<T*>(pages_[i >> kPageBits])[i & (kPage - 1)]; }
+
+    private:
+        void* const* pages_;
+    };
+    View view() { return View(pages_.data()); }
     std::size_t capacity() const { return capacity_; }
     std::size_t bytes() const { return capacity_ * sizeof(T) + pages_.bytes(); }
 
@@ -52,8 +60,7 @@ public:
     template <class Visit>
     void forEachPart(Visit&& visit) const {
         for (std::size_t first = 0; first < size_; first += kPage)
-            visit(pages_[first >> kPageBits],
-                  (size_ - first < kPage ? size_ - first : kPage) * sizeof(T));
+            visit(pages_[first >> kPageBits], (size_ - first < kPage ? size_ - first : kPage) * sizeof(T));
     }
     /// Takes the elements from memory of any alignment.
     void restore(const void* elements, std::size_t count) {

@@ -28,8 +28,8 @@ void BoundsTree::rebuild(bool all, StageRunner* runner) {
     const auto count = static_cast<std::uint32_t>(branches_.size());
     parts_.clear();
     for (std::uint32_t i = 1; i < count; ++i) parts_.push_back(allocate());
-    // The binned cut may be lopsided; after these levels of it the rest is halved, so that the height stays within twice the
-    // logarithm of the count.
+    // The binned cut may be lopsided; after these levels of it the rest is halved, so that the height stays within
+    // twice the logarithm of the count.
     const Part whole{branches_.data(), count, static_cast<int>(std::bit_width(count)), parts_.data()};
     root_ = whole.root();
     runner ? buildParts(whole, *runner) : build(whole);

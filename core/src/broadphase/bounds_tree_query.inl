@@ -1,33 +1,14 @@
 #pragma once
 
-#include <cstddef>
-
-#include "base/four_floats.h"
+#include "broadphase/sought_bounds.h"
 #include "broadphase/swept_box.h"
 
 namespace ragtop {
 
-/// `overlaps` of one box with the bounds of many nodes, without a branch for each of the six comparisons. Of four
-/// floats that are read from a node the last is something else.
-class OverlapTest {
-public:
-    explicit OverlapTest(const Bounds& b)
-        : lower_{b.lower.x, b.lower.y, b.lower.z, 0}, upper_{b.upper.x, b.upper.y, b.upper.z, 0} {}
-    template <class Node>
-    bool meets(const Node& node) const {
-        static_assert(sizeof(Node) >= sizeof(Bounds) + sizeof(float) && offsetof(Node, bounds) == 0);
-        const FourInts meets = (loadFour(&node.bounds.lower.x) <= upper_) & (loadFour(&node.bounds.upper.x) >= lower_);
-        return (lanesWhere(meets) & 7u) == 7u;
-    }
-
-private:
-    FourFloats lower_, upper_;
-};
-
 template <class Visit>
 void BoundsTree::query(const Bounds& bounds, Visit&& visit) const {
-    const OverlapTest test(bounds);
-    if (root_ == kNull || !test.meets(nodes_[root_])) return;
+    const SoughtBounds sought(bounds);
+    if (root_ == kNull || !sought.overlaps(nodes_[root_].bounds)) return;
     // One waiting node per level at most: the right siblings of the path down to the current node.
     std::uint32_t waiting[kMaxHeight];
     int count = 0;
@@ -37,7 +18,8 @@ void BoundsTree::query(const Bounds& bounds, Visit&& visit) const {
         if (node.height == 0) {
             if (!visit(node.value)) return;
         } else {
-            const bool left = test.meets(nodes_[node.left]), right = test.meets(nodes_[node.right]);
+            const bool left = sought.overlaps(nodes_[node.left].bounds);
+            const bool right = sought.overlaps(nodes_[node.right].bounds);
             if (left) {
                 if (right) waiting[count++] = node.right;
                 index = node.left;

@@ -1,5 +1,7 @@
 #include "solve/kernel_table.h"
 
+#include <algorithm>
+
 namespace ragtop {
 
 extern const KernelTable kKernelsBaseline4;
@@ -12,16 +14,33 @@ extern const KernelTable kKernelsAvx5128;
 extern const KernelTable kKernelsAvx51216;
 #endif
 
+namespace {
+
+Instructions widestAllowed = Instructions::avx512;
+
+Instructions widestHere() {
+#if defined(RAGTOP_X86_KERNELS)
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+        return Instructions::avx512;
+    if (__builtin_cpu_supports("avx2")) return Instructions::avx2;
+#endif
+    return Instructions::baseline;
+}
+
+}  // namespace
+
+Instructions usableInstructions() { return std::min(widestHere(), widestAllowed); }
+
+void limitInstructions(Instructions most) { widestAllowed = most; }
+
 KernelSet selectKernelSet(int lanes) {
 #if defined(RAGTOP_X86_KERNELS)
-    const bool avx2 = __builtin_cpu_supports("avx2");
-    const bool avx512 =
-        __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-    if (lanes == 0) lanes = avx512 ? 16 : avx2 ? 8 : 4;
-    if (lanes == 16 && avx512) return KernelSet::avx512Lanes16;
-    if (lanes == 16 && avx2) return KernelSet::avx2Lanes16;
-    if (lanes == 8 && avx512) return KernelSet::avx512Lanes8;
-    if (lanes == 8 && avx2) return KernelSet::avx2Lanes8;
+    const Instructions usable = usableInstructions();
+    if (lanes == 0) lanes = usable == Instructions::avx512 ? 16 : usable == Instructions::avx2 ? 8 : 4;
+    if (usable == Instructions::avx512 && lanes > 4)
+        return lanes == 16 ? KernelSet::avx512Lanes16 : KernelSet::avx512Lanes8;
+    if (usable == Instructions::avx2 && lanes > 4)
+        return lanes == 16 ? KernelSet::avx2Lanes16 : KernelSet::avx2Lanes8;
 #endif
     if (lanes == 16) return KernelSet::baseline16;
     if (lanes == 8) return KernelSet::baseline8;

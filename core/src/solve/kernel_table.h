@@ -74,7 +74,17 @@ enum class KernelSet {
     count
 };
 
-/// The fastest set of `lanes` (4, 8, 16) lanes that this processor runs, or for 0 lanes the fastest of all.
+/// What kernels are compiled for, narrowest first.
+enum class Instructions { baseline, avx2, avx512 };
+
+/// Of this processor, and no more than `limitInstructions` has allowed.
+Instructions usableInstructions();
+
+/// Worlds made from now on use nothing beyond `most`, so that a test sees the kernels of lesser processors. Not while
+/// another thread makes a world.
+void limitInstructions(Instructions most);
+
+/// The fastest set of `lanes` (4, 8, 16) lanes that may be used here, or for 0 lanes the fastest of all.
 KernelSet selectKernelSet(int lanes);
 
 /// A table for each set.

@@ -32,15 +32,26 @@ RAGTOP_INLINE const char* manifoldAt(const ContactPlaces& places, std::uint32_t 
                  index & ((1u << places.pageBits) - 1));
 }
 
+/// Finds the anchors in the lanes of a bundle; lanes without a contact have none.
 template <int N>
-RAGTOP_INLINE void prefetchPlaces(const float* bundle, const std::uint32_t* manifolds, int count,
-                                  const ContactPlaces& places) {
+RAGTOP_INLINE void findAnchors(int bundle, const LaneManifolds& list, const ContactPlaces& places,
+                               const float* anchors[N]) {
+    alignas(64) static constexpr float kNothing[32] = {};
+    const int slot = bundle * list.perBundle, left = list.count - slot;
+    const int used = left < list.perBundle ? left : list.perBundle;
+    for (int lane = 0; lane < N; ++lane)
+        anchors[lane] =
+            lane < used ? reinterpret_cast<const float*>(manifoldAt(places, list.manifolds[slot + lane])) : kNothing;
+}
+
+/// Asks for what placing a bundle will read.
+template <int N>
+RAGTOP_INLINE void prefetchPlaces(const float* bundle, const float* const anchors[N], const ContactPlaces& places) {
     const auto* recordA = reinterpret_cast<const std::uint32_t*>(bundle + contact::kRecordA * N);
     const auto* recordB = reinterpret_cast<const std::uint32_t*>(bundle + contact::kRecordB * N);
-    for (int i = 0; i < count && i < N; ++i) {
-        const char* manifold = manifoldAt(places, manifolds[i]);
-        __builtin_prefetch(manifold);
-        __builtin_prefetch(manifold + 64);
+    for (int i = 0; i < N; ++i) {
+        __builtin_prefetch(anchors[i]);
+        __builtin_prefetch(anchors[i] + 16);
         __builtin_prefetch(rowOf(places.centers, places.bodyStride, recordA[i]));
         __builtin_prefetch(rowOf(places.centers, places.bodyStride, recordB[i]));
     }
@@ -49,22 +60,20 @@ RAGTOP_INLINE void prefetchPlaces(const float* bundle, const std::uint32_t* mani
 /// n = RA n_A,  pA = xA + RA a,  pB = xB + RB b,  C = C₀ + n · (pB − pA); the point is half way between pA and pB.
 template <int N>
 void placeContacts(float* bundles, int begin, int end, const LaneManifolds& list, const ContactPlaces& places) {
-    alignas(64) static constexpr float kNothing[32] = {};
+    const float *anchors[N], *next[N];
+    findAnchors<N>(begin, list, places, next);
     for (int i = begin; i < end; ++i) {
         float* bundle = bundles + static_cast<long>(i) * contact::kFields * N;
-        const int slot = i * list.perBundle, left = list.count - slot;
-        const int used = left < list.perBundle ? left : list.perBundle;
-        if (i + 1 < end)
-            prefetchPlaces<N>(bundle + contact::kFields * N, list.manifolds + slot + list.perBundle,
-                              left - list.perBundle < list.perBundle ? left - list.perBundle : list.perBundle, places);
+        for (int lane = 0; lane < N; ++lane) anchors[lane] = next[lane];
+        if (i + 1 < end) {
+            findAnchors<N>(i + 1, list, places, next);
+            prefetchPlaces<N>(bundle + contact::kFields * N, next, places);
+        }
         const auto* recordA = reinterpret_cast<const std::uint32_t*>(bundle + contact::kRecordA * N);
         const auto* recordB = reinterpret_cast<const std::uint32_t*>(bundle + contact::kRecordB * N);
-        const float *anchors[N], *turnsA[N], *turnsB[N];
+        const float *turnsA[N], *turnsB[N];
         alignas(64) float apart[3][N];
         for (int lane = 0; lane < N; ++lane) {
-            anchors[lane] = lane < used
-                                ? reinterpret_cast<const float*>(manifoldAt(places, list.manifolds[slot + lane]))
-                                : kNothing;
             turnsA[lane] = reinterpret_cast<const float*>(rowOf(places.rotations, places.bodyStride, recordA[lane]));
             turnsB[lane] = reinterpret_cast<const float*>(rowOf(places.rotations, places.bodyStride, recordB[lane]));
             const auto* a = reinterpret_cast<const double*>(rowOf(places.centers, places.bodyStride, recordA[lane]));

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
 
+#include "base/aligned_array.h"
 #include "constraints/constraint_graph.h"
 #include "direct/newton.h"
 #include "narrowphase/manifold.h"
@@ -56,10 +58,19 @@ struct DirectIsland {
     double ms = 0;
 };
 
-/// A contact that is relaxed further times (world_deep.cpp).
+/// Contacts that are relaxed further times (world_deep.cpp).
 struct DeepContact {
     GraphPlace from;
-    std::size_t to;  ///< its lane in deepBundles
+    std::size_t to;  ///< its lane in their bundles
+};
+struct DeepContacts {
+    explicit DeepContacts(std::pmr::memory_resource* memory)
+        : all(memory), starts(memory), bundles(memory), isDeep(memory) {}
+    AlignedArray<DeepContact> all;  ///< of this step, by colour
+    AlignedArray<std::uint32_t> starts;  ///< bundle where each colour begins, and the end
+    AlignedArray<float> bundles;
+    AlignedArray<std::uint8_t> isDeep;  ///< per lane of a colour
+    int spareSteps = 0;                 ///< for which little of the bundles' memory was used
 };
 
 /// A contact for which a step found a change, of ContactChange.

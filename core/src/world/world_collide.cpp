@@ -71,10 +71,11 @@ void WorldImpl::prefetchShapes(const ContactRecord& record) const {
 void WorldImpl::updateSome(int begin, int end, int last, int worker) {
     std::uint32_t asked[kAskedAtOnce];
     int count = 0;
+    const auto records = contacts.view();
     for (int i = begin; i < end; ++i) {
         prefetchContact(i, last);
         const std::uint32_t index = awakeContacts[static_cast<std::size_t>(i)];
-        ContactRecord& record = contacts[index];
+        ContactRecord& record = records[index];
         std::uint8_t& change = contactChanged[record.awakeIndex];
         if (stays(record)) {
             change = keepManifolds(record);

@@ -48,30 +48,30 @@ bool isDeep(const float* lane, std::size_t stride, float beyond) {
 
 }  // namespace
 
-/// What falls all at once is deep for a moment, with copies of half of all contacts: large memory of which little is used
-/// for long is given back.
+/// What falls all at once is deep for a moment, with copies of half of all contacts: large memory of which little is
+/// used for long is given back.
 void WorldImpl::giveBackDeep() {
     constexpr int kLong = 64;
-    const bool used = 8 * deepBundles.size() > deepBundles.capacity();
-    deepSpareSteps = used || !deepBundles.isLarge() ? 0 : deepSpareSteps + 1;
-    if (deepSpareSteps < kLong) return;
-    deepBundles.release();
-    deepSpareSteps = 0;
+    const bool used = 8 * deepContacts.bundles.size() > deepContacts.bundles.capacity();
+    deepContacts.spareSteps = used || !deepContacts.bundles.isLarge() ? 0 : deepContacts.spareSteps + 1;
+    if (deepContacts.spareSteps < kLong) return;
+    deepContacts.bundles.release();
+    deepContacts.spareSteps = 0;
 }
 
 template <class Visit>
 void WorldImpl::forEachDeep(Visit&& visit) {
-    runner.parallelFor(static_cast<int>(deepContacts.size()), 64, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) visit(deepContacts[static_cast<std::size_t>(i)]);
+    runner.parallelFor(static_cast<int>(deepContacts.all.size()), 64, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) visit(deepContacts.all[static_cast<std::size_t>(i)]);
     });
 }
 
 /// Copies the contacts of this step that are deep to bundles of their own; those of the overflow keep one each.
 void WorldImpl::collectDeep(bool any) {
     giveBackDeep();
-    deepContacts.clear();
-    deepStarts.clear();
-    deepBundles.clear();
+    deepContacts.all.clear();
+    deepContacts.starts.clear();
+    deepContacts.bundles.clear();
     if (!any) return;
     const auto lanes = static_cast<std::size_t>(graph.lanes());
     const float rate = context.softStatic.massScale * context.softStatic.biasRate;
@@ -79,44 +79,49 @@ void WorldImpl::collectDeep(bool any) {
     constexpr auto kFields = static_cast<std::size_t>(contact::kFields);
     std::size_t bundles = 0;
     for (int c = 0; c <= ConstraintGraph::kOverflow; ++c) {
-        deepStarts.push(static_cast<std::uint32_t>(bundles));
+        deepContacts.starts.push(static_cast<std::uint32_t>(bundles));
         const std::size_t inBundle = c == ConstraintGraph::kOverflow ? 1 : lanes;
         std::size_t used = 0;
         const auto count = static_cast<std::uint32_t>(graph.color(c).manifolds.size());
-        laneIsDeep.resizeForOverwrite(count);
+        deepContacts.isDeep.resizeForOverwrite(count);
         runner.parallelFor(static_cast<int>(count), 512, [&](int begin, int end, int) {
             for (auto slot = static_cast<std::uint32_t>(begin); slot < static_cast<std::uint32_t>(end); ++slot)
-                laneIsDeep[slot] = isDeep(graph.lane({static_cast<std::uint32_t>(c), slot}), lanes, beyond) ? 1 : 0;
+                deepContacts.isDeep[slot] =
+                    isDeep(graph.lane({static_cast<std::uint32_t>(c), slot}), lanes, beyond) ? 1 : 0;
         });
         for (std::uint32_t slot = 0; slot < count; ++slot) {
-            if (laneIsDeep[slot] == 0) continue;
+            if (deepContacts.isDeep[slot] == 0) continue;
             const std::size_t bundle = bundles + used / inBundle;
-            deepContacts.push({{static_cast<std::uint32_t>(c), slot}, bundle * kFields * lanes + used % inBundle});
+            deepContacts.all.push({{static_cast<std::uint32_t>(c), slot}, bundle * kFields * lanes + used % inBundle});
             ++used;
         }
         bundles += (used + inBundle - 1) / inBundle;
     }
-    deepStarts.push(static_cast<std::uint32_t>(bundles));
-    deepBundles.resize(bundles * kFields * lanes, 0.0f);
-    forEachDeep([&](const DeepContact& deep) {
-        copyFields(graph.lane(deep.from), deepBundles.data() + deep.to, lanes, {0, kFields});
+    deepContacts.starts.push(static_cast<std::uint32_t>(bundles));
+    if (const std::size_t floats = bundles * kFields * lanes; floats > deepContacts.bundles.capacity())
+        deepContacts.bundles.reserve(floats + floats / 4);
+    deepContacts.bundles.resize(bundles * kFields * lanes, 0.0f);
+    forEachDeep([&](const DeepContact& contact) {
+        copyFields(graph.lane(contact.from), deepContacts.bundles.data() + contact.to, lanes, {0, kFields});
     });
 }
 
 /// In the order of the other sweeps.
 void WorldImpl::relaxDeep() {
-    if (deepContacts.empty()) return;
+    if (deepContacts.all.empty()) return;
     const BodyArrays arrays = bodyArrays();
     SolverContext rows = context;
     rows.normals = rows.friction = true;
     const auto relax = [&](int begin, int end) {
-        kernels->relaxContacts(deepBundles.data(), begin, end, arrays, rows);
+        kernels->relaxContacts(deepContacts.bundles.data(), begin, end, arrays, rows);
     };
-    const auto startOf = [&](int color) { return static_cast<int>(deepStarts[static_cast<std::size_t>(color)]); };
+    const auto startOf = [&](int color) {
+        return static_cast<int>(deepContacts.starts[static_cast<std::size_t>(color)]);
+    };
     const auto lanes = static_cast<std::size_t>(graph.lanes());
-    forEachDeep([&](const DeepContact& deep) {
+    forEachDeep([&](const DeepContact& contact) {
         for (const Strip& fields : kRelaxed)
-            copyFields(graph.lane(deep.from), deepBundles.data() + deep.to, lanes, fields);
+            copyFields(graph.lane(contact.from), deepContacts.bundles.data() + contact.to, lanes, fields);
     });
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
         relax(startOf(ConstraintGraph::kOverflow), startOf(ConstraintGraph::kOverflow + 1));
@@ -126,9 +131,9 @@ void WorldImpl::relaxDeep() {
                                [&](int begin, int end, int) { relax(first + begin, first + end); });
         }
     }
-    forEachDeep([&](const DeepContact& deep) {
+    forEachDeep([&](const DeepContact& contact) {
         for (const Strip& fields : kRelaxed)
-            copyFields(deepBundles.data() + deep.to, graph.lane(deep.from), lanes, fields);
+            copyFields(deepContacts.bundles.data() + contact.to, graph.lane(contact.from), lanes, fields);
     });
 }
 

@@ -68,12 +68,15 @@ void WorldImpl::publishEvents() {
     contactChanged.resizeForOverwrite(awakeContacts.size());
     runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
         constexpr int kNext = 12;
+        const auto records = contacts.view();
+        const std::uint32_t* awake = awakeContacts.data();
+        std::uint8_t* changed = contactChanged.data();
         for (int i = begin; i < end; ++i) {
             const auto place = static_cast<std::size_t>(i);
-            if (i + kNext < end) prefetch(&contacts[awakeContacts[place + kNext]]);
-            ContactRecord& record = contacts[awakeContacts[place]];
-            const bool touching = isTouching(record);
-            contactChanged[place] = touching != record.touching || (touching && record.reportsMotion) ? 1 : 0;
+            if (i + kNext < end) prefetch(&records[awake[place + kNext]]);
+            ContactRecord& record = records[awake[place]];
+            const bool touching = (record.hasPoints || record.struck) && isTouching(record);
+            changed[place] = touching != record.touching || (touching && record.reportsMotion) ? 1 : 0;
         }
     });
     for (std::size_t i = 0; i < awakeContacts.size(); ++i)

@@ -451,11 +451,7 @@ struct WorldImpl {
     bool treesChanged = true;  ///< joints, their bodies or their rows, since trees were drawn up
     direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
-    AlignedArray<DeepContact> deepContacts;  ///< of this step, by colour
-    AlignedArray<std::uint32_t> deepStarts;  ///< bundle where each colour begins, and the end
-    AlignedArray<float> deepBundles;
-    AlignedArray<std::uint8_t> laneIsDeep;  ///< of a colour
-    int deepSpareSteps = 0;  ///< for which little of their memory was used
+    DeepContacts deepContacts;
     AlignedArray<float> directSeen;  ///< bundles of direct islands when their systems were made
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made

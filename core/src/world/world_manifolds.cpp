@@ -33,14 +33,14 @@ void WorldImpl::releaseManifolds(ContactRecord& record) {
     if (record.firstManifold == kNone) return;
     for (ManifoldRecord& manifold : manifoldsOf(record)) {
         forgetStored(manifold);
-        manifold = {};
+        manifold.pointCount = 0;
     }
     (record.manifoldCapacity > 1 ? freeMeshManifolds : freeManifolds).push(record.firstManifold);
     record.firstManifold = kNone;
 }
 
-/// Records for what a contact without any has found. They wait beside those that the same thread has found, until places
-/// are given in the order of the list of contacts.
+/// Records for what a contact without any has found. They wait beside those that the same thread has found, until
+/// places are given in the order of the list of contacts.
 std::span<ManifoldRecord> WorldImpl::holdManifolds(ContactRecord& record, int worker) {
     AlignedArray<ManifoldRecord>& held = heldManifolds[static_cast<std::size_t>(worker)];
     const std::size_t first = held.size();

@@ -245,7 +245,7 @@ void WorldImpl::createContact(std::uint32_t a, std::uint32_t b) {
     contact.manifoldCapacity = contact.isMesh ? kMaxManifolds : 1;
     if (contact.sensor) {  // what it overlaps is told at the end of a step, when nothing may grow
         contact.firstManifold = allotManifolds(contact.manifoldCapacity);
-        for (ManifoldRecord& manifold : manifoldsOf(contact)) manifold.contact = index;
+        for (ManifoldRecord& manifold : manifoldsOf(contact)) manifold = {}, manifold.contact = index;
     }
     link(contactLinks, bodies[contact.bodyA].firstContact, 2 * index);
     link(contactLinks, bodies[contact.bodyB].firstContact, 2 * index + 1);
