@@ -1,5 +1,6 @@
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <memory_resource>
@@ -187,10 +188,63 @@ void boxBox(benchmark::State& state) { pairBench(state, Box{}, Box{}, {0, 0.999f
 void boxSphere(benchmark::State& state) { pairBench(state, Box{}, Sphere{}, {0, 0.999f, 0}); }
 void boxCapsule(benchmark::State& state) { pairBench(state, Box{}, Capsule{}, {0, 0.999f, 0}); }
 void capsuleCapsule(benchmark::State& state) { pairBench(state, Capsule{}, Capsule{}, {0.499f, 0, 0}); }
+/// Too far apart for points, in directions that the last axis does not always tell.
+void boxBoxNear(benchmark::State& state) { pairBench(state, Box{}, Box{}, {0.98f, 1.012f, 0}); }
+/// Sixteen points on balls of half a metre.
+ConvexHull pebble(std::uint64_t seed) {
+    scenes::Dice dice(seed);
+    std::vector<Vec3> points;
+    for (int i = 0; i < 16; ++i)
+        points.push_back(0.5f * normalized(Vec3{dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1)}));
+    return ConvexHull(points);
+}
+void hullHull(benchmark::State& state) { pairBench(state, pebble(3), pebble(4), {0, 0.75f, 0}); }
 BENCHMARK(boxBox);
+BENCHMARK(boxBoxNear);
+BENCHMARK(hullHull);
 BENCHMARK(boxSphere);
 BENCHMARK(boxCapsule);
 BENCHMARK(capsuleCapsule);
+
+float hillAt(float x, float z) { return 0.5f * std::sin(0.5f * x) * std::cos(0.5f * z); }
+
+/// 20,000 triangles of a metre.
+TriangleMesh hillMesh() {
+    constexpr std::uint32_t kCells = 100;
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t j = 0; j <= kCells; ++j)
+        for (std::uint32_t i = 0; i <= kCells; ++i) {
+            const float x = static_cast<float>(i) - 50, z = static_cast<float>(j) - 50;
+            vertices.push_back({x, hillAt(x, z), z});
+            if (i == kCells || j == kCells) continue;
+            const std::uint32_t corner = j * (kCells + 1) + i, next = corner + kCells + 1;
+            triangles.push_back({corner, next, corner + 1});
+            triangles.push_back({corner + 1, next, next + 1});
+        }
+    return TriangleMesh(vertices, triangles);
+}
+
+/// Shapes of a metre on hills of triangles as large as they are.
+void meshPair(benchmark::State& state, const Shape& shape) {
+    const TriangleMesh hills = hillMesh();
+    const ConvexView view = convexView(shape);
+    scenes::Dice dice(6);
+    std::vector<Frame> frames;
+    for (int i = 0; i < 64; ++i) {
+        const float x = dice.between(-40, 40), z = dice.between(-40, 40);
+        frames.push_back({{x, hillAt(x, z) + 0.49f, z}, normalized(Quat{0.1f, dice.between(-1, 1), 0.1f, 1})});
+    }
+    Manifold manifolds[kMaxManifolds];
+    std::size_t i = 0;
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(collide(hills.data(), view, frames[i++ % frames.size()], 0.1f, manifolds));
+        benchmark::DoNotOptimize(manifolds);
+    }
+}
+BENCHMARK_CAPTURE(meshPair, sphere, Sphere{});
+BENCHMARK_CAPTURE(meshPair, box, Box{});
+BENCHMARK_CAPTURE(meshPair, capsule, Capsule{});
 
 /// Unit boxes in a cube of 40 m, and queries of the same size.
 void treeQuery(benchmark::State& state) {

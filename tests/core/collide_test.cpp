@@ -119,6 +119,34 @@ TEST(CapsuleOnBox, LyingTouchesAtBothEndsOfTheLineCutToTheFace) {
     for (int i = 0; i < 2; ++i) EXPECT_NEAR(m.points[i].separation, -0.05f, 2 * kRounding);
 }
 
+TEST(CapsuleOnBox, WithAnEndOverAFaceIsAsFarAsTheEndIsAboveIt) {
+    Random random(21);
+    const Vec3 half{0.5f, 0.4f, 0.7f};
+    const float radius = 0.1f, halfHeight = 0.3f;
+    int over = 0;
+    for (int i = 0; i < 2000; ++i) {
+        SCOPED_TRACE(i);
+        const Quat rotation = random.rotation();
+        const Vec3 reach = rotate(rotation, {0, halfHeight, 0}), lower = reach.y < 0 ? reach : -reach;
+        const float gap = random.uniform(-0.9f * radius, 0.05f);
+        // Its lower end over the top, anywhere but next to the rim; flat ones touch along a line.
+        const Vec3 end{random.uniform(-0.45f, 0.45f), half.y + radius + gap, random.uniform(-0.65f, 0.65f)};
+        if (-lower.y < 0.15f * halfHeight) continue;
+        const ConvexView a = boxView(half), b = capsuleView(radius, halfHeight);
+        const Frame frame{end - lower, rotation};
+        const Manifold m = collided(a, b, frame, 0.06f);
+        ASSERT_EQ(m.pointCount, 1);
+        EXPECT_EQ(m.normal, (Vec3{0, 1, 0}));
+        EXPECT_NEAR(m.points[0].separation, gap, 2e-6f);
+        if (gap > 0) {
+            EXPECT_NEAR(distance(a, b, frame).distance, gap, 1e-5f);
+        }
+        expectNear(m.points[0].position, {end.x, half.y + 0.5f * gap, end.z}, 2e-6f);
+        ++over;
+    }
+    EXPECT_GT(over, 1000);
+}
+
 TEST(CapsuleOnBox, AlongAnEdgeTouchesAtTwoPoints) {
     const Quat along = rotationAbout({1, 0, 0}, kPi / 2);
     const Vec3 diagonal{std::sqrt(0.5f), std::sqrt(0.5f), 0};

@@ -110,6 +110,15 @@ TEST(Mesh, QueriesFindExactlyWhatBruteForceFinds) {
     }
 }
 
+TEST(Mesh, WalkOfAllSpaceFindsEveryTriangleOnceInTreeOrder) {
+    const float everywhere = std::numeric_limits<float>::infinity();
+    const Bounds all{{-everywhere, -everywhere, -everywhere}, {everywhere, everywhere, everywhere}};
+    for (const int count : {1, 4, 5, 17, 900}) {
+        const TriangleMesh mesh = triangleSoup(count, 7, 0.2f).mesh();
+        EXPECT_EQ(found(mesh.data(), all), mesh.data().sourceIndex);
+    }
+}
+
 TEST(Mesh, TreeHoldsEveryTriangleOnceInSmallLeaves) {
     for (const float size : {1.0f, 0.0f}) {
         // With size 0 the triangles of all places but one are moved onto each other.

@@ -130,8 +130,12 @@ constexpr Mat3 operator+(const Mat3& a, const Mat3& b) { return {a.cx + b.cx, a.
 constexpr Mat3 transpose(const Mat3& m) {
     return {{m.cx.x, m.cy.x, m.cz.x}, {m.cx.y, m.cy.y, m.cz.y}, {m.cx.z, m.cy.z, m.cz.z}};
 }
+/// What `rotate` makes of the axes.
 constexpr Mat3 toMat3(const Quat& q) {
-    return {rotate(q, {1, 0, 0}), rotate(q, {0, 1, 0}), rotate(q, {0, 0, 1})};
+    const float x2 = 2 * q.x, y2 = 2 * q.y, z2 = 2 * q.z;
+    const float xx = q.x * x2, yy = q.y * y2, zz = q.z * z2, xy = q.x * y2, xz = q.x * z2, yz = q.y * z2;
+    const float wx = q.w * x2, wy = q.w * y2, wz = q.w * z2;
+    return {{1 - (yy + zz), xy + wz, xz - wy}, {xy - wz, 1 - (xx + zz), yz + wx}, {xz + wy, yz - wx, 1 - (xx + yy)}};
 }
 
 /// A frame relative to another one, both near.

@@ -1,75 +1,84 @@
+#include <bit>
+
+#include "base/four_floats.h"
 #include "narrowphase/pairs.h"
 
 /// Two boxes: separating axes [Gottschalk, Lin, Manocha, 1996], then the incident face clipped in the plane of the
-/// reference face. The commonest pair of all, so it works on plain arrays.
+/// reference face. The commonest pair of all, so it works on plain arrays, and on
+/// the axes of a box side by side.
 namespace ragtop::pairs {
 namespace {
 
 constexpr float kParallelEdges = 1e-5f;  // sin² below which the face axes do as well
 
 struct Boxes {
-    float hA[3], hB[3];
-    float p[3];     ///< B's centre in A
-    float pB[3];    ///< the same along B's axes
-    float R[3][3];  ///< R[i][j]: component along A's axis i of B's axis j
-    float Q[3][3];  ///< absolute values
-    float size;     ///< smallest half extent
+    alignas(16) float hA[4] = {}, hB[4] = {};
+    alignas(16) float p[4] = {};     ///< B's centre in A
+    alignas(16) float R[3][4];       ///< R[i][j]: component along A's axis i of B's axis j
+    alignas(16) float Q[3][4];       ///< absolute values
+    alignas(16) float faceA[4], faceB[4];  ///< separations along the faces of each
+    alignas(16) float pB[4];         ///< B's centre along B's axes
+    float size;                      ///< smallest half extent
 };
 
 inline float absolute(float v) { return v < 0 ? -v : v; }
+inline FourFloats absolute(FourFloats v) { return v < 0.0f ? -v : v; }
 inline int after(int i) { return i == 2 ? 0 : i + 1; }
-inline Vec3 toVec3(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
+inline Vec3 toVec3(const float* v) { return {v[0], v[1], v[2]}; }
+inline FourFloats inLanes(float x, float y, float z) { return FourFloats{x, y, z, 0}; }
 
+/// Side by side in lanes are the axes of one box; the fourth lane is zero.
 inline Boxes prepare(const Vec3& hA, const Vec3& hB, const Frame& bInA) {
     Boxes b;
     const Mat3 m = toMat3(bInA.rotation);
-    const Vec3 columns[3] = {m.cx, m.cy, m.cz};
     const Vec3 position = bInA.position;
+    const FourFloats columns[3] = {inLanes(m.cx.x, m.cx.y, m.cx.z), inLanes(m.cy.x, m.cy.y, m.cy.z),
+                                   inLanes(m.cz.x, m.cz.y, m.cz.z)};
+    const FourFloats rows[3] = {inLanes(m.cx.x, m.cy.x, m.cz.x), inLanes(m.cx.y, m.cy.y, m.cz.y),
+                                inLanes(m.cx.z, m.cy.z, m.cz.z)};
+    const FourFloats p = inLanes(position.x, position.y, position.z);
+    const FourFloats pB = rows[0] * position.x + rows[1] * position.y + rows[2] * position.z;
+    const FourFloats reachA =
+        inLanes(hA.x, hA.y, hA.z) +
+        (absolute(columns[0]) * hB.x + absolute(columns[1]) * hB.y + absolute(columns[2]) * hB.z);
+    const FourFloats reachB =
+        inLanes(hB.x, hB.y, hB.z) + (absolute(rows[0]) * hA.x + absolute(rows[1]) * hA.y + absolute(rows[2]) * hA.z);
+    storeFour(b.p, p);
+    storeFour(b.pB, pB);
+    storeFour(b.faceA, absolute(p) - reachA);
+    storeFour(b.faceB, absolute(pB) - reachB);
     b.size = hA.x;
     for (int i = 0; i < 3; ++i) {
+        storeFour(b.R[i], rows[i]);
+        storeFour(b.Q[i], absolute(rows[i]));
         b.hA[i] = hA[i];
         b.hB[i] = hB[i];
-        b.p[i] = position[i];
-        b.pB[i] = dot(columns[i], position);
         b.size = hA[i] < b.size ? hA[i] : b.size;
         b.size = hB[i] < b.size ? hB[i] : b.size;
-    }
-    for (int j = 0; j < 3; ++j) {
-        b.R[0][j] = columns[j].x;
-        b.R[1][j] = columns[j].y;
-        b.R[2][j] = columns[j].z;
-    }
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) b.Q[i][j] = absolute(b.R[i][j]);
     }
     return b;
 }
 
-inline float faceASeparation(const Boxes& b, int i) {
-    return absolute(b.p[i]) - (b.hA[i] + (b.Q[i][0] * b.hB[0] + b.Q[i][1] * b.hB[1] + b.Q[i][2] * b.hB[2]));
-}
-
-inline float faceBSeparation(const Boxes& b, int j) {
-    return absolute(b.pB[j]) - (b.hB[j] + (b.Q[0][j] * b.hA[0] + b.Q[1][j] * b.hA[1] + b.Q[2][j] * b.hA[2]));
-}
-
-/// The axis aᵢ × bⱼ before it is made a unit vector.
-struct EdgeAxis {
-    float gap;      ///< |p · L| − rA − rB
-    float length2;  ///< 1 − Rᵢⱼ²
+/// The axes aᵢ × bⱼ for one i, before they are made unit vectors.
+struct EdgeAxes {
+    FourFloats gap;      ///< |p · L| − rA − rB
+    FourFloats length2;  ///< 1 − Rᵢⱼ²
 };
 
-inline EdgeAxis edgeAxis(const Boxes& b, int i, int j) {
-    const int i1 = after(i), i2 = after(i1), j1 = after(j), j2 = after(j1);
-    const float along = b.p[i2] * b.R[i1][j] - b.p[i1] * b.R[i2][j];
-    const float rA = b.hA[i1] * b.Q[i2][j] + b.hA[i2] * b.Q[i1][j];
-    const float rB = b.hB[j1] * b.Q[i][j2] + b.hB[j2] * b.Q[i][j1];
-    return {absolute(along) - (rA + rB), b.R[i1][j] * b.R[i1][j] + b.R[i2][j] * b.R[i2][j]};
+inline EdgeAxes edgeAxes(const Boxes& b, int i) {
+    const int i1 = after(i), i2 = after(i1);
+    const FourFloats r1 = loadFour(b.R[i1]), r2 = loadFour(b.R[i2]), q = loadFour(b.Q[i]), hB = loadFour(b.hB);
+    const auto next = [](FourFloats v) { return __builtin_shufflevector(v, v, 1, 2, 0, 3); };
+    const auto afterNext = [](FourFloats v) { return __builtin_shufflevector(v, v, 2, 0, 1, 3); };
+    const FourFloats along = r1 * b.p[i2] - r2 * b.p[i1];
+    const FourFloats rA = loadFour(b.Q[i2]) * b.hA[i1] + loadFour(b.Q[i1]) * b.hA[i2];
+    const FourFloats rB = next(hB) * afterNext(q) + afterNext(hB) * next(q);
+    return {absolute(along) - (rA + rB), r1 * r1 + r2 * r2};
 }
 
 inline float edgeSeparation(const Boxes& b, int i, int j) {
-    const EdgeAxis axis = edgeAxis(b, i, j);
-    return axis.length2 > kParallelEdges ? axis.gap / std::sqrt(axis.length2) : -1e30f * b.size;
+    const EdgeAxes axes = edgeAxes(b, i);
+    return axes.length2[j] > kParallelEdges ? axes.gap[j] / std::sqrt(axes.length2[j]) : -1e30f * b.size;
 }
 
 struct Choice {
@@ -88,9 +97,9 @@ inline void remember(SeparationCache& cache, const Choice& choice) {
 inline float separationOf(const Boxes& b, const SeparationCache& cache) {
     switch (cache.kind) {
         case 1:
-            return faceASeparation(b, cache.indexA);
+            return b.faceA[cache.indexA];
         case 2:
-            return faceBSeparation(b, cache.indexB);
+            return b.faceB[cache.indexB];
         default:
             return edgeSeparation(b, cache.indexA, cache.indexB);
     }
@@ -102,7 +111,7 @@ bool chooseAxis(const Boxes& b, float margin, const Choice& before, Choice& face
     const float tolerance = kChoiceTolerance * b.size;
     for (int axis = 0; axis < 6; ++axis) {
         const int kind = axis < 3 ? 1 : 2, index = axis < 3 ? axis : axis - 3;
-        const float s = kind == 1 ? faceASeparation(b, index) : faceBSeparation(b, index);
+        const float s = kind == 1 ? b.faceA[index] : b.faceB[index];
         if (face.kind == 0 || s > face.separation) face = {kind, index, index, s};
         if (s > margin) return false;
     }
@@ -114,12 +123,15 @@ bool chooseAxis(const Boxes& b, float margin, const Choice& before, Choice& face
         edge = before;
         toBeat = before.separation + tolerance;
     }
+    // gap / length ≤ gap for negative gaps: most axes need no root.
+    const auto leastGap = [&toBeat] { return toBeat < 0 ? toBeat : 0; };
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            const EdgeAxis axis = edgeAxis(b, i, j);
-            // gap / length ≤ gap for negative gaps: most axes need no root.
-            if (axis.gap <= (toBeat < 0 ? toBeat : 0) || !(axis.length2 > kParallelEdges)) continue;
-            const float s = axis.gap / std::sqrt(axis.length2);
+        const EdgeAxes axes = edgeAxes(b, i);
+        unsigned worth = lanesWhere((axes.gap > leastGap()) & (axes.length2 > kParallelEdges));
+        for (; worth != 0; worth &= worth - 1) {
+            const int j = std::countr_zero(worth);
+            if (axes.gap[j] <= leastGap()) continue;
+            const float s = axes.gap[j] / std::sqrt(axes.length2[j]);
             if (s > margin) {
                 face = {3, i, j, s};
                 return false;

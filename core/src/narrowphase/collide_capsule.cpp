@@ -1,7 +1,7 @@
 #include "narrowphase/pairs.h"
 
-/// A capsule and a polyhedron: the closest points of segment and polyhedron while the segment is outside, separating
-/// axes when it cuts through.
+/// A capsule and a polyhedron: the closest points of segment and polyhedron while the segment is outside, at once where
+/// an end is over a face, separating axes when it cuts through.
 namespace ragtop::pairs {
 int segmentOnFace(const HullView& a, int face, const Rod& rod, ManifoldPoint* out) {
     const Plane& plane = a.planes[static_cast<std::size_t>(face)];
@@ -156,22 +156,65 @@ void deep(const HullView& a, const Rod& rod, Manifold& out) {
                      edgeFeature(edge, 2)};
 }
 
+/// The face that the core lies highest above, by its lower end, unless it lies too high above some face; −1 then.
+int highestFace(const HullView& a, const Rod& rod, float& height, Manifold& out) {
+    int best = 0;
+    for (std::size_t i = 0; i < a.faces.size(); ++i) {
+        const Plane& plane = a.planes[i];
+        const float heightP = dot(plane.normal, rod.p), heightQ = dot(plane.normal, rod.q);
+        const float lower = (heightP < heightQ ? heightP : heightQ) - plane.offset, separation = lower - rod.radius;
+        if (separation > rod.margin) {
+            out.gap = separation;
+            return -1;
+        }
+        if (i == 0 || lower > height) {
+            height = lower;
+            best = static_cast<int>(i);
+        }
+    }
+    return best;
+}
+
+bool isOver(const HullView& a, int face, const Vec3& point) {
+    const Vec3& normal = a.planes[static_cast<std::size_t>(face)].normal;
+    const auto sides = a.loop(static_cast<std::size_t>(face));
+    Vec3 from = a.vertices[sides.back()];
+    for (const std::uint8_t side : sides) {
+        const Vec3 to = a.vertices[side];
+        if (dot(cross(to - from, normal), point - from) > 0) return false;
+        from = to;
+    }
+    return true;
+}
+
+/// Where the lower end of the core is over the face that the core lies highest above, those two are nearest: nothing of
+/// the polyhedron is beyond the plane of the face.
+bool endOverFace(const HullView& a, int face, float height, const Rod& rod, gjk::Closest& cores) {
+    if (!(height > 0)) return false;
+    const Vec3& normal = a.planes[static_cast<std::size_t>(face)].normal;
+    const Vec3& end = dot(normal, rod.p) < dot(normal, rod.q) ? rod.p : rod.q;
+    if (!isOver(a, face, end)) return false;
+    cores.normal = normal;
+    cores.distance = height;
+    cores.pointA = end - height * normal;
+    cores.pointB = end;
+    return true;
+}
+
 }  // namespace
 
 void hullCapsule(const HullView& a, const Vec3& p, const Vec3& q, float radius, float margin, Manifold& out) {
     const float size = a.innerRadius > 0 && a.innerRadius < radius ? a.innerRadius : radius;
     const Rod rod{p, q, radius, margin, size};
-    for (const Plane& plane : a.planes.first(a.faces.size())) {
-        const float heightP = dot(plane.normal, p), heightQ = dot(plane.normal, q);
-        const float separation = (heightP < heightQ ? heightP : heightQ) - plane.offset - radius;
-        if (separation > margin) {
-            out.gap = separation;
-            return;
-        }
-    }
+    float height = 0;
+    const int face = highestFace(a, rod, height, out);
+    if (face < 0) return;
+    gjk::Closest cores;
+    // A triangle has one face and more than one side: what is beside it is told by the corners.
+    if (a.faces.size() > 1 && endOverFace(a, face, height, rod, cores)) return shallow(a, cores, rod, out);
     const Vec3 ends[2] = {p, q};
     const gjk::PointsSupport supportA{a.vertices.data(), static_cast<int>(a.vertices.size())};
-    const gjk::Closest cores = gjk::closest(supportA, gjk::PointsSupport{ends, 2}, a.center - 0.5f * (p + q));
+    cores = gjk::closest(supportA, gjk::PointsSupport{ends, 2}, a.center - 0.5f * (p + q));
     if (cores.overlap) {
         deep(a, rod, out);
     } else {

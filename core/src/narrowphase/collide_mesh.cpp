@@ -1,9 +1,10 @@
+#include <bit>
 #include <memory>
 #include <optional>
 
 #include "narrowphase/manifold_set.h"
+#include "narrowphase/nearest_four.h"
 #include "narrowphase/pairs.h"
-#include "narrowphase/triangle_feature.h"
 
 /// A convex shape on a surface of triangles. Every triangle is tested on its own; then a contact whose direction the
 /// whole surface could not give (it would lie inside a neighbouring face) turns to the face normal or goes.
@@ -155,6 +156,10 @@ public:
     int run(std::span<Manifold> out) {
         const Bounds bounds = mover_.bounds();
         gather(bounds);
+        if (mover_.shape->kind == ConvexKind::sphere && gatheredAll_) {
+            visitGatheredWithSphere();
+            return set_.write(mover_.position, out);
+        }
         const auto visitOne = [this](const TriangleView& view) {
             visit(TriangleHull(view, mover_.position));
             return true;
@@ -233,10 +238,33 @@ private:
         contact.take(m);
     }
 
+    void visitGatheredWithSphere() {
+        constexpr float kRounding = 1e-5f;
+        const float reach = mover_.shape->radius + mover_.margin, most = (1 + kRounding) * reach * reach;
+        for (int first = 0; first < nearCount_; first += 4) {
+            const int count = nearCount_ - first < 4 ? nearCount_ - first : 4;
+            const TriangleView* four[4];
+            for (int k = 0; k < 4; ++k) four[k] = &near_[k < count ? first + k : first];
+            const NearestFour nearest = nearestOnFour(four, mover_.position);
+            const FourInts inFront = nearest.height >= -kBehind * mover_.size;
+            unsigned touches = lanesWhere(inFront & (nearest.inside | (nearest.square <= most))) & ((1u << count) - 1);
+            for (; touches != 0; touches &= touches - 1) {
+                const int k = std::countr_zero(touches);
+                const TriangleHull t(*four[k], mover_.position);
+                touchSphere(t, nearest.height[k], nearest.pointAt(k), nearest.featureAt(k));
+            }
+        }
+    }
+
     void visitSphere(const TriangleHull& t, float height) {
-        const float radius = mover_.shape->radius;
         Feature feature;
         const Vec3 near = nearestOnTriangle(t.vertices, t.normal(), {}, feature);
+        touchSphere(t, height, near, feature);
+    }
+
+    /// `near`: where the triangle is nearest to the centre.
+    void touchSphere(const TriangleHull& t, float height, const Vec3& near, const Feature& feature) {
+        const float radius = mover_.shape->radius;
         const bool onFace = feature.kind == Feature::face;
         const float distance = onFace ? height : length(near);
         const float separation = distance - radius;

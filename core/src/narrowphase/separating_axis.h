@@ -44,8 +44,8 @@ struct AxisChoice {
     SeparatingAxis face;  ///< where the best is an edge pair: the best of the faces
 };
 /// The axis of least overlap, with hysteresis in favour of faces and of `before` (kind 0: nothing before); an axis that
-/// separates by more than margin when there is one. Only faces listed in `faces` are tried, edges use the planes on both
-/// sides: a triangle lists its front alone.
+/// separates by more than margin when there is one. Only faces listed in `faces` are tried, edges use the planes on
+/// both sides: a triangle lists its front alone.
 AxisChoice chooseAxis(const HullView& a, const HullView& b, float margin, float size, const SeparatingAxis& before);
 
 SeparationCache toCache(const SeparatingAxis& axis);

@@ -19,8 +19,10 @@ inline Bounds boundsOfTriangle(const Vec3& a, const Vec3& b, const Vec3& c) {
 inline unsigned childrenMeeting(const MeshBranch& branch, const Bounds& bounds) {
     static_assert(MeshBranch::kWidth == 4);
     FourInts meets = {-1, -1, -1, -1};
-    for (int axis = 0; axis < 3; ++axis)
-        meets &= (loadFour(branch.lower[axis]) <= bounds.upper[axis]) & (loadFour(branch.upper[axis]) >= bounds.lower[axis]);
+    for (int axis = 0; axis < 3; ++axis) {
+        meets &= loadFour(branch.lower[axis]) <= bounds.upper[axis];
+        meets &= loadFour(branch.upper[axis]) >= bounds.lower[axis];
+    }
     return lanesWhere(meets);
 }
 

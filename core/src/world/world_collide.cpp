@@ -84,11 +84,14 @@ void WorldImpl::updateSome(int begin, int end, int last, int worker) {
             asked[count++] = index;
         }
     }
-    constexpr int kNext = 6;
+    constexpr int kFour = 4, kNext = 2 * kFour;
     for (int k = 0; k < count && k < kNext; ++k) prefetchShapes(contacts[asked[k]]);
-    for (int k = 0; k < count; ++k) {
-        if (k + kNext < count) prefetchShapes(contacts[asked[k + kNext]]);
-        updateContact(asked[k], worker);
+    for (int first = 0; first < count; first += kFour) {
+        const int past = std::min(first + kFour, count);
+        for (int k = first + kNext; k < past + kNext && k < count; ++k) prefetchShapes(contacts[asked[k]]);
+        PairPlace places[kFour];
+        placePairs(asked + first, past - first, places);
+        for (int k = first; k < past; ++k) updateContact(asked[k], places[k - first], worker);
     }
 }
 
@@ -125,15 +128,6 @@ void WorldImpl::updateSensors() {
     });
 }
 
-/// How far the surfaces of a pair may come nearer in the coming step.
-float WorldImpl::motionAhead(const ContactRecord& record) const {
-    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    const BodyState &stateA = states[record.bodyA], &stateB = states[record.bodyB];
-    const float turnA = a.type == BodyType::fixed ? 0 : length(stateA.w) * a.radius;
-    const float turnB = b.type == BodyType::fixed ? 0 : length(stateB.w) * b.radius;
-    return (length(stateB.v - stateA.v) + turnA + turnB) * dt;
-}
-
 /// A gap that what both bodies have travelled since it was found, and may travel now, cannot have closed needs no other
 /// look while bounds stay as they are; nor do manifolds that have not moved far.
 bool WorldImpl::stays(const ContactRecord& record) const {
@@ -149,7 +143,7 @@ bool WorldImpl::keepsGeometry(const ContactRecord& record) const {
 }
 
 /// Contacts are found early enough that the motion of the step cannot pass them.
-void WorldImpl::updateContact(std::uint32_t index, int worker) {
+void WorldImpl::updateContact(std::uint32_t index, const PairPlace& place, int worker) {
     ContactRecord& record = contacts[index];
     std::uint8_t& change = contactChanged[record.awakeIndex];
     change = kUnchanged;
@@ -167,10 +161,7 @@ void WorldImpl::updateContact(std::uint32_t index, int worker) {
         change = keepManifolds(record);
         return;
     }
-    const float margin = tuning::kSpeculative * record.size + motionAhead(record);
-    const Frame bInA = shapeBInA(record);
-    change = reuseManifolds(record, bInA, margin, travel) ? keepManifolds(record)
-                                                          : collideAnew(record, bInA, margin, travel, worker);
+    change = reuseManifolds(record, place, travel) ? keepManifolds(record) : collideAnew(record, place, travel, worker);
 }
 
 /// Manifolds that are kept are brought to where the bodies are when constraints are prepared.
@@ -180,15 +171,14 @@ std::uint8_t WorldImpl::keepManifolds(ContactRecord& record) {
     return !record.bearsLoad && mayBeSeam(record, manifolds[record.firstManifold]) ? kCloses : kUnchanged;
 }
 
-std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const Frame& bInA, float margin, double travel,
-                                    int worker) {
-    record.collidedMargin = margin;
+std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const PairPlace& place, double travel, int worker) {
+    record.collidedMargin = place.margin;
     union Unfilled {  // with zeros: most pairs touch in one direction, if any
         Unfilled() {}
         Manifold manifolds[kMaxManifolds];
     } room;
     std::construct_at(room.manifolds);
-    const int count = findManifolds(record, bInA, margin, {room.manifolds, record.manifoldCapacity});
+    const int count = findManifolds(record, place.bInA, place.margin, {room.manifolds, record.manifoldCapacity});
     const std::span<const Manifold> found(room.manifolds, static_cast<std::size_t>(count));
     const bool first = record.firstManifold == kNone;
     unsigned change = kUnchanged;
@@ -201,11 +191,11 @@ std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const Frame& bInA, fl
     }
     if (first) change = holds(record) ? kGraph | kFound | kPoints : kGraph | kFound;
     ManifoldRecord& manifold = first ? takeFirstManifolds(record, found, worker) : manifolds[record.firstManifold];
-    manifold.collidedAt = bInA;
+    manifold.collidedAt = place.bInA;
     record.until = 0;
     if (!turnsUnderContact(record))
-        record.until = travel + static_cast<double>(tuning::kReuse * record.size / motionPerTravel(record, bInA));
-    record.aheadMost = margin + (tuning::kReuse - tuning::kSpeculative) * record.size;
+        record.until = travel + static_cast<double>(tuning::kReuse * record.size / place.perTravel);
+    record.aheadMost = place.margin + (tuning::kReuse - tuning::kSpeculative) * record.size;
     if (mayBeSeam(record, manifold)) change |= kCloses;
     return static_cast<std::uint8_t>(change);
 }

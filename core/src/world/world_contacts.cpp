@@ -299,34 +299,17 @@ void matchManifolds(const Vec3* normals, int count, const ManifoldRecord* old, i
 /// cheaper, and quieter at rest [Catto, Box3D, 2026]. The bound is a share of the size; a turn counts by the arc that
 /// it makes at the radius of the smaller body. How much of it is left is noted as what the bodies may travel until this
 /// is to be asked again.
-bool WorldImpl::reuseManifolds(ContactRecord& record, const Frame& bInA, float margin, double travel) const {
+bool WorldImpl::reuseManifolds(ContactRecord& record, const PairPlace& place, double travel) const {
     // Impulses of another substep length are rescaled on their way through the record.
     if (lastSubstep != context.h) return false;
     const float most = tuning::kReuse * record.size;
-    if (!record.hasPoints || turnsUnderContact(record) || margin > record.collidedMargin + most) return false;
-    const Frame& collidedAt = manifolds[record.firstManifold].collidedAt;
-    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    const Quat turn = conjugate(collidedAt.rotation) * bInA.rotation;
-    const float arc = 2 * length(Vec3{turn.x, turn.y, turn.z}) * (a.radius < b.radius ? a.radius : b.radius);
-    const float left = most - (length(bInA.position - collidedAt.position) + arc);
+    if (!record.hasPoints || turnsUnderContact(record) || place.margin > record.collidedMargin + most) return false;
+    const float left = most - place.moved;
     if (left < 0) return false;
     for (const ManifoldRecord& manifold : manifoldsOf(record))
         if (manifold.pointCount > 0 && manifold.place.color == kNone) return false;
-    record.until = travel + static_cast<double>(left / motionPerTravel(record, bInA));
+    record.until = travel + static_cast<double>(left / place.perTravel);
     return true;
-}
-
-/// How far a pair moves against each other, as manifolds are kept by, for what its bodies have travelled, at most: a turn
-/// θ of a body counts θ R there, and here the way of B's shape seen from A beside the arc.
-float WorldImpl::motionPerTravel(const ContactRecord& record, const Frame& bInA) const {
-    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    const float arc = a.radius < b.radius ? a.radius : b.radius;
-    const float leverA = length(shapes[record.shapeA].frame.position) + length(bInA.position);
-    const float leverB = length(shapes[record.shapeB].frame.position);
-    float most = 1;
-    if (a.type != BodyType::fixed) most = std::max(most, (leverA + arc) / a.radius);
-    if (b.type != BodyType::fixed) most = std::max(most, (leverB + arc) / b.radius);
-    return most;
 }
 
 /// A round surface turns under its contact point, and is cheap to collide.

@@ -94,11 +94,11 @@ struct WorldImpl {
     bool stays(const ContactRecord& contact) const;
     bool keepsGeometry(const ContactRecord& contact) const;
     void updateContacts();
-    void updateContact(std::uint32_t contact, int worker);
+    void placePairs(const std::uint32_t* asked, int count, PairPlace* out) const;  // world_pair_places.cpp
+    void updateContact(std::uint32_t contact, const PairPlace& place, int worker);
     std::uint8_t keepManifolds(ContactRecord& contact);
-    std::uint8_t collideAnew(ContactRecord& contact, const Frame& bInA, float margin, double travel, int worker);
+    std::uint8_t collideAnew(ContactRecord& contact, const PairPlace& place, double travel, int worker);
     void lookAhead();
-    float motionAhead(const ContactRecord& contact) const;
     void updateSensors();
     void applyContactChanges();
     void applyContactChange(std::uint32_t contact);
@@ -148,9 +148,8 @@ struct WorldImpl {
     Frame shapeBInA(const ContactRecord& contact) const;
     Vec3 wayAtPoint(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
     bool willMeet(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
-    bool reuseManifolds(ContactRecord& contact, const Frame& bInA, float margin, double travel) const;
+    bool reuseManifolds(ContactRecord& contact, const PairPlace& place, double travel) const;
     bool turnsUnderContact(const ContactRecord& contact) const;
-    float motionPerTravel(const ContactRecord& contact, const Frame& bInA) const;
     PlacedManifold placed(const ContactRecord& contact, const ManifoldRecord& manifold) const;
     void writeSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
     void refreshSurfaces(ContactRecord& contact);

@@ -25,6 +25,12 @@ void WorldImpl::noteForce(std::uint32_t index) {
 
 /// Everything that bears or holds: contacts within reach, and joints.
 void WorldImpl::collectBearings() {
+    // Room for all, whether they are near or not: what comes near later asks for no memory.
+    std::size_t room = 0;
+    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+        room += graph.color(c).manifolds.capacity() + graph.color(c).joints.capacity();
+    bearings.reserve(room);
+    neighbours.reserve(2 * room);
     bearings.clear();
     for (int c = 0; c < ConstraintGraph::kLists; ++c) {
         for (const std::uint32_t m : graph.color(c).manifolds) {

@@ -31,6 +31,14 @@ struct GeometryEntry {
     bool isMesh() const { return mesh || field; }
 };
 
+/// Where a pair is that is asked for its contacts.
+struct PairPlace {
+    Frame bInA;           ///< of shape B in the axes of shape A
+    float margin = 0;     ///< m, up to which points are found: all that the step may bring into touch
+    float moved = 0;      ///< m, against each other, since manifolds were found
+    float perTravel = 1;  ///< of such motion, at most, for what both bodies travel
+};
+
 /// What a step finds of an awake contact; the last three come beside the others: that it may be a seam, that other points
 /// hold a body on what does not move, and that it had no manifold before.
 enum ContactChange : std::uint8_t { kUnchanged = 0, kApart = 1, kGraph = 2, kCloses = 4, kPoints = 8, kFound = 16 };

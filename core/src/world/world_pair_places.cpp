@@ -1,0 +1,115 @@
+// Where pairs that are asked for their contacts are, four at a time.
+
+#include <cstddef>
+
+#include "base/four_floats.h"
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+struct FourFrames {
+    FourVectors position;
+    FourQuats rotation;
+};
+
+FourQuats inLanes(const Quat* const rotations[4]) {
+    FourFloats rows[4];
+    for (int i = 0; i < 4; ++i) rows[i] = loadFour(&rotations[i]->x);
+    transposeFour(rows);
+    return {rows[0], rows[1], rows[2], rows[3]};
+}
+
+/// Each is followed by another float of its record.
+FourVectors inLanes(const Vec3* const vectors[4]) {
+    FourFloats rows[4];
+    for (int i = 0; i < 4; ++i) rows[i] = loadFour(&vectors[i]->x);
+    transposeFour(rows);
+    return {rows[0], rows[1], rows[2]};
+}
+
+FourFrames inLanes(const Frame* const frames[4]) {
+    static_assert(offsetof(Frame, rotation) == sizeof(Vec3));
+    const Vec3* positions[4];
+    const Quat* rotations[4];
+    for (int i = 0; i < 4; ++i) positions[i] = &frames[i]->position, rotations[i] = &frames[i]->rotation;
+    return {inLanes(positions), inLanes(rotations)};
+}
+
+/// What lanes of pairs are made of.
+struct PairRows {
+    const Frame *shapeA[4], *shapeB[4], *collidedAt[4];
+    const Quat *rotationA[4], *rotationB[4];
+    const Vec3 *vA[4], *wA[4], *vB[4], *wB[4];
+    float apart[3][4];  ///< m, from the centre of A to that of B
+    float radiusA[4], radiusB[4];
+    float turningA[4], turningB[4];  ///< m, the same, or zero of what is fixed
+    float size[4];
+};
+
+/// m, that surfaces may come nearer in the coming step.
+FourFloats motionAhead(const PairRows& rows, float dt) {
+    const FourVectors vA = inLanes(rows.vA), wA = inLanes(rows.wA), vB = inLanes(rows.vB), wB = inLanes(rows.wB);
+    return (length(vB - vA) + length(wA) * loadFour(rows.turningA) + length(wB) * loadFour(rows.turningB)) * dt;
+}
+
+/// How far a pair moves against each other, as manifolds are kept by, for what its bodies have travelled, at most: a
+/// turn θ of a body counts θ R there, and here the way of B's shape seen from A beside the arc.
+FourFloats motionPerTravel(const PairRows& rows, const FourVectors& inA, const FourFrames& shapeA,
+                           const FourFrames& shapeB, FourFloats arc) {
+    const FourFloats leverA = length(shapeA.position) + length(inA), leverB = length(shapeB.position);
+    FourFloats most = {1, 1, 1, 1};
+    const auto take = [&most](FourFloats reach, FourFloats turning) {
+        const FourFloats ratio = reach / turning;
+        most = (turning > 0.0f) & (most < ratio) ? ratio : most;
+    };
+    take(leverA + arc, loadFour(rows.turningA));
+    take(leverB + arc, loadFour(rows.turningB));
+    return most;
+}
+
+}  // namespace
+
+/// A pair moves against each other by its translation and by the arc that it turns at the radius of the smaller body.
+void WorldImpl::placePairs(const std::uint32_t* asked, int count, PairPlace* out) const {
+    PairRows rows;
+    for (int i = 0; i < 4; ++i) {
+        const ContactRecord& record = contacts[asked[i < count ? i : 0]];
+        const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
+        rows.shapeA[i] = &shapes[record.shapeA].frame, rows.shapeB[i] = &shapes[record.shapeB].frame;
+        // Pairs without a manifold are not asked how far they moved.
+        const bool found = record.firstManifold != kNone;
+        rows.collidedAt[i] = found ? &manifolds[record.firstManifold].collidedAt : rows.shapeA[i];
+        rows.rotationA[i] = &a.rotation, rows.rotationB[i] = &b.rotation;
+        rows.vA[i] = &states[record.bodyA].v, rows.wA[i] = &states[record.bodyA].w;
+        rows.vB[i] = &states[record.bodyB].v, rows.wB[i] = &states[record.bodyB].w;
+        const Vec3 apart = relative(b.center, a.center);
+        for (int axis = 0; axis < 3; ++axis) rows.apart[axis][i] = apart[axis];
+        rows.radiusA[i] = a.radius, rows.radiusB[i] = b.radius;
+        rows.turningA[i] = a.type == BodyType::fixed ? 0 : a.radius;
+        rows.turningB[i] = b.type == BodyType::fixed ? 0 : b.radius;
+        rows.size[i] = record.size;
+    }
+    const FourFrames shapeA = inLanes(rows.shapeA), shapeB = inLanes(rows.shapeB), before = inLanes(rows.collidedAt);
+    const FourQuats qA = inLanes(rows.rotationA), qB = inLanes(rows.rotationB);
+    const FourVectors between{loadFour(rows.apart[0]), loadFour(rows.apart[1]), loadFour(rows.apart[2])};
+
+    // As shapeBInA does.
+    const FourVectors fromA = inverseRotate(qA, between + rotate(qB, shapeB.position)) - shapeA.position;
+    const FourVectors position = inverseRotate(shapeA.rotation, fromA);
+    const FourQuats rotation = normalized(conjugate(shapeA.rotation) * (conjugate(qA) * (qB * shapeB.rotation)));
+
+    const FourFloats margin = loadFour(rows.size) * tuning::kSpeculative + motionAhead(rows, dt);
+    const FourFloats radiusA = loadFour(rows.radiusA), radiusB = loadFour(rows.radiusB);
+    const FourFloats radius = radiusA < radiusB ? radiusA : radiusB;
+    const FourQuats turn = conjugate(before.rotation) * rotation;
+    const FourFloats moved = length(position - before.position) + 2.0f * length({turn.x, turn.y, turn.z}) * radius;
+    const FourFloats perTravel = motionPerTravel(rows, position, shapeA, shapeB, radius);
+    for (int i = 0; i < count; ++i)
+        out[i] = {{{position.x[i], position.y[i], position.z[i]},
+                   {rotation.x[i], rotation.y[i], rotation.z[i], rotation.w[i]}},
+                  margin[i], moved[i], perTravel[i]};
+}
+
+}  // namespace ragtop
