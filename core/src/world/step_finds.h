@@ -75,6 +75,15 @@ struct DeepContacts {
     int spareSteps = 0;                 ///< for which little of the bundles' memory was used
 };
 
+/// How far a body went in a step.
+enum BodyFlag : std::uint8_t {
+    kNotFast,
+    kFastClear,  ///< went far for its size, but past nothing
+    kToSweep,    ///< went far for its size
+    kSwept,      ///< met something on its way, or is joined to what did
+    kRunaway
+};
+
 /// A contact for which a step found a change, of ContactChange.
 struct ChangedContact {
     std::uint32_t contact;

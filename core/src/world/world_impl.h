@@ -465,13 +465,6 @@ struct WorldImpl {
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made
     std::uint64_t runaways = 0;        ///< bodies stopped because they ran away
-    enum BodyFlag : std::uint8_t {
-        kNotFast,
-        kFastClear,  ///< went far for its size, but past nothing
-        kToSweep,    ///< went far for its size
-        kSwept,      ///< met something on its way, or is joined to what did
-        kRunaway
-    };
     AlignedArray<BodyFlag> bodyFlags;  ///< per awake body, set by finishBodies
     std::vector<std::pmr::vector<PairFound>> foundPairs;  ///< per block of the move buffer
     AlignedArray<std::uint32_t> sweptBodies;  ///< those that are kSwept in this step
