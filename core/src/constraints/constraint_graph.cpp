@@ -144,8 +144,8 @@ void ConstraintGraph::exchangeContacts(GraphPlace a, GraphPlace b) {
     exchange(contact::kRecordA, contact::kApproach - contact::kRecordA);
     const std::size_t points = std::max(c.points[a.slot], c.points[b.slot]);
     for (std::size_t j = 0; j < points; ++j)
-        for (const std::size_t field : {contact::kImpulse, contact::kLoad})
-            exchange(contact::kPoints + j * contact::kPointFields + field, 1);
+        for (const contact::PointField field : {contact::kImpulse, contact::kLoad})
+            exchange(contact::kPoints + j * contact::kPointFields + static_cast<std::size_t>(field), 1);
     std::swap(c.manifolds[a.slot], c.manifolds[b.slot]);
     std::swap(c.points[a.slot], c.points[b.slot]);
 }

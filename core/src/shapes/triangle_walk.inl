@@ -40,7 +40,7 @@ void forEachTriangle(const MeshData& mesh, const Bounds& bounds, Visit&& visit) 
             const MeshBranch& branch = mesh.branches[next.first];
             // The first child is looked at next, so it goes on top.
             for (unsigned near = childrenMeeting(branch, bounds); near != 0;) {
-                const int child = std::bit_width(near) - 1;
+                const int child = static_cast<int>(std::bit_width(near)) - 1;
                 near ^= 1u << child;
                 assert(waiting <= (MeshBranch::kWidth - 1) * kMeshTreeDepth);
                 stack[waiting++] = {branch.first[child], branch.count[child]};

@@ -62,7 +62,8 @@ FourFloats motionPerTravel(const PairRows& rows, const FourVectors& inA, const F
     FourFloats most = {1, 1, 1, 1};
     const auto take = [&most](FourFloats reach, FourFloats turning) {
         const FourFloats ratio = reach / turning;
-        most = (turning > 0.0f) & (most < ratio) ? ratio : most;
+        const FourInts more = (turning > 0.0f) & (most < ratio);
+        most = more ? ratio : most;
     };
     take(leverA + arc, loadFour(rows.turningA));
     take(leverB + arc, loadFour(rows.turningB));
