@@ -92,6 +92,7 @@ void compileJoint(const JointDef& def, const Vec3& centerA, const Vec3& centerB,
         // A distance has no direction yet; a ball's rows stay in world axes.
         if (kind == JointKind::distance) into.block.basis.cz = {};
     }
+    into.account = {};
     const JointBodies& bodies = bodiesOf(def);
     into.localA = {bodies.frameA.position - centerA, normalized(bodies.frameA.rotation)};
     into.localB = {bodies.frameB.position - centerB, normalized(bodies.frameB.rotation)};
@@ -158,6 +159,7 @@ void warmStartJoint(JointSim& joint, BodyState* states, const BodyInertia* inert
     const JointPlace now = locate(joint, pair);
     pair.stiffen(joint.arms, carriedImpulse(joint).linear, context.h, joint.taut);
     refreshAt(joint, now, pair, {context, true});
+    openAccount(joint, pair);
     pair.apply(joint.arms, carriedImpulse(joint));
     pair.store();
 }
@@ -278,7 +280,6 @@ void solveRows(JointSim& joint, BodyPair& pair, const JointContext& context, boo
                       useBias);
             break;
     }
-    pair.store();
 }
 
 }  // namespace
@@ -291,6 +292,8 @@ void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, 
         closeJoint(joint, pair, context.h);
     }
     solveRows(joint, pair, context, useBias);
+    if (!useBias) settleAccount(joint, pair, context.inverseH);
+    pair.store();
     if (!useBias) noteLoad(joint);
 }
 
@@ -298,6 +301,7 @@ void solveJointAgain(JointSim& joint, BodyState* states, const BodyInertia* iner
                      bool useBias) {
     BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
     solveRows(joint, pair, context, useBias);
+    pair.store();
 }
 
 bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inertia) {
@@ -323,6 +327,7 @@ bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inerti
     const bool fits = length(after.linear - before.linear) <= kRounding * moving &&
                       length(after.angular - before.angular) <= kRounding * turning;
     if (!fits) pair.store();
+    beginAccount(joint, pair);
     return !fits;
 }
 

@@ -8,6 +8,7 @@
 #include "constraints/joint_path.h"
 #include "constraints/joint_swing.h"
 #include "constraints/rows.h"
+#include "constraints/soft_account.h"
 #include "ragtop/joint.h"
 #include "ragtop/math.h"
 #include "solve/body_state.h"
@@ -101,6 +102,7 @@ struct JointSim {
     float pitch = 0;         ///< m per rad, of a screw
     float threadRadius = 0;  ///< m
     PathRows path;
+    SoftAccount account;
 };
 static_assert(std::is_trivially_copyable_v<JointSim> && std::is_standard_layout_v<JointSim>);
 

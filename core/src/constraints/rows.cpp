@@ -134,6 +134,20 @@ PairMass BodyPair::mass(const Arms& arms) const {
     return k;
 }
 
+float BodyPair::reducedMass() const {
+    const float inverse = stateA_->invMass + stateB_->invMass;
+    return inverse > 0 ? 1 / inverse : 0.0f;
+}
+
+float BodyPair::relativeEnergy() const {
+    const auto turning = [](const BodyInertia& inertia, const Vec3& w) {
+        const Sym3 inverse = times(1, inertia);
+        return dot(w, solve(factorize(inverse, diagonal(inverse)), w));
+    };
+    return 0.5f * (reducedMass() * lengthSquared(relativeVelocity()) + turning(*inertiaA_, wA_) +
+                   turning(*inertiaB_, wB_));
+}
+
 float BodyPair::mass(const Arms& arms, const Vec3& direction) const {
     const Vec3 a = cross(arms.a, direction), b = cross(arms.b, direction);
     return dot(direction, scale(inverseMassA_ + inverseMassB_, direction)) + shareA_ * dot(a, *inertiaA_ * a) +

@@ -122,6 +122,11 @@ public:
     PairMass mass(const Arms& arms) const;
     /// J M⁻¹ Jᵀ of one linear direction alone.
     float mass(const Arms& arms, const Vec3& direction) const;
+    /// Of B relative to A: v, dp, and the energy of what the two do not have in common, turning included.
+    Vec3 relativeVelocity() const { return vB_ - vA_; }
+    Vec3 relativeWay() const { return stateB_->dp - stateA_->dp; }
+    float reducedMass() const;
+    float relativeEnergy() const;
     const BodyState& stateA() const { return *stateA_; }
     const BodyState& stateB() const { return *stateB_; }
 
