@@ -197,7 +197,6 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
             push = Lanes<N>(-context.pushOut) * c.field(contact::kSize);
             deep = Lanes<N>(contact::kDeep) * c.field(contact::kSize);
         }
-
         // What holds a body on the ground has changed: nothing pulls towards loads of other points, and those that the
         // first substep finds are carried from then on. Else the body would sag where it loses a point, and rise again.
         const Lanes<N> shifted = c.rare(contact::kShifted, contact::kFindsLoad);
