@@ -212,9 +212,8 @@ void WorldImpl::prepareJoints() {
         [&](int c, int begin, int end) {
             for (int i = begin; i < end; ++i) {
                 const std::uint32_t joint = graph.color(c).joints[static_cast<std::size_t>(i)];
-                jointSims[joint].ofFigure = isOfFigure(joint) ? 1.0f : 0.0f;
-                prepareJoint(jointSims[joint], jointBodies(joints[joint]), states.data(), inertias.data(),
-                             jointContext);
+                if (assemblies.fresh) jointSims[joint].ofFigure = isOfFigure(joint) ? 1.0f : 0.0f;
+                prepareJoint(jointSims[joint], jointBodies(joint), states.data(), inertias.data(), jointContext);
             }
         });
     const JointLanesView view = jointBundles.view(jointSims.data());
@@ -269,7 +268,7 @@ struct Blocks {
 template <class Joint, class Joints, class Contacts>
 void WorldImpl::forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact) {
     constexpr int kJointsPerBlock = 8;
-    const int jointBundlesPerBlock = 32 / graph.lanes(), contactBundlesPerBlock = 64 / graph.lanes();
+    const int jointBundlesPerBlock = 32 / jointKernels->lanes, contactBundlesPerBlock = 64 / graph.lanes();
     const auto singles = [&](int begin, int end) {
         for (int i = begin; i < end; ++i) alone(jointBundles.single(i));
     };
