@@ -127,7 +127,7 @@ struct TriangleSides {
 };
 
 /// In cyclic order round a face.
-constexpr float kCorners[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+constexpr float kCorners[4][2] = {{-1, -1}, {-1, 1}, {1, 1}, {1, -1}};
 
 }  // namespace
 
