@@ -22,7 +22,7 @@ protected:
     LaneView lane(GraphPlace place) { return {graph.lane(place), graph.lanes()}; }
     void SetUp() override {
         for (std::uint32_t i = 0; i < kContacts; ++i) {
-            places[i] = graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, false);
+            places[i] = graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, ConstraintGraph::By::sweeps);
             ASSERT_EQ(places[i].color, 0u);
             for (int field = 0; field < contact::kFields; ++field) lane(places[i]).at(field) = valueOf(i, field);
             lane(places[i]).setBits(contact::kPointCount, pointsOf(i));

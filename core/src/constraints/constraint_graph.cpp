@@ -63,8 +63,10 @@ int ConstraintGraph::usedColors() const {
 }
 
 GraphPlace ConstraintGraph::insertContact(std::uint32_t manifold, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
-                                          bool movesB, bool direct) {
-    const int index = direct ? kDirect : findColor(bodyA, movesA, bodyB, movesB);
+                                          bool movesB, By by) {
+    const int index = by == By::direct ? kDirect
+                      : by == By::none ? kResting
+                                       : findColor(bodyA, movesA, bodyB, movesB);
     Color& c = color(index);
     const GraphPlace place{static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.manifolds.size())};
     c.manifolds.push(manifold);
@@ -93,6 +95,18 @@ std::uint32_t ConstraintGraph::removeContact(GraphPlace place, std::uint32_t bod
     for (std::size_t f = 0; f < contact::kFields; ++f) from[f * n] = 0.0f;
     c.manifolds.pop();
     return moved;
+}
+
+GraphPlace ConstraintGraph::moveContact(GraphPlace from, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
+                                        bool movesB, By by, std::uint32_t& tookOver) {
+    const std::uint32_t manifold = colors_[from.color].manifolds[from.slot];
+    const GraphPlace place = insertContact(manifold, bodyA, movesA, bodyB, movesB, by);
+    const auto n = static_cast<std::size_t>(lanes_);
+    const float* const old = lane(from);
+    float* const now = lane(place);
+    for (std::size_t f = 0; f < contact::kFields; ++f) now[f * n] = old[f * n];
+    tookOver = removeContact(from, bodyA, movesA, bodyB, movesB);
+    return place;
 }
 
 void ConstraintGraph::reorderContacts(int index, AlignedArray<std::uint32_t>& from) {

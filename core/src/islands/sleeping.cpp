@@ -114,6 +114,7 @@ void WorldImpl::wakeBody(std::uint32_t first) {
         BodyRecord& body = bodies[index];
         if (body.type == BodyType::fixed || index == 0) continue;
         body.sleepTimer = 0;
+        rouse(index);
         if (body.awakeIndex != kNone) continue;
         body.awakeIndex = static_cast<std::uint32_t>(awakeBodies.size());
         awakeBodies.push(index);

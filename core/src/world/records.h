@@ -46,6 +46,8 @@ struct alignas(64) BodyRecord {
     std::uint8_t directFailures = 0;  ///< solves of its island that were given up since one came to rest
     std::uint8_t innerSteps = 1;      ///< of each substep, as part of a mechanism
     std::uint8_t calmSteps = 0;       ///< for which half as many would have done
+    std::uint8_t stillSteps = 0;      ///< for which it was too slow to tell from what rests
+    bool rests = false;               ///< on what does not move, and is left out of the solver
 };
 static_assert(sizeof(BodyRecord) == 192);
 

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <memory_resource>
+#include <span>
 
 #include "base/aligned_array.h"
 #include "constraints/constraint_graph.h"
@@ -96,6 +98,14 @@ enum BodyFlag : std::uint8_t {
     kToSweep,    ///< went far for its size
     kSwept,      ///< met something on its way, or is joined to what did
     kRunaway
+};
+
+/// Which bodies a step solves (world_rest.cpp).
+struct RestFinds {
+    explicit RestFinds(std::pmr::memory_resource* memory) : unrested(memory) {}
+    std::atomic<bool> anyStill{false};       ///< has any body been still for long enough to rest?
+    std::span<const std::uint32_t> solved;   ///< awake bodies that do not rest
+    AlignedArray<std::uint32_t> unrested;    ///< the same while some rest
 };
 
 /// A contact for which a step found a change, of ContactChange.

@@ -185,6 +185,7 @@ std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const PairPlace& plac
     if (!first)
         change = record.isMesh && meetAsSurfaces(record) ? takeSurfaceManifolds(record, found)
                                                          : takeManifolds(record, found);
+    if (!first && (bodies[record.bodyA].rests || bodies[record.bodyB].rests)) change |= kGraph;
     if (count == 0) {
         record.until = travel + static_cast<double>(room.manifolds[0].gap - tuning::kSpeculative * record.size);
         return static_cast<std::uint8_t>(change);
@@ -245,6 +246,7 @@ void WorldImpl::noteShiftedLoads() {
 /// fell asleep with, which has not changed.
 void WorldImpl::applyContactChange(std::uint32_t index) {
     ContactRecord& record = contacts[index];
+    rouse(record.bodyA), rouse(record.bodyB);
     bool meets = false;
     forEachManifold(record, [&](std::uint32_t k) {
         const ManifoldRecord& manifold = manifolds[k];

@@ -287,6 +287,11 @@ struct WorldImpl {
     void wakeTouching(std::uint32_t body);
     void sleepBody(std::uint32_t body);
     void noteSleep(std::uint32_t body, bool asleep);
+    // world_rest.cpp: bodies that rest on what does not move.
+    void noteStillness(BodyRecord& body, float speed, float motion);
+    void restStillBodies();
+    void rouse(std::uint32_t body);
+    void collectSolved();
 
     // world_events.cpp
     void publishEvents();
@@ -368,10 +373,7 @@ struct WorldImpl {
     void forgetDerived();
     std::uint64_t hash() const;
 
-    ContactPlaces contactPlaces() const {
-        return {&bodies.data()->center, &bodies.data()->rotation, sizeof(BodyRecord), manifolds.pages(),
-                manifolds.kPageBits,    sizeof(ManifoldRecord)};
-    }
+    ContactPlaces contactPlaces() const;
     BodyArrays bodyArrays() { return {states.data(), inertias.data(), dynamics.data(), histories.data()}; }
     void beginStage(const char* name);
     void endStages();
@@ -431,6 +433,7 @@ struct WorldImpl {
     AlignedArray<std::uint8_t> laneTouches;      ///< the same per lane of a colour
     bool surfacesForgotten = false;              ///< lanes are to be told anew what the surfaces are
     std::atomic<bool> anySensor{false};      ///< is any awake contact one?
+    RestFinds rest;
     std::vector<AlignedArray<ManifoldRecord>> heldManifolds;  ///< per worker: found in this step, without a place yet
     AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts
     AlignedArray<ChangedContact> changedContacts;
@@ -438,7 +441,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step
     AlignedArray<std::uint32_t> islandParent;     ///< union-find over bodies
     AlignedArray<float> islandQuiet;              ///< s, of the least quiet body of a root
-    AlignedArray<std::uint32_t> bodyStack;
+    AlignedArray<std::uint32_t> bodyStack, movedConstraints;
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     Assemblies assemblies;
     AlignedArray<std::uint8_t> leftBounds;  ///< per awake body: some shape of it did in this step
@@ -454,7 +457,6 @@ struct WorldImpl {
     AlignedArray<float*> directLanes;
     AlignedArray<JointSim*> directSims;
     AlignedArray<std::uint32_t> directIndex;  ///< per body: of its island, or in it
-    AlignedArray<std::uint32_t> movedConstraints;
     std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< at least one per direct island
     std::vector<std::unique_ptr<direct::Mechanism>> mechanisms;  ///< likewise, where one is
     bool directGrouped = false;

@@ -50,6 +50,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         hideSeams();
         beginStage("islands");
         chooseSolvers();
+        collectSolved();
         beginStage("prepare");
         prepareBodies();
         findAssemblies();
@@ -70,6 +71,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         updateSensors();
         publishEvents();
         beginStage("sleep");
+        restStillBodies();
         sleepQuietIslands();
     };
     if (isLittle())
@@ -116,9 +118,9 @@ void WorldImpl::solveSubstep(World& world, int number) {
 }
 
 void WorldImpl::prepareBodies() {
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
+    runner.parallelFor(static_cast<int>(rest.solved.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
-            const std::uint32_t index = awakeBodies[static_cast<std::size_t>(i)];
+            const std::uint32_t index = rest.solved[static_cast<std::size_t>(i)];
             BodyRecord& body = bodies[index];
             BodyDynamics& d = dynamics[index];
             d.linearDecay = 1 / (1 + context.h * body.linearDamping);
@@ -159,7 +161,7 @@ void WorldImpl::prepareConstraints() {
     groupContacts();
     std::atomic<unsigned> found{0};
     forBlocksOfAllLists(
-        8, [&](int c) { return graph.bundleCount(c); },
+        8, [&](int c) { return c == ConstraintGraph::kResting ? 0 : graph.bundleCount(c); },
         [&](int c, int begin, int end) {
             const unsigned kinds = placeAndPrepare(c, begin, end);
             if (kinds != 0) found.fetch_or(kinds, std::memory_order_relaxed);
@@ -190,6 +192,11 @@ void WorldImpl::groupContacts() {
     }
     deepContacts.isDeep.resizeForOverwrite(lanes);
     context.farContacts = lanes * contact::kFields * sizeof(float) > kNear;
+}
+
+ContactPlaces WorldImpl::contactPlaces() const {
+    return {&bodies.data()->center, &bodies.data()->rotation, sizeof(BodyRecord), manifolds.pages(),
+            manifolds.kPageBits,    sizeof(ManifoldRecord)};
 }
 
 /// Some bundles at a time, which the cache holds in between.
@@ -237,15 +244,15 @@ void WorldImpl::storeJoints() {
 
 void WorldImpl::integrateVelocities() {
     const BodyArrays arrays = bodyArrays();
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
-        kernels->integrateVelocities(arrays, awakeBodies.data(), begin, end, context);
+    runner.parallelFor(static_cast<int>(rest.solved.size()), 64, [&](int begin, int end, int) {
+        kernels->integrateVelocities(arrays, rest.solved.data(), begin, end, context);
     });
 }
 
 void WorldImpl::integratePositions() {
     const BodyArrays arrays = bodyArrays();
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
-        kernels->integratePositions(arrays, awakeBodies.data(), begin, end, context);
+    runner.parallelFor(static_cast<int>(rest.solved.size()), 64, [&](int begin, int end, int) {
+        kernels->integratePositions(arrays, rest.solved.data(), begin, end, context);
     });
 }
 
@@ -407,6 +414,7 @@ void WorldImpl::finishBodies() {
             const float speed = length(state.v) + length(state.w) * body.radius;
             const bool still = body.type == BodyType::kinematic ? speed == 0 : speed <= quiet;
             body.sleepTimer = body.allowSleep && still ? body.sleepTimer + dt : 0;
+            noteStillness(body, speed, motion);
             if (dynamics[index].spins == 0) restrictInertia(index);
         }
     });
