@@ -50,6 +50,7 @@ struct IslandBearing {
 /// An island that is solved directly, in the lists of its step (world_direct.cpp).
 struct DirectIsland {
     std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
+    std::uint32_t system = kNone;  ///< of Newton's method, where it has one
     bool factored = false;
     bool swept = false;      ///< given up in this step
     bool unchanged = false;  ///< since a step through which it rested

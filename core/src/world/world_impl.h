@@ -245,7 +245,10 @@ struct WorldImpl {
     void groupDirect();
     void numberDirectBodies();
     void beginDirect();
-    bool noteDirectBundles();
+    void assignSystems();
+    void noteDirectBundles();
+    bool isRenewed(const DirectIsland& island) const;
+    void beginIsland(DirectIsland& island, int index);
     void solveDirect(DirectPass pass);
     void endDirect();
     void barGivenUp(const DirectIsland& island, bool rests);
@@ -457,14 +460,18 @@ struct WorldImpl {
     AlignedArray<float*> directLanes;
     AlignedArray<JointSim*> directSims;
     AlignedArray<std::uint32_t> directIndex;  ///< per body: of its island, or in it
-    std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< at least one per direct island
+    AlignedArray<std::uint32_t> movedConstraints;
+    std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< of islands, or free
+    AlignedArray<std::uint32_t> systemOwner;  ///< per system: first body of its island
+    AlignedArray<std::uint32_t> systemOfBody;  ///< of those, kNone for all others
     std::vector<std::unique_ptr<direct::Mechanism>> mechanisms;  ///< likewise, where one is
     bool directGrouped = false;
     bool treesChanged = true;  ///< joints, their bodies or their rows, since trees were drawn up
     direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
     DeepContacts deepContacts;
-    AlignedArray<float> directSeen;  ///< bundles of direct islands when their systems were made
+    AlignedArray<float> directSeen;  ///< bundles of direct islands in the last step
+    AlignedArray<std::uint8_t> directRenewed;  ///< per slot of theirs: is it other than in the last step?
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made
     std::uint64_t runaways = 0;        ///< bodies stopped because they ran away

@@ -29,8 +29,8 @@ void WorldImpl::collectBearings() {
     std::size_t room = 0;
     for (int c = 0; c < ConstraintGraph::kLists; ++c)
         room += graph.color(c).manifolds.capacity() + graph.color(c).joints.capacity();
-    bearings.reserve(room);
-    neighbours.reserve(2 * room);
+    if (room > bearings.capacity()) bearings.reserve(room + room / 4);
+    if (2 * room > neighbours.capacity()) neighbours.reserve(2 * (room + room / 4));
     bearings.clear();
     for (int c = 0; c < ConstraintGraph::kLists; ++c) {
         for (const std::uint32_t m : graph.color(c).manifolds) {
