@@ -44,9 +44,10 @@ protected:
 TEST(ConstraintGraph, ColoursOfFewContactsGrowByAllContacts) {
     constexpr std::uint32_t kMany = 16384;
     ConstraintGraph graph(8, std::pmr::get_default_resource());
-    for (std::uint32_t i = 0; i < kMany; ++i) graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, false);
+    for (std::uint32_t i = 0; i < kMany; ++i)
+        graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, ConstraintGraph::By::sweeps);
     const auto addSecond = [&](std::uint32_t i) {
-        return graph.insertContact(kMany + i, 4 * i + 1, true, 4 * i + 3, true, false);
+        return graph.insertContact(kMany + i, 4 * i + 1, true, 4 * i + 3, true, ConstraintGraph::By::sweeps);
     };
     ASSERT_EQ(addSecond(0).color, 1u);
     const ConstraintGraph::Color& color = graph.color(1);

@@ -47,6 +47,16 @@ struct IslandBearing {
     bool joint;
 };
 
+/// Which way weights go down to what does not move (world_islands.cpp).
+struct LoadPaths {
+    explicit LoadPaths(std::pmr::memory_resource* memory)
+        : levels(memory), supports(memory), carried(memory), heldLevel(memory) {}
+    AlignedArray<std::uint32_t> levels;    ///< per body: steps to what does not move
+    AlignedArray<std::uint32_t> supports;  ///< per body: how many bear it
+    AlignedArray<float> carried;           ///< kg, per body
+    AlignedArray<std::uint8_t> heldLevel;  ///< per body: something level is below it
+};
+
 /// An island that is solved directly, in the lists of its step (world_direct.cpp).
 struct DirectIsland {
     std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstdint>
 #include <memory_resource>
-#include <mutex>
 #include <span>
 #include <vector>
 
@@ -27,6 +26,7 @@
 #include "shapes/geometry.h"
 #include "solve/joint_kernels.h"
 #include "solve/kernel_table.h"
+#include "world/id_lists.h"
 #include "world/records.h"
 #include "world/step_finds.h"
 #include "world/swept_motion.h"
@@ -347,8 +347,8 @@ struct WorldImpl {
     void wakeOverlapped(std::uint32_t body);
     Pose poseOf(const BodyRecord& body) const;
     Pose shapePose(const ShapeRecord& shape) const;
-    void rebuildLists();
-    const WorldImpl& lists() const;
+    void rebuildLists(IdLists& to) const;
+    const IdLists& lists() const;
     void visitContact(std::uint32_t contact, const std::function<void(const Contact&)>& visit) const;
     DVec3 jointCenter(const JointRecord& joint, std::uint32_t body) const;
     JointBodiesAtStep jointBodies(const JointRecord& joint) const;
@@ -450,9 +450,7 @@ struct WorldImpl {
     AlignedArray<std::uint8_t> leftBounds;  ///< per awake body: some shape of it did in this step
     AlignedArray<IslandBearing> bearings;
     AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
-    AlignedArray<std::uint32_t> levels, supports;  ///< per body: steps to what does not move; bodies that bear it
-    AlignedArray<float> carried;                   ///< kg, per body
-    AlignedArray<std::uint8_t> heldLevel;          ///< per body: something level is below it
+    LoadPaths paths;
     AlignedArray<std::uint32_t> freshManifolds;    ///< made in this step, of bodies that have not moved yet
     AlignedArray<direct::IslandFeatures> islandFeatures;  ///< per root
     AlignedArray<DirectIsland> directIslands;
@@ -460,7 +458,6 @@ struct WorldImpl {
     AlignedArray<float*> directLanes;
     AlignedArray<JointSim*> directSims;
     AlignedArray<std::uint32_t> directIndex;  ///< per body: of its island, or in it
-    AlignedArray<std::uint32_t> movedConstraints;
     std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< of islands, or free
     AlignedArray<std::uint32_t> systemOwner;  ///< per system: first body of its island
     AlignedArray<std::uint32_t> systemOfBody;  ///< of those, kNone for all others
@@ -485,17 +482,11 @@ struct WorldImpl {
     bool posesMoved = false;  ///< poses are those of the end of the step, startPoses of its beginning
     JointContext jointContext;
     float dt = 0;
-    std::vector<BodyId> bodyIds;
-    std::vector<JointId> jointIds;
-    std::vector<CouplingId> couplingIds;
-    std::vector<std::vector<ShapeId>> bodyShapes;
-    std::vector<std::vector<JointId>> bodyJoints;
-    std::uint64_t listsVersion = ~std::uint64_t{0};
+    mutable IdLists idLists;
 
     std::pmr::vector<ContactEvent> begins, ends, sensorBegins, sensorEnds;
     std::pmr::vector<ContactEvent> endsBetweenSteps, sensorEndsBetweenSteps;  ///< by destroying; told by the next step
     bool stepping = false;
-    mutable std::mutex listsMutex;
     std::pmr::vector<SurfaceEvent> surfaceEvents;
     std::pmr::vector<SleepEvent> sleepEvents, sleepEventsBetweenSteps;
     std::pmr::vector<JointBreak> jointBreaks;
