@@ -46,6 +46,8 @@ struct alignas(64) BodyRecord {
     std::uint8_t directFailures = 0;  ///< solves of its island that were given up since one came to rest
     std::uint8_t innerSteps = 1;      ///< of each substep, as part of a mechanism
     std::uint8_t calmSteps = 0;       ///< for which half as many would have done
+    std::uint8_t stride = 1;          ///< substeps that it took at once last, as part of a tree
+    std::uint8_t mayStride = 1;       ///< the same, as far as its joints' gaps tell
 };
 static_assert(sizeof(BodyRecord) == 192);
 

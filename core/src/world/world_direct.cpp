@@ -2,6 +2,7 @@
 
 #include "direct/newton.h"
 #include "world/world_impl.h"
+#include "world/world_strides.h"
 
 namespace ragtop {
 
@@ -139,6 +140,7 @@ void WorldImpl::beginDirect() {
             island.factored = island.swept = false;
             island.report = {};
             island.ms = 0;
+            island.open = island.ajar = false;
             island.unchanged = false;
             if (island.tree) continue;
             if (island.mechanism) {
@@ -253,6 +255,8 @@ void WorldImpl::endDirect() {
             barGivenUp(island, hasSystem(island) && !island.swept && directSystems[i]->rests());
     for (std::size_t i = 0; i < directIslands.size(); ++i)
         if (const DirectIsland& island = directIslands[i]; island.mechanism) keepPace(island, *mechanisms[i]);
+    for (const DirectIsland& island : directIslands)
+        if (island.strides) noteGaps(*this, island);
     ledger.clear();
     for (const DirectIsland& island : directIslands)
         ledger.push_back({direct::nameOf(bodies[directBodies[island.firstBody]].directReason),
