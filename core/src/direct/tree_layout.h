@@ -55,6 +55,8 @@ struct TreeGroup {
     std::byte* memory = nullptr;      ///< linkBytes per link
     std::uint32_t failed = 0;         ///< one bit per lane: it had no answer in this step, and is left alone
     std::uint32_t taut = 0;           ///< the same: it was solved twice
+    std::uint32_t open = 0;           ///< the same: a joint was found open by more than kOpen
+    std::uint32_t ajar = 0;           ///< the same: by more than kClosed
 };
 
 struct TreeSubstep {

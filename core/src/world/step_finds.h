@@ -68,8 +68,21 @@ struct DirectIsland {
     bool mechanism = false;  ///< moves by itself, without a system
     bool watched = false;    ///< of a tree or mechanism: impulses are wanted after every substep
     bool leapfrog = false;   ///< of a tree: speeds are those of the middle of a substep
+    bool strides = false;    ///< of a tree: may take several substeps at once
+    bool open = false, ajar = false;  ///< of a tree: joints were open in this step by more than kOpen, kClosed
     direct::SolveReport report;
     double ms = 0;
+};
+
+/// Substeps that awake bodies take at once (world_strides.cpp).
+struct BodyStrides {
+    explicit BodyStrides(std::pmr::memory_resource* memory)
+        : lists{AlignedArray<std::uint32_t>(memory), AlignedArray<std::uint32_t>(memory),
+                AlignedArray<std::uint32_t>(memory)},
+          marks(memory) {}
+    std::array<AlignedArray<std::uint32_t>, direct::TreePlan::kStrides> lists;  ///< of 1, 2 and 4; where `any` takes more
+    AlignedArray<std::uint8_t> marks;  ///< per body, 0 where it is of no tree
+    bool any = true;                   ///< some body takes more than one, or may have
 };
 
 /// Contacts that are relaxed further times (world_deep.cpp).

@@ -58,6 +58,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       awakeBodies(memory),
       awakeContacts(memory),
       moveBuffer(memory),
+      strides(memory),
       graph(kernels->lanes, memory),
       staticTree(memory),
       movingTree(memory),

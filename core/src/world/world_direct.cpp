@@ -4,6 +4,7 @@
 #include "constraints/contact_layout.h"
 #include "direct/newton.h"
 #include "world/world_impl.h"
+#include "world/world_strides.h"
 
 namespace ragtop {
 
@@ -178,6 +179,7 @@ void WorldImpl::beginIsland(DirectIsland& island, int index) {
     island.factored = island.swept = false;
     island.report = {};
     island.ms = 0;
+    island.open = island.ajar = false;
     island.unchanged = false;
     if (island.tree) return;
     if (island.mechanism) return beginMechanism(island, *mechanisms[static_cast<std::size_t>(index)]);
@@ -299,6 +301,8 @@ void WorldImpl::endDirect() {
             barGivenUp(island, hasSystem(island) && !island.swept && directSystems[island.system]->rests());
     for (std::size_t i = 0; i < directIslands.size(); ++i)
         if (const DirectIsland& island = directIslands[i]; island.mechanism) keepPace(island, *mechanisms[i]);
+    for (const DirectIsland& island : directIslands)
+        if (island.strides) noteGaps(*this, island);
     ledger.clear();
     if (directIslands.size() > ledger.capacity()) ledger.reserve(2 * directIslands.size() + 8);
     for (const DirectIsland& island : directIslands)

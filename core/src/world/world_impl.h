@@ -411,6 +411,7 @@ struct WorldImpl {
     AlignedArray<CouplingRecord> couplings;
     AlignedArray<CouplingSim> couplingSims;
     AlignedArray<std::uint32_t> awakeBodies, awakeContacts, moveBuffer;
+    BodyStrides strides;
     ConstraintGraph graph;
     BoundsTree staticTree, movingTree;
     PairSet pairs;

@@ -6,6 +6,7 @@
 #include "constraints/contact_layout.h"
 #include "world/single_bundle.h"
 #include "world/world_impl.h"
+#include "world/world_strides.h"
 
 namespace ragtop {
 
@@ -51,6 +52,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         beginStage("islands");
         chooseSolvers();
         collectSolved();
+        chooseStrides(*this);
         beginStage("prepare");
         prepareBodies();
         findAssemblies();
@@ -98,6 +100,7 @@ bool WorldImpl::isLittle() const {
 
 void WorldImpl::solveSubstep(World& world, int number) {
     context.elapsed = context.h * static_cast<float>(number);
+    context.substep = number;
     context.firstSubstep = number == 0;
     context.lastSubstep = number + 1 == settings.substeps;
     for (StepModule* module : modules)
@@ -123,8 +126,9 @@ void WorldImpl::prepareBodies() {
             const std::uint32_t index = rest.solved[static_cast<std::size_t>(i)];
             BodyRecord& body = bodies[index];
             BodyDynamics& d = dynamics[index];
-            d.linearDecay = 1 / (1 + context.h * body.linearDamping);
-            d.angularDecay = 1 / (1 + context.h * body.angularDamping);
+            const float h = context.h * static_cast<float>(body.stride);
+            d.linearDecay = 1 / (1 + h * body.linearDamping);
+            d.angularDecay = 1 / (1 + h * body.angularDamping);
             const float inverseMass = states[index].invMass;
             d.acceleration = inverseMass > 0 ? body.gravityScale * settings.gravity + inverseMass * body.force : Vec3{};
             d.torque = body.torque;
@@ -244,15 +248,15 @@ void WorldImpl::storeJoints() {
 
 void WorldImpl::integrateVelocities() {
     const BodyArrays arrays = bodyArrays();
-    runner.parallelFor(static_cast<int>(rest.solved.size()), 64, [&](int begin, int end, int) {
-        kernels->integrateVelocities(arrays, rest.solved.data(), begin, end, context);
+    forBodiesInTurn(*this, [&](const std::uint32_t* list, int begin, int end, const SolverContext& own) {
+        kernels->integrateVelocities(arrays, list, begin, end, own);
     });
 }
 
 void WorldImpl::integratePositions() {
     const BodyArrays arrays = bodyArrays();
-    runner.parallelFor(static_cast<int>(rest.solved.size()), 64, [&](int begin, int end, int) {
-        kernels->integratePositions(arrays, rest.solved.data(), begin, end, context);
+    forBodiesInTurn(*this, [&](const std::uint32_t* list, int begin, int end, const SolverContext& own) {
+        kernels->integratePositions(arrays, list, begin, end, own);
     });
 }
 
