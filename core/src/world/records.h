@@ -48,8 +48,8 @@ struct alignas(64) BodyRecord {
     std::uint8_t calmSteps = 0;       ///< for which half as many would have done
     std::uint8_t stillSteps = 0;      ///< for which it was too slow to tell from what rests
     bool rests = false;               ///< on what does not move, and is left out of the solver
-    std::uint8_t stride = 1;          ///< substeps that it took at once last, as part of a tree
-    std::uint8_t mayStride = 1;       ///< the same, as far as its joints' gaps tell
+    std::uint8_t stride : 4 = 1;      ///< substeps that it took at once last, as part of a tree: 1, 2 or 4
+    std::uint8_t mayStride : 4 = 1;   ///< the same, as far as its joints' gaps tell
 };
 static_assert(sizeof(BodyRecord) == 192);
 

@@ -43,7 +43,7 @@ void giveStride(WorldImpl& world, std::uint32_t index, int stride) {
     BodyRecord& body = world.bodies[index];
     BodyState& state = world.states[index];
     const float early = 0.5f * world.context.h * static_cast<float>(stride - static_cast<int>(body.stride));
-    body.stride = static_cast<std::uint8_t>(stride);
+    body.stride = static_cast<std::uint8_t>(stride) & 15u;
     state.v -= early * (body.gravityScale * world.settings.gravity + state.invMass * body.force);
     state.w -= early * (world.inertias[index] * body.torque);
 }
@@ -89,7 +89,7 @@ void noteGaps(WorldImpl& world, const DirectIsland& island) {
     }
     if (island.swept) rescaleJoints(world, island, 1 / static_cast<float>(first.stride));
     forMembers(world, island, [&](std::uint32_t body) {
-        world.bodies[body].mayStride = static_cast<std::uint8_t>(stride);
+        world.bodies[body].mayStride = static_cast<std::uint8_t>(stride) & 15u;
         world.bodies[body].calmSteps = static_cast<std::uint8_t>(calm);
     });
 }
