@@ -75,6 +75,20 @@ struct DeepContacts {
     int spareSteps = 0;                 ///< for which little of the bundles' memory was used
 };
 
+/// Bodies that joints hold together (world_assemblies.cpp). They outlive the step while joints, the bodies that are awake
+/// and the direct islands stay the same.
+struct Assemblies {
+    explicit Assemblies(std::pmr::memory_resource* memory)
+        : parent(memory), place(memory), joints(memory), isFigure(memory), starts(memory), bodies(memory), masses(memory) {}
+    AlignedArray<std::uint32_t> parent, place;     ///< per body, of those awake; 0: held by the world
+    AlignedArray<std::uint32_t> joints, isFigure;  ///< per body that is a parent of itself
+    AlignedArray<std::uint32_t> starts;            ///< of the members of each assembly, and the end
+    AlignedArray<std::uint32_t> bodies;            ///< the members
+    AlignedArray<float> masses;                    ///< kg, of the members
+    bool known = false;                            ///< nothing has changed since they were found
+    bool fresh = false;                            ///< they were found in this step
+};
+
 /// How far a body went in a step.
 enum BodyFlag : std::uint8_t {
     kNotFast,

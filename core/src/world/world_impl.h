@@ -189,6 +189,7 @@ struct WorldImpl {
 
     // world_assemblies.cpp
     void findAssemblies();
+    void listAssemblies();
     void countJointsOfAssemblies();
     bool isOfFigure(std::uint32_t joint) const;
     void moveAssemblies();
@@ -343,6 +344,7 @@ struct WorldImpl {
     void visitContact(std::uint32_t contact, const std::function<void(const Contact&)>& visit) const;
     DVec3 jointCenter(const JointRecord& joint, std::uint32_t body) const;
     JointBodiesAtStep jointBodies(const JointRecord& joint) const;
+    JointBodiesAtStep jointBodies(std::uint32_t joint) const;
     Quat definitionRotation(const BodyRecord& body) const { return body.rotation * conjugate(body.local.rotation); }
     /// Is one of the two held by the other, which does not move?
     bool holds(const ContactRecord& contact) const { return moves(contact.bodyA) != moves(contact.bodyB); }
@@ -438,9 +440,8 @@ struct WorldImpl {
     AlignedArray<float> islandQuiet;              ///< s, of the least quiet body of a root
     AlignedArray<std::uint32_t> bodyStack;
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
-    AlignedArray<std::uint32_t> assemblyParent, assemblyPlace;   ///< per body, of those awake; 0: held by the world
-    AlignedArray<std::uint32_t> assemblyJoints, assemblyIsFigure;  ///< per body that is a parent of itself
-    AlignedArray<std::uint32_t> assemblyBodies, assemblyStarts;  ///< members of each assembly, one after the other
+    Assemblies assemblies;
+    AlignedArray<std::uint8_t> leftBounds;  ///< per awake body: some shape of it did in this step
     AlignedArray<IslandBearing> bearings;
     AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
     AlignedArray<std::uint32_t> levels, supports;  ///< per body: steps to what does not move; bodies that bear it

@@ -286,6 +286,7 @@ void WorldImpl::chooseSolvers() {
     }
     const bool anyDirect = !list.manifolds.empty() || !list.joints.empty();
     // Sleeping may have emptied the list since.
+    if (!directGrouped || treesChanged) assemblies.known = false;
     if (!directGrouped || !anyDirect || treesChanged) groupDirect();
     directGrouped = true;
     treesChanged = false;

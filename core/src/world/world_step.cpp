@@ -215,9 +215,8 @@ void WorldImpl::prepareJoints() {
         [&](int c, int begin, int end) {
             for (int i = begin; i < end; ++i) {
                 const std::uint32_t joint = graph.color(c).joints[static_cast<std::size_t>(i)];
-                jointSims[joint].ofFigure = isOfFigure(joint) ? 1.0f : 0.0f;
-                prepareJoint(jointSims[joint], jointBodies(joints[joint]), states.data(), inertias.data(),
-                             jointContext);
+                if (assemblies.fresh) jointSims[joint].ofFigure = isOfFigure(joint) ? 1.0f : 0.0f;
+                prepareJoint(jointSims[joint], jointBodies(joint), states.data(), inertias.data(), jointContext);
             }
         });
     const JointLanesView view = jointBundles.view(jointSims.data());
@@ -273,7 +272,7 @@ template <class Joint, class Joints, class Contacts>
 void WorldImpl::forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact) {
     constexpr int kJointsPerBlock = 8;
     constexpr int kMostBlocks = 64;  // of contacts: what is next in memory is best solved by the same thread
-    const int jointBundlesPerBlock = 32 / graph.lanes(), leastContactBundles = 64 / graph.lanes();
+    const int jointBundlesPerBlock = 32 / jointKernels->lanes, leastContactBundles = 64 / graph.lanes();
     const auto singles = [&](int begin, int end) {
         for (int i = begin; i < end; ++i) alone(jointBundles.single(i));
     };
