@@ -6,6 +6,8 @@
 #include <cstring>
 #include <utility>
 
+#include "base/prefetch.h"
+
 namespace ragtop {
 
 namespace {
@@ -158,8 +160,10 @@ void ConstraintGraph::countPoints(int index) {
     Color& c = color(index);
     c.points.resizeForOverwrite(c.manifolds.size());
     const auto n = static_cast<std::size_t>(lanes_);
+    constexpr std::size_t kAhead = 8;  // bundles: they are far from each other
     for (std::size_t first = 0; first < c.points.size(); first += n) {
         const float* counts = c.bundles.data() + first * contact::kFields + contact::kPointCount * n;
+        prefetch(counts + kAhead * n * contact::kFields);
         for (std::size_t i = first; i < first + n && i < c.points.size(); ++i) {
             std::uint32_t count;
             std::memcpy(&count, counts + (i - first), sizeof count);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "base/nonzero_bytes.h"
 #include "base/prefetch.h"
 #include "world/lane_view.h"
 #include "world/world_impl.h"
@@ -208,9 +209,9 @@ void WorldImpl::applyContactChanges() {
     changedContacts.clear();
     closingContacts.clear();
     shiftedBodies.clear();
-    for (std::size_t i = 0; i < awakeContacts.size(); ++i) {
+    static_assert(kUnchanged == 0);
+    forEachNonzero(contactChanged.data(), awakeContacts.size(), [&](std::size_t i) {
         const std::uint8_t change = contactChanged[i];
-        if (change == kUnchanged) continue;
         if ((change & kFound) != 0) settleManifolds(awakeContacts[i]);
         if ((change & kCloses) != 0) closingContacts.push(awakeContacts[i]);
         if ((change & kPoints) != 0) {
@@ -218,7 +219,7 @@ void WorldImpl::applyContactChanges() {
             shiftedBodies.push(moves(record.bodyA) ? record.bodyA : record.bodyB);
         }
         if ((change & (kApart | kGraph)) != 0) changedContacts.push({awakeContacts[i], change});
-    }
+    });
     for (const ChangedContact changed : changedContacts) {
         if ((changed.change & kApart) != 0)
             destroyContact(changed.contact);

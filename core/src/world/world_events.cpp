@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "base/nonzero_bytes.h"
 #include "base/prefetch.h"
 #include "world/lane_view.h"
 #include "world/world_impl.h"
@@ -83,8 +84,8 @@ void WorldImpl::publishEvents() {
             changed[place] = touching != record.touching || (touching && record.reportsMotion) ? 1 : 0;
         }
     });
-    for (std::size_t i = 0; i < awakeContacts.size(); ++i)
-        if (contactChanged[i] != 0) publishContact(awakeContacts[i]);
+    forEachNonzero(contactChanged.data(), awakeContacts.size(),
+                   [&](std::size_t i) { publishContact(awakeContacts[i]); });
     publishSweptImpacts();
 }
 
