@@ -415,9 +415,24 @@ void relaxTrees(TreeGroup& group, const BodyArrays& arrays, const direct::TreeSu
 }
 
 template <class R>
+void factorTrees(TreeGroup& group) {
+    const TreeLanes<R> lanes(group);
+    typename TreeReal<R>::Test ok = R(0.0f) < R(1.0f);
+    for (int l = 0; l < group.linkCount; ++l)
+        if (!lanes.isLimb(l)) clearNode(lanes.links[l]);
+    for (int l = group.linkCount; l-- > 0;) {
+        eliminateLink(lanes, l, ok);
+        handUp(lanes, l);
+    }
+    lanes.takeLastVelocities(ok, [](TreeLane<R>&) __attribute__((always_inline)) {});
+    for (int i = 0; i < group.used; ++i)
+        if (!ok.v[i]) group.failed |= 1u << i;
+}
+
+template <class R>
 constexpr direct::TreeKernels makeTreeKernels(const char* name) {
     return {name,          TreeReal<R>::kLanes, sizeof(TreeLane<R>), TreeReal<R>::kLeapfrog,
-            beginTrees<R>, solveTrees<R>,       relaxTrees<R>};
+            beginTrees<R>, solveTrees<R>,       relaxTrees<R>,    factorTrees<R>};
 }
 template <int N>
 constexpr direct::TreeTables makeTreeTables(const char* name, const direct::TreeTables* wider = nullptr) {

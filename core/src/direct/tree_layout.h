@@ -81,6 +81,9 @@ struct TreeKernels {
     void (*begin)(TreeGroup& group, const BodyArrays& arrays);
     void (*solve)(TreeGroup& group, const BodyArrays& arrays, const TreeSubstep& substep);
     void (*relax)(TreeGroup& group, const BodyArrays& arrays, const TreeSubstep& substep);
+    /// What of a solve needs no bodies: the factor and one solution of the masses, arms and targets that the last one has
+    /// left in the lanes. For measurements and tests.
+    void (*factor)(TreeGroup& group);
 };
 
 /// Kernels beside those of `lanes` single lanes: as many for trees of moderate masses, and half as many of doubles.
