@@ -40,6 +40,25 @@ protected:
     }
 };
 
+// Few contacts need a second colour, and of them more or fewer in every step: they ask for memory once.
+TEST(ConstraintGraph, ColoursOfFewContactsGrowByAllContacts) {
+    constexpr std::uint32_t kMany = 16384;
+    ConstraintGraph graph(8, std::pmr::get_default_resource());
+    for (std::uint32_t i = 0; i < kMany; ++i)
+        graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, ConstraintGraph::By::sweeps);
+    const auto addSecond = [&](std::uint32_t i) {
+        return graph.insertContact(kMany + i, 4 * i + 1, true, 4 * i + 3, true, ConstraintGraph::By::sweeps);
+    };
+    ASSERT_EQ(addSecond(0).color, 1u);
+    const ConstraintGraph::Color& color = graph.color(1);
+    const float* bundles = color.bundles.data();
+    const std::uint64_t* bodies = color.bodies.data();
+    for (std::uint32_t i = 1; i < kMany / 64; ++i) ASSERT_EQ(addSecond(i).color, 1u);
+    EXPECT_EQ(color.bundles.data(), bundles);
+    EXPECT_EQ(color.bodies.data(), bodies);
+    EXPECT_GE(color.points.capacity(), color.manifolds.size());
+}
+
 TEST_P(Groups, StandInTheOrderOfTheirPointsAndStaySo) {
     EXPECT_GT(group(), 0);
     for (std::uint32_t slot = 1; slot < kContacts; ++slot) EXPECT_LE(pointsAt(slot), pointsAt(slot - 1));

@@ -125,6 +125,69 @@ void closeAxes(const AxesBlock& block, const BodyPair& pair, const Arms& arms, f
     pair.move(arms, total);
 }
 
+namespace {
+
+/// Stops of several coordinates at once: what one gives the others take in part, so that one after the other they lose
+/// and give back energy for substeps until they agree. Once two act they are solved together, by sweeps of their own
+/// over the speeds of the coordinates, u = u₀ + P λ with P = K_ff − K_fr K_rr⁻¹ K_rf: their impulse is then the
+/// projection of the velocity on what the stops allow, which only loses energy [Moreau, 1983].
+class JointStops {
+public:
+    JointStops(AxesBlock& block, const BodyPair& pair, const Arms& arms) : block_(block) {
+        int act = 0;
+        for (std::uint32_t f = 0; f < block.freeRows; ++f) {
+            const AxisRows& axis = block.axis[f];
+            if (!axis.keepsRange() || !(axis.inverseMass > 0)) continue;
+            stops_[count_++] = f;
+            act += axis.atLower.impulse != 0 || axis.atUpper.impulse != 0 ? 1 : 0;
+        }
+        if (act < 2) count_ = 0;
+        if (count_ > 0) couple(pair, arms);
+    }
+
+    void settle(BodyPair& pair, const Arms& arms, const JointContext& context, bool moving) {
+        constexpr int kSweeps = 32;
+        constexpr float kAgreed = 1e-8f;  // of the energies of the impulses
+        for (int sweep = 0; sweep < kSweeps && count_ > 0; ++sweep) {
+            float changed = 0, whole = 0;
+            for (int i = 0; i < count_; ++i) {
+                AxisRows& axis = block_.axis[stops_[i]];
+                const float change = solveStops(axis, speed_[i], context, moving, block_.freeBend[stops_[i]]);
+                for (int k = 0; k < count_; ++k) speed_[k] += response_[k][i] * change;
+                total_[i] += change;
+                changed += axis.inverseMass * change * change;
+                const float impulse = axis.atLower.impulse - axis.atUpper.impulse;
+                whole += axis.inverseMass * impulse * impulse;
+            }
+            if (!(changed > kAgreed * whole)) break;
+        }
+        for (int i = 0; i < count_; ++i)
+            if (total_[i] != 0) pair.apply(arms, freeImpulse(block_, stops_[i], total_[i]));
+    }
+
+private:
+    void couple(const BodyPair& pair, const Arms& arms) {
+        const PairVector u = pair.velocity(arms);
+        const PairMass mass = pair.mass(arms);
+        for (int i = 0; i < count_; ++i) {
+            const std::uint32_t f = stops_[i];
+            PairVector along = block_.free[f];
+            for (std::uint32_t r = 0; r < block_.rigidRows; ++r) along += -block_.gain[f][r] * block_.rigid[r];
+            const PairVector moved = velocityOf(mass, along);
+            for (int k = 0; k < count_; ++k) response_[k][i] = speedAlong(block_.free[stops_[k]], moved);
+            speed_[i] = speedAlong(block_.free[f], u);
+        }
+    }
+
+    AxesBlock& block_;
+    int count_ = 0;
+    std::uint32_t stops_[AxesBlock::kMostFree] = {};
+    float response_[AxesBlock::kMostFree][AxesBlock::kMostFree] = {};  ///< P
+    float speed_[AxesBlock::kMostFree] = {}, total_[AxesBlock::kMostFree] = {};
+};
+
+}  // namespace
+
 void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const Softness& soft, const JointContext& context,
                bool moving) {
     const PairVector u = pair.velocity(arms);
@@ -146,6 +209,7 @@ void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const Softnes
         const float speed = speedAlong(block.free[f], pair.velocity(arms));
         pair.apply(arms, freeImpulse(block, f, solveAxis(block.axis[f], speed, context, moving, block.freeBend[f])));
     }
+    JointStops(block, pair, arms).settle(pair, arms, context, moving);
 }
 
 }  // namespace ragtop

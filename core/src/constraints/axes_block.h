@@ -10,6 +10,7 @@ struct AxesBlock {
     static constexpr int kMostRigid = 6, kMostFree = 6;
     std::uint32_t rigidRows = 0, freeRows = 0;
     std::uint32_t locked = 0;  ///< a bit for each coordinate that is a rigid row, at AxisRows::lower
+    std::uint32_t vague = 0;   ///< the same where its row is not its rate: near a half turn, where swings have no axis
 
     // Carried from substep to substep, along the directions of the rows.
     float impulse[kMostRigid] = {}, startImpulse[kMostRigid] = {};

@@ -8,6 +8,7 @@ namespace ragtop {
 struct AxesPlace {
     float error[AxesBlock::kMostRigid] = {};
     double coordinate[AxesBlock::kMostFree] = {};
+    std::uint32_t vague = 0;
 };
 
 /// Fills the rows of an AxesBlock in turn, or only tells how far they would be off elsewhere.
@@ -35,6 +36,7 @@ struct AxesWriter {
         else if (!elsewhere)
             setMargins(block.axis[f], coordinate);
     }
+    void setVague(std::uint32_t coordinates) { (elsewhere ? elsewhere->vague : block.vague) = coordinates; }
     /// The angle of the next free row with its turns.
     double turn(float angle) {
         AxisRows& axis = block.axis[freeRows];

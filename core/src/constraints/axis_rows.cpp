@@ -339,11 +339,12 @@ float solveRow(float& impulse, const RowAim& aim, float speed, float inverseMass
     return impulse - old;
 }
 
-float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool moving, float bend) {
+static float solveSlots(AxisRows& rows, AxisSlot first, float speed, const JointContext& context, bool moving,
+                        float bend) {
     const float w = rows.inverseMass;
     if (!(w > 0) || rows.features == 0) return 0;
     float total = 0;
-    for (int i = 0; i < kAxisSlots; ++i) {
+    for (int i = static_cast<int>(first); i < kAxisSlots; ++i) {
         const auto slot = static_cast<AxisSlot>(i);
         if (!rows.has(slot)) continue;
         const float side = slot == AxisSlot::upper ? -1.0f : 1.0f;
@@ -354,6 +355,14 @@ float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool m
         speed += w * delta;
     }
     return total;
+}
+
+float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool moving, float bend) {
+    return solveSlots(rows, AxisSlot::spring, speed, context, moving, bend);
+}
+
+float solveStops(AxisRows& rows, float speed, const JointContext& context, bool moving, float bend) {
+    return solveSlots(rows, AxisSlot::lower, speed, context, moving, bend);
 }
 
 float wrapAbout(float angle, float center) {

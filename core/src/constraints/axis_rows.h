@@ -144,6 +144,8 @@ float solveRow(float& impulse, const RowAim& aim, float speed, float inverseMass
 /// is to stay within a range counts `bend`, by which its mean rate differs from its speed; springs, dampers and motors
 /// know how their own motion goes on.
 float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool moving, float bend = 0);
+/// The same of what keeps it in its range alone.
+float solveStops(AxisRows& rows, float speed, const JointContext& context, bool moving, float bend);
 
 /// `angle` plus or minus a turn so that it lies within half a turn of `center`; |angle − center| < 3π.
 float wrapAbout(float angle, float center);

@@ -68,12 +68,34 @@ GraphPlace ConstraintGraph::insertContact(std::uint32_t manifold, std::uint32_t 
                       : by == By::none ? kResting
                                        : findColor(bodyA, movesA, bodyB, movesB);
     Color& c = color(index);
+    if (c.manifolds.size() == c.manifolds.capacity()) makeRoom(index);
     const GraphPlace place{static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.manifolds.size())};
     c.manifolds.push(manifold);
     const std::size_t floats =
         static_cast<std::size_t>(bundleCount(index)) * contact::kFields * static_cast<std::size_t>(lanes_);
     if (c.bundles.size() < floats) c.bundles.resize(floats, 0.0f);
     return place;
+}
+
+/// Of everything that a contact has in its colour at once. The last colours hold few contacts, whose number comes and goes
+/// by more than its own size: they get room by that of all contacts.
+void ConstraintGraph::makeRoom(int index) {
+    constexpr std::size_t kFew = 64, kShare = 64, kLargeGrowth = 8;
+    Color& c = color(index);
+    const std::size_t size = c.manifolds.size();
+    std::size_t all = 0, words = 0;
+    for (const Color& other : colors_) {
+        all += other.manifolds.size();
+        words = std::max(words, other.bodies.size());
+    }
+    std::size_t room = size + (c.bundles.isLarge() ? size / kLargeGrowth : size);
+    if (index != kOverflow) room = std::max({room, kFew, all / kShare});
+    room = std::max(room, size + 1);
+    c.manifolds.reserve(room);
+    c.points.reserve(room);
+    c.bodies.reserve(words);
+    const auto n = static_cast<std::size_t>(lanes_);
+    c.bundles.reserve((index == kOverflow ? room : (room + n - 1) / n) * contact::kFields * n);
 }
 
 std::uint32_t ConstraintGraph::removeContact(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,

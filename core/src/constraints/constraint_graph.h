@@ -82,6 +82,7 @@ public:
     int usedColors() const;
 
 private:
+    void makeRoom(int color);
     void countPoints(int color);
     void exchangeContacts(GraphPlace a, GraphPlace b);
     int findColor(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);

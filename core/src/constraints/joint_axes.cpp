@@ -106,7 +106,7 @@ void refreshAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair,
 }
 
 /// Where the velocities lead that the rigid rows leave, by how much does each row go another way than its rate says?
-/// Angles that turn by more than half a radian are not foreseen, as in `curving`.
+/// Angles that turn by more than half a radian are not foreseen, as in `curving`, nor vague ones, which may jump.
 void foreseeAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context) {
     AxesBlock& block = joint.axes;
     const BodyPair holds = held(block, pair, joint.arms);
@@ -123,6 +123,8 @@ void foreseeAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair,
         block.rigidBend[i] =
             share * (context.inverseH * (ahead.error[i] - block.error[i]) - speedAlong(block.rigid[i], u));
     for (std::uint32_t f = 0; f < block.freeRows; ++f) {
+        block.freeBend[f] = 0;
+        if ((block.vague | ahead.vague) & 1u << f) continue;
         const auto way = static_cast<float>(ahead.coordinate[f] - coordinateOf(block, f));
         block.freeBend[f] = share * (context.inverseH * way - speedAlong(block.free[f], u));
     }

@@ -14,6 +14,7 @@ constexpr float kLeastCosine = 0.3f;
 struct SwingRows {
     float y, z;
     Vec3 rowY, rowZ;  ///< of the relative angular velocity, in A's frame
+    bool vague;       ///< slower than the swing
 };
 
 /// With B's x axis d = (cos θ, sin θ n_z, −sin θ n_y) and m = (0, n_y, n_z), ω turns it by θ' = ω · m and
@@ -22,9 +23,10 @@ SwingRows swingRows(const Vec3& d) {
     const float across = std::sqrt(d.y * d.y + d.z * d.z), angle = arcTan2(across, d.x);
     const bool turned = across > 1e-6f;
     const float ny = turned ? -d.z / across : 1.0f, nz = turned ? d.y / across : 0.0f;
-    const float rate = turned && angle < kFastest * across ? angle / across : turned ? kFastest : 1.0f;
+    const bool vague = angle >= kFastest * across && d.x < 0;
+    const float rate = vague ? kFastest : turned ? angle / across : 1.0f;
     const Vec3 m{0, ny, nz}, around = rate * cross(d, m);
-    return {angle * ny, angle * nz, ny * m - nz * around, nz * m + ny * around};
+    return {angle * ny, angle * nz, ny * m - nz * around, nz * m + ny * around, vague};
 }
 
 }  // namespace
@@ -35,6 +37,7 @@ void writeSixDof(AxesWriter& write, const JointPlace& place) {
     const float c = angles.cosHalfSwing > kLeastCosine ? angles.cosHalfSwing : kLeastCosine;
     write.free({{}, (1 / c) * twistAxis(xA, xB)}, write.turn(angles.twist));
     const SwingRows swing = swingRows(inverseRotate(place.a, xB));
+    write.setVague((angles.cosHalfSwing > kLeastCosine ? 0u : 1u) | (swing.vague ? 6u : 0u));
     write.free({{}, rotate(place.a, swing.rowY)}, static_cast<double>(swing.y));
     write.free({{}, rotate(place.a, swing.rowZ)}, static_cast<double>(swing.z));
     for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {

@@ -55,6 +55,7 @@ struct SolverContext {
     float elapsed = 0;           ///< s of this step that positions have moved by
     bool firstSubstep = false, lastSubstep = false;
     bool normals = true, friction = true;  ///< the rows that a pass solves
+    bool farContacts = false;  ///< more than a cache holds: passes ask for their memory beforehand
 };
 
 /// Kinds of contacts that ask for more than the usual passes.

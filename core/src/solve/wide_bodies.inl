@@ -310,7 +310,10 @@ void integrateVelocities(const BodyArrays& arrays, const std::uint32_t* bodies, 
                 WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * WideQuat<N>{start[0], start[1], start[2], start[3]},
                 rates, w, memory, start);
             const Mask<N> fast = spin.isFast(forces[3], h), leads = jointed | fast;
+            // What acted since the momentum was stored counts in it from here on: the later look finds nothing new.
+            const Mask<N> acted = jointed & !spin.free;
             Lanes<N> excess = inertia[6];
+            if (any(acted)) excess = select(acted, spin.excess(), excess);
             w = select(jointed, spin.ahead(w, inverse, h), w);
             if (any(fast)) w = select(fast, spin.leading(w, h, jointed, excess), w);
             memory[3] = select(leads, w.x, memory[3]), memory[7] = select(leads, w.y, memory[7]);

@@ -61,9 +61,12 @@ RAGTOP_INLINE void prefetchPlaces(const float* bundle, const float* const anchor
 template <int N>
 void placeContacts(float* bundles, int begin, int end, const LaneManifolds& list, const ContactPlaces& places) {
     const float *anchors[N], *next[N];
+    int points = contact::kMaxPoints;  // of the last bundle
     findAnchors<N>(begin, list, places, next);
     for (int i = begin; i < end; ++i) {
         float* bundle = bundles + static_cast<long>(i) * contact::kFields * N;
+        prefetchFields<N>(bundle, 0, contact::kPoints + points * contact::kPointFields);
+        prefetchFields<N>(bundle, contact::kRecordA, contact::kFields);
         for (int lane = 0; lane < N; ++lane) anchors[lane] = next[lane];
         if (i + 1 < end) {
             findAnchors<N>(i + 1, list, places, next);
@@ -99,7 +102,8 @@ void placeContacts(float* bundles, int begin, int end, const LaneManifolds& list
         set(contact::kNormal, normal);
         set(contact::kOffset, offset);
         const typename Mask<N>::V count = bits(found.f[3]);
-        for (int j = 0; j < contact::kMaxPoints && anySet(count > j); ++j) {
+        for (points = 0; points < contact::kMaxPoints && anySet(count > points); ++points) {
+            const int j = points;
             const WideVec3<N> onA = rotate(qA, found.anchorA(j)) - reference;
             const WideVec3<N> onB = rotate(qB, found.anchorB(j)) + offset;
             set(pointField(j, contact::kAnchor), Lanes<N>(0.5f) * (onA + onB));
@@ -118,7 +122,9 @@ void readTouches(const float* bundles, int begin, int end, std::uint8_t* touches
         const auto field = [&](int f) { return Lanes<N>::load(bundle + f * N); };
         const Int count = bits(field(contact::kPointCount));
         Int found = (count == 0) & static_cast<int>(kUnknownTouch);
-        for (int j = 0; j < contact::kMaxPoints; ++j) {
+        prefetchFields<N>(bundle, contact::kPointCount, contact::kPointCount + 1);
+        for (int j = 0; j < contact::kMaxPoints && anySet(count > j); ++j) {
+            prefetchFields<N>(bundle, pointField(j, contact::kSeparation), pointField(j, contact::kPeak) + 1);
             const Int present = count > j;
             const Mask<N> meets = (field(pointField(j, contact::kSeparation)) <= Lanes<N>(0.0f)) |
                                   (field(pointField(j, contact::kPeak)) > 0.0f);

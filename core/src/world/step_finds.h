@@ -47,9 +47,20 @@ struct IslandBearing {
     bool joint;
 };
 
+/// Which way weights go down to what does not move (world_islands.cpp).
+struct LoadPaths {
+    explicit LoadPaths(std::pmr::memory_resource* memory)
+        : levels(memory), supports(memory), carried(memory), heldLevel(memory) {}
+    AlignedArray<std::uint32_t> levels;    ///< per body: steps to what does not move
+    AlignedArray<std::uint32_t> supports;  ///< per body: how many bear it
+    AlignedArray<float> carried;           ///< kg, per body
+    AlignedArray<std::uint8_t> heldLevel;  ///< per body: something level is below it
+};
+
 /// An island that is solved directly, in the lists of its step (world_direct.cpp).
 struct DirectIsland {
     std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
+    std::uint32_t system = kNone;  ///< of Newton's method, where it has one
     bool factored = false;
     bool swept = false;      ///< given up in this step
     bool unchanged = false;  ///< since a step through which it rested
@@ -75,6 +86,20 @@ struct DeepContacts {
     AlignedArray<std::uint8_t> isDeep;  ///< per lane of all bundles, colour by colour
     std::array<std::size_t, ConstraintGraph::kLists> laneStarts{};  ///< first of each colour in isDeep
     int spareSteps = 0;                 ///< for which little of the bundles' memory was used
+};
+
+/// Bodies that joints hold together (world_assemblies.cpp). They outlive the step while joints, the bodies that are awake
+/// and the direct islands stay the same.
+struct Assemblies {
+    explicit Assemblies(std::pmr::memory_resource* memory)
+        : parent(memory), place(memory), joints(memory), isFigure(memory), starts(memory), bodies(memory), masses(memory) {}
+    AlignedArray<std::uint32_t> parent, place;     ///< per body, of those awake; 0: held by the world
+    AlignedArray<std::uint32_t> joints, isFigure;  ///< per body that is a parent of itself
+    AlignedArray<std::uint32_t> starts;            ///< of the members of each assembly, and the end
+    AlignedArray<std::uint32_t> bodies;            ///< the members
+    AlignedArray<float> masses;                    ///< kg, of the members
+    bool known = false;                            ///< nothing has changed since they were found
+    bool fresh = false;                            ///< they were found in this step
 };
 
 /// How far a body went in a step.

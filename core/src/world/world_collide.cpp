@@ -178,7 +178,9 @@ std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const PairPlace& plac
         Manifold manifolds[kMaxManifolds];
     } room;
     std::construct_at(room.manifolds);
-    const int count = findManifolds(record, place.bInA, place.margin, {room.manifolds, record.manifoldCapacity});
+    const int count = place.touch.single
+                          ? takeTouch(place.touch, place.margin, room.manifolds[0])
+                          : findManifolds(record, place.bInA, place.margin, {room.manifolds, record.manifoldCapacity});
     const std::span<const Manifold> found(room.manifolds, static_cast<std::size_t>(count));
     const bool first = record.firstManifold == kNone;
     unsigned change = kUnchanged;

@@ -103,6 +103,7 @@ void WorldImpl::coverLaunched(bool all) {
 /// Adds what each body has moved to its travel. Bounds that were left are enlarged in place; their shapes look for
 /// partners in the next step.
 void WorldImpl::refitBounds() {
+    leftBounds.resizeForOverwrite(awakeBodies.size());
     runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const auto place = static_cast<std::size_t>(i);
@@ -113,6 +114,7 @@ void WorldImpl::refitBounds() {
             body.travel += static_cast<double>(way);
             body.room -= way;
             body.refitted = false;
+            leftBounds[place] = 0;
             if (length(states[awakeBodies[place]].v) * dt < body.room) continue;
             for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
                 const Bounds tight = tightBounds(shapes[s], dt);
@@ -120,12 +122,14 @@ void WorldImpl::refitBounds() {
                 movingTree.give(shapes[s].proxy, enlarged(tight, tuning::kFatMargin * shapes[s].size));
                 body.refitted = true;
             }
-            if (body.refitted) giveRoom(awakeBodies[place]);
+            if (!body.refitted) continue;
+            leftBounds[place] = 1;
+            giveRoom(awakeBodies[place]);
         }
     });
-    for (const std::uint32_t index : awakeBodies) {
-        if (!bodies[index].refitted) continue;
-        for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next) {
+    for (std::size_t place = 0; place < awakeBodies.size(); ++place) {
+        if (leftBounds[place] == 0) continue;
+        for (std::uint32_t s = bodies[awakeBodies[place]].firstShape; s != kNone; s = shapes[s].next) {
             if (!movingTree.wasGiven(shapes[s].proxy)) continue;
             movingTree.tellGiven(shapes[s].proxy);
             markMoved(s);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 #include <cassert>
 #include <cmath>
@@ -179,6 +180,7 @@ void WorldImpl::prepareConstraints() {
 
 /// Puts contacts with equally many points side by side, so that bundles solve few that are not there; numbers the lanes.
 void WorldImpl::groupContacts() {
+    constexpr std::size_t kNear = std::size_t{1} << 21;  // bytes that passes find in a cache
     runner.parallelFor(ConstraintGraph::kColors, 1, [&](int begin, int end, int) {
         for (int c = begin; c < end; ++c)
             graph.groupByPoints(c, [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
@@ -189,6 +191,7 @@ void WorldImpl::groupContacts() {
         lanes += static_cast<std::size_t>(graph.bundleCount(c)) * static_cast<std::size_t>(graph.lanes());
     }
     deepContacts.isDeep.resizeForOverwrite(lanes);
+    context.farContacts = lanes * contact::kFields * sizeof(float) > kNear;
 }
 
 ContactPlaces WorldImpl::contactPlaces() const {
@@ -219,9 +222,8 @@ void WorldImpl::prepareJoints() {
         [&](int c, int begin, int end) {
             for (int i = begin; i < end; ++i) {
                 const std::uint32_t joint = graph.color(c).joints[static_cast<std::size_t>(i)];
-                jointSims[joint].ofFigure = isOfFigure(joint) ? 1.0f : 0.0f;
-                prepareJoint(jointSims[joint], jointBodies(joints[joint]), states.data(), inertias.data(),
-                             jointContext);
+                if (assemblies.fresh) jointSims[joint].ofFigure = isOfFigure(joint) ? 1.0f : 0.0f;
+                prepareJoint(jointSims[joint], jointBodies(joint), states.data(), inertias.data(), jointContext);
             }
         });
     const JointLanesView view = jointBundles.view(jointSims.data());
@@ -276,7 +278,8 @@ struct Blocks {
 template <class Joint, class Joints, class Contacts>
 void WorldImpl::forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact) {
     constexpr int kJointsPerBlock = 8;
-    const int jointBundlesPerBlock = 32 / graph.lanes(), contactBundlesPerBlock = 64 / graph.lanes();
+    constexpr int kMostBlocks = 64;  // of contacts: what is next in memory is best solved by the same thread
+    const int jointBundlesPerBlock = 32 / jointKernels->lanes, leastContactBundles = 64 / graph.lanes();
     const auto singles = [&](int begin, int end) {
         for (int i = begin; i < end; ++i) alone(jointBundles.single(i));
     };
@@ -290,7 +293,8 @@ void WorldImpl::forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact) {
         const JointBundles::Color& bundled = jointBundles.color(c);
         const Blocks singleBlocks{kJointsPerBlock, bundled.firstSingle, bundled.endSingle, 0};
         const Blocks wideBlocks{jointBundlesPerBlock, bundled.begin, bundled.end, singleBlocks.next()};
-        const Blocks contactBlocks{contactBundlesPerBlock, 0, graph.bundleCount(c), wideBlocks.next()};
+        const int contactBundles = graph.bundleCount(c), size = std::max(leastContactBundles, contactBundles / kMostBlocks);
+        const Blocks contactBlocks{size, 0, contactBundles, wideBlocks.next()};
         runner.parallelFor(contactBlocks.next(), 1, [&](int begin, int end, int) {
             for (int b = begin; b < end; ++b) {
                 if (b < wideBlocks.first)
