@@ -127,6 +127,10 @@ enum BodyFlag : std::uint8_t {
 /// Which bodies a step solves (world_rest.cpp).
 struct RestFinds {
     explicit RestFinds(std::pmr::memory_resource* memory) : unrested(memory) {}
+    /// Counts the steps for which a body has been still; `slow`: below what counts as that, over the whole step.
+    void note(BodyRecord& body, bool slow);
+    /// m/s, when gravity gives so much in a substep.
+    static float slowest(float gravityStep);
     std::atomic<bool> anyStill{false};       ///< has any body been still for long enough to rest?
     std::span<const std::uint32_t> solved;   ///< awake bodies that do not rest
     AlignedArray<std::uint32_t> unrested;    ///< the same while some rest

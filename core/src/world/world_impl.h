@@ -279,7 +279,7 @@ struct WorldImpl {
     void storeLoads(const DirectIsland& island, direct::Mechanism& mechanism);
     void solveMechanism(DirectIsland& island, direct::Mechanism& mechanism, DirectPass pass);
 
-    // islands/sleeping.cpp
+    // islands/sleeping.cpp; of bodies that rest on what does not move: world_rest.cpp
     void sleepQuietIslands();
     void uniteConstraints(bool touchingOnly);
     void buildIslands();
@@ -290,8 +290,6 @@ struct WorldImpl {
     void wakeTouching(std::uint32_t body);
     void sleepBody(std::uint32_t body);
     void noteSleep(std::uint32_t body, bool asleep);
-    // world_rest.cpp: bodies that rest on what does not move.
-    void noteStillness(BodyRecord& body, float speed, float motion);
     void restStillBodies();
     void rouse(std::uint32_t body);
     void collectSolved();

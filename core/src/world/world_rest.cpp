@@ -73,12 +73,12 @@ void moveContactsOf(WorldImpl& world, std::uint32_t index, ConstraintGraph::By b
 
 }  // namespace
 
-void WorldImpl::noteStillness(BodyRecord& body, float speed, float motion) {
-    const float most = kStill * context.gravityStep;
-    const bool still = speed <= most && motion <= most * dt;
-    const int steps = still ? body.stillSteps + 1 : 0;
+float RestFinds::slowest(float gravityStep) { return kStill * gravityStep; }
+
+void RestFinds::note(BodyRecord& body, bool slow) {
+    const int steps = slow ? body.stillSteps + 1 : 0;
     body.stillSteps = static_cast<std::uint8_t>(steps < kStillSteps ? steps : kStillSteps);
-    if (body.stillSteps == kStillSteps && !body.rests) rest.anyStill.store(true, std::memory_order_relaxed);
+    if (body.stillSteps == kStillSteps && !body.rests) anyStill.store(true, std::memory_order_relaxed);
 }
 
 /// Bodies that have been still for long enough come to rest where they are.

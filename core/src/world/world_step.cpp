@@ -418,7 +418,8 @@ void WorldImpl::finishBodies() {
             const float speed = length(state.v) + length(state.w) * body.radius;
             const bool still = body.type == BodyType::kinematic ? speed == 0 : speed <= quiet;
             body.sleepTimer = body.allowSleep && still ? body.sleepTimer + dt : 0;
-            noteStillness(body, speed, motion);
+            const float slow = RestFinds::slowest(context.gravityStep);
+            rest.note(body, speed <= slow && motion <= slow * dt);
             if (dynamics[index].spins == 0) restrictInertia(index);
         }
     });
