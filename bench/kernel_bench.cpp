@@ -168,6 +168,21 @@ void treeSolve(benchmark::State& state, bool twofold) {
 BENCHMARK_CAPTURE(treeSolve, single, false)->Apply(laneCounts);
 BENCHMARK_CAPTURE(treeSolve, twofold, true)->Apply(laneCounts);
 
+/// Of it the factor and one solution alone, of what has been gathered, turned and aimed.
+void treeFactor(benchmark::State& state, bool twofold) {
+    constexpr int kTrees = 64;
+    const direct::TreeTables& tables = direct::selectTreeKernels(static_cast<int>(state.range(0)));
+    const direct::TreeKernels& kernels = twofold ? tables.twofold : tables.single;
+    test::TreeRig rig(kernels, test::limbed(test::figure(4, 4)), kTrees);
+    rig.begin();
+    rig.solve({1.0f / 240, 40});
+    for (auto _ : state) rig.factor();
+    perItem(state, kTrees);
+    state.SetLabel(kernels.name);
+}
+BENCHMARK_CAPTURE(treeFactor, single, false)->Apply(laneCounts);
+BENCHMARK_CAPTURE(treeFactor, twofold, true)->Apply(laneCounts);
+
 /// Pairs as one box resting on another, with the cache of the step before.
 void pairBench(benchmark::State& state, const Shape& a, const Shape& b, const Vec3& offset) {
     const ConvexView viewA = convexView(a), viewB = convexView(b);

@@ -22,7 +22,7 @@ protected:
     LaneView lane(GraphPlace place) { return {graph.lane(place), graph.lanes()}; }
     void SetUp() override {
         for (std::uint32_t i = 0; i < kContacts; ++i) {
-            places[i] = graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, false);
+            places[i] = graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, ConstraintGraph::By::sweeps);
             ASSERT_EQ(places[i].color, 0u);
             for (int field = 0; field < contact::kFields; ++field) lane(places[i]).at(field) = valueOf(i, field);
             lane(places[i]).setBits(contact::kPointCount, pointsOf(i));
@@ -39,6 +39,25 @@ protected:
         return count;
     }
 };
+
+// Few contacts need a second colour, and of them more or fewer in every step: they ask for memory once.
+TEST(ConstraintGraph, ColoursOfFewContactsGrowByAllContacts) {
+    constexpr std::uint32_t kMany = 16384;
+    ConstraintGraph graph(8, std::pmr::get_default_resource());
+    for (std::uint32_t i = 0; i < kMany; ++i)
+        graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, ConstraintGraph::By::sweeps);
+    const auto addSecond = [&](std::uint32_t i) {
+        return graph.insertContact(kMany + i, 4 * i + 1, true, 4 * i + 3, true, ConstraintGraph::By::sweeps);
+    };
+    ASSERT_EQ(addSecond(0).color, 1u);
+    const ConstraintGraph::Color& color = graph.color(1);
+    const float* bundles = color.bundles.data();
+    const std::uint64_t* bodies = color.bodies.data();
+    for (std::uint32_t i = 1; i < kMany / 64; ++i) ASSERT_EQ(addSecond(i).color, 1u);
+    EXPECT_EQ(color.bundles.data(), bundles);
+    EXPECT_EQ(color.bodies.data(), bodies);
+    EXPECT_GE(color.points.capacity(), color.manifolds.size());
+}
 
 TEST_P(Groups, StandInTheOrderOfTheirPointsAndStaySo) {
     EXPECT_GT(group(), 0);

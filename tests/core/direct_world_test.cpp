@@ -130,6 +130,33 @@ TEST(DirectIslands, LargeOnesAreFactorizedOnceAndRest) {
     EXPECT_EQ(wall.world.pose(wall.bricks.back()).position, before);
 }
 
+// Islands come, go and change their numbers around it, by contacts and by joints that leave contacts as they are.
+TEST(DirectIslands, OneAtRestIsTheSameWhateverOthersDo) {
+    World world(withoutSleep());
+    addFloor(world);
+    std::vector<BodyId> boxes;
+    for (int column = 0; column < 3; ++column)
+        for (int i = 0; i < 12; ++i)
+            boxes.push_back(world.create(
+                bodyDef(Box{{0.5f, 0.5f, 0.5f}}, {4.0 * column + 1e-3 * std::sin(7.0 * i), i + 0.5, 1e-3 * std::cos(5.0 * i)})));
+    run(world, 1);
+    ASSERT_EQ(world.stats().islands.size(), 3u);
+    const auto expectLastAtRest = [&](double seconds) {
+        const Pose before = world.pose(boxes.back());
+        run(world, seconds, kDt, [&] { EXPECT_EQ(world.linearVelocity(boxes.back()), Vec3{}); });
+        EXPECT_EQ(world.pose(boxes.back()).position, before.position);
+        EXPECT_EQ(world.pose(boxes.back()).rotation, before.rotation);
+    };
+    const JointId joint = world.create(DistanceDef{.bodies = {.a = boxes[0], .b = boxes[12]}, .limit = Range{0, 5}});
+    expectLastAtRest(0.1);
+    world.destroy(joint);
+    expectLastAtRest(0.1);
+    world.setVelocity(boxes[11], {1, 0, 0}, {});
+    expectLastAtRest(0.2);
+    for (int i = 0; i < 12; ++i) world.destroy(boxes[static_cast<std::size_t>(i)]);
+    expectLastAtRest(0.2);
+}
+
 // What comes and goes elsewhere, in every step, is no reason to choose anew; what meets the direct island is.
 TEST(DirectIslands, ChosenAnewAtOnceWhereTheyAreMet) {
     Wall wall(10, 10);

@@ -296,5 +296,22 @@ TEST(TreeElimination, WhatHasNoAnswerIsLeftAlone) {
     }
 }
 
+/// What is measured alone has an answer, and leaves bodies as they are.
+TEST(TreeElimination, FactorsAgainWhatASolveHasLeft) {
+    const direct::TreeTables& tables = direct::selectTreeKernels(8);
+    for (const TreeKernels* kernels : {&tables.single, &tables.twofold}) {
+        TreeRig rig(*kernels, test::limbed(test::figure(4, 4)), 11);
+        rig.begin();
+        rig.solve({kH, 40});
+        rig.keep();
+        rig.factor();
+        for (int tree = 0; tree < 11; ++tree) {
+            EXPECT_EQ(rig.groupOf(tree).failed, 0u);
+            for (int l = 0; l < rig.linkCount(); ++l)
+                EXPECT_EQ(std::memcmp(&rig.state(tree, l), &rig.before(tree, l), sizeof(BodyState)), 0);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace ragtop

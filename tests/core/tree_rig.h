@@ -50,6 +50,9 @@ public:
     void solve(const direct::TreeSubstep& substep) {
         for (direct::TreeGroup& g : groups_) kernels_.solve(g, arrays(), substep);
     }
+    void factor() {
+        for (direct::TreeGroup& g : groups_) kernels_.factor(g);
+    }
     void relax(const direct::TreeSubstep& substep) {
         for (direct::TreeGroup& g : groups_) kernels_.relax(g, arrays(), substep);
     }

@@ -62,5 +62,32 @@ TEST(WorldFigures, ALoadDoesNotOpenThem) {
     EXPECT_LT(row.gap(world), 1e-4f);
 }
 
+// A restored world finds anew who belongs to which figure; one that goes on knows it from the step before. Both are the
+// same to the bit whatever happens to joints, bodies and sleep in between.
+TEST(WorldFigures, AreKnownAfterWhateverHappensToThem) {
+    World world, restored;
+    std::vector<Row> rows;
+    for (World* each : {&world, &restored}) {
+        each->create(StaticBody{.shape = Box{{50, 1, 50}}, .position = {0, -1, 0}});
+        for (const double height : {0.5, 1.2, 2.0}) rows.emplace_back(*each, 6, height);
+    }
+    std::vector<std::byte> state;
+    for (int i = 0; i < 400; ++i) {
+        for (std::size_t k : {0u, 3u}) {
+            World& each = k == 0 ? world : restored;
+            if (i == 30) each.destroy(rows[k].joints[2]);
+            if (i == 60) each.setMass(rows[k + 1].bodies[1], massOf(Box{{0.2f, 0.2f, 0.2f}}, 50000));
+            if (i == 90) each.destroy(rows[k + 2].bodies[3]);
+            if (i == 120) rows.emplace_back(each, 3, 4.0);
+            if (i == 330) each.applyAngularImpulse(rows[k].bodies[0], {0, 5, 0});
+            each.step(kDt);
+        }
+        ASSERT_EQ(world.hash(), restored.hash()) << "step " << i;
+        state.resize(restored.saveSize());
+        restored.save(state);
+        restored.restore(state);
+    }
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -41,6 +41,10 @@ inline unsigned lanesWhere(FourInts holds) {
 #endif
 }
 
+inline FourFloats absolute(FourFloats v) { return v < 0.0f ? -v : v; }
+inline FourFloats lesser(FourFloats a, FourFloats b) { return a < b ? a : b; }
+inline FourFloats greater(FourFloats a, FourFloats b) { return a > b ? a : b; }
+
 inline FourInts spread(int v) { return FourInts{v, v, v, v}; }
 
 /// rows[i][k] to rows[k][i].

@@ -23,6 +23,8 @@ namespace ragtop {
 namespace {
 
 constexpr int kMaxWorkers = 64;
+/// Of waiting with the processor kept, some 10 µs: to sleep and be woken costs more.
+constexpr int kRounds = 256;
 
 void checkWorkers(int workers) {
     if (workers >= 1 && workers <= kMaxWorkers) return;
@@ -55,29 +57,36 @@ public:
         task_ = task;
         context_ = context;
         count_ = count;
-        next_ = 0;
+        next_.store(1, std::memory_order_relaxed);
         runs_.fetch_add(1, std::memory_order_relaxed);
-        const int first = next_++;
-        if (next_ < count_) wake_.notify_all();
+        if (count > 1) wake_.notify_all();
         lock.unlock();
-        task(context, first);
+        task(context, 0);
+        // What is left has mostly ended, or does at once; the lock is where its threads are.
+        if (next_.load(std::memory_order_acquire) < count) {
+            lock.lock();
+            takeTasks(lock);
+            lock.unlock();
+        }
+        for (int i = 0; i < kRounds && running_.load(std::memory_order_acquire) > 0; ++i) pauseThread();
+        if (running_.load(std::memory_order_acquire) == 0) return;
         lock.lock();
-        takeTasks(lock);
-        ended_.wait(lock, [this] { return running_ == 0; });
+        ended_.wait(lock, [this] { return running_.load(std::memory_order_acquire) == 0; });
     }
 
 private:
     /// Runs unclaimed tasks; holds the lock except while a task runs.
     void takeTasks(std::unique_lock<std::mutex>& lock) {
-        while (next_ < count_) {
-            const int index = next_++;
+        while (next_.load(std::memory_order_relaxed) < count_) {
             const TaskRunner::Task task = task_;
             void* const context = context_;
-            ++running_;
+            // In this order: who sees that nothing is left sees who has it.
+            running_.fetch_add(1, std::memory_order_relaxed);
+            const int index = next_.fetch_add(1, std::memory_order_release);
             lock.unlock();
             task(context, index);
+            running_.fetch_sub(1, std::memory_order_release);
             lock.lock();
-            --running_;
         }
     }
 
@@ -85,13 +94,13 @@ private:
         std::uint64_t seen = 0;
         for (;;) {
             // The next run often follows at once; waking from sleep costs far more than this wait.
-            for (int i = 0; i < 256 && runs_.load(std::memory_order_relaxed) == seen; ++i) pauseThread();
+            for (int i = 0; i < kRounds && runs_.load(std::memory_order_relaxed) == seen; ++i) pauseThread();
             std::unique_lock lock(mutex_);
-            wake_.wait(lock, [this] { return stopping_ || next_ < count_; });
+            wake_.wait(lock, [this] { return stopping_ || next_.load(std::memory_order_relaxed) < count_; });
             if (stopping_) return;
             takeTasks(lock);
             seen = runs_.load(std::memory_order_relaxed);
-            if (running_ == 0) ended_.notify_one();
+            if (running_.load(std::memory_order_relaxed) == 0) ended_.notify_one();
         }
     }
 
@@ -105,11 +114,12 @@ private:
     }
 
     std::mutex turn_;
-    std::mutex mutex_;  ///< guards what follows up to stopping_
+    std::mutex mutex_;  ///< guards what follows up to stopping_, but for looks
     TaskRunner::Task task_ = nullptr;
     void* context_ = nullptr;
-    int count_ = 0, next_ = 0;
-    int running_ = 0;  ///< tasks that threads of the pool, or the caller after its first, are in
+    int count_ = 0;
+    std::atomic<int> next_{0};     ///< taken with the lock alone, looked at without
+    std::atomic<int> running_{0};  ///< tasks that threads of the pool, or the caller after its first, are in
     bool stopping_ = false;
     std::condition_variable wake_, ended_;
     std::atomic<std::uint64_t> runs_{0};

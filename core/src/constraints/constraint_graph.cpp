@@ -6,6 +6,8 @@
 #include <cstring>
 #include <utility>
 
+#include "base/prefetch.h"
+
 namespace ragtop {
 
 namespace {
@@ -63,15 +65,39 @@ int ConstraintGraph::usedColors() const {
 }
 
 GraphPlace ConstraintGraph::insertContact(std::uint32_t manifold, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
-                                          bool movesB, bool direct) {
-    const int index = direct ? kDirect : findColor(bodyA, movesA, bodyB, movesB);
+                                          bool movesB, By by) {
+    const int index = by == By::direct ? kDirect
+                      : by == By::none ? kResting
+                                       : findColor(bodyA, movesA, bodyB, movesB);
     Color& c = color(index);
+    if (c.manifolds.size() == c.manifolds.capacity()) makeRoom(index);
     const GraphPlace place{static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.manifolds.size())};
     c.manifolds.push(manifold);
     const std::size_t floats =
         static_cast<std::size_t>(bundleCount(index)) * contact::kFields * static_cast<std::size_t>(lanes_);
     if (c.bundles.size() < floats) c.bundles.resize(floats, 0.0f);
     return place;
+}
+
+/// Of everything that a contact has in its colour at once. The last colours hold few contacts, whose number comes and goes
+/// by more than its own size: they get room by that of all contacts.
+void ConstraintGraph::makeRoom(int index) {
+    constexpr std::size_t kFew = 64, kShare = 64, kLargeGrowth = 8;
+    Color& c = color(index);
+    const std::size_t size = c.manifolds.size();
+    std::size_t all = 0, words = 0;
+    for (const Color& other : colors_) {
+        all += other.manifolds.size();
+        words = std::max(words, other.bodies.size());
+    }
+    std::size_t room = size + (c.bundles.isLarge() ? size / kLargeGrowth : size);
+    if (index != kOverflow) room = std::max({room, kFew, all / kShare});
+    room = std::max(room, size + 1);
+    c.manifolds.reserve(room);
+    c.points.reserve(room);
+    c.bodies.reserve(words);
+    const auto n = static_cast<std::size_t>(lanes_);
+    c.bundles.reserve((index == kOverflow ? room : (room + n - 1) / n) * contact::kFields * n);
 }
 
 std::uint32_t ConstraintGraph::removeContact(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
@@ -93,6 +119,18 @@ std::uint32_t ConstraintGraph::removeContact(GraphPlace place, std::uint32_t bod
     for (std::size_t f = 0; f < contact::kFields; ++f) from[f * n] = 0.0f;
     c.manifolds.pop();
     return moved;
+}
+
+GraphPlace ConstraintGraph::moveContact(GraphPlace from, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
+                                        bool movesB, By by, std::uint32_t& tookOver) {
+    const std::uint32_t manifold = colors_[from.color].manifolds[from.slot];
+    const GraphPlace place = insertContact(manifold, bodyA, movesA, bodyB, movesB, by);
+    const auto n = static_cast<std::size_t>(lanes_);
+    const float* const old = lane(from);
+    float* const now = lane(place);
+    for (std::size_t f = 0; f < contact::kFields; ++f) now[f * n] = old[f * n];
+    tookOver = removeContact(from, bodyA, movesA, bodyB, movesB);
+    return place;
 }
 
 void ConstraintGraph::reorderContacts(int index, AlignedArray<std::uint32_t>& from) {
@@ -122,8 +160,10 @@ void ConstraintGraph::countPoints(int index) {
     Color& c = color(index);
     c.points.resizeForOverwrite(c.manifolds.size());
     const auto n = static_cast<std::size_t>(lanes_);
+    constexpr std::size_t kAhead = 8;  // bundles: they are far from each other
     for (std::size_t first = 0; first < c.points.size(); first += n) {
         const float* counts = c.bundles.data() + first * contact::kFields + contact::kPointCount * n;
+        prefetch(counts + kAhead * n * contact::kFields);
         for (std::size_t i = first; i < first + n && i < c.points.size(); ++i) {
             std::uint32_t count;
             std::memcpy(&count, counts + (i - first), sizeof count);

@@ -23,14 +23,18 @@ struct GraphPlace {
 /// every constraint in its lane as long as it lives [Catto, Box2D v3, 2024]. Contacts with static bodies use the last
 /// colours and are solved last. What fits nowhere is in the overflow colour, one constraint per bundle, solved serially
 /// before the others. Constraints of islands that are solved directly are in a list of their own, in which bodies may
-/// occur as often as they like: no sweep visits it.
+/// occur as often as they like: no sweep visits it. So are contacts of bodies that rest (world/world_rest.cpp), which
+/// nothing visits until they are put back.
 class ConstraintGraph {
 public:
     static constexpr int kColors = 24;
     static constexpr int kFirstStaticColor = 12;
     static constexpr int kOverflow = kColors;
     static constexpr int kDirect = kColors + 1;
-    static constexpr int kLists = kColors + 2;
+    static constexpr int kResting = kColors + 2;
+    static constexpr int kLists = kColors + 3;
+    /// Who looks after a contact.
+    enum class By { sweeps, direct, none };
 
     struct Color {
         explicit Color(std::pmr::memory_resource* memory)
@@ -47,9 +51,12 @@ public:
     int lanes() const { return lanes_; }
     /// Bodies are state indices; `moves` tells whether impulses move them.
     GraphPlace insertContact(std::uint32_t manifold, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB,
-                             bool direct);
+                             By by);
     /// The manifold that took over the slot, or kNone.
     std::uint32_t removeContact(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
+    /// Puts a contact with all that its lane holds into another list. `tookOver`: what removeContact returns.
+    GraphPlace moveContact(GraphPlace from, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB, By by,
+                           std::uint32_t& tookOver);
     /// Puts what is in slot from[slot] of a colour into each slot; `from` is a permutation, which this uses up.
     void reorderContacts(int color, AlignedArray<std::uint32_t>& from);
     /// Puts contacts of a colour in the order of how many points they have, most first, by as few exchanges as it takes:
@@ -75,6 +82,7 @@ public:
     int usedColors() const;
 
 private:
+    void makeRoom(int color);
     void countPoints(int color);
     void exchangeContacts(GraphPlace a, GraphPlace b);
     int findColor(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);

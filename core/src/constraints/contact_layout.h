@@ -60,7 +60,7 @@ enum Field : int {
     kFields = kApproach + kMaxPoints,
 };
 
-/// What few contacts have: fields that are zero elsewhere.
+/// What few contacts have: fields that are zero elsewhere, and points beyond the first.
 enum Trait : int {
     kBouncy = 1,          ///< kRestitution
     kUneven = 2,          ///< kCross
@@ -70,6 +70,9 @@ enum Trait : int {
     kMovingSurface = 32,  ///< kSurface
     kFindsLoad = 64,      ///< kShifted
     kTurningCore = 128,   ///< kCoreShareA, kCoreShareB
+    kSecondPoint = 256,
+    kThirdPoint = 512,
+    kFourthPoint = 1024,
 };
 
 /// Of the size: overlaps that no load leaves, which bodies come out of as fast as from the ground.

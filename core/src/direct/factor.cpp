@@ -7,6 +7,15 @@ namespace ragtop::direct {
 BlockFactor::BlockFactor(std::pmr::memory_resource* memory)
     : ordering_(memory), diagonal_(memory), lower_(memory), targets_(memory), permuted_(memory) {}
 
+void BlockFactor::reserve(std::size_t count, std::size_t pairCount) {
+    ordering_.reserve(count, pairCount);
+    diagonal_.reserve(count);
+    permuted_.reserve(6 * count);
+    // Those of the matrix; elimination adds few where there are few variables.
+    lower_.reserve(pairCount);
+    targets_.reserve(2 * pairCount);
+}
+
 bool BlockFactor::update(std::uint32_t count, const BlockPair* pairs, std::size_t pairCount) {
     if (!ordering_.update(count, pairs, pairCount)) return false;
     diagonal_.resizeForOverwrite(count);

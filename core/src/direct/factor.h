@@ -14,6 +14,8 @@ class BlockFactor {
 public:
     explicit BlockFactor(std::pmr::memory_resource* memory);
 
+    /// Makes room for a pattern of about that size.
+    void reserve(std::size_t count, std::size_t pairCount);
     /// The pattern; a new one makes the factor worthless.
     bool update(std::uint32_t count, const BlockPair* pairs, std::size_t pairCount);
     const Ordering& ordering() const { return ordering_; }

@@ -20,7 +20,11 @@ IslandSystem::IslandSystem(std::pmr::memory_resource* memory)
       free_(memory),
       written_(memory),
       factor_(memory),
-      scratch_{AlignedArray<double>(memory), AlignedArray<double>(memory), AlignedArray<double>(memory)} {}
+      scratch_{AlignedArray<double>(memory), AlignedArray<double>(memory), AlignedArray<double>(memory)} {
+    // Small islands come and go, each time of other sizes.
+    constexpr std::size_t kFewBodies = 8, kFewContacts = 16;
+    makeRoom(kFewBodies, kFewContacts, 0);
+}
 
 float& IslandSystem::pointField(const SystemContact& contact, std::uint32_t point, int index) const {
     return field(contact, contact::kPoints + static_cast<int>(point) * contact::kPointFields + index);
@@ -55,9 +59,27 @@ void tangents(const DVec3& n, DVec3& t1, DVec3& t2) {
 
 }  // namespace
 
+void IslandSystem::makeRoom(std::size_t bodyCount, std::size_t contactCount, std::size_t jointCount) {
+    const auto more = [](std::size_t count) { return count + count / 4; };
+    if (contactCount > contacts_.capacity()) {
+        contacts_.reserve(more(contactCount));
+        points_.reserve(contact::kMaxPoints * contacts_.capacity());
+    }
+    pairs_.reserve(contacts_.capacity() + jointCount);
+    if (bodyCount <= bodies_.capacity()) return;
+    bodies_.reserve(more(bodyCount));
+    const std::size_t room = bodies_.capacity();
+    written_.reserve(2 * room);
+    for (AlignedArray<double>* array : {&velocity_, &free_, &scratch_.gradient, &scratch_.direction, &scratch_.trial})
+        array->reserve(6 * room);
+    factor_.reserve(room, pairs_.capacity());
+}
+
 void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, const SolverContext& context) {
+    makeRoom(parts.bodyCount, parts.contactCount, parts.jointCount);
     gravityStep_ = static_cast<double>(context.gravityStep);
     stride_ = static_cast<std::size_t>(parts.laneStride);
+    lanes_ = parts.contactCount;
     stopped_ = rests_ = false;
     loadsKept_ = true;
     restedSubsteps_ = 0;
@@ -297,7 +319,16 @@ void IslandSystem::takeLoads() {
         if (!row.compliant) row.load = row.impulse;
 }
 
-void IslandSystem::end() {
+/// What the substeps have borne through which it rested.
+void IslandSystem::addPeaks() const {
+    for (const SystemContact& c : contacts_)
+        for (std::uint32_t j = 0; j < c.count; ++j)
+            pointField(c, j, contact::kPeak) += static_cast<float>(restedSubsteps_ * points_[c.first + j].load[0]);
+}
+
+void IslandSystem::end(bool begunAgain) {
+    addPeaks();
+    if (begunAgain && rests_ && loadsKept_) return;
     for (const SystemContact& c : contacts_) {
         const DVec3 center{field(c, contact::kCenter), field(c, contact::kCenter + 1), field(c, contact::kCenter + 2)};
         DVec3 friction;
@@ -312,7 +343,6 @@ void IslandSystem::end() {
             sticks |= p.region == ConeRegion::stick;
             pointField(c, j, contact::kImpulse) = static_cast<float>(p.load[0]);
             pointField(c, j, contact::kLoad) = static_cast<float>(p.load[0]);
-            pointField(c, j, contact::kPeak) += static_cast<float>(restedSubsteps_ * p.load[0]);
         }
         // Loads that were shared out and kept would lose a little with every step if they were summed up again.
         if (!loadsKept_) {
@@ -330,7 +360,7 @@ void IslandSystem::end() {
 
 void IslandSystem::writeVelocities(const BodyArrays& arrays) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        stopBelow(i, tuning::kNothing * gravityStep_);
+        if (!rests_) stopBelow(i, tuning::kNothing * gravityStep_);
         const double* v = velocity_.data() + 6 * i;
         BodyState& state = arrays.states[bodies_[i].state];
         state.v = toVec3(load(v));

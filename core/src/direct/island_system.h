@@ -132,8 +132,12 @@ public:
     /// may begin with beginAgain: everything is as it was.
     bool restedThrough(int substeps) const { return stopped_ && restedSubsteps_ + 1 >= substeps; }
     void beginAgain() { restedSubsteps_ = 0; }
-    /// Writes loads and impulses back to lanes and joints.
-    void end();
+    /// Was it last begun for so many?
+    bool isOf(std::size_t bodyCount, std::size_t contactCount, std::size_t jointCount) const {
+        return bodyCount == bodies_.size() && contactCount == lanes_ && jointCount == joints_.size();
+    }
+    /// Writes loads and impulses back to lanes and joints; where it was begun again and rested, they are there.
+    void end(bool begunAgain);
 
     /// Once per substep: free velocities, Jacobians of joints, masses.
     void beginSubstep(const BodyArrays& arrays, const JointContext& joints);
@@ -190,6 +194,8 @@ public:
     Scratch& scratch() { return scratch_; }
 
 private:
+    /// For all that so many need, at once.
+    void makeRoom(std::size_t bodyCount, std::size_t contactCount, std::size_t jointCount);
     void loadBodies(const IslandParts& parts, const BodyArrays& arrays);
     void loadContacts(const IslandParts& parts, const BodyArrays& arrays);
     void loadPattern();
@@ -214,8 +220,10 @@ private:
         return contact.lane[static_cast<std::size_t>(index) * stride_];
     }
     float& pointField(const SystemContact& contact, std::uint32_t point, int index) const;
+    void addPeaks() const;
 
     std::size_t stride_ = 1;
+    std::size_t lanes_ = 0;  ///< contacts that it was made from, those without points too
     double gravityStep_ = 0;
     bool stopped_ = false, rests_ = false;  ///< no body moves; and none will in this substep
     bool loadsKept_ = false;                ///< loads of contacts are those that the step began with

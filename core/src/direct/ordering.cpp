@@ -9,6 +9,15 @@ namespace ragtop::direct {
 Ordering::Ordering(std::pmr::memory_resource* memory)
     : pairs_(memory), neighbours_(memory), degree_(memory), place_(memory), begin_(memory), rows_(memory) {}
 
+void Ordering::reserve(std::size_t count, std::size_t pairCount) {
+    pairs_.reserve(pairCount);
+    neighbours_.reserve(count * ((count + 63) / 64));
+    degree_.reserve(count);
+    place_.reserve(count);
+    begin_.reserve(count + 1);
+    rows_.reserve(pairCount);
+}
+
 bool Ordering::update(std::uint32_t count, const BlockPair* pairs, std::size_t pairCount) {
     const std::size_t bytes = pairCount * sizeof(BlockPair);
     if (count == count_ && pairCount == pairs_.size() && (bytes == 0 || std::memcmp(pairs, pairs_.data(), bytes) == 0))

@@ -18,6 +18,8 @@ class Ordering {
 public:
     explicit Ordering(std::pmr::memory_resource* memory);
 
+    /// Makes room for a pattern of about that size.
+    void reserve(std::size_t count, std::size_t pairCount);
     /// Variables 0..count−1 coupled by `pairs`, which may repeat. True when the pattern is a new one.
     bool update(std::uint32_t count, const BlockPair* pairs, std::size_t pairCount);
 

@@ -215,6 +215,25 @@ RAGTOP_INLINE void bear(const TreeLanes<R>& lanes, int l, R h, bool again) {
     link.node.resistance = R(kTreeResistance) * both;
 }
 
+/// Says in which lanes joints are open: what the turns foreseen by the substep before have missed.
+template <class R>
+RAGTOP_INLINE void noteGaps(const TreeLanes<R>& lanes) {
+    using direct::tuning::kClosed, direct::tuning::kOpen;
+    TreeGroup& group = lanes.group;
+    typename TreeReal<R>::Test open = R(1.0f) < R(0.0f), ajar = open;
+    for (int l = 0; l < group.linkCount; ++l) {
+        if (group.links[l].joint == direct::TreeJoint::free) continue;
+        const TreeLane<R>& link = lanes.links[l];
+        const R gap = dot(link.gap, link.gap), arm = dot(link.rC, link.rC);
+        open = open | (gap > R(static_cast<float>(kOpen * kOpen)) * arm);
+        ajar = ajar | (gap > R(static_cast<float>(kClosed * kClosed)) * arm);
+    }
+    for (int i = 0; i < group.used; ++i) {
+        if (open.v[i]) group.open |= 1u << i;
+        if (ajar.v[i]) group.ajar |= 1u << i;
+    }
+}
+
 /// Hands up what a link's joint asks for.
 template <class R>
 RAGTOP_INLINE void handUp(const TreeLanes<R>& lanes, int l) {
@@ -284,6 +303,7 @@ void solveTrees(TreeGroup& group, const BodyArrays& arrays, const direct::TreeSu
     const R h(substep.h), rate(substep.biasRate), share(halved ? 0.5f : 1.0f);
     TreeMotion<R> anchor;
     lanes.loadAll(arrays, anchor);
+    if (!kLeapfrog) noteGaps(lanes);
     for (int l = 0; l < group.linkCount; ++l) {
         TreeLane<R>& link = lanes.links[l];
         lanes.refine(link, h);
@@ -395,9 +415,24 @@ void relaxTrees(TreeGroup& group, const BodyArrays& arrays, const direct::TreeSu
 }
 
 template <class R>
+void factorTrees(TreeGroup& group) {
+    const TreeLanes<R> lanes(group);
+    typename TreeReal<R>::Test ok = R(0.0f) < R(1.0f);
+    for (int l = 0; l < group.linkCount; ++l)
+        if (!lanes.isLimb(l)) clearNode(lanes.links[l]);
+    for (int l = group.linkCount; l-- > 0;) {
+        eliminateLink(lanes, l, ok);
+        handUp(lanes, l);
+    }
+    lanes.takeLastVelocities(ok, [](TreeLane<R>&) __attribute__((always_inline)) {});
+    for (int i = 0; i < group.used; ++i)
+        if (!ok.v[i]) group.failed |= 1u << i;
+}
+
+template <class R>
 constexpr direct::TreeKernels makeTreeKernels(const char* name) {
     return {name,          TreeReal<R>::kLanes, sizeof(TreeLane<R>), TreeReal<R>::kLeapfrog,
-            beginTrees<R>, solveTrees<R>,       relaxTrees<R>};
+            beginTrees<R>, solveTrees<R>,       relaxTrees<R>,    factorTrees<R>};
 }
 template <int N>
 constexpr direct::TreeTables makeTreeTables(const char* name, const direct::TreeTables* wider = nullptr) {

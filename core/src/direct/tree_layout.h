@@ -55,6 +55,8 @@ struct TreeGroup {
     std::byte* memory = nullptr;      ///< linkBytes per link
     std::uint32_t failed = 0;         ///< one bit per lane: it had no answer in this step, and is left alone
     std::uint32_t taut = 0;           ///< the same: it was solved twice
+    std::uint32_t open = 0;           ///< the same: a joint was found open by more than kOpen
+    std::uint32_t ajar = 0;           ///< the same: by more than kClosed
 };
 
 struct TreeSubstep {
@@ -79,6 +81,9 @@ struct TreeKernels {
     void (*begin)(TreeGroup& group, const BodyArrays& arrays);
     void (*solve)(TreeGroup& group, const BodyArrays& arrays, const TreeSubstep& substep);
     void (*relax)(TreeGroup& group, const BodyArrays& arrays, const TreeSubstep& substep);
+    /// What of a solve needs no bodies: the factor and one solution of the masses, arms and targets that the last one has
+    /// left in the lanes. For measurements and tests.
+    void (*factor)(TreeGroup& group);
 };
 
 /// Kernels beside those of `lanes` single lanes: as many for trees of moderate masses, and half as many of doubles.

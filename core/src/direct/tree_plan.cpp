@@ -45,7 +45,7 @@ void TreePlan::push(const TreeLink& link, std::uint32_t state, std::uint32_t joi
 void TreePlan::keep(std::uint32_t anchor, std::uint32_t owner, bool twofold) {
     const auto end = static_cast<std::uint32_t>(links_.size());
     markLimbs(links_.data() + drawn_, end - drawn_);
-    trees_.push({drawn_, end - drawn_, anchor, owner, twofold});
+    trees_.push({drawn_, end - drawn_, anchor, owner, twofold, 1});
     drawn_ = end;
 }
 
@@ -55,15 +55,46 @@ void TreePlan::drop() {
     joints_.resizeForOverwrite(drawn_);
 }
 
-/// By all that must be equal in a group.
-int TreePlan::compare(const Tree& a, const Tree& b) const {
+bool TreePlan::setStride(std::size_t tree, int stride) {
+    const bool changes = trees_[tree].stride != stride;
+    trees_[tree].stride = static_cast<std::uint8_t>(stride);
+    return changes;
+}
+
+/// By precision and topology.
+int TreePlan::compareShapes(const Tree& a, const Tree& b) const {
     if (a.twofold != b.twofold) return a.twofold ? 1 : -1;
     if (a.count != b.count) return a.count < b.count ? -1 : 1;
     return std::memcmp(links_.data() + a.first, links_.data() + b.first, a.count * sizeof(TreeLink));
 }
+/// By all that must be equal in a group.
+int TreePlan::compare(const Tree& a, const Tree& b) const {
+    const int way = compareShapes(a, b);
+    return way != 0 ? way : a.stride - b.stride;
+}
 
 /// The next place where vectors of every width may lie: groups of different widths follow one another.
 constexpr std::size_t onLine(std::size_t bytes) { return (bytes + 63) & ~std::size_t{63}; }
+
+/// Trees of one shape fill their groups, but for one per stride.
+void TreePlan::makeRoom(const TreeTables& tables) {
+    const TreeTables& widest = tables.wider ? *tables.wider : tables;
+    std::size_t rows = 0, lanes = 0, bytes = 0, groups = 0;
+    for (std::size_t i = 0, end = 0; i < order_.size(); i = end) {
+        const Tree& first = trees_[order_[i]];
+        while (end < order_.size() && compareShapes(first, trees_[order_[end]]) == 0) ++end;
+        const TreeKernels& kernels = first.twofold ? widest.twofold : widest.single;
+        const auto width = static_cast<std::size_t>(kernels.lanes);
+        const std::size_t most = (end - i) / width + (first.twofold ? kStrides : 1);
+        groups += most;
+        lanes += most * width;
+        rows += most * width * first.count;
+        bytes += most * onLine(first.count * kernels.linkBytes);
+    }
+    laneStates_.reserve(rows), laneAnchors_.reserve(lanes);
+    rows_.reserve(rows), impulses_.reserve(rows);
+    memory_.reserve(bytes), groups_.reserve(groups);
+}
 
 void TreePlan::group(const TreeTables& tables) {
     groups_.clear();
@@ -74,6 +105,7 @@ void TreePlan::group(const TreeTables& tables) {
         const int way = compare(trees_[a], trees_[b]);
         return way != 0 ? way < 0 : a < b;
     });
+    makeRoom(tables);
     std::size_t rows = 0, lanes = 0, bytes = 0;
     for (std::uint32_t i = 0; i < count;) {
         Group group;

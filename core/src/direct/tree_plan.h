@@ -12,12 +12,15 @@ namespace ragtop::direct {
 /// depends on the company a tree is in.
 class TreePlan {
 public:
+    static constexpr std::size_t kStrides = 3;  ///< 1, 2 and 4 substeps
+
     /// A tree; its links, joints and bodies are at [first, first + count) of their arrays.
     struct Tree {
         std::uint32_t first = 0, count = 0;
         std::uint32_t anchor = 0;  ///< state of what the root hangs from
         std::uint32_t owner = 0;   ///< the caller's
         bool twofold = false;      ///< in double precision
+        std::uint8_t stride = 1;   ///< substeps of the world that it takes at once
     };
     struct Group {
         TreeGroup lanes;
@@ -36,8 +39,14 @@ public:
     std::uint32_t drawnJoint(std::size_t i) const { return joints_[drawn_ + i]; }
     void keep(std::uint32_t anchor, std::uint32_t owner, bool twofold);
     void drop();
-    /// Groups what has been kept, and makes room for it.
+    /// Groups what has been kept, and makes room for it however strides change.
     void group(const TreeTables& tables);
+
+    std::size_t treeCount() const { return trees_.size(); }
+    const Tree& treeAt(std::size_t index) const { return trees_[index]; }
+    /// To be grouped again. True when that is another stride.
+    bool setStride(std::size_t tree, int stride);
+    int strideOf(const Group& group) const { return treeOf(group, 0).stride; }
 
     std::size_t groupCount() const { return groups_.size(); }
     Group& groupAt(std::size_t index) { return groups_[index]; }
@@ -61,7 +70,9 @@ private:
     static std::size_t place(const Group& group, int link, int lane) {
         return group.firstRow + static_cast<std::size_t>(link * group.kernels->lanes + lane);
     }
+    int compareShapes(const Tree& a, const Tree& b) const;
     int compare(const Tree& a, const Tree& b) const;
+    void makeRoom(const TreeTables& tables);
     void layOut(Group& group);
 
     AlignedArray<Tree> trees_;

@@ -105,14 +105,19 @@ RAGTOP_INLINE void clearMomentum(TreeLane<R>& link) {
     link.node.momentum = {none, none};
 }
 template <class R>
-RAGTOP_INLINE void clearSums(TreeLane<R>& link) {
+RAGTOP_INLINE void clearNode(TreeLane<R>& link) {
     const R zero(0.0f);
     const TreeVec<R> none{zero, zero, zero};
     const TreeSym<R> nothing{zero, zero, zero, zero, zero, zero};
-    link.stiffness = nothing;
-    link.stiff = false;
     link.node.inertia = {nothing, {none, none, none}, nothing};
     clearMomentum(link);
+}
+template <class R>
+RAGTOP_INLINE void clearSums(TreeLane<R>& link) {
+    const R zero(0.0f);
+    link.stiffness = {zero, zero, zero, zero, zero, zero};
+    link.stiff = false;
+    clearNode(link);
 }
 
 /// The link's own, beside what hangs from it.

@@ -88,6 +88,7 @@ void WorldImpl::sleepBody(std::uint32_t index) {
     awakeBodies[body.awakeIndex] = last;
     bodies[last].awakeIndex = body.awakeIndex;
     awakeBodies.pop();
+    assemblies.known = false;
     body.awakeIndex = kNone;
     states[index].v = states[index].w = {};
     histories[index].velocityBefore = histories[index].lastChange = {};
@@ -113,9 +114,11 @@ void WorldImpl::wakeBody(std::uint32_t first) {
         BodyRecord& body = bodies[index];
         if (body.type == BodyType::fixed || index == 0) continue;
         body.sleepTimer = 0;
+        rouse(index);
         if (body.awakeIndex != kNone) continue;
         body.awakeIndex = static_cast<std::uint32_t>(awakeBodies.size());
         awakeBodies.push(index);
+        assemblies.known = false;
         structureChanged = graphChanged = true;
         noteSleep(index, false);
         for (std::uint32_t key = body.firstContact; key != kNone; key = nextContact(key)) {

@@ -2,6 +2,8 @@
 
 #include <memory>
 
+#include "narrowphase/round_constants.h"
+
 namespace ragtop {
 namespace {
 
@@ -125,9 +127,8 @@ ClosestOnSegments closestOnSegments(const Vec3& p, const Vec3& d, const Vec3& q,
     const Vec3 r = p - q;
     const float dd = lengthSquared(d), ee = lengthSquared(e), de = dot(d, e), dr = dot(d, r), er = dot(e, r);
     const float denominator = dd * ee - de * de;
-    constexpr float kParallel = 1e-10f;
     ClosestOnSegments out;
-    if (dd > 0 && denominator > kParallel * dd * ee) out.s = clamped((de * er - dr * ee) / denominator);
+    if (dd > 0 && denominator > kParallelSegments * dd * ee) out.s = clamped((de * er - dr * ee) / denominator);
     if (ee > 0) {
         const float t = (de * out.s + er) / ee;
         out.t = clamped(t);

@@ -1,6 +1,7 @@
 #include <bit>
 
 #include "base/four_floats.h"
+#include "narrowphase/clip_rectangle.h"
 #include "narrowphase/pairs.h"
 
 /// Two boxes: separating axes [Gottschalk, Lin, Manocha, 1996], then the incident face clipped in the plane of the
@@ -21,8 +22,8 @@ struct Boxes {
     float size;                      ///< smallest half extent
 };
 
+using ragtop::absolute;
 inline float absolute(float v) { return v < 0 ? -v : v; }
-inline FourFloats absolute(FourFloats v) { return v < 0.0f ? -v : v; }
 inline int after(int i) { return i == 2 ? 0 : i + 1; }
 inline Vec3 toVec3(const float* v) { return {v[0], v[1], v[2]}; }
 inline FourFloats inLanes(float x, float y, float z) { return FourFloats{x, y, z, 0}; }
@@ -145,38 +146,6 @@ bool chooseAxis(const Boxes& b, float margin, const Choice& before, Choice& face
     return true;
 }
 
-struct Corner {
-    float u, v, w;  ///< in the plane of the reference face, and above it
-    std::uint8_t in, out;
-};
-
-/// Keeps sign · (u or v) ≤ half.
-template <bool kAlongU>
-int clipSide(const Corner* in, int count, Corner* out, float sign, float half, float overhang, std::uint8_t code) {
-    int kept = 0;
-    const Corner* from = &in[count - 1];
-    float fromHeight = sign * (kAlongU ? from->u : from->v) - half;
-    for (int i = 0; i < count; ++i) {
-        const Corner* to = &in[i];
-        const float toHeight = sign * (kAlongU ? to->u : to->v) - half;
-        const bool fromInside = fromHeight <= overhang, toInside = toHeight <= overhang;
-        if (fromInside != toInside) {
-            float t = fromHeight / (fromHeight - toHeight);
-            t = t < 0 ? 0 : t > 1 ? 1 : t;
-            Corner& cut = out[kept++];
-            cut.u = from->u + t * (to->u - from->u);
-            cut.v = from->v + t * (to->v - from->v);
-            cut.w = from->w + t * (to->w - from->w);
-            cut.in = fromInside ? from->out : code;
-            cut.out = fromInside ? code : from->out;
-        }
-        if (toInside) out[kept++] = *to;
-        from = to;
-        fromHeight = toHeight;
-    }
-    return kept;
-}
-
 /// The incident box seen from the reference box.
 struct FaceView {
     const float* hReference;
@@ -204,7 +173,6 @@ int clipFaces(const FaceView& f, float margin, float size, bool flipped, Manifol
     const float hu = f.hReference[k1], hv = f.hReference[k2], overhang = kOverhang * size;
     Corner buffers[2][12];
     Corner* polygon = buffers[0];
-    Corner* next = buffers[1];
     int count = 4;
     float mostU = 0, mostV = 0;
     for (int i = 0; i < 4; ++i) {
@@ -214,14 +182,7 @@ int clipFaces(const FaceView& f, float margin, float size, bool flipped, Manifol
         mostU = absolute(polygon[i].u) > mostU ? absolute(polygon[i].u) : mostU;
         mostV = absolute(polygon[i].v) > mostV ? absolute(polygon[i].v) : mostV;
     }
-    if (mostU > hu + overhang) {
-        count = clipSide<true>(polygon, count, next, 1, hu, overhang, 128);
-        if (count > 0) count = clipSide<true>(next, count, polygon, -1, hu, overhang, 129);
-    }
-    if (count > 0 && mostV > hv + overhang) {
-        count = clipSide<false>(polygon, count, next, 1, hv, overhang, 130);
-        if (count > 0) count = clipSide<false>(next, count, polygon, -1, hv, overhang, 131);
-    }
+    clipToRectangle(buffers[0], buffers[1], count, mostU, mostV, hu, hv, overhang);
     ClipPoint points[12];
     int kept = 0;
     for (int i = 0; i < count; ++i) {

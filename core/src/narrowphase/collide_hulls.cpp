@@ -67,11 +67,16 @@ void hullContact(const HullView& a, const HullView& b, const SeparatingAxis& axi
     else
         faceContact(a, b, axis, margin, size, out);
     if (out.pointCount > 0) return;
-    const gjk::PointsSupport supportA{a.vertices.data(), static_cast<int>(a.vertices.size())};
-    const gjk::PointsSupport supportB{b.vertices.data(), static_cast<int>(b.vertices.size())};
-    // Corner regions, where no axis of the test is the direction of the distance, or hysteresis kept an axis whose
-    // faces no longer face each other.
-    const gjk::Closest cores = gjk::closest(supportA, supportB, a.center - b.center);
+    cornerContact(a.vertices, b.vertices, a.center - b.center, axis, margin, out);
+}
+
+/// Corner regions, where no axis of the test is the direction of the distance, or hysteresis kept an axis whose faces no
+/// longer face each other.
+void cornerContact(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& apart, const SeparatingAxis& axis,
+                   float margin, Manifold& out) {
+    const gjk::PointsSupport supportA{a.data(), static_cast<int>(a.size())};
+    const gjk::PointsSupport supportB{b.data(), static_cast<int>(b.size())};
+    const gjk::Closest cores = gjk::closest(supportA, supportB, apart);
     if (cores.overlap) {
         deepestPoint(axis.normal, axis.separation, supportB(-axis.normal), out);
     } else {

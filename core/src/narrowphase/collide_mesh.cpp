@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 
+#include "narrowphase/box_on_triangles.h"
 #include "narrowphase/manifold_set.h"
 #include "narrowphase/nearest_four.h"
 #include "narrowphase/pairs.h"
@@ -29,7 +30,7 @@ struct Mover {
     float size;
     Vec3 center;  ///< of its mass
     Vec3 p, q;    ///< capsule: the segment
-    std::optional<BoxHull> box;
+    std::optional<TurnedBox> box;
     std::optional<PlacedHull> hull;
 
     Mover(const ConvexView& view, const Frame& frame, float contactMargin)
@@ -38,8 +39,7 @@ struct Mover {
         q = rotate(frame.rotation, {0, view.halfExtents.y, 0});
         p = -q;
         if (view.kind == ConvexKind::box) {
-            box.emplace(view.halfExtents);
-            hull.emplace(box->view(), turned);
+            box.emplace(view.halfExtents, frame.rotation);
         } else if (view.kind == ConvexKind::hull) {
             hull.emplace(viewOf(*view.hull), turned);
             center = hull->view().center;
@@ -49,7 +49,9 @@ struct Mover {
     /// In the mesh, grown by the margin and by the rounding of the sums.
     Bounds bounds() const {
         Bounds b{p, p};
-        if (hull) {
+        if (box) {
+            b = {-box->reach(), box->reach()};
+        } else if (hull) {
             b = {hull->view().vertices[0], hull->view().vertices[0]};
             for (const Vec3& vertex : hull->view().vertices) b = {min(b.lower, vertex), max(b.upper, vertex)};
         } else if (shape->kind == ConvexKind::capsule) {
@@ -120,8 +122,11 @@ bool edgeIsActive(const TriangleHull& t, int edge) { return (t.activeEdges >> ed
 struct TriangleContact {
     Vec3 normal;
     int count = 0;
-    ManifoldPoint points[16];
+    union {  // not filled with zeros first
+        ManifoldPoint points[kMostBoxPoints];
+    };
 
+    TriangleContact() {}
     std::span<const ManifoldPoint> all() const { return {points, static_cast<std::size_t>(count)}; }
     void take(const Manifold& m) {
         normal = m.normal;
@@ -158,6 +163,10 @@ public:
         gather(bounds);
         if (mover_.shape->kind == ConvexKind::sphere && gatheredAll_) {
             visitGatheredWithSphere();
+            return set_.write(mover_.position, out);
+        }
+        if (mover_.box) {
+            visitWithBox(bounds);
             return set_.write(mover_.position, out);
         }
         const auto visitOne = [this](const TriangleView& view) {
@@ -209,6 +218,10 @@ private:
             pairs::hullCapsule(t.view(), mover_.p, mover_.q, mover_.shape->radius, mover_.margin, m);
             contact.take(m);
         }
+        takeContact(t, contact);
+    }
+
+    void takeContact(const TriangleHull& t, TriangleContact& contact) {
         if (contact.count == 0) return;
         bool onFace = contact.normal == t.normal();
         if (!onFace && !mayPoint(t, contact)) {
@@ -235,6 +248,62 @@ private:
         pairs::hullContact(triangle, hull, axis, mover_.margin, mover_.size, m);
         // Overlap found along the face normal, but not over the face: a neighbour has it.
         if (axis.kind == 1 && m.pointCount > 0 && m.normal == t.normal()) return;
+        contact.take(m);
+    }
+
+    void visitWithBox(const Bounds& bounds) {
+        TriangleView copies[4];
+        const TriangleView* four[4];
+        int count = 0;
+        forEachNear(bounds, [&](const TriangleView& view) {
+            copies[count] = view;
+            four[count] = &copies[count];
+            if (++count == 4) visitFourWithBox(four, 4), count = 0;
+            return true;
+        });
+        if (count == 0) return;
+        for (int k = count; k < 4; ++k) four[k] = four[0];
+        visitFourWithBox(four, count);
+    }
+
+    void visitFourWithBox(const TriangleView* const (&four)[4], int count) {
+        const BoxAxes axes = findBoxAxes(*mover_.box, FourTriangles(four, mover_.position), mover_.margin,
+                                         kBehind * mover_.size);
+        for (unsigned touches = axes.touches & ((1u << count) - 1); touches != 0; touches &= touches - 1) {
+            const int k = std::countr_zero(touches);
+            const TriangleHull t(*four[k], mover_.position);
+            TriangleContact contact;
+            touchBox(t, axes, k, contact);
+            takeContact(t, contact);
+        }
+    }
+
+    void touchBox(const TriangleHull& t, const BoxAxes& axes, int lane, TriangleContact& contact) const {
+        const TurnedBox& box = *mover_.box;
+        const CornersAndNormal triangle{t.vertices, t.normal()};
+        const int axis = axes.axis[lane];
+        const float separation = axes.separation[lane];
+        switch (axes.kind(lane)) {
+            case BoxAxes::kTriangle:
+                contact.normal = t.normal();
+                contact.count = boxFaceOnTriangle(box, triangle, mover_.margin, contact.points);
+                break;
+            case BoxAxes::kBoxFace:
+                contact.count = triangleOnBoxFace(box, triangle, axis, mover_.margin, contact.normal, contact.points);
+                break;
+            case BoxAxes::kEdges:
+                contact.count = edgesOfBoxAndTriangle(box, triangle, axis, separation, mover_.margin, contact.normal,
+                                                      contact.points);
+                break;
+        }
+        if (contact.count > 0) return;
+        Vec3 corners[8];
+        for (int i = 0; i < 8; ++i) corners[i] = box.corner(i);
+        Manifold m;
+        pairs::cornerContact(t.vertices, corners, t.view().center, {0, 0, 0, separation, contact.normal},
+                             mover_.margin, m);
+        // Overlap found along the face normal, but not over the face: a neighbour has it.
+        if (axis == 0 && m.pointCount > 0 && m.normal == t.normal()) return;
         contact.take(m);
     }
 
@@ -323,7 +392,10 @@ private:
         const float twice = 2 * contact.deepest(), usual = -kDeepest * mover_.size;
         const float limit = twice < usual ? twice : usual;
         contact.normal = t.normal();
-        if (mover_.hull) {
+        if (mover_.box) {
+            contact.count =
+                boxFaceOnTriangle(*mover_.box, {t.vertices, t.normal()}, mover_.margin, contact.points);
+        } else if (mover_.hull) {
             contact.count =
                 clipToFace(t.view(), 0, mover_.hull->view(), mover_.margin, mover_.size, false, contact.points);
         } else {

@@ -1,4 +1,5 @@
 #include "narrowphase/pairs.h"
+#include "narrowphase/round_constants.h"
 
 /// Spheres and capsules with each other and spheres with polyhedra, in closed form wherever there is one.
 namespace ragtop::pairs {
@@ -70,7 +71,6 @@ void capsuleSphere(const ConvexView& a, float radiusB, const Vec3& centerB, floa
 
 /// Nearly parallel capsules touch along a line, given by two points, unless they cross within it.
 void capsules(const ConvexView& a, const ConvexView& b, const Frame& bInA, float margin, Manifold& out) {
-    constexpr float kNearlyParallel = 0.01f;  // sin²
     const Vec3 p{0, -a.halfExtents.y, 0}, d = -2.0f * p;
     const Vec3 halfB = rotate(bInA.rotation, {0, b.halfExtents.y, 0});
     const Vec3 q = bInA.position - halfB, e = 2.0f * halfB;
@@ -78,7 +78,7 @@ void capsules(const ConvexView& a, const ConvexView& b, const Frame& bInA, float
     const Vec3 perpendicularToBoth = cross(d, e);
     const float dd = lengthSquared(d), ee = lengthSquared(e);
     Vec3 fallback = normalized(perpendicularToBoth, {1, 0, 0});
-    if (!(lengthSquared(perpendicularToBoth) > 1e-10f * dd * ee)) fallback = {1, 0, 0};
+    if (!(lengthSquared(perpendicularToBoth) > kParallelSegments * dd * ee)) fallback = {1, 0, 0};
     pointPair(near.pointA, a.radius, near.pointB, b.radius, fallback, margin, kPointFeature, out);
     if (out.pointCount == 0 || !(lengthSquared(perpendicularToBoth) <= kNearlyParallel * dd * ee) || !(dd * ee > 0)) {
         return;

@@ -30,7 +30,11 @@ private:
         float deepest = 0;
         std::uint32_t triangle = 0;
         int count = 0;
-        ManifoldPoint points[kMaxPoints];
+        union {  // not filled with zeros first
+            ManifoldPoint points[kMaxPoints];
+        };
+
+        Cluster() {}
     };
 
     Cluster& clusterFor(const Vec3& normal);

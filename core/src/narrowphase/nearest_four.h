@@ -1,10 +1,7 @@
 #pragma once
 
-#include <cstddef>
-
-#include "base/four_floats.h"
+#include "narrowphase/four_triangles.h"
 #include "narrowphase/triangle_feature.h"
-#include "shapes/geometry.h"
 
 namespace ragtop {
 
@@ -25,16 +22,10 @@ struct NearestFour {
 
 /// Of a point, seen from it.
 inline NearestFour nearestOnFour(const TriangleView* const triangles[4], const Vec3& from) {
-    static_assert(offsetof(TriangleView, activeEdges) == 12 * sizeof(float));
-    FourFloats rows[3][4];
-    for (int i = 0; i < 4; ++i)
-        for (int part = 0; part < 3; ++part) rows[part][i] = loadFour(&triangles[i]->a.x + 4 * part);
-    for (auto& part : rows) transposeFour(part);
-    const FourVectors origin = spread(from), zero{};
-    const FourVectors v[3] = {FourVectors{rows[0][0], rows[0][1], rows[0][2]} - origin,
-                              FourVectors{rows[0][3], rows[1][0], rows[1][1]} - origin,
-                              FourVectors{rows[1][2], rows[1][3], rows[2][0]} - origin};
-    const FourVectors n{rows[2][1], rows[2][2], rows[2][3]};
+    const FourTriangles t(triangles, from);
+    const FourVectors(&v)[3] = t.v;
+    const FourVectors& n = t.n;
+    const FourVectors zero{};
 
     NearestFour out;
     FourVectors best = zero;

@@ -23,6 +23,9 @@ void hullSphere(const HullView& a, float radius, const Vec3& center, float margi
 /// Contact of two polyhedra in one frame along a chosen axis.
 void hullContact(const HullView& a, const HullView& b, const SeparatingAxis& axis, float margin, float size,
                  Manifold& out);
+/// Contact of two polyhedra, given by their corners, where faces and edges along the axis give none. `apart`: from B to A.
+void cornerContact(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& apart, const SeparatingAxis& axis,
+                   float margin, Manifold& out);
 /// The core of a capsule.
 struct Rod {
     Vec3 p, q;

@@ -69,6 +69,7 @@ void widen(Point* points, int count, const Vec3& normal, float deep) {
 /// `tolerance` is the difference in depth (m) that does not matter. At least one point.
 template <class Point>
 int reducePoints(Point* points, int count, const Vec3& normal, float tolerance) {
+    if (count == 1) return 1;
     float deepest = points[0].separation;
     for (int i = 1; i < count; ++i) deepest = points[i].separation < deepest ? points[i].separation : deepest;
 

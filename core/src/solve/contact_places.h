@@ -35,7 +35,8 @@ struct LaneManifolds {
     int count, perBundle;
 };
 
-/// Of a manifold after a step: some point carried load or overlaps; some point carried load to the end.
-enum ManifoldTouch : std::uint8_t { kTouches = 1, kBearsLoad = 2, kUnknownTouch = 4 };
+/// Of a manifold after a step: some point carried load or overlaps; some point carried load to the end. That of a body
+/// that rests is what it was.
+enum ManifoldTouch : std::uint8_t { kTouches = 1, kBearsLoad = 2, kUnknownTouch = 4, kRestingTouch = 8 };
 
 }  // namespace ragtop

@@ -8,7 +8,6 @@ extern const JointKernels kJointKernelsBaseline16;
 #if defined(RAGTOP_X86_KERNELS)
 extern const JointKernels kJointKernelsAvx28;
 extern const JointKernels kJointKernelsAvx216;
-extern const JointKernels kJointKernelsAvx5128;
 extern const JointKernels kJointKernelsAvx51216;
 #endif
 
@@ -20,7 +19,7 @@ const JointKernels& selectJointKernels(int lanes) {
 #if defined(RAGTOP_X86_KERNELS)
         &kJointKernelsAvx28,
         &kJointKernelsAvx216,
-        &kJointKernelsAvx5128,
+        &kJointKernelsAvx51216,
         &kJointKernelsAvx51216,
 #endif
     };

@@ -23,7 +23,8 @@ struct JointKernels {
     void (*relax)(const JointLanesView&, int begin, int end, const JointPass&);
 };
 
-/// Those of the same instruction set and lane count as `selectKernels` gives.
+/// Those of the instruction set that `selectKernels` gives, and of its lane count; with AVX-512 sixteen instead of eight,
+/// since bundles of joints are nobody else's.
 const JointKernels& selectJointKernels(int lanes);
 
 }  // namespace ragtop

@@ -53,8 +53,10 @@ struct SolverContext {
     float loadShare = 0;         ///< λ̂ ← λ̂ + share (λ − λ̂) per step
     float staticLoadShare = 0;   ///< the same against what does not move
     float elapsed = 0;           ///< s of this step that positions have moved by
+    int substep = 0;             ///< its number within the step
     bool firstSubstep = false, lastSubstep = false;
     bool normals = true, friction = true;  ///< the rows that a pass solves
+    bool farContacts = false;  ///< more than a cache holds: passes ask for their memory beforehand
 };
 
 /// Kinds of contacts that ask for more than the usual passes.

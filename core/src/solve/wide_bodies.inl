@@ -281,13 +281,11 @@ void integrateVelocities(const BodyArrays& arrays, const std::uint32_t* bodies, 
     const float h = context.h;
     for (int i = begin; i < end; i += N) {
         const BodyRows<N> rows(bodies, i, end);
-        Lanes<N> state[8], pose[8], rates[8], forces[8], memory[8], start[8], inertia[8];
+        Lanes<N> state[8], rates[8], forces[8], memory[8], inertia[8];
         rows.gather(arrays.states, 0, state);
-        rows.gather(arrays.states, 8, pose);
         rows.gather(arrays.dynamics, 0, rates);
         rows.gather(arrays.dynamics, 8, forces);
         rows.gather(arrays.history, 0, memory);
-        rows.gather(arrays.history, 8, start);
         rows.gather(arrays.inertia, 0, inertia);
 
         WideVec3<N> v{state[0], state[1], state[2]};
@@ -306,6 +304,9 @@ void integrateVelocities(const BodyArrays& arrays, const std::uint32_t* bodies, 
 
         const Mask<N> jointed = (!(forces[7] > 0.0f)) & (forces[3] > 0.0f);
         if (any(jointed | mayBeFast(rates, w, h))) {
+            Lanes<N> pose[8], start[8];
+            rows.gather(arrays.states, 8, pose);
+            rows.gather(arrays.history, 8, start);
             FreeSpin<N> spin(
                 WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * WideQuat<N>{start[0], start[1], start[2], start[3]},
                 rates, w, memory, start);
@@ -332,13 +333,16 @@ void integrateVelocities(const BodyArrays& arrays, const std::uint32_t* bodies, 
     }
 }
 
-/// R diag(d) Rᵀ
+/// R diag(d) Rᵀ, from the columns of R: R e = e + 2 (w u × e + u × (u × e)).
 template <int N>
 RAGTOP_INLINE SymmetricMatrix<N> rotated(const WideQuat<N>& q, const WideVec3<N>& d) {
-    const Lanes<N> one(1.0f), zero(0.0f);
-    const WideVec3<N> a = rotate(q, {one, zero, zero});
-    const WideVec3<N> b = rotate(q, {zero, one, zero});
-    const WideVec3<N> c = rotate(q, {zero, zero, one});
+    const Lanes<N> one(1.0f);
+    const WideVec3<N> t{q.x + q.x, q.y + q.y, q.z + q.z};
+    const Lanes<N> xx = q.x * t.x, yy = q.y * t.y, zz = q.z * t.z, xy = q.x * t.y, xz = q.x * t.z, yz = q.y * t.z;
+    const Lanes<N> wx = q.w * t.x, wy = q.w * t.y, wz = q.w * t.z;
+    const WideVec3<N> a{one - (yy + zz), wz + xy, xz - wy};
+    const WideVec3<N> b{xy - wz, one - (zz + xx), wx + yz};
+    const WideVec3<N> c{wy + xz, yz - wx, one - (xx + yy)};
     return {d.x * a.x * a.x + d.y * b.x * b.x + d.z * c.x * c.x, d.x * a.x * a.y + d.y * b.x * b.y + d.z * c.x * c.y,
             d.x * a.x * a.z + d.y * b.x * b.z + d.z * c.x * c.z, d.x * a.y * a.y + d.y * b.y * b.y + d.z * c.y * c.y,
             d.x * a.y * a.z + d.y * b.y * b.z + d.z * c.y * c.z, d.x * a.z * a.z + d.y * b.z * b.z + d.z * c.z * c.z};

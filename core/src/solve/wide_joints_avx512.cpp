@@ -3,8 +3,6 @@
 
 namespace ragtop {
 
-extern const JointKernels kJointKernelsAvx5128;
-const JointKernels kJointKernelsAvx5128 = makeJointTable<8>("avx512");
 extern const JointKernels kJointKernelsAvx51216;
 const JointKernels kJointKernelsAvx51216 = makeJointTable<16>("avx512");
 

@@ -46,7 +46,7 @@ RAGTOP_INLINE void carryLoads(ContactBundle<N>& c, typename Mask<N>::V count, co
 
 /// Which contact::Traits the lanes have. By bits: −0 is added like any other number.
 template <int N>
-RAGTOP_INLINE std::int32_t traitsOf(const ContactBundle<N>& c) {
+RAGTOP_INLINE std::int32_t traitsOf(const ContactBundle<N>& c, typename Mask<N>::V count) {
     typedef typename Mask<N>::V Int;
     const auto trait = [](contact::Trait which, Int set) { return anySet(set != 0) ? which : 0; };
     const auto field = [&](int i) { return bits(c.field(i)); };
@@ -57,7 +57,9 @@ RAGTOP_INLINE std::int32_t traitsOf(const ContactBundle<N>& c) {
            trait(contact::kRound, field(contact::kRoundA) | field(contact::kRoundB)) |
            trait(contact::kMovingSurface, vector(contact::kSurface)) |
            trait(contact::kFindsLoad, field(contact::kShifted)) |
-           trait(contact::kTurningCore, field(contact::kCoreShareA) | field(contact::kCoreShareB));
+           trait(contact::kTurningCore, field(contact::kCoreShareA) | field(contact::kCoreShareB)) |
+           trait(contact::kSecondPoint, count > 1) | trait(contact::kThirdPoint, count > 2) |
+           trait(contact::kFourthPoint, count > 3);
 }
 
 /// What begins anew in a step: sums of impulses, speeds of approach and the friction centre. Returns the deepest
@@ -110,7 +112,7 @@ unsigned prepareContacts(float* bundles, int begin, int end, const BodyArrays& a
     for (int i = begin; i < end; ++i) {
         ContactBundle<N> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
         const Int count = bits(c.field(contact::kPointCount));
-        c.traits = traitsOf(c);
+        c.traits = traitsOf(c, count);
         c.set(contact::kTraits, Lanes<N>(reinterpret_cast<typename Lanes<N>::V>(Int{} + c.traits)));
         const Lanes<N> deepest = preparePoints(c, count);
         c.set(contact::kShift, c.shift);
@@ -132,13 +134,14 @@ unsigned prepareContacts(float* bundles, int begin, int end, const BodyArrays& a
 }
 
 template <int N>
-void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext&) {
+void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
     for (int i = begin; i < end; ++i) {
         ContactBundle<N> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
+        if (context.farContacts) c.prefetchAhead();
         c.recallArms();
         Lanes<N> total(0.0f);
         WideVec3<N> moment{Lanes<N>(0.0f), Lanes<N>(0.0f), Lanes<N>(0.0f)};
-        for (int j = 0; j < contact::kMaxPoints; ++j) {
+        for (int j = 0, points = c.points(); j < points; ++j) {
             const Lanes<N> impulse = c.field(pointField(j, contact::kImpulse));
             if (!any(impulse > 0.0f)) continue;
             total = total + impulse;
@@ -172,6 +175,7 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
     const Lanes<N> deepRate(context.softStatic.massScale * context.softStatic.biasRate);
     for (int i = begin; i < end; ++i) {
         ContactBundle<N> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
+        if (context.farContacts) c.prefetchAhead();
         WideVec3<N> dp;
         WideQuat<N> dqA, dqB;
         c.gatherDisplacements(dp, dqA, dqB);
@@ -193,7 +197,6 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
             push = Lanes<N>(-context.pushOut) * c.field(contact::kSize);
             deep = Lanes<N>(contact::kDeep) * c.field(contact::kSize);
         }
-
         // What holds a body on the ground has changed: nothing pulls towards loads of other points, and those that the
         // first substep finds are carried from then on. Else the body would sag where it loses a point, and rise again.
         const Lanes<N> shifted = c.rare(contact::kShifted, contact::kFindsLoad);
@@ -204,7 +207,7 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
         const Lanes<N> lead = select(bouncy, half * Lanes<N>(context.gravityStep), zero);
         Lanes<N> total(0.0f), leverTotal(0.0f);
         NormalRows<N> rows(c);
-        for (int j = 0; j < contact::kMaxPoints; ++j) {
+        for (int j = 0, points = c.points(); j < points; ++j) {
             const Lanes<N> mass = c.field(pointField(j, contact::kMass));
             if (!any(mass > 0.0f)) break;
             const Lanes<N> old = c.field(pointField(j, contact::kImpulse));

@@ -44,31 +44,35 @@ RAGTOP_INLINE void findAnchors(int bundle, const LaneManifolds& list, const Cont
             lane < used ? reinterpret_cast<const float*>(manifoldAt(places, list.manifolds[slot + lane])) : kNothing;
 }
 
-/// Asks for what placing a bundle will read.
+/// Asks for what placing a bundle will read, whose fields are there already.
 template <int N>
-RAGTOP_INLINE void prefetchPlaces(const float* bundle, const float* const anchors[N], const ContactPlaces& places) {
+RAGTOP_INLINE void prefetchPlaces(const float* bundles, int i, const LaneManifolds& list, const ContactPlaces& places) {
+    if (i * list.perBundle >= list.count) return;
+    const float* anchors[N];
+    findAnchors<N>(i, list, places, anchors);
+    const float* bundle = bundles + static_cast<long>(i) * contact::kFields * N;
     const auto* recordA = reinterpret_cast<const std::uint32_t*>(bundle + contact::kRecordA * N);
     const auto* recordB = reinterpret_cast<const std::uint32_t*>(bundle + contact::kRecordB * N);
-    for (int i = 0; i < N; ++i) {
-        __builtin_prefetch(anchors[i]);
-        __builtin_prefetch(anchors[i] + 16);
-        __builtin_prefetch(rowOf(places.centers, places.bodyStride, recordA[i]));
-        __builtin_prefetch(rowOf(places.centers, places.bodyStride, recordB[i]));
+    for (int lane = 0; lane < N; ++lane) {
+        __builtin_prefetch(anchors[lane]);
+        __builtin_prefetch(anchors[lane] + 16);
+        __builtin_prefetch(rowOf(places.centers, places.bodyStride, recordA[lane]));
+        __builtin_prefetch(rowOf(places.centers, places.bodyStride, recordB[lane]));
     }
 }
 
 /// n = RA n_A,  pA = xA + RA a,  pB = xB + RB b,  C = C₀ + n · (pB − pA); the point is half way between pA and pB.
 template <int N>
 void placeContacts(float* bundles, int begin, int end, const LaneManifolds& list, const ContactPlaces& places) {
-    const float *anchors[N], *next[N];
-    findAnchors<N>(begin, list, places, next);
+    constexpr int kPlaces = 2;
+    const float* anchors[N];
+    int points = contact::kMaxPoints;  // of the last bundle
     for (int i = begin; i < end; ++i) {
         float* bundle = bundles + static_cast<long>(i) * contact::kFields * N;
-        for (int lane = 0; lane < N; ++lane) anchors[lane] = next[lane];
-        if (i + 1 < end) {
-            findAnchors<N>(i + 1, list, places, next);
-            prefetchPlaces<N>(bundle + contact::kFields * N, next, places);
-        }
+        prefetchFields<N>(bundle, 0, contact::kPoints + points * contact::kPointFields);
+        prefetchFields<N>(bundle, contact::kRecordA, contact::kFields);
+        prefetchPlaces<N>(bundles, i + kPlaces, list, places);
+        findAnchors<N>(i, list, places, anchors);
         const auto* recordA = reinterpret_cast<const std::uint32_t*>(bundle + contact::kRecordA * N);
         const auto* recordB = reinterpret_cast<const std::uint32_t*>(bundle + contact::kRecordB * N);
         const float *turnsA[N], *turnsB[N];
@@ -99,7 +103,8 @@ void placeContacts(float* bundles, int begin, int end, const LaneManifolds& list
         set(contact::kNormal, normal);
         set(contact::kOffset, offset);
         const typename Mask<N>::V count = bits(found.f[3]);
-        for (int j = 0; j < contact::kMaxPoints && anySet(count > j); ++j) {
+        for (points = 0; points < contact::kMaxPoints && anySet(count > points); ++points) {
+            const int j = points;
             const WideVec3<N> onA = rotate(qA, found.anchorA(j)) - reference;
             const WideVec3<N> onB = rotate(qB, found.anchorB(j)) + offset;
             set(pointField(j, contact::kAnchor), Lanes<N>(0.5f) * (onA + onB));
@@ -118,7 +123,9 @@ void readTouches(const float* bundles, int begin, int end, std::uint8_t* touches
         const auto field = [&](int f) { return Lanes<N>::load(bundle + f * N); };
         const Int count = bits(field(contact::kPointCount));
         Int found = (count == 0) & static_cast<int>(kUnknownTouch);
-        for (int j = 0; j < contact::kMaxPoints; ++j) {
+        prefetchFields<N>(bundle, contact::kPointCount, contact::kPointCount + 1);
+        for (int j = 0; j < contact::kMaxPoints && anySet(count > j); ++j) {
+            prefetchFields<N>(bundle, pointField(j, contact::kSeparation), pointField(j, contact::kPeak) + 1);
             const Int present = count > j;
             const Mask<N> meets = (field(pointField(j, contact::kSeparation)) <= Lanes<N>(0.0f)) |
                                   (field(pointField(j, contact::kPeak)) > 0.0f);

@@ -46,6 +46,10 @@ struct alignas(64) BodyRecord {
     std::uint8_t directFailures = 0;  ///< solves of its island that were given up since one came to rest
     std::uint8_t innerSteps = 1;      ///< of each substep, as part of a mechanism
     std::uint8_t calmSteps = 0;       ///< for which half as many would have done
+    std::uint8_t stillSteps = 0;      ///< for which it was too slow to tell from what rests
+    bool rests = false;               ///< on what does not move, and is left out of the solver
+    std::uint8_t stride : 4 = 1;      ///< substeps that it took at once last, as part of a tree: 1, 2 or 4
+    std::uint8_t mayStride : 4 = 1;   ///< the same, as far as its joints' gaps tell
 };
 static_assert(sizeof(BodyRecord) == 192);
 

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <memory_resource>
+#include <span>
 
 #include "base/aligned_array.h"
 #include "constraints/constraint_graph.h"
@@ -45,9 +47,20 @@ struct IslandBearing {
     bool joint;
 };
 
+/// Which way weights go down to what does not move (world_islands.cpp).
+struct LoadPaths {
+    explicit LoadPaths(std::pmr::memory_resource* memory)
+        : levels(memory), supports(memory), carried(memory), heldLevel(memory) {}
+    AlignedArray<std::uint32_t> levels;    ///< per body: steps to what does not move
+    AlignedArray<std::uint32_t> supports;  ///< per body: how many bear it
+    AlignedArray<float> carried;           ///< kg, per body
+    AlignedArray<std::uint8_t> heldLevel;  ///< per body: something level is below it
+};
+
 /// An island that is solved directly, in the lists of its step (world_direct.cpp).
 struct DirectIsland {
     std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
+    std::uint32_t system = kNone;  ///< of Newton's method, where it has one
     bool factored = false;
     bool swept = false;      ///< given up in this step
     bool unchanged = false;  ///< since a step through which it rested
@@ -55,8 +68,21 @@ struct DirectIsland {
     bool mechanism = false;  ///< moves by itself, without a system
     bool watched = false;    ///< of a tree or mechanism: impulses are wanted after every substep
     bool leapfrog = false;   ///< of a tree: speeds are those of the middle of a substep
+    bool strides = false;    ///< of a tree: may take several substeps at once
+    bool open = false, ajar = false;  ///< of a tree: joints were open in this step by more than kOpen, kClosed
     direct::SolveReport report;
     double ms = 0;
+};
+
+/// Substeps that awake bodies take at once (world_strides.cpp).
+struct BodyStrides {
+    explicit BodyStrides(std::pmr::memory_resource* memory)
+        : lists{AlignedArray<std::uint32_t>(memory), AlignedArray<std::uint32_t>(memory),
+                AlignedArray<std::uint32_t>(memory)},
+          marks(memory) {}
+    std::array<AlignedArray<std::uint32_t>, direct::TreePlan::kStrides> lists;  ///< of 1, 2 and 4; where `any` takes more
+    AlignedArray<std::uint8_t> marks;  ///< per body, 0 where it is of no tree
+    bool any = true;                   ///< some body takes more than one, or may have
 };
 
 /// Contacts that are relaxed further times (world_deep.cpp).
@@ -75,6 +101,20 @@ struct DeepContacts {
     int spareSteps = 0;                 ///< for which little of the bundles' memory was used
 };
 
+/// Bodies that joints hold together (world_assemblies.cpp). They outlive the step while joints, the bodies that are awake
+/// and the direct islands stay the same.
+struct Assemblies {
+    explicit Assemblies(std::pmr::memory_resource* memory)
+        : parent(memory), place(memory), joints(memory), isFigure(memory), starts(memory), bodies(memory), masses(memory) {}
+    AlignedArray<std::uint32_t> parent, place;     ///< per body, of those awake; 0: held by the world
+    AlignedArray<std::uint32_t> joints, isFigure;  ///< per body that is a parent of itself
+    AlignedArray<std::uint32_t> starts;            ///< of the members of each assembly, and the end
+    AlignedArray<std::uint32_t> bodies;            ///< the members
+    AlignedArray<float> masses;                    ///< kg, of the members
+    bool known = false;                            ///< nothing has changed since they were found
+    bool fresh = false;                            ///< they were found in this step
+};
+
 /// How far a body went in a step.
 enum BodyFlag : std::uint8_t {
     kNotFast,
@@ -82,6 +122,18 @@ enum BodyFlag : std::uint8_t {
     kToSweep,    ///< went far for its size
     kSwept,      ///< met something on its way, or is joined to what did
     kRunaway
+};
+
+/// Which bodies a step solves (world_rest.cpp).
+struct RestFinds {
+    explicit RestFinds(std::pmr::memory_resource* memory) : unrested(memory) {}
+    /// Counts the steps for which a body has been still; `slow`: below what counts as that, over the whole step.
+    void note(BodyRecord& body, bool slow);
+    /// m/s, when gravity gives so much in a substep.
+    static float slowest(float gravityStep);
+    std::atomic<bool> anyStill{false};       ///< has any body been still for long enough to rest?
+    std::span<const std::uint32_t> solved;   ///< awake bodies that do not rest
+    AlignedArray<std::uint32_t> unrested;    ///< the same while some rest
 };
 
 /// A contact for which a step found a change, of ContactChange.

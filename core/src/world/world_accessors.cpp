@@ -22,43 +22,41 @@ void requireRotation(const Quat& rotation, const char* what) {
 
 }  // namespace
 
-/// Lists of ids are derived data, rebuilt when objects have come or gone.
-void WorldImpl::rebuildLists() {
-    if (listsVersion == structureVersion) return;
-    listsVersion = structureVersion;
-    bodyIds.clear();
-    jointIds.clear();
-    couplingIds.clear();
-    bodyShapes.resize(bodySlots.count());
-    bodyJoints.resize(bodySlots.count());
+/// Concurrent readers may all find them out of date.
+const IdLists& WorldImpl::lists() const {
+    const std::lock_guard<std::mutex> lock(idLists.mutex);
+    if (idLists.version != structureVersion) rebuildLists(idLists);
+    return idLists;
+}
+
+void WorldImpl::rebuildLists(IdLists& to) const {
+    to.version = structureVersion;
+    to.bodies.clear();
+    to.joints.clear();
+    to.couplings.clear();
+    to.bodyShapes.resize(bodySlots.count());
+    to.bodyJoints.resize(bodySlots.count());
     for (std::uint32_t i = 1; i < bodySlots.count(); ++i) {
-        bodyShapes[i].clear();
-        bodyJoints[i].clear();
+        to.bodyShapes[i].clear();
+        to.bodyJoints[i].clear();
         if (!bodySlots.isUsed(i)) continue;
-        bodyIds.push_back(id(i));
+        to.bodies.push_back(id(i));
         for (std::uint32_t s = bodies[i].firstShape; s != kNone; s = shapes[s].next)
-            bodyShapes[i].push_back(shapeId(s));
+            to.bodyShapes[i].push_back(shapeId(s));
     }
     for (std::uint32_t j = 0; j < jointSlots.count(); ++j) {
         if (!jointSlots.isUsed(j)) continue;
-        jointIds.push_back(jointId(j));
+        to.joints.push_back(jointId(j));
         for (const std::uint32_t body : {joints[j].bodyA, joints[j].bodyB})
-            if (body != 0) bodyJoints[body].push_back(jointId(j));
+            if (body != 0) to.bodyJoints[body].push_back(jointId(j));
     }
     for (std::uint32_t c = 0; c < couplingSlots.count(); ++c)
-        if (couplingSlots.isUsed(c)) couplingIds.push_back(couplingId(c));
+        if (couplingSlots.isUsed(c)) to.couplings.push_back(couplingId(c));
 }
 
-/// Concurrent readers may all find the lists out of date.
-const WorldImpl& WorldImpl::lists() const {
-    const std::lock_guard<std::mutex> lock(listsMutex);
-    const_cast<WorldImpl*>(this)->rebuildLists();
-    return *this;
-}
-
-std::span<const BodyId> World::bodies() const { return impl_->lists().bodyIds; }
-std::span<const JointId> World::joints() const { return impl_->lists().jointIds; }
-std::span<const CouplingId> World::couplings() const { return impl_->lists().couplingIds; }
+std::span<const BodyId> World::bodies() const { return impl_->lists().bodies; }
+std::span<const JointId> World::joints() const { return impl_->lists().joints; }
+std::span<const CouplingId> World::couplings() const { return impl_->lists().couplings; }
 std::span<const ShapeId> World::shapes(BodyId body) const {
     const std::uint32_t i = impl_->index(body);
     return impl_->lists().bodyShapes[i];

@@ -21,59 +21,69 @@ std::uint32_t rootOf(AlignedArray<std::uint32_t>& parent, std::uint32_t body) {
 /// Groups the bodies of this step's joints. State 0 stands for all that does not move: what is joined to it swings, and
 /// is left out, as is what moves along some axes only, and trees whose speeds are those of the middle of a substep.
 void WorldImpl::findAssemblies() {
-    assemblyBodies.clear();
-    assemblyStarts.clear();
+    assemblies.fresh = !assemblies.known;
+    if (assemblies.known) return;
+    assemblies.known = true;
+    assemblies.bodies.clear();
+    assemblies.starts.clear();
     bool joined = false;
     for (int c = 0; c < ConstraintGraph::kLists; ++c) joined |= !graph.color(c).joints.empty();
     if (!joined) return;
-    assemblyParent.resizeForOverwrite(bodies.size());
-    assemblyParent[0] = 0;
-    for (const std::uint32_t body : awakeBodies) assemblyParent[body] = states[body].locks != 0 ? 0 : body;
-    const auto place = [&](std::uint32_t body) { return moves(body) ? rootOf(assemblyParent, body) : 0u; };
+    assemblies.parent.resizeForOverwrite(bodies.size());
+    assemblies.parent[0] = 0;
+    for (const std::uint32_t body : awakeBodies) assemblies.parent[body] = states[body].locks != 0 ? 0 : body;
+    const auto place = [&](std::uint32_t body) { return moves(body) ? rootOf(assemblies.parent, body) : 0u; };
     for (int c = 0; c < ConstraintGraph::kLists; ++c)
         for (const std::uint32_t joint : graph.color(c).joints) {
             const std::uint32_t a = place(joints[joint].bodyA), b = place(joints[joint].bodyB);
             // The lower index becomes the root, so that what does not move wins.
-            assemblyParent[a < b ? b : a] = a < b ? a : b;
+            assemblies.parent[a < b ? b : a] = a < b ? a : b;
         }
     for (const DirectIsland& island : directIslands)
-        if (island.leapfrog) assemblyParent[place(directBodies[island.firstBody])] = 0;
+        if (island.leapfrog) assemblies.parent[place(directBodies[island.firstBody])] = 0;
     countJointsOfAssemblies();
-    // Counts, then places, per root in the order of the list of awake bodies.
-    assemblyPlace.resizeForOverwrite(bodies.size());
-    for (const std::uint32_t body : awakeBodies) assemblyPlace[body] = 0;
+    listAssemblies();
+}
+
+/// Counts, then places, per root in the order of the list of awake bodies.
+void WorldImpl::listAssemblies() {
+    const auto place = [&](std::uint32_t body) { return moves(body) ? rootOf(assemblies.parent, body) : 0u; };
+    assemblies.place.resizeForOverwrite(bodies.size());
+    for (const std::uint32_t body : awakeBodies) assemblies.place[body] = 0;
     const auto rootOfMember = [&](std::uint32_t body) { return bodies[body].firstJoint != kNone ? place(body) : 0u; };
     for (const std::uint32_t body : awakeBodies)
-        if (const std::uint32_t root = rootOfMember(body); root != 0) ++assemblyPlace[root];
+        if (const std::uint32_t root = rootOfMember(body); root != 0) ++assemblies.place[root];
     std::uint32_t total = 0;
     for (const std::uint32_t body : awakeBodies) {
-        const std::uint32_t count = assemblyPlace[body];
+        const std::uint32_t count = assemblies.place[body];
         if (count == 0) continue;
-        assemblyIsFigure[body] = count <= kMostLimbs && assemblyJoints[body] + 1 == count ? 1 : 0;
-        assemblyStarts.push(total);
-        assemblyPlace[body] = total;
+        assemblies.isFigure[body] = count <= kMostLimbs && assemblies.joints[body] + 1 == count ? 1 : 0;
+        assemblies.starts.push(total);
+        assemblies.place[body] = total;
         total += count;
     }
-    assemblyStarts.push(total);
-    assemblyBodies.resizeForOverwrite(total);
+    assemblies.starts.push(total);
+    assemblies.bodies.resizeForOverwrite(total);
+    assemblies.masses.resizeForOverwrite(total);
     for (const std::uint32_t body : awakeBodies)
         if (const std::uint32_t root = rootOfMember(body); root != 0) {
-            assemblyBodies[assemblyPlace[root]++] = body;
-            assemblyParent[body] = root;
+            assemblies.masses[assemblies.place[root]] = bodies[body].mass;
+            assemblies.bodies[assemblies.place[root]++] = body;
+            assemblies.parent[body] = root;
         }
 }
 
 /// Per root, kNone where bodies are too unequal for a figure; what hangs from the world counts for none.
 void WorldImpl::countJointsOfAssemblies() {
-    assemblyJoints.resizeForOverwrite(bodies.size());
-    assemblyIsFigure.resizeForOverwrite(bodies.size());
-    assemblyJoints[0] = assemblyIsFigure[0] = 0;
-    for (const std::uint32_t body : awakeBodies) assemblyJoints[body] = assemblyIsFigure[body] = 0;
+    assemblies.joints.resizeForOverwrite(bodies.size());
+    assemblies.isFigure.resizeForOverwrite(bodies.size());
+    assemblies.joints[0] = assemblies.isFigure[0] = 0;
+    for (const std::uint32_t body : awakeBodies) assemblies.joints[body] = assemblies.isFigure[body] = 0;
     for (int c = 0; c < ConstraintGraph::kLists; ++c)
         for (const std::uint32_t joint : graph.color(c).joints) {
             const JointRecord& record = joints[joint];
             std::uint32_t& count =
-                assemblyJoints[rootOf(assemblyParent, moves(record.bodyA) ? record.bodyA : record.bodyB)];
+                assemblies.joints[rootOf(assemblies.parent, moves(record.bodyA) ? record.bodyA : record.bodyB)];
             const float a = bodies[record.bodyA].mass, b = bodies[record.bodyB].mass;
             const bool unequal = a > kMostUnequal * b || b > kMostUnequal * a;
             count = unequal || count == kNone ? kNone : count + 1;
@@ -88,22 +98,22 @@ bool WorldImpl::isOfFigure(std::uint32_t joint) const {
     const JointKind kind = jointSims[joint].kind;
     if (kind != JointKind::ball && kind != JointKind::hinge && kind != JointKind::fixed) return false;
     if (!moves(record.bodyA) || !moves(record.bodyB)) return false;
-    return assemblyIsFigure[assemblyParent[record.bodyA]] != 0;
+    return assemblies.isFigure[assemblies.parent[record.bodyA]] != 0;
 }
 
 /// The position map of integratePositions for the common motion of each assembly: its centre of mass moves by h v − ½
 /// h² a with the smooth part of its acceleration, and all its bodies alike, so that no joint is strained.
 void WorldImpl::moveAssemblies() {
-    const int count = assemblyStarts.empty() ? 0 : static_cast<int>(assemblyStarts.size()) - 1;
+    const int count = assemblies.starts.empty() ? 0 : static_cast<int>(assemblies.starts.size()) - 1;
     runner.parallelFor(count, 16, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
-            const std::uint32_t first = assemblyStarts[static_cast<std::size_t>(i)];
-            const std::uint32_t last = assemblyStarts[static_cast<std::size_t>(i) + 1];
+            const std::uint32_t first = assemblies.starts[static_cast<std::size_t>(i)];
+            const std::uint32_t last = assemblies.starts[static_cast<std::size_t>(i) + 1];
             float mass = 0;
             Vec3 now, before;
             for (std::uint32_t k = first; k < last; ++k) {
-                const std::uint32_t body = assemblyBodies[k];
-                const float m = bodies[body].mass;
+                const std::uint32_t body = assemblies.bodies[k];
+                const float m = assemblies.masses[k];
                 mass += m;
                 now += m * (states[body].v - histories[body].velocityBefore);
                 before += m * histories[body].lastChange;
@@ -112,7 +122,7 @@ void WorldImpl::moveAssemblies() {
             if (!(square > 0) || !(along > 0)) continue;
             const float share = along < square ? along / square : 1.0f;
             const Vec3 smooth = (0.5f * context.h * share / mass) * now;
-            for (std::uint32_t k = first; k < last; ++k) states[assemblyBodies[k]].dp -= smooth;
+            for (std::uint32_t k = first; k < last; ++k) states[assemblies.bodies[k]].dp -= smooth;
         }
     });
 }

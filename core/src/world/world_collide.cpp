@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "base/nonzero_bytes.h"
 #include "base/prefetch.h"
 #include "world/lane_view.h"
 #include "world/world_impl.h"
@@ -178,13 +179,16 @@ std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const PairPlace& plac
         Manifold manifolds[kMaxManifolds];
     } room;
     std::construct_at(room.manifolds);
-    const int count = findManifolds(record, place.bInA, place.margin, {room.manifolds, record.manifoldCapacity});
+    const int count = place.touch.single
+                          ? takeTouch(place.touch, place.margin, room.manifolds[0])
+                          : findManifolds(record, place.bInA, place.margin, {room.manifolds, record.manifoldCapacity});
     const std::span<const Manifold> found(room.manifolds, static_cast<std::size_t>(count));
     const bool first = record.firstManifold == kNone;
     unsigned change = kUnchanged;
     if (!first)
         change = record.isMesh && meetAsSurfaces(record) ? takeSurfaceManifolds(record, found)
                                                          : takeManifolds(record, found);
+    if (!first && (bodies[record.bodyA].rests || bodies[record.bodyB].rests)) change |= kGraph;
     if (count == 0) {
         record.until = travel + static_cast<double>(room.manifolds[0].gap - tuning::kSpeculative * record.size);
         return static_cast<std::uint8_t>(change);
@@ -205,9 +209,9 @@ void WorldImpl::applyContactChanges() {
     changedContacts.clear();
     closingContacts.clear();
     shiftedBodies.clear();
-    for (std::size_t i = 0; i < awakeContacts.size(); ++i) {
+    static_assert(kUnchanged == 0);
+    forEachNonzero(contactChanged.data(), awakeContacts.size(), [&](std::size_t i) {
         const std::uint8_t change = contactChanged[i];
-        if (change == kUnchanged) continue;
         if ((change & kFound) != 0) settleManifolds(awakeContacts[i]);
         if ((change & kCloses) != 0) closingContacts.push(awakeContacts[i]);
         if ((change & kPoints) != 0) {
@@ -215,7 +219,7 @@ void WorldImpl::applyContactChanges() {
             shiftedBodies.push(moves(record.bodyA) ? record.bodyA : record.bodyB);
         }
         if ((change & (kApart | kGraph)) != 0) changedContacts.push({awakeContacts[i], change});
-    }
+    });
     for (const ChangedContact changed : changedContacts) {
         if ((changed.change & kApart) != 0)
             destroyContact(changed.contact);
@@ -245,6 +249,7 @@ void WorldImpl::noteShiftedLoads() {
 /// fell asleep with, which has not changed.
 void WorldImpl::applyContactChange(std::uint32_t index) {
     ContactRecord& record = contacts[index];
+    rouse(record.bodyA), rouse(record.bodyB);
     bool meets = false;
     forEachManifold(record, [&](std::uint32_t k) {
         const ManifoldRecord& manifold = manifolds[k];

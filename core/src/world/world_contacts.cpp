@@ -178,10 +178,12 @@ void WorldImpl::addToGraph(std::uint32_t index) {
     ManifoldRecord& manifold = manifolds[index];
     const ContactRecord& record = contacts[manifold.contact];
     if (manifold.place.color != kNone || manifold.pointCount == 0 || record.sensor) return;
+    rouse(record.bodyA), rouse(record.bodyB);
     const ManifoldImpulses impulses = impulsesOf(manifold);
+    const bool direct = isDirect(record.bodyA) || isDirect(record.bodyB);
     manifold.place =
         graph.insertContact(index, bodies[record.bodyA].state, moves(record.bodyA), bodies[record.bodyB].state,
-                            moves(record.bodyB), isDirect(record.bodyA) || isDirect(record.bodyB));
+                            moves(record.bodyB), direct ? ConstraintGraph::By::direct : ConstraintGraph::By::sweeps);
     noteGraphChange(manifold.place);
     writeLane(record, manifold, impulses);
     if (record.manifoldCapacity == 1) forgetStored(manifold);
@@ -190,8 +192,9 @@ void WorldImpl::addToGraph(std::uint32_t index) {
 void WorldImpl::removeFromGraph(std::uint32_t index) {
     ManifoldRecord& manifold = manifolds[index];
     if (manifold.place.color == kNone) return;
-    if (manifold.pointCount > 0) storeImpulses(manifold);
     const ContactRecord& record = contacts[manifold.contact];
+    rouse(record.bodyA), rouse(record.bodyB);
+    if (manifold.pointCount > 0) storeImpulses(manifold);
     const std::uint32_t moved = graph.removeContact(manifold.place, bodies[record.bodyA].state, moves(record.bodyA),
                                                     bodies[record.bodyB].state, moves(record.bodyB));
     if (moved != kNone) manifolds[moved].place.slot = manifold.place.slot;

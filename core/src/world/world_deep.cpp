@@ -118,11 +118,12 @@ void WorldImpl::relaxDeep() {
         for (const Strip& fields : kRelaxed)
             copyFields(graph.lane(contact.from), deepContacts.bundles.data() + contact.to, lanes, fields);
     });
+    const int grain = 32 / graph.lanes();
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
         relax(startOf(ConstraintGraph::kOverflow), startOf(ConstraintGraph::kOverflow + 1));
         for (int c = 0; c < ConstraintGraph::kColors; ++c) {
             const int first = startOf(c);
-            runner.parallelFor(startOf(c + 1) - first, 16,
+            runner.parallelFor(startOf(c + 1) - first, grain,
                                [&](int begin, int end, int) { relax(first + begin, first + end); });
         }
     }

@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <cstring>
 
+#include "constraints/contact_layout.h"
 #include "direct/newton.h"
 #include "world/world_impl.h"
+#include "world/world_strides.h"
 
 namespace ragtop {
 
@@ -84,6 +87,7 @@ void WorldImpl::groupDirect() {
     numberDirectBodies();
     planChains();
     planMechanisms();
+    assignSystems();
 }
 
 void WorldImpl::numberDirectBodies() {
@@ -107,25 +111,96 @@ void WorldImpl::numberDirectBodies() {
     }
 }
 
-/// True when the bundles of direct islands are those of the last call, to the bit.
-bool WorldImpl::noteDirectBundles() {
-    const AlignedArray<float>& now = graph.color(ConstraintGraph::kDirect).bundles;
-    const std::size_t bytes = now.size() * sizeof(float);
-    if (!now.empty() && directSeen.size() == now.size() && std::memcmp(directSeen.data(), now.data(), bytes) == 0)
-        return true;
-    directSeen.resizeForOverwrite(now.size());
-    if (!now.empty()) std::memcpy(static_cast<void*>(directSeen.data()), now.data(), bytes);
-    return false;
-}
-
 /// Of Newton's method.
 static bool hasSystem(const DirectIsland& island) { return !island.tree && !island.mechanism; }
 
+/// An island keeps the system that it had, known by its first body, however the others come and go; what is new gets one
+/// that is free.
+void WorldImpl::assignSystems() {
+    constexpr std::size_t kMore = 4;
+    systemOfBody.resize(bodies.size(), kNone);
+    const auto firstOf = [&](const DirectIsland& island) { return directBodies[island.firstBody]; };
+    for (DirectIsland& island : directIslands)
+        if (hasSystem(island)) island.system = systemOfBody[firstOf(island)];
+    for (std::uint32_t& owner : systemOwner) {
+        if (owner != kNone) systemOfBody[owner] = kNone;
+        owner = kNone;
+    }
+    const auto give = [&](DirectIsland& island, std::size_t system) {
+        island.system = static_cast<std::uint32_t>(system);
+        systemOwner[system] = firstOf(island);
+        systemOfBody[firstOf(island)] = island.system;
+    };
+    for (DirectIsland& island : directIslands)
+        if (island.system != kNone) give(island, island.system);
+    std::size_t next = 0;
+    for (DirectIsland& island : directIslands) {
+        if (!hasSystem(island) || island.system != kNone) continue;
+        while (next < systemOwner.size() && systemOwner[next] != kNone) ++next;
+        if (next == systemOwner.size())
+            for (std::size_t i = 0; i < kMore; ++i) {
+                directSystems.push_back(std::make_unique<direct::IslandSystem>(memory));
+                systemOwner.push(kNone);
+            }
+        give(island, next);
+    }
+}
+
+/// Notes the lanes of direct islands that are not those of the last step, to the bit.
+void WorldImpl::noteDirectBundles() {
+    const AlignedArray<float>& now = graph.color(ConstraintGraph::kDirect).bundles;
+    const auto lanes = static_cast<std::size_t>(graph.lanes());
+    const std::size_t floats = contact::kFields * lanes, known = std::min(directSeen.size(), now.size()) / floats;
+    directSeen.resizeForOverwrite(now.size());
+    directRenewed.resizeForOverwrite(now.size() / contact::kFields);
+    runner.parallelFor(static_cast<int>(now.size() / floats), 64, [&](int begin, int end, int) {
+        for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b) {
+            const float* bundle = now.data() + b * floats;
+            float* seen = directSeen.data() + b * floats;
+            std::uint8_t* renewed = directRenewed.data() + b * lanes;
+            const bool same = b < known && std::memcmp(seen, bundle, floats * sizeof(float)) == 0;
+            std::memset(renewed, b < known ? 0 : 1, lanes);
+            for (std::size_t i = 0; !same && b < known && i < floats; ++i)
+                renewed[i % lanes] |= std::memcmp(seen + i, bundle + i, sizeof(float)) != 0;
+            if (!same) std::memcpy(static_cast<void*>(seen), bundle, floats * sizeof(float));
+        }
+    });
+}
+
+/// Is any of its contacts, or how many they are, other than when its system was made?
+bool WorldImpl::isRenewed(const DirectIsland& island) const {
+    if (!directSystems[island.system]->isOf(island.bodyCount, island.contactCount, island.jointCount)) return true;
+    for (std::uint32_t i = 0; i < island.contactCount; ++i)
+        if (directRenewed[manifolds[directManifolds[island.firstContact + i]].place.slot] != 0) return true;
+    return false;
+}
+
+void WorldImpl::beginIsland(DirectIsland& island, int index) {
+    island.factored = island.swept = false;
+    island.report = {};
+    island.ms = 0;
+    island.open = island.ajar = false;
+    island.unchanged = false;
+    if (island.tree) return;
+    if (island.mechanism) return beginMechanism(island, *mechanisms[static_cast<std::size_t>(index)]);
+    direct::IslandSystem& system = *directSystems[island.system];
+    island.unchanged = island.jointCount == 0 && system.restedThrough(settings.substeps) && !isRenewed(island);
+    if (island.unchanged) return system.beginAgain();
+    direct::IslandParts parts;
+    parts.bodies = directBodies.data() + island.firstBody;
+    parts.bodyCount = island.bodyCount;
+    parts.lanes = directLanes.data() + island.firstContact;
+    parts.contactCount = island.contactCount;
+    parts.joints = directSims.data() + island.firstJoint;
+    parts.jointCount = island.jointCount;
+    parts.laneStride = graph.lanes();
+    parts.localOf = directIndex.data();
+    system.begin(parts, bodyArrays(), context);
+}
+
 void WorldImpl::beginDirect() {
     if (directIslands.empty()) return;
-    const bool unchanged = noteDirectBundles();
-    while (directSystems.size() < directIslands.size())
-        directSystems.push_back(std::make_unique<direct::IslandSystem>(memory));
+    noteDirectBundles();
     directLanes.resizeForOverwrite(directManifolds.size());
     directSims.resizeForOverwrite(directJoints.size());
     for (std::size_t i = 0; i < directManifolds.size(); ++i)
@@ -133,34 +208,7 @@ void WorldImpl::beginDirect() {
     for (std::size_t i = 0; i < directJoints.size(); ++i) directSims[i] = &jointSims[directJoints[i]];
     directIndex.resizeForOverwrite(bodies.size());
     runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) {
-            DirectIsland& island = directIslands[static_cast<std::size_t>(i)];
-            direct::IslandSystem& system = *directSystems[static_cast<std::size_t>(i)];
-            island.factored = island.swept = false;
-            island.report = {};
-            island.ms = 0;
-            island.unchanged = false;
-            if (island.tree) continue;
-            if (island.mechanism) {
-                beginMechanism(island, *mechanisms[static_cast<std::size_t>(i)]);
-                continue;
-            }
-            island.unchanged = unchanged && island.jointCount == 0 && system.restedThrough(settings.substeps);
-            if (island.unchanged) {
-                system.beginAgain();
-                continue;
-            }
-            direct::IslandParts parts;
-            parts.bodies = directBodies.data() + island.firstBody;
-            parts.bodyCount = island.bodyCount;
-            parts.lanes = directLanes.data() + island.firstContact;
-            parts.contactCount = island.contactCount;
-            parts.joints = directSims.data() + island.firstJoint;
-            parts.jointCount = island.jointCount;
-            parts.laneStride = graph.lanes();
-            parts.localOf = directIndex.data();
-            system.begin(parts, bodyArrays(), context);
-        }
+        for (int i = begin; i < end; ++i) beginIsland(directIslands[static_cast<std::size_t>(i)], i);
     });
     beginChains();
 }
@@ -177,7 +225,6 @@ void WorldImpl::solveDirect(DirectPass pass) {
     runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             DirectIsland& island = directIslands[static_cast<std::size_t>(i)];
-            direct::IslandSystem& system = *directSystems[static_cast<std::size_t>(i)];
             if (island.tree) continue;
             if (island.swept) {
                 sweepIsland(island, pass);
@@ -187,6 +234,7 @@ void WorldImpl::solveDirect(DirectPass pass) {
                 solveMechanism(island, *mechanisms[static_cast<std::size_t>(i)], pass);
                 continue;
             }
+            direct::IslandSystem& system = *directSystems[island.system];
             const auto start = std::chrono::steady_clock::now();
             switch (pass) {
                 case DirectPass::positions:
@@ -250,10 +298,13 @@ void WorldImpl::barGivenUp(const DirectIsland& island, bool rests) {
 void WorldImpl::endDirect() {
     for (std::size_t i = 0; i < directIslands.size(); ++i)
         if (const DirectIsland& island = directIslands[i]; !island.unchanged)
-            barGivenUp(island, hasSystem(island) && !island.swept && directSystems[i]->rests());
+            barGivenUp(island, hasSystem(island) && !island.swept && directSystems[island.system]->rests());
     for (std::size_t i = 0; i < directIslands.size(); ++i)
         if (const DirectIsland& island = directIslands[i]; island.mechanism) keepPace(island, *mechanisms[i]);
+    for (const DirectIsland& island : directIslands)
+        if (island.strides) noteGaps(*this, island);
     ledger.clear();
+    if (directIslands.size() > ledger.capacity()) ledger.reserve(2 * directIslands.size() + 8);
     for (const DirectIsland& island : directIslands)
         ledger.push_back({direct::nameOf(bodies[directBodies[island.firstBody]].directReason),
                           static_cast<int>(island.bodyCount), static_cast<int>(island.contactCount),
@@ -262,7 +313,7 @@ void WorldImpl::endDirect() {
     runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i)
             if (const DirectIsland& island = directIslands[static_cast<std::size_t>(i)]; !island.swept && hasSystem(island))
-                directSystems[static_cast<std::size_t>(i)]->end();
+                directSystems[island.system]->end(island.unchanged);
     });
 }
 

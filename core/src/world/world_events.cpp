@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "base/nonzero_bytes.h"
 #include "base/prefetch.h"
 #include "world/lane_view.h"
 #include "world/world_impl.h"
@@ -30,13 +31,16 @@ bool isLoaded(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
 void WorldImpl::forgetTouches() {
     manifoldTouches.resizeForOverwrite(manifolds.size());
     for (std::size_t i = 0; i < manifolds.size(); ++i)
-        manifoldTouches[i] = manifolds[i].pointCount > 0 ? kUnknownTouch : 0;
+        manifoldTouches[i] = manifolds[i].place.color == ConstraintGraph::kResting ? kRestingTouch
+                             : manifolds[i].pointCount > 0                         ? kUnknownTouch
+                                                                                   : 0;
 }
 
 /// What the lanes say of all manifolds in the graph.
 void WorldImpl::findTouches() {
     const auto lanes = static_cast<std::size_t>(graph.lanes());
     for (int c = 0; c < ConstraintGraph::kLists; ++c) {
+        if (c == ConstraintGraph::kResting) continue;
         const ConstraintGraph::Color& color = graph.color(c);
         const std::size_t perBundle = c == ConstraintGraph::kOverflow ? 1 : lanes;
         laneTouches.resizeForOverwrite(static_cast<std::size_t>(graph.bundleCount(c)) * lanes);
@@ -54,6 +58,7 @@ bool WorldImpl::isTouching(ContactRecord& record) {
     bool touching = record.struck;
     for (std::uint32_t k = 0; record.hasPoints && k < record.manifoldCapacity; ++k) {
         const std::uint8_t touch = manifoldTouches[record.firstManifold + k];
+        if (touch == kRestingTouch) return record.touching;
         const bool unknown = touch == kUnknownTouch || record.sensor;
         touching |= unknown ? isLoaded(graph, manifolds[record.firstManifold + k]) : (touch & kTouches) != 0;
         const bool bears = !unknown && (touch & kBearsLoad) != 0;
@@ -79,8 +84,8 @@ void WorldImpl::publishEvents() {
             changed[place] = touching != record.touching || (touching && record.reportsMotion) ? 1 : 0;
         }
     });
-    for (std::size_t i = 0; i < awakeContacts.size(); ++i)
-        if (contactChanged[i] != 0) publishContact(awakeContacts[i]);
+    forEachNonzero(contactChanged.data(), awakeContacts.size(),
+                   [&](std::size_t i) { publishContact(awakeContacts[i]); });
     publishSweptImpacts();
 }
 
@@ -106,6 +111,8 @@ void WorldImpl::publishSweptImpacts() {
 
 void WorldImpl::publishContact(std::uint32_t index) {
     ContactRecord& record = contacts[index];
+    for (const ManifoldRecord& manifold : manifoldsOf(record))
+        if (manifold.place.color == ConstraintGraph::kResting) return;
     bool touching = record.struck;
     unsigned loadedNow = 0, bit = 1;
     for (const ManifoldRecord& manifold : manifoldsOf(record)) {

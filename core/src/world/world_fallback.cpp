@@ -12,6 +12,9 @@ void WorldImpl::sweepIsland(const DirectIsland& island, DirectPass pass) {
     const BodyArrays arrays = bodyArrays();
     SolverContext all = context;
     all.normals = all.friction = true;
+    const auto substeps = static_cast<float>(bodies[directBodies[island.firstBody]].stride);
+    JointContext own = jointContext;
+    own.h *= substeps, own.inverseH /= substeps, own.softness.biasRate /= substeps;
     SingleBundle bundle(graph.lanes());
     const auto contactsBy = [&](auto kernel) {
         for (std::uint32_t i = 0; i < island.contactCount; ++i)
@@ -21,12 +24,12 @@ void WorldImpl::sweepIsland(const DirectIsland& island, DirectPass pass) {
     JointSim* const* sims = directSims.data() + island.firstJoint;
     if (moves) {
         for (std::uint32_t j = 0; j < island.jointCount; ++j)
-            warmStartJoint(*sims[j], arrays.states, arrays.inertia, jointContext);
+            warmStartJoint(*sims[j], arrays.states, arrays.inertia, own);
         contactsBy(kernels->warmStartContacts);
     }
     for (int sweep = 0; sweep < (moves ? kSweeps : 1); ++sweep) {
         for (std::uint32_t j = 0; j < island.jointCount; ++j)
-            solveJoint(*sims[j], arrays.states, arrays.inertia, jointContext, moves);
+            solveJoint(*sims[j], arrays.states, arrays.inertia, own, moves);
         contactsBy(moves ? kernels->solveContacts : kernels->relaxContacts);
     }
 }

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstdint>
 #include <memory_resource>
-#include <mutex>
 #include <span>
 #include <vector>
 
@@ -27,6 +26,7 @@
 #include "shapes/geometry.h"
 #include "solve/joint_kernels.h"
 #include "solve/kernel_table.h"
+#include "world/id_lists.h"
 #include "world/records.h"
 #include "world/step_finds.h"
 #include "world/swept_motion.h"
@@ -189,6 +189,7 @@ struct WorldImpl {
 
     // world_assemblies.cpp
     void findAssemblies();
+    void listAssemblies();
     void countJointsOfAssemblies();
     bool isOfFigure(std::uint32_t joint) const;
     void moveAssemblies();
@@ -244,7 +245,10 @@ struct WorldImpl {
     void groupDirect();
     void numberDirectBodies();
     void beginDirect();
-    bool noteDirectBundles();
+    void assignSystems();
+    void noteDirectBundles();
+    bool isRenewed(const DirectIsland& island) const;
+    void beginIsland(DirectIsland& island, int index);
     void solveDirect(DirectPass pass);
     void endDirect();
     void barGivenUp(const DirectIsland& island, bool rests);
@@ -275,7 +279,7 @@ struct WorldImpl {
     void storeLoads(const DirectIsland& island, direct::Mechanism& mechanism);
     void solveMechanism(DirectIsland& island, direct::Mechanism& mechanism, DirectPass pass);
 
-    // islands/sleeping.cpp
+    // islands/sleeping.cpp; of bodies that rest on what does not move: world_rest.cpp
     void sleepQuietIslands();
     void uniteConstraints(bool touchingOnly);
     void buildIslands();
@@ -286,6 +290,9 @@ struct WorldImpl {
     void wakeTouching(std::uint32_t body);
     void sleepBody(std::uint32_t body);
     void noteSleep(std::uint32_t body, bool asleep);
+    void restStillBodies();
+    void rouse(std::uint32_t body);
+    void collectSolved();
 
     // world_events.cpp
     void publishEvents();
@@ -338,11 +345,12 @@ struct WorldImpl {
     void wakeOverlapped(std::uint32_t body);
     Pose poseOf(const BodyRecord& body) const;
     Pose shapePose(const ShapeRecord& shape) const;
-    void rebuildLists();
-    const WorldImpl& lists() const;
+    void rebuildLists(IdLists& to) const;
+    const IdLists& lists() const;
     void visitContact(std::uint32_t contact, const std::function<void(const Contact&)>& visit) const;
     DVec3 jointCenter(const JointRecord& joint, std::uint32_t body) const;
     JointBodiesAtStep jointBodies(const JointRecord& joint) const;
+    JointBodiesAtStep jointBodies(std::uint32_t joint) const;
     Quat definitionRotation(const BodyRecord& body) const { return body.rotation * conjugate(body.local.rotation); }
     /// Is one of the two held by the other, which does not move?
     bool holds(const ContactRecord& contact) const { return moves(contact.bodyA) != moves(contact.bodyB); }
@@ -366,10 +374,7 @@ struct WorldImpl {
     void forgetDerived();
     std::uint64_t hash() const;
 
-    ContactPlaces contactPlaces() const {
-        return {&bodies.data()->center, &bodies.data()->rotation, sizeof(BodyRecord), manifolds.pages(),
-                manifolds.kPageBits,    sizeof(ManifoldRecord)};
-    }
+    ContactPlaces contactPlaces() const;
     BodyArrays bodyArrays() { return {states.data(), inertias.data(), dynamics.data(), histories.data()}; }
     void beginStage(const char* name);
     void endStages();
@@ -404,6 +409,7 @@ struct WorldImpl {
     AlignedArray<CouplingRecord> couplings;
     AlignedArray<CouplingSim> couplingSims;
     AlignedArray<std::uint32_t> awakeBodies, awakeContacts, moveBuffer;
+    BodyStrides strides;
     ConstraintGraph graph;
     BoundsTree staticTree, movingTree;
     PairSet pairs;
@@ -429,6 +435,7 @@ struct WorldImpl {
     AlignedArray<std::uint8_t> laneTouches;      ///< the same per lane of a colour
     bool surfacesForgotten = false;              ///< lanes are to be told anew what the surfaces are
     std::atomic<bool> anySensor{false};      ///< is any awake contact one?
+    RestFinds rest;
     std::vector<AlignedArray<ManifoldRecord>> heldManifolds;  ///< per worker: found in this step, without a place yet
     AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts
     AlignedArray<ChangedContact> changedContacts;
@@ -436,16 +443,13 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step
     AlignedArray<std::uint32_t> islandParent;     ///< union-find over bodies
     AlignedArray<float> islandQuiet;              ///< s, of the least quiet body of a root
-    AlignedArray<std::uint32_t> bodyStack;
+    AlignedArray<std::uint32_t> bodyStack, movedConstraints;
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
-    AlignedArray<std::uint32_t> assemblyParent, assemblyPlace;   ///< per body, of those awake; 0: held by the world
-    AlignedArray<std::uint32_t> assemblyJoints, assemblyIsFigure;  ///< per body that is a parent of itself
-    AlignedArray<std::uint32_t> assemblyBodies, assemblyStarts;  ///< members of each assembly, one after the other
+    Assemblies assemblies;
+    AlignedArray<std::uint8_t> leftBounds;  ///< per awake body: some shape of it did in this step
     AlignedArray<IslandBearing> bearings;
     AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
-    AlignedArray<std::uint32_t> levels, supports;  ///< per body: steps to what does not move; bodies that bear it
-    AlignedArray<float> carried;                   ///< kg, per body
-    AlignedArray<std::uint8_t> heldLevel;          ///< per body: something level is below it
+    LoadPaths paths;
     AlignedArray<std::uint32_t> freshManifolds;    ///< made in this step, of bodies that have not moved yet
     AlignedArray<direct::IslandFeatures> islandFeatures;  ///< per root
     AlignedArray<DirectIsland> directIslands;
@@ -453,15 +457,17 @@ struct WorldImpl {
     AlignedArray<float*> directLanes;
     AlignedArray<JointSim*> directSims;
     AlignedArray<std::uint32_t> directIndex;  ///< per body: of its island, or in it
-    AlignedArray<std::uint32_t> movedConstraints;
-    std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< at least one per direct island
+    std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< of islands, or free
+    AlignedArray<std::uint32_t> systemOwner;  ///< per system: first body of its island
+    AlignedArray<std::uint32_t> systemOfBody;  ///< of those, kNone for all others
     std::vector<std::unique_ptr<direct::Mechanism>> mechanisms;  ///< likewise, where one is
     bool directGrouped = false;
     bool treesChanged = true;  ///< joints, their bodies or their rows, since trees were drawn up
     direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
     DeepContacts deepContacts;
-    AlignedArray<float> directSeen;  ///< bundles of direct islands when their systems were made
+    AlignedArray<float> directSeen;  ///< bundles of direct islands in the last step
+    AlignedArray<std::uint8_t> directRenewed;  ///< per slot of theirs: is it other than in the last step?
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made
     std::uint64_t runaways = 0;        ///< bodies stopped because they ran away
@@ -475,17 +481,11 @@ struct WorldImpl {
     bool posesMoved = false;  ///< poses are those of the end of the step, startPoses of its beginning
     JointContext jointContext;
     float dt = 0;
-    std::vector<BodyId> bodyIds;
-    std::vector<JointId> jointIds;
-    std::vector<CouplingId> couplingIds;
-    std::vector<std::vector<ShapeId>> bodyShapes;
-    std::vector<std::vector<JointId>> bodyJoints;
-    std::uint64_t listsVersion = ~std::uint64_t{0};
+    mutable IdLists idLists;
 
     std::pmr::vector<ContactEvent> begins, ends, sensorBegins, sensorEnds;
     std::pmr::vector<ContactEvent> endsBetweenSteps, sensorEndsBetweenSteps;  ///< by destroying; told by the next step
     bool stepping = false;
-    mutable std::mutex listsMutex;
     std::pmr::vector<SurfaceEvent> surfaceEvents;
     std::pmr::vector<SleepEvent> sleepEvents, sleepEventsBetweenSteps;
     std::pmr::vector<JointBreak> jointBreaks;

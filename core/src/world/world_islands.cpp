@@ -29,8 +29,8 @@ void WorldImpl::collectBearings() {
     std::size_t room = 0;
     for (int c = 0; c < ConstraintGraph::kLists; ++c)
         room += graph.color(c).manifolds.capacity() + graph.color(c).joints.capacity();
-    bearings.reserve(room);
-    neighbours.reserve(2 * room);
+    if (room > bearings.capacity()) bearings.reserve(room + room / 4);
+    if (2 * room > neighbours.capacity()) neighbours.reserve(2 * (room + room / 4));
     bearings.clear();
     for (int c = 0; c < ConstraintGraph::kLists; ++c) {
         for (const std::uint32_t m : graph.color(c).manifolds) {
@@ -47,10 +47,10 @@ void WorldImpl::collectBearings() {
 
 /// Distances from what does not move, by breadth first over the bearings; `bodyStack` keeps the order of the visit.
 void WorldImpl::findLevels() {
-    levels.resizeForOverwrite(bodies.size());
+    paths.levels.resizeForOverwrite(bodies.size());
     bearingBegin.resizeForOverwrite(bodies.size() + 1);
     std::memset(bearingBegin.data(), 0, bearingBegin.size() * sizeof(std::uint32_t));
-    for (const std::uint32_t body : awakeBodies) levels[body] = kNone;
+    for (const std::uint32_t body : awakeBodies) paths.levels[body] = kNone;
     for (const IslandBearing& bearing : bearings) {
         if (!moves(bearing.a) || !moves(bearing.b)) continue;
         ++bearingBegin[bearing.a + 1];
@@ -64,8 +64,8 @@ void WorldImpl::findLevels() {
         if (movesA && movesB) {
             neighbours[bearingBegin[bearing.a]++] = bearing.b;
             neighbours[bearingBegin[bearing.b]++] = bearing.a;
-        } else if (const std::uint32_t body = movesA ? bearing.a : bearing.b; levels[body] == kNone) {
-            levels[body] = 1;
+        } else if (const std::uint32_t body = movesA ? bearing.a : bearing.b; paths.levels[body] == kNone) {
+            paths.levels[body] = 1;
             bodyStack.push(body);
         }
     }
@@ -74,8 +74,8 @@ void WorldImpl::findLevels() {
         const std::uint32_t body = bodyStack[i];
         const std::uint32_t begin = body == 0 ? 0 : bearingBegin[body - 1];
         for (std::uint32_t k = begin; k < bearingBegin[body]; ++k)
-            if (std::uint32_t& level = levels[neighbours[k]]; level == kNone) {
-                level = levels[body] + 1;
+            if (std::uint32_t& level = paths.levels[neighbours[k]]; level == kNone) {
+                level = paths.levels[body] + 1;
                 bodyStack.push(neighbours[k]);
             }
     }
@@ -84,22 +84,22 @@ void WorldImpl::findLevels() {
 /// The mass that each body hands to each neighbour below it: its own, that of what pushes it if that counts, and what it
 /// carries, in equal shares.
 void WorldImpl::estimateLoads(bool pushes) {
-    carried.resizeForOverwrite(bodies.size());
-    supports.resizeForOverwrite(bodies.size());
+    paths.carried.resizeForOverwrite(bodies.size());
+    paths.supports.resizeForOverwrite(bodies.size());
     const float gravity = length(settings.gravity), perForce = gravity > 0 ? 1 / gravity : 0.0f;
     for (const std::uint32_t body : awakeBodies)
-        carried[body] = pushes ? perForce * length(bodies[body].force) : 0.0f, supports[body] = 0;
+        paths.carried[body] = pushes ? perForce * length(bodies[body].force) : 0.0f, paths.supports[body] = 0;
     for (const IslandBearing& bearing : bearings) {
         const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
-        if (movesA && (!movesB || levels[bearing.b] < levels[bearing.a])) ++supports[bearing.a];
-        if (movesB && (!movesA || levels[bearing.a] < levels[bearing.b])) ++supports[bearing.b];
+        if (movesA && (!movesB || paths.levels[bearing.b] < paths.levels[bearing.a])) ++paths.supports[bearing.a];
+        if (movesB && (!movesA || paths.levels[bearing.a] < paths.levels[bearing.b])) ++paths.supports[bearing.b];
     }
     for (std::size_t i = bodyStack.size(); i-- > 0;) {
         const std::uint32_t body = bodyStack[i];
-        const float share = (carried[body] + bodies[body].mass) / static_cast<float>(supports[body]);
+        const float share = (paths.carried[body] + bodies[body].mass) / static_cast<float>(paths.supports[body]);
         const std::uint32_t begin = body == 0 ? 0 : bearingBegin[body - 1];
         for (std::uint32_t k = begin; k < bearingBegin[body]; ++k)
-            if (levels[neighbours[k]] < levels[body]) carried[neighbours[k]] += share;
+            if (paths.levels[neighbours[k]] < paths.levels[body]) paths.carried[neighbours[k]] += share;
     }
 }
 
@@ -156,8 +156,8 @@ void WorldImpl::measureIslands() {
     findLevels();
     estimateLoads(true);
     islandFeatures.resizeForOverwrite(bodies.size());
-    heldLevel.resizeForOverwrite(bodies.size());
-    for (const std::uint32_t body : awakeBodies) islandFeatures[body] = {}, heldLevel[body] = 0;
+    paths.heldLevel.resizeForOverwrite(bodies.size());
+    for (const std::uint32_t body : awakeBodies) islandFeatures[body] = {}, paths.heldLevel[body] = 0;
 
     const float gravity = length(settings.gravity);
     const Vec3 up = gravity > 0 ? (-1 / gravity) * settings.gravity : Vec3{};
@@ -165,8 +165,8 @@ void WorldImpl::measureIslands() {
         const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
         direct::IslandFeatures& island = islandFeatures[findRoot(movesA ? bearing.a : bearing.b)];
         island.pairs += movesA && movesB;
-        const bool aBears = movesB && (!movesA || levels[bearing.a] < levels[bearing.b]);
-        const bool bBears = movesA && (!movesB || levels[bearing.b] < levels[bearing.a]);
+        const bool aBears = movesB && (!movesA || paths.levels[bearing.a] < paths.levels[bearing.b]);
+        const bool bBears = movesA && (!movesB || paths.levels[bearing.b] < paths.levels[bearing.a]);
         if (!bearing.joint) {
             const GraphPlace place = manifolds[bearing.constraint].place;
             const float* lane = graph.lane(place);
@@ -175,17 +175,17 @@ void WorldImpl::measureIslands() {
             const Vec3 normal = rotate(bodies[bearing.a].rotation, manifolds[bearing.constraint].normal);
             const float cosine = dot(normal, up);
             const bool steady = standsOn(bearing.constraint);
-            if (steady && cosine > kLevel) heldLevel[bearing.b] = 1;
-            if (steady && cosine < -kLevel) heldLevel[bearing.a] = 1;
+            if (steady && cosine > kLevel) paths.heldLevel[bearing.b] = 1;
+            if (steady && cosine < -kLevel) paths.heldLevel[bearing.a] = 1;
         } else {
             ++island.joints;
             island.bare &= isTreeJoint(jointSims[bearing.constraint]);
-            heldLevel[bearing.a] = heldLevel[bearing.b] = 1;
+            paths.heldLevel[bearing.a] = paths.heldLevel[bearing.b] = 1;
             island.hangs |= !movesA || !movesB;
         }
         if (!aBears && !bBears) continue;
         const std::uint32_t upper = aBears ? bearing.b : bearing.a;
-        const float load = (carried[upper] + bodies[upper].mass) / static_cast<float>(supports[upper]);
+        const float load = (paths.carried[upper] + bodies[upper].mass) / static_cast<float>(paths.supports[upper]);
         const float massA = movesA ? bodies[bearing.a].mass : bodies[bearing.b].mass;
         const float massB = movesB ? bodies[bearing.b].mass : massA;
         const float lighter = std::min(massA, massB), number = load / lighter;
@@ -205,7 +205,7 @@ void WorldImpl::measureIslands() {
         island.moving += !slow;
         const bool rests = isDirect(body) || isUntouched(body) || bodies[body].sleepTimer >= direct::kLongRest;
         island.restless += !slow || !rests;
-        island.leaning += levels[body] != kNone && heldLevel[body] == 0 && slow;
+        island.leaning += paths.levels[body] != kNone && paths.heldLevel[body] == 0 && slow;
     }
     for (const std::uint32_t body : awakeBodies) {
         if (!moves(body)) continue;
@@ -286,6 +286,7 @@ void WorldImpl::chooseSolvers() {
     }
     const bool anyDirect = !list.manifolds.empty() || !list.joints.empty();
     // Sleeping may have emptied the list since.
+    if (!directGrouped || treesChanged) assemblies.known = false;
     if (!directGrouped || !anyDirect || treesChanged) groupDirect();
     directGrouped = true;
     treesChanged = false;

@@ -22,6 +22,14 @@ DVec3 WorldImpl::jointCenter(const JointRecord& joint, std::uint32_t body) const
     return DVec3((joint.bodyA == 0 ? def.frameA : def.frameB).position);
 }
 
+/// Of two bodies that have states the record is not needed, which lies by itself.
+JointBodiesAtStep WorldImpl::jointBodies(std::uint32_t index) const {
+    const JointSim& sim = jointSims[index];
+    if (sim.stateA == 0 || sim.stateB == 0) return jointBodies(joints[index]);
+    const BodyRecord &a = bodies[sim.stateA], &b = bodies[sim.stateB];
+    return {relative(b.center, a.center), definitionRotation(a), definitionRotation(b)};
+}
+
 JointBodiesAtStep WorldImpl::jointBodies(const JointRecord& joint) const {
     const BodyRecord &a = bodies[joint.bodyA], &b = bodies[joint.bodyB];
     return {relative(jointCenter(joint, joint.bodyB), jointCenter(joint, joint.bodyA)), definitionRotation(a),

@@ -46,7 +46,28 @@ struct PairRows {
     float radiusA[4], radiusB[4];
     float turningA[4], turningB[4];  ///< m, the same, or zero of what is fixed
     float size[4];
+    float halfHeightA[4], halfHeightB[4], radiusOfA[4], radiusOfB[4];  ///< m, of pairs of capsules
+    bool capsules[4];
 };
+
+/// The other pairs have no extent.
+bool takeCapsules(const ConvexView& a, const ConvexView& b, int lane, PairRows& rows) {
+    const bool both = a.kind == ConvexKind::capsule && b.kind == ConvexKind::capsule;
+    rows.halfHeightA[lane] = both ? a.halfExtents.y : 0.0f, rows.halfHeightB[lane] = both ? b.halfExtents.y : 0.0f;
+    rows.radiusOfA[lane] = both ? a.radius : 0.0f, rows.radiusOfB[lane] = both ? b.radius : 0.0f;
+    rows.capsules[lane] = both;
+    return both;
+}
+
+void touchCapsules(const PairRows& rows, const FourVectors& position, const FourQuats& rotation, int count,
+                   PairPlace* out) {
+    CapsuleTouch touches[4];
+    touchFour({position, rotation, loadFour(rows.halfHeightA), loadFour(rows.halfHeightB), loadFour(rows.radiusOfA),
+               loadFour(rows.radiusOfB)},
+              touches);
+    for (int i = 0; i < count; ++i)
+        if (rows.capsules[i]) out[i].touch = touches[i];
+}
 
 /// m, that surfaces may come nearer in the coming step.
 FourFloats motionAhead(const PairRows& rows, float dt) {
@@ -75,6 +96,7 @@ FourFloats motionPerTravel(const PairRows& rows, const FourVectors& inA, const F
 /// A pair moves against each other by its translation and by the arc that it turns at the radius of the smaller body.
 void WorldImpl::placePairs(const std::uint32_t* asked, int count, PairPlace* out) const {
     PairRows rows;
+    bool anyCapsules = false;
     for (int i = 0; i < 4; ++i) {
         const ContactRecord& record = contacts[asked[i < count ? i : 0]];
         const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
@@ -91,6 +113,8 @@ void WorldImpl::placePairs(const std::uint32_t* asked, int count, PairPlace* out
         rows.turningA[i] = a.type == BodyType::fixed ? 0 : a.radius;
         rows.turningB[i] = b.type == BodyType::fixed ? 0 : b.radius;
         rows.size[i] = record.size;
+        anyCapsules |= takeCapsules(geometries[shapes[record.shapeA].geometry].convex,
+                                    geometries[shapes[record.shapeB].geometry].convex, i, rows);
     }
     const FourFrames shapeA = inLanes(rows.shapeA), shapeB = inLanes(rows.shapeB), before = inLanes(rows.collidedAt);
     const FourQuats qA = inLanes(rows.rotationA), qB = inLanes(rows.rotationB);
@@ -110,7 +134,8 @@ void WorldImpl::placePairs(const std::uint32_t* asked, int count, PairPlace* out
     for (int i = 0; i < count; ++i)
         out[i] = {{{position.x[i], position.y[i], position.z[i]},
                    {rotation.x[i], rotation.y[i], rotation.z[i], rotation.w[i]}},
-                  margin[i], moved[i], perTravel[i]};
+                  margin[i], moved[i], perTravel[i], {}};
+    if (anyCapsules) touchCapsules(rows, position, rotation, count, out);
 }
 
 }  // namespace ragtop

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "narrowphase/four_capsules.h"
 #include "ragtop/shape.h"
 #include "shapes/geometry.h"
 
@@ -37,6 +38,7 @@ struct PairPlace {
     float margin = 0;     ///< m, up to which points are found: all that the step may bring into touch
     float moved = 0;      ///< m, against each other, since manifolds were found
     float perTravel = 1;  ///< of such motion, at most, for what both bodies travel
+    CapsuleTouch touch{};  ///< single where both are capsules that touch in a point, if anywhere
 };
 
 /// What a step finds of an awake contact; the last three come beside the others: that it may be a seam, that other points

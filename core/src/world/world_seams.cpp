@@ -205,7 +205,7 @@ void WorldImpl::hideSeam(ContactRecord& record) {
 /// Takes the points of contacts at seams out of this step; their lanes are written anew in the next one. Which may be
 /// seams was noted while they were collided; those of bodies that woke since are looked at here.
 void WorldImpl::hideSeams() {
-    runner.parallelFor(static_cast<int>(closingContacts.size()), 32, [&](int begin, int end, int) {
+    runner.parallelFor(static_cast<int>(closingContacts.size()), 8, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             ContactRecord& record = contacts[closingContacts[static_cast<std::size_t>(i)]];
             if (record.hasPoints && mayBeSeam(record, manifolds[record.firstManifold])) hideSeam(record);

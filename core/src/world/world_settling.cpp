@@ -56,8 +56,8 @@ void WorldImpl::loadNewContacts() {
     for (const IslandBearing& bearing : bearings) {
         if (bearing.joint || !isUntouched(bearing.a) || !isUntouched(bearing.b)) continue;
         const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
-        const bool aBears = movesB && (!movesA || levels[bearing.a] < levels[bearing.b]);
-        const bool bBears = movesA && (!movesB || levels[bearing.b] < levels[bearing.a]);
+        const bool aBears = movesB && (!movesA || paths.levels[bearing.a] < paths.levels[bearing.b]);
+        const bool bBears = movesA && (!movesB || paths.levels[bearing.b] < paths.levels[bearing.a]);
         if (!aBears && !bBears) continue;
         const ManifoldRecord& manifold = manifolds[bearing.constraint];
         const float along = std::fabs(dot(rotate(bodies[bearing.a].rotation, manifold.normal), down));
@@ -70,7 +70,7 @@ void WorldImpl::loadNewContacts() {
         for (int j = 0; j < manifold.pointCount; ++j) loaded |= at(j, contact::kImpulse) != 0;
         if (loaded) continue;
         const std::uint32_t upper = aBears ? bearing.b : bearing.a;
-        const float load = (carried[upper] + bodies[upper].mass) / static_cast<float>(supports[upper]);
+        const float load = (paths.carried[upper] + bodies[upper].mass) / static_cast<float>(paths.supports[upper]);
         const float share = load * context.gravityStep * along / static_cast<float>(manifold.pointCount);
         for (int j = 0; j < manifold.pointCount; ++j) at(j, contact::kImpulse) = at(j, contact::kLoad) = share;
         freshManifolds.push(bearing.constraint);

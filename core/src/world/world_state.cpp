@@ -209,7 +209,7 @@ void World::restore(std::span<const std::byte> from) {
 void WorldImpl::forgetDerived() {
     context.h = lastSubstep;
     directGrouped = false;
-    bundlesChanged = treesChanged = true;
+    bundlesChanged = treesChanged = strides.any = true;
     // No such field of a lane is saved.
     surfacesForgotten = true;
     forgetTouches();

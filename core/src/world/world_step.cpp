@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 #include <cassert>
 #include <cmath>
@@ -5,6 +6,7 @@
 #include "constraints/contact_layout.h"
 #include "world/single_bundle.h"
 #include "world/world_impl.h"
+#include "world/world_strides.h"
 
 namespace ragtop {
 
@@ -49,6 +51,8 @@ void WorldImpl::step(World& world, double stepSeconds) {
         hideSeams();
         beginStage("islands");
         chooseSolvers();
+        collectSolved();
+        chooseStrides(*this);
         beginStage("prepare");
         prepareBodies();
         findAssemblies();
@@ -69,6 +73,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         updateSensors();
         publishEvents();
         beginStage("sleep");
+        restStillBodies();
         sleepQuietIslands();
     };
     if (isLittle())
@@ -95,6 +100,7 @@ bool WorldImpl::isLittle() const {
 
 void WorldImpl::solveSubstep(World& world, int number) {
     context.elapsed = context.h * static_cast<float>(number);
+    context.substep = number;
     context.firstSubstep = number == 0;
     context.lastSubstep = number + 1 == settings.substeps;
     for (StepModule* module : modules)
@@ -115,13 +121,14 @@ void WorldImpl::solveSubstep(World& world, int number) {
 }
 
 void WorldImpl::prepareBodies() {
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
+    runner.parallelFor(static_cast<int>(rest.solved.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
-            const std::uint32_t index = awakeBodies[static_cast<std::size_t>(i)];
+            const std::uint32_t index = rest.solved[static_cast<std::size_t>(i)];
             BodyRecord& body = bodies[index];
             BodyDynamics& d = dynamics[index];
-            d.linearDecay = 1 / (1 + context.h * body.linearDamping);
-            d.angularDecay = 1 / (1 + context.h * body.angularDamping);
+            const float h = context.h * static_cast<float>(body.stride);
+            d.linearDecay = 1 / (1 + h * body.linearDamping);
+            d.angularDecay = 1 / (1 + h * body.angularDamping);
             const float inverseMass = states[index].invMass;
             d.acceleration = inverseMass > 0 ? body.gravityScale * settings.gravity + inverseMass * body.force : Vec3{};
             d.torque = body.torque;
@@ -158,7 +165,7 @@ void WorldImpl::prepareConstraints() {
     groupContacts();
     std::atomic<unsigned> found{0};
     forBlocksOfAllLists(
-        8, [&](int c) { return graph.bundleCount(c); },
+        8, [&](int c) { return c == ConstraintGraph::kResting ? 0 : graph.bundleCount(c); },
         [&](int c, int begin, int end) {
             const unsigned kinds = placeAndPrepare(c, begin, end);
             if (kinds != 0) found.fetch_or(kinds, std::memory_order_relaxed);
@@ -177,6 +184,7 @@ void WorldImpl::prepareConstraints() {
 
 /// Puts contacts with equally many points side by side, so that bundles solve few that are not there; numbers the lanes.
 void WorldImpl::groupContacts() {
+    constexpr std::size_t kNear = std::size_t{1} << 21;  // bytes that passes find in a cache
     runner.parallelFor(ConstraintGraph::kColors, 1, [&](int begin, int end, int) {
         for (int c = begin; c < end; ++c)
             graph.groupByPoints(c, [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
@@ -187,6 +195,12 @@ void WorldImpl::groupContacts() {
         lanes += static_cast<std::size_t>(graph.bundleCount(c)) * static_cast<std::size_t>(graph.lanes());
     }
     deepContacts.isDeep.resizeForOverwrite(lanes);
+    context.farContacts = lanes * contact::kFields * sizeof(float) > kNear;
+}
+
+ContactPlaces WorldImpl::contactPlaces() const {
+    return {&bodies.data()->center, &bodies.data()->rotation, sizeof(BodyRecord), manifolds.pages(),
+            manifolds.kPageBits,    sizeof(ManifoldRecord)};
 }
 
 /// Some bundles at a time, which the cache holds in between.
@@ -212,9 +226,8 @@ void WorldImpl::prepareJoints() {
         [&](int c, int begin, int end) {
             for (int i = begin; i < end; ++i) {
                 const std::uint32_t joint = graph.color(c).joints[static_cast<std::size_t>(i)];
-                jointSims[joint].ofFigure = isOfFigure(joint) ? 1.0f : 0.0f;
-                prepareJoint(jointSims[joint], jointBodies(joints[joint]), states.data(), inertias.data(),
-                             jointContext);
+                if (assemblies.fresh) jointSims[joint].ofFigure = isOfFigure(joint) ? 1.0f : 0.0f;
+                prepareJoint(jointSims[joint], jointBodies(joint), states.data(), inertias.data(), jointContext);
             }
         });
     const JointLanesView view = jointBundles.view(jointSims.data());
@@ -235,15 +248,15 @@ void WorldImpl::storeJoints() {
 
 void WorldImpl::integrateVelocities() {
     const BodyArrays arrays = bodyArrays();
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
-        kernels->integrateVelocities(arrays, awakeBodies.data(), begin, end, context);
+    forBodiesInTurn(*this, [&](const std::uint32_t* list, int begin, int end, const SolverContext& own) {
+        kernels->integrateVelocities(arrays, list, begin, end, own);
     });
 }
 
 void WorldImpl::integratePositions() {
     const BodyArrays arrays = bodyArrays();
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
-        kernels->integratePositions(arrays, awakeBodies.data(), begin, end, context);
+    forBodiesInTurn(*this, [&](const std::uint32_t* list, int begin, int end, const SolverContext& own) {
+        kernels->integratePositions(arrays, list, begin, end, own);
     });
 }
 
@@ -269,7 +282,8 @@ struct Blocks {
 template <class Joint, class Joints, class Contacts>
 void WorldImpl::forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact) {
     constexpr int kJointsPerBlock = 8;
-    const int jointBundlesPerBlock = 32 / graph.lanes(), contactBundlesPerBlock = 64 / graph.lanes();
+    constexpr int kMostBlocks = 64;  // of contacts: what is next in memory is best solved by the same thread
+    const int jointBundlesPerBlock = 32 / jointKernels->lanes, leastContactBundles = 64 / graph.lanes();
     const auto singles = [&](int begin, int end) {
         for (int i = begin; i < end; ++i) alone(jointBundles.single(i));
     };
@@ -283,7 +297,8 @@ void WorldImpl::forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact) {
         const JointBundles::Color& bundled = jointBundles.color(c);
         const Blocks singleBlocks{kJointsPerBlock, bundled.firstSingle, bundled.endSingle, 0};
         const Blocks wideBlocks{jointBundlesPerBlock, bundled.begin, bundled.end, singleBlocks.next()};
-        const Blocks contactBlocks{contactBundlesPerBlock, 0, graph.bundleCount(c), wideBlocks.next()};
+        const int contactBundles = graph.bundleCount(c), size = std::max(leastContactBundles, contactBundles / kMostBlocks);
+        const Blocks contactBlocks{size, 0, contactBundles, wideBlocks.next()};
         runner.parallelFor(contactBlocks.next(), 1, [&](int begin, int end, int) {
             for (int b = begin; b < end; ++b) {
                 if (b < wideBlocks.first)
@@ -403,6 +418,8 @@ void WorldImpl::finishBodies() {
             const float speed = length(state.v) + length(state.w) * body.radius;
             const bool still = body.type == BodyType::kinematic ? speed == 0 : speed <= quiet;
             body.sleepTimer = body.allowSleep && still ? body.sleepTimer + dt : 0;
+            const float slow = RestFinds::slowest(context.gravityStep);
+            rest.note(body, speed <= slow && motion <= slow * dt);
             if (dynamics[index].spins == 0) restrictInertia(index);
         }
     });

@@ -2,6 +2,7 @@
 
 #include "constraints/joint_types.h"
 #include "world/world_impl.h"
+#include "world/world_strides.h"
 
 namespace ragtop {
 
@@ -34,15 +35,16 @@ void put(const Vec3& from, float to[3]) { to[0] = from.x, to[1] = from.y, to[2] 
 void put(const Quat& from, float to[4]) { to[0] = from.x, to[1] = from.y, to[2] = from.z, to[3] = from.w; }
 Vec3 get(const float from[3]) { return {from[0], from[1], from[2]}; }
 
-void fillRow(const JointSim& joint, bool childIsB, direct::TreeJointRow& row) {
-    const float sign = childIsB ? 1.0f : -1.0f;
+/// Loads are those of `stride` substeps, of which the joint knows one.
+void fillRow(const JointSim& joint, bool childIsB, int stride, direct::TreeJointRow& row) {
+    const float sign = childIsB ? 1.0f : -1.0f, share = sign * static_cast<float>(stride);
     put(sign * joint.centerOffset, row.offset);
     put(childIsB ? joint.anchorB : joint.anchorA, row.anchorC);
     put(childIsB ? joint.anchorA : joint.anchorB, row.anchorP);
     put(childIsB ? joint.frameB : joint.frameA, row.frameC);
     put(childIsB ? joint.frameA : joint.frameB, row.frameP);
-    put(sign * joint.block.impulseFirst, row.force);
-    put(sign * joint.block.impulseSecond, row.torque);
+    put(share * joint.block.impulseFirst, row.force);
+    put(share * joint.block.impulseSecond, row.torque);
 }
 
 }  // namespace
@@ -130,13 +132,14 @@ void WorldImpl::planChains() {
     for (const std::uint32_t body : awakeBodies) treeMark[body] = kNone;
     for (std::size_t i = 0; i < directIslands.size(); ++i) {
         DirectIsland& island = directIslands[i];
-        island.tree = island.watched = island.leapfrog = false;
+        island.tree = island.watched = island.leapfrog = island.strides = false;
         if (island.contactCount > 0 || island.jointCount == 0) continue;
         DrawnTree tree;
         if (!drawTree(directBodies[island.firstBody], tree)) continue;
         island.tree = tree.joints == island.jointCount && tree.bodies == island.bodyCount;
         island.watched = tree.watched;
         island.leapfrog = island.tree && !tree.twofold;
+        island.strides = island.tree && tree.twofold && tree.anchor != kNone && !tree.watched;
         if (island.tree)
             chains.keep(tree.anchor == kNone ? 0 : bodies[tree.anchor].state, static_cast<std::uint32_t>(i),
                         tree.twofold);
@@ -156,11 +159,11 @@ void WorldImpl::beginChains() {
                 row = {};
                 const direct::TreeLink& link = chains.linkOf(tree, l);
                 if (link.joint != direct::TreeJoint::free)
-                    fillRow(jointSims[chains.jointOf(tree, l)], link.childIsB != 0, row);
+                    fillRow(jointSims[chains.jointOf(tree, l)], link.childIsB != 0, tree.stride, row);
             }
         }
         chains.repeatRows(group);
-        group.lanes.failed = 0;
+        group.lanes.failed = group.lanes.open = group.lanes.ajar = 0;
         group.kernels->begin(group.lanes, bodyArrays());
     });
 }
@@ -176,10 +179,14 @@ void WorldImpl::forEachChainGroup(Visit&& visit) {
 void WorldImpl::solveChains(DirectPass pass) {
     const bool moves = pass == DirectPass::positions;
     forEachChainGroup([&](direct::TreePlan::Group& group) {
+        const int stride = chains.strideOf(group);
+        if (context.substep % stride != 0) return;
         const auto start = std::chrono::steady_clock::now();
-        const direct::TreeSubstep substep{context.h, jointContext.softness.biasRate, context.firstSubstep,
-                                          context.lastSubstep};
-        const bool relaxes = !group.kernels->leapfrog || context.lastSubstep;
+        const auto substeps = static_cast<float>(stride);
+        const bool last = context.substep + stride >= settings.substeps;
+        const direct::TreeSubstep substep{context.h * substeps, jointContext.softness.biasRate / substeps,
+                                          context.firstSubstep, last};
+        const bool relaxes = !group.kernels->leapfrog || last;
         (moves ? group.kernels->solve : group.kernels->relax)(group.lanes, bodyArrays(), substep);
         const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
         for (int lane = 0; lane < group.lanes.used; ++lane) {
@@ -187,9 +194,12 @@ void WorldImpl::solveChains(DirectPass pass) {
             DirectIsland& island = directIslands[tree.owner];
             const auto has = [lane](std::uint32_t bits) { return ((bits >> lane) & 1u) != 0; };
             island.ms += ms / group.lanes.used;
-            if (has(group.lanes.failed)) {
+            island.open = has(group.lanes.open);
+            island.ajar = has(group.lanes.ajar);
+            if (has(group.lanes.failed) && !island.swept) {
                 island.swept = true;
                 island.report.converged = false;
+                rescaleJoints(*this, island, substeps);
             }
             if (island.swept) {
                 sweepIsland(island, pass);
@@ -202,7 +212,7 @@ void WorldImpl::solveChains(DirectPass pass) {
             } else {
                 island.report.iterations += relaxes;
                 island.report.factorizations += relaxes && group.kernels->leapfrog;
-                if (context.lastSubstep || island.watched) storeImpulses(group, lane);
+                if (last || island.watched) storeImpulses(group, lane);
             }
         }
     });
@@ -215,7 +225,7 @@ void WorldImpl::storeImpulses(const direct::TreePlan::Group& group, int lane) {
         if (link.joint == direct::TreeJoint::free) continue;
         JointSim& joint = jointSims[chains.jointOf(tree, l)];
         const direct::TreeImpulse& impulse = chains.impulse(group, l, lane);
-        const float sign = link.childIsB != 0 ? 1.0f : -1.0f;
+        const float sign = (link.childIsB != 0 ? 1.0f : -1.0f) / static_cast<float>(tree.stride);
         joint.taut = {};
         joint.block.impulseFirst = sign * get(impulse.force);
         joint.block.impulseSecond = sign * get(impulse.torque);

@@ -1,0 +1,121 @@
+// Bodies that rest on what does not move. Sweeps would find the same impulses for them in every step; they are left out
+// of the solver, with the impulses that hold them, until anything changes.
+
+#include "world/lane_view.h"
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+/// Speed over what gravity gives in a substep, below which a body may rest.
+constexpr float kStill = 1e-3f;
+/// For so many steps. What begins to slide or to fall is faster by then unless its acceleration is below
+/// kStill/(substeps · steps) of gravity, 2e-5.
+constexpr int kStillSteps = 16;
+
+/// What is told of every substep or contact expects all of them.
+bool mayRest(const WorldImpl& world) {
+    for (const StepModule* module : world.modules)
+        if (module->beforeSubstep) return false;
+    return !world.callbacks.modify;
+}
+
+/// Does anything but its contacts move the body?
+bool isDisturbed(const WorldImpl& world, std::uint32_t index) {
+    const BodyRecord& body = world.bodies[index];
+    const BodyState& state = world.states[index];
+    return body.force != Vec3{} || body.torque != Vec3{} || (body.rests && (state.v != Vec3{} || state.w != Vec3{}));
+}
+
+/// Is the body held by contacts with what never moves alone, none of which slides, rolls or carries it on?
+bool restsOnFixed(const WorldImpl& world, std::uint32_t index) {
+    const BodyRecord& body = world.bodies[index];
+    if (!world.moves(index) || world.isDirect(index) || body.firstJoint != kNone || isDisturbed(world, index)) return false;
+    bool loaded = false;
+    for (std::uint32_t key = body.firstContact; key != kNone; key = world.nextContact(key)) {
+        const ContactRecord& record = world.contacts[key >> 1];
+        if (!record.hasPoints || record.sensor) continue;
+        const std::uint32_t other = (key & 1) != 0 ? record.bodyA : record.bodyB;
+        if (world.bodies[other].type != BodyType::fixed || world.turnsUnderContact(record)) return false;
+        for (const ManifoldRecord& manifold : world.manifoldsOf(record)) {
+            if (manifold.pointCount == 0) continue;
+            if (manifold.place.color > ConstraintGraph::kOverflow) return false;
+            const LaneReader lane(world.graph.lane(manifold.place), world.graph.lanes());
+            if (lane.vector(contact::kSurface) != Vec3{} || lane.at(contact::kShifted) > 0) return false;
+            bool bears = false;
+            for (int j = 0; j < manifold.pointCount; ++j) bears |= lane.at(j, contact::kImpulse) > 0;
+            if (bears && lane.at(contact::kSliding) > 0) return false;
+            loaded |= bears;
+        }
+    }
+    return loaded;
+}
+
+/// Puts all contacts of a body into the list of those that rest, or back.
+void moveContactsOf(WorldImpl& world, std::uint32_t index, ConstraintGraph::By by) {
+    const bool resting = by == ConstraintGraph::By::none;
+    for (std::uint32_t key = world.bodies[index].firstContact; key != kNone; key = world.nextContact(key)) {
+        const ContactRecord& record = world.contacts[key >> 1];
+        world.forEachManifold(record, [&](std::uint32_t k) {
+            ManifoldRecord& manifold = world.manifolds[k];
+            const GraphPlace from = manifold.place;
+            if (from.color == kNone || (from.color == ConstraintGraph::kResting) == resting) return;
+            const std::uint32_t a = record.bodyA, b = record.bodyB;
+            std::uint32_t tookOver = kNone;
+            manifold.place = world.graph.moveContact(from, world.bodies[a].state, world.moves(a), world.bodies[b].state,
+                                                     world.moves(b), by, tookOver);
+            if (tookOver != kNone) world.manifolds[tookOver].place.slot = from.slot;
+            world.manifoldTouches[k] = resting ? kRestingTouch : kUnknownTouch;
+        });
+    }
+}
+
+}  // namespace
+
+float RestFinds::slowest(float gravityStep) { return kStill * gravityStep; }
+
+void RestFinds::note(BodyRecord& body, bool slow) {
+    const int steps = slow ? body.stillSteps + 1 : 0;
+    body.stillSteps = static_cast<std::uint8_t>(steps < kStillSteps ? steps : kStillSteps);
+    if (body.stillSteps == kStillSteps && !body.rests) anyStill.store(true, std::memory_order_relaxed);
+}
+
+/// Bodies that have been still for long enough come to rest where they are.
+void WorldImpl::restStillBodies() {
+    if (!rest.anyStill.exchange(false, std::memory_order_relaxed) || !mayRest(*this)) return;
+    for (const std::uint32_t index : awakeBodies) {
+        BodyRecord& body = bodies[index];
+        if (body.stillSteps < kStillSteps || body.rests) continue;
+        body.stillSteps = 0;
+        if (!restsOnFixed(*this, index)) continue;
+        states[index].v = states[index].w = {};
+        histories[index].velocityBefore = histories[index].lastChange = {};
+        noteMomentum(index);
+        moveContactsOf(*this, index, ConstraintGraph::By::none);
+        body.rests = true;
+    }
+}
+
+/// Something has changed about a body that rests: it is solved again.
+void WorldImpl::rouse(std::uint32_t index) {
+    if (!bodies[index].rests) return;
+    bodies[index].rests = false;
+    bodies[index].stillSteps = 0;
+    moveContactsOf(*this, index, ConstraintGraph::By::sweeps);
+}
+
+/// The bodies that this step solves.
+void WorldImpl::collectSolved() {
+    rest.solved = {awakeBodies.data(), awakeBodies.size()};
+    if (graph.color(ConstraintGraph::kResting).manifolds.empty()) return;
+    const bool may = mayRest(*this);
+    rest.unrested.clear();
+    for (const std::uint32_t index : awakeBodies) {
+        if (!may || isDirect(index) || isDisturbed(*this, index)) rouse(index);
+        if (!bodies[index].rests) rest.unrested.push(index);
+    }
+    rest.solved = {rest.unrested.data(), rest.unrested.size()};
+}
+
+}  // namespace ragtop
