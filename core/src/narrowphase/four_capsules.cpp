@@ -24,11 +24,12 @@ FourClosest closestOnFour(const FourVectors& p, const FourVectors& d, const Four
     const FourFloats dd = dot(d, d), ee = dot(e, e), de = dot(d, e), dr = dot(d, r), er = dot(e, r);
     const FourFloats denominator = dd * ee - de * de;
     const FourInts longA = dd > 0.0f, longB = ee > 0.0f;
-    FourFloats s = longA & (denominator > kParallelSegments * dd * ee) ? clamped((de * er - dr * ee) / denominator) : none;
+    const FourInts skew = longA & (denominator > kParallelSegments * dd * ee);
+    FourFloats s = skew ? clamped((de * er - dr * ee) / denominator) : none;
     const FourFloats asked = (de * s + er) / ee, t = longB ? clamped(asked) : none;
     const FourFloats again = clamped((de * t - dr) / dd), alone = clamped(-dr / dd);
-    s = longA & longB & (asked != t) ? again : s;
-    s = longA & ~longB ? alone : s;
+    s = (longA & longB & (asked != t)) ? again : s;
+    s = (longA & ~longB) ? alone : s;
     return {p + s * d, q + t * e};
 }
 
