@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -85,6 +86,172 @@ TEST(SoftStop, TwoBodiesThatRattleKeepTheirEnergy) {
         EXPECT_NEAR(energy() / start, 1, 1e-3) << step;
     }
     EXPECT_GT(seen, 100);
+}
+
+/// A wheel on its axle, on the world or on another wheel that gets the opposite torque, which pushes no centre of mass.
+struct TurnedWheel {
+    static constexpr float kMoment = 0.02f, kTorque = 0.1f, kStiffness = 2;
+    static constexpr double kSubstep = 1.0 / 240;
+
+    World world;
+    BodyId wheel, other;
+    JointId joint;
+    bool pair;
+
+    explicit TurnedWheel(bool twoWheels) : pair(twoWheels) {
+        WorldSettings settings;
+        settings.gravity = {};
+        world.setSettings(settings);
+        if (pair) other = add(-0.3, 1.5f);
+        wheel = add(0.3, pair ? -1.5f : -3.0f);
+        HingeDef hinge;
+        hinge.bodies = {other, wheel, {{pair ? 0.3f : 0.0f, 0, 0}, {}}, {{-0.3f, 0, 0}, {}}};
+        hinge.limit = Range{-0.2f, 1000};
+        hinge.stop.stiffness = kStiffness;
+        joint = world.create(JointDef(hinge));
+    }
+    BodyId add(double x, float spin) {
+        BodyDef def;
+        def.pose.position = {x, 0, 0};
+        def.shapes.push_back({.geometry = Sphere{0.1f}});
+        def.shapes[0].filter.mask = 0;
+        def.mass = MassProperties{1, {}, {{kMoment, 0, 0}, {0, kMoment, 0}, {0, 0, kMoment}}};
+        def.angularVelocity = {spin, 0, 0};
+        return world.create(def);
+    }
+    double angle() const { return static_cast<double>(world.state(joint).coordinate); }
+    /// Of B against A.
+    double speed() const {
+        const float a = pair ? world.angularVelocity(other).x : 0.0f;
+        return static_cast<double>(world.angularVelocity(wheel).x - a);
+    }
+    double moment() const { return static_cast<double>(kMoment) * (pair ? 0.5 : 1.0); }
+    double energy() const {
+        const double beyond = std::min(angle() + static_cast<double>(0.2f), 0.0);
+        return 0.5 * moment() * speed() * speed() + 0.5 * static_cast<double>(kStiffness) * beyond * beyond;
+    }
+    void step(bool pushed) {
+        if (pushed) {
+            world.applyTorque(wheel, {kTorque, 0, 0});
+            if (pair) world.applyTorque(other, {-kTorque, 0, 0});
+        }
+        world.step(1.0f / 60);
+    }
+};
+
+/// A torque τ on a wheel that turns into its soft stop and out again gives  W = ∫ τ dθ,  which the wheel keeps: for as
+/// long as it acts, only while the stop is pressed, or only from when it was left. Substeps take τ at once and turn
+/// with the speed after it, so that ½ h Δω of Δθ does not count. Free of the stop, ω grows by τ t/I.
+TEST(SoftStop, AWheelKeepsWhatATorqueGaveIt) {
+    constexpr int kSteps = 120;
+    enum Pushed { kAlways, kPressed, kAfter };
+    for (const bool pair : {false, true}) {
+        for (const Pushed when : {kAlways, kPressed, kAfter}) {
+            TurnedWheel wheel(pair);
+            const double start = wheel.energy(), torque = static_cast<double>(TurnedWheel::kTorque);
+            double given = 0;
+            int pressed = 0, left = 0;
+            for (int i = 0; i < kSteps; ++i) {
+                const double angle = wheel.angle(), speed = wheel.speed();
+                const bool presses = angle < static_cast<double>(-0.2f);
+                if (presses) ++pressed;
+                const bool free = !presses && pressed > 0;
+                const bool pushed = when == kAlways || (when == kPressed ? presses : free);
+                wheel.step(pushed);
+                const double gained = wheel.speed() - speed;
+                if (pushed) given += torque * (wheel.angle() - angle - 0.5 * TurnedWheel::kSubstep * gained);
+                if (!free) continue;
+                ++left;
+                // The stop is met and left within substeps, of which the torque has acted for the whole.
+                const double part = torque * TurnedWheel::kSubstep * std::fabs(wheel.speed());
+                EXPECT_NEAR(wheel.energy(), start + given, part + 1e-3 * start) << pair << when << ", step " << i;
+                const double exact = pushed ? torque / wheel.moment() / 60 : 0.0;
+                EXPECT_NEAR(gained, exact, 2e-6 * std::fabs(speed)) << pair << when << ", step " << i;
+            }
+            EXPECT_GT(pressed, 10) << pair << when;
+            EXPECT_GT(left, 40) << pair << when;
+        }
+    }
+}
+
+/// A pendulum that swings against soft stops: its weight is a steady force, and what it gives and takes is no stop's.
+/// Its highest energy in each second, of a substep's error in time like its lowest, stays.
+TEST(SoftStop, APendulumKeepsItsEnergyUnderItsWeight) {
+    constexpr float kGravity = 9.81f, kArm = 0.3f, kMoment = 0.02f;
+    World world;
+    WorldSettings settings;
+    settings.gravity = {0, -kGravity, 0};
+    world.setSettings(settings);
+    BodyDef def;
+    def.pose.position = {0, static_cast<double>(-kArm), 0};
+    def.shapes.push_back({.geometry = Sphere{0.1f}});
+    def.mass = MassProperties{1, {}, {{kMoment, 0, 0}, {0, kMoment, 0}, {0, 0, kMoment}}};
+    def.angularVelocity = {5, 0, 0};
+    def.linearVelocity = {0, 0, -5 * kArm};
+    const BodyId body = world.create(def);
+    HingeDef hinge;
+    hinge.bodies = {{}, body, {}, {{0, kArm, 0}, {}}};
+    hinge.limit = Range{-0.3f, 0.5f};
+    hinge.stop.stiffness = 200;
+    const JointId joint = world.create(JointDef(hinge));
+    const auto highest = [&] {
+        double most = 0;
+        for (int step = 0; step < 60; ++step) {
+            world.step(1.0f / 60);
+            if (world.state(joint).limitMargin < 0) continue;
+            const Vec3 v = world.linearVelocity(body), w = world.angularVelocity(body);
+            const double height = world.pose(body).position.y + static_cast<double>(kArm);
+            most = std::max(most, 0.5 * static_cast<double>(dot(v, v) + kMoment * dot(w, w)) +
+                                      static_cast<double>(kGravity) * height);
+        }
+        return most;
+    };
+    const double first = highest();
+    for (int second = 1; second < 20; ++second) EXPECT_NEAR(highest() / first, 1, 0.02) << second;
+}
+
+/// The angular momentum about the axle, divided by the mass of 1 kg, after a ball met what hangs on a hinge, far from
+/// its stops.
+double momentumAfterABall(float stiffness) {
+    constexpr float kArm = 0.3f, kMoment = 0.02f, kBall = 0.004f;
+    World world;
+    WorldSettings settings;
+    settings.gravity = {};
+    world.setSettings(settings);
+    BodyDef def;
+    def.shapes.push_back({.geometry = Sphere{0.1f}});
+    def.pose.position = {0, static_cast<double>(-kArm), -1};
+    def.mass = MassProperties{1, {}, {{kBall, 0, 0}, {0, kBall, 0}, {0, 0, kBall}}};
+    def.linearVelocity = {0, 0, 3};
+    const BodyId ball = world.create(def);
+    def.pose.position.z = 0;
+    def.mass = MassProperties{1, {}, {{kMoment, 0, 0}, {0, kMoment, 0}, {0, 0, kMoment}}};
+    def.linearVelocity = {};
+    const BodyId bob = world.create(def);
+    HingeDef hinge;
+    hinge.bodies = {{}, bob, {}, {{0, kArm, 0}, {}}};
+    hinge.limit = Range{-3, 3};
+    hinge.stop.stiffness = stiffness;
+    const JointId joint = world.create(JointDef(hinge));
+    const auto momentum = [&] {
+        const DVec3 x = world.pose(ball).position;
+        const Vec3 v = world.linearVelocity(ball);
+        return x.y * static_cast<double>(v.z) - x.z * static_cast<double>(v.y) +
+               static_cast<double>(kBall * world.angularVelocity(ball).x) +
+               static_cast<double>((kMoment + kArm * kArm) * world.angularVelocity(bob).x);
+    };
+    for (int step = 0; step < 40; ++step) world.step(1.0f / 60);
+    EXPECT_LT(world.angularVelocity(bob).x, -3);
+    EXPECT_GT(world.state(joint).limitMargin, 0);
+    return momentum();
+}
+
+/// Stops that nothing has touched take nothing of what a ball gives, however soft they are: contacts close to 1e-3.
+TEST(SoftStop, WhatABallGivesIsKept) {
+    constexpr double kStart = -0.9;
+    const double soft = momentumAfterABall(200), hard = momentumAfterABall(0);
+    EXPECT_NEAR(soft, kStart, 1e-3);
+    EXPECT_NEAR(soft, hard, 1e-5);
 }
 
 }  // namespace

@@ -159,8 +159,9 @@ void warmStartJoint(JointSim& joint, BodyState* states, const BodyInertia* inert
     const JointPlace now = locate(joint, pair);
     pair.stiffen(joint.arms, carriedImpulse(joint).linear, context.h, joint.taut);
     refreshAt(joint, now, pair, {context, true});
-    openAccount(joint, pair);
+    openAccount(joint, pair, context.h);
     pair.apply(joint.arms, carriedImpulse(joint));
+    noteOwn(joint, pair, AccountPass::warmStart);
     pair.store();
 }
 
@@ -287,12 +288,16 @@ void solveRows(JointSim& joint, BodyPair& pair, const JointContext& context, boo
 void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
                 bool useBias) {
     BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+    watchOthers(joint, pair);
     if (!useBias) {
         refreshJoint(joint, pair, {context, false});
         closeJoint(joint, pair, context.h);
     }
     solveRows(joint, pair, context, useBias);
-    if (!useBias) settleAccount(joint, pair, context.inverseH);
+    if (useBias)
+        noteOwn(joint, pair, AccountPass::moving);
+    else
+        settleAccount(joint, pair, context.inverseH);
     pair.store();
     if (!useBias) noteLoad(joint);
 }

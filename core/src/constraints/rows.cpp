@@ -134,18 +134,20 @@ PairMass BodyPair::mass(const Arms& arms) const {
     return k;
 }
 
+Vec3 momentumOf(const BodyInertia& inertia, const Vec3& w) {
+    const Sym3 inverse = times(1, inertia);
+    return solve(factorize(inverse, diagonal(inverse)), w);
+}
+
 float BodyPair::reducedMass() const {
     const float inverse = stateA_->invMass + stateB_->invMass;
     return inverse > 0 ? 1 / inverse : 0.0f;
 }
 
 float BodyPair::relativeEnergy() const {
-    const auto turning = [](const BodyInertia& inertia, const Vec3& w) {
-        const Sym3 inverse = times(1, inertia);
-        return dot(w, solve(factorize(inverse, diagonal(inverse)), w));
-    };
-    return 0.5f * (reducedMass() * lengthSquared(relativeVelocity()) + turning(*inertiaA_, wA_) +
-                   turning(*inertiaB_, wB_));
+    const auto turning = [](const BodyInertia& inertia, const Vec3& w) { return dot(w, momentumOf(inertia, w)); };
+    return 0.5f *
+           (reducedMass() * lengthSquared(relativeVelocity()) + turning(*inertiaA_, wA_) + turning(*inertiaB_, wB_));
 }
 
 float BodyPair::mass(const Arms& arms, const Vec3& direction) const {

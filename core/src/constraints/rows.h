@@ -98,6 +98,9 @@ struct TautBodies {
     float shareA = 1, shareB = 1;    ///< of the inverse inertia that is left in this one
 };
 
+/// I ω, of the inverse inertia; what cannot turn has none.
+Vec3 momentumOf(const BodyInertia& inertia, const Vec3& w);
+
 /// The two bodies while a joint works on them: velocities are read once and written once. A body without mass is
 /// never written, since threads share the static one.
 class BodyPair {
@@ -129,6 +132,8 @@ public:
     float relativeEnergy() const;
     const BodyState& stateA() const { return *stateA_; }
     const BodyState& stateB() const { return *stateB_; }
+    const BodyInertia& inertiaA() const { return *inertiaA_; }
+    const BodyInertia& inertiaB() const { return *inertiaB_; }
 
 private:
     BodyState *stateA_, *stateB_;

@@ -1,22 +1,30 @@
 #pragma once
 
+#include <cstdint>
+
 #include "constraints/rows.h"
 
 namespace ragtop {
 
 struct JointSim;
 
-/// What the soft stop of a hinge or slider is answered for: over the time that it is pressed a spring gives back what it
-/// took, a damper less. Substeps follow its course to second order in ωh and in what turning adds meanwhile; what that
-/// leaves, a few percent where both are fast, is settled with the free coordinate when the stop lets go. Where anything
-/// but a steady force acts on the bodies meanwhile nobody can tell, and nothing is settled.
+/// In which the joint acted last, of this substep.
+enum class AccountPass : std::uint32_t { none, warmStart, moving };
+
+/// What the soft stop of a hinge or slider is answered for: over the time that it is pressed a spring gives back what
+/// it took, a damper less. Substeps follow its course to second order in ωh and in what turning adds meanwhile; what
+/// that leaves, a few percent where both are fast, is settled with the free coordinate when the stop lets go. Where
+/// anything but this joint and a steady force acts on the bodies meanwhile nobody can tell, and nothing is settled.
 struct SoftAccount {
+    AccountPass pass = AccountPass::none;
     float known = 0;    ///< 1: what follows holds
     float begun = 0;    ///< 1: a substep has shown the kick
     float pressed = 0;  ///< 1 from when a stop is met until it lets go
     float steady = 0;   ///< 1: nothing but a steady force has acted since `kept` was measured
     float kept = 0;     ///< J, of the relative motion and the stop, and what the steady force has given since
-    Vec3 speed;         ///< m/s, of B relative to A when the substep before ended
+    Vec3 speed;         ///< m/s, of B relative to A when the joint last acted
+    Vec3 spinA, spinB;  ///< rad/s, then
+    Vec3 last;          ///< m/s, of B relative to A when the substep before ended
     Vec3 kick;          ///< m/s, what is added to that between substeps
     Vec3 way;           ///< m, B's way relative to A's when the substep began
 };
@@ -24,8 +32,12 @@ struct SoftAccount {
 /// Of a joint that was just made, once velocities fit it.
 void beginAccount(JointSim& joint, const BodyPair& pair);
 /// Before the joint acts in a substep, its margins and masses known.
-void openAccount(JointSim& joint, const BodyPair& pair);
-/// After the relaxing pass.
+void openAccount(JointSim& joint, const BodyPair& pair, float h);
+/// Around what the joint does in the warm start and in the moving pass: whatever else acts in between is seen by its
+/// change of the velocities.
+void watchOthers(JointSim& joint, const BodyPair& pair);
+void noteOwn(JointSim& joint, const BodyPair& pair, AccountPass pass);
+/// After the relaxing pass, before which `watchOthers` looked.
 void settleAccount(JointSim& joint, BodyPair& pair, float inverseH);
 
 }  // namespace ragtop
