@@ -8,6 +8,7 @@
 
 #include "joint_rig.h"
 #include "ragtop/world.h"
+#include "world_support.h"
 
 // Stops of one joint that are met together, and what comes after.
 namespace ragtop::test {
@@ -105,10 +106,7 @@ TEST(JointStops, MetTogetherLeaveTheNearestVelocityThatTheyAllow) {
 /// new spin. Bodies turn near their middle axis, where what tells about which axis they turn is remembered.
 TEST(JointStops, AfterARopeWasTautABodyKeepsItsNewEnergy) {
     constexpr float kMoments[] = {0.02f, 0.05f, 0.06f};
-    World world;
-    WorldSettings settings;
-    settings.gravity = {};
-    world.setSettings(settings);
+    World world(withoutGravity());
     std::mt19937 random(7);
     std::uniform_real_distribution<float> any(-1, 1);
     constexpr int kBodies = 300;

@@ -6,6 +6,7 @@
 
 #include "joint_rig.h"
 #include "ragtop/world.h"
+#include "world_support.h"
 
 namespace ragtop::test {
 namespace {
@@ -45,10 +46,7 @@ TEST(SoftStop, GivesBackTheSpeedOfItsSpringAndNeverMore) {
 /// springs without damping give back what they took, a hundred times over. Compared while no stop is pressed.
 TEST(SoftStop, TwoBodiesThatRattleKeepTheirEnergy) {
     constexpr float kMoments[] = {0.02f, 0.06f, 0.05f};
-    World world;
-    WorldSettings settings;
-    settings.gravity = {};
-    world.setSettings(settings);
+    World world(withoutGravity());
     BodyId bodies[2];
     for (int i = 0; i < 2; ++i) {
         const float side = i == 0 ? -1.0f : 1.0f;
@@ -99,9 +97,7 @@ struct TurnedWheel {
     bool pair;
 
     explicit TurnedWheel(bool twoWheels) : pair(twoWheels) {
-        WorldSettings settings;
-        settings.gravity = {};
-        world.setSettings(settings);
+        world.setSettings(withoutGravity());
         if (pair) other = add(-0.3, 1.5f);
         wheel = add(0.3, pair ? -1.5f : -3.0f);
         HingeDef hinge;
@@ -214,10 +210,7 @@ TEST(SoftStop, APendulumKeepsItsEnergyUnderItsWeight) {
 /// its stops.
 double momentumAfterABall(float stiffness) {
     constexpr float kArm = 0.3f, kMoment = 0.02f, kBall = 0.004f;
-    World world;
-    WorldSettings settings;
-    settings.gravity = {};
-    world.setSettings(settings);
+    World world(withoutGravity());
     BodyDef def;
     def.shapes.push_back({.geometry = Sphere{0.1f}});
     def.pose.position = {0, static_cast<double>(-kArm), -1};
