@@ -231,6 +231,84 @@ TEST(SoftStop, AWheelKeepsWhatATorqueGaveIt) {
     }
 }
 
+/// Two bodies s apart that slide between soft stops while a torque τ turns them, a substep per step. About their common
+/// centre
+///   L = (2 I + μ s²) Ω = τ t,  and  ∫ τ Ω dt  is what the torque gives.
+struct TurnedSlide {
+    static constexpr double kMoment = 0.02, kMass = 1, kApart = 0.6, kTorque = 0.3, kStiffness = 200, kStep = 1.0 / 240;
+
+    World world{withoutGravity()};
+    BodyId first, second;
+    JointId joint;
+
+    TurnedSlide() {
+        WorldSettings settings = withoutGravity();
+        settings.substeps = 1;
+        world.setSettings(settings);
+        first = add(-1);
+        second = add(1);
+        SliderDef slider;
+        slider.bodies = {first, second, {{0.3f, 0, 0}, {}}, {{-0.3f, 0, 0}, {}}};
+        slider.limit = Range{-0.2f, 0.2f};
+        slider.stop.stiffness = static_cast<float>(kStiffness);
+        joint = world.create(JointDef(slider));
+    }
+    BodyId add(float side) {
+        constexpr auto kI = static_cast<float>(kMoment);
+        BodyDef def;
+        def.pose.position = {0.5 * kApart * static_cast<double>(side), 0, 0};
+        def.shapes.push_back({.geometry = Sphere{0.1f}});
+        def.shapes[0].filter.mask = 0;
+        def.mass = MassProperties{static_cast<float>(kMass), {}, {{kI, 0, 0}, {0, kI, 0}, {0, 0, kI}}};
+        def.linearVelocity = {-side, 0, 0};
+        return world.create(def);
+    }
+    bool isPressed() const { return world.state(joint).limitMargin < 0; }
+    static double secondOrder() { return kStep * kStep * kStiffness / (0.5 * kMass); }
+    double spin() const { return static_cast<double>(world.angularVelocity(first).y); }
+    double momentum() const {
+        const double s = kApart + static_cast<double>(world.state(joint).coordinate);
+        return (2 * kMoment + 0.5 * kMass * s * s) * spin();
+    }
+    double energy() const {
+        double sum = 0;
+        for (const BodyId id : {first, second}) {
+            const Vec3 v = world.linearVelocity(id), w = world.angularVelocity(id);
+            sum += 0.5 * (kMass * static_cast<double>(dot(v, v)) + kMoment * static_cast<double>(dot(w, w)));
+        }
+        return sum;
+    }
+};
+
+/// While the torque acts nothing is settled, and what one time in a stop costs is of second order, (ωh)²; once it acts
+/// no more, what the slide has is kept.
+TEST(SoftStop, ASlideKeepsWhatATorqueGaveIt) {
+    constexpr int kPushed = 720, kSteps = 1200;
+    TurnedSlide slide;
+    double due = slide.energy(), kept = 0;
+    int times = 0;
+    bool wasPressed = false;
+    for (int i = 1; i <= kSteps; ++i) {
+        const bool pushed = i <= kPushed;
+        const double spin = slide.spin();
+        if (pushed) slide.world.applyTorque(slide.first, {0, static_cast<float>(TurnedSlide::kTorque), 0});
+        slide.world.step(static_cast<float>(TurnedSlide::kStep));
+        if (pushed) due += TurnedSlide::kTorque * TurnedSlide::kStep * 0.5 * (spin + slide.spin());
+        EXPECT_NEAR(slide.momentum(), TurnedSlide::kTorque * TurnedSlide::kStep * std::min(i, kPushed), 5e-4) << i;
+        const bool presses = slide.isPressed();
+        if (presses && !wasPressed) ++times;
+        wasPressed = presses;
+        if (presses) continue;
+        const double energy = slide.energy();
+        EXPECT_LT(energy, (1 + 1e-3) * due) << i;
+        EXPECT_GT(energy, (1 - 1e-3 - times * TurnedSlide::secondOrder()) * due) << i;
+        if (pushed) continue;
+        if (!(kept > 0)) kept = energy;
+        EXPECT_NEAR(energy / kept, 1, 1e-4) << i;
+    }
+    EXPECT_GT(times, 10);
+}
+
 /// A pendulum that swings against soft stops: its weight is a steady force, and what it gives and takes is no stop's.
 /// Its highest energy in each second, of a substep's error in time like its lowest, stays.
 TEST(SoftStop, APendulumKeepsItsEnergyUnderItsWeight) {
