@@ -10,6 +10,7 @@
 #include <map>
 #include <memory_resource>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "base/stage_runner.h"
@@ -122,6 +123,55 @@ double enterFraction(const Vec3& origin, const Vec3& along, const Vec3& extents,
         to = std::min(to, std::max(lower / move, upper / move));
     }
     return from <= to ? from : 2;
+}
+
+using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+// What is found between the branches where proxies seek, as pairs of values; within one tree the lower value comes first.
+Pairs pairsFound(const Model& model, const Model& partners, std::size_t few) {
+    const bool within = &model == &partners;
+    std::pmr::vector<BoundsTree::NodePair> branches;
+    model.tree.collectSeeking(partners.tree, few, branches);
+    Pairs pairs;
+    for (const BoundsTree::NodePair branch : branches)
+        model.tree.forPairs(partners.tree, branch, [&](std::uint32_t a, std::uint32_t b) {
+            pairs.push_back(within && b < a ? std::pair(b, a) : std::pair(a, b));
+        });
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+}
+Pairs pairsExpected(const Model& model, const Model& partners, const std::vector<std::uint32_t>& seeking) {
+    const bool within = &model == &partners;
+    Pairs pairs;
+    for (const std::uint32_t proxy : seeking)
+        for (const auto& [other, bounds] : partners.proxies) {
+            const std::uint32_t a = model.values.at(proxy), b = partners.values.at(other);
+            if ((within && a == b) || !overlaps(model.proxies.at(proxy), bounds)) continue;
+            pairs.push_back(within && b < a ? std::pair(b, a) : std::pair(a, b));
+        }
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    return pairs;
+}
+
+TEST(BoundsTree, FindsEachPairOfWhatSeeksOnce) {
+    Model model, obstacles;
+    for (const int proxies : {0, 1, 2, 3, 10, 300}) {
+        while (static_cast<int>(model.proxies.size()) < proxies) model.insert(model.box(10, 2));
+        while (static_cast<int>(obstacles.proxies.size()) < proxies / 3) obstacles.insert(obstacles.box(10, 4));
+        for (const unsigned oneIn : {1u, 2u, 20u}) {
+            std::vector<std::uint32_t> seeking;
+            for (const auto& [proxy, bounds] : model.proxies)
+                if (model.random() % oneIn == 0) seeking.push_back(proxy);
+            for (const std::uint32_t proxy : seeking) model.tree.seek(proxy);
+            for (const std::size_t few : {0, 8, 1000}) {
+                EXPECT_EQ(pairsFound(model, model, few), pairsExpected(model, model, seeking)) << proxies;
+                EXPECT_EQ(pairsFound(model, obstacles, few), pairsExpected(model, obstacles, seeking)) << proxies;
+            }
+            for (const std::uint32_t proxy : seeking) model.tree.stopSeeking(proxy);
+            EXPECT_TRUE(pairsFound(model, model, 8).empty());
+        }
+    }
 }
 
 TEST(BoundsTree, AgreesWithBruteForceThroughTenThousandChanges) {

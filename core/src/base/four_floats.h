@@ -22,13 +22,6 @@ inline void storeFour(float* to, FourFloats v) {
     *reinterpret_cast<Unaligned*>(to) = v;
 }
 
-/// Does a comparison hold in all lanes?
-inline bool holdsInAll(FourInts holds) {
-    typedef std::int64_t Halves __attribute__((vector_size(16)));
-    const Halves halves = reinterpret_cast<Halves>(holds);
-    return (halves[0] & halves[1]) == -1;
-}
-
 /// Bit i for each lane i of a comparison that holds.
 inline unsigned lanesWhere(FourInts holds) {
 #if defined(__SSE__)
@@ -40,6 +33,9 @@ inline unsigned lanesWhere(FourInts holds) {
     return static_cast<unsigned>((both | both >> 32) & 15u);
 #endif
 }
+
+/// Does a comparison hold in all lanes?
+inline bool holdsInAll(FourInts holds) { return lanesWhere(holds) == 15; }
 
 inline FourFloats absolute(FourFloats v) { return v < 0.0f ? -v : v; }
 inline FourFloats lesser(FourFloats a, FourFloats b) { return a < b ? a : b; }

@@ -87,6 +87,47 @@ void BoundsTree::tellGiven(std::uint32_t proxy) {
     }
 }
 
+void BoundsTree::seek(std::uint32_t proxy) {
+    for (std::uint32_t index = proxy; index != kNull; index = nodes_[index].parent) {
+        if ((nodes_[index].flags & kSeeking) != 0) return;
+        nodes_[index].flags |= kSeeking;
+    }
+}
+
+void BoundsTree::stopSeeking(std::uint32_t proxy) {
+    constexpr auto kOthers = static_cast<std::uint16_t>(~kSeeking);
+    for (std::uint32_t index = proxy; index != kNull; index = nodes_[index].parent) {
+        if ((nodes_[index].flags & kSeeking) == 0) return;
+        nodes_[index].flags &= kOthers;
+    }
+}
+
+void BoundsTree::collectSeeking(const BoundsTree& partners, std::size_t few, std::pmr::vector<NodePair>& found) const {
+    if (root_ == kNull || partners.root_ == kNull || (nodes_[root_].flags & kSeeking) == 0) return;
+    const bool within = this == &partners;
+    if (!within && !overlaps(nodes_[root_].bounds, partners.nodes_[partners.root_].bounds)) return;
+    const auto isLeaf = [&](NodePair pair) {
+        return nodes_[pair.mine].height == 0 && partners.nodes_[pair.other].height == 0;
+    };
+    const auto first = static_cast<std::ptrdiff_t>(found.size());
+    std::size_t next = found.size();
+    found.push_back({root_, partners.root_});
+    for (bool opened = true; opened && found.size() - next < few;) {
+        opened = false;
+        for (const std::size_t end = found.size(); next < end; ++next) {
+            const NodePair pair = found[next];
+            if (isLeaf(pair)) {
+                found.push_back(pair);
+                continue;
+            }
+            opened = true;
+            NodePair below[4];
+            found.insert(found.end(), below, open(partners, pair, below));
+        }
+    }
+    found.erase(found.begin() + first, found.begin() + static_cast<std::ptrdiff_t>(next));
+}
+
 void BoundsTree::refitEnlarged(StageRunner* runner) {
     if (root_ == kNull || (nodes_[root_].flags & (kEnlarged | kStale)) == 0) return;
     if (nodes_[root_].height == 0) {

@@ -25,7 +25,7 @@ public:
         std::uint32_t left = kNull, right = kNull;
         std::uint32_t value = 0;               ///< the caller's, leaves only
         std::uint16_t height = 0;              ///< 0 for a leaf
-        std::uint16_t flags = 0;               ///< kEnlarged, kStale
+        std::uint16_t flags = 0;               ///< kEnlarged, kStale, kSeeking
         std::uint32_t category = 0xffffffffu;  ///< or of the leaves below
     };
 
@@ -65,6 +65,20 @@ public:
     template <class Visit>
     void cast(const Vec3& origin, const Vec3& translation, const Vec3& extents, Visit&& visit) const;
 
+    /// A branch of this tree and one of another, or of this one again; twice the same: pairs within it.
+    struct NodePair {
+        std::uint32_t mine, other;
+    };
+    /// Says that the partners of a proxy are looked for, until it is told that they are not.
+    void seek(std::uint32_t proxy);
+    void stopSeeking(std::uint32_t proxy);
+    /// Adds branches of this tree and of `partners`, which may be this one, between which all pairs are that a seeking
+    /// proxy of this tree is in: a few at least, if there are as many. They depend on the trees alone.
+    void collectSeeking(const BoundsTree& partners, std::size_t few, std::pmr::vector<NodePair>& found) const;
+    /// visit(value, value of the partner) for all pairs between both branches.
+    template <class Visit>
+    void forPairs(const BoundsTree& partners, NodePair from, Visit&& visit) const;
+
     /// All state for save and restore: one array and a few numbers.
     struct Header {
         std::uint32_t root = kNull, freeList = kNull;
@@ -78,12 +92,15 @@ public:
 private:
     static constexpr std::uint16_t kEnlarged = 1;  ///< since the last refit
     static constexpr std::uint16_t kStale = 2;     ///< refitted since its branch was rebuilt
+    static constexpr std::uint16_t kSeeking = 4;   ///< seeks partners, or something below does
 
     /// Half the surface, the cost of a node in the surface area heuristic.
     static constexpr float area(const Bounds& b) {
         const Vec3 size = b.upper - b.lower;
         return size.x * size.y + size.y * size.z + size.z * size.x;
     }
+
+    NodePair* open(const BoundsTree& partners, NodePair pair, NodePair* to) const;
 
     std::uint32_t allocate();
     void release(std::uint32_t index);
@@ -129,4 +146,5 @@ private:
 
 }  // namespace ragtop
 
+#include "broadphase/bounds_tree_pairs.inl"
 #include "broadphase/bounds_tree_query.inl"

@@ -303,17 +303,19 @@ struct WideJoint {
         scatter8<N>(out, pose);
     }
 
-    /// Bodies that no impulse moves are shared between threads and never written.
     RAGTOP_INLINE void writeVelocities() {
-        const Lanes<N> inverseMassA = a[3], inverseMassB = b[3];
         a[0] = vA.x, a[1] = vA.y, a[2] = vA.z, a[4] = wA.x, a[5] = wA.y, a[6] = wA.z;
         b[0] = vB.x, b[1] = vB.y, b[2] = vB.z, b[4] = wB.x, b[5] = wB.y, b[6] = wB.z;
-        for (int i = 0; i < N; ++i) {
-            if (!(inverseMassA[i] > 0)) rowA[i] = nullptr;
-            if (!(inverseMassB[i] > 0)) rowB[i] = nullptr;
-        }
-        scatter8<N>(rowA, a);
-        scatter8<N>(rowB, b);
+        scatterMoving(rowA, a);
+        scatterMoving(rowB, b);
+    }
+    /// Bodies that no impulse moves are shared between threads and never written.
+    static RAGTOP_INLINE void scatterMoving(float* const rows[N], const Lanes<N> state[8]) {
+        const Lanes<N> inverseMass = state[3];
+        if (!any(!(inverseMass > 0.0f))) return scatterAll8<N>(rows, state);
+        float* moving[N];
+        for (int i = 0; i < N; ++i) moving[i] = inverseMass[i] > 0 ? rows[i] : nullptr;
+        scatter8<N>(moving, state);
     }
 };
 

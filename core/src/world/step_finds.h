@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <memory_resource>
 #include <span>
+#include <vector>
 
 #include "base/aligned_array.h"
+#include "broadphase/bounds_tree.h"
 #include "constraints/constraint_graph.h"
 #include "direct/newton.h"
 #include "narrowphase/manifold.h"
@@ -145,6 +147,13 @@ struct ChangedContact {
 /// Two shapes whose bounds have met (world_pairs.cpp).
 struct PairFound {
     std::uint32_t a, b;
+};
+
+/// What the search for pairs uses.
+struct PairSearch {
+    explicit PairSearch(std::pmr::memory_resource* memory) : branches(memory) {}
+    std::pmr::vector<BoundsTree::NodePair> branches;   ///< between which partners are sought
+    std::vector<std::pmr::vector<PairFound>> found;    ///< per pair of branches
 };
 
 /// Where a body was when a step began.

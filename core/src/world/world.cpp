@@ -106,6 +106,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       directRenewed(memory),
       ledger(memory),
       bodyFlags(memory),
+      pairSearch(memory),
       sweptBodies(memory),
       sweptImpacts(memory),
       startPoses(memory),

@@ -473,7 +473,7 @@ struct WorldImpl {
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made
     std::uint64_t runaways = 0;        ///< bodies stopped because they ran away
     AlignedArray<BodyFlag> bodyFlags;  ///< per awake body, set by finishBodies
-    std::vector<std::pmr::vector<PairFound>> foundPairs;  ///< per block of the move buffer
+    PairSearch pairSearch;
     AlignedArray<std::uint32_t> sweptBodies;  ///< those that are kSwept in this step
     AlignedArray<SweptImpact> sweptImpacts;  ///< of this step, for its events
     AlignedArray<StartPose> startPoses;      ///< per awake body, of bodies to sweep

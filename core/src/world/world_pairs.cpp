@@ -1,11 +1,11 @@
+#include <algorithm>
+
 #include "world/edge_list.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
 
 namespace {
-
-constexpr int kShapesPerBlock = 32;
 
 bool filtersAgree(const Filter& a, const Filter& b) {
     if (a.group == b.group && a.group != 0) return a.group > 0;
@@ -179,9 +179,21 @@ class WorldImpl::PairsMet {
 public:
     PairsMet(const WorldImpl& world, std::pmr::vector<PairFound>& found) : world_(world), found_(found) {}
     void add(std::uint32_t shape, std::uint32_t other) {
+        if (!filtersAgree(world_.shapes[shape].filter, world_.shapes[other].filter)) return;
         world_.pairs.prefetch(pairKey(shape, other));
         met_[count_++] = {shape, other};
         if (count_ == kMost) ask();
+    }
+    /// Of obstacles in the move buffer, with what moves and has not found them itself.
+    void addObstacles() {
+        for (const std::uint32_t index : world_.moveBuffer) {
+            const ShapeRecord& shape = world_.shapes[index];
+            if (!shape.isStaticTree) continue;
+            world_.movingTree.query(world_.staticTree.bounds(shape.proxy), [&](std::uint32_t other) {
+                if (!world_.shapes[other].inMoveBuffer) add(index, other);
+                return true;
+            });
+        }
     }
     void ask() {
         for (int i = 0; i < count_; ++i)
@@ -206,35 +218,39 @@ private:
     int count_ = 0;
 };
 
+/// Pairs of all shapes in the move buffer: of obstacles one by one, since few come anew; of all others together.
 void WorldImpl::findPairsOfMoved(bool obstaclesToo) {
-    const int count = static_cast<int>(moveBuffer.size());
-    const auto blocks = static_cast<std::size_t>((count + kShapesPerBlock - 1) / kShapesPerBlock);
-    while (foundPairs.size() < blocks) foundPairs.emplace_back(memory);
+    constexpr std::size_t kMostBranches = 64;
+    constexpr std::size_t kShapesPerBranch = 32;
+    bool obstacles = false;
+    for (const std::uint32_t shape : moveBuffer) {
+        obstacles |= shapes[shape].isStaticTree;
+        if (!shapes[shape].isStaticTree) movingTree.seek(shapes[shape].proxy);
+    }
+    const std::size_t few = std::min(moveBuffer.size() / kShapesPerBranch, kMostBranches);
+    auto& [branches, found] = pairSearch;
+    branches.clear();
+    movingTree.collectSeeking(movingTree, few, branches);
+    const std::size_t amongMoving = branches.size();
+    if (obstaclesToo) movingTree.collectSeeking(staticTree, few, branches);
+    const std::size_t blocks = branches.size() + (obstacles ? 1 : 0);
+    while (found.size() < blocks) found.emplace_back(memory);
     runner.parallelFor(static_cast<int>(blocks), 1, [&](int begin, int end, int) {
-        for (int block = begin; block < end; ++block) {
-            auto& found = foundPairs[static_cast<std::size_t>(block)];
-            found.clear();
-            PairsMet met(*this, found);
-            const int last = (block + 1) * kShapesPerBlock < count ? (block + 1) * kShapesPerBlock : count;
-            for (int i = block * kShapesPerBlock; i < last; ++i) {
-                const std::uint32_t index = moveBuffer[static_cast<std::size_t>(i)];
-                const ShapeRecord& shape = shapes[index];
-                const Bounds bounds = tree(shape).bounds(shape.proxy);
-                const auto visit = [&](std::uint32_t other) {
-                    // A pair that both have moved is found by the lower index.
-                    const ShapeRecord& partner = shapes[other];
-                    const bool foundByOther = other == index || (partner.inMoveBuffer && other < index);
-                    if (!foundByOther && filtersAgree(shape.filter, partner.filter)) met.add(index, other);
-                    return true;
-                };
-                movingTree.query(bounds, visit);
-                if (obstaclesToo && !shape.isStaticTree) staticTree.query(bounds, visit);
-            }
+        for (auto block = static_cast<std::size_t>(begin); block < static_cast<std::size_t>(end); ++block) {
+            found[block].clear();
+            PairsMet met(*this, found[block]);
+            if (block == branches.size())
+                met.addObstacles();
+            else
+                movingTree.forPairs(block < amongMoving ? movingTree : staticTree, branches[block],
+                                    [&](std::uint32_t a, std::uint32_t b) { met.add(a, b); });
             met.ask();
         }
     });
+    for (const std::uint32_t shape : moveBuffer)
+        if (!shapes[shape].isStaticTree) movingTree.stopSeeking(shapes[shape].proxy);
     for (std::size_t block = 0; block < blocks; ++block)
-        for (const PairFound& pair : foundPairs[block]) createContact(pair.a, pair.b);
+        for (const PairFound& pair : found[block]) createContact(pair.a, pair.b);
 }
 
 void WorldImpl::createContact(std::uint32_t a, std::uint32_t b) {
