@@ -103,9 +103,9 @@ TEST(JointStops, MetTogetherLeaveTheNearestVelocityThatTheyAllow) {
     }
 }
 
-/// A ball that was made half a radian beyond its cone is held there and moved back by 0.01 rad once per step. Its x axis
-/// runs along the parallel at 1 rad, which leaves the great circle that its velocity points along by ½ h² v² cot 1: in
-/// the 24 substeps of this step that would be 3.3 mrad, under a load; a tenth is left.
+/// A ball that was made half a radian beyond its cone is held there and moved back by 0.01 rad once per step. Its x
+/// axis runs along the parallel at 1 rad, which leaves the great circle that its velocity points along by ½ h² v² cot
+/// 1: in the 24 substeps of this step that would be 3.3 mrad, under a load; a tenth is left.
 TEST(JointStops, ThatAreHeldBeyondTheirEndStayWhereTheyAre) {
     constexpr float kSwing = 1, kSpeed = 5;
     WorldSettings settings = withoutGravity();
@@ -162,7 +162,8 @@ TEST(JointStops, ThatAreHeldTogetherGiveNoEnergy) {
         double sum = 0;
         for (const BodyId id : {bodies[2 * pair], bodies[2 * pair + 1]}) {
             const MassProperties mass = world.mass(id);
-            const Vec3 v = world.linearVelocity(id), w = inverseRotate(world.pose(id).rotation, world.angularVelocity(id));
+            const Vec3 v = world.linearVelocity(id),
+                       w = inverseRotate(world.pose(id).rotation, world.angularVelocity(id));
             sum += 0.5 * asDouble(mass.mass * ragtop::dot(v, v) + ragtop::dot(w, mass.inertia * w));
         }
         return sum;

@@ -87,8 +87,8 @@ Whirled whirl(JointDef joint, bool alone) {
     if (!alone) world.create(JointDef(DistanceDef{.bodies = {.b = ball}, .limit = Range{0, 100}}));
     run(world, 10);
     const DVec3 at = world.pose(ball).position;
-    return {std::hypot(at.x, at.y) - static_cast<double>(kCircle), static_cast<double>(length(world.linearVelocity(ball))),
-            at.z};
+    return {std::hypot(at.x, at.y) - static_cast<double>(kCircle),
+            static_cast<double>(length(world.linearVelocity(ball))), at.z};
 }
 /// m ω² r against the stiffness m (2πf)² of the rows; half of it, as the row leaks in one of two passes.
 double givesAsASpring() {
@@ -113,8 +113,8 @@ TEST(SweptJoints, GiveWayToWhatCirclesAsTheirSpringsDo) {
     }
 }
 
-/// Joints of axes whose bodies have no other joint are solved at once, so they carry their load without giving way: what
-/// is left is of fourth order in the turn θ = ω h of a substep, and single precision.
+/// Joints of axes whose bodies have no other joint are solved at once, so they carry their load without giving way:
+/// what is left is of fourth order in the turn θ = ω h of a substep, and single precision.
 TEST(SweptJoints, OfAxesThatAreAloneCarryTheirWholeLoad) {
     const double turn = asDouble(kWhirl) / 240;
     for (const JointDef& joint : whirlers()) {

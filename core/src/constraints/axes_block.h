@@ -11,8 +11,8 @@ struct AxesBlock {
     std::uint32_t rigidRows = 0, freeRows = 0;
     std::uint32_t isAlone = 0;   ///< 1: neither body has another joint
     std::uint32_t isAbrupt = 0;  ///< 1: rigid rows bend too differently from substep to substep to be foreseen
-    std::uint32_t locked = 0;  ///< a bit for each coordinate that is a rigid row, at AxisRows::lower
-    std::uint32_t vague = 0;   ///< the same where its row is not its rate: near a half turn, where swings have no axis
+    std::uint32_t locked = 0;    ///< a bit for each coordinate that is a rigid row, at AxisRows::lower
+    std::uint32_t vague = 0;  ///< the same where its row is not its rate: near a half turn, where swings have no axis
 
     // Carried from substep to substep, along the directions of the rows.
     float impulse[kMostRigid] = {}, startImpulse[kMostRigid] = {};

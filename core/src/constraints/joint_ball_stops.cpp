@@ -149,8 +149,7 @@ void solveBallStops(JointSim& joint, BallTurn& turn, const BodyPair& pair, const
         solveTogether(joint, turn, pair, context, moving);
     } else {
         const BallSides sides(rows);
-        for (int i = 0; i < sides.count; ++i)
-            solveTurnStop(*sides.side[i], sides.axis[i], turn, rows, context, moving);
+        for (int i = 0; i < sides.count; ++i) solveTurnStop(*sides.side[i], sides.axis[i], turn, rows, context, moving);
     }
     if (moving)
         noteEnergy(rows, turn, pair, joint.arms);
