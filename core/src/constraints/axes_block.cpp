@@ -45,6 +45,12 @@ void factorRigid(AxesBlock& block, const PairVector (&moved)[AxesBlock::kMostRig
 
 }  // namespace
 
+bool isHeld(const AxesBlock& block) {
+    for (std::uint32_t f = 0; f < block.freeRows; ++f)
+        if (block.axis[f].atLower.recovery == 0 || block.axis[f].atUpper.recovery == 0) return true;
+    return false;
+}
+
 void refreshMass(AxesBlock& block, const PairMass& mass) {
     PairVector moved[AxesBlock::kMostRigid];
     for (std::uint32_t i = 0; i < block.rigidRows; ++i) moved[i] = velocityOf(mass, block.rigid[i]);
@@ -104,10 +110,11 @@ static float reactionOf(const AxesBlock& block, std::uint32_t row) {
     return sum;
 }
 
-BodyPair held(const AxesBlock& block, const BodyPair& pair, const Arms& arms) {
+BodyPair held(const AxesBlock& block, const BodyPair& pair, const Arms& arms, bool bending) {
     const PairVector u = pair.velocity(arms);
     float impulse[AxesBlock::kMostRigid] = {};
-    for (std::uint32_t i = 0; i < block.rigidRows; ++i) impulse[i] = -speedAlong(block.rigid[i], u);
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i)
+        impulse[i] = -(speedAlong(block.rigid[i], u) + (bending ? block.rigidBend[i] : 0.0f));
     solveRigid(block, impulse);
     PairVector total;
     for (std::uint32_t i = 0; i < block.rigidRows; ++i) total += impulse[i] * block.rigid[i];

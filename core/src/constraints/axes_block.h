@@ -9,8 +9,10 @@ namespace ragtop {
 struct AxesBlock {
     static constexpr int kMostRigid = 6, kMostFree = 6;
     std::uint32_t rigidRows = 0, freeRows = 0;
-    std::uint32_t locked = 0;  ///< a bit for each coordinate that is a rigid row, at AxisRows::lower
-    std::uint32_t vague = 0;   ///< the same where its row is not its rate: near a half turn, where swings have no axis
+    std::uint32_t isAlone = 0;   ///< 1: neither body has another joint
+    std::uint32_t isAbrupt = 0;  ///< 1: rigid rows bend too differently from substep to substep to be foreseen
+    std::uint32_t locked = 0;    ///< a bit for each coordinate that is a rigid row, at AxisRows::lower
+    std::uint32_t vague = 0;  ///< the same where its row is not its rate: near a half turn, where swings have no axis
 
     // Carried from substep to substep, along the directions of the rows.
     float impulse[kMostRigid] = {}, startImpulse[kMostRigid] = {};
@@ -29,14 +31,16 @@ struct AxesBlock {
 inline double coordinateOf(const AxesBlock& block, std::uint32_t f) {
     return static_cast<double>(block.value[f]) + static_cast<double>(block.rounded[f]);
 }
+/// Was the joint made beyond a limit, so that it is held where it is (docs/adr/0027)?
+bool isHeld(const AxesBlock& block);
 /// Masses from the directions, once these are filled in.
 void refreshMass(AxesBlock& block, const PairMass& mass);
 /// All that is carried over as one impulse.
 PairVector carriedImpulse(const AxesBlock& block);
 /// The impulse along a coordinate with what keeps the rigid rows' velocity, which is noted.
 PairVector freeImpulse(AxesBlock& block, std::uint32_t coordinate, float amount);
-/// The velocities that the rigid rows leave when they only hold.
-BodyPair held(const AxesBlock& block, const BodyPair& pair, const Arms& arms);
+/// The velocities that the rigid rows leave when they only hold, or bend as in the substep before.
+BodyPair held(const AxesBlock& block, const BodyPair& pair, const Arms& arms, bool bending);
 void solveAxes(AxesBlock& block, BodyPair& pair, const Arms& arms, const Softness& rigid, const JointContext& context,
                bool moving);
 /// Moves the bodies such that `share` of the rigid rows' errors is gone, to first order.

@@ -105,11 +105,14 @@ void refreshAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair,
     beginAxes(block, pair, joint.arms, frictionLoad(joint, place), refresh.context);
 }
 
+namespace {
+
 /// Where the velocities lead that the rigid rows leave, by how much does each row go another way than its rate says?
 /// Angles that turn by more than half a radian are not foreseen, as in `curving`, nor vague ones, which may jump.
-void foreseeAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context) {
+/// Returns the largest change of what rigid rows bend by, of the speed, squared.
+float bendOnce(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context) {
     AxesBlock& block = joint.axes;
-    const BodyPair holds = held(block, pair, joint.arms);
+    const BodyPair holds = held(block, pair, joint.arms, true);
     const PairVector u = holds.velocity(joint.arms);
     const Turning w = holds.turns();
     const PathPlace onPath = joint.path.at;
@@ -119,15 +122,42 @@ void foreseeAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair,
     joint.path.at = onPath;
     const float a = dot(w.a, w.a), b = dot(w.b, w.b), square = context.h * context.h * (a > b ? a : b);
     const float share = 1 / (1 + 9 * square * square);
-    for (std::uint32_t i = 0; i < block.rigidRows; ++i)
-        block.rigidBend[i] =
+    const float arms = a * lengthSquared(joint.arms.a) + b * lengthSquared(joint.arms.b);
+    const float along = lengthSquared(u.linear), linear = along > arms ? along : arms;
+    float largest = 0;
+    for (std::uint32_t i = 0; i < block.rigidRows; ++i) {
+        const float bend =
             share * (context.inverseH * (ahead.error[i] - block.error[i]) - speedAlong(block.rigid[i], u));
+        const float change = bend - block.rigidBend[i], speed = block.rigid[i].linear == Vec3{} ? a + b : linear;
+        if (change * change > largest * speed) largest = change * change / speed;
+        block.rigidBend[i] = bend;
+    }
     for (std::uint32_t f = 0; f < block.freeRows; ++f) {
         block.freeBend[f] = 0;
         if ((block.vague | ahead.vague) & 1u << f) continue;
         const auto way = static_cast<float>(ahead.coordinate[f] - coordinateOf(block, f));
         block.freeBend[f] = share * (context.inverseH * way - speedAlong(block.free[f], u));
     }
+    return largest;
+}
+
+}  // namespace
+
+/// Newton's method for the errors when the substep ends, from what rows bent by in the one before: the angle α between
+/// the way and its chord, half of what it turns by in the substep. Once is enough where α changes little. Speeds are
+/// projected onto the chord and from there onto the new way; where α changes by more than 1/32, that may leave
+/// α² = 0.1 % of energy, and such rows stay soft.
+void foreseeAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context) {
+    constexpr float kLittle = 1.0f / 128, kMuch = 1.0f / 32;  // rad
+    AxesBlock& block = joint.axes;
+    bool bent = false;
+    for (const float bend : block.rigidBend) bent = bent || bend != 0;
+    const float change = bendOnce(joint, place, pair, context);
+    block.isAbrupt = bent && change > kMuch * kMuch ? 1 : 0;
+    if (!(change > kLittle * kLittle)) return;
+    if (block.isAbrupt)
+        for (float& bend : block.rigidBend) bend = 0;
+    bendOnce(joint, place, pair, context);
 }
 
 namespace {

@@ -1,4 +1,5 @@
 #include "constraints/joint_angle.h"
+#include "constraints/joint_ball_stops.h"
 #include "constraints/joint_constants.h"
 #include "constraints/joint_types.h"
 #include "constraints/soft_course.h"
@@ -143,8 +144,6 @@ Range twistRange(const BallRows& rows, const Vec3& d) {
     return rows.swingLimit.shape == SwingShape::polygon ? twistAt(rows.swingLimit, d) : rows.twistLimit;
 }
 
-namespace {
-
 void refreshLimits(BallRows& rows, const JointPlace& place) {
     const Vec3 xA = axisX(place.a), xB = axisX(place.b);
     const Vec3 d = inverseRotate(place.a, xB);
@@ -171,6 +170,8 @@ void refreshLimits(BallRows& rows, const JointPlace& place) {
         }
     }
 }
+
+namespace {
 
 void beginBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context) {
     BallRows& rows = joint.ball;
@@ -215,18 +216,6 @@ void refreshBall(JointSim& joint, const JointPlace& place, const BodyPair& pair,
 
 namespace {
 
-/// The ball's rotation while its rows are solved in turn: torques come with the force that keeps the point together,
-/// so the inverse inertia is the block's P.
-struct BallTurn {
-    const RigidBlock& block;
-    Vec3 speed, total;
-
-    void add(const Vec3& impulse) {
-        total += impulse;
-        speed += block.mass.rest * impulse;
-    }
-};
-
 /// λ = push − drag ω about all axes at once: (E + drag P) λ = push − drag (ω − P λ_old).
 void solveCompliant(Vec3& impulse, const Vec3& push, float drag, float longest, BallTurn& turn) {
     const Sym3& p = turn.block.mass.rest;
@@ -240,70 +229,6 @@ void solveFriction(BallRows& rows, BallTurn& turn, bool moving) {
     const Vec3 old = rows.frictionImpulse;
     rows.frictionImpulse = clampLength(old - solve(turn.block.second, turn.speed), rows.dry.boundOf(moving));
     turn.add(rows.frictionImpulse - old);
-}
-
-/// A stop whose margin grows with the speed about `axis`.
-void solveTurnStop(StopSide& side, const Vec3& axis, BallTurn& turn, const BallRows& rows, const JointContext& context,
-                   bool moving) {
-    const float speed = dot(axis, turn.speed);
-    if (!mayAct(side, rows.stop, speed, context, moving)) return;
-    const float inverseMass = dot(axis, turn.block.mass.rest * axis);
-    if (!(inverseMass > turn.block.noise)) return;
-    const RowAim aim = aimAtStop(side, rows.stop, inverseMass, context, moving);
-    turn.add(solveRow(side.impulse, aim, speed, inverseMass, context) * axis);
-}
-
-/// An overstepped stop that brings its margin back; asked in the pass that moves.
-bool isRecovering(const StopSide& side) { return side.margin < 0 && side.impulse > 0; }
-
-/// Takes the rates about some axes out of a rotation, n · ω = 0, by impulses about them: each axis is first made
-/// P-orthogonal to those before it.
-struct HeldAxes {
-    const RigidBlock& block;
-    Vec3 rotation;
-    Vec3 axes[1 + SwingLimit::kSides], responses[1 + SwingLimit::kSides];
-    float inverseMasses[1 + SwingLimit::kSides];
-    int count = 0;
-
-    void hold(Vec3 axis) {
-        for (int i = 0; i < count; ++i) axis -= (dot(axis, responses[i]) / inverseMasses[i]) * axes[i];
-        const Vec3 response = block.mass.rest * axis;
-        const float inverseMass = dot(axis, response);
-        if (!(inverseMass > block.noise)) return;
-        rotation -= (dot(axis, rotation) / inverseMass) * response;
-        axes[count] = axis;
-        responses[count] = response;
-        inverseMasses[count++] = inverseMass;
-    }
-};
-
-/// The energy ½ ω · P⁻¹ ω that the relative rotation would have if nothing out of place were brought back, neither the
-/// point nor a margin: what acts would hold.
-void noteEnergy(BallRows& rows, const BallTurn& turn, const BodyPair& pair, const Arms& arms) {
-    rows.mostEnergy = kNoForceLimit;
-    bool recovers = isRecovering(rows.twistLower) || isRecovering(rows.twistUpper);
-    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) recovers = recovers || isRecovering(rows.swing[i]);
-    if (!recovers || rows.stop.stiffness > 0) return;
-    const PairVector u = pair.velocity(arms);
-    BodyPair still = pair;
-    still.apply(arms, {-solve(turn.block.mass.first, u.linear), {}});
-    HeldAxes held{turn.block, turn.speed + (still.velocity(arms).angular - u.angular), {}, {}, {}};
-    if (rows.twistLower.impulse > 0)
-        held.hold(rows.lowerTwistAxis());
-    else if (rows.twistUpper.impulse > 0)
-        held.hold(-rows.upperTwistAxis());
-    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
-        if (rows.swing[i].impulse > 0) held.hold(rows.swingAxis[i]);
-    rows.mostEnergy = 0.5f * dot(held.rotation, solve(turn.block.second, held.rotation));
-}
-
-/// A cone that closes on what turns in it would spin it up, as arms drawn in spin up a skater. Coming back from beyond
-/// a limit is to add no energy: the relative rotation is slowed down to what it had.
-void shedEnergy(const BallRows& rows, BallTurn& turn) {
-    if (!(rows.mostEnergy < kNoForceLimit)) return;
-    const Vec3 momentum = solve(turn.block.second, turn.speed);
-    const float energy = 0.5f * dot(turn.speed, momentum);
-    if (energy > rows.mostEnergy) turn.add((std::sqrt(rows.mostEnergy / energy) - 1) * momentum);
 }
 
 }  // namespace
@@ -322,19 +247,7 @@ void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, boo
     if (rows.features & BallRows::kViscous)
         solveCompliant(rows.viscousImpulse, {}, rows.viscousDrag[pass], kNoForceLimit, turn);
     if (rows.features & BallRows::kFriction) solveFriction(rows, turn, useBias);
-    if (rows.features & BallRows::kTwist) {
-        solveTurnStop(rows.twistLower, rows.lowerTwistAxis(), turn, rows, context, useBias);
-        solveTurnStop(rows.twistUpper, rows.upperTwistAxis(), turn, rows, context, useBias);
-    }
-    if (rows.features & BallRows::kSwing)
-        for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
-            solveTurnStop(rows.swing[i], rows.swingAxis[i], turn, rows, context, useBias);
-    if (rows.features & (BallRows::kTwist | BallRows::kSwing)) {
-        if (useBias)
-            noteEnergy(rows, turn, pair, joint.arms);
-        else
-            shedEnergy(rows, turn);
-    }
+    if (rows.features & (BallRows::kTwist | BallRows::kSwing)) solveBallStops(joint, turn, pair, context, useBias);
     const Vec3 force = -(block.mass.gain * turn.total);
     block.impulseFirst += force;
     pair.apply(joint.arms, {force, turn.total});

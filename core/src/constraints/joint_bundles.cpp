@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "constraints/joint_ball_stops.h"
+
 namespace ragtop {
 namespace {
 
@@ -31,7 +33,7 @@ bool isWide(const JointSim& joint) {
         case JointKind::ball:
             return (joint.ball.swingLimit.shape == SwingShape::free ||
                     joint.ball.swingLimit.shape == SwingShape::circle) &&
-                   !isSoft(joint.ball.stop) && !(joint.ball.features & BallRows::kDrives);
+                   !isSoft(joint.ball.stop) && !(joint.ball.features & BallRows::kDrives) && !isHeld(joint.ball);
         case JointKind::hinge:
         case JointKind::distance:
             return !isSoft(joint.axis.stop) && !(joint.axis.features & AxisRows::kCoupled);

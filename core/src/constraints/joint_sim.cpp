@@ -17,14 +17,6 @@ AxisSettings settingsOf(const Def& def, bool turns) {
     return {def.limit, def.stop, def.motor, def.spring, def.target, def.friction, def.bearing, turns};
 }
 
-JointPlace locate(JointSim& joint, const BodyPair& pair) {
-    const BodyState &a = pair.stateA(), &b = pair.stateB();
-    const Vec3 anchorA = rotate(a.dq, joint.anchorA), anchorB = rotate(b.dq, joint.anchorB);
-    const Vec3 gap = joint.centerOffset + (b.dp - a.dp) + (anchorB - anchorA);
-    joint.arms = {anchorA + 0.5f * gap, anchorB - 0.5f * gap};
-    return {a.dq * joint.frameA, b.dq * joint.frameB, gap};
-}
-
 void refreshAt(JointSim& joint, const JointPlace& now, const BodyPair& pair, const Refresh& refresh) {
     switch (joint.kind) {
         case JointKind::none:
@@ -68,6 +60,14 @@ Vec3 displaced(const Quat& q, const Vec3& r) {
 }
 
 }  // namespace
+
+JointPlace locate(JointSim& joint, const BodyPair& pair) {
+    const BodyState &a = pair.stateA(), &b = pair.stateB();
+    const Vec3 anchorA = rotate(a.dq, joint.anchorA), anchorB = rotate(b.dq, joint.anchorB);
+    const Vec3 gap = joint.centerOffset + (b.dp - a.dp) + (anchorB - anchorA);
+    joint.arms = {anchorA + 0.5f * gap, anchorB - 0.5f * gap};
+    return {a.dq * joint.frameA, b.dq * joint.frameB, gap};
+}
 
 JointPlace placeAhead(const JointPlace& now, const Arms& arms, const BodyPair& pair, float h) {
     const Turning w = pair.turns();
@@ -206,6 +206,9 @@ static float openShare(const JointSim& joint, const BodyPair& pair, float h) {
     return error > near ? 1 - near / error : 0.0f;
 }
 
+/// Rows that carry their whole load and come back from an error as soft ones do.
+static Softness withoutLeak(const Softness& soft) { return {soft.biasRate, 1, 0}; }
+
 /// Joints of a figure carry their whole load: sweeps nearly solve it, and the leak of soft rows is for what they do
 /// not.
 static Softness softnessOf(const JointSim& joint, const BodyPair& pair, const JointContext& context) {
@@ -256,6 +259,16 @@ void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& cont
     pair.apply(joint.arms, freeImpulse(block, solveAxis(joint.axis, speed, context, useBias, bend)));
 }
 
+/// What is alone is solved at once: it carries its whole load, and takes an impact on a stop whole. What is held beyond
+/// its limits would not come back from where it gave way, and stays soft.
+static void solveAxes(JointSim& joint, BodyPair& pair, const JointContext& context, bool moving) {
+    const Softness whole = withoutLeak(context.softness);
+    const bool alone = joint.axes.isAlone != 0;
+    const Softness& rigid = alone && joint.axes.isAbrupt == 0 ? whole : context.softness;
+    const JointContext own{context.h, context.inverseH, alone && !isHeld(joint.axes) ? whole : context.softness};
+    solveAxes(joint.axes, pair, joint.arms, moving ? rigid : kRigid, own, moving);
+}
+
 namespace {
 
 void solveRows(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias) {
@@ -277,8 +290,7 @@ void solveRows(JointSim& joint, BodyPair& pair, const JointContext& context, boo
             break;
         default:
             if (useBias) foreseeAxes(joint, locate(joint, pair), pair, context);
-            solveAxes(joint.axes, pair, joint.arms, useBias ? softnessOf(joint, pair, context) : kRigid, context,
-                      useBias);
+            solveAxes(joint, pair, context, useBias);
             break;
     }
 }
@@ -314,7 +326,7 @@ bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inerti
     const Vec3 first = joint.block.impulseFirst, second = joint.block.impulseSecond;
     const PairVector before = pair.velocity(joint.arms);
     if (hasAxes(joint.kind)) {
-        pair = held(joint.axes, pair, joint.arms);
+        pair = held(joint.axes, pair, joint.arms, false);
     } else if (joint.kind != JointKind::distance) {
         solveRigid(joint, pair, {}, false);
     } else if (joint.axis.features & AxisRows::kLocked && joint.axis.inverseMass > 0) {

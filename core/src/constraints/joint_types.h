@@ -38,6 +38,8 @@ void refreshAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair,
 void foreseeAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context);
 /// By how much the mean rate of a free coordinate over h will differ from its speed now.
 float bendOf(const JointSim& joint, std::uint32_t coordinate, const BodyPair& pair, float h);
+/// Where the joint's frames are; sets its arms.
+JointPlace locate(JointSim& joint, const BodyPair& pair);
 /// Where the joint's frames will be after h.
 JointPlace placeAhead(const JointPlace& now, const Arms& arms, const BodyPair& pair, float h);
 void refreshDistance(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh);

@@ -16,6 +16,16 @@ std::uint32_t rootOf(AlignedArray<std::uint32_t>& parent, std::uint32_t body) {
     return body;
 }
 
+/// Has neither body another joint, nor the joint a coupling?
+bool isAlone(const WorldImpl& world, std::uint32_t joint) {
+    const JointRecord& record = world.joints[joint];
+    const auto isOnly = [&](std::uint32_t body, std::uint32_t side) {
+        return !world.moves(body) ||
+               (world.bodies[body].firstJoint == 2 * joint + side && record.edges[side].next == kNone);
+    };
+    return record.firstCoupling == kNone && isOnly(record.bodyA, 0) && isOnly(record.bodyB, 1);
+}
+
 }  // namespace
 
 /// Groups the bodies of this step's joints. State 0 stands for all that does not move: what is joined to it swings, and
@@ -99,6 +109,13 @@ bool WorldImpl::isOfFigure(std::uint32_t joint) const {
     if (kind != JointKind::ball && kind != JointKind::hinge && kind != JointKind::fixed) return false;
     if (!moves(record.bodyA) || !moves(record.bodyB)) return false;
     return assemblies.isFigure[assemblies.parent[record.bodyA]] != 0;
+}
+
+/// With whom a joint is solved.
+void WorldImpl::noteCompany(std::uint32_t joint) {
+    JointSim& sim = jointSims[joint];
+    sim.ofFigure = isOfFigure(joint) ? 1.0f : 0.0f;
+    sim.axes.isAlone = hasAxes(sim.kind) && isAlone(*this, joint) ? 1 : 0;
 }
 
 /// The position map of integratePositions for the common motion of each assembly: its centre of mass moves by h v − ½

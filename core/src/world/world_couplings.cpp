@@ -48,7 +48,7 @@ std::uint32_t WorldImpl::createCoupling(const CouplingDef& def) {
             if (moves(body)) wakeBody(body);
     }
     ++structureVersion;
-    structureChanged = graphChanged = bundlesChanged = true;
+    structureChanged = graphChanged = bundlesChanged = treesChanged = true;
     return index;
 }
 
@@ -68,7 +68,7 @@ void WorldImpl::destroyCoupling(std::uint32_t index) {
     for (std::uint32_t c = 0; c < couplingSlots.count(); ++c)
         if (couplingSlots.isUsed(c)) markCoupled(couplingSims[c], jointSims.data());
     ++structureVersion;
-    structureChanged = graphChanged = bundlesChanged = true;
+    structureChanged = graphChanged = bundlesChanged = treesChanged = true;
 }
 
 /// What a coupling reaches from this joint wakes with it.

@@ -192,6 +192,7 @@ struct WorldImpl {
     void listAssemblies();
     void countJointsOfAssemblies();
     bool isOfFigure(std::uint32_t joint) const;
+    void noteCompany(std::uint32_t joint);
     void moveAssemblies();
 
     // world_continuous.cpp

@@ -226,7 +226,7 @@ void WorldImpl::prepareJoints() {
         [&](int c, int begin, int end) {
             for (int i = begin; i < end; ++i) {
                 const std::uint32_t joint = graph.color(c).joints[static_cast<std::size_t>(i)];
-                if (assemblies.fresh) jointSims[joint].ofFigure = isOfFigure(joint) ? 1.0f : 0.0f;
+                if (assemblies.fresh) noteCompany(joint);
                 prepareJoint(jointSims[joint], jointBodies(joint), states.data(), inertias.data(), jointContext);
             }
         });
