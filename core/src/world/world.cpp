@@ -27,6 +27,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
     : settings(worldSettings),
       memory(orDefault(config.memory)),
       runner(config.tasks),
+      workerChoice(runner.workers()),
       kernels(&selectKernels(checkedLanes(config.lanes))),
       jointKernels(&selectJointKernels(kernels->lanes)),
       bodySlots(memory),

@@ -11,6 +11,7 @@
 #include "base/paged_array.h"
 #include "base/pair_set.h"
 #include "base/stage_runner.h"
+#include "base/worker_choice.h"
 #include "broadphase/bounds_tree.h"
 #include "constraints/constraint_graph.h"
 #include "constraints/coupling.h"
@@ -39,7 +40,9 @@ struct WorldImpl {
 
     // world_step.cpp: the stages of a step, in order.
     void step(World& world, double dt);
-    bool isLittle() const;
+    std::size_t sizeOfStep() const;
+    template <class Body>
+    void shareStep(Body&& body);
     void prepareBodies();
     void prepareConstraints();
     void groupContacts();
@@ -383,6 +386,7 @@ struct WorldImpl {
     WorldCallbacks callbacks;
     std::pmr::memory_resource* memory;
     StageRunner runner;
+    WorkerChoice workerChoice;
     const KernelTable* kernels;
     const JointKernels* jointKernels;
 

@@ -40,7 +40,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     for (StepModule* module : modules)
         if (module->beforeStep) module->beforeStep(module->user, world, stepSeconds);
 
-    const auto all = [&] {
+    shareStep([&](bool shareSolve) {
         beginStage("pairs");
         findPairs();  // may grow arrays, as may the changes of contacts; nothing else below does
         coverLaunched(longer);
@@ -60,7 +60,9 @@ void WorldImpl::step(World& world, double stepSeconds) {
         prepareConstraints();
         beginDirect();
         beginStage("solve");
-        for (int i = 0; i < settings.substeps; ++i) solveSubstep(world, i);
+        runner.part(!shareSolve, [&] {
+            for (int i = 0; i < settings.substeps; ++i) solveSubstep(world, i);
+        });
         storeJoints();
         endDirect();
         beginStage("finish");
@@ -75,11 +77,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         beginStage("sleep");
         restStillBodies();
         sleepQuietIslands();
-    };
-    if (isLittle())
-        runner.aloneRegion(all);
-    else
-        runner.region(all);
+    });
 
     stepping = false;
     breakJoints();
@@ -92,10 +90,20 @@ void WorldImpl::step(World& world, double stepSeconds) {
     endStages();
 }
 
-/// Is a step over before a second thread would have woken and found something to do?
-bool WorldImpl::isLittle() const {
-    constexpr std::size_t kFew = 64;  // each takes some 0.3 to 1 µs, waking 2 µs
-    return awakeBodies.size() + awakeContacts.size() + moveBuffer.size() < kFew;
+/// What a step does, counted in bodies and contacts: each takes some 0.3 to 1 µs.
+std::size_t WorldImpl::sizeOfStep() const { return awakeBodies.size() + awakeContacts.size() + moveBuffer.size(); }
+
+/// Runs what workers may help with, and tells the choice how long that took.
+template <class Body>
+void WorldImpl::shareStep(Body&& body) {
+    constexpr std::size_t kFew = 64;  // is over before a second thread has woken, which takes 2 µs and more
+    const std::size_t size = sizeOfStep();
+    if (size < kFew) return runner.region(1, [&] { body(false); });
+    const Sharing sharing = workerChoice.next();
+    const auto begin = std::chrono::steady_clock::now();
+    runner.region(sharing.workers, [&] { body(sharing.shareSolve); });
+    const std::chrono::duration<float> taken = std::chrono::steady_clock::now() - begin;
+    workerChoice.note(taken.count(), static_cast<float>(size));
 }
 
 void WorldImpl::solveSubstep(World& world, int number) {
