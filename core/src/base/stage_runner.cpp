@@ -122,7 +122,7 @@ void StageRunner::runStage(BlockFunction function, void* context, int count, int
     const int blockCount = (count - 1) / grain + 1, present = 1 + joined_.load(std::memory_order_relaxed);
     const int sharers = blockCount < present ? blockCount : present;
     const auto startOf = [&](int worker) {
-        return static_cast<std::uint64_t>(static_cast<std::int64_t>(blockCount) * worker / sharers);
+        return static_cast<std::uint64_t>((static_cast<std::int64_t>(blockCount) * worker + sharers - 1) / sharers);
     };
     for (int worker = sharers; worker-- > 0;) {
         Share& share = shares_[static_cast<std::size_t>(worker)];

@@ -83,7 +83,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       movedConstraints(memory),
       sweptCouplings(memory),
       assemblies(memory),
-      leftBounds(memory),
+      boundsLeft(memory),
       bearings(memory),
       bearingBegin(memory),
       neighbours(memory),

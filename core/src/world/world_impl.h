@@ -40,9 +40,6 @@ struct WorldImpl {
 
     // world_step.cpp: the stages of a step, in order.
     void step(World& world, double dt);
-    std::size_t sizeOfStep() const;
-    template <class Body>
-    void shareStep(Body&& body);
     void prepareBodies();
     void prepareConstraints();
     void groupContacts();
@@ -450,7 +447,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> bodyStack, movedConstraints;
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     Assemblies assemblies;
-    AlignedArray<std::uint8_t> leftBounds;  ///< per awake body: some shape of it did in this step
+    BoundsLeft boundsLeft;
     AlignedArray<IslandBearing> bearings;
     AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
     LoadPaths paths;
