@@ -124,7 +124,7 @@ static std::uint32_t refitBodies(WorldImpl& world, std::size_t begin, std::size_
         BodyRecord& body = world.bodies[index];
         const Quat turn = body.rotation * conjugate(start.rotation);
         const float way = length(relative(body.center, start.center)) +
-                          2 * length(Vec3{turn.x, turn.y, turn.z}) * body.radius;
+                          2 * length(Vec3{turn.x, turn.y, turn.z}) * body.coreRadius;
         body.travel += static_cast<double>(way);
         body.room -= way;
         body.refitted = false;
