@@ -318,10 +318,10 @@ TEST(BoundsTree, ThreadsRefitToTheSameTree) {
             for (int i = begin; i < end; ++i)
                 threaded.tree.give(moved[static_cast<std::size_t>(i)].first, moved[static_cast<std::size_t>(i)].second);
         });
-        for (const auto& [proxy, bounds] : moved) {
-            EXPECT_TRUE(threaded.tree.wasGiven(proxy));
-            threaded.tree.tellGiven(proxy);
-        }
+        for (const auto& [proxy, bounds] : moved) EXPECT_TRUE(threaded.tree.wasGiven(proxy));
+        runner.parallelFor(static_cast<int>(moved.size()), 16, [&](int begin, int end, int) {
+            for (int i = begin; i < end; ++i) threaded.tree.tellGiven(moved[static_cast<std::size_t>(i)].first);
+        });
         threaded.tree.refitEnlarged(&runner);
         ASSERT_EQ(serial.tree.nodes().size(), threaded.tree.nodes().size());
         for (std::size_t i = 0; i < serial.tree.nodes().size(); ++i) {

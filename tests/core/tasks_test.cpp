@@ -180,6 +180,50 @@ TEST(StageRunner, AloneOnTheCallerWakesNoWorker) {
     EXPECT_EQ(visits, std::vector<int>(1000, 1));
 }
 
+TEST(StageRunner, NoMoreThanAskedForTakePart) {
+    struct Count {
+        int tasks = 0;
+    } count;
+    TaskRunner tasks = runnerOf(4, [](void* user, int tasksOfRun, TaskRunner::Task task, void* context) {
+        static_cast<Count*>(user)->tasks = tasksOfRun;
+        inOrder(nullptr, tasksOfRun, task, context);
+    });
+    tasks.user = &count;
+    StageRunner runner(tasks);
+    for (const int most : {1, 2, 4, 9}) {
+        count.tasks = 1;
+        int calls = 0;
+        runner.region(most, [&] { runner.parallelFor(100, 1, [&](int begin, int end, int) { calls += end - begin; }); });
+        EXPECT_EQ(count.tasks, most < 4 ? most : 4);
+        EXPECT_EQ(calls, 100);
+    }
+}
+
+TEST(StageRunner, PartsOfARegionMayStayAlone) {
+    StageRunner runner(threadTasks(2));
+    const auto caller = std::this_thread::get_id();
+    const auto visitAll = [&](bool alone) {
+        std::vector<int> visits(1000);
+        runner.parallelFor(1000, 10, [&](int begin, int end, int) {
+            if (alone) {
+                EXPECT_EQ(std::this_thread::get_id(), caller);
+            }
+            for (int i = begin; i < end; ++i) ++visits[static_cast<std::size_t>(i)];
+        });
+        EXPECT_EQ(visits, std::vector<int>(1000, 1));
+    };
+    runner.region([&] {
+        visitAll(false);
+        runner.part(true, [&] {
+            visitAll(true);
+            runner.part(false, [&] { visitAll(true); });  // what is alone stays so
+        });
+        runner.part(false, [&] { visitAll(false); });
+    });
+    runner.region(1, [&] { runner.part(false, [&] { visitAll(true); }); });
+    runner.part(true, [&] { visitAll(false); });  // outside: as if it were not there
+}
+
 TEST(StageRunner, WorkersReallyJoin) {
     if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "oneTBB starts no thread here";
     for (const TaskRunner& tasks : {threadTasks(2), tbbTasks(2)}) {

@@ -38,9 +38,10 @@ StageRunner::StageRunner(const TaskRunner& tasks) : tasks_(tasks) {
         throw std::invalid_argument("tasks.workers is " + std::to_string(tasks.workers) + "; allowed are 1 to 64");
     }
     workers_ = tasks.run == nullptr ? 1 : tasks.workers;
+    shares_ = std::make_unique<Share[]>(static_cast<std::size_t>(workers_));
 }
 
-bool StageRunner::openRegion(BodyFunction body, void* context) {
+bool StageRunner::openRegion(int workers, BodyFunction body, void* context) {
     std::thread::id nobody;
     if (!caller_.compare_exchange_strong(nobody, std::this_thread::get_id(), std::memory_order_acquire,
                                          std::memory_order_relaxed)) {
@@ -52,7 +53,7 @@ bool StageRunner::openRegion(BodyFunction body, void* context) {
     joined_.store(0, std::memory_order_relaxed);
     state_.store(State::waiting, std::memory_order_release);
     tasks_.run(
-        tasks_.user, workers_,
+        tasks_.user, workers,
         [](void* self, int) {
             auto& runner = *static_cast<StageRunner*>(self);
             if (std::this_thread::get_id() != runner.caller_.load(std::memory_order_relaxed)) {
@@ -82,44 +83,58 @@ void StageRunner::help() {
         waitRound(round);
     }
     const int worker = 1 + joined_.fetch_add(1, std::memory_order_relaxed);
+    const Share& own = shares_[static_cast<std::size_t>(worker)];
+    bool look = true;  // a stage that was shared out before may have blocks left
     int round = 0;
     while (state_.load(std::memory_order_acquire) == State::open) {
-        const int taken = isEmpty(blocks_.load(std::memory_order_relaxed)) ? 0 : takeBlocks(true, worker);
+        const int taken = look || !isEmpty(own.blocks.load(std::memory_order_relaxed)) ? takeBlocks(worker) : 0;
         if (taken > 0) {
-            done_.fetch_add(taken, std::memory_order_release);
+            done_.fetch_add(static_cast<std::uint32_t>(taken), std::memory_order_release);
             round = 0;
         } else {
             waitRound(round < kPauses ? round++ : round);
         }
+        look = round == kPauses;
     }
 }
 
-/// Claims and runs blocks of the current stage until none is left. All belong to one stage: the caller cannot publish
-/// the next one before the blocks taken here are reported done.
-int StageRunner::takeBlocks(bool fromBack, int worker) {
+/// Claims and runs blocks of the current stage until none is left, its own ones first. All belong to one stage: the
+/// caller cannot publish the next one before the blocks taken here are reported done.
+int StageRunner::takeBlocks(int worker) {
     int taken = 0;
-    for (;;) {
-        const std::uint64_t before = fromBack ? blocks_.fetch_sub(kBack, std::memory_order_acquire)
-                                              : blocks_.fetch_add(kFront, std::memory_order_acquire);
-        if (isEmpty(before)) return taken;
-        const int block = fromBack ? backOf(before) - 1 : frontOf(before);
-        const int begin = block * grain_;
-        const int end = count_ - begin > grain_ ? begin + grain_ : count_;
-        function_(context_, begin, end, worker);
-        ++taken;
+    for (int i = 0; i < workers_; ++i) {
+        const int owner = worker + i < workers_ ? worker + i : worker + i - workers_;
+        Share& share = shares_[static_cast<std::size_t>(owner)];
+        while (!isEmpty(share.blocks.load(std::memory_order_relaxed))) {
+            const std::uint64_t before = i == 0 ? share.blocks.fetch_add(kFront, std::memory_order_acquire)
+                                                : share.blocks.fetch_sub(kBack, std::memory_order_acquire);
+            if (isEmpty(before)) break;
+            const int block = i == 0 ? frontOf(before) : backOf(before) - 1;
+            const int begin = block * share.grain, left = share.count - begin;
+            share.function(share.context, begin, begin + (left > share.grain ? share.grain : left), worker);
+            ++taken;
+        }
     }
+    return taken;
 }
 
 void StageRunner::runStage(BlockFunction function, void* context, int count, int grain) {
-    const int blockCount = (count - 1) / grain + 1;
-    function_ = function;
-    context_ = context;
-    count_ = count;
-    grain_ = grain;
-    done_.store(0, std::memory_order_relaxed);
-    blocks_.store(static_cast<std::uint64_t>(static_cast<std::uint32_t>(blockCount)) << 32, std::memory_order_release);
-    const int taken = takeBlocks(false, 0);
-    for (int round = 0; done_.load(std::memory_order_acquire) != blockCount - taken;) {
+    const int blockCount = (count - 1) / grain + 1, present = 1 + joined_.load(std::memory_order_relaxed);
+    const int sharers = blockCount < present ? blockCount : present;
+    const auto startOf = [&](int worker) {
+        return static_cast<std::uint64_t>((static_cast<std::int64_t>(blockCount) * worker + sharers - 1) / sharers);
+    };
+    for (int worker = sharers; worker-- > 0;) {
+        Share& share = shares_[static_cast<std::size_t>(worker)];
+        share.function = function;
+        share.context = context;
+        share.count = count;
+        share.grain = grain;
+        share.blocks.store(startOf(worker) | startOf(worker + 1) << 32, std::memory_order_release);
+    }
+    const int taken = takeBlocks(0);
+    othersBlocks_ += static_cast<std::uint32_t>(blockCount - taken);
+    for (int round = 0; done_.load(std::memory_order_acquire) != othersBlocks_;) {
         waitRound(round < kPauses ? round++ : round);
     }
 }

@@ -25,11 +25,13 @@ namespace ragtop {
 /// then leave, so a runner that starts the caller's task only after they have ended does not deadlock; if no task ran
 /// on the calling thread, the body runs there, alone, after the runner has returned.
 ///
-/// Claiming: one 64-bit word holds the range of unclaimed blocks, [begin, end) in its low and high half. The caller
-/// takes blocks from the front and the others from the back, so that a worker meets the same data in the next stage.
-/// A claim is one atomic add that returns the range as it was; it holds if that range was not empty. Only then does a
-/// worker read what the stage is, which the caller cannot change before the claimed block is reported done. So a
-/// worker that wakes in a later stage than it slept in claims a block of the later one, and there is no ABA problem.
+/// Claiming: the blocks of a stage are shared out in order, one range per worker that is there, so that a worker meets
+/// the same data in the next stage; who has finished its own range takes blocks of another's. A range is one 64-bit
+/// word, [begin, end) in its low and high half, in a cache line of its own with what the stage is: waking a worker moves
+/// one line, and claims within its range move none. Its owner takes blocks from the front, others from the back. A claim
+/// is one atomic add that returns the range as it was; it holds if that range was not empty. Only then does a worker read
+/// what the stage is, which the caller cannot change before the claimed block is reported done. So a worker that wakes
+/// in a later stage than it slept in claims a block of the later one, and there is no ABA problem.
 class StageRunner {
 public:
     /// Throws std::invalid_argument when tasks.workers is not 1 to 64.
@@ -40,13 +42,30 @@ public:
     /// Workers that may run at once; 1 when everything runs on the calling thread.
     int workers() const { return workers_; }
 
-    /// Everything inside `body()`, executed on the calling thread, may call parallelFor; workers join it. The body must
-    /// not throw.
+    /// Everything inside `body()`, executed on the calling thread, may call parallelFor; up to `most` workers join it, the
+    /// caller counted. The body must not throw.
     template <class Body>
-    void region(Body&& body) {
+    void region(int most, Body&& body) {
         using Function = std::remove_reference_t<Body>;
         const BodyFunction call = [](void* context) { (*static_cast<Function*>(context))(); };
-        if (workers_ == 1 || inRegion() || !openRegion(call, addressOf(body))) body();
+        const int workers = most < workers_ ? most : workers_;
+        if (workers_ == 1 || inRegion()) return body();
+        if (workers == 1) return aloneRegion(body);
+        if (!openRegion(workers, call, addressOf(body))) body();
+    }
+    template <class Body>
+    void region(Body&& body) {
+        region(workers_, body);
+    }
+
+    /// Within a region: a part of it that workers are not asked to help with if `alone`.
+    template <class Part>
+    void part(bool alone, Part&& part) {
+        if (!inRegion()) return part();
+        const bool before = alone_;
+        alone_ = before || alone;
+        part();
+        alone_ = before;
     }
 
     /// The same on the calling thread alone: waking workers costs more than they could help with little work.
@@ -85,7 +104,7 @@ public:
         }
         auto stage = [&] { runStage(call, addressOf(body), count, grain); };
         using Stage = decltype(stage);
-        if (!openRegion([](void* context) { (*static_cast<Stage*>(context))(); }, &stage)) body(0, count, 0);
+        if (!openRegion(workers_, [](void* context) { (*static_cast<Stage*>(context))(); }, &stage)) body(0, count, 0);
     }
 
 private:
@@ -98,32 +117,38 @@ private:
         return const_cast<void*>(static_cast<const void*>(std::addressof(function)));
     }
 
+    /// The blocks of a stage that are a worker's to begin with, and the stage.
+    struct alignas(64) Share {
+        std::atomic<std::uint64_t> blocks{0};
+        BlockFunction function = nullptr;
+        void* context = nullptr;
+        int count = 0;
+        int grain = 1;
+    };
+
     bool inRegion() const { return caller_.load(std::memory_order_relaxed) == std::this_thread::get_id(); }
     /// False, and nothing is run, while another thread has a region.
-    bool openRegion(BodyFunction body, void* context);
+    bool openRegion(int workers, BodyFunction body, void* context);
     void runBody() noexcept;
     void help();
-    int takeBlocks(bool fromBack, int worker);
+    int takeBlocks(int worker);
     void runStage(BlockFunction function, void* context, int count, int grain);
 
     TaskRunner tasks_;
     int workers_ = 1;
+    std::unique_ptr<Share[]> shares_;        ///< one per worker
     std::atomic<std::thread::id> caller_{};  ///< whose region it is
     bool bodyDone_ = false;                  ///< of the caller alone
-    bool alone_ = false;                     ///< of the caller alone: its region has no workers
+    bool alone_ = false;                     ///< of the caller alone: its region has no workers, or does not ask them
     BodyFunction body_ = nullptr;
     void* bodyContext_ = nullptr;
+    std::uint32_t othersBlocks_ = 0;  ///< of the caller alone: blocks that others have done since the runner was made
+
+    // What waiting workers look at, besides their shares.
+    alignas(64) std::atomic<State> state_{State::waiting};
     std::atomic<int> joined_{0};
 
-    // What a waiting worker looks at, and the stage, in one cache line.
-    alignas(64) std::atomic<std::uint64_t> blocks_{0};
-    std::atomic<State> state_{State::waiting};
-    int grain_ = 1;
-    int count_ = 0;
-    BlockFunction function_ = nullptr;
-    void* context_ = nullptr;
-
-    alignas(64) std::atomic<int> done_{0};  ///< blocks of the stage that others than the caller have finished
+    alignas(64) std::atomic<std::uint32_t> done_{0};  ///< counts with othersBlocks_ and wraps as that does
 };
 
 }  // namespace ragtop

@@ -1,5 +1,6 @@
 #include "broadphase/bounds_tree.h"
 
+#include <atomic>
 #include <bit>
 #include <cassert>
 #include <cstring>
@@ -80,10 +81,13 @@ void BoundsTree::enlarge(std::uint32_t proxy, const Bounds& bounds) {
     }
 }
 
+/// Who finds a flag leaves what is above to the thread that has set it.
 void BoundsTree::tellGiven(std::uint32_t proxy) {
     for (std::uint32_t index = nodes_[proxy].parent; index != kNull; index = nodes_[index].parent) {
-        if ((nodes_[index].flags & kEnlarged) != 0) return;
-        nodes_[index].flags |= kEnlarged;
+        const std::atomic_ref flags(nodes_[index].flags);
+        const std::uint16_t before = flags.load(std::memory_order_relaxed);
+        if ((before & kEnlarged) != 0) return;
+        flags.store(static_cast<std::uint16_t>(before | kEnlarged), std::memory_order_relaxed);
     }
 }
 

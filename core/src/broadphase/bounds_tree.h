@@ -40,8 +40,8 @@ public:
     void move(std::uint32_t proxy, const Bounds& bounds);
     /// Changes a proxy's bounds in place and grows its ancestors' to hold them, until refitEnlarged().
     void enlarge(std::uint32_t proxy, const Bounds& bounds);
-    /// The same in two parts, for many proxies at once: threads give bounds to proxies, each to its own; then what was
-    /// given is told of each, on one thread. Nothing may be looked for until refitEnlarged().
+    /// The same in two parts, for many proxies at once: threads give bounds to proxies, each to its own; when all have,
+    /// threads tell of each. Nothing may be looked for until refitEnlarged().
     void give(std::uint32_t proxy, const Bounds& bounds) {
         nodes_[proxy].bounds = bounds;
         nodes_[proxy].flags |= kEnlarged;

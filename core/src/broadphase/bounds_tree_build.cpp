@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <bit>
+#include <tuple>
 
 #include "base/stage_runner.h"
 #include "broadphase/bounds_tree.h"
@@ -78,24 +79,27 @@ void BoundsTree::build(const Part& part) {
     refit(part.root());
 }
 
-/// Parts share nothing; what is above them follows, children first.
+/// Parts share nothing; what is above them follows, children first. They are split level by level, those of one at once.
 void BoundsTree::buildParts(const Part& whole, StageRunner& runner) {
     constexpr int kParts = 32;
     constexpr std::uint32_t kFew = 64;  // branches
     Part parts[kParts];
     std::uint32_t above[kParts];
-    int count = 0, opened = 0;
+    int places[kParts], count = 0, opened = 0;
     parts[count++] = whole;
     for (bool more = runner.workers() > 1; more;) {
-        more = false;
-        for (int i = 0, end = count; i < end && count < kParts; ++i) {
+        const int end = count, first = opened;
+        for (int i = 0; i < end && count < kParts; ++i) {
             if (parts[i].count < kFew) continue;
+            places[opened] = i;
             above[opened++] = parts[i].root();
-            const auto [left, right] = split(parts[i]);
-            parts[i] = left;
-            parts[count++] = right;
-            more = true;
+            ++count;
         }
+        runner.parallelFor(opened - first, 1, [&](int from, int to, int) {
+            for (int k = from; k < to; ++k)
+                std::tie(parts[places[first + k]], parts[end + k]) = split(parts[places[first + k]]);
+        });
+        more = opened > first;
     }
     runner.parallelFor(count, 1, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) build(parts[i]);

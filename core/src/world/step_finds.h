@@ -42,6 +42,13 @@ struct Meeting {
     Manifold touch;  ///< in the frame of the obstacle, the normal towards the shape
 };
 
+/// Which shapes have left their bounds at the end of a step (world_pairs.cpp).
+struct BoundsLeft {
+    explicit BoundsLeft(std::pmr::memory_resource* memory) : bodies(memory), starts(memory) {}
+    AlignedArray<std::uint8_t> bodies;   ///< per awake body: has some shape of it?
+    AlignedArray<std::uint32_t> starts;  ///< per block of bodies: where their shapes begin in the move buffer
+};
+
 /// A contact or joint through which bodies may bear on each other (world_islands.cpp).
 struct IslandBearing {
     std::uint32_t a, b;        ///< bodies

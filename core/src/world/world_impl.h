@@ -11,6 +11,7 @@
 #include "base/paged_array.h"
 #include "base/pair_set.h"
 #include "base/stage_runner.h"
+#include "base/worker_choice.h"
 #include "broadphase/bounds_tree.h"
 #include "constraints/constraint_graph.h"
 #include "constraints/coupling.h"
@@ -39,7 +40,6 @@ struct WorldImpl {
 
     // world_step.cpp: the stages of a step, in order.
     void step(World& world, double dt);
-    bool isLittle() const;
     void prepareBodies();
     void prepareConstraints();
     void groupContacts();
@@ -385,6 +385,7 @@ struct WorldImpl {
     WorldCallbacks callbacks;
     std::pmr::memory_resource* memory;
     StageRunner runner;
+    WorkerChoice workerChoice;
     const KernelTable* kernels;
     const JointKernels* jointKernels;
 
@@ -448,7 +449,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> bodyStack, movedConstraints;
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     Assemblies assemblies;
-    AlignedArray<std::uint8_t> leftBounds;  ///< per awake body: some shape of it did in this step
+    BoundsLeft boundsLeft;
     AlignedArray<IslandBearing> bearings;
     AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
     LoadPaths paths;

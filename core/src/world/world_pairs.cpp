@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "base/nonzero_bytes.h"
 #include "world/edge_list.h"
 #include "world/world_impl.h"
 
@@ -112,41 +113,68 @@ static Bounds newBounds(const WorldImpl& world, const ShapeRecord& shape) {
     return WorldImpl::enlarged(world.tightBounds(shape, ahead), margin + kAside * way);
 }
 
-/// Adds what each body has moved to its travel. Bounds that were left are enlarged in place; their shapes look for
-/// partners in the next step.
-void WorldImpl::refitBounds() {
-    leftBounds.resizeForOverwrite(awakeBodies.size());
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) {
-            const auto place = static_cast<std::size_t>(i);
-            BodyRecord& body = bodies[awakeBodies[place]];
-            const Quat turn = body.rotation * conjugate(startPoses[place].rotation);
-            const float way = length(relative(body.center, startPoses[place].center)) +
-                              2 * length(Vec3{turn.x, turn.y, turn.z}) * body.coreRadius;
-            body.travel += static_cast<double>(way);
-            body.room -= way;
-            body.refitted = false;
-            leftBounds[place] = 0;
-            if (length(states[awakeBodies[place]].v) * dt < body.room) continue;
-            for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
-                const Bounds tight = tightBounds(shapes[s], dt);
-                if (contains(movingTree.bounds(shapes[s].proxy), tight)) continue;
-                movingTree.give(shapes[s].proxy, newBounds(*this, shapes[s]));
-                body.refitted = true;
-            }
-            if (!body.refitted) continue;
-            leftBounds[place] = 1;
-            giveRoom(awakeBodies[place]);
+/// Adds what bodies have moved to their travel and gives shapes that have left their bounds new ones; returns how many
+/// of these are not in the move buffer yet.
+static std::uint32_t refitBodies(WorldImpl& world, std::size_t begin, std::size_t end) {
+    BoundsTree& tree = world.movingTree;
+    std::uint32_t moved = 0;
+    for (std::size_t place = begin; place < end; ++place) {
+        const std::uint32_t index = world.awakeBodies[place];
+        const StartPose& start = world.startPoses[place];
+        BodyRecord& body = world.bodies[index];
+        const Quat turn = body.rotation * conjugate(start.rotation);
+        const float way = length(relative(body.center, start.center)) +
+                          2 * length(Vec3{turn.x, turn.y, turn.z}) * body.coreRadius;
+        body.travel += static_cast<double>(way);
+        body.room -= way;
+        body.refitted = false;
+        world.boundsLeft.bodies[place] = 0;
+        if (length(world.states[index].v) * world.dt < body.room) continue;
+        for (std::uint32_t s = body.firstShape; s != kNone; s = world.shapes[s].next) {
+            const ShapeRecord& shape = world.shapes[s];
+            if (contains(tree.bounds(shape.proxy), world.tightBounds(shape, world.dt))) continue;
+            tree.give(shape.proxy, newBounds(world, shape));
+            moved += shape.inMoveBuffer ? 0 : 1;
+            body.refitted = true;
         }
-    });
-    for (std::size_t place = 0; place < awakeBodies.size(); ++place) {
-        if (leftBounds[place] == 0) continue;
-        for (std::uint32_t s = bodies[awakeBodies[place]].firstShape; s != kNone; s = shapes[s].next) {
-            if (!movingTree.wasGiven(shapes[s].proxy)) continue;
-            movingTree.tellGiven(shapes[s].proxy);
-            markMoved(s);
-        }
+        if (!body.refitted) continue;
+        world.boundsLeft.bodies[place] = 1;
+        world.giveRoom(index);
     }
+    return moved;
+}
+
+/// Bounds that were left are enlarged in place; their shapes look for partners in the next step, in the order of the
+/// bodies.
+void WorldImpl::refitBounds() {
+    constexpr std::size_t kAtOnce = 64;
+    const std::size_t count = awakeBodies.size(), blocks = (count + kAtOnce - 1) / kAtOnce;
+    AlignedArray<std::uint32_t>& starts = boundsLeft.starts;
+    boundsLeft.bodies.resizeForOverwrite(count);
+    starts.resizeForOverwrite(blocks + 1);
+    const auto forBlocks = [&](auto&& visit) {
+        runner.parallelFor(static_cast<int>(blocks), 1, [&](int begin, int end, int) {
+            for (auto block = static_cast<std::size_t>(begin); block < static_cast<std::size_t>(end); ++block)
+                visit(block, block * kAtOnce, block + 1 < blocks ? (block + 1) * kAtOnce : count);
+        });
+    };
+    forBlocks([&](std::size_t block, std::size_t begin, std::size_t end) {
+        starts[block + 1] = refitBodies(*this, begin, end);
+    });
+    starts[0] = static_cast<std::uint32_t>(moveBuffer.size());
+    for (std::size_t block = 0; block < blocks; ++block) starts[block + 1] += starts[block];
+    moveBuffer.resizeForOverwrite(starts[blocks]);
+    forBlocks([&](std::size_t block, std::size_t begin, std::size_t end) {
+        std::uint32_t next = starts[block];
+        forEachNonzero(boundsLeft.bodies.data() + begin, end - begin, [&](std::size_t i) {
+            for (std::uint32_t s = bodies[awakeBodies[begin + i]].firstShape; s != kNone; s = shapes[s].next) {
+                if (!movingTree.wasGiven(shapes[s].proxy)) continue;
+                movingTree.tellGiven(shapes[s].proxy);
+                if (!shapes[s].inMoveBuffer) moveBuffer[next++] = s;
+                shapes[s].inMoveBuffer = true;
+            }
+        });
+    });
     movingTree.refitEnlarged(&runner);
 }
 

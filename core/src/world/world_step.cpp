@@ -10,6 +10,20 @@
 
 namespace ragtop {
 
+/// Runs what workers may help with, and tells the choice who does how long that took.
+template <class Body>
+static void shareStep(WorldImpl& world, Body&& body) {
+    // Bodies and contacts take some 0.3 to 1 µs each; few are over before a second thread has woken, 2 µs and more.
+    constexpr std::size_t kFew = 64;
+    const std::size_t size = world.awakeBodies.size() + world.awakeContacts.size() + world.moveBuffer.size();
+    if (size < kFew) return world.runner.region(1, [&] { body(false); });
+    const Sharing sharing = world.workerChoice.next();
+    const auto begin = std::chrono::steady_clock::now();
+    world.runner.region(sharing.workers, [&] { body(sharing.shareSolve); });
+    const std::chrono::duration<float> taken = std::chrono::steady_clock::now() - begin;
+    world.workerChoice.note(taken.count(), static_cast<float>(size));
+}
+
 /// Advances the world by dt seconds. Soft step [Catto, Solver2D, 2024]: collide once, then substep velocities,
 /// positions, and a relax pass that takes back the velocity which pushing out has added.
 void WorldImpl::step(World& world, double stepSeconds) {
@@ -40,7 +54,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     for (StepModule* module : modules)
         if (module->beforeStep) module->beforeStep(module->user, world, stepSeconds);
 
-    const auto all = [&] {
+    shareStep(*this, [&](bool shareSolve) {
         beginStage("pairs");
         findPairs();  // may grow arrays, as may the changes of contacts; nothing else below does
         coverLaunched(longer);
@@ -60,7 +74,9 @@ void WorldImpl::step(World& world, double stepSeconds) {
         prepareConstraints();
         beginDirect();
         beginStage("solve");
-        for (int i = 0; i < settings.substeps; ++i) solveSubstep(world, i);
+        runner.part(!shareSolve, [&] {
+            for (int i = 0; i < settings.substeps; ++i) solveSubstep(world, i);
+        });
         storeJoints();
         endDirect();
         beginStage("finish");
@@ -75,11 +91,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         beginStage("sleep");
         restStillBodies();
         sleepQuietIslands();
-    };
-    if (isLittle())
-        runner.aloneRegion(all);
-    else
-        runner.region(all);
+    });
 
     stepping = false;
     breakJoints();
@@ -90,12 +102,6 @@ void WorldImpl::step(World& world, double stepSeconds) {
     for (StepModule* module : modules)
         if (module->afterStep) module->afterStep(module->user, world, stepSeconds);
     endStages();
-}
-
-/// Is a step over before a second thread would have woken and found something to do?
-bool WorldImpl::isLittle() const {
-    constexpr std::size_t kFew = 64;  // each takes some 0.3 to 1 µs, waking 2 µs
-    return awakeBodies.size() + awakeContacts.size() + moveBuffer.size() < kFew;
 }
 
 void WorldImpl::solveSubstep(World& world, int number) {
@@ -283,7 +289,7 @@ template <class Joint, class Joints, class Contacts>
 void WorldImpl::forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact) {
     constexpr int kJointsPerBlock = 8;
     constexpr int kMostBlocks = 64;  // of contacts: what is next in memory is best solved by the same thread
-    const int jointBundlesPerBlock = 32 / jointKernels->lanes, leastContactBundles = 64 / graph.lanes();
+    const int jointBundlesPerBlock = 32 / jointKernels->lanes, leastContactBundles = 32 / graph.lanes();
     const auto singles = [&](int begin, int end) {
         for (int i = begin; i < end; ++i) alone(jointBundles.single(i));
     };
