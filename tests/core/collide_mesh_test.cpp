@@ -320,5 +320,48 @@ TEST(Mesh, LengthsTimesFourGiveResultsTimesFour) {
     }
 }
 
+// What is remembered of the triangles around a pair changes no bit of its contacts: near, far on, put elsewhere, or where
+// there are too many to remember.
+TEST(CollideMesh, RememberedTrianglesGiveTheSameContacts) {
+    const auto hills = [](float x, float z) { return 0.4f * std::sin(1.3f * x) * std::cos(1.7f * z); };
+    const TriangleMesh coarse = gridMesh(20, 10, hills), fine = gridMesh(60, 4, hills);
+    const HullData wedge = boxHull({0.3f, 0.2f, 0.5f});
+    const ConvexView shapes[] = {sphereView(0.4f), boxView({0.4f, 0.3f, 0.5f}), capsuleView(0.2f, 0.4f), hullView(wedge)};
+    Random random(5);
+    int touching = 0, remembered = 0, tooMany = 0;
+    for (const TriangleMesh* mesh : {&coarse, &fine})
+        for (const ConvexView& shape : shapes) {
+            NearTriangles near;
+            Frame frame;
+            for (int i = 0; i < 400; ++i) {
+                const bool elsewhere = i % 50 == 0;
+                frame.position += elsewhere ? random.inBox(3) : random.inBox(0.1f);
+                frame.position.y = hills(frame.position.x, frame.position.z) + random.uniform(0.1f, 0.5f);
+                frame.rotation = random.rotation();
+                const float margin = random.uniform(0.01f, 0.2f);
+                const Contacts plain = contactsOf(*mesh, shape, frame, margin);
+                Contacts known;
+                known.count = collide(mesh->data(), shape, frame, margin, near, known.manifolds);
+                ASSERT_EQ(known.count, plain.count);
+                for (int k = 0; k < plain.count; ++k) {
+                    const Manifold &a = plain.manifolds[k], &b = known.manifolds[k];
+                    ASSERT_EQ(a.pointCount, b.pointCount);
+                    EXPECT_EQ(a.normal, b.normal);
+                    EXPECT_EQ(a.triangle, b.triangle);
+                    for (int j = 0; j < a.pointCount; ++j) {
+                        EXPECT_EQ(a.points[j].position, b.points[j].position);
+                        EXPECT_EQ(a.points[j].separation, b.points[j].separation);
+                        EXPECT_EQ(a.points[j].feature, b.points[j].feature);
+                    }
+                }
+                touching += plain.count > 0;
+                ++(near.count == NearTriangles::kTooMany ? tooMany : remembered);
+            }
+        }
+    EXPECT_GT(touching, 2000);
+    EXPECT_GT(remembered, 500);
+    EXPECT_GT(tooMany, 500);
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "narrowphase/manifold.h"
+#include "narrowphase/near_triangles.h"
 #include "ragtop/math.h"
 #include "shapes/geometry.h"
 
@@ -17,6 +18,9 @@ void collide(const ConvexView& a, const ConvexView& b, const Frame& bInA, float 
 /// A mesh or height field (A) and a convex shape (B), internal edges filtered. Writes at most kMaxManifolds and returns
 /// how many, in an order that is the same while the same triangles touch.
 int collide(const MeshData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out);
+/// The same with what is remembered of the triangles around this pair.
+int collide(const MeshData& a, const ConvexView& b, const Frame& bInA, float margin, NearTriangles& near,
+            std::span<Manifold> out);
 int collide(const HeightFieldData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out);
 
 }  // namespace ragtop

@@ -1,6 +1,7 @@
 #include <bit>
 #include <memory>
 #include <optional>
+#include <type_traits>
 
 #include "narrowphase/box_on_triangles.h"
 #include "narrowphase/manifold_set.h"
@@ -21,6 +22,8 @@ constexpr float kDeepest = 0.25f;
 constexpr float kRise = 0.01f;
 /// Of the size: what lies this near to a point of the surface is at it.
 constexpr float kAtPoint = 1e-3f;
+/// Of the size: how much farther than where it is the triangles around a shape are remembered.
+constexpr float kRoom = 0.5f;
 
 /// The convex shape in the axes of the mesh, about its own origin: exact however far from the origin of the mesh it is.
 struct Mover {
@@ -156,7 +159,9 @@ void nameFeatures(TriangleContact& contact, bool onFace, std::uint32_t triangle)
 template <class Surface>
 class SurfaceContacts {
 public:
-    SurfaceContacts(const Surface& surface, const Mover& mover) : surface_(surface), mover_(mover), set_(mover.size) {}
+    /// `known`: what is remembered of the surface here, if anything is.
+    SurfaceContacts(const Surface& surface, const Mover& mover, NearTriangles* known = nullptr)
+        : surface_(surface), mover_(mover), known_(known), set_(mover.size) {}
 
     int run(std::span<Manifold> out) {
         const Bounds bounds = mover_.bounds();
@@ -182,11 +187,15 @@ private:
     void gather(const Bounds& bounds) {
         const Vec3 reach = reachAt(max(abs(bounds.lower), abs(bounds.upper)));
         gathered_ = {bounds.lower - reach, bounds.upper + reach};
-        forEachTriangle(surface_, gathered_, [this](const TriangleView& view) {
+        const auto keep = [this](const TriangleView& view) {
             gatheredAll_ = nearCount_ < kMostNear;
             if (gatheredAll_) std::construct_at(&near_[nearCount_++], view);
             return gatheredAll_;
-        });
+        };
+        if constexpr (std::is_same_v<Surface, MeshData>) {
+            if (known_) return forEachTriangle(surface_, gathered_, kRoom * mover_.size, *known_, keep);
+        }
+        forEachTriangle(surface_, gathered_, keep);
     }
 
     /// As forEachTriangle.
@@ -413,6 +422,7 @@ private:
 
     const Surface& surface_;
     const Mover& mover_;
+    NearTriangles* known_;
     ManifoldSet set_;
     Bounds gathered_;
     bool gatheredAll_ = true;
@@ -427,6 +437,12 @@ private:
 int collide(const MeshData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out) {
     const Mover mover(b, bInA, margin);
     return SurfaceContacts<MeshData>(a, mover).run(out);
+}
+
+int collide(const MeshData& a, const ConvexView& b, const Frame& bInA, float margin, NearTriangles& near,
+            std::span<Manifold> out) {
+    const Mover mover(b, bInA, margin);
+    return SurfaceContacts<MeshData>(a, mover, &near).run(out);
 }
 
 int collide(const HeightFieldData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out) {

@@ -26,8 +26,15 @@ inline unsigned childrenMeeting(const MeshBranch& branch, const Bounds& bounds) 
     return lanesWhere(meets);
 }
 
+inline TriangleView triangleOf(const MeshData& mesh, std::uint32_t i) {
+    const Triangle& t = mesh.triangles[i];
+    return {mesh.vertices[t.a], mesh.vertices[t.b],  mesh.vertices[t.c],
+            mesh.normals[i],    mesh.activeEdges[i], mesh.sourceIndex[i]};
+}
+
+/// As forEachTriangle, with visit(place in the order of the tree, const TriangleView&).
 template <class Visit>
-void forEachTriangle(const MeshData& mesh, const Bounds& bounds, Visit&& visit) {
+void walkTriangles(const MeshData& mesh, const Bounds& bounds, Visit&& visit) {
     struct Waiting {
         std::uint32_t first, count;  ///< as in MeshBranch
     };
@@ -48,12 +55,15 @@ void forEachTriangle(const MeshData& mesh, const Bounds& bounds, Visit&& visit) 
             continue;
         }
         for (std::uint32_t i = next.first; i < next.first + next.count; ++i) {
-            const Triangle& t = mesh.triangles[i];
-            const TriangleView view{mesh.vertices[t.a], mesh.vertices[t.b],  mesh.vertices[t.c],
-                                    mesh.normals[i],    mesh.activeEdges[i], mesh.sourceIndex[i]};
-            if (overlaps(boundsOfTriangle(view.a, view.b, view.c), bounds) && !visit(view)) return;
+            const TriangleView view = triangleOf(mesh, i);
+            if (overlaps(boundsOfTriangle(view.a, view.b, view.c), bounds) && !visit(i, view)) return;
         }
     }
+}
+
+template <class Visit>
+void forEachTriangle(const MeshData& mesh, const Bounds& bounds, Visit&& visit) {
+    walkTriangles(mesh, bounds, [&visit](std::uint32_t, const TriangleView& view) { return visit(view); });
 }
 
 /// The first and last cell, inclusive, that meet [lower, upper] along an axis; first > last when none does.

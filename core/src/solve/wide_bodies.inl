@@ -142,9 +142,12 @@ RAGTOP_INLINE void rotateFreely(WideQuat<N>& q, const WideVec3<N>& world, const 
     const MiddleAxis<N> axes(inverseInertia);
     const WideVec3<N> inverse = axes.toY(inverseInertia);
     const Lanes<N> alpha1 = inverse.x - inverse.y, alpha3 = inverse.z - inverse.y;
+    // With equal moments about all axes only the first part is left; the others would change no bit but the sign of a zero.
+    const bool uneven = any((alpha1 != 0.0f) | (alpha3 != 0.0f));
+    const Lanes<N> zero(0.0f);
     WideVec3<N> p = axes.toY(inverseRotate(q, world));
     const WideVec3<N> exchanged = axes.toY({q.x, q.y, q.z});
-    WideQuat<N> u{exchanged.x, exchanged.y, exchanged.z, q.w};
+    WideQuat<N> u{exchanged.x + zero, exchanged.y + zero, exchanged.z + zero, q.w + zero};
 
     excess = select(free, excess, alpha1 * p.x * p.x + alpha3 * p.z * p.z);
 
@@ -162,15 +165,17 @@ RAGTOP_INLINE void rotateFreely(WideQuat<N>& q, const WideVec3<N>& world, const 
     for (int i = 0; any(Mask<N>{count > i}); ++i) {
         WideVec3<N> m = p;
         WideQuat<N> r = u;
-        turnAboutAxis(half, m.x, alpha1, m.y, m.z, r.x, r.y, r.z, r.w);
-        turnAboutAxis(step, m.z, alpha3, m.x, m.y, r.z, r.x, r.y, r.w);
-        turnAboutAxis(half, m.x, alpha1, m.y, m.z, r.x, r.y, r.z, r.w);
+        if (uneven) {
+            turnAboutAxis(half, m.x, alpha1, m.y, m.z, r.x, r.y, r.z, r.w);
+            turnAboutAxis(step, m.z, alpha3, m.x, m.y, r.z, r.x, r.y, r.w);
+            turnAboutAxis(half, m.x, alpha1, m.y, m.z, r.x, r.y, r.z, r.w);
+        }
         r = turn * r;
         const Mask<N> active{count > i};
         p = select(active, m, p);
         u = {select(active, r.x, u.x), select(active, r.y, u.y), select(active, r.z, u.z), select(active, r.w, u.w)};
     }
-    if (any(free)) u = keepingExcess(u, axes.toY(world), alpha1, alpha3, excess, free);
+    if (uneven && any(free)) u = keepingExcess(u, axes.toY(world), alpha1, alpha3, excess, free);
     const WideVec3<N> axis = axes.back({u.x, u.y, u.z});
     q = normalized(WideQuat<N>{axis.x, axis.y, axis.z, u.w});
 }

@@ -84,7 +84,10 @@ struct alignas(64) ContactRecord {
     float size = 0;                       ///< m, of the smaller shape
     std::uint32_t firstManifold = kNone;  ///< of manifoldCapacity one after the other, while there are points
     std::uint32_t awakeIndex = kNone;     ///< place in the list of awake contacts
-    SeparationCache cache;
+    union {
+        SeparationCache cache = {};
+        std::uint32_t nearTriangles;  ///< of a mesh: where they are remembered; kNone: nowhere
+    };
     std::uint8_t manifoldCapacity = 1;  ///< kMaxManifolds for meshes and height fields
     bool isMesh = false, sensor = false, touching = false, reportsMotion = false;
     bool struck = false;       ///< by a sweep in this step

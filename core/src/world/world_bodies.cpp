@@ -101,8 +101,7 @@ void WorldImpl::takeMass(std::uint32_t index, const MassProperties& mass) {
 
 /// Widens the balls about the body's centre so that they hold a shape, and its core: what is round about that does not
 /// change its place as the body turns.
-void WorldImpl::reach(BodyRecord& body, const ShapeRecord& shape) const {
-    const GeometryEntry& geometry = geometries[shape.geometry];
+static void reach(BodyRecord& body, const ShapeRecord& shape, const GeometryEntry& geometry) {
     const float radius = radiusAbout(geometry.shape, inverseTransformPoint(shape.frame, {}));
     const float core = radius - geometry.convex.radius;
     if (radius > body.radius) body.radius = radius;
@@ -125,7 +124,7 @@ void WorldImpl::changeMass(std::uint32_t index, const MassProperties& mass) {
         ShapeRecord& shape = shapes[s];
         shape.frame = move * shape.frame;
         shape.frame.rotation = normalized(shape.frame.rotation);
-        reach(body, shape);
+        reach(body, shape, geometries[shape.geometry]);
     }
     moveAnchors(index, move);
     resetSolverState(index);
@@ -217,7 +216,7 @@ void WorldImpl::addShape(std::uint32_t bodyIndex, const ShapeDef& def, const Fra
     shape.next = body.firstShape;
     body.firstShape = index;
     if (shape.size < body.size) body.size = shape.size;
-    reach(body, shape);
+    reach(body, shape, geometries[shape.geometry]);
 }
 
 /// What the solver streams through, from the record.

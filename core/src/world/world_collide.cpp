@@ -66,6 +66,7 @@ void WorldImpl::prefetchShapes(const ContactRecord& record) const {
     }
     prefetch(&states[record.bodyA]);
     prefetch(&states[record.bodyB]);
+    if (record.isMesh && record.nearTriangles != kNone) prefetch(&meshMemory[record.nearTriangles]);
 }
 
 /// What does not stay is collided after the others were asked: until then its memory is on the way.

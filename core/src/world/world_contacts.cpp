@@ -360,11 +360,13 @@ int WorldImpl::findSurfaceManifolds(const ContactRecord& record, const Frame& bI
 }
 
 /// The narrow phase of a pair; returns how many directions it touches in, at most as many as the contact has room for.
-int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float margin, std::span<Manifold> found) const {
+int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float margin, std::span<Manifold> found) {
     const GeometryEntry& a = geometries[shapes[record.shapeA].geometry];
     const GeometryEntry& b = geometries[shapes[record.shapeB].geometry];
     if (record.isMesh && meetAsSurfaces(record)) return findSurfaceManifolds(record, bInA, margin, found);
     found[0].gap = margin;
+    if (a.mesh && record.nearTriangles != kNone)
+        return collide(*a.mesh, b.convex, bInA, margin, meshMemory[record.nearTriangles], found);
     if (a.mesh) return collide(*a.mesh, b.convex, bInA, margin, found);
     if (a.field) return collide(*a.field, b.convex, bInA, margin, found);
     collide(a.convex, b.convex, bInA, margin, record.cache, found[0]);

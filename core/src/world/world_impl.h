@@ -138,7 +138,7 @@ struct WorldImpl {
     bool meetAsSurfaces(const ContactRecord& contact) const;
     int findSurfaceManifolds(const ContactRecord& contact, const Frame& bInA, float margin,
                              std::span<Manifold> found) const;
-    int findManifolds(ContactRecord& contact, const Frame& bInA, float margin, std::span<Manifold> found) const;
+    int findManifolds(ContactRecord& contact, const Frame& bInA, float margin, std::span<Manifold> found);
     std::uint8_t takeSurfaceManifolds(ContactRecord& contact, std::span<const Manifold> found);
     std::uint8_t takeManifolds(ContactRecord& contact, std::span<const Manifold> found);
     ManifoldRecord& takeFirstManifolds(ContactRecord& contact, std::span<const Manifold> found, int worker);
@@ -307,7 +307,6 @@ struct WorldImpl {
 
     // world_bodies.cpp, world_joints.cpp
     std::uint32_t createBody(const BodyDef& def);
-    void reach(BodyRecord& body, const ShapeRecord& shape) const;
     void addShape(std::uint32_t body, const ShapeDef& def, const Frame& frame, const Shape& geometry,
                   const Frame& toInternal);
     void destroyBody(std::uint32_t body);
@@ -401,6 +400,7 @@ struct WorldImpl {
     PagedArray<ContactRecord> contacts;
     PagedArray<ContactLinks> contactLinks;  ///< of each contact
     PagedArray<ManifoldRecord> manifolds;
+    MeshMemory meshMemory;
     AlignedArray<std::uint32_t> freeManifolds, freeMeshManifolds;
     AlignedArray<ManifoldImpulses> storedImpulses;
     AlignedArray<std::uint32_t> freeStored;

@@ -303,6 +303,10 @@ void WorldImpl::createContact(std::uint32_t a, std::uint32_t b) {
     contact.sensor = shapeA.sensor || shapeB.sensor;
     contact.reportsMotion = shapeA.reportsMotion || shapeB.reportsMotion;
     contact.manifoldCapacity = contact.isMesh ? kMaxManifolds : 1;
+    if (contact.isMesh) {
+        const bool walks = geometries[shapeA.geometry].mesh && !meetAsSurfaces(contact);
+        contact.nearTriangles = walks ? meshMemory.acquire() : kNone;
+    }
     if (contact.sensor) {  // what it overlaps is told at the end of a step, when nothing may grow
         contact.firstManifold = allotManifolds(contact.manifoldCapacity);
         for (ManifoldRecord& manifold : manifoldsOf(contact)) manifold = {}, manifold.contact = index;
@@ -320,6 +324,7 @@ void WorldImpl::destroyContact(std::uint32_t index) {
         removeFromGraph(manifold);
     });
     releaseManifolds(contact);
+    if (contact.isMesh && contact.nearTriangles != kNone) meshMemory.release(contact.nearTriangles);
     if (contact.awakeIndex != kNone) removeAwakeContact(index);
     if (contact.touching) {
         auto& list =

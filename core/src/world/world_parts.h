@@ -6,6 +6,7 @@
 #include "narrowphase/four_capsules.h"
 #include "ragtop/shape.h"
 #include "shapes/geometry.h"
+#include "world/mesh_memory.h"
 
 /// What the world's stages share beside its state.
 namespace ragtop {

@@ -17,7 +17,7 @@ struct StateHeader {
     char magic[8] = {'R', 'A', 'G', 'T', 'O', 'P', 'S', '1'};
     std::uint32_t lanes = 0, geometries = 0, modules = 0;
     std::uint32_t layout = sizeof(BodyRecord) + 7 * sizeof(ContactRecord) + 31 * sizeof(ManifoldRecord) +
-                           127 * sizeof(JointSim) + 511 * sizeof(CouplingSim) + 8191 * sizeof(ShapeRecord);
+                           127 * sizeof(JointSim) + 511 * sizeof(CouplingSim) + 8191 * sizeof(ShapeRecord) + 32767 * sizeof(NearTriangles);
     std::uint64_t shapes = 0;    ///< digest of the geometries, which are not saved
     std::uint64_t bytes = 0;     ///< of header and payload
     std::uint64_t checksum = 0;  ///< of the payload
@@ -75,6 +75,7 @@ void WorldImpl::archive(Archive& archive) {
     archive(contacts);
     archive(contactLinks);
     archive(manifolds);
+    meshMemory.archive(archive);
     archive(freeManifolds);
     archive(freeMeshManifolds);
     archive(storedImpulses);
