@@ -247,10 +247,16 @@ RAGTOP_INLINE void setMasses(ContactBundle<N>& c, Mask<N> lanes, Arm&& armOf) {
     const Lanes<N> k11 = c.admittance(rA, rB, t1, t1, one);
     const Lanes<N> k12 = c.admittance(rA, rB, t1, t2, zero);
     const Lanes<N> k22 = c.admittance(rA, rB, t2, t2, one);
+    // t₁ pᵀ + t₂ qᵀ, with (p, q) = (t₁, t₂) K⁻¹
     const Lanes<N> inverseDet = divideOrZero(one, k11 * k22 - k12 * k12);
-    set(contact::kTangentMass, k22 * inverseDet);
-    set(contact::kTangentMass + 1, -(k12 * inverseDet));
-    set(contact::kTangentMass + 2, k11 * inverseDet);
+    const Lanes<N> m11 = k22 * inverseDet, m12 = -(k12 * inverseDet), m22 = k11 * inverseDet;
+    const WideVec3<N> p = m11 * t1 + m12 * t2, q = m12 * t1 + m22 * t2;
+    set(contact::kFrictionMass, t1.x * p.x + t2.x * q.x);
+    set(contact::kFrictionMass + 1, t1.x * p.y + t2.x * q.y);
+    set(contact::kFrictionMass + 2, t1.x * p.z + t2.x * q.z);
+    set(contact::kFrictionMass + 3, t1.y * p.y + t2.y * q.y);
+    set(contact::kFrictionMass + 4, t1.y * p.z + t2.y * q.z);
+    set(contact::kFrictionMass + 5, t1.z * p.z + t2.z * q.z);
     const Lanes<N> twist = dot(c.normal, c.inertiaA * c.normal) + dot(c.normal, c.inertiaB * c.normal);
     set(contact::kTwistMass, divideOrZero(one, twist));
     const Lanes<N> roll = max(c.inertiaA.xx + c.inertiaB.xx,
@@ -258,16 +264,22 @@ RAGTOP_INLINE void setMasses(ContactBundle<N>& c, Mask<N> lanes, Arm&& armOf) {
     set(contact::kRollMass, divideOrZero(one, roll));
 }
 
+constexpr float kLittleTurn = 1.0f / 100;  ///< sin² θ/2 of a turn that effective masses do not follow
+
 /// What fast turns ask of contacts whose arms are those of the step's beginning, once positions have moved. Masses follow
 /// the inertia as it turns, or the impulses of a slender body would gain energy. Contacts let go when their points are no
 /// longer where they were found, half a radian on; a round surface goes on touching where it did. What spins otherwise
-/// is left to the sweep of fast bodies.
+/// is left to the sweep of fast bodies. Seldom, and for itself: the passes keep their registers.
 template <int N>
-RAGTOP_INLINE void followTurns(ContactBundle<N>& c, const WideQuat<N>& dqA, const WideQuat<N>& dqB) {
-    const Lanes<N> little(1.0f / 100), limit(1.0f / 16), zero(0.0f);  // of sin² θ/2: 0.2 and 0.5 rad
+__attribute__((noinline, cold)) void followFastTurns(float* fields, const BodyArrays& arrays) {
+    ContactBundle<N> c(fields, arrays);
+    WideVec3<N> dp;
+    WideQuat<N> dqA, dqB;
+    c.gatherDisplacements(dp, dqA, dqB);
+    c.turnCores(dqA, dqB);
+    const Lanes<N> little(kLittleTurn), limit(1.0f / 16), zero(0.0f);  // of sin² θ/2: 0.2 and 0.5 rad
     const WideVec3<N> uA{dqA.x, dqA.y, dqA.z}, uB{dqB.x, dqB.y, dqB.z};
     const Lanes<N> turn = max(dot(uA, uA), dot(uB, uB));
-    if (!any(turn > little)) return;
     setMasses(c, turn > little, [&](int field) { return c.arm(field); });
     if (!any(turn > limit)) return;
     const WideVec3<N> rA = c.vector(contact::kCenter), rB = rA - c.offset;
@@ -287,10 +299,15 @@ RAGTOP_INLINE void followTurns(ContactBundle<N>& c, const WideQuat<N>& dqA, cons
     }
     clear(contact::kFrictionImpulse, 3);
     clear(contact::kRollImpulse, 3);
-    clear(contact::kTangentMass, 3);
+    clear(contact::kFrictionMass, 6);
     clear(contact::kTwistImpulse, 1);
     clear(contact::kTwistMass, 1);
     clear(contact::kRollMass, 1);
+}
+template <int N>
+RAGTOP_INLINE void followTurns(const ContactBundle<N>& c, const WideQuat<N>& dqA, const WideQuat<N>& dqB) {
+    const WideVec3<N> uA{dqA.x, dqA.y, dqA.z}, uB{dqB.x, dqB.y, dqB.z};
+    if (any(max(dot(uA, uA), dot(uB, uB)) > kLittleTurn)) followFastTurns<N>(c.fields, c.arrays);
 }
 
 /// Separations of a bundle's points after displacements. What turns is a round shape's core; its surface stays round.
@@ -304,8 +321,9 @@ struct Separations {
                               const WideQuat<N>& dqB) {
         const WideVec3<N> turnA = inverseTurn(dqA, c.normal), turnB = inverseTurn(dqB, c.normal);
         turn = turnB - turnA;
-        moved = dot(c.normal, dp) - dot(turnB, c.offset) + c.rare(contact::kRoundA, contact::kRound) * dot(turnA, c.normal) +
-                c.rare(contact::kRoundB, contact::kRound) * dot(turnB, c.normal);
+        moved = dot(c.normal, dp) - dot(turnB, c.offset);
+        if ((c.traits & contact::kRound) != 0)
+            moved = moved + (c.field(contact::kRoundA) * dot(turnA, c.normal) + c.field(contact::kRoundB) * dot(turnB, c.normal));
     }
     RAGTOP_INLINE Lanes<N> at(const ContactBundle<N>& c, int point, const WideVec3<N>& anchor) const {
         return c.field(pointField(point, contact::kSeparation)) + (moved + dot(turn, anchor));

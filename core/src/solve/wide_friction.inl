@@ -31,11 +31,8 @@ RAGTOP_INLINE WideVec3<N> intoBall(const WideVec3<N>& wanted, Lanes<N> limit) {
 /// −K⁻¹ s for a slip s, in the tangent plane.
 template <int N>
 RAGTOP_INLINE WideVec3<N> stoppingImpulse(const ContactBundle<N>& c, const WideVec3<N>& slip) {
-    WideVec3<N> t1, t2;
-    tangents(c.normal, t1, t2);
-    const WideVec3<N> mass = c.vector(contact::kTangentMass);
-    const Lanes<N> s1 = dot(slip, t1), s2 = dot(slip, t2);
-    return (-(mass.x * s1 + mass.y * s2)) * t1 - (mass.y * s1 + mass.z * s2) * t2;
+    const auto mass = [&](int entry) { return c.field(contact::kFrictionMass + entry); };
+    return -(SymmetricMatrix<N>{mass(0), mass(1), mass(2), mass(3), mass(4), mass(5)} * slip);
 }
 
 /// Twist: |λ| ≤ Σ (μ lever + ρ_spin) λn about the normal. Rolling: |λ| ≤ ρ_roll Σ λn.
@@ -44,9 +41,11 @@ RAGTOP_INLINE void solveTurning(ContactBundle<N>& c, Lanes<N> total, Lanes<N> le
     const Lanes<N> mu = c.field(contact::kFriction);
     const Lanes<N> old = c.field(contact::kTwistImpulse), limit = mu * leverTotal + c.rare(contact::kSpinning, contact::kSpins) * total;
     const Lanes<N> wanted = old - c.field(contact::kTwistMass) * dot(c.normal, c.wB - c.wA);
-    const Lanes<N> twist = min(max(wanted, -limit), limit);
+    const Lanes<N> twist = min(max(wanted, -limit), limit), change = twist - old;
     c.set(contact::kTwistImpulse, twist);
-    c.applyAngular((twist - old) * c.normal);
+    // What does not wait for the change comes first: rows are bound by how long one waits for the other.
+    c.wA = c.wA - change * (c.inertiaA * c.normal);
+    c.wB = c.wB + change * (c.inertiaB * c.normal);
 
     if ((c.traits & contact::kRolls) == 0) return;
     const Lanes<N> rolling = c.field(contact::kRolling);
@@ -70,7 +69,8 @@ RAGTOP_INLINE Slip<N> slipOf(const ContactBundle<N>& c, const WideVec3<N>& dp, c
     const WideVec3<N> rA = c.arm(contact::kCenter), rB = rA - c.offset;
     const WideVec3<N> turnA{dqA.x + dqA.x, dqA.y + dqA.y, dqA.z + dqA.z};
     const WideVec3<N> turnB{dqB.x + dqB.x, dqB.y + dqB.y, dqB.z + dqB.z};
-    const WideVec3<N> way = dp + cross(turnB, rB) - cross(turnA, rA) + Lanes<N>(elapsed) * c.rareVector(contact::kSurface, contact::kMovingSurface);
+    WideVec3<N> way = dp + cross(turnB, rB) - cross(turnA, rA);
+    if ((c.traits & contact::kMovingSurface) != 0) way = way + Lanes<N>(elapsed) * c.vector(contact::kSurface);
     const WideVec3<N> turn = turnB - turnA;
     return {way - dot(way, c.normal) * c.normal, dot(turn, turn) < Lanes<N>(kFirstOrderTurn * kFirstOrderTurn)};
 }
@@ -82,7 +82,8 @@ RAGTOP_INLINE void solveFriction(ContactBundle<N>& c, Lanes<N> total, Lanes<N> r
                                  const SolverContext& context) {
     const Lanes<N> zero(0.0f), one(1.0f);
     const WideVec3<N> rA = c.arm(contact::kCenter), rB = rA - c.offset;
-    WideVec3<N> speed = c.relativeVelocity(rA, rB) + c.rareVector(contact::kSurface, contact::kMovingSurface);
+    WideVec3<N> speed = c.relativeVelocity(rA, rB);
+    if ((c.traits & contact::kMovingSurface) != 0) speed = speed + c.vector(contact::kSurface);
     const WideVec3<N> kept = c.vector(contact::kStick);
     Lanes<N> sliding = c.field(contact::kSliding);
     if constexpr (kBias)

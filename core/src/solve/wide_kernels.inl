@@ -5,6 +5,7 @@
 
 #include "constraints/contact_layout.h"
 #include "solve/kernel_table.h"
+#include "solve/lane_rows.h"
 #include "solve/lanes.h"
 #include "solve/wide_bodies.inl"
 #include "solve/wide_bundle.inl"
@@ -224,9 +225,9 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
                 const Lanes<N> leak = select(apart, zero, impulseScale);
 
                 const Lanes<N> speed = rows.speed(c, arms);
-                Lanes<N> change = -(mass * (scale * speed + bias));
-                if constexpr (kBias) change = change - leak * (old - c.field(pointField(j, contact::kLoad)));
-                impulse = max(old + change, zero);
+                Lanes<N> still = old - mass * bias;  // the impulse of a row at rest
+                if constexpr (kBias) still = still - leak * (old - c.field(pointField(j, contact::kLoad)));
+                impulse = max(still - (mass * scale) * speed, zero);
                 // What is to bounce comes to the surface with its own speed; the next substep reflects it there.
                 if constexpr (!kBias) impulse = select(bouncy & (speed < threshold), old, impulse);
                 c.set(pointField(j, contact::kImpulse), impulse);
