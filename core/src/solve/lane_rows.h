@@ -99,6 +99,24 @@ RAGTOP_INLINE void gatherFours(const float* const rows[16], int first, Float16 o
 }
 #endif
 
+/// The lanes of two fields, and back.
+template <int L>
+RAGTOP_INLINE Lanes<2 * L> loadTwo(const float* lower, const float* upper) {
+    static_assert(L == 8);
+    const Float8 a = *reinterpret_cast<const Float8*>(lower), b = *reinterpret_cast<const Float8*>(upper);
+#if defined(__AVX512F__)
+    return Lanes<16>(_mm512_insertf32x8(_mm512_castps256_ps512(a), b, 1));
+#else
+    return Lanes<16>(__builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
+#endif
+}
+template <int L>
+RAGTOP_INLINE void storeTwo(Lanes<2 * L> value, float* lower, float* upper) {
+    static_assert(L == 8);
+    *reinterpret_cast<Float8*>(lower) = __builtin_shufflevector(value.v, value.v, 0, 1, 2, 3, 4, 5, 6, 7);
+    *reinterpret_cast<Float8*>(upper) = __builtin_shufflevector(value.v, value.v, 8, 9, 10, 11, 12, 13, 14, 15);
+}
+
 /// Sixteen lanes as two times eight.
 RAGTOP_INLINE void gatherFoursTwice(const float* const rows[16], int first, Lanes<16> out[4]) {
     Float8 r[4], s[4];
