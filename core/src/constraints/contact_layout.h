@@ -37,8 +37,8 @@ enum Field : int {
     kStick,                      ///< 3, m, how far B has slipped on A since they stick, without this step's displacement
     kShift = kStick + 3,         ///< 3, m, how far B has moved from A in this step; 0 where one is fixed
     kCenter = kShift + 3,        ///< 3, friction centre from the centre of A, m; written by prepare
-    kTangentMass = kCenter + 3,  ///< 3, symmetric 2 × 2 in the tangent basis of the normal, kg
-    kTwistMass = kTangentMass + 3,
+    kFrictionMass = kCenter + 3,  ///< 6, upper triangle of the symmetric matrix in world axes, without part along the normal, kg
+    kTwistMass = kFrictionMass + 6,
     kPoints,                                         ///< first field of the first point
     kRecordA = kPoints + kMaxPoints * kPointFields,  ///< index of the body's record, as integer bits
     kRecordB,

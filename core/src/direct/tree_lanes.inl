@@ -2,6 +2,7 @@
 
 #pragma once
 
+#include "solve/lane_rows.h"
 #include "solve/lanes.h"
 
 namespace ragtop {

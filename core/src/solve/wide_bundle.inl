@@ -12,9 +12,10 @@ RAGTOP_INLINE void prefetchFields(const float* bundle, int begin, int end) {
     for (int i = begin * N; i < end * N; i += kLine) __builtin_prefetch(ahead + i);
 }
 
-/// A bundle of N contacts and the bodies it joins.
-template <int N>
+/// N contacts and the bodies they join: a bundle, or several of L one after the other in memory.
+template <int N, int L = N>
 struct ContactBundle {
+    static constexpr int kBundle = contact::kFields * L;  ///< floats
     float* fields;
     const BodyArrays& arrays;
     std::int32_t traits;  ///< contact::Traits of some lane
@@ -29,9 +30,19 @@ struct ContactBundle {
     bool coresTurned = false;  ///< what turnCores has set counts
     WideQuat<N> turnA{}, turnB{};
 
-    RAGTOP_INLINE Lanes<N> field(int i) const { return Lanes<N>::load(fields + i * N); }
+    RAGTOP_INLINE Lanes<N> field(int i) const {
+        if constexpr (N == L)
+            return Lanes<N>::load(fields + i * N);
+        else
+            return loadTwo<L>(fields + i * L, fields + kBundle + i * L);
+    }
     RAGTOP_INLINE WideVec3<N> vector(int i) const { return {field(i), field(i + 1), field(i + 2)}; }
-    RAGTOP_INLINE void set(int i, Lanes<N> value) { value.store(fields + i * N); }
+    RAGTOP_INLINE void set(int i, Lanes<N> value) {
+        if constexpr (N == L)
+            value.store(fields + i * N);
+        else
+            storeTwo<L>(value, fields + i * L, fields + kBundle + i * L);
+    }
     RAGTOP_INLINE void set(int i, const WideVec3<N>& value) {
         set(i, value.x), set(i + 1, value.y), set(i + 2, value.z);
     }
@@ -43,7 +54,8 @@ struct ContactBundle {
     }
     /// Asks for what a pass will read of a bundle some places on, if that has as many points.
     RAGTOP_INLINE void prefetchAhead() const {
-        prefetchFields<N>(fields, 0, contact::kPoints + points() * contact::kPointFields);
+        for (int k = 0; k < N / L; ++k)
+            prefetchFields<L>(fields + k * kBundle, 0, contact::kPoints + points() * contact::kPointFields);
     }
 
     /// A field that is zero in bundles without the trait.
@@ -55,7 +67,9 @@ struct ContactBundle {
     }
 
     RAGTOP_INLINE ContactBundle(float* bundle, const BodyArrays& bodies) : fields(bundle), arrays(bodies) {
-        traits = reinterpret_cast<const std::int32_t*>(fields)[contact::kTraits * N];
+        traits = 0;
+        for (int k = 0; k < N / L; ++k)
+            traits |= reinterpret_cast<const std::int32_t*>(fields + k * kBundle)[contact::kTraits * L];
         gatherBody(contact::kBodyA, rowA, a, inertiaA);
         gatherBody(contact::kBodyB, rowB, b, inertiaB);
         vA = {a[0], a[1], a[2]}, wA = {a[4], a[5], a[6]}, massA = a[3];
@@ -65,11 +79,11 @@ struct ContactBundle {
     }
 
     RAGTOP_INLINE void gatherBody(int index, float* rows[N], Lanes<N> state[8], SymmetricMatrix<N>& inverse) const {
-        const auto* indices = reinterpret_cast<const std::uint32_t*>(fields + index * N);
         const float* matrices[N];
         for (int i = 0; i < N; ++i) {
-            rows[i] = reinterpret_cast<float*>(arrays.states + indices[i]);
-            matrices[i] = reinterpret_cast<const float*>(arrays.inertia + indices[i]);
+            const auto* indices = reinterpret_cast<const std::uint32_t*>(fields + i / L * kBundle + index * L);
+            rows[i] = reinterpret_cast<float*>(arrays.states + indices[i % L]);
+            matrices[i] = reinterpret_cast<const float*>(arrays.inertia + indices[i % L]);
         }
         gather8<N>(const_cast<const float* const*>(rows), state);
         Lanes<N> m[8];
@@ -188,26 +202,31 @@ struct NormalRows {
     WideVec3<N> shiftArm, offsetArm;
     Lanes<N> closing, inverseMass, total{0.0f};
 
-    RAGTOP_INLINE explicit NormalRows(const ContactBundle<N>& c)
+    template <int L>
+    RAGTOP_INLINE explicit NormalRows(const ContactBundle<N, L>& c)
         : shiftArm(cross(c.shift, c.normal)),
           offsetArm(cross(c.offset, c.normal)),
           closing(dot(c.normal, c.vB - c.vA)),
           inverseMass(c.massA + c.massB) {}
-    RAGTOP_INLINE Arms arms(const ContactBundle<N>& c, const WideVec3<N>& anchor) const {
+    template <int L>
+    RAGTOP_INLINE Arms arms(const ContactBundle<N, L>& c, const WideVec3<N>& anchor) const {
         WideVec3<N> a = cross(anchor, c.normal) + shiftArm;
         if (c.coresTurned) a = a + cross(c.wayWithCores(anchor), c.normal);
         return {a, a - offsetArm};
     }
-    RAGTOP_INLINE Lanes<N> speed(const ContactBundle<N>& c, const Arms& arms) const {
+    template <int L>
+    RAGTOP_INLINE Lanes<N> speed(const ContactBundle<N, L>& c, const Arms& arms) const {
         return closing + (dot(arms.b, c.wB) - dot(arms.a, c.wA));
     }
-    RAGTOP_INLINE void apply(ContactBundle<N>& c, const Arms& arms, Lanes<N> change) {
+    template <int L>
+    RAGTOP_INLINE void apply(ContactBundle<N, L>& c, const Arms& arms, Lanes<N> change) {
         c.wA = c.wA - change * (c.inertiaA * arms.a);
         c.wB = c.wB + change * (c.inertiaB * arms.b);
         closing = closing + inverseMass * change;
         total = total + change;
     }
-    RAGTOP_INLINE void finish(ContactBundle<N>& c) const {
+    template <int L>
+    RAGTOP_INLINE void finish(ContactBundle<N, L>& c) const {
         const WideVec3<N> impulse = total * c.normal;
         c.vA = c.vA - c.massA * impulse;
         c.vB = c.vB + c.massB * impulse;
@@ -247,10 +266,16 @@ RAGTOP_INLINE void setMasses(ContactBundle<N>& c, Mask<N> lanes, Arm&& armOf) {
     const Lanes<N> k11 = c.admittance(rA, rB, t1, t1, one);
     const Lanes<N> k12 = c.admittance(rA, rB, t1, t2, zero);
     const Lanes<N> k22 = c.admittance(rA, rB, t2, t2, one);
+    // t₁ pᵀ + t₂ qᵀ, with (p, q) = (t₁, t₂) K⁻¹
     const Lanes<N> inverseDet = divideOrZero(one, k11 * k22 - k12 * k12);
-    set(contact::kTangentMass, k22 * inverseDet);
-    set(contact::kTangentMass + 1, -(k12 * inverseDet));
-    set(contact::kTangentMass + 2, k11 * inverseDet);
+    const Lanes<N> m11 = k22 * inverseDet, m12 = -(k12 * inverseDet), m22 = k11 * inverseDet;
+    const WideVec3<N> p = m11 * t1 + m12 * t2, q = m12 * t1 + m22 * t2;
+    const Lanes<N> entries[6] = {t1.x * p.x + t2.x * q.x, t1.x * p.y + t2.x * q.y, t1.x * p.z + t2.x * q.z,
+                                 t1.y * p.y + t2.y * q.y, t1.y * p.z + t2.y * q.z, t1.z * p.z + t2.z * q.z};
+    // What is an entry by rounding alone would make speeds of nothing, down to where floats end.
+    const Lanes<N> rounding = 1e-7f * (entries[0] + entries[3] + entries[5]);
+    for (int i = 0; i < 6; ++i)
+        set(contact::kFrictionMass + i, select((entries[i] > rounding) | (entries[i] < -rounding), entries[i], zero));
     const Lanes<N> twist = dot(c.normal, c.inertiaA * c.normal) + dot(c.normal, c.inertiaB * c.normal);
     set(contact::kTwistMass, divideOrZero(one, twist));
     const Lanes<N> roll = max(c.inertiaA.xx + c.inertiaB.xx,
@@ -258,16 +283,22 @@ RAGTOP_INLINE void setMasses(ContactBundle<N>& c, Mask<N> lanes, Arm&& armOf) {
     set(contact::kRollMass, divideOrZero(one, roll));
 }
 
+constexpr float kLittleTurn = 1.0f / 100;  ///< sin² θ/2 of a turn that effective masses do not follow
+
 /// What fast turns ask of contacts whose arms are those of the step's beginning, once positions have moved. Masses follow
 /// the inertia as it turns, or the impulses of a slender body would gain energy. Contacts let go when their points are no
 /// longer where they were found, half a radian on; a round surface goes on touching where it did. What spins otherwise
-/// is left to the sweep of fast bodies.
+/// is left to the sweep of fast bodies. Seldom, and for itself: the passes keep their registers.
 template <int N>
-RAGTOP_INLINE void followTurns(ContactBundle<N>& c, const WideQuat<N>& dqA, const WideQuat<N>& dqB) {
-    const Lanes<N> little(1.0f / 100), limit(1.0f / 16), zero(0.0f);  // of sin² θ/2: 0.2 and 0.5 rad
+__attribute__((noinline, cold)) void followFastTurns(float* fields, const BodyArrays& arrays) {
+    ContactBundle<N> c(fields, arrays);
+    WideVec3<N> dp;
+    WideQuat<N> dqA, dqB;
+    c.gatherDisplacements(dp, dqA, dqB);
+    c.turnCores(dqA, dqB);
+    const Lanes<N> little(kLittleTurn), limit(1.0f / 16), zero(0.0f);  // of sin² θ/2: 0.2 and 0.5 rad
     const WideVec3<N> uA{dqA.x, dqA.y, dqA.z}, uB{dqB.x, dqB.y, dqB.z};
     const Lanes<N> turn = max(dot(uA, uA), dot(uB, uB));
-    if (!any(turn > little)) return;
     setMasses(c, turn > little, [&](int field) { return c.arm(field); });
     if (!any(turn > limit)) return;
     const WideVec3<N> rA = c.vector(contact::kCenter), rB = rA - c.offset;
@@ -287,10 +318,16 @@ RAGTOP_INLINE void followTurns(ContactBundle<N>& c, const WideQuat<N>& dqA, cons
     }
     clear(contact::kFrictionImpulse, 3);
     clear(contact::kRollImpulse, 3);
-    clear(contact::kTangentMass, 3);
+    clear(contact::kFrictionMass, 6);
     clear(contact::kTwistImpulse, 1);
     clear(contact::kTwistMass, 1);
     clear(contact::kRollMass, 1);
+}
+template <int N, int L>
+RAGTOP_INLINE void followTurns(const ContactBundle<N, L>& c, const WideQuat<N>& dqA, const WideQuat<N>& dqB) {
+    const WideVec3<N> uA{dqA.x, dqA.y, dqA.z}, uB{dqB.x, dqB.y, dqB.z};
+    if (!any(max(dot(uA, uA), dot(uB, uB)) > kLittleTurn)) return;
+    for (int k = 0; k < N / L; ++k) followFastTurns<L>(c.fields + k * c.kBundle, c.arrays);
 }
 
 /// Separations of a bundle's points after displacements. What turns is a round shape's core; its surface stays round.
@@ -300,14 +337,17 @@ struct Separations {
     Lanes<N> moved;
     WideVec3<N> turn;
 
-    RAGTOP_INLINE Separations(const ContactBundle<N>& c, const WideVec3<N>& dp, const WideQuat<N>& dqA,
+    template <int L>
+    RAGTOP_INLINE Separations(const ContactBundle<N, L>& c, const WideVec3<N>& dp, const WideQuat<N>& dqA,
                               const WideQuat<N>& dqB) {
         const WideVec3<N> turnA = inverseTurn(dqA, c.normal), turnB = inverseTurn(dqB, c.normal);
         turn = turnB - turnA;
-        moved = dot(c.normal, dp) - dot(turnB, c.offset) + c.rare(contact::kRoundA, contact::kRound) * dot(turnA, c.normal) +
-                c.rare(contact::kRoundB, contact::kRound) * dot(turnB, c.normal);
+        moved = dot(c.normal, dp) - dot(turnB, c.offset);
+        if ((c.traits & contact::kRound) != 0)
+            moved = moved + (c.field(contact::kRoundA) * dot(turnA, c.normal) + c.field(contact::kRoundB) * dot(turnB, c.normal));
     }
-    RAGTOP_INLINE Lanes<N> at(const ContactBundle<N>& c, int point, const WideVec3<N>& anchor) const {
+    template <int L>
+    RAGTOP_INLINE Lanes<N> at(const ContactBundle<N, L>& c, int point, const WideVec3<N>& anchor) const {
         return c.field(pointField(point, contact::kSeparation)) + (moved + dot(turn, anchor));
     }
 };

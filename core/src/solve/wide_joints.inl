@@ -6,6 +6,7 @@
 #include "constraints/joint_angle.h"
 #include "constraints/joint_constants.h"
 #include "solve/joint_kernels.h"
+#include "solve/lane_rows.h"
 #include "solve/lanes.h"
 
 // In this order: each builds on those before it.

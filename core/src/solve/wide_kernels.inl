@@ -5,6 +5,7 @@
 
 #include "constraints/contact_layout.h"
 #include "solve/kernel_table.h"
+#include "solve/lane_rows.h"
 #include "solve/lanes.h"
 #include "solve/wide_bodies.inl"
 #include "solve/wide_bundle.inl"
@@ -168,100 +169,108 @@ void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arr
 
 /// C ≥ 0 per point. Apart, the row lets the gap close within the substep; overlapping, it is a soft row that relaxes
 /// towards the carried load (bias pass), or a rigid velocity row (relax pass, which takes back the push-out velocity).
-template <int N, bool kBias>
-RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArrays& arrays,
-                             const SolverContext& context) {
+template <int N, int L, bool kBias>
+RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const SolverContext& context) {
     const Lanes<N> inverseH(context.inverseH), zero(0.0f), one(1.0f), half(0.5f), threshold(-context.restitutionSpeed);
     const Lanes<N> deepRate(context.softStatic.massScale * context.softStatic.biasRate);
-    for (int i = begin; i < end; ++i) {
-        ContactBundle<N> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
-        if (context.farContacts) c.prefetchAhead();
-        WideVec3<N> dp;
-        WideQuat<N> dqA, dqB;
-        c.gatherDisplacements(dp, dqA, dqB);
-        c.turnCores(dqA, dqB);
-        if constexpr (!kBias) followTurns(c, dqA, dqB);
-        const Separations<N> separations(c, dp, dqA, dqB);
-        const Mask<N> isStatic = Mask<N>{c.massA.v == zero.v} | Mask<N>{c.massB.v == zero.v};
-        // Bodies that have moved by more than half a size are no longer where they touched: such arms would only
-        // lengthen.
-        const Lanes<N> reach = half * c.field(contact::kSize);
-        const WideVec3<N> displacement = select(isStatic | (dot(dp, dp) > reach * reach), zero, one) * dp;
-        c.moveArms(displacement);
-        if constexpr (!kBias) c.set(contact::kShift, displacement);
-        Lanes<N> rate(0.0f), massScale(1.0f), impulseScale(0.0f), push(0.0f), deep(0.0f);
-        if constexpr (kBias) {
-            massScale = select(isStatic, Lanes<N>(context.softStatic.massScale), Lanes<N>(context.soft.massScale));
-            rate = massScale * select(isStatic, Lanes<N>(context.softStatic.biasRate), Lanes<N>(context.soft.biasRate));
-            impulseScale = select(isStatic, Lanes<N>(context.softStatic.impulseScale), Lanes<N>(context.soft.impulseScale));
-            push = Lanes<N>(-context.pushOut) * c.field(contact::kSize);
-            deep = Lanes<N>(contact::kDeep) * c.field(contact::kSize);
-        }
-        // What holds a body on the ground has changed: nothing pulls towards loads of other points, and those that the
-        // first substep finds are carried from then on. Else the body would sag where it loses a point, and rise again.
-        const Lanes<N> shifted = c.rare(contact::kShifted, contact::kFindsLoad);
-        const bool anyShifted = (c.traits & contact::kFindsLoad) != 0;
-        if constexpr (kBias) impulseScale = (one - shifted) * impulseScale;
-        const Mask<N> bouncy = c.rare(contact::kRestitution, contact::kBouncy) > zero;
-        // What bounces is met at the end of a parabola, whose chord is flatter than its end.
-        const Lanes<N> lead = select(bouncy, half * Lanes<N>(context.gravityStep), zero);
-        Lanes<N> total(0.0f), leverTotal(0.0f);
-        NormalRows<N> rows(c);
-        for (int j = 0, points = c.points(); j < points; ++j) {
-            const Lanes<N> mass = c.field(pointField(j, contact::kMass));
-            if (!any(mass > 0.0f)) break;
-            const Lanes<N> old = c.field(pointField(j, contact::kImpulse));
-            Lanes<N> impulse = old;
-            if (context.normals) {
-                const WideVec3<N> anchor = c.vector(pointField(j, contact::kAnchor));
-                const typename NormalRows<N>::Arms arms = rows.arms(c, anchor);
-                const Lanes<N> separation = separations.at(c, j, anchor);
-                const Mask<N> apart = separation > 0.0f;
-                Lanes<N> overlap = rate * separation;
-                if constexpr (kBias) overlap = max(min(overlap, deepRate * (separation + deep)), push);
-                const Lanes<N> bias = select(apart, separation * inverseH + lead, overlap);
-                const Lanes<N> scale = select(apart, one, massScale);
-                const Lanes<N> leak = select(apart, zero, impulseScale);
-
-                const Lanes<N> speed = rows.speed(c, arms);
-                Lanes<N> change = -(mass * (scale * speed + bias));
-                if constexpr (kBias) change = change - leak * (old - c.field(pointField(j, contact::kLoad)));
-                impulse = max(old + change, zero);
-                // What is to bounce comes to the surface with its own speed; the next substep reflects it there.
-                if constexpr (!kBias) impulse = select(bouncy & (speed < threshold), old, impulse);
-                c.set(pointField(j, contact::kImpulse), impulse);
-                rows.apply(c, arms, impulse - old);
-                if constexpr (!kBias)
-                    c.set(pointField(j, contact::kPeak), c.field(pointField(j, contact::kPeak)) + impulse);
-                if (!kBias && anyShifted) {
-                    const Lanes<N> own = ownShare(mass, impulse, context), load = c.field(pointField(j, contact::kLoad));
-                    c.set(pointField(j, contact::kLoad), load + shifted * own * own * (impulse - load));
-                }
-            }
-            total = total + impulse;
-            leverTotal = leverTotal + c.field(pointField(j, contact::kLever)) * impulse;
-        }
-        rows.finish(c);
-        if (!kBias && context.normals && anyShifted) c.set(contact::kShifted, zero);
-        if (context.friction) {
-            solveTurning(c, total, leverTotal);
-            solveFriction<N, kBias>(c, total, rate, slipOf(c, dp, dqA, dqB, context.elapsed), context);
-        }
-        c.writeVelocities();
+    ContactBundle<N, L> c(fields, arrays);
+    if (context.farContacts) c.prefetchAhead();
+    WideVec3<N> dp;
+    WideQuat<N> dqA, dqB;
+    c.gatherDisplacements(dp, dqA, dqB);
+    c.turnCores(dqA, dqB);
+    if constexpr (!kBias) followTurns(c, dqA, dqB);
+    const Separations<N> separations(c, dp, dqA, dqB);
+    const Mask<N> isStatic = Mask<N>{c.massA.v == zero.v} | Mask<N>{c.massB.v == zero.v};
+    // Bodies that have moved by more than half a size are no longer where they touched: such arms would only
+    // lengthen.
+    const Lanes<N> reach = half * c.field(contact::kSize);
+    const WideVec3<N> displacement = select(isStatic | (dot(dp, dp) > reach * reach), zero, one) * dp;
+    c.moveArms(displacement);
+    if constexpr (!kBias) c.set(contact::kShift, displacement);
+    Lanes<N> rate(0.0f), massScale(1.0f), impulseScale(0.0f), push(0.0f), deep(0.0f);
+    if constexpr (kBias) {
+        massScale = select(isStatic, Lanes<N>(context.softStatic.massScale), Lanes<N>(context.soft.massScale));
+        rate = massScale * select(isStatic, Lanes<N>(context.softStatic.biasRate), Lanes<N>(context.soft.biasRate));
+        impulseScale = select(isStatic, Lanes<N>(context.softStatic.impulseScale), Lanes<N>(context.soft.impulseScale));
+        push = Lanes<N>(-context.pushOut) * c.field(contact::kSize);
+        deep = Lanes<N>(contact::kDeep) * c.field(contact::kSize);
     }
+    // What holds a body on the ground has changed: nothing pulls towards loads of other points, and those that the
+    // first substep finds are carried from then on. Else the body would sag where it loses a point, and rise again.
+    const Lanes<N> shifted = c.rare(contact::kShifted, contact::kFindsLoad);
+    const bool anyShifted = (c.traits & contact::kFindsLoad) != 0;
+    if constexpr (kBias) impulseScale = (one - shifted) * impulseScale;
+    const Mask<N> bouncy = c.rare(contact::kRestitution, contact::kBouncy) > zero;
+    // What bounces is met at the end of a parabola, whose chord is flatter than its end.
+    const Lanes<N> lead = select(bouncy, half * Lanes<N>(context.gravityStep), zero);
+    Lanes<N> total(0.0f), leverTotal(0.0f);
+    NormalRows<N> rows(c);
+    for (int j = 0, points = c.points(); j < points; ++j) {
+        const Lanes<N> mass = c.field(pointField(j, contact::kMass));
+        if (!any(mass > 0.0f)) break;
+        const Lanes<N> old = c.field(pointField(j, contact::kImpulse));
+        Lanes<N> impulse = old;
+        if (context.normals) {
+            const WideVec3<N> anchor = c.vector(pointField(j, contact::kAnchor));
+            const typename NormalRows<N>::Arms arms = rows.arms(c, anchor);
+            const Lanes<N> separation = separations.at(c, j, anchor);
+            const Mask<N> apart = separation > 0.0f;
+            Lanes<N> overlap = rate * separation;
+            if constexpr (kBias) overlap = max(min(overlap, deepRate * (separation + deep)), push);
+            const Lanes<N> bias = select(apart, separation * inverseH + lead, overlap);
+            const Lanes<N> scale = select(apart, one, massScale);
+            const Lanes<N> leak = select(apart, zero, impulseScale);
+
+            const Lanes<N> speed = rows.speed(c, arms);
+            Lanes<N> still = old - mass * bias;  // the impulse of a row at rest
+            if constexpr (kBias) still = still - leak * (old - c.field(pointField(j, contact::kLoad)));
+            impulse = max(still - (mass * scale) * speed, zero);
+            // What is to bounce comes to the surface with its own speed; the next substep reflects it there.
+            if constexpr (!kBias) impulse = select(bouncy & (speed < threshold), old, impulse);
+            c.set(pointField(j, contact::kImpulse), impulse);
+            rows.apply(c, arms, impulse - old);
+            if constexpr (!kBias)
+                c.set(pointField(j, contact::kPeak), c.field(pointField(j, contact::kPeak)) + impulse);
+            if (!kBias && anyShifted) {
+                const Lanes<N> own = ownShare(mass, impulse, context), load = c.field(pointField(j, contact::kLoad));
+                c.set(pointField(j, contact::kLoad), load + shifted * own * own * (impulse - load));
+            }
+        }
+        total = total + impulse;
+        leverTotal = leverTotal + c.field(pointField(j, contact::kLever)) * impulse;
+    }
+    rows.finish(c);
+    if (!kBias && context.normals && anyShifted) c.set(contact::kShifted, zero);
+    if (context.friction) {
+        solveTurning(c, total, leverTotal);
+        solveFriction<kBias>(c, total, rate, slipOf(c, dp, dqA, dqB, context.elapsed), context);
+    }
+    c.writeVelocities();
 }
 
-template <int N>
+/// Some bundles side by side, which share no moving body: one goes on while the other waits.
+template <int N, int kAtOnce, bool kBias>
+RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArrays& arrays,
+                             const SolverContext& context) {
+    const auto at = [&](int i) { return bundles + static_cast<long>(i) * contact::kFields * N; };
+    int i = begin;
+    if constexpr (kAtOnce > 1)
+        for (; i + kAtOnce <= end; i += kAtOnce) solveBundle<kAtOnce * N, N, kBias>(at(i), arrays, context);
+    for (; i < end; ++i) solveBundle<N, N, kBias>(at(i), arrays, context);
+}
+
+template <int N, int kAtOnce>
 void solveContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
-    solvePass<N, true>(bundles, begin, end, arrays, context);
+    solvePass<N, kAtOnce, true>(bundles, begin, end, arrays, context);
 }
-template <int N>
+template <int N, int kAtOnce>
 void relaxContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
-    solvePass<N, false>(bundles, begin, end, arrays, context);
+    solvePass<N, kAtOnce, false>(bundles, begin, end, arrays, context);
 }
 
-/// Bodies are in no bundles and may be wider.
-template <int N, int kBodies = N>
+/// Bodies are in no bundles and may be wider, as may registers than a bundle is.
+template <int N, int kBodies = N, int kAtOnce = 1>
 constexpr KernelTable makeTable(const char* name) {
     return {name,
             N,
@@ -271,8 +280,8 @@ constexpr KernelTable makeTable(const char* name) {
             prepareContacts<N>,
             bounceContacts<N>,
             warmStartContacts<N>,
-            solveContacts<N>,
-            relaxContacts<N>,
+            solveContacts<N, kAtOnce>,
+            relaxContacts<N, kAtOnce>,
             readTouches<N>};
 }
 

@@ -4,7 +4,7 @@
 namespace ragtop {
 
 extern const KernelTable kKernelsAvx5128;
-const KernelTable kKernelsAvx5128 = makeTable<8, 16>("avx512");
+const KernelTable kKernelsAvx5128 = makeTable<8, 16, 2>("avx512");
 extern const KernelTable kKernelsAvx51216;
 const KernelTable kKernelsAvx51216 = makeTable<16>("avx512");
 

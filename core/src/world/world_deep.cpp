@@ -120,7 +120,8 @@ void WorldImpl::relaxDeep() {
     });
     const int grain = 32 / graph.lanes();
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
-        relax(startOf(ConstraintGraph::kOverflow), startOf(ConstraintGraph::kOverflow + 1));
+        const int pastOverflow = startOf(ConstraintGraph::kOverflow + 1);
+        for (int i = startOf(ConstraintGraph::kOverflow); i < pastOverflow; ++i) relax(i, i + 1);
         for (int c = 0; c < ConstraintGraph::kColors; ++c) {
             const int first = startOf(c);
             runner.parallelFor(startOf(c + 1) - first, grain,

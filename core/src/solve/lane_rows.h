@@ -1,0 +1,203 @@
+#pragma once
+
+// Rows of eight floats, one per lane, to eight Lanes and back, by transposes: out[i][lane] = rows[lane][i]. As lanes.h this
+// depends on the compiler. Where registers are wider than a row's half, halves are loaded to where they belong: a
+// memory operand costs less than an exchange of registers. (Storing quarters of wide registers costs more.)
+
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
+
+#include "solve/lanes.h"
+
+namespace ragtop {
+namespace {
+
+typedef float Float4 __attribute__((vector_size(16)));
+typedef float Float8 __attribute__((vector_size(32)));
+typedef float Float16 __attribute__((vector_size(64)));
+
+/// The same in memory, anywhere.
+typedef float Float4Row __attribute__((vector_size(16), aligned(4)));
+typedef float Float8Row __attribute__((vector_size(32), aligned(4)));
+
+RAGTOP_INLINE void transpose4(Float4& a, Float4& b, Float4& c, Float4& d) {
+    const Float4 ab0 = __builtin_shufflevector(a, b, 0, 4, 1, 5), ab1 = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+    const Float4 cd0 = __builtin_shufflevector(c, d, 0, 4, 1, 5), cd1 = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+    a = __builtin_shufflevector(ab0, cd0, 0, 1, 4, 5);
+    b = __builtin_shufflevector(ab0, cd0, 2, 3, 6, 7);
+    c = __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5);
+    d = __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7);
+}
+
+RAGTOP_INLINE void transpose8(Float8 r[8]) {
+    Float8 t[8], u[8];
+    for (int i = 0; i < 8; i += 2) {
+        t[i] = __builtin_shufflevector(r[i], r[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+        t[i + 1] = __builtin_shufflevector(r[i], r[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+    for (int i = 0; i < 8; i += 4) {
+        u[i] = __builtin_shufflevector(t[i], t[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+        u[i + 1] = __builtin_shufflevector(t[i], t[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+        u[i + 2] = __builtin_shufflevector(t[i + 1], t[i + 3], 0, 1, 8, 9, 4, 5, 12, 13);
+        u[i + 3] = __builtin_shufflevector(t[i + 1], t[i + 3], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+    for (int i = 0; i < 4; ++i) {
+        r[i] = __builtin_shufflevector(u[i], u[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+        r[i + 4] = __builtin_shufflevector(u[i], u[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+    }
+}
+
+/// In each group of four lanes: the columns of a 4 × 4 block become its rows.
+RAGTOP_INLINE void transposeFours(Float8& a, Float8& b, Float8& c, Float8& d) {
+    const Float8 ab0 = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 ab1 = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+    const Float8 cd0 = __builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 cd1 = __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15);
+    a = __builtin_shufflevector(ab0, cd0, 0, 1, 8, 9, 4, 5, 12, 13);
+    b = __builtin_shufflevector(ab0, cd0, 2, 3, 10, 11, 6, 7, 14, 15);
+    c = __builtin_shufflevector(ab1, cd1, 0, 1, 8, 9, 4, 5, 12, 13);
+    d = __builtin_shufflevector(ab1, cd1, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+
+/// Four floats from each place, side by side.
+RAGTOP_INLINE Float8 joinHalves(const float* lower, const float* upper) {
+#if defined(__AVX__)
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(lower)), _mm_loadu_ps(upper), 1);
+#else
+    const Float4 a = *reinterpret_cast<const Float4Row*>(lower), b = *reinterpret_cast<const Float4Row*>(upper);
+    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+#endif
+}
+
+/// Four floats of each of eight rows, as four Lanes.
+RAGTOP_INLINE void gatherFours(const float* const rows[8], int first, Float8 out[4]) {
+    for (int i = 0; i < 4; ++i) out[i] = joinHalves(rows[i] + first, rows[i + 4] + first);
+    transposeFours(out[0], out[1], out[2], out[3]);
+}
+
+#if defined(__AVX512F__)
+RAGTOP_INLINE void transposeFours(Float16& a, Float16& b, Float16& c, Float16& d) {
+    const Float16 ab0 = __builtin_shufflevector(a, b, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29);
+    const Float16 ab1 = __builtin_shufflevector(a, b, 2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31);
+    const Float16 cd0 = __builtin_shufflevector(c, d, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29);
+    const Float16 cd1 = __builtin_shufflevector(c, d, 2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31);
+    a = __builtin_shufflevector(ab0, cd0, 0, 1, 16, 17, 4, 5, 20, 21, 8, 9, 24, 25, 12, 13, 28, 29);
+    b = __builtin_shufflevector(ab0, cd0, 2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30, 31);
+    c = __builtin_shufflevector(ab1, cd1, 0, 1, 16, 17, 4, 5, 20, 21, 8, 9, 24, 25, 12, 13, 28, 29);
+    d = __builtin_shufflevector(ab1, cd1, 2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30, 31);
+}
+
+/// Four floats of each of sixteen rows.
+RAGTOP_INLINE void gatherFours(const float* const rows[16], int first, Float16 out[4]) {
+    for (int i = 0; i < 4; ++i) {
+        const auto at = [&](int row) { return _mm_loadu_ps(rows[row] + first); };
+        const __m512 two = _mm512_insertf32x4(_mm512_castps128_ps512(at(i)), at(i + 4), 1);
+        out[i] = _mm512_insertf32x4(_mm512_insertf32x4(two, at(i + 8), 2), at(i + 12), 3);
+    }
+    transposeFours(out[0], out[1], out[2], out[3]);
+}
+#endif
+
+/// The lanes of two fields, and back.
+template <int L>
+RAGTOP_INLINE Lanes<2 * L> loadTwo(const float* lower, const float* upper) {
+    static_assert(L == 8);
+    const Float8 a = *reinterpret_cast<const Float8*>(lower), b = *reinterpret_cast<const Float8*>(upper);
+#if defined(__AVX512F__)
+    return Lanes<16>(_mm512_insertf32x8(_mm512_castps256_ps512(a), b, 1));
+#else
+    return Lanes<16>(__builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
+#endif
+}
+template <int L>
+RAGTOP_INLINE void storeTwo(Lanes<2 * L> value, float* lower, float* upper) {
+    static_assert(L == 8);
+    *reinterpret_cast<Float8*>(lower) = __builtin_shufflevector(value.v, value.v, 0, 1, 2, 3, 4, 5, 6, 7);
+    *reinterpret_cast<Float8*>(upper) = __builtin_shufflevector(value.v, value.v, 8, 9, 10, 11, 12, 13, 14, 15);
+}
+
+/// Sixteen lanes as two times eight.
+RAGTOP_INLINE void gatherFoursTwice(const float* const rows[16], int first, Lanes<16> out[4]) {
+    Float8 r[4], s[4];
+    gatherFours(rows, first, r);
+    gatherFours(rows + 8, first, s);
+    for (int i = 0; i < 4; ++i)
+        out[i].v = __builtin_shufflevector(r[i], s[i], 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+}
+
+/// Gathers eight consecutive floats per lane from rows[lane].
+template <int N>
+RAGTOP_INLINE void gather8(const float* const rows[N], Lanes<N> out[8]) {
+    if constexpr (N == 4) {
+        Float4 lo[4], hi[4];
+        for (int i = 0; i < 4; ++i) {
+            lo[i] = *reinterpret_cast<const Float4Row*>(rows[i]);
+            hi[i] = *reinterpret_cast<const Float4Row*>(rows[i] + 4);
+        }
+        transpose4(lo[0], lo[1], lo[2], lo[3]);
+        transpose4(hi[0], hi[1], hi[2], hi[3]);
+        for (int i = 0; i < 4; ++i) {
+            out[i].v = lo[i];
+            out[i + 4].v = hi[i];
+        }
+    } else {
+        for (int first = 0; first < 8; first += 4) {
+#if defined(__AVX512F__)
+            typename Lanes<N>::V r[4];
+            gatherFours(rows, first, r);
+            for (int i = 0; i < 4; ++i) out[first + i].v = r[i];
+#else
+            if constexpr (N == 8) {
+                Float8 r[4];
+                gatherFours(rows, first, r);
+                for (int i = 0; i < 4; ++i) out[first + i].v = r[i];
+            } else {
+                gatherFoursTwice(rows, first, out + first);
+            }
+#endif
+        }
+    }
+}
+
+/// Scatters eight floats per lane to rows[lane]; a null row is left out where `kAll` is false.
+template <int N, bool kAll>
+RAGTOP_INLINE void scatterRows(float* const rows[N], const Lanes<N> in[8]) {
+    if constexpr (N == 4) {
+        Float4 lo[4], hi[4];
+        for (int i = 0; i < 4; ++i) {
+            lo[i] = in[i].v;
+            hi[i] = in[i + 4].v;
+        }
+        transpose4(lo[0], lo[1], lo[2], lo[3]);
+        transpose4(hi[0], hi[1], hi[2], hi[3]);
+        for (int i = 0; i < 4; ++i)
+            if (kAll || rows[i]) {
+                *reinterpret_cast<Float4Row*>(rows[i]) = lo[i];
+                *reinterpret_cast<Float4Row*>(rows[i] + 4) = hi[i];
+            }
+    } else if constexpr (N == 8) {
+        Float8 r[8];
+        for (int i = 0; i < 8; ++i) r[i] = in[i].v;
+        transpose8(r);
+        for (int i = 0; i < 8; ++i)
+            if (kAll || rows[i]) *reinterpret_cast<Float8Row*>(rows[i]) = r[i];
+    } else {
+        Lanes<8> half[8];
+        for (int i = 0; i < 8; ++i) half[i].v = __builtin_shufflevector(in[i].v, in[i].v, 0, 1, 2, 3, 4, 5, 6, 7);
+        scatterRows<8, kAll>(rows, half);
+        for (int i = 0; i < 8; ++i) half[i].v = __builtin_shufflevector(in[i].v, in[i].v, 8, 9, 10, 11, 12, 13, 14, 15);
+        scatterRows<8, kAll>(rows + 8, half);
+    }
+}
+template <int N>
+RAGTOP_INLINE void scatter8(float* const rows[N], const Lanes<N> in[8]) {
+    scatterRows<N, false>(rows, in);
+}
+template <int N>
+RAGTOP_INLINE void scatterAll8(float* const rows[N], const Lanes<N> in[8]) {
+    scatterRows<N, true>(rows, in);
+}
+
+}  // namespace
+}  // namespace ragtop
