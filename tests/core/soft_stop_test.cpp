@@ -309,6 +309,44 @@ TEST(SoftStop, ASlideKeepsWhatATorqueGaveIt) {
     EXPECT_GT(times, 10);
 }
 
+/// A stop that stores ½ k m² of its margin m pushes with −k m ∇m: what turns B by ε about e changes m by ε a · e, a the
+/// axis of its row. A twist stop's margin is c times the twist beyond it, c the cosine of half the swing, so that it
+/// pushes across the twist too. Beyond what float shows, central differences are off by ε²/6 of a third derivative.
+TEST(SoftStop, ATwistStopPushesAlongTheSlopeOfItsMargin) {
+    constexpr float kTurn = 0.02f;
+    constexpr double kRounding = 1e-6 / static_cast<double>(kTurn), kThird = 4;
+    for (const float swing : {0.3f, 1.2f, 2.2f}) {
+        for (const float twist : {-0.9f, 0.2f, 1.1f}) {
+            Rig rig;
+            RigBody body = box(1, {0.1f, 0.1f, 0.1f}, {});
+            const Quat start = rotationAbout({0, 0.6f, 0.8f}, swing) * rotationAbout({1, 0, 0}, twist);
+            BallDef ball;
+            ball.twistLimit = Range{-0.4f, 0.5f};
+            ball.stop.stiffness = 200;
+            JointSim& joint = rig.join(0, rig.add(body), ball);
+            const auto placed = [&](const Quat& rotation) {
+                rig.bodies[1].rotation = rotation;
+                rig.begin();
+                placeJoint(joint, rig.atStep(joint), rig.states(), rig.inertia());
+                return joint.ball;
+            };
+            const BallRows here = placed(start);
+            for (const Vec3& e : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
+                const BallRows after = placed(rotationAbout(e, kTurn) * start);
+                const BallRows before = placed(rotationAbout(e, -kTurn) * start);
+                const auto slope = [](const StopSide& to, const StopSide& from) {
+                    return static_cast<double>((to.margin - from.margin) / (2 * kTurn));
+                };
+                const double bound = kRounding + kThird * static_cast<double>(kTurn * kTurn) / 6;
+                EXPECT_NEAR(static_cast<double>(dot(here.lowerTwistAxis(), e)),
+                            slope(after.twistLower, before.twistLower), bound);
+                EXPECT_NEAR(static_cast<double>(dot(here.upperTwistAxis(), e)),
+                            slope(after.twistUpper, before.twistUpper), bound);
+            }
+        }
+    }
+}
+
 /// A pendulum that swings against soft stops: its weight is a steady force, and what it gives and takes is no stop's.
 /// Its highest energy in each second, of a substep's error in time like its lowest, stays.
 TEST(SoftStop, APendulumKeepsItsEnergyUnderItsWeight) {

@@ -163,10 +163,18 @@ void refreshLimits(BallRows& rows, const JointPlace& place) {
         const float twist = wrapAbout(angleAboutX(q), 0.5f * (range.lower + range.upper));
         rows.twistLower.margin = c * (twist - range.lower);
         rows.twistUpper.margin = c * (range.upper - twist);
-        if (rows.hasTilt()) {
+        if (rows.swingLimit.shape == SwingShape::polygon) {
             const TwistTilt tilt = c > kNoTwist ? twistTiltAt(rows.swingLimit, d, range) : TwistTilt{};
             rows.lowerTilt = rotate(place.a, -c * tilt.lower);
             rows.upperTilt = rotate(place.a, c * tilt.upper);
+        } else {
+            rows.lowerTilt = rows.upperTilt = {};
+        }
+        if (rows.stop.stiffness > 0 && c > kNoTwist) {
+            // ∇c of c = cos(θ/2), with |xA × xB| = 2 c sin(θ/2) and θ' = n · ω.
+            const Vec3 across = (-0.25f / c) * cross(xA, xB);
+            rows.lowerTilt += (twist - range.lower) * across;
+            rows.upperTilt += (range.upper - twist) * across;
         }
     }
 }

@@ -66,13 +66,13 @@ struct BallRows {
     Vec3 swingAxis[SwingLimit::kSides], twistAxis;  ///< unit vectors, zero where the row has no direction
     float mostEnergy = kNoForceLimit;  ///< J, of the relative rotation that a recovery from beyond a limit may leave
     SwingLimit swingLimit;
-    /// What the ends of a polygon's twist range add to the axes of their rows as they grow with the swing; else zero.
-    /// Not of unit length.
+    /// What the swing adds to the axes of the twist's rows, not of unit length: a polygon's range grows with it, and
+    /// the margin of a soft stop, which may be pressed by much, is a share of the twist that falls with it. Else zero.
     Vec3 lowerTilt, upperTilt;
 
     Vec3 lowerTwistAxis() const { return hasTilt() ? twistAxis + lowerTilt : twistAxis; }
     Vec3 upperTwistAxis() const { return hasTilt() ? -twistAxis + upperTilt : -twistAxis; }
-    bool hasTilt() const { return swingLimit.shape == SwingShape::polygon; }
+    bool hasTilt() const { return swingLimit.shape == SwingShape::polygon || stop.stiffness > 0; }
 };
 
 /// One joint in the solver: trivially copyable and without padding, so that a saved world is a copy of memory. The
