@@ -48,8 +48,8 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       meshMemory(memory),
       freeManifolds(memory),
       freeMeshManifolds(memory),
-      storedImpulses(memory),
       freeStored(memory),
+      storedImpulses(memory),
       joints(memory),
       jointSims(memory),
       launchedBodies(memory),
@@ -184,8 +184,8 @@ StepStats World::stats() const {
     stats.colors = w.graph.usedColors();
     for (const std::uint32_t c : w.awakeContacts) stats.touching += w.contacts[c].touching;
     stats.bytes = w.bodies.bytes() + w.states.bytes() + w.inertias.bytes() + w.dynamics.bytes() + w.histories.bytes() +
-                  w.shapes.bytes() + w.contacts.bytes() + w.contactLinks.bytes() + w.manifolds.bytes() + w.meshMemory.bytes() + w.joints.bytes() + w.jointSims.bytes() +
-                  w.jointBundles.bytes();
+                  w.shapes.bytes() + w.contacts.bytes() + w.contactLinks.bytes() + w.manifolds.bytes() +
+                  w.meshMemory.bytes() + w.joints.bytes() + w.jointSims.bytes() + w.jointBundles.bytes();
     for (int c = 0; c < ConstraintGraph::kLists; ++c) stats.bytes += w.graph.color(c).bundles.bytes();
     return stats;
 }

@@ -263,7 +263,8 @@ void WorldImpl::rideAlong(std::uint32_t obstacle, float done, Pose& pose) const 
     pose.rotation = normalized(pose.rotation);
 }
 
-/// Plays the impacts of a body one after the other, each with the rest of its time. What is left after the last impact, or piece, is lost, but for the way of what it lies on.
+/// Plays the impacts of a body one after the other, each with the rest of its time. What is left after the last impact,
+/// or piece, is lost, but for the way of what it lies on.
 void WorldImpl::sweepBody(std::uint32_t index) {
     constexpr int kMaxImpacts = 8, kMaxStuck = 3;
     SweptWay path = wayOfStep(index);

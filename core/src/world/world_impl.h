@@ -401,9 +401,8 @@ struct WorldImpl {
     PagedArray<ContactLinks> contactLinks;  ///< of each contact
     PagedArray<ManifoldRecord> manifolds;
     MeshMemory meshMemory;
-    AlignedArray<std::uint32_t> freeManifolds, freeMeshManifolds;
+    AlignedArray<std::uint32_t> freeManifolds, freeMeshManifolds, freeStored;
     AlignedArray<ManifoldImpulses> storedImpulses;
-    AlignedArray<std::uint32_t> freeStored;
     AlignedArray<JointRecord> joints;
     AlignedArray<JointSim> jointSims;
     AlignedArray<std::uint32_t> launchedBodies;  ///< BodyRecord::launched, and some that are no more
