@@ -38,12 +38,12 @@ struct Golden {
 constexpr Golden kGolden[] = {
     {0xdfcb92d5c5abd564u, 0x5fa5175e6031feeau},  // tower
     {0xd3e34f80dc8dca1bu, 0xb63be686162b0f78u},  // wall
-    {0xe40318032054fc75u, 0x0934be8eca0ac521u},  // hills
-    {0xeddeeab1637b1296u, 0xa01e9ec8d95dc119u},  // bowl
-    {0xd68f43ff81470596u, 0xcdfce4c37b291aefu},  // joints
-    {0x895c65204a0d90c9u, 0xc3f146f26a48569au},  // spinners
+    {0x365cc8f045d5fd77u, 0x4a79494d276db091u},  // hills
+    {0x575882db90460baau, 0x8577b8a3e39e862eu},  // bowl
+    {0xd68f43ff81470596u, 0x0cc553772190a96du},  // joints
+    {0x6e021c8ea8f40c68u, 0xf569051eb0be922cu},  // spinners
     {0xefa6f2b1da44b200u, 0x7cde25af5b0331f5u},  // chains
-    {0xe8c8ef74fa67ac09u, 0xd26dcadb596ef264u},  // house
+    {0xe8c8ef74fa67ac09u, 0x2a44459fd77b4babu},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 

@@ -52,14 +52,21 @@ TEST(MovingMesh, HoldsABallInARing) {
     constexpr std::uint32_t kSides = 24;
     const double R = 0.4, r = 0.125, ball = 0.5;
     const BodyId ring = addAt(world, torus(0.4f, 0.125f, 48, kSides), {0, 0.126, 0}, rotationAbout({1, 0, 0}, kPi / 2));
-    const BodyId on = addAt(world, Sphere{0.5f}, {0, 0.7, 0});
+    const BodyId on = addAt(world, Sphere{0.5f}, {0, 0.61, 0});
     run(world, 3);
+    // It goes on rolling from facet to facet.
+    double mean = 0;
+    constexpr int kSteps = 60;
+    for (int i = 0; i < kSteps; ++i) {
+        world.step(kDt);
+        mean += (height(world, on) - height(world, ring)) / kSteps;
+    }
     const double above = std::sqrt((ball + r) * (ball + r) - R * R), flats = 1 - std::cos(3.1416 / kSides);
     const double around = 1 - std::cos(3.1416 / 48);
     // dh = (ρ + r)/h dr and R/h dR.
     // To first order, and a tenth for the rest.
     const double slack = 1.1 * ((ball + r) * r * flats + R * R * around) / above + 2 * kSink;
-    EXPECT_NEAR(height(world, on) - height(world, ring), above, slack);
+    EXPECT_NEAR(mean, above, slack);
     EXPECT_NEAR(world.pose(on).position.x, 0, 0.01);
 }
 

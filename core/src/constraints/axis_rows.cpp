@@ -159,6 +159,36 @@ bool DryFriction::begin(float size, float kinetic, float breakaway) {
     return slides > 0;
 }
 
+/// kLeaves, and what is left leads into the stop at the other end.
+static constexpr float kCrosses = 3;
+
+/// What is held by one stop meets the other where its course leads, not where the speed of now would; and what the one
+/// has given to that speed goes on for no longer than it holds.
+static void leadTo(StopSide& other, StopSide& held) {
+    const bool crosses = held.meets == kCrosses;
+    if (crosses) held.meets = kLeaves;
+    other.share = other.wasSeen = 0;
+    other.meets = crosses ? kArrives : 0.0f;
+    other.landing = -held.landing, other.leaving = -held.leaving;
+}
+
+static bool beginStops(AxisRows& rows, float speed, float h, float bend) {
+    StopSide &lower = rows.atLower, &upper = rows.atUpper;
+    SoftCourse course;
+    if (rows.stop.stiffness > 0) course = {rows.stop, rows.inverseMass, h, rows.upper - rows.lower};
+    const bool struckLower = beginStop(lower, rows.stop, speed, course, h, bend);
+    const bool struckUpper = beginStop(upper, rows.stop, -speed, course, h, -bend);
+    const auto held = [&](const StopSide& side) {
+        return course.follows() && side.margin < 0 && (side.meets > 0 || side.pressed > 0);
+    };
+    if (held(lower)) {
+        leadTo(upper, lower);
+    } else if (held(upper)) {
+        leadTo(lower, upper);
+    }
+    return struckLower || struckUpper;
+}
+
 bool beginAxis(AxisRows& rows, double coordinate, float speed, float reaction, const JointContext& context,
                float bend) {
     const float w = rows.inverseMass, h = context.h;
@@ -182,12 +212,7 @@ bool beginAxis(AxisRows& rows, double coordinate, float speed, float reaction, c
         rows.motorStalls = forward ? 1.0f : reverse ? -1.0f : 0.0f;
         if (rows.motorStalls != 0) rows.motorImpulse *= 0.5f;
     }
-    if (rows.features & AxisRows::kLimit) {
-        const bool lower = beginStop(rows.atLower, rows.stop, speed, w, h, bend);
-        const bool upper = beginStop(rows.atUpper, rows.stop, -speed, w, h, -bend);
-        return lower || upper;
-    }
-    return false;
+    return (rows.features & AxisRows::kLimit) != 0 && beginStops(rows, speed, h, bend);
 }
 
 RowAim aimOf(const AxisRows& rows, AxisSlot slot, const JointContext& context, bool moving) {
@@ -233,7 +258,7 @@ static float dueOnRelease(const StopSide& side, const Stop& stop, float h) {
     return letsGo ? -0.5f * h * stop.stiffness * side.startMargin : 0.0f;
 }
 
-bool beginStop(StopSide& side, const Stop& stop, float speed, float inverseMass, float h, float bend) {
+bool beginStop(StopSide& side, const Stop& stop, float speed, const SoftCourse& course, float h, float bend) {
     const bool jumped = side.rebound > 0 || side.meets > 0;
     const bool struck = jumped ? side.impulse != 0 : side.impulse > 0 && !(side.pressed > 0);
     const float due = jumped ? 0.0f : dueOnRelease(side, stop, h);
@@ -254,10 +279,9 @@ bool beginStop(StopSide& side, const Stop& stop, float speed, float inverseMass,
     const float approach = -(speed + 0.5f * gained), change = gained < 0 ? -gained : gained;
     if (stop.stiffness > 0) {
         const float along = bend + (side.margin < 0 ? speed : -approach);
-        const SoftCourse course(stop.stiffness, stop.damping, inverseMass, h);
         const SoftMeeting meeting = course.meet(side.margin, along, side.pressed > 0);
         if (meeting.meets) {
-            side.meets = meeting.leaves ? kLeaves : kArrives;
+            side.meets = meeting.crosses ? kCrosses : meeting.leaves ? kLeaves : kArrives;
             side.due = 0;
             side.landing = meeting.mean, side.leaving = meeting.last + bend;
             return struck;

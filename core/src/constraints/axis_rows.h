@@ -9,6 +9,7 @@
 /// the joint's block; direct islands all at once.
 namespace ragtop {
 
+class SoftCourse;
 struct JointContext;
 
 /// What a row asks for in one pass. A rigid row is to reach a speed; a compliant one gives λ = push − drag u.
@@ -56,7 +57,7 @@ struct StopSide {
 };
 /// When a substep begins; `speed` is that of the margin before the rows of the joint act. True when something ran into
 /// the stop in the substep before: an impact does not last, so that its impulses are no guess for those to come.
-bool beginStop(StopSide& side, const Stop& stop, float speed, float inverseMass, float h, float bend = 0);
+bool beginStop(StopSide& side, const Stop& stop, float speed, const SoftCourse& course, float h, float bend = 0);
 /// False where the row of a stop would leave an impulse of zero as it is.
 bool mayAct(const StopSide& side, const Stop& stop, float speed, const JointContext& context, bool moving);
 RowAim aimAtStop(const StopSide& side, const Stop& stop, float inverseMass, const JointContext& context, bool moving);

@@ -1,6 +1,7 @@
 #include "constraints/joint_angle.h"
 #include "constraints/joint_constants.h"
 #include "constraints/joint_types.h"
+#include "constraints/soft_course.h"
 
 namespace ragtop {
 namespace {
@@ -190,12 +191,13 @@ void beginBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, c
         if (rows.dry.begin(length(rows.frictionImpulse), kinetic, h * rows.breakaway)) rows.frictionImpulse *= 0.5f;
     }
     const Vec3 spin = pair.velocity(joint.arms).angular;
+    const SoftCourse noCourse;
     bool hadImpact = false;
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
-        hadImpact |= beginStop(rows.swing[i], rows.stop, dot(rows.swingAxis[i], spin), 0, h);
+        hadImpact |= beginStop(rows.swing[i], rows.stop, dot(rows.swingAxis[i], spin), noCourse, h);
     if (rows.features & BallRows::kTwist) {
-        hadImpact |= beginStop(rows.twistLower, rows.stop, dot(rows.lowerTwistAxis(), spin), 0, h);
-        hadImpact |= beginStop(rows.twistUpper, rows.stop, -dot(-rows.upperTwistAxis(), spin), 0, h);
+        hadImpact |= beginStop(rows.twistLower, rows.stop, dot(rows.lowerTwistAxis(), spin), noCourse, h);
+        hadImpact |= beginStop(rows.twistUpper, rows.stop, -dot(-rows.upperTwistAxis(), spin), noCourse, h);
     }
     beginBlock(joint.block, hadImpact);
 }

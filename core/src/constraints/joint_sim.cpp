@@ -297,7 +297,7 @@ void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, 
     if (useBias)
         noteOwn(joint, pair, AccountPass::moving);
     else
-        settleAccount(joint, pair, context.inverseH);
+        settleAccount(joint, pair, context);
     pair.store();
     if (!useBias) noteLoad(joint);
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "constraints/joint_sim.h"
+#include "constraints/soft_course.h"
 
 namespace ragtop {
 namespace {
@@ -25,6 +26,15 @@ float stored(const AxisRows& axis) {
 bool isFree(const StopSide& side) {
     return side.margin >= 0 && (side.meets == kLeaves ||
                                 (side.meets == 0 && !(side.impulse > 0) && !(side.due > 0) && !(side.pressed > 0)));
+}
+
+/// A stop has let go, and the other has nothing to give or has been met since.
+bool isReleased(const AxisRows& axis) {
+    const StopSide &lower = axis.atLower, &upper = axis.atUpper;
+    const auto crossed = [](const StopSide& from, const StopSide& to) {
+        return from.margin >= 0 && from.meets == kLeaves && to.meets == kArrives;
+    };
+    return (isFree(lower) && isFree(upper)) || crossed(lower, upper) || crossed(upper, lower);
 }
 
 /// Beyond rounding of the speeds that the kicks are differences of.
@@ -55,19 +65,57 @@ Torque torqueBetween(const Vec3& before, const Vec3& now, const BodyInertia& ine
     return {length(rest) > kRounding * length(before), work};
 }
 
+float freeSpeed(const JointSim& joint, const BodyPair& pair) {
+    const PairVector u = pair.velocity(joint.arms);
+    return dot(joint.block.basis.cz, joint.block.linearFirst ? u.angular : u.linear);
+}
+
+/// A coordinate that a stop has let go at its time: free, or in the other stop already, where rows lag behind its
+/// speed.
+class Released {
+public:
+    Released(const AxisRows& axis, float h) {
+        if (axis.atLower.meets == kArrives) met_ = &axis.atLower, side_ = 1;
+        if (axis.atUpper.meets == kArrives) met_ = &axis.atUpper, side_ = -1;
+        if (met_) course_ = {axis.stop, axis.inverseMass, h, axis.upper - axis.lower};
+    }
+    bool crossed() const { return met_ != nullptr; }
+    float speedOf(float row) const {
+        return met_ ? static_cast<float>(side_ * course_.speedAt(margin(), side_ * static_cast<double>(row))) : row;
+    }
+    float rowOf(float speed) const {
+        return met_ ? static_cast<float>(side_ * course_.rowSpeedAt(margin(), side_ * static_cast<double>(speed)))
+                    : speed;
+    }
+
+private:
+    double margin() const { return static_cast<double>(met_->margin); }
+
+    const StopSide* met_ = nullptr;
+    double side_ = 1;
+    SoftCourse course_;
+};
+
+/// J, of the relative motion and the stop. What a row lags behind by is the free coordinate's, which turns and moves
+/// apart from all others.
+float energyOf(const JointSim& joint, const BodyPair& pair, const Released& released) {
+    const float row = freeSpeed(joint, pair), speed = released.speedOf(row);
+    const float beyond = released.crossed() ? 0.5f * (speed - row) * (speed + row) / joint.axis.inverseMass : 0.0f;
+    return pair.relativeEnergy() + stored(joint.axis) + beyond;
+}
+
 /// The coordinate gets the energy `missing`:  s'² = s² + 2 w e. Never more than a tenth of what it has, and never all
 /// of it is taken.
-void settle(JointSim& joint, BodyPair& pair, float missing) {
+void settle(JointSim& joint, BodyPair& pair, const Released& released, float missing) {
     constexpr float kMostTaken = 0.75f, kMostGiven = 0.1f;
     RigidBlock& block = joint.block;
-    const PairVector u = pair.velocity(joint.arms);
-    const float speed = dot(block.basis.cz, block.linearFirst ? u.angular : u.linear), w = joint.axis.inverseMass;
+    const float row = freeSpeed(joint, pair), speed = released.speedOf(row), w = joint.axis.inverseMass;
     const float energy = 0.5f * speed * speed / w;
     if (!(energy > 0)) return;
     const float asked = missing / energy;
     const float share = asked < -kMostTaken ? -kMostTaken : asked > kMostGiven ? kMostGiven : asked;
     const Vec3 first = block.impulseFirst, second = block.impulseSecond;
-    pair.apply(joint.arms, freeImpulse(block, (std::sqrt(1 + share) - 1) * speed / w));
+    pair.apply(joint.arms, freeImpulse(block, (released.rowOf(std::sqrt(1 + share) * speed) - row) / w));
     block.impulseFirst = first;
     block.impulseSecond = second;
     joint.axis.atLower.wasSeen = joint.axis.atUpper.wasSeen = 0;
@@ -127,23 +175,25 @@ static float workOf(const SoftAccount& account, const BodyPair& pair, float inve
     return pair.reducedMass() * dot(account.kick, inverseH * way - 0.5f * gained);
 }
 
-void settleAccount(JointSim& joint, BodyPair& pair, float inverseH) {
+void settleAccount(JointSim& joint, BodyPair& pair, const JointContext& context) {
     if (!keepsAccount(joint) || joint.account.pass != AccountPass::moving) return;
     SoftAccount& account = joint.account;
     const AxisRows& axis = joint.axis;
-    account.kept += workOf(account, pair, inverseH);
-    if (!isFree(axis.atLower) || !isFree(axis.atUpper)) {
+    account.kept += workOf(account, pair, context.inverseH);
+    if (!isReleased(axis)) {
         account.pressed = 1;
-    } else if (account.steady > 0) {
-        const bool brakes = axis.stop.damping > 0 || axis.features != AxisRows::kLimit;
-        const float missing = account.kept - pair.relativeEnergy();
-        if (missing < 0 || (account.pressed > 0 && !brakes)) settle(joint, pair, missing);
-        if (brakes && missing > 0) account.kept -= missing;
-        account.pressed = 0;
     } else {
-        account.pressed = 0;
-        account.steady = 1;
-        account.kept = pair.relativeEnergy();
+        const Released released(axis, context.h);
+        if (account.steady > 0) {
+            const bool brakes = axis.stop.damping > 0 || axis.features != AxisRows::kLimit;
+            const float missing = account.kept - energyOf(joint, pair, released);
+            if (missing < 0 || (account.pressed > 0 && !brakes)) settle(joint, pair, released, missing);
+            if (brakes && missing > 0) account.kept -= missing;
+        } else {
+            account.steady = 1;
+            account.kept = energyOf(joint, pair, released);
+        }
+        account.pressed = released.crossed() ? 1.0f : 0.0f;
     }
     account.last = pair.relativeVelocity();
     noteOwn(joint, pair, AccountPass::none);

@@ -13,7 +13,8 @@ enum class AccountPass : std::uint32_t { none, warmStart, moving };
 
 /// What the soft stop of a hinge or slider is answered for: over the time that it is pressed a spring gives back what
 /// it took, a damper less. Substeps follow its course to second order in ωh and in what turning adds meanwhile; what
-/// that leaves, a few percent where both are fast, is settled with the free coordinate when the stop lets go. Where
+/// that leaves, a few percent where both are fast, is settled with the free coordinate when the stop lets go, whether
+/// that leads into the other stop or not. Where
 /// anything but this joint and a steady force acts on the bodies meanwhile nobody can tell, and nothing is settled.
 struct SoftAccount {
     AccountPass pass = AccountPass::none;
@@ -38,6 +39,6 @@ void openAccount(JointSim& joint, const BodyPair& pair, float h);
 void watchOthers(JointSim& joint, const BodyPair& pair);
 void noteOwn(JointSim& joint, const BodyPair& pair, AccountPass pass);
 /// After the relaxing pass, before which `watchOthers` looked.
-void settleAccount(JointSim& joint, BodyPair& pair, float inverseH);
+void settleAccount(JointSim& joint, BodyPair& pair, const JointContext& context);
 
 }  // namespace ragtop

@@ -8,16 +8,17 @@
 
 namespace ragtop {
 
-SoftCourse::SoftCourse(float stiffness, float damping, float inverseMass, float h)
-    : square_(static_cast<double>(stiffness) * inverseMass),
-      damping_(static_cast<double>(damping) * inverseMass),
-      h_(h) {
+SoftCourse::SoftCourse(const Stop& stop, float inverseMass, float h, float room)
+    : square_(static_cast<double>(stop.stiffness) * inverseMass),
+      damping_(static_cast<double>(stop.damping) * inverseMass),
+      h_(h),
+      room_(room) {
     const double under = square_ - 0.25 * damping_ * damping_;
     // Nearly critical damping leaves no speed that a meeting could get wrong.
     follows_ = under > 0.01 * square_ && square_ * h_ * h_ <= 1 && square_ * h_ * h_ > 1e-6;
     if (!follows_) return;
     rate_ = std::sqrt(under);
-    moving_ = springShares(stiffness, damping, inverseMass, h).moving;
+    moving_ = springShares(stop.stiffness, stop.damping, inverseMass, h).moving;
 }
 
 /// x(t) = e^{−dt/2} (x cos + (v + d x/2) sin/Ω),  v(t) = e^{−dt/2} (v cos − (ω² x + d v/2) sin/Ω)
@@ -29,19 +30,33 @@ SoftCourse::Place SoftCourse::after(const Place& from, double t) const {
             left * (cosine * from.v - sine * (square_ * from.x + 0.5 * damping_ * from.v))};
 }
 
-/// The substep ends beyond the stop. The speed it leaves is that from which rows go on exactly:
-///   x₂ − x₁ = q₁ (h v − (ωh)² x₁).
-SoftMeeting SoftCourse::goOn(const Place& now, double margin) const {
-    const Place next = after(now, h_);
-    const double last = (next.x - now.x) / (h_ * moving_) + h_ * square_ * now.x;
-    return {true, false, static_cast<float>((now.x - margin) / h_), static_cast<float>(last)};
+/// Rows go on from x₁ by  x₂ − x₁ = q₁ (h v − (ωh)² x₁).
+double SoftCourse::rowSpeedAt(double margin, double speed) const {
+    return (after({margin, speed}, h_).x - margin) / (h_ * moving_) + h_ * square_ * margin;
+}
+double SoftCourse::speedAt(double margin, double speed) const {
+    const double step = h_ * moving_ * (speed - h_ * square_ * margin);
+    const Place still = after({margin, 0}, h_), unit = after({0, 1}, h_);
+    return (margin + step - still.x) / unit.x;
 }
 
-/// Is let go after `until` and flies on from there.
+/// The substep ends beyond the stop, with the speed from which rows go on exactly.
+SoftMeeting SoftCourse::goOn(const Place& now, double margin) const {
+    const double last = rowSpeedAt(now.x, now.v);
+    return {true, false, false, static_cast<float>((now.x - margin) / h_), static_cast<float>(last)};
+}
+
+/// Is let go after `until` and flies on from there, to the other stop if that is near.
 SoftMeeting SoftCourse::fly(const Place& from, double until, double margin) const {
     const Place end = after(from, until);
-    const double mean = (end.x + end.v * (h_ - until) - margin) / h_;
-    return {true, true, static_cast<float>(mean), static_cast<float>(end.v)};
+    const double left = h_ - until, flight = (room_ - end.x) / end.v;
+    if (flight < left) {
+        const Place other = after({0, -end.v}, left - flight);
+        const double mean = (room_ - other.x - margin) / h_;
+        return {true, true, true, static_cast<float>(mean), static_cast<float>(-rowSpeedAt(other.x, other.v))};
+    }
+    const double mean = (end.x + end.v * left - margin) / h_;
+    return {true, true, false, static_cast<float>(mean), static_cast<float>(end.v)};
 }
 
 /// Meets the stop on the way and follows it for the rest of the substep.
@@ -69,10 +84,7 @@ double SoftCourse::forceFree(const Place& now) const {
 
 /// Is let go on the way.
 SoftMeeting SoftCourse::leave(double margin, double speed) const {
-    const double step = h_ * moving_ * (speed - h_ * square_ * margin);
-    // The speed at this place, of which `speed` lags: that which leads where rows would lead.
-    const Place still = after({margin, 0}, h_), unit = after({0, 1}, h_);
-    const Place now{margin, (margin + step - still.x) / unit.x};
+    const Place now{margin, speedAt(margin, speed)};
     const double until = forceFree(now);
     return until < h_ && now.v > 0 ? fly(now, until, margin) : SoftMeeting{};
 }

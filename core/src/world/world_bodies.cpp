@@ -99,6 +99,16 @@ void WorldImpl::takeMass(std::uint32_t index, const MassProperties& mass) {
     body.local = {mass.center, axes.rotation};
 }
 
+/// Widens the balls about the body's centre so that they hold a shape, and its core: what is round about that does not
+/// change its place as the body turns.
+void WorldImpl::reach(BodyRecord& body, const ShapeRecord& shape) const {
+    const GeometryEntry& geometry = geometries[shape.geometry];
+    const float radius = radiusAbout(geometry.shape, inverseTransformPoint(shape.frame, {}));
+    const float core = radius - geometry.convex.radius;
+    if (radius > body.radius) body.radius = radius;
+    if (core > body.coreRadius) body.coreRadius = core;
+}
+
 /// The internal frame moves in the body; all that is kept in it moves the other way.
 void WorldImpl::changeMass(std::uint32_t index, const MassProperties& mass) {
     BodyRecord& body = bodies[index];
@@ -110,13 +120,12 @@ void WorldImpl::changeMass(std::uint32_t index, const MassProperties& mass) {
     states[index].v += cross(states[index].w, relative(internal.position, body.center));
     body.center = internal.position;
     body.rotation = normalized(internal.rotation);
-    body.radius = 0;
+    body.radius = body.coreRadius = 0;
     for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
         ShapeRecord& shape = shapes[s];
         shape.frame = move * shape.frame;
         shape.frame.rotation = normalized(shape.frame.rotation);
-        const float radius = radiusAbout(geometries[shape.geometry].shape, inverseTransformPoint(shape.frame, {}));
-        if (radius > body.radius) body.radius = radius;
+        reach(body, shape);
     }
     moveAnchors(index, move);
     resetSolverState(index);
@@ -174,7 +183,7 @@ std::uint32_t WorldImpl::createBody(const BodyDef& def) {
     // In reverse, because the list is built from its end.
     for (std::size_t i = flat.size(); i-- > 0;)
         addShape(index, *flat[i].def, flat[i].frame, *flat[i].geometry, toInternal);
-    if (flat.empty()) body.size = body.radius = 0;
+    if (flat.empty()) body.size = body.radius = body.coreRadius = 0;
     resetSolverState(index);
     refreshBounds(index);
     ++structureVersion;
@@ -208,8 +217,7 @@ void WorldImpl::addShape(std::uint32_t bodyIndex, const ShapeDef& def, const Fra
     shape.next = body.firstShape;
     body.firstShape = index;
     if (shape.size < body.size) body.size = shape.size;
-    const float radius = radiusAbout(geometry, inverseTransformPoint(shape.frame, {}));
-    if (radius > body.radius) body.radius = radius;
+    reach(body, shape);
 }
 
 /// What the solver streams through, from the record.

@@ -16,7 +16,7 @@ void WorldImpl::lookAhead() {
         for (int i = begin; i < end; ++i) {
             const std::uint32_t body = awakeBodies[static_cast<std::size_t>(i)];
             const BodyState& state = states[body];
-            bodies[body].ahead = (length(state.v) + length(state.w) * bodies[body].radius) * dt;
+            bodies[body].ahead = (length(state.v) + length(state.w) * bodies[body].coreRadius) * dt;
         }
     });
 }

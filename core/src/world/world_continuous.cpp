@@ -324,7 +324,7 @@ Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& start, const Po
         }
         const Pose shapeStart = start * shape.frame, shapeEnd = end * shape.frame;
         // A point at r that turns by θ leaves its chord by r (1 − cos θ/2) at most.
-        const float bulge = body.radius * (1 - std::abs((end.rotation * conjugate(start.rotation)).w));
+        const float bulge = body.coreRadius * (1 - std::abs((end.rotation * conjugate(start.rotation)).w));
         const Bounds swept =
             enlarged(merge(boundsOf(geometry.shape, shapeStart), boundsOf(geometry.shape, shapeEnd)), bulge);
         // Surfaces stay a little apart; going less far into each other is left to their contact.

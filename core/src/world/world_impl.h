@@ -306,6 +306,7 @@ struct WorldImpl {
 
     // world_bodies.cpp, world_joints.cpp
     std::uint32_t createBody(const BodyDef& def);
+    void reach(BodyRecord& body, const ShapeRecord& shape) const;
     void addShape(std::uint32_t body, const ShapeDef& def, const Frame& frame, const Shape& geometry,
                   const Frame& toInternal);
     void destroyBody(std::uint32_t body);

@@ -109,9 +109,9 @@ void WorldImpl::placePairs(const std::uint32_t* asked, int count, PairPlace* out
         rows.vB[i] = &states[record.bodyB].v, rows.wB[i] = &states[record.bodyB].w;
         const Vec3 apart = relative(b.center, a.center);
         for (int axis = 0; axis < 3; ++axis) rows.apart[axis][i] = apart[axis];
-        rows.radiusA[i] = a.radius, rows.radiusB[i] = b.radius;
-        rows.turningA[i] = a.type == BodyType::fixed ? 0 : a.radius;
-        rows.turningB[i] = b.type == BodyType::fixed ? 0 : b.radius;
+        rows.radiusA[i] = a.coreRadius, rows.radiusB[i] = b.coreRadius;
+        rows.turningA[i] = a.type == BodyType::fixed ? 0 : a.coreRadius;
+        rows.turningB[i] = b.type == BodyType::fixed ? 0 : b.coreRadius;
         rows.size[i] = record.size;
         anyCapsules |= takeCapsules(geometries[shapes[record.shapeA].geometry].convex,
                                     geometries[shapes[record.shapeB].geometry].convex, i, rows);

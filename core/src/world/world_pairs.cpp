@@ -122,7 +122,7 @@ void WorldImpl::refitBounds() {
             BodyRecord& body = bodies[awakeBodies[place]];
             const Quat turn = body.rotation * conjugate(startPoses[place].rotation);
             const float way = length(relative(body.center, startPoses[place].center)) +
-                              2 * length(Vec3{turn.x, turn.y, turn.z}) * body.radius;
+                              2 * length(Vec3{turn.x, turn.y, turn.z}) * body.coreRadius;
             body.travel += static_cast<double>(way);
             body.room -= way;
             body.refitted = false;

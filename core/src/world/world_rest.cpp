@@ -77,7 +77,7 @@ float RestFinds::slowest(float gravityStep) { return kStill * gravityStep; }
 
 void RestFinds::note(BodyRecord& body, bool slow) {
     const int steps = slow ? body.stillSteps + 1 : 0;
-    body.stillSteps = static_cast<std::uint8_t>(steps < kStillSteps ? steps : kStillSteps);
+    body.stillSteps = static_cast<std::uint8_t>(steps < kStillSteps ? steps : kStillSteps) & 31u;
     if (body.stillSteps == kStillSteps && !body.rests) anyStill.store(true, std::memory_order_relaxed);
 }
 

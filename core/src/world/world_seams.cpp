@@ -109,8 +109,8 @@ bool WorldImpl::closes(const ContactRecord& record, const ManifoldRecord& manifo
     const Vec3 normal = rotate(a.rotation, manifold.normal);
     const Vec3 way =
         dt * ((a.type == BodyType::fixed ? Vec3{} : stateA.v) - (b.type == BodyType::fixed ? Vec3{} : stateB.v));
-    const float turning = (a.type == BodyType::fixed ? 0 : length(stateA.w) * a.radius) +
-                          (b.type == BodyType::fixed ? 0 : length(stateB.w) * b.radius);
+    const float turning = (a.type == BodyType::fixed ? 0 : length(stateA.w) * a.coreRadius) +
+                          (b.type == BodyType::fixed ? 0 : length(stateB.w) * b.coreRadius);
     if (!(dot(way, normal) + dt * turning > least)) return false;
     const float foreseen = 1 + context.h / dt;
     bool nearer = false, meets = false;

@@ -402,7 +402,7 @@ void WorldImpl::finishBodies() {
             startPoses[place] = {body.center, body.rotation};
             const bool lost = ranAway(index);
             if (lost) stayPut(index);
-            const float turn = 2 * length(Vec3{state.dq.x, state.dq.y, state.dq.z}) * body.radius;
+            const float turn = 2 * length(Vec3{state.dq.x, state.dq.y, state.dq.z}) * body.coreRadius;
             const float motion = length(state.dp) + turn;
             const bool fast = body.continuous && motion > tuning::kContinuousMotion * body.size;
             body.center = body.center + state.dp;
