@@ -37,13 +37,13 @@ struct Golden {
 };
 constexpr Golden kGolden[] = {
     {0x6ef5b2e30aaba226u, 0x21227f4177aa574bu},  // tower
-    {0x716ba7a43b8305b9u, 0x5233aa8122e8756bu},  // wall
-    {0x3c179a1598c160c6u, 0x20fe7dfb5f39db4cu},  // hills
-    {0x2115ea226d1040bfu, 0x2e866877b4e9f3bbu},  // bowl
-    {0x9421e23c7e04492cu, 0x0cfaac9c9c0c7e5au},  // joints
-    {0x6e021c8ea8f40c68u, 0xf569051eb0be922cu},  // spinners
+    {0xb953854fb8fa7692u, 0x99716f04639c04c4u},  // wall
+    {0x2c5e14882baecfe5u, 0x52a852dc972ded21u},  // hills
+    {0xa621ec932f6e50fdu, 0x469528d2a5b699c5u},  // bowl
+    {0x99cf64516641deabu, 0xe8102db982c00962u},  // joints
+    {0x68bdaee5b20730e4u, 0x0545961363ba0befu},  // spinners
     {0xefa6f2b1da44b200u, 0x7cde25af5b0331f5u},  // chains
-    {0xff7d2d371c900ff4u, 0xcb9ed1a60b4b9bf7u},  // house
+    {0x9a8f25588fec6a9eu, 0x9475f4ee1e45556du},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 
