@@ -35,7 +35,6 @@ public:
         dynamics_.resize(count + 1, {});
         histories_.resize(count + 1, {});
         bundles_.resize(static_cast<std::size_t>(bundleCount() * contact::kFields * kernels.lanes), 0.0f);
-        deep_.resize(static_cast<std::size_t>(bundleCount() * kernels.lanes));
         for (int i = 0; i < contacts; ++i) {
             const auto body = static_cast<std::uint32_t>(i + 1);
             states_[body].invMass = 0.001f;
@@ -51,7 +50,7 @@ public:
         context_.inverseH = 240;
         context_.soft = makeSoftness(30, 10, context_.h);
         context_.softStatic = makeSoftness(60, 5, context_.h);
-        context_.pushOut = 6;
+        context_.pushOut = 1.8f;
         prepare();
     }
     int bundleCount() const { return (bodyCount + kernels.lanes - 1) / kernels.lanes; }
@@ -61,7 +60,7 @@ public:
         kernel(bundles_.data(), 0, bundleCount(), arrays(), context_);
     }
     void prepare() {
-        kernels.prepareContacts(bundles_.data(), 0, bundleCount(), arrays(), context_, deep_.data());
+        kernels.prepareContacts(bundles_.data(), 0, bundleCount(), arrays(), context_);
     }
     void integrate() {
         kernels.integrateVelocities(arrays(), order_.data(), 0, bodyCount, context_);
@@ -101,7 +100,6 @@ private:
     AlignedArray<BodyDynamics> dynamics_;
     AlignedArray<BodyHistory> histories_;
     AlignedArray<float> bundles_;
-    std::vector<std::uint8_t> deep_;
     std::vector<std::uint32_t> order_;
     SolverContext context_;
 };

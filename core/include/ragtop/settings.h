@@ -23,7 +23,7 @@ struct WorldSettings {
     float loadCarrying = 0.002f;        ///< share of a contact's load carried into the next step's rest point
     float staticLoadCarrying = 0.03f;   ///< the same against static bodies
     int solver = 0;                     ///< 0: chosen per island; 1: sweeps; 2: direct wherever it fits
-    float pushOut = 0.1f;               ///< largest speed of recovery from overlap, in sizes per step
+    float pushOut = 0.03f;              ///< speed that an overlap adds at most to what the load takes, in sizes per step
     bool sequentialFriction = false;    ///< friction after all normal forces instead of beside each
     float restitutionSpeed = 2.0f;      ///< slowest impact that bounces, in speeds gravity gives per step
     float sleepTime = 0.5f;             ///< s at rest before an island sleeps
@@ -50,7 +50,7 @@ void describe(Visitor& visit, Self& self, const WorldSettings*) {
     visit(Tunable{"staticLoadCarrying", "1", 0, 0.05, "the same of contacts with static bodies"},
           self.staticLoadCarrying);
     visit(Tunable{"solver", "", 0, 2, "0: chosen per island, 1: sweeps, 2: direct"}, self.solver);
-    visit(Tunable{"pushOut", "sizes/step", 0.001, 10, "largest speed of recovery from overlap"}, self.pushOut);
+    visit(Tunable{"pushOut", "sizes/step", 0.001, 10, "largest speed that an overlap adds to what the load takes"}, self.pushOut);
     visit(Tunable{"sequentialFriction", "", 0, 1, "friction after all normal forces instead of beside each"},
           self.sequentialFriction);
     visit(Tunable{"restitutionSpeed", "g·step", 0, 1000, "slowest impact that bounces"}, self.restitutionSpeed);

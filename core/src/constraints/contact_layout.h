@@ -76,6 +76,10 @@ enum Trait : int {
 };
 
 /// Of the size: overlaps that no load leaves, which bodies come out of as fast as from the ground.
-inline constexpr float kDeep = 0.02f;
+inline constexpr float kDeep = 0.015f;
+/// Of the weight of what a row moves: a load whose overlap is not deep, however small the bodies are.
+inline constexpr float kHeavy = 10;
+/// Of the size: overlaps that bodies leave by being moved, since the speed of pushing is bounded.
+inline constexpr float kInside = 0.25f;
 
 }  // namespace ragtop::contact

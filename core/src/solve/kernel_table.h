@@ -47,9 +47,10 @@ struct SolverContext {
     float h = 0, inverseH = 0;   ///< substep, s
     float dt = 0;                ///< step, s
     Softness soft, softStatic;   ///< of contacts between moving bodies, and with static ones
-    float pushOut = 0;           ///< m/s per m of size
+    float pushOut = 0;           ///< m/s per m of size: what an overlap adds at most to the speed that the load takes
     float restitutionSpeed = 0;  ///< m/s
     float gravityStep = 0;       ///< m/s, what gravity gives in a substep
+    float heavyDepth = 0;        ///< m, overlap that a heavy load leaves between moving bodies
     float loadShare = 0;         ///< λ̂ ← λ̂ + share (λ − λ̂) per step
     float staticLoadShare = 0;   ///< the same against what does not move
     float elapsed = 0;           ///< s of this step that positions have moved by
@@ -58,9 +59,6 @@ struct SolverContext {
     bool normals = true, friction = true;  ///< the rows that a pass solves
     bool farContacts = false;  ///< more than a cache holds: passes ask for their memory beforehand
 };
-
-/// Kinds of contacts that ask for more than the usual passes.
-enum ContactKind : unsigned { kBouncyContact = 1, kDeepContact = 2 };
 
 /// Instruction sets and lane counts that kernels are built for, in the order of each list of tables.
 enum class KernelSet {
@@ -107,9 +105,8 @@ struct KernelTable {
     void (*integratePositions)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end, const SolverContext&);
     /// Brings the geometry of contacts to where their bodies are.
     void (*placeContacts)(float* bundles, int begin, int end, const LaneManifolds&, const ContactPlaces&);
-    /// Tells which ContactKinds are among them, and per lane of all bundles whether it is deep.
-    unsigned (*prepareContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&,
-                                std::uint8_t* deep);
+    /// True if any of them may bounce.
+    bool (*prepareContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     /// Reflects what will meet within this substep; true if anything did.
     bool (*bounceContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     void (*warmStartContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);

@@ -12,9 +12,16 @@
 #include "solve/wide_places.inl"
 #include "solve/wide_friction.inl"
 #include "solve/wide_bounce.inl"
+#include "solve/wide_push.inl"
 
 namespace ragtop {
 namespace {
+
+/// m, overlap that no load leaves: at rest a soft row that carries λ is −C = s_i λ/(m_eff s_m β) deep.
+template <int N, int L>
+RAGTOP_INLINE Lanes<N> deepOf(const ContactBundle<N, L>& c, const SolverContext& context) {
+    return max(Lanes<N>(contact::kDeep) * c.field(contact::kSize), Lanes<N>(context.heavyDepth));
+}
 
 /// How much of what a row with the ground carries is its own body's: 1 up to twice its weight, then less.
 template <int N>
@@ -30,7 +37,7 @@ RAGTOP_INLINE void carryLoads(ContactBundle<N>& c, typename Mask<N>::V count, co
     const Lanes<N> zero(0.0f), one(1.0f), slow(context.loadShare);
     const Mask<N> isStatic = Mask<N>{c.massA.v == zero.v} | Mask<N>{c.massB.v == zero.v};
     const Lanes<N> fast(context.staticLoadShare), quick = select(isStatic, fast, zero);
-    const Lanes<N> deep = Lanes<N>(contact::kDeep) * c.field(contact::kSize);
+    const Lanes<N> deep = deepOf(c, context);
     for (int j = 0; j < contact::kMaxPoints; ++j) {
         if (!any(Mask<N>{count > j})) return;
         const Lanes<N> mass = c.field(pointField(j, contact::kMass)),
@@ -63,13 +70,12 @@ RAGTOP_INLINE std::int32_t traitsOf(const ContactBundle<N>& c, typename Mask<N>:
            trait(contact::kFourthPoint, count > 3);
 }
 
-/// What begins anew in a step: sums of impulses, speeds of approach and the friction centre. Returns the deepest
-/// separations.
+/// What begins anew in a step: sums of impulses, speeds of approach and the friction centre.
 template <int N>
-RAGTOP_INLINE Lanes<N> preparePoints(ContactBundle<N>& c, typename Mask<N>::V count) {
+RAGTOP_INLINE void preparePoints(ContactBundle<N>& c, typename Mask<N>::V count) {
     const Lanes<N> depth = 0.01f * c.field(contact::kSize), near = 0.01f * depth, zero(0.0f);
     WideVec3<N> center{zero, zero, zero};
-    Lanes<N> weight(0.0f), deepest(0.0f);
+    Lanes<N> weight(0.0f);
     int points = 0;
     for (int j = 0; j < contact::kMaxPoints; ++j) {
         const Mask<N> present{count > j};
@@ -86,9 +92,7 @@ RAGTOP_INLINE Lanes<N> preparePoints(ContactBundle<N>& c, typename Mask<N>::V co
         c.set(contact::kApproach + j, dot(c.normal, c.relativeVelocity(rA, rB)));
         // Points that are apart lose their say in where friction acts, smoothly, or tops would drift. At rest gaps
         // are rounding: it must not move the centre, which carried twists are about.
-        const Lanes<N> separation = c.field(pointField(j, contact::kSeparation));
-        const Lanes<N> gap = max(separation - near, zero);
-        deepest = min(deepest, select(present, separation, zero));
+        const Lanes<N> gap = max(c.field(pointField(j, contact::kSeparation)) - near, zero);
         const Lanes<N> share = select(present, divideOrZero(depth, depth + gap), zero);
         weight = weight + share;
         center = center + share * rA;
@@ -99,23 +103,18 @@ RAGTOP_INLINE Lanes<N> preparePoints(ContactBundle<N>& c, typename Mask<N>::V co
         c.set(pointField(j, contact::kLever), sqrt(dot(arm, arm)));
     }
     c.set(contact::kCenter, center);
-    return deepest;
 }
 
 template <int N>
-unsigned prepareContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context,
-                         std::uint8_t* deep) {
+bool prepareContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
     typedef typename Mask<N>::V Int;
-    unsigned kinds = 0;
-    // So deep that it is pushed out faster than gravity would bring it back within a substep.
-    const float rate = context.softStatic.massScale * context.softStatic.biasRate;
-    const float beyond = rate > 0 ? context.gravityStep / rate : 0.0f;
+    int traits = 0;
     for (int i = begin; i < end; ++i) {
         ContactBundle<N> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
         const Int count = bits(c.field(contact::kPointCount));
         c.traits = traitsOf(c, count);
         c.set(contact::kTraits, Lanes<N>(reinterpret_cast<typename Lanes<N>::V>(Int{} + c.traits)));
-        const Lanes<N> deepest = preparePoints(c, count);
+        preparePoints(c, count);
         c.set(contact::kShift, c.shift);
         setMasses(c, Mask<N>{count == count}, [&](int field) { return c.vector(field); });
         carryLoads(c, count, context);
@@ -126,12 +125,9 @@ unsigned prepareContacts(float* bundles, int begin, int end, const BodyArrays& a
         c.set(contact::kFrictionImpulse, friction - select(leaves, along, Lanes<N>(0.0f)) * c.normal);
         const WideVec3<N> stick = c.vector(contact::kStick);
         c.set(contact::kStick, stick - dot(stick, c.normal) * c.normal);
-        if ((c.traits & contact::kBouncy) != 0) kinds |= kBouncyContact;
-        const Mask<N> isDeep = deepest < Lanes<N>(-contact::kDeep) * c.field(contact::kSize) - Lanes<N>(beyond);
-        if (any(isDeep)) kinds |= kDeepContact;
-        storeBytes<N>(isDeep.v & 1, deep + static_cast<long>(i) * N);
+        traits |= c.traits;
     }
-    return kinds;
+    return (traits & contact::kBouncy) != 0;
 }
 
 template <int N>
@@ -169,6 +165,8 @@ void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arr
 
 /// C ≥ 0 per point. Apart, the row lets the gap close within the substep; overlapping, it is a soft row that relaxes
 /// towards the carried load (bias pass), or a rigid velocity row (relax pass, which takes back the push-out velocity).
+/// What the soft row pushes beyond its load is bounded: speeds of rows that push each other add up, and one relaxing sweep
+/// takes back a part of them only.
 template <int N, int L, bool kBias>
 RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const SolverContext& context) {
     const Lanes<N> inverseH(context.inverseH), zero(0.0f), one(1.0f), half(0.5f), threshold(-context.restitutionSpeed);
@@ -193,8 +191,8 @@ RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const So
         massScale = select(isStatic, Lanes<N>(context.softStatic.massScale), Lanes<N>(context.soft.massScale));
         rate = massScale * select(isStatic, Lanes<N>(context.softStatic.biasRate), Lanes<N>(context.soft.biasRate));
         impulseScale = select(isStatic, Lanes<N>(context.softStatic.impulseScale), Lanes<N>(context.soft.impulseScale));
-        push = Lanes<N>(-context.pushOut) * c.field(contact::kSize);
-        deep = Lanes<N>(contact::kDeep) * c.field(contact::kSize);
+        push = Lanes<N>(context.pushOut) * c.field(contact::kSize);
+        deep = deepOf(c, context);
     }
     // What holds a body on the ground has changed: nothing pulls towards loads of other points, and those that the
     // first substep finds are carried from then on. Else the body would sag where it loses a point, and rise again.
@@ -204,7 +202,7 @@ RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const So
     const Mask<N> bouncy = c.rare(contact::kRestitution, contact::kBouncy) > zero;
     // What bounces is met at the end of a parabola, whose chord is flatter than its end.
     const Lanes<N> lead = select(bouncy, half * Lanes<N>(context.gravityStep), zero);
-    Lanes<N> total(0.0f), leverTotal(0.0f);
+    Lanes<N> total(0.0f), leverTotal(0.0f), deepest(0.0f);
     NormalRows<N> rows(c);
     for (int j = 0, points = c.points(); j < points; ++j) {
         const Lanes<N> mass = c.field(pointField(j, contact::kMass));
@@ -217,14 +215,18 @@ RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const So
             const Lanes<N> separation = separations.at(c, j, anchor);
             const Mask<N> apart = separation > 0.0f;
             Lanes<N> overlap = rate * separation;
-            if constexpr (kBias) overlap = max(min(overlap, deepRate * (separation + deep)), push);
+            if constexpr (kBias) overlap = min(overlap, deepRate * (separation + deep));
             const Lanes<N> bias = select(apart, separation * inverseH + lead, overlap);
             const Lanes<N> scale = select(apart, one, massScale);
             const Lanes<N> leak = select(apart, zero, impulseScale);
 
             const Lanes<N> speed = rows.speed(c, arms);
             Lanes<N> still = old - mass * bias;  // the impulse of a row at rest
-            if constexpr (kBias) still = still - leak * (old - c.field(pointField(j, contact::kLoad)));
+            if constexpr (kBias) {
+                deepest = min(deepest, select(mass > zero, separation, zero));
+                const Lanes<N> pushed = -(mass * bias) - leak * (old - c.field(pointField(j, contact::kLoad)));
+                still = old + min(pushed, mass * push);
+            }
             impulse = max(still - (mass * scale) * speed, zero);
             // What is to bounce comes to the surface with its own speed; the next substep reflects it there.
             if constexpr (!kBias) impulse = select(bouncy & (speed < threshold), old, impulse);
@@ -241,6 +243,7 @@ RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const So
         leverTotal = leverTotal + c.field(pointField(j, contact::kLever)) * impulse;
     }
     rows.finish(c);
+    if (kBias && context.normals) moveApart(c, deepest, context);
     if (!kBias && context.normals && anyShifted) c.set(contact::kShifted, zero);
     if (context.friction) {
         solveTurning(c, total, leverTotal);

@@ -94,22 +94,6 @@ struct BodyStrides {
     bool any = true;                   ///< some body takes more than one, or may have
 };
 
-/// Contacts that are relaxed further times (world_deep.cpp).
-struct DeepContact {
-    GraphPlace from;
-    std::size_t to;  ///< its lane in their bundles
-};
-struct DeepContacts {
-    explicit DeepContacts(std::pmr::memory_resource* memory)
-        : all(memory), starts(memory), bundles(memory), isDeep(memory) {}
-    AlignedArray<DeepContact> all;  ///< of this step, by colour
-    AlignedArray<std::uint32_t> starts;  ///< bundle where each colour begins, and the end
-    AlignedArray<float> bundles;
-    AlignedArray<std::uint8_t> isDeep;  ///< per lane of all bundles, colour by colour
-    std::array<std::size_t, ConstraintGraph::kLists> laneStarts{};  ///< first of each colour in isDeep
-    int spareSteps = 0;                 ///< for which little of the bundles' memory was used
-};
-
 /// Bodies that joints hold together (world_assemblies.cpp). They outlive the step while joints, the bodies that are awake
 /// and the direct islands stay the same.
 struct Assemblies {

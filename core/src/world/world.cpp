@@ -103,7 +103,6 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       chains(memory),
       treeMark(memory),
       treeBodies(memory),
-      deepContacts(memory),
       directSeen(memory),
       directRenewed(memory),
       ledger(memory),

@@ -43,7 +43,7 @@ struct WorldImpl {
     void prepareBodies();
     void prepareConstraints();
     void groupContacts();
-    unsigned placeAndPrepare(int color, int begin, int end);
+    bool placeAndPrepare(int color, int begin, int end);
     template <class Count, class Visit>
     void forBlocksOfAllLists(int size, Count&& count, Visit&& visit);
     void prepareJoints();
@@ -179,13 +179,6 @@ struct WorldImpl {
     bool isSeam(const ManifoldRecord& manifold, int side) const;
     bool keptApart(std::uint32_t shape, std::uint32_t obstacle, const Pose& start, const Pose& end, float bulge) const;
     float slackOf(std::uint32_t shapeA, std::uint32_t shapeB) const;
-
-    // world_deep.cpp
-    void giveBackDeep();
-    template <class Visit>
-    void forEachDeep(Visit&& visit);
-    void collectDeep(bool any);
-    void relaxDeep();
 
     // world_assemblies.cpp
     void findAssemblies();
@@ -467,7 +460,6 @@ struct WorldImpl {
     bool treesChanged = true;  ///< joints, their bodies or their rows, since trees were drawn up
     direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
-    DeepContacts deepContacts;
     AlignedArray<float> directSeen;  ///< bundles of direct islands in the last step
     AlignedArray<std::uint8_t> directRenewed;  ///< per slot of theirs: is it other than in the last step?
     std::pmr::vector<StepStats::Island> ledger;

@@ -41,6 +41,8 @@ void WorldImpl::step(World& world, double stepSeconds) {
     context.softStatic = makeSoftness(2 * settings.contactFrequency * substepRate, settings.staticContactDamping, h);
     context.pushOut = settings.pushOut / dt;
     context.gravityStep = length(settings.gravity) * h;
+    context.heavyDepth = contact::kHeavy * context.gravityStep * context.soft.impulseScale /
+                         (context.soft.massScale * context.soft.biasRate);
     context.restitutionSpeed = settings.restitutionSpeed * length(settings.gravity) * dt;
     context.loadShare = settings.loadCarrying;
     context.staticLoadShare = settings.staticLoadCarrying;
@@ -122,7 +124,6 @@ void WorldImpl::solveSubstep(World& world, int number) {
     integratePositions();
     context.elapsed = context.h * static_cast<float>(number + 1);
     solveDirect(DirectPass::velocities);
-    relaxDeep();
     solve(false);
 }
 
@@ -169,12 +170,11 @@ void WorldImpl::prepareConstraints() {
     if (bundlesChanged) jointBundles.build(graph, jointSims.data());
     bundlesChanged = false;
     groupContacts();
-    std::atomic<unsigned> found{0};
+    std::atomic<bool> mayBounce{false};
     forBlocksOfAllLists(
         8, [&](int c) { return c == ConstraintGraph::kResting ? 0 : graph.bundleCount(c); },
         [&](int c, int begin, int end) {
-            const unsigned kinds = placeAndPrepare(c, begin, end);
-            if (kinds != 0) found.fetch_or(kinds, std::memory_order_relaxed);
+            if (placeAndPrepare(c, begin, end)) mayBounce.store(true, std::memory_order_relaxed);
         });
     if (rescale)
         for (int c = 0; c < ConstraintGraph::kLists; ++c)
@@ -183,8 +183,7 @@ void WorldImpl::prepareConstraints() {
     sweptColors.clear();
     for (int c = 0; c < ConstraintGraph::kColors; ++c)
         if (!graph.color(c).manifolds.empty() || !graph.color(c).joints.empty()) sweptColors.push(c);
-    bouncy = (found.load(std::memory_order_relaxed) & kBouncyContact) != 0;
-    collectDeep((found.load(std::memory_order_relaxed) & kDeepContact) != 0);
+    bouncy = mayBounce.load(std::memory_order_relaxed);
     prepareCouplings(ratio);
 }
 
@@ -196,11 +195,8 @@ void WorldImpl::groupContacts() {
             graph.groupByPoints(c, [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
     });
     std::size_t lanes = 0;
-    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
-        deepContacts.laneStarts[static_cast<std::size_t>(c)] = lanes;
+    for (int c = 0; c < ConstraintGraph::kLists; ++c)
         lanes += static_cast<std::size_t>(graph.bundleCount(c)) * static_cast<std::size_t>(graph.lanes());
-    }
-    deepContacts.isDeep.resizeForOverwrite(lanes);
     context.farContacts = lanes * contact::kFields * sizeof(float) > kNear;
 }
 
@@ -209,21 +205,20 @@ ContactPlaces WorldImpl::contactPlaces() const {
             manifolds.kPageBits,    sizeof(ManifoldRecord)};
 }
 
-/// Some bundles at a time, which the cache holds in between.
-unsigned WorldImpl::placeAndPrepare(int c, int begin, int end) {
+/// Some bundles at a time, which the cache holds in between. True if any may bounce.
+bool WorldImpl::placeAndPrepare(int c, int begin, int end) {
     constexpr int kAtOnce = 4;
     ConstraintGraph::Color& color = graph.color(c);
     const LaneManifolds list{color.manifolds.data(), static_cast<int>(color.manifolds.size()),
                              c == ConstraintGraph::kOverflow ? 1 : graph.lanes()};
     const ContactPlaces places = contactPlaces();
-    std::uint8_t* const deep = deepContacts.isDeep.data() + deepContacts.laneStarts[static_cast<std::size_t>(c)];
-    unsigned kinds = 0;
+    bool mayBounce = false;
     for (int i = begin; i < end; i += kAtOnce) {
         const int last = i + kAtOnce < end ? i + kAtOnce : end;
         kernels->placeContacts(color.bundles.data(), i, last, list, places);
-        kinds |= kernels->prepareContacts(color.bundles.data(), i, last, bodyArrays(), context, deep);
+        mayBounce |= kernels->prepareContacts(color.bundles.data(), i, last, bodyArrays(), context);
     }
-    return kinds;
+    return mayBounce;
 }
 
 void WorldImpl::prepareJoints() {
