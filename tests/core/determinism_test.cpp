@@ -37,13 +37,13 @@ struct Golden {
 };
 constexpr Golden kGolden[] = {
     {0x6ef5b2e30aaba226u, 0x21227f4177aa574bu},  // tower
-    {0xb953854fb8fa7692u, 0x99716f04639c04c4u},  // wall
-    {0x2c5e14882baecfe5u, 0x52a852dc972ded21u},  // hills
-    {0xa621ec932f6e50fdu, 0x469528d2a5b699c5u},  // bowl
-    {0x99cf64516641deabu, 0xe8102db982c00962u},  // joints
-    {0x68bdaee5b20730e4u, 0x0545961363ba0befu},  // spinners
+    {0x36bb979705b3b1d6u, 0x04ede0fcff231655u},  // wall
+    {0x586d94f2714e958cu, 0x40bfe01cf48bf615u},  // hills
+    {0x10e6aa2d75dfb97au, 0xd92fda18b97f73edu},  // bowl
+    {0x9c0043491af7289du, 0xd669f23f4f1bf943u},  // joints
+    {0x468f00cf1866291bu, 0xf187a37d4f316d2fu},  // spinners
     {0xefa6f2b1da44b200u, 0x7cde25af5b0331f5u},  // chains
-    {0x9a8f25588fec6a9eu, 0x9475f4ee1e45556du},  // house
+    {0x44ec778de1d062d5u, 0x08a88a4dc07f9237u},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 

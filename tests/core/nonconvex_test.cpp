@@ -137,7 +137,8 @@ TEST(MovingMesh, HangsByAConcaveCorner) {
     EXPECT_NEAR(world.pose(iron).position.x, 2, 0.02);
 }
 
-/// What begins in something else comes out the short way and is not thrown.
+/// What begins in something else comes out the short way and is not thrown. A ring on its edge falls over in time: upright,
+/// any lean grows by e in about 0.3 s.
 TEST(MovingMesh, ComesOutOfOverlapWithoutAJump) {
     for (const bool onMesh : {false, true}) {
         World world;
@@ -148,10 +149,13 @@ TEST(MovingMesh, ComesOutOfOverlapWithoutAJump) {
         const BodyId ring = addAt(world, torus(0.5f, 0.1f), {0, 0.52, 0});
         const BodyId flat = addAt(world, torus(0.5f, 0.1f), {3, 0.05, 0}, rotationAbout({1, 0, 0}, kPi / 2));
         double highest = 0;
-        run(world, 2, kDt,
-            [&] { highest = std::max(highest, std::max(height(world, ring) - 0.6, height(world, flat) - 0.1)); });
-        EXPECT_LT(highest, 0.01) << onMesh;
+        const auto look = [&] {
+            highest = std::max(highest, std::max(height(world, ring) - 0.6, height(world, flat) - 0.1));
+        };
+        run(world, 0.5, kDt, look);
         EXPECT_NEAR(height(world, ring), 0.6, 0.001) << onMesh;
+        run(world, 1.5, kDt, look);
+        EXPECT_LT(highest, 0.01) << onMesh;
         EXPECT_NEAR(height(world, flat), 0.1, 0.001) << onMesh;
     }
 }

@@ -104,8 +104,9 @@ TEST(WorldSurfaces, AStackOfFiveStands) {
     }
 }
 
-// Recovery from overlap has the speed pushOut · size / dt at most, 0.03 · 0.5 / (1/60) = 0.9 m/s here, and the relax pass
-// takes it back: what is left leaves no jump above v²/2g.
+// An overlap adds the speed pushOut · size / dt at most, 0.03 · 0.5 / (1/60) = 0.9 m/s here, of which the relax pass takes
+// back what it finds. A soft row keeps 1 − s_m of a speed, so that none is beyond 0.9 / s_m, s_m = a/(1 + a) with
+// a = ωh (2ζ + ωh) = 18 for ω = 120π rad/s, ζ = 5 and h = 1/240 s: no jump above v²/2g.
 TEST(WorldSurfaces, DeepOverlapResolvesWithoutAPop) {
     World world(withoutSleep());
     addFloor(world);
@@ -118,7 +119,7 @@ TEST(WorldSurfaces, DeepOverlapResolvesWithoutAPop) {
         for (const BodyId body : {box, upper, inside}) fastest = std::max(fastest, length(world.linearVelocity(body)));
         highest = std::max(highest, height(world, box));
     });
-    EXPECT_LT(fastest, 0.9f);
+    EXPECT_LT(fastest, 0.9f * 19 / 18);
     EXPECT_LT(highest, 0.55);
     EXPECT_NEAR(height(world, box), 0.5, 0.005);
     EXPECT_NEAR(height(world, upper), 0.5, 0.01);

@@ -223,7 +223,9 @@ RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const So
             const Lanes<N> speed = rows.speed(c, arms);
             Lanes<N> still = old - mass * bias;  // the impulse of a row at rest
             if constexpr (kBias) {
-                deepest = min(deepest, select(mass > zero, separation, zero));
+                // What meets fast is beyond its surface for a part of a step only.
+                const Lanes<N> begun = c.field(pointField(j, contact::kSeparation));
+                deepest = min(deepest, select(mass > zero, max(separation, begun), zero));
                 const Lanes<N> pushed = -(mass * bias) - leak * (old - c.field(pointField(j, contact::kLoad)));
                 still = old + min(pushed, mass * push);
             }

@@ -10,8 +10,8 @@ namespace {
 /// Of what is beyond kInside, and of the size at most; per step.
 constexpr float kInsideLeft = 0.4f, kInsideMost = 0.1f;
 
-/// Moves the bodies of contacts that are deeper than kInside apart along the normal, by their masses, without turning
-/// them and without any speed, so that nothing flies:
+/// Moves the bodies of contacts that are deeper than kInside, and were when the step began, apart along the normal, by
+/// their masses, without turning them and without any speed, so that nothing flies:
 ///
 ///     d = min(share (−C − inside), most),   xA ← xA − mB/(mA + mB) d n,   xB ← xB + mA/(mA + mB) d n.
 template <int N, int L>
