@@ -163,6 +163,26 @@ void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arr
     }
 }
 
+/// Of a contact's normal rows; rigid until it is taken.
+template <int N>
+struct NormalSoftness {
+    Lanes<N> rate{0.0f}, massScale{1.0f}, impulseScale{0.0f};
+    Lanes<N> push{0.0f};  ///< m/s, pushOut
+    Lanes<N> deep{0.0f};  ///< m, beyond which rows are as stiff as those with the ground
+
+    template <int L>
+    RAGTOP_INLINE void take(const ContactBundle<N, L>& c, Mask<N> isStatic, const SolverContext& context) {
+        const auto of = [&](float Softness::*which) {
+            return select(isStatic, Lanes<N>(context.softStatic.*which), Lanes<N>(context.soft.*which));
+        };
+        massScale = of(&Softness::massScale);
+        rate = massScale * of(&Softness::biasRate);
+        impulseScale = of(&Softness::impulseScale);
+        push = Lanes<N>(context.pushOut) * c.field(contact::kSize);
+        deep = deepOf(c, context);
+    }
+};
+
 /// C ≥ 0 per point. Apart, the row lets the gap close within the substep; overlapping, it is a soft row that relaxes
 /// towards the carried load (bias pass), or a rigid velocity row (relax pass, which takes back the push-out velocity).
 /// What the soft row pushes beyond its load is bounded: speeds of rows that push each other add up, and one relaxing sweep
@@ -186,19 +206,13 @@ RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const So
     const WideVec3<N> displacement = select(isStatic | (dot(dp, dp) > reach * reach), zero, one) * dp;
     c.moveArms(displacement);
     if constexpr (!kBias) c.set(contact::kShift, displacement);
-    Lanes<N> rate(0.0f), massScale(1.0f), impulseScale(0.0f), push(0.0f), deep(0.0f);
-    if constexpr (kBias) {
-        massScale = select(isStatic, Lanes<N>(context.softStatic.massScale), Lanes<N>(context.soft.massScale));
-        rate = massScale * select(isStatic, Lanes<N>(context.softStatic.biasRate), Lanes<N>(context.soft.biasRate));
-        impulseScale = select(isStatic, Lanes<N>(context.softStatic.impulseScale), Lanes<N>(context.soft.impulseScale));
-        push = Lanes<N>(context.pushOut) * c.field(contact::kSize);
-        deep = deepOf(c, context);
-    }
+    NormalSoftness<N> soft;
+    if constexpr (kBias) soft.take(c, isStatic, context);
     // What holds a body on the ground has changed: nothing pulls towards loads of other points, and those that the
     // first substep finds are carried from then on. Else the body would sag where it loses a point, and rise again.
     const Lanes<N> shifted = c.rare(contact::kShifted, contact::kFindsLoad);
     const bool anyShifted = (c.traits & contact::kFindsLoad) != 0;
-    if constexpr (kBias) impulseScale = (one - shifted) * impulseScale;
+    if constexpr (kBias) soft.impulseScale = (one - shifted) * soft.impulseScale;
     const Mask<N> bouncy = c.rare(contact::kRestitution, contact::kBouncy) > zero;
     // What bounces is met at the end of a parabola, whose chord is flatter than its end.
     const Lanes<N> lead = select(bouncy, half * Lanes<N>(context.gravityStep), zero);
@@ -214,11 +228,11 @@ RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const So
             const typename NormalRows<N>::Arms arms = rows.arms(c, anchor);
             const Lanes<N> separation = separations.at(c, j, anchor);
             const Mask<N> apart = separation > 0.0f;
-            Lanes<N> overlap = rate * separation;
-            if constexpr (kBias) overlap = min(overlap, deepRate * (separation + deep));
+            Lanes<N> overlap = soft.rate * separation;
+            if constexpr (kBias) overlap = min(overlap, deepRate * (separation + soft.deep));
             const Lanes<N> bias = select(apart, separation * inverseH + lead, overlap);
-            const Lanes<N> scale = select(apart, one, massScale);
-            const Lanes<N> leak = select(apart, zero, impulseScale);
+            const Lanes<N> scale = select(apart, one, soft.massScale);
+            const Lanes<N> leak = select(apart, zero, soft.impulseScale);
 
             const Lanes<N> speed = rows.speed(c, arms);
             Lanes<N> still = old - mass * bias;  // the impulse of a row at rest
@@ -227,7 +241,7 @@ RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const So
                 const Lanes<N> begun = c.field(pointField(j, contact::kSeparation));
                 deepest = min(deepest, select(mass > zero, max(separation, begun), zero));
                 const Lanes<N> pushed = -(mass * bias) - leak * (old - c.field(pointField(j, contact::kLoad)));
-                still = old + min(pushed, mass * push);
+                still = old + min(pushed, mass * soft.push);
             }
             impulse = max(still - (mass * scale) * speed, zero);
             // What is to bounce comes to the surface with its own speed; the next substep reflects it there.
@@ -249,7 +263,7 @@ RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const So
     if (!kBias && context.normals && anyShifted) c.set(contact::kShifted, zero);
     if (context.friction) {
         solveTurning(c, total, leverTotal);
-        solveFriction<kBias>(c, total, rate, slipOf(c, dp, dqA, dqB, context.elapsed), context);
+        solveFriction<kBias>(c, total, soft.rate, slipOf(c, dp, dqA, dqB, context.elapsed), context);
     }
     c.writeVelocities();
 }
