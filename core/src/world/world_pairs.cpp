@@ -256,7 +256,8 @@ void WorldImpl::findPairsOfMoved(bool obstaclesToo) {
         if (!shapes[shape].isStaticTree) movingTree.seek(shapes[shape].proxy);
     }
     const std::size_t few = std::min(moveBuffer.size() / kShapesPerBranch, kMostBranches);
-    auto& [branches, found] = pairSearch;
+    auto& branches = pairSearch.branches;
+    auto& found = pairSearch.found;
     branches.clear();
     movingTree.collectSeeking(movingTree, few, branches);
     const std::size_t amongMoving = branches.size();
