@@ -159,14 +159,7 @@ TEST(JointStops, ThatAreHeldTogetherGiveNoEnergy) {
         world.create(JointDef(ball));
     }
     const auto energy = [&](std::size_t pair) {
-        double sum = 0;
-        for (const BodyId id : {bodies[2 * pair], bodies[2 * pair + 1]}) {
-            const MassProperties mass = world.mass(id);
-            const Vec3 v = world.linearVelocity(id),
-                       w = inverseRotate(world.pose(id).rotation, world.angularVelocity(id));
-            sum += 0.5 * asDouble(mass.mass * ragtop::dot(v, v) + ragtop::dot(w, mass.inertia * w));
-        }
-        return sum;
+        return kineticEnergy(world, bodies[2 * pair]) + kineticEnergy(world, bodies[2 * pair + 1]);
     };
     world.step(kDt);
     std::vector<double> before;

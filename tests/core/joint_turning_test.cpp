@@ -135,17 +135,11 @@ TEST(SweptJoints, ThatAreAloneStopAtOnceWhereTheyBegin) {
     UniversalDef cardan{.bodies = {.b = body, .frameB = {{-0.3f, 0, 0}, {}}}};
     cardan.second.limit = Range{-1, 0};
     const JointId joint = world.create(JointDef(cardan));
-    const MassProperties mass = world.mass(body);
-    const auto energy = [&] {
-        const Vec3 v = world.linearVelocity(body);
-        const Vec3 w = inverseRotate(world.pose(body).rotation, world.angularVelocity(body));
-        return 0.5 * static_cast<double>(mass.mass * dot(v, v) + dot(w, mass.inertia * w));
-    };
     world.step(kDt);
-    const double before = energy();
+    const double before = kineticEnergy(world, body);
     // Of the impact, the bend of the way that ends in it is left: ½ h ω² of the speed.
     EXPECT_GT(world.state(joint).limitMargin, -0.5f * 41 / (240.0f * 240.0f));
-    run(world, 2, kDt, [&] { EXPECT_LT(energy(), before * (1 + 1e-5)); });
+    run(world, 2, kDt, [&] { EXPECT_LT(kineticEnergy(world, body), before * (1 + 1e-5)); });
 }
 
 /// A cross between the world and a body of three different moments turns about two axes that change each other's
@@ -158,16 +152,10 @@ TEST(SweptJoints, KeepTheEnergyOfUniversalJoints) {
     def.linearVelocity = cross(def.angularVelocity, {0.3f, 0, 0});
     const BodyId body = world.create(def);
     world.create(JointDef(UniversalDef{.bodies = {.b = body, .frameB = {{-0.3f, 0, 0}, {}}}}));
-    const MassProperties mass = world.mass(body);
-    const auto energy = [&] {
-        const Vec3 v = world.linearVelocity(body),
-                   w = inverseRotate(world.pose(body).rotation, world.angularVelocity(body));
-        return 0.5 * static_cast<double>(mass.mass * dot(v, v) + dot(w, mass.inertia * w));
-    };
-    const double before = energy();
+    const double before = kineticEnergy(world, body);
     for (int i = 0; i < 600; ++i) {
         world.step(1.0 / 60);
-        ASSERT_NEAR(energy(), before, 8e-4 * before) << i;
+        ASSERT_NEAR(kineticEnergy(world, body), before, 8e-4 * before) << i;
     }
 }
 

@@ -168,7 +168,6 @@ TEST(Threading, StepsOnFourThreadsTouchNothingTwice) {
     }
 }
 
-/// Worlds on different threads share nothing but a runner, and that only if told so.
 /// Threads that are slow to come in every other score of runs, so that a world changes its mind about them.
 struct MoodyThreads {
     TaskRunner pool = threadTasks(4);
@@ -209,6 +208,7 @@ TEST(Threading, WhoTakesPartDoesNotMatter) {
     EXPECT_LT(threads.count, steps) << "no step alone";
 }
 
+/// Worlds on different threads share nothing but a runner, and that only if told so.
 TEST(Threading, WorldsStepAtOnceAndMayShareARunner) {
     const TaskRunner shared = threadTasks(3);
     std::array<std::uint64_t, kThreads> hashes{};

@@ -93,6 +93,14 @@ inline Vec3 angularMomentum(const World& world, BodyId body) {
     return rotate(q, world.mass(body).inertia * inverseRotate(q, world.angularVelocity(body)));
 }
 
+/// J, ½ m v² + ½ ω · I ω.
+inline double kineticEnergy(const World& world, BodyId body) {
+    const MassProperties mass = world.mass(body);
+    const Vec3 v = world.linearVelocity(body),
+               w = inverseRotate(world.pose(body).rotation, world.angularVelocity(body));
+    return 0.5 * asDouble(mass.mass * dot(v, v) + dot(w, mass.inertia * w));
+}
+
 inline double distanceBetween(const DVec3& a, const DVec3& b) {
     const DVec3 d = a - b;
     return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
