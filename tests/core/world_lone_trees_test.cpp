@@ -75,5 +75,47 @@ TEST(TreesThatGoAlone, DoNotNoticeThatAnotherTouchesSomething) {
     EXPECT_EQ(places[0], places[1]);
 }
 
+/// A rod that turns about its middle, on a joint, goes nowhere and still comes to where it was not.
+TEST(BoundsOfWhatSwings, FollowItsTurns) {
+    for (const float spin : {0.2f, 2.0f, 12.0f}) {
+        WorldSettings settings = withoutSleep();
+        settings.gravity = {};
+        World world(settings);
+        const BodyId rod = world.create(bodyDef(Capsule{0.05f, 1.0f}, {0, 0, 0}));
+        world.create(BallDef{.bodies = {.b = rod}});
+        const BodyId ball = world.create(bodyDef(Sphere{0.1f}, {1, 0, 0}));
+        world.setVelocity(rod, {}, {0, 0, -spin});
+        // The rod, upright, reaches the level after a quarter turn, less the angle that its radius and the ball's take.
+        const double meets = (0.5 * 3.14159265 - 0.15) / static_cast<double>(spin);
+        double time = 0;
+        while (time < 2 * meets + 0.1 && world.contactBegins().empty()) world.step(kDt), time += kDt;
+        ASSERT_FALSE(world.contactBegins().empty()) << spin;
+        EXPECT_NEAR(time, meets, 0.03 / static_cast<double>(spin) + 2 * kDt) << spin;
+        EXPECT_LT(world.linearVelocity(ball).y, 0) << spin;
+    }
+}
+
+/// Bounds of several steps: a chain that swings by freely meets what stands in its way all the same, and what is put there.
+TEST(BoundsOfWhatSwings, HoldItUntilItMeetsSomething) {
+    for (const bool later : {false, true}) {
+        World world(withoutSleep());
+        const Chain chain(world, 6, 20.0f);
+        const BodyId load = chain.bodies.back();
+        world.setFilter(world.shapes(load)[0], {});
+        BodyDef wall = bodyDef(Box{{0.5f, 1, 1}}, {-1.2, -3.2, 0});
+        wall.type = BodyType::fixed;
+        if (!later) world.create(wall);
+        bool met = false;
+        double farthest = 4;
+        run(world, 2, kDt, [&] {
+            if (later && world.centerOfMass(load).x < 0.3 && farthest >= 0.3) world.create(wall);
+            met |= !world.contactBegins().empty();
+            farthest = std::min(farthest, world.centerOfMass(load).x);
+        });
+        EXPECT_TRUE(met) << later;
+        EXPECT_GT(farthest, -0.7 + 0.25 - 0.05) << later;  // the wall's face, the ball's radius, what gives way
+    }
+}
+
 }  // namespace
 }  // namespace ragtop

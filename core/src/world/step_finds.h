@@ -42,11 +42,19 @@ struct Meeting {
     Manifold touch;  ///< in the frame of the obstacle, the normal towards the shape
 };
 
+/// How far a body with a single shape that swings free can still go before that leaves its bounds (world_pairs.cpp).
+struct BoundsRoom {
+    static constexpr double kUnknown = -1;
+    Vec3 below, above;          ///< m, towards the lower and the upper bounds
+    double travel = kUnknown;  ///< m, of the body then
+};
+
 /// Which shapes have left their bounds at the end of a step (world_pairs.cpp).
 struct BoundsLeft {
-    explicit BoundsLeft(std::pmr::memory_resource* memory) : bodies(memory), starts(memory) {}
+    explicit BoundsLeft(std::pmr::memory_resource* memory) : bodies(memory), starts(memory), rooms(memory) {}
     AlignedArray<std::uint8_t> bodies;   ///< per awake body: has some shape of it?
     AlignedArray<std::uint32_t> starts;  ///< per block of bodies: where their shapes begin in the move buffer
+    AlignedArray<BoundsRoom> rooms;      ///< per body
 };
 
 /// A contact or joint through which bodies may bear on each other (world_islands.cpp).
