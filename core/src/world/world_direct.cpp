@@ -207,14 +207,14 @@ void WorldImpl::addDirectPeaks() {
 void WorldImpl::beginIsland(DirectIsland& island, int index) {
     if (island.tree) return;
     island.begin();
-    for (std::uint32_t i = 0; i < island.contactCount; ++i)
-        directLanes[island.firstContact + i] = graph.lane(manifolds[directManifolds[island.firstContact + i]].place);
     for (std::uint32_t i = 0; i < island.jointCount; ++i)
         directSims[island.firstJoint + i] = &jointSims[directJoints[island.firstJoint + i]];
     if (island.mechanism) return beginMechanism(island, *mechanisms[static_cast<std::size_t>(index)]);
     direct::IslandSystem& system = *directSystems[island.system];
     island.unchanged = island.jointCount == 0 && system.restedThrough(settings.substeps) && !isRenewed(island);
-    if (island.unchanged) return system.beginAgain();
+    if (island.unchanged) return system.beginAgain();  // its lanes are where they were
+    for (std::uint32_t i = 0; i < island.contactCount; ++i)
+        directLanes[island.firstContact + i] = graph.lane(manifolds[directManifolds[island.firstContact + i]].place);
     direct::IslandParts parts;
     parts.bodies = directBodies.data() + island.firstBody;
     parts.bodyCount = island.bodyCount;
@@ -271,14 +271,12 @@ void WorldImpl::solveDirect(DirectPass pass) {
 void WorldImpl::solveSystem(DirectIsland& island, DirectPass pass) {
     const BodyArrays arrays = bodyArrays();
     direct::IslandSystem& system = *directSystems[island.system];
+    if (pass == DirectPass::velocities && system.rests()) return system.carryLoads(island.factored);
     const auto start = std::chrono::steady_clock::now();
     switch (pass) {
         case DirectPass::positions:
             system.beginSubstep(arrays, jointContext);
-            if (system.rests()) {
-                system.writeVelocities(arrays);
-                break;
-            }
+            if (system.rests()) return system.writeVelocities(arrays);
             system.aimAtPositions(arrays, context);
             if (island.jointCount > 0) island.factored = false;
             direct::solve(system, true, island.factored, island.report);
