@@ -392,6 +392,8 @@ void WorldImpl::stopVanishing(std::uint32_t index, float gravity) {
 /// Moves the poses, notes who is quiet and who was too fast for its size.
 void WorldImpl::finishBodies() {
     const float gravity = length(settings.gravity);
+    stageMemory.begin(StageMemory::bytesOf<StartPose>(awakeBodies.size()));
+    startPoses = stageMemory.take<StartPose>(awakeBodies.size());
     startPoses.resizeForOverwrite(awakeBodies.size());
     bodyFlags.resizeForOverwrite(awakeBodies.size());
     runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
