@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "base/nonzero_bytes.h"
 #include "world/edge_list.h"
@@ -20,6 +21,12 @@ Bounds WorldImpl::enlarged(const Bounds& bounds, float margin) {
     return {bounds.lower - m, bounds.upper + m};
 }
 
+/// m. A mesh or height field that is moved by others has no size of its own and is given none: bounds that are infinite
+/// meet everything.
+static float enlargement(const ShapeRecord& shape) {
+    return std::isfinite(shape.size) ? tuning::kFatMargin * shape.size : 0.0f;
+}
+
 /// Where a shape is and, going on as it does, will be after dt.
 Bounds WorldImpl::tightBounds(const ShapeRecord& shape, float ahead) const {
     const BodyRecord& body = bodies[shape.body];
@@ -34,7 +41,7 @@ void WorldImpl::insertProxy(std::uint32_t index) {
     const BodyRecord& body = bodies[shape.body];
     shape.isStaticTree = body.type == BodyType::fixed;
     const Bounds tight = tightBounds(shape, dt);
-    const Bounds fat = shape.isStaticTree ? tight : enlarged(tight, tuning::kFatMargin * shape.size);
+    const Bounds fat = shape.isStaticTree ? tight : enlarged(tight, enlargement(shape));
     shape.proxy = tree(shape).insert(fat, shape.filter.category, index);
     markMoved(index);
 }
@@ -62,7 +69,7 @@ void WorldImpl::giveRoom(std::uint32_t index) {
     constexpr float kNearly = 0.99f;  // bounds are rounded
     BodyRecord& body = bodies[index];
     const bool single = body.firstShape != kNone && shapes[body.firstShape].next == kNone;
-    body.room = single && body.type != BodyType::fixed ? kNearly * tuning::kFatMargin * body.size : 0.0f;
+    body.room = single && body.type != BodyType::fixed ? kNearly * enlargement(shapes[body.firstShape]) : 0.0f;
 }
 
 /// Bounds made at the end of a step count the motion of the next one, going on as it does; what was set going since is
@@ -80,7 +87,7 @@ void WorldImpl::coverMotion(std::uint32_t index) {
         if (shape.isStaticTree || shape.proxy == kNone) continue;
         const Bounds tight = tightBounds(shape, dt);
         if (contains(movingTree.bounds(shape.proxy), tight)) continue;
-        movingTree.enlarge(shape.proxy, enlarged(tight, tuning::kFatMargin * shape.size));
+        movingTree.enlarge(shape.proxy, enlarged(tight, enlargement(shape)));
         markMoved(s);
         left = true;
     }
@@ -106,7 +113,7 @@ void WorldImpl::coverLaunched(bool all) {
 /// way aside, for its path bends; it then looks for partners as much more seldom.
 static Bounds newBounds(const WorldImpl& world, const ShapeRecord& shape) {
     constexpr float kFreeSteps = 4, kAside = 1.0f / 8;
-    const float margin = tuning::kFatMargin * shape.size;
+    const float margin = enlargement(shape);
     if (!world.isDirect(shape.body) || world.bodies[shape.body].firstContact != kNone)
         return WorldImpl::enlarged(world.tightBounds(shape, world.dt), margin);
     const float ahead = kFreeSteps * world.dt, way = ahead * length(world.states[shape.body].v);
