@@ -101,7 +101,8 @@ bool bounceContacts(float* bundles, int begin, int end, const BodyArrays& arrays
         const WideVec3<N> changeA = c.vA - startA, changeB = c.vB - startB;
         memoryA[0] = memoryA[0] + changeA.x, memoryA[1] = memoryA[1] + changeA.y, memoryA[2] = memoryA[2] + changeA.z;
         memoryB[0] = memoryB[0] + changeB.x, memoryB[1] = memoryB[1] + changeB.y, memoryB[2] = memoryB[2] + changeB.z;
-        c.displace(-(time * changeA), -(time * changeB));
+        c.displace(c.rowA, -(time * changeA), c.massA);
+        c.displace(c.rowB, -(time * changeB), c.massB);
         for (int k = 0; k < N; ++k) {
             if (!(c.massA[k] > 0)) rowA[k] = nullptr;
             if (!(c.massB[k] > 0)) rowB[k] = nullptr;
