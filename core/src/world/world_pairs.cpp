@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 
 #include "base/nonzero_bytes.h"
 #include "world/edge_list.h"
@@ -20,13 +21,27 @@ Bounds WorldImpl::enlarged(const Bounds& bounds, float margin) {
     return {bounds.lower - m, bounds.upper + m};
 }
 
+namespace {
+
+Bounds swept(const Bounds& now, const Vec3& motion) {
+    return {min(now.lower, now.lower + motion), max(now.upper, now.upper + motion)};
+}
+
+/// How far what is within `inner` may go in any direction before it leaves `outer`.
+float slackBetween(const Bounds& outer, const Bounds& inner) {
+    const Vec3 slack = min(inner.lower - outer.lower, outer.upper - inner.upper);
+    return std::min(slack.x, std::min(slack.y, slack.z));
+}
+
+constexpr float kNearly = 0.99f;  // of the room in bounds, since sums of travel are rounded
+
+}  // namespace
+
 /// Where a shape is and, going on as it does, will be after dt.
 Bounds WorldImpl::tightBounds(const ShapeRecord& shape, float ahead) const {
     const BodyRecord& body = bodies[shape.body];
     const Bounds now = boundsOf(geometries[shape.geometry].shape, shapePose(shape));
-    if (body.type == BodyType::fixed) return now;
-    const Vec3 motion = ahead * states[shape.body].v;
-    return {min(now.lower, now.lower + motion), max(now.upper, now.upper + motion)};
+    return body.type == BodyType::fixed ? now : swept(now, ahead * states[shape.body].v);
 }
 
 void WorldImpl::insertProxy(std::uint32_t index) {
@@ -59,7 +74,6 @@ void WorldImpl::markMoved(std::uint32_t shape) {
 
 /// Bounds that are made now leave room; where there are several shapes, the one that has least is not known.
 void WorldImpl::giveRoom(std::uint32_t index) {
-    constexpr float kNearly = 0.99f;  // bounds are rounded
     BodyRecord& body = bodies[index];
     const bool single = body.firstShape != kNone && shapes[body.firstShape].next == kNone;
     body.room = single && body.type != BodyType::fixed ? kNearly * tuning::kFatMargin * body.size : 0.0f;
@@ -104,19 +118,38 @@ void WorldImpl::coverLaunched(bool all) {
 /// Bounds that a shape is given when it has left its old ones. They count the coming step alone, since all that they meet
 /// is to be collided. What swings on joints with nothing near it is given those of several steps, and an eighth of that
 /// way aside, for its path bends; it then looks for partners as much more seldom.
-static Bounds newBounds(const WorldImpl& world, const ShapeRecord& shape) {
+static Bounds newBounds(const WorldImpl& world, const ShapeRecord& shape, const Bounds& now) {
     constexpr float kFreeSteps = 4, kAside = 1.0f / 8;
     const float margin = tuning::kFatMargin * shape.size;
+    const Vec3& v = world.states[shape.body].v;
     if (!world.isDirect(shape.body) || world.bodies[shape.body].firstContact != kNone)
-        return WorldImpl::enlarged(world.tightBounds(shape, world.dt), margin);
-    const float ahead = kFreeSteps * world.dt, way = ahead * length(world.states[shape.body].v);
-    return WorldImpl::enlarged(world.tightBounds(shape, ahead), margin + kAside * way);
+        return WorldImpl::enlarged(swept(now, world.dt * v), margin);
+    const float ahead = kFreeSteps * world.dt, way = ahead * length(v);
+    return WorldImpl::enlarged(swept(now, ahead * v), margin + kAside * way);
+}
+
+/// Gives the shapes of a body that have left their bounds new ones, and notes how far it may go within those of now.
+static std::uint32_t refitShapes(WorldImpl& world, BodyRecord& body) {
+    BoundsTree& tree = world.movingTree;
+    std::uint32_t moved = 0;
+    float slack = std::numeric_limits<float>::infinity();
+    for (std::uint32_t s = body.firstShape; s != kNone; s = world.shapes[s].next) {
+        const ShapeRecord& shape = world.shapes[s];
+        const Bounds now = world.tightBounds(shape, 0);
+        if (!contains(tree.bounds(shape.proxy), swept(now, world.dt * world.states[shape.body].v))) {
+            tree.give(shape.proxy, newBounds(world, shape, now));
+            moved += shape.inMoveBuffer ? 0 : 1;
+            body.refitted = true;
+        }
+        slack = std::min(slack, slackBetween(tree.bounds(shape.proxy), now));
+    }
+    body.room = kNearly * slack;
+    return moved;
 }
 
 /// Adds what bodies have moved to their travel and gives shapes that have left their bounds new ones; returns how many
 /// of these are not in the move buffer yet.
 static std::uint32_t refitBodies(WorldImpl& world, std::size_t begin, std::size_t end) {
-    BoundsTree& tree = world.movingTree;
     std::uint32_t moved = 0;
     for (std::size_t place = begin; place < end; ++place) {
         const std::uint32_t index = world.awakeBodies[place];
@@ -130,16 +163,8 @@ static std::uint32_t refitBodies(WorldImpl& world, std::size_t begin, std::size_
         body.refitted = false;
         world.boundsLeft.bodies[place] = 0;
         if (length(world.states[index].v) * world.dt < body.room) continue;
-        for (std::uint32_t s = body.firstShape; s != kNone; s = world.shapes[s].next) {
-            const ShapeRecord& shape = world.shapes[s];
-            if (contains(tree.bounds(shape.proxy), world.tightBounds(shape, world.dt))) continue;
-            tree.give(shape.proxy, newBounds(world, shape));
-            moved += shape.inMoveBuffer ? 0 : 1;
-            body.refitted = true;
-        }
-        if (!body.refitted) continue;
-        world.boundsLeft.bodies[place] = 1;
-        world.giveRoom(index);
+        moved += refitShapes(world, body);
+        world.boundsLeft.bodies[place] = body.refitted ? 1 : 0;
     }
     return moved;
 }
