@@ -291,6 +291,9 @@ struct WorldImpl {
     // world_events.cpp
     void publishEvents();
     void findTouches();
+    void takeTouches(const ConstraintGraph::Color& color, std::size_t perBundle, int begin, int end);
+    void findDoubtful();
+    void markDoubtful(std::uint32_t contact);
     void forgetTouches();
     bool isTouching(ContactRecord& contact);
     void publishContact(std::uint32_t contact);
@@ -432,7 +435,10 @@ struct WorldImpl {
     std::atomic<bool> anySensor{false};      ///< is any awake contact one?
     RestFinds rest;
     std::vector<AlignedArray<ManifoldRecord>> heldManifolds;  ///< per worker: found in this step, without a place yet
-    AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts
+    AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts, and by findDoubtful
+    AlignedArray<std::uint32_t> doubtfulContacts;  ///< that came since events were published, or were struck before
+    bool allDoubtful = true;                       ///< do all contacts need a look at whether they touch?
+    bool motionReported = false;                   ///< has any shape told of its motion?
     AlignedArray<ChangedContact> changedContacts;
     AlignedArray<std::uint32_t> shiftedBodies;    ///< that other points of the ground hold than before
     AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step
