@@ -167,6 +167,7 @@ struct WorldImpl {
     // world_seams.cpp: side contacts between neighbouring obstacles.
     void hideSeams();
     void hideSeam(ContactRecord& contact);
+    void prefetchTouched(const std::uint32_t* closing, int count) const;
     bool mayBeSeam(const ContactRecord& contact, const ManifoldRecord& manifold) const;
     bool bearsLoad(const ManifoldRecord& manifold) const;
     bool closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const;
