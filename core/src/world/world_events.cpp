@@ -27,6 +27,28 @@ bool isLoaded(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
     return false;
 }
 
+/// Threads may say so of one contact at once.
+void markDoubtful(WorldImpl& world, std::uint32_t contact) {
+    const std::uint32_t place = world.contacts[contact].awakeIndex;
+    if (place != kNone) std::atomic_ref(world.contactChanged[place]).store(1, std::memory_order_relaxed);
+}
+
+/// What the lanes of some bundles say of their manifolds. Contacts of which they say the same as in the step before
+/// touch as they did.
+void takeTouches(WorldImpl& world, const ConstraintGraph::Color& color, std::size_t perBundle, int begin, int end) {
+    const auto lanes = static_cast<std::size_t>(world.graph.lanes());
+    world.kernels->readTouches(color.bundles.data(), begin, end, world.laneTouches.data());
+    for (auto bundle = static_cast<std::size_t>(begin); bundle < static_cast<std::size_t>(end); ++bundle)
+        for (std::size_t lane = 0; lane < perBundle && bundle * perBundle + lane < color.manifolds.size(); ++lane) {
+            const std::uint32_t manifold = color.manifolds[bundle * perBundle + lane];
+            const std::uint8_t touch = world.laneTouches[bundle * lanes + lane];
+            std::uint8_t& known = world.manifoldTouches[manifold];
+            if (known == touch && touch != kUnknownTouch) continue;
+            known = touch;
+            markDoubtful(world, world.manifolds[manifold].contact);
+        }
+}
+
 }  // namespace
 
 void WorldImpl::forgetTouches() {
@@ -38,22 +60,6 @@ void WorldImpl::forgetTouches() {
                                                                                    : 0;
 }
 
-/// What the lanes of some bundles say of their manifolds. Contacts of which they say the same as in the step before touch as
-/// they did.
-void WorldImpl::takeTouches(const ConstraintGraph::Color& color, std::size_t perBundle, int begin, int end) {
-    const auto lanes = static_cast<std::size_t>(graph.lanes());
-    kernels->readTouches(color.bundles.data(), begin, end, laneTouches.data());
-    for (auto bundle = static_cast<std::size_t>(begin); bundle < static_cast<std::size_t>(end); ++bundle)
-        for (std::size_t lane = 0; lane < perBundle && bundle * perBundle + lane < color.manifolds.size(); ++lane) {
-            const std::uint32_t manifold = color.manifolds[bundle * perBundle + lane];
-            const std::uint8_t touch = laneTouches[bundle * lanes + lane];
-            std::uint8_t& known = manifoldTouches[manifold];
-            if (known == touch && touch != kUnknownTouch) continue;
-            known = touch;
-            markDoubtful(manifolds[manifold].contact);
-        }
-}
-
 /// What the lanes say of all manifolds in the graph.
 void WorldImpl::findTouches() {
     const auto lanes = static_cast<std::size_t>(graph.lanes());
@@ -62,18 +68,12 @@ void WorldImpl::findTouches() {
         const std::size_t perBundle = c == ConstraintGraph::kOverflow ? 1 : lanes;
         laneTouches.resizeForOverwrite(static_cast<std::size_t>(graph.bundleCount(c)) * lanes);
         runner.parallelFor(graph.bundleCount(c), 32,
-                           [&](int begin, int end, int) { takeTouches(graph.color(c), perBundle, begin, end); });
+                           [&](int begin, int end, int) { takeTouches(*this, graph.color(c), perBundle, begin, end); });
     }
 }
 
-/// Threads may say so of one contact at once.
-void WorldImpl::markDoubtful(std::uint32_t contact) {
-    const std::uint32_t place = contacts[contact].awakeIndex;
-    if (place != kNone) std::atomic_ref(contactChanged[place]).store(1, std::memory_order_relaxed);
-}
-
-/// Contacts that may touch otherwise than before: where lanes say otherwise, what came, changed, or was struck in this step or
-/// the last. Sensors have no lanes; what tells of motion does so in every step.
+/// Contacts that may touch otherwise than before: where lanes say otherwise, what came, changed, or was struck in this
+/// step or the last. Sensors have no lanes; what tells of motion does so in every step.
 void WorldImpl::findDoubtful() {
     const bool all = allDoubtful || motionReported || anySensor.load(std::memory_order_relaxed);
     contactChanged.resizeForOverwrite(awakeContacts.size());
@@ -81,9 +81,9 @@ void WorldImpl::findDoubtful() {
     allDoubtful = false;
     findTouches();
     for (const ChangedContact changed : changedContacts)
-        if ((changed.change & kApart) == 0) markDoubtful(changed.contact);
-    for (const std::uint32_t contact : doubtfulContacts) markDoubtful(contact);
-    for (const SweptImpact& impact : sweptImpacts) markDoubtful(impact.contact);
+        if ((changed.change & kApart) == 0) markDoubtful(*this, changed.contact);
+    for (const std::uint32_t contact : doubtfulContacts) markDoubtful(*this, contact);
+    for (const SweptImpact& impact : sweptImpacts) markDoubtful(*this, impact.contact);
     doubtfulContacts.clear();
 }
 

@@ -87,12 +87,9 @@ struct WorldImpl {
 
     // world_collide.cpp: narrow phase.
     void sortAwakeContacts();
-    void prefetchContact(int place, int end) const;
     void prefetchCollision(const ContactRecord& contact) const;
     void prefetchShapes(const ContactRecord& contact) const;
     void updateSome(int begin, int end, int last, int worker);
-    bool stays(const ContactRecord& contact) const;
-    bool keepsGeometry(const ContactRecord& contact) const;
     void updateContacts();
     void placePairs(const std::uint32_t* asked, int count, PairPlace* out) const;  // world_pair_places.cpp
     void updateContact(std::uint32_t contact, const PairPlace& place, int worker);
@@ -167,7 +164,6 @@ struct WorldImpl {
     // world_seams.cpp: side contacts between neighbouring obstacles.
     void hideSeams();
     void hideSeam(ContactRecord& contact);
-    void prefetchTouched(const std::uint32_t* closing, int count) const;
     bool mayBeSeam(const ContactRecord& contact, const ManifoldRecord& manifold) const;
     bool bearsLoad(const ManifoldRecord& manifold) const;
     bool closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const;
@@ -292,9 +288,7 @@ struct WorldImpl {
     // world_events.cpp
     void publishEvents();
     void findTouches();
-    void takeTouches(const ConstraintGraph::Color& color, std::size_t perBundle, int begin, int end);
     void findDoubtful();
-    void markDoubtful(std::uint32_t contact);
     void forgetTouches();
     bool isTouching(ContactRecord& contact);
     void publishContact(std::uint32_t contact);

@@ -207,32 +207,32 @@ void WorldImpl::hideSeam(ContactRecord& record) {
     record.surfaceOpen = true;
 }
 
-/// Asks for the contacts of the bodies of some that close, and then for their manifolds: the lists of all these bodies are
-/// walked side by side, since each tells only from its memory where it goes on.
-void WorldImpl::prefetchTouched(const std::uint32_t* closing, int count) const {
+/// Asks for the contacts of the bodies of some that close, and then for their manifolds: the lists of all these bodies
+/// are walked side by side, since each tells only from its memory where it goes on.
+static void prefetchTouched(const WorldImpl& world, const std::uint32_t* closing, int count) {
     constexpr int kMost = 256;
     std::uint32_t keys[2 * kSeamsAtOnce], found[kMost];
     int lists = 0, seen = 0;
     for (int i = 0; i < count; ++i) {
-        const ContactRecord& record = contacts[closing[i]];
+        const ContactRecord& record = world.contacts[closing[i]];
         for (const std::uint32_t body : {record.bodyA, record.bodyB})
-            if (moves(body)) keys[lists++] = bodies[body].firstContact;
+            if (world.moves(body)) keys[lists++] = world.bodies[body].firstContact;
     }
     for (bool more = true; more && seen < kMost - 2 * kSeamsAtOnce;) {
         more = false;
         for (int k = 0; k < lists; ++k) {
             if (keys[k] == kNone) continue;
-            prefetch(&contacts[keys[k] >> 1]);
+            prefetch(&world.contacts[keys[k] >> 1]);
             found[seen++] = keys[k] >> 1;
-            keys[k] = nextContact(keys[k]);
+            keys[k] = world.nextContact(keys[k]);
             more = true;
         }
     }
     constexpr std::size_t kLine = 64;
     for (int i = 0; i < seen; ++i) {
-        const ContactRecord& record = contacts[found[i]];
+        const ContactRecord& record = world.contacts[found[i]];
         if (!record.hasPoints || record.firstManifold == kNone) continue;
-        const auto* manifold = reinterpret_cast<const char*>(&manifolds[record.firstManifold]);
+        const auto* manifold = reinterpret_cast<const char*>(&world.manifolds[record.firstManifold]);
         for (std::size_t line = 0; line < sizeof(ManifoldRecord); line += kLine) prefetch(manifold + line);
     }
 }
@@ -243,7 +243,7 @@ void WorldImpl::hideSeams() {
     runner.parallelFor(static_cast<int>(closingContacts.size()), kSeamsAtOnce, [&](int begin, int end, int) {
         for (int first = begin; first < end; first += kSeamsAtOnce) {
             const int past = std::min(first + kSeamsAtOnce, end);
-            prefetchTouched(&closingContacts[static_cast<std::size_t>(first)], past - first);
+            prefetchTouched(*this, &closingContacts[static_cast<std::size_t>(first)], past - first);
             for (int i = first; i < past; ++i) {
                 ContactRecord& record = contacts[closingContacts[static_cast<std::size_t>(i)]];
                 if (record.hasPoints && mayBeSeam(record, manifolds[record.firstManifold])) hideSeam(record);
