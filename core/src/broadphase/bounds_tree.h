@@ -53,6 +53,8 @@ public:
     std::uint32_t value(std::uint32_t proxy) const { return nodes_[proxy].value; }
     int proxyCount() const { return proxyCount_; }
     bool empty() const { return root_ == kNull; }
+    /// Of all proxies, where there are any.
+    const Bounds& bounds() const { return nodes_[root_].bounds; }
     /// Fits the branches that were enlarged to what is below them and turns them where that makes them smaller, so that
     /// queries stay fast. Call once per step. The tree does not depend on the runner.
     void refitEnlarged(StageRunner* runner = nullptr);

@@ -40,12 +40,14 @@ struct WorldImpl {
 
     // world_step.cpp: the stages of a step, in order.
     void step(World& world, double dt);
+    void prepareBody(std::uint32_t body);
     void prepareBodies();
     void prepareConstraints();
     void groupContacts();
     bool placeAndPrepare(int color, int begin, int end);
     template <class Count, class Visit>
     void forBlocksOfAllLists(int size, Count&& count, Visit&& visit);
+    void prepareJointOf(std::uint32_t joint);
     void prepareJoints();
     void storeJoints();
     void solveSubstep(World& world, int number);
@@ -56,12 +58,13 @@ struct WorldImpl {
     void bounce();
     template <class Visit>
     void forEachDirectBouncing(Visit&& visit);
+    void finishBody(std::size_t awakePlace);
     void finishBodies();
+    void makeRoomToFinish();
     bool ranAway(std::uint32_t body) const;
     void stayPut(std::uint32_t body);
     void forgetImpulses(std::uint32_t body);
     void stopRunaways();
-    void stopVanishing(std::uint32_t body, float gravity);
     void restrictInertia(std::uint32_t body);
     template <class Joint, class Joints, class Contacts>
     void forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact);
@@ -241,6 +244,7 @@ struct WorldImpl {
     bool isRenewed(const DirectIsland& island) const;
     void beginIsland(DirectIsland& island, int index);
     void solveDirect(DirectPass pass);
+    void solveSystem(DirectIsland& island, DirectPass pass);
     void endDirect();
     void barGivenUp(const DirectIsland& island, bool rests);
     void sweepIsland(const DirectIsland& island, DirectPass pass);
@@ -252,11 +256,11 @@ struct WorldImpl {
     bool drawTree(std::uint32_t start, DrawnTree& drawn);
     void layLinks(std::uint32_t root, DrawnTree& drawn);
     void planChains();
+    void beginGroup(direct::TreePlan::Group& group);
     void beginChains();
+    void solveGroup(direct::TreePlan::Group& group, DirectPass pass, int substep);
     void solveChains(DirectPass pass);
     void storeImpulses(const direct::TreePlan::Group& group, int lane);
-    template <class Visit>
-    void forEachChainGroup(Visit&& visit);
 
     // world_mechanisms.cpp: those with loops, in their own time.
     void planMechanisms();
