@@ -73,6 +73,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       laneTouches(memory),
       rest(memory),
       contactChanged(memory),
+      doubtfulContacts(memory),
       changedContacts(memory),
       shiftedBodies(memory),
       closingContacts(memory),
