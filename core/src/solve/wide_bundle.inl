@@ -21,8 +21,6 @@ struct ContactBundle {
     float* fields;
     const BodyArrays& arrays;
     std::int32_t traits;  ///< contact::Traits of some lane
-    float* rowA[N];
-    float* rowB[N];
     Lanes<N> a[8], b[8];  ///< velocity rows
     WideVec3<N> vA, wA, vB, wB;
     Lanes<N> massA, massB;  ///< inverse
@@ -73,25 +71,24 @@ struct ContactBundle {
         for (int k = 0; k < N / L; ++k)
             traits |= reinterpret_cast<const std::int32_t*>(fields + k * kBundle)[contact::kTraits * L];
         if constexpr (!kGround) {
-            gatherBody(contact::kBodyA, rowA, a, inertiaA);
+            gatherBody(contact::kBodyA, a, inertiaA);
             vA = {a[0], a[1], a[2]}, wA = {a[4], a[5], a[6]}, massA = a[3];
         }
-        gatherBody(contact::kBodyB, rowB, b, inertiaB);
+        gatherBody(contact::kBodyB, b, inertiaB);
         vB = {b[0], b[1], b[2]}, wB = {b[4], b[5], b[6]}, massB = b[3];
         normal = vector(contact::kNormal);
         if constexpr (!kGround) offset = vector(contact::kOffset);
     }
 
-    RAGTOP_INLINE void gatherBody(int index, float* rows[N], Lanes<N> state[8], SymmetricMatrix<N>& inverse) const {
-        const float* matrices[N];
-        for (int i = 0; i < N; ++i) {
-            const auto* indices = reinterpret_cast<const std::uint32_t*>(fields + i / L * kBundle + index * L);
-            rows[i] = reinterpret_cast<float*>(arrays.states + indices[i % L]);
-            matrices[i] = reinterpret_cast<const float*>(arrays.inertia + indices[i % L]);
-        }
-        gather8<N>(const_cast<const float* const*>(rows), state);
+    /// Rows of the bodies of which `index` is kBodyA or kBodyB.
+    template <class T>
+    RAGTOP_INLINE NumberedRows<T, L> rowsOf(T* rows, int index, int from = 0) const {
+        return {rows, reinterpret_cast<const std::uint32_t*>(fields + index * L), kBundle, from};
+    }
+    RAGTOP_INLINE void gatherBody(int index, Lanes<N> state[8], SymmetricMatrix<N>& inverse) const {
+        gather8<N>(rowsOf(arrays.states, index).anew(), state);
         Lanes<N> m[8];
-        gather8<N>(matrices, m);
+        gather8<N>(rowsOf(arrays.inertia, index).anew(), m);
         inverse = {m[0], m[1], m[2], m[3], m[4], m[5]};
     }
 
@@ -136,43 +133,31 @@ struct ContactBundle {
     }
     RAGTOP_INLINE WideVec3<N> armB(const WideVec3<N>& armA) const { return kGround ? armA : armA - offset; }
 
-    /// Writes velocities back; bodies that no impulse moves are shared between threads and never written.
+    /// Writes velocities back.
     RAGTOP_INLINE void writeVelocities() {
         if constexpr (!kGround) {
             applyLocks(vA, a[7]);
             a[0] = vA.x, a[1] = vA.y, a[2] = vA.z, a[4] = wA.x, a[5] = wA.y, a[6] = wA.z;
-            scatterMoving(rowA, a, massA);
+            scatterMoving<N>(rowsOf(arrays.states, contact::kBodyA).anew(), a, massA);
         }
         applyLocks(vB, b[7]);
         b[0] = vB.x, b[1] = vB.y, b[2] = vB.z, b[4] = wB.x, b[5] = wB.y, b[6] = wB.z;
-        scatterMoving(rowB, b, massB);
-    }
-    static RAGTOP_INLINE void scatterMoving(float* const rows[N], const Lanes<N> values[8], Lanes<N> mass) {
-        if (!any(!(mass > 0.0f))) return scatterAll8<N>(rows, values);
-        if (!any(mass > 0.0f)) return;
-        float* moving[N];
-        for (int i = 0; i < N; ++i) moving[i] = mass[i] > 0 ? rows[i] : nullptr;
-        scatter8<N>(moving, values);
+        scatterMoving<N>(rowsOf(arrays.states, contact::kBodyB).anew(), b, massB);
     }
 
     /// Displacements since the beginning of the step.
     RAGTOP_INLINE void gatherDisplacements(WideVec3<N>& dp, WideQuat<N>& dqA, WideQuat<N>& dqB) const {
         Lanes<N> dB[8];
-        gatherDisplacement(rowB, dB);
+        gather8<N>(rowsOf(arrays.states, contact::kBodyB, 8).anew(), dB);
         dqB = {dB[4], dB[5], dB[6], dB[7]};
         if constexpr (kGround) {
             dp = {dB[0], dB[1], dB[2]};
         } else {
             Lanes<N> dA[8];
-            gatherDisplacement(rowA, dA);
+            gather8<N>(rowsOf(arrays.states, contact::kBodyA, 8).anew(), dA);
             dqA = {dA[4], dA[5], dA[6], dA[7]};
             dp = {dB[0] - dA[0], dB[1] - dA[1], dB[2] - dA[2]};
         }
-    }
-    static RAGTOP_INLINE void gatherDisplacement(float* const rows[N], Lanes<N> out[8]) {
-        const float* p[N];
-        for (int i = 0; i < N; ++i) p[i] = rows[i] + 8;
-        gather8<N>(p, out);
     }
 
     /// The arms of the last relaxing pass, where the bodies still are.
@@ -186,13 +171,12 @@ struct ContactBundle {
     }
 
     /// Adds to the displacements of bodies that impulses move, before velocities are written.
-    static RAGTOP_INLINE void displace(float* const rows[N], const WideVec3<N>& dp, Lanes<N> mass) {
-        float* p[N];
-        for (int i = 0; i < N; ++i) p[i] = rows[i] + 8;
+    RAGTOP_INLINE void displace(int index, const WideVec3<N>& dp, Lanes<N> mass) const {
+        const auto places = rowsOf(arrays.states, index, 8);
         Lanes<N> d[8];
-        gather8<N>(const_cast<const float* const*>(p), d);
+        gather8<N>(places, d);
         d[0] = d[0] + dp.x, d[1] = d[1] + dp.y, d[2] = d[2] + dp.z;
-        scatterMoving(p, d, mass);
+        scatterMoving<N>(places, d, mass);
     }
 
     RAGTOP_INLINE Lanes<N> inverseMass() const { return kGround ? massB : massA + massB; }

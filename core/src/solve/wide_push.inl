@@ -26,11 +26,11 @@ RAGTOP_INLINE void moveApart(const ContactBundle<N, L, kGround>& c, Lanes<N> dee
     if constexpr (!kGround) {
         WideVec3<N> dpA = (-c.massA) * apart;
         applyLocks(dpA, c.a[7]);
-        c.displace(c.rowA, dpA, c.massA);
+        c.displace(contact::kBodyA, dpA, c.massA);
     }
     WideVec3<N> dpB = c.massB * apart;
     applyLocks(dpB, c.b[7]);
-    c.displace(c.rowB, dpB, c.massB);
+    c.displace(contact::kBodyB, dpB, c.massB);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/aligned_array.h"
+#include "base/stage_memory.h"
 #include "broadphase/bounds_tree.h"
 #include "constraints/constraint_graph.h"
 #include "direct/newton.h"
@@ -66,12 +67,10 @@ struct IslandBearing {
 
 /// Which way weights go down to what does not move (world_islands.cpp).
 struct LoadPaths {
-    explicit LoadPaths(std::pmr::memory_resource* memory)
-        : levels(memory), supports(memory), carried(memory), heldLevel(memory) {}
-    AlignedArray<std::uint32_t> levels;    ///< per body: steps to what does not move
-    AlignedArray<std::uint32_t> supports;  ///< per body: how many bear it
-    AlignedArray<float> carried;           ///< kg, per body
-    AlignedArray<std::uint8_t> heldLevel;  ///< per body: something level is below it
+    StageArray<std::uint32_t> levels;    ///< per body: steps to what does not move
+    StageArray<std::uint32_t> supports;  ///< per body: how many bear it
+    StageArray<float> carried;           ///< kg, per body
+    StageArray<std::uint8_t> heldLevel;  ///< per body: something level is below it
 };
 
 /// An island that is solved directly, in the lists of its step (world_direct.cpp).
@@ -81,6 +80,8 @@ struct DirectIsland {
     bool factored = false;
     bool swept = false;      ///< given up in this step
     bool unchanged = false;  ///< since a step through which it rested
+    bool renewed = false;    ///< some lane of it is other than in the last step; told by several threads
+    int restedAgain = 0;     ///< substeps through which it has rested as in the step before
     bool tree = false;       ///< eliminated in lanes, without a system
     bool mechanism = false;  ///< moves by itself, without a system
     bool watched = false;    ///< of a tree or mechanism: impulses are wanted after every substep
@@ -94,6 +95,7 @@ struct DirectIsland {
     /// Of a step.
     void begin() {
         factored = swept = open = ajar = unchanged = false;
+        restedAgain = 0;
         report = {};
         ms = 0;
     }

@@ -10,6 +10,7 @@
 #include "base/aligned_array.h"
 #include "base/paged_array.h"
 #include "base/pair_set.h"
+#include "base/stage_memory.h"
 #include "base/stage_runner.h"
 #include "base/worker_choice.h"
 #include "broadphase/bounds_tree.h"
@@ -90,12 +91,9 @@ struct WorldImpl {
 
     // world_collide.cpp: narrow phase.
     void sortAwakeContacts();
-    void prefetchContact(int place, int end) const;
     void prefetchCollision(const ContactRecord& contact) const;
     void prefetchShapes(const ContactRecord& contact) const;
     void updateSome(int begin, int end, int last, int worker);
-    bool stays(const ContactRecord& contact) const;
-    bool keepsGeometry(const ContactRecord& contact) const;
     void updateContacts();
     void placePairs(const std::uint32_t* asked, int count, PairPlace* out) const;  // world_pair_places.cpp
     void updateContact(std::uint32_t contact, const PairPlace& place, int worker);
@@ -215,6 +213,8 @@ struct WorldImpl {
 
     // world_islands.cpp: what bears on what, and the choice of solvers.
     void noteForce(std::uint32_t body);
+    void beginMeasuring();
+    direct::IslandFeatures& islandOf(std::uint32_t body) { return islandFeatures[islandNumber[findRoot(body)]]; }
     void collectBearings();
     void findLevels();
     void estimateLoads(bool pushes);
@@ -244,6 +244,7 @@ struct WorldImpl {
     void beginDirect();
     void assignSystems();
     void noteDirectBundles();
+    void addDirectPeaks();
     bool isRenewed(const DirectIsland& island) const;
     void beginIsland(DirectIsland& island, int index);
     void solveDirect(DirectPass pass);
@@ -295,6 +296,7 @@ struct WorldImpl {
     // world_events.cpp
     void publishEvents();
     void findTouches();
+    void findDoubtful();
     void forgetTouches();
     bool isTouching(ContactRecord& contact);
     void publishContact(std::uint32_t contact);
@@ -410,6 +412,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> awakeBodies, awakeContacts, moveBuffer;
     BodyStrides strides;
     ConstraintGraph graph;
+    StageMemory stageMemory;  ///< no state, but of the trees
     BoundsTree staticTree, movingTree;
     PairSet pairs;
     std::uint64_t stepCount = 0, structureVersion = 0;
@@ -428,15 +431,18 @@ struct WorldImpl {
     AlignedArray<int> sweptColors;  ///< of this step: those that hold something
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled
-    AlignedArray<std::uint64_t> contactOrder;  ///< scratch of world_order.cpp, as the two after it
-    AlignedArray<std::uint32_t> movedFrom, movedTo;
+    StageArray<std::uint64_t> contactOrder;  ///< of world_order.cpp, as the two after it
+    StageArray<std::uint32_t> movedFrom, movedTo;
     AlignedArray<std::uint8_t> manifoldTouches;  ///< per manifold, a ManifoldTouch at the end of the last step
     AlignedArray<std::uint8_t> laneTouches;      ///< the same per lane of a colour
     bool surfacesForgotten = false;              ///< lanes are to be told anew what the surfaces are
     std::atomic<bool> anySensor{false};      ///< is any awake contact one?
     RestFinds rest;
     std::vector<AlignedArray<ManifoldRecord>> heldManifolds;  ///< per worker: found in this step, without a place yet
-    AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts
+    AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts, and by findDoubtful
+    AlignedArray<std::uint32_t> doubtfulContacts;  ///< that came since events were published, or were struck before
+    bool allDoubtful = true;                       ///< do all contacts need a look at whether they touch?
+    bool motionReported = false;                   ///< has any shape told of its motion?
     AlignedArray<ChangedContact> changedContacts;
     AlignedArray<std::uint32_t> shiftedBodies;    ///< that other points of the ground hold than before
     AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step
@@ -446,11 +452,12 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     Assemblies assemblies;
     BoundsLeft boundsLeft;
-    AlignedArray<IslandBearing> bearings;
-    AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
+    StageArray<IslandBearing> bearings;  ///< of world_islands.cpp, as the four after it
+    StageArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
     LoadPaths paths;
     AlignedArray<std::uint32_t> freshManifolds;    ///< made in this step, of bodies that have not moved yet
-    AlignedArray<direct::IslandFeatures> islandFeatures;  ///< per root
+    StageArray<std::uint32_t> islandNumber;  ///< per root
+    StageArray<direct::IslandFeatures> islandFeatures;
     AlignedArray<DirectIsland> directIslands;
     AlignedArray<std::uint32_t> directBodies, directManifolds, directJoints;  ///< grouped by island
     AlignedArray<float*> directLanes;
@@ -465,7 +472,7 @@ struct WorldImpl {
     direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
     AlignedArray<float> directSeen;  ///< bundles of direct islands in the last step
-    AlignedArray<std::uint8_t> directRenewed;  ///< per slot of theirs: is it other than in the last step?
+    AlignedArray<std::uint32_t> directOwner;  ///< per slot of theirs: the island
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made
     std::uint64_t runaways = 0;        ///< bodies stopped because they ran away
@@ -473,7 +480,7 @@ struct WorldImpl {
     PairSearch pairSearch;
     AlignedArray<std::uint32_t> sweptBodies;  ///< those that are kSwept in this step
     AlignedArray<SweptImpact> sweptImpacts;  ///< of this step, for its events
-    AlignedArray<StartPose> startPoses;      ///< per awake body, of bodies to sweep
+    StageArray<StartPose> startPoses;        ///< per awake body, while the step is finished
     SolverContext context;
     bool bouncy = false;      ///< does any contact of this step have restitution?
     bool posesMoved = false;  ///< poses are those of the end of the step, startPoses of its beginning

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/nonzero_bytes.h"
 #include "world/edge_list.h"
@@ -29,6 +30,11 @@ static float enlargement(const ShapeRecord& shape) {
 
 static Bounds boundsNow(const WorldImpl& world, const ShapeRecord& shape) {
     return boundsOf(world.geometries[shape.geometry].shape, world.shapePose(shape));
+}
+/// How far what is within `inner` may go in any direction before it leaves `outer`.
+static float slackBetween(const Bounds& outer, const Bounds& inner) {
+    const Vec3 slack = min(inner.lower - outer.lower, outer.upper - inner.upper);
+    return std::min(slack.x, std::min(slack.y, slack.z));
 }
 static Bounds boundsAlong(const Bounds& now, const Vec3& motion) {
     return {min(now.lower, now.lower + motion), max(now.upper, now.upper + motion)};
@@ -141,24 +147,29 @@ static bool keepsToRoom(BoundsRoom& room, const Vec3& moved, float turned, const
     return low.x > 0 && low.y > 0 && low.z > 0 && high.x > 0 && high.y > 0 && high.z > 0;
 }
 
-/// Gives shapes of a body that have left their bounds new ones; returns how many of these are not in the move buffer yet.
+/// Gives shapes of a body that have left their bounds new ones, and notes how far it may go within those of now; returns how
+/// many shapes are not in the move buffer yet.
 static std::uint32_t refitBody(WorldImpl& world, std::uint32_t index) {
     BodyRecord& body = world.bodies[index];
     const bool isFree = world.isDirect(index) && body.firstContact == kNone;
     const Vec3 coming = world.dt * world.states[index].v;
     std::uint32_t moved = 0;
+    float slack = std::numeric_limits<float>::infinity();
     Bounds now, given;
     for (std::uint32_t s = body.firstShape; s != kNone; s = world.shapes[s].next) {
         const ShapeRecord& shape = world.shapes[s];
         now = boundsNow(world, shape);
-        if (contains(world.movingTree.bounds(shape.proxy), boundsAlong(now, coming))) continue;
-        given = newBounds(world, shape, now, isFree);
-        world.movingTree.give(shape.proxy, given);
-        moved += shape.inMoveBuffer ? 0 : 1;
-        body.refitted = true;
+        if (!contains(world.movingTree.bounds(shape.proxy), boundsAlong(now, coming))) {
+            given = newBounds(world, shape, now, isFree);
+            world.movingTree.give(shape.proxy, given);
+            moved += shape.inMoveBuffer ? 0 : 1;
+            body.refitted = true;
+        }
+        slack = std::min(slack, slackBetween(world.movingTree.bounds(shape.proxy), now));
     }
+    body.room = kNearly * slack;
     if (!body.refitted) return 0;
-    world.giveRoom(index);
+    world.boundsLeft.rooms[index].travel = BoundsRoom::kUnknown;
     if (isFree) giveFreeRoom(world, index, now, given);
     return moved;
 }
