@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/aligned_array.h"
+#include "base/stage_memory.h"
 #include "broadphase/bounds_tree.h"
 #include "constraints/constraint_graph.h"
 #include "direct/newton.h"
@@ -66,12 +67,10 @@ struct IslandBearing {
 
 /// Which way weights go down to what does not move (world_islands.cpp).
 struct LoadPaths {
-    explicit LoadPaths(std::pmr::memory_resource* memory)
-        : levels(memory), supports(memory), carried(memory), heldLevel(memory) {}
-    AlignedArray<std::uint32_t> levels;    ///< per body: steps to what does not move
-    AlignedArray<std::uint32_t> supports;  ///< per body: how many bear it
-    AlignedArray<float> carried;           ///< kg, per body
-    AlignedArray<std::uint8_t> heldLevel;  ///< per body: something level is below it
+    StageArray<std::uint32_t> levels;    ///< per body: steps to what does not move
+    StageArray<std::uint32_t> supports;  ///< per body: how many bear it
+    StageArray<float> carried;           ///< kg, per body
+    StageArray<std::uint8_t> heldLevel;  ///< per body: something level is below it
 };
 
 /// An island that is solved directly, in the lists of its step (world_direct.cpp).

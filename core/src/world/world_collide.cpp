@@ -52,7 +52,7 @@ bool stays(const ContactRecord& record, const BodyRecord& a, const BodyRecord& b
 /// Asks some contacts whether they stay as they are, and for the memory of what is asked some places later. Which stay
 /// nobody foresees: all are written, and kept or not.
 void askSome(WorldImpl& world, int begin, int end, int last, AskedContacts& asked) {
-    constexpr int kRecord = 12, kRest = 6;
+    constexpr int kRecord = 32, kRest = 16;
     const auto records = world.contacts.view();
     const std::uint32_t* awake = world.awakeContacts.data();
     const BodyRecord* of = world.bodies.data();

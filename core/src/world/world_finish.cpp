@@ -51,7 +51,6 @@ void WorldImpl::finishBody(std::size_t place) {
 
 /// All but those of trees that go alone, which have done it.
 void WorldImpl::finishBodies() {
-    makeRoomToFinish();
     const bool alone = strides.aloneCount > 0;
     if (strides.aloneCount == awakeBodies.size()) return;
     runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
@@ -60,7 +59,10 @@ void WorldImpl::finishBodies() {
     });
 }
 
+/// Once in a step, when nobody looks any more at what bears on what.
 void WorldImpl::makeRoomToFinish() {
+    stageMemory.begin(StageMemory::bytesOf<StartPose>(awakeBodies.size()));
+    startPoses = stageMemory.take<StartPose>(awakeBodies.size());
     startPoses.resizeForOverwrite(awakeBodies.size());
     bodyFlags.resizeForOverwrite(awakeBodies.size());
 }

@@ -10,6 +10,7 @@
 #include "base/aligned_array.h"
 #include "base/paged_array.h"
 #include "base/pair_set.h"
+#include "base/stage_memory.h"
 #include "base/stage_runner.h"
 #include "base/worker_choice.h"
 #include "broadphase/bounds_tree.h"
@@ -212,6 +213,8 @@ struct WorldImpl {
 
     // world_islands.cpp: what bears on what, and the choice of solvers.
     void noteForce(std::uint32_t body);
+    void beginMeasuring();
+    direct::IslandFeatures& islandOf(std::uint32_t body) { return islandFeatures[islandNumber[findRoot(body)]]; }
     void collectBearings();
     void findLevels();
     void estimateLoads(bool pushes);
@@ -408,6 +411,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> awakeBodies, awakeContacts, moveBuffer;
     BodyStrides strides;
     ConstraintGraph graph;
+    StageMemory stageMemory;  ///< no state, but of the trees
     BoundsTree staticTree, movingTree;
     PairSet pairs;
     std::uint64_t stepCount = 0, structureVersion = 0;
@@ -426,8 +430,8 @@ struct WorldImpl {
     AlignedArray<int> sweptColors;  ///< of this step: those that hold something
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled
-    AlignedArray<std::uint64_t> contactOrder;  ///< scratch of world_order.cpp, as the two after it
-    AlignedArray<std::uint32_t> movedFrom, movedTo;
+    StageArray<std::uint64_t> contactOrder;  ///< of world_order.cpp, as the two after it
+    StageArray<std::uint32_t> movedFrom, movedTo;
     AlignedArray<std::uint8_t> manifoldTouches;  ///< per manifold, a ManifoldTouch at the end of the last step
     AlignedArray<std::uint8_t> laneTouches;      ///< the same per lane of a colour
     bool surfacesForgotten = false;              ///< lanes are to be told anew what the surfaces are
@@ -447,11 +451,12 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     Assemblies assemblies;
     BoundsLeft boundsLeft;
-    AlignedArray<IslandBearing> bearings;
-    AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
+    StageArray<IslandBearing> bearings;  ///< of world_islands.cpp, as the four after it
+    StageArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
     LoadPaths paths;
     AlignedArray<std::uint32_t> freshManifolds;    ///< made in this step, of bodies that have not moved yet
-    AlignedArray<direct::IslandFeatures> islandFeatures;  ///< per root
+    StageArray<std::uint32_t> islandNumber;  ///< per root
+    StageArray<direct::IslandFeatures> islandFeatures;
     AlignedArray<DirectIsland> directIslands;
     AlignedArray<std::uint32_t> directBodies, directManifolds, directJoints;  ///< grouped by island
     AlignedArray<float*> directLanes;
@@ -474,7 +479,7 @@ struct WorldImpl {
     PairSearch pairSearch;
     AlignedArray<std::uint32_t> sweptBodies;  ///< those that are kSwept in this step
     AlignedArray<SweptImpact> sweptImpacts;  ///< of this step, for its events
-    AlignedArray<StartPose> startPoses;      ///< per awake body, of bodies to sweep
+    StageArray<StartPose> startPoses;        ///< per awake body, while the step is finished
     SolverContext context;
     bool bouncy = false;      ///< does any contact of this step have restitution?
     bool posesMoved = false;  ///< poses are those of the end of the step, startPoses of its beginning
