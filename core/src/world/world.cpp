@@ -98,7 +98,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       treeMark(memory),
       treeBodies(memory),
       directSeen(memory),
-      directRenewed(memory),
+      directOwner(memory),
       ledger(memory),
       bodyFlags(memory),
       pairSearch(memory),

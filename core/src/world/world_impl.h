@@ -244,6 +244,7 @@ struct WorldImpl {
     void beginDirect();
     void assignSystems();
     void noteDirectBundles();
+    void addDirectPeaks();
     bool isRenewed(const DirectIsland& island) const;
     void beginIsland(DirectIsland& island, int index);
     void solveDirect(DirectPass pass);
@@ -471,7 +472,7 @@ struct WorldImpl {
     direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
     AlignedArray<float> directSeen;  ///< bundles of direct islands in the last step
-    AlignedArray<std::uint8_t> directRenewed;  ///< per slot of theirs: is it other than in the last step?
+    AlignedArray<std::uint32_t> directOwner;  ///< per slot of theirs: the island
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made
     std::uint64_t runaways = 0;        ///< bodies stopped because they ran away

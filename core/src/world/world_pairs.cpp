@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/nonzero_bytes.h"
@@ -19,6 +20,12 @@ bool filtersAgree(const Filter& a, const Filter& b) {
 Bounds WorldImpl::enlarged(const Bounds& bounds, float margin) {
     const Vec3 m{margin, margin, margin};
     return {bounds.lower - m, bounds.upper + m};
+}
+
+/// m. A mesh or height field that is moved by others has no size of its own and is given none: bounds that are infinite
+/// meet everything.
+static float enlargement(const ShapeRecord& shape) {
+    return std::isfinite(shape.size) ? tuning::kFatMargin * shape.size : 0.0f;
 }
 
 static Bounds boundsNow(const WorldImpl& world, const ShapeRecord& shape) {
@@ -44,7 +51,7 @@ void WorldImpl::insertProxy(std::uint32_t index) {
     const BodyRecord& body = bodies[shape.body];
     shape.isStaticTree = body.type == BodyType::fixed;
     const Bounds tight = tightBounds(shape, dt);
-    const Bounds fat = shape.isStaticTree ? tight : enlarged(tight, tuning::kFatMargin * shape.size);
+    const Bounds fat = shape.isStaticTree ? tight : enlarged(tight, enlargement(shape));
     shape.proxy = tree(shape).insert(fat, shape.filter.category, index);
     markMoved(index);
 }
@@ -74,7 +81,7 @@ void WorldImpl::giveRoom(std::uint32_t index) {
     BodyRecord& body = bodies[index];
     if (index < boundsLeft.rooms.size()) boundsLeft.rooms[index].travel = BoundsRoom::kUnknown;
     const bool single = body.firstShape != kNone && shapes[body.firstShape].next == kNone;
-    body.room = single && body.type != BodyType::fixed ? kNearly * tuning::kFatMargin * body.size : 0.0f;
+    body.room = single && body.type != BodyType::fixed ? kNearly * enlargement(shapes[body.firstShape]) : 0.0f;
 }
 
 /// Bounds made at the end of a step count the motion of the next one, going on as it does; what was set going since is
@@ -92,7 +99,7 @@ void WorldImpl::coverMotion(std::uint32_t index) {
         if (shape.isStaticTree || shape.proxy == kNone) continue;
         const Bounds tight = tightBounds(shape, dt);
         if (contains(movingTree.bounds(shape.proxy), tight)) continue;
-        movingTree.enlarge(shape.proxy, enlarged(tight, tuning::kFatMargin * shape.size));
+        movingTree.enlarge(shape.proxy, enlarged(tight, enlargement(shape)));
         markMoved(s);
         left = true;
     }
@@ -118,7 +125,7 @@ void WorldImpl::coverLaunched(bool all) {
 /// way aside, for its path bends; it then looks for partners as much more seldom.
 static Bounds newBounds(const WorldImpl& world, const ShapeRecord& shape, const Bounds& now, bool isFree) {
     constexpr float kFreeSteps = 4, kAside = 1.0f / 8;
-    const float margin = tuning::kFatMargin * shape.size, ahead = (isFree ? kFreeSteps : 1) * world.dt;
+    const float margin = enlargement(shape), ahead = (isFree ? kFreeSteps : 1) * world.dt;
     const Vec3 motion = ahead * world.states[shape.body].v;
     return WorldImpl::enlarged(boundsAlong(now, motion), isFree ? margin + kAside * length(motion) : margin);
 }
