@@ -111,27 +111,28 @@ void WorldImpl::prefetchShapes(const ContactRecord& record) const {
 }
 
 /// What does not stay is collided after the others were asked: until then its memory is on the way.
-void WorldImpl::updateSome(int begin, int end, int last, int worker) {
+static void updateSome(WorldImpl& world, int begin, int end, int last, int worker) {
     AskedContacts asked;
-    askSome(*this, begin, end, last, asked);
-    std::memset(&contactChanged[static_cast<std::size_t>(begin)], kUnchanged, static_cast<std::size_t>(end - begin));
+    askSome(world, begin, end, last, asked);
+    std::memset(&world.contactChanged[static_cast<std::size_t>(begin)], kUnchanged, static_cast<std::size_t>(end - begin));
     const int count = asked.movingCount;
-    for (int k = 0; k < count; ++k) prefetchCollision(contacts[asked.moving[k]]);
+    for (int k = 0; k < count; ++k) world.prefetchCollision(world.contacts[asked.moving[k]]);
     for (int k = 0; k < asked.openCount; ++k) {
-        ContactRecord& record = contacts[asked.open[k]];
-        contactChanged[record.awakeIndex] = keepManifolds(record);
+        ContactRecord& record = world.contacts[asked.open[k]];
+        world.contactChanged[record.awakeIndex] = world.keepManifolds(record);
     }
     constexpr int kFour = 4, kNext = 2 * kFour;
-    for (int k = 0; k < count && k < kNext; ++k) prefetchShapes(contacts[asked.moving[k]]);
+    for (int k = 0; k < count && k < kNext; ++k) world.prefetchShapes(world.contacts[asked.moving[k]]);
     for (int first = 0; first < count; first += kFour) {
         const int past = std::min(first + kFour, count);
-        for (int k = first + kNext; k < past + kNext && k < count; ++k) prefetchShapes(contacts[asked.moving[k]]);
+        for (int k = first + kNext; k < past + kNext && k < count; ++k)
+            world.prefetchShapes(world.contacts[asked.moving[k]]);
         union Unfilled {
             Unfilled() {}
             PairPlace at[kFour];
         } places;
-        placePairs(asked.moving + first, past - first, places.at);
-        for (int k = first; k < past; ++k) updateContact(asked.moving[k], places.at[k - first], worker);
+        world.placePairs(asked.moving + first, past - first, places.at);
+        for (int k = first; k < past; ++k) world.updateContact(asked.moving[k], places.at[k - first], worker);
     }
 }
 
@@ -145,7 +146,7 @@ void WorldImpl::updateContacts() {
     makeRoomToHold();
     runner.parallelFor(count, kAskedAtOnce, [&](int begin, int end, int worker) {
         for (int i = begin; i < end; i += kAskedAtOnce)
-            updateSome(i, i + kAskedAtOnce < end ? i + kAskedAtOnce : end, end, worker);
+            updateSome(*this, i, i + kAskedAtOnce < end ? i + kAskedAtOnce : end, end, worker);
     });
     surfacesForgotten = false;
 }

@@ -74,17 +74,17 @@ void WorldImpl::findTouches() {
 
 /// Contacts that may touch otherwise than before: where lanes say otherwise, what came, changed, or was struck in this
 /// step or the last. Sensors have no lanes; what tells of motion does so in every step.
-void WorldImpl::findDoubtful() {
-    const bool all = allDoubtful || motionReported || anySensor.load(std::memory_order_relaxed);
-    contactChanged.resizeForOverwrite(awakeContacts.size());
-    std::fill(contactChanged.begin(), contactChanged.end(), all ? 1 : 0);
-    allDoubtful = false;
-    findTouches();
-    for (const ChangedContact changed : changedContacts)
-        if ((changed.change & kApart) == 0) markDoubtful(*this, changed.contact);
-    for (const std::uint32_t contact : doubtfulContacts) markDoubtful(*this, contact);
-    for (const SweptImpact& impact : sweptImpacts) markDoubtful(*this, impact.contact);
-    doubtfulContacts.clear();
+static void findDoubtful(WorldImpl& world) {
+    const bool all = world.allDoubtful || world.motionReported || world.anySensor.load(std::memory_order_relaxed);
+    world.contactChanged.resizeForOverwrite(world.awakeContacts.size());
+    std::fill(world.contactChanged.begin(), world.contactChanged.end(), all ? 1 : 0);
+    world.allDoubtful = false;
+    world.findTouches();
+    for (const ChangedContact changed : world.changedContacts)
+        if ((changed.change & kApart) == 0) markDoubtful(world, changed.contact);
+    for (const std::uint32_t contact : world.doubtfulContacts) markDoubtful(world, contact);
+    for (const SweptImpact& impact : world.sweptImpacts) markDoubtful(world, impact.contact);
+    world.doubtfulContacts.clear();
 }
 
 /// Does a contact touch after the step? Notes whether it bears a load.
@@ -103,7 +103,7 @@ bool WorldImpl::isTouching(ContactRecord& record) {
 
 /// Contacts touch when a point carries load or overlaps; begin and end are reported in the order of the list.
 void WorldImpl::publishEvents() {
-    findDoubtful();
+    findDoubtful(*this);
     runner.parallelFor(static_cast<int>(awakeContacts.size()), 256, [&](int begin, int end, int) {
         std::uint8_t* doubtful = contactChanged.data() + begin;
         const std::uint32_t* awake = awakeContacts.data() + begin;

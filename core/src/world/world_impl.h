@@ -93,7 +93,6 @@ struct WorldImpl {
     void sortAwakeContacts();
     void prefetchCollision(const ContactRecord& contact) const;
     void prefetchShapes(const ContactRecord& contact) const;
-    void updateSome(int begin, int end, int last, int worker);
     void updateContacts();
     void placePairs(const std::uint32_t* asked, int count, PairPlace* out) const;  // world_pair_places.cpp
     void updateContact(std::uint32_t contact, const PairPlace& place, int worker);
@@ -296,7 +295,6 @@ struct WorldImpl {
     // world_events.cpp
     void publishEvents();
     void findTouches();
-    void findDoubtful();
     void forgetTouches();
     bool isTouching(ContactRecord& contact);
     void publishContact(std::uint32_t contact);
@@ -441,8 +439,7 @@ struct WorldImpl {
     std::vector<AlignedArray<ManifoldRecord>> heldManifolds;  ///< per worker: found in this step, without a place yet
     AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts, and by findDoubtful
     AlignedArray<std::uint32_t> doubtfulContacts;  ///< that came since events were published, or were struck before
-    bool allDoubtful = true;                       ///< do all contacts need a look at whether they touch?
-    bool motionReported = false;                   ///< has any shape told of its motion?
+    bool allDoubtful = true, motionReported = false;  ///< are all contacts to be asked; has any shape told of its motion?
     AlignedArray<ChangedContact> changedContacts;
     AlignedArray<std::uint32_t> shiftedBodies;    ///< that other points of the ground hold than before
     AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step

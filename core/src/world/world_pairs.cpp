@@ -403,6 +403,7 @@ void WorldImpl::addAwakeContact(std::uint32_t index) {
     if (contacts[index].sensor) anySensor.store(true, std::memory_order_relaxed);
     awakeContacts.push(index);
     closingContacts.push(index);
+    doubtfulContacts.push(index);
 }
 
 void WorldImpl::removeAwakeContact(std::uint32_t index) {

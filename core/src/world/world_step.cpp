@@ -32,8 +32,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     if (!valid) return;
     const bool longer = static_cast<float>(stepSeconds) > dt;
     dt = static_cast<float>(stepSeconds);
-    const float h = dt / static_cast<float>(settings.substeps);
-    const float substepRate = 1 / h;
+    const float h = dt / static_cast<float>(settings.substeps), substepRate = 1 / h;
     context.h = h;
     context.inverseH = substepRate;
     context.dt = dt;
