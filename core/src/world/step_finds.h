@@ -63,6 +63,7 @@ struct IslandBearing {
     std::uint32_t a, b;        ///< bodies
     std::uint32_t constraint;  ///< manifold or joint
     bool joint;
+    bool movesA, movesB;  ///< do they move?
 };
 
 /// Which way weights go down to what does not move (world_islands.cpp).

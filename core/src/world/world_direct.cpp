@@ -3,6 +3,7 @@
 
 #include "constraints/contact_layout.h"
 #include "direct/newton.h"
+#include "world/graph_contacts.h"
 #include "world/world_impl.h"
 #include "world/world_strides.h"
 
@@ -12,11 +13,11 @@ namespace ragtop {
 void WorldImpl::applyChoices() {
     movedConstraints.clear();
     for (int c = 0; c < ConstraintGraph::kLists; ++c)
-        for (const std::uint32_t m : graph.color(c).manifolds) {
-            const ContactRecord& contact = contacts[manifolds[m].contact];
-            const bool direct = isDirect(contact.bodyA) || isDirect(contact.bodyB);
-            if (direct != (c == ConstraintGraph::kDirect)) movedConstraints.push(m);
-        }
+        forContactsOf(*this, graph.color(c).manifolds,
+                      [&](std::uint32_t m, const ManifoldRecord&, const ContactRecord& contact) {
+                          const bool direct = isDirect(contact.bodyA) || isDirect(contact.bodyB);
+                          if (direct != (c == ConstraintGraph::kDirect)) movedConstraints.push(m);
+                      });
     for (const std::uint32_t m : movedConstraints) {
         removeFromGraph(m);
         addToGraph(m);
