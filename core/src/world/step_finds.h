@@ -165,7 +165,8 @@ struct PairFound {
 struct PairSearch {
     explicit PairSearch(std::pmr::memory_resource* memory) : branches(memory) {}
     std::pmr::vector<BoundsTree::NodePair> branches;   ///< between which partners are sought
-    std::vector<std::pmr::vector<PairFound>> found;    ///< per pair of branches
+    std::vector<std::pmr::vector<PairFound>> found;    ///< per pair of branches, or per block of shapes
+    std::vector<std::pmr::vector<BoundsTree::NodePair>> waiting;  ///< per worker: scratch of BoundsTree::queryAll
 };
 
 /// Where a body was when a step began.

@@ -11,6 +11,10 @@ namespace ragtop {
 
 /// Moves all constraints of marked islands to the list of their solver.
 void WorldImpl::applyChoices() {
+    const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
+    bool any = !list.manifolds.empty() || !list.joints.empty();
+    for (std::size_t i = 0; i < awakeBodies.size() && !any; ++i) any = isDirect(awakeBodies[i]);
+    if (!any) return;
     movedConstraints.clear();
     for (int c = 0; c < ConstraintGraph::kLists; ++c)
         forContactsOf(*this, graph.color(c).manifolds,
