@@ -59,7 +59,7 @@ void WorldImpl::finishBodies() {
     });
 }
 
-/// Nothing else takes stage memory until bounds are refitted.
+/// Once in a step, when nobody looks any more at what bears on what.
 void WorldImpl::makeRoomToFinish() {
     stageMemory.begin(StageMemory::bytesOf<StartPose>(awakeBodies.size()));
     startPoses = stageMemory.take<StartPose>(awakeBodies.size());

@@ -91,12 +91,9 @@ struct WorldImpl {
 
     // world_collide.cpp: narrow phase.
     void sortAwakeContacts();
-    void prefetchContact(int place, int end) const;
     void prefetchCollision(const ContactRecord& contact) const;
     void prefetchShapes(const ContactRecord& contact) const;
     void updateSome(int begin, int end, int last, int worker);
-    bool stays(const ContactRecord& contact) const;
-    bool keepsGeometry(const ContactRecord& contact) const;
     void updateContacts();
     void placePairs(const std::uint32_t* asked, int count, PairPlace* out) const;  // world_pair_places.cpp
     void updateContact(std::uint32_t contact, const PairPlace& place, int worker);
@@ -247,6 +244,7 @@ struct WorldImpl {
     void beginDirect();
     void assignSystems();
     void noteDirectBundles();
+    void addDirectPeaks();
     bool isRenewed(const DirectIsland& island) const;
     void beginIsland(DirectIsland& island, int index);
     void solveDirect(DirectPass pass);
@@ -298,6 +296,7 @@ struct WorldImpl {
     // world_events.cpp
     void publishEvents();
     void findTouches();
+    void findDoubtful();
     void forgetTouches();
     bool isTouching(ContactRecord& contact);
     void publishContact(std::uint32_t contact);
@@ -440,7 +439,10 @@ struct WorldImpl {
     std::atomic<bool> anySensor{false};      ///< is any awake contact one?
     RestFinds rest;
     std::vector<AlignedArray<ManifoldRecord>> heldManifolds;  ///< per worker: found in this step, without a place yet
-    AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts
+    AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts, and by findDoubtful
+    AlignedArray<std::uint32_t> doubtfulContacts;  ///< that came since events were published, or were struck before
+    bool allDoubtful = true;                       ///< do all contacts need a look at whether they touch?
+    bool motionReported = false;                   ///< has any shape told of its motion?
     AlignedArray<ChangedContact> changedContacts;
     AlignedArray<std::uint32_t> shiftedBodies;    ///< that other points of the ground hold than before
     AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step
@@ -451,9 +453,10 @@ struct WorldImpl {
     Assemblies assemblies;
     BoundsLeft boundsLeft;
     StageArray<IslandBearing> bearings;  ///< of world_islands.cpp, as the four after it
-    StageArray<std::uint32_t> bearingBegin, neighbours, islandNumber;  ///< per body, of moving ones; per root
+    StageArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
     LoadPaths paths;
     AlignedArray<std::uint32_t> freshManifolds;    ///< made in this step, of bodies that have not moved yet
+    StageArray<std::uint32_t> islandNumber;  ///< per root
     StageArray<direct::IslandFeatures> islandFeatures;
     AlignedArray<DirectIsland> directIslands;
     AlignedArray<std::uint32_t> directBodies, directManifolds, directJoints;  ///< grouped by island
@@ -469,7 +472,7 @@ struct WorldImpl {
     direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
     AlignedArray<float> directSeen;  ///< bundles of direct islands in the last step
-    AlignedArray<std::uint8_t> directRenewed;  ///< per slot of theirs: is it other than in the last step?
+    AlignedArray<std::uint32_t> directOwner;  ///< per slot of theirs: the island
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made
     std::uint64_t runaways = 0;        ///< bodies stopped because they ran away

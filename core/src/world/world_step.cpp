@@ -76,10 +76,11 @@ void WorldImpl::step(World& world, double stepSeconds) {
         prepareConstraints();
         beginDirect();
         beginStage("solve");
-        stepTreesAlone(*this);
         runner.part(!shareSolve, [&] {
             for (int i = 0; i < settings.substeps; ++i) solveSubstep(world, i);
         });
+        makeRoomToFinish();
+        stepTreesAlone(*this);
         storeJoints();
         endDirect();
         beginStage("finish");
