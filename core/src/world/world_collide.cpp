@@ -116,6 +116,11 @@ void WorldImpl::updateSome(int begin, int end, int last, int worker) {
     askSome(*this, begin, end, last, asked);
     std::memset(&contactChanged[static_cast<std::size_t>(begin)], kUnchanged, static_cast<std::size_t>(end - begin));
     const int count = asked.movingCount;
+    for (int k = 0; k < asked.openCount; ++k) {
+        const ManifoldRecord& manifold = manifolds[contacts[asked.open[k]].firstManifold];
+        prefetch(&manifold.pointCount);
+        prefetch(&manifold.separation);
+    }
     for (int k = 0; k < count; ++k) prefetchCollision(contacts[asked.moving[k]]);
     for (int k = 0; k < asked.openCount; ++k) {
         ContactRecord& record = contacts[asked.open[k]];
