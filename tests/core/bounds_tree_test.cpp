@@ -175,6 +175,27 @@ TEST(BoundsTree, FindsEachPairOfWhatSeeksOnce) {
     }
 }
 
+TEST(BoundsTree, FewFindAllThatTheirBoundsMeet) {
+    Model model;
+    std::pmr::vector<BoundsTree::NodePair> waiting;
+    for (const int proxies : {0, 1, 2, 3, 10, 300}) {
+        while (static_cast<int>(model.proxies.size()) < proxies) model.insert(model.box(10, 2));
+        for (const std::size_t seekers : {std::size_t{0}, std::size_t{1}, std::size_t{40}}) {
+            std::vector<Bounds> sought;
+            while (sought.size() < seekers) sought.push_back(model.box(10, sought.empty() ? 20.0f : 1.0f));
+            Pairs pairs, expected;
+            model.tree.queryAll(sought, waiting,
+                                [&](std::uint32_t place, std::uint32_t value) { pairs.emplace_back(place, value); });
+            for (std::uint32_t place = 0; place < seekers; ++place)
+                for (const auto& [proxy, bounds] : model.proxies)
+                    if (overlaps(sought[place], bounds)) expected.emplace_back(place, model.values.at(proxy));
+            std::sort(pairs.begin(), pairs.end());
+            std::sort(expected.begin(), expected.end());
+            EXPECT_EQ(pairs, expected) << proxies << " proxies, " << seekers << " seekers";
+        }
+    }
+}
+
 TEST(BoundsTree, AgreesWithBruteForceThroughTenThousandChanges) {
     Model model;
     for (int i = 0; i < 10000; ++i) {

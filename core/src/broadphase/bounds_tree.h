@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory_resource>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -82,6 +83,11 @@ public:
     /// visit(value, value of the partner) for all pairs between both branches.
     template <class Visit>
     void forPairs(const BoundsTree& partners, NodePair from, Visit&& visit) const;
+
+    /// The other way to find the partners of few proxies: visit(place among the sought, value) for all that their bounds meet.
+    /// `waiting` is scratch.
+    template <class Visit>
+    void queryAll(std::span<const Bounds> sought, std::pmr::vector<NodePair>& waiting, Visit&& visit) const;
 
     /// All state for save and restore: one array and a few numbers.
     struct Header {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/prefetch.h"
 #include "broadphase/sought_bounds.h"
 
 /// Pairs of many proxies at once: two trees are gone down together, so that what is far apart is told apart once, and not
@@ -59,6 +60,33 @@ void BoundsTree::forPairs(const BoundsTree& partners, NodePair from, Visit&& vis
             next = open(partners, pair, next);
         else if (this != &partners || pair.mine != pair.other)
             visit(mine.value, other.value);
+    }
+}
+
+/// All go down side by side, first in, first out: what is below a branch has come when its turn has.
+template <class Visit>
+void BoundsTree::queryAll(std::span<const Bounds> sought, std::pmr::vector<NodePair>& waiting, Visit&& visit) const {
+    waiting.clear();
+    const auto wait = [&](std::uint32_t place, std::uint32_t index) {
+        const Node& node = nodes_[index];
+        if (!overlaps(sought[place], node.bounds)) return;
+        waiting.push_back({place, index});
+        if (node.height == 0) return;
+        for (const std::uint32_t below : {node.left, node.right}) {
+            prefetch(&nodes_[below].bounds);
+            prefetch(&nodes_[below].category);
+        }
+    };
+    for (std::uint32_t place = 0; root_ != kNull && place < sought.size(); ++place) wait(place, root_);
+    for (std::size_t next = 0; next < waiting.size(); ++next) {
+        const auto [place, index] = waiting[next];
+        const Node& node = nodes_[index];
+        if (node.height == 0) {
+            visit(place, node.value);
+        } else {
+            wait(place, node.left);
+            wait(place, node.right);
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 #include <limits>
 
-#include "world/world_impl.h"
+#include "world/graph_contacts.h"
 
 namespace ragtop {
 
@@ -27,10 +27,10 @@ void WorldImpl::uniteConstraints(bool touchingOnly) {
     islandParent.resizeForOverwrite(bodies.size());
     for (const std::uint32_t body : awakeBodies) islandParent[body] = body;
     for (int c = 0; c < ConstraintGraph::kLists; ++c) {
-        for (const std::uint32_t m : graph.color(c).manifolds) {
-            const ContactRecord& contact = contacts[manifolds[m].contact];
-            if (contact.touching || !touchingOnly) unite(contact.bodyA, contact.bodyB);
-        }
+        forContactsOf(*this, graph.color(c).manifolds,
+                      [&](std::uint32_t, const ManifoldRecord&, const ContactRecord& contact) {
+                          if (contact.touching || !touchingOnly) unite(contact.bodyA, contact.bodyB);
+                      });
         for (const std::uint32_t j : graph.color(c).joints) unite(joints[j].bodyA, joints[j].bodyB);
     }
     forEachCoupledPair([&](std::uint32_t a, std::uint32_t b) { unite(a, b); });

@@ -63,6 +63,7 @@ struct IslandBearing {
     std::uint32_t a, b;        ///< bodies
     std::uint32_t constraint;  ///< manifold or joint
     bool joint;
+    bool movesA, movesB;  ///< do they move?
 };
 
 /// Which way weights go down to what does not move (world_islands.cpp).
@@ -167,7 +168,8 @@ struct PairFound {
 struct PairSearch {
     explicit PairSearch(std::pmr::memory_resource* memory) : branches(memory) {}
     std::pmr::vector<BoundsTree::NodePair> branches;   ///< between which partners are sought
-    std::vector<std::pmr::vector<PairFound>> found;    ///< per pair of branches
+    std::vector<std::pmr::vector<PairFound>> found;    ///< per pair of branches, or per block of shapes
+    std::vector<std::pmr::vector<BoundsTree::NodePair>> waiting;  ///< per worker: scratch of BoundsTree::queryAll
 };
 
 /// Where a body was when a step began.

@@ -116,6 +116,11 @@ static void updateSome(WorldImpl& world, int begin, int end, int last, int worke
     askSome(world, begin, end, last, asked);
     std::memset(&world.contactChanged[static_cast<std::size_t>(begin)], kUnchanged, static_cast<std::size_t>(end - begin));
     const int count = asked.movingCount;
+    for (int k = 0; k < asked.openCount; ++k) {
+        const ManifoldRecord& manifold = world.manifolds[world.contacts[asked.open[k]].firstManifold];
+        prefetch(&manifold.pointCount);
+        prefetch(&manifold.separation);
+    }
     for (int k = 0; k < count; ++k) world.prefetchCollision(world.contacts[asked.moving[k]]);
     for (int k = 0; k < asked.openCount; ++k) {
         ContactRecord& record = world.contacts[asked.open[k]];

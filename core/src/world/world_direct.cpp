@@ -4,6 +4,7 @@
 
 #include "constraints/contact_layout.h"
 #include "direct/newton.h"
+#include "world/graph_contacts.h"
 #include "world/world_impl.h"
 #include "world/world_strides.h"
 
@@ -11,13 +12,17 @@ namespace ragtop {
 
 /// Moves all constraints of marked islands to the list of their solver.
 void WorldImpl::applyChoices() {
+    const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
+    bool any = !list.manifolds.empty() || !list.joints.empty();
+    for (std::size_t i = 0; i < awakeBodies.size() && !any; ++i) any = isDirect(awakeBodies[i]);
+    if (!any) return;
     movedConstraints.clear();
     for (int c = 0; c < ConstraintGraph::kLists; ++c)
-        for (const std::uint32_t m : graph.color(c).manifolds) {
-            const ContactRecord& contact = contacts[manifolds[m].contact];
-            const bool direct = isDirect(contact.bodyA) || isDirect(contact.bodyB);
-            if (direct != (c == ConstraintGraph::kDirect)) movedConstraints.push(m);
-        }
+        forContactsOf(*this, graph.color(c).manifolds,
+                      [&](std::uint32_t m, const ManifoldRecord&, const ContactRecord& contact) {
+                          const bool direct = isDirect(contact.bodyA) || isDirect(contact.bodyB);
+                          if (direct != (c == ConstraintGraph::kDirect)) movedConstraints.push(m);
+                      });
     for (const std::uint32_t m : movedConstraints) {
         removeFromGraph(m);
         addToGraph(m);

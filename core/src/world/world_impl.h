@@ -449,11 +449,10 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     Assemblies assemblies;
     BoundsLeft boundsLeft;
-    StageArray<IslandBearing> bearings;  ///< of world_islands.cpp, as the four after it
-    StageArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
+    StageArray<IslandBearing> bearings;  ///< of world_islands.cpp, as the three after it
+    StageArray<std::uint32_t> bearingBegin, neighbours, islandNumber;  ///< per body, of moving ones; per root
     LoadPaths paths;
     AlignedArray<std::uint32_t> freshManifolds;    ///< made in this step, of bodies that have not moved yet
-    StageArray<std::uint32_t> islandNumber;  ///< per root
     StageArray<direct::IslandFeatures> islandFeatures;
     AlignedArray<DirectIsland> directIslands;
     AlignedArray<std::uint32_t> directBodies, directManifolds, directJoints;  ///< grouped by island
@@ -461,8 +460,7 @@ struct WorldImpl {
     AlignedArray<JointSim*> directSims;
     AlignedArray<std::uint32_t> directIndex;  ///< per body: of its island, or in it
     std::vector<std::unique_ptr<direct::IslandSystem>> directSystems;  ///< of islands, or free
-    AlignedArray<std::uint32_t> systemOwner;  ///< per system: first body of its island
-    AlignedArray<std::uint32_t> systemOfBody;  ///< of those, kNone for all others
+    AlignedArray<std::uint32_t> systemOwner, systemOfBody;  ///< first body of its island; of those, kNone for all others
     std::vector<std::unique_ptr<direct::Mechanism>> mechanisms;  ///< likewise, where one is
     bool directGrouped = false;
     bool treesChanged = true;  ///< joints, their bodies or their rows, since trees were drawn up
@@ -471,8 +469,7 @@ struct WorldImpl {
     AlignedArray<float> directSeen;  ///< bundles of direct islands in the last step
     AlignedArray<std::uint32_t> directOwner;  ///< per slot of theirs: the island
     std::pmr::vector<StepStats::Island> ledger;
-    std::uint64_t directFailures = 0;  ///< solves given up since the world was made
-    std::uint64_t runaways = 0;        ///< bodies stopped because they ran away
+    std::uint64_t directFailures = 0, runaways = 0;  ///< since the world was made: solves given up, bodies that ran away
     AlignedArray<BodyFlag> bodyFlags;  ///< per awake body, set by finishBodies
     PairSearch pairSearch;
     AlignedArray<std::uint32_t> sweptBodies;  ///< those that are kSwept in this step

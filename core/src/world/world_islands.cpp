@@ -4,7 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "world/world_impl.h"
+#include "base/prefetch.h"
+#include "world/graph_contacts.h"
 
 namespace ragtop {
 
@@ -55,15 +56,17 @@ void WorldImpl::beginMeasuring() {
 /// Everything that bears or holds: contacts within reach, and joints.
 void WorldImpl::collectBearings() {
     for (int c = 0; c < ConstraintGraph::kLists; ++c) {
-        for (const std::uint32_t m : graph.color(c).manifolds) {
-            const ManifoldRecord& manifold = manifolds[m];
-            const ContactRecord& contact = contacts[manifold.contact];
-            const float reach = kSupportGap * std::min(shapes[contact.shapeA].size, shapes[contact.shapeB].size);
-            bool near = false;
-            for (int j = 0; j < manifold.pointCount; ++j) near |= manifold.separation[j] <= reach;
-            if (near) bearings.push({contact.bodyA, contact.bodyB, m, false});
-        }
-        for (const std::uint32_t j : graph.color(c).joints) bearings.push({joints[j].bodyA, joints[j].bodyB, j, true});
+        const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t constraint, bool joint) {
+            bearings.push({a, b, constraint, joint, moves(a), moves(b)});
+        };
+        forContactsOf(*this, graph.color(c).manifolds,
+                      [&](std::uint32_t m, const ManifoldRecord& manifold, const ContactRecord& contact) {
+                          const float reach = kSupportGap * contact.size;
+                          bool near = false;
+                          for (int j = 0; j < manifold.pointCount; ++j) near |= manifold.separation[j] <= reach;
+                          if (near) add(contact.bodyA, contact.bodyB, m, false);
+                      });
+        for (const std::uint32_t j : graph.color(c).joints) add(joints[j].bodyA, joints[j].bodyB, j, true);
     }
 }
 
@@ -74,7 +77,7 @@ void WorldImpl::findLevels() {
     std::memset(bearingBegin.data(), 0, bearingBegin.size() * sizeof(std::uint32_t));
     for (const std::uint32_t body : awakeBodies) paths.levels[body] = kNone;
     for (const IslandBearing& bearing : bearings) {
-        if (!moves(bearing.a) || !moves(bearing.b)) continue;
+        if (!bearing.movesA || !bearing.movesB) continue;
         ++bearingBegin[bearing.a + 1];
         ++bearingBegin[bearing.b + 1];
     }
@@ -82,7 +85,7 @@ void WorldImpl::findLevels() {
     neighbours.resizeForOverwrite(bearingBegin[bodies.size()]);
     bodyStack.clear();
     for (const IslandBearing& bearing : bearings) {
-        const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
+        const bool movesA = bearing.movesA, movesB = bearing.movesB;
         if (movesA && movesB) {
             neighbours[bearingBegin[bearing.a]++] = bearing.b;
             neighbours[bearingBegin[bearing.b]++] = bearing.a;
@@ -112,7 +115,7 @@ void WorldImpl::estimateLoads(bool pushes) {
     for (const std::uint32_t body : awakeBodies)
         paths.carried[body] = pushes ? perForce * length(bodies[body].force) : 0.0f, paths.supports[body] = 0;
     for (const IslandBearing& bearing : bearings) {
-        const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
+        const bool movesA = bearing.movesA, movesB = bearing.movesB;
         if (movesA && (!movesB || paths.levels[bearing.b] < paths.levels[bearing.a])) ++paths.supports[bearing.a];
         if (movesB && (!movesA || paths.levels[bearing.a] < paths.levels[bearing.b])) ++paths.supports[bearing.b];
     }
@@ -173,6 +176,26 @@ bool WorldImpl::isInContact(std::uint32_t body) const {
     return false;
 }
 
+/// Asks for what measuring islands reads of bearings some places ahead: they lie in no order.
+static void prefetchBearing(const WorldImpl& world, std::size_t place) {
+    constexpr std::size_t kRecords = 16, kLane = 8;
+    const StageArray<IslandBearing>& bearings = world.bearings;
+    if (place + kRecords < bearings.size() && !bearings[place + kRecords].joint) {
+        const IslandBearing& bearing = bearings[place + kRecords];
+        const ManifoldRecord& manifold = world.manifolds[bearing.constraint];
+        prefetch(&manifold.normal);
+        prefetch(&manifold.place);
+        prefetch(&world.bodies[bearing.a].rotation);
+        prefetch(&world.bodies[bearing.a].mass);
+        prefetch(&world.bodies[bearing.b].mass);
+    }
+    if (place + kLane < bearings.size() && !bearings[place + kLane].joint) {
+        const float* lane = world.graph.lane(world.manifolds[bearings[place + kLane].constraint].place);
+        prefetch(lane + contact::kCross * world.graph.lanes());
+        prefetch(lane + contact::kRolling * world.graph.lanes());
+    }
+}
+
 void WorldImpl::measureIslands() {
     beginMeasuring();
     collectBearings();
@@ -183,8 +206,10 @@ void WorldImpl::measureIslands() {
 
     const float gravity = length(settings.gravity);
     const Vec3 up = gravity > 0 ? (-1 / gravity) * settings.gravity : Vec3{};
-    for (const IslandBearing& bearing : bearings) {
-        const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
+    for (std::size_t i = 0; i < bearings.size(); ++i) {
+        prefetchBearing(*this, i);
+        const IslandBearing& bearing = bearings[i];
+        const bool movesA = bearing.movesA, movesB = bearing.movesB;
         direct::IslandFeatures& island = islandOf(movesA ? bearing.a : bearing.b);
         island.pairs += movesA && movesB;
         const bool aBears = movesB && (!movesA || paths.levels[bearing.a] < paths.levels[bearing.b]);
@@ -196,9 +221,8 @@ void WorldImpl::measureIslands() {
                 island.rolls |= lane[field * graph.lanes()] != 0;
             const Vec3 normal = rotate(bodies[bearing.a].rotation, manifolds[bearing.constraint].normal);
             const float cosine = dot(normal, up);
-            const bool steady = standsOn(bearing.constraint);
-            if (steady && cosine > kLevel) paths.heldLevel[bearing.b] = 1;
-            if (steady && cosine < -kLevel) paths.heldLevel[bearing.a] = 1;
+            const bool upright = cosine > kLevel || cosine < -kLevel;
+            if (upright && standsOn(bearing.constraint)) paths.heldLevel[cosine > 0 ? bearing.b : bearing.a] = 1;
         } else {
             ++island.joints;
             island.bare &= isTreeJoint(jointSims[bearing.constraint]);

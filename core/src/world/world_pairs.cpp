@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "base/nonzero_bytes.h"
+#include "base/prefetch.h"
 #include "world/edge_list.h"
 #include "world/world_impl.h"
 
@@ -267,7 +268,7 @@ class WorldImpl::PairsMet {
 public:
     PairsMet(const WorldImpl& world, std::pmr::vector<PairFound>& found) : world_(world), found_(found) {}
     void add(std::uint32_t shape, std::uint32_t other) {
-        if (!filtersAgree(world_.shapes[shape].filter, world_.shapes[other].filter)) return;
+        ragtop::prefetch(&world_.shapes[other].filter);
         world_.pairs.prefetch(pairKey(shape, other));
         met_[count_++] = {shape, other};
         if (count_ == kMost) ask();
@@ -294,6 +295,7 @@ private:
 
     bool isNew(const PairFound& pair) const {
         const ShapeRecord &a = world_.shapes[pair.a], &b = world_.shapes[pair.b];
+        if (!filtersAgree(a.filter, b.filter)) return false;
         if (world_.pairs.contains(pairKey(pair.a, pair.b)) || !world_.shouldCollide(a, b)) return false;
         return !world_.callbacks.filter ||
                world_.callbacks.filter({world_.shapeId(pair.a), world_.shapeId(pair.b), world_.id(a.body),
@@ -306,38 +308,91 @@ private:
     int count_ = 0;
 };
 
-/// Pairs of all shapes in the move buffer: of obstacles one by one, since few come anew; of all others together.
-void WorldImpl::findPairsOfMoved(bool obstaclesToo) {
+/// Pairs of moving shapes in the move buffer together: the trees are gone down once for all of them.
+static std::size_t findPairsOfMany(WorldImpl& world, bool obstaclesToo) {
     constexpr std::size_t kMostBranches = 64;
     constexpr std::size_t kShapesPerBranch = 32;
-    bool obstacles = false;
-    for (const std::uint32_t shape : moveBuffer) {
-        obstacles |= shapes[shape].isStaticTree;
-        if (!shapes[shape].isStaticTree) movingTree.seek(shapes[shape].proxy);
-    }
-    const std::size_t few = std::min(moveBuffer.size() / kShapesPerBranch, kMostBranches);
-    auto& branches = pairSearch.branches;
-    auto& found = pairSearch.found;
+    BoundsTree& tree = world.movingTree;
+    for (const std::uint32_t shape : world.moveBuffer)
+        if (!world.shapes[shape].isStaticTree) tree.seek(world.shapes[shape].proxy);
+    const std::size_t few = std::min(world.moveBuffer.size() / kShapesPerBranch, kMostBranches);
+    auto& branches = world.pairSearch.branches;
+    auto& found = world.pairSearch.found;
     branches.clear();
-    movingTree.collectSeeking(movingTree, few, branches);
+    tree.collectSeeking(tree, few, branches);
     const std::size_t amongMoving = branches.size();
-    if (obstaclesToo) movingTree.collectSeeking(staticTree, few, branches);
-    const std::size_t blocks = branches.size() + (obstacles ? 1 : 0);
-    while (found.size() < blocks) found.emplace_back(memory);
-    runner.parallelFor(static_cast<int>(blocks), 1, [&](int begin, int end, int) {
+    if (obstaclesToo) tree.collectSeeking(world.staticTree, few, branches);
+    while (found.size() < branches.size()) found.emplace_back(world.memory);
+    world.runner.parallelFor(static_cast<int>(branches.size()), 1, [&](int begin, int end, int) {
         for (auto block = static_cast<std::size_t>(begin); block < static_cast<std::size_t>(end); ++block) {
             found[block].clear();
-            PairsMet met(*this, found[block]);
-            if (block == branches.size())
-                met.addObstacles();
-            else
-                movingTree.forPairs(block < amongMoving ? movingTree : staticTree, branches[block],
-                                    [&](std::uint32_t a, std::uint32_t b) { met.add(a, b); });
+            WorldImpl::PairsMet met(world, found[block]);
+            tree.forPairs(block < amongMoving ? tree : world.staticTree, branches[block],
+                          [&](std::uint32_t a, std::uint32_t b) { met.add(a, b); });
             met.ask();
         }
     });
-    for (const std::uint32_t shape : moveBuffer)
-        if (!shapes[shape].isStaticTree) movingTree.stopSeeking(shapes[shape].proxy);
+    for (const std::uint32_t shape : world.moveBuffer)
+        if (!world.shapes[shape].isStaticTree) tree.stopSeeking(world.shapes[shape].proxy);
+    return branches.size();
+}
+
+/// The same where few of many have moved: branches that hold one of them are far larger than it, and would meet much that
+/// it does not. Of two that both seek, the first one in the order of shapes finds the other.
+static std::size_t findPairsOfFew(WorldImpl& world, bool obstaclesToo) {
+    constexpr std::size_t kAtOnce = 64;
+    auto& [branches, found, waiting] = world.pairSearch;
+    const std::size_t count = world.moveBuffer.size(), blocks = (count + kAtOnce - 1) / kAtOnce;
+    while (found.size() < blocks) found.emplace_back(world.memory);
+    while (waiting.size() < static_cast<std::size_t>(world.runner.workers())) waiting.emplace_back(world.memory);
+    world.runner.parallelFor(static_cast<int>(blocks), 1, [&](int begin, int end, int worker) {
+        for (auto block = static_cast<std::size_t>(begin); block < static_cast<std::size_t>(end); ++block) {
+            found[block].clear();
+            WorldImpl::PairsMet met(world, found[block]);
+            std::uint32_t seekers[kAtOnce];
+            Bounds sought[kAtOnce];
+            std::size_t seeking = 0;
+            for (std::size_t i = block * kAtOnce; i < std::min(count, (block + 1) * kAtOnce); ++i) {
+                const ShapeRecord& shape = world.shapes[world.moveBuffer[i]];
+                if (shape.isStaticTree) continue;
+                seekers[seeking] = world.moveBuffer[i];
+                sought[seeking++] = world.movingTree.bounds(shape.proxy);
+            }
+            auto& scratch = waiting[static_cast<std::size_t>(worker)];
+            world.movingTree.queryAll({sought, seeking}, scratch, [&](std::uint32_t place, std::uint32_t other) {
+                const std::uint32_t own = seekers[place];
+                if (own < other || (own != other && !world.shapes[other].inMoveBuffer)) met.add(own, other);
+            });
+            if (obstaclesToo)
+                world.staticTree.queryAll({sought, seeking}, scratch, [&](std::uint32_t place, std::uint32_t other) {
+                    met.add(seekers[place], other);
+                });
+            met.ask();
+            // What one shape has met lies together, as its contacts then do.
+            std::sort(found[block].begin(), found[block].end(),
+                      [](const PairFound& x, const PairFound& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
+        }
+    });
+    return blocks;
+}
+
+/// Pairs of all shapes in the move buffer, and of obstacles one by one, since few come anew.
+void WorldImpl::findPairsOfMoved(bool obstaclesToo) {
+    constexpr std::size_t kFew = 16;     // one of so many
+    constexpr std::size_t kNear = 4096;  // shapes whose tree a cache holds
+    const auto all = static_cast<std::size_t>(movingTree.proxyCount());
+    const bool few = all > kNear && kFew * moveBuffer.size() < all;
+    std::size_t blocks = few ? findPairsOfFew(*this, obstaclesToo) : findPairsOfMany(*this, obstaclesToo);
+    auto& found = pairSearch.found;
+    bool obstacles = false;
+    for (const std::uint32_t shape : moveBuffer) obstacles |= shapes[shape].isStaticTree;
+    if (obstacles) {
+        if (found.size() == blocks) found.emplace_back(memory);
+        found[blocks].clear();
+        PairsMet met(*this, found[blocks++]);
+        met.addObstacles();
+        met.ask();
+    }
     for (std::size_t block = 0; block < blocks; ++block)
         for (const PairFound& pair : found[block]) createContact(pair.a, pair.b);
 }

@@ -78,7 +78,6 @@ void WorldImpl::step(World& world, double stepSeconds) {
         runner.part(!shareSolve, [&] {
             for (int i = 0; i < settings.substeps; ++i) solveSubstep(world, i);
         });
-        makeRoomToFinish();
         stepTreesAlone(*this);
         storeJoints();
         endDirect();
