@@ -10,6 +10,7 @@
 #include "base/aligned_array.h"
 #include "base/paged_array.h"
 #include "base/pair_set.h"
+#include "base/stage_memory.h"
 #include "base/stage_runner.h"
 #include "base/worker_choice.h"
 #include "broadphase/bounds_tree.h"
@@ -40,12 +41,14 @@ struct WorldImpl {
 
     // world_step.cpp: the stages of a step, in order.
     void step(World& world, double dt);
+    void prepareBody(std::uint32_t body);
     void prepareBodies();
     void prepareConstraints();
     void groupContacts();
     bool placeAndPrepare(int color, int begin, int end);
     template <class Count, class Visit>
     void forBlocksOfAllLists(int size, Count&& count, Visit&& visit);
+    void prepareJointOf(std::uint32_t joint);
     void prepareJoints();
     void storeJoints();
     void solveSubstep(World& world, int number);
@@ -56,12 +59,13 @@ struct WorldImpl {
     void bounce();
     template <class Visit>
     void forEachDirectBouncing(Visit&& visit);
+    void finishBody(std::size_t awakePlace);
     void finishBodies();
+    void makeRoomToFinish();
     bool ranAway(std::uint32_t body) const;
     void stayPut(std::uint32_t body);
     void forgetImpulses(std::uint32_t body);
     void stopRunaways();
-    void stopVanishing(std::uint32_t body, float gravity);
     void restrictInertia(std::uint32_t body);
     template <class Joint, class Joints, class Contacts>
     void forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact);
@@ -87,12 +91,9 @@ struct WorldImpl {
 
     // world_collide.cpp: narrow phase.
     void sortAwakeContacts();
-    void prefetchContact(int place, int end) const;
     void prefetchCollision(const ContactRecord& contact) const;
     void prefetchShapes(const ContactRecord& contact) const;
     void updateSome(int begin, int end, int last, int worker);
-    bool stays(const ContactRecord& contact) const;
-    bool keepsGeometry(const ContactRecord& contact) const;
     void updateContacts();
     void placePairs(const std::uint32_t* asked, int count, PairPlace* out) const;  // world_pair_places.cpp
     void updateContact(std::uint32_t contact, const PairPlace& place, int worker);
@@ -212,6 +213,8 @@ struct WorldImpl {
 
     // world_islands.cpp: what bears on what, and the choice of solvers.
     void noteForce(std::uint32_t body);
+    void beginMeasuring();
+    direct::IslandFeatures& islandOf(std::uint32_t body) { return islandFeatures[islandNumber[findRoot(body)]]; }
     void collectBearings();
     void findLevels();
     void estimateLoads(bool pushes);
@@ -241,9 +244,11 @@ struct WorldImpl {
     void beginDirect();
     void assignSystems();
     void noteDirectBundles();
+    void addDirectPeaks();
     bool isRenewed(const DirectIsland& island) const;
     void beginIsland(DirectIsland& island, int index);
     void solveDirect(DirectPass pass);
+    void solveSystem(DirectIsland& island, DirectPass pass);
     void endDirect();
     void barGivenUp(const DirectIsland& island, bool rests);
     void sweepIsland(const DirectIsland& island, DirectPass pass);
@@ -255,11 +260,11 @@ struct WorldImpl {
     bool drawTree(std::uint32_t start, DrawnTree& drawn);
     void layLinks(std::uint32_t root, DrawnTree& drawn);
     void planChains();
+    void beginGroup(direct::TreePlan::Group& group);
     void beginChains();
+    void solveGroup(direct::TreePlan::Group& group, DirectPass pass, int substep);
     void solveChains(DirectPass pass);
     void storeImpulses(const direct::TreePlan::Group& group, int lane);
-    template <class Visit>
-    void forEachChainGroup(Visit&& visit);
 
     // world_mechanisms.cpp: those with loops, in their own time.
     void planMechanisms();
@@ -291,6 +296,7 @@ struct WorldImpl {
     // world_events.cpp
     void publishEvents();
     void findTouches();
+    void findDoubtful();
     void forgetTouches();
     bool isTouching(ContactRecord& contact);
     void publishContact(std::uint32_t contact);
@@ -406,6 +412,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> awakeBodies, awakeContacts, moveBuffer;
     BodyStrides strides;
     ConstraintGraph graph;
+    StageMemory stageMemory;  ///< no state, but of the trees
     BoundsTree staticTree, movingTree;
     PairSet pairs;
     std::uint64_t stepCount = 0, structureVersion = 0;
@@ -424,15 +431,18 @@ struct WorldImpl {
     AlignedArray<int> sweptColors;  ///< of this step: those that hold something
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled
-    AlignedArray<std::uint64_t> contactOrder;  ///< scratch of world_order.cpp, as the two after it
-    AlignedArray<std::uint32_t> movedFrom, movedTo;
+    StageArray<std::uint64_t> contactOrder;  ///< of world_order.cpp, as the two after it
+    StageArray<std::uint32_t> movedFrom, movedTo;
     AlignedArray<std::uint8_t> manifoldTouches;  ///< per manifold, a ManifoldTouch at the end of the last step
     AlignedArray<std::uint8_t> laneTouches;      ///< the same per lane of a colour
     bool surfacesForgotten = false;              ///< lanes are to be told anew what the surfaces are
     std::atomic<bool> anySensor{false};      ///< is any awake contact one?
     RestFinds rest;
     std::vector<AlignedArray<ManifoldRecord>> heldManifolds;  ///< per worker: found in this step, without a place yet
-    AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts
+    AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts, and by findDoubtful
+    AlignedArray<std::uint32_t> doubtfulContacts;  ///< that came since events were published, or were struck before
+    bool allDoubtful = true;                       ///< do all contacts need a look at whether they touch?
+    bool motionReported = false;                   ///< has any shape told of its motion?
     AlignedArray<ChangedContact> changedContacts;
     AlignedArray<std::uint32_t> shiftedBodies;    ///< that other points of the ground hold than before
     AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step
@@ -442,11 +452,12 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     Assemblies assemblies;
     BoundsLeft boundsLeft;
-    AlignedArray<IslandBearing> bearings;
-    AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
+    StageArray<IslandBearing> bearings;  ///< of world_islands.cpp, as the four after it
+    StageArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
     LoadPaths paths;
     AlignedArray<std::uint32_t> freshManifolds;    ///< made in this step, of bodies that have not moved yet
-    AlignedArray<direct::IslandFeatures> islandFeatures;  ///< per root
+    StageArray<std::uint32_t> islandNumber;  ///< per root
+    StageArray<direct::IslandFeatures> islandFeatures;
     AlignedArray<DirectIsland> directIslands;
     AlignedArray<std::uint32_t> directBodies, directManifolds, directJoints;  ///< grouped by island
     AlignedArray<float*> directLanes;
@@ -461,7 +472,7 @@ struct WorldImpl {
     direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
     AlignedArray<float> directSeen;  ///< bundles of direct islands in the last step
-    AlignedArray<std::uint8_t> directRenewed;  ///< per slot of theirs: is it other than in the last step?
+    AlignedArray<std::uint32_t> directOwner;  ///< per slot of theirs: the island
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made
     std::uint64_t runaways = 0;        ///< bodies stopped because they ran away
@@ -469,7 +480,7 @@ struct WorldImpl {
     PairSearch pairSearch;
     AlignedArray<std::uint32_t> sweptBodies;  ///< those that are kSwept in this step
     AlignedArray<SweptImpact> sweptImpacts;  ///< of this step, for its events
-    AlignedArray<StartPose> startPoses;      ///< per awake body, of bodies to sweep
+    StageArray<StartPose> startPoses;        ///< per awake body, while the step is finished
     SolverContext context;
     bool bouncy = false;      ///< does any contact of this step have restitution?
     bool posesMoved = false;  ///< poses are those of the end of the step, startPoses of its beginning

@@ -211,11 +211,14 @@ void WorldImpl::forgetDerived() {
     context.h = lastSubstep;
     directGrouped = false;
     bundlesChanged = treesChanged = strides.any = true;
+    boundsLeft.rooms.clear();
     // No such field of a lane is saved.
     surfacesForgotten = true;
+    doubtfulContacts.clear();
     forgetTouches();
     ++structureVersion;
     for (const ShapeRecord& shape : shapes) {
+        motionReported |= shape.reportsMotion;
         if (!meshesMove && geometries[shape.geometry].mesh && bodies[shape.body].type == BodyType::dynamic) makeSkins();
     }
     begins.clear();
