@@ -153,7 +153,7 @@ RAGTOP_INLINE Mask<N> beginBall(WideJoint<N>& j, const WideTurns<N>& turns, cons
 /// The ball's rotation while its rows are solved in turn, as BallTurn.
 template <int N>
 struct WideBallTurn {
-    WideJoint<N>& j;
+    JointFields<N> j;
     const SymmetricMatrix<N>& rest;
     Lanes<N> noise;
     WideVec3<N> speed, total;
@@ -212,7 +212,8 @@ struct WideBallTurn {
         return select(swings & (inverseMass > noise), rotation - (dot(axis, rotation) / inverseMass) * response,
                       rotation);
     }
-    RAGTOP_INLINE void noteEnergy(const WideTurns<N>& turns, const WideFactor<N>& first, const WideFactor<N>& second) {
+    RAGTOP_INLINE void noteEnergy(const WideJoint<N>& joint, const WideTurns<N>& turns, const WideFactor<N>& first,
+                                  const WideFactor<N>& second) {
         constexpr int kMost = RAGTOP_JOINT_FIELD(ball.mostEnergy);
         const Lanes<N> all(kNoForceLimit);
         Mask<N> recovers = all < all, twists = recovers, swings = recovers;
@@ -228,9 +229,8 @@ struct WideBallTurn {
         if (j.bundle.features & BallRows::kSwing) consider(RAGTOP_JOINT_FIELD(ball.swing[0]), swings);
         j.set(kMost, all);
         if (!any(recovers)) return;
-        WideJoint<N> still = j;
-        still.apply(-solveFor(first, j.linearVelocity()), nothing<N>());
-        const WideVec3<N> closed = speed + (still.angularVelocity() - j.angularVelocity());
+        const WideVec3<N> held = joint.angularVelocityAfter(-solveFor(first, joint.linearVelocity()), nothing<N>());
+        const WideVec3<N> closed = speed + (held - joint.angularVelocity());
         const WideVec3<N> rotation = heldRotation(turns, twists, swings, closed);
         j.set(kMost, select(recovers, 0.5f * dot(rotation, solveFor(second, rotation)), all));
     }
@@ -245,8 +245,8 @@ struct WideBallTurn {
         total = select(lanes, total + impulse, total);
         speed = select(lanes, speed + rest * impulse, speed);
     }
-    RAGTOP_INLINE void solve(const WideTurns<N>& turns, const WideFactor<N>& first, const WideFactor<N>& second,
-                             const JointContext& context, bool moving) {
+    RAGTOP_INLINE void solve(const WideJoint<N>& joint, const WideTurns<N>& turns, const WideFactor<N>& first,
+                             const WideFactor<N>& second, const JointContext& context, bool moving) {
         const std::uint32_t features = j.bundle.features;
         const Lanes<N> zero(0.0f), h(context.h);
         const int pass = moving ? 0 : 1;
@@ -267,7 +267,7 @@ struct WideBallTurn {
         if (features & BallRows::kSwing) stop(RAGTOP_JOINT_FIELD(ball.swing[0]), turns.swingAxis, context, moving);
         if (!(features & (BallRows::kSwing | BallRows::kTwist))) return;
         if (moving)
-            noteEnergy(turns, first, second);
+            noteEnergy(joint, turns, first, second);
         else
             shedEnergy(second);
     }

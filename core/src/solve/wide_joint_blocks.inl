@@ -104,16 +104,25 @@ RAGTOP_INLINE WideVec3<N> firstResidual(const WideJoint<N>& j, const WideTurning
     if (moving) u = u + j.curvingArms(w, context.h);
     return u + soft.biasRate * j.gap;
 }
-/// As closeJoint: answer() is what the rows ask for to be closed.
-template <int N, class Answer>
-RAGTOP_INLINE void closeJoint(WideJoint<N>& j, Lanes<N> squaredTurn, float h, Answer&& answer) {
+/// Where a joint is closed by moving its bodies, and by which share.
+template <int N>
+struct WideOpening {
+    Mask<N> lanes;
+    Lanes<N> share;
+};
+/// False where nothing is.
+template <int N>
+RAGTOP_INLINE bool isOpen(const WideJoint<N>& j, Lanes<N> squaredTurn, float h, WideOpening<N>& open) {
     const Mask<N> rigid = ofFigures(j);
-    if (!any(rigid)) return;
-    const Lanes<N> share = openShare(j, squaredTurn, h);
-    const Mask<N> open = rigid & (share > 0.0f);
-    if (!any(open)) return;
-    const WideHalves<N> p = answer();
-    j.moveWhere(open, share * p.first, share * p.second);
+    if (!any(rigid)) return false;
+    open.share = openShare(j, squaredTurn, h);
+    open.lanes = rigid & (open.share > 0.0f);
+    return any(open.lanes);
+}
+/// As closeJoint: `answer` is what the rows ask for to be closed.
+template <int N>
+RAGTOP_INLINE void closeJoint(WideJoint<N>& j, const WideOpening<N>& open, const WideHalves<N>& answer) {
+    j.moveWhere(open.lanes, open.share * answer.first, open.share * answer.second);
 }
 
 // ---- balls
@@ -174,7 +183,7 @@ RAGTOP_INLINE void solveBall(WideJoint<N>& j, const WideBlock<N>& block, const W
     addToBlock(j, {-solveFor(block.first, firstResidual(j, j.turns(), soft, context, moving)), nothing<N>()}, soft);
     if (j.bundle.features == 0) return;
     WideBallTurn<N> turn{j, block.rest, block.noise, j.angularVelocity(), nothing<N>()};
-    turn.solve(turns, block.first, block.second, context, moving);
+    turn.solve(j, turns, block.first, block.second, context, moving);
     const WideVec3<N> force = -(block.gain * turn.total);
     constexpr int kFirst = RAGTOP_JOINT_FIELD(block.impulseFirst);
     j.set(kFirst, j.vector(kFirst) + force);
@@ -183,7 +192,9 @@ RAGTOP_INLINE void solveBall(WideJoint<N>& j, const WideBlock<N>& block, const W
 template <int N>
 RAGTOP_INLINE void relaxBall(WideJoint<N>& j, const JointContext& context) {
     const WideBlock<N> block = refreshBall(j);
-    closeJoint(j, Lanes<N>(0.0f), context.h, [&] { return WideHalves<N>{-solveFor(block.first, j.gap), nothing<N>()}; });
+    WideOpening<N> open;
+    if (isOpen(j, Lanes<N>(0.0f), context.h, open))
+        closeJoint(j, open, WideHalves<N>{-solveFor(block.first, j.gap), nothing<N>()});
     if (j.bundle.features == 0) return solveBall(j, block, {}, context, false);
     const WideTurns<N> turns = findTurns(j);
     storeTurns(j, turns);
@@ -330,8 +341,9 @@ RAGTOP_INLINE void relaxHinge(WideJoint<N>& j, const JointContext& context) {
     const WideAngle<N> angle(j, angleAboutX(conjugate(a) * b));
     j.set(RAGTOP_JOINT_FIELD(block.basis.cz), block.basis.cz);
     if (j.bundle.features != 0) storeMargins(j, angle.margins);
-    closeJoint(j, squaredTurn(block), context.h,
-               [&] { return answerOfHinge(block, j.gap, nothing<N>(), Lanes<N>(1.0f)); });
+    WideOpening<N> open;
+    if (isOpen(j, squaredTurn(block), context.h, open))
+        closeJoint(j, open, answerOfHinge(block, j.gap, nothing<N>(), Lanes<N>(1.0f)));
     solveHinge(j, block, freeMass(block), context, false);
 }
 
@@ -382,8 +394,9 @@ RAGTOP_INLINE void solveFixed(WideJoint<N>& j, const WideBlock<N>& block, const 
 template <int N>
 RAGTOP_INLINE void relaxFixed(WideJoint<N>& j, const JointContext& context) {
     const WideBlock<N> block = refreshFixed(j);
-    closeJoint(j, dot(block.errorSecond, block.errorSecond), context.h,
-               [&] { return answerOfFixed(block, j.gap, nothing<N>(), Lanes<N>(1.0f)); });
+    WideOpening<N> open;
+    if (isOpen(j, dot(block.errorSecond, block.errorSecond), context.h, open))
+        closeJoint(j, open, answerOfFixed(block, j.gap, nothing<N>(), Lanes<N>(1.0f)));
     solveFixed(j, block, context, false);
 }
 

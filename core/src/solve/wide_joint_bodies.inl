@@ -119,19 +119,11 @@ RAGTOP_INLINE WideVec3<N> curvingAxes(const WideTurning<N>& w, const WideVec3<N>
     return cross(x, curving(w.b, x, h) - curving(w.a, x, h));
 }
 
-/// What joints do in a pass: velocities of the bodies are gathered once and scattered once.
+/// The memory of a bundle. What solves rows holds this and not the joint, which then need not be in memory itself.
 template <int N>
-struct WideJoint {
+struct JointFields {
     const JointBundle& bundle;
     float* fields;
-    NumberedRows<BodyState, N> rowsA, rowsB;
-    Lanes<N> a[8], b[8];  ///< velocity rows
-    WideVec3<N> vA, wA, vB, wB, massA, massB;
-    SymmetricMatrix<N> inertiaA, inertiaB;  ///< inverse
-    Lanes<N> shareA, shareB;                ///< of the inverse inertia
-    WideVec3<N> armA, armB, gap;
-    WideQuat<N> dqA, dqB;
-    Lanes<N> poseA[8], poseB[8];  ///< displacements
 
     RAGTOP_INLINE Lanes<N> at(int f) const { return Lanes<N>::load(fields + f * N); }
     RAGTOP_INLINE WideVec3<N> vector(int f) const { return {at(f), at(f + 1), at(f + 2)}; }
@@ -153,10 +145,26 @@ struct WideJoint {
         set(f, m.inverse0), set(f + 1, m.inverse1), set(f + 2, m.inverse2);
         set(f + 3, m.l10), set(f + 4, m.l20), set(f + 5, m.l21);
     }
+};
+
+/// What joints do in a pass: velocities of the bodies are gathered once and scattered once.
+template <int N>
+struct WideJoint : JointFields<N> {
+    using JointFields<N>::at;
+    using JointFields<N>::vector;
+    using JointFields<N>::quaternion;
+    using JointFields<N>::set;
+    NumberedRows<BodyState, N> rowsA, rowsB;
+    Lanes<N> a[8], b[8];  ///< velocity rows
+    WideVec3<N> vA, wA, vB, wB, massA, massB;
+    SymmetricMatrix<N> inertiaA, inertiaB;  ///< inverse
+    Lanes<N> shareA, shareB;                ///< of the inverse inertia
+    WideVec3<N> armA, armB, gap;
+    WideQuat<N> dqA, dqB;
+    Lanes<N> poseA[8], poseB[8];  ///< displacements
 
     RAGTOP_INLINE WideJoint(const JointLanesView& view, int index, const BodyArrays& arrays)
-        : bundle(view.bundles[index]),
-          fields(view.fields + bundle.fields),
+        : JointFields<N>{view.bundles[index], view.fields + view.bundles[index].fields},
           rowsA{arrays.states, view.statesA + index * N},
           rowsB{arrays.states, view.statesB + index * N} {
         gather8<N>(rowsA.anew(), a);
@@ -172,7 +180,8 @@ struct WideJoint {
         shareA = at(RAGTOP_JOINT_FIELD(taut.shareA));
         shareB = at(RAGTOP_JOINT_FIELD(taut.shareB));
     }
-    static RAGTOP_INLINE SymmetricMatrix<N> gatherInertia(const NumberedRows<BodyInertia, N>& rows, Lanes<N> inverseMass) {
+    static RAGTOP_INLINE SymmetricMatrix<N> gatherInertia(const NumberedRows<BodyInertia, N>& rows,
+                                                          Lanes<N> inverseMass) {
         Lanes<N> m[8];
         gather8<N>(rows.anew(), m);
         const Mask<N> moves = inverseMass > 0.0f;
@@ -257,6 +266,12 @@ struct WideJoint {
         vB = vB + times(massB, linear);
         wB = wB + shareB * (inertiaB * (cross(armB, linear) + angular));
     }
+    /// What `angularVelocity` would be after that.
+    RAGTOP_INLINE WideVec3<N> angularVelocityAfter(const WideVec3<N>& linear, const WideVec3<N>& angular) const {
+        const WideVec3<N> turnedA = wA - shareA * (inertiaA * (cross(armA, linear) + angular));
+        const WideVec3<N> turnedB = wB + shareB * (inertiaB * (cross(armB, linear) + angular));
+        return turnedB - turnedA;
+    }
     /// In some lanes.
     RAGTOP_INLINE void applyWhere(Mask<N> lanes, const WideVec3<N>& linear, const WideVec3<N>& angular) {
         const WideVec3<N> oldVA = vA, oldWA = wA, oldVB = vB, oldWB = wB;
@@ -284,10 +299,11 @@ struct WideJoint {
     RAGTOP_INLINE void moveWhere(Mask<N> lanes, const WideVec3<N>& linear, const WideVec3<N>& angular) {
         displace(lanes, posesOf(rowsA), a[3], poseA, -times(massA, linear),
                  -(shareA * (inertiaA * (cross(armA, linear) + angular))));
-        displace(lanes, posesOf(rowsB), b[3], poseB, times(massB, linear), shareB * (inertiaB * (cross(armB, linear) + angular)));
+        displace(lanes, posesOf(rowsB), b[3], poseB, times(massB, linear),
+                 shareB * (inertiaB * (cross(armB, linear) + angular)));
     }
-    static RAGTOP_INLINE void displace(Mask<N> lanes, const NumberedRows<BodyState, N>& rows, Lanes<N> inverseMass, Lanes<N> (&pose)[8],
-                                       const WideVec3<N>& way, const WideVec3<N>& turn) {
+    static RAGTOP_INLINE void displace(Mask<N> lanes, const NumberedRows<BodyState, N>& rows, Lanes<N> inverseMass,
+                                       Lanes<N> (&pose)[8], const WideVec3<N>& way, const WideVec3<N>& turn) {
         const Lanes<N> half(0.5f);
         const WideQuat<N> q = normalized(WideQuat<N>{half * turn.x, half * turn.y, half * turn.z, Lanes<N>(1.0f)} *
                                          WideQuat<N>{pose[4], pose[5], pose[6], pose[7]});

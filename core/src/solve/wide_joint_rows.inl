@@ -46,7 +46,7 @@ constexpr int stopField(std::size_t offset) { return static_cast<int>(offset / s
 
 /// As beginStop, for hard stops: a margin that grows with `speed`. Stores the margin.
 template <int N>
-RAGTOP_INLINE Mask<N> beginStop(WideJoint<N>& j, int side, int stop, Lanes<N> margin, Lanes<N> speed, float substep) {
+RAGTOP_INLINE Mask<N> beginStop(JointFields<N>& j, int side, int stop, Lanes<N> margin, Lanes<N> speed, float substep) {
     const Lanes<N> zero(0.0f), h(substep);
     const int impulseField = side + RAGTOP_STOP_FIELD(impulse), pressedField = side + RAGTOP_STOP_FIELD(pressed);
     j.set(side + RAGTOP_STOP_FIELD(margin), margin);
@@ -85,7 +85,7 @@ struct WideStopAim {
     Lanes<N> impulse, target, massScale, impulseScale, upper;
     Mask<N> acts;
 
-    RAGTOP_INLINE WideStopAim(const WideJoint<N>& j, int side, Lanes<N> speed, const JointContext& context,
+    RAGTOP_INLINE WideStopAim(const JointFields<N>& j, int side, Lanes<N> speed, const JointContext& context,
                               bool moving) {
         const Lanes<N> zero(0.0f), one(1.0f);
         impulse = j.at(side + RAGTOP_STOP_FIELD(impulse));
@@ -114,7 +114,8 @@ struct WideStopAim {
         acts = loaded | ((upper > zero) & (speed < target));
     }
     /// The impulse after the row was solved; stores it.
-    RAGTOP_INLINE Lanes<N> solve(WideJoint<N>& j, int side, Lanes<N> speed, Lanes<N> inverseMass, Mask<N> lanes) const {
+    RAGTOP_INLINE Lanes<N> solve(JointFields<N>& j, int side, Lanes<N> speed, Lanes<N> inverseMass,
+                                 Mask<N> lanes) const {
         const Lanes<N> solved = impulse - massScale * (speed - target) / inverseMass - impulseScale * impulse;
         const Lanes<N> result = select(lanes, clamp(solved, Lanes<N>(0.0f), upper), impulse);
         j.set(side + RAGTOP_STOP_FIELD(impulse), result);
@@ -124,7 +125,7 @@ struct WideStopAim {
 
 /// As DryFriction::begin: where friction slides, its impulse is to be halved.
 template <int N>
-RAGTOP_INLINE Mask<N> beginFriction(WideJoint<N>& j, int dry, Lanes<N> size, Lanes<N> kinetic, Lanes<N> breakaway) {
+RAGTOP_INLINE Mask<N> beginFriction(JointFields<N>& j, int dry, Lanes<N> size, Lanes<N> kinetic, Lanes<N> breakaway) {
     const Lanes<N> bound = j.at(dry);
     const Mask<N> slides = (bound > 0.0f) & (size >= kAtBound * bound);
     j.set(dry, kinetic + select(slides, Lanes<N>(0.0f), breakaway));
@@ -132,7 +133,7 @@ RAGTOP_INLINE Mask<N> beginFriction(WideJoint<N>& j, int dry, Lanes<N> size, Lan
     return slides;
 }
 template <int N>
-RAGTOP_INLINE Lanes<N> frictionBound(const WideJoint<N>& j, int dry, bool moving) {
+RAGTOP_INLINE Lanes<N> frictionBound(const JointFields<N>& j, int dry, bool moving) {
     const Lanes<N> bound = j.at(dry);
     return moving ? select(j.at(dry + 1) > 0.0f, 0.5f * bound, bound) : bound;
 }
@@ -140,14 +141,14 @@ RAGTOP_INLINE Lanes<N> frictionBound(const WideJoint<N>& j, int dry, bool moving
 /// What the rows along a coordinate do to its speed.
 template <int N>
 struct WideAxis {
-    WideJoint<N>& j;
+    JointFields<N> j;
     const JointContext& context;
     bool moving;
     Lanes<N> inverseMass, speed, total;
     Lanes<N> bend;  ///< of the mean rate, which rows that keep a range count
     Mask<N> movable;
 
-    RAGTOP_INLINE WideAxis(WideJoint<N>& joint, Lanes<N> mass, const JointContext& c, bool moves)
+    RAGTOP_INLINE WideAxis(JointFields<N>& joint, Lanes<N> mass, const JointContext& c, bool moves)
         : j(joint), context(c), moving(moves), inverseMass(mass), total(0.0f), bend(0.0f), movable(mass > 0.0f) {}
 
     RAGTOP_INLINE void add(int field, Lanes<N> impulse) {
@@ -231,7 +232,7 @@ struct WideAxis {
 
 /// As axisImpulse.
 template <int N>
-RAGTOP_INLINE Lanes<N> axisImpulse(const WideJoint<N>& j) {
+RAGTOP_INLINE Lanes<N> axisImpulse(const JointFields<N>& j) {
     return j.at(RAGTOP_JOINT_FIELD(axis.springImpulse)) + j.at(RAGTOP_JOINT_FIELD(axis.viscousImpulse)) +
            j.at(RAGTOP_JOINT_FIELD(axis.frictionImpulse)) + j.at(RAGTOP_JOINT_FIELD(axis.motorImpulse)) +
            j.at(RAGTOP_JOINT_FIELD(axis.atLower.impulse)) - j.at(RAGTOP_JOINT_FIELD(axis.atUpper.impulse));
@@ -239,7 +240,7 @@ RAGTOP_INLINE Lanes<N> axisImpulse(const WideJoint<N>& j) {
 
 /// As beginAxis.
 template <int N>
-RAGTOP_INLINE Mask<N> beginAxis(WideJoint<N>& j, const WideMargins<N>& margins, Lanes<N> springError,
+RAGTOP_INLINE Mask<N> beginAxis(JointFields<N>& j, const WideMargins<N>& margins, Lanes<N> springError,
                                 Lanes<N> inverseMass, Lanes<N> speed, Lanes<N> reaction, const JointContext& context) {
     const std::uint32_t features = j.bundle.features;
     const Lanes<N> h(context.h), zero(0.0f);
@@ -288,7 +289,7 @@ RAGTOP_INLINE Mask<N> beginAxis(WideJoint<N>& j, const WideMargins<N>& margins, 
 
 /// The same without a beginning: only where the ends are.
 template <int N>
-RAGTOP_INLINE void storeMargins(WideJoint<N>& j, const WideMargins<N>& margins) {
+RAGTOP_INLINE void storeMargins(JointFields<N>& j, const WideMargins<N>& margins) {
     j.set(RAGTOP_JOINT_FIELD(axis.atLower.margin), margins.lower);
     j.set(RAGTOP_JOINT_FIELD(axis.atUpper.margin), margins.upper);
 }

@@ -154,7 +154,7 @@ template <int N>
 struct WideSpring {
     Lanes<N> stiffness, damping;
 
-    RAGTOP_INLINE WideSpring(const WideJoint<N>& j, int first, Lanes<N> inverseMass) {
+    RAGTOP_INLINE WideSpring(const JointFields<N>& j, int first, Lanes<N> inverseMass) {
         const Lanes<N> frequency = j.at(first + 2), zero(0.0f), omega = 2 * kPi * frequency;
         const Mask<N> tuned = (frequency > zero) & (inverseMass > zero);
         stiffness = select(tuned, omega * omega / inverseMass, j.at(first));
