@@ -13,7 +13,7 @@
 namespace ragtop {
 
 /// A growing array of plain data in pages of the same size: what is there stays where it is and is never copied. While
-/// there is one page it grows by its own size, then by a page in 32, and one more. Elements are beside each other as
+/// there is one page it grows by its own size, then by a page in 128, and one more. Elements are beside each other as
 /// far as a page reaches, which starts at a multiple of kPage.
 template <class T>
 class PagedArray {
@@ -82,7 +82,7 @@ private:
     void reserve(std::size_t size) {
         if (size > capacity_ && capacity_ < kPage) growFirst(size);
         if (size <= capacity_) return;
-        const std::size_t wanted = size + pages_.size() / 32 * kPage;
+        const std::size_t wanted = size + pages_.size() / 128 * kPage;
         for (; capacity_ < wanted; capacity_ += kPage) pages_.push(allocate(kPage));
     }
     void growFirst(std::size_t size) {

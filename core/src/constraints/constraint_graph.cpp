@@ -82,7 +82,7 @@ GraphPlace ConstraintGraph::insertContact(std::uint32_t manifold, std::uint32_t 
 /// Of everything that a contact has in its colour at once. The last colours that are swept hold few contacts, whose number
 /// comes and goes by more than its own size: they get room by that of all contacts.
 void ConstraintGraph::makeRoom(int index) {
-    constexpr std::size_t kFew = 64, kShare = 64, kLargeGrowth = 16;
+    constexpr std::size_t kFew = 64, kShare = 64, kLargeGrowth = 64;
     Color& c = color(index);
     const std::size_t size = c.manifolds.size();
     std::size_t all = 0, words = 0;

@@ -341,7 +341,8 @@ static std::size_t findPairsOfMany(WorldImpl& world, bool obstaclesToo) {
 /// it does not. Of two that both seek, the first one in the order of shapes finds the other.
 static std::size_t findPairsOfFew(WorldImpl& world, bool obstaclesToo) {
     constexpr std::size_t kAtOnce = 64;
-    auto& [branches, found, waiting] = world.pairSearch;
+    auto& found = world.pairSearch.found;
+    auto& waiting = world.pairSearch.waiting;
     const std::size_t count = world.moveBuffer.size(), blocks = (count + kAtOnce - 1) / kAtOnce;
     while (found.size() < blocks) found.emplace_back(world.memory);
     while (waiting.size() < static_cast<std::size_t>(world.runner.workers())) waiting.emplace_back(world.memory);
