@@ -26,7 +26,7 @@ void WorldImpl::unite(std::uint32_t a, std::uint32_t b) {
 void WorldImpl::uniteConstraints(bool touchingOnly) {
     islandParent.resizeForOverwrite(bodies.size());
     for (const std::uint32_t body : awakeBodies) islandParent[body] = body;
-    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
+    for (int c = 0; c < graph.listCount(); ++c) {
         for (const std::uint32_t m : graph.color(c).manifolds) {
             const ContactRecord& contact = contacts[manifolds[m].contact];
             if (contact.touching || !touchingOnly) unite(contact.bodyA, contact.bodyB);

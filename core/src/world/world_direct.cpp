@@ -11,25 +11,24 @@ namespace ragtop {
 /// Moves all constraints of marked islands to the list of their solver.
 void WorldImpl::applyChoices() {
     movedConstraints.clear();
-    for (int c = 0; c < ConstraintGraph::kLists; ++c)
-        for (const std::uint32_t m : graph.color(c).manifolds) {
+    const auto changes = [&](std::uint32_t a, std::uint32_t b, GraphPlace place) {
+        return (isDirect(a) || isDirect(b)) != (place.color == ConstraintGraph::kDirect);
+    };
+    std::size_t contactCount = 0;
+    forEachInGraph(
+        [&](std::uint32_t m) {
             const ContactRecord& contact = contacts[manifolds[m].contact];
-            const bool direct = isDirect(contact.bodyA) || isDirect(contact.bodyB);
-            if (direct != (c == ConstraintGraph::kDirect)) movedConstraints.push(m);
-        }
-    for (const std::uint32_t m : movedConstraints) {
-        removeFromGraph(m);
-        addToGraph(m);
-    }
-    movedConstraints.clear();
-    for (int c = 0; c < ConstraintGraph::kLists; ++c)
-        for (const std::uint32_t j : graph.color(c).joints) {
-            const bool direct = isDirect(joints[j].bodyA) || isDirect(joints[j].bodyB);
-            if (direct != (c == ConstraintGraph::kDirect)) movedConstraints.push(j);
-        }
-    for (const std::uint32_t j : movedConstraints) {
-        removeJointFromGraph(j);
-        addJointToGraph(j);
+            if (changes(contact.bodyA, contact.bodyB, manifolds[m].place)) movedConstraints.push(m), ++contactCount;
+        },
+        [&](std::uint32_t j) {
+            if (changes(joints[j].bodyA, joints[j].bodyB, joints[j].place)) movedConstraints.push(j);
+        });
+    for (std::size_t i = 0; i < movedConstraints.size(); ++i) {
+        const std::uint32_t moved = movedConstraints[i];
+        if (i < contactCount)
+            removeFromGraph(moved), addToGraph(moved);
+        else
+            removeJointFromGraph(moved), addJointToGraph(moved);
     }
 }
 

@@ -44,11 +44,37 @@ struct WorldImpl {
     void prepareConstraints();
     void groupContacts();
     bool placeAndPrepare(int color, int begin, int end);
+    template <class Visit>
+    void forEachRegionsLists(Visit&& visit);
     template <class Count, class Visit>
     void forBlocksOfAllLists(int size, Count&& count, Visit&& visit);
     void prepareJoints();
     void storeJoints();
     void solveSubstep(World& world, int number);
+    void solveSubsteps(World& world);
+    void solveRegions();
+    void solveRegion(int region);
+    void sweepRegion(int region, Sweep which, const SolverContext& own);
+    void sweepAll(Sweep which, const SolverContext& own);
+    SolverContext contextOf(int number, bool moved) const;
+    template <class Visit>
+    void visitSweep(Sweep which, const SolverContext& own, Visit&& visit);
+    template <class Joint, class Joints, class Contacts>
+    void forUndivided(Joint&& alone, Joints&& wide, Contacts&& contact);
+    template <class Joint, class Joints, class Contacts>
+    void forRegion(int region, Joint&& alone, Joints&& wide, Contacts&& contact);
+
+    // world_regions.cpp
+    int wantedRegions() const;
+    bool anyBetweenRegions() const;
+    void divideIntoRegions();
+    void weighIslands();
+    bool mendRegions(int wanted);
+    bool dealOutIslands(int wanted);
+    void moveToRegions(int wanted);
+    void collectRegions();
+    bool goAlone() const;
+    void moveAssembly(std::uint32_t assembly);
     void integrateVelocities();
     void warmStart();
     void solve(bool useBias);
@@ -63,8 +89,6 @@ struct WorldImpl {
     void stopRunaways();
     void stopVanishing(std::uint32_t body, float gravity);
     void restrictInertia(std::uint32_t body);
-    template <class Joint, class Joints, class Contacts>
-    void forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact);
 
     // world_pairs.cpp: broad phase.
     void findPairs();
@@ -236,6 +260,8 @@ struct WorldImpl {
     // world_direct.cpp: islands that are solved directly.
     enum class DirectPass { positions, velocities };
     void applyChoices();
+    template <class Contact, class Joint>
+    void forEachInGraph(Contact&& contact, Joint&& joint) const;
     void groupDirect();
     void numberDirectBodies();
     void beginDirect();
@@ -421,7 +447,7 @@ struct WorldImpl {
     std::pmr::vector<GeometryEntry> geometries;
     bool meshesMove = false;  ///< has any dynamic body had a mesh?
     std::vector<StepModule*> modules;
-    AlignedArray<int> sweptColors;  ///< of this step: those that hold something
+    Regions regions;
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled
     AlignedArray<std::uint64_t> contactOrder;  ///< scratch of world_order.cpp, as the two after it
@@ -488,5 +514,18 @@ struct WorldImpl {
     std::chrono::steady_clock::time_point stageStart, stepStart;
     double totalMs = 0;
 };
+
+/// Calls contact(manifold), then joint(joint), for all that is in the graph, in an order that depends on the scene alone.
+template <class Contact, class Joint>
+void WorldImpl::forEachInGraph(Contact&& contact, Joint&& joint) const {
+    for (const std::uint32_t index : awakeContacts) {
+        const ContactRecord& record = contacts[index];
+        if (record.firstManifold == kNone) continue;
+        for (std::uint32_t k = record.firstManifold; k < record.firstManifold + record.manifoldCapacity; ++k)
+            if (manifolds[k].place.color != kNone) contact(k);
+    }
+    for (std::uint32_t j = 0; j < jointSlots.count(); ++j)
+        if (jointSlots.isUsed(j) && joints[j].place.color != kNone) joint(j);
+}
 
 }  // namespace ragtop

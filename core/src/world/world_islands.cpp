@@ -27,22 +27,22 @@ void WorldImpl::noteForce(std::uint32_t index) {
 void WorldImpl::collectBearings() {
     // Room for all, whether they are near or not: what comes near later asks for no memory.
     std::size_t room = 0;
-    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+    for (int c = 0; c < graph.listCount(); ++c)
         room += graph.color(c).manifolds.capacity() + graph.color(c).joints.capacity();
     if (room > bearings.capacity()) bearings.reserve(room + room / 4);
     if (2 * room > neighbours.capacity()) neighbours.reserve(2 * (room + room / 4));
     bearings.clear();
-    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
-        for (const std::uint32_t m : graph.color(c).manifolds) {
+    // Not by the lists of the graph: sums follow this order, and who is where in them depends on the number of workers.
+    forEachInGraph(
+        [&](std::uint32_t m) {
             const ManifoldRecord& manifold = manifolds[m];
             const ContactRecord& contact = contacts[manifold.contact];
             const float reach = kSupportGap * std::min(shapes[contact.shapeA].size, shapes[contact.shapeB].size);
             bool near = false;
             for (int j = 0; j < manifold.pointCount; ++j) near |= manifold.separation[j] <= reach;
             if (near) bearings.push({contact.bodyA, contact.bodyB, m, false});
-        }
-        for (const std::uint32_t j : graph.color(c).joints) bearings.push({joints[j].bodyA, joints[j].bodyB, j, true});
-    }
+        },
+        [&](std::uint32_t j) { bearings.push({joints[j].bodyA, joints[j].bodyB, j, true}); });
 }
 
 /// Distances from what does not move, by breadth first over the bearings; `bodyStack` keeps the order of the visit.

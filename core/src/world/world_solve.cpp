@@ -1,0 +1,237 @@
+// The passes of the sweeps over bodies and constraints, in each substep.
+
+#include <algorithm>
+#include <atomic>
+
+#include "constraints/contact_layout.h"
+#include "world/single_bundle.h"
+#include "world/world_impl.h"
+#include "world/world_strides.h"
+
+namespace ragtop {
+
+void WorldImpl::solveSubsteps(World& world) {
+    if (regions.alone) return solveRegions();
+    for (int i = 0; i < settings.substeps; ++i) solveSubstep(world, i);
+}
+
+SolverContext WorldImpl::contextOf(int number, bool moved) const {
+    SolverContext own = context;
+    own.elapsed = context.h * static_cast<float>(moved ? number + 1 : number);
+    own.substep = number;
+    own.firstSubstep = number == 0;
+    own.lastSubstep = number + 1 == settings.substeps;
+    return own;
+}
+
+void WorldImpl::solveSubstep(World& world, int number) {
+    context = contextOf(number, false);
+    for (StepModule* module : modules)
+        if (module->beforeSubstep) module->beforeSubstep(module->user, world, context.h);
+    readMechanisms();
+    integrateVelocities();
+    if (bouncy) bounce();
+    solveDirect(DirectPass::positions);
+    warmStart();
+    if (number == 0) settleNewContacts();
+    solve(true);
+    moveAssemblies();
+    integratePositions();
+    context = contextOf(number, true);
+    solveDirect(DirectPass::velocities);
+    solve(false);
+}
+
+/// All substeps of what has nothing to do with anybody else.
+void WorldImpl::solveRegion(int region) {
+    const BodyArrays arrays = bodyArrays();
+    const std::span<const std::uint32_t> list = regions.bodies.of(region);
+    const auto count = static_cast<int>(list.size());
+    for (int i = 0; i < settings.substeps; ++i) {
+        const SolverContext before = contextOf(i, false), after = contextOf(i, true);
+        kernels->integrateVelocities(arrays, list.data(), 0, count, before);
+        sweepRegion(region, Sweep::warmStart, before);
+        sweepRegion(region, Sweep::solve, before);
+        for (const std::uint32_t assembly : regions.assemblies.of(region)) moveAssembly(assembly);
+        kernels->integratePositions(arrays, list.data(), 0, count, before);
+        sweepRegion(region, Sweep::relax, after);
+    }
+}
+
+/// Region 0 are bodies of none, that touch nothing and nothing moves.
+void WorldImpl::solveRegions() {
+    runner.parallelFor(graph.regionCount() + 1, 1, [&](int begin, int end, int) {
+        for (int r = begin; r < end; ++r) solveRegion(r);
+    });
+    context = contextOf(settings.substeps - 1, true);
+}
+
+void WorldImpl::integrateVelocities() {
+    const BodyArrays arrays = bodyArrays();
+    forBodiesInTurn(*this, [&](const std::uint32_t* list, int begin, int end, const SolverContext& own) {
+        kernels->integrateVelocities(arrays, list, begin, end, own);
+    });
+}
+
+void WorldImpl::integratePositions() {
+    const BodyArrays arrays = bodyArrays();
+    forBodiesInTurn(*this, [&](const std::uint32_t* list, int begin, int end, const SolverContext& own) {
+        kernels->integratePositions(arrays, list, begin, end, own);
+    });
+}
+
+namespace {
+
+/// A list in blocks of `size`, numbered from `first`.
+struct Blocks {
+    int size, begin, end, first;
+
+    int count() const { return (end - begin + size - 1) / size; }
+    int next() const { return first + count(); }
+    template <class Visit>
+    void visit(int block, Visit&& visit) const {
+        const int from = begin + (block - first) * size;
+        visit(from, from + size < end ? from + size : end);
+    }
+};
+
+}  // namespace
+
+/// What is in no region: overflow first and serially, then the colours in order, each in parallel: alone(joint) for its
+/// single joints, wide(begin, end) and contact(bundles, begin, end) for its bundles.
+template <class Joint, class Joints, class Contacts>
+void WorldImpl::forUndivided(Joint&& alone, Joints&& wide, Contacts&& contact) {
+    constexpr int kJointsPerBlock = 8;
+    constexpr int kMostBlocks = 64;  // of contacts: what is next in memory is best solved by the same thread
+    const int jointBundlesPerBlock = 32 / jointKernels->lanes, leastContactBundles = 32 / graph.lanes();
+    const auto singles = [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) alone(jointBundles.single(i));
+    };
+    const JointBundles::Color& serial = jointBundles.color(ConstraintGraph::kOverflow);
+    ConstraintGraph::Color& overflow = graph.color(ConstraintGraph::kOverflow);
+    singles(serial.firstSingle, serial.endSingle);
+    for (int i = 0; i < graph.bundleCount(ConstraintGraph::kOverflow); ++i) contact(overflow.bundles.data(), i, i + 1);
+
+    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
+        if ((regions.usedLists[0] >> c & 1) == 0) continue;
+        float* bundles = graph.color(c).bundles.data();
+        const JointBundles::Color& bundled = jointBundles.color(c);
+        const Blocks singleBlocks{kJointsPerBlock, bundled.firstSingle, bundled.endSingle, 0};
+        const Blocks wideBlocks{jointBundlesPerBlock, bundled.begin, bundled.end, singleBlocks.next()};
+        const int contactBundles = graph.bundleCount(c), size = std::max(leastContactBundles, contactBundles / kMostBlocks);
+        const Blocks contactBlocks{size, 0, contactBundles, wideBlocks.next()};
+        runner.parallelFor(contactBlocks.next(), 1, [&](int begin, int end, int) {
+            for (int b = begin; b < end; ++b) {
+                if (b < wideBlocks.first)
+                    singleBlocks.visit(b, singles);
+                else if (b < contactBlocks.first)
+                    wideBlocks.visit(b, wide);
+                else
+                    contactBlocks.visit(b, [&](int first, int last) { contact(bundles, first, last); });
+            }
+        });
+    }
+}
+
+/// The same for a region, on the calling thread.
+template <class Joint, class Joints, class Contacts>
+void WorldImpl::forRegion(int region, Joint&& alone, Joints&& wide, Contacts&& contact) {
+    const int first = ConstraintGraph::firstList(region);
+    const std::uint32_t used = regions.usedLists[static_cast<std::size_t>(region)];
+    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
+        if ((used >> c & 1) == 0) continue;
+        const JointBundles::Color& bundled = jointBundles.color(first + c);
+        for (int i = bundled.firstSingle; i < bundled.endSingle; ++i) alone(jointBundles.single(i));
+        if (bundled.begin < bundled.end) wide(bundled.begin, bundled.end);
+        const int count = graph.bundleCount(first + c);
+        if (count > 0) contact(graph.color(first + c).bundles.data(), 0, count);
+    }
+}
+
+/// Calls visit(alone, wide, contact) with what a pass does to single joints, bundles of joints and bundles of contacts.
+template <class Visit>
+void WorldImpl::visitSweep(Sweep which, const SolverContext& own, Visit&& visit) {
+    const BodyArrays arrays = bodyArrays();
+    const JointLanesView lanes = jointBundles.view(jointSims.data());
+    const JointPass pass{arrays, jointContext};
+    const bool warm = which == Sweep::warmStart, moving = which == Sweep::solve;
+    const auto passJoints = warm ? jointKernels->warmStart : moving ? jointKernels->solve : jointKernels->relax;
+    const auto passContacts = warm ? kernels->warmStartContacts : moving ? kernels->solveContacts : kernels->relaxContacts;
+    const bool withJoints = warm || own.normals;
+    visit(
+        [&](std::uint32_t j) {
+            if (warm)
+                warmStartJoint(jointSims[j], arrays.states, arrays.inertia, jointContext);
+            else if (withJoints)
+                solveJoint(jointSims[j], arrays.states, arrays.inertia, jointContext, moving);
+        },
+        [&](int begin, int end) {
+            if (withJoints) passJoints(lanes, begin, end, pass);
+        },
+        [&](float* bundles, int begin, int end) { passContacts(bundles, begin, end, arrays, own); });
+}
+
+void WorldImpl::sweepRegion(int region, Sweep which, const SolverContext& own) {
+    visitSweep(which, own, [&](auto&& alone, auto&& wide, auto&& contact) { forRegion(region, alone, wide, contact); });
+}
+
+void WorldImpl::sweepAll(Sweep which, const SolverContext& own) {
+    visitSweep(which, own, [&](auto&& alone, auto&& wide, auto&& contact) { forUndivided(alone, wide, contact); });
+    runner.parallelFor(graph.regionCount(), 1, [&](int begin, int end, int) {
+        for (int r = begin + 1; r <= end; ++r) sweepRegion(r, which, own);
+    });
+}
+
+void WorldImpl::warmStart() {
+    carryCouplings();
+    sweepAll(Sweep::warmStart, context);
+    beginCouplings();
+}
+
+/// Friction beside the normal rows of each contact, or after those of all, as the settings say.
+void WorldImpl::solve(bool useBias) {
+    const Sweep which = useBias ? Sweep::solve : Sweep::relax;
+    const auto pass = [&](bool normals, bool friction) {
+        context.normals = normals;
+        context.friction = friction;
+        sweepAll(which, context);
+        if (normals) solveCouplings(useBias);
+    };
+    if (!settings.sequentialFriction) return pass(true, true);
+    pass(true, false);
+    pass(false, true);
+}
+
+/// Contacts of direct islands that may bounce.
+template <class Visit>
+void WorldImpl::forEachDirectBouncing(Visit&& visit) {
+    const auto stride = static_cast<std::size_t>(graph.lanes());
+    SingleBundle bundle(graph.lanes());
+    for (const std::uint32_t m : graph.color(ConstraintGraph::kDirect).manifolds) {
+        float* lane = graph.lane(manifolds[m].place);
+        if (lane[contact::kRestitution * stride] > 0) bundle.visit(lane, visit);
+    }
+}
+
+/// Sweeps until nothing more will meet, or enough: what is left then is stopped by the rows that do not bounce.
+void WorldImpl::bounce() {
+    constexpr int kSweeps = 32;
+    const BodyArrays arrays = bodyArrays();
+    for (int i = 0; i < kSweeps; ++i) {
+        std::atomic<bool> bounced{false};
+        const auto visit = [&](float* bundles, int begin, int end) {
+            if (kernels->bounceContacts(bundles, begin, end, arrays, context))
+                bounced.store(true, std::memory_order_relaxed);
+        };
+        const auto alone = [](std::uint32_t) {};
+        const auto wide = [](int, int) {};
+        forEachDirectBouncing(visit);
+        forUndivided(alone, wide, visit);
+        runner.parallelFor(graph.regionCount(), 1, [&](int begin, int end, int) {
+            for (int r = begin + 1; r <= end; ++r) forRegion(r, alone, wide, visit);
+        });
+        if (!bounced.load(std::memory_order_relaxed)) return;
+    }
+}
+
+}  // namespace ragtop
