@@ -266,7 +266,8 @@ void treeQuery(benchmark::State& state) {
         const Vec3 at{dice.between(0, 40), dice.between(0, 40), dice.between(0, 40)};
         return Bounds{at, at + Vec3{1, 1, 1}};
     };
-    BoundsTree tree(std::pmr::get_default_resource());
+    StageMemory scratch(std::pmr::get_default_resource());
+    BoundsTree tree(std::pmr::get_default_resource(), scratch);
     for (std::uint32_t i = 0; i < state.range(0); ++i) tree.insert(box(), 1, i);
     std::vector<Bounds> queries;
     for (int i = 0; i < 1024; ++i) queries.push_back(box());

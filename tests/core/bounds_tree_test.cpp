@@ -21,7 +21,8 @@ namespace {
 
 struct Model {
     std::pmr::monotonic_buffer_resource memory;
-    BoundsTree tree{&memory};
+    StageMemory scratch{&memory};
+    BoundsTree tree{&memory, scratch};
     std::map<std::uint32_t, Bounds> proxies;  // the value of each proxy is its own name plus 1000
     std::mt19937 random{7};
 

@@ -116,6 +116,22 @@ TEST(WorkerChoice, FollowsAMachineThatChanges) {
     EXPECT_EQ(choice.next().workers, 2);
 }
 
+/// A step of a hundred times the usual length, because something else had the processor or a system was factorized, falls
+/// into the first trial of a way that is no faster then. When it is, later, that is found as if it had not been disturbed.
+TEST(WorkerChoice, OneLongStepDoesNotBarAWay) {
+    for (int disturbed = 0; disturbed < WorkerChoice::kTrial; ++disturbed) {
+        WorkerChoice choice(2);
+        int alone = 0;
+        for (int i = 0; i < 400; ++i) {
+            const Sharing sharing = choice.next();
+            const Machine machine{.all = i < 50 ? 1.0f : 1.2f, .outsideSolve = 1.2f};
+            const bool isLong = sharing.workers == 1 && alone++ == disturbed;
+            choice.note(kWay * kSize * machine.of(sharing, 2) * (isLong ? 100.0f : 1.0f), kSize);
+        }
+        EXPECT_EQ(choice.next().workers, 1) << disturbed;
+    }
+}
+
 /// Something else has a processor just when helpers are held against the calling thread alone.
 TEST(WorkerChoice, ADisturbanceIsForgottenSoon) {
     const Machine machine{.all = 0.6f};

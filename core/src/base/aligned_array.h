@@ -11,7 +11,7 @@ namespace ragtop {
 
 /// A growing array of plain data on a caller's memory resource, aligned for the widest lanes. New elements are zero
 /// bytes or a given value. Its memory is its value, so that a world is saved by copying. It grows by its own size while
-/// that is small, and by an eighth of it where the rest would count.
+/// that is small, and by a sixteenth of it where the rest would count.
 template <class T>
 class AlignedArray {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -87,7 +87,7 @@ private:
     static constexpr std::size_t kFew = 16, kLarge = std::size_t{1} << 20;  ///< elements, bytes
 
     std::size_t grownFor(std::size_t size) const {
-        const std::size_t more = isLarge() ? capacity_ / 8 : capacity_;
+        const std::size_t more = isLarge() ? capacity_ / 16 : capacity_;
         const std::size_t grown = capacity_ + more > kFew ? capacity_ + more : kFew;
         return grown > size ? grown : size;
     }

@@ -20,21 +20,19 @@ void WorkerChoice::note(float seconds, float size) {
     if (tried_ == current_) size_ = size;
     const float rate = seconds / size;
     const int number = steps_++;
-    if (tried_ != current_) sum_ += rate;
+    if (tried_ != current_) trial_[static_cast<std::size_t>(number)] = rate;
     if (number == 0) return;  // it finds its data in the caches of others, and helpers asleep
     if (tried_ == current_) {
         recent_[static_cast<std::size_t>(number) % recent_.size()] = rate;
         if (steps_ >= kTrial) beginTrial();
-    } else {
-        best_ = number == 1 ? rate : std::min(best_, rate);
-        if (steps_ == kTrial) endTrial();
+    } else if (steps_ == kTrial) {
+        endTrial();
     }
 }
 
 void WorkerChoice::go(int tried) {
     tried_ = tried;
     steps_ = 0;
-    sum_ = 0;
 }
 
 /// Of the way that has waited longest, if any has waited enough.
@@ -46,17 +44,20 @@ void WorkerChoice::beginTrial() {
 }
 
 /// A way that took longer by the share r in each of k steps waits for k r (ways − 1)/kCost steps: then all trials
-/// together cost no more than kCost.
+/// together cost no more than kCost. A single step that took far longer than the others says nothing about the way.
 void WorkerChoice::endTrial() {
     const float own = *std::min_element(recent_.begin(), recent_.end());
-    if (best_ < (1 - kWorth) * own) {
+    std::sort(trial_.begin() + 1, trial_.end());
+    const float best = trial_[1], usual = trial_[kTrial / 2];
+    if (best < (1 - kWorth) * own) {
         // What seemed faster because of a disturbance is found out soon.
         way(current_).wait = kFirstWait;
         way(current_).due = step_ + kFirstWait;
         current_ = tried_;
     } else {
         Way& lost = way(tried_);
-        const float lostSteps = std::max(sum_ / own - static_cast<float>(kTrial), 0.0f);
+        const float taken = (kTrial - 1) * usual + std::min(trial_[0], 2 * usual);
+        const float lostSteps = std::max(taken / own - static_cast<float>(kTrial), 0.0f);
         const float bound = std::min(lostSteps * static_cast<float>(count_ - 1) / kCost, kLongestWait);
         lost.due = step_ + std::max(lost.wait, static_cast<std::uint64_t>(bound));
         lost.wait = std::min(2 * lost.wait, kMostWait);

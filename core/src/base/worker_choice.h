@@ -21,7 +21,8 @@ struct Sharing {
 /// Ways to share a step are compared by time over size, which the caller counts. One of them is the current one; now and
 /// then another is tried for kTrial steps. The fastest of these, the first left aside, is held against the fastest of as
 /// many steps just before, and becomes the current way if it is faster by kWorth. How long a way that took longer by
-/// some share waits for its next trial bounds what trials cost to kCost of the time. Takes no memory.
+/// some share waits for its next trial bounds what trials cost to kCost of the time; steps in which something else had
+/// the processors, or the solver much to do, are not laid to a way's charge. Takes no memory.
 class WorkerChoice {
 public:
     static constexpr float kCost = 0.01f;
@@ -62,7 +63,7 @@ private:
     int steps_ = 0;   ///< of the way that is tried, since it began
     float size_ = 0;  ///< of the last step of the current way
     std::array<float, kTrial - 1> recent_{};  ///< rates of the current way
-    float best_ = 0, sum_ = 0;                ///< rates of the way that is tried
+    std::array<float, kTrial> trial_{};       ///< rates of the way that is tried
 };
 
 }  // namespace ragtop

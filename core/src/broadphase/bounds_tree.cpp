@@ -22,8 +22,7 @@ float centerDistance(const Bounds& a, const Bounds& b) {
 
 void BoundsTree::reserve(std::size_t proxies) {
     nodes_.reserve(2 * proxies);
-    branches_.reserve(proxies);
-    parts_.reserve(proxies);
+    takeScratch(proxies);
 }
 
 std::uint32_t BoundsTree::allocate() {

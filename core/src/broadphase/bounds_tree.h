@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/stage_memory.h"
 #include "ragtop/math.h"
 
 namespace ragtop {
@@ -29,7 +30,8 @@ public:
         std::uint32_t category = 0xffffffffu;  ///< or of the leaves below
     };
 
-    explicit BoundsTree(std::pmr::memory_resource* memory) : nodes_(memory), branches_(memory), parts_(memory) {}
+    /// `scratch` is begun anew where branches are rebuilt: in refitEnlarged, and where proxies come and go.
+    BoundsTree(std::pmr::memory_resource* memory, StageMemory& scratch) : nodes_(memory), scratch_(scratch) {}
 
     /// Sets memory aside so that this many proxies need no more of it.
     void reserve(std::size_t proxies);
@@ -53,6 +55,8 @@ public:
     std::uint32_t value(std::uint32_t proxy) const { return nodes_[proxy].value; }
     int proxyCount() const { return proxyCount_; }
     bool empty() const { return root_ == kNull; }
+    /// Of all proxies, where there are any.
+    const Bounds& bounds() const { return nodes_[root_].bounds; }
     /// Fits the branches that were enlarged to what is below them and turns them where that makes them smaller, so that
     /// queries stay fast. Call once per step. The tree does not depend on the runner.
     void refitEnlarged(StageRunner* runner = nullptr);
@@ -128,6 +132,7 @@ private:
 
         std::uint32_t root() const { return count == 1 ? branches[0].index : nodes[0]; }
     };
+    void takeScratch(std::size_t proxies);
     void collectBranches(bool all);
     void rebuild(bool all, StageRunner* runner);
     std::pair<Part, Part> split(const Part& part);
@@ -137,8 +142,9 @@ private:
     static int cheapestCut(const Branch* branches, std::uint32_t count);
 
     std::pmr::vector<Node> nodes_;
-    std::pmr::vector<Branch> branches_;  ///< scratch of the rebuild
-    std::pmr::vector<std::uint32_t> parts_;  ///< the same: nodes in the order in which they are taken
+    StageMemory& scratch_;
+    StageArray<Branch> branches_;      ///< of the rebuild
+    StageArray<std::uint32_t> parts_;  ///< the same: nodes in the order in which they are taken
     std::uint32_t root_ = kNull, freeList_ = kNull;
     int proxyCount_ = 0;
     std::uint32_t refits_ = 0;  ///< since branches were rebuilt

@@ -24,11 +24,18 @@ struct Bin {
 
 }  // namespace
 
+/// There are never more branches, and parts of the tree that wait, than proxies.
+void BoundsTree::takeScratch(std::size_t proxies) {
+    scratch_.begin(StageMemory::bytesOf<Branch>(proxies) + StageMemory::bytesOf<std::uint32_t>(proxies));
+    branches_ = scratch_.take<Branch>(proxies);
+    parts_ = scratch_.take<std::uint32_t>(proxies);
+}
+
 void BoundsTree::rebuild(bool all, StageRunner* runner) {
+    takeScratch(static_cast<std::size_t>(proxyCount_));
     collectBranches(all);
     const auto count = static_cast<std::uint32_t>(branches_.size());
-    parts_.clear();
-    for (std::uint32_t i = 1; i < count; ++i) parts_.push_back(allocate());
+    for (std::uint32_t i = 1; i < count; ++i) parts_.push(allocate());
     // The binned cut may be lopsided; after these levels of it the rest is halved, so that the height stays within
     // twice the logarithm of the count.
     const Part whole{branches_.data(), count, static_cast<int>(std::bit_width(count)), parts_.data()};
@@ -40,8 +47,7 @@ void BoundsTree::rebuild(bool all, StageRunner* runner) {
 /// Takes the tree apart from the root down to its leaves or to branches that were not enlarged, freeing what is above.
 /// The list itself serves as the stack of nodes to look at: [0, kept) are branches, the rest waits.
 void BoundsTree::collectBranches(bool all) {
-    branches_.clear();
-    branches_.push_back({{}, root_, 0});
+    branches_.push({{}, root_, 0});
     std::size_t kept = 0;
     while (kept < branches_.size()) {
         const std::uint32_t index = branches_.back().index;
@@ -49,7 +55,7 @@ void BoundsTree::collectBranches(bool all) {
         if (node.height > 0 && (all || node.flags != 0)) {
             release(index);
             branches_.back().index = node.right;
-            branches_.push_back({{}, node.left, 0});
+            branches_.push({{}, node.left, 0});
         } else {
             nodes_[index].flags = 0;
             branches_.back().index = branches_[kept].index;

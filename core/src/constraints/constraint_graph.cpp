@@ -85,17 +85,18 @@ GraphPlace ConstraintGraph::addContact(int index, std::uint32_t manifold) {
     return place;
 }
 
-/// Of everything that a contact has in its colour at once. The last colours hold few contacts, whose number comes and goes
-/// by more than its own size: they get room by that of all contacts.
+/// Of everything that a contact has in its colour at once. The last colours that are swept hold few contacts, whose number
+/// comes and goes by more than its own size: they get room by that of all contacts.
 void ConstraintGraph::makeRoom(int index) {
-    constexpr std::size_t kFew = 64, kShare = 64, kLargeGrowth = 8;
+    constexpr std::size_t kFew = 64, kShare = 64, kLargeGrowth = 16;
     Color& c = color(index);
     const std::size_t size = c.manifolds.size();
     std::size_t all = 0;
     const int first = isSwept(index) ? index - colorOf(index) : 0;
     for (int i = first; i < first + kRegionLists; ++i) all += color(i).manifolds.size();
     std::size_t room = size + (c.bundles.isLarge() ? size / kLargeGrowth : size);
-    if (!isSerial(index)) room = std::max({room, kFew, all / kShare});
+    if (!isSerial(index)) room = std::max(room, kFew);
+    if (!isSerial(index) && isSwept(index)) room = std::max(room, all / kShare);
     room = std::max(room, size + 1);
     c.manifolds.reserve(room);
     c.points.reserve(room);
@@ -169,7 +170,7 @@ GraphPlace ConstraintGraph::changeJointRegion(GraphPlace from, std::uint32_t reg
     return {static_cast<std::uint32_t>(list), static_cast<std::uint32_t>(target.size() - 1)};
 }
 
-void ConstraintGraph::reorderContacts(int index, AlignedArray<std::uint32_t>& from) {
+void ConstraintGraph::reorderContacts(int index, StageArray<std::uint32_t>& from) {
     AlignedArray<std::uint32_t>& list = color(index).manifolds;
     const auto n = static_cast<std::size_t>(lanes_);
     const auto laneOf = [&](std::uint32_t slot) { return lane({static_cast<std::uint32_t>(index), slot}); };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/aligned_array.h"
+#include "base/stage_memory.h"
 #include "constraints/contact_layout.h"
 
 namespace ragtop {
@@ -66,7 +67,7 @@ public:
     GraphPlace moveContact(GraphPlace from, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB, By by,
                            std::uint32_t& tookOver);
     /// Puts what is in slot from[slot] of a colour into each slot; `from` is a permutation, which this uses up.
-    void reorderContacts(int color, AlignedArray<std::uint32_t>& from);
+    void reorderContacts(int color, StageArray<std::uint32_t>& from);
     /// Puts contacts of a colour in the order of how many points they have, most first, by as few exchanges as it takes:
     /// what outlives a step moves, what prepare writes does not. moved(manifold, slot) is told of each.
     template <class Moved>

@@ -21,6 +21,9 @@ TreePlan::TreePlan(std::pmr::memory_resource* memory)
       joints_(memory),
       order_(memory),
       groups_(memory),
+      aloneGroups_(memory),
+      sharedGroups_(memory),
+      members_(memory),
       laneStates_(memory),
       laneAnchors_(memory),
       rows_(memory),
@@ -33,6 +36,9 @@ void TreePlan::clear() {
     states_.clear();
     joints_.clear();
     groups_.clear();
+    aloneGroups_.clear();
+    sharedGroups_.clear();
+    grouped_ = false;
     drawn_ = 0;
 }
 
@@ -45,7 +51,7 @@ void TreePlan::push(const TreeLink& link, std::uint32_t state, std::uint32_t joi
 void TreePlan::keep(std::uint32_t anchor, std::uint32_t owner, bool twofold) {
     const auto end = static_cast<std::uint32_t>(links_.size());
     markLimbs(links_.data() + drawn_, end - drawn_);
-    trees_.push({drawn_, end - drawn_, anchor, owner, twofold, 1});
+    trees_.push({drawn_, end - drawn_, anchor, owner, twofold, 1, false});
     drawn_ = end;
 }
 
@@ -55,9 +61,11 @@ void TreePlan::drop() {
     joints_.resizeForOverwrite(drawn_);
 }
 
-bool TreePlan::setStride(std::size_t tree, int stride) {
-    const bool changes = trees_[tree].stride != stride;
-    trees_[tree].stride = static_cast<std::uint8_t>(stride);
+bool TreePlan::setPace(std::size_t tree, int stride, bool alone) {
+    Tree& at = trees_[tree];
+    const bool changes = at.stride != stride || at.alone != alone;
+    at.stride = static_cast<std::uint8_t>(stride);
+    at.alone = alone;
     return changes;
 }
 
@@ -70,13 +78,14 @@ int TreePlan::compareShapes(const Tree& a, const Tree& b) const {
 /// By all that must be equal in a group.
 int TreePlan::compare(const Tree& a, const Tree& b) const {
     const int way = compareShapes(a, b);
-    return way != 0 ? way : a.stride - b.stride;
+    if (way != 0) return way;
+    return a.stride != b.stride ? a.stride - b.stride : int{b.alone} - int{a.alone};
 }
 
 /// The next place where vectors of every width may lie: groups of different widths follow one another.
 constexpr std::size_t onLine(std::size_t bytes) { return (bytes + 63) & ~std::size_t{63}; }
 
-/// Trees of one shape fill their groups, but for one per stride.
+/// Trees of one shape fill their groups, but for one per stride, and one of those that are not alone.
 void TreePlan::makeRoom(const TreeTables& tables) {
     const TreeTables& widest = tables.wider ? *tables.wider : tables;
     std::size_t rows = 0, lanes = 0, bytes = 0, groups = 0;
@@ -85,7 +94,7 @@ void TreePlan::makeRoom(const TreeTables& tables) {
         while (end < order_.size() && compareShapes(first, trees_[order_[end]]) == 0) ++end;
         const TreeKernels& kernels = first.twofold ? widest.twofold : widest.single;
         const auto width = static_cast<std::size_t>(kernels.lanes);
-        const std::size_t most = (end - i) / width + (first.twofold ? kStrides : 1);
+        const std::size_t most = (end - i) / width + (first.twofold ? kStrides : 1) + 1;
         groups += most;
         lanes += most * width;
         rows += most * width * first.count;
@@ -94,10 +103,15 @@ void TreePlan::makeRoom(const TreeTables& tables) {
     laneStates_.reserve(rows), laneAnchors_.reserve(lanes);
     rows_.reserve(rows), impulses_.reserve(rows);
     memory_.reserve(bytes), groups_.reserve(groups);
+    aloneGroups_.reserve(groups), sharedGroups_.reserve(groups), members_.reserve(states_.size());
 }
 
 void TreePlan::group(const TreeTables& tables) {
+    grouped_ = true;
     groups_.clear();
+    aloneGroups_.clear();
+    sharedGroups_.clear();
+    members_.clear();
     const auto count = static_cast<std::uint32_t>(trees_.size());
     order_.resizeForOverwrite(count);
     for (std::uint32_t i = 0; i < count; ++i) order_[i] = i;
@@ -138,6 +152,7 @@ void TreePlan::group(const TreeTables& tables) {
         lanes += static_cast<std::size_t>(group.kernels->lanes);
         bytes += static_cast<std::size_t>(group.lanes.linkCount) * group.kernels->linkBytes;
         layOut(group);
+        (treeOf(group, 0).alone ? aloneGroups_ : sharedGroups_).push(static_cast<std::uint32_t>(&group - groups_.data()));
     }
 }
 
@@ -147,6 +162,12 @@ void TreePlan::layOut(Group& group) {
     group.lanes.states = laneStates_.data() + group.firstRow;
     group.lanes.joints = rows_.data() + group.firstRow;
     group.lanes.impulses = impulses_.data() + group.firstRow;
+    group.firstMember = static_cast<std::uint32_t>(members_.size());
+    for (int lane = 0; lane < group.lanes.used; ++lane) {
+        const Tree& tree = treeOf(group, lane);
+        for (std::uint32_t i = 0; i < tree.count; ++i) members_.push(states_[tree.first + i]);
+    }
+    group.memberCount = static_cast<std::uint32_t>(members_.size()) - group.firstMember;
     std::uint32_t* anchors = laneAnchors_.data() + (group.lanes.anchors - laneAnchors_.data());
     for (int lane = 0; lane < group.kernels->lanes; ++lane) {
         const Tree& tree = treeOf(group, lane < group.lanes.used ? lane : 0);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory_resource>
+#include <span>
 
 #include "base/aligned_array.h"
 #include "direct/tree_layout.h"
@@ -21,10 +22,12 @@ public:
         std::uint32_t owner = 0;   ///< the caller's
         bool twofold = false;      ///< in double precision
         std::uint8_t stride = 1;   ///< substeps of the world that it takes at once
+        bool alone = false;        ///< goes through its step without the world's substeps
     };
     struct Group {
         TreeGroup lanes;
         std::uint32_t firstTree = 0;  ///< in the order of trees
+        std::uint32_t firstMember = 0, memberCount = 0;
         std::size_t firstRow = 0;
         const TreeKernels* kernels = nullptr;
     };
@@ -41,15 +44,21 @@ public:
     void drop();
     /// Groups what has been kept, and makes room for it however strides change.
     void group(const TreeTables& tables);
+    bool isGrouped() const { return grouped_; }
 
     std::size_t treeCount() const { return trees_.size(); }
     const Tree& treeAt(std::size_t index) const { return trees_[index]; }
-    /// To be grouped again. True when that is another stride.
-    bool setStride(std::size_t tree, int stride);
+    /// To be grouped again. True when that is another pace.
+    bool setPace(std::size_t tree, int stride, bool alone);
     int strideOf(const Group& group) const { return treeOf(group, 0).stride; }
 
-    std::size_t groupCount() const { return groups_.size(); }
-    Group& groupAt(std::size_t index) { return groups_[index]; }
+    /// Groups of trees that are alone, and of the others.
+    std::size_t groupCount(bool alone) const { return (alone ? aloneGroups_ : sharedGroups_).size(); }
+    Group& groupAt(bool alone, std::size_t index) { return groups_[(alone ? aloneGroups_ : sharedGroups_)[index]]; }
+    /// States of the bodies of a group, each once.
+    std::span<const std::uint32_t> membersOf(const Group& group) const {
+        return {members_.data() + group.firstMember, group.memberCount};
+    }
     const Tree& treeOf(const Group& group, int lane) const {
         return trees_[order_[group.firstTree + static_cast<std::uint32_t>(lane)]];
     }
@@ -79,6 +88,8 @@ private:
     AlignedArray<TreeLink> links_;
     AlignedArray<std::uint32_t> states_, joints_, order_;
     AlignedArray<Group> groups_;
+    AlignedArray<std::uint32_t> aloneGroups_, sharedGroups_, members_;
+    bool grouped_ = false;     ///< since it was cleared
     std::uint32_t drawn_ = 0;  ///< first link of the tree that is being drawn up
     // Of the groups.
     AlignedArray<std::uint32_t> laneStates_, laneAnchors_;

@@ -8,6 +8,8 @@
 #include <immintrin.h>
 #endif
 
+#include <type_traits>
+
 #include "solve/lanes.h"
 
 namespace ragtop {
@@ -70,12 +72,6 @@ RAGTOP_INLINE Float8 joinHalves(const float* lower, const float* upper) {
 #endif
 }
 
-/// Four floats of each of eight rows, as four Lanes.
-RAGTOP_INLINE void gatherFours(const float* const rows[8], int first, Float8 out[4]) {
-    for (int i = 0; i < 4; ++i) out[i] = joinHalves(rows[i] + first, rows[i + 4] + first);
-    transposeFours(out[0], out[1], out[2], out[3]);
-}
-
 #if defined(__AVX512F__)
 RAGTOP_INLINE void transposeFours(Float16& a, Float16& b, Float16& c, Float16& d) {
     const Float16 ab0 = __builtin_shufflevector(a, b, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29);
@@ -88,14 +84,10 @@ RAGTOP_INLINE void transposeFours(Float16& a, Float16& b, Float16& c, Float16& d
     d = __builtin_shufflevector(ab1, cd1, 2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30, 31);
 }
 
-/// Four floats of each of sixteen rows.
-RAGTOP_INLINE void gatherFours(const float* const rows[16], int first, Float16 out[4]) {
-    for (int i = 0; i < 4; ++i) {
-        const auto at = [&](int row) { return _mm_loadu_ps(rows[row] + first); };
-        const __m512 two = _mm512_insertf32x4(_mm512_castps128_ps512(at(i)), at(i + 4), 1);
-        out[i] = _mm512_insertf32x4(_mm512_insertf32x4(two, at(i + 8), 2), at(i + 12), 3);
-    }
-    transposeFours(out[0], out[1], out[2], out[3]);
+/// Four floats from each place, side by side.
+RAGTOP_INLINE Float16 joinQuarters(const float* a, const float* b, const float* c, const float* d) {
+    const __m512 two = _mm512_insertf32x4(_mm512_castps128_ps512(_mm_loadu_ps(a)), _mm_loadu_ps(b), 1);
+    return _mm512_insertf32x4(_mm512_insertf32x4(two, _mm_loadu_ps(c), 2), _mm_loadu_ps(d), 3);
 }
 #endif
 
@@ -117,23 +109,36 @@ RAGTOP_INLINE void storeTwo(Lanes<2 * L> value, float* lower, float* upper) {
     *reinterpret_cast<Float8*>(upper) = __builtin_shufflevector(value.v, value.v, 8, 9, 10, 11, 12, 13, 14, 15);
 }
 
-/// Sixteen lanes as two times eight.
-RAGTOP_INLINE void gatherFoursTwice(const float* const rows[16], int first, Lanes<16> out[4]) {
-    Float8 r[4], s[4];
-    gatherFours(rows, first, r);
-    gatherFours(rows + 8, first, s);
-    for (int i = 0; i < 4; ++i)
-        out[i].v = __builtin_shufflevector(r[i], s[i], 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-}
+/// Rows of an array by their numbers, read anew for every row: addresses that wait in memory until they are needed would
+/// fill the queue of stores, and the next bundle could not begin before this one is done.
+template <class T, int L>
+struct NumberedRows {
+    using Float = std::conditional_t<std::is_const_v<T>, const float, float>;
+    T* rows;
+    const std::uint32_t* numbers;
+    long perBundle = 0;  ///< entries from the numbers of one bundle of L to those of the next
+    int offset = 0;      ///< floats
+
+    RAGTOP_INLINE Float* operator[](int i) const {
+        return reinterpret_cast<Float*>(rows + numbers[i % L + i / L * perBundle]) + offset;
+    }
+    /// The same where the compiler knows nothing of numbers that it has read before.
+    RAGTOP_INLINE NumberedRows anew() const {
+        const std::uint32_t* same = numbers;
+        asm volatile("" : "+r"(same));
+        return {rows, same, perBundle, offset};
+    }
+};
 
 /// Gathers eight consecutive floats per lane from rows[lane].
-template <int N>
-RAGTOP_INLINE void gather8(const float* const rows[N], Lanes<N> out[8]) {
+template <int N, class Rows>
+RAGTOP_INLINE void gather8(const Rows& rows, Lanes<N> out[8]) {
     if constexpr (N == 4) {
         Float4 lo[4], hi[4];
         for (int i = 0; i < 4; ++i) {
-            lo[i] = *reinterpret_cast<const Float4Row*>(rows[i]);
-            hi[i] = *reinterpret_cast<const Float4Row*>(rows[i] + 4);
+            const float* row = rows[i];
+            lo[i] = *reinterpret_cast<const Float4Row*>(row);
+            hi[i] = *reinterpret_cast<const Float4Row*>(row + 4);
         }
         transpose4(lo[0], lo[1], lo[2], lo[3]);
         transpose4(hi[0], hi[1], hi[2], hi[3]);
@@ -141,28 +146,50 @@ RAGTOP_INLINE void gather8(const float* const rows[N], Lanes<N> out[8]) {
             out[i].v = lo[i];
             out[i + 4].v = hi[i];
         }
-    } else {
-        for (int first = 0; first < 8; first += 4) {
-#if defined(__AVX512F__)
-            typename Lanes<N>::V r[4];
-            gatherFours(rows, first, r);
-            for (int i = 0; i < 4; ++i) out[first + i].v = r[i];
-#else
-            if constexpr (N == 8) {
-                Float8 r[4];
-                gatherFours(rows, first, r);
-                for (int i = 0; i < 4; ++i) out[first + i].v = r[i];
-            } else {
-                gatherFoursTwice(rows, first, out + first);
-            }
-#endif
+    } else if constexpr (N == 8) {
+        Float8 lo[4], hi[4];
+        for (int i = 0; i < 4; ++i) {
+            const float *lower = rows[i], *upper = rows[i + 4];
+            lo[i] = joinHalves(lower, upper);
+            hi[i] = joinHalves(lower + 4, upper + 4);
         }
+        transposeFours(lo[0], lo[1], lo[2], lo[3]);
+        transposeFours(hi[0], hi[1], hi[2], hi[3]);
+        for (int i = 0; i < 4; ++i) {
+            out[i].v = lo[i];
+            out[i + 4].v = hi[i];
+        }
+    } else {
+#if defined(__AVX512F__)
+        Float16 lo[4], hi[4];
+        for (int i = 0; i < 4; ++i) {
+            const float *a = rows[i], *b = rows[i + 4], *c = rows[i + 8], *d = rows[i + 12];
+            lo[i] = joinQuarters(a, b, c, d);
+            hi[i] = joinQuarters(a + 4, b + 4, c + 4, d + 4);
+        }
+        transposeFours(lo[0], lo[1], lo[2], lo[3]);
+        transposeFours(hi[0], hi[1], hi[2], hi[3]);
+        for (int i = 0; i < 4; ++i) {
+            out[i].v = lo[i];
+            out[i + 4].v = hi[i];
+        }
+#else
+        Lanes<8> half[2][8];
+        for (int k = 0; k < 2; ++k) {
+            const float* eight[8];
+            for (int i = 0; i < 8; ++i) eight[i] = rows[8 * k + i];
+            gather8<8>(eight, half[k]);
+        }
+        for (int i = 0; i < 8; ++i)
+            out[i].v = __builtin_shufflevector(half[0][i].v, half[1][i].v, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13,
+                                               14, 15);
+#endif
     }
 }
 
 /// Scatters eight floats per lane to rows[lane]; a null row is left out where `kAll` is false.
-template <int N, bool kAll>
-RAGTOP_INLINE void scatterRows(float* const rows[N], const Lanes<N> in[8]) {
+template <int N, bool kAll, class Rows>
+RAGTOP_INLINE void scatterRows(const Rows& rows, const Lanes<N> in[8]) {
     if constexpr (N == 4) {
         Float4 lo[4], hi[4];
         for (int i = 0; i < 4; ++i) {
@@ -171,32 +198,51 @@ RAGTOP_INLINE void scatterRows(float* const rows[N], const Lanes<N> in[8]) {
         }
         transpose4(lo[0], lo[1], lo[2], lo[3]);
         transpose4(hi[0], hi[1], hi[2], hi[3]);
-        for (int i = 0; i < 4; ++i)
-            if (kAll || rows[i]) {
-                *reinterpret_cast<Float4Row*>(rows[i]) = lo[i];
-                *reinterpret_cast<Float4Row*>(rows[i] + 4) = hi[i];
-            }
+        for (int i = 0; i < 4; ++i) {
+            float* row = rows[i];
+            if (!kAll && !row) continue;
+            *reinterpret_cast<Float4Row*>(row) = lo[i];
+            *reinterpret_cast<Float4Row*>(row + 4) = hi[i];
+        }
     } else if constexpr (N == 8) {
         Float8 r[8];
         for (int i = 0; i < 8; ++i) r[i] = in[i].v;
         transpose8(r);
-        for (int i = 0; i < 8; ++i)
-            if (kAll || rows[i]) *reinterpret_cast<Float8Row*>(rows[i]) = r[i];
+        for (int i = 0; i < 8; ++i) {
+            float* row = rows[i];
+            if (kAll || row) *reinterpret_cast<Float8Row*>(row) = r[i];
+        }
     } else {
-        Lanes<8> half[8];
-        for (int i = 0; i < 8; ++i) half[i].v = __builtin_shufflevector(in[i].v, in[i].v, 0, 1, 2, 3, 4, 5, 6, 7);
-        scatterRows<8, kAll>(rows, half);
-        for (int i = 0; i < 8; ++i) half[i].v = __builtin_shufflevector(in[i].v, in[i].v, 8, 9, 10, 11, 12, 13, 14, 15);
-        scatterRows<8, kAll>(rows + 8, half);
+        for (int k = 0; k < 2; ++k) {
+            Float8 r[8];
+            for (int i = 0; i < 8; ++i)
+                r[i] = k == 0 ? __builtin_shufflevector(in[i].v, in[i].v, 0, 1, 2, 3, 4, 5, 6, 7)
+                              : __builtin_shufflevector(in[i].v, in[i].v, 8, 9, 10, 11, 12, 13, 14, 15);
+            transpose8(r);
+            for (int i = 0; i < 8; ++i) {
+                float* row = rows[8 * k + i];
+                if (kAll || row) *reinterpret_cast<Float8Row*>(row) = r[i];
+            }
+        }
     }
 }
 template <int N>
 RAGTOP_INLINE void scatter8(float* const rows[N], const Lanes<N> in[8]) {
     scatterRows<N, false>(rows, in);
 }
-template <int N>
-RAGTOP_INLINE void scatterAll8(float* const rows[N], const Lanes<N> in[8]) {
+template <int N, class Rows>
+RAGTOP_INLINE void scatterAll8(const Rows& rows, const Lanes<N> in[8]) {
     scatterRows<N, true>(rows, in);
+}
+
+/// To the rows of bodies that impulses move; those of others are shared between threads and never written.
+template <int N, class Rows>
+RAGTOP_INLINE void scatterMoving(const Rows& rows, const Lanes<N> in[8], Lanes<N> inverseMass) {
+    if (!any(!(inverseMass > 0.0f))) return scatterAll8<N>(rows, in);
+    if (!any(inverseMass > 0.0f)) return;
+    float* moving[N];
+    for (int i = 0; i < N; ++i) moving[i] = inverseMass[i] > 0 ? rows[i] : nullptr;
+    scatter8<N>(moving, in);
 }
 
 }  // namespace

@@ -16,30 +16,26 @@ RAGTOP_INLINE WideVec3<N> operator*(const SymmetricMatrix<N>& m, const WideVec3<
 /// Rows of N bodies; places beyond the end repeat the static body and are not written.
 template <int N>
 struct BodyRows {
-    std::size_t eightfold[N];  ///< of indices: rows of 32 and 64 bytes are a multiple away that addresses may have
+    const std::uint32_t* numbers;
     int count;
+    std::uint32_t last[N];  ///< the numbers where there are fewer than N
 
-    RAGTOP_INLINE BodyRows(const std::uint32_t* bodies, int begin, int end) {
-        count = end - begin < N ? end - begin : N;
-        for (int i = 0; i < N; ++i) eightfold[i] = i < count ? std::size_t{8} * bodies[begin + i] : 0;
-    }
-    template <class T>
-    RAGTOP_INLINE const float* row(const T* rows, int i) const {
-        static_assert(sizeof(T) == 32 || sizeof(T) == 64);
-        return reinterpret_cast<const float*>(reinterpret_cast<const char*>(rows) + eightfold[i] * (sizeof(T) / 8));
+    RAGTOP_INLINE BodyRows(const std::uint32_t* bodies, int begin, int end)
+        : numbers(bodies + begin), count(end - begin) {
+        if (count >= N) return;
+        for (int i = 0; i < N; ++i) last[i] = i < count ? numbers[i] : 0;
+        numbers = last;
     }
     template <class T>
     RAGTOP_INLINE void gather(const T* rows, int offset, Lanes<N> out[8]) const {
-        const float* p[N];
-        for (int i = 0; i < N; ++i) p[i] = row(rows, i) + offset;
-        gather8<N>(p, out);
+        gather8<N>(NumberedRows<const T, N>{rows, numbers, 0, offset}.anew(), out);
     }
     template <class T>
     RAGTOP_INLINE void scatter(T* rows, int offset, const Lanes<N> in[8]) const {
+        const auto places = NumberedRows<T, N>{rows, numbers, 0, offset}.anew();
+        if (count >= N) return scatterAll8<N>(places, in);
         float* p[N];
-        for (int i = 0; i < N; ++i) p[i] = const_cast<float*>(row(rows, i)) + offset;
-        if (count == N) return scatterAll8<N>(p, in);
-        for (int i = count; i < N; ++i) p[i] = nullptr;
+        for (int i = 0; i < N; ++i) p[i] = i < count ? places[i] : nullptr;
         scatter8<N>(p, in);
     }
 };

@@ -55,14 +55,11 @@ bool bounceContacts(float* bundles, int begin, int end, const BodyArrays& arrays
         const Lanes<N> restitution = Lanes<N>::load(fields + contact::kRestitution * N);
         if (!any(restitution > 0.0f)) continue;
         ContactBundle<N> c(fields, arrays);
-        float *rowA[N], *rowB[N];
-        for (int k = 0; k < N; ++k) {
-            rowA[k] = reinterpret_cast<float*>(arrays.history + (reinterpret_cast<BodyState*>(c.rowA[k]) - arrays.states));
-            rowB[k] = reinterpret_cast<float*>(arrays.history + (reinterpret_cast<BodyState*>(c.rowB[k]) - arrays.states));
-        }
+        const auto historiesA = c.rowsOf(arrays.history, contact::kBodyA);
+        const auto historiesB = c.rowsOf(arrays.history, contact::kBodyB);
         Lanes<N> memoryA[8], memoryB[8];
-        gather8<N>(const_cast<const float* const*>(rowA), memoryA);
-        gather8<N>(const_cast<const float* const*>(rowB), memoryB);
+        gather8<N>(historiesA, memoryA);
+        gather8<N>(historiesB, memoryB);
         const WideVec3<N> startA = c.vA, startB = c.vB;
         const WideVec3<N> acceleration =
             inverseH * ((startB - WideVec3<N>{memoryB[0], memoryB[1], memoryB[2]}) -
@@ -102,12 +99,8 @@ bool bounceContacts(float* bundles, int begin, int end, const BodyArrays& arrays
         memoryA[0] = memoryA[0] + changeA.x, memoryA[1] = memoryA[1] + changeA.y, memoryA[2] = memoryA[2] + changeA.z;
         memoryB[0] = memoryB[0] + changeB.x, memoryB[1] = memoryB[1] + changeB.y, memoryB[2] = memoryB[2] + changeB.z;
         c.displace(-(time * changeA), -(time * changeB));
-        for (int k = 0; k < N; ++k) {
-            if (!(c.massA[k] > 0)) rowA[k] = nullptr;
-            if (!(c.massB[k] > 0)) rowB[k] = nullptr;
-        }
-        scatter8<N>(rowA, memoryA);
-        scatter8<N>(rowB, memoryB);
+        scatterMoving<N>(historiesA, memoryA, c.massA);
+        scatterMoving<N>(historiesB, memoryB, c.massB);
         c.writeVelocities();
     }
     return bounced;

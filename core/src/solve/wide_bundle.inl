@@ -19,8 +19,6 @@ struct ContactBundle {
     float* fields;
     const BodyArrays& arrays;
     std::int32_t traits;  ///< contact::Traits of some lane
-    float* rowA[N];
-    float* rowB[N];
     Lanes<N> a[8], b[8];  ///< velocity rows
     WideVec3<N> vA, wA, vB, wB;
     Lanes<N> massA, massB;  ///< inverse
@@ -70,24 +68,23 @@ struct ContactBundle {
         traits = 0;
         for (int k = 0; k < N / L; ++k)
             traits |= reinterpret_cast<const std::int32_t*>(fields + k * kBundle)[contact::kTraits * L];
-        gatherBody(contact::kBodyA, rowA, a, inertiaA);
-        gatherBody(contact::kBodyB, rowB, b, inertiaB);
+        gatherBody(contact::kBodyA, a, inertiaA);
+        gatherBody(contact::kBodyB, b, inertiaB);
         vA = {a[0], a[1], a[2]}, wA = {a[4], a[5], a[6]}, massA = a[3];
         vB = {b[0], b[1], b[2]}, wB = {b[4], b[5], b[6]}, massB = b[3];
         normal = vector(contact::kNormal);
         offset = vector(contact::kOffset);
     }
 
-    RAGTOP_INLINE void gatherBody(int index, float* rows[N], Lanes<N> state[8], SymmetricMatrix<N>& inverse) const {
-        const float* matrices[N];
-        for (int i = 0; i < N; ++i) {
-            const auto* indices = reinterpret_cast<const std::uint32_t*>(fields + i / L * kBundle + index * L);
-            rows[i] = reinterpret_cast<float*>(arrays.states + indices[i % L]);
-            matrices[i] = reinterpret_cast<const float*>(arrays.inertia + indices[i % L]);
-        }
-        gather8<N>(const_cast<const float* const*>(rows), state);
+    /// Rows of the bodies of which `index` is kBodyA or kBodyB.
+    template <class T>
+    RAGTOP_INLINE NumberedRows<T, L> rowsOf(T* rows, int index, int from = 0) const {
+        return {rows, reinterpret_cast<const std::uint32_t*>(fields + index * L), kBundle, from};
+    }
+    RAGTOP_INLINE void gatherBody(int index, Lanes<N> state[8], SymmetricMatrix<N>& inverse) const {
+        gather8<N>(rowsOf(arrays.states, index).anew(), state);
         Lanes<N> m[8];
-        gather8<N>(matrices, m);
+        gather8<N>(rowsOf(arrays.inertia, index).anew(), m);
         inverse = {m[0], m[1], m[2], m[3], m[4], m[5]};
     }
 
@@ -115,30 +112,21 @@ struct ContactBundle {
         return coresTurned ? anchor + shift + wayWithCores(anchor) : anchor + shift;
     }
 
-    /// Writes velocities back; bodies that no impulse moves are shared between threads and never written.
+    /// Writes velocities back.
     RAGTOP_INLINE void writeVelocities() {
         applyLocks(vA, a[7]);
         applyLocks(vB, b[7]);
         a[0] = vA.x, a[1] = vA.y, a[2] = vA.z, a[4] = wA.x, a[5] = wA.y, a[6] = wA.z;
         b[0] = vB.x, b[1] = vB.y, b[2] = vB.z, b[4] = wB.x, b[5] = wB.y, b[6] = wB.z;
-        scatterMoving(rowA, a, massA);
-        scatterMoving(rowB, b, massB);
-    }
-    static RAGTOP_INLINE void scatterMoving(float* const rows[N], const Lanes<N> values[8], Lanes<N> mass) {
-        if (!any(!(mass > 0.0f))) return scatterAll8<N>(rows, values);
-        if (!any(mass > 0.0f)) return;
-        float* moving[N];
-        for (int i = 0; i < N; ++i) moving[i] = mass[i] > 0 ? rows[i] : nullptr;
-        scatter8<N>(moving, values);
+        scatterMoving<N>(rowsOf(arrays.states, contact::kBodyA).anew(), a, massA);
+        scatterMoving<N>(rowsOf(arrays.states, contact::kBodyB).anew(), b, massB);
     }
 
     /// Displacements since the beginning of the step.
     RAGTOP_INLINE void gatherDisplacements(WideVec3<N>& dp, WideQuat<N>& dqA, WideQuat<N>& dqB) const {
-        const float *pA[N], *pB[N];
-        for (int i = 0; i < N; ++i) pA[i] = rowA[i] + 8, pB[i] = rowB[i] + 8;
         Lanes<N> dA[8], dB[8];
-        gather8<N>(pA, dA);
-        gather8<N>(pB, dB);
+        gather8<N>(rowsOf(arrays.states, contact::kBodyA, 8).anew(), dA);
+        gather8<N>(rowsOf(arrays.states, contact::kBodyB, 8).anew(), dB);
         dp = {dB[0] - dA[0], dB[1] - dA[1], dB[2] - dA[2]};
         dqA = {dA[4], dA[5], dA[6], dA[7]};
         dqB = {dB[4], dB[5], dB[6], dB[7]};
@@ -156,17 +144,15 @@ struct ContactBundle {
 
     /// Adds to the displacements of the bodies that impulses move, before velocities are written.
     RAGTOP_INLINE void displace(const WideVec3<N>& dpA, const WideVec3<N>& dpB) const {
-        float *pA[N], *pB[N];
-        for (int i = 0; i < N; ++i) {
-            pA[i] = rowA[i] + 8, pB[i] = rowB[i] + 8;
-        }
+        const auto placesA = rowsOf(arrays.states, contact::kBodyA, 8);
+        const auto placesB = rowsOf(arrays.states, contact::kBodyB, 8);
         Lanes<N> dA[8], dB[8];
-        gather8<N>(const_cast<const float* const*>(pA), dA);
-        gather8<N>(const_cast<const float* const*>(pB), dB);
+        gather8<N>(placesA, dA);
+        gather8<N>(placesB, dB);
         dA[0] = dA[0] + dpA.x, dA[1] = dA[1] + dpA.y, dA[2] = dA[2] + dpA.z;
         dB[0] = dB[0] + dpB.x, dB[1] = dB[1] + dpB.y, dB[2] = dB[2] + dpB.z;
-        scatterMoving(pA, dA, massA);
-        scatterMoving(pB, dB, massB);
+        scatterMoving<N>(placesA, dA, massA);
+        scatterMoving<N>(placesB, dB, massB);
     }
 
     RAGTOP_INLINE void applyImpulse(const WideVec3<N>& impulse, const WideVec3<N>& rA, const WideVec3<N>& rB) {

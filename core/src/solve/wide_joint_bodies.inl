@@ -124,8 +124,7 @@ template <int N>
 struct WideJoint {
     const JointBundle& bundle;
     float* fields;
-    float* rowA[N];
-    float* rowB[N];
+    NumberedRows<BodyState, N> rowsA, rowsB;
     Lanes<N> a[8], b[8];  ///< velocity rows
     WideVec3<N> vA, wA, vB, wB, massA, massB;
     SymmetricMatrix<N> inertiaA, inertiaB;  ///< inverse
@@ -156,42 +155,39 @@ struct WideJoint {
     }
 
     RAGTOP_INLINE WideJoint(const JointLanesView& view, int index, const BodyArrays& arrays)
-        : bundle(view.bundles[index]), fields(view.fields + bundle.fields) {
-        const std::uint32_t *indexA = view.statesA + index * N, *indexB = view.statesB + index * N;
-        const float *mA[N], *mB[N];
-        for (int i = 0; i < N; ++i) {
-            rowA[i] = reinterpret_cast<float*>(arrays.states + indexA[i]);
-            rowB[i] = reinterpret_cast<float*>(arrays.states + indexB[i]);
-            mA[i] = reinterpret_cast<const float*>(arrays.inertia + indexA[i]);
-            mB[i] = reinterpret_cast<const float*>(arrays.inertia + indexB[i]);
-        }
-        gather8<N>(const_cast<const float* const*>(rowA), a);
-        gather8<N>(const_cast<const float* const*>(rowB), b);
+        : bundle(view.bundles[index]),
+          fields(view.fields + bundle.fields),
+          rowsA{arrays.states, view.statesA + index * N},
+          rowsB{arrays.states, view.statesB + index * N} {
+        gather8<N>(rowsA.anew(), a);
+        gather8<N>(rowsB.anew(), b);
         vA = {a[0], a[1], a[2]}, wA = {a[4], a[5], a[6]};
         vB = {b[0], b[1], b[2]}, wB = {b[4], b[5], b[6]};
         massA = massB = nothing<N>();
         massA = {a[3], a[3], a[3]}, massB = {b[3], b[3], b[3]};
         applyLocks(massA, a[7]);
         applyLocks(massB, b[7]);
-        inertiaA = gatherInertia(mA, a[3]);
-        inertiaB = gatherInertia(mB, b[3]);
+        inertiaA = gatherInertia({arrays.inertia, rowsA.numbers}, a[3]);
+        inertiaB = gatherInertia({arrays.inertia, rowsB.numbers}, b[3]);
         shareA = at(RAGTOP_JOINT_FIELD(taut.shareA));
         shareB = at(RAGTOP_JOINT_FIELD(taut.shareB));
     }
-    static RAGTOP_INLINE SymmetricMatrix<N> gatherInertia(const float* const rows[N], Lanes<N> inverseMass) {
+    static RAGTOP_INLINE SymmetricMatrix<N> gatherInertia(const NumberedRows<BodyInertia, N>& rows, Lanes<N> inverseMass) {
         Lanes<N> m[8];
-        gather8<N>(rows, m);
+        gather8<N>(rows.anew(), m);
         const Mask<N> moves = inverseMass > 0.0f;
         for (int i = 0; i < 6; ++i) m[i] = select(moves, m[i], Lanes<N>(0.0f));
         return {m[0], m[1], m[2], m[3], m[4], m[5]};
     }
 
+    static RAGTOP_INLINE NumberedRows<BodyState, N> posesOf(NumberedRows<BodyState, N> rows) {
+        rows.offset = 8;
+        return rows.anew();
+    }
     /// Where the bodies are now, and the shared point half way between the anchors.
     RAGTOP_INLINE void locate() {
-        const float *pA[N], *pB[N];
-        for (int i = 0; i < N; ++i) pA[i] = rowA[i] + 8, pB[i] = rowB[i] + 8;
-        gather8<N>(pA, poseA);
-        gather8<N>(pB, poseB);
+        gather8<N>(posesOf(rowsA), poseA);
+        gather8<N>(posesOf(rowsB), poseB);
         dqA = {poseA[4], poseA[5], poseA[6], poseA[7]}, dqB = {poseB[4], poseB[5], poseB[6], poseB[7]};
         const WideVec3<N> anchorA = rotate(dqA, vector(RAGTOP_JOINT_FIELD(anchorA)));
         const WideVec3<N> anchorB = rotate(dqB, vector(RAGTOP_JOINT_FIELD(anchorB)));
@@ -286,11 +282,11 @@ struct WideJoint {
 
     /// As BodyPair::move, in some lanes; once, where locate has found the bodies.
     RAGTOP_INLINE void moveWhere(Mask<N> lanes, const WideVec3<N>& linear, const WideVec3<N>& angular) {
-        displace(lanes, rowA, a[3], poseA, -times(massA, linear),
+        displace(lanes, posesOf(rowsA), a[3], poseA, -times(massA, linear),
                  -(shareA * (inertiaA * (cross(armA, linear) + angular))));
-        displace(lanes, rowB, b[3], poseB, times(massB, linear), shareB * (inertiaB * (cross(armB, linear) + angular)));
+        displace(lanes, posesOf(rowsB), b[3], poseB, times(massB, linear), shareB * (inertiaB * (cross(armB, linear) + angular)));
     }
-    static RAGTOP_INLINE void displace(Mask<N> lanes, float* const (&rows)[N], Lanes<N> inverseMass, Lanes<N> (&pose)[8],
+    static RAGTOP_INLINE void displace(Mask<N> lanes, const NumberedRows<BodyState, N>& rows, Lanes<N> inverseMass, Lanes<N> (&pose)[8],
                                        const WideVec3<N>& way, const WideVec3<N>& turn) {
         const Lanes<N> half(0.5f);
         const WideQuat<N> q = normalized(WideQuat<N>{half * turn.x, half * turn.y, half * turn.z, Lanes<N>(1.0f)} *
@@ -299,23 +295,15 @@ struct WideJoint {
         pose[4] = q.x, pose[5] = q.y, pose[6] = q.z, pose[7] = q.w;
         const Mask<N> moves = lanes & (inverseMass > 0.0f);
         float* out[N];
-        for (int i = 0; i < N; ++i) out[i] = moves.v[i] != 0 ? rows[i] + 8 : nullptr;
+        for (int i = 0; i < N; ++i) out[i] = moves.v[i] != 0 ? rows[i] : nullptr;
         scatter8<N>(out, pose);
     }
 
     RAGTOP_INLINE void writeVelocities() {
         a[0] = vA.x, a[1] = vA.y, a[2] = vA.z, a[4] = wA.x, a[5] = wA.y, a[6] = wA.z;
         b[0] = vB.x, b[1] = vB.y, b[2] = vB.z, b[4] = wB.x, b[5] = wB.y, b[6] = wB.z;
-        scatterMoving(rowA, a);
-        scatterMoving(rowB, b);
-    }
-    /// Bodies that no impulse moves are shared between threads and never written.
-    static RAGTOP_INLINE void scatterMoving(float* const rows[N], const Lanes<N> state[8]) {
-        const Lanes<N> inverseMass = state[3];
-        if (!any(!(inverseMass > 0.0f))) return scatterAll8<N>(rows, state);
-        float* moving[N];
-        for (int i = 0; i < N; ++i) moving[i] = inverseMass[i] > 0 ? rows[i] : nullptr;
-        scatter8<N>(moving, state);
+        scatterMoving<N>(rowsA.anew(), a, a[3]);
+        scatterMoving<N>(rowsB.anew(), b, b[3]);
     }
 };
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/aligned_array.h"
+#include "base/stage_memory.h"
 #include "broadphase/bounds_tree.h"
 #include "constraints/constraint_graph.h"
 #include "direct/newton.h"
@@ -42,11 +43,19 @@ struct Meeting {
     Manifold touch;  ///< in the frame of the obstacle, the normal towards the shape
 };
 
+/// How far a body with a single shape that swings free can still go before that leaves its bounds (world_pairs.cpp).
+struct BoundsRoom {
+    static constexpr double kUnknown = -1;
+    Vec3 below, above;          ///< m, towards the lower and the upper bounds
+    double travel = kUnknown;  ///< m, of the body then
+};
+
 /// Which shapes have left their bounds at the end of a step (world_pairs.cpp).
 struct BoundsLeft {
-    explicit BoundsLeft(std::pmr::memory_resource* memory) : bodies(memory), starts(memory) {}
+    explicit BoundsLeft(std::pmr::memory_resource* memory) : bodies(memory), starts(memory), rooms(memory) {}
     AlignedArray<std::uint8_t> bodies;   ///< per awake body: has some shape of it?
     AlignedArray<std::uint32_t> starts;  ///< per block of bodies: where their shapes begin in the move buffer
+    AlignedArray<BoundsRoom> rooms;      ///< per body
 };
 
 /// A contact or joint through which bodies may bear on each other (world_islands.cpp).
@@ -58,12 +67,10 @@ struct IslandBearing {
 
 /// Which way weights go down to what does not move (world_islands.cpp).
 struct LoadPaths {
-    explicit LoadPaths(std::pmr::memory_resource* memory)
-        : levels(memory), supports(memory), carried(memory), heldLevel(memory) {}
-    AlignedArray<std::uint32_t> levels;    ///< per body: steps to what does not move
-    AlignedArray<std::uint32_t> supports;  ///< per body: how many bear it
-    AlignedArray<float> carried;           ///< kg, per body
-    AlignedArray<std::uint8_t> heldLevel;  ///< per body: something level is below it
+    StageArray<std::uint32_t> levels;    ///< per body: steps to what does not move
+    StageArray<std::uint32_t> supports;  ///< per body: how many bear it
+    StageArray<float> carried;           ///< kg, per body
+    StageArray<std::uint8_t> heldLevel;  ///< per body: something level is below it
 };
 
 /// An island that is solved directly, in the lists of its step (world_direct.cpp).
@@ -78,20 +85,33 @@ struct DirectIsland {
     bool watched = false;    ///< of a tree or mechanism: impulses are wanted after every substep
     bool leapfrog = false;   ///< of a tree: speeds are those of the middle of a substep
     bool strides = false;    ///< of a tree: may take several substeps at once
+    bool alone = false;      ///< of a tree: goes through the step by itself
     bool open = false, ajar = false;  ///< of a tree: joints were open in this step by more than kOpen, kClosed
     direct::SolveReport report;
     double ms = 0;
+
+    /// Of a step.
+    void begin() {
+        factored = swept = open = ajar = unchanged = false;
+        report = {};
+        ms = 0;
+    }
 };
 
-/// Substeps that awake bodies take at once (world_strides.cpp).
+/// How awake bodies go through the substeps of a step (world_strides.cpp).
 struct BodyStrides {
     explicit BodyStrides(std::pmr::memory_resource* memory)
         : lists{AlignedArray<std::uint32_t>(memory), AlignedArray<std::uint32_t>(memory),
                 AlignedArray<std::uint32_t>(memory)},
-          marks(memory) {}
-    std::array<AlignedArray<std::uint32_t>, direct::TreePlan::kStrides> lists;  ///< of 1, 2 and 4; where `any` takes more
-    AlignedArray<std::uint8_t> marks;  ///< per body, 0 where it is of no tree
-    bool any = true;                   ///< some body takes more than one, or may have
+          marks(memory),
+          sharedJoints(memory) {}
+    static constexpr std::uint8_t kAlone = 128;  ///< in marks
+    /// Of 1, 2 and 4 substeps at once, without those of trees that are alone; where `any`.
+    std::array<AlignedArray<std::uint32_t>, direct::TreePlan::kStrides> lists;
+    AlignedArray<std::uint8_t> marks;           ///< per body, 0 where it is of no tree, else its stride
+    AlignedArray<std::uint32_t> sharedJoints;   ///< of direct islands, without those of trees that are alone
+    std::size_t aloneCount = 0;                 ///< bodies of such trees
+    bool any = true;                            ///< some body goes otherwise than by single substeps, or may have
 };
 
 /// Bodies that joints hold together (world_assemblies.cpp). They outlive the step while joints, the bodies that are awake

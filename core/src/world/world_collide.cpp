@@ -39,7 +39,7 @@ void WorldImpl::sortAwakeContacts() {
 
 /// Asks for what is looked at some places later.
 void WorldImpl::prefetchContact(int place, int end) const {
-    constexpr int kRecord = 12, kRest = 6;
+    constexpr int kRecord = 32, kRest = 16;
     if (place + kRecord < end) prefetch(&contacts[awakeContacts[static_cast<std::size_t>(place + kRecord)]]);
     if (place + kRest >= end) return;
     const ContactRecord& record = contacts[awakeContacts[static_cast<std::size_t>(place + kRest)]];

@@ -145,9 +145,23 @@ Manifold touchOf(const TriangleView& t, const ConvexView& shape, const Frame& fr
 
 }  // namespace
 
+/// Is a ball surely away from all bounds of a tree along its way? In doubles, which need no rounding to either side.
+static bool isAwayFrom(const BoundsTree& tree, const DVec3& from, const DVec3& to, float radius) {
+    constexpr double kMore = 1 + 1e-5;
+    if (tree.empty()) return true;
+    const Bounds& all = tree.bounds();
+    const double reach = kMore * static_cast<double>(radius);
+    const auto beside = [reach](double a, double b, float lower, float upper) {
+        return (a < b ? b : a) + reach < static_cast<double>(lower) || (a < b ? a : b) - reach > static_cast<double>(upper);
+    };
+    return beside(from.x, to.x, all.lower.x, all.upper.x) || beside(from.y, to.y, all.lower.y, all.upper.y) ||
+           beside(from.z, to.z, all.lower.z, all.upper.z);
+}
+
 /// Does the ball that holds a body come near anything on which a sweep from `start` could end?
 bool WorldImpl::mayMeet(std::uint32_t index, const DVec3& start) const {
     const BodyRecord& body = bodies[index];
+    if (!body.bullet && isAwayFrom(staticTree, start, body.center, body.radius)) return false;
     const Bounds path = boundsOfPath(start, body.center, body.radius);
     bool found = false;
     const auto visit = [&](std::uint32_t shape) {

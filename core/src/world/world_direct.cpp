@@ -4,6 +4,7 @@
 #include "constraints/contact_layout.h"
 #include "direct/newton.h"
 #include "world/world_impl.h"
+#include "world/world_regions.h"
 #include "world/world_strides.h"
 
 namespace ragtop {
@@ -16,6 +17,7 @@ void WorldImpl::applyChoices() {
     };
     std::size_t contactCount = 0;
     forEachInGraph(
+        *this,
         [&](std::uint32_t m) {
             const ContactRecord& contact = contacts[manifolds[m].contact];
             if (changes(contact.bodyA, contact.bodyB, manifolds[m].place)) movedConstraints.push(m), ++contactCount;
@@ -175,12 +177,12 @@ bool WorldImpl::isRenewed(const DirectIsland& island) const {
 }
 
 void WorldImpl::beginIsland(DirectIsland& island, int index) {
-    island.factored = island.swept = false;
-    island.report = {};
-    island.ms = 0;
-    island.open = island.ajar = false;
-    island.unchanged = false;
     if (island.tree) return;
+    island.begin();
+    for (std::uint32_t i = 0; i < island.contactCount; ++i)
+        directLanes[island.firstContact + i] = graph.lane(manifolds[directManifolds[island.firstContact + i]].place);
+    for (std::uint32_t i = 0; i < island.jointCount; ++i)
+        directSims[island.firstJoint + i] = &jointSims[directJoints[island.firstJoint + i]];
     if (island.mechanism) return beginMechanism(island, *mechanisms[static_cast<std::size_t>(index)]);
     direct::IslandSystem& system = *directSystems[island.system];
     island.unchanged = island.jointCount == 0 && system.restedThrough(settings.substeps) && !isRenewed(island);
@@ -197,18 +199,24 @@ void WorldImpl::beginIsland(DirectIsland& island, int index) {
     system.begin(parts, bodyArrays(), context);
 }
 
+/// In parallel, but trees, which are many and have their lanes; none is looked at where all are trees.
+template <class Visit>
+static void forEachDirectIsland(WorldImpl& world, Visit&& visit) {
+    AlignedArray<DirectIsland>& islands = world.directIslands;
+    if (world.chains.treeCount() == islands.size()) return;
+    world.runner.parallelFor(static_cast<int>(islands.size()), 1, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i)
+            if (DirectIsland& island = islands[static_cast<std::size_t>(i)]; !island.tree) visit(island, i);
+    });
+}
+
 void WorldImpl::beginDirect() {
     if (directIslands.empty()) return;
     noteDirectBundles();
     directLanes.resizeForOverwrite(directManifolds.size());
     directSims.resizeForOverwrite(directJoints.size());
-    for (std::size_t i = 0; i < directManifolds.size(); ++i)
-        directLanes[i] = graph.lane(manifolds[directManifolds[i]].place);
-    for (std::size_t i = 0; i < directJoints.size(); ++i) directSims[i] = &jointSims[directJoints[i]];
     directIndex.resizeForOverwrite(bodies.size());
-    runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) beginIsland(directIslands[static_cast<std::size_t>(i)], i);
-    });
+    forEachDirectIsland(*this, [&](DirectIsland& island, int i) { beginIsland(island, i); });
     beginChains();
 }
 
@@ -220,60 +228,58 @@ static bool isGivenUp(const DirectIsland& island) {
 
 void WorldImpl::solveDirect(DirectPass pass) {
     if (directIslands.empty()) return;
-    const BodyArrays arrays = bodyArrays();
-    runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) {
-            DirectIsland& island = directIslands[static_cast<std::size_t>(i)];
-            if (island.tree) continue;
-            if (island.swept) {
-                sweepIsland(island, pass);
-                continue;
-            }
-            if (island.mechanism) {
-                solveMechanism(island, *mechanisms[static_cast<std::size_t>(i)], pass);
-                continue;
-            }
-            direct::IslandSystem& system = *directSystems[island.system];
-            const auto start = std::chrono::steady_clock::now();
-            switch (pass) {
-                case DirectPass::positions:
-                    system.beginSubstep(arrays, jointContext);
-                    if (system.rests()) {
-                        system.writeVelocities(arrays);
-                        break;
-                    }
-                    system.aimAtPositions(arrays, context);
-                    if (island.jointCount > 0) island.factored = false;
-                    direct::solve(system, true, island.factored, island.report);
-                    if (isGivenUp(island)) {
-                        island.swept = true;
-                        sweepIsland(island, pass);
-                        break;
-                    }
-                    system.writeVelocities(arrays);
-                    if (system.aimAgain(arrays, jointContext)) {
-                        island.factored = false;
-                        direct::solve(system, false, island.factored, island.report);
-                        if (!isGivenUp(island)) system.writeVelocities(arrays);
-                    }
-                    break;
-                case DirectPass::velocities:
-                    if (system.aimAtVelocities(arrays, context)) {
-                        direct::solve(system, false, island.factored, island.report);
-                        if (isGivenUp(island)) {
-                            island.swept = true;
-                            sweepIsland(island, pass);
-                            break;
-                        }
-                        system.writeVelocities(arrays);
-                    }
-                    system.carryLoads(island.factored);
-                    break;
-            }
-            island.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-        }
+    forEachDirectIsland(*this, [&](DirectIsland& island, int i) {
+        if (island.swept)
+            sweepIsland(island, pass);
+        else if (island.mechanism)
+            solveMechanism(island, *mechanisms[static_cast<std::size_t>(i)], pass);
+        else
+            solveSystem(island, pass);
     });
     solveChains(pass);
+}
+
+/// By Newton's method.
+void WorldImpl::solveSystem(DirectIsland& island, DirectPass pass) {
+    const BodyArrays arrays = bodyArrays();
+    direct::IslandSystem& system = *directSystems[island.system];
+    const auto start = std::chrono::steady_clock::now();
+    switch (pass) {
+        case DirectPass::positions:
+            system.beginSubstep(arrays, jointContext);
+            if (system.rests()) {
+                system.writeVelocities(arrays);
+                break;
+            }
+            system.aimAtPositions(arrays, context);
+            if (island.jointCount > 0) island.factored = false;
+            direct::solve(system, true, island.factored, island.report);
+            if (isGivenUp(island)) {
+                island.swept = true;
+                sweepIsland(island, pass);
+                break;
+            }
+            system.writeVelocities(arrays);
+            if (system.aimAgain(arrays, jointContext)) {
+                island.factored = false;
+                direct::solve(system, false, island.factored, island.report);
+                if (!isGivenUp(island)) system.writeVelocities(arrays);
+            }
+            break;
+        case DirectPass::velocities:
+            if (system.aimAtVelocities(arrays, context)) {
+                direct::solve(system, false, island.factored, island.report);
+                if (isGivenUp(island)) {
+                    island.swept = true;
+                    sweepIsland(island, pass);
+                    break;
+                }
+                system.writeVelocities(arrays);
+            }
+            system.carryLoads(island.factored);
+            break;
+    }
+    island.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 /// What could not be solved is left to sweeps for a while, each time for twice as long until it comes to rest: a heap
@@ -301,7 +307,7 @@ void WorldImpl::endDirect() {
     for (std::size_t i = 0; i < directIslands.size(); ++i)
         if (const DirectIsland& island = directIslands[i]; island.mechanism) keepPace(island, *mechanisms[i]);
     for (const DirectIsland& island : directIslands)
-        if (island.strides) noteGaps(*this, island);
+        if (island.strides && !island.alone) noteGaps(*this, island);
     ledger.clear();
     if (directIslands.size() > ledger.capacity()) ledger.reserve(2 * directIslands.size() + 8);
     for (const DirectIsland& island : directIslands)
@@ -309,10 +315,8 @@ void WorldImpl::endDirect() {
                           static_cast<int>(island.bodyCount), static_cast<int>(island.contactCount),
                           static_cast<int>(island.jointCount), island.report.iterations, island.report.factorizations,
                           island.report.residual, island.ms, island.report.converged});
-    runner.parallelFor(static_cast<int>(directIslands.size()), 1, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i)
-            if (const DirectIsland& island = directIslands[static_cast<std::size_t>(i)]; !island.swept && hasSystem(island))
-                directSystems[island.system]->end(island.unchanged);
+    forEachDirectIsland(*this, [&](const DirectIsland& island, int) {
+        if (!island.swept && hasSystem(island)) directSystems[island.system]->end(island.unchanged);
     });
 }
 

@@ -21,15 +21,15 @@ void WorldImpl::sweepIsland(const DirectIsland& island, DirectPass pass) {
             bundle.visit(directLanes[island.firstContact + i],
                          [&](float* fields, int begin, int end) { kernel(fields, begin, end, arrays, all); });
     };
-    JointSim* const* sims = directSims.data() + island.firstJoint;
+    const std::uint32_t* members = directJoints.data() + island.firstJoint;
     if (moves) {
         for (std::uint32_t j = 0; j < island.jointCount; ++j)
-            warmStartJoint(*sims[j], arrays.states, arrays.inertia, own);
+            warmStartJoint(jointSims[members[j]], arrays.states, arrays.inertia, own);
         contactsBy(kernels->warmStartContacts);
     }
     for (int sweep = 0; sweep < (moves ? kSweeps : 1); ++sweep) {
         for (std::uint32_t j = 0; j < island.jointCount; ++j)
-            solveJoint(*sims[j], arrays.states, arrays.inertia, own, moves);
+            solveJoint(jointSims[members[j]], arrays.states, arrays.inertia, own, moves);
         contactsBy(moves ? kernels->solveContacts : kernels->relaxContacts);
     }
 }

@@ -10,6 +10,7 @@
 #include "base/aligned_array.h"
 #include "base/paged_array.h"
 #include "base/pair_set.h"
+#include "base/stage_memory.h"
 #include "base/stage_runner.h"
 #include "base/worker_choice.h"
 #include "broadphase/bounds_tree.h"
@@ -40,54 +41,32 @@ struct WorldImpl {
 
     // world_step.cpp: the stages of a step, in order.
     void step(World& world, double dt);
+    void prepareBody(std::uint32_t body);
     void prepareBodies();
     void prepareConstraints();
     void groupContacts();
     bool placeAndPrepare(int color, int begin, int end);
-    template <class Visit>
-    void forEachRegionsLists(Visit&& visit);
     template <class Count, class Visit>
     void forBlocksOfAllLists(int size, Count&& count, Visit&& visit);
+    void prepareJointOf(std::uint32_t joint);
     void prepareJoints();
     void storeJoints();
     void solveSubstep(World& world, int number);
     void solveSubsteps(World& world);
-    void solveRegions();
-    void solveRegion(int region);
-    void sweepRegion(int region, Sweep which, const SolverContext& own);
-    void sweepAll(Sweep which, const SolverContext& own);
     SolverContext contextOf(int number, bool moved) const;
-    template <class Visit>
-    void visitSweep(Sweep which, const SolverContext& own, Visit&& visit);
-    template <class Joint, class Joints, class Contacts>
-    void forUndivided(Joint&& alone, Joints&& wide, Contacts&& contact);
-    template <class Joint, class Joints, class Contacts>
-    void forRegion(int region, Joint&& alone, Joints&& wide, Contacts&& contact);
-
-    // world_regions.cpp
-    int wantedRegions() const;
-    bool anyBetweenRegions() const;
-    void divideIntoRegions();
-    void weighIslands();
-    bool mendRegions(int wanted);
-    bool dealOutIslands(int wanted);
-    void moveToRegions(int wanted);
-    void collectRegions();
-    bool goAlone() const;
     void moveAssembly(std::uint32_t assembly);
     void integrateVelocities();
     void warmStart();
     void solve(bool useBias);
     void integratePositions();
     void bounce();
-    template <class Visit>
-    void forEachDirectBouncing(Visit&& visit);
+    void finishBody(std::size_t awakePlace);
     void finishBodies();
+    void makeRoomToFinish();
     bool ranAway(std::uint32_t body) const;
     void stayPut(std::uint32_t body);
     void forgetImpulses(std::uint32_t body);
     void stopRunaways();
-    void stopVanishing(std::uint32_t body, float gravity);
     void restrictInertia(std::uint32_t body);
 
     // world_pairs.cpp: broad phase.
@@ -236,6 +215,8 @@ struct WorldImpl {
 
     // world_islands.cpp: what bears on what, and the choice of solvers.
     void noteForce(std::uint32_t body);
+    void beginMeasuring();
+    direct::IslandFeatures& islandOf(std::uint32_t body) { return islandFeatures[islandNumber[findRoot(body)]]; }
     void collectBearings();
     void findLevels();
     void estimateLoads(bool pushes);
@@ -260,8 +241,6 @@ struct WorldImpl {
     // world_direct.cpp: islands that are solved directly.
     enum class DirectPass { positions, velocities };
     void applyChoices();
-    template <class Contact, class Joint>
-    void forEachInGraph(Contact&& contact, Joint&& joint) const;
     void groupDirect();
     void numberDirectBodies();
     void beginDirect();
@@ -270,6 +249,7 @@ struct WorldImpl {
     bool isRenewed(const DirectIsland& island) const;
     void beginIsland(DirectIsland& island, int index);
     void solveDirect(DirectPass pass);
+    void solveSystem(DirectIsland& island, DirectPass pass);
     void endDirect();
     void barGivenUp(const DirectIsland& island, bool rests);
     void sweepIsland(const DirectIsland& island, DirectPass pass);
@@ -281,11 +261,11 @@ struct WorldImpl {
     bool drawTree(std::uint32_t start, DrawnTree& drawn);
     void layLinks(std::uint32_t root, DrawnTree& drawn);
     void planChains();
+    void beginGroup(direct::TreePlan::Group& group);
     void beginChains();
+    void solveGroup(direct::TreePlan::Group& group, DirectPass pass, int substep);
     void solveChains(DirectPass pass);
     void storeImpulses(const direct::TreePlan::Group& group, int lane);
-    template <class Visit>
-    void forEachChainGroup(Visit&& visit);
 
     // world_mechanisms.cpp: those with loops, in their own time.
     void planMechanisms();
@@ -432,6 +412,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> awakeBodies, awakeContacts, moveBuffer;
     BodyStrides strides;
     ConstraintGraph graph;
+    StageMemory stageMemory;  ///< no state, but of the trees
     BoundsTree staticTree, movingTree;
     PairSet pairs;
     std::uint64_t stepCount = 0, structureVersion = 0;
@@ -450,8 +431,8 @@ struct WorldImpl {
     Regions regions;
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled
-    AlignedArray<std::uint64_t> contactOrder;  ///< scratch of world_order.cpp, as the two after it
-    AlignedArray<std::uint32_t> movedFrom, movedTo;
+    StageArray<std::uint64_t> contactOrder;  ///< of world_order.cpp, as the two after it
+    StageArray<std::uint32_t> movedFrom, movedTo;
     AlignedArray<std::uint8_t> manifoldTouches;  ///< per manifold, a ManifoldTouch at the end of the last step
     AlignedArray<std::uint8_t> laneTouches;      ///< the same per lane of a colour
     bool surfacesForgotten = false;              ///< lanes are to be told anew what the surfaces are
@@ -468,11 +449,12 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     Assemblies assemblies;
     BoundsLeft boundsLeft;
-    AlignedArray<IslandBearing> bearings;
-    AlignedArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
+    StageArray<IslandBearing> bearings;  ///< of world_islands.cpp, as the four after it
+    StageArray<std::uint32_t> bearingBegin, neighbours;  ///< of moving bodies, per body
     LoadPaths paths;
     AlignedArray<std::uint32_t> freshManifolds;    ///< made in this step, of bodies that have not moved yet
-    AlignedArray<direct::IslandFeatures> islandFeatures;  ///< per root
+    StageArray<std::uint32_t> islandNumber;  ///< per root
+    StageArray<direct::IslandFeatures> islandFeatures;
     AlignedArray<DirectIsland> directIslands;
     AlignedArray<std::uint32_t> directBodies, directManifolds, directJoints;  ///< grouped by island
     AlignedArray<float*> directLanes;
@@ -495,7 +477,7 @@ struct WorldImpl {
     PairSearch pairSearch;
     AlignedArray<std::uint32_t> sweptBodies;  ///< those that are kSwept in this step
     AlignedArray<SweptImpact> sweptImpacts;  ///< of this step, for its events
-    AlignedArray<StartPose> startPoses;      ///< per awake body, of bodies to sweep
+    StageArray<StartPose> startPoses;        ///< per awake body, while the step is finished
     SolverContext context;
     bool bouncy = false;      ///< does any contact of this step have restitution?
     bool posesMoved = false;  ///< poses are those of the end of the step, startPoses of its beginning
@@ -514,18 +496,5 @@ struct WorldImpl {
     std::chrono::steady_clock::time_point stageStart, stepStart;
     double totalMs = 0;
 };
-
-/// Calls contact(manifold), then joint(joint), for all that is in the graph, in an order that depends on the scene alone.
-template <class Contact, class Joint>
-void WorldImpl::forEachInGraph(Contact&& contact, Joint&& joint) const {
-    for (const std::uint32_t index : awakeContacts) {
-        const ContactRecord& record = contacts[index];
-        if (record.firstManifold == kNone) continue;
-        for (std::uint32_t k = record.firstManifold; k < record.firstManifold + record.manifoldCapacity; ++k)
-            if (manifolds[k].place.color != kNone) contact(k);
-    }
-    for (std::uint32_t j = 0; j < jointSlots.count(); ++j)
-        if (jointSlots.isUsed(j) && joints[j].place.color != kNone) joint(j);
-}
 
 }  // namespace ragtop

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "world/world_impl.h"
+#include "world/world_regions.h"
 
 namespace ragtop {
 
@@ -23,17 +24,40 @@ void WorldImpl::noteForce(std::uint32_t index) {
     if (length(body.force) > kPressed * body.mass * length(settings.gravity)) graphChanged = structureChanged = true;
 }
 
-/// Everything that bears or holds: contacts within reach, and joints.
-void WorldImpl::collectBearings() {
-    // Room for all, whether they are near or not: what comes near later asks for no memory.
-    std::size_t room = 0;
+/// Takes memory for what measuring islands finds, and numbers these.
+void WorldImpl::beginMeasuring() {
+    // Room for all contacts, whether they are near or not: what comes near later asks for no memory.
+    std::size_t room = 0, islands = 0;
     for (int c = 0; c < graph.listCount(); ++c)
         room += graph.color(c).manifolds.capacity() + graph.color(c).joints.capacity();
-    if (room > bearings.capacity()) bearings.reserve(room + room / 4);
-    if (2 * room > neighbours.capacity()) neighbours.reserve(2 * (room + room / 4));
-    bearings.clear();
+    for (const std::uint32_t body : awakeBodies) islands += islandParent[body] == body ? 1 : 0;
+    using M = StageMemory;
+    const std::size_t all = bodies.size();
+    stageMemory.begin(M::bytesOf<IslandBearing>(room) + M::bytesOf<std::uint32_t>(2 * room) +
+                      M::bytesOf<std::uint32_t>(all + 1) + 3 * M::bytesOf<std::uint32_t>(all) +
+                      M::bytesOf<float>(all) + M::bytesOf<std::uint8_t>(all) +
+                      M::bytesOf<direct::IslandFeatures>(islands));
+    bearings = stageMemory.take<IslandBearing>(room);
+    neighbours = stageMemory.take<std::uint32_t>(2 * room);
+    bearingBegin = stageMemory.take<std::uint32_t>(all + 1);
+    islandNumber = stageMemory.take<std::uint32_t>(all);
+    paths.levels = stageMemory.take<std::uint32_t>(all);
+    paths.supports = stageMemory.take<std::uint32_t>(all);
+    paths.carried = stageMemory.take<float>(all);
+    paths.heldLevel = stageMemory.take<std::uint8_t>(all);
+    islandFeatures = stageMemory.take<direct::IslandFeatures>(islands);
+    for (const std::uint32_t body : awakeBodies) {
+        if (islandParent[body] != body) continue;
+        islandNumber[body] = static_cast<std::uint32_t>(islandFeatures.size());
+        islandFeatures.push({});
+    }
+}
+
+/// Everything that bears or holds: contacts within reach, and joints.
+void WorldImpl::collectBearings() {
     // Not by the lists of the graph: sums follow this order, and who is where in them depends on the number of workers.
     forEachInGraph(
+        *this,
         [&](std::uint32_t m) {
             const ManifoldRecord& manifold = manifolds[m];
             const ContactRecord& contact = contacts[manifold.contact];
@@ -152,18 +176,18 @@ bool WorldImpl::isInContact(std::uint32_t body) const {
 }
 
 void WorldImpl::measureIslands() {
+    beginMeasuring();
     collectBearings();
     findLevels();
     estimateLoads(true);
-    islandFeatures.resizeForOverwrite(bodies.size());
     paths.heldLevel.resizeForOverwrite(bodies.size());
-    for (const std::uint32_t body : awakeBodies) islandFeatures[body] = {}, paths.heldLevel[body] = 0;
+    for (const std::uint32_t body : awakeBodies) paths.heldLevel[body] = 0;
 
     const float gravity = length(settings.gravity);
     const Vec3 up = gravity > 0 ? (-1 / gravity) * settings.gravity : Vec3{};
     for (const IslandBearing& bearing : bearings) {
         const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
-        direct::IslandFeatures& island = islandFeatures[findRoot(movesA ? bearing.a : bearing.b)];
+        direct::IslandFeatures& island = islandOf(movesA ? bearing.a : bearing.b);
         island.pairs += movesA && movesB;
         const bool aBears = movesB && (!movesA || paths.levels[bearing.a] < paths.levels[bearing.b]);
         const bool bBears = movesA && (!movesB || paths.levels[bearing.b] < paths.levels[bearing.a]);
@@ -196,7 +220,7 @@ void WorldImpl::measureIslands() {
     }
     for (const std::uint32_t body : awakeBodies) {
         if (!moves(body)) continue;
-        direct::IslandFeatures& island = islandFeatures[findRoot(body)];
+        direct::IslandFeatures& island = islandOf(body);
         ++island.bodies;
         island.bare &= turnsFreely(body);
         island.spin = std::max(island.spin, context.h * length(states[body].w));
@@ -209,10 +233,10 @@ void WorldImpl::measureIslands() {
     }
     for (const std::uint32_t body : awakeBodies) {
         if (!moves(body)) continue;
-        direct::IslandFeatures& island = islandFeatures[findRoot(body)];
+        direct::IslandFeatures& island = islandOf(body);
         if (island.joints > 0 && !island.touches) island.touches = isInContact(body);
     }
-    forEachCoupledPair([&](std::uint32_t, std::uint32_t body) { islandFeatures[findRoot(body)].coupled = true; });
+    forEachCoupledPair([&](std::uint32_t, std::uint32_t body) { islandOf(body).coupled = true; });
 }
 
 /// Of joints alone.
@@ -227,7 +251,7 @@ static bool onlyWhile(direct::Reason reason) { return reason == direct::Reason::
 bool WorldImpl::decideIslands(std::int32_t elapsed) {
     for (const std::uint32_t body : awakeBodies) {
         if (!moves(body)) continue;
-        direct::IslandFeatures& island = islandFeatures[findRoot(body)];
+        direct::IslandFeatures& island = islandOf(body);
         const std::int32_t steps = bodies[body].directSteps;
         island.direct |= steps > 0;
         if (steps > 0) island.last = bodies[body].directReason;
@@ -237,7 +261,7 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
     bool waiting = false;
     for (const std::uint32_t body : awakeBodies) {
         if (!moves(body) || findRoot(body) != body) continue;
-        direct::IslandFeatures& island = islandFeatures[body];
+        direct::IslandFeatures& island = islandOf(body);
         island.reason = chooseDirect(island);
         if (settings.solver == 1 || island.coupled) island.reason = direct::Reason::none, island.staying = 0;
         const bool large = island.bodies > direct::kMostBodies;
@@ -261,7 +285,7 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
     }
     for (const std::uint32_t body : awakeBodies) {
         if (!moves(body)) continue;
-        const direct::IslandFeatures& island = islandFeatures[findRoot(body)];
+        const direct::IslandFeatures& island = islandOf(body);
         bodies[body].directSteps = island.staying;
         bodies[body].directReason = island.reason;
     }

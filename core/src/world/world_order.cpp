@@ -20,7 +20,7 @@ std::uint32_t spread(std::uint32_t v) {
 
 /// Puts what was at from[place] to each place; `from` is a permutation, which this uses up.
 template <class... T>
-void permute(AlignedArray<std::uint32_t>& from, PagedArray<T>&... items) {
+void permute(StageArray<std::uint32_t>& from, PagedArray<T>&... items) {
     for (std::uint32_t start = 0; start < from.size(); ++start) {
         if (from[start] == start) continue;
         std::uint32_t place = start;
@@ -138,6 +138,11 @@ void WorldImpl::orderContacts() {
     constexpr std::uint32_t kFew = 4096;  // whose memory is near anyway
     if (contactsMade < kFew || contactsMade < contactSlots.used()) return;
     contactsMade = 0;
+    const std::size_t most = std::max<std::size_t>(contactSlots.count(), manifolds.size());
+    stageMemory.begin(StageMemory::bytesOf<std::uint64_t>(most) + 2 * StageMemory::bytesOf<std::uint32_t>(most));
+    contactOrder = stageMemory.take<std::uint64_t>(most);
+    movedFrom = stageMemory.take<std::uint32_t>(most);
+    movedTo = stageMemory.take<std::uint32_t>(most);
     sortContactsBySpace();
     moveContacts();
     moveManifolds();

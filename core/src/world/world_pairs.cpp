@@ -20,13 +20,17 @@ Bounds WorldImpl::enlarged(const Bounds& bounds, float margin) {
     return {bounds.lower - m, bounds.upper + m};
 }
 
+static Bounds boundsNow(const WorldImpl& world, const ShapeRecord& shape) {
+    return boundsOf(world.geometries[shape.geometry].shape, world.shapePose(shape));
+}
+static Bounds boundsAlong(const Bounds& now, const Vec3& motion) {
+    return {min(now.lower, now.lower + motion), max(now.upper, now.upper + motion)};
+}
+
 /// Where a shape is and, going on as it does, will be after dt.
 Bounds WorldImpl::tightBounds(const ShapeRecord& shape, float ahead) const {
-    const BodyRecord& body = bodies[shape.body];
-    const Bounds now = boundsOf(geometries[shape.geometry].shape, shapePose(shape));
-    if (body.type == BodyType::fixed) return now;
-    const Vec3 motion = ahead * states[shape.body].v;
-    return {min(now.lower, now.lower + motion), max(now.upper, now.upper + motion)};
+    const Bounds now = boundsNow(*this, shape);
+    return bodies[shape.body].type == BodyType::fixed ? now : boundsAlong(now, ahead * states[shape.body].v);
 }
 
 void WorldImpl::insertProxy(std::uint32_t index) {
@@ -57,10 +61,12 @@ void WorldImpl::markMoved(std::uint32_t shape) {
     moveBuffer.push(shape);
 }
 
+constexpr float kNearly = 0.99f;  ///< of room that is counted on, for bounds are rounded
+
 /// Bounds that are made now leave room; where there are several shapes, the one that has least is not known.
 void WorldImpl::giveRoom(std::uint32_t index) {
-    constexpr float kNearly = 0.99f;  // bounds are rounded
     BodyRecord& body = bodies[index];
+    if (index < boundsLeft.rooms.size()) boundsLeft.rooms[index].travel = BoundsRoom::kUnknown;
     const bool single = body.firstShape != kNone && shapes[body.firstShape].next == kNone;
     body.room = single && body.type != BodyType::fixed ? kNearly * tuning::kFatMargin * body.size : 0.0f;
 }
@@ -104,42 +110,77 @@ void WorldImpl::coverLaunched(bool all) {
 /// Bounds that a shape is given when it has left its old ones. They count the coming step alone, since all that they meet
 /// is to be collided. What swings on joints with nothing near it is given those of several steps, and an eighth of that
 /// way aside, for its path bends; it then looks for partners as much more seldom.
-static Bounds newBounds(const WorldImpl& world, const ShapeRecord& shape) {
+static Bounds newBounds(const WorldImpl& world, const ShapeRecord& shape, const Bounds& now, bool isFree) {
     constexpr float kFreeSteps = 4, kAside = 1.0f / 8;
-    const float margin = tuning::kFatMargin * shape.size;
-    if (!world.isDirect(shape.body) || world.bodies[shape.body].firstContact != kNone)
-        return WorldImpl::enlarged(world.tightBounds(shape, world.dt), margin);
-    const float ahead = kFreeSteps * world.dt, way = ahead * length(world.states[shape.body].v);
-    return WorldImpl::enlarged(world.tightBounds(shape, ahead), margin + kAside * way);
+    const float margin = tuning::kFatMargin * shape.size, ahead = (isFree ? kFreeSteps : 1) * world.dt;
+    const Vec3 motion = ahead * world.states[shape.body].v;
+    return WorldImpl::enlarged(boundsAlong(now, motion), isFree ? margin + kAside * length(motion) : margin);
+}
+
+/// The room of a body with a single shape, which bounds of several steps leave it.
+static void giveFreeRoom(WorldImpl& world, std::uint32_t index, const Bounds& now, const Bounds& given) {
+    const BodyRecord& body = world.bodies[index];
+    if (world.shapes[body.firstShape].next != kNone) return;
+    world.boundsLeft.rooms[index] = {kNearly * (now.lower - given.lower), kNearly * (given.upper - now.upper), body.travel};
+}
+
+/// Takes from such room what a body has moved and turned by; true where enough is left for the coming step.
+static bool keepsToRoom(BoundsRoom& room, const Vec3& moved, float turned, const Vec3& coming, double travel) {
+    const Vec3 turn{turned, turned, turned}, none;
+    room.below = room.below + moved - turn;
+    room.above = room.above - moved - turn;
+    room.travel = travel;
+    const Vec3 low = room.below + min(coming, none), high = room.above - max(coming, none);
+    return low.x > 0 && low.y > 0 && low.z > 0 && high.x > 0 && high.y > 0 && high.z > 0;
+}
+
+/// Gives shapes of a body that have left their bounds new ones; returns how many of these are not in the move buffer yet.
+static std::uint32_t refitBody(WorldImpl& world, std::uint32_t index) {
+    BodyRecord& body = world.bodies[index];
+    const bool isFree = world.isDirect(index) && body.firstContact == kNone;
+    const Vec3 coming = world.dt * world.states[index].v;
+    std::uint32_t moved = 0;
+    Bounds now, given;
+    for (std::uint32_t s = body.firstShape; s != kNone; s = world.shapes[s].next) {
+        const ShapeRecord& shape = world.shapes[s];
+        now = boundsNow(world, shape);
+        if (contains(world.movingTree.bounds(shape.proxy), boundsAlong(now, coming))) continue;
+        given = newBounds(world, shape, now, isFree);
+        world.movingTree.give(shape.proxy, given);
+        moved += shape.inMoveBuffer ? 0 : 1;
+        body.refitted = true;
+    }
+    if (!body.refitted) return 0;
+    world.giveRoom(index);
+    if (isFree) giveFreeRoom(world, index, now, given);
+    return moved;
 }
 
 /// Adds what bodies have moved to their travel and gives shapes that have left their bounds new ones; returns how many
 /// of these are not in the move buffer yet.
 static std::uint32_t refitBodies(WorldImpl& world, std::size_t begin, std::size_t end) {
-    BoundsTree& tree = world.movingTree;
     std::uint32_t moved = 0;
     for (std::size_t place = begin; place < end; ++place) {
         const std::uint32_t index = world.awakeBodies[place];
         const StartPose& start = world.startPoses[place];
         BodyRecord& body = world.bodies[index];
-        const Quat turn = body.rotation * conjugate(start.rotation);
-        const float way = length(relative(body.center, start.center)) +
-                          2 * length(Vec3{turn.x, turn.y, turn.z}) * body.coreRadius;
+        const Quat rotation = body.rotation * conjugate(start.rotation);
+        const Vec3 motion = relative(body.center, start.center);
+        const float turn = 2 * length(Vec3{rotation.x, rotation.y, rotation.z}) * body.coreRadius;
+        const float way = length(motion) + turn;
+        const double before = body.travel;
         body.travel += static_cast<double>(way);
         body.room -= way;
         body.refitted = false;
         world.boundsLeft.bodies[place] = 0;
-        if (length(world.states[index].v) * world.dt < body.room) continue;
-        for (std::uint32_t s = body.firstShape; s != kNone; s = world.shapes[s].next) {
-            const ShapeRecord& shape = world.shapes[s];
-            if (contains(tree.bounds(shape.proxy), world.tightBounds(shape, world.dt))) continue;
-            tree.give(shape.proxy, newBounds(world, shape));
-            moved += shape.inMoveBuffer ? 0 : 1;
-            body.refitted = true;
-        }
-        if (!body.refitted) continue;
-        world.boundsLeft.bodies[place] = 1;
-        world.giveRoom(index);
+        const Vec3 coming = world.dt * world.states[index].v;
+        // Of what has contacts, or had some since, the room is not known.
+        BoundsRoom& room = world.boundsLeft.rooms[index];
+        if (body.firstContact == kNone && room.travel == before && keepsToRoom(room, motion, turn, coming, body.travel))
+            continue;
+        if (length(coming) < body.room) continue;
+        moved += refitBody(world, index);
+        world.boundsLeft.bodies[place] = body.refitted ? 1 : 0;
     }
     return moved;
 }
@@ -151,6 +192,7 @@ void WorldImpl::refitBounds() {
     const std::size_t count = awakeBodies.size(), blocks = (count + kAtOnce - 1) / kAtOnce;
     AlignedArray<std::uint32_t>& starts = boundsLeft.starts;
     boundsLeft.bodies.resizeForOverwrite(count);
+    boundsLeft.rooms.resize(bodies.size(), {});
     starts.resizeForOverwrite(blocks + 1);
     const auto forBlocks = [&](auto&& visit) {
         runner.parallelFor(static_cast<int>(blocks), 1, [&](int begin, int end, int) {

@@ -191,7 +191,7 @@ bool WorldImpl::bearsLoad(const ManifoldRecord& manifold) const {
 bool WorldImpl::mayBeSeam(const ContactRecord& record, const ManifoldRecord& manifold) const {
     if (record.sensor || record.isMesh) return false;
     if (bodies[record.bodyA].ahead + bodies[record.bodyB].ahead < kClosing * record.size) return false;
-    return manifold.pointCount > 0 && !bearsLoad(manifold) && closes(record, manifold, kClosing * record.size);
+    return manifold.pointCount > 0 && closes(record, manifold, kClosing * record.size) && !bearsLoad(manifold);
 }
 
 void WorldImpl::hideSeam(ContactRecord& record) {

@@ -10,8 +10,145 @@
 
 namespace ragtop {
 
+namespace {
+
+/// A list in blocks of `size`, numbered from `first`.
+struct Blocks {
+    int size, begin, end, first;
+
+    int count() const { return (end - begin + size - 1) / size; }
+    int next() const { return first + count(); }
+    template <class Visit>
+    void visit(int block, Visit&& visit) const {
+        const int from = begin + (block - first) * size;
+        visit(from, from + size < end ? from + size : end);
+    }
+};
+
+}  // namespace
+
+/// What is in no region: overflow first and serially, then the colours in order, each in parallel: alone(joint) for its
+/// single joints, wide(begin, end) and contact(bundles, begin, end) for its bundles.
+template <class Joint, class Joints, class Contacts>
+static void forUndivided(WorldImpl& world, Joint&& alone, Joints&& wide, Contacts&& contact) {
+    constexpr int kJointsPerBlock = 8;
+    constexpr int kMostBlocks = 64;  // of contacts: what is next in memory is best solved by the same thread
+    const int jointBundlesPerBlock = 32 / world.jointKernels->lanes, leastContactBundles = 32 / world.graph.lanes();
+    const auto singles = [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) alone(world.jointBundles.single(i));
+    };
+    const JointBundles::Color& serial = world.jointBundles.color(ConstraintGraph::kOverflow);
+    ConstraintGraph::Color& overflow = world.graph.color(ConstraintGraph::kOverflow);
+    singles(serial.firstSingle, serial.endSingle);
+    for (int i = 0; i < world.graph.bundleCount(ConstraintGraph::kOverflow); ++i) contact(overflow.bundles.data(), i, i + 1);
+
+    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
+        if ((world.regions.usedLists[0] >> c & 1) == 0) continue;
+        float* bundles = world.graph.color(c).bundles.data();
+        const JointBundles::Color& bundled = world.jointBundles.color(c);
+        const Blocks singleBlocks{kJointsPerBlock, bundled.firstSingle, bundled.endSingle, 0};
+        const Blocks wideBlocks{jointBundlesPerBlock, bundled.begin, bundled.end, singleBlocks.next()};
+        const int contactBundles = world.graph.bundleCount(c), size = std::max(leastContactBundles, contactBundles / kMostBlocks);
+        const Blocks contactBlocks{size, 0, contactBundles, wideBlocks.next()};
+        world.runner.parallelFor(contactBlocks.next(), 1, [&](int begin, int end, int) {
+            for (int b = begin; b < end; ++b) {
+                if (b < wideBlocks.first)
+                    singleBlocks.visit(b, singles);
+                else if (b < contactBlocks.first)
+                    wideBlocks.visit(b, wide);
+                else
+                    contactBlocks.visit(b, [&](int first, int last) { contact(bundles, first, last); });
+            }
+        });
+    }
+}
+
+/// The same for a region, on the calling thread.
+template <class Joint, class Joints, class Contacts>
+static void forRegion(WorldImpl& world, int region, Joint&& alone, Joints&& wide, Contacts&& contact) {
+    const int first = ConstraintGraph::firstList(region);
+    const std::uint32_t used = world.regions.usedLists[static_cast<std::size_t>(region)];
+    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
+        if ((used >> c & 1) == 0) continue;
+        const JointBundles::Color& bundled = world.jointBundles.color(first + c);
+        for (int i = bundled.firstSingle; i < bundled.endSingle; ++i) alone(world.jointBundles.single(i));
+        if (bundled.begin < bundled.end) wide(bundled.begin, bundled.end);
+        const int count = world.graph.bundleCount(first + c);
+        if (count > 0) contact(world.graph.color(first + c).bundles.data(), 0, count);
+    }
+}
+
+/// Calls visit(alone, wide, contact) with what a pass does to single joints, bundles of joints and bundles of contacts.
+template <class Visit>
+static void visitSweep(WorldImpl& world, Sweep which, const SolverContext& own, Visit&& visit) {
+    const BodyArrays arrays = world.bodyArrays();
+    const JointLanesView lanes = world.jointBundles.view(world.jointSims.data());
+    const JointPass pass{arrays, world.jointContext};
+    const bool warm = which == Sweep::warmStart, moving = which == Sweep::solve;
+    const auto passJoints = warm ? world.jointKernels->warmStart : moving ? world.jointKernels->solve : world.jointKernels->relax;
+    const auto passContacts = warm ? world.kernels->warmStartContacts : moving ? world.kernels->solveContacts : world.kernels->relaxContacts;
+    const bool withJoints = warm || own.normals;
+    visit(
+        [&](std::uint32_t j) {
+            if (warm)
+                warmStartJoint(world.jointSims[j], arrays.states, arrays.inertia, world.jointContext);
+            else if (withJoints)
+                solveJoint(world.jointSims[j], arrays.states, arrays.inertia, world.jointContext, moving);
+        },
+        [&](int begin, int end) {
+            if (withJoints) passJoints(lanes, begin, end, pass);
+        },
+        [&](float* bundles, int begin, int end) { passContacts(bundles, begin, end, arrays, own); });
+}
+
+static void sweepRegion(WorldImpl& world, int region, Sweep which, const SolverContext& own) {
+    visitSweep(world, which, own, [&](auto&& alone, auto&& wide, auto&& contact) { forRegion(world, region, alone, wide, contact); });
+}
+
+static void sweepAll(WorldImpl& world, Sweep which, const SolverContext& own) {
+    visitSweep(world, which, own, [&](auto&& alone, auto&& wide, auto&& contact) { forUndivided(world, alone, wide, contact); });
+    world.runner.parallelFor(world.graph.regionCount(), 1, [&](int begin, int end, int) {
+        for (int r = begin + 1; r <= end; ++r) sweepRegion(world, r, which, own);
+    });
+}
+
+/// All substeps of what has nothing to do with anybody else.
+static void solveRegion(WorldImpl& world, int region) {
+    const BodyArrays arrays = world.bodyArrays();
+    const std::span<const std::uint32_t> list = world.regions.bodies.of(region);
+    const auto count = static_cast<int>(list.size());
+    for (int i = 0; i < world.settings.substeps; ++i) {
+        const SolverContext before = world.contextOf(i, false), after = world.contextOf(i, true);
+        world.kernels->integrateVelocities(arrays, list.data(), 0, count, before);
+        sweepRegion(world, region, Sweep::warmStart, before);
+        sweepRegion(world, region, Sweep::solve, before);
+        for (const std::uint32_t assembly : world.regions.assemblies.of(region)) world.moveAssembly(assembly);
+        world.kernels->integratePositions(arrays, list.data(), 0, count, before);
+        sweepRegion(world, region, Sweep::relax, after);
+    }
+}
+
+/// Region 0 are bodies of none, that touch nothing and nothing moves.
+static void solveRegions(WorldImpl& world) {
+    world.runner.parallelFor(world.graph.regionCount() + 1, 1, [&](int begin, int end, int) {
+        for (int r = begin; r < end; ++r) solveRegion(world, r);
+    });
+    world.context = world.contextOf(world.settings.substeps - 1, true);
+}
+
+/// Contacts of direct islands that may bounce.
+template <class Visit>
+static void forEachDirectBouncing(WorldImpl& world, Visit&& visit) {
+    const auto stride = static_cast<std::size_t>(world.graph.lanes());
+    SingleBundle bundle(world.graph.lanes());
+    for (const std::uint32_t m : world.graph.color(ConstraintGraph::kDirect).manifolds) {
+        float* lane = world.graph.lane(world.manifolds[m].place);
+        if (lane[contact::kRestitution * stride] > 0) bundle.visit(lane, visit);
+    }
+}
+
 void WorldImpl::solveSubsteps(World& world) {
-    if (regions.alone) return solveRegions();
+    if (regions.alone) return solveRegions(*this);
     for (int i = 0; i < settings.substeps; ++i) solveSubstep(world, i);
 }
 
@@ -42,30 +179,6 @@ void WorldImpl::solveSubstep(World& world, int number) {
     solve(false);
 }
 
-/// All substeps of what has nothing to do with anybody else.
-void WorldImpl::solveRegion(int region) {
-    const BodyArrays arrays = bodyArrays();
-    const std::span<const std::uint32_t> list = regions.bodies.of(region);
-    const auto count = static_cast<int>(list.size());
-    for (int i = 0; i < settings.substeps; ++i) {
-        const SolverContext before = contextOf(i, false), after = contextOf(i, true);
-        kernels->integrateVelocities(arrays, list.data(), 0, count, before);
-        sweepRegion(region, Sweep::warmStart, before);
-        sweepRegion(region, Sweep::solve, before);
-        for (const std::uint32_t assembly : regions.assemblies.of(region)) moveAssembly(assembly);
-        kernels->integratePositions(arrays, list.data(), 0, count, before);
-        sweepRegion(region, Sweep::relax, after);
-    }
-}
-
-/// Region 0 are bodies of none, that touch nothing and nothing moves.
-void WorldImpl::solveRegions() {
-    runner.parallelFor(graph.regionCount() + 1, 1, [&](int begin, int end, int) {
-        for (int r = begin; r < end; ++r) solveRegion(r);
-    });
-    context = contextOf(settings.substeps - 1, true);
-}
-
 void WorldImpl::integrateVelocities() {
     const BodyArrays arrays = bodyArrays();
     forBodiesInTurn(*this, [&](const std::uint32_t* list, int begin, int end, const SolverContext& own) {
@@ -80,111 +193,9 @@ void WorldImpl::integratePositions() {
     });
 }
 
-namespace {
-
-/// A list in blocks of `size`, numbered from `first`.
-struct Blocks {
-    int size, begin, end, first;
-
-    int count() const { return (end - begin + size - 1) / size; }
-    int next() const { return first + count(); }
-    template <class Visit>
-    void visit(int block, Visit&& visit) const {
-        const int from = begin + (block - first) * size;
-        visit(from, from + size < end ? from + size : end);
-    }
-};
-
-}  // namespace
-
-/// What is in no region: overflow first and serially, then the colours in order, each in parallel: alone(joint) for its
-/// single joints, wide(begin, end) and contact(bundles, begin, end) for its bundles.
-template <class Joint, class Joints, class Contacts>
-void WorldImpl::forUndivided(Joint&& alone, Joints&& wide, Contacts&& contact) {
-    constexpr int kJointsPerBlock = 8;
-    constexpr int kMostBlocks = 64;  // of contacts: what is next in memory is best solved by the same thread
-    const int jointBundlesPerBlock = 32 / jointKernels->lanes, leastContactBundles = 32 / graph.lanes();
-    const auto singles = [&](int begin, int end) {
-        for (int i = begin; i < end; ++i) alone(jointBundles.single(i));
-    };
-    const JointBundles::Color& serial = jointBundles.color(ConstraintGraph::kOverflow);
-    ConstraintGraph::Color& overflow = graph.color(ConstraintGraph::kOverflow);
-    singles(serial.firstSingle, serial.endSingle);
-    for (int i = 0; i < graph.bundleCount(ConstraintGraph::kOverflow); ++i) contact(overflow.bundles.data(), i, i + 1);
-
-    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
-        if ((regions.usedLists[0] >> c & 1) == 0) continue;
-        float* bundles = graph.color(c).bundles.data();
-        const JointBundles::Color& bundled = jointBundles.color(c);
-        const Blocks singleBlocks{kJointsPerBlock, bundled.firstSingle, bundled.endSingle, 0};
-        const Blocks wideBlocks{jointBundlesPerBlock, bundled.begin, bundled.end, singleBlocks.next()};
-        const int contactBundles = graph.bundleCount(c), size = std::max(leastContactBundles, contactBundles / kMostBlocks);
-        const Blocks contactBlocks{size, 0, contactBundles, wideBlocks.next()};
-        runner.parallelFor(contactBlocks.next(), 1, [&](int begin, int end, int) {
-            for (int b = begin; b < end; ++b) {
-                if (b < wideBlocks.first)
-                    singleBlocks.visit(b, singles);
-                else if (b < contactBlocks.first)
-                    wideBlocks.visit(b, wide);
-                else
-                    contactBlocks.visit(b, [&](int first, int last) { contact(bundles, first, last); });
-            }
-        });
-    }
-}
-
-/// The same for a region, on the calling thread.
-template <class Joint, class Joints, class Contacts>
-void WorldImpl::forRegion(int region, Joint&& alone, Joints&& wide, Contacts&& contact) {
-    const int first = ConstraintGraph::firstList(region);
-    const std::uint32_t used = regions.usedLists[static_cast<std::size_t>(region)];
-    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
-        if ((used >> c & 1) == 0) continue;
-        const JointBundles::Color& bundled = jointBundles.color(first + c);
-        for (int i = bundled.firstSingle; i < bundled.endSingle; ++i) alone(jointBundles.single(i));
-        if (bundled.begin < bundled.end) wide(bundled.begin, bundled.end);
-        const int count = graph.bundleCount(first + c);
-        if (count > 0) contact(graph.color(first + c).bundles.data(), 0, count);
-    }
-}
-
-/// Calls visit(alone, wide, contact) with what a pass does to single joints, bundles of joints and bundles of contacts.
-template <class Visit>
-void WorldImpl::visitSweep(Sweep which, const SolverContext& own, Visit&& visit) {
-    const BodyArrays arrays = bodyArrays();
-    const JointLanesView lanes = jointBundles.view(jointSims.data());
-    const JointPass pass{arrays, jointContext};
-    const bool warm = which == Sweep::warmStart, moving = which == Sweep::solve;
-    const auto passJoints = warm ? jointKernels->warmStart : moving ? jointKernels->solve : jointKernels->relax;
-    const auto passContacts = warm ? kernels->warmStartContacts : moving ? kernels->solveContacts : kernels->relaxContacts;
-    const bool withJoints = warm || own.normals;
-    visit(
-        [&](std::uint32_t j) {
-            if (warm)
-                warmStartJoint(jointSims[j], arrays.states, arrays.inertia, jointContext);
-            else if (withJoints)
-                solveJoint(jointSims[j], arrays.states, arrays.inertia, jointContext, moving);
-        },
-        [&](int begin, int end) {
-            if (withJoints) passJoints(lanes, begin, end, pass);
-        },
-        [&](float* bundles, int begin, int end) { passContacts(bundles, begin, end, arrays, own); });
-}
-
-void WorldImpl::sweepRegion(int region, Sweep which, const SolverContext& own) {
-    visitSweep(which, own, [&](auto&& alone, auto&& wide, auto&& contact) { forRegion(region, alone, wide, contact); });
-}
-
-void WorldImpl::sweepAll(Sweep which, const SolverContext& own) {
-    visitSweep(which, own, [&](auto&& alone, auto&& wide, auto&& contact) { forUndivided(alone, wide, contact); });
-    runner.parallelFor(graph.regionCount(), 1, [&](int begin, int end, int) {
-        for (int r = begin + 1; r <= end; ++r) sweepRegion(r, which, own);
-    });
-}
-
 void WorldImpl::warmStart() {
     carryCouplings();
-    sweepAll(Sweep::warmStart, context);
+    sweepAll(*this, Sweep::warmStart, context);
     beginCouplings();
 }
 
@@ -194,23 +205,12 @@ void WorldImpl::solve(bool useBias) {
     const auto pass = [&](bool normals, bool friction) {
         context.normals = normals;
         context.friction = friction;
-        sweepAll(which, context);
+        sweepAll(*this, which, context);
         if (normals) solveCouplings(useBias);
     };
     if (!settings.sequentialFriction) return pass(true, true);
     pass(true, false);
     pass(false, true);
-}
-
-/// Contacts of direct islands that may bounce.
-template <class Visit>
-void WorldImpl::forEachDirectBouncing(Visit&& visit) {
-    const auto stride = static_cast<std::size_t>(graph.lanes());
-    SingleBundle bundle(graph.lanes());
-    for (const std::uint32_t m : graph.color(ConstraintGraph::kDirect).manifolds) {
-        float* lane = graph.lane(manifolds[m].place);
-        if (lane[contact::kRestitution * stride] > 0) bundle.visit(lane, visit);
-    }
 }
 
 /// Sweeps until nothing more will meet, or enough: what is left then is stopped by the rows that do not bounce.
@@ -225,10 +225,10 @@ void WorldImpl::bounce() {
         };
         const auto alone = [](std::uint32_t) {};
         const auto wide = [](int, int) {};
-        forEachDirectBouncing(visit);
-        forUndivided(alone, wide, visit);
+        forEachDirectBouncing(*this, visit);
+        forUndivided(*this, alone, wide, visit);
         runner.parallelFor(graph.regionCount(), 1, [&](int begin, int end, int) {
-            for (int r = begin + 1; r <= end; ++r) forRegion(r, alone, wide, visit);
+            for (int r = begin + 1; r <= end; ++r) forRegion(*this, r, alone, wide, visit);
         });
         if (!bounced.load(std::memory_order_relaxed)) return;
     }

@@ -213,6 +213,7 @@ void WorldImpl::forgetDerived() {
     context.h = lastSubstep;
     directGrouped = false;
     bundlesChanged = treesChanged = strides.any = true;
+    boundsLeft.rooms.clear();
     // No such field of a lane is saved.
     surfacesForgotten = true;
     forgetTouches();

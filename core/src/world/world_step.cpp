@@ -6,6 +6,7 @@
 #include "constraints/contact_layout.h"
 #include "world/single_bundle.h"
 #include "world/world_impl.h"
+#include "world/world_regions.h"
 #include "world/world_strides.h"
 
 namespace ragtop {
@@ -69,7 +70,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         chooseSolvers();
         collectSolved();
         chooseStrides(*this);
-        divideIntoRegions();
+        divideIntoRegions(*this);
         beginStage("prepare");
         prepareBodies();
         findAssemblies();
@@ -80,6 +81,8 @@ void WorldImpl::step(World& world, double stepSeconds) {
         runner.part(!shareSolve, [&] {
             solveSubsteps(world);
         });
+        makeRoomToFinish();
+        stepTreesAlone(*this);
         storeJoints();
         endDirect();
         beginStage("finish");
@@ -107,32 +110,35 @@ void WorldImpl::step(World& world, double stepSeconds) {
     endStages();
 }
 
+void WorldImpl::prepareBody(std::uint32_t index) {
+    BodyRecord& body = bodies[index];
+    BodyDynamics& d = dynamics[index];
+    const float h = context.h * static_cast<float>(body.stride);
+    d.linearDecay = 1 / (1 + h * body.linearDamping);
+    d.angularDecay = 1 / (1 + h * body.angularDamping);
+    const float inverseMass = states[index].invMass;
+    d.acceleration = inverseMass > 0 ? body.gravityScale * settings.gravity + inverseMass * body.force : Vec3{};
+    d.torque = body.torque;
+    // The forces of joints turn with the bodies: taking them for smooth would feed energy into every swing.
+    // What joined bodies have in common is smooth, and is theirs by moveAssemblies.
+    d.translates = inverseMass > 0 && body.firstJoint == kNone ? 1.0f : 0.0f;
+    body.force = {};
+    body.torque = {};
+    histories[index].rotation = body.rotation;
+}
+
 void WorldImpl::prepareBodies() {
-    runner.parallelFor(static_cast<int>(rest.solved.size()), 64, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) {
-            const std::uint32_t index = rest.solved[static_cast<std::size_t>(i)];
-            BodyRecord& body = bodies[index];
-            BodyDynamics& d = dynamics[index];
-            const float h = context.h * static_cast<float>(body.stride);
-            d.linearDecay = 1 / (1 + h * body.linearDamping);
-            d.angularDecay = 1 / (1 + h * body.angularDamping);
-            const float inverseMass = states[index].invMass;
-            d.acceleration = inverseMass > 0 ? body.gravityScale * settings.gravity + inverseMass * body.force : Vec3{};
-            d.torque = body.torque;
-            // The forces of joints turn with the bodies: taking them for smooth would feed energy into every swing.
-            // What joined bodies have in common is smooth, and is theirs by moveAssemblies.
-            d.translates = inverseMass > 0 && body.firstJoint == kNone ? 1.0f : 0.0f;
-            body.force = {};
-            body.torque = {};
-            histories[index].rotation = body.rotation;
-        }
+    forSharedBodies(*this, [&](int, std::span<const std::uint32_t> list) {
+        runner.parallelFor(static_cast<int>(list.size()), 64, [&](int begin, int end, int) {
+            for (int i = begin; i < end; ++i) prepareBody(list[static_cast<std::size_t>(i)]);
+        });
     });
 }
 
 /// Calls visit(list) for all lists of the graph, those of a region on one worker.
 template <class Visit>
-void WorldImpl::forEachRegionsLists(Visit&& visit) {
-    runner.parallelFor(graph.regionCount() + 1, 1, [&](int begin, int end, int) {
+static void forEachRegionsLists(WorldImpl& world, Visit&& visit) {
+    world.runner.parallelFor(world.graph.regionCount() + 1, 1, [&](int begin, int end, int) {
         for (int c = ConstraintGraph::firstList(begin); c < ConstraintGraph::firstList(end); ++c) visit(c);
     });
 }
@@ -142,7 +148,7 @@ template <class Count, class Visit>
 void WorldImpl::forBlocksOfAllLists(int size, Count&& count, Visit&& visit) {
     if (graph.regionCount() > 0) {
         // The worker that solves a region finds in its cache what it has prepared.
-        forEachRegionsLists([&](int c) {
+        forEachRegionsLists(*this, [&](int c) {
             if (const int all = count(c); all > 0) visit(c, 0, all);
         });
         return;
@@ -180,7 +186,7 @@ void WorldImpl::prepareConstraints() {
     prepareJoints();
     bouncy = mayBounce.load(std::memory_order_relaxed);
     prepareCouplings(ratio);
-    collectRegions();
+    collectRegions(*this);
 }
 
 /// Puts contacts with equally many points side by side, so that bundles solve few that are not there; numbers the lanes.
@@ -191,7 +197,7 @@ void WorldImpl::groupContacts() {
         graph.groupByPoints(c, [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
     };
     if (graph.regionCount() > 0)
-        forEachRegionsLists(group);
+        forEachRegionsLists(*this, group);
     else
         runner.parallelFor(ConstraintGraph::kColors, 1, [&](int begin, int end, int) {
             for (int c = begin; c < end; ++c) group(c);
@@ -223,15 +229,19 @@ bool WorldImpl::placeAndPrepare(int c, int begin, int end) {
     return mayBounce;
 }
 
+void WorldImpl::prepareJointOf(std::uint32_t joint) {
+    if (assemblies.fresh) noteCompany(joint);
+    prepareJoint(jointSims[joint], jointBodies(joint), states.data(), inertias.data(), jointContext);
+}
+
 void WorldImpl::prepareJoints() {
+    const auto jointsOf = [&](int c) -> const AlignedArray<std::uint32_t>& {
+        return c == ConstraintGraph::kDirect && strides.any ? strides.sharedJoints : graph.color(c).joints;
+    };
     forBlocksOfAllLists(
-        16, [&](int c) { return static_cast<int>(graph.color(c).joints.size()); },
+        16, [&](int c) { return static_cast<int>(jointsOf(c).size()); },
         [&](int c, int begin, int end) {
-            for (int i = begin; i < end; ++i) {
-                const std::uint32_t joint = graph.color(c).joints[static_cast<std::size_t>(i)];
-                if (assemblies.fresh) noteCompany(joint);
-                prepareJoint(jointSims[joint], jointBodies(joint), states.data(), inertias.data(), jointContext);
-            }
+            for (int i = begin; i < end; ++i) prepareJointOf(jointsOf(c)[static_cast<std::size_t>(i)]);
         });
     const JointLanesView view = jointBundles.view(jointSims.data());
     const auto bundles = [&](int c) {
@@ -247,82 +257,6 @@ void WorldImpl::storeJoints() {
     const JointLanesView view = jointBundles.view(jointSims.data());
     runner.parallelFor(jointBundles.bundleCount(), 8,
                        [&](int begin, int end, int) { jointKernels->store(view, begin, end); });
-}
-
-/// What sweeps have worn down to nothing is nothing: floats too small for their full precision scale with nothing.
-void WorldImpl::stopVanishing(std::uint32_t index, float gravity) {
-    constexpr float kNothing = 1e-12f;  // of the speed that gravity gives in a step
-    BodyState& state = states[index];
-    const float limit = kNothing * gravity * dt;
-    if (bodies[index].type != BodyType::dynamic) return;
-    if (length(state.v) < limit) state.v = {};
-    if (state.w == Vec3{} || !(length(state.w) * bodies[index].radius < limit)) return;
-    state.w = {};
-    noteMomentum(index);
-}
-
-/// Moves the poses, notes who is quiet and who was too fast for its size.
-void WorldImpl::finishBodies() {
-    const float gravity = length(settings.gravity);
-    startPoses.resizeForOverwrite(awakeBodies.size());
-    bodyFlags.resizeForOverwrite(awakeBodies.size());
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) {
-            const auto place = static_cast<std::size_t>(i);
-            const std::uint32_t index = awakeBodies[place];
-            BodyRecord& body = bodies[index];
-            BodyState& state = states[index];
-            startPoses[place] = {body.center, body.rotation};
-            const bool lost = ranAway(index);
-            if (lost) stayPut(index);
-            const float turn = 2 * length(Vec3{state.dq.x, state.dq.y, state.dq.z}) * body.coreRadius;
-            const float motion = length(state.dp) + turn;
-            const bool fast = body.continuous && motion > tuning::kContinuousMotion * body.size;
-            body.center = body.center + state.dp;
-            if (state.dq != Quat{}) body.rotation = normalized(state.dq * body.rotation);
-            bodyFlags[place] = lost                                       ? kRunaway
-                               : !fast                                    ? kNotFast
-                               : mayMeet(index, startPoses[place].center) ? kToSweep
-                                                                          : kFastClear;
-            state.dp = {};
-            state.dq = {};
-            stopVanishing(index, gravity);
-            const float quiet = settings.sleepSpeed * std::sqrt(gravity * body.size);
-            const float speed = length(state.v) + length(state.w) * body.radius;
-            const bool still = body.type == BodyType::kinematic ? speed == 0 : speed <= quiet;
-            body.sleepTimer = body.allowSleep && still ? body.sleepTimer + dt : 0;
-            const float slow = RestFinds::slowest(context.gravityStep);
-            rest.note(body, speed <= slow && motion <= slow * dt);
-            if (dynamics[index].spins == 0) restrictInertia(index);
-        }
-    });
-}
-
-/// World inverse inertia of bodies that do not spin by their momentum: zero for kinematic ones; for locked axes the
-/// inverse of what is left of the inertia without them.
-void WorldImpl::restrictInertia(std::uint32_t index) {
-    const BodyRecord& body = bodies[index];
-    BodyInertia& inverse = inertias[index];
-    inverse = {};
-    if (body.type != BodyType::dynamic) return;
-    const Mat3 r = toMat3(body.rotation);
-    const Mat3 m =
-        r * Mat3{body.inertia.x * Vec3{1, 0, 0}, body.inertia.y * Vec3{0, 1, 0}, body.inertia.z * Vec3{0, 0, 1}} *
-        transpose(r);
-    const bool x = !body.locks.rotationX, y = !body.locks.rotationY, z = !body.locks.rotationZ;
-    // A locked axis becomes an infinite moment: its row and column leave the matrix before it is inverted.
-    const float xx = x ? m.cx.x : 1, yy = y ? m.cy.y : 1, zz = z ? m.cz.z : 1;
-    const float xy = x && y ? m.cy.x : 0, xz = x && z ? m.cz.x : 0, yz = y && z ? m.cz.y : 0;
-    const float cxx = yy * zz - yz * yz, cxy = xz * yz - xy * zz, cxz = xy * yz - xz * yy;
-    const float det = xx * cxx + xy * cxy + xz * cxz;
-    if (!(det > 0)) return;
-    const float s = 1 / det;
-    inverse.xx = x ? s * cxx : 0;
-    inverse.xy = x && y ? s * cxy : 0;
-    inverse.xz = x && z ? s * cxz : 0;
-    inverse.yy = y ? s * (xx * zz - xz * xz) : 0;
-    inverse.yz = y && z ? s * (xy * xz - xx * yz) : 0;
-    inverse.zz = z ? s * (xx * yy - xy * xy) : 0;
 }
 
 void WorldImpl::clearEvents() {

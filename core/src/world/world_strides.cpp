@@ -1,6 +1,7 @@
 #include "world/world_strides.h"
 
 #include <algorithm>
+#include <atomic>
 
 #include "direct/joint_tuning.h"
 
@@ -15,14 +16,26 @@ void forMembers(const WorldImpl& world, const DirectIsland& island, Visit&& visi
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) visit(world.directBodies[island.firstBody + i]);
 }
 
-/// The substeps that a tree takes at once: as many as its gaps allow and no link turns too far in. What it hangs from
-/// stands still, and nobody looks at it between two substeps.
-int strideOf(const WorldImpl& world, const direct::TreePlan::Tree& tree) {
+/// Does anybody look at bodies between two substeps?
+bool isLookedAt(const WorldImpl& world) {
+    for (const StepModule* module : world.modules)
+        if (module->beforeSubstep) return true;
+    return false;
+}
+
+struct Pace {
+    int stride;
+    bool alone;
+};
+
+/// A tree takes as many substeps at once as its gaps allow and no link turns too far in, and is alone if what it hangs
+/// from stands still. Trees that hang from nothing share their parabola with other such figures unless they leap.
+Pace paceOf(const WorldImpl& world, const direct::TreePlan::Tree& tree, bool mayBeAlone) {
     const DirectIsland& island = world.directIslands[tree.owner];
     const BodyState& anchor = world.states[tree.anchor];
-    if (!island.strides || anchor.v != Vec3{} || anchor.w != Vec3{}) return 1;
-    for (const StepModule* module : world.modules)
-        if (module->beforeSubstep) return 1;
+    if (anchor.v != Vec3{} || anchor.w != Vec3{}) return {1, false};
+    const bool hangs = world.chains.linkOf(tree, 0).joint != direct::TreeJoint::free;
+    if (!island.strides) return {1, mayBeAlone && (hangs || island.leapfrog)};
     float square = 0;
     int most = kLongest;
     forMembers(world, island, [&](std::uint32_t body) {
@@ -34,13 +47,52 @@ int strideOf(const WorldImpl& world, const direct::TreePlan::Tree& tree) {
     while (2 * stride <= most && world.settings.substeps % (2 * stride) == 0 &&
            square * static_cast<float>(4 * stride * stride) < longest * longest)
         stride *= 2;
-    return stride;
+    return {stride, mayBeAlone};
 }
 
+/// What changes with the trees and their paces alone.
+void markTrees(WorldImpl& world) {
+    BodyStrides& strides = world.strides;
+    strides.marks.resizeForOverwrite(world.bodies.size());
+    for (const std::uint32_t body : world.awakeBodies) strides.marks[body] = 0;
+    for (DirectIsland& island : world.directIslands) island.alone = false;
+    strides.any = false;
+    strides.aloneCount = 0;
+    for (std::size_t t = 0; t < world.chains.treeCount(); ++t) {
+        const direct::TreePlan::Tree& tree = world.chains.treeAt(t);
+        DirectIsland& island = world.directIslands[tree.owner];
+        strides.any |= tree.alone || tree.stride > 1;
+        strides.aloneCount += tree.alone ? tree.count : 0;
+        island.alone = tree.alone;
+        const int mark = tree.stride | (tree.alone ? BodyStrides::kAlone : 0);
+        forMembers(world, island, [&](std::uint32_t body) { strides.marks[body] = static_cast<std::uint8_t>(mark); });
+    }
+    strides.sharedJoints.clear();
+    for (const DirectIsland& island : world.directIslands)
+        for (std::uint32_t j = 0; j < island.jointCount && !island.alone; ++j)
+            strides.sharedJoints.push(world.directJoints[island.firstJoint + j]);
+}
+
+/// The bodies that take part in the world's substeps, by their strides.
+void listShared(WorldImpl& world) {
+    BodyStrides& strides = world.strides;
+    for (AlignedArray<std::uint32_t>& list : strides.lists) list.clear();
+    if (strides.aloneCount == world.rest.solved.size()) return;
+    for (const std::uint32_t body : world.rest.solved) {
+        if ((strides.marks[body] & BodyStrides::kAlone) != 0) continue;
+        giveStride(world, body, strides.marks[body]);
+        if (strides.any) strides.lists[static_cast<std::size_t>(world.bodies[body].stride / 2)].push(body);
+    }
+}
+
+}  // namespace
+
 /// Speeds of a body that joints hold belong to the middle of a substep. Where the next one is longer or shorter, the
-/// forces between the middles of both are those of half of each.
+/// forces between the middles of both are those of half of each. What is of no tree, or of none any more, has stride 0.
 void giveStride(WorldImpl& world, std::uint32_t index, int stride) {
     BodyRecord& body = world.bodies[index];
+    if (stride == 0) body.stride = 1;
+    if (stride == 0 || stride == body.stride) return;
     BodyState& state = world.states[index];
     const float early = 0.5f * world.context.h * static_cast<float>(stride - static_cast<int>(body.stride));
     body.stride = static_cast<std::uint8_t>(stride) & 15u;
@@ -48,33 +100,24 @@ void giveStride(WorldImpl& world, std::uint32_t index, int stride) {
     state.w -= early * (world.inertias[index] * body.torque);
 }
 
-}  // namespace
-
 void chooseStrides(WorldImpl& world) {
-    BodyStrides& strides = world.strides;
     direct::TreePlan& chains = world.chains;
-    if (chains.treeCount() == 0 && !strides.any) return;
-    bool changed = false;
-    strides.any = false;
-    strides.marks.resizeForOverwrite(world.bodies.size());
-    for (const std::uint32_t body : world.awakeBodies) strides.marks[body] = 0;
-    for (std::size_t t = 0; t < chains.treeCount(); ++t) {
-        const int stride = strideOf(world, chains.treeAt(t));
-        changed |= chains.setStride(t, stride);
-        strides.any |= stride > 1;
-        forMembers(world, world.directIslands[chains.treeAt(t).owner],
-                   [&](std::uint32_t body) { strides.marks[body] = static_cast<std::uint8_t>(stride); });
+    if (chains.treeCount() == 0 && !world.strides.any) return;
+    std::atomic<bool> changed{!chains.isGrouped()};
+    const bool lookedAt = isLookedAt(world);
+    // What was just made is settled among all bodies, before the step or within its first substep.
+    const bool mayBeAlone = world.newJoints.empty() && world.freshManifolds.empty();
+    world.runner.parallelFor(static_cast<int>(chains.treeCount()), 8, [&](int begin, int end, int) {
+        for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) {
+            const Pace pace = lookedAt ? Pace{1, false} : paceOf(world, chains.treeAt(t), mayBeAlone);
+            if (chains.setPace(t, pace.stride, pace.alone)) changed.store(true, std::memory_order_relaxed);
+        }
+    });
+    if (changed.load(std::memory_order_relaxed)) {
+        chains.group(direct::selectTreeKernels(world.graph.lanes()));
+        markTrees(world);
     }
-    if (changed) chains.group(direct::selectTreeKernels(world.graph.lanes()));
-    for (AlignedArray<std::uint32_t>& list : strides.lists) list.clear();
-    for (const std::uint32_t body : world.rest.solved) {
-        BodyRecord& record = world.bodies[body];
-        if (strides.marks[body] == 0)
-            record.stride = 1;  // of no tree, or of none any more
-        else if (strides.marks[body] != record.stride)
-            giveStride(world, body, strides.marks[body]);
-        if (strides.any) strides.lists[static_cast<std::size_t>(record.stride / 2)].push(body);
-    }
+    listShared(world);
 }
 
 void noteGaps(WorldImpl& world, const DirectIsland& island) {

@@ -124,7 +124,7 @@ void WorldImpl::layLinks(std::uint32_t root, DrawnTree& drawn) {
     drawn.twofold = heaviest > kSingleRatio * lightest;
 }
 
-/// Direct islands that are trees of rigid rows and touch nothing.
+/// Direct islands that are trees of rigid rows and touch nothing; chooseStrides groups them.
 void WorldImpl::planChains() {
     chains.clear();
     if (directIslands.empty()) return;
@@ -146,76 +146,79 @@ void WorldImpl::planChains() {
         else
             chains.drop();
     }
-    chains.group(direct::selectTreeKernels(graph.lanes()));
 }
 
 /// Rows and loads of this step.
-void WorldImpl::beginChains() {
-    forEachChainGroup([&](direct::TreePlan::Group& group) {
-        for (int lane = 0; lane < group.lanes.used; ++lane) {
-            const direct::TreePlan::Tree& tree = chains.treeOf(group, lane);
-            for (int l = 0; l < group.lanes.linkCount; ++l) {
-                direct::TreeJointRow& row = chains.row(group, l, lane);
-                row = {};
-                const direct::TreeLink& link = chains.linkOf(tree, l);
-                if (link.joint != direct::TreeJoint::free)
-                    fillRow(jointSims[chains.jointOf(tree, l)], link.childIsB != 0, tree.stride, row);
-            }
+void WorldImpl::beginGroup(direct::TreePlan::Group& group) {
+    for (int lane = 0; lane < group.lanes.used; ++lane) {
+        const direct::TreePlan::Tree& tree = chains.treeOf(group, lane);
+        directIslands[tree.owner].begin();
+        for (int l = 0; l < group.lanes.linkCount; ++l) {
+            direct::TreeJointRow& row = chains.row(group, l, lane);
+            row = {};
+            const direct::TreeLink& link = chains.linkOf(tree, l);
+            if (link.joint != direct::TreeJoint::free)
+                fillRow(jointSims[chains.jointOf(tree, l)], link.childIsB != 0, tree.stride, row);
         }
-        chains.repeatRows(group);
-        group.lanes.failed = group.lanes.open = group.lanes.ajar = 0;
-        group.kernels->begin(group.lanes, bodyArrays());
-    });
+    }
+    chains.repeatRows(group);
+    group.lanes.failed = group.lanes.open = group.lanes.ajar = 0;
+    group.kernels->begin(group.lanes, bodyArrays());
 }
 
-/// In parallel.
+/// In parallel, those that take part in the substeps of the world.
 template <class Visit>
-void WorldImpl::forEachChainGroup(Visit&& visit) {
-    runner.parallelFor(static_cast<int>(chains.groupCount()), 1, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) visit(chains.groupAt(static_cast<std::size_t>(i)));
+static void forEachChainGroup(WorldImpl& world, Visit&& visit) {
+    direct::TreePlan& chains = world.chains;
+    world.runner.parallelFor(static_cast<int>(chains.groupCount(false)), 1, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) visit(chains.groupAt(false, static_cast<std::size_t>(i)));
     });
 }
-
+void WorldImpl::beginChains() {
+    forEachChainGroup(*this, [&](direct::TreePlan::Group& group) { beginGroup(group); });
+}
 void WorldImpl::solveChains(DirectPass pass) {
+    forEachChainGroup(*this, [&](direct::TreePlan::Group& group) { solveGroup(group, pass, context.substep); });
+}
+
+/// What is to be done in a substep of the world.
+void WorldImpl::solveGroup(direct::TreePlan::Group& group, DirectPass pass, int number) {
     const bool moves = pass == DirectPass::positions;
-    forEachChainGroup([&](direct::TreePlan::Group& group) {
-        const int stride = chains.strideOf(group);
-        if (context.substep % stride != 0) return;
-        const auto start = std::chrono::steady_clock::now();
-        const auto substeps = static_cast<float>(stride);
-        const bool last = context.substep + stride >= settings.substeps;
-        const direct::TreeSubstep substep{context.h * substeps, jointContext.softness.biasRate / substeps,
-                                          context.firstSubstep, last};
-        const bool relaxes = !group.kernels->leapfrog || last;
-        (moves ? group.kernels->solve : group.kernels->relax)(group.lanes, bodyArrays(), substep);
-        const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-        for (int lane = 0; lane < group.lanes.used; ++lane) {
-            const direct::TreePlan::Tree& tree = chains.treeOf(group, lane);
-            DirectIsland& island = directIslands[tree.owner];
-            const auto has = [lane](std::uint32_t bits) { return ((bits >> lane) & 1u) != 0; };
-            island.ms += ms / group.lanes.used;
-            island.open = has(group.lanes.open);
-            island.ajar = has(group.lanes.ajar);
-            if (has(group.lanes.failed) && !island.swept) {
-                island.swept = true;
-                island.report.converged = false;
-                rescaleJoints(*this, island, substeps);
-            }
-            if (island.swept) {
-                sweepIsland(island, pass);
-                continue;
-            }
-            if (moves) {
-                const bool taut = has(group.lanes.taut);
-                island.report.iterations += taut || group.kernels->leapfrog ? 2 : 1;
-                island.report.factorizations += taut ? 2 : 1;
-            } else {
-                island.report.iterations += relaxes;
-                island.report.factorizations += relaxes && group.kernels->leapfrog;
-                if (last || island.watched) storeImpulses(group, lane);
-            }
+    const int stride = chains.strideOf(group);
+    if (number % stride != 0) return;
+    const auto start = std::chrono::steady_clock::now();
+    const auto substeps = static_cast<float>(stride);
+    const bool last = number + stride >= settings.substeps;
+    const direct::TreeSubstep substep{context.h * substeps, jointContext.softness.biasRate / substeps, number == 0, last};
+    const bool relaxes = !group.kernels->leapfrog || last;
+    (moves ? group.kernels->solve : group.kernels->relax)(group.lanes, bodyArrays(), substep);
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    for (int lane = 0; lane < group.lanes.used; ++lane) {
+        const direct::TreePlan::Tree& tree = chains.treeOf(group, lane);
+        DirectIsland& island = directIslands[tree.owner];
+        const auto has = [lane](std::uint32_t bits) { return ((bits >> lane) & 1u) != 0; };
+        island.ms += ms / group.lanes.used;
+        island.open = has(group.lanes.open);
+        island.ajar = has(group.lanes.ajar);
+        if (has(group.lanes.failed) && !island.swept) {
+            island.swept = true;
+            island.report.converged = false;
+            rescaleJoints(*this, island, substeps);
         }
-    });
+        if (island.swept) {
+            sweepIsland(island, pass);
+            continue;
+        }
+        if (moves) {
+            const bool taut = has(group.lanes.taut);
+            island.report.iterations += taut || group.kernels->leapfrog ? 2 : 1;
+            island.report.factorizations += taut ? 2 : 1;
+        } else {
+            island.report.iterations += relaxes;
+            island.report.factorizations += relaxes && group.kernels->leapfrog;
+            if (last || island.watched) storeImpulses(group, lane);
+        }
+    }
 }
 
 void WorldImpl::storeImpulses(const direct::TreePlan::Group& group, int lane) {

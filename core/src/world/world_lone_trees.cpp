@@ -1,0 +1,64 @@
+// Trees of joints that nothing else has part in: a group of them goes through the whole step in one task, with its bodies
+// in one processor's cache and nobody to wait for (docs/adr/0037-trees-that-go-alone.md). The bits are those of the stages.
+
+#include "world/world_strides.h"
+
+namespace ragtop {
+
+namespace {
+
+using Group = direct::TreePlan::Group;
+
+void prepareGroup(WorldImpl& world, Group& group) {
+    const int stride = world.chains.strideOf(group);
+    for (const std::uint32_t body : world.chains.membersOf(group)) {
+        giveStride(world, body, stride);
+        world.prepareBody(body);
+    }
+    for (int lane = 0; lane < group.lanes.used; ++lane) {
+        const direct::TreePlan::Tree& tree = world.chains.treeOf(group, lane);
+        for (int l = 0; l < group.lanes.linkCount; ++l)
+            if (world.chains.linkOf(tree, l).joint != direct::TreeJoint::free)
+                world.prepareJointOf(world.chains.jointOf(tree, l));
+    }
+    world.beginGroup(group);
+}
+
+void solveSubsteps(WorldImpl& world, Group& group) {
+    using Pass = WorldImpl::DirectPass;
+    const BodyArrays arrays = world.bodyArrays();
+    const std::span<const std::uint32_t> bodies = world.chains.membersOf(group);
+    const int count = static_cast<int>(bodies.size()), stride = world.chains.strideOf(group);
+    SolverContext own = world.context;
+    own.h *= static_cast<float>(stride);
+    for (int substep = 0; substep < world.settings.substeps; substep += stride) {
+        world.kernels->integrateVelocities(arrays, bodies.data(), 0, count, own);
+        world.solveGroup(group, Pass::positions, substep);
+        world.kernels->integratePositions(arrays, bodies.data(), 0, count, own);
+        world.solveGroup(group, Pass::velocities, substep);
+    }
+}
+
+void finishGroup(WorldImpl& world, const Group& group) {
+    for (int lane = 0; lane < group.lanes.used; ++lane) {
+        const DirectIsland& island = world.directIslands[world.chains.treeOf(group, lane).owner];
+        if (island.strides) noteGaps(world, island);
+    }
+    for (const std::uint32_t body : world.chains.membersOf(group)) world.finishBody(world.bodies[body].awakeIndex);
+}
+
+}  // namespace
+
+void stepTreesAlone(WorldImpl& world) {
+    const std::size_t count = world.chains.groupCount(true);
+    world.runner.parallelFor(static_cast<int>(count), 1, [&](int begin, int end, int) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+            Group& group = world.chains.groupAt(true, i);
+            prepareGroup(world, group);
+            solveSubsteps(world, group);
+            finishGroup(world, group);
+        }
+    });
+}
+
+}  // namespace ragtop
