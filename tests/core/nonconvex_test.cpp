@@ -291,6 +291,26 @@ TEST(MovingMesh, HasTheSameBitsOnAnyThreadsAndLanes) {
     EXPECT_EQ(hashOf({.tasks = threadTasks(3), .lanes = 8}), expected);
 }
 
+// Meshes that others move have no size of their own, and meet what is near them alone.
+TEST(KinematicMesh, ManyPlatesLiftABoxEach) {
+    World world(withoutSleep());
+    const std::vector<Vec3> corners{{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}};
+    const std::vector<Triangle> halves{{0, 1, 2}, {0, 2, 3}};
+    const TriangleMesh plate(corners, halves);
+    constexpr int kPlates = 32;
+    std::vector<BodyId> boxes;
+    for (int i = 0; i < kPlates; ++i) {
+        const DVec3 at{4.0 * i, 0, 0};
+        BodyDef lift = bodyDef(plate, at, surface(0.5f), BodyType::kinematic);
+        lift.linearVelocity = {0, 1, 0};
+        world.create(lift);
+        boxes.push_back(addAt(world, Box{{0.25f, 0.25f, 0.25f}}, at + Vec3{0, 0.25f, 0}));
+    }
+    run(world, 1);
+    for (const BodyId box : boxes) EXPECT_NEAR(world.pose(box).position.y, 1.25, 2 * kSink);
+    EXPECT_EQ(world.stats().contacts, kPlates);
+}
+
 TEST(MovingMesh, GoesOnFromASavedState) {
     World world;
     addHeap(world, {});

@@ -66,6 +66,51 @@ TEST(WorldEvents, BeginsAndEndsAlternateInAPile) {
         EXPECT_TRUE(!state || (world.isValid(pair.first) && world.isValid(pair.second)));
 }
 
+/// What has begun and ended in each step of a pile that is shot at, comes to rest, sleeps and is lifted. Far off is a shape
+/// that may report its motion.
+std::vector<ContactEvent> eventsOfAPile(bool reports) {
+    WorldSettings settings;
+    settings.sleeping = true;
+    World world(settings);
+    addFloor(world);
+    for (int i = 0; i < 40; ++i)
+        world.create(bodyDef(i % 2 ? Shape(Sphere{0.3f}) : Shape(Box{{0.3f, 0.3f, 0.3f}}),
+                             {0.2 * (i % 5), 1 + 0.3 * i, 0.2 * (i % 3)}, surface(0.4f, 0.3f)));
+    const BodyId lift = world.create(bodyDef(Box{{5, 0.1f, 5}}, {0, -0.2, 0}, surface(0.4f, 0), BodyType::kinematic));
+    BodyDef far = bodyDef(Sphere{0.5f}, {1000, 0.5, 0}, surface(0.4f, 0), BodyType::fixed);
+    far.shapes[0].reportsMotion = reports;
+    world.create(far);
+    std::vector<ContactEvent> events;
+    const auto listen = [&] {
+        for (const auto& list : {world.contactBegins(), world.contactEnds()})
+            events.insert(events.end(), list.begin(), list.end());
+        events.push_back({});
+    };
+    run(world, 2, kDt, listen);
+    for (int i = 0; i < 3; ++i) {
+        BodyDef bullet = bodyDef(Sphere{0.05f}, {-5, 0.3 + 0.4 * i, 0.1 * i}, surface(0.4f, 0.5f));
+        bullet.linearVelocity = {200, 0, 0};
+        world.create(bullet);
+    }
+    run(world, 6, kDt, listen);
+    world.setVelocity(lift, {0, 0.5f, 0}, {});
+    run(world, 2, kDt, listen);
+    return events;
+}
+
+// Whether all contacts are asked, as where motion is reported, or those alone of which the solver tells other things than
+// before.
+TEST(WorldEvents, AreTheSameWhereAShapeReportsItsMotion) {
+    const std::vector<ContactEvent> alone = eventsOfAPile(false), beside = eventsOfAPile(true);
+    ASSERT_EQ(alone.size(), beside.size());
+    int told = 0;
+    for (std::size_t i = 0; i < alone.size(); ++i) {
+        EXPECT_TRUE(alone[i].shapeA == beside[i].shapeA && alone[i].shapeB == beside[i].shapeB) << i;
+        told += alone[i].bodyA != alone[i].bodyB;
+    }
+    EXPECT_GT(told, 200);
+}
+
 TEST(WorldEvents, ASensorReportsAndFeelsNothing) {
     World world;
     BodyDef gate = bodyDef(Box{{1, 0.5f, 1}}, {}, {}, BodyType::fixed);

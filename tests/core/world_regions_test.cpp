@@ -16,8 +16,8 @@ namespace {
 
 using namespace test;
 
-/// Rows of balls, boxes and pairs of jointed boxes that slide through each other's rows: islands of a few bodies come and
-/// go all the time.
+/// Rows of balls, boxes and pairs of jointed boxes that slide through each other's rows: islands of a few bodies come
+/// and go all the time.
 void addRows(World& world) {
     addFloor(world);
     for (int i = 0; i < 240; ++i) {
@@ -31,7 +31,8 @@ void addRows(World& world) {
         BodyDef limb = bodyDef(Box{{0.25f, 0.25f, 0.25f}}, place + DVec3{0, 0.6, 0});
         limb.linearVelocity = def.linearVelocity;
         const BodyId upper = world.create(limb);
-        world.create(BallDef{.bodies = {.a = body, .b = upper, .frameA = {{0, 0.3f, 0}, {}}, .frameB = {{0, -0.3f, 0}, {}}}});
+        world.create(
+            BallDef{.bodies = {.a = body, .b = upper, .frameA = {{0, 0.3f, 0}, {}}, .frameB = {{0, -0.3f, 0}, {}}}});
     }
 }
 
@@ -40,7 +41,9 @@ void addLatecomer(World& world) { world.create(bodyDef(Box{{0.25f, 0.25f, 0.25f}
 
 struct Watcher {
     StepModule module;
-    Watcher() { module.beforeSubstep = [](void*, World&, double) {}; }
+    Watcher() {
+        module.beforeSubstep = [](void*, World&, double) {};
+    }
 };
 
 TEST(Regions, ChangeNoBitHoweverManyWorkersThereAre) {
@@ -96,7 +99,8 @@ TEST(Regions, KeepTheColourOfAConstraintAndAllThatItsLaneHolds) {
     for (std::uint32_t i = 0; i < kContacts; ++i) {
         places[i] = graph.insertContact(i, 1 + i / 2, true, 0, false, ConstraintGraph::By::sweeps);
         LaneView lane(graph.lane(places[i]), graph.lanes());
-        for (int field = 0; field < contact::kFields; ++field) lane.at(field) = static_cast<float>(100 * i) + static_cast<float>(field);
+        for (int field = 0; field < contact::kFields; ++field)
+            lane.at(field) = static_cast<float>(100 * i) + static_cast<float>(field);
     }
     graph.resizeRegions(2);
     for (std::uint32_t i = 0; i < kContacts; ++i) {
@@ -117,7 +121,8 @@ TEST(Regions, KeepTheColourOfAConstraintAndAllThatItsLaneHolds) {
     }
     // A third contact of a body takes the next colour, beside the first two of its region.
     const GraphPlace third = graph.insertContact(kContacts, 1, true, 0, false, ConstraintGraph::By::sweeps);
-    EXPECT_EQ(third.color, static_cast<std::uint32_t>(ConstraintGraph::firstList(1) + ConstraintGraph::kFirstStaticColor + 2));
+    EXPECT_EQ(third.color,
+              static_cast<std::uint32_t>(ConstraintGraph::firstList(1) + ConstraintGraph::kFirstStaticColor + 2));
 }
 
 }  // namespace

@@ -73,6 +73,7 @@ enum Trait : int {
     kSecondPoint = 256,
     kThirdPoint = 512,
     kFourthPoint = 1024,
+    kBodyOnBody = 2048,  ///< kBodyA: A is not the static body
 };
 
 /// Of the size: overlaps that no load leaves, which bodies come out of as fast as from the ground.

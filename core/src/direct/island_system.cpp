@@ -10,6 +10,7 @@ namespace ragtop::direct {
 
 IslandSystem::IslandSystem(std::pmr::memory_resource* memory)
     : bodies_(memory),
+      states_(memory),
       contacts_(memory),
       points_(memory),
       rows_(memory),
@@ -69,6 +70,7 @@ void IslandSystem::makeRoom(std::size_t bodyCount, std::size_t contactCount, std
     if (bodyCount <= bodies_.capacity()) return;
     bodies_.reserve(more(bodyCount));
     const std::size_t room = bodies_.capacity();
+    states_.reserve(room);
     written_.reserve(2 * room);
     for (AlignedArray<double>* array : {&velocity_, &free_, &scratch_.gradient, &scratch_.direction, &scratch_.trial})
         array->reserve(6 * room);
@@ -113,11 +115,12 @@ void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, con
 
 void IslandSystem::loadBodies(const IslandParts& parts, const BodyArrays& arrays) {
     bodies_.resizeForOverwrite(parts.bodyCount);
+    states_.resizeForOverwrite(parts.bodyCount);
     for (std::size_t i = 0; i < parts.bodyCount; ++i) {
         const std::uint32_t state = parts.bodies[i];
         parts.localOf[state] = static_cast<std::uint32_t>(i);
         bodies_[i] = {};
-        bodies_[i].state = state;
+        bodies_[i].state = states_[i] = state;
         setMass(bodies_[i], arrays.states[state], arrays.inertia[state]);
     }
 }
@@ -240,8 +243,8 @@ void IslandSystem::refreshMasses(const BodyArrays& arrays) {
 
 void IslandSystem::beginSubstep(const BodyArrays& arrays, const JointContext& joints) {
     rests_ = stopped_;
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        const BodyState& state = arrays.states[bodies_[i].state];
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+        const BodyState& state = arrays.states[states_[i]];
         double* free = free_.data() + 6 * i;
         const DVec3 v = toDouble(state.v), w = toDouble(state.w);
         rests_ &= v == load(free) && w == load(free + 3);
@@ -326,9 +329,8 @@ void IslandSystem::addPeaks() const {
             pointField(c, j, contact::kPeak) += static_cast<float>(restedSubsteps_ * points_[c.first + j].load[0]);
 }
 
-void IslandSystem::end(bool begunAgain) {
+void IslandSystem::end() {
     addPeaks();
-    if (begunAgain && rests_ && loadsKept_) return;
     for (const SystemContact& c : contacts_) {
         const DVec3 center{field(c, contact::kCenter), field(c, contact::kCenter + 1), field(c, contact::kCenter + 2)};
         DVec3 friction;
@@ -359,8 +361,12 @@ void IslandSystem::end(bool begunAgain) {
 }
 
 void IslandSystem::writeVelocities(const BodyArrays& arrays) {
+    if (rests_) {  // all were stopped, and written so
+        for (const std::uint32_t state : states_) arrays.states[state].v = arrays.states[state].w = {};
+        return;
+    }
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        if (!rests_) stopBelow(i, tuning::kNothing * gravityStep_);
+        stopBelow(i, tuning::kNothing * gravityStep_);
         const double* v = velocity_.data() + 6 * i;
         BodyState& state = arrays.states[bodies_[i].state];
         state.v = toVec3(load(v));

@@ -136,8 +136,12 @@ public:
     bool isOf(std::size_t bodyCount, std::size_t contactCount, std::size_t jointCount) const {
         return bodyCount == bodies_.size() && contactCount == lanes_ && jointCount == joints_.size();
     }
-    /// Writes loads and impulses back to lanes and joints; where it was begun again and rested, they are there.
-    void end(bool begunAgain);
+    /// Was it begun again, and has nothing changed through that step either? Its lanes are then as they were, but for what
+    /// so many substeps of it have borne.
+    bool restsAgain(bool begunAgain) const { return begunAgain && rests_ && loadsKept_; }
+    int restedSubsteps() const { return restedSubsteps_; }
+    /// Else writes loads and impulses back to lanes and joints.
+    void end();
 
     /// Once per substep: free velocities, Jacobians of joints, masses.
     void beginSubstep(const BodyArrays& arrays, const JointContext& joints);
@@ -230,6 +234,7 @@ private:
     bool loops_ = false;                    ///< joints may pull against each other
     int restedSubsteps_ = 0;                ///< of this step
     AlignedArray<SystemBody> bodies_;
+    AlignedArray<std::uint32_t> states_;  ///< of the bodies
     AlignedArray<SystemContact> contacts_;
     AlignedArray<SystemPoint> points_;
     AlignedArray<SystemRow> rows_;

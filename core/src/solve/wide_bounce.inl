@@ -98,7 +98,8 @@ bool bounceContacts(float* bundles, int begin, int end, const BodyArrays& arrays
         const WideVec3<N> changeA = c.vA - startA, changeB = c.vB - startB;
         memoryA[0] = memoryA[0] + changeA.x, memoryA[1] = memoryA[1] + changeA.y, memoryA[2] = memoryA[2] + changeA.z;
         memoryB[0] = memoryB[0] + changeB.x, memoryB[1] = memoryB[1] + changeB.y, memoryB[2] = memoryB[2] + changeB.z;
-        c.displace(-(time * changeA), -(time * changeB));
+        c.displace(contact::kBodyA, -(time * changeA), c.massA);
+        c.displace(contact::kBodyB, -(time * changeB), c.massB);
         scatterMoving<N>(historiesA, memoryA, c.massA);
         scatterMoving<N>(historiesB, memoryB, c.massB);
         c.writeVelocities();

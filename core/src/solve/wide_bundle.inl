@@ -12,8 +12,10 @@ RAGTOP_INLINE void prefetchFields(const float* bundle, int begin, int end) {
     for (int i = begin * N; i < end * N; i += kLine) __builtin_prefetch(ahead + i);
 }
 
-/// N contacts and the bodies they join: a bundle, or several of L one after the other in memory.
-template <int N, int L = N>
+/// N contacts and the bodies they join: a bundle, or several of L one after the other in memory. With `kGround` each A is
+/// the static body, of which nothing is read: it has no velocity and no inverse mass, offsets and shifts are zero. The
+/// results are the same to the bit: what is left out adds zeros, and where that could turn a zero's sign they are kept.
+template <int N, int L = N, bool kGround = false>
 struct ContactBundle {
     static constexpr int kBundle = contact::kFields * L;  ///< floats
     float* fields;
@@ -68,12 +70,14 @@ struct ContactBundle {
         traits = 0;
         for (int k = 0; k < N / L; ++k)
             traits |= reinterpret_cast<const std::int32_t*>(fields + k * kBundle)[contact::kTraits * L];
-        gatherBody(contact::kBodyA, a, inertiaA);
+        if constexpr (!kGround) {
+            gatherBody(contact::kBodyA, a, inertiaA);
+            vA = {a[0], a[1], a[2]}, wA = {a[4], a[5], a[6]}, massA = a[3];
+        }
         gatherBody(contact::kBodyB, b, inertiaB);
-        vA = {a[0], a[1], a[2]}, wA = {a[4], a[5], a[6]}, massA = a[3];
         vB = {b[0], b[1], b[2]}, wB = {b[4], b[5], b[6]}, massB = b[3];
         normal = vector(contact::kNormal);
-        offset = vector(contact::kOffset);
+        if constexpr (!kGround) offset = vector(contact::kOffset);
     }
 
     /// Rows of the bodies of which `index` is kBodyA or kBodyB.
@@ -91,45 +95,69 @@ struct ContactBundle {
     /// The bodies share the point of an impulse wherever they have moved: then what one loses of the angular momentum
     /// about any place the other gains. It lies half way between the anchors, or stays below what is round.
     RAGTOP_INLINE void moveArms(const WideVec3<N>& displacement) {
+        if constexpr (kGround) return;
         shift = field(contact::kFollow) * displacement;
         offset = offset + displacement;
+    }
+    /// By what B has moved beside A; returns what of it counts. Bodies that have moved by more than half a size are no
+    /// longer where they touched: such arms would only lengthen.
+    RAGTOP_INLINE WideVec3<N> moveArms(const WideVec3<N>& dp, Mask<N> isStatic) {
+        const Lanes<N> zero(0.0f), reach = 0.5f * field(contact::kSize);
+        const WideVec3<N> displacement =
+            select(isStatic | (dot(dp, dp) > reach * reach), WideVec3<N>{zero, zero, zero}, dp);
+        moveArms(displacement);
+        return displacement;
     }
     /// A round surface touches beyond its core, which turns with the body: so does the shared point, by its share.
     RAGTOP_INLINE void turnCores(const WideQuat<N>& dqA, const WideQuat<N>& dqB) {
         if ((traits & contact::kTurningCore) == 0) return;
-        turnA = {-dqA.x, -dqA.y, -dqA.z, dqA.w}, turnB = {-dqB.x, -dqB.y, -dqB.z, dqB.w};
+        if constexpr (!kGround) turnA = {-dqA.x, -dqA.y, -dqA.z, dqA.w};
+        turnB = {-dqB.x, -dqB.y, -dqB.z, dqB.w};
         coresTurned = true;
     }
     /// How far the shared point that was at `anchor` has gone with the cores.
     RAGTOP_INLINE WideVec3<N> wayWithCores(const WideVec3<N>& anchor) const {
-        const WideVec3<N> coreA = anchor - field(contact::kRoundA) * normal;
-        const WideVec3<N> coreB = anchor - vector(contact::kOffset) + field(contact::kRoundB) * normal;
-        return field(contact::kCoreShareA) * inverseTurn(turnA, coreA) +
-               field(contact::kCoreShareB) * inverseTurn(turnB, coreB);
+        if constexpr (kGround) {
+            const WideVec3<N> core = anchor + field(contact::kRoundB) * normal;
+            return field(contact::kCoreShareB) * inverseTurn(turnB, core);
+        } else {
+            const WideVec3<N> coreA = anchor - field(contact::kRoundA) * normal;
+            const WideVec3<N> coreB = anchor - vector(contact::kOffset) + field(contact::kRoundB) * normal;
+            return field(contact::kCoreShareA) * inverseTurn(turnA, coreA) +
+                   field(contact::kCoreShareB) * inverseTurn(turnB, coreB);
+        }
     }
     RAGTOP_INLINE WideVec3<N> arm(int i) const {
-        const WideVec3<N> anchor = vector(i);
-        return coresTurned ? anchor + shift + wayWithCores(anchor) : anchor + shift;
+        const WideVec3<N> anchor = vector(i), shifted = kGround ? anchor : anchor + shift;
+        return coresTurned ? shifted + wayWithCores(anchor) : shifted;
     }
+    RAGTOP_INLINE WideVec3<N> armB(const WideVec3<N>& armA) const { return kGround ? armA : armA - offset; }
 
     /// Writes velocities back.
     RAGTOP_INLINE void writeVelocities() {
-        applyLocks(vA, a[7]);
+        if constexpr (!kGround) {
+            applyLocks(vA, a[7]);
+            a[0] = vA.x, a[1] = vA.y, a[2] = vA.z, a[4] = wA.x, a[5] = wA.y, a[6] = wA.z;
+            scatterMoving<N>(rowsOf(arrays.states, contact::kBodyA).anew(), a, massA);
+        }
         applyLocks(vB, b[7]);
-        a[0] = vA.x, a[1] = vA.y, a[2] = vA.z, a[4] = wA.x, a[5] = wA.y, a[6] = wA.z;
         b[0] = vB.x, b[1] = vB.y, b[2] = vB.z, b[4] = wB.x, b[5] = wB.y, b[6] = wB.z;
-        scatterMoving<N>(rowsOf(arrays.states, contact::kBodyA).anew(), a, massA);
         scatterMoving<N>(rowsOf(arrays.states, contact::kBodyB).anew(), b, massB);
     }
 
     /// Displacements since the beginning of the step.
     RAGTOP_INLINE void gatherDisplacements(WideVec3<N>& dp, WideQuat<N>& dqA, WideQuat<N>& dqB) const {
-        Lanes<N> dA[8], dB[8];
-        gather8<N>(rowsOf(arrays.states, contact::kBodyA, 8).anew(), dA);
+        Lanes<N> dB[8];
         gather8<N>(rowsOf(arrays.states, contact::kBodyB, 8).anew(), dB);
-        dp = {dB[0] - dA[0], dB[1] - dA[1], dB[2] - dA[2]};
-        dqA = {dA[4], dA[5], dA[6], dA[7]};
         dqB = {dB[4], dB[5], dB[6], dB[7]};
+        if constexpr (kGround) {
+            dp = {dB[0], dB[1], dB[2]};
+        } else {
+            Lanes<N> dA[8];
+            gather8<N>(rowsOf(arrays.states, contact::kBodyA, 8).anew(), dA);
+            dqA = {dA[4], dA[5], dA[6], dA[7]};
+            dp = {dB[0] - dA[0], dB[1] - dA[1], dB[2] - dA[2]};
+        }
     }
 
     /// The arms of the last relaxing pass, where the bodies still are.
@@ -142,37 +170,59 @@ struct ContactBundle {
         turnCores(dqA, dqB);
     }
 
-    /// Adds to the displacements of the bodies that impulses move, before velocities are written.
-    RAGTOP_INLINE void displace(const WideVec3<N>& dpA, const WideVec3<N>& dpB) const {
-        const auto placesA = rowsOf(arrays.states, contact::kBodyA, 8);
-        const auto placesB = rowsOf(arrays.states, contact::kBodyB, 8);
-        Lanes<N> dA[8], dB[8];
-        gather8<N>(placesA, dA);
-        gather8<N>(placesB, dB);
-        dA[0] = dA[0] + dpA.x, dA[1] = dA[1] + dpA.y, dA[2] = dA[2] + dpA.z;
-        dB[0] = dB[0] + dpB.x, dB[1] = dB[1] + dpB.y, dB[2] = dB[2] + dpB.z;
-        scatterMoving<N>(placesA, dA, massA);
-        scatterMoving<N>(placesB, dB, massB);
+    /// Adds to the displacements of bodies that impulses move, before velocities are written.
+    RAGTOP_INLINE void displace(int index, const WideVec3<N>& dp, Lanes<N> mass) const {
+        const auto places = rowsOf(arrays.states, index, 8);
+        Lanes<N> d[8];
+        gather8<N>(places, d);
+        d[0] = d[0] + dp.x, d[1] = d[1] + dp.y, d[2] = d[2] + dp.z;
+        scatterMoving<N>(places, d, mass);
     }
 
+    RAGTOP_INLINE Lanes<N> inverseMass() const { return kGround ? massB : massA + massB; }
+    /// Is one of the bodies held by no impulse?
+    RAGTOP_INLINE Mask<N> isFixed() const {
+        const Lanes<N> zero(0.0f);
+        if constexpr (kGround)
+            return {zero.v == zero.v};
+        else
+            return Mask<N>{massA.v == zero.v} | Mask<N>{massB.v == zero.v};
+    }
     RAGTOP_INLINE void applyImpulse(const WideVec3<N>& impulse, const WideVec3<N>& rA, const WideVec3<N>& rB) {
-        vA = vA - massA * impulse;
-        wA = wA - inertiaA * cross(rA, impulse);
+        if constexpr (!kGround) {
+            vA = vA - massA * impulse;
+            wA = wA - inertiaA * cross(rA, impulse);
+        }
         vB = vB + massB * impulse;
         wB = wB + inertiaB * cross(rB, impulse);
     }
+    /// An impulse of a size about an axis.
+    RAGTOP_INLINE void applyAngular(Lanes<N> size, const WideVec3<N>& axis) {
+        if constexpr (!kGround) wA = wA - size * (inertiaA * axis);
+        wB = wB + size * (inertiaB * axis);
+    }
     RAGTOP_INLINE void applyAngular(const WideVec3<N>& impulse) {
-        wA = wA - inertiaA * impulse;
+        if constexpr (!kGround) wA = wA - inertiaA * impulse;
         wB = wB + inertiaB * impulse;
     }
     RAGTOP_INLINE WideVec3<N> relativeVelocity(const WideVec3<N>& rA, const WideVec3<N>& rB) const {
-        return (vB + cross(wB, rB)) - (vA + cross(wA, rA));
+        if constexpr (kGround)
+            return vB + cross(wB, rB);
+        else
+            return (vB + cross(wB, rB)) - (vA + cross(wA, rA));
+    }
+    RAGTOP_INLINE WideVec3<N> relativeSpin() const {
+        if constexpr (kGround)
+            return wB;
+        else
+            return wB - wA;
     }
     /// K along a direction: mA⁻¹ + mB⁻¹ + (rA×d)·IA⁻¹(rA×d) + (rB×d)·IB⁻¹(rB×d), and mixed for two directions.
     RAGTOP_INLINE Lanes<N> admittance(const WideVec3<N>& rA, const WideVec3<N>& rB, const WideVec3<N>& d,
                                       const WideVec3<N>& e, Lanes<N> de) const {
-        return (massA + massB) * de + dot(cross(rA, d), inertiaA * cross(rA, e)) +
-               dot(cross(rB, d), inertiaB * cross(rB, e));
+        Lanes<N> ofA = inverseMass() * de;
+        if constexpr (!kGround) ofA = ofA + dot(cross(rA, d), inertiaA * cross(rA, e));
+        return ofA + dot(cross(rB, d), inertiaB * cross(rB, e));
     }
 };
 
@@ -188,33 +238,46 @@ struct NormalRows {
     WideVec3<N> shiftArm, offsetArm;
     Lanes<N> closing, inverseMass, total{0.0f};
 
-    template <int L>
-    RAGTOP_INLINE explicit NormalRows(const ContactBundle<N, L>& c)
-        : shiftArm(cross(c.shift, c.normal)),
-          offsetArm(cross(c.offset, c.normal)),
-          closing(dot(c.normal, c.vB - c.vA)),
-          inverseMass(c.massA + c.massB) {}
-    template <int L>
-    RAGTOP_INLINE Arms arms(const ContactBundle<N, L>& c, const WideVec3<N>& anchor) const {
-        WideVec3<N> a = cross(anchor, c.normal) + shiftArm;
+    template <int L, bool kGround>
+    RAGTOP_INLINE explicit NormalRows(const ContactBundle<N, L, kGround>& c) : inverseMass(c.inverseMass()) {
+        if constexpr (kGround) {
+            closing = dot(c.normal, c.vB);
+        } else {
+            shiftArm = cross(c.shift, c.normal);
+            offsetArm = cross(c.offset, c.normal);
+            closing = dot(c.normal, c.vB - c.vA);
+        }
+    }
+    template <int L, bool kGround>
+    RAGTOP_INLINE Arms arms(const ContactBundle<N, L, kGround>& c, const WideVec3<N>& anchor) const {
+        WideVec3<N> a = cross(anchor, c.normal);
+        if constexpr (!kGround) a = a + shiftArm;
         if (c.coresTurned) a = a + cross(c.wayWithCores(anchor), c.normal);
-        return {a, a - offsetArm};
+        if constexpr (kGround) {
+            const Lanes<N> zero(0.0f);  // what differences of zeros are, which the general form has
+            return {a, a + WideVec3<N>{zero, zero, zero}};
+        } else {
+            return {a, a - offsetArm};
+        }
     }
-    template <int L>
-    RAGTOP_INLINE Lanes<N> speed(const ContactBundle<N, L>& c, const Arms& arms) const {
-        return closing + (dot(arms.b, c.wB) - dot(arms.a, c.wA));
+    template <int L, bool kGround>
+    RAGTOP_INLINE Lanes<N> speed(const ContactBundle<N, L, kGround>& c, const Arms& arms) const {
+        if constexpr (kGround)
+            return closing + dot(arms.b, c.wB);
+        else
+            return closing + (dot(arms.b, c.wB) - dot(arms.a, c.wA));
     }
-    template <int L>
-    RAGTOP_INLINE void apply(ContactBundle<N, L>& c, const Arms& arms, Lanes<N> change) {
-        c.wA = c.wA - change * (c.inertiaA * arms.a);
+    template <int L, bool kGround>
+    RAGTOP_INLINE void apply(ContactBundle<N, L, kGround>& c, const Arms& arms, Lanes<N> change) {
+        if constexpr (!kGround) c.wA = c.wA - change * (c.inertiaA * arms.a);
         c.wB = c.wB + change * (c.inertiaB * arms.b);
         closing = closing + inverseMass * change;
         total = total + change;
     }
-    template <int L>
-    RAGTOP_INLINE void finish(ContactBundle<N, L>& c) const {
+    template <int L, bool kGround>
+    RAGTOP_INLINE void finish(ContactBundle<N, L, kGround>& c) const {
         const WideVec3<N> impulse = total * c.normal;
-        c.vA = c.vA - c.massA * impulse;
+        if constexpr (!kGround) c.vA = c.vA - c.massA * impulse;
         c.vB = c.vB + c.massB * impulse;
     }
 };
@@ -235,20 +298,20 @@ constexpr float kFirstOrderTurn = 0.02f;
 constexpr int pointField(int point, int field) { return contact::kPoints + point * contact::kPointFields + field; }
 
 /// Effective masses of the rows of some lanes, for the inertia of now and the arms armOf(field).
-template <int N, class Arm>
-RAGTOP_INLINE void setMasses(ContactBundle<N>& c, Mask<N> lanes, Arm&& armOf) {
+template <int N, bool kGround, class Arm>
+RAGTOP_INLINE void setMasses(ContactBundle<N, N, kGround>& c, Mask<N> lanes, Arm&& armOf) {
     typedef typename Mask<N>::V Int;
     const Int count = bits(c.field(contact::kPointCount));
     const Lanes<N> zero(0.0f), one(1.0f);
     const auto set = [&](int field, Lanes<N> value) { c.set(field, select(lanes, value, c.field(field))); };
     for (int j = 0; j < contact::kMaxPoints && any(Mask<N>{count > j}); ++j) {
         const WideVec3<N> rA = armOf(pointField(j, contact::kAnchor));
-        const Lanes<N> k = c.admittance(rA, rA - c.offset, c.normal, c.normal, one);
+        const Lanes<N> k = c.admittance(rA, c.armB(rA), c.normal, c.normal, one);
         set(pointField(j, contact::kMass), select(Mask<N>{count > j}, divideOrZero(one, k), zero));
     }
     WideVec3<N> t1, t2;
     tangents(c.normal, t1, t2);
-    const WideVec3<N> rA = armOf(contact::kCenter), rB = rA - c.offset;
+    const WideVec3<N> rA = armOf(contact::kCenter), rB = c.armB(rA);
     const Lanes<N> k11 = c.admittance(rA, rB, t1, t1, one);
     const Lanes<N> k12 = c.admittance(rA, rB, t1, t2, zero);
     const Lanes<N> k22 = c.admittance(rA, rB, t2, t2, one);
@@ -262,11 +325,14 @@ RAGTOP_INLINE void setMasses(ContactBundle<N>& c, Mask<N> lanes, Arm&& armOf) {
     const Lanes<N> rounding = 1e-7f * (entries[0] + entries[3] + entries[5]);
     for (int i = 0; i < 6; ++i)
         set(contact::kFrictionMass + i, select((entries[i] > rounding) | (entries[i] < -rounding), entries[i], zero));
-    const Lanes<N> twist = dot(c.normal, c.inertiaA * c.normal) + dot(c.normal, c.inertiaB * c.normal);
+    Lanes<N> twist = dot(c.normal, c.inertiaB * c.normal);
+    Lanes<N> xx = c.inertiaB.xx, yy = c.inertiaB.yy, zz = c.inertiaB.zz;
+    if constexpr (!kGround) {
+        twist = dot(c.normal, c.inertiaA * c.normal) + twist;
+        xx = c.inertiaA.xx + xx, yy = c.inertiaA.yy + yy, zz = c.inertiaA.zz + zz;
+    }
     set(contact::kTwistMass, divideOrZero(one, twist));
-    const Lanes<N> roll = max(c.inertiaA.xx + c.inertiaB.xx,
-                              max(c.inertiaA.yy + c.inertiaB.yy, c.inertiaA.zz + c.inertiaB.zz));
-    set(contact::kRollMass, divideOrZero(one, roll));
+    set(contact::kRollMass, divideOrZero(one, max(xx, max(yy, zz))));
 }
 
 constexpr float kLittleTurn = 1.0f / 100;  ///< sin² θ/2 of a turn that effective masses do not follow
@@ -309,10 +375,15 @@ __attribute__((noinline, cold)) void followFastTurns(float* fields, const BodyAr
     clear(contact::kTwistMass, 1);
     clear(contact::kRollMass, 1);
 }
-template <int N, int L>
-RAGTOP_INLINE void followTurns(const ContactBundle<N, L>& c, const WideQuat<N>& dqA, const WideQuat<N>& dqB) {
-    const WideVec3<N> uA{dqA.x, dqA.y, dqA.z}, uB{dqB.x, dqB.y, dqB.z};
-    if (!any(max(dot(uA, uA), dot(uB, uB)) > kLittleTurn)) return;
+template <int N, int L, bool kGround>
+RAGTOP_INLINE void followTurns(const ContactBundle<N, L, kGround>& c, const WideQuat<N>& dqA, const WideQuat<N>& dqB) {
+    const WideVec3<N> uB{dqB.x, dqB.y, dqB.z};
+    Lanes<N> turn = dot(uB, uB);
+    if constexpr (!kGround) {
+        const WideVec3<N> uA{dqA.x, dqA.y, dqA.z};
+        turn = max(dot(uA, uA), turn);
+    }
+    if (!any(turn > kLittleTurn)) return;
     for (int k = 0; k < N / L; ++k) followFastTurns<L>(c.fields + k * c.kBundle, c.arrays);
 }
 
@@ -323,17 +394,26 @@ struct Separations {
     Lanes<N> moved;
     WideVec3<N> turn;
 
-    template <int L>
-    RAGTOP_INLINE Separations(const ContactBundle<N, L>& c, const WideVec3<N>& dp, const WideQuat<N>& dqA,
+    template <int L, bool kGround>
+    RAGTOP_INLINE Separations(const ContactBundle<N, L, kGround>& c, const WideVec3<N>& dp, const WideQuat<N>& dqA,
                               const WideQuat<N>& dqB) {
-        const WideVec3<N> turnA = inverseTurn(dqA, c.normal), turnB = inverseTurn(dqB, c.normal);
-        turn = turnB - turnA;
-        moved = dot(c.normal, dp) - dot(turnB, c.offset);
-        if ((c.traits & contact::kRound) != 0)
-            moved = moved + (c.field(contact::kRoundA) * dot(turnA, c.normal) + c.field(contact::kRoundB) * dot(turnB, c.normal));
+        const WideVec3<N> turnB = inverseTurn(dqB, c.normal);
+        const bool round = (c.traits & contact::kRound) != 0;
+        moved = dot(c.normal, dp);
+        if constexpr (kGround) {
+            turn = turnB;
+            if (round) moved = moved + c.field(contact::kRoundB) * dot(turnB, c.normal);
+        } else {
+            const WideVec3<N> turnA = inverseTurn(dqA, c.normal);
+            turn = turnB - turnA;
+            moved = moved - dot(turnB, c.offset);
+            if (round)
+                moved = moved + (c.field(contact::kRoundA) * dot(turnA, c.normal) +
+                                 c.field(contact::kRoundB) * dot(turnB, c.normal));
+        }
     }
-    template <int L>
-    RAGTOP_INLINE Lanes<N> at(const ContactBundle<N, L>& c, int point, const WideVec3<N>& anchor) const {
+    template <int L, bool kGround>
+    RAGTOP_INLINE Lanes<N> at(const ContactBundle<N, L, kGround>& c, int point, const WideVec3<N>& anchor) const {
         return c.field(pointField(point, contact::kSeparation)) + (moved + dot(turn, anchor));
     }
 };

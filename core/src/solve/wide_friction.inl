@@ -6,8 +6,8 @@ namespace {
 /// The tangential impulse that the cone lets through of a wanted one under the load Σ λ: at most μ Σ λ while the surfaces
 /// stick, a share of that once they slide; against the wanted one in any case. Across the grain the cone has another
 /// width, and is an ellipse.
-template <int N, int L>
-RAGTOP_INLINE WideVec3<N> intoCone(const ContactBundle<N, L>& c, const WideVec3<N>& wanted, Lanes<N> load, Lanes<N>& sliding) {
+template <int N, int L, bool kGround>
+RAGTOP_INLINE WideVec3<N> intoCone(const ContactBundle<N, L, kGround>& c, const WideVec3<N>& wanted, Lanes<N> load, Lanes<N>& sliding) {
     Lanes<N> squared = dot(wanted, wanted);
     if ((c.traits & contact::kUneven) != 0) {
         const Lanes<N> cross = c.field(contact::kCross);
@@ -29,28 +29,27 @@ RAGTOP_INLINE WideVec3<N> intoBall(const WideVec3<N>& wanted, Lanes<N> limit) {
 }
 
 /// −K⁻¹ s for a slip s, in the tangent plane.
-template <int N, int L>
-RAGTOP_INLINE WideVec3<N> stoppingImpulse(const ContactBundle<N, L>& c, const WideVec3<N>& slip) {
+template <int N, int L, bool kGround>
+RAGTOP_INLINE WideVec3<N> stoppingImpulse(const ContactBundle<N, L, kGround>& c, const WideVec3<N>& slip) {
     const auto mass = [&](int entry) { return c.field(contact::kFrictionMass + entry); };
     return -(SymmetricMatrix<N>{mass(0), mass(1), mass(2), mass(3), mass(4), mass(5)} * slip);
 }
 
 /// Twist: |λ| ≤ Σ (μ lever + ρ_spin) λn about the normal. Rolling: |λ| ≤ ρ_roll Σ λn.
-template <int N, int L>
-RAGTOP_INLINE void solveTurning(ContactBundle<N, L>& c, Lanes<N> total, Lanes<N> leverTotal) {
+template <int N, int L, bool kGround>
+RAGTOP_INLINE void solveTurning(ContactBundle<N, L, kGround>& c, Lanes<N> total, Lanes<N> leverTotal) {
     const Lanes<N> mu = c.field(contact::kFriction);
     const Lanes<N> old = c.field(contact::kTwistImpulse), limit = mu * leverTotal + c.rare(contact::kSpinning, contact::kSpins) * total;
-    const Lanes<N> wanted = old - c.field(contact::kTwistMass) * dot(c.normal, c.wB - c.wA);
+    const Lanes<N> wanted = old - c.field(contact::kTwistMass) * dot(c.normal, c.relativeSpin());
     const Lanes<N> twist = min(max(wanted, -limit), limit), change = twist - old;
     c.set(contact::kTwistImpulse, twist);
     // What does not wait for the change comes first: rows are bound by how long one waits for the other.
-    c.wA = c.wA - change * (c.inertiaA * c.normal);
-    c.wB = c.wB + change * (c.inertiaB * c.normal);
+    c.applyAngular(change, c.normal);
 
     if ((c.traits & contact::kRolls) == 0) return;
     const Lanes<N> rolling = c.field(contact::kRolling);
     const WideVec3<N> before = c.vector(contact::kRollImpulse);
-    const WideVec3<N> stopping = before - c.field(contact::kRollMass) * (c.wB - c.wA);
+    const WideVec3<N> stopping = before - c.field(contact::kRollMass) * c.relativeSpin();
     const WideVec3<N> roll = select(rolling > 0.0f, intoBall(stopping, rolling * total), before);
     c.set(contact::kRollImpulse, roll);
     c.applyAngular(roll - before);
@@ -63,25 +62,28 @@ struct Slip {
     WideVec3<N> way;
     Mask<N> known;
 };
-template <int N, int L>
-RAGTOP_INLINE Slip<N> slipOf(const ContactBundle<N, L>& c, const WideVec3<N>& dp, const WideQuat<N>& dqA,
+template <int N, int L, bool kGround>
+RAGTOP_INLINE Slip<N> slipOf(const ContactBundle<N, L, kGround>& c, const WideVec3<N>& dp, const WideQuat<N>& dqA,
                              const WideQuat<N>& dqB, float elapsed) {
-    const WideVec3<N> rA = c.arm(contact::kCenter), rB = rA - c.offset;
-    const WideVec3<N> turnA{dqA.x + dqA.x, dqA.y + dqA.y, dqA.z + dqA.z};
+    const WideVec3<N> rA = c.arm(contact::kCenter), rB = c.armB(rA);
     const WideVec3<N> turnB{dqB.x + dqB.x, dqB.y + dqB.y, dqB.z + dqB.z};
-    WideVec3<N> way = dp + cross(turnB, rB) - cross(turnA, rA);
+    WideVec3<N> way = dp + cross(turnB, rB), turn = turnB;
+    if constexpr (!kGround) {
+        const WideVec3<N> turnA{dqA.x + dqA.x, dqA.y + dqA.y, dqA.z + dqA.z};
+        way = way - cross(turnA, rA);
+        turn = turnB - turnA;
+    }
     if ((c.traits & contact::kMovingSurface) != 0) way = way + Lanes<N>(elapsed) * c.vector(contact::kSurface);
-    const WideVec3<N> turn = turnB - turnA;
     return {way - dot(way, c.normal) * c.normal, dot(turn, turn) < Lanes<N>(kFirstOrderTurn * kFirstOrderTurn)};
 }
 
 /// Friction about the centre, inside the cone. The soft pass also takes back what has slipped since the surfaces stick,
 /// at the rate at which it pushes out; where they slide, or roll fast, the place is let go.
-template <bool kBias, int N, int L>
-RAGTOP_INLINE void solveFriction(ContactBundle<N, L>& c, Lanes<N> total, Lanes<N> rate, const Slip<N>& slip,
+template <bool kBias, int N, int L, bool kGround>
+RAGTOP_INLINE void solveFriction(ContactBundle<N, L, kGround>& c, Lanes<N> total, Lanes<N> rate, const Slip<N>& slip,
                                  const SolverContext& context) {
     const Lanes<N> zero(0.0f), one(1.0f);
-    const WideVec3<N> rA = c.arm(contact::kCenter), rB = rA - c.offset;
+    const WideVec3<N> rA = c.arm(contact::kCenter), rB = c.armB(rA);
     WideVec3<N> speed = c.relativeVelocity(rA, rB);
     if ((c.traits & contact::kMovingSurface) != 0) speed = speed + c.vector(contact::kSurface);
     const WideVec3<N> kept = c.vector(contact::kStick);

@@ -18,8 +18,8 @@ namespace ragtop {
 namespace {
 
 /// m, overlap that no load leaves: at rest a soft row that carries λ is −C = s_i λ/(m_eff s_m β) deep.
-template <int N, int L>
-RAGTOP_INLINE Lanes<N> deepOf(const ContactBundle<N, L>& c, const SolverContext& context) {
+template <int N, int L, bool kGround>
+RAGTOP_INLINE Lanes<N> deepOf(const ContactBundle<N, L, kGround>& c, const SolverContext& context) {
     return max(Lanes<N>(contact::kDeep) * c.field(contact::kSize), Lanes<N>(context.heavyDepth));
 }
 
@@ -32,11 +32,10 @@ RAGTOP_INLINE Lanes<N> ownShare(Lanes<N> mass, Lanes<N> impulse, const SolverCon
 /// λ̂ ← λ̂ + α (λ − λ̂). Integral action on a row that carries n times its own mass is stable while its time constant is
 /// long beside n times that of the row: contacts with the ground that carry little else than their body may be quick, and
 /// so may points that have sunk to twice what counts as deep, as long as they are.
-template <int N>
-RAGTOP_INLINE void carryLoads(ContactBundle<N>& c, typename Mask<N>::V count, const SolverContext& context) {
+template <int N, bool kGround>
+RAGTOP_INLINE void carryLoads(ContactBundle<N, N, kGround>& c, typename Mask<N>::V count, const SolverContext& context) {
     const Lanes<N> zero(0.0f), one(1.0f), slow(context.loadShare);
-    const Mask<N> isStatic = Mask<N>{c.massA.v == zero.v} | Mask<N>{c.massB.v == zero.v};
-    const Lanes<N> fast(context.staticLoadShare), quick = select(isStatic, fast, zero);
+    const Lanes<N> fast(context.staticLoadShare), quick = select(c.isFixed(), fast, zero);
     const Lanes<N> deep = deepOf(c, context);
     for (int j = 0; j < contact::kMaxPoints; ++j) {
         if (!any(Mask<N>{count > j})) return;
@@ -53,8 +52,8 @@ RAGTOP_INLINE void carryLoads(ContactBundle<N>& c, typename Mask<N>::V count, co
 }
 
 /// Which contact::Traits the lanes have. By bits: −0 is added like any other number.
-template <int N>
-RAGTOP_INLINE std::int32_t traitsOf(const ContactBundle<N>& c, typename Mask<N>::V count) {
+template <int N, bool kGround>
+RAGTOP_INLINE std::int32_t traitsOf(const ContactBundle<N, N, kGround>& c, typename Mask<N>::V count) {
     typedef typename Mask<N>::V Int;
     const auto trait = [](contact::Trait which, Int set) { return anySet(set != 0) ? which : 0; };
     const auto field = [&](int i) { return bits(c.field(i)); };
@@ -66,13 +65,14 @@ RAGTOP_INLINE std::int32_t traitsOf(const ContactBundle<N>& c, typename Mask<N>:
            trait(contact::kMovingSurface, vector(contact::kSurface)) |
            trait(contact::kFindsLoad, field(contact::kShifted)) |
            trait(contact::kTurningCore, field(contact::kCoreShareA) | field(contact::kCoreShareB)) |
+           trait(contact::kBodyOnBody, field(contact::kBodyA)) |
            trait(contact::kSecondPoint, count > 1) | trait(contact::kThirdPoint, count > 2) |
            trait(contact::kFourthPoint, count > 3);
 }
 
 /// What begins anew in a step: sums of impulses, speeds of approach and the friction centre.
-template <int N>
-RAGTOP_INLINE void preparePoints(ContactBundle<N>& c, typename Mask<N>::V count) {
+template <int N, bool kGround>
+RAGTOP_INLINE void preparePoints(ContactBundle<N, N, kGround>& c, typename Mask<N>::V count) {
     const Lanes<N> depth = 0.01f * c.field(contact::kSize), near = 0.01f * depth, zero(0.0f);
     WideVec3<N> center{zero, zero, zero};
     Lanes<N> weight(0.0f);
@@ -86,7 +86,7 @@ RAGTOP_INLINE void preparePoints(ContactBundle<N>& c, typename Mask<N>::V count)
         }
         points = j + 1;
         const WideVec3<N> rA = c.vector(pointField(j, contact::kAnchor));
-        const WideVec3<N> rB = rA - c.offset;
+        const WideVec3<N> rB = c.armB(rA);
         const Lanes<N> impulse = select(present, c.field(pointField(j, contact::kImpulse)), zero);
         c.set(pointField(j, contact::kImpulse), impulse);
         c.set(contact::kApproach + j, dot(c.normal, c.relativeVelocity(rA, rB)));
@@ -105,61 +105,90 @@ RAGTOP_INLINE void preparePoints(ContactBundle<N>& c, typename Mask<N>::V count)
     c.set(contact::kCenter, center);
 }
 
+template <int N, bool kGround>
+RAGTOP_INLINE std::int32_t prepareBundle(float* fields, const BodyArrays& arrays, const SolverContext& context) {
+    typedef typename Mask<N>::V Int;
+    ContactBundle<N, N, kGround> c(fields, arrays);
+    const Int count = bits(c.field(contact::kPointCount));
+    c.traits = traitsOf(c, count);
+    c.set(contact::kTraits, Lanes<N>(reinterpret_cast<typename Lanes<N>::V>(Int{} + c.traits)));
+    preparePoints(c, count);
+    c.set(contact::kShift, c.shift);
+    setMasses(c, Mask<N>{count == count}, [&](int field) { return c.vector(field); });
+    carryLoads(c, count, context);
+    // Rounding of the normal does not count, or friction would change a little in every step at rest.
+    const WideVec3<N> friction = c.vector(contact::kFrictionImpulse);
+    const Lanes<N> along = dot(friction, c.normal);
+    const Mask<N> leaves = along * along > 1e-12f * dot(friction, friction);
+    c.set(contact::kFrictionImpulse, friction - select(leaves, along, Lanes<N>(0.0f)) * c.normal);
+    const WideVec3<N> stick = c.vector(contact::kStick);
+    c.set(contact::kStick, stick - dot(stick, c.normal) * c.normal);
+    return c.traits;
+}
+
 template <int N>
 bool prepareContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
-    typedef typename Mask<N>::V Int;
-    int traits = 0;
+    std::int32_t traits = 0;
     for (int i = begin; i < end; ++i) {
-        ContactBundle<N> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
-        const Int count = bits(c.field(contact::kPointCount));
-        c.traits = traitsOf(c, count);
-        c.set(contact::kTraits, Lanes<N>(reinterpret_cast<typename Lanes<N>::V>(Int{} + c.traits)));
-        preparePoints(c, count);
-        c.set(contact::kShift, c.shift);
-        setMasses(c, Mask<N>{count == count}, [&](int field) { return c.vector(field); });
-        carryLoads(c, count, context);
-        // Rounding of the normal does not count, or friction would change a little in every step at rest.
-        const WideVec3<N> friction = c.vector(contact::kFrictionImpulse);
-        const Lanes<N> along = dot(friction, c.normal);
-        const Mask<N> leaves = along * along > 1e-12f * dot(friction, friction);
-        c.set(contact::kFrictionImpulse, friction - select(leaves, along, Lanes<N>(0.0f)) * c.normal);
-        const WideVec3<N> stick = c.vector(contact::kStick);
-        c.set(contact::kStick, stick - dot(stick, c.normal) * c.normal);
-        traits |= c.traits;
+        float* const fields = bundles + static_cast<long>(i) * contact::kFields * N;
+        const bool ground = !anySet(bits(Lanes<N>::load(fields + contact::kBodyA * N)) != 0);
+        traits |= ground ? prepareBundle<N, true>(fields, arrays, context) : prepareBundle<N, false>(fields, arrays, context);
     }
     return (traits & contact::kBouncy) != 0;
+}
+
+/// Are A of both bundles, or of the one at `fields`, static?
+template <int N>
+RAGTOP_INLINE bool onGround(const float* fields, int bundles) {
+    std::int32_t traits = 0;
+    for (int k = 0; k < bundles; ++k)
+        traits |= reinterpret_cast<const std::int32_t*>(fields + k * contact::kFields * N)[contact::kTraits * N];
+    return (traits & contact::kBodyOnBody) == 0;
+}
+
+template <int N, bool kGround>
+RAGTOP_INLINE void warmStartBundle(float* fields, const BodyArrays& arrays, const SolverContext& context) {
+    ContactBundle<N, N, kGround> c(fields, arrays);
+    if (context.farContacts) c.prefetchAhead();
+    c.recallArms();
+    Lanes<N> total(0.0f);
+    WideVec3<N> moment{Lanes<N>(0.0f), Lanes<N>(0.0f), Lanes<N>(0.0f)};
+    for (int j = 0, points = c.points(); j < points; ++j) {
+        const Lanes<N> impulse = c.field(pointField(j, contact::kImpulse));
+        if (!any(impulse > 0.0f)) continue;
+        total = total + impulse;
+        const WideVec3<N> anchor = c.vector(pointField(j, contact::kAnchor));
+        moment = moment + impulse * anchor;
+        if (c.coresTurned) moment = moment + impulse * c.wayWithCores(anchor);
+    }
+    if constexpr (!kGround) moment = moment + total * c.shift;
+    // Σ λⱼ rAⱼ × n and, since rBⱼ = rAⱼ − offset, (Σ λⱼ rAⱼ − Σ λⱼ offset) × n
+    const WideVec3<N> linear = total * c.normal + c.vector(contact::kFrictionImpulse);
+    const WideVec3<N> friction = c.vector(contact::kFrictionImpulse);
+    const WideVec3<N> center = c.arm(contact::kCenter);
+    const WideVec3<N> spin =
+        c.field(contact::kTwistImpulse) * c.normal + c.rareVector(contact::kRollImpulse, contact::kRolls);
+    const WideVec3<N> angularA = cross(moment, c.normal) + cross(center, friction) + spin;
+    WideVec3<N> offset = c.offset;
+    if constexpr (kGround) {
+        offset = WideVec3<N>{Lanes<N>(0.0f), Lanes<N>(0.0f), Lanes<N>(0.0f)};
+    } else {
+        c.vA = c.vA - c.massA * linear;
+        c.wA = c.wA - c.inertiaA * angularA;
+    }
+    c.vB = c.vB + c.massB * linear;
+    c.wB = c.wB + c.inertiaB * (angularA - cross(offset, linear));
+    c.writeVelocities();
 }
 
 template <int N>
 void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
     for (int i = begin; i < end; ++i) {
-        ContactBundle<N> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
-        if (context.farContacts) c.prefetchAhead();
-        c.recallArms();
-        Lanes<N> total(0.0f);
-        WideVec3<N> moment{Lanes<N>(0.0f), Lanes<N>(0.0f), Lanes<N>(0.0f)};
-        for (int j = 0, points = c.points(); j < points; ++j) {
-            const Lanes<N> impulse = c.field(pointField(j, contact::kImpulse));
-            if (!any(impulse > 0.0f)) continue;
-            total = total + impulse;
-            const WideVec3<N> anchor = c.vector(pointField(j, contact::kAnchor));
-            moment = moment + impulse * anchor;
-            if (c.coresTurned) moment = moment + impulse * c.wayWithCores(anchor);
-        }
-        moment = moment + total * c.shift;
-        // Σ λⱼ rAⱼ × n and, since rBⱼ = rAⱼ − offset, (Σ λⱼ rAⱼ − Σ λⱼ offset) × n
-        const WideVec3<N> linear = total * c.normal + c.vector(contact::kFrictionImpulse);
-        const WideVec3<N> friction = c.vector(contact::kFrictionImpulse);
-        const WideVec3<N> center = c.arm(contact::kCenter);
-        const WideVec3<N> spin =
-            c.field(contact::kTwistImpulse) * c.normal + c.rareVector(contact::kRollImpulse, contact::kRolls);
-        const WideVec3<N> angularA = cross(moment, c.normal) + cross(center, friction) + spin;
-        const WideVec3<N> angularB = angularA - cross(c.offset, linear);
-        c.vA = c.vA - c.massA * linear;
-        c.wA = c.wA - c.inertiaA * angularA;
-        c.vB = c.vB + c.massB * linear;
-        c.wB = c.wB + c.inertiaB * angularB;
-        c.writeVelocities();
+        float* const fields = bundles + static_cast<long>(i) * contact::kFields * N;
+        if (onGround<N>(fields, 1))
+            warmStartBundle<N, true>(fields, arrays, context);
+        else
+            warmStartBundle<N, false>(fields, arrays, context);
     }
 }
 
@@ -170,10 +199,11 @@ struct NormalSoftness {
     Lanes<N> push{0.0f};  ///< m/s, pushOut
     Lanes<N> deep{0.0f};  ///< m, beyond which rows are as stiff as those with the ground
 
-    template <int L>
-    RAGTOP_INLINE void take(const ContactBundle<N, L>& c, Mask<N> isStatic, const SolverContext& context) {
+    template <int L, bool kGround>
+    RAGTOP_INLINE void take(const ContactBundle<N, L, kGround>& c, Mask<N> isStatic, const SolverContext& context) {
         const auto of = [&](float Softness::*which) {
-            return select(isStatic, Lanes<N>(context.softStatic.*which), Lanes<N>(context.soft.*which));
+            const Lanes<N> hard(context.softStatic.*which);
+            return kGround ? hard : select(isStatic, hard, Lanes<N>(context.soft.*which));
         };
         massScale = of(&Softness::massScale);
         rate = massScale * of(&Softness::biasRate);
@@ -187,11 +217,11 @@ struct NormalSoftness {
 /// towards the carried load (bias pass), or a rigid velocity row (relax pass, which takes back the push-out velocity).
 /// What the soft row pushes beyond its load is bounded: speeds of rows that push each other add up, and one relaxing sweep
 /// takes back a part of them only.
-template <int N, int L, bool kBias>
+template <int N, int L, bool kGround, bool kBias>
 RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const SolverContext& context) {
     const Lanes<N> inverseH(context.inverseH), zero(0.0f), one(1.0f), half(0.5f), threshold(-context.restitutionSpeed);
     const Lanes<N> deepRate(context.softStatic.massScale * context.softStatic.biasRate);
-    ContactBundle<N, L> c(fields, arrays);
+    ContactBundle<N, L, kGround> c(fields, arrays);
     if (context.farContacts) c.prefetchAhead();
     WideVec3<N> dp;
     WideQuat<N> dqA, dqB;
@@ -199,13 +229,9 @@ RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const So
     c.turnCores(dqA, dqB);
     if constexpr (!kBias) followTurns(c, dqA, dqB);
     const Separations<N> separations(c, dp, dqA, dqB);
-    const Mask<N> isStatic = Mask<N>{c.massA.v == zero.v} | Mask<N>{c.massB.v == zero.v};
-    // Bodies that have moved by more than half a size are no longer where they touched: such arms would only
-    // lengthen.
-    const Lanes<N> reach = half * c.field(contact::kSize);
-    const WideVec3<N> displacement = select(isStatic | (dot(dp, dp) > reach * reach), zero, one) * dp;
-    c.moveArms(displacement);
-    if constexpr (!kBias) c.set(contact::kShift, displacement);
+    const Mask<N> isStatic = c.isFixed();
+    const WideVec3<N> displacement = c.moveArms(dp, isStatic);
+    if constexpr (!kBias && !kGround) c.set(contact::kShift, displacement);
     NormalSoftness<N> soft;
     if constexpr (kBias) soft.take(c, isStatic, context);
     // What holds a body on the ground has changed: nothing pulls towards loads of other points, and those that the
@@ -275,8 +301,18 @@ RAGTOP_INLINE void solvePass(float* bundles, int begin, int end, const BodyArray
     const auto at = [&](int i) { return bundles + static_cast<long>(i) * contact::kFields * N; };
     int i = begin;
     if constexpr (kAtOnce > 1)
-        for (; i + kAtOnce <= end; i += kAtOnce) solveBundle<kAtOnce * N, N, kBias>(at(i), arrays, context);
-    for (; i < end; ++i) solveBundle<N, N, kBias>(at(i), arrays, context);
+        for (; i + kAtOnce <= end; i += kAtOnce) {
+            if (onGround<N>(at(i), kAtOnce))
+                solveBundle<kAtOnce * N, N, true, kBias>(at(i), arrays, context);
+            else
+                solveBundle<kAtOnce * N, N, false, kBias>(at(i), arrays, context);
+        }
+    for (; i < end; ++i) {
+        if (onGround<N>(at(i), 1))
+            solveBundle<N, N, true, kBias>(at(i), arrays, context);
+        else
+            solveBundle<N, N, false, kBias>(at(i), arrays, context);
+    }
 }
 
 template <int N, int kAtOnce>

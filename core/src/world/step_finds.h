@@ -80,6 +80,8 @@ struct DirectIsland {
     bool factored = false;
     bool swept = false;      ///< given up in this step
     bool unchanged = false;  ///< since a step through which it rested
+    bool renewed = false;    ///< some lane of it is other than in the last step; told by several threads
+    int restedAgain = 0;     ///< substeps through which it has rested as in the step before
     bool tree = false;       ///< eliminated in lanes, without a system
     bool mechanism = false;  ///< moves by itself, without a system
     bool watched = false;    ///< of a tree or mechanism: impulses are wanted after every substep
@@ -93,6 +95,7 @@ struct DirectIsland {
     /// Of a step.
     void begin() {
         factored = swept = open = ajar = unchanged = false;
+        restedAgain = 0;
         report = {};
         ms = 0;
     }

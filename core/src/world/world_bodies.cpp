@@ -212,6 +212,7 @@ void WorldImpl::addShape(std::uint32_t bodyIndex, const ShapeDef& def, const Fra
     }
     shape.sensor = def.sensor;
     shape.reportsMotion = def.reportsMotion;
+    motionReported |= def.reportsMotion;
     shape.userData = def.userData;
     shape.next = body.firstShape;
     body.firstShape = index;

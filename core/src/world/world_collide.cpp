@@ -1,6 +1,7 @@
 // What touches: the narrow phase of each awake contact once per step, and what it changes.
 
 #include <algorithm>
+#include <cstring>
 #include <memory>
 
 #include "base/nonzero_bytes.h"
@@ -26,6 +27,56 @@ namespace {
 /// Contacts that are asked whether they stay as they are before those that do not are collided.
 constexpr int kAskedAtOnce = 32;
 
+struct AskedContacts {
+    std::uint32_t moving[kAskedAtOnce];  ///< that may have come nearer, or moved against each other
+    std::uint32_t open[kAskedAtOnce];    ///< that stay, and may be seams or have other surfaces
+    int movingCount = 0, openCount = 0;
+};
+
+/// A gap that what both bodies have travelled since it was found, and may travel now, cannot have closed needs no other
+/// look while bounds stay as they are; nor do manifolds that have not moved far. Without branches, since nobody
+/// foresees them.
+bool keepsGeometry(const ContactRecord& record, const BodyRecord& a, const BodyRecord& b, bool sameSubstep) {
+    const double travel = a.travel + b.travel, ahead = static_cast<double>(a.ahead) + static_cast<double>(b.ahead);
+    const double way = record.hasPoints ? travel : travel + ahead;
+    const bool inTime = ahead < static_cast<double>(record.aheadMost), near = way < record.until;
+    const bool mayKeep = !record.hasPoints || (inTime & sameSubstep);
+    return near & mayKeep;
+}
+
+bool stays(const ContactRecord& record, const BodyRecord& a, const BodyRecord& b, bool sameSubstep) {
+    const bool refitted = a.refitted | b.refitted, keeps = keepsGeometry(record, a, b, sameSubstep);
+    return keeps & !refitted;
+}
+
+/// Asks some contacts whether they stay as they are, and for the memory of what is asked some places later. Which stay
+/// nobody foresees: all are written, and kept or not.
+void askSome(WorldImpl& world, int begin, int end, int last, AskedContacts& asked) {
+    constexpr int kRecord = 32, kRest = 16;
+    const auto records = world.contacts.view();
+    const std::uint32_t* awake = world.awakeContacts.data();
+    const BodyRecord* of = world.bodies.data();
+    const bool allOpen = world.surfacesForgotten || world.callbacks.modify;
+    const bool sameSubstep = world.lastSubstep == world.context.h;
+    int moving = 0, open = 0;
+    for (int i = begin; i < end; ++i) {
+        if (i + kRecord < last) prefetch(&records[awake[i + kRecord]]);
+        if (i + kRest < last) {
+            const ContactRecord& next = records[awake[i + kRest]];
+            prefetch(&of[next.bodyA]);
+            prefetch(&of[next.bodyB]);
+        }
+        const ContactRecord& record = records[awake[i]];
+        const bool stay = stays(record, of[record.bodyA], of[record.bodyB], sameSubstep);
+        asked.moving[moving] = asked.open[open] = awake[i];
+        moving += stay ? 0 : 1;
+        // What bears a load is no seam.
+        const bool loaded = record.bearsLoad, looked = loaded ? record.surfaceOpen | allOpen : true;
+        open += (stay & record.hasPoints & looked) ? 1 : 0;
+    }
+    asked.movingCount = moving, asked.openCount = open;
+}
+
 }  // namespace
 
 /// Contacts come and go in any order, and records are found faster in that of memory. Seldom: a few in disorder do little.
@@ -35,16 +86,6 @@ void WorldImpl::sortAwakeContacts() {
     std::sort(awakeContacts.begin(), awakeContacts.end());
     for (std::size_t i = 0; i < awakeContacts.size(); ++i)
         contacts[awakeContacts[i]].awakeIndex = static_cast<std::uint32_t>(i);
-}
-
-/// Asks for what is looked at some places later.
-void WorldImpl::prefetchContact(int place, int end) const {
-    constexpr int kRecord = 32, kRest = 16;
-    if (place + kRecord < end) prefetch(&contacts[awakeContacts[static_cast<std::size_t>(place + kRecord)]]);
-    if (place + kRest >= end) return;
-    const ContactRecord& record = contacts[awakeContacts[static_cast<std::size_t>(place + kRest)]];
-    prefetch(&bodies[record.bodyA]);
-    prefetch(&bodies[record.bodyB]);
 }
 
 /// Asks for what colliding a pair will read.
@@ -71,29 +112,26 @@ void WorldImpl::prefetchShapes(const ContactRecord& record) const {
 
 /// What does not stay is collided after the others were asked: until then its memory is on the way.
 void WorldImpl::updateSome(int begin, int end, int last, int worker) {
-    std::uint32_t asked[kAskedAtOnce];
-    int count = 0;
-    const auto records = contacts.view();
-    for (int i = begin; i < end; ++i) {
-        prefetchContact(i, last);
-        const std::uint32_t index = awakeContacts[static_cast<std::size_t>(i)];
-        ContactRecord& record = records[index];
-        std::uint8_t& change = contactChanged[record.awakeIndex];
-        if (stays(record)) {
-            change = keepManifolds(record);
-        } else {
-            prefetchCollision(record);
-            asked[count++] = index;
-        }
+    AskedContacts asked;
+    askSome(*this, begin, end, last, asked);
+    std::memset(&contactChanged[static_cast<std::size_t>(begin)], kUnchanged, static_cast<std::size_t>(end - begin));
+    const int count = asked.movingCount;
+    for (int k = 0; k < count; ++k) prefetchCollision(contacts[asked.moving[k]]);
+    for (int k = 0; k < asked.openCount; ++k) {
+        ContactRecord& record = contacts[asked.open[k]];
+        contactChanged[record.awakeIndex] = keepManifolds(record);
     }
     constexpr int kFour = 4, kNext = 2 * kFour;
-    for (int k = 0; k < count && k < kNext; ++k) prefetchShapes(contacts[asked[k]]);
+    for (int k = 0; k < count && k < kNext; ++k) prefetchShapes(contacts[asked.moving[k]]);
     for (int first = 0; first < count; first += kFour) {
         const int past = std::min(first + kFour, count);
-        for (int k = first + kNext; k < past + kNext && k < count; ++k) prefetchShapes(contacts[asked[k]]);
-        PairPlace places[kFour];
-        placePairs(asked + first, past - first, places);
-        for (int k = first; k < past; ++k) updateContact(asked[k], places[k - first], worker);
+        for (int k = first + kNext; k < past + kNext && k < count; ++k) prefetchShapes(contacts[asked.moving[k]]);
+        union Unfilled {
+            Unfilled() {}
+            PairPlace at[kFour];
+        } places;
+        placePairs(asked.moving + first, past - first, places.at);
+        for (int k = first; k < past; ++k) updateContact(asked.moving[k], places.at[k - first], worker);
     }
 }
 
@@ -130,20 +168,6 @@ void WorldImpl::updateSensors() {
     });
 }
 
-/// A gap that what both bodies have travelled since it was found, and may travel now, cannot have closed needs no other
-/// look while bounds stay as they are; nor do manifolds that have not moved far.
-bool WorldImpl::stays(const ContactRecord& record) const {
-    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    return !a.refitted && !b.refitted && keepsGeometry(record);
-}
-
-bool WorldImpl::keepsGeometry(const ContactRecord& record) const {
-    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    const double travel = a.travel + b.travel, ahead = static_cast<double>(a.ahead) + static_cast<double>(b.ahead);
-    if (!record.hasPoints) return travel + ahead < record.until;
-    return travel < record.until && ahead < static_cast<double>(record.aheadMost) && lastSubstep == context.h;
-}
-
 /// Contacts are found early enough that the motion of the step cannot pass them.
 void WorldImpl::updateContact(std::uint32_t index, const PairPlace& place, int worker) {
     ContactRecord& record = contacts[index];
@@ -159,7 +183,7 @@ void WorldImpl::updateContact(std::uint32_t index, const PairPlace& place, int w
         anySensor.store(true, std::memory_order_relaxed);
         return;
     }
-    if (keepsGeometry(record)) {
+    if (keepsGeometry(record, bodies[record.bodyA], bodies[record.bodyB], lastSubstep == context.h)) {
         change = keepManifolds(record);
         return;
     }

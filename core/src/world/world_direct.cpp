@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 
 #include "constraints/contact_layout.h"
@@ -39,6 +40,7 @@ void WorldImpl::applyChoices() {
 void WorldImpl::groupDirect() {
     directIslands.clear();
     directSeen.clear();
+    directOwner.clear();
     directBodies.clear();
     directManifolds.clear();
     directJoints.clear();
@@ -74,12 +76,14 @@ void WorldImpl::groupDirect() {
         contactsBefore += island.contactCount, jointsBefore += island.jointCount;
         island.contactCount = island.jointCount = 0;
     }
+    directOwner.resizeForOverwrite(list.manifolds.size());
     directManifolds.resizeForOverwrite(contactsBefore);
     directJoints.resizeForOverwrite(jointsBefore);
     for (const std::uint32_t m : list.manifolds) {
         DirectIsland& island =
             directIslands[islandOf(contacts[manifolds[m].contact].bodyA, contacts[manifolds[m].contact].bodyB)];
         directManifolds[island.firstContact + island.contactCount++] = m;
+        directOwner[manifolds[m].place.slot] = static_cast<std::uint32_t>(&island - directIslands.data());
     }
     for (const std::uint32_t j : list.joints) {
         DirectIsland& island = directIslands[islandOf(joints[j].bodyA, joints[j].bodyB)];
@@ -147,46 +151,71 @@ void WorldImpl::assignSystems() {
     }
 }
 
-/// Notes the lanes of direct islands that are not those of the last step, to the bit.
+/// Calls visit(bundle) in parallel for those of direct islands.
+template <class Visit>
+static void forEachDirectBundle(WorldImpl& world, Visit&& visit) {
+    world.runner.parallelFor(world.graph.bundleCount(ConstraintGraph::kDirect), 64, [&](int begin, int end, int) {
+        for (int b = begin; b < end; ++b) visit(static_cast<std::size_t>(b));
+    });
+}
+
+/// Tells the islands of which some lane is not that of the last step, to the bit.
 void WorldImpl::noteDirectBundles() {
     const AlignedArray<float>& now = graph.color(ConstraintGraph::kDirect).bundles;
     const auto lanes = static_cast<std::size_t>(graph.lanes());
     const std::size_t floats = contact::kFields * lanes, known = std::min(directSeen.size(), now.size()) / floats;
     directSeen.resizeForOverwrite(now.size());
-    directRenewed.resizeForOverwrite(now.size() / contact::kFields);
-    runner.parallelFor(static_cast<int>(now.size() / floats), 64, [&](int begin, int end, int) {
-        for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b) {
-            const float* bundle = now.data() + b * floats;
-            float* seen = directSeen.data() + b * floats;
-            std::uint8_t* renewed = directRenewed.data() + b * lanes;
-            const bool same = b < known && std::memcmp(seen, bundle, floats * sizeof(float)) == 0;
-            std::memset(renewed, b < known ? 0 : 1, lanes);
-            for (std::size_t i = 0; !same && b < known && i < floats; ++i)
-                renewed[i % lanes] |= std::memcmp(seen + i, bundle + i, sizeof(float)) != 0;
-            if (!same) std::memcpy(static_cast<void*>(seen), bundle, floats * sizeof(float));
+    for (DirectIsland& island : directIslands) island.renewed = false;
+    forEachDirectBundle(*this, [&](std::size_t b) {
+        const float* bundle = now.data() + b * floats;
+        float* seen = directSeen.data() + b * floats;
+        if (b < known && std::memcmp(seen, bundle, floats * sizeof(float)) == 0) return;
+        for (std::size_t lane = 0; lane < lanes && b * lanes + lane < directOwner.size(); ++lane) {
+            bool renewed = b >= known;
+            for (std::size_t i = lane; !renewed && i < floats; i += lanes)
+                renewed = std::memcmp(seen + i, bundle + i, sizeof(float)) != 0;
+            if (renewed)
+                std::atomic_ref(directIslands[directOwner[b * lanes + lane]].renewed)
+                    .store(true, std::memory_order_relaxed);
         }
+        std::memcpy(static_cast<void*>(seen), bundle, floats * sizeof(float));
     });
 }
 
 /// Is any of its contacts, or how many they are, other than when its system was made?
 bool WorldImpl::isRenewed(const DirectIsland& island) const {
-    if (!directSystems[island.system]->isOf(island.bodyCount, island.contactCount, island.jointCount)) return true;
-    for (std::uint32_t i = 0; i < island.contactCount; ++i)
-        if (directRenewed[manifolds[directManifolds[island.firstContact + i]].place.slot] != 0) return true;
-    return false;
+    return island.renewed ||
+           !directSystems[island.system]->isOf(island.bodyCount, island.contactCount, island.jointCount);
+}
+
+/// What contacts of islands that rest again have borne. Their loads are the impulses in their lanes.
+void WorldImpl::addDirectPeaks() {
+    const auto lanes = static_cast<std::size_t>(graph.lanes());
+    AlignedArray<float>& bundles = graph.color(ConstraintGraph::kDirect).bundles;
+    forEachDirectBundle(*this, [&](std::size_t b) {
+        float* bundle = bundles.data() + b * contact::kFields * lanes;
+        for (std::size_t lane = 0; lane < lanes && b * lanes + lane < directOwner.size(); ++lane) {
+            const int substeps = directIslands[directOwner[b * lanes + lane]].restedAgain;
+            for (int j = 0; j < contact::kMaxPoints && substeps > 0; ++j) {
+                float* point = bundle + static_cast<std::size_t>(contact::kPoints + j * contact::kPointFields) * lanes + lane;
+                point[contact::kPeak * lanes] +=
+                    static_cast<float>(substeps * static_cast<double>(point[contact::kImpulse * lanes]));
+            }
+        }
+    });
 }
 
 void WorldImpl::beginIsland(DirectIsland& island, int index) {
     if (island.tree) return;
     island.begin();
-    for (std::uint32_t i = 0; i < island.contactCount; ++i)
-        directLanes[island.firstContact + i] = graph.lane(manifolds[directManifolds[island.firstContact + i]].place);
     for (std::uint32_t i = 0; i < island.jointCount; ++i)
         directSims[island.firstJoint + i] = &jointSims[directJoints[island.firstJoint + i]];
     if (island.mechanism) return beginMechanism(island, *mechanisms[static_cast<std::size_t>(index)]);
     direct::IslandSystem& system = *directSystems[island.system];
     island.unchanged = island.jointCount == 0 && system.restedThrough(settings.substeps) && !isRenewed(island);
-    if (island.unchanged) return system.beginAgain();
+    if (island.unchanged) return system.beginAgain();  // its lanes are where they were
+    for (std::uint32_t i = 0; i < island.contactCount; ++i)
+        directLanes[island.firstContact + i] = graph.lane(manifolds[directManifolds[island.firstContact + i]].place);
     direct::IslandParts parts;
     parts.bodies = directBodies.data() + island.firstBody;
     parts.bodyCount = island.bodyCount;
@@ -243,14 +272,12 @@ void WorldImpl::solveDirect(DirectPass pass) {
 void WorldImpl::solveSystem(DirectIsland& island, DirectPass pass) {
     const BodyArrays arrays = bodyArrays();
     direct::IslandSystem& system = *directSystems[island.system];
+    if (pass == DirectPass::velocities && system.rests()) return system.carryLoads(island.factored);
     const auto start = std::chrono::steady_clock::now();
     switch (pass) {
         case DirectPass::positions:
             system.beginSubstep(arrays, jointContext);
-            if (system.rests()) {
-                system.writeVelocities(arrays);
-                break;
-            }
+            if (system.rests()) return system.writeVelocities(arrays);
             system.aimAtPositions(arrays, context);
             if (island.jointCount > 0) island.factored = false;
             direct::solve(system, true, island.factored, island.report);
@@ -315,9 +342,15 @@ void WorldImpl::endDirect() {
                           static_cast<int>(island.bodyCount), static_cast<int>(island.contactCount),
                           static_cast<int>(island.jointCount), island.report.iterations, island.report.factorizations,
                           island.report.residual, island.ms, island.report.converged});
-    forEachDirectIsland(*this, [&](const DirectIsland& island, int) {
-        if (!island.swept && hasSystem(island)) directSystems[island.system]->end(island.unchanged);
+    std::atomic<bool> restsAgain{false};
+    forEachDirectIsland(*this, [&](DirectIsland& island, int) {
+        if (island.swept || !hasSystem(island)) return;
+        direct::IslandSystem& system = *directSystems[island.system];
+        if (!system.restsAgain(island.unchanged)) return system.end();
+        island.restedAgain = system.restedSubsteps();
+        restsAgain.store(true, std::memory_order_relaxed);
     });
+    if (restsAgain.load(std::memory_order_relaxed)) addDirectPeaks();
 }
 
 }  // namespace ragtop

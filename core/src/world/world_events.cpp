@@ -1,7 +1,8 @@
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "base/nonzero_bytes.h"
-#include "base/prefetch.h"
 #include "world/lane_view.h"
 #include "world/world_impl.h"
 
@@ -26,9 +27,32 @@ bool isLoaded(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
     return false;
 }
 
+/// Threads may say so of one contact at once.
+void markDoubtful(WorldImpl& world, std::uint32_t contact) {
+    const std::uint32_t place = world.contacts[contact].awakeIndex;
+    if (place != kNone) std::atomic_ref(world.contactChanged[place]).store(1, std::memory_order_relaxed);
+}
+
+/// What the lanes of some bundles say of their manifolds. Contacts of which they say the same as in the step before
+/// touch as they did.
+void takeTouches(WorldImpl& world, const ConstraintGraph::Color& color, std::size_t perBundle, int begin, int end) {
+    const auto lanes = static_cast<std::size_t>(world.graph.lanes());
+    world.kernels->readTouches(color.bundles.data(), begin, end, world.laneTouches.data());
+    for (auto bundle = static_cast<std::size_t>(begin); bundle < static_cast<std::size_t>(end); ++bundle)
+        for (std::size_t lane = 0; lane < perBundle && bundle * perBundle + lane < color.manifolds.size(); ++lane) {
+            const std::uint32_t manifold = color.manifolds[bundle * perBundle + lane];
+            const std::uint8_t touch = world.laneTouches[bundle * lanes + lane];
+            std::uint8_t& known = world.manifoldTouches[manifold];
+            if (known == touch && touch != kUnknownTouch) continue;
+            known = touch;
+            markDoubtful(world, world.manifolds[manifold].contact);
+        }
+}
+
 }  // namespace
 
 void WorldImpl::forgetTouches() {
+    allDoubtful = true;
     manifoldTouches.resizeForOverwrite(manifolds.size());
     for (std::size_t i = 0; i < manifolds.size(); ++i)
         manifoldTouches[i] = manifolds[i].place.color == ConstraintGraph::kResting ? kRestingTouch
@@ -41,16 +65,26 @@ void WorldImpl::findTouches() {
     const auto lanes = static_cast<std::size_t>(graph.lanes());
     for (int c = 0; c < graph.listCount(); ++c) {
         if (c == ConstraintGraph::kResting) continue;
-        const ConstraintGraph::Color& color = graph.color(c);
         const std::size_t perBundle = ConstraintGraph::isSerial(c) ? 1 : lanes;
         laneTouches.resizeForOverwrite(static_cast<std::size_t>(graph.bundleCount(c)) * lanes);
-        runner.parallelFor(graph.bundleCount(c), 32, [&](int begin, int end, int) {
-            kernels->readTouches(color.bundles.data(), begin, end, laneTouches.data());
-            for (auto bundle = static_cast<std::size_t>(begin); bundle < static_cast<std::size_t>(end); ++bundle)
-                for (std::size_t lane = 0; lane < perBundle && bundle * perBundle + lane < color.manifolds.size(); ++lane)
-                    manifoldTouches[color.manifolds[bundle * perBundle + lane]] = laneTouches[bundle * lanes + lane];
-        });
+        runner.parallelFor(graph.bundleCount(c), 32,
+                           [&](int begin, int end, int) { takeTouches(*this, graph.color(c), perBundle, begin, end); });
     }
+}
+
+/// Contacts that may touch otherwise than before: where lanes say otherwise, what came, changed, or was struck in this
+/// step or the last. Sensors have no lanes; what tells of motion does so in every step.
+void WorldImpl::findDoubtful() {
+    const bool all = allDoubtful || motionReported || anySensor.load(std::memory_order_relaxed);
+    contactChanged.resizeForOverwrite(awakeContacts.size());
+    std::fill(contactChanged.begin(), contactChanged.end(), all ? 1 : 0);
+    allDoubtful = false;
+    findTouches();
+    for (const ChangedContact changed : changedContacts)
+        if ((changed.change & kApart) == 0) markDoubtful(*this, changed.contact);
+    for (const std::uint32_t contact : doubtfulContacts) markDoubtful(*this, contact);
+    for (const SweptImpact& impact : sweptImpacts) markDoubtful(*this, impact.contact);
+    doubtfulContacts.clear();
 }
 
 /// Does a contact touch after the step? Notes whether it bears a load.
@@ -69,20 +103,15 @@ bool WorldImpl::isTouching(ContactRecord& record) {
 
 /// Contacts touch when a point carries load or overlaps; begin and end are reported in the order of the list.
 void WorldImpl::publishEvents() {
-    findTouches();
-    contactChanged.resizeForOverwrite(awakeContacts.size());
-    runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
-        constexpr int kNext = 12;
-        const auto records = contacts.view();
-        const std::uint32_t* awake = awakeContacts.data();
-        std::uint8_t* changed = contactChanged.data();
-        for (int i = begin; i < end; ++i) {
-            const auto place = static_cast<std::size_t>(i);
-            if (i + kNext < end) prefetch(&records[awake[place + kNext]]);
-            ContactRecord& record = records[awake[place]];
+    findDoubtful();
+    runner.parallelFor(static_cast<int>(awakeContacts.size()), 256, [&](int begin, int end, int) {
+        std::uint8_t* doubtful = contactChanged.data() + begin;
+        const std::uint32_t* awake = awakeContacts.data() + begin;
+        forEachNonzero(doubtful, static_cast<std::size_t>(end - begin), [&](std::size_t i) {
+            ContactRecord& record = contacts[awake[i]];
             const bool touching = (record.hasPoints || record.struck) && isTouching(record);
-            changed[place] = touching != record.touching || (touching && record.reportsMotion) ? 1 : 0;
-        }
+            doubtful[i] = touching != record.touching || (touching && record.reportsMotion) ? 1 : 0;
+        });
     });
     forEachNonzero(contactChanged.data(), awakeContacts.size(),
                    [&](std::size_t i) { publishContact(awakeContacts[i]); });
@@ -94,6 +123,7 @@ void WorldImpl::publishSweptImpacts() {
     for (const SweptImpact& impact : sweptImpacts) {
         ContactRecord& record = contacts[impact.contact];
         record.struck = false;
+        doubtfulContacts.push(impact.contact);
         if (!record.reportsMotion || impact.speed <= context.restitutionSpeed) continue;
         SurfaceEvent event;
         event.kind = SurfaceEvent::Kind::impact;

@@ -90,12 +90,9 @@ struct WorldImpl {
 
     // world_collide.cpp: narrow phase.
     void sortAwakeContacts();
-    void prefetchContact(int place, int end) const;
     void prefetchCollision(const ContactRecord& contact) const;
     void prefetchShapes(const ContactRecord& contact) const;
     void updateSome(int begin, int end, int last, int worker);
-    bool stays(const ContactRecord& contact) const;
-    bool keepsGeometry(const ContactRecord& contact) const;
     void updateContacts();
     void placePairs(const std::uint32_t* asked, int count, PairPlace* out) const;  // world_pair_places.cpp
     void updateContact(std::uint32_t contact, const PairPlace& place, int worker);
@@ -246,6 +243,7 @@ struct WorldImpl {
     void beginDirect();
     void assignSystems();
     void noteDirectBundles();
+    void addDirectPeaks();
     bool isRenewed(const DirectIsland& island) const;
     void beginIsland(DirectIsland& island, int index);
     void solveDirect(DirectPass pass);
@@ -297,6 +295,7 @@ struct WorldImpl {
     // world_events.cpp
     void publishEvents();
     void findTouches();
+    void findDoubtful();
     void forgetTouches();
     bool isTouching(ContactRecord& contact);
     void publishContact(std::uint32_t contact);
@@ -439,7 +438,10 @@ struct WorldImpl {
     std::atomic<bool> anySensor{false};      ///< is any awake contact one?
     RestFinds rest;
     std::vector<AlignedArray<ManifoldRecord>> heldManifolds;  ///< per worker: found in this step, without a place yet
-    AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts
+    AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts, and by findDoubtful
+    AlignedArray<std::uint32_t> doubtfulContacts;  ///< that came since events were published, or were struck before
+    bool allDoubtful = true;                       ///< do all contacts need a look at whether they touch?
+    bool motionReported = false;                   ///< has any shape told of its motion?
     AlignedArray<ChangedContact> changedContacts;
     AlignedArray<std::uint32_t> shiftedBodies;    ///< that other points of the ground hold than before
     AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step
@@ -469,7 +471,7 @@ struct WorldImpl {
     direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
     AlignedArray<float> directSeen;  ///< bundles of direct islands in the last step
-    AlignedArray<std::uint8_t> directRenewed;  ///< per slot of theirs: is it other than in the last step?
+    AlignedArray<std::uint32_t> directOwner;  ///< per slot of theirs: the island
     std::pmr::vector<StepStats::Island> ledger;
     std::uint64_t directFailures = 0;  ///< solves given up since the world was made
     std::uint64_t runaways = 0;        ///< bodies stopped because they ran away

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "base/nonzero_bytes.h"
 #include "world/edge_list.h"
@@ -20,8 +22,19 @@ Bounds WorldImpl::enlarged(const Bounds& bounds, float margin) {
     return {bounds.lower - m, bounds.upper + m};
 }
 
+/// m. A mesh or height field that is moved by others has no size of its own and is given none: bounds that are infinite
+/// meet everything.
+static float enlargement(const ShapeRecord& shape) {
+    return std::isfinite(shape.size) ? tuning::kFatMargin * shape.size : 0.0f;
+}
+
 static Bounds boundsNow(const WorldImpl& world, const ShapeRecord& shape) {
     return boundsOf(world.geometries[shape.geometry].shape, world.shapePose(shape));
+}
+/// How far what is within `inner` may go in any direction before it leaves `outer`.
+static float slackBetween(const Bounds& outer, const Bounds& inner) {
+    const Vec3 slack = min(inner.lower - outer.lower, outer.upper - inner.upper);
+    return std::min(slack.x, std::min(slack.y, slack.z));
 }
 static Bounds boundsAlong(const Bounds& now, const Vec3& motion) {
     return {min(now.lower, now.lower + motion), max(now.upper, now.upper + motion)};
@@ -38,7 +51,7 @@ void WorldImpl::insertProxy(std::uint32_t index) {
     const BodyRecord& body = bodies[shape.body];
     shape.isStaticTree = body.type == BodyType::fixed;
     const Bounds tight = tightBounds(shape, dt);
-    const Bounds fat = shape.isStaticTree ? tight : enlarged(tight, tuning::kFatMargin * shape.size);
+    const Bounds fat = shape.isStaticTree ? tight : enlarged(tight, enlargement(shape));
     shape.proxy = tree(shape).insert(fat, shape.filter.category, index);
     markMoved(index);
 }
@@ -68,7 +81,7 @@ void WorldImpl::giveRoom(std::uint32_t index) {
     BodyRecord& body = bodies[index];
     if (index < boundsLeft.rooms.size()) boundsLeft.rooms[index].travel = BoundsRoom::kUnknown;
     const bool single = body.firstShape != kNone && shapes[body.firstShape].next == kNone;
-    body.room = single && body.type != BodyType::fixed ? kNearly * tuning::kFatMargin * body.size : 0.0f;
+    body.room = single && body.type != BodyType::fixed ? kNearly * enlargement(shapes[body.firstShape]) : 0.0f;
 }
 
 /// Bounds made at the end of a step count the motion of the next one, going on as it does; what was set going since is
@@ -86,7 +99,7 @@ void WorldImpl::coverMotion(std::uint32_t index) {
         if (shape.isStaticTree || shape.proxy == kNone) continue;
         const Bounds tight = tightBounds(shape, dt);
         if (contains(movingTree.bounds(shape.proxy), tight)) continue;
-        movingTree.enlarge(shape.proxy, enlarged(tight, tuning::kFatMargin * shape.size));
+        movingTree.enlarge(shape.proxy, enlarged(tight, enlargement(shape)));
         markMoved(s);
         left = true;
     }
@@ -112,7 +125,7 @@ void WorldImpl::coverLaunched(bool all) {
 /// way aside, for its path bends; it then looks for partners as much more seldom.
 static Bounds newBounds(const WorldImpl& world, const ShapeRecord& shape, const Bounds& now, bool isFree) {
     constexpr float kFreeSteps = 4, kAside = 1.0f / 8;
-    const float margin = tuning::kFatMargin * shape.size, ahead = (isFree ? kFreeSteps : 1) * world.dt;
+    const float margin = enlargement(shape), ahead = (isFree ? kFreeSteps : 1) * world.dt;
     const Vec3 motion = ahead * world.states[shape.body].v;
     return WorldImpl::enlarged(boundsAlong(now, motion), isFree ? margin + kAside * length(motion) : margin);
 }
@@ -134,24 +147,29 @@ static bool keepsToRoom(BoundsRoom& room, const Vec3& moved, float turned, const
     return low.x > 0 && low.y > 0 && low.z > 0 && high.x > 0 && high.y > 0 && high.z > 0;
 }
 
-/// Gives shapes of a body that have left their bounds new ones; returns how many of these are not in the move buffer yet.
+/// Gives shapes of a body that have left their bounds new ones, and notes how far it may go within those of now; returns how
+/// many shapes are not in the move buffer yet.
 static std::uint32_t refitBody(WorldImpl& world, std::uint32_t index) {
     BodyRecord& body = world.bodies[index];
     const bool isFree = world.isDirect(index) && body.firstContact == kNone;
     const Vec3 coming = world.dt * world.states[index].v;
     std::uint32_t moved = 0;
+    float slack = std::numeric_limits<float>::infinity();
     Bounds now, given;
     for (std::uint32_t s = body.firstShape; s != kNone; s = world.shapes[s].next) {
         const ShapeRecord& shape = world.shapes[s];
         now = boundsNow(world, shape);
-        if (contains(world.movingTree.bounds(shape.proxy), boundsAlong(now, coming))) continue;
-        given = newBounds(world, shape, now, isFree);
-        world.movingTree.give(shape.proxy, given);
-        moved += shape.inMoveBuffer ? 0 : 1;
-        body.refitted = true;
+        if (!contains(world.movingTree.bounds(shape.proxy), boundsAlong(now, coming))) {
+            given = newBounds(world, shape, now, isFree);
+            world.movingTree.give(shape.proxy, given);
+            moved += shape.inMoveBuffer ? 0 : 1;
+            body.refitted = true;
+        }
+        slack = std::min(slack, slackBetween(world.movingTree.bounds(shape.proxy), now));
     }
+    body.room = kNearly * slack;
     if (!body.refitted) return 0;
-    world.giveRoom(index);
+    world.boundsLeft.rooms[index].travel = BoundsRoom::kUnknown;
     if (isFree) giveFreeRoom(world, index, now, given);
     return moved;
 }

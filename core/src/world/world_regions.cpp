@@ -1,6 +1,7 @@
-// Regions: islands that have nothing to do with each other, dealt out to as many tasks as there are workers. A region goes
-// through all substeps of a step without waiting for anybody. Constraints keep their colours, so that the bits are those of
-// a world without regions, and how many there are may depend on the number of workers (docs/adr/0036-regions.md).
+// Regions: islands that have nothing to do with each other, dealt out to as many tasks as there are workers. A region
+// goes through all substeps of a step without waiting for anybody. Constraints keep their colours, so that the bits are
+// those of a world without regions, and how many there are may depend on the number of workers
+// (docs/adr/0036-regions.md).
 
 #include <algorithm>
 
@@ -42,8 +43,10 @@ static void weighIslands(WorldImpl& world) {
     for (int c = 0; c < world.graph.listCount(); ++c) {
         if (!ConstraintGraph::isSwept(c)) continue;
         for (const std::uint32_t m : world.graph.color(c).manifolds)
-            weigh(world.contacts[world.manifolds[m].contact].bodyA, world.contacts[world.manifolds[m].contact].bodyB, 1);
-        for (const std::uint32_t j : world.graph.color(c).joints) weigh(world.joints[j].bodyA, world.joints[j].bodyB, 1);
+            weigh(world.contacts[world.manifolds[m].contact].bodyA, world.contacts[world.manifolds[m].contact].bodyB,
+                  1);
+        for (const std::uint32_t j : world.graph.color(c).joints)
+            weigh(world.joints[j].bodyA, world.joints[j].bodyB, 1);
     }
 }
 
@@ -54,8 +57,8 @@ static bool areEven(const AlignedArray<std::uint32_t>& loads) {
     return static_cast<float>(most) * static_cast<float>(loads.size() - 1) <= kMostUneven * static_cast<float>(sum);
 }
 
-/// Islands that lie in a region stay there; what has grown together, or is new, joins the lightest region. False where that
-/// leaves them uneven.
+/// Islands that lie in a region stay there; what has grown together, or is new, joins the lightest region. False where
+/// that leaves them uneven.
 static bool mendRegions(WorldImpl& world, int wanted) {
     if (world.graph.regionCount() != wanted || !world.graph.color(ConstraintGraph::kOverflow).empty()) return false;
     world.regions.ofIsland.resizeForOverwrite(world.bodies.size());
@@ -69,7 +72,8 @@ static bool mendRegions(WorldImpl& world, int wanted) {
     world.regions.loads.clear();
     world.regions.loads.resize(static_cast<std::size_t>(wanted) + 1, 0);
     for (const std::uint32_t body : world.awakeBodies)
-        if (world.moves(body) && world.findRoot(body) == body) world.regions.loads[world.regions.ofIsland[body]] += world.regions.weights[body];
+        if (world.moves(body) && world.findRoot(body) == body)
+            world.regions.loads[world.regions.ofIsland[body]] += world.regions.weights[body];
     for (const std::uint32_t body : world.awakeBodies)
         if (world.moves(body) && world.findRoot(body) == body && world.regions.ofIsland[body] == 0) {
             const auto lightest = std::min_element(world.regions.loads.begin() + 1, world.regions.loads.end());
@@ -90,7 +94,8 @@ static bool dealOutIslands(WorldImpl& world, int wanted) {
     world.regions.loads.resize(static_cast<std::size_t>(wanted) + 1, 0);
     world.regions.ofIsland.resizeForOverwrite(world.bodies.size());
     for (std::uint32_t body = 1; body < world.bodies.size(); ++body) {
-        if (!world.bodySlots.isUsed(body) || !world.moves(body) || !world.isAwake(body) || world.findRoot(body) != body) continue;
+        if (!world.bodySlots.isUsed(body) || !world.moves(body) || !world.isAwake(body) || world.findRoot(body) != body)
+            continue;
         const std::uint64_t middle = before + world.regions.weights[body] / 2;
         const auto region = static_cast<std::uint32_t>(1 + middle * static_cast<std::uint64_t>(wanted) / sum);
         world.regions.ofIsland[body] = region;
@@ -107,7 +112,8 @@ static void moveToRegions(WorldImpl& world, int wanted) {
     if (wanted > world.graph.regionCount()) world.graph.resizeRegions(wanted);
     if (wanted > 0)
         for (const std::uint32_t body : world.awakeBodies)
-            if (world.moves(body)) world.graph.setRegion(world.bodies[body].state, world.regions.ofIsland[world.findRoot(body)]);
+            if (world.moves(body))
+                world.graph.setRegion(world.bodies[body].state, world.regions.ofIsland[world.findRoot(body)]);
     const auto regionOf = [&](std::uint32_t a, std::uint32_t b) {
         return world.graph.regionOf(world.bodies[world.moves(a) ? a : b].state);
     };
@@ -139,14 +145,17 @@ static void moveToRegions(WorldImpl& world, int wanted) {
 static bool goAlone(const WorldImpl& world) {
     for (const StepModule* module : world.modules)
         if (module->beforeSubstep) return false;
-    if (world.bouncy || world.settings.sequentialFriction || !world.sweptCouplings.empty() || !world.freshManifolds.empty()) return false;
+    if (world.bouncy || world.settings.sequentialFriction || !world.sweptCouplings.empty() ||
+        !world.freshManifolds.empty())
+        return false;
     if (!world.directIslands.empty() || world.strides.any || world.regions.usedLists[0] != 0) return false;
     for (const std::uint32_t body : world.rest.solved)
         if (!world.moves(body) && (world.states[body].v != Vec3{} || world.states[body].w != Vec3{})) return false;
     return true;
 }
 
-/// Where a constraint has come up that lies in no region, or the number of bodies has changed, islands are dealt out anew.
+/// Where a constraint has come up that lies in no region, or the number of bodies has changed, islands are dealt out
+/// anew.
 void divideIntoRegions(WorldImpl& world) {
     const int now = world.graph.regionCount();
     int wanted = wantedRegions(world);
@@ -159,7 +168,8 @@ void divideIntoRegions(WorldImpl& world) {
     if (wanted > 0) {
         weighIslands(world);
         if (!mendRegions(world, wanted) && !dealOutIslands(world, wanted)) {
-            world.regions.wait = world.regions.nextWait = std::clamp(2 * world.regions.nextWait, kFirstWait, kLongestWait);
+            world.regions.wait = world.regions.nextWait =
+                std::clamp(2 * world.regions.nextWait, kFirstWait, kLongestWait);
             wanted = 0;
         }
     }
@@ -178,11 +188,13 @@ void collectRegions(WorldImpl& world) {
     world.regions.alone = count > 0 && goAlone(world);
     if (!world.regions.alone) return;
     const auto regionOf = [&](std::uint32_t body) { return world.graph.regionOf(world.bodies[body].state); };
-    world.regions.bodies.fill(count, world.rest.solved.size(), [&](std::size_t i) { return world.rest.solved[i]; },
-                        [&](std::size_t i) { return regionOf(world.rest.solved[i]); });
+    world.regions.bodies.fill(
+        count, world.rest.solved.size(), [&](std::size_t i) { return world.rest.solved[i]; },
+        [&](std::size_t i) { return regionOf(world.rest.solved[i]); });
     const std::size_t groups = world.assemblies.starts.empty() ? 0 : world.assemblies.starts.size() - 1;
-    world.regions.assemblies.fill(count, groups, [&](std::size_t i) { return static_cast<std::uint32_t>(i); },
-                            [&](std::size_t i) { return regionOf(world.assemblies.bodies[world.assemblies.starts[i]]); });
+    world.regions.assemblies.fill(
+        count, groups, [&](std::size_t i) { return static_cast<std::uint32_t>(i); },
+        [&](std::size_t i) { return regionOf(world.assemblies.bodies[world.assemblies.starts[i]]); });
 }
 
 }  // namespace ragtop

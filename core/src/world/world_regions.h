@@ -10,7 +10,8 @@ void divideIntoRegions(WorldImpl& world);
 /// What belongs to each region in this step, and whether they go through its substeps alone.
 void collectRegions(WorldImpl& world);
 
-/// Calls contact(manifold), then joint(joint), for all that is in the graph, in an order that depends on the scene alone.
+/// Calls contact(manifold), then joint(joint), for all that is in the graph, in an order that depends on the scene
+/// alone.
 template <class Contact, class Joint>
 void forEachInGraph(const WorldImpl& world, Contact&& contact, Joint&& joint) {
     for (const std::uint32_t index : world.awakeContacts) {

@@ -1,3 +1,6 @@
+#include <algorithm>
+
+#include "base/prefetch.h"
 #include "narrowphase/pairs.h"
 #include "world/lane_view.h"
 #include "world/world_impl.h"
@@ -14,6 +17,8 @@ namespace {
 constexpr float kStep = 0.01f;
 /// Of the size: contacts that close by less in a step stop nothing.
 constexpr float kClosing = 1e-3f;
+/// Contacts that are looked at by a thread in one go.
+constexpr int kSeamsAtOnce = 8;
 
 float reachAlong(const ConvexView& shape, const Vec3& direction) {
     if (shape.kind == ConvexKind::hull) {
@@ -202,13 +207,47 @@ void WorldImpl::hideSeam(ContactRecord& record) {
     record.surfaceOpen = true;
 }
 
+/// Asks for the contacts of the bodies of some that close, and then for their manifolds: the lists of all these bodies
+/// are walked side by side, since each tells only from its memory where it goes on.
+static void prefetchTouched(const WorldImpl& world, const std::uint32_t* closing, int count) {
+    constexpr int kMost = 256;
+    std::uint32_t keys[2 * kSeamsAtOnce], found[kMost];
+    int lists = 0, seen = 0;
+    for (int i = 0; i < count; ++i) {
+        const ContactRecord& record = world.contacts[closing[i]];
+        for (const std::uint32_t body : {record.bodyA, record.bodyB})
+            if (world.moves(body)) keys[lists++] = world.bodies[body].firstContact;
+    }
+    for (bool more = true; more && seen < kMost - 2 * kSeamsAtOnce;) {
+        more = false;
+        for (int k = 0; k < lists; ++k) {
+            if (keys[k] == kNone) continue;
+            prefetch(&world.contacts[keys[k] >> 1]);
+            found[seen++] = keys[k] >> 1;
+            keys[k] = world.nextContact(keys[k]);
+            more = true;
+        }
+    }
+    constexpr std::size_t kLine = 64;
+    for (int i = 0; i < seen; ++i) {
+        const ContactRecord& record = world.contacts[found[i]];
+        if (!record.hasPoints || record.firstManifold == kNone) continue;
+        const auto* manifold = reinterpret_cast<const char*>(&world.manifolds[record.firstManifold]);
+        for (std::size_t line = 0; line < sizeof(ManifoldRecord); line += kLine) prefetch(manifold + line);
+    }
+}
+
 /// Takes the points of contacts at seams out of this step; their lanes are written anew in the next one. Which may be
 /// seams was noted while they were collided; those of bodies that woke since are looked at here.
 void WorldImpl::hideSeams() {
-    runner.parallelFor(static_cast<int>(closingContacts.size()), 8, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) {
-            ContactRecord& record = contacts[closingContacts[static_cast<std::size_t>(i)]];
-            if (record.hasPoints && mayBeSeam(record, manifolds[record.firstManifold])) hideSeam(record);
+    runner.parallelFor(static_cast<int>(closingContacts.size()), kSeamsAtOnce, [&](int begin, int end, int) {
+        for (int first = begin; first < end; first += kSeamsAtOnce) {
+            const int past = std::min(first + kSeamsAtOnce, end);
+            prefetchTouched(*this, &closingContacts[static_cast<std::size_t>(first)], past - first);
+            for (int i = first; i < past; ++i) {
+                ContactRecord& record = contacts[closingContacts[static_cast<std::size_t>(i)]];
+                if (record.hasPoints && mayBeSeam(record, manifolds[record.firstManifold])) hideSeam(record);
+            }
         }
     });
 }

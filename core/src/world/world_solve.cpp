@@ -40,7 +40,8 @@ static void forUndivided(WorldImpl& world, Joint&& alone, Joints&& wide, Contact
     const JointBundles::Color& serial = world.jointBundles.color(ConstraintGraph::kOverflow);
     ConstraintGraph::Color& overflow = world.graph.color(ConstraintGraph::kOverflow);
     singles(serial.firstSingle, serial.endSingle);
-    for (int i = 0; i < world.graph.bundleCount(ConstraintGraph::kOverflow); ++i) contact(overflow.bundles.data(), i, i + 1);
+    for (int i = 0; i < world.graph.bundleCount(ConstraintGraph::kOverflow); ++i)
+        contact(overflow.bundles.data(), i, i + 1);
 
     for (int c = 0; c < ConstraintGraph::kColors; ++c) {
         if ((world.regions.usedLists[0] >> c & 1) == 0) continue;
@@ -48,7 +49,8 @@ static void forUndivided(WorldImpl& world, Joint&& alone, Joints&& wide, Contact
         const JointBundles::Color& bundled = world.jointBundles.color(c);
         const Blocks singleBlocks{kJointsPerBlock, bundled.firstSingle, bundled.endSingle, 0};
         const Blocks wideBlocks{jointBundlesPerBlock, bundled.begin, bundled.end, singleBlocks.next()};
-        const int contactBundles = world.graph.bundleCount(c), size = std::max(leastContactBundles, contactBundles / kMostBlocks);
+        const int contactBundles = world.graph.bundleCount(c),
+                  size = std::max(leastContactBundles, contactBundles / kMostBlocks);
         const Blocks contactBlocks{size, 0, contactBundles, wideBlocks.next()};
         world.runner.parallelFor(contactBlocks.next(), 1, [&](int begin, int end, int) {
             for (int b = begin; b < end; ++b) {
@@ -85,8 +87,12 @@ static void visitSweep(WorldImpl& world, Sweep which, const SolverContext& own, 
     const JointLanesView lanes = world.jointBundles.view(world.jointSims.data());
     const JointPass pass{arrays, world.jointContext};
     const bool warm = which == Sweep::warmStart, moving = which == Sweep::solve;
-    const auto passJoints = warm ? world.jointKernels->warmStart : moving ? world.jointKernels->solve : world.jointKernels->relax;
-    const auto passContacts = warm ? world.kernels->warmStartContacts : moving ? world.kernels->solveContacts : world.kernels->relaxContacts;
+    const auto passJoints = warm     ? world.jointKernels->warmStart
+                            : moving ? world.jointKernels->solve
+                                     : world.jointKernels->relax;
+    const auto passContacts = warm     ? world.kernels->warmStartContacts
+                              : moving ? world.kernels->solveContacts
+                                       : world.kernels->relaxContacts;
     const bool withJoints = warm || own.normals;
     visit(
         [&](std::uint32_t j) {
@@ -102,11 +108,13 @@ static void visitSweep(WorldImpl& world, Sweep which, const SolverContext& own, 
 }
 
 static void sweepRegion(WorldImpl& world, int region, Sweep which, const SolverContext& own) {
-    visitSweep(world, which, own, [&](auto&& alone, auto&& wide, auto&& contact) { forRegion(world, region, alone, wide, contact); });
+    visitSweep(world, which, own,
+               [&](auto&& alone, auto&& wide, auto&& contact) { forRegion(world, region, alone, wide, contact); });
 }
 
 static void sweepAll(WorldImpl& world, Sweep which, const SolverContext& own) {
-    visitSweep(world, which, own, [&](auto&& alone, auto&& wide, auto&& contact) { forUndivided(world, alone, wide, contact); });
+    visitSweep(world, which, own,
+               [&](auto&& alone, auto&& wide, auto&& contact) { forUndivided(world, alone, wide, contact); });
     world.runner.parallelFor(world.graph.regionCount(), 1, [&](int begin, int end, int) {
         for (int r = begin + 1; r <= end; ++r) sweepRegion(world, r, which, own);
     });

@@ -216,9 +216,11 @@ void WorldImpl::forgetDerived() {
     boundsLeft.rooms.clear();
     // No such field of a lane is saved.
     surfacesForgotten = true;
+    doubtfulContacts.clear();
     forgetTouches();
     ++structureVersion;
     for (const ShapeRecord& shape : shapes) {
+        motionReported |= shape.reportsMotion;
         if (!meshesMove && geometries[shape.geometry].mesh && bodies[shape.body].type == BodyType::dynamic) makeSkins();
     }
     begins.clear();

@@ -78,9 +78,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         prepareConstraints();
         beginDirect();
         beginStage("solve");
-        runner.part(!shareSolve, [&] {
-            solveSubsteps(world);
-        });
+        runner.part(!shareSolve, [&] { solveSubsteps(world); });
         makeRoomToFinish();
         stepTreesAlone(*this);
         storeJoints();
