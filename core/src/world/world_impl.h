@@ -51,9 +51,7 @@ struct WorldImpl {
     void prepareJointOf(std::uint32_t joint);
     void prepareJoints();
     void storeJoints();
-    void solveSubstep(World& world, int number);
     void solveSubsteps(World& world);
-    SolverContext contextOf(int number, bool moved) const;
     void moveAssembly(std::uint32_t assembly);
     void integrateVelocities();
     void warmStart();

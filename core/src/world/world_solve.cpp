@@ -27,6 +27,15 @@ struct Blocks {
 
 }  // namespace
 
+static SolverContext contextOf(const WorldImpl& world, int number, bool moved) {
+    SolverContext own = world.context;
+    own.elapsed = world.context.h * static_cast<float>(moved ? number + 1 : number);
+    own.substep = number;
+    own.firstSubstep = number == 0;
+    own.lastSubstep = number + 1 == world.settings.substeps;
+    return own;
+}
+
 /// What is in no region: overflow first and serially, then the colours in order, each in parallel: alone(joint) for its
 /// single joints, wide(begin, end) and contact(bundles, begin, end) for its bundles.
 template <class Joint, class Joints, class Contacts>
@@ -126,7 +135,7 @@ static void solveRegion(WorldImpl& world, int region) {
     const std::span<const std::uint32_t> list = world.regions.bodies.of(region);
     const auto count = static_cast<int>(list.size());
     for (int i = 0; i < world.settings.substeps; ++i) {
-        const SolverContext before = world.contextOf(i, false), after = world.contextOf(i, true);
+        const SolverContext before = contextOf(world, i, false), after = contextOf(world, i, true);
         world.kernels->integrateVelocities(arrays, list.data(), 0, count, before);
         sweepRegion(world, region, Sweep::warmStart, before);
         sweepRegion(world, region, Sweep::solve, before);
@@ -141,7 +150,7 @@ static void solveRegions(WorldImpl& world) {
     world.runner.parallelFor(world.graph.regionCount() + 1, 1, [&](int begin, int end, int) {
         for (int r = begin; r < end; ++r) solveRegion(world, r);
     });
-    world.context = world.contextOf(world.settings.substeps - 1, true);
+    world.context = contextOf(world, world.settings.substeps - 1, true);
 }
 
 /// Contacts of direct islands that may bounce.
@@ -157,34 +166,23 @@ static void forEachDirectBouncing(WorldImpl& world, Visit&& visit) {
 
 void WorldImpl::solveSubsteps(World& world) {
     if (regions.alone) return solveRegions(*this);
-    for (int i = 0; i < settings.substeps; ++i) solveSubstep(world, i);
-}
-
-SolverContext WorldImpl::contextOf(int number, bool moved) const {
-    SolverContext own = context;
-    own.elapsed = context.h * static_cast<float>(moved ? number + 1 : number);
-    own.substep = number;
-    own.firstSubstep = number == 0;
-    own.lastSubstep = number + 1 == settings.substeps;
-    return own;
-}
-
-void WorldImpl::solveSubstep(World& world, int number) {
-    context = contextOf(number, false);
-    for (StepModule* module : modules)
-        if (module->beforeSubstep) module->beforeSubstep(module->user, world, context.h);
-    readMechanisms();
-    integrateVelocities();
-    if (bouncy) bounce();
-    solveDirect(DirectPass::positions);
-    warmStart();
-    if (number == 0) settleNewContacts();
-    solve(true);
-    moveAssemblies();
-    integratePositions();
-    context = contextOf(number, true);
-    solveDirect(DirectPass::velocities);
-    solve(false);
+    for (int number = 0; number < settings.substeps; ++number) {
+        context = contextOf(*this, number, false);
+        for (StepModule* module : modules)
+            if (module->beforeSubstep) module->beforeSubstep(module->user, world, context.h);
+        readMechanisms();
+        integrateVelocities();
+        if (bouncy) bounce();
+        solveDirect(DirectPass::positions);
+        warmStart();
+        if (number == 0) settleNewContacts();
+        solve(true);
+        moveAssemblies();
+        integratePositions();
+        context = contextOf(*this, number, true);
+        solveDirect(DirectPass::velocities);
+        solve(false);
+    }
 }
 
 void WorldImpl::integrateVelocities() {
