@@ -49,7 +49,7 @@ public:
 
 private:
     JointLanesView view() { return bundles_.view(joints_.data()); }
-    int count() const { return bundles_.color(ConstraintGraph::kOverflow).end; }
+    int count() const { return bundles_.bundleCount(); }
     void add(const JointDef& def, std::uint32_t first, float turn, scenes::Dice& dice) {
         for (const std::uint32_t body : {first, first + 1}) {
             states_[body].invMass = 1;

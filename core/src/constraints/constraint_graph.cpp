@@ -10,65 +10,71 @@
 
 namespace ragtop {
 
-namespace {
-
-bool hasBit(const AlignedArray<std::uint64_t>& bits, std::uint32_t i) {
-    const std::size_t word = i / 64;
-    return word < bits.size() && ((bits[word] >> (i % 64)) & 1) != 0;
-}
-void setBit(AlignedArray<std::uint64_t>& bits, std::uint32_t i) {
-    if (i / 64 >= bits.size()) bits.resize(i / 64 + 1, 0);
-    bits[i / 64] |= std::uint64_t{1} << (i % 64);
-}
-void clearBit(AlignedArray<std::uint64_t>& bits, std::uint32_t i) { bits[i / 64] &= ~(std::uint64_t{1} << (i % 64)); }
-
-}  // namespace
-
-ConstraintGraph::ConstraintGraph(int lanes, std::pmr::memory_resource* memory) : lanes_(lanes) {
+ConstraintGraph::ConstraintGraph(int lanes, std::pmr::memory_resource* memory)
+    : lanes_(lanes), memory_(memory), bodies_(memory) {
     assert(std::has_single_bit(static_cast<unsigned>(lanes)));
     laneBits_ = std::countr_zero(static_cast<unsigned>(lanes));
     colors_.reserve(kLists);
     for (int i = 0; i < kLists; ++i) colors_.emplace_back(memory);
 }
 
-int ConstraintGraph::findColor(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB) {
-    const bool both = movesA && movesB;
-    const int first = both ? 0 : kFirstStaticColor;
-    const int last = both ? kFirstStaticColor : kColors;
-    for (int i = first; i < last; ++i) {
-        Color& c = color(i);
-        if ((movesA && hasBit(c.bodies, bodyA)) || (movesB && hasBit(c.bodies, bodyB))) continue;
-        if (movesA) setBit(c.bodies, bodyA);
-        if (movesB) setBit(c.bodies, bodyB);
-        return i;
-    }
-    return kOverflow;
+void ConstraintGraph::resizeRegions(int regions) {
+    const auto lists = static_cast<std::size_t>(firstList(regions + 1));
+    colors_.reserve(lists);
+    while (colors_.size() < lists) colors_.emplace_back(memory_);
+    while (colors_.size() > lists) colors_.pop_back();
+}
+
+ConstraintGraph::BodyPlace& ConstraintGraph::bodyPlace(std::uint32_t body) {
+    if (body >= bodies_.size()) bodies_.resize(body + 1, {});
+    return bodies_[body];
+}
+
+/// The list of their region, if they have one, and of the first colour that neither body has yet. What fits nowhere is in
+/// no region: its order is that in which it came.
+int ConstraintGraph::findPlace(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB) {
+    constexpr std::uint32_t kBoth = (1u << kFirstStaticColor) - 1, kOne = ((1u << kColors) - 1) & ~kBoth;
+    bodyPlace(std::max(bodyA, bodyB));
+    BodyPlace &a = bodyPlace(bodyA), &b = bodyPlace(bodyB);
+    const std::uint32_t taken = (movesA ? a.colors : 0) | (movesB ? b.colors : 0);
+    const std::uint32_t free = ~taken & (movesA && movesB ? kBoth : kOne);
+    if (free == 0) return kOverflow;
+    const std::uint32_t bit = free & (0u - free);
+    if (movesA) a.colors |= bit;
+    if (movesB) b.colors |= bit;
+    const bool together = !movesA || !movesB || a.region == b.region;
+    return firstList(static_cast<int>(together ? (movesA ? a : b).region : 0)) + std::countr_zero(bit);
 }
 
 void ConstraintGraph::clearBits(int index, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB) {
-    if (index >= kOverflow) return;
-    Color& c = color(index);
-    if (movesA) clearBit(c.bodies, bodyA);
-    if (movesB) clearBit(c.bodies, bodyB);
+    if (isSerial(index) || !isSwept(index)) return;
+    const std::uint32_t bit = 1u << colorOf(index);
+    if (movesA) bodies_[bodyA].colors &= ~bit;
+    if (movesB) bodies_[bodyB].colors &= ~bit;
 }
 
 int ConstraintGraph::bundleCount(int index) const {
     const std::size_t count = color(index).manifolds.size();
     const auto n = static_cast<std::size_t>(lanes_);
-    return static_cast<int>(index == kOverflow ? count : (count + n - 1) / n);
+    return static_cast<int>(isSerial(index) ? count : (count + n - 1) / n);
 }
 
 int ConstraintGraph::usedColors() const {
-    int used = 0;
-    for (const Color& c : colors_) used += !c.manifolds.empty() || !c.joints.empty();
-    return used;
+    std::uint32_t used = 0;
+    for (int i = 0; i < listCount(); ++i)
+        if (!color(i).empty()) used |= 1u << colorOf(i);
+    return std::popcount(used);
 }
 
 GraphPlace ConstraintGraph::insertContact(std::uint32_t manifold, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
                                           bool movesB, By by) {
     const int index = by == By::direct ? kDirect
                       : by == By::none ? kResting
-                                       : findColor(bodyA, movesA, bodyB, movesB);
+                                       : findPlace(bodyA, movesA, bodyB, movesB);
+    return addContact(index, manifold);
+}
+
+GraphPlace ConstraintGraph::addContact(int index, std::uint32_t manifold) {
     Color& c = color(index);
     if (c.manifolds.size() == c.manifolds.capacity()) makeRoom(index);
     const GraphPlace place{static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.manifolds.size())};
@@ -85,27 +91,28 @@ void ConstraintGraph::makeRoom(int index) {
     constexpr std::size_t kFew = 64, kShare = 64, kLargeGrowth = 64;
     Color& c = color(index);
     const std::size_t size = c.manifolds.size();
-    std::size_t all = 0, words = 0;
-    for (const Color& other : colors_) {
-        all += other.manifolds.size();
-        words = std::max(words, other.bodies.size());
-    }
+    std::size_t all = 0;
+    const int first = isSwept(index) ? index - colorOf(index) : 0;
+    for (int i = first; i < first + kRegionLists; ++i) all += color(i).manifolds.size();
     std::size_t room = size + (c.bundles.isLarge() ? size / kLargeGrowth : size);
-    if (index != kOverflow) room = std::max(room, kFew);
-    if (index < kOverflow) room = std::max(room, all / kShare);
+    if (!isSerial(index)) room = std::max(room, kFew);
+    if (!isSerial(index) && isSwept(index)) room = std::max(room, all / kShare);
     room = std::max(room, size + 1);
     c.manifolds.reserve(room);
     c.points.reserve(room);
-    c.bodies.reserve(words);
     const auto n = static_cast<std::size_t>(lanes_);
-    c.bundles.reserve((index == kOverflow ? room : (room + n - 1) / n) * contact::kFields * n);
+    c.bundles.reserve((isSerial(index) ? room : (room + n - 1) / n) * contact::kFields * n);
 }
 
 std::uint32_t ConstraintGraph::removeContact(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
                                              bool movesB) {
+    clearBits(static_cast<int>(place.color), bodyA, movesA, bodyB, movesB);
+    return takeContact(place);
+}
+
+std::uint32_t ConstraintGraph::takeContact(GraphPlace place) {
     Color& c = colors_[place.color];
     assert(place.slot < c.manifolds.size());
-    clearBits(static_cast<int>(place.color), bodyA, movesA, bodyB, movesB);
     const GraphPlace last{place.color, static_cast<std::uint32_t>(c.manifolds.size() - 1)};
     const auto n = static_cast<std::size_t>(lanes_);
     float* to = lane(place);
@@ -122,16 +129,45 @@ std::uint32_t ConstraintGraph::removeContact(GraphPlace place, std::uint32_t bod
     return moved;
 }
 
+void ConstraintGraph::copyLane(GraphPlace from, GraphPlace to) {
+    const auto n = static_cast<std::size_t>(lanes_);
+    const float* const old = lane(from);
+    float* const now = lane(to);
+    for (std::size_t f = 0; f < contact::kFields; ++f) now[f * n] = old[f * n];
+}
+
+/// The list of the same colour there.
+int ConstraintGraph::inRegion(GraphPlace place, std::uint32_t region) {
+    const auto list = static_cast<int>(place.color);
+    return isSerial(list) || !isSwept(list) ? list : firstList(static_cast<int>(region)) + colorOf(list);
+}
+
 GraphPlace ConstraintGraph::moveContact(GraphPlace from, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
                                         bool movesB, By by, std::uint32_t& tookOver) {
     const std::uint32_t manifold = colors_[from.color].manifolds[from.slot];
     const GraphPlace place = insertContact(manifold, bodyA, movesA, bodyB, movesB, by);
-    const auto n = static_cast<std::size_t>(lanes_);
-    const float* const old = lane(from);
-    float* const now = lane(place);
-    for (std::size_t f = 0; f < contact::kFields; ++f) now[f * n] = old[f * n];
+    copyLane(from, place);
     tookOver = removeContact(from, bodyA, movesA, bodyB, movesB);
     return place;
+}
+
+GraphPlace ConstraintGraph::changeRegion(GraphPlace from, std::uint32_t region, std::uint32_t& tookOver) {
+    const int list = inRegion(from, region);
+    if (list == static_cast<int>(from.color)) return from;
+    const GraphPlace place = addContact(list, colors_[from.color].manifolds[from.slot]);
+    copyLane(from, place);
+    tookOver = takeContact(from);
+    return place;
+}
+
+GraphPlace ConstraintGraph::changeJointRegion(GraphPlace from, std::uint32_t region, std::uint32_t& tookOver) {
+    const int list = inRegion(from, region);
+    if (list == static_cast<int>(from.color)) return from;
+    AlignedArray<std::uint32_t>&source = colors_[from.color].joints, &target = color(list).joints;
+    target.push(source[from.slot]);
+    if (from.slot + 1 != source.size()) tookOver = source[from.slot] = source.back();
+    source.pop();
+    return {static_cast<std::uint32_t>(list), static_cast<std::uint32_t>(target.size() - 1)};
 }
 
 void ConstraintGraph::reorderContacts(int index, StageArray<std::uint32_t>& from) {
@@ -193,7 +229,7 @@ void ConstraintGraph::exchangeContacts(GraphPlace a, GraphPlace b) {
 
 GraphPlace ConstraintGraph::insertJoint(std::uint32_t joint, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
                                         bool movesB, bool direct) {
-    const int index = direct ? kDirect : findColor(bodyA, movesA, bodyB, movesB);
+    const int index = direct ? kDirect : findPlace(bodyA, movesA, bodyB, movesB);
     Color& c = color(index);
     c.joints.push(joint);
     return {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.joints.size() - 1)};

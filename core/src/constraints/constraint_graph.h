@@ -34,17 +34,25 @@ public:
     static constexpr int kDirect = kColors + 1;
     static constexpr int kResting = kColors + 2;
     static constexpr int kLists = kColors + 3;
+    static constexpr int kRegionLists = kColors + 1;
+    static constexpr int kMostRegions = 64;
     /// Who looks after a contact.
     enum class By { sweeps, direct, none };
 
     struct Color {
         explicit Color(std::pmr::memory_resource* memory)
-            : bundles(memory), manifolds(memory), points(memory), joints(memory), bodies(memory) {}
+            : bundles(memory), manifolds(memory), points(memory), joints(memory) {}
         AlignedArray<float> bundles;            ///< contact::kFields · lanes floats per bundle
         AlignedArray<std::uint32_t> manifolds;  ///< of each slot
         AlignedArray<std::uint8_t> points;      ///< of each slot, while slots are grouped by them
         AlignedArray<std::uint32_t> joints;     ///< of each joint slot
-        AlignedArray<std::uint64_t> bodies;     ///< one bit per body
+
+        bool empty() const { return manifolds.empty() && joints.empty(); }
+    };
+    /// Of a body's state: where its constraints are.
+    struct BodyPlace {
+        std::uint32_t region = 0;  ///< from 1; 0: none
+        std::uint32_t colors = 0;  ///< a bit for each that it has a constraint of
     };
 
     ConstraintGraph(int lanes, std::pmr::memory_resource* memory);
@@ -71,7 +79,7 @@ public:
     /// First field of a contact's lane; field f is at lane[f · lanes()].
     float* lane(GraphPlace place) {
         const auto n = static_cast<std::size_t>(lanes_);
-        const bool single = place.color == kOverflow;
+        const bool single = isSerial(static_cast<int>(place.color));
         const std::size_t bundle = single ? place.slot : place.slot >> laneBits_;
         const std::size_t lane = single ? 0 : place.slot & (n - 1);
         return colors_[place.color].bundles.data() + bundle * contact::kFields * n + lane;
@@ -82,16 +90,42 @@ public:
     const Color& color(int index) const { return colors_[static_cast<std::size_t>(index)]; }
     int usedColors() const;
 
+    int listCount() const { return static_cast<int>(colors_.size()); }
+    int regionCount() const { return (listCount() - kLists) / kRegionLists; }
+    /// Of region r, from 1; 0: of constraints that lie in none.
+    static int firstList(int region) { return region == 0 ? 0 : kLists + (region - 1) * kRegionLists; }
+    /// The colour that a list is of.
+    static int colorOf(int list) { return list < kLists ? list : (list - kLists) % kRegionLists; }
+    /// One constraint per bundle, which may share bodies.
+    static bool isSerial(int list) { return colorOf(list) == kOverflow; }
+    static bool isSwept(int list) { return list != kDirect && list != kResting; }
+    static bool isSwept(GraphPlace place) { return isSwept(static_cast<int>(place.color)); }
+    std::uint32_t regionOf(std::uint32_t body) const { return body < bodies_.size() ? bodies_[body].region : 0; }
+    AlignedArray<BodyPlace>& bodies() { return bodies_; }
+    void setRegion(std::uint32_t body, std::uint32_t region) { bodyPlace(body).region = region; }
+    /// Puts a contact with all that its lane holds into the list of its colour in a region. `tookOver`: as moveContact.
+    GraphPlace changeRegion(GraphPlace from, std::uint32_t region, std::uint32_t& tookOver);
+    GraphPlace changeJointRegion(GraphPlace from, std::uint32_t region, std::uint32_t& tookOver);
+    /// So many lists; those that go are empty.
+    void resizeRegions(int regions);
+
 private:
+    GraphPlace addContact(int list, std::uint32_t manifold);
+    std::uint32_t takeContact(GraphPlace place);
+    void copyLane(GraphPlace from, GraphPlace to);
+    static int inRegion(GraphPlace place, std::uint32_t region);
+    BodyPlace& bodyPlace(std::uint32_t body);
+    int findPlace(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
     void makeRoom(int color);
     void countPoints(int color);
     void exchangeContacts(GraphPlace a, GraphPlace b);
-    int findColor(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
     void clearBits(int color, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
 
     int lanes_;     ///< a power of two
     int laneBits_;  ///< its logarithm
-    std::vector<Color> colors_;
+    std::pmr::memory_resource* memory_;
+    std::vector<Color> colors_;  ///< those of no region, then those of each
+    AlignedArray<BodyPlace> bodies_;
 };
 
 template <class Moved>

@@ -46,6 +46,7 @@ bool isWide(const JointSim& joint) {
 
 JointBundles::JointBundles(int lanes, std::pmr::memory_resource* memory)
     : lanes_(static_cast<std::size_t>(lanes)),
+      colors_(memory),
       bundles_(memory),
       joints_(memory),
       statesA_(memory),
@@ -61,20 +62,20 @@ void JointBundles::build(const ConstraintGraph& graph, const JointSim* sims) {
     statesB_.clear();
     singles_.clear();
     fields_.clear();
-    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
+    colors_.clear();
+    colors_.resize(static_cast<std::size_t>(graph.listCount()), {});
+    for (int c = 0; c < graph.listCount(); ++c) {
         Color& color = colors_[static_cast<std::size_t>(c)];
         color.begin = static_cast<int>(bundles_.size());
         color.firstSingle = static_cast<int>(singles_.size());
-        addColor(graph.color(c), sims);
+        // Those share bodies, and are solved one after the other anyway.
+        if (ConstraintGraph::isSerial(c))
+            for (const std::uint32_t j : graph.color(c).joints) singles_.push(j);
+        else if (ConstraintGraph::isSwept(c))
+            addColor(graph.color(c), sims);
         color.end = static_cast<int>(bundles_.size());
         color.endSingle = static_cast<int>(singles_.size());
     }
-    // Those share bodies, and are solved one after the other anyway.
-    Color& overflow = colors_[ConstraintGraph::kOverflow];
-    overflow.begin = overflow.end = static_cast<int>(bundles_.size());
-    overflow.firstSingle = static_cast<int>(singles_.size());
-    for (const std::uint32_t j : graph.color(ConstraintGraph::kOverflow).joints) singles_.push(j);
-    overflow.endSingle = static_cast<int>(singles_.size());
 }
 
 /// Within a colour the order is free: by structure, then by index.
@@ -118,7 +119,7 @@ JointLanesView JointBundles::view(JointSim* sims) {
 
 std::size_t JointBundles::bytes() const {
     return bundles_.bytes() + joints_.bytes() + statesA_.bytes() + statesB_.bytes() + singles_.bytes() +
-           sorted_.bytes() + fields_.bytes();
+           sorted_.bytes() + fields_.bytes() + colors_.bytes();
 }
 
 }  // namespace ragtop

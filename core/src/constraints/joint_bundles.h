@@ -21,7 +21,9 @@ public:
     /// After joints came, went or changed.
     void build(const ConstraintGraph& graph, const JointSim* sims);
 
+    /// Of a list of the graph that sweeps visit.
     const Color& color(int index) const { return colors_[static_cast<std::size_t>(index)]; }
+    int bundleCount() const { return static_cast<int>(bundles_.size()); }
     std::uint32_t single(int place) const { return singles_[static_cast<std::size_t>(place)]; }
     JointLanesView view(JointSim* sims);
     std::size_t bytes() const;
@@ -31,7 +33,7 @@ private:
     void addBundle(const JointBundle& bundle, const JointSim* sims, std::size_t first, std::size_t count);
 
     std::size_t lanes_;
-    std::array<Color, ConstraintGraph::kOverflow + 1> colors_{};
+    AlignedArray<Color> colors_;  ///< per list of the graph
     AlignedArray<JointBundle> bundles_;
     AlignedArray<std::uint32_t> joints_, statesA_, statesB_, singles_;
     AlignedArray<std::uint64_t> sorted_;  ///< keys and joints

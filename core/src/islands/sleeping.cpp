@@ -26,7 +26,7 @@ void WorldImpl::unite(std::uint32_t a, std::uint32_t b) {
 void WorldImpl::uniteConstraints(bool touchingOnly) {
     islandParent.resizeForOverwrite(bodies.size());
     for (const std::uint32_t body : awakeBodies) islandParent[body] = body;
-    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
+    for (int c = 0; c < graph.listCount(); ++c) {
         forContactsOf(*this, graph.color(c).manifolds,
                       [&](std::uint32_t, const ManifoldRecord&, const ContactRecord& contact) {
                           if (contact.touching || !touchingOnly) unite(contact.bodyA, contact.bodyB);

@@ -56,7 +56,7 @@ inline void fitBundles(ConstraintGraph& graph, int color) {
     ConstraintGraph::Color& c = graph.color(color);
     c.bundles.resize(static_cast<std::size_t>(bundles) * contact::kFields * static_cast<std::size_t>(lanes), 0.0f);
     for (int i = 0; i < bundles; ++i) {
-        const int used = color == ConstraintGraph::kOverflow ? 1 : static_cast<int>(c.manifolds.size()) - i * lanes;
+        const int used = ConstraintGraph::isSerial(color) ? 1 : static_cast<int>(c.manifolds.size()) - i * lanes;
         float* bundle = bundleOf(graph, color, i);
         for (int lane = used; lane < lanes; ++lane)
             for (int field = 0; field < contact::kFields; ++field) bundle[field * lanes + lane] = 0.0f;
@@ -75,6 +75,10 @@ public:
     void tree(BoundsTree& tree) { bytes += sizeof(BoundsTree::Header) + 8 + tree.nodes().size() * sizeof(BoundsTree::Node); }
     void pairs(PairSet& pairs) { bytes += 8 + pairs.entries().size() * sizeof(PairSet::Entry); }
     void events(std::pmr::vector<ContactEvent>& events) { bytes += 8 + events.size() * sizeof(ContactEvent); }
+    int lists(ConstraintGraph& graph) {
+        bytes += sizeof(int);
+        return graph.listCount();
+    }
     void bundles(ConstraintGraph& graph, int color) {
         bytes += 8 + static_cast<std::size_t>(graph.bundleCount(color)) * bundleBytes(graph);
     }
@@ -107,6 +111,11 @@ public:
     }
     void pairs(PairSet& pairs) { list(pairs.entries().data(), pairs.entries().size()); }
     void events(std::pmr::vector<ContactEvent>& events) { list(events.data(), events.size()); }
+    int lists(ConstraintGraph& graph) {
+        int regions = graph.regionCount();
+        value(regions);
+        return graph.listCount();
+    }
     void bundles(ConstraintGraph& graph, int color) {
         std::uint64_t count = static_cast<std::uint64_t>(graph.bundleCount(color));
         value(count);
@@ -177,6 +186,16 @@ public:
         if (!apply_ || failed_) return;
         events.resize(bytes.size() / sizeof(ContactEvent));
         if (!bytes.empty()) std::memcpy(static_cast<void*>(events.data()), bytes.data(), bytes.size());
+    }
+    /// As many as the state has, which the graph gets.
+    int lists(ConstraintGraph& graph) {
+        int regions = 0;
+        const auto bytes = take(sizeof regions);
+        if (!failed_) std::memcpy(&regions, bytes.data(), sizeof regions);
+        failed_ |= regions < 0 || regions > ConstraintGraph::kMostRegions;
+        if (failed_) return 0;
+        if (apply_) graph.resizeRegions(regions);
+        return ConstraintGraph::firstList(regions + 1);
     }
     void bundles(ConstraintGraph& graph, int color) {
         const auto bytes = list(bundleBytes(graph));

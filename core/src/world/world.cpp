@@ -67,7 +67,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       movingTree(memory, stageMemory),
       pairs(memory),
       geometries(memory),
-      sweptColors(memory),
+      regions(memory),
       jointBundles(jointKernels->lanes, memory),
       manifoldTouches(memory),
       laneTouches(memory),
@@ -178,7 +178,7 @@ StepStats World::stats() const {
     stats.bytes = w.bodies.bytes() + w.states.bytes() + w.inertias.bytes() + w.dynamics.bytes() + w.histories.bytes() +
                   w.shapes.bytes() + w.contacts.bytes() + w.contactLinks.bytes() + w.manifolds.bytes() +
                   w.meshMemory.bytes() + w.joints.bytes() + w.jointSims.bytes() + w.jointBundles.bytes();
-    for (int c = 0; c < ConstraintGraph::kLists; ++c) stats.bytes += w.graph.color(c).bundles.bytes();
+    for (int c = 0; c < w.graph.listCount(); ++c) stats.bytes += w.graph.color(c).bundles.bytes();
     return stats;
 }
 

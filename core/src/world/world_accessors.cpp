@@ -192,7 +192,7 @@ std::vector<BodyId> World::islands() const {
         const std::uint32_t rootA = root(a), rootB = root(b);
         parent[rootA < rootB ? rootB : rootA] = rootA < rootB ? rootA : rootB;
     };
-    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
+    for (int c = 0; c < w.graph.listCount(); ++c) {
         for (const std::uint32_t m : w.graph.color(c).manifolds)
             if (const ContactRecord& contact = w.contacts[w.manifolds[m].contact]; contact.touching)
                 join(contact.bodyA, contact.bodyB);

@@ -37,13 +37,13 @@ void WorldImpl::findAssemblies() {
     assemblies.bodies.clear();
     assemblies.starts.clear();
     bool joined = false;
-    for (int c = 0; c < ConstraintGraph::kLists; ++c) joined |= !graph.color(c).joints.empty();
+    for (int c = 0; c < graph.listCount(); ++c) joined |= !graph.color(c).joints.empty();
     if (!joined) return;
     assemblies.parent.resizeForOverwrite(bodies.size());
     assemblies.parent[0] = 0;
     for (const std::uint32_t body : awakeBodies) assemblies.parent[body] = states[body].locks != 0 ? 0 : body;
     const auto place = [&](std::uint32_t body) { return moves(body) ? rootOf(assemblies.parent, body) : 0u; };
-    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+    for (int c = 0; c < graph.listCount(); ++c)
         for (const std::uint32_t joint : graph.color(c).joints) {
             const std::uint32_t a = place(joints[joint].bodyA), b = place(joints[joint].bodyB);
             // The lower index becomes the root, so that what does not move wins.
@@ -89,7 +89,7 @@ void WorldImpl::countJointsOfAssemblies() {
     assemblies.isFigure.resizeForOverwrite(bodies.size());
     assemblies.joints[0] = assemblies.isFigure[0] = 0;
     for (const std::uint32_t body : awakeBodies) assemblies.joints[body] = assemblies.isFigure[body] = 0;
-    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+    for (int c = 0; c < graph.listCount(); ++c)
         for (const std::uint32_t joint : graph.color(c).joints) {
             const JointRecord& record = joints[joint];
             std::uint32_t& count =
@@ -118,29 +118,30 @@ void WorldImpl::noteCompany(std::uint32_t joint) {
     sim.axes.isAlone = hasAxes(sim.kind) && isAlone(*this, joint) ? 1 : 0;
 }
 
-/// The position map of integratePositions for the common motion of each assembly: its centre of mass moves by h v − ½
+/// The position map of integratePositions for the common motion of an assembly: its centre of mass moves by h v − ½
 /// h² a with the smooth part of its acceleration, and all its bodies alike, so that no joint is strained.
+void WorldImpl::moveAssembly(std::uint32_t i) {
+    const std::uint32_t first = assemblies.starts[i], last = assemblies.starts[i + 1];
+    float mass = 0;
+    Vec3 now, before;
+    for (std::uint32_t k = first; k < last; ++k) {
+        const std::uint32_t body = assemblies.bodies[k];
+        const float m = assemblies.masses[k];
+        mass += m;
+        now += m * (states[body].v - histories[body].velocityBefore);
+        before += m * histories[body].lastChange;
+    }
+    const float square = lengthSquared(now), along = dot(before, now);
+    if (!(square > 0) || !(along > 0)) return;
+    const float share = along < square ? along / square : 1.0f;
+    const Vec3 smooth = (0.5f * context.h * share / mass) * now;
+    for (std::uint32_t k = first; k < last; ++k) states[assemblies.bodies[k]].dp -= smooth;
+}
+
 void WorldImpl::moveAssemblies() {
     const int count = assemblies.starts.empty() ? 0 : static_cast<int>(assemblies.starts.size()) - 1;
     runner.parallelFor(count, 16, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) {
-            const std::uint32_t first = assemblies.starts[static_cast<std::size_t>(i)];
-            const std::uint32_t last = assemblies.starts[static_cast<std::size_t>(i) + 1];
-            float mass = 0;
-            Vec3 now, before;
-            for (std::uint32_t k = first; k < last; ++k) {
-                const std::uint32_t body = assemblies.bodies[k];
-                const float m = assemblies.masses[k];
-                mass += m;
-                now += m * (states[body].v - histories[body].velocityBefore);
-                before += m * histories[body].lastChange;
-            }
-            const float square = lengthSquared(now), along = dot(before, now);
-            if (!(square > 0) || !(along > 0)) continue;
-            const float share = along < square ? along / square : 1.0f;
-            const Vec3 smooth = (0.5f * context.h * share / mass) * now;
-            for (std::uint32_t k = first; k < last; ++k) states[assemblies.bodies[k]].dp -= smooth;
-        }
+        for (int i = begin; i < end; ++i) moveAssembly(static_cast<std::uint32_t>(i));
     });
 }
 

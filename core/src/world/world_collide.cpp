@@ -270,7 +270,7 @@ void WorldImpl::noteShiftedLoads() {
             const ContactRecord& record = contacts[key >> 1];
             if (!record.hasPoints || !holds(record)) continue;
             for (const ManifoldRecord& manifold : manifoldsOf(record))
-                if (manifold.place.color < ConstraintGraph::kDirect)
+                if (manifold.place.color != kNone && ConstraintGraph::isSwept(manifold.place))
                     LaneView(graph.lane(manifold.place), graph.lanes()).at(contact::kShifted) = 1;
         }
 }

@@ -4,8 +4,8 @@
 
 #include "constraints/contact_layout.h"
 #include "direct/newton.h"
-#include "world/graph_contacts.h"
 #include "world/world_impl.h"
+#include "world/world_regions.h"
 #include "world/world_strides.h"
 
 namespace ragtop {
@@ -17,25 +17,25 @@ void WorldImpl::applyChoices() {
     for (std::size_t i = 0; i < awakeBodies.size() && !any; ++i) any = isDirect(awakeBodies[i]);
     if (!any) return;
     movedConstraints.clear();
-    for (int c = 0; c < ConstraintGraph::kLists; ++c)
-        forContactsOf(*this, graph.color(c).manifolds,
-                      [&](std::uint32_t m, const ManifoldRecord&, const ContactRecord& contact) {
-                          const bool direct = isDirect(contact.bodyA) || isDirect(contact.bodyB);
-                          if (direct != (c == ConstraintGraph::kDirect)) movedConstraints.push(m);
-                      });
-    for (const std::uint32_t m : movedConstraints) {
-        removeFromGraph(m);
-        addToGraph(m);
-    }
-    movedConstraints.clear();
-    for (int c = 0; c < ConstraintGraph::kLists; ++c)
-        for (const std::uint32_t j : graph.color(c).joints) {
-            const bool direct = isDirect(joints[j].bodyA) || isDirect(joints[j].bodyB);
-            if (direct != (c == ConstraintGraph::kDirect)) movedConstraints.push(j);
-        }
-    for (const std::uint32_t j : movedConstraints) {
-        removeJointFromGraph(j);
-        addJointToGraph(j);
+    const auto changes = [&](std::uint32_t a, std::uint32_t b, GraphPlace place) {
+        return (isDirect(a) || isDirect(b)) != (place.color == ConstraintGraph::kDirect);
+    };
+    std::size_t contactCount = 0;
+    forEachInGraph(
+        *this,
+        [&](std::uint32_t m) {
+            const ContactRecord& contact = contacts[manifolds[m].contact];
+            if (changes(contact.bodyA, contact.bodyB, manifolds[m].place)) movedConstraints.push(m), ++contactCount;
+        },
+        [&](std::uint32_t j) {
+            if (changes(joints[j].bodyA, joints[j].bodyB, joints[j].place)) movedConstraints.push(j);
+        });
+    for (std::size_t i = 0; i < movedConstraints.size(); ++i) {
+        const std::uint32_t moved = movedConstraints[i];
+        if (i < contactCount)
+            removeFromGraph(moved), addToGraph(moved);
+        else
+            removeJointFromGraph(moved), addJointToGraph(moved);
     }
 }
 

@@ -63,9 +63,9 @@ void WorldImpl::forgetTouches() {
 /// What the lanes say of all manifolds in the graph.
 void WorldImpl::findTouches() {
     const auto lanes = static_cast<std::size_t>(graph.lanes());
-    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
+    for (int c = 0; c < graph.listCount(); ++c) {
         if (c == ConstraintGraph::kResting) continue;
-        const std::size_t perBundle = c == ConstraintGraph::kOverflow ? 1 : lanes;
+        const std::size_t perBundle = ConstraintGraph::isSerial(c) ? 1 : lanes;
         laneTouches.resizeForOverwrite(static_cast<std::size_t>(graph.bundleCount(c)) * lanes);
         runner.parallelFor(graph.bundleCount(c), 32,
                            [&](int begin, int end, int) { takeTouches(*this, graph.color(c), perBundle, begin, end); });

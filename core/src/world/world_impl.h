@@ -51,14 +51,13 @@ struct WorldImpl {
     void prepareJointOf(std::uint32_t joint);
     void prepareJoints();
     void storeJoints();
-    void solveSubstep(World& world, int number);
+    void solveSubsteps(World& world);
+    void moveAssembly(std::uint32_t assembly);
     void integrateVelocities();
     void warmStart();
     void solve(bool useBias);
     void integratePositions();
     void bounce();
-    template <class Visit>
-    void forEachDirectBouncing(Visit&& visit);
     void finishBody(std::size_t awakePlace);
     void finishBodies();
     void makeRoomToFinish();
@@ -67,8 +66,6 @@ struct WorldImpl {
     void forgetImpulses(std::uint32_t body);
     void stopRunaways();
     void restrictInertia(std::uint32_t body);
-    template <class Joint, class Joints, class Contacts>
-    void forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact);
 
     // world_pairs.cpp: broad phase.
     void findPairs();
@@ -426,7 +423,7 @@ struct WorldImpl {
     std::pmr::vector<GeometryEntry> geometries;
     bool meshesMove = false;  ///< has any dynamic body had a mesh?
     std::vector<StepModule*> modules;
-    AlignedArray<int> sweptColors;  ///< of this step: those that hold something
+    Regions regions;
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled
     StageArray<std::uint64_t> contactOrder;  ///< of world_order.cpp, as the two after it

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "base/prefetch.h"
-#include "world/graph_contacts.h"
+#include "world/world_regions.h"
 
 namespace ragtop {
 
@@ -28,7 +27,7 @@ void WorldImpl::noteForce(std::uint32_t index) {
 void WorldImpl::beginMeasuring() {
     // Room for all contacts, whether they are near or not: what comes near later asks for no memory.
     std::size_t room = 0, islands = 0;
-    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+    for (int c = 0; c < graph.listCount(); ++c)
         room += graph.color(c).manifolds.capacity() + graph.color(c).joints.capacity();
     for (const std::uint32_t body : awakeBodies) islands += islandParent[body] == body ? 1 : 0;
     using M = StageMemory;
@@ -55,19 +54,21 @@ void WorldImpl::beginMeasuring() {
 
 /// Everything that bears or holds: contacts within reach, and joints.
 void WorldImpl::collectBearings() {
-    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
-        const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t constraint, bool joint) {
-            bearings.push({a, b, constraint, joint, moves(a), moves(b)});
-        };
-        forContactsOf(*this, graph.color(c).manifolds,
-                      [&](std::uint32_t m, const ManifoldRecord& manifold, const ContactRecord& contact) {
-                          const float reach = kSupportGap * contact.size;
-                          bool near = false;
-                          for (int j = 0; j < manifold.pointCount; ++j) near |= manifold.separation[j] <= reach;
-                          if (near) add(contact.bodyA, contact.bodyB, m, false);
-                      });
-        for (const std::uint32_t j : graph.color(c).joints) add(joints[j].bodyA, joints[j].bodyB, j, true);
-    }
+    const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t constraint, bool joint) {
+        bearings.push({a, b, constraint, joint, moves(a), moves(b)});
+    };
+    // Not by the lists of the graph: sums follow this order, and who is where in them depends on the number of workers.
+    forEachInGraph(
+        *this,
+        [&](std::uint32_t m) {
+            const ManifoldRecord& manifold = manifolds[m];
+            const ContactRecord& contact = contacts[manifold.contact];
+            const float reach = kSupportGap * contact.size;
+            bool near = false;
+            for (int j = 0; j < manifold.pointCount; ++j) near |= manifold.separation[j] <= reach;
+            if (near) add(contact.bodyA, contact.bodyB, m, false);
+        },
+        [&](std::uint32_t j) { add(joints[j].bodyA, joints[j].bodyB, j, true); });
 }
 
 /// Distances from what does not move, by breadth first over the bearings; `bodyStack` keeps the order of the visit.

@@ -115,7 +115,7 @@ void WorldImpl::destroyJoint(std::uint32_t index) {
 /// In the order of their ids, so that events depend on the scene alone.
 void WorldImpl::breakJoints() {
     brokenJoints.clear();
-    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+    for (int c = 0; c < graph.listCount(); ++c)
         for (const std::uint32_t j : graph.color(c).joints) {
             if (jointSims[j].breakable == 0) continue;
             const JointBodies& bound = bodiesOf(joints[j].def);

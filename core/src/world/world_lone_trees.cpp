@@ -49,9 +49,7 @@ void finishGroup(WorldImpl& world, const Group& group) {
 
 }  // namespace
 
-/// The first stage that finishes bodies.
 void stepTreesAlone(WorldImpl& world) {
-    world.makeRoomToFinish();
     const std::size_t count = world.chains.groupCount(true);
     world.runner.parallelFor(static_cast<int>(count), 1, [&](int begin, int end, int) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {

@@ -110,7 +110,7 @@ void WorldImpl::moveManifolds() {
     permute(movedFrom, manifolds);
     for (std::uint32_t i = 0; i < contactOrder.size(); ++i)
         for (ManifoldRecord& manifold : manifoldsOf(contacts[i])) manifold.contact = i;
-    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+    for (int c = 0; c < graph.listCount(); ++c)
         for (std::uint32_t& manifold : graph.color(c).manifolds) manifold = movedTo[manifold];
     forgetTouches();
 }
@@ -118,7 +118,8 @@ void WorldImpl::moveManifolds() {
 /// Lanes in the order of their manifolds, those with equally many points together (ConstraintGraph::groupByPoints). Lists
 /// that are solved serially keep theirs.
 void WorldImpl::moveLanes() {
-    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
+    for (int c = 0; c < graph.listCount(); ++c) {
+        if (ConstraintGraph::isSerial(c) || !ConstraintGraph::isSwept(c)) continue;
         const AlignedArray<std::uint32_t>& list = graph.color(c).manifolds;
         contactOrder.clear();
         for (std::uint32_t slot = 0; slot < list.size(); ++slot) {

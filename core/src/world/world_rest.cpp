@@ -40,7 +40,7 @@ bool restsOnFixed(const WorldImpl& world, std::uint32_t index) {
         if (world.bodies[other].type != BodyType::fixed || world.turnsUnderContact(record)) return false;
         for (const ManifoldRecord& manifold : world.manifoldsOf(record)) {
             if (manifold.pointCount == 0) continue;
-            if (manifold.place.color > ConstraintGraph::kOverflow) return false;
+            if (!ConstraintGraph::isSwept(manifold.place)) return false;
             const LaneReader lane(world.graph.lane(manifold.place), world.graph.lanes());
             if (lane.vector(contact::kSurface) != Vec3{} || lane.at(contact::kShifted) > 0) return false;
             bool bears = false;

@@ -103,7 +103,7 @@ void WorldImpl::settleNewContacts() {
             point[contact::kLoad * stride] = point[contact::kImpulse * stride];
         }
     }
-    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+    for (int c = 0; c < graph.listCount(); ++c)
         for (const std::uint32_t m : graph.color(c).manifolds)
             for (int j = 0; j < manifolds[m].pointCount; ++j)
                 graph.lane(manifolds[m].place)[static_cast<std::size_t>(contact::kPoints + j * contact::kPointFields +

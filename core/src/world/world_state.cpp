@@ -90,11 +90,13 @@ void WorldImpl::archive(Archive& archive) {
     archive(awakeBodies);
     archive(awakeContacts);
     archive(moveBuffer);
-    for (int c = 0; c < ConstraintGraph::kLists; ++c) {
-        ConstraintGraph::Color& color = graph.color(c);
+    archive(graph.bodies());
+    const int lists = archive.lists(graph);
+    for (int c = 0; c < lists; ++c) {
+        // A state that is only checked may have more of them.
+        ConstraintGraph::Color& color = graph.color(c < graph.listCount() ? c : 0);
         archive(color.manifolds);
         archive(color.joints);
-        archive(color.bodies);
         archive.bundles(graph, c);
     }
     archive.tree(staticTree);

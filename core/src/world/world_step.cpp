@@ -6,6 +6,7 @@
 #include "constraints/contact_layout.h"
 #include "world/single_bundle.h"
 #include "world/world_impl.h"
+#include "world/world_regions.h"
 #include "world/world_strides.h"
 
 namespace ragtop {
@@ -68,6 +69,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         chooseSolvers();
         collectSolved();
         chooseStrides(*this);
+        divideIntoRegions(*this);
         beginStage("prepare");
         prepareBodies();
         findAssemblies();
@@ -75,9 +77,8 @@ void WorldImpl::step(World& world, double stepSeconds) {
         prepareConstraints();
         beginDirect();
         beginStage("solve");
-        runner.part(!shareSolve, [&] {
-            for (int i = 0; i < settings.substeps; ++i) solveSubstep(world, i);
-        });
+        runner.part(!shareSolve, [&] { solveSubsteps(world); });
+        makeRoomToFinish();
         stepTreesAlone(*this);
         storeJoints();
         endDirect();
@@ -106,27 +107,6 @@ void WorldImpl::step(World& world, double stepSeconds) {
     endStages();
 }
 
-void WorldImpl::solveSubstep(World& world, int number) {
-    context.elapsed = context.h * static_cast<float>(number);
-    context.substep = number;
-    context.firstSubstep = number == 0;
-    context.lastSubstep = number + 1 == settings.substeps;
-    for (StepModule* module : modules)
-        if (module->beforeSubstep) module->beforeSubstep(module->user, world, context.h);
-    readMechanisms();
-    integrateVelocities();
-    if (bouncy) bounce();
-    solveDirect(DirectPass::positions);
-    warmStart();
-    if (number == 0) settleNewContacts();
-    solve(true);
-    moveAssemblies();
-    integratePositions();
-    context.elapsed = context.h * static_cast<float>(number + 1);
-    solveDirect(DirectPass::velocities);
-    solve(false);
-}
-
 void WorldImpl::prepareBody(std::uint32_t index) {
     BodyRecord& body = bodies[index];
     BodyDynamics& d = dynamics[index];
@@ -152,13 +132,31 @@ void WorldImpl::prepareBodies() {
     });
 }
 
+/// Calls visit(list) for all lists of the graph, those of a region on one worker.
+template <class Visit>
+static void forEachRegionsLists(WorldImpl& world, Visit&& visit) {
+    world.runner.parallelFor(world.graph.regionCount() + 1, 1, [&](int begin, int end, int) {
+        for (int c = ConstraintGraph::firstList(begin); c < ConstraintGraph::firstList(end); ++c) visit(c);
+    });
+}
+
 /// Calls visit(list, begin, end) for blocks of `size` of all lists of the graph, in any order and at once.
 template <class Count, class Visit>
 void WorldImpl::forBlocksOfAllLists(int size, Count&& count, Visit&& visit) {
-    int starts[ConstraintGraph::kLists + 1] = {};
-    for (int c = 0; c < ConstraintGraph::kLists; ++c) starts[c + 1] = starts[c] + (count(c) + size - 1) / size;
-    runner.parallelFor(starts[ConstraintGraph::kLists], 1, [&](int begin, int end, int) {
-        int c = 0;
+    if (graph.regionCount() > 0) {
+        // The worker that solves a region finds in its cache what it has prepared.
+        forEachRegionsLists(*this, [&](int c) {
+            if (const int all = count(c); all > 0) visit(c, 0, all);
+        });
+        return;
+    }
+    const int lists = graph.listCount();
+    regions.listStarts.resizeForOverwrite(static_cast<std::size_t>(lists) + 1);
+    int* const starts = regions.listStarts.data();
+    starts[0] = 0;
+    for (int c = 0; c < lists; ++c) starts[c + 1] = starts[c] + (count(c) + size - 1) / size;
+    runner.parallelFor(starts[lists], 1, [&](int begin, int end, int) {
+        auto c = static_cast<int>(std::upper_bound(starts, starts + lists, begin) - starts) - 1;
         for (int block = begin; block < end; ++block) {
             while (starts[c + 1] <= block) ++c;
             const int first = (block - starts[c]) * size, all = count(c);
@@ -180,25 +178,29 @@ void WorldImpl::prepareConstraints() {
             if (placeAndPrepare(c, begin, end)) mayBounce.store(true, std::memory_order_relaxed);
         });
     if (rescale)
-        for (int c = 0; c < ConstraintGraph::kLists; ++c)
+        for (int c = 0; c < graph.listCount(); ++c)
             for (const std::uint32_t joint : graph.color(c).joints) rescaleJoint(jointSims[joint], ratio);
     prepareJoints();
-    sweptColors.clear();
-    for (int c = 0; c < ConstraintGraph::kColors; ++c)
-        if (!graph.color(c).manifolds.empty() || !graph.color(c).joints.empty()) sweptColors.push(c);
     bouncy = mayBounce.load(std::memory_order_relaxed);
     prepareCouplings(ratio);
+    collectRegions(*this);
 }
 
 /// Puts contacts with equally many points side by side, so that bundles solve few that are not there; numbers the lanes.
 void WorldImpl::groupContacts() {
     constexpr std::size_t kNear = std::size_t{1} << 21;  // bytes that passes find in a cache
-    runner.parallelFor(ConstraintGraph::kColors, 1, [&](int begin, int end, int) {
-        for (int c = begin; c < end; ++c)
-            graph.groupByPoints(c, [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
-    });
+    const auto group = [&](int c) {
+        if (ConstraintGraph::isSerial(c) || !ConstraintGraph::isSwept(c)) return;
+        graph.groupByPoints(c, [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
+    };
+    if (graph.regionCount() > 0)
+        forEachRegionsLists(*this, group);
+    else
+        runner.parallelFor(ConstraintGraph::kColors, 1, [&](int begin, int end, int) {
+            for (int c = begin; c < end; ++c) group(c);
+        });
     std::size_t lanes = 0;
-    for (int c = 0; c < ConstraintGraph::kLists; ++c)
+    for (int c = 0; c < graph.listCount(); ++c)
         lanes += static_cast<std::size_t>(graph.bundleCount(c)) * static_cast<std::size_t>(graph.lanes());
     context.farContacts = lanes * contact::kFields * sizeof(float) > kNear;
 }
@@ -213,7 +215,7 @@ bool WorldImpl::placeAndPrepare(int c, int begin, int end) {
     constexpr int kAtOnce = 4;
     ConstraintGraph::Color& color = graph.color(c);
     const LaneManifolds list{color.manifolds.data(), static_cast<int>(color.manifolds.size()),
-                             c == ConstraintGraph::kOverflow ? 1 : graph.lanes()};
+                             ConstraintGraph::isSerial(c) ? 1 : graph.lanes()};
     const ContactPlaces places = contactPlaces();
     bool mayBounce = false;
     for (int i = begin; i < end; i += kAtOnce) {
@@ -240,7 +242,7 @@ void WorldImpl::prepareJoints() {
         });
     const JointLanesView view = jointBundles.view(jointSims.data());
     const auto bundles = [&](int c) {
-        return c < ConstraintGraph::kColors ? jointBundles.color(c).end - jointBundles.color(c).begin : 0;
+        return jointBundles.color(c).end - jointBundles.color(c).begin;
     };
     forBlocksOfAllLists(4, bundles, [&](int c, int begin, int end) {
         const int first = jointBundles.color(c).begin;
@@ -250,138 +252,8 @@ void WorldImpl::prepareJoints() {
 
 void WorldImpl::storeJoints() {
     const JointLanesView view = jointBundles.view(jointSims.data());
-    runner.parallelFor(jointBundles.color(ConstraintGraph::kOverflow).end, 8,
+    runner.parallelFor(jointBundles.bundleCount(), 8,
                        [&](int begin, int end, int) { jointKernels->store(view, begin, end); });
-}
-
-void WorldImpl::integrateVelocities() {
-    const BodyArrays arrays = bodyArrays();
-    forBodiesInTurn(*this, [&](const std::uint32_t* list, int begin, int end, const SolverContext& own) {
-        kernels->integrateVelocities(arrays, list, begin, end, own);
-    });
-}
-
-void WorldImpl::integratePositions() {
-    const BodyArrays arrays = bodyArrays();
-    forBodiesInTurn(*this, [&](const std::uint32_t* list, int begin, int end, const SolverContext& own) {
-        kernels->integratePositions(arrays, list, begin, end, own);
-    });
-}
-
-namespace {
-
-/// A list in blocks of `size`, numbered from `first`.
-struct Blocks {
-    int size, begin, end, first;
-
-    int count() const { return (end - begin + size - 1) / size; }
-    int next() const { return first + count(); }
-    template <class Visit>
-    void visit(int block, Visit&& visit) const {
-        const int from = begin + (block - first) * size;
-        visit(from, from + size < end ? from + size : end);
-    }
-};
-
-}  // namespace
-
-/// Overflow first and serially, then the colours in order, each in parallel: alone(joint) for its single joints,
-/// wide(begin, end) and contact(bundles, begin, end) for its bundles.
-template <class Joint, class Joints, class Contacts>
-void WorldImpl::forEachColor(Joint&& alone, Joints&& wide, Contacts&& contact) {
-    constexpr int kJointsPerBlock = 8;
-    constexpr int kMostBlocks = 64;  // of contacts: what is next in memory is best solved by the same thread
-    const int jointBundlesPerBlock = 32 / jointKernels->lanes, leastContactBundles = 32 / graph.lanes();
-    const auto singles = [&](int begin, int end) {
-        for (int i = begin; i < end; ++i) alone(jointBundles.single(i));
-    };
-    const JointBundles::Color& serial = jointBundles.color(ConstraintGraph::kOverflow);
-    ConstraintGraph::Color& overflow = graph.color(ConstraintGraph::kOverflow);
-    singles(serial.firstSingle, serial.endSingle);
-    for (int i = 0; i < graph.bundleCount(ConstraintGraph::kOverflow); ++i) contact(overflow.bundles.data(), i, i + 1);
-
-    for (const int c : sweptColors) {
-        float* bundles = graph.color(c).bundles.data();
-        const JointBundles::Color& bundled = jointBundles.color(c);
-        const Blocks singleBlocks{kJointsPerBlock, bundled.firstSingle, bundled.endSingle, 0};
-        const Blocks wideBlocks{jointBundlesPerBlock, bundled.begin, bundled.end, singleBlocks.next()};
-        const int contactBundles = graph.bundleCount(c), size = std::max(leastContactBundles, contactBundles / kMostBlocks);
-        const Blocks contactBlocks{size, 0, contactBundles, wideBlocks.next()};
-        runner.parallelFor(contactBlocks.next(), 1, [&](int begin, int end, int) {
-            for (int b = begin; b < end; ++b) {
-                if (b < wideBlocks.first)
-                    singleBlocks.visit(b, singles);
-                else if (b < contactBlocks.first)
-                    wideBlocks.visit(b, wide);
-                else
-                    contactBlocks.visit(b, [&](int first, int last) { contact(bundles, first, last); });
-            }
-        });
-    }
-}
-
-void WorldImpl::warmStart() {
-    const BodyArrays arrays = bodyArrays();
-    carryCouplings();
-    const JointLanesView lanes = jointBundles.view(jointSims.data());
-    const JointPass wide{arrays, jointContext};
-    forEachColor(
-        [&](std::uint32_t j) { warmStartJoint(jointSims[j], arrays.states, arrays.inertia, jointContext); },
-        [&](int begin, int end) { jointKernels->warmStart(lanes, begin, end, wide); },
-        [&](float* bundles, int begin, int end) { kernels->warmStartContacts(bundles, begin, end, arrays, context); });
-    beginCouplings();
-}
-
-/// Friction beside the normal rows of each contact, or after those of all, as the settings say.
-void WorldImpl::solve(bool useBias) {
-    const BodyArrays arrays = bodyArrays();
-    const auto solveBundles = useBias ? kernels->solveContacts : kernels->relaxContacts;
-    const auto solveJoints = useBias ? jointKernels->solve : jointKernels->relax;
-    const JointLanesView lanes = jointBundles.view(jointSims.data());
-    const JointPass wide{arrays, jointContext};
-    const auto pass = [&](bool normals, bool friction) {
-        context.normals = normals;
-        context.friction = friction;
-        forEachColor(
-            [&](std::uint32_t j) {
-                if (normals) solveJoint(jointSims[j], arrays.states, arrays.inertia, jointContext, useBias);
-            },
-            [&](int begin, int end) {
-                if (normals) solveJoints(lanes, begin, end, wide);
-            },
-            [&](float* bundles, int begin, int end) { solveBundles(bundles, begin, end, arrays, context); });
-        if (normals) solveCouplings(useBias);
-    };
-    if (!settings.sequentialFriction) return pass(true, true);
-    pass(true, false);
-    pass(false, true);
-}
-
-/// Contacts of direct islands that may bounce.
-template <class Visit>
-void WorldImpl::forEachDirectBouncing(Visit&& visit) {
-    const auto stride = static_cast<std::size_t>(graph.lanes());
-    SingleBundle bundle(graph.lanes());
-    for (const std::uint32_t m : graph.color(ConstraintGraph::kDirect).manifolds) {
-        float* lane = graph.lane(manifolds[m].place);
-        if (lane[contact::kRestitution * stride] > 0) bundle.visit(lane, visit);
-    }
-}
-
-/// Sweeps until nothing more will meet, or enough: what is left then is stopped by the rows that do not bounce.
-void WorldImpl::bounce() {
-    constexpr int kSweeps = 32;
-    const BodyArrays arrays = bodyArrays();
-    for (int i = 0; i < kSweeps; ++i) {
-        std::atomic<bool> bounced{false};
-        const auto visit = [&](float* bundles, int begin, int end) {
-            if (kernels->bounceContacts(bundles, begin, end, arrays, context))
-                bounced.store(true, std::memory_order_relaxed);
-        };
-        forEachDirectBouncing(visit);
-        forEachColor([](std::uint32_t) {}, [](int, int) {}, visit);
-        if (!bounced.load(std::memory_order_relaxed)) return;
-    }
 }
 
 void WorldImpl::clearEvents() {

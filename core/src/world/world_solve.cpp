@@ -1,0 +1,243 @@
+// The passes of the sweeps over bodies and constraints, in each substep.
+
+#include <algorithm>
+#include <atomic>
+
+#include "constraints/contact_layout.h"
+#include "world/single_bundle.h"
+#include "world/world_impl.h"
+#include "world/world_strides.h"
+
+namespace ragtop {
+
+namespace {
+
+/// A list in blocks of `size`, numbered from `first`.
+struct Blocks {
+    int size, begin, end, first;
+
+    int count() const { return (end - begin + size - 1) / size; }
+    int next() const { return first + count(); }
+    template <class Visit>
+    void visit(int block, Visit&& visit) const {
+        const int from = begin + (block - first) * size;
+        visit(from, from + size < end ? from + size : end);
+    }
+};
+
+}  // namespace
+
+static SolverContext contextOf(const WorldImpl& world, int number, bool moved) {
+    SolverContext own = world.context;
+    own.elapsed = world.context.h * static_cast<float>(moved ? number + 1 : number);
+    own.substep = number;
+    own.firstSubstep = number == 0;
+    own.lastSubstep = number + 1 == world.settings.substeps;
+    return own;
+}
+
+/// What is in no region: overflow first and serially, then the colours in order, each in parallel: alone(joint) for its
+/// single joints, wide(begin, end) and contact(bundles, begin, end) for its bundles.
+template <class Joint, class Joints, class Contacts>
+static void forUndivided(WorldImpl& world, Joint&& alone, Joints&& wide, Contacts&& contact) {
+    constexpr int kJointsPerBlock = 8;
+    constexpr int kMostBlocks = 64;  // of contacts: what is next in memory is best solved by the same thread
+    const int jointBundlesPerBlock = 32 / world.jointKernels->lanes, leastContactBundles = 32 / world.graph.lanes();
+    const auto singles = [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) alone(world.jointBundles.single(i));
+    };
+    const JointBundles::Color& serial = world.jointBundles.color(ConstraintGraph::kOverflow);
+    ConstraintGraph::Color& overflow = world.graph.color(ConstraintGraph::kOverflow);
+    singles(serial.firstSingle, serial.endSingle);
+    for (int i = 0; i < world.graph.bundleCount(ConstraintGraph::kOverflow); ++i)
+        contact(overflow.bundles.data(), i, i + 1);
+
+    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
+        if ((world.regions.usedLists[0] >> c & 1) == 0) continue;
+        float* bundles = world.graph.color(c).bundles.data();
+        const JointBundles::Color& bundled = world.jointBundles.color(c);
+        const Blocks singleBlocks{kJointsPerBlock, bundled.firstSingle, bundled.endSingle, 0};
+        const Blocks wideBlocks{jointBundlesPerBlock, bundled.begin, bundled.end, singleBlocks.next()};
+        const int contactBundles = world.graph.bundleCount(c),
+                  size = std::max(leastContactBundles, contactBundles / kMostBlocks);
+        const Blocks contactBlocks{size, 0, contactBundles, wideBlocks.next()};
+        world.runner.parallelFor(contactBlocks.next(), 1, [&](int begin, int end, int) {
+            for (int b = begin; b < end; ++b) {
+                if (b < wideBlocks.first)
+                    singleBlocks.visit(b, singles);
+                else if (b < contactBlocks.first)
+                    wideBlocks.visit(b, wide);
+                else
+                    contactBlocks.visit(b, [&](int first, int last) { contact(bundles, first, last); });
+            }
+        });
+    }
+}
+
+/// The same for a region, on the calling thread.
+template <class Joint, class Joints, class Contacts>
+static void forRegion(WorldImpl& world, int region, Joint&& alone, Joints&& wide, Contacts&& contact) {
+    const int first = ConstraintGraph::firstList(region);
+    const std::uint32_t used = world.regions.usedLists[static_cast<std::size_t>(region)];
+    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
+        if ((used >> c & 1) == 0) continue;
+        const JointBundles::Color& bundled = world.jointBundles.color(first + c);
+        for (int i = bundled.firstSingle; i < bundled.endSingle; ++i) alone(world.jointBundles.single(i));
+        if (bundled.begin < bundled.end) wide(bundled.begin, bundled.end);
+        const int count = world.graph.bundleCount(first + c);
+        if (count > 0) contact(world.graph.color(first + c).bundles.data(), 0, count);
+    }
+}
+
+/// Calls visit(alone, wide, contact) with what a pass does to single joints, bundles of joints and bundles of contacts.
+template <class Visit>
+static void visitSweep(WorldImpl& world, Sweep which, const SolverContext& own, Visit&& visit) {
+    const BodyArrays arrays = world.bodyArrays();
+    const JointLanesView lanes = world.jointBundles.view(world.jointSims.data());
+    const JointPass pass{arrays, world.jointContext};
+    const bool warm = which == Sweep::warmStart, moving = which == Sweep::solve;
+    const auto passJoints = warm     ? world.jointKernels->warmStart
+                            : moving ? world.jointKernels->solve
+                                     : world.jointKernels->relax;
+    const auto passContacts = warm     ? world.kernels->warmStartContacts
+                              : moving ? world.kernels->solveContacts
+                                       : world.kernels->relaxContacts;
+    const bool withJoints = warm || own.normals;
+    visit(
+        [&](std::uint32_t j) {
+            if (warm)
+                warmStartJoint(world.jointSims[j], arrays.states, arrays.inertia, world.jointContext);
+            else if (withJoints)
+                solveJoint(world.jointSims[j], arrays.states, arrays.inertia, world.jointContext, moving);
+        },
+        [&](int begin, int end) {
+            if (withJoints) passJoints(lanes, begin, end, pass);
+        },
+        [&](float* bundles, int begin, int end) { passContacts(bundles, begin, end, arrays, own); });
+}
+
+static void sweepRegion(WorldImpl& world, int region, Sweep which, const SolverContext& own) {
+    visitSweep(world, which, own,
+               [&](auto&& alone, auto&& wide, auto&& contact) { forRegion(world, region, alone, wide, contact); });
+}
+
+static void sweepAll(WorldImpl& world, Sweep which, const SolverContext& own) {
+    visitSweep(world, which, own,
+               [&](auto&& alone, auto&& wide, auto&& contact) { forUndivided(world, alone, wide, contact); });
+    world.runner.parallelFor(world.graph.regionCount(), 1, [&](int begin, int end, int) {
+        for (int r = begin + 1; r <= end; ++r) sweepRegion(world, r, which, own);
+    });
+}
+
+/// All substeps of what has nothing to do with anybody else.
+static void solveRegion(WorldImpl& world, int region) {
+    const BodyArrays arrays = world.bodyArrays();
+    const std::span<const std::uint32_t> list = world.regions.bodies.of(region);
+    const auto count = static_cast<int>(list.size());
+    for (int i = 0; i < world.settings.substeps; ++i) {
+        const SolverContext before = contextOf(world, i, false), after = contextOf(world, i, true);
+        world.kernels->integrateVelocities(arrays, list.data(), 0, count, before);
+        sweepRegion(world, region, Sweep::warmStart, before);
+        sweepRegion(world, region, Sweep::solve, before);
+        for (const std::uint32_t assembly : world.regions.assemblies.of(region)) world.moveAssembly(assembly);
+        world.kernels->integratePositions(arrays, list.data(), 0, count, before);
+        sweepRegion(world, region, Sweep::relax, after);
+    }
+}
+
+/// Region 0 are bodies of none, that touch nothing and nothing moves.
+static void solveRegions(WorldImpl& world) {
+    world.runner.parallelFor(world.graph.regionCount() + 1, 1, [&](int begin, int end, int) {
+        for (int r = begin; r < end; ++r) solveRegion(world, r);
+    });
+    world.context = contextOf(world, world.settings.substeps - 1, true);
+}
+
+/// Contacts of direct islands that may bounce.
+template <class Visit>
+static void forEachDirectBouncing(WorldImpl& world, Visit&& visit) {
+    const auto stride = static_cast<std::size_t>(world.graph.lanes());
+    SingleBundle bundle(world.graph.lanes());
+    for (const std::uint32_t m : world.graph.color(ConstraintGraph::kDirect).manifolds) {
+        float* lane = world.graph.lane(world.manifolds[m].place);
+        if (lane[contact::kRestitution * stride] > 0) bundle.visit(lane, visit);
+    }
+}
+
+void WorldImpl::solveSubsteps(World& world) {
+    if (regions.alone) return solveRegions(*this);
+    for (int number = 0; number < settings.substeps; ++number) {
+        context = contextOf(*this, number, false);
+        for (StepModule* module : modules)
+            if (module->beforeSubstep) module->beforeSubstep(module->user, world, context.h);
+        readMechanisms();
+        integrateVelocities();
+        if (bouncy) bounce();
+        solveDirect(DirectPass::positions);
+        warmStart();
+        if (number == 0) settleNewContacts();
+        solve(true);
+        moveAssemblies();
+        integratePositions();
+        context = contextOf(*this, number, true);
+        solveDirect(DirectPass::velocities);
+        solve(false);
+    }
+}
+
+void WorldImpl::integrateVelocities() {
+    const BodyArrays arrays = bodyArrays();
+    forBodiesInTurn(*this, [&](const std::uint32_t* list, int begin, int end, const SolverContext& own) {
+        kernels->integrateVelocities(arrays, list, begin, end, own);
+    });
+}
+
+void WorldImpl::integratePositions() {
+    const BodyArrays arrays = bodyArrays();
+    forBodiesInTurn(*this, [&](const std::uint32_t* list, int begin, int end, const SolverContext& own) {
+        kernels->integratePositions(arrays, list, begin, end, own);
+    });
+}
+
+void WorldImpl::warmStart() {
+    carryCouplings();
+    sweepAll(*this, Sweep::warmStart, context);
+    beginCouplings();
+}
+
+/// Friction beside the normal rows of each contact, or after those of all, as the settings say.
+void WorldImpl::solve(bool useBias) {
+    const Sweep which = useBias ? Sweep::solve : Sweep::relax;
+    const auto pass = [&](bool normals, bool friction) {
+        context.normals = normals;
+        context.friction = friction;
+        sweepAll(*this, which, context);
+        if (normals) solveCouplings(useBias);
+    };
+    if (!settings.sequentialFriction) return pass(true, true);
+    pass(true, false);
+    pass(false, true);
+}
+
+/// Sweeps until nothing more will meet, or enough: what is left then is stopped by the rows that do not bounce.
+void WorldImpl::bounce() {
+    constexpr int kSweeps = 32;
+    const BodyArrays arrays = bodyArrays();
+    for (int i = 0; i < kSweeps; ++i) {
+        std::atomic<bool> bounced{false};
+        const auto visit = [&](float* bundles, int begin, int end) {
+            if (kernels->bounceContacts(bundles, begin, end, arrays, context))
+                bounced.store(true, std::memory_order_relaxed);
+        };
+        const auto alone = [](std::uint32_t) {};
+        const auto wide = [](int, int) {};
+        forEachDirectBouncing(*this, visit);
+        forUndivided(*this, alone, wide, visit);
+        runner.parallelFor(graph.regionCount(), 1, [&](int begin, int end, int) {
+            for (int r = begin + 1; r <= end; ++r) forRegion(*this, r, alone, wide, visit);
+        });
+        if (!bounced.load(std::memory_order_relaxed)) return;
+    }
+}
+
+}  // namespace ragtop
