@@ -82,8 +82,9 @@ async function throwBrick(page) {
 
   say('let go, it falls');
   await page.mouse.up();
-  await step(page, 60);
-  assert.ok((await poses(page)).get(picked)[1] < held[1] - 1);
+  // 0.4 s of free fall are 0.78 m; later it may lie on the wall again.
+  await step(page, 24);
+  assert.ok((await poses(page)).get(picked)[1] < held[1] - 0.5);
 }
 
 /** A scene file, which may have comments on lines of their own. */
