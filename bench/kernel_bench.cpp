@@ -18,10 +18,11 @@
 namespace ragtop {
 namespace {
 
-/// Boxes side by side on the ground, four points each, in bundles of the kernels' width.
+/// Boxes side by side on the ground, or each on another one, four points each, in bundles of the kernels' width.
+enum class Below { ground, body };
 class ContactRows {
 public:
-    ContactRows(const KernelTable& table, int contacts)
+    ContactRows(const KernelTable& table, int contacts, Below below)
         : kernels(table),
           bodyCount(contacts),
           states_(std::pmr::get_default_resource()),
@@ -29,22 +30,18 @@ public:
           dynamics_(std::pmr::get_default_resource()),
           histories_(std::pmr::get_default_resource()),
           bundles_(std::pmr::get_default_resource()) {
-        const auto count = static_cast<std::size_t>(contacts);
+        const bool stacked = below == Below::body;
+        const auto count = static_cast<std::size_t>(stacked ? 2 * contacts : contacts);
         states_.resize(count + 1, {});
         inertias_.resize(count + 1, {});
         dynamics_.resize(count + 1, {});
         histories_.resize(count + 1, {});
         bundles_.resize(static_cast<std::size_t>(bundleCount() * contact::kFields * kernels.lanes), 0.0f);
+        for (std::uint32_t body = 1; body <= count; ++body) addBody(body);
         for (int i = 0; i < contacts; ++i) {
             const auto body = static_cast<std::uint32_t>(i + 1);
-            states_[body].invMass = 0.001f;
-            states_[body].v = {0.125f, -0.25f, 0};
-            inertias_[body] = {0.006f, 0, 0, 0.006f, 0, 0.006f, 0, 0};
-            dynamics_[body].inertia = {160, 160, 160};
-            dynamics_[body].inverseInertia = {1 / 160.0f, 1 / 160.0f, 1 / 160.0f};
-            dynamics_[body].acceleration = {0, -9.81f, 0};
             order_.push_back(body);
-            fill(i, body);
+            fill(i, stacked ? body + static_cast<std::uint32_t>(contacts) : 0, body);
         }
         context_.h = context_.dt = 1.0f / 240;
         context_.inverseH = 240;
@@ -75,12 +72,23 @@ public:
     const int bodyCount;
 
 private:
-    void fill(int i, std::uint32_t body) {
+    void addBody(std::uint32_t body) {
+        states_[body].invMass = 0.001f;
+        states_[body].v = {0.125f, -0.25f, 0};
+        inertias_[body] = {0.006f, 0, 0, 0.006f, 0, 0.006f, 0, 0};
+        dynamics_[body].inertia = {160, 160, 160};
+        dynamics_[body].inverseInertia = {1 / 160.0f, 1 / 160.0f, 1 / 160.0f};
+        dynamics_[body].acceleration = {0, -9.81f, 0};
+    }
+    void fill(int i, std::uint32_t bodyA, std::uint32_t bodyB) {
         const int n = kernels.lanes;
         float* lane = bundles_.data() + static_cast<std::size_t>(i / n * contact::kFields * n + i % n);
         const auto at = [&](int field) -> float& { return lane[static_cast<std::size_t>(field * n)]; };
         const std::uint32_t points = contact::kMaxPoints;
-        std::memcpy(&at(contact::kBodyB), &body, sizeof body);
+        std::memcpy(&at(contact::kBodyA), &bodyA, sizeof bodyA);
+        std::memcpy(&at(contact::kBodyB), &bodyB, sizeof bodyB);
+        const float anchor = bodyA == 0 ? -0.5f : 0.5f;
+        at(contact::kOffset + 1) = anchor + 0.5f;
         std::memcpy(&at(contact::kPointCount), &points, sizeof points);
         at(contact::kNormal + 1) = 1;
         at(contact::kFriction) = 0.5f;
@@ -89,7 +97,7 @@ private:
         for (int j = 0; j < contact::kMaxPoints; ++j) {
             const int point = contact::kPoints + j * contact::kPointFields;
             at(point + contact::kAnchor) = j % 2 == 0 ? -0.5f : 0.5f;
-            at(point + contact::kAnchor + 1) = -0.5f;
+            at(point + contact::kAnchor + 1) = anchor;
             at(point + contact::kAnchor + 2) = j / 2 == 0 ? -0.5f : 0.5f;
             at(point + contact::kSeparation) = -0.001f;
         }
@@ -112,33 +120,33 @@ void perItem(benchmark::State& state, int items) {
 }
 
 /// One bias pass over contacts of four points with friction and twist.
-void contactSolve(benchmark::State& state) {
-    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts);
+void contactSolve(benchmark::State& state, Below below) {
+    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts, below);
     for (auto _ : state) rows.run(rows.kernels.solveContacts);
     perItem(state, kContacts);
     state.SetLabel(rows.kernels.name);
 }
 /// One relaxing pass over the same.
-void contactRelax(benchmark::State& state) {
-    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts);
+void contactRelax(benchmark::State& state, Below below) {
+    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts, below);
     for (auto _ : state) rows.run(rows.kernels.relaxContacts);
     perItem(state, kContacts);
     state.SetLabel(rows.kernels.name);
 }
-void contactPrepare(benchmark::State& state) {
-    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts);
+void contactPrepare(benchmark::State& state, Below below) {
+    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts, below);
     for (auto _ : state) rows.prepare();
     perItem(state, kContacts);
     state.SetLabel(rows.kernels.name);
 }
-void contactWarmStart(benchmark::State& state) {
-    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts);
+void contactWarmStart(benchmark::State& state, Below below) {
+    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts, below);
     for (auto _ : state) rows.run(rows.kernels.warmStartContacts);
     perItem(state, kContacts);
     state.SetLabel(rows.kernels.name);
 }
 void bodyIntegrate(benchmark::State& state) {
-    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts);
+    ContactRows rows(selectKernels(static_cast<int>(state.range(0))), kContacts, Below::ground);
     for (auto _ : state) rows.integrate();
     perItem(state, kContacts);
     state.SetLabel(rows.kernels.name);
@@ -146,10 +154,14 @@ void bodyIntegrate(benchmark::State& state) {
 void laneCounts(benchmark::internal::Benchmark* bench) {
     bench->ArgName("lanes")->Arg(4)->Arg(8)->Arg(16)->Unit(benchmark::kMicrosecond);
 }
-BENCHMARK(contactSolve)->Apply(laneCounts);
-BENCHMARK(contactRelax)->Apply(laneCounts);
-BENCHMARK(contactPrepare)->Apply(laneCounts);
-BENCHMARK(contactWarmStart)->Apply(laneCounts);
+BENCHMARK_CAPTURE(contactSolve, bodies, Below::body)->Apply(laneCounts);
+BENCHMARK_CAPTURE(contactSolve, ground, Below::ground)->Apply(laneCounts);
+BENCHMARK_CAPTURE(contactRelax, bodies, Below::body)->Apply(laneCounts);
+BENCHMARK_CAPTURE(contactRelax, ground, Below::ground)->Apply(laneCounts);
+BENCHMARK_CAPTURE(contactPrepare, bodies, Below::body)->Apply(laneCounts);
+BENCHMARK_CAPTURE(contactPrepare, ground, Below::ground)->Apply(laneCounts);
+BENCHMARK_CAPTURE(contactWarmStart, bodies, Below::body)->Apply(laneCounts);
+BENCHMARK_CAPTURE(contactWarmStart, ground, Below::ground)->Apply(laneCounts);
 BENCHMARK(bodyIntegrate)->Apply(laneCounts);
 
 /// Figures of sixteen balls: Jacobians, factor and solution of one substep; `twofold` in double precision.
