@@ -2,11 +2,11 @@
 
 #include <cstddef>
 #include <functional>
-#include <memory_resource>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "counted_memory.h"
 #include "heap_counter.h"
 #include "ragtop/tasks.h"
 #include "scenes.h"
@@ -14,24 +14,7 @@
 namespace ragtop {
 namespace {
 
-/// Counts what is asked of it and passes it on.
-class CountingMemory : public std::pmr::memory_resource {
-public:
-    long calls = 0;
-    long long bytes = 0;
-
-private:
-    void* do_allocate(std::size_t size, std::size_t alignment) override {
-        ++calls;
-        bytes += static_cast<long long>(size);
-        return std::pmr::new_delete_resource()->allocate(size, alignment);
-    }
-    void do_deallocate(void* memory, std::size_t size, std::size_t alignment) override {
-        bytes -= static_cast<long long>(size);
-        std::pmr::new_delete_resource()->deallocate(memory, size, alignment);
-    }
-    bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
-};
+using test::CountedMemory;
 
 /// Boxes that slide on a slope and spheres that roll down another, neither ever at rest.
 void addSlope(World& world, const scenes::Scale&) {
@@ -69,7 +52,7 @@ class Allocation : public testing::TestWithParam<SteadyScene> {};
 TEST_P(Allocation, SteadyStepsAskForNoMemory) {
     for (const int workers : {1, 2}) {
         for (const bool sleeping : {true, false}) {
-            CountingMemory memory;
+            CountedMemory memory;
             WorldSettings settings;
             settings.sleeping = sleeping;
             World world(settings, {.tasks = threadTasks(workers), .memory = &memory});
@@ -88,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Allocation, testing::ValuesIn(kSteady),
 
 /// Sleeping and waking move things between lists that have room for all.
 TEST(Allocation, WakingAndSleepingAskForNoMemory) {
-    CountingMemory memory;
+    CountedMemory memory;
     World world({}, {.memory = &memory});
     scenes::addTower(world);
     const auto cycle = [&] {
@@ -144,13 +127,13 @@ TEST(Allocation, QueriesAskForNoMemory) {
 /// bodies(), shapes() and jointsOf() hand out.
 TEST(Allocation, BodiesContactsAndJointsAreInTheMemoryGiven) {
     const auto heapBytesOf = [](int bodies) {
-        CountingMemory memory;
+        CountedMemory memory;
         World world({}, {.memory = &memory});
         scenes::addFloor(world);
         for (int i = 0; i < bodies; ++i) world.create(DynamicBody{.position = {1.25 * (i % 20), 0.5, 1.25 * (i / 20)}});
         const long before = heapCalls(), given = memory.calls;
         for (int i = 0; i < 30; ++i) world.step(1.0 / 60);
-        return std::pair(heapCalls() - before - (memory.calls - given), memory.bytes);
+        return std::pair(heapCalls() - before - (memory.calls - given), memory.held);
     };
     const auto [few, fewBytes] = heapBytesOf(10);
     const auto [many, manyBytes] = heapBytesOf(400);
@@ -160,16 +143,16 @@ TEST(Allocation, BodiesContactsAndJointsAreInTheMemoryGiven) {
 }
 
 TEST(Allocation, AllMemoryGivenIsReturned) {
-    CountingMemory memory;
+    CountedMemory memory;
     {
         World world({}, {.memory = &memory, .expectedBodies = 100});
         scenes::addBowl(world);
         scenes::addMixedShapes(world, {}, 20);
         scenes::addFigure(world, {}, 0, 6);
         for (int i = 0; i < 50; ++i) world.step(1.0 / 60);
-        EXPECT_GT(memory.bytes, 0);
+        EXPECT_GT(memory.held, 0u);
     }
-    EXPECT_EQ(memory.bytes, 0);
+    EXPECT_EQ(memory.held, 0u);
 }
 
 }  // namespace

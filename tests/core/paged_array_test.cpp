@@ -6,31 +6,17 @@
 #include <memory_resource>
 #include <vector>
 
+#include "counted_memory.h"
+
 namespace ragtop {
 namespace {
+
+using test::CountedMemory;
 
 struct alignas(64) Item {
     std::uint64_t number = 7;
 };
 using Array = PagedArray<Item>;
-
-/// Tells how much is held, and the most that ever was.
-class CountedMemory : public std::pmr::memory_resource {
-public:
-    std::size_t held = 0, peak = 0;
-
-private:
-    void* do_allocate(std::size_t bytes, std::size_t alignment) override {
-        held += bytes;
-        peak = held > peak ? held : peak;
-        return std::pmr::new_delete_resource()->allocate(bytes, alignment);
-    }
-    void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override {
-        held -= bytes;
-        std::pmr::new_delete_resource()->deallocate(memory, bytes, alignment);
-    }
-    bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
-};
 
 TEST(PagedArray, ElementsKeepTheirValuesAsItGrows) {
     CountedMemory memory;

@@ -5,26 +5,12 @@
 #include <cstdint>
 #include <memory_resource>
 
+#include "counted_memory.h"
+
 namespace ragtop {
 namespace {
 
-/// Counts what is held of it.
-class HeldMemory : public std::pmr::memory_resource {
-public:
-    std::size_t held = 0, calls = 0;
-
-private:
-    void* do_allocate(std::size_t size, std::size_t alignment) override {
-        held += size;
-        ++calls;
-        return std::pmr::new_delete_resource()->allocate(size, alignment);
-    }
-    void do_deallocate(void* memory, std::size_t size, std::size_t alignment) override {
-        held -= size;
-        std::pmr::new_delete_resource()->deallocate(memory, size, alignment);
-    }
-    bool do_is_equal(const memory_resource& other) const noexcept override { return this == &other; }
-};
+using test::CountedMemory;
 
 std::size_t wanted(std::size_t doubles, std::size_t bytes) {
     return StageMemory::bytesOf<double>(doubles) + StageMemory::bytesOf<std::uint8_t>(bytes);
@@ -44,7 +30,7 @@ TEST(StageMemory, ArraysOfOneStageShareNothing) {
 }
 
 TEST(StageMemory, HoldsWhatTheGreediestStageWantsAndAsksForItOnce) {
-    HeldMemory resource;
+    CountedMemory resource;
     StageMemory memory(&resource);
     memory.begin(wanted(1000, 0));
     const std::size_t held = resource.held;
@@ -61,7 +47,7 @@ TEST(StageMemory, HoldsWhatTheGreediestStageWantsAndAsksForItOnce) {
 }
 
 TEST(StageMemory, GivesUpWhatItHeldBeforeItAsksForMore) {
-    HeldMemory resource;
+    CountedMemory resource;
     StageMemory memory(&resource);
     memory.begin(1 << 20);
     memory.begin(4 << 20);

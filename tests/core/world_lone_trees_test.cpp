@@ -10,19 +10,13 @@ namespace {
 
 using namespace test;
 
-/// Who looks at bodies between two substeps, and does nothing to them: no tree is alone then.
-struct Watcher {
-    StepModule module;
-    Watcher() { module.beforeSubstep = [](void*, World&, double) {}; }
-};
-
 /// Nothing that such a tree does depends on others, so that it may do all of it at once.
 TEST(TreesThatGoAlone, EndUpWhereTheySwingWithTheWorldToTheBit) {
     std::vector<std::uint64_t> hashes;
     for (const bool watched : {false, true}) {
         World world(withoutSleep());
         Watcher watcher;
-        if (watched) world.add(&watcher.module);
+        if (watched) world.add(&watcher.module);  // no tree is alone then
         std::vector<Chain> chains;
         for (int i = 0; i < 9; ++i) chains.emplace_back(world, 6 + i % 2, 2.0f, 2.0 * i);  // they leap
         chains.emplace_back(world, 5, 1000.0f, -2, true);                                  // hinges: one substep at once

@@ -10,12 +10,6 @@ namespace {
 
 using namespace test;
 
-/// Who looks at bodies between two substeps, and does nothing to them.
-struct Watcher {
-    StepModule module;
-    Watcher() { module.beforeSubstep = [](void*, World&, double) {}; }
-};
-
 void hangDown(World& world, const Chain& chain) {
     for (std::size_t i = 0; i < chain.bodies.size(); ++i)
         world.setPose(chain.bodies[i], {{0, -0.5 * static_cast<double>(i) - 0.25, world.centerOfMass(chain.bodies[i]).z},
