@@ -36,7 +36,7 @@ TEST(StageMemory, HoldsWhatTheGreediestStageWantsAndAsksForItOnce) {
     const std::size_t held = resource.held;
     EXPECT_GE(held, 1000 * sizeof(double));
     EXPECT_LT(held, 2 * 1000 * sizeof(double));
-    const std::size_t calls = resource.calls;
+    const long calls = resource.calls;
     for (const std::size_t count : {10u, 1000u, 0u, 999u}) {
         memory.begin(wanted(count, 0));
         EXPECT_EQ(memory.take<double>(count).room(), count);
