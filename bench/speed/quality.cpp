@@ -7,12 +7,14 @@
 #include <optional>
 #include <variant>
 
+#include "../stability/extremes.h"
 #include "../stability/scenery.h"
 
 namespace ragtop::speed {
 namespace {
 
 using stability::Engine;
+using stability::larger;
 
 double distance(const DVec3& a, const DVec3& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
 
@@ -158,12 +160,12 @@ Quality measureQuality(const Scene& scene, const Engine& engine) {
         quality.overlapP99 = static_cast<double>(overlaps[static_cast<std::size_t>(0.99 * last)]);
         quality.overlapMax = static_cast<double>(overlaps.back());
     }
-    for (const SceneJoint& joint : scene.joints) quality.gapMax = std::max(quality.gapMax, gapOf(scene, joint, engine));
+    for (const SceneJoint& joint : scene.joints) quality.gapMax = larger(quality.gapMax, gapOf(scene, joint, engine));
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const BodyDef& def = scene.bodies[i].def;
         if (def.type != BodyType::dynamic) continue;
         const DVec3 now = engine.motion(static_cast<int>(i)).pose.position;
-        quality.movedMax = std::max(quality.movedMax, distance(now, def.pose.position));
+        quality.movedMax = larger(quality.movedMax, distance(now, def.pose.position));
     }
     return quality;
 }

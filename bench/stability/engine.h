@@ -37,6 +37,8 @@ public:
     virtual void remove(int body) = 0;
     /// Sum of the normal forces (N) between two bodies in the last step; empty where the engine does not tell.
     virtual std::optional<double> normalForce(int a, int b) const = 0;
+    /// What the engine itself reports to have gone wrong since the scene began, such as a full buffer or a reset.
+    virtual std::string complaint() const { return {}; }
 };
 
 struct EngineKind {

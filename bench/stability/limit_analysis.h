@@ -7,9 +7,9 @@
 
 #include "ragtop/math.h"
 
-/// Limit analysis of rigid blocks: whether forces exist that keep all of them at rest and lie within Coulomb's cones, by
-/// a linear program [Livesley, Limit analysis of structures formed from rigid blocks, 1978]. It knows nothing of how any
-/// engine works.
+/// Limit analysis of rigid blocks: whether forces exist that keep all of them at rest and lie within Coulomb's cones,
+/// by a linear program [Livesley, Limit analysis of structures formed from rigid blocks, 1978]. It knows nothing of how
+/// any engine works.
 namespace ragtop::stability {
 
 /// A contact of two blocks at some points.

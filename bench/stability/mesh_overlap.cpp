@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "extremes.h"
 #include "ragtop/surface_mesh.h"
 
 namespace ragtop::stability {
@@ -86,7 +87,7 @@ double depthOf(const Vec3& p, const Solid& solid) {
     if (!contains(solid.bounds, p) || !isInside(solid, p)) return 0;
     float least = INFINITY;
     for (const Triangle& t : solid.triangles)
-        least = std::min(least, distanceTo(p, solid.vertices[t.a], solid.vertices[t.b], solid.vertices[t.c]));
+        least = smaller(least, distanceTo(p, solid.vertices[t.a], solid.vertices[t.b], solid.vertices[t.c]));
     return static_cast<double>(least);
 }
 
@@ -98,7 +99,7 @@ double deepest(const Solid& from, const Solid& in) {
         for (std::size_t e = 0; e < 3; ++e) {
             const Vec3 &a = from.vertices[corner[e]], &b = from.vertices[corner[(e + 1) % 3]];
             for (int i = 0; i < kPieces; ++i)
-                most = std::max(most, depthOf(a + static_cast<float>(i) / kPieces * (b - a), in));
+                most = larger(most, depthOf(a + static_cast<float>(i) / kPieces * (b - a), in));
         }
     }
     return most;
@@ -120,7 +121,7 @@ std::vector<double> overlapsOf(const Run& run, int first) {
             double most = 0;
             for (const Solid& a : bodies[i])
                 for (const Solid& b : bodies[j])
-                    if (overlaps(a.bounds, b.bounds)) most = std::max({most, deepest(a, b), deepest(b, a)});
+                    if (overlaps(a.bounds, b.bounds)) most = larger(most, larger(deepest(a, b), deepest(b, a)));
             if (most > 0) depths.push_back(most);
         }
     return depths;

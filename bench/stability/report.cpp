@@ -13,9 +13,9 @@ std::string tableHead() {
 }
 
 std::string tableLine(const Row& row) {
-    return fmt::format("{:<14} {:<46} {:<12} {:>11.5g} {:>11.5g} {:>10.3g} {:<8} {:<6} {:>9.3f}\n", row.family,
+    return fmt::format("{:<14} {:<46} {:<12} {:>11.5g} {:>11.5g} {:>10.3g} {:<8} {:<6} {:>9.3f}{}{}\n", row.family,
                        row.name, row.engine, row.value, row.reference, row.bound, row.unit, row.pass ? "ok" : "FAILS",
-                       row.ms);
+                       row.ms, row.note.empty() ? "" : "  ", row.note);
 }
 
 std::string toJson(const std::vector<Row>& rows) {
@@ -29,7 +29,8 @@ std::string toJson(const std::vector<Row>& rows) {
                         {"bound", row.bound},
                         {"unit", row.unit},
                         {"pass", row.pass},
-                        {"ms", row.ms}});
+                        {"ms", row.ms},
+                        {"note", row.note}});
     return list.dump(2) + "\n";
 }
 
@@ -40,7 +41,7 @@ std::vector<Row> rowsFromJson(const std::string& text) {
     std::vector<Row> rows;
     for (const auto& j : nlohmann::json::parse(text))
         rows.push_back({j["family"], j["case"], j["engine"], number(j["value"]), number(j["reference"]),
-                        number(j["bound"]), j["unit"], j["pass"], number(j["ms"])});
+                        number(j["bound"]), j["unit"], j["pass"], number(j["ms"]), j["note"]});
     return rows;
 }
 

@@ -63,7 +63,7 @@ std::vector<Job> jobsOf(const std::vector<Family>& families, const SuiteOptions&
 
 Row rowOfFailure(const Trial::Setting& setting, const std::string& what) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    return {setting.family, setting.name + ": " + what, setting.engine->name, kNone, 0, 0, "", false, 0};
+    return {setting.family, setting.name, setting.engine->name, kNone, 0, 0, "", false, 0, what};
 }
 
 /// Empty when the engine cannot represent the case.

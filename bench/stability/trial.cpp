@@ -1,5 +1,6 @@
 #include "trial.h"
 
+#include <fmt/format.h>
 #include <time.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <iterator>
 #include <utility>
 
+#include "extremes.h"
 #include "scenery.h"
 
 namespace ragtop::stability {
@@ -92,7 +94,19 @@ void Run::step() {
     trial_->cpuMs_ += threadMs() - before;
     trial_->simulated_ += trial_->dt();
     ++steps_;
+    if (trial_->fault_.empty()) trial_->fault_ = fault();
     if (film_) film_->capture(*engine_, trial_->dt());
+}
+
+std::string Run::fault() const {
+    if (std::string complaint = engine_->complaint(); !complaint.empty()) return complaint;
+    for (std::size_t i = 0; i < masses_.size(); ++i) {
+        if (!(masses_[i].mass > 0)) continue;
+        const BodyMotion m = motion(static_cast<int>(i));
+        if (!isFinite(m.pose.position) || !isFinite(m.pose.rotation) || !isFinite(m.v) || !isFinite(m.w))
+            return fmt::format("body {} is nowhere after {:.3g} s", i, time());
+    }
+    return {};
 }
 
 bool Run::advance(double seconds, const std::function<bool()>& goOn) {
@@ -125,8 +139,7 @@ double Run::jointGap() const {
         const JointBodies& bodies =
             std::visit([](const auto& def) -> const JointBodies& { return def.bodies; }, joint.def);
         const double gap = distance(anchor(pose(joint.bodyA), bodies.frameA), anchor(pose(joint.bodyB), bodies.frameB));
-        // A pose that is no number must not pass for a closed joint.
-        if (!(gap <= largest)) largest = gap;
+        largest = larger(largest, gap);
     }
     return largest;
 }
@@ -176,8 +189,8 @@ void Trial::expectAtLeast(const std::string& what, double value, double referenc
 void Trial::file(const std::string& what, double value, double reference, double bound, const std::string& unit,
                  bool pass) {
     const std::string name = setting_.name + (what.empty() ? "" : ": ") + what;
-    rows_.push_back({setting_.family, name, engine().name, value, reference, bound, unit, pass,
-                     simulated_ > 0 ? cpuMs_ / simulated_ : 0});
+    rows_.push_back({setting_.family, name, engine().name, value, reference, bound, unit, pass && fault_.empty(),
+                     simulated_ > 0 ? cpuMs_ / simulated_ : 0, fault_});
 }
 
 }  // namespace ragtop::stability

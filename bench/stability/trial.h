@@ -21,7 +21,8 @@ struct Row {
     double bound = 0;      ///< how far it may be off
     std::string unit;
     bool pass = false;
-    double ms = 0;  ///< processor time per simulated second, without setting up and measuring
+    double ms = 0;     ///< processor time per simulated second, without setting up and measuring
+    std::string note;  ///< what went wrong in the run, whatever the value
 };
 
 class Trial;
@@ -58,6 +59,8 @@ public:
 private:
     friend class Trial;
     Run(Trial& trial, Scene scene, const std::string& label);
+    /// What makes every measurement of this run worthless; empty while nothing does.
+    std::string fault() const;
     struct Film;
 
     Trial* trial_;
@@ -88,6 +91,7 @@ public:
     Run start(Scene scene, const std::string& label = "");
 
     // Bounds are for 60 steps a second; longer steps may be off by proportionally more, as a first-order method is.
+    // Nothing passes once a body of a run was nowhere or an engine had something to complain of.
     /// Passes when |value − reference| ≤ bound.
     void expectNear(const std::string& what, double value, double reference, double bound, const std::string& unit);
     /// Passes when |value| ≤ bound; the reference is zero.
@@ -103,10 +107,12 @@ public:
 private:
     friend class Run;
     double allowance() const;
-    void file(const std::string& what, double value, double reference, double bound, const std::string& unit, bool pass);
+    void file(const std::string& what, double value, double reference, double bound, const std::string& unit,
+              bool pass);
 
     Setting setting_;
     std::vector<Row> rows_;
+    std::string fault_;
     double cpuMs_ = 0;
     double simulated_ = 0;
 };

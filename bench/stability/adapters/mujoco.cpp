@@ -15,6 +15,7 @@ namespace ragtop::stability {
 namespace {
 
 [[noreturn]] void fail(const char* message) { throw std::runtime_error(std::string("MuJoCo: ") + message); }
+/// Warnings are counted in the data, for `complaint`.
 void ignore(const char*) {}
 
 using Model = std::unique_ptr<mjModel, decltype(&mj_deleteModel)>;
@@ -93,6 +94,15 @@ public:
             sum += force[0];
         }
         return sum;
+    }
+
+    /// Buffers that were full, matrices that were singular, and states out of all bounds, upon which MuJoCo puts
+    /// everything back to where it began.
+    std::string complaint() const override {
+        constexpr int kOfPictures = mjWARN_VGEOMFULL;
+        for (int i = 0; i < mjNWARNING; ++i)
+            if (i != kOfPictures && data_->warning[i].number > 0) return mju_warningText(i, data_->warning[i].lastinfo);
+        return {};
     }
 
 private:

@@ -1,8 +1,11 @@
 #include <ode/ode.h>
 
 #include <cmath>
+#include <cstdarg>
+#include <cstdio>
 #include <deque>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -12,14 +15,23 @@
 namespace ragtop::stability {
 namespace {
 
-void ignoreMessage(int, const char*, va_list) {}
+/// The first of what the library has told since it was last emptied; the pivoting solver tells of its failures.
+std::string& firstMessage() {
+    static std::string message;
+    return message;
+}
+void keepMessage(int, const char* format, va_list arguments) {
+    if (!firstMessage().empty()) return;
+    char text[200];
+    std::vsnprintf(text, sizeof text, format, arguments);
+    firstMessage() = text;
+}
 
 /// The library is set up once per process.
 void initialise() {
     static const bool done = [] {
         dInitODE2(0);
-        // The pivoting solver tells of each of its failures.
-        dSetMessageHandler(ignoreMessage);
+        dSetMessageHandler(keepMessage);
         return true;
     }();
     (void)done;
@@ -47,6 +59,7 @@ public:
     }
 
     void step(double dt) override {
+        firstMessage().clear();
         setSprings(dt);
         dJointGroupEmpty(contacts_);
         forces_.clear();
@@ -56,6 +69,7 @@ public:
             dWorldStep(world_, dt);
         else
             dWorldQuickStep(world_, dt);
+        if (complaint_.empty()) complaint_ = firstMessage();
     }
     BodyMotion motion(int i) const override {
         if (!body(i)) return {peers_.def(i).pose, {}, {}};
@@ -83,6 +97,8 @@ public:
         }
         return sum;
     }
+
+    std::string complaint() const override { return complaint_; }
 
 private:
     struct Force {
@@ -263,6 +279,7 @@ private:
     std::deque<Tag> tags_;
     std::deque<Force> forces_;
     std::vector<SpringHinge> springs_;
+    std::string complaint_;
     std::deque<std::pair<std::vector<float>, std::vector<dTriIndex>>> meshMemory_;
     std::vector<dTriMeshDataID> meshes_;
 };

@@ -1,7 +1,7 @@
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -56,7 +56,7 @@ void pile(Trial& trial) {
     double sum = 0, worst = 0, energy = 0;
     for (const double depth : depths) {
         sum += depth;
-        worst = std::max(worst, depth);
+        worst = larger(worst, depth);
     }
     for (int i = 0; i < kBalls; ++i) {
         const Vec3 v = run.motion(first + i).v;

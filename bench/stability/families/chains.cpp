@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -47,7 +47,7 @@ double wholeDrop(const Chain& chain) {
 double largestGap(Run& run, double seconds) {
     double gap = 0;
     run.advance(seconds, [&] {
-        gap = std::max(gap, run.jointGap());
+        gap = larger(gap, run.jointGap());
         return gap < 100;
     });
     return gap;
@@ -64,7 +64,7 @@ void swings(Trial& trial, const Chain& chain) {
     const double energy = run.energy();
     double gap = largestGap(run, 5);
     const double lost = (energy - run.energy()) / wholeDrop(chain);
-    gap = std::max(gap, largestGap(run, 5));
+    gap = larger(gap, largestGap(run, 5));
     trial.expectAtMost("gap", gap, 0.001, "m");
     trial.expectAtMost("energy lost in 5 s", lost, 0.04, "1");
 }

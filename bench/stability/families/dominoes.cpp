@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -71,7 +72,7 @@ void scaling(Trial& trial, double friction) {
         four.step();
         for (int body = 1; body <= kCount; ++body) {
             const DVec3 d = 0.25 * four.position(body) - one.position(body);
-            worst = std::max(worst, std::hypot(d.x, d.y, d.z));
+            worst = larger(worst, std::hypot(d.x, d.y, d.z));
         }
     }
     trial.expectAtMost("scaling defect", worst, 0, "m");

@@ -1,7 +1,7 @@
-#include <algorithm>
 #include <cmath>
 #include <memory>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 #include "ragtop/animated_body.h"
@@ -46,10 +46,10 @@ struct Doorway {
             world.step(dt_);
             const AnimationState now = animation->state();
             blocked = now.blocked && now.rate > -0.1f ? blocked + 1 : 0;
-            if (blocked * dt_ > kImpact) pressed = std::max(pressed, static_cast<double>(now.force));
-            if (pressed > 0) back = std::min(back, travel());
+            if (blocked * dt_ > kImpact) pressed = larger(pressed, static_cast<double>(now.force));
+            if (pressed > 0) back = smaller(back, travel());
             broke |= !now.broken.isNull();
-            apart = std::max(apart, std::abs(travel() - animation->at(now.clock).position.x));
+            apart = larger(apart, std::abs(travel() - animation->at(now.clock).position.x));
         }
     }
 

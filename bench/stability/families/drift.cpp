@@ -1,7 +1,7 @@
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -29,7 +29,7 @@ void pendulum(Trial& trial) {
             if (++crossings == 0) first = last;
         }
         before = now;
-        gap = std::max(gap, run.jointGap());
+        gap = larger(gap, run.jointGap());
         return gap < 1;
     });
     const double inertia = (kLength * kLength + 0.04 * 0.04) / 12 + kLength * kLength / 4;

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -55,8 +55,8 @@ void slides(Trial& trial, const std::string& ground, const Shape& shape, double 
     double lift = 0, slowest = INFINITY;
     run.advance(1.3, [&] {
         const DVec3 v{run.motion(body).v};
-        lift = std::max(lift, std::abs(v.y));
-        slowest = std::min(slowest, v.x * c + v.z * s);
+        lift = larger(lift, std::abs(v.y));
+        slowest = smaller(slowest, v.x * c + v.z * s);
         return true;
     });
     trial.expectAtMost("vertical speed", lift, 0.001, "m/s");

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -37,9 +37,9 @@ void headings(Trial& trial) {
     double shortest = INFINITY, longest = -INFINITY, sideways = 0;
     for (int i = 0; i < kHeadings; ++i) {
         const Slide slide = slideAlong(trial, 2 * std::numbers::pi * i / kHeadings, kSpeed, kFriction);
-        shortest = std::min(shortest, slide.forward);
-        longest = std::max(longest, slide.forward);
-        sideways = std::max(sideways, slide.sideways);
+        shortest = smaller(shortest, slide.forward);
+        longest = larger(longest, slide.forward);
+        sideways = larger(sideways, slide.sideways);
     }
     trial.expectNear("shortest distance", shortest, exact, 0.002 * exact, "m");
     trial.expectNear("longest distance", longest, exact, 0.002 * exact, "m");

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "constraints/joint_swing.h"
 #include "joint_kinds.h"
@@ -42,7 +43,7 @@ double nearest(const std::vector<Vec3>& edge, const Vec3& d) {
     for (const std::size_t next : {(at + 1) % edge.size(), (at + edge.size() - 1) % edge.size()}) {
         const Vec3 chord = edge[next] - middle;
         const float along = std::clamp(dot(d - middle, chord) / lengthSquared(chord), 0.0f, 1.0f);
-        least = std::min(least, lengthSquared(normalized(middle + along * chord) - d));
+        least = smaller(least, lengthSquared(normalized(middle + along * chord) - d));
     }
     return 2 * std::asin(0.5 * std::sqrt(static_cast<double>(least)));
 }
@@ -78,7 +79,7 @@ void ellipse(Trial& trial) {
             const double swing = std::atan2(across, static_cast<double>(d.x)) / across;
             const double sy = -swing * static_cast<double>(d.z) / y, sz = swing * static_cast<double>(d.y) / z;
             const double exact = (sy * sy + sz * sz <= 1 ? 1 : -1) * nearest(edge, d);
-            worst = std::max(worst, std::abs(marginOf(limit, d) - exact));
+            worst = larger(worst, std::abs(marginOf(limit, d) - exact));
         }
     }
     trial.expectAtMost("signed angle", worst, 0.1 * kDegree, "rad");
@@ -131,7 +132,7 @@ void polygon(Trial& trial) {
         for (int i = 0; i < kDirections / 3; ++i) {
             const Vec3 d = anyDirection(dice);
             const double exact = (isInside(corners, d) ? 1 : -1) * nearest(edge, d);
-            worst = std::max(worst, std::abs(marginOf(limit, d) - exact));
+            worst = larger(worst, std::abs(marginOf(limit, d) - exact));
         }
     }
     trial.expectAtMost("signed angle", worst, 0.1 * kDegree, "rad");
@@ -162,7 +163,7 @@ void tendon(Trial& trial) {
     double beyond = 0;
     for (double t = 0; t < 10; t += trial.dt()) {
         world.step(trial.dt());
-        beyond = std::max(beyond, -static_cast<double>(world.state(sum).limitMargin));
+        beyond = larger(beyond, -static_cast<double>(world.state(sum).limitMargin));
     }
     trial.expectAtMost("beyond its range", beyond, 0.1 * kDegree, "rad");
 }

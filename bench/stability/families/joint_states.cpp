@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "joint_kinds.h"
 
@@ -31,7 +32,7 @@ template <class PoseOf>
 SoftStop softStop(const SceneJoint& joint, PoseOf&& poseOf) {
     const auto beyond = [](const Range& range, double x) {
         const double lower = static_cast<double>(range.lower), upper = static_cast<double>(range.upper);
-        return x < lower ? lower - x : std::max(x - upper, 0.0);
+        return x < lower ? lower - x : larger(x - upper, 0.0);
     };
     const auto frame = [&](int body, const Frame& local) {
         if (body == kWorld) return Pose{DVec3(local.position), local.rotation};
@@ -99,8 +100,8 @@ struct Gains {
             for (std::size_t i = 0; i < joints.size(); ++i) {
                 if (isPressed(run, joints[i])) continue;
                 // What is at rest has nothing to compare with.
-                const double gain = (energyOf(run, i, bodiesPerJoint) - start[i]) / std::max(start[i], 0.01);
-                most = std::max(most, gain);
+                const double gain = (energyOf(run, i, bodiesPerJoint) - start[i]) / larger(start[i], 0.01);
+                most = larger(most, gain);
                 if (gain <= 0.001 || did[i]) continue;
                 ++count;
                 did[i] = true;

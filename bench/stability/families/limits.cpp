@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -28,12 +28,12 @@ void stop(Trial& trial, float speed) {
         const double next = std::atan2(at.y, at.x);
         angle += std::remainder(next - before, 2 * std::numbers::pi);
         before = next;
-        beyond = std::max(beyond, std::abs(angle) - static_cast<double>(kStop));
-        gained = std::max(gained, run.energy() / energy - 1);
+        beyond = larger(beyond, std::abs(angle) - static_cast<double>(kStop));
+        gained = larger(gained, run.energy() / energy - 1);
         return true;
     });
     trial.expectAtMost("overshoot", beyond, 0.01, "rad");
-    trial.expectAtMost("energy gained", std::max(gained, 0.0), 0.001, "1");
+    trial.expectAtMost("energy gained", larger(gained, 0.0), 0.001, "1");
 }
 
 constexpr float kFallStop = -1;  ///< rad
@@ -50,8 +50,8 @@ void fall(Trial& trial, int rate) {
     run.advance(2, [&] {
         const DVec3 at = run.position(body);
         const double angle = std::atan2(at.y, at.x), stop = static_cast<double>(kFallStop);
-        lowest = std::min(lowest, angle - stop);
-        if (lowest < 1e-3) highest = std::max(highest, angle - stop);
+        lowest = smaller(lowest, angle - stop);
+        if (lowest < 1e-3) highest = larger(highest, angle - stop);
         return true;
     });
     trial.expectAtMost("overshoot", -lowest, 0.1 * kPerDegree, "rad");
@@ -74,7 +74,7 @@ void rebound(Trial& trial, int rate) {
         const double speed = static_cast<double>(run.motion(body).w.z);
         if (before < 0 && speed > 0) ++strikes;
         before = speed;
-        if (strikes == 1) apex = std::max(apex, run.height(body));
+        if (strikes == 1) apex = larger(apex, run.height(body));
         return strikes < 2;
     });
     trial.expectNear("rebound speed over impact speed", std::sqrt((apex - bottom) / -bottom), 0.5, 0.025, "1");

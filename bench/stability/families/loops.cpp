@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -31,8 +31,8 @@ Drift watch(Run& run, double seconds, double scale) {
     const double energy = run.energy();
     Drift drift;
     run.advance(seconds, [&] {
-        drift.gap = std::max(drift.gap, run.jointGap());
-        drift.energy = std::max(drift.energy, std::abs(run.energy() - energy) / scale);
+        drift.gap = larger(drift.gap, run.jointGap());
+        drift.energy = larger(drift.energy, std::abs(run.energy() - energy) / scale);
         return drift.gap < 1;
     });
     return drift;
@@ -91,9 +91,9 @@ void bricard(Trial& trial) {
     const double energy = run.energy();
     Drift drift;
     run.advance(10, [&] {
-        drift.gap = std::max(drift.gap, run.jointGap());
-        drift.energy = std::max(drift.energy, std::abs(run.energy() - energy) / (5 * kGravity));
-        farthest = std::max(farthest, run.moved(bars[3]));
+        drift.gap = larger(drift.gap, run.jointGap());
+        drift.energy = larger(drift.energy, std::abs(run.energy() - energy) / (5 * kGravity));
+        farthest = larger(farthest, run.moved(bars[3]));
         return drift.gap < 1;
     });
     expectDrift(trial, drift);
@@ -125,12 +125,12 @@ void andrews(Trial& trial) {
     const double energy = run.energy();
     Drift drift;
     run.advance(60, [&] {
-        drift.gap = std::max(drift.gap, run.jointGap());
-        drift.energy = std::max(drift.energy, std::abs(run.energy() - energy));
+        drift.gap = larger(drift.gap, run.jointGap());
+        drift.energy = larger(drift.energy, std::abs(run.energy() - energy));
         double height = 0;
         for (int bar = 0; bar < 7; ++bar) height += run.height(bar);
-        highest = std::max(highest, height);
-        lowest = std::min(lowest, height);
+        highest = larger(highest, height);
+        lowest = smaller(lowest, height);
         return drift.gap < 1;
     });
     drift.energy /= kGravity * (highest - lowest);
@@ -150,7 +150,7 @@ void door(Trial& trial, int hinges) {
     Run run = trial.start(scene);
     double gap = 0;
     run.advance(60, [&] {
-        gap = std::max(gap, run.jointGap());
+        gap = larger(gap, run.jointGap());
         return gap < 1;
     });
     trial.expectAtMost("gap", gap, 1e-4, "m");

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -103,7 +103,7 @@ void ballInDrum(Trial& trial) {
     double farthest = 0;
     run.advance(10, [&] {
         const DVec3 at = run.position(ball);
-        farthest = std::max(farthest, std::abs(std::atan2(at.x, -at.y)));
+        farthest = larger(farthest, std::abs(std::atan2(at.x, -at.y)));
         return true;
     });
     // A strip of the drum is a degree wide.
@@ -141,8 +141,8 @@ void stickSlip(Trial& trial) {
     run.advance(reach / kBelt + 3);
     double lowest = INFINITY, highest = -INFINITY;
     run.advance(25, [&] {
-        lowest = std::min(lowest, run.position(box).x);
-        highest = std::max(highest, run.position(box).x);
+        lowest = smaller(lowest, run.position(box).x);
+        highest = larger(highest, run.position(box).x);
         return true;
     });
     const double stroke = (kAtRest - kSliding) * kMass * kGravity / kStiffness;

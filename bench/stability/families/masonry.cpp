@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "../extremes.h"
 #include "../families.h"
 
 namespace ragtop::stability {
@@ -47,10 +48,7 @@ std::vector<DVec3> edgeJoint(const DVec3& p, const DVec3& q, double depth) {
 Survival survive(Run& run, const std::vector<int>& stones, double seconds, double limit) {
     Survival result;
     run.advance(seconds, [&] {
-        for (const int stone : stones) {
-            const double moved = run.moved(stone);
-            if (!(moved <= result.moved)) result.moved = moved;
-        }
+        for (const int stone : stones) result.moved = larger(result.moved, run.moved(stone));
         if (!(result.moved < limit)) return false;
         result.time = run.time();
         return true;

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -48,7 +48,7 @@ Sinking watch(Run& run, double seconds) {
     const double from = run.height(top);
     Sinking result;
     run.advance(seconds, [&] {
-        result.depth = std::max(result.depth, from - run.height(top));
+        result.depth = larger(result.depth, from - run.height(top));
         if (!(result.depth < 0.5)) return false;
         result.time = run.time();
         return true;

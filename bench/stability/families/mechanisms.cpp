@@ -1,7 +1,7 @@
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -80,8 +80,8 @@ void doublePendulum(Trial& trial) {
     const double energy = run.energy(), swing = 4 * kGravity;  // J, between level and hanging
     double worst = 0, gap = 0;
     run.advance(60, [&] {
-        worst = std::max(worst, std::abs(run.energy() - energy));
-        gap = std::max(gap, run.jointGap());
+        worst = larger(worst, std::abs(run.energy() - energy));
+        gap = larger(gap, run.jointGap());
         return true;
     });
     trial.expectAtMost("energy", worst / swing, 1e-3, "1");
@@ -103,7 +103,7 @@ void conicalPendulum(Trial& trial) {
     const double energy = run.energy(), drop = kGravity * kLength * (1 - std::cos(kTilt));
     double worst = 0, turned = 0, before = 0;
     run.advance(60, [&] {
-        worst = std::max(worst, std::abs(run.energy() - energy));
+        worst = larger(worst, std::abs(run.energy() - energy));
         const DVec3 p = run.position(body);
         const double angle = std::atan2(-p.z, p.x);
         turned += std::remainder(angle - before, 2 * std::numbers::pi);

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -158,7 +158,7 @@ void response(Trial& trial, int rate, double zeta) {
         // Positions stand half a substep of the engine's own before the velocities; four substeps are the default.
         const double t = run.time() + run.dt() / 8;
         const double exact = kTarget * (1 - std::exp(-decay * t) * (std::cos(w * t) + decay / w * std::sin(w * t)));
-        worst = std::max(worst, std::abs(now - exact) / kTarget);
+        worst = larger(worst, std::abs(now - exact) / kTarget);
         return true;
     });
     trial.expectAtMost("off its closed form", worst, 0.01, "1");
@@ -175,7 +175,7 @@ void stiff(Trial& trial, double stiffness) {
     Run run = trial.start(scene);
     double most = 0;
     run.advance(5, [&] {
-        most = std::max(most, angleOf(run, wheel));
+        most = larger(most, angleOf(run, wheel));
         return true;
     });
     trial.expectAtMost("farthest", most, 0.4 * (1 + 1 / std::cos(0.5)), "rad");

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "../../../tests/core/mesh_bodies.h"
+#include "../extremes.h"
 #include "../families.h"
 #include "../mesh_overlap.h"
 #include "../scenery.h"
@@ -31,7 +32,7 @@ void expectHangs(Trial& trial, const Scene& scene, const std::vector<double>& ta
     run.advance(kLong, [&] {
         for (int i = 1; i <= static_cast<int>(taut.size()); ++i) {
             const DVec3 d = run.position(i) - run.position(i - 1);
-            worst = std::max(worst, std::hypot(d.x, d.y, d.z) - taut[static_cast<std::size_t>(i - 1)]);
+            worst = larger(worst, std::hypot(d.x, d.y, d.z) - taut[static_cast<std::size_t>(i - 1)]);
         }
         if (worst < lost) held = run.time();
         return worst < lost;
@@ -191,7 +192,7 @@ void shots(Trial& trial, float speed, bool sheetsMove, bool compounds) {
             const auto lane = static_cast<std::size_t>(i);
             const Vec3 at = inverseTransformPoint(run.motion(i).pose, run.centerOfMass(kShots + i));
             if (!gone[lane] && at.x > 0) behind[lane] = true;
-            if (std::max(std::abs(at.y), std::abs(at.z)) > kHalf - 0.3f) gone[lane] = true;
+            if (larger(std::abs(at.y), std::abs(at.z)) > kHalf - 0.3f) gone[lane] = true;
         }
         return true;
     });

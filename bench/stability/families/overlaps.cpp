@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -22,11 +22,11 @@ void expectRecovery(Trial& trial, const Scene& scene, int body, double rest) {
     const auto half = std::lround(0.5 / trial.dt());
     long steps = 0;
     run.advance(3, [&] {
-        highest = std::max(highest, run.height(body));
+        highest = larger(highest, run.height(body));
         if (++steps == half) left = std::abs(run.height(body) - rest);
         return true;
     });
-    trial.expectAtMost("overshoot", std::max(0.0, highest - rest), 0.01, "m");
+    trial.expectAtMost("overshoot", larger(0.0, highest - rest), 0.01, "m");
     trial.expectAtMost("off its rest after 0.5 s", left, 0.01, "m");
 }
 
@@ -57,10 +57,10 @@ void pyramid(Trial& trial) {
     Run run = trial.start(scene);
     double highest = 0;
     run.advance(5, [&] {
-        highest = std::max(highest, run.height(top));
+        highest = larger(highest, run.height(top));
         return true;
     });
-    trial.expectAtMost("overshoot", std::max(0.0, highest - rest), 0.01, "m");
+    trial.expectAtMost("overshoot", larger(0.0, highest - rest), 0.01, "m");
     trial.expectNear("height of the top after 5 s", run.height(top), rest, 0.01, "m");
 }
 
@@ -75,11 +75,11 @@ void capGone(Trial& trial) {
     run.remove(cap);
     double highest = 0, fastest = 0;
     run.advance(3, [&] {
-        highest = std::max(highest, run.height(cap - 1));
-        fastest = std::max(fastest, static_cast<double>(run.motion(cap - 1).v.y));
+        highest = larger(highest, run.height(cap - 1));
+        fastest = larger(fastest, static_cast<double>(run.motion(cap - 1).v.y));
         return true;
     });
-    trial.expectAtMost("overshoot", std::max(0.0, highest - 2.5), 0.01, "m");
+    trial.expectAtMost("overshoot", larger(0.0, highest - 2.5), 0.01, "m");
     // Half a metre of overlap in half a second needs 1 m/s; a pile that was not overlapping needs none of it.
     trial.expectAtMost("speed upwards", fastest, 1, "m/s");
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -43,7 +44,7 @@ double spinAfter(double friction, double seconds) {
         const double c = std::cos(theta), s = std::sin(theta);
         const double foot = speed + kHalf * s * spin, mass = 1 + 3 * c * c - 3 * friction * s * c;
         if (foot < 0 && mass > 0) {
-            const double load = std::max(0.0, kGravity - kHalf * spin * spin * s) / mass;
+            const double load = larger(0.0, kGravity - kHalf * spin * spin * s) / mass;
             speed += kStep * friction * load;
             spin += kStep * load * kHalf * (friction * s - c) / kInertia;
         } else {
@@ -65,8 +66,8 @@ void slides(Trial& trial, double friction) {
     long step = 0;
     run.advance(2, [&] {
         const BodyMotion m = run.motion(1);
-        gained = std::max(gained, run.energy() / energy - 1);
-        fastest = std::max(fastest, static_cast<double>(length(m.v)));
+        gained = larger(gained, run.energy() / energy - 1);
+        fastest = larger(fastest, static_cast<double>(length(m.v)));
         if (++step == count) {
             spin = static_cast<double>(m.w.z);
             spinTime = run.time();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -45,7 +46,7 @@ void bounces(Trial& trial, float restitution, std::size_t count) {
     const double e2 = static_cast<double>(restitution) * static_cast<double>(restitution);
     double worst = heights.size() == count ? 0 : INFINITY;
     for (std::size_t k = 0; k < heights.size(); ++k)
-        worst = std::max(worst, std::abs(heights[k] / (kHeight * std::pow(e2, static_cast<double>(k + 1))) - 1));
+        worst = larger(worst, std::abs(heights[k] / (kHeight * std::pow(e2, static_cast<double>(k + 1))) - 1));
     trial.expectAtMost(fmt::format("worst of {} tops", count), worst, 0.002, "1");
 }
 
@@ -68,7 +69,7 @@ void staysDown(Trial& trial) {
     Run run = trial.start(dropOf(0));
     double speed = 0;
     run.advance(3, [&] {
-        speed = std::max(speed, static_cast<double>(run.motion(1).v.y));
+        speed = larger(speed, static_cast<double>(run.motion(1).v.y));
         return true;
     });
     trial.expectAtMost("speed upwards", speed, 0.05, "m/s");
@@ -89,7 +90,7 @@ void manyBalls(Trial& trial) {
     const double energy = run.energy() - floorEnergy;
     double worst = 0;
     run.advance(20, [&] {
-        worst = std::max(worst, std::abs((run.energy() - floorEnergy) / energy - 1));
+        worst = larger(worst, std::abs((run.energy() - floorEnergy) / energy - 1));
         return true;
     });
     trial.expectAtMost("energy", worst, 0.01, "1");
@@ -119,16 +120,15 @@ void cradle(Trial& trial, int lifted, double gap) {
         for (int i = 0; i < 5; ++i) {
             const double aside = run.position(i).x - i * (1 + gap);
             if (run.time() > 1.1 * quarter)
-                farthest[static_cast<std::size_t>(i)] =
-                    std::max(farthest[static_cast<std::size_t>(i)], std::abs(aside));
+                farthest[static_cast<std::size_t>(i)] = larger(farthest[static_cast<std::size_t>(i)], std::abs(aside));
         }
-        reached = std::max(reached, run.position(4).x - 4 * (1 + gap));
+        reached = larger(reached, run.position(4).x - 4 * (1 + gap));
         return true;
     });
     const auto ejected = std::ranges::count_if(farthest, [&](double d) { return d > 0.5 * whole; });
     trial.expectNear("ejected", static_cast<double>(ejected), lifted, 0, "balls");
     double still = 0;
-    for (int i = 0; i < 5 - lifted; ++i) still = std::max(still, farthest[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < 5 - lifted; ++i) still = larger(still, farthest[static_cast<std::size_t>(i)]);
     trial.expectAtMost("the others move", still / whole, 0.1, "1");
     trial.expectNear("the last one's reach", reached / whole, 1, 0.05, "1");
 }

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -60,7 +60,7 @@ void ramp(Trial& trial, double shape, double friction) {
     const double x0 = placeAfter(1), x1 = placeAfter(2), x2 = placeAfter(2);
     const double rolls = kGravity * std::sin(theta) / (1 + shape);
     const double slides = kGravity * (std::sin(theta) - friction * std::cos(theta));
-    const double exact = std::max(rolls, slides);
+    const double exact = larger(rolls, slides);
     trial.expectNear("acceleration", (x2 - 2 * x1 + x0) / 4, exact, 0.005 * exact, "m/s2");
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../free_rotation.h"
 #include "../scenery.h"
@@ -29,8 +30,8 @@ void freeSpin(Trial& trial, int axis, float speed) {
     const DVec3 momentum = run.angularMomentum(body);
     double energyError = 0, momentumError = 0;
     run.advance(kSeconds, [&] {
-        energyError = std::max(energyError, std::abs(run.energy() / energy - 1));
-        momentumError = std::max(momentumError, lengthOf(run.angularMomentum(body) - momentum) / lengthOf(momentum));
+        energyError = larger(energyError, std::abs(run.energy() / energy - 1));
+        momentumError = larger(momentumError, lengthOf(run.angularMomentum(body) - momentum) / lengthOf(momentum));
         return std::isfinite(energyError);
     });
     trial.expectAtMost("energy", energyError, 0.001, "1");
@@ -107,7 +108,7 @@ void steadyTop(Trial& trial, const Top& top) {
         turned += std::remainder(next - heading, 2 * std::numbers::pi);
         heading = next;
         const double tilt = std::acos(std::clamp(static_cast<double>(now.y), -1.0, 1.0));
-        nutation = std::max(nutation, std::abs(tilt - top.tilt));
+        nutation = larger(nutation, std::abs(tilt - top.tilt));
         return true;
     });
     const double exact = rate * run.time();
@@ -137,7 +138,7 @@ void tippeTop(Trial& trial) {
     const double start = jellett();
     double worst = 0;
     run.advance(10, [&] {
-        worst = std::max(worst, std::abs(jellett() / start - 1));
+        worst = larger(worst, std::abs(jellett() / start - 1));
         return true;
     });
     trial.expectAtMost("Jellett constant", worst, 0.01, "1");

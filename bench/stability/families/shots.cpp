@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -46,7 +47,7 @@ public:
         shot.pose.position = DVec3{-distance, 0, kLane * lanes_} + shot.pose.position;
         shot.linearVelocity = velocity;
         shots_.push_back(add(scene_, std::move(shot)));
-        longest_ = std::max(longest_, distance / static_cast<double>(velocity.x));
+        longest_ = larger(longest_, distance / static_cast<double>(velocity.x));
         ++lanes_;
     }
     /// Waits until the slowest would have been there one and a half times. What slides along its wall to the rim has
@@ -57,7 +58,7 @@ public:
         run.advance(1.5 * longest_ + 4 * trial.dt(), [&] {
             for (std::size_t i = 0; i < shots_.size(); ++i) {
                 const DVec3 at = run.position(shots_[i]);
-                const double aside = std::max(std::abs(at.y), std::abs(at.z - kLane * static_cast<double>(i)));
+                const double aside = larger(std::abs(at.y), std::abs(at.z - kLane * static_cast<double>(i)));
                 if (!gone[i] && !(at.x < 0.05)) behind[i] = true;
                 if (aside > static_cast<double>(kHalfWall) - kRim) gone[i] = true;
             }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -41,12 +42,12 @@ Standing watch(Run& run, const Column& column, double seconds) {
     Standing result;
     const DVec3 top = run.position(column.boxes);
     const auto stands = [&] {
-        result.loss = std::max(result.loss, top.y - run.height(column.boxes));
+        result.loss = larger(result.loss, top.y - run.height(column.boxes));
         if (!(result.loss < static_cast<double>(column.size) / 2)) return false;
         for (int box = 1; box <= column.boxes; ++box) {
             const DVec3 from = run.scene().bodies[static_cast<std::size_t>(box)].def.pose.position;
             const DVec3 d = run.position(box) - from;
-            result.sideways = std::max(result.sideways, std::hypot(d.x, d.z));
+            result.sideways = larger(result.sideways, std::hypot(d.x, d.z));
         }
         result.time = run.time();
         return true;
@@ -70,7 +71,7 @@ void expectLoads(Trial& trial, Run& run, const Column& column) {
     double worst = 0;
     for (int i = 0; i < column.boxes; ++i) {
         const double error = force[static_cast<std::size_t>(i)] / steps - (column.boxes - i) * weight;
-        worst = std::max(worst, std::abs(error) / (column.boxes * weight));
+        worst = larger(worst, std::abs(error) / (column.boxes * weight));
     }
     trial.expectAtMost("loads against the weight above", worst, 0.01, "1");
 }
@@ -121,7 +122,7 @@ void house(Trial& trial) {
     const auto stands = [&] {
         if (++steps % 30 != 0) return true;
         for (std::size_t i = 0; i < run.scene().bodies.size(); ++i)
-            if (run.scene().bodies[i].masonry) worst = std::max(worst, run.moved(static_cast<int>(i)));
+            if (run.scene().bodies[i].masonry) worst = larger(worst, run.moved(static_cast<int>(i)));
         return worst < 0.5;
     };
     run.advance(kLong, stands);

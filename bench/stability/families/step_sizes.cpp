@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -22,7 +21,7 @@ void stack(Trial& trial, int rate) {
     Run run = trial.start(scene);
     double loss = 0;
     run.advance(kSeconds, [&] {
-        loss = std::max(loss, kBoxes - 0.5 - run.height(kBoxes));
+        loss = larger(loss, kBoxes - 0.5 - run.height(kBoxes));
         return loss < 0.5;
     });
     trial.expectAtLeast("stands", run.time(), kSeconds, "s");

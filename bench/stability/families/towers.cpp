@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -43,10 +43,8 @@ Tower tower() {
 
 double largestMove(const Run& run, const Tower& tower, int except) {
     double worst = 0;
-    for (const int block : tower.blocks) {
-        const double moved = block == except ? 0 : run.moved(block);
-        if (!(moved <= worst)) worst = moved;
-    }
+    for (const int block : tower.blocks)
+        if (block != except) worst = larger(worst, run.moved(block));
     return worst;
 }
 
@@ -56,7 +54,7 @@ void stands(Trial& trial) {
     Run run = trial.start(scene.scene);
     double worst = 0;
     run.advance(kSeconds, [&] {
-        worst = std::max(worst, largestMove(run, scene, -1));
+        worst = larger(worst, largestMove(run, scene, -1));
         return worst < kHigh;
     });
     trial.expectAtLeast("stands", run.time(), kSeconds, "s");

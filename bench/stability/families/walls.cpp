@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
 
@@ -50,7 +50,7 @@ void unhit(Trial& trial) {
     int steps = 0;
     run.advance(kSeconds, [&] {
         if (++steps % 10 != 0) return true;
-        for (const int brick : scene.bricks) worst = std::max(worst, run.moved(brick));
+        for (const int brick : scene.bricks) worst = larger(worst, run.moved(brick));
         return worst < kHeight;
     });
     trial.expectAtLeast("stands", run.time(), kSeconds, "s");
@@ -76,7 +76,7 @@ Debris smash(Trial& trial, std::uint64_t seed) {
     Debris result;
     run.advance(3, [&] {
         const double now = run.energy();
-        result.gained = std::max(result.gained, (now - before) / brought);
+        result.gained = larger(result.gained, (now - before) / brought);
         before = now;
         return true;
     });
@@ -93,7 +93,7 @@ void ensemble(Trial& trial, int runs) {
         const Debris debris = smash(trial, static_cast<std::uint64_t>(i + 1));
         sum += debris.aside;
         squares += debris.aside * debris.aside;
-        gained = std::max(gained, debris.gained);
+        gained = larger(gained, debris.gained);
     }
     const double mean = sum / runs, variance = (squares - runs * mean * mean) / (runs - 1);
     trial.expectAtMost("debris to one side", mean / std::sqrt(variance / runs), 3.5, "errors");

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "../extremes.h"
 #include "../families.h"
 #include "../limit_analysis.h"
 #include "../scenery.h"
@@ -133,11 +134,11 @@ void driven(Trial& trial, const Taper& taper, float friction) {
     const double deepest = run.height(body);
     double highest = -INFINITY;
     run.advance(5, [&] {
-        highest = std::max(highest, run.height(body));
+        highest = larger(highest, run.height(body));
         return true;
     });
     trial.expectAtMost("driven in", deepest, 0.002, "m");
-    trial.expectAtMost("comes out", std::max(0.0, highest - deepest), 0.002, "m");
+    trial.expectAtMost("comes out", larger(0.0, highest - deepest), 0.002, "m");
 }
 
 }  // namespace
