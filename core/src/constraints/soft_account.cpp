@@ -8,18 +8,73 @@
 namespace ragtop {
 namespace {
 
-/// Only stops, or stops with what brakes: nothing drives the coordinate.
-bool keepsAccount(const JointSim& joint) {
-    constexpr std::uint32_t kPassive = AxisRows::kLimit | AxisRows::kFriction | AxisRows::kViscous;
-    const AxisRows& axis = joint.axis;
-    return (joint.kind == JointKind::hinge || joint.kind == JointKind::slider) && axis.stop.stiffness > 0 &&
-           (axis.features & AxisRows::kLimit) != 0 && (axis.features & ~kPassive) == 0 && axis.inverseMass > 0;
+/// Of coordinates that nothing drives: only stops, or stops with what brakes.
+constexpr std::uint32_t kPassiveAxis = AxisRows::kLimit | AxisRows::kFriction | AxisRows::kViscous;
+constexpr std::uint32_t kStopsOfBall = BallRows::kSwing | BallRows::kTwist;
+constexpr std::uint32_t kPassiveBall = kStopsOfBall | BallRows::kFriction | BallRows::kViscous;
+
+bool hasSoftStops(const AxisRows& axis) {
+    return axis.stop.stiffness > 0 && (axis.features & AxisRows::kLimit) != 0 && axis.inverseMass > 0;
 }
 
-float stored(const AxisRows& axis) {
-    const float lower = axis.atLower.margin < 0 ? axis.atLower.margin : 0.0f;
-    const float upper = axis.atUpper.margin < 0 ? axis.atUpper.margin : 0.0f;
-    return 0.5f * axis.stop.stiffness * (lower * lower + upper * upper);
+/// Calls visit(axis, row) for the coordinates that have rows of their own, with the direction that each moves along.
+template <class Joint, class Visit>
+void eachAxis(Joint& joint, Visit&& visit) {
+    if (hasAxes(joint.kind)) {
+        for (std::uint32_t f = 0; f < joint.axes.freeRows; ++f) visit(joint.axes.axis[f], joint.axes.free[f]);
+    } else if (joint.kind == JointKind::hinge) {
+        visit(joint.axis, PairVector{{}, joint.block.basis.cz});
+    } else if (joint.kind == JointKind::slider || joint.kind == JointKind::distance) {
+        visit(joint.axis, PairVector{joint.block.basis.cz, {}});
+    }
+}
+/// The same for the sides that a ball has.
+template <class Rows, class Visit>
+void eachSide(Rows& rows, Visit&& visit) {
+    if (rows.features & BallRows::kTwist) {
+        visit(rows.twistLower);
+        visit(rows.twistUpper);
+    }
+    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) visit(rows.swing[i]);
+}
+
+bool keepsAccount(const JointSim& joint) {
+    if (joint.kind == JointKind::ball) {
+        const BallRows& rows = joint.ball;
+        return rows.stop.stiffness > 0 && (rows.features & kStopsOfBall) != 0 && (rows.features & ~kPassiveBall) == 0;
+    }
+    if (joint.kind == JointKind::none || joint.kind == JointKind::fixed) return false;
+    bool soft = false, driven = false;
+    eachAxis(joint, [&](const AxisRows& axis, const PairVector&) {
+        soft = soft || hasSoftStops(axis);
+        driven = driven || (axis.features & ~kPassiveAxis) != 0;
+    });
+    return soft && !driven;
+}
+
+/// Does anything take energy and keep it?
+bool brakes(const JointSim& joint) {
+    if (joint.kind == JointKind::ball) return joint.ball.stop.damping > 0 || (joint.ball.features & ~kStopsOfBall) != 0;
+    bool any = false;
+    eachAxis(joint, [&](const AxisRows& axis, const PairVector&) {
+        const bool hard = (axis.features & AxisRows::kLimit) != 0 && !(axis.stop.stiffness > 0);
+        any = any || hard || axis.stop.damping > 0 || (axis.features & ~AxisRows::kLimit) != 0;
+    });
+    return any;
+}
+
+float stored(const JointSim& joint) {
+    float sum = 0;
+    const auto add = [&](const Stop& stop, const StopSide& side) {
+        if (side.margin < 0) sum += 0.5f * stop.stiffness * (side.margin * side.margin);
+    };
+    if (joint.kind == JointKind::ball) eachSide(joint.ball, [&](const StopSide& side) { add(joint.ball.stop, side); });
+    eachAxis(joint, [&](const AxisRows& axis, const PairVector&) {
+        if (!hasSoftStops(axis)) return;
+        add(axis.stop, axis.atLower);
+        add(axis.stop, axis.atUpper);
+    });
+    return sum;
 }
 
 /// A stop that has just let go at its time, or none that gives or will give anything.
@@ -35,6 +90,24 @@ bool isReleased(const AxisRows& axis) {
         return from.margin >= 0 && from.meets == kLeaves && to.meets == kArrives;
     };
     return (isFree(lower) && isFree(upper)) || crossed(lower, upper) || crossed(upper, lower);
+}
+
+/// Where sides press each other, of balls and of several coordinates, they let go between substeps: when none is
+/// overstepped.
+bool isReleased(const JointSim& joint) {
+    bool released = true;
+    if (joint.kind == JointKind::ball)
+        eachSide(joint.ball, [&](const StopSide& side) { released = released && side.margin >= 0; });
+    eachAxis(joint, [&](const AxisRows& axis, const PairVector&) {
+        const bool inside = hasAxes(joint.kind) && axis.atLower.margin >= 0 && axis.atUpper.margin >= 0;
+        released = released && (!hasSoftStops(axis) || inside || isReleased(axis));
+    });
+    return released;
+}
+/// What is settled is no longer pressed.
+void letGo(StopSide& side) {
+    side.wasSeen = 0;
+    if (side.margin >= 0 && !isFree(side)) side.meets = kLeaves;
 }
 
 /// Beyond rounding of the speeds that the kicks are differences of.
@@ -65,11 +138,6 @@ Torque torqueBetween(const Vec3& before, const Vec3& now, const BodyInertia& ine
     return {length(rest) > kRounding * length(before), work};
 }
 
-float freeSpeed(const JointSim& joint, const BodyPair& pair) {
-    const PairVector u = pair.velocity(joint.arms);
-    return dot(joint.block.basis.cz, joint.block.linearFirst ? u.angular : u.linear);
-}
-
 /// A coordinate that a stop has let go at its time: free, or in the other stop already, where rows lag behind its
 /// speed.
 class Released {
@@ -96,29 +164,71 @@ private:
     SoftCourse course_;
 };
 
-/// J, of the relative motion and the stop. What a row lags behind by is the free coordinate's, which turns and moves
-/// apart from all others.
-float energyOf(const JointSim& joint, const BodyPair& pair, const Released& released) {
-    const float row = freeSpeed(joint, pair), speed = released.speedOf(row);
-    const float beyond = released.crossed() ? 0.5f * (speed - row) * (speed + row) / joint.axis.inverseMass : 0.0f;
-    return pair.relativeEnergy() + stored(joint.axis) + beyond;
+/// J, of the relative motion and the stops. What a row lags behind by is its coordinate's, which turns and moves apart
+/// from all others.
+float energyOf(const JointSim& joint, const BodyPair& pair, float h) {
+    const PairVector u = pair.velocity(joint.arms);
+    float beyond = 0;
+    eachAxis(joint, [&](const AxisRows& axis, const PairVector& along) {
+        if (!hasSoftStops(axis)) return;
+        const Released released(axis, h);
+        const float row = speedAlong(along, u), speed = released.speedOf(row);
+        if (released.crossed()) beyond += 0.5f * (speed - row) * (speed + row) / axis.inverseMass;
+    });
+    return pair.relativeEnergy() + stored(joint) + beyond;
 }
 
-/// The coordinate gets the energy `missing`:  s'² = s² + 2 w e. Never more than a tenth of what it has, and never all
-/// of it is taken.
-void settle(JointSim& joint, BodyPair& pair, const Released& released, float missing) {
-    constexpr float kMostTaken = 0.75f, kMostGiven = 0.1f;
-    RigidBlock& block = joint.block;
-    const float row = freeSpeed(joint, pair), speed = released.speedOf(row), w = joint.axis.inverseMass;
-    const float energy = 0.5f * speed * speed / w;
-    if (!(energy > 0)) return;
+/// Of an energy, never more than a tenth is given, and never all of it taken.
+float shareOf(float missing, float energy) {
+    constexpr float kMostTaken = 0.99f, kMostGiven = 0.1f;
     const float asked = missing / energy;
-    const float share = asked < -kMostTaken ? -kMostTaken : asked > kMostGiven ? kMostGiven : asked;
+    return asked < -kMostTaken ? -kMostTaken : asked > kMostGiven ? kMostGiven : asked;
+}
+
+/// The impulse along a coordinate, of which nothing is carried over.
+PairVector impulseAlong(JointSim& joint, std::uint32_t coordinate, float amount) {
+    if (joint.kind == JointKind::distance) return {amount * joint.block.basis.cz, {}};
+    if (hasAxes(joint.kind)) {
+        AxesBlock axes = joint.axes;
+        return freeImpulse(axes, coordinate, amount);
+    }
+    RigidBlock& block = joint.block;
     const Vec3 first = block.impulseFirst, second = block.impulseSecond;
-    pair.apply(joint.arms, freeImpulse(block, (released.rowOf(std::sqrt(1 + share) * speed) - row) / w));
+    const PairVector impulse = freeImpulse(block, amount);
     block.impulseFirst = first;
     block.impulseSecond = second;
-    joint.axis.atLower.wasSeen = joint.axis.atUpper.wasSeen = 0;
+    return impulse;
+}
+
+/// The coordinate gets the energy `missing`:  s'² = s² + 2 w e, of several the one that has most.
+void settleAxis(JointSim& joint, BodyPair& pair, float missing, float h) {
+    const PairVector u = pair.velocity(joint.arms);
+    float most = 0, amount = 0;
+    std::uint32_t index = 0, chosen = 0;
+    eachAxis(joint, [&](AxisRows& axis, const PairVector& along) {
+        const std::uint32_t coordinate = index++;
+        if (!hasSoftStops(axis)) return;
+        letGo(axis.atLower);
+        letGo(axis.atUpper);
+        const Released released(axis, h);
+        const float row = speedAlong(along, u), speed = released.speedOf(row), w = axis.inverseMass;
+        const float energy = 0.5f * speed * speed / w;
+        if (!(energy > most)) return;
+        most = energy, chosen = coordinate;
+        amount = (released.rowOf(std::sqrt(1 + shareOf(missing, energy)) * speed) - row) / w;
+    });
+    if (most > 0) pair.apply(joint.arms, impulseAlong(joint, chosen, amount));
+}
+
+/// All of the relative rotation, ½ ω · P⁻¹ ω, gets it; no side is pressed any more.
+void settleBall(JointSim& joint, BodyPair& pair, float missing) {
+    RigidBlock& block = joint.block;
+    const Vec3 speed = pair.velocity(joint.arms).angular, momentum = solve(block.second, speed);
+    const float energy = 0.5f * dot(speed, momentum);
+    if (!(energy > 0)) return;
+    const Vec3 turn = (std::sqrt(1 + shareOf(missing, energy)) - 1) * momentum;
+    pair.apply(joint.arms, {-(block.mass.gain * turn), turn});
+    eachSide(joint.ball, letGo);
 }
 
 }  // namespace
@@ -128,7 +238,7 @@ void beginAccount(JointSim& joint, const BodyPair& pair) {
     SoftAccount& account = joint.account;
     account = {};
     account.known = account.steady = account.pressed = 1;
-    account.kept = pair.relativeEnergy() + stored(joint.axis);
+    account.kept = pair.relativeEnergy() + stored(joint);
     account.last = pair.relativeVelocity();
     noteOwn(joint, pair, AccountPass::none);
 }
@@ -175,25 +285,36 @@ static float workOf(const SoftAccount& account, const BodyPair& pair, float inve
     return pair.reducedMass() * dot(account.kick, inverseH * way - 0.5f * gained);
 }
 
+static void settleReleased(JointSim& joint, BodyPair& pair, float h) {
+    SoftAccount& account = joint.account;
+    if (account.steady > 0) {
+        const bool braked = brakes(joint);
+        const float missing = account.kept - energyOf(joint, pair, h);
+        if (missing < 0 || (account.pressed > 0 && !braked)) {
+            if (joint.kind == JointKind::ball)
+                settleBall(joint, pair, missing);
+            else
+                settleAxis(joint, pair, missing, h);
+        }
+        if (braked && missing > 0) account.kept -= missing;
+    } else {
+        account.steady = 1;
+        account.kept = energyOf(joint, pair, h);
+    }
+    account.pressed = 0;
+    eachAxis(joint, [&](const AxisRows& axis, const PairVector&) {
+        if (hasSoftStops(axis) && Released(axis, h).crossed()) account.pressed = 1;
+    });
+}
+
 void settleAccount(JointSim& joint, BodyPair& pair, const JointContext& context) {
     if (!keepsAccount(joint) || joint.account.pass != AccountPass::moving) return;
     SoftAccount& account = joint.account;
-    const AxisRows& axis = joint.axis;
     account.kept += workOf(account, pair, context.inverseH);
-    if (!isReleased(axis)) {
+    if (!isReleased(joint)) {
         account.pressed = 1;
     } else {
-        const Released released(axis, context.h);
-        if (account.steady > 0) {
-            const bool brakes = axis.stop.damping > 0 || axis.features != AxisRows::kLimit;
-            const float missing = account.kept - energyOf(joint, pair, released);
-            if (missing < 0 || (account.pressed > 0 && !brakes)) settle(joint, pair, released, missing);
-            if (brakes && missing > 0) account.kept -= missing;
-        } else {
-            account.steady = 1;
-            account.kept = energyOf(joint, pair, released);
-        }
-        account.pressed = released.crossed() ? 1.0f : 0.0f;
+        settleReleased(joint, pair, context.h);
     }
     account.last = pair.relativeVelocity();
     noteOwn(joint, pair, AccountPass::none);

@@ -11,11 +11,11 @@ struct JointSim;
 /// In which the joint acted last, of this substep.
 enum class AccountPass : std::uint32_t { none, warmStart, moving };
 
-/// What the soft stop of a hinge or slider is answered for: over the time that it is pressed a spring gives back what
-/// it took, a damper less. Substeps follow its course to second order in ωh and in what turning adds meanwhile; what
-/// that leaves, a few percent where both are fast, is settled with the free coordinate when the stop lets go, whether
-/// that leads into the other stop or not. Where
-/// anything but this joint and a steady force acts on the bodies meanwhile nobody can tell, and nothing is settled.
+/// What the soft stops of a joint are answered for: over the time that they are pressed springs give back what they took,
+/// dampers less. Substeps follow their course to second order in ωh and in what turning adds meanwhile, those of balls to
+/// first; what that leaves is settled when the stops let go, whether that leads into the other stop or not: with the free
+/// coordinate, the one of several that has most energy, or the rotation of a ball. Where anything but this joint and a
+/// steady force acts on the bodies meanwhile nobody can tell, and nothing is settled.
 struct SoftAccount {
     AccountPass pass = AccountPass::none;
     float known = 0;    ///< 1: what follows holds
