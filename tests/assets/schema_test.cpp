@@ -51,6 +51,16 @@ TEST(Schema, KeepsDefaultsOfAbsentFields) {
     EXPECT_EQ(settings.contactDamping, WorldSettings{}.contactDamping);
 }
 
+TEST(Schema, ReadsAndWritesASolverByItsName) {
+    for (const SolverChoice solver : {SolverChoice::automatic, SolverChoice::iterative, SolverChoice::direct}) {
+        const WorldSettings written{.solver = solver};
+        EXPECT_EQ(read<WorldSettings>(writeValue(written).dump()).solver, solver);
+    }
+    EXPECT_EQ(read<WorldSettings>("{\"solver\": \"direct\"}").solver, SolverChoice::direct);
+    EXPECT_EQ(complaintOf<WorldSettings>("{\"solver\": 2}"),
+              "f.json:1:12: /solver is 2, must be one of \"automatic\", \"iterative\", \"direct\"");
+}
+
 TEST(Schema, NamesRangeAndUnitOfAWrongNumber) {
     EXPECT_EQ(complaintOf<WorldSettings>("{\n  \"sleepTime\": -1\n}"),
               "f.json:2:16: /sleepTime is -1, must be a number in [0, 1000] s");

@@ -88,11 +88,12 @@ TEST(DirectIslands, ChangingTheSolverAtRestMovesNothing) {
     Column column(8);
     run(column.world, 1);
     WorldSettings settings = column.world.settings();
-    for (const int solver : {1, 2, 1}) {
+    for (const SolverChoice solver : {SolverChoice::iterative, SolverChoice::direct, SolverChoice::iterative}) {
         settings.solver = solver;
         column.world.setSettings(settings);
         column.world.step(kDt);
-        for (const BodyId box : column.boxes) EXPECT_LT(length(column.world.linearVelocity(box)), 1e-3f) << solver;
+        for (const BodyId box : column.boxes)
+            EXPECT_LT(length(column.world.linearVelocity(box)), 1e-3f) << nameOf(solver);
     }
 }
 
@@ -247,7 +248,7 @@ TEST(DirectIslands, LeaningCardsStandByTheirEdges) {
 /// by a hundredth, by a hundredth of that.
 TEST(Settling, WhatIsBuiltDoesNotSinkFirst) {
     WorldSettings settings = withoutSleep();
-    settings.solver = 1;
+    settings.solver = SolverChoice::iterative;
     Wall wall(17, 10, settings);
     run(wall.world, 0.5, kDt, [&] { EXPECT_LT(wall.largestMove(), 4e-4); });
     EXPECT_FALSE(wall.isDirect());

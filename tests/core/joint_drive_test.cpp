@@ -13,7 +13,7 @@ struct Held {
     BodyId body{};
     JointId joint{};
 
-    Held(int solver, const BallDef& drives)
+    Held(SolverChoice solver, const BallDef& drives)
         : world([&] {
               WorldSettings settings = withoutGravity();
               settings.sleeping = false;
@@ -31,7 +31,7 @@ struct Held {
 
 /// Sag is τ/k, about the twist axis and across it.
 TEST(BallDrive, SagsByItsOwnStiffnessAboutEachAxis) {
-    for (const int solver : {1, 2}) {
+    for (const SolverChoice solver : {SolverChoice::iterative, SolverChoice::direct}) {
         BallDef drives;
         drives.spring = Spring{.stiffness = 200, .damping = 20};
         drives.twistSpring = Spring{.stiffness = 50, .damping = 10};
@@ -39,18 +39,18 @@ TEST(BallDrive, SagsByItsOwnStiffnessAboutEachAxis) {
         Held held(solver, drives);
         const Vec3 twistAxis = rotate(drives.target, {1, 0, 0});
         run(held.world, 3, kDt, [&] { held.world.applyTorque(held.body, 5.0f * twistAxis); });
-        EXPECT_NEAR(asDouble(held.world.state(held.joint).coordinate), 0.1, 2e-3) << solver;
-        EXPECT_NEAR(asDouble(held.world.state(held.joint).swing), 0.4, 2e-3) << solver;
+        EXPECT_NEAR(asDouble(held.world.state(held.joint).coordinate), 0.1, 2e-3) << nameOf(solver);
+        EXPECT_NEAR(asDouble(held.world.state(held.joint).swing), 0.4, 2e-3) << nameOf(solver);
         run(held.world, 3, kDt, [&] { held.world.applyTorque(held.body, {0, 0, 8}); });
-        EXPECT_NEAR(asDouble(held.world.state(held.joint).swing), 0.44, 2e-3) << solver;
-        EXPECT_NEAR(asDouble(held.world.state(held.joint).coordinate), 0, 2e-3) << solver;
+        EXPECT_NEAR(asDouble(held.world.state(held.joint).swing), 0.44, 2e-3) << nameOf(solver);
+        EXPECT_NEAR(asDouble(held.world.state(held.joint).coordinate), 0, 2e-3) << nameOf(solver);
     }
 }
 
 /// What follows a target that turns at the speed it is told lags by nothing, and feed-forward bears a load that is
 /// known.
 TEST(BallDrive, FollowsATurningTargetAndBearsAKnownLoad) {
-    for (const int solver : {1, 2}) {
+    for (const SolverChoice solver : {SolverChoice::iterative, SolverChoice::direct}) {
         BallDef drives;
         drives.spring = Spring{.stiffness = 50, .damping = 10};
         Held held(solver, drives);
@@ -65,9 +65,9 @@ TEST(BallDrive, FollowsATurningTargetAndBearsAKnownLoad) {
             held.world.step(h);
         }
         // The target stands still within a step: half of it is what the body is ahead of it.
-        EXPECT_NEAR(asDouble(held.world.state(held.joint).swing), 0.5 * 240 * h, 0.5 * h * 1.1) << solver;
-        EXPECT_NEAR(asDouble(held.world.angularVelocity(held.body).y), 0.5, 0.01) << solver;
-        EXPECT_NEAR(asDouble(held.world.pose(held.body).rotation.z), 0, 1e-3) << solver;
+        EXPECT_NEAR(asDouble(held.world.state(held.joint).swing), 0.5 * 240 * h, 0.5 * h * 1.1) << nameOf(solver);
+        EXPECT_NEAR(asDouble(held.world.angularVelocity(held.body).y), 0.5, 0.01) << nameOf(solver);
+        EXPECT_NEAR(asDouble(held.world.pose(held.body).rotation.z), 0, 1e-3) << nameOf(solver);
     }
 }
 
@@ -77,7 +77,7 @@ TEST(BallDrive, NeverExceedsItsTorque) {
     drives.twistSpring = Spring{.stiffness = 1e4f, .damping = 100};
     drives.target = rotationAbout(normalized(Vec3{1, 2, -1}), 2.5f);
     drives.maxSpringTorque = 3;
-    Held held(1, drives);
+    Held held(SolverChoice::iterative, drives);
     double most = 0;
     run(held.world, 2, kDt, [&] { most = std::max(most, asDouble(length(held.world.state(held.joint).torque))); });
     EXPECT_LE(most, 3.001);

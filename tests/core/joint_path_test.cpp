@@ -41,7 +41,7 @@ TEST(Path, GoesThroughItsPointsWithoutJumpsOfCurvature) {
 
 /// Without friction the speed along a level curve stays, and laps add up.
 TEST(Path, KeepsTheSpeedOfABeadAndCountsItsLaps) {
-    for (const int solver : {1, 2}) {
+    for (const SolverChoice solver : {SolverChoice::iterative, SolverChoice::direct}) {
         WorldSettings settings = withoutSleep();
         settings.solver = solver;
         World world(settings);
@@ -54,9 +54,9 @@ TEST(Path, KeepsTheSpeedOfABeadAndCountsItsLaps) {
         const JointId joint = world.create(def);
         double gap = 0;
         run(world, 20, kDt, [&] { gap = std::max(gap, asDouble(world.state(joint).gap)); });
-        EXPECT_NEAR(asDouble(length(world.linearVelocity(body))), 3, 0.01) << solver;
-        EXPECT_NEAR(asDouble(world.state(joint).coordinate), 60, 0.2) << solver;
-        EXPECT_LT(gap, 1e-3) << solver;
+        EXPECT_NEAR(asDouble(length(world.linearVelocity(body))), 3, 0.01) << nameOf(solver);
+        EXPECT_NEAR(asDouble(world.state(joint).coordinate), 60, 0.2) << nameOf(solver);
+        EXPECT_LT(gap, 1e-3) << nameOf(solver);
     }
 }
 

@@ -16,7 +16,7 @@ const Quat kAlongZ = rotationBetween({1, 0, 0}, {0, 0, 1});
 
 WorldSettings swept() {
     WorldSettings settings = withoutGravity();
-    settings.solver = 1;
+    settings.solver = SolverChoice::iterative;
     return settings;
 }
 

@@ -46,6 +46,8 @@ TEST(Validation, NamesTheNumberOfTheSettings) {
     WorldSettings settings;
     settings.substeps = 0;
     EXPECT_EQ(whyInvalid(settings), "substeps is 0, must be in [1, 64]");
+    settings = {.solver = static_cast<SolverChoice>(3)};
+    EXPECT_EQ(whyInvalid(settings), "solver is 3, must be one of automatic (0), iterative (1), direct (2)");
     settings = {.gravity = {0, kNan, 0}};
     EXPECT_EQ(whyInvalid(settings), "gravity.y is nan, must be in [-1000, 1000] m/s²");
 }

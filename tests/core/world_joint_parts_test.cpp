@@ -14,7 +14,7 @@ namespace {
 
 const Quat kAboutZ = rotationBetween({1, 0, 0}, {0, 0, 1});
 
-WorldSettings settingsFor(int solver, bool gravity) {
+WorldSettings settingsFor(SolverChoice solver, bool gravity) {
     WorldSettings settings;
     settings.solver = solver;
     settings.sleeping = false;
@@ -44,7 +44,7 @@ TEST(WorldJointParts, SwingLimitsHoldAThrownRod) {
     defs[3].twistLimit = Range{-0.5f, 0.7f};
     defs[4].swingEllipse = SwingEllipse{1.5f, 0.5f};
     defs[4].stop.restitution = 0.5f;
-    for (const int solver : {1, 2})
+    for (const SolverChoice solver : {SolverChoice::iterative, SolverChoice::direct})
         for (int shape = 0; shape < 5; ++shape)
             for (unsigned throwing = 0; throwing < 10; ++throwing) {
                 World world(settingsFor(solver, false));
@@ -64,10 +64,10 @@ TEST(WorldJointParts, SwingLimitsHoldAThrownRod) {
                     worst = std::max(worst, -static_cast<double>(world.state(joint).limitMargin));
                     most = std::max(most, world.energy() / energy);
                 });
-                EXPECT_LT(worst, 0.035) << "solver " << solver << ", shape " << shape << ", " << throwing;
+                EXPECT_LT(worst, 0.035) << "solver " << nameOf(solver) << ", shape " << shape << ", " << throwing;
                 // Rows of direct islands are linear within a substep: the ball joint alone gives a fast rod 0.16 %.
-                EXPECT_LE(most, solver == 1 ? 1.001 : 1.002)
-                    << "solver " << solver << ", shape " << shape << ", " << throwing;
+                EXPECT_LE(most, solver == SolverChoice::iterative ? 1.001 : 1.002)
+                    << "solver " << nameOf(solver) << ", shape " << shape << ", " << throwing;
             }
 }
 
@@ -82,7 +82,7 @@ TEST(WorldJointParts, ComingBackFromBeyondALimitAddsNoEnergy) {
     defs[3].reach = concave();
     for (int shape = 0; shape < 4; ++shape)
         for (unsigned throwing = 0; throwing < 20; ++throwing) {
-            World world(settingsFor(1, false));
+            World world(settingsFor(SolverChoice::iterative, false));
             std::mt19937 random(throwing);
             std::normal_distribution<float> normal;
             BodyDef body = bodyDef(Box{{0.5f, 0.05f, 0.04f}}, {});
@@ -104,7 +104,7 @@ TEST(WorldJointParts, ComingBackFromBeyondALimitAddsNoEnergy) {
 }
 
 TEST(WorldJointParts, FrictionStopsAWheelAfterTheExactAngle) {
-    for (const int solver : {1, 2})
+    for (const SolverChoice solver : {SolverChoice::iterative, SolverChoice::direct})
         for (const double rate : {30.0, 60.0, 240.0}) {
             World world(settingsFor(solver, false));
             BodyDef body = bodyDef(Sphere{0.2f}, {});
@@ -116,12 +116,13 @@ TEST(WorldJointParts, FrictionStopsAWheelAfterTheExactAngle) {
             def.friction = 0.5f;
             const JointId joint = world.create(def);
             run(world, 2.5, 1 / rate);
-            EXPECT_NEAR(world.state(joint).coordinate, 10, 2e-3) << "solver " << solver << ", " << rate << " Hz";
+            EXPECT_NEAR(world.state(joint).coordinate, 10, 2e-3)
+                << "solver " << nameOf(solver) << ", " << rate << " Hz";
         }
 }
 
 TEST(WorldJointParts, SpringsAreTheSameInBothSolvers) {
-    for (const int solver : {1, 2})
+    for (const SolverChoice solver : {SolverChoice::iterative, SolverChoice::direct})
         for (const double zeta : {0.0, 0.3}) {
             World world(settingsFor(solver, false));
             BodyDef body = bodyDef(Sphere{0.2f}, {});
@@ -140,12 +141,12 @@ TEST(WorldJointParts, SpringsAreTheSameInBothSolvers) {
                 const double exact = 0.4 * (1 - std::exp(-a * t) * (std::cos(w * t) + a / w * std::sin(w * t)));
                 worst = std::max(worst, std::abs(static_cast<double>(world.state(joint).coordinate) - exact));
             }
-            EXPECT_LT(worst, 0.006) << "solver " << solver << ", zeta " << zeta;
+            EXPECT_LT(worst, 0.006) << "solver " << nameOf(solver) << ", zeta " << zeta;
         }
 }
 
 TEST(WorldJointParts, StopsReboundInBothSolvers) {
-    for (const int solver : {1, 2})
+    for (const SolverChoice solver : {SolverChoice::iterative, SolverChoice::direct})
         for (const float restitution : {0.0f, 0.5f}) {
             World world(settingsFor(solver, false));
             BodyDef body = bodyDef(Box{{0.5f, 0.05f, 0.05f}}, {0.5, 0, 0});
@@ -159,7 +160,7 @@ TEST(WorldJointParts, StopsReboundInBothSolvers) {
             const JointId joint = world.create(def);
             float most = 0;
             run(world, 0.6, kDt, [&] { most = std::max(most, world.state(joint).coordinate); });
-            EXPECT_NEAR(world.state(joint).speed, -5 * restitution, 0.05 * 5 * restitution + 1e-3) << solver;
+            EXPECT_NEAR(world.state(joint).speed, -5 * restitution, 0.05 * 5 * restitution + 1e-3) << nameOf(solver);
             EXPECT_LT(most, 1 + 1e-3f);
         }
 }
@@ -167,7 +168,7 @@ TEST(WorldJointParts, StopsReboundInBothSolvers) {
 /// ẍ + 2ζω ẋ + ω² x = 0 from x = 0 until k x + c ẋ = 0, at a turn of atan2(2ζ√(1 − ζ²), 2ζ² − 1).
 TEST(WorldJointParts, SoftStopLeavesWithTheSpeedOfTheDampedOscillator) {
     for (const double zeta : {0.0, 0.2, 0.4, 0.6}) {
-        World world(settingsFor(1, false));
+        World world(settingsFor(SolverChoice::iterative, false));
         BodyDef body = bodyDef(Sphere{0.2f}, {});
         body.mass = MassProperties{2, {}, {{0.1f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0.1f}}};
         body.angularVelocity = {0, 0, 4};
@@ -188,7 +189,7 @@ TEST(WorldJointParts, SoftStopLeavesWithTheSpeedOfTheDampedOscillator) {
 }
 
 TEST(WorldJointParts, NewJointsHoldInBothSolvers) {
-    for (const int solver : {1, 2})
+    for (const SolverChoice solver : {SolverChoice::iterative, SolverChoice::direct})
         for (int kind = 0; kind < 4; ++kind) {
             World world(settingsFor(solver, true));
             const BodyId body = world.create(bodyDef(Box{{0.3f, 0.1f, 0.1f}}, {0.5, 0, 0}));
@@ -198,12 +199,12 @@ TEST(WorldJointParts, NewJointsHoldInBothSolvers) {
             const JointId joint = world.create(defs[kind]);
             double worst = 0;
             run(world, 3, kDt, [&] { worst = std::max(worst, static_cast<double>(world.state(joint).gap)); });
-            EXPECT_LT(worst, kind == 2 ? 5e-3 : 2e-3) << "solver " << solver << ", kind " << kind;
+            EXPECT_LT(worst, kind == 2 ? 5e-3 : 2e-3) << "solver " << nameOf(solver) << ", kind " << kind;
         }
 }
 
 TEST(WorldJointParts, BreaksAtItsForceAndTellsOnce) {
-    for (const int solver : {1, 2})
+    for (const SolverChoice solver : {SolverChoice::iterative, SolverChoice::direct})
         for (const float share : {0.97f, 1.03f}) {
             World world(settingsFor(solver, true));
             const BodyId body = world.create(bodyDef(Box{{0.2f, 0.2f, 0.2f}}, {}));
@@ -222,7 +223,7 @@ TEST(WorldJointParts, BreaksAtItsForceAndTellsOnce) {
                     EXPECT_GT(length(event.force), def.bodies.breakForce);
                 }
             });
-            EXPECT_EQ(events, share < 1 ? 1 : 0) << solver;
+            EXPECT_EQ(events, share < 1 ? 1 : 0) << nameOf(solver);
             EXPECT_EQ(world.isValid(joint), share > 1);
             EXPECT_EQ(height(world, body) < -1, share < 1);
         }
@@ -230,7 +231,7 @@ TEST(WorldJointParts, BreaksAtItsForceAndTellsOnce) {
 
 TEST(WorldJointParts, BreaksAtItsTorque) {
     for (const float share : {0.97f, 1.03f}) {
-        World world(settingsFor(0, true));
+        World world(settingsFor(SolverChoice::automatic, true));
         const BodyId body = world.create(bodyDef(Box{{0.5f, 0.1f, 0.1f}}, {0.5, 0, 0}));
         FixedDef def;
         def.bodies.b = body;
@@ -254,7 +255,7 @@ TEST(WorldJointParts, SwingLimitsAreDrawnOnTheSideTheyAreOn) {
     defs[2].swingPyramid = SwingPyramid{{-0.3f, 0.8f}, {-0.6f, 0.4f}};
     defs[3].reach = concave();
     for (BallDef& def : defs) {
-        World world(settingsFor(1, false));
+        World world(settingsFor(SolverChoice::iterative, false));
         def.bodies.b = world.create(bodyDef(Box{{0.5f, 0.05f, 0.04f}}, {5.5, 0, 0}));
         def.bodies.frameA.position = {5, 0, 0};
         def.bodies.frameB.position = {-0.5f, 0, 0};

@@ -65,7 +65,7 @@ std::vector<BodyId> addRing(World& world, float spin = 2) {
 }
 
 TEST(Mechanisms, DoorsKeepTheirSpinAndTheirHingesShareTheWeight) {
-    for (const int solver : {0, 2}) {
+    for (const SolverChoice solver : {SolverChoice::automatic, SolverChoice::direct}) {
         for (const int hinges : {2, 3, 4}) {
             WorldSettings settings = withoutSleep();
             settings.solver = solver;
@@ -76,7 +76,7 @@ TEST(Mechanisms, DoorsKeepTheirSpinAndTheirHingesShareTheWeight) {
             for (const JointId hinge : door.hinges)
                 EXPECT_NEAR(world.state(hinge).force.y, 20 * kGravity / static_cast<float>(hinges), 0.01f);
             ASSERT_EQ(world.stats().islands.size(), 1u);
-            EXPECT_STREQ(world.stats().islands[0].reason, solver == 0 ? "loop" : "asked");
+            EXPECT_STREQ(world.stats().islands[0].reason, solver == SolverChoice::automatic ? "loop" : "asked");
         }
     }
 }
@@ -84,7 +84,7 @@ TEST(Mechanisms, DoorsKeepTheirSpinAndTheirHingesShareTheWeight) {
 /// Limits make it a case for Newton's method, whose loads are carried from substep to substep.
 TEST(DirectJoints, HingesOfADoorDoNotPullAgainstEachOther) {
     WorldSettings settings = withoutSleep();
-    settings.solver = 2;
+    settings.solver = SolverChoice::direct;
     World world(settings);
     Door door(world, 0);
     const Quat up = rotationBetween({1, 0, 0}, {0, 1, 0});

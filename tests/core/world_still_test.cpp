@@ -21,7 +21,7 @@ protected:
     }
     static WorldSettings settings() {
         WorldSettings settings = withoutSleep();
-        settings.solver = 2;
+        settings.solver = SolverChoice::direct;
         return settings;
     }
 

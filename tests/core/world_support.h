@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ragtop/world.h"
@@ -15,6 +16,9 @@ namespace ragtop::test {
 
 inline constexpr double kDt = 1.0 / 60;
 inline constexpr float kGravity = 9.81f;
+
+/// For messages of tests that run with several solvers.
+inline std::string_view nameOf(SolverChoice choice) { return enumNames(choice)[static_cast<std::size_t>(choice)]; }
 
 inline Material surface(float friction, float restitution = 0, float rollingResistance = 0) {
     Material material;

@@ -85,6 +85,8 @@ TEST_F(LiveTuning, ReachesEveryKindOfThing) {
     EXPECT_EQ(world().settings().gravity, (Vec3{0, -1.6f, 0}));
     tune("settings.sleeping", false);
     EXPECT_FALSE(world().settings().sleeping);
+    tune("settings.solver", "direct");
+    EXPECT_EQ(world().settings().solver, SolverChoice::direct);
     tune("settings.substeps", 8);
     EXPECT_EQ(world().settings().substeps, 8);
     tune("materials.brick.friction", 0.1);
@@ -122,6 +124,8 @@ TEST_F(LiveTuning, WhatCannotBeIsRefusedAndChangesNothing) {
     EXPECT_EQ(refused("settings.substeps", 0), "tune: settings.substeps is 0, must be an integer in [1, 64]");
     EXPECT_EQ(refused("settings.substeps", true), "tune: settings.substeps is true, must be an integer in [1, 64]");
     EXPECT_EQ(refused("settings.sleeping", 1), "tune: settings.sleeping is 1, must be true or false");
+    EXPECT_EQ(refused("settings.solver", 1),
+              "tune: settings.solver is 1, must be one of \"automatic\", \"iterative\", \"direct\"");
     EXPECT_EQ(refused("settings.gravity", 9.81),
               "tune: settings.gravity is 9.81, must be three numbers in [-1000, 1000] m/s²");
     EXPECT_EQ(refused("vehicles.car.chassis.mass", -1),

@@ -1,12 +1,24 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "ragtop/math.h"
 #include "ragtop/tunables.h"
 
 namespace ragtop {
+
+/// Who solves the constraints of an island, bodies that joints and contacts link.
+enum class SolverChoice : std::int32_t {
+    automatic,  ///< sweeps, and the direct solver for islands that need it
+    iterative,  ///< sweeps everywhere
+    direct,     ///< the direct solver wherever it fits
+};
+
+/// Names in files, in the order of the values.
+constexpr std::array<std::string_view, 3> enumNames(SolverChoice) { return {"automatic", "iterative", "direct"}; }
 
 /// How a world moves. Lengths and speeds inside are relative to the size of what touches and to gravity and step, so
 /// a scene of other size needs no other settings. May be changed between steps.
@@ -22,7 +34,7 @@ struct WorldSettings {
     float jointDamping = 2.0f;          ///< damping ratio of joints
     float loadCarrying = 0.002f;        ///< share of a contact's load carried into the next step's rest point
     float staticLoadCarrying = 0.03f;   ///< the same against static bodies
-    int solver = 0;                     ///< 0: chosen per island; 1: sweeps; 2: direct wherever it fits
+    SolverChoice solver = SolverChoice::automatic;
     float pushOut = 0.03f;              ///< speed that an overlap adds at most to what the load takes, in sizes per step
     bool sequentialFriction = false;    ///< friction after all normal forces instead of beside each
     float restitutionSpeed = 2.0f;      ///< slowest impact that bounces, in speeds gravity gives per step
@@ -49,7 +61,7 @@ void describe(Visitor& visit, Self& self, const WorldSettings*) {
           self.loadCarrying);
     visit(Tunable{"staticLoadCarrying", "1", 0, 0.05, "the same of contacts with static bodies"},
           self.staticLoadCarrying);
-    visit(Tunable{"solver", "", 0, 2, "0: chosen per island, 1: sweeps, 2: direct"}, self.solver);
+    visit(Tunable{"solver", "", 0, 0, "who solves: chosen per island, sweeps everywhere, or direct wherever it fits"}, self.solver);
     visit(Tunable{"pushOut", "sizes/step", 0.001, 10, "largest speed that an overlap adds to what the load takes"}, self.pushOut);
     visit(Tunable{"sequentialFriction", "", 0, 1, "friction after all normal forces instead of beside each"},
           self.sequentialFriction);

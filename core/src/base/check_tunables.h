@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <concepts>
+#include <cstdint>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <type_traits>
@@ -75,7 +77,25 @@ std::string whyNotFinite(const std::string& name, const Vector& v) {
     return {};
 }
 
-/// A visitor for `describe` that keeps the first complaint. Strings, enumerations and the like have no range and pass.
+template <class T>
+concept NamedEnum = std::is_enum_v<T> && requires { enumNames(T{}); };
+
+/// Empty for a value that has a name; otherwise "solver is 3, must be one of automatic (0), iterative (1), direct (2)".
+template <NamedEnum T>
+std::string whyNoName(const std::string& name, T value) {
+    const auto number = static_cast<std::int64_t>(value);
+    const auto& names = enumNames(value);
+    if (number >= 0 && number < std::ssize(names)) return {};
+    std::string why = name + " is " + numberText(number) + ", must be one of ";
+    std::int64_t next = 0;
+    for (const auto& one : names) {
+        if (next > 0) why += ", ";
+        why += std::string(one) + " (" + numberText(next++) + ")";
+    }
+    return why;
+}
+
+/// A visitor for `describe` that keeps the first complaint. Strings and the like have no range and pass.
 class TunableCheck {
 public:
     explicit TunableCheck(std::string prefix = {}) : prefix_(std::move(prefix)) {}
@@ -93,6 +113,8 @@ private:
             return;
         } else if constexpr (std::is_arithmetic_v<T>) {
             checkNumber(name, tunable, value);
+        } else if constexpr (NamedEnum<T>) {
+            complain(whyNoName(name, value));
         } else if constexpr (std::is_same_v<T, Vec3> || std::is_same_v<T, DVec3>) {
             checkNumber(name + ".x", tunable, value.x);
             checkNumber(name + ".y", tunable, value.y);

@@ -286,9 +286,11 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
         if (!moves(body) || findRoot(body) != body) continue;
         direct::IslandFeatures& island = islandOf(body);
         island.reason = chooseDirect(island);
-        if (settings.solver == 1 || island.coupled) island.reason = direct::Reason::none, island.staying = 0;
+        if (settings.solver == SolverChoice::iterative || island.coupled)
+            island.reason = direct::Reason::none, island.staying = 0;
         const bool large = island.bodies > direct::kMostBodies;
-        if (settings.solver == 2 && !large && !island.rolls && !island.coupled) island.reason = direct::Reason::asked;
+        const bool fits = !large && !island.rolls && !island.coupled;
+        if (settings.solver == SolverChoice::direct && fits) island.reason = direct::Reason::asked;
         if (island.barred < 0) {
             island.reason = direct::Reason::none;
             island.staying = std::min(island.barred + elapsed, 0);
