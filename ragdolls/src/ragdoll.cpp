@@ -106,9 +106,10 @@ void Ragdoll::setDef(const RagdollDef& next) {
         if (next.joints[i].joint.index() != def_.joints[i].joint.index())
             throw std::invalid_argument("ragdoll: joints[" + std::to_string(i) + "] must keep its kind");
     for (std::size_t i = 0; i < next.parts.size(); ++i) {
-        if (next.parts[i].mass != def_.parts[i].mass) world_->setMass(bodies_[i], massOf(next.parts[i]));
-        if (next.parts[i].material == def_.parts[i].material) continue;
-        for (const ShapeId shape : world_->shapes(bodies_[i])) world_->setMaterial(shape, next.parts[i].material);
+        // What the world has, which a restored state may have changed.
+        if (world_->mass(bodies_[i]).mass != next.parts[i].mass) world_->setMass(bodies_[i], massOf(next.parts[i]));
+        for (const ShapeId shape : world_->shapes(bodies_[i]))
+            if (world_->material(shape) != next.parts[i].material) world_->setMaterial(shape, next.parts[i].material);
     }
     for (std::size_t i = 0; i < next.joints.size(); ++i) world_->setDef(joints_[i], placed(next.joints[i]));
     def_ = next;

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <stdexcept>
+#include <vector>
 
 #include "human.h"
 #include "ragtop/ragdoll.h"
@@ -73,6 +75,26 @@ TEST(RagdollChange, TheGroundCarriesTheNewWeight) {
                                   [&](const Contact& c) { force += static_cast<double>(c.normalForce); });
     }
     EXPECT_NEAR(force / steps, static_cast<double>(mass) * 9.81, 0.02 * static_cast<double>(mass) * 9.81);
+}
+
+/// A state brings its masses and surfaces with it, and what is set after it counts although it was set before it too.
+TEST(RagdollChange, WhatIsSetAfterAStateOfBeforeCounts) {
+    Fall fall;
+    fall.run(10);
+    std::vector<std::byte> state(fall.world.saveSize());
+    fall.world.save(state);
+    fall.run(30);
+    const std::uint64_t later = fall.world.hash();
+    RagdollDef def = human();
+    def.parts[0].mass *= 2;
+    def.parts[1].material.friction = 0.1f;
+    fall.person.setDef(def);
+    fall.world.restore(state);
+    fall.run(30);
+    EXPECT_EQ(fall.world.hash(), later);
+    fall.person.setDef(def);
+    EXPECT_EQ(fall.world.mass(fall.person.bodies()[0]).mass, def.parts[0].mass);
+    EXPECT_EQ(fall.world.material(fall.world.shapes(fall.person.bodies()[1])[0]).friction, 0.1f);
 }
 
 TEST(RagdollChange, WhatCannotBeIsRefused) {

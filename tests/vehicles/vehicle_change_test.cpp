@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <stdexcept>
 #include <vector>
@@ -155,6 +156,35 @@ TEST(VehicleChange, WhatCannotBeIsRefused) {
     EXPECT_EQ(drive.car.def().wheels.size(), 4u);
     EXPECT_THROW(drive.car.place({.speed = NAN}), std::invalid_argument);
     EXPECT_EQ(drive.world.hash(), before);
+}
+
+/// A state means what it does under the definition that it was saved with: taken for another one's, it would go another
+/// way. Nothing of it is taken, and under its own definition it is again.
+TEST(VehicleChange, AStateOfAnotherDefinitionIsRefused) {
+    Drive drive(hatchback(), 15);
+    run(drive.world, 1);
+    std::vector<std::byte> state(drive.world.saveSize());
+    drive.world.save(state);
+    run(drive.world, 1);
+    const std::uint64_t later = drive.world.hash();
+    VehicleDef def = hatchback();
+    def.wheels[2].tire.lateralFriction = 0.5f;
+    drive.car.setDef(def);
+    const std::uint64_t before = drive.world.hash();
+    try {
+        drive.world.restore(state);
+        FAIL();
+    } catch (const std::invalid_argument& error) {
+        EXPECT_STREQ(error.what(),
+                     "the state of module 'vehicle' was saved under another definition, must be that of now");
+    }
+    EXPECT_EQ(drive.world.hash(), before);
+    def = hatchback();
+    def.name = "of another name";
+    drive.car.setDef(def);
+    drive.world.restore(state);
+    run(drive.world, 1);
+    EXPECT_EQ(drive.world.hash(), later);
 }
 
 /// A car that is put somewhere goes on like one made there.

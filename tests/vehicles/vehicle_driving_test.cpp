@@ -156,5 +156,71 @@ TEST(Vehicle, SpinsItsWheelsWithoutGripAndGoesNowhereFast) {
     EXPECT_GT(car.telemetry().wheels[0].slipRatio, 0.5f);
 }
 
+/// Tread and contact point sway by the 5 mm/s of the push at most, each, and slip is told over 1 m/s at least.
+TEST(Vehicle, HardlySlipsWhileItStands) {
+    for (const float slope : {0.0f, 0.1f}) {
+        for (const float brake : {0.0f, 1.0f}) {
+            if (slope > 0 && brake == 0) continue;
+            Road road(slope, awake());
+            Vehicle car(road.world, hatchback());
+            road.world.setPose(car.chassis(), {{}, road.tilt});
+            car.input = {.brake = brake, .gear = 0};
+            run(road.world, 5);
+            road.world.setVelocity(car.chassis(), rotate(road.tilt, {0.003f, 0, 0.004f}), {});
+            for (int i = 0; i < 120; ++i) {
+                road.world.step(kStep);
+                for (const WheelTelemetry& wheel : car.telemetry().wheels) {
+                    ASSERT_LT(std::abs(wheel.slipRatio), 0.01f) << "step " << i;
+                    ASSERT_LT(std::abs(wheel.slipAngle), 0.01f) << "step " << i;
+                }
+            }
+        }
+    }
+}
+
+TEST(Vehicle, TellsThatAWheelIsLocked) {
+    Road road;
+    Vehicle car(road.world, hatchback(), {.speed = 20});
+    car.input = {.handbrake = 1};
+    run(road.world, 0.5);
+    for (const int i : {2, 3}) EXPECT_EQ(car.telemetry().wheels[static_cast<std::size_t>(i)].slipRatio, -1);
+}
+
+VehicleDef winged(float area) {
+    VehicleDef def = hatchback();
+    def.aerodynamics.dragArea = 0;
+    def.aerodynamics.liftArea = area;
+    return def;
+}
+
+/// Lift acts across the flow. Along it there is none, so that a car that falls straight down falls freely.
+TEST(Vehicle, WingsDoNotPullDownWhatFalls) {
+    World world;
+    Vehicle car(world, winged(-50), {.position = {0, 1000, 0}});
+    run(world, 2);
+    EXPECT_NEAR(world.linearVelocity(car.chassis()).y, -2 * kGravity, 1e-4f * 2 * kGravity);
+}
+
+/// And it takes no power, however strong it is.
+TEST(Vehicle, WingsTurnTheFlightAndKeepItsSpeed) {
+    for (const float area : {-3.0f, 3.0f, 1e3f, 1e6f}) {
+        World world;
+        world.setSettings({.gravity = {0, 0, 0}});
+        Vehicle car(world, winged(area), {.position = {0, 1000, 0}, .speed = 50});
+        run(world, 2);
+        EXPECT_NEAR(length(world.linearVelocity(car.chassis())), 50, 1e-3f) << area;
+        EXPECT_GT(area * world.linearVelocity(car.chassis()).y, 0) << area;
+    }
+}
+
+TEST(Vehicle, IsPressedDownByItsWings) {
+    Road road;
+    const float area = -3;
+    Vehicle car(road.world, winged(area), {.position = {0, 0, -500}, .speed = 50});
+    run(road.world, 2);
+    const float speed = car.telemetry().speed, pressed = 0.5f * 1.2f * -area * speed * speed;
+    EXPECT_NEAR(totalLoad(car), 1200 * kGravity + pressed, 2e-3f * pressed);
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -43,6 +43,13 @@ void Drivetrain::startRolling(const VehicleDef& def, float axleSpeed) {
     engineSpeed = std::max(engineSpeed, gearing(def.gearbox, gearbox.gear) * axleSpeed);
 }
 
+void Drivetrain::stop(const VehicleDef& def) {
+    engineSpeed = radiansPerSecond(def.engine.idleRpm);
+    engine = {};
+    clutch = 0;
+    for (std::vector<float>* each : {&spin, &brake, &differential}) std::ranges::fill(*each, 0.0f);
+}
+
 float Drivetrain::axleSpeed() const {
     float speed = 0;
     for (std::size_t i = 0; i < spin.size(); ++i) speed += share_[i] * spin[i];

@@ -33,6 +33,8 @@ public:
 
     /// The gear and engine speed of a car whose driven wheels turn at `axleSpeed`.
     void startRolling(const VehicleDef& def, float axleSpeed);
+    /// All at rest but the engine, which idles; the gear stays.
+    void stop(const VehicleDef& def);
     /// Sets the bounds for a substep of h and applies the impulses of the last one; `loads` of the wheels, N.
     void begin(const VehicleDef& def, const DrivetrainInput& input, const std::vector<float>& loads, float h);
     /// One sweep; the largest change of an impulse at a wheel, N m s.

@@ -24,13 +24,17 @@ inline float inverseMassBetween(const PointBody& body, const Vec3& arm, const Ve
     return body.inverseMass * dot(d, e) + dot(cross(arm, d), body.inverseInertia * cross(arm, e));
 }
 
-/// The inverse of a symmetric positive matrix; zero when it has none.
+/// The inverse of a symmetric positive matrix; zero when it has none. In doubles, whose range holds the products of three
+/// numbers of single precision.
 inline Mat3 inverseSymmetric(const Mat3& m) {
-    const Vec3 x = cross(m.cy, m.cz), y = cross(m.cz, m.cx), z = cross(m.cx, m.cy);
-    const float determinant = dot(m.cx, x);
+    const double xx = m.cx.x, yy = m.cy.y, zz = m.cz.z, xy = m.cy.x, xz = m.cz.x, yz = m.cz.y;
+    const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
+    const double determinant = xx * a + xy * b + xz * c;
     if (!(determinant > 0)) return {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-    const float s = 1.0f / determinant;
-    return transpose({s * x, s * y, s * z});
+    const double s = 1 / determinant;
+    const auto part = [s](double minor) { return static_cast<float>(s * minor); };
+    const float ixy = part(b), ixz = part(c), iyz = part(xy * xz - xx * yz);
+    return {{part(a), ixy, ixz}, {ixy, part(xx * zz - xz * xz), iyz}, {ixz, iyz, part(xx * yy - xy * xy)}};
 }
 
 /// R m Rᵀ

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "chassis.h"
+#include "definition_digest.h"
 #include "vehicle_sim.h"
 
 namespace ragtop {
@@ -50,6 +51,9 @@ StepModule moduleOf(VehicleSim& sim) {
     module.afterStep = [](void* user, World&, double) { static_cast<VehicleSim*>(user)->afterStep(); };
     module.saveSize = [](const void* user) { return static_cast<const VehicleSim*>(user)->saveSize(); };
     module.save = [](const void* user, std::span<std::byte> into) { static_cast<const VehicleSim*>(user)->save(into); };
+    module.fits = [](const void* user, std::span<const std::byte> from) {
+        return static_cast<const VehicleSim*>(user)->fits(from);
+    };
     module.restore = [](void* user, std::span<const std::byte> from) { static_cast<VehicleSim*>(user)->restore(from); };
     module.hash = [](const void* user) { return static_cast<const VehicleSim*>(user)->hash(); };
     return module;
@@ -130,6 +134,7 @@ void VehicleSim::takeDef() {
     for (std::size_t i = 0; i < def.wheels.size(); ++i) {
         specs.push_back(wheelSpec(def.wheels[i], center, loadsAtRest[i], gravity));
     }
+    digest = definitionDigest(def, properties, gravity);
 }
 
 /// The state of a car that rolls at `speed` and has touched nothing yet.

@@ -1,5 +1,6 @@
 #include "ragtop/vehicle_def.h"
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <cstdio>
@@ -148,6 +149,26 @@ std::string whyInvalid(const VehicleVisualDef& visual, std::size_t wheels) {
     return {};
 }
 
+/// Where shapes are, in m; as far as wheels may be.
+constexpr float kFarthest = 1e4f;
+
+std::string whyInvalid(const ChassisDef& chassis) {
+    if (chassis.shapes.empty()) return "/chassis/shapes is empty, must have a shape";
+    for (std::size_t i = 0; i < chassis.shapes.size(); ++i) {
+        const Vec3 far = abs(chassis.shapes[i].frame.position);
+        if (std::max({far.x, far.y, far.z}) <= kFarthest) continue;
+        return "/chassis/shapes/" + std::to_string(i) + "/frame/position is not within " +
+               text(static_cast<double>(kFarthest)) + " m, must be";
+    }
+    return {};
+}
+
+/// What the world would say of the body.
+std::string whyNoBody(const VehicleDef& def) {
+    const std::string why = whyInvalid(chassisBody(def, {}));
+    return why.empty() ? why : "/chassis: " + why;
+}
+
 std::string whyUnbalanced(const VehicleDef& def) {
     const MassProperties mass = chassisMass(def.chassis);
     std::vector<Vec3> positions;
@@ -177,7 +198,7 @@ std::string whyInvalid(const VehicleDef& def) {
     RangeCheck check("");
     describe(check, def, &def);
     if (!check.why().empty()) return check.why();
-    if (def.chassis.shapes.empty()) return "/chassis/shapes is empty, must have a shape";
+    if (std::string why = whyInvalid(def.chassis); !why.empty()) return why;
     if (def.wheels.size() < 3) {
         return "/wheels has " + std::to_string(def.wheels.size()) + " wheels, must have 3 or more";
     }
@@ -189,6 +210,7 @@ std::string whyInvalid(const VehicleDef& def) {
     if (def.visual) {
         if (std::string why = whyInvalid(*def.visual, def.wheels.size()); !why.empty()) return why;
     }
+    if (std::string why = whyNoBody(def); !why.empty()) return why;
     return whyUnbalanced(def);
 }
 

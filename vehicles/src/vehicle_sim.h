@@ -77,6 +77,7 @@ struct VehicleSim {
 
     std::size_t saveSize() const;
     void save(std::span<std::byte> into) const;
+    bool fits(std::span<const std::byte> from) const;
     void restore(std::span<const std::byte> from);
     std::uint64_t hash() const;
     void refreshTelemetry();
@@ -91,6 +92,7 @@ struct VehicleSim {
     float mass = 0, gravity = 0;  ///< kg; m/s², at creation
     Mat3 inverseInertia;          ///< chassis axes
     float meanRadius = 0;         ///< of the driven wheels
+    std::uint64_t digest = 0;     ///< of the definition, and of the gravity of its springs
 
     // State.
     struct Driver {
@@ -129,6 +131,8 @@ private:
     void solve(PointBody& body, float h);
     float visitWheel(std::size_t i, PointBody& body, float h);
     void finishWheel(std::size_t i, const PointBody& body, float h, Vec3& linear, Vec3& angular);
+    bool holds(const Vec3& linear, const Vec3& angular) const;
+    void forgetMotion();
     /// Calls visit(value) for every part of the state, each free of padding.
     template <class Self, class Visit>
     static void visitState(Self& self, Visit&& visit);

@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <type_traits>
 
+#include "byte_hash.h"
 #include "vehicle_sim.h"
 
 namespace ragtop {
@@ -26,8 +29,19 @@ std::span<std::byte> bytesOf(std::vector<T>& values) {
     return std::as_writable_bytes(std::span<T>(values));
 }
 
-constexpr std::uint64_t kFnvOffset = 14695981039346656037ull;
-constexpr std::uint64_t kFnvPrime = 1099511628211ull;
+/// Beyond it squares are no numbers of single precision.
+constexpr float kMost = 1e18f;
+
+bool isNumber(float x) { return std::abs(x) <= kMost; }
+bool isNumber(const Vec2& a) { return isNumber(a.x) && isNumber(a.y); }
+bool isNumber(const Vec3& a) { return isNumber(a.x) && isNumber(a.y) && isNumber(a.z); }
+bool areNumbers(const std::vector<float>& values) {
+    return std::ranges::all_of(values, [](float x) { return isNumber(x); });
+}
+bool holdsNumbers(const WheelState& w) {
+    return isNumber(w.compression) && isNumber(w.load) && isNumber(w.force) && isNumber(w.deflection) &&
+           isNumber(w.transport) && isNumber(w.travel) && isNumber(w.rotation);
+}
 
 }  // namespace
 
@@ -48,7 +62,7 @@ void VehicleSim::visitState(Self& self, Visit&& visit) {
 std::size_t VehicleSim::saveSize() const {
     std::size_t size = 0;
     visitState(*this, [&](const auto& value) { size += bytesOf(value).size(); });
-    return size + sizeof(Driver);
+    return sizeof digest + size + sizeof(Driver);
 }
 
 void VehicleSim::save(std::span<std::byte> into) const {
@@ -57,11 +71,20 @@ void VehicleSim::save(std::span<std::byte> into) const {
         std::copy(bytes.begin(), bytes.end(), into.begin());
         into = into.subspan(bytes.size());
     };
+    put(digest);
     visitState(*this, put);
     put(driverOf(input));
 }
 
+/// What a state means depends on the car that it is of, also where it is as long.
+bool VehicleSim::fits(std::span<const std::byte> from) const {
+    std::uint64_t saved = 0;
+    std::memcpy(&saved, from.data(), sizeof saved);
+    return saved == digest;
+}
+
 void VehicleSim::restore(std::span<const std::byte> from) {
+    from = from.subspan(sizeof digest);
     const auto get = [&](auto& value) {
         const auto bytes = bytesOf(value);
         std::copy_n(from.begin(), bytes.size(), bytes.begin());
@@ -75,13 +98,28 @@ void VehicleSim::restore(std::span<const std::byte> from) {
     stale = true;
 }
 
-/// FNV-1a.
 std::uint64_t VehicleSim::hash() const {
-    std::uint64_t hash = kFnvOffset;
-    visitState(*this, [&](const auto& value) {
-        for (const std::byte byte : bytesOf(value)) hash = (hash ^ static_cast<std::uint64_t>(byte)) * kFnvPrime;
-    });
-    return hash;
+    ByteHash hash;
+    visitState(*this, [&](const auto& value) { hash.add(bytesOf(value)); });
+    return hash.value();
+}
+
+/// Whether the substep's impulses and what comes of them are numbers that the next one can reckon with.
+bool VehicleSim::holds(const Vec3& linear, const Vec3& angular) const {
+    const Drivetrain& d = drivetrain;
+    return isNumber(linear) && isNumber(angular) && isNumber(d.engineSpeed) && isNumber(d.clutch) &&
+           isNumber(Vec3{d.engine.throttle, d.engine.idle, d.engine.friction}) && areNumbers(d.spin) &&
+           areNumbers(d.brake) && areNumbers(d.differential) && std::ranges::all_of(wheels, holdsNumbers);
+}
+
+/// Wheels that stand and an engine that idles; where the wheels are and what the driver does stays.
+void VehicleSim::forgetMotion() {
+    drivetrain.stop(def);
+    for (WheelState& wheel : wheels) {
+        const GroundPlane ground = wheel.ground;
+        wheel = {};
+        wheel.ground = ground;
+    }
 }
 
 }  // namespace ragtop

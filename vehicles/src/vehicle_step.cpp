@@ -10,6 +10,9 @@ namespace {
 /// How many times a body's own weight at rest a wheel may press it: a brick under a wheel is between the wheel and the
 /// ground, and what is more than it can pass on would shoot it away.
 constexpr float kRubbleLoad = 4;
+/// m/s, the lowest speed over which slip is told, as in tire property files (VXLOW): what sways on standing tires does not
+/// travel, and slip over its speed is any number.
+constexpr float kSlowest = 1;
 constexpr float kStill = 1e-3f;  ///< over a wheel's radius: how far the ground of a sleeping car may move
 
 /// Clamps to [lower, 1]; what is no number counts as 0.
@@ -47,7 +50,7 @@ bool VehicleSim::mayRest(const Driver& wanted) const {
 
 void VehicleSim::beforeStep(double dt) {
     const Driver wanted = driverOf(input);
-    active = world->isAwake(chassis) || !mayRest(wanted);
+    active = world->isValid(chassis) && (world->isAwake(chassis) || !mayRest(wanted));
     if (!active) return;
     driver = wanted;
     if (!world->isAwake(chassis) || (driver.throttle > 0 && drivetrain.gearbox.gear != 0)) world->wake(chassis);
@@ -123,13 +126,15 @@ void VehicleSim::refreshTelemetry() {
         const WheelState& wheel = wheels[i];
         WheelTelemetry& out = wheelTelemetry[i];
         const float tread = drivetrain.spin[i] * specs[i].radius;
-        const float larger = std::max(std::abs(tread), std::abs(wheel.travel.x));
+        const float along = std::abs(wheel.travel.x), across = wheel.travel.y;
+        const float travel = std::sqrt(along * along + across * across);
         out.grounded = wheel.touching != 0;
         out.load = wheel.load;
         out.longitudinalForce = wheel.force.x;
         out.lateralForce = wheel.force.y;
-        out.slipRatio = out.grounded && larger > 0 ? (tread - wheel.travel.x) / larger : 0;
-        out.slipAngle = out.grounded ? arcTan2(wheel.travel.y, std::abs(wheel.travel.x)) : 0;
+        const float larger = std::max({std::abs(tread), along, kSlowest});
+        out.slipRatio = out.grounded ? (tread - wheel.travel.x) / larger : 0;
+        out.slipAngle = out.grounded ? arcTan2(wheel.travel.y, along + std::max(kSlowest - travel, 0.0f)) : 0;
         out.angularSpeed = drivetrain.spin[i];
         out.rotation = wheel.rotation;
         const Vec3 ahead = wheelDirection(def.steering, def.wheels[i].steerFactor, specs[i].steerArm, steerAngle);

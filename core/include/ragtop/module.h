@@ -23,6 +23,8 @@ struct StepModule {
     void (*afterStep)(void* user, World& world, double dt) = nullptr;
     std::size_t (*saveSize)(const void* user) = nullptr;
     void (*save)(const void* user, std::span<std::byte> into) = nullptr;
+    /// Whether bytes of its size were saved by a module like it is now; asked before anything is restored. Null: always.
+    bool (*fits)(const void* user, std::span<const std::byte> from) = nullptr;
     void (*restore)(void* user, std::span<const std::byte> from) = nullptr;
     std::uint64_t (*hash)(const void* user) = nullptr;
 };

@@ -76,8 +76,8 @@ struct StepStats {
     std::span<const Stage> stages;    ///< in order; valid until the next step
     std::span<const Island> islands;  ///< likewise
     std::uint64_t givenUp = 0;        ///< direct solves that were, since the world was made
-    /// Times that a body was stopped where a step began, because a force or impulse beyond all measure had taken it out of
-    /// the range of numbers (1e15 m, or that in a step), since the world was made.
+    /// Times since the world was made that a body was stopped where a step began, as forces beyond all measure took it out
+    /// of numbers (1e15 m, or that in a step), or that a module asked for a force that is none, and which is left out.
     std::uint64_t runaways = 0;
     double totalMs = 0;
     int bodies = 0, awakeBodies = 0, contacts = 0, touching = 0, joints = 0, colors = 0;

@@ -104,7 +104,7 @@ void World::setPose(BodyId body, const Pose& pose) {
 }
 
 void World::setVelocity(BodyId body, const Vec3& linear, const Vec3& angular) {
-    requireFinite(isFinite(linear) && isFinite(angular), "velocity");
+    if (!impl_->takes(isFinite(linear) && isFinite(angular), "velocity")) return;
     const std::uint32_t i = impl_->index(body);
     if (impl_->bodies[i].type == BodyType::fixed) throw std::invalid_argument("a fixed body has no velocity");
     impl_->setVelocity(i, linear, angular);
@@ -144,7 +144,7 @@ void World::moveTo(BodyId body, const Pose& target, double dt) {
 }
 
 void World::applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point) {
-    requireFinite(isFinite(impulse) && isFinite(point), "impulse");
+    if (!impl_->takes(isFinite(impulse) && isFinite(point), "impulse")) return;
     const std::uint32_t i = impl_->index(body);
     if (!impl_->moves(i)) return;
     const BodyState& state = impl_->states[i];
@@ -154,7 +154,7 @@ void World::applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point) {
 }
 
 void World::applyAngularImpulse(BodyId body, const Vec3& impulse) {
-    requireFinite(isFinite(impulse), "impulse");
+    if (!impl_->takes(isFinite(impulse), "impulse")) return;
     const std::uint32_t i = impl_->index(body);
     if (!impl_->moves(i)) return;
     impl_->states[i].w += impl_->inertias[i] * impulse;
@@ -162,7 +162,7 @@ void World::applyAngularImpulse(BodyId body, const Vec3& impulse) {
 }
 
 void World::applyForce(BodyId body, const Vec3& force, const DVec3& point) {
-    requireFinite(isFinite(force) && isFinite(point), "force");
+    if (!impl_->takes(isFinite(force) && isFinite(point), "force")) return;
     const std::uint32_t i = impl_->index(body);
     if (!impl_->moves(i)) return;
     impl_->bodies[i].force += force;
@@ -172,7 +172,7 @@ void World::applyForce(BodyId body, const Vec3& force, const DVec3& point) {
 }
 
 void World::applyTorque(BodyId body, const Vec3& torque) {
-    requireFinite(isFinite(torque), "torque");
+    if (!impl_->takes(isFinite(torque), "torque")) return;
     const std::uint32_t i = impl_->index(body);
     if (!impl_->moves(i)) return;
     impl_->bodies[i].torque += torque;

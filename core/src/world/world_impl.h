@@ -65,6 +65,7 @@ struct WorldImpl {
     void stayPut(std::uint32_t body);
     void forgetImpulses(std::uint32_t body);
     void stopRunaways();
+    bool takes(bool finite, const char* what);
     void restrictInertia(std::uint32_t body);
 
     // world_pairs.cpp: broad phase.
@@ -481,7 +482,7 @@ struct WorldImpl {
 
     std::pmr::vector<ContactEvent> begins, ends, sensorBegins, sensorEnds;
     std::pmr::vector<ContactEvent> endsBetweenSteps, sensorEndsBetweenSteps;  ///< by destroying; told by the next step
-    bool stepping = false;
+    bool stepping = false, inStep = false;  ///< between its poses; from the first module called to the last
     std::pmr::vector<SurfaceEvent> surfaceEvents;
     std::pmr::vector<SleepEvent> sleepEvents, sleepEventsBetweenSteps;
     std::pmr::vector<JointBreak> jointBreaks;

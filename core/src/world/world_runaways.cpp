@@ -1,4 +1,6 @@
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "world/world_impl.h"
 
@@ -50,6 +52,14 @@ void WorldImpl::forgetImpulses(std::uint32_t index) {
         joint = fresh;
         compile(key >> 1);
     }
+}
+
+/// Whether a body can be given this. What is no number throws, but not within a step: there it is left out, and counts.
+bool WorldImpl::takes(bool finite, const char* what) {
+    if (finite) return true;
+    if (!inStep) throw std::invalid_argument(std::string(what) + " is not finite");
+    ++runaways;
+    return false;
 }
 
 /// One body's failure is not to be that of all it touches.

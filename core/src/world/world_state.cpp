@@ -178,6 +178,14 @@ std::string whyForeign(const StateHeader& header, const StateHeader& own, std::s
     return {};
 }
 
+void requireFitting(const StepModule& module, std::span<const std::byte> state) {
+    const std::string begin = std::string("the state of module '") + module.name + "' ";
+    if (state.size() != (module.saveSize ? module.saveSize(module.user) : 0))
+        throw std::invalid_argument(begin + "has another size");
+    if (module.fits && !module.fits(module.user, state))
+        throw std::invalid_argument(begin + "was saved under another definition, must be that of now");
+}
+
 }  // namespace
 
 void World::restore(std::span<const std::byte> from) {
@@ -199,8 +207,7 @@ void World::restore(std::span<const std::byte> from) {
             const auto length = reader.take(sizeof bytes);
             if (!length.empty()) std::memcpy(&bytes, length.data(), sizeof bytes);
             const auto state = reader.take(static_cast<std::size_t>(bytes));
-            if (!apply && !reader.failed() && bytes != (module->saveSize ? module->saveSize(module->user) : 0))
-                throw std::invalid_argument(std::string("the state of module '") + module->name + "' has another size");
+            if (!apply && !reader.failed()) requireFitting(*module, state);
             if (apply && bytes > 0 && module->restore) module->restore(module->user, state);
         }
         if (reader.failed() || reader.left() > 0) throw std::invalid_argument("the state is cut short or damaged");

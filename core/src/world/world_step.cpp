@@ -50,7 +50,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
 
     stages.clear();
     clearEvents();
-    stepping = true;
+    stepping = inStep = true;
     stepStart = std::chrono::steady_clock::now();
     beginStage("modules");
     for (StepModule* module : modules)
@@ -104,6 +104,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     beginStage("modules after");
     for (StepModule* module : modules)
         if (module->afterStep) module->afterStep(module->user, world, stepSeconds);
+    inStep = false;
     endStages();
 }
 

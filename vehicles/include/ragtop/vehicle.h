@@ -36,8 +36,8 @@ struct WheelTelemetry {
     float load = 0;               ///< N, normal to the ground
     float longitudinalForce = 0;  ///< N on the car, forward
     float lateralForce = 0;       ///< N on the car, to the left
-    float slipRatio = 0;     ///< tread speed over travel speed − 1, the larger of them below; −1 is a locked wheel
-    float slipAngle = 0;     ///< rad between heading and travel of the wheel, positive when it drifts to the left
+    float slipRatio = 0;     ///< tread less travel speed, over the larger of them or 1 m/s; −1 is a locked wheel
+    float slipAngle = 0;     ///< rad from the heading to the travel, fading below 1 m/s; positive when it drifts to the left
     float angularSpeed = 0;  ///< rad/s, positive forward
     float rotation = 0;      ///< rad about the axle, in (−π, π]
     float steerAngle = 0;    ///< rad, positive to the left

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <random>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "hatchback.h"
+
+namespace ragtop {
+
+/// Draws definitions of vehicles: each number that is drawn is somewhere in its declared range, often at an end of it.
+class AnyVehicle {
+public:
+    explicit AnyVehicle(unsigned seed) : dice_(seed) {}
+
+    /// A usable definition. Of its numbers none, some or all are the hatchback's.
+    VehicleDef draw() {
+        for (;;) {
+            share_ = std::vector<double>{0.02, 0.1, 0.4, 1}[index(4)];
+            VehicleDef def = hatchback();
+            describe(*this, def, static_cast<const VehicleDef*>(nullptr));
+            makeOrdered(def);
+            if (whyInvalid(def).empty()) return def;
+        }
+    }
+
+    std::size_t index(std::size_t count) { return std::uniform_int_distribution<std::size_t>(0, count - 1)(dice_); }
+    double between(double from, double to) { return std::uniform_real_distribution<double>(from, to)(dice_); }
+    bool chance(double share) { return between(0, 1) < share; }
+
+    template <class T>
+    void operator()(const Tunable& tunable, T& value) {
+        if constexpr (std::is_same_v<T, bool>) {
+            if (chance(share_)) value = chance(0.5);
+        } else if constexpr (std::is_arithmetic_v<T>) {
+            if (chance(share_)) value = static_cast<T>(number(tunable.minimum, tunable.maximum));
+        } else if constexpr (std::is_enum_v<T>) {
+            if (chance(share_)) value = static_cast<T>(index(enumNames(T{}).size()));
+        } else if constexpr (std::is_same_v<T, Vec3>) {
+            for (float* part : {&value.x, &value.y, &value.z}) (*this)(tunable, *part);
+        } else if constexpr (std::is_same_v<T, Frame>) {
+            const Tunable along{"", "m", -1e4, 1e4};
+            (*this)(along, value.position);
+            const Vec3 axis{1, static_cast<float>(between(-1, 1)), static_cast<float>(between(-1, 1))};
+            if (chance(share_)) value.rotation = rotationAbout(axis, static_cast<float>(between(-3, 3)));
+        } else if constexpr (std::is_same_v<T, Shape>) {
+            drawShape(value);
+        } else if constexpr (requires { describe(*this, value, static_cast<const T*>(nullptr)); }) {
+            describe(*this, value, static_cast<const T*>(nullptr));
+        } else if constexpr (requires { value.has_value(); }) {
+            drawOptional(tunable, value);
+        } else if constexpr (requires { value.capacity(); } && !std::is_same_v<T, std::string>) {
+            for (auto& one : value) (*this)(tunable, one);
+        }
+    }
+
+private:
+    double number(double from, double to) {
+        if (chance(0.1)) return from;
+        if (chance(0.1)) return to;
+        if (from > 0) return std::clamp(std::exp(between(std::log(from), std::log(to))), from, to);
+        const double end = from < 0 && chance(0.5) ? from : to;
+        return std::clamp(end * std::exp(between(std::log(1e-12), 0)), from, to);
+    }
+    template <class T>
+    void drawOptional(const Tunable& tunable, std::optional<T>& value) {
+        if constexpr (!std::is_same_v<T, VehicleVisualDef>) {
+            if (!chance(share_)) return;
+            value.reset();
+            if (chance(0.5)) return;
+            value.emplace();
+            (*this)(tunable, *value);
+        }
+    }
+    void drawShape(Shape& shape) {
+        if (!chance(share_)) return;
+        const auto drawn = [&](auto fresh) {
+            describe(*this, fresh, static_cast<const decltype(fresh)*>(nullptr));
+            shape = fresh;
+        };
+        switch (index(3)) {
+            case 0: return drawn(Box{});
+            case 1: return drawn(Sphere{});
+            default: return drawn(Capsule{});
+        }
+    }
+    /// What has to rise or fall does.
+    static void makeOrdered(VehicleDef& def) {
+        std::ranges::sort(def.engine.torqueCurve, {}, &TorquePoint::rpm);
+        std::ranges::sort(def.gearbox.ratios, std::greater{});
+        if (def.engine.limiterRpm < def.engine.idleRpm) std::swap(def.engine.limiterRpm, def.engine.idleRpm);
+        if (def.gearbox.shiftUpRpm < def.gearbox.shiftDownRpm)
+            std::swap(def.gearbox.shiftUpRpm, def.gearbox.shiftDownRpm);
+    }
+
+    std::mt19937 dice_;
+    double share_ = 1;
+};
+
+}  // namespace ragtop
