@@ -32,8 +32,9 @@ endif()
 
 # The package works from the build tree as well as installed: its files lie side by side in both.
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/ragtop)
+set(RAGTOP_DATA_DIR ${CMAKE_INSTALL_DATADIR}/ragtop)
 configure_package_config_file(cmake/ragtopConfig.cmake.in ${PROJECT_BINARY_DIR}/ragtopConfig.cmake
-    INSTALL_DESTINATION ${package_dir})
+    INSTALL_DESTINATION ${package_dir} PATH_VARS RAGTOP_DATA_DIR)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/ragtopConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 export(EXPORT ragtopTargets NAMESPACE ragtop:: FILE ${PROJECT_BINARY_DIR}/ragtopTargets.cmake)
 install(EXPORT ragtopTargets NAMESPACE ragtop:: DESTINATION ${package_dir})

@@ -19,7 +19,7 @@ function(ragtop_target target)
     set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
     target_compile_features(${target} PUBLIC cxx_std_20)
     target_compile_options(${target} PRIVATE
-        -Wall -Wextra -Wshadow -Werror -Wno-psabi
+        -Wall -Wextra -Wshadow $<$<BOOL:${RAGTOP_WARNINGS_AS_ERRORS}>:-Werror> -Wno-psabi
         -ffp-contract=off -fno-math-errno
         # g++ 12 reports overlapping copies inside std::string that cannot happen (GCC bug 105329).
         $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)

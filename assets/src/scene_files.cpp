@@ -1,30 +1,22 @@
 #include <algorithm>
 
 #include "described_file.h"
+#include "ragtop/data_folder.h"
 #include "ragtop/scene.h"
 #include "schema.h"
 
 namespace ragtop {
-namespace {
 
 namespace fs = std::filesystem;
 
-/// The source tree's data while it exists, else the installed one.
-fs::path sceneFolder() {
-    std::error_code error;
-    for (const char* data : {RAGTOP_DATA_SOURCE_DIR, RAGTOP_DATA_INSTALL_DIR}) {
-        if (fs::path folder = fs::path(data) / "scenes"; fs::is_directory(folder, error)) return folder;
-    }
-    return fs::path(RAGTOP_DATA_INSTALL_DIR) / "scenes";
-}
-
-}  // namespace
-
 std::vector<std::string> shippedScenes() {
     std::vector<std::string> names;
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator(sceneFolder(), error)) {
-        if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+    try {
+        for (const auto& entry : fs::directory_iterator(dataFolder() / "scenes")) {
+            if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+        }
+    } catch (const AssetError&) {
+        return {};
     }
     std::sort(names.begin(), names.end());
     return names;
@@ -44,9 +36,10 @@ fs::path findScene(std::string_view nameOrPath) {
     std::error_code error;
     const fs::path path(nameOrPath);
     if (fs::is_regular_file(path, error)) return path;
+    const fs::path data = dataFolder();
     const auto names = shippedScenes();
     if (std::find(names.begin(), names.end(), nameOrPath) != names.end()) {
-        return sceneFolder() / (std::string(nameOrPath) + ".json");
+        return data / "scenes" / (std::string(nameOrPath) + ".json");
     }
     std::string message = std::string(nameOrPath) + ": no such scene, must be a file or one of";
     for (const std::string& name : names) message += (&name == names.data() ? " " : ", ") + name;

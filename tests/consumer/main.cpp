@@ -14,6 +14,8 @@ int main() {
         recording.capture();
     }
     recording.write("hello.glb");
+    const auto car = ragtop::loadVehicle(ragtop::dataFolder() / "vehicles/hatchback.car.json");
+    std::printf("the shipped car has %zu wheels\n", car.wheels.size());
 
     const double height = static_cast<double>(world.pose(brick).position.y);
     std::printf("the brick rests at %.3f m\n", height);

@@ -1,71 +1,150 @@
 #!/bin/sh
-# run.sh find_package|add_subdirectory|pkg_config|readme|serve <source tree> <build tree> <C++ compiler> <build type>
+# run.sh <way> <source tree> <build tree> <C++ compiler> <build type>
 #
-# Builds a program on Ragtop the way a consumer would, runs it, and looks for the recording it writes.
-#   find_package      against an installation, with CMake
-#   pkg_config        against an installation, with pkg-config and the compiler alone
-#   add_subdirectory  from Ragtop's sources
-#   readme            the first C++ block of README.md, against the build tree
-#   serve             the first C++ block of docs/serve.md, against an installation; it must serve until it is ended
+# Uses Ragtop the way a stranger would. Against an installation that has been moved, and that the sources cannot help:
+#   install       makes that installation, which the next four use, and lists, runs and serves with its program
+#   remove        takes it away
+#   find_package  builds a program with CMake
+#   pkg_config    builds it with pkg-config and the compiler alone
+#   serve         builds the first C++ block of docs/serve.md; it must serve until it is ended
+# And without one:
+#   fetch_content builds the program with Ragtop's sources as a part of it
+#   readme        builds the first C++ block of README.md, against the build tree
 set -eu
 way=$1 source=$2 build=$3 compiler=$4 build_type=$5
 
+installed=$build/tests/installed
+prefix=$installed/moved
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-prefix=$work/prefix
 
-install_ragtop() {
-    cmake --install "$build" --prefix "$prefix" >"$work/install.log" || {
-        cat "$work/install.log"
-        exit 1
-    }
+fail() {
+    echo "$*" >&2
+    exit 1
+}
+
+configure_consumer() {
+    cmake -G Ninja -S "$source/tests/consumer" -B "$work/build" \
+        -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE="$build_type" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON "$@"
 }
 
 build_consumer() {
-    cmake -G Ninja -S "$source/tests/consumer" -B "$work/build" \
-        -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE="$build_type" "$@"
+    configure_consumer "$@"
     cmake --build "$work/build" --target consumer --parallel 2
     program=$work/build/consumer
 }
 
+# Starts a server in the background and waits for its address.
+start_serving() {
+    "$@" >"$work/output" 2>&1 &
+    server=$!
+    trap 'kill -KILL $server 2>"$work/killed" || true; rm -rf "$work"' EXIT
+    tries=0
+    until grep -q 'http://127.0.0.1:' "$work/output"; do
+        tries=$((tries + 1))
+        [ $tries -lt 600 ] && kill -0 $server || fail "does not serve: $(cat "$work/output")"
+        sleep 0.1
+    done
+    address=$(sed -n 's|.*\(http://127.0.0.1:[0-9]*/\).*|\1|p' "$work/output")
+}
+
+download() { # <url> <file>
+    printf 'file(DOWNLOAD %s %s STATUS status)\nlist(GET status 0 code)\nif(code)\nmessage(FATAL_ERROR "${status}")\nendif()\n' \
+        "$1" "$2" >"$work/download.cmake"
+    cmake -P "$work/download.cmake"
+}
+
+end_serving() {
+    kill -TERM $server
+    wait $server || true
+}
+
 first_block() { awk '/^```/ { if (inside) exit; inside = /^```cpp/; next } inside' "$1"; }
 
+# hide <path>: what is installed finds nothing there any more: the path becomes another one of its length.
+hide() {
+    find "$prefix" -type f -exec grep -lF "$1" {} + >"$work/naming" || true
+    while read -r file; do
+        LC_ALL=C sed -i "s|$1|$(printf %s "$1" | sed 's|[^/]|_|g')|g" "$file"
+    done <"$work/naming"
+}
+
+install_and_move() {
+    rm -rf "$installed"
+    mkdir -p "$installed"
+    cmake --install "$build" --prefix "$installed/first" >"$work/install.log" || fail "$(cat "$work/install.log")"
+    mv "$installed/first" "$prefix"
+    grep -rIlF -e "$source" -e "$build" -e "$installed/first" "$prefix" && fail "these name where they were built"
+    hide "$source"
+    hide "$build"
+    hide "$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$build/CMakeCache.txt")/share/ragtop"
+}
+
+try_program() {
+    ragtop=$prefix/bin/ragtop
+    [ -x "$ragtop" ] || return 0
+    cd "$work"
+    scenes=$(ls "$prefix/share/ragtop/scenes" | sed -n 's/\.json$//p')
+    [ "$("$ragtop" list | sed 's/ .*//')" = "$scenes" ] || fail "list does not tell of what is installed"
+    # A car, a person and an included file.
+    "$ragtop" run crash --steps 2 | grep -q '"finite": true' || fail "run does not find what the scene has in it"
+    page=$prefix/share/ragtop/page/ragtop.html
+    mkdir -p "${page%/*}"
+    [ -e "$page" ] || echo '<!doctype html><title>stands in for the page, which is not built</title>' >"$page"
+    start_serving "$ragtop" serve tower --port 0
+    download "$address" "$work/page.html"
+    cmp "$page" "$work/page.html"
+    end_serving
+    mv "$prefix/share" "$prefix/hidden"
+    for command in list 'run tower' 'serve tower --port 0'; do
+        status=0
+        "$ragtop" $command >"$work/nothing" 2>&1 || status=$?
+        [ $status = 2 ] && grep -q "RAGTOP_DATA.*moved/share/ragtop/scenes" "$work/nothing" ||
+            fail "$command without data ends with $status: $(cat "$work/nothing")"
+    done
+    mv "$prefix/hidden" "$prefix/share"
+}
+
 case $way in
+install)
+    install_and_move
+    try_program
+    exit
+    ;;
+remove)
+    rm -rf "$installed"
+    exit
+    ;;
 find_package)
-    install_ragtop
     build_consumer -DCMAKE_PREFIX_PATH="$prefix"
+    RAGTOP_DATA=$(cat "$work/build/data_folder")
+    export RAGTOP_DATA
     ;;
 pkg_config)
-    install_ragtop
     PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name ragtop.pc)")
-    export PKG_CONFIG_PATH
+    RAGTOP_DATA=$(PKG_CONFIG_PATH=$PKG_CONFIG_PATH pkg-config --variable=datadir ragtop)
+    export PKG_CONFIG_PATH RAGTOP_DATA
     # Unquoted: pkg-config answers with a list of arguments.
     "$compiler" -std=c++20 -O2 "$source/tests/consumer/main.cpp" -o "$work/consumer" \
         $(pkg-config --cflags --static --libs ragtop) -Wl,-rpath,"$(pkg-config --variable=libdir ragtop)"
     program=$work/consumer
     ;;
-add_subdirectory)
-    build_consumer -DRAGTOP_SOURCE="$source"
+fetch_content)
+    configure_consumer -DFETCHCONTENT_SOURCE_DIR_RAGTOP="$source"
+    ! grep -e -Werror "$work/build/compile_commands.json" || fail "warnings are errors in other people's builds"
+    # With the options of the build that is there, so that a compiler cache has it all.
+    build_consumer -DRAGTOP_WARNINGS_AS_ERRORS=ON
     ;;
 readme)
     first_block "$source/README.md" >"$work/hello.cpp"
     build_consumer -Dragtop_DIR="$build" -DCONSUMER_SOURCE="$work/hello.cpp"
     ;;
 serve)
-    install_ragtop
     first_block "$source/docs/serve.md" | sed 's/options{.name/options{.port = 0, .name/' >"$work/wind.cpp"
     build_consumer -DCMAKE_PREFIX_PATH="$prefix" -DCONSUMER_SOURCE="$work/wind.cpp" -DCONSUMER_LIBRARY=ragtop::serve
-    "$program" >"$work/output" &
-    server=$!
-    tries=0
-    until grep -q 'http://127.0.0.1:' "$work/output"; do
-        tries=$((tries + 1))
-        [ $tries -lt 100 ] && kill -0 $server || { cat "$work/output"; exit 1; }
-        sleep 0.1
-    done
+    start_serving "$program"
     cat "$work/output"
-    kill -TERM $server
-    wait $server || true
+    end_serving
     exit
     ;;
 *)

@@ -5,6 +5,7 @@
 #include "ragtop/body.h"
 #include "ragtop/character.h"
 #include "ragtop/command_buffer.h"
+#include "ragtop/data_folder.h"
 #include "ragtop/debug_draw.h"
 #include "ragtop/events.h"
 #include "ragtop/find_asset.h"

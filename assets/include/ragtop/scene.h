@@ -124,7 +124,7 @@ Scene loadScene(const std::filesystem::path& path, std::span<const SceneOverride
 
 /// The file of a scene that comes with the library, or the file of that path. Throws AssetError when there is none.
 std::filesystem::path findScene(std::string_view nameOrPath);
-/// Names of the scenes that come with the library, sorted.
+/// Names of the scenes that come with the library, sorted; none where there is no dataFolder(), which tells why.
 std::vector<std::string> shippedScenes();
 /// The description in a scene file; empty where there is none or the file is not usable.
 std::string sceneDescription(const std::filesystem::path& path);

@@ -3,6 +3,7 @@
 #include <system_error>
 
 #include "ragtop/asset_error.h"
+#include "ragtop/data_folder.h"
 
 namespace ragtop::live {
 namespace {
@@ -28,8 +29,13 @@ std::filesystem::path findPage(const std::optional<std::filesystem::path>& given
         if (!std::filesystem::is_regular_file(*given, error)) throw AssetError(given->string() + ": no such file");
         return *given;
     }
-    for (const char* path : {RAGTOP_PAGE_SOURCE, RAGTOP_PAGE_INSTALLED}) {
-        if (std::filesystem::is_regular_file(path, error)) return path;
+    std::filesystem::path installed;
+    try {
+        installed = dataFolder() / "page/ragtop.html";
+    } catch (const AssetError&) {
+    }
+    for (const std::filesystem::path& page : {installed, std::filesystem::path(RAGTOP_PAGE_SOURCE)}) {
+        if (std::filesystem::is_regular_file(page, error)) return page;
     }
     return {};
 }

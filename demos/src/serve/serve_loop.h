@@ -10,8 +10,8 @@
 
 namespace ragtop::live {
 
-/// The page: `given`, or else that of the source tree, or the installed one; empty when there is none. Throws
-/// AssetError when `given` is no file.
+/// The page: `given`, or else that in dataFolder(), or the source tree's; empty when there is none. Throws AssetError
+/// when `given` is no file.
 std::filesystem::path findPage(const std::optional<std::filesystem::path>& given);
 
 /// A session on a server, in real time.
