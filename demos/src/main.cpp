@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "inspect.h"
+#include "ragtop/data_folder.h"
 #include "ragtop/scene.h"
 #include "run.h"
 #include "serve/serve_scene.h"
@@ -32,6 +33,7 @@ std::vector<SceneOverride> parseOverrides(const std::vector<std::string>& texts)
 }
 
 void list() {
+    dataFolder();  // or tells where it has looked
     std::size_t width = 0;
     for (const std::string& name : shippedScenes()) width = std::max(width, name.size());
     for (const std::string& name : shippedScenes()) {
@@ -94,9 +96,25 @@ CLI::App* addServe(CLI::App& app, Command& command) {
     return serve;
 }
 
+/// What is wrong with the arguments, in one line.
+std::string usageError(const CLI::App& app, const CLI::ParseError& error) {
+    const auto unknown = app.remaining();
+    if (app.get_subcommands().empty() && !unknown.empty()) {
+        std::vector<std::string> commands;
+        for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+            commands.push_back(command->get_name());
+        }
+        return fmt::format("\"{}\" is unknown, must be one of {}", unknown[0], fmt::join(commands, ", "));
+    }
+    std::string line = error.what();
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    return line;
+}
+
 int execute(int argc, char** argv) {
     CLI::App app{"Game physics with cars and ragdolls", "ragtop"};
-    app.require_subcommand(1);
+    app.set_version_flag("--version", "ragtop " RAGTOP_VERSION);
+    app.require_subcommand(0, 1);
     Command command;
     CLI::App* listed = app.add_subcommand("list", "List the scenes that come with ragtop");
     CLI::App* run = addRun(app, command);
@@ -108,9 +126,11 @@ int execute(int argc, char** argv) {
         command.run.overrides = command.serve.world.overrides = parseOverrides(command.settings);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);
-        std::string line = error.what();
-        for (char& c : line) c = c == '\n' ? ' ' : c;
-        fmt::print(stderr, "ragtop: {}\n", line);
+        fmt::print(stderr, "ragtop: {}\n", usageError(app, error));
+        return kBadInput;
+    }
+    if (app.get_subcommands().empty()) {
+        fmt::print(stderr, "{}", app.help());
         return kBadInput;
     }
     if (listed->parsed()) list();

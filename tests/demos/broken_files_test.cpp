@@ -127,8 +127,9 @@ const std::vector<Broken> kModels{
 };
 
 const std::vector<Broken> kUsage{
-    {"no_command", "", {"ragtop:"}},
-    {"unknown_command", "fly", {"ragtop:"}},
+    {"unknown_command", "fly", {"\"fly\" is unknown", "must be one of list, run, serve, inspect"}},
+    {"unknown_option_of_none", "--fast", {"\"--fast\" is unknown"}},
+    {"two_words", "list crash", {"crash"}},
     {"unknown_scene", "run towr", {"towr: no such scene", "did you mean \"tower\"?"}},
     {"unknown_option", "run tower --fast", {"--fast"}},
     {"bad_number", "run tower --steps many", {"--steps", "many"}},
@@ -151,5 +152,13 @@ INSTANTIATE_TEST_SUITE_P(Vehicle, BrokenFile, testing::ValuesIn(kVehicles), name
 INSTANTIATE_TEST_SUITE_P(Ragdoll, BrokenFile, testing::ValuesIn(kRagdolls), nameOf);
 INSTANTIATE_TEST_SUITE_P(Model, BrokenFile, testing::ValuesIn(kModels), nameOf);
 INSTANTIATE_TEST_SUITE_P(Usage, BrokenFile, testing::ValuesIn(kUsage), nameOf);
+
+TEST(Usage, WithoutACommandIsTheHelp) {
+    const ProgramResult result = ragtop("");
+    EXPECT_EQ(result.exitCode, 2);
+    for (const char* text : {"Usage: ragtop", "--help", "--version", "list", "run", "serve", "inspect"}) {
+        EXPECT_THAT(result.errors, HasSubstr(text));
+    }
+}
 
 }  // namespace

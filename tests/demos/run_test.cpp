@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -119,6 +120,10 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SceneRun, testing::Values("crash", "hills", "ra
 TEST(Run, SettingsChangeWhatHappens) {
     const std::string rest = hashOf(ragtop("run tower --steps 30 --set gravity=[0,0,0]"));
     EXPECT_NE(rest, hashOf(ragtop("run tower --steps 30")));
+}
+
+TEST(Version, IsPrinted) {
+    EXPECT_THAT(ragtop("--version"), testing::MatchesRegex("ragtop [0-9]+\\.[0-9]+\\.[0-9]+\n"));
 }
 
 TEST(Inspect, TellsWhatAVehicleAndASceneHave) {
