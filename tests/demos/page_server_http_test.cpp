@@ -149,6 +149,21 @@ TEST(PageServer, AnswersThatAreNotReadEnd) {
     EXPECT_LT(stuck.receiveAll().size(), std::size_t{32} << 20);
 }
 
+TEST(PageServer, IdleConnectionsMakeRoomTheOldestFirst) {
+    PageServerOptions options;
+    options.requestSeconds = 3600;  // they do not end by themselves
+    PageServer server(onAnyPort(options));
+    WebClient page(server.port());
+    const ClientId id = openedBy(page, server);
+    std::vector<WebClient> idle;
+    for (int i = 0; i < 200; ++i) idle.emplace_back(server.port());
+    EXPECT_EQ(WebClient(server.port()).get("/").status, 200);
+    EXPECT_EQ(idle.front().receiveAll(), "") << "it has been ended";
+    EXPECT_EQ(idle.back().get("/").status, 200) << "it came late and is still there";
+    server.send(id, "still here");
+    EXPECT_EQ(page.receiveTextWith("here"), "still here");
+}
+
 TEST(PageServer, ConnectionsBeyondTheLimitWaitTheirTurn) {
     PageServerOptions options;
     options.connections = 4;

@@ -63,12 +63,17 @@ public:
         parser_->header_limit(kHeaderBytes);
         parser_->body_limit(std::numeric_limits<std::uint64_t>::max());  // Boost 1.74 takes "none" for 0
         allowSeconds(context_.options.requestSeconds);
+        waiting_.emplace(context_.waiting, [this] {
+            waiting_.reset();
+            stream_.close();
+        });
         http::async_read_header(stream_, incoming_, *parser_,
                                 [self = shared_from_this()](error_code error, std::size_t) { self->onRead(error); });
     }
 
 private:
     void onRead(error_code error) {
+        waiting_.reset();
         if (error == http::error::header_limit || error == http::error::buffer_overflow) {
             return write(textAnswer(431, "The request is too long"), false);
         }
@@ -137,6 +142,7 @@ private:
     std::shared_ptr<const std::vector<std::byte>> body_;
     http::response<http::span_body<const std::byte>> response_;
     std::array<char, 4096> drained_;
+    std::optional<WaitingPlace> waiting_;
 };
 
 }  // namespace

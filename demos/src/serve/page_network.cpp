@@ -36,6 +36,7 @@ tcp::acceptor listenOn(asio::io_context& io, int port) {
     acceptor.open(tcp::v4(), error);
     if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
     if (!error) acceptor.bind({asio::ip::address_v4::loopback(), static_cast<unsigned short>(port)}, error);
+    if (!error) acceptor.non_blocking(true, error);
     if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
     if (error == asio::error::address_in_use) {
         throw std::runtime_error(fmt::format("port {} is taken: choose another one, or 0 for any free one", port));
@@ -86,8 +87,7 @@ struct PageNetwork::Impl {
     }
 
     void accept() {
-        if (context.connections >= options.connections) return acceptLater();
-        acceptor.async_accept([this](error_code error, tcp::socket socket) { onAccept(error, std::move(socket)); });
+        acceptor.async_wait(tcp::acceptor::wait_read, [this](error_code error) { error ? acceptLater() : take(); });
     }
 
     /// For want of room, or of file descriptors.
@@ -96,7 +96,15 @@ struct PageNetwork::Impl {
         room.async_wait([this](error_code) { accept(); });
     }
 
-    void onAccept(error_code error, tcp::socket socket) {
+    /// Somebody asks for a connection. Where there is no room, it is made by who has longest not asked for anything.
+    void take() {
+        if (context.connections >= options.connections) {
+            if (context.waiting.empty()) return acceptLater();
+            const auto end = context.waiting.front();  // a copy, since it takes itself off the list
+            end();
+        }
+        error_code error;
+        tcp::socket socket = acceptor.accept(error);
         if (error) return acceptLater();
         Counted connection(context.connections);
         accept();

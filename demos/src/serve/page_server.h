@@ -20,7 +20,9 @@ struct PageServerOptions {
     std::filesystem::path page;  ///< HTML file given at "/", read once; empty: a short text says how to build it
 
     std::size_t clients = 16;                ///< pages at once; further ones get 503
-    std::size_t connections = 64;            ///< open sockets at once, pages among them; further ones wait
+    /// Open sockets at once, pages among them. A further one ends the one that has longest not asked for anything;
+    /// where all are pages or read an answer, it waits.
+    std::size_t connections = 64;
     std::size_t messageBytes = 64 * 1024;    ///< of one message from a page; longer ones close it with 1009
     std::size_t unreadMessages = 256;        ///< of one page; further ones are dropped with an error answer
     std::size_t unreadBytes = 4 << 20;       ///< of all pages; likewise

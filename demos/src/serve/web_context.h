@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <utility>
@@ -27,6 +29,23 @@ private:
     std::size_t* count_;
 };
 
+/// Connections that wait for a request, each by the function that ends it; the longest wait comes first.
+using Waiting = std::list<std::function<void()>>;
+
+/// A place among those for as long as it lives.
+class WaitingPlace {
+public:
+    WaitingPlace(Waiting& waiting, std::function<void()> end)
+        : waiting_(waiting), at_(waiting.insert(waiting.end(), std::move(end))) {}
+    WaitingPlace(const WaitingPlace&) = delete;
+    WaitingPlace& operator=(const WaitingPlace&) = delete;
+    ~WaitingPlace() { waiting_.erase(at_); }
+
+private:
+    Waiting& waiting_;
+    const Waiting::iterator at_;
+};
+
 /// What the connections of a server share. It belongs to the network's thread.
 struct WebContext {
     const PageServerOptions& options;
@@ -34,6 +53,7 @@ struct WebContext {
     Mailbox& mailbox;
     int port = 0;
     std::size_t connections = 0, pages = 0;                   ///< open now
+    Waiting waiting{};
     std::map<ClientId, std::weak_ptr<PageSocket>> sockets{};  ///< of the pages that have joined
 };
 
