@@ -1,12 +1,35 @@
 #pragma once
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <filesystem>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 
-/// A path for a file of one test: tests run at once, each in a process of its own.
+/// A folder of this process that goes away with it, whatever is in it then.
+class TemporaryOfProcess {
+public:
+    TemporaryOfProcess() {
+        path = (std::filesystem::temp_directory_path() / "ragtop_XXXXXX").string();
+        if (!mkdtemp(path.data())) throw std::runtime_error(path + ": cannot be made");
+    }
+    ~TemporaryOfProcess() {
+        std::error_code ignored;
+        // Children that were forked off end too, and leave it be.
+        if (getpid() == owner_) std::filesystem::remove_all(path, ignored);
+    }
+    TemporaryOfProcess(const TemporaryOfProcess&) = delete;
+    TemporaryOfProcess& operator=(const TemporaryOfProcess&) = delete;
+
+    std::string path;
+
+private:
+    const pid_t owner_ = getpid();
+};
+
+/// A path for a file or folder of one test: tests run at once, each in a process of its own. Nobody needs to remove it.
 inline std::filesystem::path temporaryPath(const std::string& name) {
-    return std::filesystem::path(testing::TempDir()) / ("ragtop_" + std::to_string(getpid()) + "_" + name);
+    static const TemporaryOfProcess folder;
+    return std::filesystem::path(folder.path) / name;
 }

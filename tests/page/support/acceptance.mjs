@@ -42,7 +42,9 @@ export async function acceptance(required, test) {
   }
   const deferred = [];
   const folder = await mkdtemp(path.join(tmpdir(), 'ragtop-page-'));
-  deferred.push(() => rm(folder, { recursive: true, force: true }));
+  // The browser and playwright leave theirs there too.
+  process.env.TMPDIR = folder;
+  deferred.push(() => rm(folder, { recursive: true, force: true, maxRetries: 10 }));
   let failed = false;
   try {
     await test({ folder, defer: (action) => deferred.push(action) });
