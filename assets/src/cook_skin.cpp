@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <vector>
 
 #include "character_import.h"
 #include "ragtop/visual.h"
@@ -93,27 +94,33 @@ private:
 
     /// The four joints that move each vertex the most, their weights made to sum to one.
     std::vector<VertexJoints> jointsOf(const ImportedMesh& mesh, const CharacterPiece& piece) const {
-        using Influence = std::pair<float, std::uint16_t>;
+        struct Influence {
+            float weight;
+            std::uint16_t joint;
+            std::size_t place;
+        };
         std::vector<std::vector<Influence>> influences(mesh.vertices.size());
         for (const ImportedBone& bone : mesh.bones) {
             const auto found = from_.boneOf.find(bone.name);
             if (found == from_.boneOf.end()) continue;
             for (const ImportedWeight& w : bone.weights) {
-                if (w.weight > 0)
-                    influences[w.vertex].emplace_back(w.weight, static_cast<std::uint16_t>(found->second));
+                std::vector<Influence>& all = influences[w.vertex];
+                if (w.weight > 0) all.push_back({w.weight, static_cast<std::uint16_t>(found->second), all.size()});
             }
         }
         std::vector<VertexJoints> result;
         for (std::vector<Influence>& all : influences) {
-            std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+            std::sort(all.begin(), all.end(), [](const Influence& a, const Influence& b) {
+                return a.weight > b.weight || (a.weight == b.weight && a.place < b.place);
+            });
             all.resize(std::min<std::size_t>(all.size(), 4));
             float sum = 0;
-            for (const Influence& one : all) sum += one.first;
+            for (const Influence& one : all) sum += one.weight;
             VertexJoints vertex;
             vertex.joints[0] = static_cast<std::uint16_t>(std::max(piece.bone, 0));
             for (std::size_t i = 0; i < all.size(); ++i) {
-                vertex.joints[i] = all[i].second;
-                vertex.weights[i] = all[i].first / sum;
+                vertex.joints[i] = all[i].joint;
+                vertex.weights[i] = all[i].weight / sum;
             }
             result.push_back(vertex);
         }

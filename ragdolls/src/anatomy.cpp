@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <tuple>
 
 #include "bone_tree.h"
 
@@ -93,8 +94,9 @@ private:
                     if (b <= a || reach(a) < shortest || reach(b) < shortest) continue;
                     if (const auto pair = mirrored(bone, a, b)) pairs.push_back(*pair);
                 }
-        std::stable_sort(pairs.begin(), pairs.end(),
-                         [](const LimbPair& a, const LimbPair& b) { return a.reach > b.reach; });
+        std::sort(pairs.begin(), pairs.end(), [](const LimbPair& a, const LimbPair& b) {
+            return std::tie(b.reach, a.attach, a.root) < std::tie(a.reach, b.attach, b.root);
+        });
         return pairs;
     }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <vector>
 
 #include "shapes/mesh_build.h"
 
@@ -96,6 +97,20 @@ std::size_t halve(const Items& items) {
     return items.size() / 2;
 }
 
+/// The items below the split come first; both sides keep their order.
+std::size_t divide(const Items& items, const Split& split) {
+    std::vector<Item> above;
+    auto to = items.begin();
+    for (const Item& item : items) {
+        if (split.binOf(item) < split.bin)
+            *to++ = item;
+        else
+            above.push_back(item);
+    }
+    std::copy(above.begin(), above.end(), to);
+    return static_cast<std::size_t>(to - items.begin());
+}
+
 void addNode(std::vector<MeshNode>& nodes, const Items& items, std::uint32_t first, int depth) {
     Bounds bounds = kNothing;
     for (const Item& item : items) bounds = merge(bounds, item.bounds);
@@ -104,14 +119,7 @@ void addNode(std::vector<MeshNode>& nodes, const Items& items, std::uint32_t fir
     if (items.size() <= kLeafSize) return;
 
     const Split split = depth < kBalancedDepth ? bestSplit(items) : Split{};
-    std::size_t half;
-    if (split.axis >= 0) {
-        const auto middle = std::stable_partition(items.begin(), items.end(),
-                                                  [&](const Item& item) { return split.binOf(item) < split.bin; });
-        half = static_cast<std::size_t>(middle - items.begin());
-    } else {
-        half = halve(items);
-    }
+    const std::size_t half = split.axis >= 0 ? divide(items, split) : halve(items);
     nodes[self].count = 0;
     addNode(nodes, items.first(half), first, depth + 1);
     nodes[self].first = static_cast<std::uint32_t>(nodes.size());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "ragtop/command_buffer.h"
 #include "world/world_impl.h"
@@ -13,6 +15,16 @@ namespace {
 
 std::pmr::memory_resource* orDefault(std::pmr::memory_resource* memory) {
     return memory ? memory : std::pmr::get_default_resource();
+}
+
+/// By their keys; those of one key stay in the order given.
+std::vector<CommandBuffer*> inOrder(std::span<CommandBuffer* const> buffers) {
+    std::vector<std::pair<std::uint64_t, std::size_t>> order;
+    for (std::size_t i = 0; i < buffers.size(); ++i) order.emplace_back(buffers[i]->key(), i);
+    std::sort(order.begin(), order.end());
+    std::vector<CommandBuffer*> ordered;
+    for (const auto& [key, place] : order) ordered.push_back(buffers[place]);
+    return ordered;
 }
 
 int checkedLanes(int lanes) {
@@ -220,11 +232,8 @@ bool World::isValid(ShapeId id) const { return impl_->shapeSlots.isValid(id.inde
 bool World::isValid(JointId id) const { return impl_->jointSlots.isValid(id.index, id.generation); }
 
 void World::apply(std::span<CommandBuffer* const> buffers) {
-    std::vector<CommandBuffer*> ordered(buffers.begin(), buffers.end());
-    std::stable_sort(ordered.begin(), ordered.end(),
-                     [](const CommandBuffer* a, const CommandBuffer* b) { return a->key() < b->key(); });
     std::exception_ptr first;
-    for (CommandBuffer* buffer : ordered)
+    for (CommandBuffer* buffer : inOrder(buffers))
         for (CommandBuffer::Command& command : buffer->commands_) try {
                 using B = CommandBuffer;
                 if (auto* c = std::get_if<B::CreateBody>(&command)) {
