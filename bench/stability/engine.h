@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -17,8 +16,13 @@ struct BodyMotion {
     Vec3 w;  ///< rad/s
 };
 
-/// Thrown by an adapter whose engine cannot represent something in a scene; the case then has no row for that engine.
+/// Thrown by an adapter whose engine cannot represent something in a scene: the case is skipped for that engine.
 struct Unsupported : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+/// Thrown where this program was built without what a case needs: the case is skipped, which is a failure where
+/// everything should be there.
+struct Missing : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
@@ -35,27 +39,33 @@ public:
     /// Puts another body into the scene and returns its index.
     virtual int add(const BodyDef&) { throw Unsupported("bodies that come later"); }
     virtual void remove(int body) = 0;
-    /// Sum of the normal forces (N) between two bodies in the last step; empty where the engine does not tell.
-    virtual std::optional<double> normalForce(int a, int b) const = 0;
+    /// Sum of the normal forces (N) between two bodies in the last step.
+    virtual double normalForce(int a, int b) const = 0;
     /// What the engine itself reports to have gone wrong since the scene began, such as a full buffer or a reset.
     virtual std::string complaint() const { return {}; }
 };
 
 struct EngineKind {
     std::string name;
+    /// Null where this program was built without it.
     std::unique_ptr<Engine> (*make)(const Scene& scene);
 };
 
-/// Those that this program was built with; Ragtop is the first.
+/// All there are; Ragtop is the first.
 std::span<const EngineKind> engineKinds();
 
 std::unique_ptr<Engine> makeRagtop(const Scene& scene);
 std::unique_ptr<Engine> makeBullet(const Scene& scene);
+/// With 50 iterations instead of ten.
+std::unique_ptr<Engine> makeBullet50(const Scene& scene);
+/// With four steps where the others make one.
 std::unique_ptr<Engine> makeBullet240(const Scene& scene);
 /// Bullet as the speeds of other engines were compared with: hulls with its margin around them, limited balls as its
 /// six-axis springs with motors for friction, sleeping as the scene says. Takes bodies that come later.
 std::unique_ptr<Engine> makeBulletYardstick(const Scene& scene);
 std::unique_ptr<Engine> makeMujoco(const Scene& scene);
+/// With its own trees of joints instead of equality constraints.
+std::unique_ptr<Engine> makeMujocoTrees(const Scene& scene);
 std::unique_ptr<Engine> makeOde(const Scene& scene);
 std::unique_ptr<Engine> makeOdeExact(const Scene& scene);
 

@@ -1,6 +1,7 @@
 #include "isolation.h"
 
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -48,10 +49,15 @@ Child start(std::size_t index, const std::function<std::string()>& job) {
 Outcome finish(Child& child) {
     ::close(child.pipe);
     int status = 0;
-    ::waitpid(child.process, &status, 0);
-    if (WIFSIGNALED(status)) return {{}, ::strsignal(WTERMSIG(status))};
-    if (WEXITSTATUS(status) != 0) return {{}, "exit code " + std::to_string(WEXITSTATUS(status))};
-    return {std::move(child.text), {}};
+    rusage usage{};
+    ::wait4(child.process, &status, 0, &usage);
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    const double took = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+    if (WIFSIGNALED(status)) return {{}, ::strsignal(WTERMSIG(status)), took};
+    if (WEXITSTATUS(status) != 0) return {{}, "exit code " + std::to_string(WEXITSTATUS(status)), took};
+    return {std::move(child.text), {}, took};
 }
 
 /// Reads what the children have to say; true when the child is at its end.

@@ -8,8 +8,9 @@ namespace ragtop::stability {
 
 /// What became of a piece of work in a process of its own.
 struct Outcome {
-    std::string text;   ///< what the work returned
-    std::string death;  ///< empty, or what ended it otherwise
+    std::string text;    ///< what the work returned
+    std::string death;   ///< empty, or what ended it otherwise
+    double seconds = 0;  ///< of processor time
 };
 
 /// Runs works in child processes, so many at once, so that one that crashes or aborts takes nothing with it. `done`

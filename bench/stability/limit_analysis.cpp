@@ -153,7 +153,7 @@ bool LimitAnalysis::stands(double friction) const {
 
 #else
 
-bool LimitAnalysis::stands(double) const { throw Unsupported("needs GLPK"); }
+bool LimitAnalysis::stands(double) const { throw Missing("this program was built without GLPK"); }
 
 #endif
 

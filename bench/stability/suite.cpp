@@ -4,14 +4,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <limits>
-#include <set>
 #include <stdexcept>
+#include <string_view>
 
-#include "brief_cases.h"
 #include "families.h"
 #include "isolation.h"
 #include "report.h"
+#include "sabotage.h"
 
 namespace ragtop::stability {
 namespace {
@@ -25,15 +26,24 @@ struct Job {
     Trial::Setting setting;
 };
 
-bool isSelected(const Family& family, const Case& test, Selection selection) {
-    if (selection == Selection::brief) return std::ranges::count(kBriefCases, family.name + "/" + test.name) > 0;
+const EngineKind kSaboteurs{"saboteurs", nullptr};
+
+bool isSelected(const Case& test, Selection selection) {
+    if (selection == Selection::brief && !test.brief) return false;
     return test.kind != Kind::longer || selection == Selection::longer;
 }
 
+std::vector<const EngineKind*> enginesOf(const Case& test, const SuiteOptions& options) {
+    if (options.sabotaged) return {&kSaboteurs};
+    std::vector<const EngineKind*> engines;
+    for (const EngineKind* engine : options.engines)
+        if (engine->make && (test.kind != Kind::ragtopOnly || engine->make == makeRagtop)) engines.push_back(engine);
+    return engines;
+}
+
 void addJobs(const Family& family, const Case& test, const SuiteOptions& options, std::vector<Job>& jobs) {
-    if (!isSelected(family, test, options.selection)) return;
-    for (const EngineKind* engine : options.engines) {
-        if (test.kind == Kind::ragtopOnly && engine->make != makeRagtop) continue;
+    if (!isSelected(test, options.selection)) return;
+    for (const EngineKind* engine : enginesOf(test, options)) {
         const auto addJob = [&](double dt, const std::string& name) {
             if (std::regex_search(family.name + "/" + name, options.filter))
                 jobs.push_back({&test, {family.name, name, engine, dt, options.records}});
@@ -44,52 +54,62 @@ void addJobs(const Family& family, const Case& test, const SuiteOptions& options
     }
 }
 
-/// A name that no case has any more would drop a test silently.
-void checkBriefCases(const std::vector<Family>& families) {
-    std::set<std::string, std::less<>> names;
+/// A family without a case in the short selection would go untested in every build.
+void checkSelections(const std::vector<Family>& families) {
     for (const Family& family : families)
-        for (const Case& test : family.cases) names.insert(family.name + "/" + test.name);
-    for (const std::string_view name : kBriefCases)
-        if (!names.contains(name)) throw std::logic_error(fmt::format("brief_cases.h: there is no case {}", name));
+        if (std::ranges::none_of(family.cases, [](const Case& test) { return isSelected(test, Selection::brief); }))
+            throw std::logic_error(fmt::format("{} has no case in the short selection", family.name));
 }
 
 std::vector<Job> jobsOf(const std::vector<Family>& families, const SuiteOptions& options) {
-    checkBriefCases(families);
+    checkSelections(families);
     std::vector<Job> jobs;
     for (const Family& family : families)
         for (const Case& test : family.cases) addJobs(family, test, options, jobs);
     return jobs;
 }
 
-Row rowOfFailure(const Trial::Setting& setting, const std::string& what) {
+/// In place of the rows of a case that has none.
+Row rowWithout(const Trial::Setting& setting, Verdict verdict, const std::string& why) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    return {setting.family, setting.name, setting.engine->name, kNone, 0, 0, "", false, 0, what};
+    return {setting.family, setting.name, setting.engine->name, kNone, 0, 0, "", verdict, 0, why};
 }
 
-/// Empty when the engine cannot represent the case.
+Verdict verdictOfMissing() { return isInCi() ? Verdict::fails : Verdict::skipped; }
+
 std::vector<Row> runJob(const Job& job) {
     Trial trial(job.setting);
     try {
+        if (job.setting.engine == &kSaboteurs) return sabotage(*job.test, job.setting);
         job.test->run(trial);
-    } catch (const Unsupported&) {
-        return {};
+    } catch (const Missing& missing) {
+        return {rowWithout(job.setting, verdictOfMissing(), missing.what())};
+    } catch (const Unsupported& unsupported) {
+        return {rowWithout(job.setting, Verdict::skipped, unsupported.what())};
     } catch (const std::exception& error) {
-        return {rowOfFailure(job.setting, error.what())};
+        return {rowWithout(job.setting, Verdict::fails, error.what())};
     }
     return trial.rows();
 }
 
 }  // namespace
 
-void runSuite(const SuiteOptions& options, const std::function<void(const std::vector<Row>&)>& report) {
+double runSuite(const SuiteOptions& options, const std::function<void(const std::vector<Row>&)>& report) {
     const std::vector<Family> families = allFamilies();
     const std::vector<Job> jobs = jobsOf(families, options);
+    for (const EngineKind* engine : options.engines)
+        if (!engine->make)
+            report({rowWithout({"", "all cases", engine, 0, {}}, verdictOfMissing(),
+                               "this program was built without it")});
     std::vector<std::function<std::string()>> works;
     for (const Job& job : jobs) works.push_back([&job] { return toJson(runJob(job)); });
+    double seconds = 0;
     runIsolated(works, options.jobs, [&](std::size_t i, const Outcome& outcome) {
+        seconds += outcome.seconds;
         report(outcome.death.empty() ? rowsFromJson(outcome.text)
-                                     : std::vector{rowOfFailure(jobs[i].setting, outcome.death)});
+                                     : std::vector{rowWithout(jobs[i].setting, Verdict::fails, outcome.death)});
     });
+    return seconds;
 }
 
 std::vector<std::string> selectedCases(const SuiteOptions& options) {
@@ -100,6 +120,13 @@ std::vector<std::string> selectedCases(const SuiteOptions& options) {
         if (names.empty() || names.back() != name) names.push_back(std::move(name));
     }
     return names;
+}
+
+int expectedRows(Selection selection) { return selection == Selection::brief ? 528 : 545; }
+
+bool isInCi() {
+    const char* ci = std::getenv("CI");
+    return ci && std::string_view(ci) == "true";
 }
 
 }  // namespace ragtop::stability

@@ -22,6 +22,9 @@ struct Case {
     std::string name;
     std::function<void(Trial&)> run;
     Kind kind = Kind::swept;
+    /// --short runs it, and so the tests of every build. Not where it takes seconds, or compares times, which needs an
+    /// idle machine. One that fails is never taken out for that.
+    bool brief = true;
 };
 
 /// Cases about one thing.
@@ -30,21 +33,30 @@ struct Family {
     std::vector<Case> cases;
 };
 
-/// What --short runs is listed in brief_cases.h, --long adds to the normal selection.
+/// --short runs the brief cases, --long adds to the normal selection.
 enum class Selection { brief, normal, longer };
 
 struct SuiteOptions {
     std::vector<const EngineKind*> engines;
     std::regex filter{""};  ///< searched for in "family/case"
     Selection selection = Selection::normal;
+    bool sabotaged = false;  ///< with Ragtop's saboteurs instead of the engines
     std::optional<std::filesystem::path> records;
     int jobs = 1;  ///< processes that run cases
 };
 
-/// Runs the selected cases; `report` is given the rows of each case in turn.
-void runSuite(const SuiteOptions& options, const std::function<void(const std::vector<Row>&)>& report);
+/// Runs the selected cases; `report` is given the rows of each case in turn. Returns the processor time that all of
+/// them took, s.
+double runSuite(const SuiteOptions& options, const std::function<void(const std::vector<Row>&)>& report);
 
 /// Lists what would run, as "family/case".
 std::vector<std::string> selectedCases(const SuiteOptions& options);
+
+/// How many rows Ragtop has at least in a selection that no filter narrows. Fewer are a failure, since a row that is
+/// gone would hold for ever; whoever adds some raises it.
+int expectedRows(Selection selection);
+
+/// Is this where nothing may be missing? Told by CI=true in the environment.
+bool isInCi();
 
 }  // namespace ragtop::stability

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "extremes.h"
@@ -90,23 +91,23 @@ Run::Run(Run&&) noexcept = default;
 
 void Run::step() {
     const double before = threadMs();
-    engine_->step(trial_->dt());
+    if (!lost_) engine_->step(trial_->dt());
     trial_->cpuMs_ += threadMs() - before;
     trial_->simulated_ += trial_->dt();
     ++steps_;
-    if (trial_->fault_.empty()) trial_->fault_ = fault();
+    inspect();
     if (film_) film_->capture(*engine_, trial_->dt());
 }
 
-std::string Run::fault() const {
-    if (std::string complaint = engine_->complaint(); !complaint.empty()) return complaint;
-    for (std::size_t i = 0; i < masses_.size(); ++i) {
+void Run::inspect() {
+    if (trial_->fault_.empty()) trial_->fault_ = engine_->complaint();
+    for (std::size_t i = 0; i < masses_.size() && !lost_; ++i) {
         if (!(masses_[i].mass > 0)) continue;
         const BodyMotion m = motion(static_cast<int>(i));
-        if (!isFinite(m.pose.position) || !isFinite(m.pose.rotation) || !isFinite(m.v) || !isFinite(m.w))
-            return fmt::format("body {} is nowhere after {:.3g} s", i, time());
+        if (isFinite(m.pose.position) && isFinite(m.pose.rotation) && isFinite(m.v) && isFinite(m.w)) continue;
+        lost_ = true;
+        if (trial_->fault_.empty()) trial_->fault_ = fmt::format("body {} is nowhere after {:.3g} s", i, time());
     }
-    return {};
 }
 
 bool Run::advance(double seconds, const std::function<bool()>& goOn) {
@@ -186,11 +187,18 @@ void Trial::expectAtLeast(const std::string& what, double value, double referenc
     file(what, value, reference, 0, unit, value >= reference);
 }
 
+void Trial::skip(const std::string& what, const std::string& why) {
+    file(what, std::numeric_limits<double>::quiet_NaN(), 0, 0, "", false);
+    rows_.back().verdict = Verdict::skipped;
+    rows_.back().note = why;
+}
+
 void Trial::file(const std::string& what, double value, double reference, double bound, const std::string& unit,
                  bool pass) {
     const std::string name = setting_.name + (what.empty() ? "" : ": ") + what;
-    rows_.push_back({setting_.family, name, engine().name, value, reference, bound, unit, pass && fault_.empty(),
-                     simulated_ > 0 ? cpuMs_ / simulated_ : 0, fault_});
+    rows_.push_back({setting_.family, name, engine().name, value, reference, bound, unit,
+                     pass && fault_.empty() ? Verdict::holds : Verdict::fails, simulated_ > 0 ? cpuMs_ / simulated_ : 0,
+                     fault_});
 }
 
 }  // namespace ragtop::stability

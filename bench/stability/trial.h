@@ -13,6 +13,8 @@
 
 namespace ragtop::stability {
 
+enum class Verdict { holds, fails, skipped };
+
 /// One measured quantity and its verdict.
 struct Row {
     std::string family, name, engine;
@@ -20,9 +22,9 @@ struct Row {
     double reference = 0;  ///< what it should be
     double bound = 0;      ///< how far it may be off
     std::string unit;
-    bool pass = false;
+    Verdict verdict = Verdict::fails;
     double ms = 0;     ///< processor time per simulated second, without setting up and measuring
-    std::string note;  ///< what went wrong in the run, whatever the value
+    std::string note;  ///< what went wrong in the run, whatever the value, or why it was skipped
 };
 
 class Trial;
@@ -59,8 +61,8 @@ public:
 private:
     friend class Trial;
     Run(Trial& trial, Scene scene, const std::string& label);
-    /// What makes every measurement of this run worthless; empty while nothing does.
-    std::string fault() const;
+    /// Whether a body is nowhere, or the engine has something to complain of.
+    void inspect();
     struct Film;
 
     Trial* trial_;
@@ -69,6 +71,7 @@ private:
     std::unique_ptr<Engine> engine_;
     std::unique_ptr<Film> film_;
     int steps_ = 0;
+    bool lost_ = false;  ///< a body is nowhere: nothing is left to be simulated
 };
 
 /// One case in one engine: starts runs and files rows.
@@ -98,6 +101,9 @@ public:
     void expectAtMost(const std::string& what, double value, double bound, const std::string& unit);
     /// Passes when value ≥ reference; the bound is zero.
     void expectAtLeast(const std::string& what, double value, double reference, const std::string& unit);
+
+    /// Instead of one of these, where what it asks for cannot be told.
+    void skip(const std::string& what, const std::string& why);
 
     const std::vector<Row>& rows() const { return rows_; }
     /// Milliseconds of processor time that the runs took so far, and the seconds that they simulated.

@@ -43,10 +43,11 @@ struct GroupFilter : btOverlapFilterCallback {
 
 struct BulletOptions {
     int substeps = 1;
+    int iterations = 10;
     bool yardstick = false;  ///< see makeBulletYardstick
 };
 
-/// Bullet 3.24 with default settings: ten sequential impulses.
+/// Bullet 3.24 with its sequential impulses and default settings.
 class BulletEngine : public Engine {
 public:
     BulletEngine(const Scene& scene, const BulletOptions& options)
@@ -57,6 +58,7 @@ public:
           dispatcher_(&configuration_),
           world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
         world_.setGravity(toBullet(scene.settings.gravity));
+        world_.getSolverInfo().m_numIterations = options.iterations;
         broadphase_.getOverlappingPairCache()->setOverlapFilterCallback(&filter_);
         for (int i = 0; i < peers_.count(); ++i) addBody(i);
         for (const SceneJoint& joint : scene.joints) addJoint(joint);
@@ -101,7 +103,7 @@ public:
         return peers_.count() - 1;
     }
     void remove(int i) override { world_.removeRigidBody(&body(i)); }
-    std::optional<double> normalForce(int a, int b) const override {
+    double normalForce(int a, int b) const override {
         double sum = 0;
         for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
             const btPersistentManifold* manifold = dispatcher_.getManifoldByIndexInternal(i);
@@ -230,6 +232,9 @@ private:
 
 std::unique_ptr<Engine> makeBullet(const Scene& scene) {
     return std::make_unique<BulletEngine>(scene, BulletOptions{});
+}
+std::unique_ptr<Engine> makeBullet50(const Scene& scene) {
+    return std::make_unique<BulletEngine>(scene, BulletOptions{.iterations = 50});
 }
 std::unique_ptr<Engine> makeBullet240(const Scene& scene) {
     return std::make_unique<BulletEngine>(scene, BulletOptions{.substeps = 4});

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -38,13 +39,19 @@ Model load(const std::string& xml) {
 /// MuJoCo 2.2 with default settings, but for elliptic cones; steps of about its default of 2 ms.
 class MujocoEngine : public Engine {
 public:
-    explicit MujocoEngine(const Scene& scene)
-        : peers_(scene), model_(load(mujocoModel(scene, peers_))), data_(mj_makeData(model_.get()), mj_deleteData) {
-        for (int i = 0; i < peers_.count(); ++i) {
+    MujocoEngine(const Scene& scene, MujocoJoints joints)
+        : peers_(scene),
+          model_(load(mujocoModel(scene, peers_, joints))),
+          data_(mj_makeData(model_.get()), mj_deleteData) {
+        for (int i = 0; i < peers_.count(); ++i)
             ids_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, ("b" + std::to_string(i)).c_str()));
-            const BodyDef& def = peers_.def(i);
-            if (def.type == BodyType::dynamic) setVelocity(i, def.linearVelocity, def.angularVelocity);
-        }
+        update();
+        // MuJoCo numbers bodies with those first on which others hang.
+        std::vector<int> order(ids_.size());
+        std::iota(order.begin(), order.end(), 0);
+        std::ranges::sort(order, {}, [this](int i) { return id(i); });
+        for (const int i : order)
+            if (moves(i)) setVelocity(i, peers_.def(i).linearVelocity, peers_.def(i).angularVelocity);
     }
 
     void step(double dt) override {
@@ -53,38 +60,47 @@ public:
         model_->opt.timestep = dt / count;
         for (int i = 0; i < count; ++i) mj_step(model_.get(), data_.get());
         std::fill_n(data_->xfrc_applied, 6 * model_->nbody, 0.0);
+        update();
     }
     BodyMotion motion(int i) const override {
         if (!moves(i)) return {peers_.def(i).pose, {}, {}};
-        const mjtNum *x = data_->qpos + positionAt(i), *v = data_->qvel + velocityAt(i);
-        const Pose pose{{x[0], x[1], x[2]}, {toFloat(x[4]), toFloat(x[5]), toFloat(x[6]), toFloat(x[3])}};
-        // The angular velocity is in the axes of the body.
-        const Vec3 w = rotate(pose.rotation, {toFloat(v[3]), toFloat(v[4]), toFloat(v[5])});
-        return {peers_.ownPose(i, pose), {toFloat(v[0]), toFloat(v[1]), toFloat(v[2])}, w};
+        mjtNum v[6];
+        mj_objectVelocity(model_.get(), data_.get(), mjOBJ_BODY, id(i), v, 0);
+        return {peers_.ownPose(i, pose(i)), toVec(v + 3), toVec(v)};
     }
+    /// Of a body that hangs on another one only what its joint lets it have.
     void setVelocity(int i, const Vec3& linear, const Vec3& angular) override {
-        const mjtNum* x = data_->qpos + positionAt(i);
-        const Quat q{toFloat(x[4]), toFloat(x[5]), toFloat(x[6]), toFloat(x[3])};
-        const Vec3 w = inverseRotate(q, angular);
-        mjtNum* v = data_->qvel + velocityAt(i);
-        for (int k = 0; k < 3; ++k) {
-            v[k] = static_cast<mjtNum>(linear[k]);
-            v[3 + k] = static_cast<mjtNum>(w[k]);
+        const int joint = model_->body_jntadr[id(i)];
+        mjtNum* v = data_->qvel + model_->jnt_dofadr[joint];
+        mjtNum parent[6];
+        mj_objectVelocity(model_.get(), data_.get(), mjOBJ_BODY, model_->body_parentid[id(i)], parent, 0);
+        const Vec3 turning = angular - toVec(parent), own = inverseRotate(pose(i).rotation, turning);
+        switch (model_->jnt_type[joint]) {
+            case mjJNT_FREE:
+                set(v, linear);
+                set(v + 3, own);
+                break;
+            case mjJNT_BALL:
+                set(v, own);
+                break;
+            default:
+                v[0] = static_cast<mjtNum>(dot(turning, toVec(data_->xaxis + 3 * joint)));
         }
+        update();
     }
     void push(int i, const Vec3& force, const DVec3& point) override {
-        const mjtNum* x = data_->qpos + positionAt(i);
+        const mjtNum* x = data_->xpos + 3 * id(i);
         const Vec3 moment = cross(relative(point, {x[0], x[1], x[2]}), force);
-        mjtNum* applied = data_->xfrc_applied + 6 * ids_[static_cast<std::size_t>(i)];
+        mjtNum* applied = data_->xfrc_applied + 6 * id(i);
         for (int k = 0; k < 3; ++k) {
             applied[k] += static_cast<mjtNum>(force[k]);
             applied[3 + k] += static_cast<mjtNum>(moment[k]);
         }
     }
     void remove(int) override { refuse("MuJoCo: taking bodies away"); }
-    std::optional<double> normalForce(int a, int b) const override {
+    double normalForce(int a, int b) const override {
         double sum = 0;
-        const int first = ids_[static_cast<std::size_t>(a)], second = ids_[static_cast<std::size_t>(b)];
+        const int first = id(a), second = id(b);
         for (int i = 0; i < data_->ncon; ++i) {
             const mjContact& contact = data_->contact[i];
             const int p = model_->geom_bodyid[contact.geom1], q = model_->geom_bodyid[contact.geom2];
@@ -107,10 +123,22 @@ public:
 
 private:
     static float toFloat(mjtNum a) { return static_cast<float>(a); }
+    static Vec3 toVec(const mjtNum* v) { return {toFloat(v[0]), toFloat(v[1]), toFloat(v[2])}; }
+    static void set(mjtNum* to, const Vec3& from) {
+        for (int k = 0; k < 3; ++k) to[k] = static_cast<mjtNum>(from[k]);
+    }
     bool moves(int i) const { return peers_.def(i).type == BodyType::dynamic; }
-    int joint(int i) const { return model_->body_jntadr[ids_[static_cast<std::size_t>(i)]]; }
-    int positionAt(int i) const { return model_->jnt_qposadr[joint(i)]; }
-    int velocityAt(int i) const { return model_->jnt_dofadr[joint(i)]; }
+    int id(int i) const { return ids_[static_cast<std::size_t>(i)]; }
+    Pose pose(int i) const {
+        const mjtNum *x = data_->xpos + 3 * id(i), *q = data_->xquat + 4 * id(i);
+        return {{x[0], x[1], x[2]}, {toFloat(q[1]), toFloat(q[2]), toFloat(q[3]), toFloat(q[0])}};
+    }
+    /// Poses and velocities of bodies are of where a step began until they are found anew.
+    void update() {
+        mj_kinematics(model_.get(), data_.get());
+        mj_comPos(model_.get(), data_.get());
+        mj_comVel(model_.get(), data_.get());
+    }
 
     PeerBodies peers_;
     Model model_;
@@ -120,6 +148,11 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Engine> makeMujoco(const Scene& scene) { return std::make_unique<MujocoEngine>(scene); }
+std::unique_ptr<Engine> makeMujoco(const Scene& scene) {
+    return std::make_unique<MujocoEngine>(scene, MujocoJoints::equalities);
+}
+std::unique_ptr<Engine> makeMujocoTrees(const Scene& scene) {
+    return std::make_unique<MujocoEngine>(scene, MujocoJoints::trees);
+}
 
 }  // namespace ragtop::stability

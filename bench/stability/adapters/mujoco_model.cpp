@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
 #include "../scenery.h"
 
 namespace ragtop::stability {
@@ -16,16 +21,17 @@ constexpr int kMostBodies = 120;
 
 class Writer {
 public:
-    Writer(const Scene& scene, const PeerBodies& bodies) : scene_(scene), bodies_(bodies) {}
+    Writer(const Scene& scene, const PeerBodies& bodies, MujocoJoints joints)
+        : scene_(scene), bodies_(bodies), joints_(joints), nodes_(scene.bodies.size()) {}
 
     std::string write() {
         int moving = 0;
-        for (int i = 0; i < bodies_.count(); ++i) {
-            addBody(i);
-            moving += bodies_.def(i).type == BodyType::dynamic ? 1 : 0;
-        }
+        for (int i = 0; i < bodies_.count(); ++i) moving += bodies_.def(i).type == BodyType::dynamic ? 1 : 0;
         if (moving > kMostBodies) refuse("MuJoCo: too many bodies");
-        for (const SceneJoint& joint : scene_.joints) addJoint(joint);
+        if (joints_ == MujocoJoints::trees) growTrees();
+        for (int i = 0; i < bodies_.count(); ++i)
+            if (node(i).parent == kWorld) addBody(i);
+        for (std::size_t i = 0; i < scene_.joints.size(); ++i) addJoint(i);
         const int contacts = 100 + 20 * moving;
         return fmt::format(
             "<mujoco><compiler angle='radian' balanceinertia='true'/>"
@@ -36,18 +42,92 @@ public:
     }
 
 private:
+    static constexpr int kNone = -1;
+    /// How a body hangs in the tree of bodies.
+    struct Node {
+        int parent = kWorld;
+        int joint = kNone;  ///< of the scene, to the parent
+        bool reached = false;
+        std::vector<int> children{};
+    };
+    Node& node(int body) { return nodes_[static_cast<std::size_t>(body)]; }
+    const SceneJoint& joint(int i) const { return scene_.joints[static_cast<std::size_t>(i)]; }
+    bool isFixed(int body) const { return body == kWorld || bodies_.def(body).type == BodyType::fixed; }
+
+    /// From what is fixed, then from the first body of whatever hangs on nothing.
+    void growTrees() {
+        std::vector<int> front{kWorld};
+        for (int i = 0; i < bodies_.count(); ++i)
+            if (isFixed(i)) front.push_back(i);
+        grow(std::move(front));
+        for (int i = 0; i < bodies_.count(); ++i)
+            if (!isFixed(i) && !node(i).reached) grow({i});
+    }
+    void grow(std::vector<int> front) {
+        for (const int body : front)
+            if (body != kWorld) node(body).reached = true;
+        for (std::size_t k = 0; k < front.size(); ++k)
+            for (int i = 0; i < static_cast<int>(scene_.joints.size()); ++i) {
+                const SceneJoint& each = joint(i);
+                if (each.bodyA != front[k] && each.bodyB != front[k]) continue;
+                const int other = each.bodyA == front[k] ? each.bodyB : each.bodyA;
+                if (isFixed(other) || node(other).reached) continue;
+                node(other) = {front[k], i, true, {}};
+                if (front[k] != kWorld) node(front[k]).children.push_back(other);
+                front.push_back(other);
+            }
+    }
+
     void addBody(int i) {
         const BodyDef& def = bodies_.def(i);
         if (def.type == BodyType::kinematic) refuse("MuJoCo: body moved by its speed");
         const Pose pose = bodies_.startPose(i);
-        world_ += fmt::format("<body name='b{}' pos='{}' quat='{}'>", i, text(pose.position), text(pose.rotation));
+        if (const int parent = node(i).parent; parent == kWorld) {
+            world_ += fmt::format("<body name='b{}' pos='{}' quat='{}'>", i, text(pose.position), text(pose.rotation));
+        } else {
+            const Frame place = relative(bodies_.startPose(parent), pose);
+            world_ +=
+                fmt::format("<body name='b{}' pos='{}' quat='{}'>", i, text(place.position), text(place.rotation));
+        }
         if (def.type == BodyType::dynamic) {
             const Inertial& inertial = bodies_.inertial(i);
-            world_ += fmt::format("<freejoint/><inertial pos='0 0 0' mass='{:.9g}' diaginertia='{}'/>", inertial.mass,
+            world_ += node(i).joint == kNone ? "<freejoint/>" : ownJoint(i, joint(node(i).joint));
+            world_ += fmt::format("<inertial pos='0 0 0' mass='{:.9g}' diaginertia='{}'/>", inertial.mass,
                                   text(inertial.moments));
         }
         for (const ShapeDef& shape : def.shapes) addGeom(i, shape);
+        for (const int child : node(i).children) addBody(child);
         world_ += "</body>";
+    }
+    /// The joint by which a body hangs on its parent. Its coordinate is the scene's: of the second body against the
+    /// first, from where both frames agree.
+    std::string ownJoint(int body, const SceneJoint& joint) const {
+        const JointBodies& frames = bodiesOf(joint.def);
+        if (joint.bodyA != kWorld && frames.collide) refuse("MuJoCo: joined bodies that collide");
+        const bool second = body == joint.bodyB;
+        const Frame at = bodies_.local(body, second ? frames.frameB : frames.frameA);
+        const Vec3 axis = (second ? 1.0f : -1.0f) * rotate(at.rotation, {1, 0, 0});
+        if (const auto* ball = std::get_if<BallDef>(&joint.def)) {
+            if (!isFree(*ball)) refuse("MuJoCo: free balls only");
+            return fmt::format("<joint type='ball' pos='{}'/>", text(at.position));
+        }
+        const auto* hinge = std::get_if<HingeDef>(&joint.def);
+        if (!hinge) refuse("MuJoCo: this joint");
+        if (hinge->motor || !isPlain(*hinge)) refuse("MuJoCo: hinge with motor or bearing");
+        const Quat turn = conjugate(rotationOf(joint.bodyA, frames.frameA)) * rotationOf(joint.bodyB, frames.frameB);
+        const double angle = 2 * std::atan2(static_cast<double>(turn.x), static_cast<double>(turn.w));
+        std::string extras;
+        if (hinge->limit)
+            extras += fmt::format(" limited='true' range='{:.9g} {:.9g}'", hinge->limit->lower, hinge->limit->upper);
+        if (hinge->spring)
+            extras += fmt::format(" stiffness='{:.9g}' damping='{:.9g}' springref='{:.9g}'", hinge->spring->stiffness,
+                                  hinge->spring->damping, hinge->target);
+        if (hinge->friction != 0) extras += fmt::format(" frictionloss='{:.9g}'", hinge->friction);
+        return fmt::format("<joint type='hinge' pos='{}' axis='{}' ref='{:.17g}'{}/>", text(at.position), text(axis),
+                           std::remainder(angle, 2 * std::numbers::pi), extras);
+    }
+    Quat rotationOf(int body, const Frame& frame) const {
+        return body == kWorld ? frame.rotation : bodies_.def(body).pose.rotation * frame.rotation;
     }
     void addGeom(int i, const ShapeDef& shape) {
         const Material& material = shape.material;
@@ -80,11 +160,17 @@ private:
         return fmt::format("type='mesh' mesh='{}'", name);
     }
 
-    void addJoint(const SceneJoint& joint) {
+    /// An equality constraint, where the joint is not one of a tree.
+    void addJoint(std::size_t i) {
+        const SceneJoint& joint = scene_.joints[i];
         const JointBodies& frames = bodiesOf(joint.def);
         const int a = joint.bodyA, b = joint.bodyB;
+        if (a != kWorld && !frames.collide) excludes_ += fmt::format("<exclude body1='b{}' body2='b{}'/>", a, b);
+        for (const Node& each : nodes_)
+            if (each.joint == static_cast<int>(i)) return;
         const Frame at = bodies_.local(b, frames.frameB);
-        if (std::holds_alternative<BallDef>(joint.def)) {
+        if (const auto* ball = std::get_if<BallDef>(&joint.def)) {
+            if (!isFree(*ball)) refuse("MuJoCo: free balls only");
             addPoint(b, a, at.position);
         } else if (const auto* hinge = std::get_if<HingeDef>(&joint.def)) {
             if (hinge->limit || hinge->spring || hinge->motor || hinge->friction != 0 || !isPlain(*hinge))
@@ -96,7 +182,10 @@ private:
         } else {
             refuse("MuJoCo: this joint");
         }
-        if (a != kWorld && !frames.collide) excludes_ += fmt::format("<exclude body1='b{}' body2='b{}'/>", a, b);
+    }
+    static bool isFree(const BallDef& ball) {
+        return !ball.swingLimit && !ball.swingEllipse && !ball.swingPyramid && !ball.reach && !ball.twistLimit &&
+               !ball.spring && ball.friction == 0 && !ball.bearing;
     }
     void addPoint(int body, int other, const Vec3& at) {
         equalities_ += fmt::format("<connect body1='b{}' anchor='{}'{}/>", body, text(at),
@@ -105,6 +194,8 @@ private:
 
     const Scene& scene_;
     const PeerBodies& bodies_;
+    MujocoJoints joints_;
+    std::vector<Node> nodes_;
     std::string assets_, world_, excludes_, equalities_;
     float friction_ = -1;
     int meshes_ = 0;
@@ -112,6 +203,8 @@ private:
 
 }  // namespace
 
-std::string mujocoModel(const Scene& scene, const PeerBodies& bodies) { return Writer(scene, bodies).write(); }
+std::string mujocoModel(const Scene& scene, const PeerBodies& bodies, MujocoJoints joints) {
+    return Writer(scene, bodies, joints).write();
+}
 
 }  // namespace ragtop::stability

@@ -6,8 +6,12 @@
 
 namespace ragtop::stability {
 
-/// The scene as MuJoCo's XML: every body free, joints as equality constraints, Newton's method with elliptic cones.
-/// Body i is called "b<i>".
-std::string mujocoModel(const Scene& scene, const PeerBodies& bodies);
+enum class MujocoJoints {
+    equalities,  ///< every body is free, and joints are equality constraints
+    trees,       ///< bodies are nested in those they hang on; joints that close loops are equality constraints
+};
+
+/// The scene as MuJoCo's XML, with Newton's method and elliptic cones. Body i is called "b<i>".
+std::string mujocoModel(const Scene& scene, const PeerBodies& bodies, MujocoJoints joints);
 
 }  // namespace ragtop::stability

@@ -88,7 +88,7 @@ public:
         for (dGeomID geom = dBodyGetFirstGeom(body(i)); geom; geom = dBodyGetNextGeom(geom)) dGeomDisable(geom);
         dBodyDisable(body(i));
     }
-    std::optional<double> normalForce(int a, int b) const override {
+    double normalForce(int a, int b) const override {
         double sum = 0;
         for (const Force& force : forces_) {
             if (!((force.a == a && force.b == b) || (force.a == b && force.b == a))) continue;

@@ -35,7 +35,7 @@ int RagtopEngine::add(const BodyDef& def) {
 
 void RagtopEngine::remove(int body) { world_.destroy(idOf(body)); }
 
-std::optional<double> RagtopEngine::normalForce(int a, int b) const {
+double RagtopEngine::normalForce(int a, int b) const {
     double sum = 0;
     world_.forEachContact(idOf(a), [&](const Contact& contact) {
         if (contact.bodyA == idOf(b) || contact.bodyB == idOf(b)) sum += static_cast<double>(contact.normalForce);

@@ -15,7 +15,7 @@ public:
     void push(int body, const Vec3& force, const DVec3& point) override;
     int add(const BodyDef& def) override;
     void remove(int body) override;
-    std::optional<double> normalForce(int a, int b) const override;
+    double normalForce(int a, int b) const override;
 
     const World& world() const { return world_; }
 

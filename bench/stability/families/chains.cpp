@@ -86,8 +86,9 @@ void cost(Trial& trial, const Chain& chain) {
 
 Family chains() {
     Family family{"chain", {}};
-    const auto addCase = [&family](const std::string& name, auto&& test, const Chain& chain, Kind kind = Kind::swept) {
-        family.cases.push_back({name, [=](Trial& trial) { test(trial, chain); }, kind});
+    const auto addCase = [&family](const std::string& name, auto&& test, const Chain& chain, Kind kind = Kind::swept,
+                                   bool brief = true) {
+        family.cases.push_back({name, [=](Trial& trial) { test(trial, chain); }, kind, brief});
     };
     for (const Chain& chain :
          {Chain{10, 100}, Chain{10, 1000}, Chain{20, 10000}, Chain{40, 10000}, Chain{100, 10000}}) {
@@ -96,7 +97,7 @@ Family chains() {
         const Chain horizontal{chain.links, chain.ratio, true};
         addCase(name + ", hangs", hangs, chain);
         addCase(name + ", swings", swings, horizontal);
-        if (required && chain.ratio > 100) addCase(name + ", cost", cost, horizontal, Kind::oneStep);
+        if (required && chain.ratio > 100) addCase(name + ", cost", cost, horizontal, Kind::oneStep, false);
     }
     return family;
 }

@@ -142,7 +142,7 @@ void addDomeCases(Family& family) {
                             Kind::ragtopOnly});
     family.cases.push_back({"dome, t/R=0.06", thick});
     family.cases.push_back({"dome, t/R=0.03", thin});
-    family.cases.push_back({"dome", critical, Kind::oneStep});
+    family.cases.push_back({"dome", critical, Kind::oneStep, false});
 }
 
 }  // namespace ragtop::stability

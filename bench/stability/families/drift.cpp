@@ -103,7 +103,7 @@ void momenta(Trial& trial) {
 Family drift() {
     return {"drift",
             {
-                {"pendulum, one hour", pendulum, Kind::oneStep},
+                {"pendulum, one hour", pendulum, Kind::oneStep, false},
                 {"spring, 10,000 steps", [](Trial& trial) { spring(trial, 10000); }},
                 {"spring, 1,000,000 steps", [](Trial& trial) { spring(trial, 1000000); }, Kind::longer},
                 {"momenta without gravity", momenta},

@@ -205,12 +205,12 @@ void shots(Trial& trial, float speed, bool sheetsMove, bool compounds) {
 Family nonconvex() {
     return {"nonconvex",
             {
-                {"chain of 12 tori", [](Trial& trial) { chainOfTori(trial, 12, 1); }, Kind::ragtopOnly},
+                {"chain of 12 tori", [](Trial& trial) { chainOfTori(trial, 12, 1); }, Kind::ragtopOnly, false},
                 {"chain of 12 tori, the last 10 times as heavy", [](Trial& trial) { chainOfTori(trial, 12, 10); },
-                 Kind::ragtopOnly},
+                 Kind::ragtopOnly, false},
                 {"hooks of mesh", [](Trial& trial) { hooks(trial, true); }, Kind::ragtopOnly},
                 {"hooks of capsules", [](Trial& trial) { hooks(trial, false); }, Kind::ragtopOnly},
-                {"100 bodies on rubble", [](Trial& trial) { dropped(trial, 100, 10); }, Kind::ragtopOnly},
+                {"100 bodies on rubble", [](Trial& trial) { dropped(trial, 100, 10); }, Kind::ragtopOnly, false},
                 {"mesh at 300 m/s at a fixed mesh", [](Trial& trial) { shots(trial, 300, false, false); },
                  Kind::ragtopOnly},
                 {"mesh at 300 m/s at a moving mesh", [](Trial& trial) { shots(trial, 300, true, false); },

@@ -62,11 +62,9 @@ void expectLoads(Trial& trial, Run& run, const Column& column) {
     int steps = 0;
     run.advance(1, [&] {
         ++steps;
-        for (int i = 0; i < column.boxes; ++i)
-            force[static_cast<std::size_t>(i)] += run.engine().normalForce(i, i + 1).value_or(0);
+        for (int i = 0; i < column.boxes; ++i) force[static_cast<std::size_t>(i)] += run.engine().normalForce(i, i + 1);
         return true;
     });
-    if (!run.engine().normalForce(0, 1)) return;
     const double weight = kGravity * std::pow(static_cast<double>(column.size), 3);
     double worst = 0;
     for (int i = 0; i < column.boxes; ++i) {
@@ -84,7 +82,7 @@ void stands(Trial& trial, const Column& column) {
     trial.expectAtLeast("stands", result.time, kLong, "s");
     trial.expectAtMost("height lost", result.loss, 0.005 * size, "m");
     trial.expectAtMost("sideways", result.sideways, 0.01 * size, "m");
-    if (result.time >= kLong) expectLoads(trial, run, column);
+    expectLoads(trial, run, column);
 }
 
 /// Hundred boxes need only stand.
@@ -134,7 +132,7 @@ void house(Trial& trial) {
 /// Seconds alternate, so that whatever else the machine does meets both.
 void houseCost(Trial& trial) {
     const auto bullet = std::ranges::find(engineKinds(), "bullet", &EngineKind::name);
-    if (bullet == engineKinds().end()) return;
+    if (!bullet->make) throw Missing("this program was built without Bullet, whose cost it is compared with");
     Trial peer({"", "", &*bullet, trial.dt(), {}});
     const Scene scene = loadScene(findScene("crash_unhit"));
     Run ours = trial.start(scene), theirs = peer.start(scene);
@@ -159,8 +157,8 @@ Family stacks() {
                                     stands(trial, {20, 1, friction});
                                 }});
     family.cases.push_back({"tallest", tallest, Kind::oneStep});
-    family.cases.push_back({"house of crash", house, Kind::oneStep});
-    family.cases.push_back({"house of crash, cost", houseCost, Kind::ragtopOnly});
+    family.cases.push_back({"house of crash", house, Kind::oneStep, false});
+    family.cases.push_back({"house of crash, cost", houseCost, Kind::ragtopOnly, false});
     return family;
 }
 
