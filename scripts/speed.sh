@@ -8,7 +8,8 @@ usage() {
 Usage: scripts/speed.sh [option of "ragtop_bench speed"]...
 
 Times build/release/ragtop_bench on a machine that does nothing else, keeps the rows as
-bench/results/<time>_<commit>_<processor>.json, and renews the table of docs/speed.md from all that are kept.
+bench/results/<time>_<commit>_<processor>.json, and renews the tables of docs/speed.md: that of the newest rows, and
+that of the ratios of all that are kept.
 END
 }
 
@@ -19,9 +20,13 @@ processor=$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo | head -n 1 | tr -cs
 file=bench/results/$(date -u +%Y-%m-%dT%H%M)_${commit}_${processor%-}-$(nproc).json
 mkdir -p bench/results
 "$bench" speed "$@" --json "$file"
-table=$("$bench" speed --history bench/results)
-TABLE=$table awk '
-    /<!-- kept results -->/ { print; print ""; print ENVIRON["TABLE"]; print ""; skip = 1; next }
-    /<!-- end -->/ { skip = 0 }
-    !skip { print }' docs/speed.md >docs/speed.md.new
-mv docs/speed.md.new docs/speed.md
+# between(<mark> <text>): what stands in docs/speed.md from the mark to the next end.
+between() {
+    MARK=$1 TEXT=$2 awk '
+        $0 == "<!-- " ENVIRON["MARK"] " -->" { print; print ""; print ENVIRON["TEXT"]; print ""; skip = 1; next }
+        /<!-- end -->/ { skip = 0 }
+        !skip { print }' docs/speed.md >docs/speed.md.new
+    mv docs/speed.md.new docs/speed.md
+}
+between "kept results" "$("$bench" speed --history bench/results)"
+between "newest result" "$("$bench" speed --newest bench/results)"

@@ -19,18 +19,21 @@ struct Arguments {
     std::vector<std::string> scenes;
     std::vector<std::string> engines{"ragtop", "bullet"};
     std::vector<int> threads{1, 2};
-    int lanes = 0, runs = 4;
-    std::string json, history;
+    int lanes = 0, runs = 6;
+    std::string json, history, newest;
     bool processor = false, list = false;
 
     bool plays(const std::string& engine) const { return std::ranges::find(engines, engine) != engines.end(); }
     Clock clock() const { return processor ? Clock::processor : Clock::wall; }
 };
 
-/// A course, one of its rows, or the beginning of several courses' names ("scaling").
+/// A course or one of its rows; where there is none of that name, the beginning of several courses' names ("scaling").
 bool isMeant(const std::string& name, const CourseKind& kind) {
-    return name == kind.name || kind.name.starts_with(name + "_") ||
-           std::ranges::find(kind.rows, name) != kind.rows.end();
+    const auto isNamed = [&](const CourseKind& one) {
+        return name == one.name || std::ranges::find(one.rows, name) != one.rows.end();
+    };
+    if (std::ranges::any_of(courseKinds(), isNamed)) return isNamed(kind);
+    return kind.name.starts_with(name + "_");
 }
 
 std::vector<std::string> allRows() {
@@ -44,42 +47,73 @@ std::string whyUnknown(const std::string& name) {
     return fmt::format("\"{}\" is no scene, must be one of {}", name, fmt::join(allRows(), ", "));
 }
 
-void keepFastest(std::optional<double>& best, double ms) { best = best ? std::min(*best, ms) : ms; }
+/// The rows of a course while its runs come in.
+class Rows {
+public:
+    Rows(const Course& course, const Arguments& arguments)
+        : course_(course),
+          arguments_(arguments),
+          ragtop_(arguments.plays("ragtop")),
+          bullet_(arguments.plays("bullet") && hasBullet()),
+          lanes_(World({}, {.lanes = arguments.lanes}).lanes()) {}
 
-/// Plays the engines in turn, so that what disturbs one disturbs all.
-std::vector<Row> measure(const Course& course, const Arguments& arguments) {
-    std::vector<Row> rows;
-    const auto keep = [&](const std::vector<WindowResult>& results, int threads, const auto& into) {
-        for (const WindowResult& result : results) {
-            const auto isRow = [&](const Row& row) { return row.scene == result.name && row.threads == threads; };
-            auto row = std::ranges::find_if(rows, isRow);
-            if (row == rows.end()) {
-                rows.emplace_back();
-                row = rows.end() - 1;
-                row->scene = result.name;
-                row->threads = threads;
-                row->quality = result.quality;
-                row->work = result.work;
-            }
-            into(*row, result.ms);
-        }
-    };
-    const bool ragtop = arguments.plays("ragtop"), bullet = arguments.plays("bullet") && hasBullet();
-    const int lanes = World({}, {.lanes = arguments.lanes}).lanes();
-    for (int run = 0; run < arguments.runs; ++run) {
-        for (const int threads : ragtop ? arguments.threads : std::vector<int>{})
-            keep(playRagtop(course, threads, lanes, arguments.clock()), threads, [&](Row& row, double ms) {
-                row.lanes = lanes;
-                keepFastest(row.ms, ms);
-            });
-        if (!bullet) continue;
-        const std::vector<WindowResult> results = playBullet(course, arguments.clock());
-        for (const int threads : ragtop ? arguments.threads : std::vector<int>{1})
-            keep(results, threads, [](Row& row, double ms) { keepFastest(row.bulletMs, ms); });
+    /// Plays the engines in turn, the other way round in every second run: what disturbs one disturbs all, and what
+    /// grows warm or slow on the way is as much before as after.
+    std::vector<Row> measure() {
+        play(Purpose::quality, false);
+        for (int run = 0; run < arguments_.runs; ++run) play(Purpose::times, run % 2 == 1);
+        std::ranges::stable_sort(rows_, {}, &Row::threads);
+        return std::move(rows_);
     }
-    std::ranges::stable_sort(rows, {}, &Row::threads);
-    return rows;
-}
+
+private:
+    void play(Purpose purpose, bool bulletFirst) {
+        std::vector<int> threads = arguments_.threads;
+        if (bulletFirst) std::ranges::reverse(threads);
+        if (bulletFirst) playTheOther(purpose);
+        if (ragtop_)
+            for (const int count : threads)
+                for (const WindowResult& result : playRagtop(course_, count, lanes_, arguments_.clock(), purpose)) {
+                    Row& row = rowOf(result.name, count);
+                    row.lanes = lanes_;
+                    keep(result, purpose, row.own);
+                }
+        if (!bulletFirst) playTheOther(purpose);
+    }
+
+    void playTheOther(Purpose purpose) {
+        if (!bullet_) return;
+        const std::vector<WindowResult> results = playBullet(course_, arguments_.clock(), purpose);
+        for (const int count : ragtop_ ? arguments_.threads : std::vector<int>{1})
+            for (const WindowResult& result : results) keep(result, purpose, rowOf(result.name, count).bullet);
+    }
+
+    static void keep(const WindowResult& result, Purpose purpose, Result& into) {
+        if (purpose == Purpose::quality) {
+            into.quality = result.quality;
+            return;
+        }
+        into.ms.push_back(result.ms);
+        into.worstMs.push_back(result.worstMs);
+        if (!into.work) into.work = result.work;
+    }
+
+    Row& rowOf(const std::string& scene, int threads) {
+        const auto isRow = [&](const Row& row) { return row.scene == scene && row.threads == threads; };
+        const auto found = std::ranges::find_if(rows_, isRow);
+        if (found != rows_.end()) return *found;
+        Row& row = rows_.emplace_back();
+        row.scene = scene;
+        row.threads = threads;
+        return row;
+    }
+
+    const Course& course_;
+    const Arguments& arguments_;
+    bool ragtop_, bullet_;
+    int lanes_;
+    std::vector<Row> rows_;
+};
 
 void write(const std::string& path, const std::string& text) {
     std::ofstream file(path, std::ios::binary);
@@ -90,12 +124,14 @@ void write(const std::string& path, const std::string& text) {
 void runSpeed(const Arguments& arguments) {
     if (arguments.list) return fmt::print("{}\n", fmt::join(allRows(), "\n"));
     if (!arguments.history.empty()) return fmt::print("{}", historyTable(arguments.history));
+    if (!arguments.newest.empty()) return fmt::print("{}", newestTable(arguments.newest));
     std::vector<Row> rows;
     fmt::print("{}", tableHead());
     for (const CourseKind& kind : courseKinds()) {
         const auto meant = [&](const std::string& name) { return isMeant(name, kind); };
         if (!arguments.scenes.empty() && std::ranges::none_of(arguments.scenes, meant)) continue;
-        for (Row& row : measure(kind.make(), arguments)) {
+        const Course course = kind.make();
+        for (Row& row : Rows(course, arguments).measure()) {
             fmt::print("{}", tableLine(row));
             std::fflush(stdout);
             rows.push_back(std::move(row));
@@ -119,11 +155,13 @@ void addSpeed(CLI::App& app) {
         ->capture_default_str();
     command->add_option("--lanes", arguments->lanes, "Width of Ragtop's solver; 0: the machine's best")
         ->check(CLI::IsMember({0, 4, 8, 16}));
-    command->add_option("--runs", arguments->runs, "Of each engine, in turn; the fastest counts")
+    command->add_option("--runs", arguments->runs, "Of each engine, in turn; medians count")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     command->add_option("--json", arguments->json, "Write the rows to this file");
     command->add_option("--history", arguments->history, "Only print the kept results of this folder as a table")
+        ->check(CLI::ExistingDirectory);
+    command->add_option("--newest", arguments->newest, "Only print the newest kept result of this folder as a table")
         ->check(CLI::ExistingDirectory);
     command->add_flag("--processor-time", arguments->processor,
                       "Count processor time, which for one thread is right on a busy machine too");

@@ -9,7 +9,9 @@
 
 #include "../../tests/core/heap_counter.h"
 #include "../stability/adapters/ragtop.h"
+#include "../stability/extremes.h"
 #include "../stability/scenery.h"
+#include "builder.h"
 
 namespace ragtop::speed {
 namespace {
@@ -19,6 +21,7 @@ using stability::Engine;
 constexpr double kStep = 1.0 / 60;
 constexpr int kStepsPerSample = 30;  // of quality
 constexpr int kSteadySteps = 60;     // in which allocations count
+constexpr int kStepsPerNudge = 60;
 
 double now(Clock clock) {
     timespec time{};
@@ -51,8 +54,8 @@ private:
 /// Steps an engine through the windows of a course.
 class Player {
 public:
-    Player(const Course& course, Engine& engine, Clock clock)
-        : course_(course), scene_(course.scene), engine_(engine), clock_(clock) {}
+    Player(const Course& course, Engine& engine, Clock clock, Purpose purpose)
+        : course_(course), scene_(course.scene), engine_(engine), clock_(clock), purpose_(purpose) {}
     virtual ~Player() = default;
 
     std::vector<WindowResult> play() {
@@ -71,46 +74,66 @@ public:
 protected:
     virtual void beginWindow() {}
     virtual void noteStep() {}
-    virtual void endWindow(Work&, int /*steps*/) {}
+    virtual std::optional<Work> endWindow(int /*steps*/, long /*allocations*/) { return {}; }
 
 private:
     WindowResult play(const Window& window) {
         WindowResult result;
         result.name = window.name;
         beginWindow();
-        double total = 0, gapPeak = 0;
+        double total = 0;
+        Quality worst;
         long heapBefore = heapCalls(), other = 0;
         for (int i = 0; i < window.steps; ++i) {
             if (i + kSteadySteps == window.steps) heapBefore = heapCalls(), other = 0;
+            const long heapBeforeNudge = heapCalls();
+            if (course_.nudged && i % kStepsPerNudge == kStepsPerNudge / 2) nudge();
+            other += heapCalls() - heapBeforeNudge;
             const double before = now(clock_);
             engine_.step(kStep);
-            total += now(clock_) - before;
+            const double taken = now(clock_) - before;
+            total += taken;
+            result.worstMs = std::max(result.worstMs, taken);
             const long heapAfterStep = heapCalls();
             noteStep();
-            if (course_.gapPeaks && (i + 1) % kStepsPerSample == 0)
-                gapPeak = std::max(gapPeak, measureQuality(scene_, engine_).gapMax);
+            if (purpose_ == Purpose::quality && (i + 1) % kStepsPerSample == 0)
+                addQualityOnTheWay(scene_, engine_, worst);
             other += heapCalls() - heapAfterStep;
         }
-        result.work.allocations = heapCalls() - heapBefore - other;
         result.ms = total / window.steps;
-        endWindow(result.work, window.steps);
-        if (window.name.empty()) return result;
+        result.work = endWindow(window.steps, heapCalls() - heapBefore - other);
+        if (purpose_ == Purpose::times || window.name.empty()) return result;
         result.quality = measureQuality(scene_, engine_);
-        result.quality.gapMax = std::max(result.quality.gapMax, gapPeak);
+        if (worst.gap) result.quality->gap = stability::larger(*worst.gap, *result.quality->gap);
+        if (worst.below) result.quality->below = stability::larger(*worst.below, *result.quality->below);
         return result;
+    }
+
+    /// Gives some body that moves a speed of 0.1 m/s more, along the floor.
+    void nudge() {
+        constexpr double kSpeed = 0.1;
+        std::size_t body = 0;
+        do body = dice_.bits() % scene_.bodies.size();
+        while (scene_.bodies[body].def.type != BodyType::dynamic);
+        const auto force = static_cast<float>(kSpeed / kStep) * stability::massOf(scene_.bodies[body].def).mass;
+        const int at = static_cast<int>(body);
+        engine_.push(at, {0.6f * force, 0, 0.8f * force}, engine_.motion(at).pose.position);
     }
 
     const Course& course_;
     Scene scene_;
     Engine& engine_;
     Clock clock_;
+    Purpose purpose_;
+    PeerDice dice_{31};
 };
 
 /// Also reads what the world tells of its steps.
 class RagtopPlayer : public Player {
 public:
-    RagtopPlayer(const Course& course, stability::RagtopEngine& engine, const CountedMemory& memory, Clock clock)
-        : Player(course, engine, clock), world_(engine.world()), memory_(memory) {}
+    RagtopPlayer(const Course& course, stability::RagtopEngine& engine, const CountedMemory& memory, Clock clock,
+                 Purpose purpose)
+        : Player(course, engine, clock, purpose), world_(engine.world()), memory_(memory) {}
 
 private:
     void beginWindow() override {
@@ -135,7 +158,9 @@ private:
         residual_ += worst;
         ++directSteps_;
     }
-    void endWindow(Work& work, int steps) override {
+    std::optional<Work> endWindow(int steps, long allocations) override {
+        Work work;
+        work.allocations = allocations;
         work.stages = stages_;
         for (auto& [name, ms] : work.stages) ms /= steps;
         double swept = awake_;
@@ -143,9 +168,10 @@ private:
             work.solverMix[reason] = bodies / awake_;
             swept -= bodies;
         }
-        work.solverMix["swept"] = awake_ > 0 ? swept / awake_ : 0;
+        if (awake_ > 0) work.solverMix["swept"] = swept / awake_;
         if (directSteps_ > 0) work.residual = residual_ / directSteps_;
         work.peakBytes = memory_.peak();
+        return work;
     }
 
     const World& world_;
@@ -158,24 +184,24 @@ private:
 
 }  // namespace
 
-std::vector<WindowResult> playRagtop(const Course& course, int threads, int lanes, Clock clock) {
+std::vector<WindowResult> playRagtop(const Course& course, int threads, int lanes, Clock clock, Purpose purpose) {
     CountedMemory memory;
     WorldConfig config;
     config.tasks = threads > 1 ? threadTasks(threads) : serialTasks();
     config.lanes = lanes;
     config.memory = &memory;
     stability::RagtopEngine engine(course.scene, course.scene.settings, config);
-    return RagtopPlayer(course, engine, memory, clock).play();
+    return RagtopPlayer(course, engine, memory, clock, purpose).play();
 }
 
 #ifdef RAGTOP_WITH_BULLET
-std::vector<WindowResult> playBullet(const Course& course, Clock clock) {
+std::vector<WindowResult> playBullet(const Course& course, Clock clock, Purpose purpose) {
     const auto engine = stability::makeBulletYardstick(course.scene);
-    return Player(course, *engine, clock).play();
+    return Player(course, *engine, clock, purpose).play();
 }
 bool hasBullet() { return true; }
 #else
-std::vector<WindowResult> playBullet(const Course&, Clock) { throw std::runtime_error("built without Bullet"); }
+std::vector<WindowResult> playBullet(const Course&, Clock, Purpose) { throw std::runtime_error("built without Bullet"); }
 bool hasBullet() { return false; }
 #endif
 

@@ -27,15 +27,21 @@ struct Work {
 
 struct WindowResult {
     std::string name;
-    double ms = 0;  ///< mean over the window's steps
-    Quality quality;
-    Work work;
+    double ms = 0;       ///< mean over the window's steps
+    double worstMs = 0;  ///< of the slowest of them
+    std::optional<Quality> quality;
+    std::optional<Work> work;  ///< Ragtop's
+};
+
+enum class Purpose {
+    times,
+    quality,  ///< measured while it plays, which takes caches from the steps: times mean nothing
 };
 
 /// Play all windows of a course; results of those that have a name.
-std::vector<WindowResult> playRagtop(const Course& course, int threads, int lanes, Clock clock);
+std::vector<WindowResult> playRagtop(const Course& course, int threads, int lanes, Clock clock, Purpose purpose);
 /// Throws where the program was built without it.
-std::vector<WindowResult> playBullet(const Course& course, Clock clock);
+std::vector<WindowResult> playBullet(const Course& course, Clock clock, Purpose purpose);
 bool hasBullet();
 
 }  // namespace ragtop::speed

@@ -19,7 +19,7 @@ struct Window {
 struct Course {
     Scene scene;
     std::vector<Window> windows;
-    bool gapPeaks = false;  ///< a swing is over at its end: the largest gap of joints on the way counts
+    bool nudged = false;  ///< each second some body gets a speed of 0.1 m/s more
 };
 
 struct CourseKind {
@@ -45,6 +45,13 @@ Course makeJointGrid();
 Course makeJunkyard();
 Course makeRain();
 Course makeSleepers();
+
+// What lies exactly and never moves measures what is skipped; these do not.
+/// The first window of a course over 300 steps, with all that moves up to 1 mm aside along x and z.
+Course withOffsets(Course course, const std::string& name);
+/// The same with nothing aside, but with a nudge each second.
+Course withNudges(Course course, const std::string& name);
+
 /// Boxes fallen into a pit as deep as any other's of the series.
 Course makeScaling(int bodies);
 

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "builder.h"
 #include "courses.h"
 
@@ -83,6 +85,34 @@ Course makeSleepers() {
         b.scene.bodies.back().def.allowSleep = false;
     }
     return {std::move(b.scene), {{"", 120}, {"sleepers", 300}}};
+}
+
+namespace {
+
+Course beginningOf(Course course, const std::string& name) {
+    course.scene.name = name;
+    course.windows.resize(1);
+    course.windows[0].name = name;
+    course.windows[0].steps = 300;
+    return course;
+}
+
+}  // namespace
+
+Course withOffsets(Course course, const std::string& name) {
+    constexpr float kMost = 1e-3f;
+    PeerDice dice(37);
+    for (SceneBody& body : course.scene.bodies) {
+        if (body.def.type != BodyType::dynamic) continue;
+        const float x = dice.between(-kMost, kMost), z = dice.between(-kMost, kMost);
+        body.def.pose.position = body.def.pose.position + Vec3{x, 0, z};
+    }
+    return beginningOf(std::move(course), name);
+}
+
+Course withNudges(Course course, const std::string& name) {
+    course.nudged = true;
+    return beginningOf(std::move(course), name);
 }
 
 }  // namespace ragtop::speed

@@ -163,7 +163,7 @@ Course makeChains(const std::string& name, float linkDensity) {
         const int ball = b.moving(Sphere{0.5f}, 1909.86f, {.position = {6.5, kHeight, z}, .group = chain + 1});
         b.ball(previous, ball, {{6, kHeight, z}});
     }
-    return {std::move(b.scene), {{name, 600}}, true};
+    return {std::move(b.scene), {{name, 600}}};
 }
 
 }  // namespace

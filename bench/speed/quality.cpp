@@ -3,104 +3,68 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
-#include <optional>
+#include <limits>
 #include <variant>
+#include <vector>
 
 #include "../stability/extremes.h"
 #include "../stability/scenery.h"
+#include "convex_depth.h"
 
 namespace ragtop::speed {
 namespace {
 
+using demos::ConvexSolid;
 using stability::Engine;
 using stability::larger;
 
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
 double distance(const DVec3& a, const DVec3& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
 
-/// A body of one shape where it is now; positions relative to the first body's.
+void keepLarger(std::optional<double>& worst, double value) { worst = worst ? larger(*worst, value) : value; }
+
+Pose poseOf(const Scene& scene, const Engine& engine, int body) {
+    const BodyDef& def = scene.bodies[static_cast<std::size_t>(body)].def;
+    return def.type == BodyType::fixed ? def.pose : engine.motion(body).pose;
+}
+
+bool isSomewhere(const Pose& pose) { return isFinite(pose.position) && isFinite(pose.rotation); }
+
+/// A body of one convex shape where it is now.
 struct Solid {
     const BodyDef* def;
-    Vec3 at;
-    Quat turned;
-    Bounds bounds;
-    const Box* box() const { return std::get_if<Box>(&def->shapes[0].geometry); }
+    ConvexSolid shape;
+    demos::Box3 bounds;
 };
 
-/// Half the segment of a ball or capsule, and its radius; nothing for others.
-struct Round {
-    Vec3 half;
-    float radius;
-};
-std::optional<Round> roundOf(const Solid& solid) {
-    const Shape& shape = solid.def->shapes[0].geometry;
-    if (const auto* ball = std::get_if<Sphere>(&shape)) return Round{{}, ball->radius};
-    if (const auto* capsule = std::get_if<Capsule>(&shape))
-        return Round{rotate(solid.turned, {0, capsule->halfHeight, 0}), capsule->radius};
-    return {};
-}
+using Corners = std::array<DVec3, 3>;
 
-Vec3 reach(const Solid& solid) {
-    if (const Box* box = solid.box()) {
-        const Mat3 axes = toMat3(solid.turned);
-        return abs(box->halfExtents.x * axes.cx) + abs(box->halfExtents.y * axes.cy) +
-               abs(box->halfExtents.z * axes.cz);
-    }
-    const Round round = *roundOf(solid);
-    return abs(round.half) + Vec3{round.radius, round.radius, round.radius};
-}
+/// Everything that may overlap, and the triangles of what does not move.
+struct Survey {
+    std::vector<Solid> solids;
+    std::vector<Corners> triangles;
+    bool lost = false;  ///< a body is nowhere
 
-/// Smallest overlap of the projections on all axes that can part two boxes; at most zero where one parts them.
-float boxOverlap(const Solid& a, const Solid& b) {
-    const Mat3 axesA = toMat3(a.turned), axesB = toMat3(b.turned);
-    const std::array<Vec3, 3> u{axesA.cx, axesA.cy, axesA.cz}, v{axesB.cx, axesB.cy, axesB.cz};
-    const Vec3 &ha = a.box()->halfExtents, &hb = b.box()->halfExtents;
-    const Vec3 apart = b.at - a.at;
-    float smallest = 1e9f;
-    const auto test = [&](const Vec3& axis) {
-        const float l = length(axis);
-        if (l < 1e-3f) return;
-        float sum = -std::abs(dot(apart, axis));
-        for (int i = 0; i < 3; ++i) {
-            const auto at = static_cast<std::size_t>(i);
-            sum += ha[i] * std::abs(dot(u[at], axis)) + hb[i] * std::abs(dot(v[at], axis));
+    Survey(const Scene& scene, const Engine& engine) {
+        for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+            const BodyDef& def = scene.bodies[i].def;
+            const Shape& shape = def.shapes[0].geometry;
+            const Pose pose = poseOf(scene, engine, static_cast<int>(i));
+            if (!isSomewhere(pose)) {
+                lost = true;
+            } else if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
+                const auto corner = [&](std::uint32_t v) { return transformPoint(pose, mesh->vertices()[v]); };
+                for (const Triangle& t : mesh->triangles()) triangles.push_back({corner(t.a), corner(t.b), corner(t.c)});
+            } else {
+                Solid solid{&def, demos::solidOf(shape, pose), {}};
+                solid.bounds = demos::boundsOf(solid.shape);
+                solids.push_back(std::move(solid));
+            }
         }
-        smallest = std::min(smallest, sum / l);
-    };
-    for (const Vec3& axis : u) test(axis);
-    for (const Vec3& axis : v) test(axis);
-    for (const Vec3& x : u)
-        for (const Vec3& y : v) test(cross(x, y));
-    return smallest;
-}
-
-/// Distance of two segments, each a middle and a half; by closest points with clamping.
-float segmentDistance(const Vec3& p, const Vec3& halfP, const Vec3& q, const Vec3& halfQ) {
-    const auto clampedShare = [](float t) { return std::clamp(t, -1.0f, 1.0f); };
-    const Vec3 r = p - q;
-    const float a = dot(halfP, halfP), e = dot(halfQ, halfQ), b = dot(halfP, halfQ);
-    const float c = dot(halfP, r), f = dot(halfQ, r), denominator = a * e - b * b;
-    float s = denominator > 1e-9f ? clampedShare((b * f - c * e) / denominator) : 0;
-    const float t = e > 0 ? clampedShare((b * s + f) / e) : 0;
-    if (a > 0) s = clampedShare((b * t - c) / a);
-    return length(r + s * halfP - t * halfQ);
-}
-
-float ballInBox(const Solid& ball, const Solid& box) {
-    const Vec3 local = inverseRotate(box.turned, ball.at - box.at), h = box.box()->halfExtents;
-    const Vec3 closest = min(max(local, -h), h);
-    return roundOf(ball)->radius - length(local - closest);
-}
-
-float overlapOf(const Solid& a, const Solid& b) {
-    if (a.box() && b.box()) return boxOverlap(a, b);
-    const auto roundA = roundOf(a), roundB = roundOf(b);
-    if (roundA && roundB)
-        return roundA->radius + roundB->radius - segmentDistance(a.at, roundA->half, b.at, roundB->half);
-    const Solid& round = roundA ? a : b;
-    if (!std::holds_alternative<Sphere>(round.def->shapes[0].geometry)) return 0;
-    return ballInBox(round, roundA ? b : a);
-}
+        std::ranges::sort(solids, {}, [](const Solid& solid) { return solid.bounds.lower.x; });
+    }
+};
 
 bool mayMeet(const BodyDef& a, const BodyDef& b) {
     if (a.type == BodyType::fixed && b.type == BodyType::fixed) return false;
@@ -108,64 +72,104 @@ bool mayMeet(const BodyDef& a, const BodyDef& b) {
     return group == 0 || group != b.shapes[0].filter.group;
 }
 
-std::vector<Solid> solidsOf(const Scene& scene, const Engine& engine) {
-    std::vector<Solid> solids;
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-        const BodyDef& def = scene.bodies[i].def;
-        Solid solid{&def, {}, {}, {}};
-        if (!solid.box() && !roundOf(solid)) continue;
-        const Pose pose = def.type == BodyType::fixed ? def.pose : engine.motion(static_cast<int>(i)).pose;
-        solid.at = toVec3(pose.position);
-        solid.turned = pose.rotation;
-        if (!isFinite(solid.at)) continue;
-        solid.bounds = {solid.at - reach(solid), solid.at + reach(solid)};
-        solids.push_back(solid);
-    }
-    std::ranges::sort(solids, {}, [](const Solid& solid) { return solid.bounds.lower.x; });
-    return solids;
+bool anyMayMeet(const Survey& survey) {
+    if (!survey.triangles.empty() && !survey.solids.empty()) return true;
+    for (const Solid& a : survey.solids)
+        for (const Solid& b : survey.solids)
+            if (&a != &b && mayMeet(*a.def, *b.def)) return true;
+    return false;
 }
 
-std::vector<float> overlapsOf(const Scene& scene, const Engine& engine) {
-    const std::vector<Solid> solids = solidsOf(scene, engine);
-    std::vector<float> overlaps;
-    for (std::size_t i = 0; i < solids.size(); ++i)
-        for (std::size_t j = i + 1; j < solids.size(); ++j) {
-            if (solids[j].bounds.lower.x > solids[i].bounds.upper.x) break;
-            if (!ragtop::overlaps(solids[i].bounds, solids[j].bounds) || !mayMeet(*solids[i].def, *solids[j].def))
+bool meet(double lowerA, double upperA, double lowerB, double upperB) { return lowerA <= upperB && lowerB <= upperA; }
+
+double depthInTriangles(const Survey& survey, const Solid& solid) {
+    const demos::Box3& b = solid.bounds;
+    double deepest = 0;
+    for (const auto& [p, q, r] : survey.triangles) {
+        if (std::min({p.x, q.x, r.x}) > b.upper.x || std::max({p.x, q.x, r.x}) < b.lower.x) continue;
+        if (std::min({p.z, q.z, r.z}) > b.upper.z || std::max({p.z, q.z, r.z}) < b.lower.z) continue;
+        deepest = larger(deepest, overlapDepth(solid.shape, p, q, r));
+    }
+    return deepest;
+}
+
+std::vector<double> overlapsOf(const Survey& survey) {
+    const std::vector<Solid>& solids = survey.solids;
+    std::vector<double> overlaps;
+    const auto add = [&](double depth) {
+        if (depth > 0) overlaps.push_back(depth);
+    };
+    for (std::size_t i = 0; i < solids.size(); ++i) {
+        const demos::Box3& a = solids[i].bounds;
+        if (solids[i].def->type == BodyType::dynamic) add(depthInTriangles(survey, solids[i]));
+        for (std::size_t j = i + 1; j < solids.size() && solids[j].bounds.lower.x <= a.upper.x; ++j) {
+            const demos::Box3& b = solids[j].bounds;
+            if (!meet(a.lower.y, a.upper.y, b.lower.y, b.upper.y) || !meet(a.lower.z, a.upper.z, b.lower.z, b.upper.z))
                 continue;
-            const float overlap = overlapOf(solids[i], solids[j]);
-            if (overlap > 0) overlaps.push_back(overlap);
+            if (mayMeet(*solids[i].def, *solids[j].def)) add(demos::overlapDepth(solids[i].shape, solids[j].shape));
         }
+    }
     std::ranges::sort(overlaps);
     return overlaps;
+}
+
+/// How far (m) straight above a point the triangle is; negative where it is below, or not over the point.
+double heightAbove(const Corners& triangle, const DVec3& p) {
+    const DVec3 a = triangle[0] - p, b = triangle[1] - p, c = triangle[2] - p;
+    // Areas of the corners as seen from above.
+    const double u = b.z * c.x - b.x * c.z, v = c.z * a.x - c.x * a.z, w = a.z * b.x - a.x * b.z;
+    if (u < 0 || v < 0 || w < 0 || !(u + v + w > 0)) return -1;
+    return (u * a.y + v * b.y + w * c.y) / (u + v + w);
+}
+
+std::optional<double> belowOf(const Scene& scene, const Engine& engine) {
+    const bool hasMesh = std::ranges::any_of(scene.bodies, [](const SceneBody& body) {
+        return std::holds_alternative<TriangleMesh>(body.def.shapes[0].geometry);
+    });
+    if (!hasMesh) return {};
+    const Survey survey(scene, engine);
+    double deepest = survey.lost ? kNaN : 0;
+    for (const Solid& solid : survey.solids) {
+        if (solid.def->type != BodyType::dynamic) continue;
+        const demos::Box3& box = solid.bounds;
+        const DVec3 center = 0.5 * (box.lower + box.upper);
+        for (const Corners& triangle : survey.triangles) deepest = larger(deepest, heightAbove(triangle, center));
+    }
+    return deepest;
 }
 
 double gapOf(const Scene& scene, const SceneJoint& joint, const Engine& engine) {
     const JointBodies& frames = std::visit([](const auto& def) -> const JointBodies& { return def.bodies; }, joint.def);
     const auto anchor = [&](int body, const Frame& frame) {
         if (body == stability::kWorld) return DVec3{frame.position};
-        const BodyDef& def = scene.bodies[static_cast<std::size_t>(body)].def;
-        return transformPoint(def.type == BodyType::fixed ? def.pose : engine.motion(body).pose, frame.position);
+        return transformPoint(poseOf(scene, engine, body), frame.position);
     };
     return distance(anchor(joint.bodyA, frames.frameA), anchor(joint.bodyB, frames.frameB));
 }
 
 }  // namespace
 
+void addQualityOnTheWay(const Scene& scene, const Engine& engine, Quality& worst) {
+    for (const SceneJoint& joint : scene.joints) keepLarger(worst.gap, gapOf(scene, joint, engine));
+    if (const auto below = belowOf(scene, engine)) keepLarger(worst.below, *below);
+}
+
 Quality measureQuality(const Scene& scene, const Engine& engine) {
     Quality quality;
-    const std::vector<float> overlaps = overlapsOf(scene, engine);
-    if (!overlaps.empty()) {
-        const auto last = static_cast<double>(overlaps.size() - 1);
-        quality.overlapP99 = static_cast<double>(overlaps[static_cast<std::size_t>(0.99 * last)]);
-        quality.overlapMax = static_cast<double>(overlaps.back());
+    addQualityOnTheWay(scene, engine, quality);
+    if (const Survey survey(scene, engine); survey.lost) {
+        quality.overlapP99 = quality.overlapMax = kNaN;
+    } else if (anyMayMeet(survey)) {
+        const std::vector<double> overlaps = overlapsOf(survey);
+        const auto last = static_cast<double>(overlaps.size()) - 1;
+        quality.overlapP99 = overlaps.empty() ? 0 : overlaps[static_cast<std::size_t>(0.99 * last)];
+        quality.overlapMax = overlaps.empty() ? 0 : overlaps.back();
     }
-    for (const SceneJoint& joint : scene.joints) quality.gapMax = larger(quality.gapMax, gapOf(scene, joint, engine));
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         const BodyDef& def = scene.bodies[i].def;
         if (def.type != BodyType::dynamic) continue;
         const DVec3 now = engine.motion(static_cast<int>(i)).pose.position;
-        quality.movedMax = larger(quality.movedMax, distance(now, def.pose.position));
+        keepLarger(quality.moved, distance(now, def.pose.position));
     }
     return quality;
 }

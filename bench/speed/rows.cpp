@@ -3,82 +3,126 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <map>
+#include <cmath>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 namespace ragtop::speed {
 
 using Json = nlohmann::ordered_json;
 
-std::optional<double> Row::ratio() const {
-    if (!ms || !bulletMs) return {};
-    return *bulletMs / *ms;
+std::optional<Median> medianOf(std::vector<double> values) {
+    if (values.empty()) return {};
+    std::ranges::sort(values);
+    const std::size_t n = values.size();
+    // Probability that the median of all lies within the k-th values from both ends: 1 − 2 Σ C(n, i)/2ⁿ over i < k.
+    double outside = 0, term = std::ldexp(1.0, -static_cast<int>(n));
+    Median median{0.5 * (values[(n - 1) / 2] + values[n / 2]), values.front(), values.back(), 1 - 2 * term};
+    for (std::size_t k = 1; 2 * k <= n; ++k) {
+        outside += term;
+        term *= static_cast<double>(n - k + 1) / static_cast<double>(k);
+        if (k > 1 && 1 - 2 * outside < 0.95) break;
+        median.lower = values[k - 1];
+        median.upper = values[n - k];
+        median.confidence = 1 - 2 * outside;
+    }
+    return median;
 }
 
-std::string tableHead() {
-    return fmt::format("{:<20} {:>7} {:>5} {:>10} {:>10} {:>7} {:>9} {:>9} {:>9} {:>9} {:>7} {:>6}\n", "scene",
-                       "threads", "lanes", "ms", "Bullet ms", "ratio", "p99 m", "max m", "gap m", "moved m", "swept",
-                       "heap");
-}
-
-std::string tableLine(const Row& row) {
-    const auto number = [](const std::optional<double>& value, int digits) {
-        return value ? fmt::format("{:.{}f}", *value, digits) : std::string("-");
-    };
-    const auto swept = row.work.solverMix.find("swept");
-    return fmt::format(
-        "{:<20} {:>7} {:>5} {:>10} {:>10} {:>7} {:>9.2g} {:>9.2g} {:>9.2g} {:>9.2g} {:>7} {:>6}\n", row.scene,
-        row.threads, row.lanes, number(row.ms, 3), number(row.bulletMs, 3), number(row.ratio(), 2),
-        row.quality.overlapP99, row.quality.overlapMax, row.quality.gapMax, row.quality.movedMax,
-        swept == row.work.solverMix.end() ? "-" : fmt::format("{:.2f}", swept->second), row.work.allocations);
+std::optional<Median> Row::ratio() const {
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < std::min(own.ms.size(), bullet.ms.size()); ++i)
+        ratios.push_back(bullet.ms[i] / own.ms[i]);
+    return medianOf(std::move(ratios));
 }
 
 namespace {
 
-Json optional(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
-
-Json object(const Row& row) {
-    Json stages = Json::object(), mix = Json::object();
-    for (const auto& [name, ms] : row.work.stages) stages[name] = ms;
-    for (const auto& [name, share] : row.work.solverMix) mix[name] = share;
-    return {{"scene", row.scene},
-            {"threads", row.threads},
-            {"lanes", row.lanes},
-            {"ms", optional(row.ms)},
-            {"bullet_ms", optional(row.bulletMs)},
-            {"ratio", optional(row.ratio())},
-            {"stages", stages},
-            {"pen_p99_m", row.quality.overlapP99},
-            {"pen_max_m", row.quality.overlapMax},
-            {"joint_gap_max_m", row.quality.gapMax},
-            {"moved_max_m", row.quality.movedMax},
-            {"solver_mix", mix},
-            {"residual", optional(row.work.residual)},
-            {"bytes", row.work.peakBytes},
-            {"allocations", row.work.allocations}};
+std::optional<double> middle(const std::vector<double>& values) {
+    const auto median = medianOf(values);
+    return median ? std::optional(median->value) : std::nullopt;
 }
 
-struct KeptResult {
-    std::string name;
-    std::map<std::pair<std::string, int>, std::string> ratios;  ///< by scene and threads
-};
+std::string cell(const std::optional<double>& value, int digits) {
+    return value ? fmt::format("{:.{}f}", *value, digits) : std::string("-");
+}
 
-KeptResult readKept(const std::filesystem::path& path) {
-    KeptResult kept;
-    kept.name = path.stem().string();
-    try {
-        std::ifstream file(path);
-        for (const Json& row : Json::parse(file)) {
-            const Json& ratio = row.at("ratio");
-            kept.ratios[{row.at("scene"), row.at("threads")}] =
-                ratio.is_null() ? "–" : fmt::format("{:.2f}", ratio.get<double>());
-        }
-    } catch (const Json::exception& error) {
-        throw std::runtime_error(path.string() + " is no list of rows: " + error.what());
-    }
-    return kept;
+/// "ours/Bullet's"
+template <class Member>
+std::string qualityCell(const Row& row, Member member) {
+    const auto one = [&](const std::optional<Quality>& quality) {
+        const std::optional<double> value = quality ? *quality.*member : std::nullopt;
+        return value ? fmt::format("{:.2g}", *value) : std::string("-");
+    };
+    return one(row.own.quality) + "/" + one(row.bullet.quality);
+}
+
+}  // namespace
+
+std::string tableHead() {
+    return fmt::format("{:<20} {:>7} {:>5} {:>10} {:>10} {:>9} {:>9} {:>7} {:>15} {:>17} {:>17} {:>17} {:>17} {:>6}\n",
+                       "scene", "threads", "lanes", "ms", "Bullet ms", "worst", "Bullet's", "ratio", "interval",
+                       "p99 m", "max m", "below m", "gap m", "heap");
+}
+
+std::string tableLine(const Row& row) {
+    const auto ratio = row.ratio();
+    return fmt::format("{:<20} {:>7} {:>5} {:>10} {:>10} {:>9} {:>9} {:>7} {:>15} {:>17} {:>17} {:>17} {:>17} {:>6}\n",
+                       row.scene, row.threads, row.lanes ? std::to_string(*row.lanes) : "-",
+                       cell(middle(row.own.ms), 3), cell(middle(row.bullet.ms), 3), cell(middle(row.own.worstMs), 3),
+                       cell(middle(row.bullet.worstMs), 3), cell(ratio ? std::optional(ratio->value) : std::nullopt, 2),
+                       ratio ? fmt::format("{:.2f}–{:.2f}", ratio->lower, ratio->upper) : "-",
+                       qualityCell(row, &Quality::overlapP99), qualityCell(row, &Quality::overlapMax),
+                       qualityCell(row, &Quality::below), qualityCell(row, &Quality::gap),
+                       row.own.work ? std::to_string(row.own.work->allocations) : "-");
+}
+
+namespace {
+
+/// JSON has no word for what is no number.
+Json number(double value) {
+    if (std::isfinite(value)) return value;
+    return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+}
+Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+
+void addQuality(Json& into, const std::string& prefix, const std::optional<Quality>& measured) {
+    const Quality quality = measured.value_or(Quality{});
+    into[prefix + "pen_p99_m"] = number(quality.overlapP99);
+    into[prefix + "pen_max_m"] = number(quality.overlapMax);
+    into[prefix + "below_mesh_m"] = number(quality.below);
+    into[prefix + "joint_gap_max_m"] = number(quality.gap);
+    into[prefix + "moved_max_m"] = number(quality.moved);
+}
+
+void addWork(Json& into, const std::optional<Work>& work) {
+    for (const char* key : {"stages", "solver_mix", "residual", "bytes", "allocations"}) into[key] = nullptr;
+    if (!work) return;
+    for (const auto& [name, ms] : work->stages) into["stages"][name] = ms;
+    for (const auto& [name, share] : work->solverMix) into["solver_mix"][name] = share;
+    into["residual"] = number(work->residual);
+    into["bytes"] = work->peakBytes;
+    into["allocations"] = work->allocations;
+}
+
+Json object(const Row& row) {
+    const auto ratio = row.ratio();
+    const auto ofRatio = [&](double Median::*part) { return ratio ? number((*ratio).*part) : Json(nullptr); };
+    Json json{{"scene", row.scene},
+              {"threads", row.threads},
+              {"lanes", row.lanes ? Json(*row.lanes) : Json(nullptr)},
+              {"runs", std::max(row.own.ms.size(), row.bullet.ms.size())},
+              {"ms", number(middle(row.own.ms))},
+              {"bullet_ms", number(middle(row.bullet.ms))},
+              {"worst_ms", number(middle(row.own.worstMs))},
+              {"bullet_worst_ms", number(middle(row.bullet.worstMs))},
+              {"ratio", ofRatio(&Median::value)},
+              {"ratio_lower", ofRatio(&Median::lower)},
+              {"ratio_upper", ofRatio(&Median::upper)},
+              {"ratio_confidence", ofRatio(&Median::confidence)}};
+    addQuality(json, "", row.own.quality);
+    addQuality(json, "bullet_", row.bullet.quality);
+    addWork(json, row.own.work);
+    return json;
 }
 
 }  // namespace
@@ -87,34 +131,6 @@ std::string toJson(const std::vector<Row>& rows) {
     Json list = Json::array();
     for (const Row& row : rows) list.push_back(object(row));
     return list.dump(2) + "\n";
-}
-
-std::string historyTable(const std::filesystem::path& folder) {
-    std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-        if (entry.path().extension() == ".json") files.push_back(entry.path());
-    std::ranges::sort(files);
-    std::vector<KeptResult> results;
-    for (const auto& file : files) results.push_back(readKept(file));
-
-    std::string head = "| scene | threads |", line = "|---|---|", body;
-    for (const KeptResult& result : results) {
-        head += " " + result.name + " |";
-        line += "---|";
-    }
-    for (const CourseKind& kind : courseKinds())
-        for (const std::string& scene : kind.rows)
-            for (const int threads : {1, 2}) {
-                std::string cells;
-                bool any = false;
-                for (const KeptResult& result : results) {
-                    const auto found = result.ratios.find({scene, threads});
-                    any = any || found != result.ratios.end();
-                    cells += fmt::format(" {} |", found == result.ratios.end() ? "" : found->second);
-                }
-                if (any) body += fmt::format("| {} | {} |{}\n", scene, threads, cells);
-            }
-    return head + "\n" + line + "\n" + body;
 }
 
 }  // namespace ragtop::speed

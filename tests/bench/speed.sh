@@ -16,11 +16,24 @@ grep -q '"nonsense" is no scene, must be one of pyramid, brick_house_settle' "$f
     fail "the error does not name the scene and the ones there are: $(cat "$folder/out")"
 
 "$program" speed --scene pyramid --engine ragtop --threads 1,2 --runs 1 --json "$folder/first.json" >/dev/null
-for key in scene threads lanes ms bullet_ms ratio stages pen_p99_m pen_max_m joint_gap_max_m moved_max_m solver_mix \
-    residual bytes allocations; do
+for key in scene threads lanes runs ms bullet_ms worst_ms bullet_worst_ms ratio ratio_lower ratio_upper ratio_confidence \
+    stages pen_p99_m pen_max_m below_mesh_m joint_gap_max_m moved_max_m bullet_pen_p99_m bullet_pen_max_m \
+    bullet_below_mesh_m bullet_joint_gap_max_m bullet_moved_max_m solver_mix residual bytes allocations; do
     [ "$(grep -c "^    \"$key\": " "$folder/first.json")" -eq 2 ] || fail "not every row has $key"
 done
-[ "$(grep -c '^    "' "$folder/first.json")" -eq 30 ] || fail "a row has other keys"
+[ "$(grep -c '^    "' "$folder/first.json")" -eq 54 ] || fail "a row has other keys"
 [ "$(grep '"moved_max_m"' "$folder/first.json" | sort -u | wc -l)" -eq 1 ] || fail "threads change the result"
+for key in joint_gap_max_m below_mesh_m bullet_moved_max_m bullet_ms ratio; do
+    [ "$(grep -c "\"$key\": null" "$folder/first.json")" -eq 2 ] || fail "$key is measured of nothing"
+done
 
 "$program" speed --history "$folder" | grep -q '^| pyramid | 2 | – |$' || fail "the history lacks what was kept"
+"$program" speed --newest "$folder" | grep -q '^| pyramid | 2 | .* | – / – |' || fail "the table lacks what was kept"
+
+# Bullet's quality stands beside ours, of what the scene has: no joints and no mesh, but what moves.
+"$program" speed --scene pyramid_nudged --engine bullet --runs 1 --json "$folder/second.json" >/dev/null
+if grep -q '"bullet_ms": null' "$folder/second.json"; then exit 0; fi  # built without Bullet
+grep -q '"bullet_moved_max_m": [0-9]' "$folder/second.json" || fail "Bullet's quality is dropped"
+for key in ms lanes moved_max_m bytes allocations stages bullet_joint_gap_max_m; do
+    grep -q "\"$key\": null" "$folder/second.json" || fail "$key is no null where nothing is measured"
+done
