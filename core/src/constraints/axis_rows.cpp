@@ -193,12 +193,11 @@ bool beginAxis(AxisRows& rows, double coordinate, float speed, float reaction, c
                float bend) {
     const float w = rows.inverseMass, h = context.h;
     if (rows.features & AxisRows::kSpring) {
-        const float omega = 2 * kPi * rows.frequency;
-        const bool tuned = rows.frequency > 0 && w > 0;
-        rows.springStiffness = tuned ? omega * omega / w : rows.stiffness;
+        const TunedSpring spring = tuned({rows.stiffness, rows.damping}, rows.frequency, rows.dampingRatio, w);
+        rows.springStiffness = spring.stiffness;
         rows.springError = static_cast<float>(coordinate - static_cast<double>(rows.target));
-        const float damping = tuned ? 2 * rows.dampingRatio * omega / w : rows.damping;
-        rows.springShare = springShares(rows.springStiffness, damping, w, h);
+        rows.springShare = springShares(spring.stiffness, spring.damping, w, h);
+        rows.springStart = speed;
     }
     if (rows.features & AxisRows::kViscous) rows.viscousShare = springShares(0, rows.viscous, w, h);
     if (rows.features & AxisRows::kFriction) {

@@ -31,6 +31,11 @@ struct SpringShares {
 /// oscillator: q₂ = e^{−2a}, z q₁ = (1 − e^{−a})² + 4 e^{−a} sin²(b/2) with a = ζωh, b = √(1 − ζ²) ωh. Beyond ωh = 1,
 /// where neighbours would make that unstable, the excess is added as by an implicit step.
 SpringShares springShares(float stiffness, float damping, float inverseMass, float h);
+/// Stiffness and damping of a spring, by frequency and damping ratio where these are given.
+struct TunedSpring {
+    float stiffness, damping;
+};
+TunedSpring tuned(const TunedSpring& given, float frequency, float dampingRatio, float inverseMass);
 /// A share as the drag of a row.
 inline float dragOf(float share, float inverseMass) { return (1 / share - 1) / inverseMass; }
 
@@ -103,6 +108,8 @@ struct AxisRows {
     StopSide atLower, atUpper;
     DryFriction dry;
     float motorStalls = 0;  ///< 1: forward, −1: in reverse, as far as it can
+    float springStart = 0;  ///< m/s or rad/s, when the last substep began and forces had acted
+    float springLoad = 0;   ///< N s or N m s, what else than the spring pushed in the last substep of the step
     // Of an angle.
     float lastAngle = 0;     ///< rad, in (−π, π]
     std::int32_t turns = 0;  ///< whole turns beside it

@@ -39,6 +39,11 @@ SwingTwist swingTwist(const Quat& a, const Quat& b) {
     return s;
 }
 
+float easiest(const RigidBlock& block) {
+    const float most = largest(diagonal(block.mass.rest));
+    return most > block.noise ? most : 0.0f;
+}
+
 /// As rotationVector, in single precision.
 Vec3 turnVector(const Quat& q) {
     const float sine = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z);
@@ -183,15 +188,13 @@ namespace {
 
 void beginBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context) {
     BallRows& rows = joint.ball;
-    const float h = context.h, most = largest(diagonal(joint.block.mass.rest));
-    const float inverseInertia = most > joint.block.noise ? most : 0.0f;
+    const float h = context.h, inverseInertia = easiest(joint.block);
     if (rows.features & BallRows::kSpring) {
         rows.springError = turnVector(place.b * conjugate(place.a * rows.target));
-        const float omega = 2 * kPi * rows.frequency;
-        const bool tuned = rows.frequency > 0 && inverseInertia > 0;
-        rows.springStiffness = tuned ? omega * omega / inverseInertia : rows.stiffness;
-        const float damping = tuned ? 2 * rows.dampingRatio * omega / inverseInertia : rows.damping;
-        setDrags(rows.springDrag, rows.springStiffness, damping, inverseInertia, h);
+        const TunedSpring spring =
+            tuned({rows.stiffness, rows.damping}, rows.frequency, rows.dampingRatio, inverseInertia);
+        rows.springStiffness = spring.stiffness;
+        setDrags(rows.springDrag, spring.stiffness, spring.damping, inverseInertia, h);
     }
     if (rows.features & BallRows::kDrives) beginDrives(joint, place, inverseInertia, h);
     if (rows.features & BallRows::kViscous) setDrags(rows.viscousDrag, 0, rows.viscous, inverseInertia, h);
@@ -200,6 +203,7 @@ void beginBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, c
         if (rows.dry.begin(length(rows.frictionImpulse), kinetic, h * rows.breakaway)) rows.frictionImpulse *= 0.5f;
     }
     const Vec3 spin = pair.velocity(joint.arms).angular;
+    if (rows.features & (BallRows::kSpring | BallRows::kDrives)) rows.springStart = spin;
     const SoftCourse noCourse;
     bool hadImpact = false;
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)

@@ -1,6 +1,7 @@
 #include "constraints/joint_ball_drives.h"
 
 #include "constraints/joint_types.h"
+#include "constraints/spring_lead.h"
 
 namespace ragtop {
 namespace {
@@ -29,6 +30,11 @@ Vec3 driveError(BallDrives& drives, const Quat& target, const Quat& b) {
     return {off.twist, longer * dot(swing, drives.basis.cy), longer * dot(swing, drives.basis.cz)};
 }
 
+TunedSpring tunedDrive(const BallDrives& drives, int k, float inverseInertia) {
+    const BallDrives::Drive& drive = k == 0 && drives.apart ? drives.twist : drives.swing;
+    return tuned({drive.stiffness, drive.damping}, drive.frequency, drive.dampingRatio, inverseInertia);
+}
+
 }  // namespace
 
 bool needsDrives(const BallDef& def) {
@@ -52,17 +58,29 @@ void beginDrives(JointSim& joint, const JointPlace& place, float inverseInertia,
     const Vec3 speed = transposeTimes(drives.basis, rotate(place.a, drives.targetSpeed));
     const Vec3 added = transposeTimes(drives.basis, rotate(place.a, drives.feedForward));
     for (int k = 0; k < 3; ++k) {
-        const BallDrives::Drive& drive = k == 0 && drives.apart ? drives.twist : drives.swing;
-        const float omega = 2 * kPi * drive.frequency;
-        const bool tuned = drive.frequency > 0;
-        const float stiffness = tuned ? omega * omega / inverseInertia : drive.stiffness;
-        const float damping = tuned ? 2 * drive.dampingRatio * omega / inverseInertia : drive.damping;
-        const SpringShares shares = springShares(stiffness, damping, inverseInertia, h);
+        const TunedSpring spring = tunedDrive(drives, k, inverseInertia);
+        const SpringShares shares = springShares(spring.stiffness, spring.damping, inverseInertia, h);
         for (int pass = 0; pass < 2; ++pass) {
             drives.drag[pass][k] = dragOf(pass == 0 ? shares.moving : shares.resting, inverseInertia);
-            drives.push[pass][k] = h * (added[k] - stiffness * error[k]) + drives.drag[pass][k] * speed[k];
+            drives.push[pass][k] = h * (added[k] - spring.stiffness * error[k]) + drives.drag[pass][k] * speed[k];
         }
     }
+}
+
+Vec3 leadDrives(const JointSim& joint, const JointPlace& place, float inverseInertia, float h, const Vec3& steady) {
+    BallDrives drives = joint.drives;
+    const Vec3 error = driveError(drives, place.a * joint.ball.target, place.b);
+    const Vec3 added = transposeTimes(drives.basis, rotate(place.a, drives.feedForward));
+    const Vec3 load = transposeTimes(drives.basis, steady);
+    Vec3 push, share;
+    for (int k = 0; k < 3; ++k) {
+        const TunedSpring spring = tunedDrive(drives, k, inverseInertia);
+        push[k] = h * (added[k] - spring.stiffness * error[k]);
+        share[k] = leadShare(spring.stiffness, spring.damping, inverseInertia, h);
+    }
+    const float size = length(push), longest = h * joint.ball.maxSpring;
+    if (size > longest) push = (longest / size) * push;
+    return drives.basis * scale(share, push + load);
 }
 
 /// (D⁻¹ + P) λ = D⁻¹ push − (ω − P λ_old) in the basis; a row without drag is a force.

@@ -93,6 +93,7 @@ void compileJoint(const JointDef& def, const Vec3& centerA, const Vec3& centerB,
         if (kind == JointKind::distance) into.block.basis.cz = {};
     }
     into.account = {};
+    into.leads = 0;
     const JointBodies& bodies = bodiesOf(def);
     into.localA = {bodies.frameA.position - centerA, normalized(bodies.frameA.rotation)};
     into.localB = {bodies.frameB.position - centerB, normalized(bodies.frameB.rotation)};
@@ -321,20 +322,26 @@ void solveJointAgain(JointSim& joint, BodyState* states, const BodyInertia* iner
     pair.store();
 }
 
-bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inertia) {
-    BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+BodyPair fitted(JointSim& joint, const BodyPair& pair) {
+    if (hasAxes(joint.kind)) return held(joint.axes, pair, joint.arms, false);
+    BodyPair fits = pair;
     const Vec3 first = joint.block.impulseFirst, second = joint.block.impulseSecond;
-    const PairVector before = pair.velocity(joint.arms);
-    if (hasAxes(joint.kind)) {
-        pair = held(joint.axes, pair, joint.arms, false);
-    } else if (joint.kind != JointKind::distance) {
-        solveRigid(joint, pair, {}, false);
+    if (joint.kind != JointKind::distance) {
+        solveRigid(joint, fits, {}, false);
     } else if (joint.axis.features & AxisRows::kLocked && joint.axis.inverseMass > 0) {
         const Vec3 line = joint.block.basis.cz;
-        pair.apply(joint.arms, {(-dot(line, before.linear) / joint.axis.inverseMass) * line, {}});
+        const float speed = dot(line, pair.velocity(joint.arms).linear);
+        fits.apply(joint.arms, {(-speed / joint.axis.inverseMass) * line, {}});
     }
     joint.block.impulseFirst = first;
     joint.block.impulseSecond = second;
+    return fits;
+}
+
+bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inertia) {
+    BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+    const PairVector before = pair.velocity(joint.arms);
+    pair = fitted(joint, pair);
     constexpr float kRounding = 1e-5f;
     const PairVector after = pair.velocity(joint.arms);
     const Vec3 vA = states[joint.stateA].v, wA = states[joint.stateA].w, vB = states[joint.stateB].v,
@@ -349,6 +356,8 @@ bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inerti
 }
 
 void rescaleJoint(JointSim& joint, float ratio) {
+    joint.lead.linear *= ratio;
+    joint.lead.angular *= ratio;
     joint.block.impulseFirst *= ratio;
     joint.block.impulseSecond *= ratio;
     rescale(joint.axis, ratio);

@@ -57,6 +57,7 @@ struct BallRows {
     Vec3 springImpulse, viscousImpulse, frictionImpulse;  ///< world axes
     StopSide swing[SwingLimit::kSides], twistLower, twistUpper;
     DryFriction dry;
+    Vec3 springStart, springLoad;  ///< as of AxisRows, world axes
 
     // Of the current substep.
     Vec3 springError;              ///< rotation vector from the target when the substep began
@@ -103,6 +104,8 @@ struct JointSim {
     float threadRadius = 0;  ///< m
     PathRows path;
     SoftAccount account;
+    PairVector lead;          ///< N s and N m s, given when the last step ended: see spring_lead.h
+    std::uint32_t leads = 0;  ///< 1: `lead` was given, and is to be taken back
 };
 static_assert(std::is_trivially_copyable_v<JointSim> && std::is_standard_layout_v<JointSim>);
 

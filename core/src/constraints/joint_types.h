@@ -38,6 +38,8 @@ void refreshAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair,
 void foreseeAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context);
 /// By how much the mean rate of a free coordinate over h will differ from its speed now.
 float bendOf(const JointSim& joint, std::uint32_t coordinate, const BodyPair& pair, float h);
+/// The velocities that rigid rows leave, of which nothing is carried over.
+BodyPair fitted(JointSim& joint, const BodyPair& pair);
 /// Where the joint's frames are; sets its arms.
 JointPlace locate(JointSim& joint, const BodyPair& pair);
 /// Where the joint's frames will be after h.
@@ -59,6 +61,10 @@ void compile(BallRows& rows, const BallDef& def);
 void beginDrives(JointSim& joint, const JointPlace& place, float inverseInertia, float h);
 Vec3 solveDrives(JointSim& joint, const Vec3& spin, int pass, float longest);
 void rescale(BallRows& rows, float ratio);
+/// By how much springs with drives lead, N m s: see spring_lead.h. `steady` is the load.
+Vec3 leadDrives(const JointSim& joint, const JointPlace& place, float inverseInertia, float h, const Vec3& steady);
+/// Inverse inertia of a ball about the axis that follows most quickly.
+float easiest(const RigidBlock& block);
 /// The angular impulse of a ball's rows.
 Vec3 turningImpulse(const BallRows& rows);
 

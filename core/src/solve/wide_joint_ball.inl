@@ -135,6 +135,7 @@ RAGTOP_INLINE Mask<N> beginBall(WideJoint<N>& j, const WideTurns<N>& turns, cons
         j.set(RAGTOP_JOINT_FIELD(ball.frictionImpulse), select(slides, Lanes<N>(0.5f) * impulse, impulse));
     }
     const WideVec3<N> spin = j.angularVelocity();
+    if (features & BallRows::kSpring) j.set(RAGTOP_JOINT_FIELD(ball.springStart), spin);
     constexpr int kRestitution = RAGTOP_JOINT_FIELD(ball.stop.restitution);
     Mask<N> hadImpact = zero < zero;
     if (features & BallRows::kSwing)

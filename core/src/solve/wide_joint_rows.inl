@@ -252,6 +252,7 @@ RAGTOP_INLINE Mask<N> beginAxis(JointFields<N>& j, const WideMargins<N>& margins
         j.set(RAGTOP_JOINT_FIELD(axis.springError), springError);
         j.set(RAGTOP_JOINT_FIELD(axis.springShare.moving), shares.moving);
         j.set(RAGTOP_JOINT_FIELD(axis.springShare.resting), shares.resting);
+        j.set(RAGTOP_JOINT_FIELD(axis.springStart), speed);
     }
     if (features & AxisRows::kViscous) {
         const WideShares<N> shares = springShares(zero, j.at(RAGTOP_JOINT_FIELD(axis.viscous)), inverseMass, context.h);

@@ -81,6 +81,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       geometries(memory),
       regions(memory),
       jointBundles(jointKernels->lanes, memory),
+      springs(memory),
       manifoldTouches(memory),
       laneTouches(memory),
       rest(memory),

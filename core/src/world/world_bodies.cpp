@@ -339,6 +339,8 @@ void WorldImpl::setPose(std::uint32_t index, const Pose& pose) {
     body.center = internal.position;
     body.rotation = normalized(internal.rotation);
     resetSolverState(index);
+    for (std::uint32_t key = body.firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next)
+        jointSims[key >> 1].leads = 0;
     refreshBounds(index);
     wakeOverlapped(index);
 }

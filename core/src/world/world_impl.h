@@ -33,6 +33,7 @@
 #include "world/step_finds.h"
 #include "world/swept_motion.h"
 #include "world/world_parts.h"
+#include "world/world_springs.h"
 
 namespace ragtop {
 
@@ -427,6 +428,7 @@ struct WorldImpl {
     Regions regions;
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled
+    Springs springs;
     StageArray<std::uint64_t> contactOrder;  ///< of world_order.cpp, as the two after it
     StageArray<std::uint32_t> movedFrom, movedTo;
     AlignedArray<std::uint8_t> manifoldTouches;  ///< per manifold, a ManifoldTouch at the end of the last step

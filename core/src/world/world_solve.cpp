@@ -165,6 +165,7 @@ static void forEachDirectBouncing(WorldImpl& world, Visit&& visit) {
 }
 
 void WorldImpl::solveSubsteps(World& world) {
+    leadSprings(*this, Lead::begin);
     if (regions.alone) return solveRegions(*this);
     for (int number = 0; number < settings.substeps; ++number) {
         context = contextOf(*this, number, false);

@@ -170,6 +170,7 @@ void WorldImpl::prepareConstraints() {
     const bool rescale = lastSubstep > 0 && lastSubstep != context.h;
     const float ratio = rescale ? context.h / lastSubstep : 1;
     if (bundlesChanged) jointBundles.build(graph, jointSims.data());
+    if (bundlesChanged) collectSprings(*this);
     bundlesChanged = false;
     groupContacts();
     std::atomic<bool> mayBounce{false};
@@ -255,6 +256,7 @@ void WorldImpl::storeJoints() {
     const JointLanesView view = jointBundles.view(jointSims.data());
     runner.parallelFor(jointBundles.bundleCount(), 8,
                        [&](int begin, int end, int) { jointKernels->store(view, begin, end); });
+    leadSprings(*this, Lead::end);
 }
 
 void WorldImpl::clearEvents() {
