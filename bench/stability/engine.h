@@ -16,6 +16,12 @@ struct BodyMotion {
     Vec3 w;  ///< rad/s
 };
 
+/// What the first body of a joint does to the second, in world axes.
+struct Reaction {
+    Vec3 force;   ///< N
+    Vec3 torque;  ///< N m, about the joint's point
+};
+
 /// Thrown by an adapter whose engine cannot represent something in a scene: the case is skipped for that engine.
 struct Unsupported : std::runtime_error {
     using std::runtime_error::runtime_error;
@@ -41,6 +47,8 @@ public:
     virtual void remove(int body) = 0;
     /// Sum of the normal forces (N) between two bodies in the last step.
     virtual double normalForce(int a, int b) const = 0;
+    /// Mean of the last step, of a joint by its index in the scene.
+    virtual Reaction reaction(int) const { throw Unsupported("forces of joints"); }
     /// What the engine itself reports to have gone wrong since the scene began, such as a full buffer or a reset.
     virtual std::string complaint() const { return {}; }
 };

@@ -47,9 +47,23 @@ int addFloor(Scene& scene, const Material& material, const DVec3& at) {
     return add(scene, fixedBody(Box{{100, 1, 100}}, at + DVec3{0, -1, 0}, material));
 }
 
-Vec3 slopeGravity(double theta, double heading) {
-    return toVec3(kGravity *
-                  DVec3{std::sin(theta) * std::cos(heading), -std::cos(theta), std::sin(theta) * std::sin(heading)});
+Pose Slope::pose() const {
+    const DVec3 normal{std::sin(theta) * std::cos(heading), std::cos(theta), std::sin(theta) * std::sin(heading)};
+    return {at, rotationBetween({0, 1, 0}, toVec3(normal))};
+}
+
+DVec3 Slope::down() const {
+    return {std::cos(theta) * std::cos(heading), -std::sin(theta), std::cos(theta) * std::sin(heading)};
+}
+
+BodyDef onSlope(const Slope& slope, BodyDef def) {
+    const Pose pose = slope.pose();
+    def.pose = {transformPoint(pose, toVec3(def.pose.position)), pose.rotation * def.pose.rotation};
+    return def;
+}
+
+int addSlope(Scene& scene, const Slope& slope, const Material& material) {
+    return add(scene, onSlope(slope, fixedBody(Box{{100, 1, 100}}, {0, -1, 0}, material)));
 }
 
 JointBodies jointFrames(const Scene& scene, int a, int b, const DVec3& point, const Vec3& axis) {

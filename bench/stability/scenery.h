@@ -9,6 +9,9 @@ namespace ragtop::stability {
 
 using scenes::Dice;
 
+/// How many times a case runs that depends on where exactly its bodies begin, each time from other places.
+inline constexpr int kSeeds = 8;
+
 inline constexpr double kGravity = 9.81;  ///< m/s², the default of WorldSettings
 
 Material surface(float friction, float restitution = 0);
@@ -23,9 +26,19 @@ BodyDef bodyWithMass(Shape shape, const DVec3& position, float mass, const Vec3&
 /// A slab whose top is the plane y = height.
 int addFloor(Scene& scene, const Material& material, const DVec3& at = {});
 
-/// Gravity as on a slope of angle theta whose fall line has the heading given, in a world whose floor stays level: an
-/// inclined plane without an inclined body.
-Vec3 slopeGravity(double theta, double heading);
+/// An inclined plane through a point: y is its normal, and the fall line of angle theta has the heading given, from x
+/// towards z. Its x and z axes are the world's, turned the short way.
+struct Slope {
+    double theta = 0, heading = 0;  ///< rad
+    DVec3 at{};
+
+    Pose pose() const;
+    DVec3 down() const;  ///< of unit length, along the fall line
+};
+/// A slab of 200 m × 200 m with this plane as its top.
+int addSlope(Scene& scene, const Slope& slope, const Material& material);
+/// The same body with its pose seen from a slope.
+BodyDef onSlope(const Slope& slope, BodyDef def);
 
 /// A point and axis in the world that two bodies share (kWorld: the world), as both see it.
 inline constexpr int kWorld = -1;

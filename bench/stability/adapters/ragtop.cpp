@@ -43,6 +43,11 @@ double RagtopEngine::normalForce(int a, int b) const {
     return sum;
 }
 
+Reaction RagtopEngine::reaction(int joint) const {
+    const JointState state = world_.state(instance_.joints[static_cast<std::size_t>(joint)]);
+    return {state.force, state.torque};
+}
+
 std::unique_ptr<Engine> makeRagtop(const Scene& scene) {
     return std::make_unique<RagtopEngine>(scene, settingsOf(scene));
 }

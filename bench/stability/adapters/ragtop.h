@@ -16,6 +16,7 @@ public:
     int add(const BodyDef& def) override;
     void remove(int body) override;
     double normalForce(int a, int b) const override;
+    Reaction reaction(int joint) const override;
 
     const World& world() const { return world_; }
 

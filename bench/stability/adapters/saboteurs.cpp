@@ -28,6 +28,7 @@ public:
         inner_->remove(body);
     }
     double normalForce(int a, int b) const override { return inner_->normalForce(a, b); }
+    Reaction reaction(int joint) const override { return inner_->reaction(joint); }
 
 protected:
     const Engine& inner() const { return *inner_; }

@@ -11,37 +11,37 @@ namespace {
 
 const double kTheta = std::atan(0.5);
 
-/// A unit cube of 1 kg on a slope whose fall line has a heading (degrees) in the plane, somewhere in the world.
-struct Slope {
-    double share = 1;  ///< friction over the tangent of the slope
-    double heading = 0;
+/// A unit cube of 1 kg on an inclined slab, its edges at an angle to the fall line, which has that heading too;
+/// somewhere in the world.
+struct Ramp {
+    double share = 1;    ///< friction over the tangent of the slope
+    double heading = 0;  ///< degrees
     DVec3 at{};
 
-    double radians() const { return heading * std::numbers::pi / 180; }
+    Slope slope() const { return {kTheta, heading * std::numbers::pi / 180, at}; }
     std::string name() const {
         return fmt::format("mu={} tan, {} deg{}", share, heading, at == DVec3{} ? "" : ", 1 km away");
     }
 };
 
-Run start(Trial& trial, const Slope& slope) {
+Run start(Trial& trial, const Ramp& ramp) {
     Scene scene;
-    scene.settings.gravity = slopeGravity(kTheta, slope.radians());
-    const Material material = surface(static_cast<float>(slope.share * std::tan(kTheta)));
-    addFloor(scene, material, slope.at);
-    add(scene, solidBody(Box{{0.5f, 0.5f, 0.5f}}, slope.at + DVec3{0, 0.5, 0}, 1, material));
+    const Material material = surface(static_cast<float>(ramp.share * std::tan(kTheta)));
+    addSlope(scene, ramp.slope(), material);
+    add(scene, onSlope(ramp.slope(), solidBody(Box{{0.5f, 0.5f, 0.5f}}, {0, 0.5, 0}, 1, material)));
     return trial.start(scene);
 }
 
 /// Distance down the fall line from where the cube began.
-double descent(const Run& run, const Slope& slope) {
-    const DVec3 d = run.position(1) - slope.at;
-    return d.x * std::cos(slope.radians()) + d.z * std::sin(slope.radians());
+double descent(const Run& run, const Ramp& ramp) {
+    const DVec3 d = run.position(1) - ramp.at, down = ramp.slope().down();
+    return d.x * down.x + d.y * down.y + d.z * down.z;
 }
 
 /// Speed of a cube that must stay, after it has had two seconds to come to rest.
-void holds(Trial& trial, const Slope& slope) {
+void holds(Trial& trial, const Ramp& ramp) {
     constexpr double kSeconds = 10;
-    Run run = start(trial, slope);
+    Run run = start(trial, ramp);
     run.advance(2);
     const DVec3 from = run.position(1);
     run.advance(kSeconds);
@@ -50,15 +50,15 @@ void holds(Trial& trial, const Slope& slope) {
 }
 
 /// Acceleration by Coulomb's law, g (sin θ − μ cos θ), from three places four seconds apart.
-void slides(Trial& trial, const Slope& slope) {
-    Run run = start(trial, slope);
+void slides(Trial& trial, const Ramp& ramp) {
+    Run run = start(trial, ramp);
     const auto placeAfter = [&](double seconds) {
         run.advance(seconds);
-        return descent(run, slope);
+        return descent(run, ramp);
     };
     const double x0 = placeAfter(2), x1 = placeAfter(4), x2 = placeAfter(4);
     const double a = (x2 - 2 * x1 + x0) / 16;
-    const double exact = kGravity * (1 - slope.share) * std::sin(kTheta);
+    const double exact = kGravity * (1 - ramp.share) * std::sin(kTheta);
     trial.expectNear("acceleration", a, exact, 0.01 * exact, "m/s2");
 }
 
@@ -69,15 +69,15 @@ Family inclines() {
     const DVec3 away{1000, 0, 1000};
     for (const double heading : {0.0, 22.5, 45.0}) {
         for (const double share : {1.01, 1.05}) {
-            const Slope slope{share, heading};
-            family.cases.push_back({slope.name(), [slope](Trial& trial) { holds(trial, slope); }});
+            const Ramp ramp{share, heading};
+            family.cases.push_back({ramp.name(), [ramp](Trial& trial) { holds(trial, ramp); }});
         }
         for (const double share : {0.99, 0.95}) {
-            const Slope slope{share, heading};
-            family.cases.push_back({slope.name(), [slope](Trial& trial) { slides(trial, slope); }});
+            const Ramp ramp{share, heading};
+            family.cases.push_back({ramp.name(), [ramp](Trial& trial) { slides(trial, ramp); }});
         }
     }
-    const Slope far{1.01, 22.5, away}, farSliding{0.99, 22.5, away};
+    const Ramp far{1.01, 22.5, away}, farSliding{0.99, 22.5, away};
     family.cases.push_back({far.name(), [far](Trial& trial) { holds(trial, far); }});
     family.cases.push_back({farSliding.name(), [farSliding](Trial& trial) { slides(trial, farSliding); }});
     return family;

@@ -156,12 +156,28 @@ Drawn softSlider(Dice& dice) {
     def.stop.stiffness = kSpring;
     return {def};
 }
+/// Its twist is free.
+Drawn softCone(Dice& dice) {
+    BallDef def;
+    def.swingLimit = dice.between(0.1f, 2);
+    def.stop.stiffness = kSpring;
+    return {def, swung(dice, dice.between(0, *def.swingLimit), dice.between(-3, 3))};
+}
+/// Its swing is kept from half a turn, where there is no twist.
+Drawn softTwist(Dice& dice) {
+    BallDef def;
+    def.swingLimit = 1.5f;
+    def.twistLimit = around(dice, 0, 2);
+    def.stop.stiffness = kSpring;
+    return {def, swung(dice, dice.between(0, 1.5f), 0)};
+}
 
 Place turned(Dice& dice) { return {anyRotation(dice)}; }
 Place aboutX(Dice& dice) { return {rotationAbout(kX, dice.between(-3, 3))}; }
 Place alongX(Dice& dice) { return {{}, dice.between(-1, 1) * kX}; }
 /// As far as soft stops give way to what these bodies bring.
 Place littleAboutX(Dice& dice) { return {rotationAbout(kX, dice.between(-1, 1))}; }
+Place littleTurned(Dice& dice) { return {swung(dice, dice.between(0, 1), dice.between(-1, 1))}; }
 Place littleAlongX(Dice& dice) { return {{}, dice.between(-0.4f, 0.4f) * kX}; }
 Place thrown(Dice& dice) { return {anyRotation(dice), anyVector(dice, 1)}; }
 Place alongAndAboutX(Dice& dice) { return {rotationAbout(kX, dice.between(-3, 3)), dice.between(-1, 1) * kX}; }
@@ -197,6 +213,8 @@ const JointType kTypes[] = {
     {"six degrees, four locked", lockedSixDof, aboutZAndX},
     {"hinge with soft stops", softHinge, littleAboutX},
     {"slider with soft stops", softSlider, littleAlongX},
+    {"cone with soft stops", softCone, littleTurned},
+    {"twist with soft stops", softTwist, littleTurned},
 };
 
 /// A body of moments 0.02, 0.06 and 0.05 kg m² whose joint is 0.3 m beside its centre.

@@ -48,4 +48,9 @@ ReachPolygon anyReach(Dice& dice, Twists&& twists) {
 /// One joint between two bodies, or the world and one, at any state; bodies move with up to 10 rad/s.
 void addJoint(Scene& scene, Dice& dice, const Drawn& drawn, const DVec3& place, bool twoBodies);
 
+struct Family;
+/// Motors and springs at the most that they may give, and turns of more than one round.
+void addTorqueCases(Family& family);
+void addTurnCases(Family& family);
+
 }  // namespace ragtop::stability

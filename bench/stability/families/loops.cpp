@@ -8,6 +8,7 @@
 #include "../extremes.h"
 #include "../families.h"
 #include "../scenery.h"
+#include "loops.h"
 
 namespace ragtop::stability {
 namespace {
@@ -66,7 +67,7 @@ void fourBar(Trial& trial, int windows) {
     for (const int beam : beams) scene.bodies[static_cast<std::size_t>(beam)].def.linearVelocity = {1, 0, 0};
     Run run = trial.start(scene);
     // From upright to hanging every post falls by 1 m and every beam by 2 m.
-    expectDrift(trial, watch(run, 10, kGravity * (windows + 1 + 2 * windows)));
+    expectDrift(trial, watch(run, 60, kGravity * (windows + 1 + 2 * windows)));
 }
 
 /// Six bars along the edges of a cube, on six hinges, one bar fixed: seven constraints too many, yet it moves
@@ -90,7 +91,7 @@ void bricard(Trial& trial) {
     double farthest = 0;
     const double energy = run.energy();
     Drift drift;
-    run.advance(10, [&] {
+    run.advance(60, [&] {
         drift.gap = larger(drift.gap, run.jointGap());
         drift.energy = larger(drift.energy, std::abs(run.energy() - energy) / (5 * kGravity));
         farthest = larger(farthest, run.moved(bars[3]));
@@ -138,23 +139,66 @@ void andrews(Trial& trial) {
     trial.expectAtLeast("falls by", highest - lowest, 0.1, "m");
 }
 
-/// A door of 2 m × 1 m on hinges on one line, swinging: it neither slows down nor sags.
-void door(Trial& trial, int hinges) {
+/// A door of 2 m × 1 m and 20 kg on hinges on one line.
+struct Door {
+    static constexpr double kMass = 20, kReach = 0.5;  ///< kg; m from the hinges to its centre of mass
+    int hinges = 2;
+
+    double height(int hinge) const { return 0.2 + 1.6 * hinge / (hinges - 1); }
+    Scene scene(float spin) const {
+        Scene scene;
+        BodyDef def = solidBody(Box{{0.5f, 1, 0.02f}}, {kReach, 1, 0}, static_cast<float>(kMass), {});
+        def.angularVelocity = {0, spin, 0};
+        def.linearVelocity = {0, 0, static_cast<float>(-kReach) * spin};
+        const int body = add(scene, def);
+        for (int i = 0; i < hinges; ++i) addHinge(scene, kWorld, body, {0, height(i), 0}, {0, 1, 0});
+        return scene;
+    }
+};
+
+/// Swinging it neither slows down nor sags.
+void swings(Trial& trial, const Door& door) {
     constexpr float kSpin = 2;
-    Scene scene;
-    BodyDef def = solidBody(Box{{0.5f, 1, 0.02f}}, {0.5, 1, 0}, 20, {});
-    def.angularVelocity = {0, kSpin, 0};
-    def.linearVelocity = {0, 0, -0.5f * kSpin};
-    const int body = add(scene, def);
-    for (int i = 0; i < hinges; ++i) addHinge(scene, kWorld, body, {0, 0.2 + 1.6 * i / (hinges - 1), 0}, {0, 1, 0});
-    Run run = trial.start(scene);
+    Run run = trial.start(door.scene(kSpin));
     double gap = 0;
     run.advance(60, [&] {
         gap = larger(gap, run.jointGap());
         return gap < 1;
     });
     trial.expectAtMost("gap", gap, 1e-4, "m");
-    trial.expectNear("spin after a minute", static_cast<double>(run.motion(body).w.y), kSpin, 0.005 * kSpin, "rad/s");
+    trial.expectNear("spin after a minute", static_cast<double>(run.motion(0).w.y), kSpin, 0.005 * kSpin, "rad/s");
+}
+
+/// At rest its hinges bear together what statics ask, and equal hinges bear equal shares of the weight: of all the
+/// ways that a rigid door may load more than one hinge, the one of any equal give.
+void hangs(Trial& trial, const Door& door) {
+    Run run = trial.start(door.scene(0));
+    run.advance(2);
+    std::vector<DVec3> forces(static_cast<std::size_t>(door.hinges));
+    double moment = 0;
+    int steps = 0;
+    run.advance(1, [&] {
+        for (int i = 0; i < door.hinges; ++i) {
+            const Reaction reaction = run.engine().reaction(i);
+            const DVec3 force{reaction.force};
+            forces[static_cast<std::size_t>(i)] = forces[static_cast<std::size_t>(i)] + force;
+            moment += static_cast<double>(reaction.torque.z) - force.x * door.height(i);
+        }
+        ++steps;
+        return true;
+    });
+    const double weight = kGravity * Door::kMass, share = weight / door.hinges;
+    DVec3 sum;
+    double unequal = 0;
+    for (DVec3& force : forces) {
+        force = (1.0 / steps) * force;
+        sum = sum + force;
+        unequal = larger(unequal, std::abs(force.y - share));
+    }
+    trial.expectNear("loads together", sum.y, weight, 0.01 * weight, "N");
+    trial.expectAtMost("pull together", std::hypot(sum.x, sum.z), 0.01 * weight, "N");
+    trial.expectNear("moment", moment / steps, weight * Door::kReach, 0.01 * weight * Door::kReach, "N m");
+    trial.expectAtMost("a hinge off its share", unequal, 0.01 * share, "N");
 }
 
 }  // namespace
@@ -166,9 +210,12 @@ Family loops() {
             {fmt::format("four-bar, {} windows", windows), [windows](Trial& trial) { fourBar(trial, windows); }});
     family.cases.push_back({"Bricard", bricard});
     family.cases.push_back({"Andrews", andrews});
-    for (const int hinges : {2, 3, 4})
-        family.cases.push_back(
-            {fmt::format("door on {} hinges", hinges), [hinges](Trial& trial) { door(trial, hinges); }});
+    addSqueezerCases(family);
+    for (const int hinges : {2, 3, 4}) {
+        const Door door{hinges};
+        family.cases.push_back({fmt::format("door on {} hinges", hinges), [door](Trial& t) { swings(t, door); }});
+        family.cases.push_back({fmt::format("loads of {} hinges", hinges), [door](Trial& t) { hangs(t, door); }});
+    }
     return family;
 }
 

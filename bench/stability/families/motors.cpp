@@ -156,9 +156,9 @@ void response(Trial& trial, int rate, double zeta) {
     run.advance(2, [&] {
         const double t = run.time(), left = kTarget * std::exp(-decay * t);
         const double angle = kTarget - left * (std::cos(w * t) + decay / w * std::sin(w * t));
-        const double rate = left * omega * omega / w * std::sin(w * t);
+        const double turning = left * omega * omega / w * std::sin(w * t);
         place = larger(place, std::abs(angleOf(run, wheel) - angle) / kTarget);
-        speed = larger(speed, std::abs(static_cast<double>(run.motion(wheel).w.z) - rate) / (kTarget * omega));
+        speed = larger(speed, std::abs(static_cast<double>(run.motion(wheel).w.z) - turning) / (kTarget * omega));
         return true;
     });
     trial.expectAtMost("off its closed form", place, 0.01, "1");

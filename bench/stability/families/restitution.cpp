@@ -129,8 +129,8 @@ void cradle(Trial& trial, int lifted, double gap) {
     trial.expectNear("ejected", static_cast<double>(ejected), lifted, 0, "balls");
     double still = 0;
     for (int i = 0; i < 5 - lifted; ++i) still = larger(still, farthest[static_cast<std::size_t>(i)]);
-    trial.expectAtMost("the others move", still / whole, 0.1, "1");
-    trial.expectNear("the last one's reach", reached / whole, 1, 0.05, "1");
+    trial.expectAtMost("the others move", still / whole, 0.02, "1");
+    trial.expectNear("the last one's reach", reached / whole, 1, 0.02, "1");
 }
 
 }  // namespace

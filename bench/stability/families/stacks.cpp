@@ -19,9 +19,9 @@ struct Column {
     float friction = 0.5f;
 };
 
-Scene sceneOf(const Column& column) {
+Scene sceneOf(const Column& column, int seed) {
     Scene scene;
-    Dice dice(static_cast<std::uint64_t>(column.boxes));
+    Dice dice(static_cast<std::uint64_t>(seed));
     const Material material = surface(column.friction);
     addFloor(scene, material);
     const float half = column.size / 2, mass = column.size * column.size * column.size;
@@ -57,7 +57,7 @@ Standing watch(Run& run, const Column& column, double seconds) {
 }
 
 /// The force between each two boxes against the weight above, as a share of the whole weight; mean of a second.
-void expectLoads(Trial& trial, Run& run, const Column& column) {
+double errorOfLoads(Run& run, const Column& column) {
     std::vector<double> force(static_cast<std::size_t>(column.boxes), 0.0);
     int steps = 0;
     run.advance(1, [&] {
@@ -71,32 +71,46 @@ void expectLoads(Trial& trial, Run& run, const Column& column) {
         const double error = force[static_cast<std::size_t>(i)] / steps - (column.boxes - i) * weight;
         worst = larger(worst, std::abs(error) / (column.boxes * weight));
     }
-    trial.expectAtMost("loads against the weight above", worst, 0.01, "1");
+    return worst;
 }
 
-/// Bounds of height and sideways move are thousandths of the box: 5 mm and 1 cm for 1 m.
+/// The worst of columns that begin apart by other millimetres, and how many stand. Bounds of height and sideways move
+/// are thousandths of the box: 5 mm and 1 cm for 1 m.
 void stands(Trial& trial, const Column& column) {
-    Run run = trial.start(sceneOf(column));
-    const Standing result = watch(run, column, kLong);
+    Standing worst;
+    double loads = 0;
+    int standing = 0;
+    for (int seed = 1; seed <= kSeeds; ++seed) {
+        Run run = trial.start(sceneOf(column, seed), fmt::format("{}", seed));
+        const Standing result = watch(run, column, kLong);
+        worst.loss = larger(worst.loss, result.loss);
+        worst.sideways = larger(worst.sideways, result.sideways);
+        if (!(result.time >= kLong)) continue;
+        ++standing;
+        loads = larger(loads, errorOfLoads(run, column));
+    }
     const double size = static_cast<double>(column.size);
-    trial.expectAtLeast("stands", result.time, kLong, "s");
-    trial.expectAtMost("height lost", result.loss, 0.005 * size, "m");
-    trial.expectAtMost("sideways", result.sideways, 0.01 * size, "m");
-    expectLoads(trial, run, column);
+    trial.expectAtLeast(fmt::format("stand, of {}", kSeeds), standing, kSeeds, "columns");
+    trial.expectAtMost("height lost", worst.loss, 0.005 * size, "m");
+    trial.expectAtMost("sideways", worst.sideways, 0.01 * size, "m");
+    trial.expectAtMost("loads against the weight above", loads, 0.01, "1");
 }
 
 /// Hundred boxes need only stand.
 void standsAtAll(Trial& trial, const Column& column) {
-    Run run = trial.start(sceneOf(column));
-    const Standing result = watch(run, column, kLong);
-    trial.expectAtLeast("stands", result.time, kLong, "s");
+    int standing = 0;
+    for (int seed = 1; seed <= kSeeds; ++seed) {
+        Run run = trial.start(sceneOf(column, seed), fmt::format("{}", seed));
+        if (watch(run, column, kLong).time >= kLong) ++standing;
+    }
+    trial.expectAtLeast(fmt::format("stand, of {}", kSeeds), standing, kSeeds, "columns");
 }
 
 /// The tallest column that stands, to a twentieth of its height.
 void tallest(Trial& trial) {
     const auto stands = [&](int boxes) {
         const Column column{boxes};
-        Run run = trial.start(sceneOf(column), fmt::format("{}", boxes));
+        Run run = trial.start(sceneOf(column, boxes), fmt::format("{}", boxes));
         return watch(run, column, kLong).time >= kLong;
     };
     constexpr int kMost = 512;

@@ -19,7 +19,7 @@ struct Wall {
     std::vector<int> bricks;
 };
 
-Wall wall(Dice* dice) {
+Wall wall(Dice& dice) {
     Wall wall;
     const Material material = surface(0.6f);
     addFloor(wall.scene, material);
@@ -28,7 +28,7 @@ Wall wall(Dice* dice) {
         BodyDef def = fixedBody(Box{half}, {x, kHeight * (course + 0.5), 0}, material);
         def.type = BodyType::dynamic;
         def.shapes[0].density = 1800;
-        if (dice) def.pose.position = def.pose.position + jitter(*dice, 1e-4f);
+        def.pose.position = def.pose.position + jitter(dice, 1e-4f);
         wall.bricks.push_back(add(wall.scene, def));
     };
     for (int course = 0; course < kCourses; ++course) {
@@ -44,40 +44,47 @@ Wall wall(Dice* dice) {
 
 void unhit(Trial& trial) {
     constexpr double kSeconds = 60;
-    const Wall scene = wall(nullptr);
-    Run run = trial.start(scene.scene);
     double worst = 0;
-    int steps = 0;
-    run.advance(kSeconds, [&] {
-        if (++steps % 10 != 0) return true;
-        for (const int brick : scene.bricks) worst = larger(worst, run.moved(brick));
-        return worst < kHeight;
-    });
-    trial.expectAtLeast("stands", run.time(), kSeconds, "s");
+    int standing = 0;
+    for (int seed = 1; seed <= kSeeds; ++seed) {
+        Dice dice(static_cast<std::uint64_t>(seed));
+        const Wall scene = wall(dice);
+        Run run = trial.start(scene.scene, fmt::format("{}", seed));
+        double moved = 0;
+        int steps = 0;
+        const bool stands = run.advance(kSeconds, [&] {
+            if (++steps % 10 != 0) return true;
+            for (const int brick : scene.bricks) moved = larger(moved, run.moved(brick));
+            return moved < kHeight;
+        });
+        if (stands) ++standing;
+        worst = larger(worst, moved);
+    }
+    trial.expectAtLeast(fmt::format("stand, of {}", kSeeds), standing, kSeeds, "walls");
     trial.expectAtMost("largest move", worst, 0.01, "m");
 }
 
 struct Debris {
     double aside = 0;   ///< m, mean place of the bricks along the wall
-    double gained = 0;  ///< largest rise of energy within a step, of what the ball brought
+    double gained = 0;  ///< largest rise of energy above the least before, of what the ball brought
 };
 
 /// A ball of 50 kg hits the middle of the wall with 20 m/s.
 Debris smash(Trial& trial, std::uint64_t seed) {
     constexpr float kRadius = 0.25f, kMass = 50, kSpeed = 20;
     Dice dice(seed);
-    Wall scene = wall(&dice);
+    Wall scene = wall(dice);
     BodyDef ball = solidBody(Sphere{kRadius}, {0, 1, 2}, kMass, surface(0.6f));
     ball.linearVelocity = {0, 0, -kSpeed};
     add(scene.scene, ball);
     Run run = trial.start(scene.scene, fmt::format("{}", seed));
     const double brought = 0.5 * static_cast<double>(kMass * kSpeed * kSpeed);
-    double before = run.energy();
+    double least = run.energy();
     Debris result;
     run.advance(3, [&] {
         const double now = run.energy();
-        result.gained = larger(result.gained, (now - before) / brought);
-        before = now;
+        result.gained = larger(result.gained, (now - least) / brought);
+        least = smaller(least, now);
         return true;
     });
     for (const int brick : scene.bricks)
@@ -97,7 +104,7 @@ void ensemble(Trial& trial, int runs) {
     }
     const double mean = sum / runs, variance = (squares - runs * mean * mean) / (runs - 1);
     trial.expectAtMost("debris to one side", mean / std::sqrt(variance / runs), 3.5, "errors");
-    trial.expectAtMost("energy gained in a step", gained, 0.001, "1");
+    trial.expectAtMost("energy gained at any time", gained, 0.001, "1");
 }
 
 }  // namespace
@@ -105,7 +112,7 @@ void ensemble(Trial& trial, int runs) {
 Family walls() {
     return {"wall",
             {
-                {"10 x 20 bricks, unhit", unhit},
+                {"10 x 20 bricks, unhit", unhit, Kind::swept, false},
                 {"hit, 8 runs", [](Trial& trial) { ensemble(trial, 8); }, Kind::oneStep},
                 {"hit, 64 runs", [](Trial& trial) { ensemble(trial, 64); }, Kind::longer},
             }};
