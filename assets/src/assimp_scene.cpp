@@ -5,14 +5,15 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <assimp/Importer.hpp>
-#include <map>
-#include <system_error>
+#include <fstream>
 
+#include "assimp_bones.h"
 #include "assimp_looks.h"
 #include "axes.h"
-#include "byte_stream.h"
-#include "child_process.h"
+#include "file_kind.h"
+#include "import_child.h"
 #include "ragtop/asset_error.h"
 
 namespace ragtop {
@@ -27,6 +28,7 @@ void nodeFields(Stream& stream, Node& node) {
 template <class Stream, class Bone>
 void boneFields(Stream& stream, Bone& bone) {
     stream(bone.name);
+    stream(bone.node);
     stream(bone.offset);
     stream(bone.weights);
 }
@@ -98,12 +100,22 @@ Affine toAffine(const aiMatrix4x4& m) {
     return {{{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}}, {m.a4, m.b4, m.c4}};
 }
 
-void addNodes(const aiNode& node, std::int32_t parent, ImportedScene& scene) {
-    const auto index = static_cast<std::int32_t>(scene.nodes.size());
-    scene.nodes.push_back({node.mName.C_Str(), parent, toAffine(node.mTransformation)});
-    for (unsigned i = 0; i < node.mNumMeshes; ++i)
-        if (node.mMeshes[i] < scene.meshes.size()) scene.meshes[node.mMeshes[i]].nodes.push_back(index);
-    for (unsigned i = 0; i < node.mNumChildren; ++i) addNodes(*node.mChildren[i], index, scene);
+/// Parents before children, each followed by all below it. Gives the place of each node.
+NodePlaces addNodes(const aiNode& root, ImportedScene& scene) {
+    NodePlaces places;
+    std::vector<const aiNode*> waiting{&root};
+    while (!waiting.empty()) {
+        const aiNode& node = *waiting.back();
+        waiting.pop_back();
+        const auto index = static_cast<std::int32_t>(scene.nodes.size());
+        places.emplace(&node, index);
+        const std::int32_t parent = &node == &root ? -1 : places.at(node.mParent);
+        scene.nodes.push_back({node.mName.C_Str(), parent, toAffine(node.mTransformation)});
+        for (unsigned i = 0; i < node.mNumMeshes; ++i)
+            if (node.mMeshes[i] < scene.meshes.size()) scene.meshes[node.mMeshes[i]].nodes.push_back(index);
+        for (unsigned i = node.mNumChildren; i-- > 0;) waiting.push_back(node.mChildren[i]);
+    }
+    return places;
 }
 
 ImportedMesh toMesh(const aiMesh& mesh) {
@@ -117,7 +129,7 @@ ImportedMesh toMesh(const aiMesh& mesh) {
     }
     for (unsigned i = 0; i < mesh.mNumBones; ++i) {
         const aiBone& bone = *mesh.mBones[i];
-        ImportedBone to{bone.mName.C_Str(), toAffine(bone.mOffsetMatrix), {}};
+        ImportedBone to{bone.mName.C_Str(), -1, toAffine(bone.mOffsetMatrix), {}};
         for (unsigned k = 0; k < bone.mNumWeights; ++k)
             to.weights.push_back({bone.mWeights[k].mVertexId, bone.mWeights[k].mWeight});
         result.bones.push_back(std::move(to));
@@ -147,11 +159,11 @@ void readUnits(const aiScene& from, ImportedScene& scene) {
     }
 }
 
-ImportedScene toScene(const aiScene& from) {
+ImportedScene toScene(const aiScene& from, const std::string& file) {
     ImportedScene scene;
     readUnits(from, scene);
     for (unsigned i = 0; i < from.mNumMeshes; ++i) scene.meshes.push_back(toMesh(*from.mMeshes[i]));
-    if (from.mRootNode) addNodes(*from.mRootNode, -1, scene);
+    if (from.mRootNode) findBoneNodes(from, file, addNodes(*from.mRootNode, scene), scene);
     for (unsigned i = 0; i < from.mNumAnimations; ++i) {
         const aiAnimation& clip = *from.mAnimations[i];
         const double rate = clip.mTicksPerSecond > 0 ? clip.mTicksPerSecond : 25.0;
@@ -165,8 +177,33 @@ ImportedScene toScene(const aiScene& from) {
 /// Where normals are made, edges sharper than this stay sharp, degrees.
 constexpr float kSmoothAngle = 60;
 
-/// One byte of kind ahead: 's' and a scene, or 'e' and a message.
-std::vector<char> importHere(const std::string& file, ImportedDetail detail) {
+std::string onOneLine(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < ' ') c = ' ';
+    while (!text.empty() && text.back() == ' ') text.pop_back();
+    return text;
+}
+
+/// Some of the formats that assimp reads.
+constexpr const char* kFormats = "FBX, glTF, Collada, OBJ, STL, PLY, 3DS, X, BVH and others of assimp";
+
+std::string beginningOf(const std::string& file) {
+    std::string text(4096, '\0');
+    std::ifstream stream(file, std::ios::binary);
+    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
+    return text;
+}
+
+[[noreturn]] void refuse(const Assimp::Importer& importer, const std::string& file) {
+    const std::string extension = std::filesystem::path(file).extension().string();
+    const std::string like = looksLike(beginningOf(file));
+    if (!importer.IsExtensionSupported(extension))
+        throw AssetError(file, "", "is in no format that is read, which are " + std::string(kFormats) + like);
+    throw AssetError(file, "", "cannot be imported: " + onOneLine(importer.GetErrorString()) + like);
+}
+
+ImportedScene importHere(const std::string& file, ImportedDetail detail) {
     Assimp::Importer importer;
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
@@ -181,24 +218,11 @@ std::vector<char> importHere(const std::string& file, ImportedDetail detail) {
         steps |= aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices;
         importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kSmoothAngle);
     }
-    ByteWriter writer;
-    if (const aiScene* scene = importer.ReadFile(file, steps)) {
-        ImportedScene imported = toScene(*scene);
-        if (detail == ImportedDetail::looks) addLooks(*scene, file, imported);
-        writer('s');
-        sceneFields(writer, imported);
-    } else {
-        writer('e');
-        writer(std::string(importer.GetErrorString()));
-    }
-    return writer.bytes();
-}
-
-std::string onOneLine(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < ' ') c = ' ';
-    while (!text.empty() && text.back() == ' ') text.pop_back();
-    return text;
+    const aiScene* scene = importer.ReadFile(file, steps);
+    if (!scene) refuse(importer, file);
+    ImportedScene imported = toScene(*scene, file);
+    if (detail == ImportedDetail::looks) addLooks(*scene, file, imported);
+    return imported;
 }
 
 /// Indices that lead nowhere and numbers that are none must not get farther than here.
@@ -221,6 +245,8 @@ void check(const ImportedScene& scene, const std::string& file) {
         if (mesh.material >= static_cast<std::int32_t>(scene.materials.size()))
             throw AssetError(file, "", name + "has no such material");
         for (const ImportedBone& bone : mesh.bones) {
+            if (bone.node >= static_cast<std::int32_t>(scene.nodes.size()))
+                throw AssetError(file, "", "bone '" + bone.name + "' has no such node");
             if (!isFiniteMap(bone.offset))
                 throw AssetError(file, "", "bone '" + bone.name + "' has a rest pose that is not finite");
             for (const ImportedWeight& weight : bone.weights)
@@ -266,33 +292,14 @@ std::vector<Affine> globalTransforms(const ImportedScene& scene) {
 }
 
 ImportedScene importScene(const std::filesystem::path& path, ImportedDetail detail, std::chrono::milliseconds timeout) {
-    const std::string file = path.string();
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) throw AssetError(file, "", "no such file");
-    if (!std::filesystem::is_regular_file(path, ignored)) throw AssetError(file, "", "is not a file");
-    ChildResult result;
-    try {
-        result = runInChild([&] { return importHere(file, detail); }, timeout);
-    } catch (const std::system_error& error) {
-        throw AssetError(file, "", std::string("no process to import it in: ") + error.what());
-    }
-    if (!result.failure.empty()) throw AssetError(file, "", "the file " + result.failure);
     ImportedScene scene;
-    try {
-        ByteReader reader(result.bytes);
-        char kind = 0;
-        reader(kind);
-        if (kind == 'e') {
-            std::string message;
-            reader(message);
-            throw AssetError(file, "", "cannot be imported: " + onOneLine(message));
-        }
-        sceneFields(reader, scene);
-        if (kind != 's' || !reader.atEnd()) throw std::length_error("scene");
-    } catch (const std::length_error&) {
-        throw AssetError(file, "", "the file makes the importer fail");
-    }
-    check(scene, file);
+    const auto write = [&](ByteWriter& to) {
+        const ImportedScene imported = importHere(path.string(), detail);
+        sceneFields(to, imported);
+    };
+    importInChild(
+        path, write, [&](ByteReader& from) { sceneFields(from, scene); }, timeout);
+    check(scene, path.string());
     return scene;
 }
 

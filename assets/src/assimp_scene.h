@@ -40,7 +40,8 @@ struct ImportedWeight {
 
 struct ImportedBone {
     std::string name;
-    Affine offset;  ///< from the mesh to the bone, at rest
+    std::int32_t node = -1;  ///< that it is; −1: the file has none
+    Affine offset;           ///< from the mesh to the bone, at rest
     std::vector<ImportedWeight> weights;
 };
 

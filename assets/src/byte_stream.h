@@ -16,8 +16,9 @@ public:
     template <class T>
     requires std::is_trivially_copyable_v<T>
     void operator()(const T& value) {
-        const auto* bytes = reinterpret_cast<const char*>(&value);
-        bytes_.insert(bytes_.end(), bytes, bytes + sizeof value);
+        const std::size_t at = bytes_.size();
+        bytes_.resize(at + sizeof value);
+        std::memcpy(bytes_.data() + at, &value, sizeof value);
     }
     void operator()(const std::string& text) {
         (*this)(static_cast<std::uint64_t>(text.size()));

@@ -41,8 +41,7 @@ public:
           bind_(globals_),
           skin_(scene_.nodes.size()),
           deforms_(scene_.nodes.size(), false) {
-        for (std::size_t i = 0; i < scene_.nodes.size(); ++i)
-            nodeOf_.emplace(scene_.nodes[i].name, static_cast<int>(i));
+        into_.boneOf.assign(scene_.nodes.size(), -1);
     }
 
     void run() {
@@ -65,20 +64,16 @@ private:
         std::vector<Affine> places;
         std::string posed;
         for (const ImportedBone& bone : mesh.bones) {
-            const auto node = nodeOf_.find(bone.name);
             const bool moves = std::any_of(bone.weights.begin(), bone.weights.end(),
                                            [](const ImportedWeight& w) { return w.weight > 0; });
-            if (node == nodeOf_.end() || !moves) continue;
-            places.push_back(globals_[static_cast<std::size_t>(node->second)] * bone.offset);
+            if (bone.node < 0 || !moves) continue;
+            places.push_back(globals_[static_cast<std::size_t>(bone.node)] * bone.offset);
             if (posed.empty() && !agree(places.back(), places.front(), size * length(places.front().linear.cx)))
                 posed = bone.name;
         }
         if (!places.empty()) first = &places.front();
         if (first && posed.empty()) return *first;
-        if (first)
-            character_.warnings.push_back("mesh '" + mesh.name +
-                                          "': the nodes do not stand in the bind pose, such as '" + posed +
-                                          "'; the bind pose of the skin is used");
+        if (first && posedMeshes_++ == 0) firstPosed_ = "mesh '" + mesh.name + "' at '" + posed + "'";
         return mesh.nodes.empty() ? Affine{} : globals_[static_cast<std::size_t>(mesh.nodes.front())];
     }
 
@@ -89,8 +84,7 @@ private:
         std::vector<float> sum(mesh.vertices.size(), 0.0f), most(mesh.vertices.size(), 0.0f);
         std::vector<int> owner(mesh.vertices.size(), -1), influences(mesh.vertices.size(), 0);
         for (const ImportedBone& bone : mesh.bones) {
-            const auto found = nodeOf_.find(bone.name);
-            if (found == nodeOf_.end()) {
+            if (bone.node < 0) {
                 character_.warnings.push_back("bone '" + bone.name + "' has no node and is left out");
                 continue;
             }
@@ -102,9 +96,9 @@ private:
                 ++influences[w.vertex];
                 if (w.weight <= most[w.vertex]) continue;
                 most[w.vertex] = w.weight;
-                owner[w.vertex] = found->second;
+                owner[w.vertex] = bone.node;
             }
-            const auto node = static_cast<std::size_t>(found->second);
+            const auto node = static_cast<std::size_t>(bone.node);
             if (moves && !deforms_[node]) {
                 deforms_[node] = true;
                 bind_[node] = place * inverse(bone.offset);
@@ -126,7 +120,7 @@ private:
             if (node < 0) continue;
             const auto bone = static_cast<std::size_t>(node);
             const Affine place = bind_[bone] * inverse(globals_[bone]) * globals_[static_cast<std::size_t>(at)];
-            into_.pieces.push_back({index, place, into_.boneOf.at(scene_.nodes[bone].name)});
+            into_.pieces.push_back({index, place, into_.boneOf[bone]});
         }
     }
 
@@ -148,6 +142,10 @@ private:
     }
 
     void warnAboutSkin() {
+        if (posedMeshes_ > 0)
+            character_.warnings.push_back("the nodes of " + std::to_string(posedMeshes_) +
+                                          " meshes do not stand in the bind pose, such as " + firstPosed_ +
+                                          "; the bind pose of the skin is used");
         const SkinInfo& skin = character_.skin;
         if (skin.renormalized > 0)
             character_.warnings.push_back(std::to_string(skin.renormalized) + " of " + std::to_string(skin.vertices) +
@@ -200,24 +198,21 @@ private:
 
     void collectBones(bool skinned) {
         joinRoots();
-        std::vector<int> index(scene_.nodes.size(), -1);
         std::map<std::string, int> used;
         for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
             if (!deforms_[i]) continue;
             Bone bone{scene_.nodes[i].name, parentBone(static_cast<int>(i)), rigidPart(bind_[i])};
-            if (bone.parent >= 0) bone.parent = index[static_cast<std::size_t>(bone.parent)];
+            if (bone.parent >= 0) bone.parent = into_.boneOf[static_cast<std::size_t>(bone.parent)];
             if (const int copies = used[bone.name]++; copies > 0) bone.name += " (" + std::to_string(copies + 1) + ")";
-            index[i] = static_cast<int>(character_.skeleton.bones.size());
-            into_.boneOf.emplace(scene_.nodes[i].name, index[i]);
+            into_.boneOf[i] = static_cast<int>(character_.skeleton.bones.size());
             character_.skeleton.bones.push_back(std::move(bone));
             if (skinned) character_.skeleton.skin.push_back(std::move(skin_[i]));
         }
-        std::set<std::string> dropped;
+        std::set<std::int32_t> dropped;
         for (const ImportedMesh& mesh : scene_.meshes)
             for (const ImportedBone& bone : mesh.bones) {
-                const auto node = nodeOf_.find(bone.name);
-                if (node == nodeOf_.end() || deforms_[static_cast<std::size_t>(node->second)]) continue;
-                if (dropped.insert(bone.name).second) character_.droppedBones.push_back(bone.name);
+                if (bone.node < 0 || deforms_[static_cast<std::size_t>(bone.node)]) continue;
+                if (dropped.insert(bone.node).second) character_.droppedBones.push_back(bone.name);
             }
     }
 
@@ -227,7 +222,8 @@ private:
     std::vector<Affine> globals_, bind_;
     std::vector<std::vector<Vec3>> skin_;
     std::vector<bool> deforms_;
-    std::map<std::string, int> nodeOf_;
+    int posedMeshes_ = 0;
+    std::string firstPosed_;
 };
 
 void transform(Skeleton& skeleton, UpAxis up, float scale) {
@@ -310,6 +306,7 @@ ImportedCharacter importCharacter(const std::filesystem::path& path, const Chara
                                      shortNumber(character.metersPerUnit) +
                                      " m per unit; set CharacterOptions::metersPerUnit");
     if (!anatomy.note.empty()) character.warnings.push_back(anatomy.note);
+    character.warnings = counted(character.warnings);
     return imported;
 }
 

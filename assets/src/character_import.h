@@ -1,8 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
-#include <string>
 #include <vector>
 
 #include "assimp_scene.h"
@@ -22,8 +20,8 @@ struct ImportedCharacter {
     Character character;
     ImportedScene scene;
     std::vector<CharacterPiece> pieces;
-    std::map<std::string, int> boneOf;  ///< bones of the skeleton by their names in the file
-    Affine toModel;                     ///< from the scene to metres with Y up
+    std::vector<int> boneOf;  ///< bone of the skeleton that each node of the scene is; −1: none
+    Affine toModel;           ///< from the scene to metres with Y up
 };
 
 /// As loadCharacter, with all that `detail` asks for.

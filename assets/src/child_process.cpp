@@ -90,7 +90,7 @@ std::string failureOf(pid_t child) {
     // A caller that ignores SIGCHLD leaves no status behind; the bytes then speak for themselves.
     if (ended < 0) return {};
     if (WIFSIGNALED(status)) return std::string("crashes the importer (") + strsignal(WTERMSIG(status)) + ")";
-    if (WEXITSTATUS(status) == kOutOfMemory) return "needs more memory to import than is allowed";
+    if (WEXITSTATUS(status) == kOutOfMemory) return "needs more than 4 GiB of memory to import";
     if (WEXITSTATUS(status) != 0) return "makes the importer fail";
     return {};
 }

@@ -101,11 +101,11 @@ private:
         };
         std::vector<std::vector<Influence>> influences(mesh.vertices.size());
         for (const ImportedBone& bone : mesh.bones) {
-            const auto found = from_.boneOf.find(bone.name);
-            if (found == from_.boneOf.end()) continue;
+            const int at = bone.node < 0 ? -1 : from_.boneOf[static_cast<std::size_t>(bone.node)];
+            if (at < 0) continue;
             for (const ImportedWeight& w : bone.weights) {
                 std::vector<Influence>& all = influences[w.vertex];
-                if (w.weight > 0) all.push_back({w.weight, static_cast<std::uint16_t>(found->second), all.size()});
+                if (w.weight > 0) all.push_back({w.weight, static_cast<std::uint16_t>(at), all.size()});
             }
         }
         std::vector<VertexJoints> result;

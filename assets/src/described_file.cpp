@@ -24,6 +24,8 @@ JsonDocument loadExtended(const std::filesystem::path& path, std::vector<std::fi
         if (std::find(chain.begin(), chain.end(), std::filesystem::weakly_canonical(base)) != chain.end()) {
             reference.fail("is " + shown(reference.json()) + ", must not lead back to the file itself");
         }
+        if (chain.size() >= kLongestChain)
+            reference.fail(fmt::format("follows {} others, the most allowed", chain.size()));
         document.erase("extends");
         document.layOver(loadExtended(base, chain));
     }
@@ -70,7 +72,9 @@ std::filesystem::path referencedFile(const JsonValue& value) {
     if (!std::filesystem::is_regular_file(file, error)) {
         value.fail("is " + shown(value.json()) + ", must name a file, and there is no " + file.string());
     }
-    return file.lexically_normal();
+    // Behind a symbolic link ".." leads elsewhere than its spelling says.
+    const auto shorter = file.lexically_normal();
+    return std::filesystem::equivalent(shorter, file, error) ? shorter : file;
 }
 
 void failInvalid(const JsonDocument& document, const std::string& wrong) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
@@ -11,7 +12,11 @@
 
 namespace ragtop {
 
-/// Reads a file and what it `extends`, from the base up. Throws AssetError on a file that extends itself.
+/// How many files may extend, or include, one another in a row.
+inline constexpr std::size_t kLongestChain = 64;
+
+/// Reads a file and what it `extends`, from the base up. Throws AssetError on a file that extends itself, or in too
+/// long a row.
 JsonDocument loadExtended(const std::filesystem::path& path);
 
 /// The file that the string `value` names, relative to the file that it stands in.

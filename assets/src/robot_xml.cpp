@@ -2,6 +2,7 @@
 
 #include <tinyxml.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -13,6 +14,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "file_kind.h"
 #include "ragtop/asset_error.h"
 
 namespace ragtop {
@@ -63,6 +65,40 @@ constexpr std::array<std::string_view, 7> kUnused{
 constexpr std::array<std::string_view, 7> kJointTypes{"revolute", "continuous", "prismatic", "fixed",
                                                       "floating", "planar",     "spherical"};
 
+constexpr int kMaxDepth = 64;
+
+/// The line on which elements nest too deep for parsers that call themselves for each level; 0: nowhere.
+int lineTooDeep(std::string_view text) {
+    int depth = 0;
+    const auto after = [&](std::string_view end, std::size_t from) {
+        const std::size_t found = text.find(end, from);
+        return found == std::string_view::npos ? text.size() : found + end.size();
+    };
+    for (std::size_t at = text.find('<'); at < text.size(); at = text.find('<', at)) {
+        const std::string_view rest = text.substr(at);
+        if (rest.starts_with("<!--")) {
+            at = after("-->", at + 4);
+        } else if (rest.starts_with("<![CDATA[")) {
+            at = after("]]>", at);
+        } else if (rest.starts_with("<?") || rest.starts_with("<!")) {
+            at = after(">", at);
+        } else if (rest.starts_with("</")) {
+            --depth;
+            at = after(">", at);
+        } else {
+            const std::size_t begin = at;
+            // Quotes may hold brackets.
+            for (++at; at < text.size() && text[at] != '>'; ++at) {
+                if (text[at] == '"' || text[at] == '\'') at = after(text.substr(at, 1), at + 1) - 1;
+            }
+            if (at < text.size() && text[at - 1] != '/' && ++depth > kMaxDepth)
+                return 1 + static_cast<int>(
+                               std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(begin), '\n'));
+        }
+    }
+    return 0;
+}
+
 class Checker {
 public:
     explicit Checker(const std::filesystem::path& path) : file_(path.string()) {
@@ -72,6 +108,9 @@ public:
     }
 
     CheckedRobotText run() {
+        if (const int line = lineTooDeep(source_); line > 0)
+            throw AssetError(file_, std::to_string(line),
+                             "nests elements deeper than " + std::to_string(kMaxDepth) + " levels, the most allowed");
         document_.Parse(source_.c_str(), nullptr, TIXML_ENCODING_UTF8);
         if (document_.Error()) {
             const std::string place = document_.ErrorRow() > 0 ? std::to_string(document_.ErrorRow()) + ":" +
@@ -80,17 +119,26 @@ public:
             throw AssetError(file_, place, std::string("is no XML: ") + document_.ErrorDesc());
         }
         TiXmlElement* robot = document_.RootElement();
-        if (!robot || robot->ValueStr() != "robot")
-            throw AssetError(file_, robot ? std::to_string(robot->Row()) : "", "has no element <robot>");
+        if (!robot || robot->ValueStr() != "robot") {
+            const std::string begins = robot ? "begins with <" + robot->ValueStr() + ">" : "has no element";
+            throw AssetError(file_, robot ? std::to_string(robot->Row()) : "",
+                             begins + ", must with <robot>: robots are read from URDF" + looksLike(source_));
+        }
         collectNames(*robot);
+        takeVisuals(*robot, "material", "robot");
         for (TiXmlElement* e = robot->FirstChildElement(); e; e = e->NextSiblingElement()) {
             const std::string name = attribute(*e, "name");
             if (e->ValueStr() == "joint") checkJoint(*e, name);
+            if (e->ValueStr() == "link") takeVisuals(*e, "visual", "link '" + name + "'");
             if (e->ValueStr() == "link") takeCapsules(*e, name);
             checkNumbers(*e, e->ValueStr() + " '" + name + "'");
         }
         for (const auto& [tag, count] : unused_)
             result_.warnings.push_back(std::to_string(count) + " <" + tag + "> left out: not supported");
+        if (faultyVisuals_ > 0)
+            result_.warnings.push_back(std::to_string(faultyVisuals_) +
+                                       " visuals or materials are faulty, which changes no physics, such as in line " +
+                                       firstFaulty_);
         std::ostringstream text;
         text << document_;
         result_.text = text.str();
@@ -152,6 +200,25 @@ private:
         result_.spherical.push_back(name);
     }
 
+    /// What is wrong with looks is told, and keeps nobody from the rest.
+    void takeVisuals(TiXmlElement& parent, const char* tag, const std::string& owner) {
+        while (TiXmlElement* visual = parent.FirstChildElement(tag)) {
+            try {
+                checkVisual(*visual, owner);
+            } catch (const AssetError& error) {
+                if (faultyVisuals_++ == 0) firstFaulty_ = std::string(error.what()).substr(file_.size() + 1);
+            }
+            parent.RemoveChild(visual);
+        }
+    }
+
+    void checkVisual(const TiXmlElement& visual, const std::string& owner) {
+        checkNumbers(visual, owner);
+        const bool isMaterial = visual.ValueStr() == "material";
+        const TiXmlElement* material = isMaterial ? &visual : visual.FirstChildElement("material");
+        if (material && attribute(*material, "name").empty()) fail(*material, owner + ": material has no name");
+    }
+
     void takeCapsules(TiXmlElement& link, const std::string& name) {
         TiXmlElement* next = nullptr;
         for (TiXmlElement* e = link.FirstChildElement(); e; e = next) {
@@ -175,18 +242,30 @@ private:
         }
     }
 
-    void checkNumbers(const TiXmlElement& element, const std::string& owner) {
+    /// Those of an element and of all in it, in the order of the text.
+    void checkNumbers(const TiXmlElement& top, const std::string& owner) {
+        const TiXmlElement* element = &top;
+        while (element) {
+            const TiXmlElement* inner = checkOwnNumbers(*element, owner) ? element->FirstChildElement() : nullptr;
+            while (!inner && element != &top) {
+                inner = element->NextSiblingElement();
+                if (!inner) element = element->Parent()->ToElement();
+            }
+            element = inner;
+        }
+    }
+
+    /// False where other rules hold inside.
+    bool checkOwnNumbers(const TiXmlElement& element, const std::string& owner) {
         for (const std::string_view tag : kUnused)
             if (element.ValueStr() == tag) {
                 ++unused_[std::string(tag)];
-                // Inside of those other rules hold.
-                if (tag != "mimic") return;
+                if (tag != "mimic") return false;
             }
         for (const NumberRule& rule : kRules)
             if (element.ValueStr() == rule.element) check(element, rule, owner);
         if (element.ValueStr() == "limit") checkRange(element, owner);
-        for (const TiXmlElement* e = element.FirstChildElement(); e; e = e->NextSiblingElement())
-            checkNumbers(*e, owner);
+        return true;
     }
 
     void check(const TiXmlElement& element, const NumberRule& rule, const std::string& owner) const {
@@ -248,6 +327,8 @@ private:
     CheckedRobotText result_;
     std::set<std::string> links_, carried_;
     std::map<std::string, int> unused_;
+    int faultyVisuals_ = 0;
+    std::string firstFaulty_;  ///< line and what is wrong
 };
 
 }  // namespace

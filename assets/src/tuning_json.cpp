@@ -68,11 +68,12 @@ void saveTuning(const std::filesystem::path& file, const std::filesystem::path& 
     namespace fs = std::filesystem;
     std::error_code error;
     fs::create_directories(fs::absolute(file).parent_path(), error);
+    const fs::path target = fs::weakly_canonical(fs::absolute(scene), error);
+    const fs::path folder = fs::weakly_canonical(fs::absolute(file).parent_path(), error);
     // A name that holds when both are moved together, unless they are far apart.
-    const fs::path near = fs::absolute(scene).lexically_relative(fs::absolute(file).parent_path());
+    const fs::path near = target.lexically_relative(folder);
     const bool apart = near.empty() || near.string().starts_with("../../../");
-    const Json json{{"extends", (apart ? fs::absolute(scene).lexically_normal() : near).generic_string()},
-                    {"tuning", writeTuning(values)}};
+    const Json json{{"extends", (apart ? target : near).generic_string()}, {"tuning", writeTuning(values)}};
     writeJson(json, file);
 }
 

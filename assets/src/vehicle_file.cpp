@@ -5,11 +5,15 @@
 
 namespace ragtop {
 
-/// Names of files become paths that hold wherever the definition goes.
+/// Names of files become paths that hold wherever the definition goes, and are equal where the files are.
 static void findModels(const JsonDocument& document, VehicleVisualDef& visual) {
     const JsonValue at = JsonValue(document).at("visual");
-    visual.chassis = assetFile(at.at("chassis")).string();
-    if (!visual.wheel.empty()) visual.wheel = assetFile(at.at("wheel")).string();
+    const auto found = [&](const char* key) {
+        const auto file = std::filesystem::absolute(assetFile(at.at(key)));
+        return (std::filesystem::canonical(file.parent_path()) / file.filename()).string();
+    };
+    visual.chassis = found("chassis");
+    if (!visual.wheel.empty()) visual.wheel = found("wheel");
 }
 
 VehicleDef readVehicle(const JsonDocument& document) {

@@ -69,5 +69,14 @@ TEST(LoadMesh, RefusesWhatIsNoMesh) {
     EXPECT_NE(failure(wrong.path()), "");
 }
 
+TEST(LoadMesh, TellsWhichFormatsAreReadAndWhatAFileLooksLike) {
+    const TemporaryFile vrml("scene.wrl", "#VRML V2.0 utf8\nShape { }\n");
+    const std::string text = importError(vrml.path(), [&] { loadMesh(vrml.path()); });
+    EXPECT_NE(text.find("is in no format that is read, which are FBX, glTF"), std::string::npos) << text;
+    EXPECT_NE(text.find("; it looks like VRML"), std::string::npos) << text;
+    const TemporaryFile wrong("picture.obj", "\x89PNG\r\n\x1a\n");
+    EXPECT_NE(importError(wrong.path(), [&] { loadMesh(wrong.path()); }), "");
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -121,6 +121,70 @@ TEST(LoadRobot, ShapesStandWhereTheFileSays) {
     EXPECT_TRUE(warns(robot, "absent.stl"));
 }
 
+/// Each a kilogram, one fixed to the other.
+std::string fixedLinks(int count) {
+    std::string text = "<robot name='chain'>\n";
+    for (int i = 0; i < count; ++i) {
+        const std::string name = "l" + std::to_string(i);
+        text += "<link name='" + name +
+                "'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' "
+                "iyz='0'/></inertial></link>\n";
+        if (i > 0)
+            text += "<joint name='j" + std::to_string(i) + "' type='fixed'><parent link='l" + std::to_string(i - 1) +
+                    "'/><child link='" + name + "'/></joint>\n";
+    }
+    return text + "</robot>\n";
+}
+
+TEST(LoadRobot, LongChainsAreOneBody) {
+    const TemporaryFile file("chain.urdf", fixedLinks(10000));
+    const Robot robot = loadRobot(file.path());
+    EXPECT_EQ(robot.bodies.size(), 1u);
+    EXPECT_EQ(robot.links.size(), 10000u);
+    EXPECT_NEAR(robot.mass, 10000, 1);
+}
+
+TEST(LoadRobot, DeepNestingIsRefusedWithItsLimit) {
+    std::string deep = "<robot name='r'>\n";
+    for (int i = 0; i < 200000; ++i) deep += "<a>";
+    const TemporaryFile file("deep.urdf", deep);
+    const std::string text = importError(file.path(), [&] { loadRobot(file.path()); });
+    EXPECT_NE(text.find(":2: nests elements deeper than 64 levels, the most allowed"), std::string::npos) << text;
+    const TemporaryFile quotes("quotes.urdf", "<?xml version='1.0'?><!-- <a><a> -->" +
+                                                  twoLinks("fixed", "<origin xyz='0 0 0' note=\"<a><a>\"/>"));
+    EXPECT_EQ(loadRobot(quotes.path()).links.size(), 2u);
+}
+
+TEST(LoadRobot, LooksNeverDecideWhetherItLoads) {
+    const TemporaryFile file(
+        "looks.urdf", twoLinks("fixed", "",
+                               "<visual><geometry><box size='1 1 1'/></geometry><material><color rgba='1 0 0 1'/>"
+                               "</material></visual>"
+                               "<visual><geometry><box size='1 1'/></geometry></visual><visual/>"));
+    const Robot robot = loadRobot(file.path());
+    EXPECT_EQ(robot.links.size(), 2u);
+    EXPECT_TRUE(warns(robot, "2 visuals or materials are faulty")) << robot.warnings.size();
+    EXPECT_TRUE(warns(robot, "line 3: link 'arm': material has no name"));
+}
+
+TEST(LoadRobot, KeepsRangesOfSeveralTurns) {
+    const TemporaryFile file("turns.urdf",
+                             twoLinks("revolute", "<limit lower='-12' upper='20' effort='1' velocity='0'/>"));
+    const Robot robot = loadRobot(file.path());
+    const auto& hinge = std::get<HingeDef>(robot.joints[0].joint);
+    EXPECT_FLOAT_EQ(hinge.limit->lower, -12);
+    EXPECT_FLOAT_EQ(hinge.limit->upper, 20);
+    EXPECT_TRUE(robot.warnings.empty()) << robot.warnings[0];
+}
+
+TEST(LoadRobot, TellsWhatAnotherFormatLooksLike) {
+    const TemporaryFile file("other.xml", "<!-- a robot -->\n<mujoco model='m'><worldbody/></mujoco>");
+    const std::string text = importError(file.path(), [&] { loadRobot(file.path()); });
+    EXPECT_NE(text.find("begins with <mujoco>, must with <robot>: robots are read from URDF; it looks like MJCF"),
+              std::string::npos)
+        << text;
+}
+
 TEST(LoadRobot, WhatIsNotSupportedIsSaid) {
     const TemporaryFile file("tags.urdf",
                              twoLinks("revolute",

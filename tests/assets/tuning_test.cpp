@@ -16,6 +16,7 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
+namespace fs = std::filesystem;
 
 struct Wind {
     Vec3 velocity{};
@@ -177,6 +178,49 @@ TEST(SceneTuning, ATuningMayBeTunedAgain) {
     const Scene scene = loadScene(second);
     EXPECT_EQ(valueOf(scene, "vehicles.car.chassis.mass"), TuneValue(900.0));
     EXPECT_EQ(valueOf(scene, "settings.substeps"), TuneValue(8.0));
+}
+
+/// A folder of scenes with a car that names its model, in which the test then is; left and removed at the end.
+class SceneFolder {
+public:
+    SceneFolder() : before_(fs::current_path()), folder_(temporaryPath("scenes")) {
+        fs::create_directories(folder_ / "scenes" / "parts");
+        const fs::path cars = fs::path(RAGTOP_SOURCE_DIR) / "assets/data/vehicles";
+        fs::copy(cars, folder_ / "vehicles");
+        std::ofstream(folder_ / "scenes/own.json")
+            << R"({"vehicles": [{"name": "car", "file": "parts/../../vehicles/hatchback.car.json"}]})";
+        fs::create_directory_symlink(folder_ / "scenes/parts", folder_ / "link");
+        fs::current_path(folder_);
+    }
+    ~SceneFolder() {
+        fs::current_path(before_);
+        fs::remove_all(folder_);
+    }
+    SceneFolder(const SceneFolder&) = delete;
+    SceneFolder& operator=(const SceneFolder&) = delete;
+
+private:
+    fs::path before_, folder_;
+};
+
+/// However the scene and the tuning are spelled: relative, absolute, with "..", through a symbolic link.
+TEST(SceneTuning, IsTheSameSceneHoweverItsPathIsSpelled) {
+    const SceneFolder folder;
+    const std::vector<TunedValue> values{{"vehicles.car.chassis.mass", 900.0}};
+    const fs::path here = fs::current_path();
+    for (const fs::path& scene :
+         {fs::path("scenes/own.json"), fs::path("scenes/../scenes/own.json"), fs::path("./scenes/own.json"),
+          fs::path("link/../own.json"), here / "scenes/own.json", here / "vehicles/../scenes/own.json"})
+        for (const fs::path& file :
+             {fs::path("mine.json"), fs::path("new/mine.json"), fs::path("new/../scenes/mine.json"),
+              fs::path("link/mine.json"), here / "mine.json", here / "new/../mine.json", here / "a/b/c/d/mine.json"}) {
+            SCOPED_TRACE(scene.string() + " saved as " + file.string());
+            saveTuning(file, scene, values);
+            const Scene original = loadScene(scene), tuned = loadScene(file);
+            EXPECT_EQ(valueOf(tuned, values[0].first), values[0].second);
+            EXPECT_TRUE(sameStructure(original, tuned));
+            fs::remove(file);
+        }
 }
 
 TEST(SceneTuning, WrongValuesHaveAPlace) {

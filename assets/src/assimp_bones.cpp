@@ -1,0 +1,118 @@
+#include "assimp_bones.h"
+
+#include <assimp/scene.h>
+
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "json_document.h"
+
+namespace ragtop {
+namespace {
+
+using Nodes = std::vector<const aiNode*>;
+
+/// The JSON of a text or binary glTF file [Khronos, glTF 2.0, 4.4]: header and chunk header are 20 bytes.
+Json gltfJson(const std::string& file) {
+    std::ifstream stream(file, std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(stream), {});
+    std::string_view text = bytes;
+    if (text.starts_with("glTF") && text.size() >= 20) {
+        std::uint32_t length = 0;
+        std::memcpy(&length, text.data() + 12, sizeof length);
+        text = text.substr(20, length);
+    }
+    return Json::parse(text, nullptr, false);
+}
+
+/// assimp's node for each of the file's: it makes one of each, children in the same order, below a root of its own
+/// where the scene has several. Empty where that does not hold.
+Nodes nodesOf(const Json& gltf, const aiNode& root) {
+    const Json& nodes = gltf.at("nodes");
+    const Json& tops = gltf.at("scenes").at(gltf.value("scene", std::size_t{0})).at("nodes");
+    Nodes found(nodes.size(), nullptr);
+    std::vector<std::pair<const aiNode*, std::size_t>> waiting;
+    const auto meet = [&](const aiNode& parent, const Json& children) {
+        if (children.size() != parent.mNumChildren) return false;
+        for (std::size_t i = 0; i < children.size(); ++i)
+            waiting.emplace_back(parent.mChildren[i], children.at(i).get<std::size_t>());
+        return true;
+    };
+    if (tops.size() == 1)
+        waiting.emplace_back(&root, tops.at(0).get<std::size_t>());
+    else if (!meet(root, tops))
+        return {};
+    while (!waiting.empty()) {
+        const auto [node, index] = waiting.back();
+        waiting.pop_back();
+        found.at(index) = node;
+        if (!meet(*node, nodes.at(index).value("children", Json::array()))) return {};
+    }
+    return found;
+}
+
+/// The joints of the skin with which each node carries its meshes.
+std::map<const aiNode*, Nodes> gltfJoints(const std::string& file, const aiNode& root) {
+    std::map<const aiNode*, Nodes> joints;
+    try {
+        const Json gltf = gltfJson(file);
+        const Nodes nodes = nodesOf(gltf, root);
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            const Json& node = gltf.at("nodes").at(i);
+            if (!nodes[i] || !node.contains("skin")) continue;
+            Nodes& ofSkin = joints[nodes[i]];
+            for (const Json& joint : gltf.at("skins").at(node.at("skin").get<std::size_t>()).at("joints"))
+                ofSkin.push_back(nodes.at(joint.get<std::size_t>()));
+        }
+    } catch (const std::exception&) {
+        // glTF 1.0, whose nodes have names for numbers.
+        return {};
+    }
+    return joints;
+}
+
+/// The first of that name, from `skipped` equal ones on.
+const aiNode* named(const Nodes& nodes, const aiString& name, int skipped) {
+    for (const aiNode* node : nodes)
+        if (node && node->mName == name && skipped-- == 0) return node;
+    return nullptr;
+}
+
+/// The nodes that carry no mesh before those that do.
+Nodes barestFirst(const NodePlaces& places) {
+    std::vector<const aiNode*> inOrder(places.size());
+    for (const auto& [node, place] : places) inOrder[static_cast<std::size_t>(place)] = node;
+    Nodes nodes;
+    for (const bool carries : {false, true})
+        for (const aiNode* node : inOrder)
+            if ((node->mNumMeshes > 0) == carries) nodes.push_back(node);
+    return nodes;
+}
+
+}  // namespace
+
+void findBoneNodes(const aiScene& from, const std::string& file, const NodePlaces& places, ImportedScene& to) {
+    std::map<const aiNode*, Nodes> skins;
+    if (to.format.find("glTF") != std::string::npos) skins = gltfJoints(file, *from.mRootNode);
+    std::map<std::size_t, const Nodes*> skinOf;
+    for (const auto& [carrier, joints] : skins)
+        for (unsigned i = 0; i < carrier->mNumMeshes; ++i) skinOf.emplace(carrier->mMeshes[i], &joints);
+    const Nodes all = barestFirst(places);
+    for (std::size_t mesh = 0; mesh < to.meshes.size(); ++mesh) {
+        const auto skin = skinOf.find(mesh);
+        std::map<std::string, int> used;
+        for (ImportedBone& bone : to.meshes[mesh].bones) {
+            const aiString name(bone.name);
+            const aiNode* node = nullptr;
+            if (skin != skinOf.end()) node = named(*skin->second, name, used[bone.name]++);
+            if (!node) node = named(all, name, 0);
+            if (node) bone.node = places.at(node);
+        }
+    }
+}
+
+}  // namespace ragtop

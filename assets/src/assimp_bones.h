@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "assimp_scene.h"
+
+struct aiNode;
+struct aiScene;
+
+namespace ragtop {
+
+/// Where the nodes of assimp's scene are among those of ours.
+using NodePlaces = std::map<const aiNode*, std::int32_t>;
+
+/// Sets the node of each bone of the meshes. assimp tells its name alone, which meshes and other bones may have too:
+/// of glTF the joints of the skin are read from the file, of other formats a node that carries no mesh is preferred.
+void findBoneNodes(const aiScene& from, const std::string& file, const NodePlaces& places, ImportedScene& to);
+
+}  // namespace ragtop

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ragtop/math.h"
+
+namespace ragtop {
+
+enum class RobotJointKind : std::uint8_t { fixed, hinge, slider, ball, free };
+
+struct ImportedRobotJoint {
+    std::string name;
+    RobotJointKind kind = RobotJointKind::fixed;
+    bool planar = false;  ///< made free
+    Frame origin;         ///< in the parent link
+    Vec3 axis{1, 0, 0};
+    bool limited = false, rated = false;  ///< has a range; has an effort and a velocity
+    float lower = 0, upper = 0;           ///< rad or m
+    float effort = 0, velocity = 0;       ///< N m or N, rad/s or m/s
+    float damping = 0, friction = 0;      ///< N m s/rad or N s/m, N m or N
+};
+
+enum class RobotShapeKind : std::uint8_t { box, sphere, cylinder, capsule, mesh };
+
+struct ImportedRobotShape {
+    RobotShapeKind kind = RobotShapeKind::box;
+    Vec3 size{};                   ///< m, of a box; scale of a mesh
+    float radius = 0, length = 0;  ///< m; the length of a capsule is of its straight part, along z
+    Frame origin;                  ///< in the link
+    std::string mesh;              ///< as the file names it
+};
+
+struct ImportedRobotLink {
+    std::string name;
+    std::int32_t parent = -1;
+    ImportedRobotJoint joint;         ///< to the parent
+    bool heavy = false;               ///< has a mass
+    double mass = 0;                  ///< kg
+    std::array<double, 6> inertia{};  ///< kg m²: xx, yy, zz, xy, xz, yz
+    Frame centerOfMass;               ///< in the link; its axes are those of the inertia
+    std::vector<ImportedRobotShape> shapes;
+};
+
+/// What a description says, in its own axes.
+struct ImportedRobot {
+    std::string name;
+    std::vector<ImportedRobotLink> links;  ///< depth first from the root
+    std::vector<std::string> warnings;
+};
+
+/// Reads URDF in a process of its own, since files may nest, or chain links, beyond what the libraries' stacks hold.
+/// Throws AssetError: missing, not XML, a wrong value with its line, crashed, out of time.
+ImportedRobot importRobot(const std::filesystem::path& path);
+
+}  // namespace ragtop

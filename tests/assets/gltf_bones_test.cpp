@@ -1,0 +1,102 @@
+#include <array>
+#include <cstring>
+
+#include "import_support.h"
+#include "ragtop/character.h"
+#include "ragtop/visual.h"
+
+namespace ragtop {
+namespace {
+
+std::string base64(const std::string& bytes) {
+    static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        std::uint32_t word = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            word = word << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+        for (std::size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kDigits[word >> (18 - 6 * k) & 63u];
+    }
+    return text;
+}
+
+template <class T>
+void put(std::string& bytes, std::initializer_list<T> values) {
+    for (const T value : values) {
+        char raw[sizeof(T)];
+        std::memcpy(raw, &value, sizeof(T));
+        bytes.append(raw, sizeof(T));
+    }
+}
+
+/// A body of three bones, a metre above each other, and three meshes of a triangle each: each mesh follows one of the
+/// bones, at whose height it is. All nodes of meshes come first.
+std::string gltf(const std::array<const char*, 3>& meshes, const std::array<const char*, 3>& bones) {
+    std::string bytes;
+    for (int mesh = 0; mesh < 3; ++mesh) {
+        const float y = static_cast<float>(mesh);
+        put<float>(bytes, {0, y, 0, 0.1f, y, 0, 0, y + 0.1f, 0});
+        const auto joint = static_cast<unsigned char>(mesh);
+        for (int corner = 0; corner < 3; ++corner) put<unsigned char>(bytes, {joint, 0, 0, 0});
+        for (int corner = 0; corner < 3; ++corner) put<float>(bytes, {1, 0, 0, 0});
+    }
+    const std::size_t binds = bytes.size();
+    for (int bone = 0; bone < 3; ++bone)
+        put<float>(bytes, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -static_cast<float>(bone), 0, 1});
+    std::string views, accessors, nodes, shapes;
+    const auto accessor = [&](std::size_t offset, std::size_t length, const std::string& type) {
+        const std::string comma = views.empty() ? "" : ",";
+        views += comma + R"({"buffer":0,"byteOffset":)" + std::to_string(offset) + R"(,"byteLength":)" +
+                 std::to_string(length) + "}";
+        accessors +=
+            comma + R"({"bufferView":)" + std::to_string(std::count(views.begin(), views.end(), '{') - 1) + type;
+    };
+    for (std::size_t mesh = 0; mesh < 3; ++mesh) {
+        const std::size_t at = mesh * 96;
+        accessor(at, 36, R"(,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,9,1]})");
+        accessor(at + 36, 12, R"(,"componentType":5121,"count":3,"type":"VEC4"})");
+        accessor(at + 48, 48, R"(,"componentType":5126,"count":3,"type":"VEC4"})");
+        const auto number = [&](std::size_t k) { return std::to_string(3 * mesh + k); };
+        shapes += std::string(mesh ? "," : "") + R"({"name":")" + meshes[mesh] +
+                  R"(","primitives":[{"attributes":{"POSITION":)" + number(0) + R"(,"JOINTS_0":)" + number(1) +
+                  R"(,"WEIGHTS_0":)" + number(2) + "}}]}";
+        nodes += R"({"name":")" + std::string(meshes[mesh]) + R"(","mesh":)" + std::to_string(mesh) + R"(,"skin":0},)";
+    }
+    accessor(binds, 192, R"(,"componentType":5126,"count":3,"type":"MAT4"})");
+    nodes += R"({"name":")" + std::string(bones[0]) + R"(","children":[4]},{"name":")" + bones[1] +
+             R"(","translation":[0,1,0],"children":[5]},{"name":")" + bones[2] + R"(","translation":[0,1,0]})";
+    return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1,2,3]}],"nodes":[)" + nodes +
+           R"(],"meshes":[)" + shapes + R"(],"skins":[{"joints":[3,4,5],"inverseBindMatrices":9}],"accessors":[)" +
+           accessors + R"(],"bufferViews":[)" + views + R"(],"buffers":[{"byteLength":)" +
+           std::to_string(bytes.size()) + R"(,"uri":"data:application/octet-stream;base64,)" + base64(bytes) +
+           R"("}]})";
+}
+
+/// The three bones hang on each other, at their heights, each with the vertices of its mesh.
+void expectChain(const Character& character) {
+    const auto& bones = character.skeleton.bones;
+    ASSERT_EQ(bones.size(), 3u);
+    for (int i = 0; i < 3; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        EXPECT_EQ(bones[at].parent, i - 1);
+        EXPECT_NEAR(bones[at].bind.position.y, static_cast<float>(i), 1e-6f);
+        ASSERT_EQ(character.skeleton.skin[at].size(), 3u);
+        EXPECT_NEAR(character.skeleton.skin[at][0].y, static_cast<float>(i), 1e-6f);
+    }
+}
+
+TEST(GltfBones, HangOnEachOtherWhateverTheMeshesAreCalled) {
+    const std::array bones{"hip", "chest", "head"};
+    for (const auto& meshes : {std::array{"a", "b", "c"}, bones, std::array{"head", "head", "chest"}}) {
+        const TemporaryFile file("bones.gltf", gltf(meshes, bones));
+        expectChain(loadCharacter(file.path()));
+    }
+}
+
+TEST(GltfBones, MayHaveTheSameName) {
+    const TemporaryFile file("same.gltf", gltf({"bone", "b", "c"}, {"bone", "bone", "bone"}));
+    expectChain(loadCharacter(file.path()));
+}
+
+}  // namespace
+}  // namespace ragtop
