@@ -97,6 +97,7 @@ public:
     void begin() {
         states_.assign(bodies.size(), BodyState{});
         inertia_.assign(bodies.size(), BodyInertia{});
+        taut_.resize(bodies.size());
         for (std::size_t b = 0; b < bodies.size(); ++b) {
             const RigBody& body = bodies[b];
             states_[b].v = body.v;
@@ -104,6 +105,7 @@ public:
             states_[b].invMass = body.mass > 0 ? 1 / body.mass : 0.0f;
             states_[b].locks = body.locks;
             inertia_[b] = inverseInertia(body, body.rotation);
+            inertia_[b].taut = taut_[b];
         }
     }
     BodyState* states() { return states_.data(); }
@@ -193,6 +195,11 @@ private:
         if (rate > 0) state.dq = normalized(rotationAbout(state.w, rate * substep) * state.dq);
         const Quat after = state.dq * body.rotation;
         inertia_[b] = inverseInertia(body, after);
+        // As the world's bodies: what holds for one substep alone counts half.
+        const float taut = state.pull - TautBody::kExplicit;
+        taut_[b] = taut < taut_[b] ? taut : 0.5f * (taut_[b] + taut);
+        inertia_[b].taut = taut_[b];
+        state.pull = 0;
         state.w = toVec3(Axes(after).times(body.inertia, momentum, inverse));
     }
     void end() {
@@ -208,6 +215,7 @@ private:
     std::vector<BodyState> states_;
     std::vector<BodyInertia> inertia_;
     std::vector<DVec3> momentum_;
+    std::vector<float> taut_;
     std::vector<Vec3> led_;
 };
 

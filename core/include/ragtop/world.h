@@ -79,6 +79,10 @@ struct StepStats {
     /// Times since the world was made that a body was stopped where a step began, as forces beyond all measure took it out
     /// of numbers (1e15 m, or that in a step), or that a module asked for a force that is none, and which is left out.
     std::uint64_t runaways = 0;
+    /// Times that bodies held together by joints had gained energy that nothing gave them, which was taken back, since the
+    /// world was made; and how much, J.
+    std::uint64_t energyGuarded = 0;
+    double energyTaken = 0;
     double totalMs = 0;
     int bodies = 0, awakeBodies = 0, contacts = 0, touching = 0, joints = 0, colors = 0;
     std::size_t bytes = 0;  ///< memory held

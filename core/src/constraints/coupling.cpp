@@ -44,7 +44,7 @@ public:
             b_[i] = placeOf(joint.stateB, states, inertia);
         }
     }
-    BodyPair pair(std::uint32_t i, const TautBodies& taut) { return {states_, inertia_, a_[i], b_[i], taut}; }
+    BodyPair pair(std::uint32_t i) { return {states_, inertia_, a_[i], b_[i]}; }
 
 private:
     std::uint32_t placeOf(std::uint32_t index, const BodyState* states, const BodyInertia* inertia) {
@@ -69,14 +69,14 @@ float inverseMassOf(const CouplingSim& coupling, JointSim* joints, const BodySta
     Trial trial(coupling, joints, states, inertia);
     for (std::uint32_t i = 0; i < coupling.count; ++i) {
         JointSim joint = joints[coupling.joints[i]];
-        BodyPair pair = trial.pair(i, joint.taut);
+        BodyPair pair = trial.pair(i);
         pair.apply(joint.arms, push(joint, coupling.coordinates[i], coupling.ratios[i]));
         pair.store();
     }
     float speed = 0;
     for (std::uint32_t i = 0; i < coupling.count; ++i) {
         const JointSim& joint = joints[coupling.joints[i]];
-        const PairVector u = trial.pair(i, joint.taut).velocity(joint.arms);
+        const PairVector u = trial.pair(i).velocity(joint.arms);
         speed += coupling.ratios[i] * speedAlong(rowOf(joint, coupling.coordinates[i]), u);
     }
     return speed;
@@ -97,7 +97,7 @@ float sumOverParts(const CouplingSim& coupling, const JointSim* joints, const Bo
     for (std::uint32_t i = 0; i < coupling.count; ++i) {
         const JointSim& joint = joints[coupling.joints[i]];
         // Nothing is written without BodyPair::store.
-        const BodyPair pair(const_cast<BodyState*>(states), inertia, joint.stateA, joint.stateB, joint.taut);
+        const BodyPair pair(const_cast<BodyState*>(states), inertia, joint.stateA, joint.stateB);
         sum += coupling.ratios[i] * what(joint, coupling.coordinates[i], pair);
     }
     return sum;
@@ -126,7 +126,7 @@ void pushAll(const CouplingSim& coupling, JointSim* joints, BodyState* states, c
         JointSim& joint = joints[coupling.joints[i]];
         const float share = coupling.ratios[i] * amount;
         axisOf(joint, coupling.coordinates[i]).coupledImpulse += share;
-        BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+        BodyPair pair(states, inertia, joint.stateA, joint.stateB);
         pair.apply(joint.arms, push(joint, coupling.coordinates[i], share));
         pair.store();
     }

@@ -130,7 +130,7 @@ void prepareJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodySt
 void placeJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodyState* states, const BodyInertia* inertia) {
     prepareJoint(joint, bodies, states, inertia, {});
     // Nothing is written without BodyPair::store.
-    const BodyPair pair(const_cast<BodyState*>(states), inertia, joint.stateA, joint.stateB, joint.taut);
+    const BodyPair pair(const_cast<BodyState*>(states), inertia, joint.stateA, joint.stateB);
     refreshJoint(joint, pair, {{}, false});
 }
 
@@ -156,9 +156,9 @@ PairVector carriedImpulse(const JointSim& joint) {
 }
 
 void warmStartJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context) {
-    BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+    BodyPair pair(states, inertia, joint.stateA, joint.stateB);
     const JointPlace now = locate(joint, pair);
-    pair.stiffen(joint.arms, carriedImpulse(joint).linear, context.h, joint.taut);
+    pair.notePull(joint.arms, carriedImpulse(joint).linear, context.h);
     refreshAt(joint, now, pair, {context, true});
     openAccount(joint, pair, context.h);
     pair.apply(joint.arms, carriedImpulse(joint));
@@ -300,7 +300,7 @@ void solveRows(JointSim& joint, BodyPair& pair, const JointContext& context, boo
 
 void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
                 bool useBias) {
-    BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+    BodyPair pair(states, inertia, joint.stateA, joint.stateB);
     watchOthers(joint, pair);
     if (!useBias) {
         refreshJoint(joint, pair, {context, false});
@@ -317,7 +317,7 @@ void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, 
 
 void solveJointAgain(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
                      bool useBias) {
-    BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+    BodyPair pair(states, inertia, joint.stateA, joint.stateB);
     solveRows(joint, pair, context, useBias);
     pair.store();
 }
@@ -339,7 +339,7 @@ BodyPair fitted(JointSim& joint, const BodyPair& pair) {
 }
 
 bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inertia) {
-    BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+    BodyPair pair(states, inertia, joint.stateA, joint.stateB);
     const PairVector before = pair.velocity(joint.arms);
     pair = fitted(joint, pair);
     constexpr float kRounding = 1e-5f;

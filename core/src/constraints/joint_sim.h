@@ -92,7 +92,6 @@ struct JointSim {
     Quat frameA{}, frameB{};  ///< of the joint frames in the world
 
     Arms arms;  ///< m, of the current substep
-    TautBodies taut;
     float ofFigure = 0;      ///< 1: the joint is one of a figure's, see openShare
     PairVector stepImpulse;  ///< what a breakable joint gave in this step so far, N s and N m s
     RigidBlock block;

@@ -39,7 +39,6 @@ JointSim bare(const JointSim& joint, float most) {
     JointSim now = joint;
     rescaleJoint(now, 0);
     now.ofFigure = 0;
-    now.taut = {};
     now.axis.features &= AxisRows::kLimit | AxisRows::kLocked;
     now.ball.features &= BallRows::kSwing | BallRows::kTwist;
     for (AxisRows& rows : now.axes.axis) rows.features &= AxisRows::kLimit | AxisRows::kLocked;

@@ -51,16 +51,15 @@ Factor3 factorize(const Sym3& m, const Vec3& scale) {
     return f;
 }
 
-BodyPair::BodyPair(BodyState* states, const BodyInertia* inertia, std::uint32_t a, std::uint32_t b,
-                   const TautBodies& taut)
+BodyPair::BodyPair(BodyState* states, const BodyInertia* inertia, std::uint32_t a, std::uint32_t b)
     : stateA_(states + a),
       stateB_(states + b),
       inertiaA_(stateA_->invMass > 0 ? inertia + a : &kNoInertia),
       inertiaB_(stateB_->invMass > 0 ? inertia + b : &kNoInertia),
       inverseMassA_(inverseMassOf(*stateA_)),
       inverseMassB_(inverseMassOf(*stateB_)),
-      shareA_(taut.shareA),
-      shareB_(taut.shareB),
+      shareA_(TautBody::share(inertiaA_->taut)),
+      shareB_(TautBody::share(inertiaB_->taut)),
       vA_(stateA_->v),
       wA_(stateA_->w),
       vB_(stateB_->v),
@@ -78,19 +77,17 @@ float easeAcross(const BodyInertia& inertia, const Vec3& arm) {
     return across < largest ? across : largest;
 }
 
-/// `pull` is h F · r; both the present and the last excess count.
-float tautShare(const BodyInertia& inertia, const Vec3& arm, float pull, float& lastExcess) {
-    const float now = pull * easeAcross(inertia, arm) - TautBodies::kExplicit;
-    const float excess = now < lastExcess ? now : lastExcess;
-    lastExcess = now;
-    return excess > 0 ? 1 / (1 + excess) : 1.0f;
+/// `pull` is h F · r.
+void addPull(BodyState& state, const BodyInertia& inertia, const Vec3& arm, float pull) {
+    const float ratio = pull * easeAcross(inertia, arm);
+    if (state.invMass > 0 && ratio > 0) state.pull += ratio;
 }
 
 }  // namespace
 
-void BodyPair::stiffen(const Arms& arms, const Vec3& impulse, float h, TautBodies& taut) {
-    shareA_ = taut.shareA = tautShare(*inertiaA_, arms.a, -h * dot(arms.a, impulse), taut.excessA);
-    shareB_ = taut.shareB = tautShare(*inertiaB_, arms.b, h * dot(arms.b, impulse), taut.excessB);
+void BodyPair::notePull(const Arms& arms, const Vec3& impulse, float h) const {
+    addPull(*stateA_, *inertiaA_, arms.a, -h * dot(arms.a, impulse));
+    addPull(*stateB_, *inertiaB_, arms.b, h * dot(arms.b, impulse));
 }
 
 /// q ← (½ θ, 1) q, normalised.

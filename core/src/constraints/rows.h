@@ -87,17 +87,6 @@ struct Turning {
     Vec3 a, b;
 };
 
-/// A force F on an arm r turns with neither of the bodies, so it resists their turning with the stiffness F · r; an
-/// explicit step of h cannot follow once h² F · r exceeds the moment of inertia a few times, which a light link under
-/// a heavy load soon does. Adding the stiffness to the inertia, h² F · r, makes the step implicit in it to first order
-/// [Tournier et al., Stable Constrained Dynamics, 2015]. It conserves no angular momentum and is therefore left out
-/// below `kExplicit`, where the plain step is stable, and for impacts, which do not last two substeps.
-struct TautBodies {
-    static constexpr float kExplicit = 4;
-    float excessA = 0, excessB = 0;  ///< h² F · r / I − kExplicit in the last substep
-    float shareA = 1, shareB = 1;    ///< of the inverse inertia that is left in this one
-};
-
 /// I ω, of the inverse inertia; what cannot turn has none.
 Vec3 momentumOf(const BodyInertia& inertia, const Vec3& w);
 
@@ -105,9 +94,9 @@ Vec3 momentumOf(const BodyInertia& inertia, const Vec3& w);
 /// never written, since threads share the static one.
 class BodyPair {
 public:
-    BodyPair(BodyState* states, const BodyInertia* inertia, std::uint32_t a, std::uint32_t b, const TautBodies& taut);
-    /// Measures the stiffness that the impulse carried over gives, and uses it.
-    void stiffen(const Arms& arms, const Vec3& impulse, float h, TautBodies& taut);
+    BodyPair(BodyState* states, const BodyInertia* inertia, std::uint32_t a, std::uint32_t b);
+    /// Adds the stiffness that the impulse carried over gives to that of the bodies, for the next substep.
+    void notePull(const Arms& arms, const Vec3& impulse, float h) const;
     PairVector velocity(const Arms& arms) const;
     /// The angular velocities of now, and of bodies that a joint lets turn against each other about x alone, or not at
     /// all: what they differ by otherwise is weighted so that the joint's own impulses, which its rows take back, do

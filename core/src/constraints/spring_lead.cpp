@@ -172,7 +172,7 @@ BodyKicks fittedKicks(JointSim& joint, const BodyState* states, const BodyInerti
     BodyState pushed[2] = {states[joint.stateA], states[joint.stateB]};
     const BodyInertia both[2] = {inertia[joint.stateA], inertia[joint.stateB]};
     pushed[0].v = kicks.vA, pushed[0].w = kicks.wA, pushed[1].v = kicks.vB, pushed[1].w = kicks.wB;
-    fitted(joint, BodyPair(pushed, both, 0, 1, joint.taut)).store();
+    fitted(joint, BodyPair(pushed, both, 0, 1)).store();
     return {pushed[0].v, pushed[0].w, pushed[1].v, pushed[1].w};
 }
 
@@ -194,7 +194,7 @@ bool hasSprings(const JointSim& joint) {
 }
 
 void beginLead(JointSim& joint, BodyState* states, const BodyInertia* inertia, const BodyKicks& kicks, float h) {
-    BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+    BodyPair pair(states, inertia, joint.stateA, joint.stateB);
     if (joint.leads == 0) {
         refreshJoint(joint, pair, {{}, false});
         const BodyKicks left = fittedKicks(joint, states, inertia, kicks);
@@ -206,7 +206,7 @@ void beginLead(JointSim& joint, BodyState* states, const BodyInertia* inertia, c
 }
 
 void endLead(JointSim& joint, BodyState* states, const BodyInertia* inertia, const BodyKicks& kicks, float h) {
-    BodyPair pair(states, inertia, joint.stateA, joint.stateB, joint.taut);
+    BodyPair pair(states, inertia, joint.stateA, joint.stateB);
     refreshJoint(joint, pair, {{}, false});
     Leading leading{joint, pair, kicks, h, true};
     joint.lead = leadNow(leading);

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "ragtop/math.h"
+
 namespace ragtop::direct {
 
 /// Why an island is solved directly.
@@ -12,7 +14,9 @@ enum class Reason : std::uint8_t { none, asked, heavy, tall, slender, deep, taut
 /// of the two bodies that meet: a column of n equal boxes has n at its foot, a weight on a box their mass ratio.
 struct IslandFeatures {
     std::uint32_t bodies = 0, pairs = 0;   ///< pairs: of moving bodies that touch or are joined
-    std::uint32_t moving = 0;              ///< bodies that are not nearly at rest
+    Vec3 momentum;                         ///< kg m/s, of all bodies: motion is what differs from their common one
+    float mass = 0;                        ///< kg
+    std::uint32_t moving = 0;              ///< bodies that are not nearly at rest against the common motion
     std::uint32_t restless = 0;            ///< bodies that have neither just been made nor been at rest for long
     std::uint32_t leaning = 0;             ///< bodies at rest that nothing level holds up
     std::uint32_t joints = 0;

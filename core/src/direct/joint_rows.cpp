@@ -56,7 +56,7 @@ struct Ends {
             s->dq = toFloat(turnBy(static_cast<double>(time) * DVec3(s->w)) * direct::toDouble(s->dq));
         }
     }
-    BodyPair pair() { return {states, inertias, 1, 2, TautBodies{}}; }
+    BodyPair pair() { return {states, inertias, 1, 2}; }
 };
 
 /// The directions of a joint's rows and what they share.
@@ -308,7 +308,6 @@ void addAcross(const RowWriter& writer, const JointSim& joint, const DVec3& line
 
 void JointRowBuilder::add(JointSim& joint, std::uint32_t index, std::int32_t a, std::int32_t b) const {
     Ends ends(arrays, joint);
-    joint.taut = {};
     Ends later = ends;
     later.advance(context.h);
     refreshJoint(joint, later.pair(), {context, false});

@@ -16,7 +16,7 @@ struct alignas(64) BodyState {
     Vec3 w;             ///< rad/s
     std::uint32_t locks = 0;  ///< bits 0..2: translation along x, y, z is locked (rotation locks are in the inertia)
     Vec3 dp;            ///< m, displacement of the centre of mass during this step
-    float pad = 0;
+    float pull = 0;     ///< Σ h F · r / I of its joints in this substep, see TautBody
     Quat dq;            ///< rotation during this step: q = dq · q₀
 };
 static_assert(sizeof(BodyState) == 64);
@@ -25,7 +25,7 @@ static_assert(sizeof(BodyState) == 64);
 struct alignas(32) BodyInertia {
     float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
     float excess = 0;  ///< J, see excessOfSpin; belongs to the momentum in the body's history
-    float pad = 0;
+    float taut = 0;    ///< h² Σ F · r / I beyond what an explicit step follows, in the substeps before; see TautBody
 };
 static_assert(sizeof(BodyInertia) == 32);
 
@@ -42,6 +42,17 @@ constexpr float excessOfSpin(const Vec3& p, const Vec3& inverse) {
     const float middle = std::max(low, std::min(high, inverse.z));
     return (inverse.x - middle) * p.x * p.x + (inverse.y - middle) * p.y * p.y + (inverse.z - middle) * p.z * p.z;
 }
+
+/// A force F on an arm r turns with neither of the bodies, so it resists their turning with the stiffness F · r. All
+/// joints of a body add up: K = Σ F · r. An explicit step of h follows the oscillation ω² = K/I while ω h < 2, that is
+/// h² K / I < 4, which a light link under a heavy load soon exceeds. Adding the stiffness to the inertia makes the step
+/// implicit in it to first order [Tournier et al., Stable Constrained Dynamics, 2015]. It conserves no angular momentum
+/// and is therefore left out where the plain step is stable.
+struct TautBody {
+    static constexpr float kExplicit = 4;
+    /// Of the inverse inertia, that is left by a stiffness of so much more.
+    static constexpr float share(float taut) { return taut > 0 ? 1 / (1 + taut) : 1.0f; }
+};
 
 /// A soft row [Catto, Soft Constraints, GDC 2011]: ω = 2πf, a₁ = 2ζ + hω, a₂ = hω a₁.
 ///   Δλ = −m_eff · massScale · (u + biasRate · C) − impulseScale · λ

@@ -426,6 +426,10 @@ void integratePositions(const BodyArrays& arrays, const std::uint32_t* bodies, i
         pose[0] = place.x, pose[1] = place.y, pose[2] = place.z;
         pose[4] = select(still, pose[4], dq.x), pose[5] = select(still, pose[5], dq.y);
         pose[6] = select(still, pose[6], dq.z), pose[7] = select(still, pose[7], dq.w);
+        // What holds for one substep alone is an impact, and counts half.
+        const Lanes<N> taut = pose[3] - Lanes<N>(TautBody::kExplicit);
+        inertia[7] = select(taut < inertia[7], taut, 0.5f * (inertia[7] + taut));
+        pose[3] = zero;
         inertia[0] = select(turns, inverseWorld.xx, inertia[0]);
         inertia[1] = select(turns, inverseWorld.xy, inertia[1]);
         inertia[2] = select(turns, inverseWorld.xz, inertia[2]);

@@ -175,17 +175,16 @@ struct WideJoint : JointFields<N> {
         massA = {a[3], a[3], a[3]}, massB = {b[3], b[3], b[3]};
         applyLocks(massA, a[7]);
         applyLocks(massB, b[7]);
-        inertiaA = gatherInertia({arrays.inertia, rowsA.numbers}, a[3]);
-        inertiaB = gatherInertia({arrays.inertia, rowsB.numbers}, b[3]);
-        shareA = at(RAGTOP_JOINT_FIELD(taut.shareA));
-        shareB = at(RAGTOP_JOINT_FIELD(taut.shareB));
+        inertiaA = gatherInertia({arrays.inertia, rowsA.numbers}, a[3], shareA);
+        inertiaB = gatherInertia({arrays.inertia, rowsB.numbers}, b[3], shareB);
     }
     static RAGTOP_INLINE SymmetricMatrix<N> gatherInertia(const NumberedRows<BodyInertia, N>& rows,
-                                                          Lanes<N> inverseMass) {
+                                                          Lanes<N> inverseMass, Lanes<N>& share) {
         Lanes<N> m[8];
         gather8<N>(rows.anew(), m);
         const Mask<N> moves = inverseMass > 0.0f;
         for (int i = 0; i < 6; ++i) m[i] = select(moves, m[i], Lanes<N>(0.0f));
+        share = select(m[7] > 0.0f, 1.0f / (1.0f + m[7]), Lanes<N>(1.0f));
         return {m[0], m[1], m[2], m[3], m[4], m[5]};
     }
 
@@ -212,24 +211,22 @@ struct WideJoint : JointFields<N> {
         armA = vector(RAGTOP_JOINT_FIELD(arms.a)), armB = vector(RAGTOP_JOINT_FIELD(arms.b));
     }
 
-    /// As BodyPair::stiffen.
-    RAGTOP_INLINE void stiffen(const WideVec3<N>& impulse, float h) {
-        shareA = tautShare(inertiaA, armA, Lanes<N>(-h) * dot(armA, impulse), RAGTOP_JOINT_FIELD(taut.excessA));
-        shareB = tautShare(inertiaB, armB, Lanes<N>(h) * dot(armB, impulse), RAGTOP_JOINT_FIELD(taut.excessB));
-        set(RAGTOP_JOINT_FIELD(taut.shareA), shareA);
-        set(RAGTOP_JOINT_FIELD(taut.shareB), shareB);
+    /// As BodyPair::notePull.
+    RAGTOP_INLINE void notePull(const WideVec3<N>& impulse, float h) const {
+        addPull(rowsA, a[3], Lanes<N>(-h) * dot(armA, impulse) * easeAcross(inertiaA, armA));
+        addPull(rowsB, b[3], Lanes<N>(h) * dot(armB, impulse) * easeAcross(inertiaB, armB));
+    }
+    static RAGTOP_INLINE void addPull(const NumberedRows<BodyState, N>& rows, Lanes<N> inverseMass, Lanes<N> ratio) {
+        constexpr int kPull = offsetof(BodyState, pull) / sizeof(float);
+        const Mask<N> pulled = (inverseMass > 0.0f) & (ratio > 0.0f);
+        if (!any(pulled)) return;
+        for (int i = 0; i < N; ++i)
+            if (pulled.v[i] != 0) rows[i][kPull] += ratio.v[i];
     }
     RAGTOP_INLINE Lanes<N> easeAcross(const SymmetricMatrix<N>& inertia, const WideVec3<N>& arm) const {
         const Lanes<N> largest = max(inertia.zz, max(inertia.xx, inertia.yy));
         const Lanes<N> square = dot(arm, arm), along = dot(arm, inertia * arm);
         return min(inertia.xx + inertia.yy + inertia.zz - divideOrZero(along, square), largest);
-    }
-    RAGTOP_INLINE Lanes<N> tautShare(const SymmetricMatrix<N>& inertia, const WideVec3<N>& arm, Lanes<N> pull,
-                                     int lastExcess) {
-        const Lanes<N> now = pull * easeAcross(inertia, arm) - Lanes<N>(TautBodies::kExplicit);
-        const Lanes<N> excess = min(now, at(lastExcess));
-        set(lastExcess, now);
-        return select(excess > 0.0f, 1.0f / (1.0f + excess), Lanes<N>(1.0f));
     }
 
     RAGTOP_INLINE WideVec3<N> linearVelocity() const { return (vB + cross(wB, armB)) - (vA + cross(wA, armA)); }

@@ -51,7 +51,7 @@ void warmStartJoints(const JointLanesView& view, int begin, int end, const Joint
         WideJoint<N> j(view, i, pass.arrays);
         j.locate();
         j.storeArms();
-        j.stiffen(carriedImpulse(j).linear, pass.context.h);
+        j.notePull(carriedImpulse(j).linear, pass.context.h);
         switch (j.bundle.kind) {
             case JointKind::ball:
                 beginBallJoint(j, pass.context);

@@ -96,6 +96,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       movedConstraints(memory),
       sweptCouplings(memory),
       assemblies(memory),
+      energyGuard(memory),
       boundsLeft(memory),
       freshManifolds(memory),
       directIslands(memory),
@@ -181,6 +182,8 @@ StepStats World::stats() const {
     stats.islands = w.ledger;
     stats.givenUp = w.directFailures;
     stats.runaways = w.runaways;
+    stats.energyGuarded = w.energyGuard.caught;
+    stats.energyTaken = w.energyGuard.taken;
     stats.totalMs = w.totalMs;
     stats.bodies = static_cast<int>(w.bodySlots.used()) - 1;
     stats.awakeBodies = static_cast<int>(w.awakeBodies.size());

@@ -294,6 +294,7 @@ void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3&
     state.w = angular;
     if (bodies[index].type == BodyType::dynamic) obeyLocks(index);
     if (!stepping) histories[index].velocityBefore += state.v - before;
+    if (stepping) noteDriven(*this, index);
     launch(index);
 }
 

@@ -72,7 +72,7 @@ void WorldImpl::makeRoomToFinish() {
 void WorldImpl::restrictInertia(std::uint32_t index) {
     const BodyRecord& body = bodies[index];
     BodyInertia& inverse = inertias[index];
-    inverse = {};
+    inverse = BodyInertia{.taut = inverse.taut};
     if (body.type != BodyType::dynamic) return;
     const Mat3 r = toMat3(body.rotation);
     const Mat3 m =

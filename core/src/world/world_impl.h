@@ -28,6 +28,7 @@
 #include "shapes/geometry.h"
 #include "solve/joint_kernels.h"
 #include "solve/kernel_table.h"
+#include "world/energy_guard.h"
 #include "world/id_lists.h"
 #include "world/records.h"
 #include "world/step_finds.h"
@@ -448,6 +449,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> bodyStack, movedConstraints;
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     Assemblies assemblies;
+    EnergyGuard energyGuard;
     BoundsLeft boundsLeft;
     StageArray<IslandBearing> bearings;  ///< of world_islands.cpp, as the three after it
     StageArray<std::uint32_t> bearingBegin, neighbours, islandNumber;  ///< per body, of moving ones; per root

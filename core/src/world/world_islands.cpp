@@ -244,10 +244,17 @@ void WorldImpl::measureIslands() {
     for (const std::uint32_t body : awakeBodies) {
         if (!moves(body)) continue;
         direct::IslandFeatures& island = islandOf(body);
+        island.mass += bodies[body].mass;
+        island.momentum += bodies[body].mass * states[body].v;
+    }
+    for (const std::uint32_t body : awakeBodies) {
+        if (!moves(body)) continue;
+        direct::IslandFeatures& island = islandOf(body);
         ++island.bodies;
         island.bare &= turnsFreely(body);
         island.spin = std::max(island.spin, context.h * length(states[body].w));
-        const float speed = length(states[body].v) + length(states[body].w) * bodies[body].radius;
+        const Vec3 common = (1 / island.mass) * island.momentum;
+        const float speed = length(states[body].v - common) + length(states[body].w) * bodies[body].radius;
         const bool slow = speed <= kSlow * std::sqrt(gravity * bodies[body].size);
         island.moving += !slow;
         const bool rests = isDirect(body) || isUntouched(body) || bodies[body].sleepTimer >= direct::kLongRest;

@@ -1,6 +1,8 @@
 // Trees of joints that nothing else has part in: a group of them goes through the whole step in one task, with its bodies
 // in one processor's cache and nobody to wait for (docs/adr/0037-trees-that-go-alone.md). The bits are those of the stages.
 
+#include <atomic>
+
 #include "world/world_strides.h"
 
 namespace ragtop {
@@ -13,6 +15,7 @@ void prepareGroup(WorldImpl& world, Group& group) {
     const int stride = world.chains.strideOf(group);
     for (const std::uint32_t body : world.chains.membersOf(group)) {
         giveStride(world, body, stride);
+        noteKinetic(world, body);
         world.prepareBody(body);
     }
     for (int lane = 0; lane < group.lanes.used; ++lane) {
@@ -39,12 +42,25 @@ void solveSubsteps(WorldImpl& world, Group& group) {
     }
 }
 
+/// A tree that is to be guarded is finished with all others, and trees are drawn up anew.
+void leaveToStages(WorldImpl& world, std::span<const std::uint32_t> bodies) {
+    for (const std::uint32_t body : bodies)
+        world.strides.marks[body] = static_cast<std::uint8_t>(world.strides.marks[body] & ~BodyStrides::kAlone);
+    std::atomic_ref(world.strides.aloneCount).fetch_sub(bodies.size(), std::memory_order_relaxed);
+    std::atomic_ref(world.treesChanged).store(true, std::memory_order_relaxed);
+}
+
 void finishGroup(WorldImpl& world, const Group& group) {
     for (int lane = 0; lane < group.lanes.used; ++lane) {
         const DirectIsland& island = world.directIslands[world.chains.treeOf(group, lane).owner];
         if (island.strides) noteGaps(world, island);
+        const std::span<const std::uint32_t> bodies{world.directBodies.data() + island.firstBody, island.bodyCount};
+        if (hasGainedEnergy(world, bodies)) {
+            leaveToStages(world, bodies);
+            continue;
+        }
+        for (const std::uint32_t body : bodies) world.finishBody(world.bodies[body].awakeIndex);
     }
-    for (const std::uint32_t body : world.chains.membersOf(group)) world.finishBody(world.bodies[body].awakeIndex);
 }
 
 }  // namespace

@@ -170,10 +170,9 @@ void WorldImpl::storeLoads(const DirectIsland& island, Mechanism& mechanism) {
     mechanism.findLoads();
     for (std::uint32_t j = 0; j < island.jointCount; ++j) {
         JointSim& sim = jointSims[directJoints[island.firstJoint + j]];
-        sim.taut = {};
         sim.block.impulseFirst = toVec3(mechanism.joint(j).force);
         sim.block.impulseSecond = toVec3(mechanism.joint(j).torque);
-        refreshJoint(sim, BodyPair(states.data(), inertias.data(), sim.stateA, sim.stateB, sim.taut),
+        refreshJoint(sim, BodyPair(states.data(), inertias.data(), sim.stateA, sim.stateB),
                      {jointContext, false});
         noteLoad(sim);
     }

@@ -34,6 +34,7 @@ void WorldImpl::stayPut(std::uint32_t index) {
     BodyState& state = states[index];
     state.v = state.w = state.dp = {};
     state.dq = {};
+    state.pull = inertias[index].taut = 0;
     histories[index].velocityBefore = histories[index].lastChange = {};
     refreshInertia(index);
 }

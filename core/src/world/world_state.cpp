@@ -85,6 +85,7 @@ void WorldImpl::archive(Archive& archive) {
     archive(launchedBodies);
     archive(newJoints);
     archive(overstepped);
+    archive(energyGuard.room);
     archive(couplings);
     archive(couplingSims);
     archive(awakeBodies);

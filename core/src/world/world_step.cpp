@@ -25,6 +25,14 @@ static void shareStep(WorldImpl& world, Body&& body) {
     world.workerChoice.note(taken.count(), static_cast<float>(size));
 }
 
+/// What substeps leave behind, and whether bodies that joints hold together have gained energy.
+static void endSolve(WorldImpl& world) {
+    stepTreesAlone(world);
+    world.storeJoints();
+    world.endDirect();
+    guardEnergy(world);
+}
+
 /// Advances the world by dt seconds. Soft step [Catto, Solver2D, 2024]: collide once, then substep velocities,
 /// positions, and a relax pass that takes back the velocity which pushing out has added.
 void WorldImpl::step(World& world, double stepSeconds) {
@@ -74,14 +82,13 @@ void WorldImpl::step(World& world, double stepSeconds) {
         prepareBodies();
         findAssemblies();
         settleNewJoints();
+        beginGuard(*this);
         prepareConstraints();
         beginDirect();
         beginStage("solve");
         runner.part(!shareSolve, [&] { solveSubsteps(world); });
         makeRoomToFinish();
-        stepTreesAlone(*this);
-        storeJoints();
-        endDirect();
+        endSolve(*this);
         beginStage("finish");
         finishBodies();
         stopRunaways();

@@ -229,12 +229,11 @@ void WorldImpl::storeImpulses(const direct::TreePlan::Group& group, int lane) {
         JointSim& joint = jointSims[chains.jointOf(tree, l)];
         const direct::TreeImpulse& impulse = chains.impulse(group, l, lane);
         const float sign = (link.childIsB != 0 ? 1.0f : -1.0f) / static_cast<float>(tree.stride);
-        joint.taut = {};
         joint.block.impulseFirst = sign * get(impulse.force);
         joint.block.impulseSecond = sign * get(impulse.torque);
         if (!isWatched(joint)) continue;
         // Turns of a hinge are counted.
-        refreshJoint(joint, BodyPair(states.data(), inertias.data(), joint.stateA, joint.stateB, joint.taut),
+        refreshJoint(joint, BodyPair(states.data(), inertias.data(), joint.stateA, joint.stateB),
                      {jointContext, false});
         noteLoad(joint);
     }

@@ -1,0 +1,358 @@
+#include "world/energy_guard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "constraints/contact_layout.h"
+#include "direct/choice.h"
+#include "world/group_motion.h"
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+/// Of the kinetic energy and of the weight times the size: what a first-order integrator trades in a swing and gets back
+/// (tests/core/energy_guard_test.cpp has the largest that any joint shows).
+constexpr double kRoom = 0.005;
+
+/// Motors, springs, drives and soft stops add or give back what is not counted here; joints of more axes have any of them.
+bool isPassive(const JointSim& joint) {
+    constexpr std::uint32_t kAxis = AxisRows::kMotor | AxisRows::kSpring | AxisRows::kCoupled;
+    constexpr std::uint32_t kBall = BallRows::kSpring | BallRows::kDrives;
+    if (hasAxes(joint.kind)) return false;
+    return (joint.axis.features & kAxis) == 0 && (joint.ball.features & kBall) == 0 &&
+           !(joint.axis.stop.stiffness > 0) && !(joint.ball.stop.stiffness > 0);
+}
+
+std::uint32_t rootOf(AlignedArray<std::uint32_t>& parent, std::uint32_t body) {
+    while (parent[body] != body) {
+        parent[body] = parent[parent[body]];
+        body = parent[body];
+    }
+    return body;
+}
+
+template <class Visit>
+void forEachJoint(const WorldImpl& world, Visit&& visit) {
+    for (int c = 0; c < world.graph.listCount(); ++c)
+        for (const std::uint32_t joint : world.graph.color(c).joints) visit(world.joints[joint], world.jointSims[joint]);
+}
+
+/// J, that forces gave a body along its way.
+double workOn(const WorldImpl& world, std::uint32_t index) {
+    const BodyDynamics& d = world.dynamics[index];
+    const BodyState& state = world.states[index];
+    const Vec3 turn = 2 * Vec3{state.dq.x, state.dq.y, state.dq.z};
+    return static_cast<double>(world.bodies[index].mass) * static_cast<double>(dot(d.acceleration, state.dp)) +
+           static_cast<double>(dot(d.torque, turn));
+}
+
+double excessOf(const WorldImpl& world, std::uint32_t index) {
+    return kineticEnergy(world, index, rotationNow(world, index)) - static_cast<double>(world.energyGuard.kinetic[index]) -
+           workOn(world, index);
+}
+
+/// By more than a load presses surfaces into each other.
+bool overlaps(const WorldImpl& world, const ContactRecord& contact) {
+    bool inside = false;
+    for (const ManifoldRecord& manifold : world.manifoldsOf(contact))
+        for (int j = 0; j < manifold.pointCount; ++j)
+            inside |= manifold.separation[j] < -contact::kDeep * contact.size;
+    return inside;
+}
+
+/// J, of a body at the speed that overlaps push with.
+double pushEnergy(const WorldImpl& world, std::uint32_t index) {
+    const double speed = static_cast<double>(world.context.pushOut * world.bodies[index].size);
+    return 0.5 * static_cast<double>(world.bodies[index].mass) * speed * speed;
+}
+
+/// The island that a group belongs to.
+struct IslandLook {
+    double excess = 0;       ///< J, what its bodies gained
+    double pushed = 0;       ///< J, of its bodies at the speed that overlaps push with; 0 where none does
+    bool isPushed = false;
+    bool isDriven = false;   ///< something in it is moved that no force moves
+    bool isIsolated = true;  ///< nothing but the group, held by nothing
+};
+
+IslandLook lookAtIsland(WorldImpl& world, std::span<const std::uint32_t> group) {
+    EnergyGuard& guard = world.energyGuard;
+    guard.visited.clear();
+    // islandParent is scratch between the choice of solvers and the look at who sleeps.
+    world.islandParent.resizeForOverwrite(world.bodies.size());
+    for (const std::uint32_t body : world.awakeBodies) world.islandParent[body] = body;
+    const auto reach = [&](std::uint32_t body) {
+        if (world.islandParent[body] == kNone) return;
+        world.islandParent[body] = kNone;
+        guard.visited.push(body);
+    };
+    for (const std::uint32_t body : group) reach(body);
+    IslandLook look;
+    for (std::size_t i = 0; i < guard.visited.size(); ++i) {
+        const std::uint32_t body = guard.visited[i];
+        look.excess += excessOf(world, body);
+        for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
+             key = world.joints[key >> 1].edges[key & 1].next) {
+            const std::uint32_t other = (key & 1) != 0 ? world.joints[key >> 1].bodyA : world.joints[key >> 1].bodyB;
+            look.isIsolated &= world.moves(other);
+            if (world.moves(other) && world.isAwake(other)) reach(other);
+        }
+        for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.nextContact(key)) {
+            const ContactRecord& contact = world.contacts[key >> 1];
+            if (contact.sensor || contact.firstManifold == kNone) continue;
+            const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
+            look.isDriven |= world.bodies[other].type == BodyType::kinematic;
+            look.isPushed |= overlaps(world, contact);
+            look.isIsolated &= world.moves(other);
+            if (world.moves(other) && world.isAwake(other)) reach(other);
+        }
+    }
+    look.isIsolated &= guard.visited.size() == group.size();
+    for (std::size_t i = 0; i < guard.visited.size() && look.isPushed; ++i) look.pushed += pushEnergy(world, guard.visited[i]);
+    return look;
+}
+
+void stayPut(WorldImpl& world, std::span<const std::uint32_t> group) {
+    for (const std::uint32_t b : group) {
+        world.states[b].dp = {};
+        world.states[b].dq = {};
+        world.refreshInertia(b);
+    }
+}
+
+/// Sweeps have it for a while: a direct solve of joints that stand open, or of motions far from its linear ones, is none.
+void barDirect(WorldImpl& world, std::span<const std::uint32_t> group) {
+    bool changed = false;
+    for (const std::uint32_t b : group) {
+        std::int32_t& steps = world.bodies[b].directSteps;
+        changed |= steps > 0;
+        steps = std::min(steps, -direct::kBarredSteps);
+    }
+    if (changed) world.graphChanged = world.directChanged = true;
+}
+
+/// Has a force or velocity beyond all measure taken some body out of the range of numbers? Then it is stopped alone.
+bool isThrown(const WorldImpl& world, std::span<const std::uint32_t> group) {
+    constexpr float kBeyond = 1e12f;  // m/s², rad/s² and J
+    for (const std::uint32_t b : group) {
+        const BodyDynamics& d = world.dynamics[b];
+        const bool pushed = length(d.acceleration) > kBeyond || length(world.inertias[b] * d.torque) > kBeyond;
+        if (pushed || !(world.energyGuard.kinetic[b] < kBeyond)) return true;
+    }
+    return false;
+}
+
+/// A solver that failed has left no motion that numbers can hold.
+void stopGroup(WorldImpl& world, std::span<const std::uint32_t> group) {
+    for (const std::uint32_t b : group) {
+        world.states[b].v = world.states[b].w = {};
+        world.forgetImpulses(b);
+    }
+    stayPut(world, group);
+    barDirect(world, group);
+    ++world.energyGuard.caught;
+}
+
+/// Did some body go farther than so much energy, J, would take it? Four times as far is not what bodies of a group hand
+/// each other in a step.
+bool overran(const WorldImpl& world, std::span<const std::uint32_t> group, double energy) {
+    constexpr double kFar = 16;  // in squares of the way
+    for (const std::uint32_t b : group) {
+        const double speed = static_cast<double>(length(world.states[b].dp)) / static_cast<double>(world.dt);
+        if (0.5 * static_cast<double>(world.bodies[b].mass) * speed * speed > kFar * energy) return true;
+    }
+    return false;
+}
+
+/// J, by which the kinetic energy of a link may differ from that of its place: speeds of trees are those of the middle of
+/// a substep, half of one earlier, and so were those that the step began with.
+double earlyEnergy(const WorldImpl& world, std::uint32_t index) {
+    const BodyRecord& body = world.bodies[index];
+    if (body.directReason != direct::Reason::tree) return 0;
+    const float early = world.context.h * static_cast<float>(body.stride);
+    return static_cast<double>(body.mass * early * length(world.dynamics[index].acceleration) * length(world.states[index].v));
+}
+
+EnergyAccount accountOf(const WorldImpl& world, std::span<const std::uint32_t> group) {
+    EnergyAccount account;
+    double work = 0, weight = 0;
+    for (const std::uint32_t b : group) {
+        account.before += static_cast<double>(world.energyGuard.kinetic[b]);
+        account.now += kineticEnergy(world, b, rotationNow(world, b));
+        work += workOn(world, b);
+        weight += static_cast<double>(world.bodies[b].mass * world.bodies[b].size);
+        account.room += earlyEnergy(world, b);
+    }
+    account.excess = account.now - account.before - work;
+    weight *= static_cast<double>(length(world.settings.gravity));
+    account.lawful = std::max(account.before, account.before + work) + weight;
+    account.room += kRoom * account.lawful;
+    return account;
+}
+
+/// What a group has left of its room after a step, as a share.
+void keepRoom(float& room, double left, double most) {
+    room = most > 0 ? static_cast<float>(std::clamp(left / most, 0.0, 1.0)) : 1.0f;
+}
+
+/// True where a group has gained no more than it has room for, which is noted. What a module has pushed is not looked at.
+bool fits(float& room, const EnergyAccount& account) {
+    if (account.before == std::numeric_limits<double>::infinity()) {
+        room = 1;
+        return true;
+    }
+    const double left = static_cast<double>(room) * account.room - account.excess;
+    if (!(left >= 0)) return false;
+    keepRoom(room, left, account.room);
+    return true;
+}
+
+void guardGroup(WorldImpl& world, std::size_t g) {
+    EnergyGuard& guard = world.energyGuard;
+    const std::span<const std::uint32_t> group = guard.membersOf(g);
+    float& room = guard.room[group.front()];
+    EnergyAccount account = guard.accounts[g];
+    if (!std::isfinite(account.excess)) {
+        room = 0;
+        return isThrown(world, group) ? barDirect(world, group) : stopGroup(world, group);
+    }
+    const double left = static_cast<double>(room) * account.room;
+    const IslandLook look = lookAtIsland(world, group);
+    double beyond = std::min(account.excess, look.excess) - left;
+    if (look.isDriven || !(beyond > 0)) return;
+    if (look.isIsolated) {
+        turnToMomentum(world, group, guard.momentum[g]);
+        const double turned = account.now;
+        account.now = accountOf(world, group).now;
+        beyond += account.now - turned;
+    }
+    const std::span<const std::uint32_t> island{guard.visited.data(), guard.visited.size()};
+    if (overran(world, island, accountOf(world, island).lawful)) stayPut(world, island);
+    // What overlaps is pushed, at a speed that is bounded.
+    beyond = std::min(beyond, account.now - look.pushed);
+    double taken = takeEnergy(world, group, beyond, look.isIsolated);
+    // What touches the group may have got some of it.
+    if (!look.isIsolated) taken += takeEnergy(world, island, look.excess - left - look.pushed - taken, false);
+    if (taken > 0) {
+        barDirect(world, group);
+        ++guard.caught;
+        guard.taken += taken;
+    }
+    room = 0;
+}
+
+/// Union-find over bodies that move and joints between them; false where there are no joints.
+bool uniteJoined(WorldImpl& world) {
+    EnergyGuard& guard = world.energyGuard;
+    bool joined = false;
+    guard.parent.resizeForOverwrite(world.bodies.size());
+    for (const std::uint32_t body : world.awakeBodies) guard.parent[body] = body;
+    forEachJoint(world, [&](const JointRecord& joint, const JointSim&) {
+        joined = true;
+        if (!world.moves(joint.bodyA) || !world.moves(joint.bodyB)) return;
+        const std::uint32_t a = rootOf(guard.parent, joint.bodyA), b = rootOf(guard.parent, joint.bodyB);
+        guard.parent[a < b ? b : a] = a < b ? a : b;
+    });
+    return joined;
+}
+
+/// Lists the members of each group in the order of awake bodies.
+void listMembers(WorldImpl& world, AlignedArray<std::uint32_t>& groupOf) {
+    EnergyGuard& guard = world.energyGuard;
+    const auto isMember = [&](std::uint32_t body) { return world.moves(body) && world.bodies[body].firstJoint != kNone; };
+    const auto group = [&](std::uint32_t body) { return groupOf[rootOf(guard.parent, body)]; };
+    std::uint32_t count = 0;
+    for (const std::uint32_t body : world.awakeBodies)
+        if (isMember(body) && rootOf(guard.parent, body) == body) groupOf[body] = count++;
+    guard.watched.resize(count, 1);
+    // Counted two places on, so that filling moves each begin to where the group before ends.
+    guard.starts.resize(count + 2, 0);
+    for (const std::uint32_t body : world.awakeBodies)
+        if (isMember(body)) ++guard.starts[group(body) + 2];
+    for (std::size_t g = 2; g < guard.starts.size(); ++g) guard.starts[g] += guard.starts[g - 1];
+    guard.bodies.resizeForOverwrite(guard.starts[count + 1]);
+    for (const std::uint32_t body : world.awakeBodies)
+        if (isMember(body)) guard.bodies[guard.starts[group(body) + 1]++] = body;
+    guard.starts.pop();
+}
+
+/// Where joints, the bodies that are awake or direct islands have changed.
+void findGroups(WorldImpl& world) {
+    if (!world.assemblies.fresh) return;
+    EnergyGuard& guard = world.energyGuard;
+    guard.starts.clear();
+    guard.bodies.clear();
+    guard.watched.clear();
+    if (!uniteJoined(world)) return;
+    guard.room.resize(world.bodies.size(), 1.0f);
+    AlignedArray<std::uint32_t>& groupOf = guard.visited;  // of roots; it has room for all bodies from then on
+    groupOf.resizeForOverwrite(world.bodies.size());
+    listMembers(world, groupOf);
+    forEachJoint(world, [&](const JointRecord& joint, const JointSim& sim) {
+        const auto isMoved = [&](std::uint32_t body) { return world.bodies[body].type == BodyType::kinematic; };
+        const std::uint32_t body = world.moves(joint.bodyA) ? joint.bodyA : joint.bodyB;
+        const std::uint32_t group = groupOf[rootOf(guard.parent, body)];
+        if (!isPassive(sim) || isMoved(joint.bodyA) || isMoved(joint.bodyB)) guard.watched[group] = 0;
+    });
+}
+
+}  // namespace
+
+void noteKinetic(WorldImpl& world, std::uint32_t body) {
+    world.energyGuard.kinetic[body] = static_cast<float>(kineticEnergy(world, body, world.bodies[body].rotation));
+}
+
+void beginGuard(WorldImpl& world) {
+    findGroups(world);
+    EnergyGuard& guard = world.energyGuard;
+    if (guard.groupCount() == 0) return;
+    guard.kinetic.resizeForOverwrite(world.bodies.size());
+    world.runner.parallelFor(static_cast<int>(world.awakeBodies.size()), 64, [&](int begin, int end, int) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+            noteKinetic(world, world.awakeBodies[i]);
+    });
+    guard.momentum.resizeForOverwrite(guard.groupCount());
+    world.runner.parallelFor(static_cast<int>(guard.groupCount()), 4, [&](int begin, int end, int) {
+        for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g)
+            if (guard.watched[g] != 0) guard.momentum[g] = angularMomentumAtStart(world, guard.membersOf(g));
+    });
+}
+
+void noteDriven(WorldImpl& world, std::uint32_t body) {
+    if (world.energyGuard.groupCount() > 0) world.energyGuard.kinetic[body] = std::numeric_limits<float>::infinity();
+}
+
+bool hasGainedEnergy(const WorldImpl& world, std::span<const std::uint32_t> bodies) {
+    float room = world.energyGuard.room[bodies.front()];
+    return !fits(room, accountOf(world, bodies));
+}
+
+void guardEnergy(WorldImpl& world) {
+    EnergyGuard& guard = world.energyGuard;
+    const std::size_t groups = guard.groupCount();
+    if (groups == 0) return;
+    guard.accounts.resizeForOverwrite(groups);
+    guard.suspects.resizeForOverwrite(groups);
+    // Trees that go alone and have kept their energy have been finished.
+    const auto isFinished = [&](std::size_t g) {
+        return world.strides.aloneCount > 0 &&
+               (world.strides.marks[guard.membersOf(g).front()] & BodyStrides::kAlone) != 0;
+    };
+    world.runner.parallelFor(static_cast<int>(groups), 4, [&](int begin, int end, int) {
+        for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g) {
+            guard.suspects[g] = 0;
+            if (guard.watched[g] == 0 || isFinished(g)) continue;
+            const std::span<const std::uint32_t> group = guard.membersOf(g);
+            EnergyAccount& account = guard.accounts[g];
+            account = accountOf(world, group);
+            guard.suspects[g] = fits(guard.room[group.front()], account) ? 0 : 1;
+        }
+    });
+    for (std::size_t g = 0; g < groups; ++g)
+        if (guard.suspects[g] != 0) guardGroup(world, g);
+}
+
+}  // namespace ragtop

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <memory_resource>
+#include <span>
+
+#include "base/aligned_array.h"
+#include "ragtop/math.h"
+
+/// The last guard of the energy law. Whatever way an island is solved, bodies that joints hold together may not gain more
+/// kinetic energy in a step than forces and gravity have given them along the way they went:
+///   ΔK ≤ Σ m a · dp + τ · dθ + room,
+/// with a room of a few thousandths for what an integrator trades between places and speeds; it is filled again by what is
+/// dissipated only, so that no slow growth passes. What is beyond is taken from the motion of the bodies against each
+/// other, never below what they began the step with: momenta stay as they are.
+namespace ragtop {
+
+struct WorldImpl;
+
+/// What a group had and has, J.
+struct EnergyAccount {
+    double before = 0, now = 0;  ///< kinetic, when the step began and now
+    double excess = 0;           ///< gained beyond what forces gave
+    double lawful = 0;           ///< kinetic at most, with what forces gave and a fall over the size of its bodies
+    double room = 0;             ///< the most that it may be above its account
+};
+
+/// Bodies in groups: those that joints hold together, through bodies that move. Found anew when assemblies are.
+struct EnergyGuard {
+    explicit EnergyGuard(std::pmr::memory_resource* memory)
+        : parent(memory), starts(memory), bodies(memory), watched(memory), accounts(memory), suspects(memory),
+          momentum(memory), kinetic(memory), room(memory), visited(memory) {}
+
+    AlignedArray<std::uint32_t> parent;  ///< union-find over bodies
+    AlignedArray<std::uint32_t> starts, bodies;
+    AlignedArray<std::uint8_t> watched;  ///< per group: nothing in it does work that is not counted
+    AlignedArray<EnergyAccount> accounts;  ///< per group, of this step
+    AlignedArray<std::uint8_t> suspects;   ///< per group: has it gained more than it has room for?
+    AlignedArray<Vec3> momentum;  ///< per group, kg m²/s, angular, about its centre of mass, when the step began
+    AlignedArray<float> kinetic;  ///< per body, J, when the step began; of those awake, where there are joints
+    AlignedArray<float> room;     ///< per body, share of its group's room that is left; counts for the first of a group
+    AlignedArray<std::uint32_t> visited;  ///< bodies of the island that is looked at
+    std::uint64_t caught = 0;             ///< times that energy was taken, since the world was made
+    double taken = 0;                     ///< J
+
+    std::size_t groupCount() const { return watched.size(); }
+    std::span<const std::uint32_t> membersOf(std::size_t group) const {
+        return {bodies.data() + starts[group], starts[group + 1] - starts[group]};
+    }
+};
+
+/// When a step begins: groups the bodies, where they changed, and notes what they have.
+void beginGuard(WorldImpl& world);
+/// The same of one body that was given another speed since.
+void noteKinetic(WorldImpl& world, std::uint32_t body);
+/// What a module gives a body within a step is not looked at.
+void noteDriven(WorldImpl& world, std::uint32_t body);
+/// May bodies that joints alone hold together have gained more than their groups have room for? May be asked on any thread.
+bool hasGainedEnergy(const WorldImpl& world, std::span<const std::uint32_t> bodies);
+/// When all substeps are done, before poses move.
+void guardEnergy(WorldImpl& world);
+
+}  // namespace ragtop

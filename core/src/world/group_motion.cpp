@@ -1,0 +1,120 @@
+#include "world/group_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+double kineticEnergy(const WorldImpl& world, std::uint32_t index, const Quat& rotation) {
+    const BodyRecord& body = world.bodies[index];
+    const BodyState& state = world.states[index];
+    const Vec3 w = inverseRotate(rotation, state.w);
+    const double mass = static_cast<double>(body.mass);
+    return 0.5 * (mass * static_cast<double>(lengthSquared(state.v)) +
+                  static_cast<double>(dot(w, scale(body.inertia, w))));
+}
+
+Quat rotationNow(const WorldImpl& world, std::uint32_t index) {
+    return normalized(world.states[index].dq * world.bodies[index].rotation);
+}
+
+Vec3 angularMomentumAtStart(const WorldImpl& world, std::span<const std::uint32_t> group) {
+    // About the first body: float arms are short.
+    const DVec3 origin = world.bodies[group.front()].center;
+    float mass = 0;
+    Vec3 moment, momentum, angular;
+    for (const std::uint32_t b : group) {
+        const BodyRecord& body = world.bodies[b];
+        const Vec3 r = toVec3(body.center - origin), p = body.mass * world.states[b].v;
+        const Vec3 spin = scale(body.inertia, inverseRotate(body.rotation, world.states[b].w));
+        mass += body.mass;
+        moment += body.mass * r;
+        momentum += p;
+        angular += cross(r, p) + rotate(body.rotation, spin);
+    }
+    return angular - (1 / mass) * cross(moment, momentum);
+}
+
+CommonMotion commonMotion(const WorldImpl& world, std::span<const std::uint32_t> group) {
+    CommonMotion motion;
+    double mass = 0;
+    DVec3 center{}, momentum{};
+    const auto place = [&](std::uint32_t b) { return world.bodies[b].center + world.states[b].dp; };
+    for (const std::uint32_t b : group) {
+        const double m = static_cast<double>(world.bodies[b].mass);
+        mass += m;
+        center = center + m * place(b);
+        momentum = momentum + m * DVec3{world.states[b].v};
+    }
+    motion.center = (1 / mass) * center;
+    motion.v = toVec3((1 / mass) * momentum);
+    Vec3 angular;
+    Sym3 inertia;
+    double whole = 0;
+    for (const std::uint32_t b : group) {
+        const float m = world.bodies[b].mass;
+        const Quat q = rotationNow(world, b);
+        const Vec3 r = toVec3(place(b) - motion.center), w = inverseRotate(q, world.states[b].w);
+        const Vec3 i = world.bodies[b].inertia;
+        angular += m * cross(r, world.states[b].v - motion.v) + rotate(q, scale(i, w));
+        const Mat3 t = toMat3(q);
+        const auto add = [&](float& to, auto at) {
+            to += i.x * at(t.cx) + i.y * at(t.cy) + i.z * at(t.cz) - m * at(r);
+        };
+        add(inertia.xx, [](const Vec3& a) { return a.x * a.x; });
+        add(inertia.yy, [](const Vec3& a) { return a.y * a.y; });
+        add(inertia.zz, [](const Vec3& a) { return a.z * a.z; });
+        add(inertia.xy, [](const Vec3& a) { return a.x * a.y; });
+        add(inertia.xz, [](const Vec3& a) { return a.x * a.z; });
+        add(inertia.yz, [](const Vec3& a) { return a.y * a.z; });
+        const float arm = m * lengthSquared(r);
+        inertia.xx += arm, inertia.yy += arm, inertia.zz += arm;
+        whole += kineticEnergy(world, b, q);
+    }
+    motion.inertia = factorize(inertia, diagonal(inertia));
+    motion.momentum = angular;
+    motion.w = solve(motion.inertia, angular);
+    motion.rigid = 0.5 * (mass * static_cast<double>(lengthSquared(motion.v)) + static_cast<double>(dot(motion.w, angular)));
+    motion.inner = std::max(0.0, whole - motion.rigid);
+    return motion;
+}
+
+namespace {
+
+void setVelocity(WorldImpl& world, std::uint32_t body, const Vec3& v, const Vec3& w) {
+    BodyState& state = world.states[body];
+    state.v = v;
+    state.w = w;
+    if (state.locks != 0 || world.dynamics[body].spins == 0) world.obeyLocks(body);
+    world.noteMomentum(body, rotationNow(world, body));
+}
+
+}  // namespace
+
+void turnToMomentum(WorldImpl& world, std::span<const std::uint32_t> group, const Vec3& momentum) {
+    const CommonMotion motion = commonMotion(world, group);
+    const Vec3 turn = solve(motion.inertia, momentum - motion.momentum);
+    for (const std::uint32_t b : group) {
+        const BodyState& state = world.states[b];
+        const Vec3 arm = toVec3(world.bodies[b].center + state.dp - motion.center);
+        setVelocity(world, b, state.v + cross(turn, arm), state.w + turn);
+    }
+}
+
+double takeEnergy(WorldImpl& world, std::span<const std::uint32_t> group, double energy, bool keepsMomenta) {
+    CommonMotion motion = commonMotion(world, group);
+    if (!keepsMomenta) motion.inner += motion.rigid, motion.v = motion.w = {};
+    if (!(motion.inner > 0) || !(energy > 0)) return 0;
+    const auto share = static_cast<float>(std::sqrt(std::max(0.0, 1 - energy / motion.inner)));
+    for (const std::uint32_t b : group) {
+        const BodyState& state = world.states[b];
+        const Vec3 arm = toVec3(world.bodies[b].center + state.dp - motion.center);
+        const Vec3 v = motion.v + cross(motion.w, arm);
+        setVelocity(world, b, v + share * (state.v - v), motion.w + share * (state.w - motion.w));
+    }
+    return std::min(energy, motion.inner);
+}
+
+}  // namespace ragtop
