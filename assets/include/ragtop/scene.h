@@ -122,6 +122,10 @@ struct SceneOverride {
 /// Throws AssetError: "file:line:column: /pointer is value, must be ...".
 Scene loadScene(const std::filesystem::path& path, std::span<const SceneOverride> overrides = {});
 
+/// Writes settings, bodies of one shape and joints whose frames agree, in full; what a scene was generated from, vehicles
+/// and ragdolls have no place in it. Throws AssetError when something cannot be written.
+void saveScene(const Scene& scene, const std::filesystem::path& path);
+
 /// The file of a scene that comes with the library, or the file of that path. Throws AssetError when there is none.
 std::filesystem::path findScene(std::string_view nameOrPath);
 /// Names of the scenes that come with the library, sorted; none where there is no dataFolder(), which tells why.

@@ -1,0 +1,103 @@
+#include "frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace ragtop::laws {
+namespace {
+
+JointBodies& bodiesOf(SceneJoint& joint) {
+    return std::visit([](auto& def) -> JointBodies& { return def.bodies; }, joint.def);
+}
+
+/// What joints hold to the world, held to a body instead: one that nothing touches, at the origin.
+void giveTheWorldABody(Scene& scene) {
+    BodyDef def = stability::fixedBody(Sphere{0.01f}, {}, {});
+    def.shapes[0].filter.mask = 0;
+    const int world = stability::add(scene, std::move(def));
+    for (SceneJoint& joint : scene.joints) {
+        if (joint.bodyA == stability::kWorld) joint.bodyA = world;
+        if (joint.bodyB == stability::kWorld) joint.bodyB = world;
+    }
+}
+
+template <int kSpeed>
+Drawn moving(Drawn drawn) {
+    giveTheWorldABody(drawn.scene);
+    for (SceneBody& body : drawn.scene.bodies) {
+        if (body.def.type == BodyType::fixed) body.def.type = BodyType::kinematic;
+        body.def.linearVelocity += Vec3{0, 0, 0.1f * kSpeed};
+    }
+    return drawn;
+}
+
+Drawn turned(Drawn drawn) {
+    giveTheWorldABody(drawn.scene);
+    const Quat turn = normalized(Quat{0, 0.5f, 0, 1});
+    for (SceneBody& body : drawn.scene.bodies) {
+        body.def.pose = {DVec3{rotate(turn, toVec3(body.def.pose.position))}, turn * body.def.pose.rotation};
+        body.def.linearVelocity = rotate(turn, body.def.linearVelocity);
+        body.def.angularVelocity = rotate(turn, body.def.angularVelocity);
+    }
+    return drawn;
+}
+
+Drawn distant(Drawn drawn) {
+    giveTheWorldABody(drawn.scene);
+    for (SceneBody& body : drawn.scene.bodies)
+        body.def.pose.position = body.def.pose.position + DVec3{8192, 0, -4096};
+    return drawn;
+}
+
+Shape scaled(const Shape& shape, float s) {
+    if (const auto* sphere = std::get_if<Sphere>(&shape)) return Sphere{s * sphere->radius};
+    if (const auto* box = std::get_if<Box>(&shape)) return Box{s * box->halfExtents};
+    if (const auto* capsule = std::get_if<Capsule>(&shape)) return Capsule{s * capsule->radius, s * capsule->halfHeight};
+    return shape;
+}
+
+/// Gravity and densities as they are: lengths times 4 and times times 2; torques then times 4⁴.
+Drawn larger(Drawn drawn) {
+    constexpr float kLength = 4, kTime = 2, kTorque = 256;
+    for (SceneBody& body : drawn.scene.bodies) {
+        for (ShapeDef& shape : body.def.shapes) shape.geometry = scaled(shape.geometry, kLength);
+        body.def.pose.position = static_cast<double>(kLength) * body.def.pose.position;
+        body.def.linearVelocity *= kLength / kTime;
+        body.def.angularVelocity *= 1 / kTime;
+    }
+    for (SceneJoint& joint : drawn.scene.joints) {
+        JointBodies& bodies = bodiesOf(joint);
+        bodies.frameA.position *= kLength, bodies.frameB.position *= kLength;
+        if (auto* ball = std::get_if<BallDef>(&joint.def)) {
+            ball->friction *= kTorque;
+            if (ball->spring) ball->spring->stiffness *= kTorque;
+        }
+    }
+    for (Shaker& shaker : drawn.shakers) shaker.amplitude *= kLength, shaker.frequency /= kTime;
+    drawn.scene.step *= static_cast<double>(kTime);
+    drawn.seconds *= static_cast<double>(kTime);
+    return drawn;
+}
+
+/// Body 0, which others are compared with, stays the first.
+Drawn reversed(Drawn drawn) {
+    Scene& scene = drawn.scene;
+    std::reverse(scene.bodies.begin() + 1, scene.bodies.end());
+    const auto renamed = [count = static_cast<int>(scene.bodies.size())](int body) { return body <= 0 ? body : count - body; };
+    for (SceneJoint& joint : scene.joints) joint.bodyA = renamed(joint.bodyA), joint.bodyB = renamed(joint.bodyB);
+    std::ranges::reverse(scene.joints);
+    for (Shaker& shaker : drawn.shakers) shaker.body = renamed(shaker.body);
+    return drawn;
+}
+
+}  // namespace
+
+std::span<const Seen> allViews() {
+    static const Seen kViews[] = {{"at 0.1 m/s", moving<1>}, {"at 10 m/s", moving<100>}, {"at 100 m/s", moving<1000>},
+                                  {"turned", turned},        {"9 km away", distant},     {"four times as large", larger},
+                                  {"in reverse order", reversed}};
+    return kViews;
+}
+
+}  // namespace ragtop::laws

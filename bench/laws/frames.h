@@ -1,0 +1,19 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "grammar.h"
+
+/// The same scene seen from elsewhere. Physics does not depend on it, so verdicts must not.
+namespace ragtop::laws {
+
+struct Seen {
+    std::string name;
+    Drawn (*from)(Drawn drawn);
+};
+
+/// Moving evenly, turned about the vertical, far away, four times as large with twice the step, made in reverse order.
+std::span<const Seen> allViews();
+
+}  // namespace ragtop::laws

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "../stability/scenery.h"
+
+/// Scenes that nobody has named: each kind is a family of structures whose numbers a seed draws.
+namespace ragtop::laws {
+
+using stability::Dice;
+
+inline double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+/// A kinematic body that goes to and fro: its velocity along x is 2π f a cos(2π f t).
+struct Shaker {
+    int body = 0;
+    float amplitude = 0;  ///< m
+    float frequency = 0;  ///< Hz
+};
+
+/// A scene and what else is done to it. Laws hold for all of them.
+struct Drawn {
+    Scene scene;
+    std::vector<Shaker> shakers;
+    double seconds = 6;    ///< for which the laws are watched
+    bool stands = false;  ///< statics says that nothing moves against body 0
+};
+
+/// Sizes and weights in a family of structures, drawn from the dice.
+struct Kind {
+    std::string name;
+    Drawn (*draw)(Dice& dice);
+};
+
+std::span<const Kind> allKinds();
+/// The scene of a seed; the same on every platform.
+Drawn draw(const Kind& kind, std::uint64_t seed);
+
+}  // namespace ragtop::laws

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "grammar.h"
+
+namespace ragtop::laws {
+
+/// Planks that hang by one or two balls at each end between two banks, slack or nearly taut; boxes fall on them.
+Drawn drawBridge(Dice& dice);
+/// Balls joined to their neighbours half way, held at the corners; a heavier ball falls in.
+Drawn drawNet(Dice& dice);
+/// Bodies hung to each other where their surfaces meet, by balls, cones with friction and hinges with limits, with
+/// loops; they fall on the floor, boxes after them.
+Drawn drawContraption(Dice& dice);
+/// A structure that stands, on a platform that moves evenly or is at rest.
+Drawn drawCarried(Dice& dice);
+/// A rope of capsules over a fixed drum, with a weight at each end.
+Drawn drawDrum(Dice& dice);
+/// A jointed human of capsules, hung by a hand, shaken by it, or thrown.
+Drawn drawFigure(Dice& dice);
+/// Chains of boxes laid over a beam.
+Drawn drawBeam(Dice& dice);
+/// Bodies of all convex shapes poured on the floor.
+Drawn drawHeap(Dice& dice);
+/// Chains and rods with heavy ends, swung in and out of their plane.
+Drawn drawPendulum(Dice& dice);
+
+}  // namespace ragtop::laws

@@ -1,0 +1,233 @@
+#include "laws.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <vector>
+
+#include "../stability/adapters/ragtop.h"
+
+namespace ragtop::laws {
+namespace {
+
+constexpr double kDegree = 3.141592653589793 / 180, kTwoPi = 6.283185307179586;
+
+/// Keeps what is no number.
+void raise(double& largest, double value) {
+    if (!(value <= largest)) largest = value;
+}
+
+double length(const DVec3& a) { return std::sqrt(dot(a, a)); }
+
+double angleOf(const Quat& q) {
+    const double sine = std::sqrt(static_cast<double>(q.x) * q.x + static_cast<double>(q.y) * q.y + static_cast<double>(q.z) * q.z);
+    return 2 * std::atan2(sine, std::abs(static_cast<double>(q.w)));
+}
+
+double twistAbout(const Quat& q) { return std::remainder(2 * std::atan2(static_cast<double>(q.x), static_cast<double>(q.w)), kTwoPi); }
+
+double beyond(const Range& range, double angle) {
+    return std::max({0.0, static_cast<double>(range.lower) - angle, angle - static_cast<double>(range.upper)});
+}
+
+/// The joint's frames in the world.
+struct Place {
+    Pose a, b;
+};
+
+/// What the joint is beyond its limits, rad.
+double overLimit(const JointDef& def, const Place& place) {
+    const Quat turn = conjugate(place.a.rotation) * place.b.rotation;
+    double over = 0;
+    if (const auto* ball = std::get_if<BallDef>(&def)) {
+        const Vec3 x = rotate(turn, Vec3{1, 0, 0});
+        const double swing = std::atan2(std::hypot(static_cast<double>(x.y), static_cast<double>(x.z)), static_cast<double>(x.x));
+        if (ball->swingLimit) raise(over, swing - static_cast<double>(*ball->swingLimit));
+        if (ball->twistLimit) raise(over, beyond(*ball->twistLimit, twistAbout(turn)));
+    } else if (const auto* hinge = std::get_if<HingeDef>(&def); hinge != nullptr && hinge->limit) {
+        raise(over, beyond(*hinge->limit, twistAbout(turn)));
+    }
+    return over;
+}
+
+double springEnergy(const JointDef& def, const Place& place) {
+    const auto* ball = std::get_if<BallDef>(&def);
+    if (ball == nullptr || !ball->spring) return 0;
+    const double angle = angleOf(conjugate(place.a.rotation) * place.b.rotation);
+    return 0.5 * static_cast<double>(ball->spring->stiffness) * angle * angle;
+}
+
+/// What is measured of a scene between steps.
+class Watch {
+public:
+    Watch(const Drawn& drawn, stability::Engine& engine) : scene_(drawn.scene), engine_(engine) {
+        for (const SceneBody& body : scene_.bodies)
+            masses_.push_back(body.def.type == BodyType::dynamic ? stability::massOf(body.def) : MassProperties{});
+        start_ = energy();
+        lowest_ = potential_;
+        from_ = relativePlaces();
+    }
+
+    void note(Watched& watched, bool stands) {
+        raise(highest_, energy());
+        if (!(potential_ >= lowest_)) lowest_ = potential_;
+        const double room = std::max(start_ - lowest_, kLeast * weightTimesSize_);
+        watched.energyGain = room > 0 ? std::max(0.0, (highest_ - start_) / room) : 0;
+        if (std::isnan(highest_)) watched.energyGain = highest_;
+        raise(watched.gap, gap());
+        raise(watched.overLimit, over());
+        if (!stands) return;
+        const std::vector<DVec3> now = relativePlaces();
+        for (std::size_t i = 0; i < now.size(); ++i) raise(watched.moved, length(now[i] - from_[i]));
+    }
+    /// Near rest: slower than a body falls in a hundredth of a second.
+    bool rests() const { return kinetic_ <= 0.5 * mass_ * 0.1 * 0.1; }
+    double gap() const {
+        double largest = 0;
+        for (const SceneJoint& joint : scene_.joints) {
+            const Place at = place(joint);
+            raise(largest, length(at.b.position - at.a.position));
+        }
+        return largest;
+    }
+    double over() const {
+        double largest = 0;
+        for (const SceneJoint& joint : scene_.joints) raise(largest, overLimit(joint.def, place(joint)));
+        return largest;
+    }
+
+private:
+    static constexpr double kLeast = 0.1;  ///< of the weight times a metre, that counts as energy of a scene at rest
+
+    Place place(const SceneJoint& joint) const {
+        const JointBodies& bodies = std::visit([](const auto& def) -> const JointBodies& { return def.bodies; }, joint.def);
+        const auto of = [&](int body, const Frame& frame) {
+            const Pose pose = body == stability::kWorld ? Pose{} : engine_.motion(body).pose;
+            return Pose{transformPoint(pose, frame.position), pose.rotation * frame.rotation};
+        };
+        return {of(joint.bodyA, bodies.frameA), of(joint.bodyB, bodies.frameB)};
+    }
+    double energy() {
+        kinetic_ = potential_ = mass_ = 0;
+        const DVec3 g{scene_.settings.gravity};
+        for (std::size_t i = 0; i < masses_.size(); ++i) {
+            const MassProperties& mass = masses_[i];
+            if (!(mass.mass > 0)) continue;
+            const stability::BodyMotion m = engine_.motion(static_cast<int>(i));
+            const double kg = static_cast<double>(mass.mass);
+            const DVec3 v{m.v};
+            const Vec3 w = inverseRotate(m.pose.rotation, m.w);
+            mass_ += kg;
+            kinetic_ += 0.5 * kg * dot(v, v) + 0.5 * static_cast<double>(dot(w, mass.inertia * w));
+            potential_ -= kg * dot(g, transformPoint(m.pose, mass.center));
+        }
+        weightTimesSize_ = mass_ * length(g);
+        double springs = 0;
+        for (const SceneJoint& joint : scene_.joints) springs += springEnergy(joint.def, place(joint));
+        potential_ += springs;
+        return kinetic_ + potential_;
+    }
+    std::vector<DVec3> relativePlaces() const {
+        std::vector<DVec3> places;
+        const DVec3 origin = engine_.motion(0).pose.position;
+        for (std::size_t i = 1; i < masses_.size(); ++i) places.push_back(engine_.motion(static_cast<int>(i)).pose.position - origin);
+        return places;
+    }
+
+    const Scene& scene_;
+    stability::Engine& engine_;
+    std::vector<MassProperties> masses_;
+    std::vector<DVec3> from_;
+    double start_ = 0, highest_ = -1e300, lowest_ = 0;
+    double kinetic_ = 0, potential_ = 0, mass_ = 0, weightTimesSize_ = 0;
+};
+
+void shake(const Drawn& drawn, stability::Engine& engine, double time) {
+    for (const Shaker& shaker : drawn.shakers) {
+        const double rate = kTwoPi * static_cast<double>(shaker.frequency);
+        const double speed = rate * static_cast<double>(shaker.amplitude) * std::cos(rate * time);
+        engine.setVelocity(shaker.body, Vec3{static_cast<float>(speed), 0, 0}, {});
+    }
+}
+
+/// Bodies that are moved from outside, whose work is not counted.
+bool isDriven(const Drawn& drawn) {
+    return !drawn.shakers.empty() || std::ranges::any_of(drawn.scene.bodies, [](const SceneBody& body) {
+        return body.def.type == BodyType::kinematic && lengthSquared(body.def.linearVelocity) > 0;
+    });
+}
+
+}  // namespace
+
+std::span<const Law> allLaws() {
+    static constexpr Law kLaws[] = {
+        {"energy", &Watched::energyGain, 0.01, "1"},
+        {"gap", &Watched::gap, 0.05, "m"},
+        {"gap at rest", &Watched::restGap, 0.002, "m"},
+        {"limit", &Watched::overLimit, 5 * kDegree, "rad"},
+        {"limit at rest", &Watched::restOverLimit, 1 * kDegree, "rad"},
+        {"stands", &Watched::moved, 0.01, "m"},
+    };
+    return kLaws;
+}
+
+std::vector<std::string> broken(const Watched& watched, const std::vector<std::string>& asked) {
+    const auto counts = [&](const std::string& law) {
+        return std::ranges::any_of(asked, [&](const std::string& name) { return name == "all" || name == law; });
+    };
+    std::vector<std::string> names;
+    for (const Law& law : allLaws())
+        if (counts(law.name) && !(watched.*law.value <= law.bound)) names.emplace_back(law.name);
+    if (counts(kRestoredLaw) && !watched.restored) names.emplace_back(kRestoredLaw);
+    return names;
+}
+
+Watched watch(const Drawn& drawn, const stability::EngineKind& kind) {
+    const auto engine = kind.make(drawn.scene);
+    const double dt = drawn.scene.step;
+    const auto steps = std::lround(drawn.seconds / dt), last = std::lround(0.5 / dt);
+    Watched watched;
+    Watch watch(drawn, *engine);
+    std::vector<double> times;
+    for (long i = 0; i < steps; ++i) {
+        shake(drawn, *engine, static_cast<double>(i) * dt);
+        const auto begin = std::chrono::steady_clock::now();
+        engine->step(dt);
+        times.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+        watch.note(watched, drawn.stands);
+        if (i < steps - last || !watch.rests()) continue;
+        raise(watched.restGap, watch.gap());
+        raise(watched.restOverLimit, watch.over());
+    }
+    if (isDriven(drawn)) watched.energyGain = 0;
+    for (const double ms : times) watched.meanMs += ms / static_cast<double>(times.size());
+    std::ranges::sort(times);
+    watched.medianMs = times[times.size() / 2];
+    watched.worstMs = times.back();
+    return watched;
+}
+
+bool restoresAlike(const Drawn& drawn, std::uint64_t seed) {
+    const double dt = drawn.scene.step;
+    WorldSettings settings;
+    settings.gravity = drawn.scene.settings.gravity;
+    settings.sleeping = false;
+    const auto steps = std::min(std::lround(drawn.seconds / dt), 180L);
+    World straight(settings), turned(settings);
+    const SceneInstance one(drawn.scene, straight), other(drawn.scene, turned);
+    for (long i = 0; i < steps; ++i) straight.step(dt);
+    Dice dice(seed);
+    std::vector<std::byte> kept;
+    for (long i = 0; i < steps; ++i) {
+        if (dice.below(30) == 0) {  // some steps of another course, and back
+            kept.resize(turned.saveSize());
+            kept.resize(turned.save(kept));
+            for (std::uint32_t k = 0; k <= dice.below(5); ++k) turned.step(dt);
+            turned.restore(kept);
+        }
+        turned.step(dt);
+    }
+    return straight.hash() == turned.hash();
+}
+
+}  // namespace ragtop::laws
