@@ -8,7 +8,7 @@
 namespace ragtop {
 namespace {
 
-/// A shape that is not where its body is stands in a compound.
+/// The one shape of a body, which stands where the body does; throws AssetError on any other.
 Shape wholeShape(const BodyDef& def) {
     if (def.shapes.size() == 1 && lengthSquared(def.shapes[0].frame.position) == 0 &&
         def.shapes[0].frame.rotation == Quat{})

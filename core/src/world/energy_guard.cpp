@@ -13,8 +13,8 @@ namespace ragtop {
 
 namespace {
 
-/// Of the kinetic energy and of the weight times the size: what a first-order integrator trades in a swing and gets back
-/// (tests/core/energy_guard_test.cpp has the largest that any joint shows).
+/// Of the kinetic energy and of the weight times the size: what a first-order integrator trades in a swing and gets back.
+/// Chosen, not derived: with it the chains of tests/core/energy_guard_test.cpp are left alone.
 constexpr double kRoom = 0.005;
 
 /// Motors, springs, drives and soft stops add or give back what is not counted here; joints of more axes have any of them.
