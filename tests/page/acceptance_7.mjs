@@ -8,7 +8,9 @@ import path from 'node:path';
 import { acceptance, root, say } from './support/acceptance.mjs';
 
 /** What a shell script may take for granted on any Debian. */
-const TOOLS = ['awk', 'bash', 'cat', 'chmod', 'dirname', 'env', 'id', 'ls', 'mkdir', 'mv', 'rm', 'sed', 'sh', 'touch'];
+const TOOLS = [
+  'awk', 'bash', 'cat', 'chmod', 'dirname', 'env', 'find', 'head', 'id', 'ls', 'mkdir', 'mktemp', 'mv', 'rm', 'sed', 'sh', 'touch',
+];
 
 const CMAKE = `
 if [ "$1" = --build ]; then
