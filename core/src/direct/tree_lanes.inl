@@ -34,7 +34,8 @@ struct DoubleTypes<8> {
 
 template <int N>
 struct DoubleMask {
-    typename DoubleTypes<N>::Int v;
+    using V = typename DoubleTypes<N>::Int;
+    V v;
 };
 
 template <int N>
@@ -74,11 +75,11 @@ RAGTOP_INLINE DoubleLanes<N> operator-(DoubleLanes<N> a) {
 }
 template <int N>
 RAGTOP_INLINE DoubleMask<N> operator>(DoubleLanes<N> a, DoubleLanes<N> b) {
-    return {a.v > b.v};
+    return {inPieces<typename DoubleMask<N>::V>(Above{}, a.v, b.v)};
 }
 template <int N>
 RAGTOP_INLINE DoubleMask<N> operator<(DoubleLanes<N> a, DoubleLanes<N> b) {
-    return {a.v < b.v};
+    return {inPieces<typename DoubleMask<N>::V>(Above{}, b.v, a.v)};
 }
 template <int N>
 RAGTOP_INLINE DoubleMask<N> operator&(DoubleMask<N> a, DoubleMask<N> b) {
@@ -90,15 +91,15 @@ RAGTOP_INLINE DoubleMask<N> operator|(DoubleMask<N> a, DoubleMask<N> b) {
 }
 template <int N>
 RAGTOP_INLINE DoubleLanes<N> select(DoubleMask<N> m, DoubleLanes<N> a, DoubleLanes<N> b) {
-    return m.v ? a.v : b.v;
+    return inPieces<typename DoubleLanes<N>::V>(Chosen{}, m.v, a.v, b.v);
 }
 template <int N>
 RAGTOP_INLINE DoubleLanes<N> max(DoubleLanes<N> a, DoubleLanes<N> b) {
-    return a.v > b.v ? a.v : b.v;
+    return inPieces<typename DoubleLanes<N>::V>(Larger{}, a.v, b.v);
 }
 template <int N>
 RAGTOP_INLINE DoubleLanes<N> min(DoubleLanes<N> a, DoubleLanes<N> b) {
-    return a.v < b.v ? a.v : b.v;
+    return inPieces<typename DoubleLanes<N>::V>(Smaller{}, a.v, b.v);
 }
 template <int N>
 RAGTOP_INLINE bool any(DoubleMask<N> m) {

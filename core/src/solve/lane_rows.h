@@ -99,14 +99,22 @@ RAGTOP_INLINE Lanes<2 * L> loadTwo(const float* lower, const float* upper) {
 #if defined(__AVX512F__)
     return Lanes<16>(_mm512_insertf32x8(_mm512_castps256_ps512(a), b, 1));
 #else
-    return Lanes<16>(__builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
+    Lanes<16> result;
+    setPiece(result.v, 0, a);
+    setPiece(result.v, 1, b);
+    return result;
 #endif
 }
 template <int L>
 RAGTOP_INLINE void storeTwo(Lanes<2 * L> value, float* lower, float* upper) {
     static_assert(L == 8);
+#if defined(__AVX512F__)
     *reinterpret_cast<Float8*>(lower) = __builtin_shufflevector(value.v, value.v, 0, 1, 2, 3, 4, 5, 6, 7);
     *reinterpret_cast<Float8*>(upper) = __builtin_shufflevector(value.v, value.v, 8, 9, 10, 11, 12, 13, 14, 15);
+#else
+    *reinterpret_cast<Float8*>(lower) = pieceOf<Float8>(value.v, 0);
+    *reinterpret_cast<Float8*>(upper) = pieceOf<Float8>(value.v, 1);
+#endif
 }
 
 /// Rows of an array by their numbers, read anew for every row: addresses that wait in memory until they are needed would
@@ -133,7 +141,15 @@ struct NumberedRows {
 /// Gathers eight consecutive floats per lane from rows[lane].
 template <int N, class Rows>
 RAGTOP_INLINE void gather8(const Rows& rows, Lanes<N> out[8]) {
-    if constexpr (N == 4) {
+    if constexpr (N * sizeof(float) > kNativeBytes) {
+        for (int k = 0; k < 2; ++k) {
+            const float* half[N / 2];
+            for (int i = 0; i < N / 2; ++i) half[i] = rows[N / 2 * k + i];
+            Lanes<N / 2> lanes[8];
+            gather8<N / 2>(half, lanes);
+            for (int i = 0; i < 8; ++i) setPiece(out[i].v, k, lanes[i].v);
+        }
+    } else if constexpr (N == 4) {
         Float4 lo[4], hi[4];
         for (int i = 0; i < 4; ++i) {
             const float* row = rows[i];
@@ -173,16 +189,6 @@ RAGTOP_INLINE void gather8(const Rows& rows, Lanes<N> out[8]) {
             out[i].v = lo[i];
             out[i + 4].v = hi[i];
         }
-#else
-        Lanes<8> half[2][8];
-        for (int k = 0; k < 2; ++k) {
-            const float* eight[8];
-            for (int i = 0; i < 8; ++i) eight[i] = rows[8 * k + i];
-            gather8<8>(eight, half[k]);
-        }
-        for (int i = 0; i < 8; ++i)
-            out[i].v = __builtin_shufflevector(half[0][i].v, half[1][i].v, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13,
-                                               14, 15);
 #endif
     }
 }
@@ -190,7 +196,15 @@ RAGTOP_INLINE void gather8(const Rows& rows, Lanes<N> out[8]) {
 /// Scatters eight floats per lane to rows[lane]; a null row is left out where `kAll` is false.
 template <int N, bool kAll, class Rows>
 RAGTOP_INLINE void scatterRows(const Rows& rows, const Lanes<N> in[8]) {
-    if constexpr (N == 4) {
+    if constexpr (N * sizeof(float) > kNativeBytes) {
+        for (int k = 0; k < 2; ++k) {
+            float* half[N / 2];
+            for (int i = 0; i < N / 2; ++i) half[i] = rows[N / 2 * k + i];
+            Lanes<N / 2> lanes[8];
+            for (int i = 0; i < 8; ++i) lanes[i].v = pieceOf<typename Lanes<N / 2>::V>(in[i].v, k);
+            scatterRows<N / 2, kAll>(half, lanes);
+        }
+    } else if constexpr (N == 4) {
         Float4 lo[4], hi[4];
         for (int i = 0; i < 4; ++i) {
             lo[i] = in[i].v;

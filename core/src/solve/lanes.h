@@ -11,6 +11,15 @@ namespace {
 
 #define RAGTOP_INLINE inline __attribute__((always_inline))
 
+/// Of the widest vectors that the instruction set has.
+#if defined(__AVX512F__)
+constexpr int kNativeBytes = 64;
+#elif defined(__AVX__)
+constexpr int kNativeBytes = 32;
+#else
+constexpr int kNativeBytes = 16;
+#endif
+
 template <int N>
 struct VectorTypes;
 template <>
@@ -30,6 +39,56 @@ struct VectorTypes<16> {
     typedef float Float __attribute__((vector_size(64)));
     typedef int Int __attribute__((vector_size(64)));
     typedef unsigned char Bytes __attribute__((vector_size(16)));
+};
+
+/// Such a vector of the same kind of numbers as V's.
+template <class Number>
+struct NativeVector {
+    typedef Number Type __attribute__((vector_size(kNativeBytes)));
+};
+template <class V>
+using Native = typename NativeVector<decltype(V{}[0] + 0)>::Type;
+
+/// Vectors are taken apart and put together in memory, which compilers see through.
+template <class Piece, class V>
+RAGTOP_INLINE Piece pieceOf(const V& v, int place) {
+    return reinterpret_cast<const Piece*>(&v)[place];
+}
+template <class Piece, class V>
+RAGTOP_INLINE void setPiece(V& v, int place, Piece piece) {
+    reinterpret_cast<Piece*>(&v)[place] = piece;
+}
+
+/// f of vectors of equal size. g++ takes comparisons and choices of vectors wider than the machine's apart into single
+/// lanes, at many times the cost of compiling and of running them; so f is called for one native piece after the other.
+template <class Result, class F, class... V>
+RAGTOP_INLINE Result inPieces(F f, const V&... v) {
+    if constexpr (sizeof(Result) <= kNativeBytes) {
+        return reinterpret_cast<Result>(f(v...));
+    } else {
+        Result result;
+        for (int i = 0; i < static_cast<int>(sizeof(Result)) / kNativeBytes; ++i)
+            setPiece(result, i, reinterpret_cast<Native<Result>>(f(pieceOf<Native<V>>(v, i)...)));
+        return result;
+    }
+}
+struct Above {
+    template <class V> RAGTOP_INLINE auto operator()(V a, V b) const { return a > b; }
+};
+struct AtLeast {
+    template <class V> RAGTOP_INLINE auto operator()(V a, V b) const { return a >= b; }
+};
+struct Differs {
+    template <class V> RAGTOP_INLINE auto operator()(V a, V b) const { return a != b; }
+};
+struct Chosen {
+    template <class M, class V> RAGTOP_INLINE auto operator()(M m, V a, V b) const { return m ? a : b; }
+};
+struct Larger {
+    template <class V> RAGTOP_INLINE auto operator()(V a, V b) const { return a > b ? a : b; }
+};
+struct Smaller {
+    template <class V> RAGTOP_INLINE auto operator()(V a, V b) const { return a < b ? a : b; }
 };
 
 template <int N>
@@ -68,20 +127,28 @@ template <int N> RAGTOP_INLINE Lanes<N> operator+(float a, Lanes<N> b) { return 
 template <int N> RAGTOP_INLINE Lanes<N> operator-(float a, Lanes<N> b) { return a - b.v; }
 template <int N> RAGTOP_INLINE Lanes<N> operator/(float a, Lanes<N> b) { return a / b.v; }
 template <int N> RAGTOP_INLINE Lanes<N> operator-(Lanes<N> a) { return -a.v; }
-template <int N> RAGTOP_INLINE Mask<N> operator>(Lanes<N> a, Lanes<N> b) { return {a.v > b.v}; }
-template <int N> RAGTOP_INLINE Mask<N> operator<(Lanes<N> a, Lanes<N> b) { return {a.v < b.v}; }
-template <int N> RAGTOP_INLINE Mask<N> operator<=(Lanes<N> a, Lanes<N> b) { return {a.v <= b.v}; }
-template <int N> RAGTOP_INLINE Mask<N> operator>=(Lanes<N> a, Lanes<N> b) { return {a.v >= b.v}; }
-template <int N> RAGTOP_INLINE Mask<N> operator>(Lanes<N> a, float b) { return {a.v > b}; }
-template <int N> RAGTOP_INLINE Mask<N> operator<(Lanes<N> a, float b) { return {a.v < b}; }
-template <int N> RAGTOP_INLINE Mask<N> operator!=(Lanes<N> a, float b) { return {a.v != b}; }
+template <int N> RAGTOP_INLINE Mask<N> operator>(Lanes<N> a, Lanes<N> b) { return {inPieces<typename Mask<N>::V>(Above{}, a.v, b.v)}; }
+template <int N> RAGTOP_INLINE Mask<N> operator<(Lanes<N> a, Lanes<N> b) { return {inPieces<typename Mask<N>::V>(Above{}, b.v, a.v)}; }
+template <int N> RAGTOP_INLINE Mask<N> operator<=(Lanes<N> a, Lanes<N> b) { return {inPieces<typename Mask<N>::V>(AtLeast{}, b.v, a.v)}; }
+template <int N> RAGTOP_INLINE Mask<N> operator>=(Lanes<N> a, Lanes<N> b) { return {inPieces<typename Mask<N>::V>(AtLeast{}, a.v, b.v)}; }
+template <int N> RAGTOP_INLINE Mask<N> operator>(Lanes<N> a, float b) { return a > Lanes<N>(b); }
+template <int N> RAGTOP_INLINE Mask<N> operator<(Lanes<N> a, float b) { return a < Lanes<N>(b); }
+template <int N> RAGTOP_INLINE Mask<N> operator!=(Lanes<N> a, float b) {
+    return {inPieces<typename Mask<N>::V>(Differs{}, a.v, Lanes<N>(b).v)};
+}
 template <int N> RAGTOP_INLINE Mask<N> operator&(Mask<N> a, Mask<N> b) { return {a.v & b.v}; }
 template <int N> RAGTOP_INLINE Mask<N> operator|(Mask<N> a, Mask<N> b) { return {a.v | b.v}; }
 template <int N> RAGTOP_INLINE Mask<N> operator!(Mask<N> a) { return {~a.v}; }
 template <int N>
-RAGTOP_INLINE Lanes<N> select(Mask<N> m, Lanes<N> a, Lanes<N> b) { return m.v ? a.v : b.v; }
-template <int N> RAGTOP_INLINE Lanes<N> max(Lanes<N> a, Lanes<N> b) { return a.v > b.v ? a.v : b.v; }
-template <int N> RAGTOP_INLINE Lanes<N> min(Lanes<N> a, Lanes<N> b) { return a.v < b.v ? a.v : b.v; }
+RAGTOP_INLINE Lanes<N> select(Mask<N> m, Lanes<N> a, Lanes<N> b) {
+    return inPieces<typename Lanes<N>::V>(Chosen{}, m.v, a.v, b.v);
+}
+template <int N> RAGTOP_INLINE Lanes<N> max(Lanes<N> a, Lanes<N> b) {
+    return inPieces<typename Lanes<N>::V>(Larger{}, a.v, b.v);
+}
+template <int N> RAGTOP_INLINE Lanes<N> min(Lanes<N> a, Lanes<N> b) {
+    return inPieces<typename Lanes<N>::V>(Smaller{}, a.v, b.v);
+}
 /// Of masks. Without the instruction that asks for it, folded in halves: lanes taken out one by one would cost as much as
 /// a row.
 RAGTOP_INLINE bool anySet(VectorTypes<4>::Int v) {
@@ -93,12 +160,16 @@ RAGTOP_INLINE bool anySet(VectorTypes<8>::Int v) {
 #if defined(__AVX__)
     return __builtin_ia32_movmskps256(reinterpret_cast<VectorTypes<8>::Float>(v)) != 0;
 #else
-    return anySet(__builtin_shufflevector(v, v, 0, 1, 2, 3) | __builtin_shufflevector(v, v, 4, 5, 6, 7));
+    return anySet(pieceOf<VectorTypes<4>::Int>(v, 0) | pieceOf<VectorTypes<4>::Int>(v, 1));
 #endif
 }
 RAGTOP_INLINE bool anySet(VectorTypes<16>::Int v) {
+#if defined(__AVX512F__)
     return anySet(__builtin_shufflevector(v, v, 0, 1, 2, 3, 4, 5, 6, 7) |
                   __builtin_shufflevector(v, v, 8, 9, 10, 11, 12, 13, 14, 15));
+#else
+    return anySet(pieceOf<VectorTypes<8>::Int>(v, 0) | pieceOf<VectorTypes<8>::Int>(v, 1));
+#endif
 }
 template <int N>
 RAGTOP_INLINE bool any(Mask<N> m) {

@@ -186,7 +186,7 @@ struct ContactBundle {
         if constexpr (kGround)
             return {zero.v == zero.v};
         else
-            return Mask<N>{massA.v == zero.v} | Mask<N>{massB.v == zero.v};
+            return (!(massA != 0.0f)) | (!(massB != 0.0f));
     }
     RAGTOP_INLINE void applyImpulse(const WideVec3<N>& impulse, const WideVec3<N>& rA, const WideVec3<N>& rB) {
         if constexpr (!kGround) {

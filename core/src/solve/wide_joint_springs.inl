@@ -65,7 +65,15 @@ RAGTOP_INLINE WideDouble<N> operator-(double a, WideDouble<N> b) {
 }
 template <int N>
 RAGTOP_INLINE WideDouble<N> select(typename WideDouble<N>::Int m, WideDouble<N> a, WideDouble<N> b) {
-    return m ? a.v : b.v;
+    return inPieces<typename WideDouble<N>::V>(Chosen{}, m, a.v, b.v);
+}
+template <int N>
+RAGTOP_INLINE typename WideDouble<N>::Int operator>(WideDouble<N> a, WideDouble<N> b) {
+    return inPieces<typename WideDouble<N>::Int>(Above{}, a.v, b.v);
+}
+template <int N>
+RAGTOP_INLINE typename WideDouble<N>::Int operator>(WideDouble<N> a, double b) {
+    return a > WideDouble<N>(b);
 }
 template <int N>
 RAGTOP_INLINE WideDouble<N> sqrt(WideDouble<N> a) {
@@ -84,10 +92,10 @@ RAGTOP_INLINE bool anyOf(Int m) {
 template <int N>
 RAGTOP_INLINE WideDouble<N> fading(WideDouble<N> x) {
     typedef typename WideDouble<N>::Int Int;
-    const Int whole = x.v > 60.0;
+    const Int whole = x > 60.0;
     x = select(whole, WideDouble<N>(0.0), x);
     Int halvings = whole ^ whole;
-    for (Int large = x.v > 0.125; anyOf<N>(large); large = x.v > 0.125) {
+    for (Int large = x > 0.125; anyOf<N>(large); large = x > 0.125) {
         x = select(large, 0.5 * x, x);
         halvings -= large;
     }
@@ -96,7 +104,10 @@ RAGTOP_INLINE WideDouble<N> fading(WideDouble<N> x) {
         term = term * (WideDouble<N>(-x.v) / WideDouble<N>(static_cast<double>(k)));
         sum = sum + term;
     }
-    for (; anyOf<N>(halvings > 0); halvings -= 1) sum = select(halvings > 0, sum * (2.0 - sum), sum);
+    for (Int left = halvings; anyOf<N>(left); halvings -= 1) {
+        left = inPieces<Int>(Above{}, halvings, Int{});
+        sum = select(left, sum * (2.0 - sum), sum);
+    }
     return select(whole, WideDouble<N>(1.0), sum);
 }
 
@@ -111,9 +122,9 @@ RAGTOP_INLINE void exactShares(WideDouble<N> z, WideDouble<N> x, WideDouble<N>& 
     typedef typename WideDouble<N>::Int Int;
     const WideDouble<N> least(kLeastShare), one(1.0), zero(0.0);
     const WideDouble<N> wholeLoss = fading(x);
-    const WideDouble<N> damping = select(x.v > 1e-6, wholeLoss / x, 1.0 - 0.5 * x);
+    const WideDouble<N> damping = select(x > 1e-6, wholeLoss / x, 1.0 - 0.5 * x);
     const WideDouble<N> a = 0.5 * x, under = z - a * a;
-    const Int isSpring = z.v > 1e-12, swings = under.v > 0.0;
+    const Int isSpring = z > 1e-12, swings = under > 0.0;
 
     const WideDouble<N> root = sqrt(select(swings, under, zero - under));
     const WideDouble<N> lost = fading(select(swings, a, z / (a + root))), left = 1.0 - lost;
@@ -121,11 +132,11 @@ RAGTOP_INLINE void exactShares(WideDouble<N> z, WideDouble<N> x, WideDouble<N>& 
     const WideDouble<N> sine =
         half - half * s * (1.0 / 6 - s * (1.0 / 120 - s * (1.0 / 5040 - s * WideDouble<N>(1.0 / 362880))));
     const WideDouble<N> swinging = (lost * lost + 4.0 * left * sine * sine) / z;
-    const WideDouble<N> most = 1.0 - wholeLoss, slow = select(most.v > least.v, most, least);
+    const WideDouble<N> most = 1.0 - wholeLoss, slow = select(most > least, most, least);
     const WideDouble<N> creeping = lost * (1.0 - slow / (1.0 - lost)) / z;
     moving = select(isSpring, select(swings, swinging, creeping), damping);
     resting = select(isSpring, select(swings, left * left, slow), 1.0 - wholeLoss);
-    resting = select(resting.v > least.v, resting, least);
+    resting = select(resting > least, resting, least);
 }
 
 /// As springShares. Long, and the same for all rows: not to be inlined.
@@ -135,7 +146,7 @@ __attribute__((noinline)) WideShares<N> springShares(const Lanes<N>& stiffness, 
     typedef typename WideDouble<N>::Int Int;
     const WideDouble<N> w(inverseMass), step(static_cast<double>(h)), one(1.0);
     const WideDouble<N> z = step * step * WideDouble<N>(stiffness) * w, x = step * WideDouble<N>(damping) * w;
-    const Int slow = z.v <= 1.0;
+    const Int slow = inPieces<Int>(AtLeast{}, one.v, z.v);
     const WideDouble<N> clipped = select(slow, x, x / sqrt(z));
     WideDouble<N> moving, resting;
     exactShares(select(slow, z, one), clipped, moving, resting);
