@@ -24,17 +24,26 @@
 /// order of the values, which count from zero; fields that a file must have through `requiredFields(const T*)`.
 namespace ragtop {
 
+/// rad, a whole turn with the digits that people write. Directions and rotations beyond it are degrees.
+inline constexpr double kWholeTurn = 6.2832;
+
 struct IgnoreFields {
     template <class T>
     void operator()(const Tunable&, T&) {}
 };
 
 template <class T>
-concept Described = requires(IgnoreFields visit, T& value) { describe(visit, value, static_cast<const T*>(nullptr)); };
+concept Described = requires(IgnoreFields visit, T& value) {
+    describe(visit, value, static_cast<const T*>(nullptr));
+};
 template <class T>
-concept NamedEnum = std::is_enum_v<T> && requires { enumNames(T{}); };
+concept NamedEnum = std::is_enum_v<T> && requires {
+    enumNames(T{});
+};
 template <class T>
-concept HasRequiredFields = requires { requiredFields(static_cast<const T*>(nullptr)); };
+concept HasRequiredFields = requires {
+    requiredFields(static_cast<const T*>(nullptr));
+};
 
 template <class T>
 struct IsOptional : std::false_type {};
@@ -63,6 +72,7 @@ Json rotationSchema();
 Json frameSchema();
 Json rangeSchema(const Tunable& field);
 void allowNull(Json& schema);
+void forbidNull(Json& schema);
 
 // The same for values.
 Quat readRotation(const JsonValue& value);
@@ -85,7 +95,10 @@ Json objectSchema(const T& initial) {
     describe(visit, initial, static_cast<const T*>(nullptr));
     Json schema{{"type", "object"}, {"properties", std::move(properties)}, {"additionalProperties", false}};
     if constexpr (HasRequiredFields<T>) {
-        for (const auto& name : requiredFields(static_cast<const T*>(nullptr))) schema["required"].push_back(name);
+        for (const auto& name : requiredFields(static_cast<const T*>(nullptr))) {
+            schema["required"].push_back(name);
+            forbidNull(schema["properties"][name]);
+        }
     }
     return schema;
 }
@@ -173,24 +186,52 @@ void readEnum(const JsonValue& from, T& into) {
     }
 }
 
-/// Reads what the schema has accepted; fields that are absent keep what `into` holds.
+/// Types that are right or wrong as a whole; of others the parts are.
 template <class T>
-void readValue(const JsonValue& from, T& into) {
+struct IsWhole : std::bool_constant<!Described<T>> {};
+template <>
+struct IsWhole<Quat> : std::false_type {};
+template <>
+struct IsWhole<Range> : std::true_type {};
+template <>
+struct IsWhole<Frame> : std::false_type {};
+template <>
+struct IsWhole<Shape> : std::false_type {};
+template <class T>
+struct IsWhole<std::optional<T>> : std::false_type {};
+template <class T>
+struct IsWhole<std::vector<T>> : std::false_type {};
+template <class T, std::size_t N>
+struct IsWhole<std::array<T, N>> : std::false_type {};
+template <class T>
+struct IsWhole<std::map<std::string, T>> : std::false_type {};
+
+template <class T>
+void readWhole(const JsonValue& from, T& into) {
     if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
         into = from.json().get<T>();
     } else if constexpr (NamedEnum<T>) {
         readEnum(from, into);
     } else if constexpr (kIsVector3<T>) {
         readVector3(from, into);
-    } else if constexpr (std::is_same_v<T, Quat>) {
-        into = readRotation(from);
-    } else if constexpr (std::is_same_v<T, Frame>) {
-        if (from.has("position")) readVector3(from.at("position"), into.position);
-        if (from.has("rotation")) into.rotation = readRotation(from.at("rotation"));
-    } else if constexpr (std::is_same_v<T, Range>) {
+    } else {
         into = readRange(from);
+    }
+}
+
+/// Reads what the schema has accepted; fields that are absent, or wrong, keep what `into` holds.
+template <class T>
+void readValue(const JsonValue& from, T& into) {
+    if (from.isWrong()) return;
+    if constexpr (IsWhole<T>::value) {
+        if (!from.holdsWrong()) from.attempt([&] { readWhole(from, into); });
     } else if constexpr (std::is_same_v<T, Shape>) {
-        into = readShape(from);
+        from.attempt([&] { into = readShape(from); });
+    } else if constexpr (std::is_same_v<T, Quat>) {
+        from.attempt([&] { into = readRotation(from); });
+    } else if constexpr (std::is_same_v<T, Frame>) {
+        if (from.has("position")) readValue(from.at("position"), into.position);
+        if (from.has("rotation")) readValue(from.at("rotation"), into.rotation);
     } else if constexpr (IsOptional<T>::value) {
         if (from.json().is_null()) {
             into.reset();

@@ -35,10 +35,10 @@ void writeJson(const Json& json, const std::filesystem::path& path);
 
 /// Reads a described struct from a file. `T`'s own whyInvalid has the last word.
 template <Described T>
-T readDocument(const JsonDocument& document) {
+T readDocument(const JsonDocument& document, Faults& faults) {
     T value{};
-    validate(document, objectSchema(value));
-    readValue(JsonValue(document), value);
+    findFaults(document, objectSchema(value), faults);
+    readValue(JsonValue(document, &faults), value);
     return value;
 }
 

@@ -158,8 +158,12 @@ void JsonDocument::set(const std::vector<std::string>& path, const Json& value, 
     places_[pointer] = {origin, 0, 0};
 }
 
+std::string JsonDocument::complaint(const std::string& pointer, const std::string& message) const {
+    return located(place(pointer), (pointer.empty() ? "/" : pointer) + " " + message);
+}
+
 void JsonDocument::fail(const std::string& pointer, const std::string& message) const {
-    throw AssetError(located(place(pointer), (pointer.empty() ? "/" : pointer) + " " + message));
+    throw AssetError(complaint(pointer, message));
 }
 
 std::string pointerStep(std::string_view key) {

@@ -43,7 +43,9 @@ public:
     void set(std::string_view dottedPath, const Json& value, const std::string& origin);
     void set(const std::vector<std::string>& path, const Json& value, const std::string& origin);
 
-    /// Throws AssetError: "file:line:column: /pointer message".
+    /// "file:line:column: /pointer message".
+    std::string complaint(const std::string& pointer, const std::string& message) const;
+    /// Throws AssetError with that.
     [[noreturn]] void fail(const std::string& pointer, const std::string& message) const;
 
 private:

@@ -1,6 +1,7 @@
 #include "json_scan.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
@@ -21,6 +22,7 @@ public:
 
     std::map<std::string, JsonPlace> places() && {
         value("", 0);
+        if (!doubled_.empty()) throw AssetError(fmt::format("{}", fmt::join(doubled_, "\n")));
         return std::move(places_);
     }
 
@@ -50,7 +52,8 @@ private:
             const std::string key = Json::parse(string()).get<std::string>();
             const std::string inner = pointer + pointerStep(key);
             if (!keys.insert(key).second) {
-                fail(start, fmt::format("{} occurs twice, a key must occur once in its object", inner));
+                doubled_.push_back(complaint(
+                    start, fmt::format("{} occurs twice, a key must occur once in its object", inner)));
             }
             skipBlanks();
             ++at_;
@@ -102,8 +105,11 @@ private:
         return {file_, static_cast<int>(next - lineStarts_.begin()), static_cast<int>(byte - *(next - 1)) + 1};
     }
 
-    [[noreturn]] void fail(const JsonPlace& place, const std::string& message) const {
-        throw AssetError(fmt::format("{}:{}:{}: {}", place.file, place.line, place.column, message));
+    static std::string complaint(const JsonPlace& place, const std::string& message) {
+        return fmt::format("{}:{}:{}: {}", place.file, place.line, place.column, message);
+    }
+    [[noreturn]] static void fail(const JsonPlace& place, const std::string& message) {
+        throw AssetError(complaint(place, message));
     }
 
     std::string_view text_;
@@ -111,6 +117,7 @@ private:
     std::size_t at_ = 0;
     std::vector<std::size_t> lineStarts_{0};
     std::map<std::string, JsonPlace> places_;
+    std::vector<std::string> doubled_;  ///< complaints about keys
 };
 
 }  // namespace

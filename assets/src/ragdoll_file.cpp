@@ -90,7 +90,7 @@ Json ragdollSchema() {
     return schema;
 }
 
-/// The index of the thing of that name in `all`; `from` is the value that holds the name.
+/// The index of the first thing of that name in `all`; `from` is the value that holds the name.
 template <class T, class Name>
 int indexOf(const JsonValue& from, const std::vector<T>& all, Name name, const char* what) {
     const std::string wanted = from.json().get<std::string>();
@@ -104,54 +104,94 @@ int indexOf(const JsonValue& from, const std::vector<T>& all, Name name, const c
                           near.empty() ? "" : "; did you mean \"" + near + "\"?"));
 }
 
-void readBones(const JsonValue& file, const RagdollInFile& in, RagdollDef& def) {
-    const auto partName = [](const PartInFile& part) { return part.part.name; };
-    const auto boneName = [](const RagdollBone& bone) { return bone.name; };
-    for (std::size_t i = 0; i < in.bones.size(); ++i) {
-        const JsonValue at = file.at("bones").at(i);
-        RagdollBone bone{in.bones[i].name, -1, -1, in.bones[i].inPart};
-        if (!in.bones[i].parent.empty()) bone.parent = indexOf(at.at("parent"), def.bones, boneName, "earlier bones");
-        bone.part = indexOf(at.at("part"), in.parts, partName, "parts");
-        def.bones.push_back(std::move(bone));
+/// Whether all that is in a list has a name that can be read.
+bool hasNames(const JsonValue& file, const char* key) {
+    if (!file.has(key) || file.at(key).isWrong()) return false;
+    for (std::size_t i = 0; i < file.at(key).size(); ++i) {
+        const JsonValue one = file.at(key).at(i);
+        if (!one.has("name") || one.at("name").isWrong()) return false;
     }
+    return true;
 }
 
-void readJoints(const JsonValue& file, const RagdollInFile& in, RagdollDef& def) {
-    const auto partName = [](const RagdollPart& part) { return part.name; };
-    for (std::size_t i = 0; i < in.joints.size(); ++i) {
-        const JsonValue at = file.at("joints").at(i);
+/// Fills a RagdollDef from what is right in a file; names are looked up among all that is there.
+class RagdollReader {
+public:
+    RagdollReader(const JsonValue& file, const RagdollInFile& in)
+        : file_(file), in_(in), bonesNamed_(hasNames(file, "bones")), partsNamed_(hasNames(file, "parts")) {}
+
+    RagdollDef read() && {
+        def_.note = in_.note;
+        for (std::size_t i = 0; i < in_.bones.size(); ++i) addBone(in_.bones[i], file_.at("bones").at(i));
+        for (std::size_t i = 0; i < in_.parts.size(); ++i) addPart(in_.parts[i], file_.at("parts").at(i));
+        for (std::size_t i = 0; i < in_.joints.size(); ++i) addJoint(in_.joints[i], file_.at("joints").at(i));
+        return std::move(def_);
+    }
+
+private:
+    void addBone(const BoneInFile& in, const JsonValue& at) {
+        RagdollBone bone{in.name, -1, -1, in.inPart};
+        if (!in.parent.empty()) findBone(at, "parent", "earlier bones", bone.parent);
+        findPart(at, "part", bone.part);
+        def_.bones.push_back(std::move(bone));
+    }
+
+    void addPart(const PartInFile& in, const JsonValue& at) {
+        RagdollPart part = in.part;
+        findBone(at, "bone", "bones", part.bone);
+        def_.parts.push_back(std::move(part));
+    }
+
+    void addJoint(const JointInFile& in, const JsonValue& at) {
         RagdollJoint joint;
-        joint.parent = indexOf(at.at("parent"), def.parts, partName, "parts");
-        joint.child = indexOf(at.at("child"), def.parts, partName, "parts");
-        joint.joint = readJointKind(at);
+        findPart(at, "parent", joint.parent);
+        findPart(at, "child", joint.child);
+        at.attempt([&] {
+            joint.joint = readJointKind(at);
+            if (turnsOften(joint.joint)) at.fail("turns more than once round, must not: its angles are radians");
+        });
         std::visit(
             [&](auto& kind) {
-                kind.bodies.frameA = in.joints[i].frameA;
-                kind.bodies.frameB = in.joints[i].frameB;
-                kind.bodies.collide = in.joints[i].collide;
+                kind.bodies.frameA = in.frameA;
+                kind.bodies.frameB = in.frameB;
+                kind.bodies.collide = in.collide;
             },
             joint.joint);
-        def.joints.push_back(std::move(joint));
+        def_.joints.push_back(std::move(joint));
     }
-}
+
+    void findBone(const JsonValue& at, const char* key, const char* what, int& index) const {
+        at.attempt(key, [&](const JsonValue& name) {
+            if (!bonesNamed_) throw Faults::Consequence();
+            index = indexOf(
+                name, def_.bones, [](const RagdollBone& bone) { return bone.name; }, what);
+        });
+    }
+
+    void findPart(const JsonValue& at, const char* key, int& index) const {
+        at.attempt(key, [&](const JsonValue& name) {
+            if (!partsNamed_) throw Faults::Consequence();
+            index = indexOf(
+                name, in_.parts, [](const PartInFile& part) { return part.part.name; }, "parts");
+        });
+    }
+
+    JsonValue file_;
+    const RagdollInFile& in_;
+    bool bonesNamed_, partsNamed_;
+    RagdollDef def_;
+};
 
 }  // namespace
 
 RagdollDef readRagdoll(const JsonDocument& document) {
-    validate(document, ragdollSchema());
+    Faults faults(document);
+    findFaults(document, ragdollSchema(), faults);
+    const JsonValue file(document, &faults);
     RagdollInFile in;
-    const JsonValue file(document);
     readValue(file, in);
-    RagdollDef def;
-    def.note = in.note;
-    readBones(file, in, def);
-    for (std::size_t i = 0; i < in.parts.size(); ++i) {
-        RagdollPart part = in.parts[i].part;
-        part.bone = indexOf(
-            file.at("parts").at(i).at("bone"), def.bones, [](const RagdollBone& bone) { return bone.name; }, "bones");
-        def.parts.push_back(std::move(part));
-    }
-    readJoints(file, in, def);
+    RagdollDef def = RagdollReader(file, in).read();
+    faults.throwIfAny();
     if (const std::string wrong = whyInvalid(def); !wrong.empty()) failInvalid(document, wrong);
     return def;
 }

@@ -6,7 +6,9 @@
 
 #include "asset_reference.h"
 #include "described_file.h"
+#include "import_text.h"
 #include "joint_json.h"
+#include "left_out.h"
 #include "ragdoll_extent.h"
 #include "ragtop/scene.h"
 #include "scene_file.h"
@@ -19,12 +21,19 @@ namespace {
 namespace fs = std::filesystem;
 using Chain = std::vector<fs::path>;
 
-Scene loadScene(const fs::path& path, std::span<const SceneOverride> overrides, Chain& chain);
+Scene loadScene(const fs::path& path, std::span<const SceneOverride> overrides, Chain chain);
 
-/// Turns one file into a Scene; each part is read where its place in the file is still known.
+/// Turns one file into a Scene; each part is read where its place in the file is still known. Parts that are wrong are
+/// left out and noted, for the others to complain too.
 class SceneBuilder {
 public:
-    SceneBuilder(const JsonDocument& document, Chain& chain) : file_(document), chain_(chain) { readValue(file_, in_); }
+    SceneBuilder(const JsonDocument& document, const Chain& chain, Faults& faults)
+        : file_(document, &faults), chain_(chain) {
+        readValue(file_, in_);
+        for (const auto& item : file_.json().items()) {
+            if (file_.at(item.key()).isWrong()) left_.noteMember(item.key(), item.value());
+        }
+    }
 
     Scene build() && {
         scene_.settings = in_.settings;
@@ -48,22 +57,49 @@ public:
         forEach(in_.animated, "animated", [&](const AnimatedInFile& a, const JsonValue& at) { add(a, at); });
         forEach(in_.vehicles, "vehicles", [&](const VehicleInFile& v, const JsonValue& at) { add(v, at); });
         forEach(in_.ragdolls, "ragdolls", [&](const RagdollInScene& r, const JsonValue& at) { add(r, at); });
-        if (file_.has("tuning")) readTuning(file_.at("tuning"), scene_);
+        if (file_.has("settings")) file_.at("settings").attempt([&] { check(file_.at("settings")); });
+        const auto isThere = [&](const std::string& path) { return isWhole(path); };
+        if (file_.has("tuning") && !file_.at("tuning").isWrong())
+            file_.at("tuning").attempt([&] { readTuning(file_.at("tuning"), scene_, isThere); });
         return std::move(scene_);
     }
 
 private:
+    void check(const JsonValue& settings) const {
+        const std::string wrong = whyInvalid(scene_.settings);
+        if (!wrong.empty() && !settings.holdsWrong()) settings.fail("is not usable: " + wrong);
+    }
+
+    /// Whether all that the file has of what a path of a tuning begins with is in the scene.
+    bool isWhole(const std::string& path) const {
+        const std::string first = path.substr(0, path.find('.'));
+        return !left_.isAnything() && (!file_.has(first) || !file_.at(first).holdsWrong());
+    }
+
+    /// What is wrong about a part was told; it is not looked at further.
+    static void needRight(const JsonValue& part) {
+        if (part.holdsWrong()) throw Faults::Consequence();
+    }
+
+    static bool isWrong(const JsonValue& at, const char* key) { return at.has(key) && at.at(key).holdsWrong(); }
+
     template <class T, class Add>
     void forEach(const std::vector<T>& all, const char* key, Add addOne) {
-        for (std::size_t i = 0; i < all.size(); ++i) addOne(all[i], file_.at(key).at(i));
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const JsonValue at = file_.at(key).at(i);
+            if (!at.isWrong()) at.attempt([&] { addOne(all[i], at); });
+            if (at.holdsWrong()) left_.note(key, at.json());
+        }
     }
 
     template <class T, class Generator>
     void generate(const std::vector<T>& all, const char* key, Generator make) {
         forEach(all, key, [&](const T& one, const JsonValue& at) {
             const std::size_t first = scene_.bodies.size();
-            make(one, material(one, at), scene_.bodies);
+            const Material surface = material(one, at);
             const auto color = colorOf(one, at);
+            needRight(at);
+            make(one, surface, scene_.bodies);
             for (std::size_t i = first; i < scene_.bodies.size(); ++i) {
                 scene_.bodies[i].material = one.material;
                 scene_.bodies[i].color = color;
@@ -79,36 +115,43 @@ private:
     void include() {
         for (std::size_t i = 0; i < in_.include.size(); ++i) {
             const JsonValue reference = file_.at("include").at(i);
-            const fs::path path = referencedFile(reference);
-            if (std::find(chain_.begin(), chain_.end(), fs::weakly_canonical(path)) != chain_.end()) {
-                reference.fail("is " + shown(reference.json()) + ", must not lead back to the scene itself");
-            }
-            Scene other = loadScene(path, {}, chain_);
-            const int offset = static_cast<int>(scene_.bodies.size());
-            for (SceneJoint& joint : other.joints) {
-                if (joint.bodyA >= 0) joint.bodyA += offset;
-                if (joint.bodyB >= 0) joint.bodyB += offset;
-            }
-            for (SceneCoupling& coupling : other.couplings)
-                for (std::size_t& joint : coupling.joints) joint += scene_.joints.size();
-            append(scene_.couplings, std::move(other.couplings));
-            for (SceneAnimation& animation : other.animated) {
-                animation.body += offset;
-                if (animation.carrier >= 0) animation.carrier += offset;
-            }
-            append(scene_.animated, std::move(other.animated));
-            adoptMaterials(other);
-            append(scene_.bodies, std::move(other.bodies));
-            append(scene_.joints, std::move(other.joints));
-            for (SceneVehicle& vehicle : other.vehicles) {
-                if (vehicle.driver) vehicle.driver->road += scene_.roads.size();
-            }
-            append(scene_.roads, std::move(other.roads));
-            append(scene_.vehicles, std::move(other.vehicles));
-            append(scene_.ragdolls, std::move(other.ragdolls));
-            append(scene_.warnings, std::move(other.warnings));
-            append(scene_.files, std::move(other.files));
+            if (!reference.isWrong()) reference.attempt([&] { include(reference); });
+            if (reference.isWrong()) left_.note("include", reference.json());
         }
+    }
+
+    void include(const JsonValue& reference) {
+        const fs::path path = referencedFile(reference);
+        if (std::find(chain_.begin(), chain_.end(), fs::weakly_canonical(path)) != chain_.end()) {
+            reference.fail("is " + shown(reference.json()) + ", must not lead back to the scene itself");
+        }
+        if (chain_.size() >= kLongestChain)
+            reference.fail(fmt::format("follows {} others, the most allowed", chain_.size()));
+        Scene other = loadScene(path, {}, chain_);
+        const int offset = static_cast<int>(scene_.bodies.size());
+        for (SceneJoint& joint : other.joints) {
+            if (joint.bodyA >= 0) joint.bodyA += offset;
+            if (joint.bodyB >= 0) joint.bodyB += offset;
+        }
+        for (SceneCoupling& coupling : other.couplings)
+            for (std::size_t& joint : coupling.joints) joint += scene_.joints.size();
+        append(scene_.couplings, std::move(other.couplings));
+        for (SceneAnimation& animation : other.animated) {
+            animation.body += offset;
+            if (animation.carrier >= 0) animation.carrier += offset;
+        }
+        append(scene_.animated, std::move(other.animated));
+        adoptMaterials(other);
+        append(scene_.bodies, std::move(other.bodies));
+        append(scene_.joints, std::move(other.joints));
+        for (SceneVehicle& vehicle : other.vehicles) {
+            if (vehicle.driver) vehicle.driver->road += scene_.roads.size();
+        }
+        append(scene_.roads, std::move(other.roads));
+        append(scene_.vehicles, std::move(other.vehicles));
+        append(scene_.ragdolls, std::move(other.ragdolls));
+        append(scene_.warnings, std::move(other.warnings));
+        append(scene_.files, std::move(other.files));
     }
 
     /// Materials of an included scene keep their names, with its own before them where others have them already.
@@ -133,39 +176,53 @@ private:
 
     template <class T>
     Material material(const T& in, const JsonValue& at) const {
-        if (in.material.empty()) return {};
-        if (const auto found = in_.materials.find(in.material); found != in_.materials.end()) return found->second;
+        Material surface;
+        if (in.material.empty()) return surface;
+        at.attempt("material", [&](const JsonValue& name) {
+            const auto found = in_.materials.find(in.material);
+            if (found == in_.materials.end()) failName(name, namesIn(in_.materials), "materials");
+            surface = found->second;
+        });
+        return surface;
+    }
+
+    static std::vector<std::string> namesIn(const std::map<std::string, Material>& materials) {
         std::vector<std::string> names;
-        for (const auto& item : in_.materials) names.push_back(item.first);
-        failName(at.at("material"), names, "materials");
+        for (const auto& item : materials) names.push_back(item.first);
+        return names;
     }
 
     template <class T>
     static std::optional<Color> colorOf(const T& in, const JsonValue& at) {
         if (in.color.empty()) return {};
         Color color = 0;
-        const char* first = in.color.data() + 1;
-        const char* last = in.color.data() + in.color.size();
-        const bool shaped = in.color.size() == 7 && in.color[0] == '#';
-        if (!shaped || std::from_chars(first, last, color, 16).ptr != last) {
-            at.at("color").fail("is " + shown(at.at("color").json()) + ", must be like \"#8a9a86\"");
-        }
+        at.attempt("color", [&](const JsonValue& text) {
+            const char* first = in.color.data() + 1;
+            const char* last = in.color.data() + in.color.size();
+            const bool shaped = in.color.size() == 7 && in.color[0] == '#';
+            if (!shaped || std::from_chars(first, last, color, 16).ptr != last)
+                text.fail("is " + shown(text.json()) + ", must be like \"#8a9a86\"");
+        });
         return color;
     }
 
-    [[noreturn]] static void failName(const JsonValue& at, const std::vector<std::string>& names, const char* what) {
-        const std::string near = nearestName(at.json().get<std::string>(), names);
-        at.fail(fmt::format("is {}, must be the name of one of the {} {}{}", shown(at.json()), names.size(), what,
+    [[noreturn]] void failName(const JsonValue& at, const std::vector<std::string>& names, const char* kind) const {
+        const std::string name = at.json().get<std::string>();
+        if (left_.mayHave(kind, name)) throw Faults::Consequence();
+        const std::string near = nearestName(name, names);
+        at.fail(fmt::format("is {}, must be the name of one of the {} {}{}", shown(at.json()), names.size(), kind,
                             near.empty() ? "" : "; did you mean \"" + near + "\"?"));
     }
 
     void add(const BodyInFile& in, const Pose& pose, const JsonValue& at) {
         SceneBody body{in.name, in.def, in.masonry, in.material, colorOf(in, at)};
+        const Material surface = material(in, at);
+        needRight(at);
         body.def.type = in.type;
         body.def.pose = pose;
         body.def.shapes.push_back({.geometry = *in.shape,
                                    .density = in.density,
-                                   .material = material(in, at),
+                                   .material = surface,
                                    .filter = in.filter,
                                    .sensor = in.sensor});
         if (std::holds_alternative<HeightField>(*in.shape) && in.type == BodyType::dynamic) {
@@ -177,26 +234,48 @@ private:
 
     void add(const RoadInFile& in, const JsonValue& at) {
         const std::size_t least = in.closed ? 3 : 2;
-        if (in.points.size() < least) {
-            at.at("points").fail(fmt::format("has {} points, must have {} or more", in.points.size(), least));
-        }
+        at.attempt("points", [&](const JsonValue& points) {
+            if (in.points.size() < least)
+                points.fail(fmt::format("has {} points, must have {} or more", in.points.size(), least));
+        });
+        const Material surface = material(in, at);
+        const auto color = colorOf(in, at);
+        needRight(at);
         SceneRoad road;
-        SceneBody body = roadBody(in, material(in, at), road);
+        SceneBody body = roadBody(in, surface, road);
         body.material = in.material;
-        body.color = colorOf(in, at);
+        body.color = color;
         if (const std::string wrong = whyInvalid(body.def); !wrong.empty()) at.fail("is no usable road: " + wrong);
         scene_.bodies.push_back(std::move(body));
         scene_.roads.push_back(std::move(road));
     }
 
-    int bodyNamed(const std::string& name, const JsonValue& joint, const char* key) const {
-        if (name.empty()) return -1;
+    /// −1 for the world, which has no name.
+    int bodyNamed(const std::string& name, const JsonValue& at, const char* key) const {
+        int index = -1;
+        if (name.empty()) return index;
+        at.attempt(key, [&](const JsonValue& value) {
+            index = static_cast<int>(theOne(scene_.bodies, value, LeftOut::kBodies));
+        });
+        return index;
+    }
+
+    /// The index of the only thing of the name that `at` holds.
+    template <class T>
+    std::size_t theOne(const std::vector<T>& all, const JsonValue& at, const char* kind) const {
+        const std::string name = at.json().get<std::string>();
+        const auto isIt = [&](const T& one) { return one.name == name; };
+        const auto found = std::find_if(all.begin(), all.end(), isIt);
+        const auto right = static_cast<std::size_t>(std::count_if(found, all.end(), isIt));
+        const std::size_t count = right + left_.count(kind, name);
+        if (count > 1)
+            at.fail(fmt::format("is {}, must be the name of one thing alone; it is that of {} of the {}",
+                                shown(at.json()), count, kind));
+        if (right == 1) return static_cast<std::size_t>(found - all.begin());
         std::vector<std::string> names;
-        for (const SceneBody& body : scene_.bodies) {
-            if (body.name == name) return static_cast<int>(&body - scene_.bodies.data());
-            if (!body.name.empty()) names.push_back(body.name);
-        }
-        failName(joint.at(key), names, "named bodies");
+        for (const T& one : all)
+            if (!one.name.empty()) names.push_back(one.name);
+        failName(at, names, kind);
     }
 
     /// The joint's frame in a body, or in the world for −1.
@@ -206,9 +285,15 @@ private:
     }
 
     void add(const SceneJointInFile& in, const JsonValue& at) {
-        SceneJoint joint{in.name, bodyNamed(in.a, at, "a"), bodyNamed(in.b, at, "b"), readJointKind(at)};
-        if (joint.bodyA == joint.bodyB) at.fail("joins a body with itself, \"a\" and \"b\" must differ");
-        if (!(length(in.axis) > 0)) at.at("axis").fail("is [0, 0, 0], must have a direction");
+        SceneJoint joint{in.name, bodyNamed(in.a, at, "a"), bodyNamed(in.b, at, "b"), {}};
+        at.attempt("axis", [&](const JsonValue& axis) {
+            if (!(length(in.axis) > 0)) axis.fail("is [0, 0, 0], must have a direction");
+        });
+        at.attempt([&] { joint.def = readJointKind(at); });
+        const bool hasWrongEnd = at.holdsUnknown() || isWrong(at, "a") || isWrong(at, "b");
+        if (in.a == in.b && !hasWrongEnd)
+            at.attempt([&] { at.fail("joins a body with itself, \"a\" and \"b\" must differ"); });
+        needRight(at);
         const Quat rotation = rotationBetween({1, 0, 0}, normalized(in.axis));
         std::visit(
             [&](auto& kind) {
@@ -219,76 +304,104 @@ private:
                 kind.bodies.breakTorque = in.breakTorque.value_or(kNoForceLimit);
             },
             joint.def);
+        if (const std::string wrong = whyInvalidKind(joint.def); !wrong.empty()) at.fail("is not usable: " + wrong);
+        if (turnsOften(joint.def))
+            scene_.warnings.push_back(fmt::format("joint {} may turn more than once round: its angles are radians",
+                                                  in.name.empty() ? at.pointer() : "\"" + in.name + "\""));
         scene_.joints.push_back(std::move(joint));
     }
 
-    std::size_t jointNamed(const CoupledInFile& part, const JsonValue& at) const {
-        std::vector<std::string> names;
-        for (std::size_t i = 0; i < scene_.joints.size(); ++i) {
-            if (scene_.joints[i].name == part.joint) return i;
-            if (!scene_.joints[i].name.empty()) names.push_back(scene_.joints[i].name);
-        }
-        failName(at.at("joint"), names, "named joints");
-    }
-
     void add(const CouplingInFile& in, const JsonValue& at) {
-        if (in.parts.empty() || in.parts.size() > CouplingDef::kMostParts)
-            at.at("parts").fail(
-                fmt::format("has {} parts, must have 1 to {}", in.parts.size(), CouplingDef::kMostParts));
+        at.attempt("parts", [&](const JsonValue& parts) {
+            if (in.parts.empty() || in.parts.size() > CouplingDef::kMostParts)
+                parts.fail(fmt::format("has {} parts, must have 1 to {}", in.parts.size(), CouplingDef::kMostParts));
+        });
         SceneCoupling coupling{in.name, {}, {}};
         for (std::size_t i = 0; i < in.parts.size(); ++i) {
-            coupling.joints.push_back(jointNamed(in.parts[i], at.at("parts").at(i)));
-            coupling.def.parts[i] = {{}, in.parts[i].coordinate, in.parts[i].ratio};
+            at.at("parts").at(i).attempt("joint", [&](const JsonValue& joint) {
+                coupling.joints.push_back(theOne(scene_.joints, joint, LeftOut::kJoints));
+            });
         }
+        needRight(at);
+        for (std::size_t i = 0; i < in.parts.size(); ++i)
+            coupling.def.parts[i] = {{}, in.parts[i].coordinate, in.parts[i].ratio};
         coupling.def.count = static_cast<int>(in.parts.size());
         coupling.def.sum = in.sum;
+        check(coupling, at);
         scene_.couplings.push_back(std::move(coupling));
+    }
+
+    /// With numbers of joints that are not made yet.
+    static void check(const SceneCoupling& coupling, const JsonValue& at) {
+        CouplingDef def = coupling.def;
+        for (std::size_t i = 0; i < coupling.joints.size(); ++i)
+            def.parts[i].joint = {static_cast<std::uint32_t>(coupling.joints[i]), 1};
+        if (const std::string wrong = whyInvalid(def); !wrong.empty()) at.fail("is not usable: " + wrong);
     }
 
     void add(const AnimatedInFile& in, const JsonValue& at) {
         SceneAnimation animation{bodyNamed(in.body, at, "body"), bodyNamed(in.carrier, at, "carrier"), in.def};
         for (const KeyInFile& key : in.keys) animation.def.keys.push_back({key.time, {key.position, key.rotation}});
-        if (const std::string why = whyInvalid(animation.def); !why.empty()) at.fail("is not usable: " + why);
+        at.attempt("keys", [&](const JsonValue& keys) {
+            if (const std::string why = whyInvalid(animation.def); !why.empty()) keys.fail("is not usable: " + why);
+        });
+        needRight(at);
         scene_.animated.push_back(std::move(animation));
     }
 
     void add(const VehicleInFile& in, const JsonValue& at) {
-        SceneVehicle vehicle{in.name, readVehicle(referencedDocument(at.at("file"))), in.placement, {}, {}};
-        for (std::size_t i = 0; i < in.script.size(); ++i) {
-            const double before = i == 0 ? 0 : in.script[i - 1].time;
-            if (in.script[i].time < before) {
-                at.at("script").at(i).fail(
-                    fmt::format("has the time {}, must not be before {} s, that of the action before it",
-                                in.script[i].time, before));
-            }
-            vehicle.script.push_back({in.script[i].time, in.script[i].input});
+        SceneVehicle vehicle{in.name, {}, in.placement, {}, {}};
+        at.attempt("file", [&](const JsonValue& file) { vehicle.def = readVehicle(referencedDocument(file)); });
+        if (!in.script.empty()) vehicle.script = scriptOf(in.script, at.at("script"));
+        if (in.driver) {
+            at.attempt("driver", [&](const JsonValue& driver) {
+                if (!in.script.empty()) driver.fail("goes without a \"script\"");
+                const std::size_t road = theOne(scene_.roads, driver.at("road"), LeftOut::kRoads);
+                vehicle.driver = SceneDriver{road, in.driver->speed};
+            });
         }
-        if (in.driver) vehicle.driver = driverOf(*in.driver, at.at("driver"));
-        if (in.driver && !in.script.empty()) at.at("driver").fail("goes without a \"script\"");
+        needRight(at);
         scene_.vehicles.push_back(std::move(vehicle));
     }
 
-    SceneDriver driverOf(const DriverInFile& in, const JsonValue& at) const {
-        std::vector<std::string> names;
-        for (std::size_t i = 0; i < scene_.roads.size(); ++i) {
-            if (scene_.roads[i].name == in.road) return {i, in.speed};
-            names.push_back(scene_.roads[i].name);
+    static std::vector<DriverAction> scriptOf(const std::vector<ActionInFile>& in, const JsonValue& at) {
+        std::vector<DriverAction> script;
+        for (std::size_t i = 0; i < in.size(); ++i) {
+            const double before = i == 0 ? 0 : in[i - 1].time;
+            at.at(i).attempt([&] {
+                if (in[i].time < before && !at.at(i).holdsWrong() && !at.at(i - 1).holdsWrong()) {
+                    at.at(i).fail(fmt::format("has the time {}, must not be before {} s, that of the action before it",
+                                              in[i].time, before));
+                }
+            });
+            script.push_back({in[i].time, in[i].input});
         }
-        failName(at.at("road"), names, "roads");
+        return script;
     }
 
     std::shared_ptr<const RagdollDef> definition(const RagdollInScene& in, const JsonValue& at) {
+        if (in.file.empty() && in.character.empty() && at.holdsUnknown()) throw Faults::Consequence();
         if (in.file.empty() == in.character.empty()) at.fail("must have either a \"file\" or a \"character\"");
+        std::shared_ptr<const RagdollDef> def;
         if (!in.file.empty()) {
-            if (at.has("options"))
-                at.at("options").fail("goes with a \"character\" only, a file says everything itself");
-            return std::make_shared<RagdollDef>(readRagdoll(referencedDocument(at.at("file"))));
+            at.attempt("options", [&](const JsonValue& options) {
+                options.fail("goes with a \"character\" only, a file says everything itself");
+            });
+            at.attempt("file", [&](const JsonValue& file) {
+                def = std::make_shared<RagdollDef>(readRagdoll(referencedDocument(file)));
+            });
+        } else {
+            at.attempt("character", [&](const JsonValue& character) {
+                def = std::make_shared<RagdollDef>(ragdollFromCharacter(character, in.options, scene_.warnings));
+            });
         }
-        return std::make_shared<RagdollDef>(ragdollFromCharacter(at.at("character"), in.options, scene_.warnings));
+        return def;
     }
 
     void add(const RagdollInScene& in, const JsonValue& at) {
-        const auto def = definition(in, at);
+        std::shared_ptr<const RagdollDef> def;
+        at.attempt([&] { def = definition(in, at); });
+        needRight(at);
         const fs::path character = in.character.empty() ? fs::path() : assetFile(at.at("character"));
         if (!character.empty()) scene_.files.push_back(character);
         auto poses = posesOf(in.grid, poseOf(in.place));
@@ -304,7 +417,8 @@ private:
     }
 
     JsonValue file_;
-    Chain& chain_;
+    const Chain& chain_;
+    LeftOut left_;
     SceneInFile in_;
     Scene scene_;
 };
@@ -331,26 +445,25 @@ Json parseOverride(const std::string& text) {
     return value.is_discarded() ? Json(text) : value;
 }
 
-Scene loadScene(const fs::path& path, std::span<const SceneOverride> overrides, Chain& chain) {
+Scene loadScene(const fs::path& path, std::span<const SceneOverride> overrides, Chain chain) {
     JsonDocument document = loadExtended(path);
     chain.push_back(fs::weakly_canonical(path));
     for (const SceneOverride& one : overrides) setOverride(document, one, parseOverride(one.value));
-    validate(document, sceneSchema());
-    Scene scene = SceneBuilder(document, chain).build();
-    if (const std::string wrong = whyInvalid(scene.settings); !wrong.empty()) {
-        document.fail("/settings", "is not usable: " + wrong);
-    }
+    Faults faults(document);
+    findFaults(document, sceneSchema(), faults);
+    if (!document.root().is_object()) faults.throwIfAny();
+    Scene scene = SceneBuilder(document, chain, faults).build();
+    faults.throwIfAny();
+    scene.warnings = counted(scene.warnings);
     scene.name = path.stem().string();
     scene.files.insert(scene.files.begin(), document.files().begin(), document.files().end());
-    chain.pop_back();
     return scene;
 }
 
 }  // namespace
 
 Scene loadScene(const fs::path& path, std::span<const SceneOverride> overrides) {
-    Chain chain;
-    return loadScene(path, overrides, chain);
+    return loadScene(path, overrides, Chain{});
 }
 
 }  // namespace ragtop

@@ -32,7 +32,8 @@ template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const PlaceInFile*) {
     visit(Tunable{"position", "m", -1e9, 1e9, "where it stands"}, self.position);
     visit(Tunable{"rotation", "", 0, 0, "how it is turned"}, self.rotation);
-    visit(Tunable{"heading", "rad", -1000, 1000, "turn about y after that; 0 looks along +z"}, self.heading);
+    visit(Tunable{"heading", "rad", -kWholeTurn, kWholeTurn, "turn about y after that; 0 looks along +z"},
+          self.heading);
 }
 
 struct BodyInFile {
@@ -291,7 +292,7 @@ void describe(Visitor& visit, Self& self, const VehicleInFile*) {
     visit(Tunable{.name = "name"}, self.name);
     visit(Tunable{.name = "file", .meaning = "its definition"}, self.file);
     visit(Tunable{"position", "m", -1e9, 1e9, "of the chassis"}, self.placement.position);
-    visit(Tunable{"heading", "rad", -1000, 1000, "turn about y; 0 looks along +z"}, self.placement.heading);
+    visit(Tunable{"heading", "rad", -kWholeTurn, kWholeTurn, "turn about y; 0 looks along +z"}, self.placement.heading);
     visit(Tunable{"speed", "m/s", -200, 200, "forward, wheels rolling"}, self.placement.speed);
     visit(Tunable{.name = "script", .meaning = "what the driver does, by rising time"}, self.script);
     visit(Tunable{.name = "driver", .meaning = "follows a road, instead of a script"}, self.driver);

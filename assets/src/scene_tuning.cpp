@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "joint_json.h"
 #include "ragtop/world.h"
 #include "schema.h"
 
@@ -211,17 +212,6 @@ private:
                 }
             },
             joint);
-    }
-
-    /// Any two bodies will do: those of the joint exist only in a world.
-    static std::string whyInvalidKind(JointDef joint) {
-        std::visit(
-            [](auto& kind) {
-                kind.bodies.a = {0, 1};
-                kind.bodies.b = {1, 1};
-            },
-            joint);
-        return whyInvalid(joint);
     }
 
     WorldSettings settings_;

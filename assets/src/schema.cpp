@@ -4,8 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
-#include <optional>
+#include <set>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
@@ -81,37 +82,43 @@ std::vector<std::string> namesOf(const Json& schema) {
     return names;
 }
 
-/// Complains about the members of an object; returns where none is unknown or missing.
-void explainMembers(const JsonDocument& document, const Json& schema, const Json& value, const std::string& pointer) {
+/// Unknown and missing members of an object; one that is missing may be there misspelled. Whether there are any.
+bool addWrongMembers(const Json& schema, const Json& value, const std::string& pointer, Faults& faults) {
+    bool any = false;
+    std::set<std::string> meant;
     const auto names = namesOf(schema);
     for (const auto& item : value.items()) {
-        if (!names.empty() && std::find(names.begin(), names.end(), item.key()) == names.end()) {
-            document.fail(
-                pointer + pointerStep(item.key()),
-                fmt::format("is unknown, must be one of {}{}", fmt::join(names, ", "), suggestion(item.key(), names)));
-        }
+        if (names.empty() || std::find(names.begin(), names.end(), item.key()) != names.end()) continue;
+        any = true;
+        meant.insert(nearestName(item.key(), names));
+        faults.addUnknown(
+            pointer + pointerStep(item.key()),
+            fmt::format("is unknown, must be one of {}{}", fmt::join(names, ", "), suggestion(item.key(), names)));
     }
     for (const Json& name : schema.value("required", Json::array())) {
         const std::string key = name.get<std::string>();
-        if (!value.contains(key)) {
-            document.fail(pointer + pointerStep(key),
-                          fmt::format("is missing, must be {}", allowed(schema["properties"][key])));
-        }
+        if (value.contains(key)) continue;
+        any = true;
+        if (meant.contains(key)) continue;
+        faults.add(pointer + pointerStep(key),
+                   fmt::format("is missing, must be {}", allowed(schema["properties"][key])));
     }
+    return any;
 }
 
-[[noreturn]] void explain(const JsonDocument& document, const Json& schema, const Json& value,
-                          const std::string& pointer) {
-    if (hasAllowedType(schema, value) && value.is_object()) explainMembers(document, schema, value, pointer);
+std::string whyWrong(const Json& schema, const Json& value) {
     std::string hint;
     if (schema.contains("enum") && value.is_string()) {
         hint = suggestion(value.get<std::string>(), schema["enum"].get<std::vector<std::string>>());
     }
-    document.fail(pointer, fmt::format("is {}, must be {}{}", shown(value), allowed(schema), hint));
+    return fmt::format("is {}, must be {}{}", shown(value), allowed(schema), hint);
 }
 
-/// Follows valijson's path, elements like "[wheels]" and "[1]", through schema and value at once.
-void explainAt(const JsonDocument& document, const Json& root, const std::vector<std::string>& path) {
+using Path = std::vector<std::string>;
+
+/// Follows valijson's path, elements like "[wheels]" and "[1]", through schema and value at once. `isInnermost`:
+/// nothing inside of the value is wrong.
+void addFaultsAt(const JsonDocument& document, const Json& root, const Path& path, bool isInnermost, Faults& faults) {
     const Json* schema = &root;
     const Json* value = &document.root();
     std::string pointer;
@@ -123,28 +130,43 @@ void explainAt(const JsonDocument& document, const Json& root, const std::vector
         } else {
             const bool named = schema->contains("properties") && schema->at("properties").contains(step);
             schema = named ? &schema->at("properties").at(step) : &schema->at("additionalProperties");
+            // A member that is missing or unknown is told of where it ought to be.
+            if (!value->contains(step) || !schema->is_object()) return;
             value = &value->at(step);
         }
         pointer += pointerStep(step);
     }
-    explain(document, *schema, *value, pointer);
+    const bool isObject = hasAllowedType(*schema, *value) && value->is_object();
+    const bool ofMembers = isObject && addWrongMembers(*schema, *value, pointer, faults);
+    if (!ofMembers && isInnermost) faults.add(pointer, whyWrong(*schema, *value));
 }
 
-}  // namespace
-
-void validate(const JsonDocument& document, const Json& schema) {
+/// The places that valijson found wrong; a wrong value makes everything around it wrong too.
+std::set<Path> wrongPaths(const JsonDocument& document, const Json& schema) {
     const PlainJson plainSchema = schema, plainRoot = document.root();
     valijson::Schema compiled;
     valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(plainSchema), compiled);
     valijson::ValidationResults results;
     valijson::Validator validator;
-    if (validator.validate(compiled, valijson::adapters::NlohmannJsonAdapter(plainRoot), &results)) return;
-    // A wrong value makes everything around it wrong too; only the innermost complaint says something.
-    const auto deepest = std::max_element(results.begin(), results.end(), [](const auto& a, const auto& b) {
-        return a.context.size() < b.context.size();
-    });
-    if (deepest == results.end()) document.fail("", "does not fit its schema");
-    explainAt(document, schema, deepest->context);
+    if (validator.validate(compiled, valijson::adapters::NlohmannJsonAdapter(plainRoot), &results)) return {};
+    std::set<Path> paths;
+    for (const auto& result : results) paths.insert(result.context);
+    if (paths.empty()) paths.insert(Path{"<root>"});
+    return paths;
+}
+
+}  // namespace
+
+void findFaults(const JsonDocument& document, const Json& schema, Faults& faults) {
+    const std::set<Path> paths = wrongPaths(document, schema);
+    for (auto path = paths.begin(); path != paths.end(); ++path) {
+        // What is inside of a value comes right after it.
+        const auto next = std::next(path);
+        const bool isInnermost = next == paths.end() || next->size() <= path->size() ||
+                                 !std::equal(path->begin(), path->end(), next->begin());
+        addFaultsAt(document, schema, *path, isInnermost, faults);
+    }
+    if (!faults.any() && !paths.empty()) faults.add("", "does not fit its schema");
 }
 
 std::string nearestName(const std::string& given, const std::vector<std::string>& names) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "describe_json.h"
 #include "ragtop/tuning.h"
@@ -40,7 +41,7 @@ Json vectorSchema(const Tunable& field) {
 Json rotationSchema() {
     const Tunable component{.name = "", .minimum = -1.001, .maximum = 1.001};
     const Tunable axis{.name = "axis", .minimum = -1e5, .maximum = 1e5};
-    const Tunable angle{.name = "angle", .unit = "rad", .minimum = -1000, .maximum = 1000};
+    const Tunable angle{.name = "angle", .unit = "rad", .minimum = -kWholeTurn, .maximum = kWholeTurn};
     Json schema{{"type", {"array", "object"}},
                 {"items", numberSchema(component, false, -2, 2)},
                 {"minItems", 4},
@@ -48,7 +49,8 @@ Json rotationSchema() {
                 {"additionalProperties", false},
                 {"required", {"axis", "angle"}},
                 {"hint", "a unit quaternion [x, y, z, w] or {\"axis\": [x, y, z], \"angle\": rad}"}};
-    schema["properties"] = {{"axis", vectorSchema(axis)}, {"angle", numberSchema(angle, false, -1000, 1000)}};
+    schema["properties"] = {{"axis", vectorSchema(axis)},
+                            {"angle", numberSchema(angle, false, -3.4e38, 3.4e38)}};
     return schema;
 }
 
@@ -75,12 +77,22 @@ void allowNull(Json& schema) {
     schema["type"].push_back("null");
 }
 
+void forbidNull(Json& schema) {
+    if (!schema.contains("type") || !schema["type"].is_array()) return;
+    Json types = Json::array();
+    for (const Json& type : schema["type"])
+        if (type != "null") types.push_back(type);
+    schema["type"] = std::move(types);
+}
+
 Quat readRotation(const JsonValue& value) {
-    if (value.json().is_object()) {
-        const Vec3 axis = vectorAt(value.at("axis"));
-        if (!(length(axis) > 0)) value.at("axis").fail("is [0, 0, 0], must have a direction");
-        return rotationAbout(axis, value.at("angle").json().get<float>());
-    }
+    Vec3 axis;
+    value.attempt("axis", [&](const JsonValue& at) {
+        axis = vectorAt(at);
+        if (!(length(axis) > 0)) at.fail("is [0, 0, 0], must have a direction");
+    });
+    if (value.holdsWrong()) throw Faults::Consequence();
+    if (value.json().is_object()) return rotationAbout(axis, value.at("angle").json().get<float>());
     const auto part = [&](std::size_t i) { return value.json().at(i).get<float>(); };
     const Quat q{part(0), part(1), part(2), part(3)};
     const float norm = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);

@@ -52,7 +52,7 @@ Shape checked(const JsonValue& value, Make make) {
 }
 
 template <class T>
-T readWhole(const JsonValue& value) {
+T read(const JsonValue& value) {
     T whole{};
     readValue(value, whole);
     return whole;
@@ -60,12 +60,12 @@ T readWhole(const JsonValue& value) {
 
 Shape readHull(const JsonValue& value) {
     if (value.json().is_string()) return loadMeshReference(value, true);
-    return ConvexHull(readWhole<std::vector<Vec3>>(value));
+    return ConvexHull(read<std::vector<Vec3>>(value));
 }
 
 Shape readMesh(const JsonValue& value) {
     if (value.json().is_string()) return loadMeshReference(value, false);
-    const auto mesh = readWhole<MeshInFile>(value);
+    const auto mesh = read<MeshInFile>(value);
     std::vector<Triangle> triangles;
     for (const auto& t : mesh.triangles) triangles.push_back({t[0], t[1], t[2]});
     return TriangleMesh(mesh.vertices, triangles);
@@ -74,10 +74,12 @@ Shape readMesh(const JsonValue& value) {
 Shape readCompound(const JsonValue& value) {
     Compound compound;
     for (std::size_t i = 0; i < value.size(); ++i) {
-        CompoundPart part{readShape(value.at(i).at("shape")), {}};
+        CompoundPart part;
+        readValue(value.at(i).at("shape"), part.shape);
         if (value.at(i).has("frame")) readValue(value.at(i).at("frame"), part.frame);
         compound.parts.push_back(std::move(part));
     }
+    if (value.holdsWrong()) throw Faults::Consequence();
     return compound;
 }
 
@@ -124,13 +126,14 @@ Json shapeSchema(bool compounds) {
 Shape readShape(const JsonValue& value) {
     const std::string kind = value.json().begin().key();
     const JsonValue inner = value.at(kind);
+    if (kind != "compound" && inner.holdsWrong()) throw Faults::Consequence();
     return checked(inner, [&]() -> Shape {
-        if (kind == "box") return readWhole<Box>(inner);
-        if (kind == "sphere") return readWhole<Sphere>(inner);
-        if (kind == "capsule") return readWhole<Capsule>(inner);
+        if (kind == "box") return read<Box>(inner);
+        if (kind == "sphere") return read<Sphere>(inner);
+        if (kind == "capsule") return read<Capsule>(inner);
         if (kind == "hull") return readHull(inner);
         if (kind == "mesh") return readMesh(inner);
-        if (kind == "heightField") return heightFieldOf(readWhole<HeightGrid>(inner));
+        if (kind == "heightField") return heightFieldOf(read<HeightGrid>(inner));
         return readCompound(inner);
     });
 }

@@ -45,15 +45,21 @@ Json tuningSchema() {
             {"meaning", "values that replace others, by path, also in files that the scene refers to"}};
 }
 
-void readTuning(const JsonValue& tuning, Scene& scene) {
+void readTuning(const JsonValue& tuning, Scene& scene, const std::function<bool(const std::string&)>& isThere) {
     std::vector<TunedValue> values;
-    for (const auto& item : tuning.json().items())
-        values.emplace_back(item.key(), readTuneValue(tuning.at(item.key())));
-    try {
-        tune(scene, values);
-    } catch (const TuneError& error) {
-        if (tuning.has(error.path())) tuning.at(error.path()).fail("is not usable: " + std::string(error.what()));
-        tuning.fail("is not usable: " + std::string(error.what()));
+    for (const auto& item : tuning.json().items()) {
+        const JsonValue at = tuning.at(item.key());
+        if (!at.holdsWrong() && isThere(item.key())) values.emplace_back(item.key(), readTuneValue(at));
+    }
+    while (true) {
+        try {
+            tune(scene, values);
+            return;
+        } catch (const TuneError& error) {
+            const std::string path = error.path(), why = "is not usable: " + std::string(error.what());
+            if (std::erase_if(values, [&](const TunedValue& one) { return one.first == path; }) == 0) tuning.fail(why);
+            tuning.attempt(path, [&](const JsonValue& at) { at.fail(why); });
+        }
     }
 }
 

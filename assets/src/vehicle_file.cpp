@@ -6,19 +6,22 @@
 namespace ragtop {
 
 /// Names of files become paths that hold wherever the definition goes, and are equal where the files are.
-static void findModels(const JsonDocument& document, VehicleVisualDef& visual) {
-    const JsonValue at = JsonValue(document).at("visual");
-    const auto found = [&](const char* key) {
-        const auto file = std::filesystem::absolute(assetFile(at.at(key)));
-        return (std::filesystem::canonical(file.parent_path()) / file.filename()).string();
+static void findModels(const JsonValue& at, VehicleVisualDef& visual) {
+    const auto find = [&](const char* key, std::string& path) {
+        at.attempt(key, [&](const JsonValue& name) {
+            const auto file = std::filesystem::absolute(assetFile(name));
+            path = (std::filesystem::canonical(file.parent_path()) / file.filename()).string();
+        });
     };
-    visual.chassis = found("chassis");
-    if (!visual.wheel.empty()) visual.wheel = found("wheel");
+    find("chassis", visual.chassis);
+    if (!visual.wheel.empty()) find("wheel", visual.wheel);
 }
 
 VehicleDef readVehicle(const JsonDocument& document) {
-    VehicleDef def = readDocument<VehicleDef>(document);
-    if (def.visual) findModels(document, *def.visual);
+    Faults faults(document);
+    VehicleDef def = readDocument<VehicleDef>(document, faults);
+    if (def.visual) findModels(JsonValue(document, &faults).at("visual"), *def.visual);
+    faults.throwIfAny();
     if (const std::string wrong = whyInvalid(def); !wrong.empty()) failInvalid(document, wrong);
     return def;
 }

@@ -12,6 +12,7 @@
 #include "ragtop/ragdoll_file.h"
 #include "ragtop/robot.h"
 #include "ragtop/scene.h"
+#include "ragtop/start_overlaps.h"
 #include "ragtop/vehicle_file.h"
 
 namespace ragtop::demos {
@@ -81,6 +82,7 @@ std::string inspectScene(const fs::path& path) {
                             def->joints.size(), mass);
     }
     for (const std::string& warning : scene.warnings) text += "  warning: " + warning + "\n";
+    for (const std::string& warning : startOverlaps(scene)) text += "  warning: " + warning + "\n";
     return text;
 }
 

@@ -9,11 +9,13 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <utility>
 
 #include "measure.h"
 #include "poses.h"
 #include "progress.h"
 #include "ragtop/recording.h"
+#include "ragtop/start_overlaps.h"
 #include "ragtop/tasks.h"
 #include "ragtop/world.h"
 #include "serve/look.h"
@@ -34,6 +36,8 @@ public:
           instance_(scene_, world_),
           times_(scene_.step) {
         summary_.warnings = scene_.warnings;
+        for (std::string& line : startOverlaps(scene_)) summary_.warnings.push_back(std::move(line));
+        for (const std::string& warning : summary_.warnings) fmt::print(stderr, "warning: {}\n", warning);
         last_ = options.steps.value_or(
             static_cast<std::uint64_t>(std::llround(options.seconds.value_or(scene_.duration) / scene_.step)));
     }

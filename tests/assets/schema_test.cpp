@@ -20,7 +20,11 @@ using testing::HasSubstr;
 
 template <class T>
 T read(const std::string& text) {
-    return readDocument<T>(JsonDocument::parse(text, "f.json"));
+    const JsonDocument document = JsonDocument::parse(text, "f.json");
+    Faults faults(document);
+    T value = readDocument<T>(document, faults);
+    faults.throwIfAny();
+    return value;
 }
 
 template <class T>
@@ -101,7 +105,7 @@ TEST(Schema, WritesWhatReadsBackBitForBit) {
     car.wheels = {{.name = "a", .position = {0.7f, 0.1f, 1.3f}}, {.radius = 0.31f}, {.driveShare = 0.1f}};
     car.differential.type = DifferentialType::limitedSlip;
     const Json json = writeValue(car);
-    const auto back = readDocument<VehicleDef>(JsonDocument::parse(json.dump(), "f.json"));
+    const auto back = read<VehicleDef>(json.dump());
     EXPECT_EQ(writeValue(back), json);
     EXPECT_EQ(back.chassis.shapes[0].frame, car.chassis.shapes[0].frame);
     EXPECT_EQ(std::get<Capsule>(back.chassis.shapes[1].shape).halfHeight, 0.123456789f);

@@ -5,7 +5,7 @@
 
 namespace ragtop {
 
-/// A file that cannot be used. what() is one line: file, place in it, the value found and what is allowed.
+/// A file that cannot be used. what() is a line per mistake: file, place in it, value found and what is allowed.
 class AssetError : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;

@@ -25,6 +25,7 @@
 #include "ragtop/settings.h"
 #include "ragtop/shape.h"
 #include "ragtop/skeleton.h"
+#include "ragtop/start_overlaps.h"
 #include "ragtop/surface_mesh.h"
 #include "ragtop/tasks.h"
 #include "ragtop/tunables.h"

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "look.h"
+#include "ragtop/start_overlaps.h"
 #include "ragtop/visual.h"
 
 namespace ragtop::live {
@@ -71,6 +72,7 @@ void LiveScene::fillCast(const Scene& scene) {
     cast_.name = scene.name;
     cast_.description = scene.description;
     cast_.warnings = scene.warnings;
+    for (std::string& line : startOverlaps(scene)) cast_.warnings.push_back(std::move(line));
     cast_.warnings.insert(cast_.warnings.end(), looks_->warnings.begin(), looks_->warnings.end());
     if (scene.camera) cast_.camera = CastCamera{scene.camera->target, scene.camera->eye};
     for (std::size_t i = 0; i < instance_.vehicles.size(); ++i) {
