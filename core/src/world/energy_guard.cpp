@@ -69,50 +69,41 @@ double pushEnergy(const WorldImpl& world, std::uint32_t index) {
     return 0.5 * static_cast<double>(world.bodies[index].mass) * speed * speed;
 }
 
-/// The island that a group belongs to.
-struct IslandLook {
-    double excess = 0;       ///< J, what its bodies gained
-    double pushed = 0;       ///< J, of its bodies at the speed that overlaps push with; 0 where none does
-    bool isPushed = false;
-    bool isDriven = false;   ///< something in it is moved that no force moves
-    bool isIsolated = true;  ///< nothing but the group, held by nothing
-};
-
-IslandLook lookAtIsland(WorldImpl& world, std::span<const std::uint32_t> group) {
+/// All that a body touches or is joined to, and so on; each island is looked at once in a step, whatever asks for it.
+GuardedIsland& islandOf(WorldImpl& world, std::uint32_t first) {
     EnergyGuard& guard = world.energyGuard;
-    guard.visited.clear();
-    // islandParent is scratch between the choice of solvers and the look at who sleeps.
-    world.islandParent.resizeForOverwrite(world.bodies.size());
-    for (const std::uint32_t body : world.awakeBodies) world.islandParent[body] = body;
+    if (guard.islandOf[first] != kNone) return guard.islands[guard.islandOf[first]];
+    const auto number = static_cast<std::uint32_t>(guard.islands.size());
+    GuardedIsland look;
+    look.begin = static_cast<std::uint32_t>(guard.visited.size());
     const auto reach = [&](std::uint32_t body) {
-        if (world.islandParent[body] == kNone) return;
-        world.islandParent[body] = kNone;
-        guard.visited.push(body);
+        if (!world.moves(body)) {
+            look.hangs = true;
+        } else if (world.isAwake(body) && guard.islandOf[body] == kNone) {
+            guard.islandOf[body] = number;
+            guard.visited.push(body);
+        }
     };
-    for (const std::uint32_t body : group) reach(body);
-    IslandLook look;
-    for (std::size_t i = 0; i < guard.visited.size(); ++i) {
+    reach(first);
+    for (std::size_t i = look.begin; i < guard.visited.size(); ++i) {
         const std::uint32_t body = guard.visited[i];
         look.excess += excessOf(world, body);
         for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
-             key = world.joints[key >> 1].edges[key & 1].next) {
-            const std::uint32_t other = (key & 1) != 0 ? world.joints[key >> 1].bodyA : world.joints[key >> 1].bodyB;
-            look.isIsolated &= world.moves(other);
-            if (world.moves(other) && world.isAwake(other)) reach(other);
-        }
+             key = world.joints[key >> 1].edges[key & 1].next)
+            reach((key & 1) != 0 ? world.joints[key >> 1].bodyA : world.joints[key >> 1].bodyB);
         for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.nextContact(key)) {
             const ContactRecord& contact = world.contacts[key >> 1];
             if (contact.sensor || contact.firstManifold == kNone) continue;
             const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
             look.isDriven |= world.bodies[other].type == BodyType::kinematic;
             look.isPushed |= overlaps(world, contact);
-            look.isIsolated &= world.moves(other);
-            if (world.moves(other) && world.isAwake(other)) reach(other);
+            reach(other);
         }
     }
-    look.isIsolated &= guard.visited.size() == group.size();
-    for (std::size_t i = 0; i < guard.visited.size() && look.isPushed; ++i) look.pushed += pushEnergy(world, guard.visited[i]);
-    return look;
+    look.end = static_cast<std::uint32_t>(guard.visited.size());
+    for (std::size_t i = look.begin; i < look.end && look.isPushed; ++i) look.pushed += pushEnergy(world, guard.visited[i]);
+    guard.islands.push(look);
+    return guard.islands[number];
 }
 
 void stayPut(WorldImpl& world, std::span<const std::uint32_t> group) {
@@ -220,22 +211,27 @@ void guardGroup(WorldImpl& world, std::size_t g) {
         return isThrown(world, group) ? barDirect(world, group) : stopGroup(world, group);
     }
     const double left = static_cast<double>(room) * account.room;
-    const IslandLook look = lookAtIsland(world, group);
+    GuardedIsland& look = islandOf(world, group.front());
     double beyond = std::min(account.excess, look.excess) - left;
     if (look.isDriven || !(beyond > 0)) return;
-    if (look.isIsolated) {
+    const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
+    const bool isIsolated = !look.hangs && island.size() == group.size();
+    if (isIsolated) {
         turnToMomentum(world, group, guard.momentum[g]);
         const double turned = account.now;
         account.now = accountOf(world, group).now;
         beyond += account.now - turned;
     }
-    const std::span<const std::uint32_t> island{guard.visited.data(), guard.visited.size()};
-    if (overran(world, island, accountOf(world, island).lawful)) stayPut(world, island);
+    if (!(look.lawful >= 0)) {
+        look.lawful = accountOf(world, island).lawful;
+        if (overran(world, island, look.lawful)) stayPut(world, island);
+    }
     // What overlaps is pushed, at a speed that is bounded.
     beyond = std::min(beyond, account.now - look.pushed);
-    double taken = takeEnergy(world, group, beyond, look.isIsolated);
+    double taken = takeEnergy(world, group, beyond, isIsolated);
     // What touches the group may have got some of it.
-    if (!look.isIsolated) taken += takeEnergy(world, island, look.excess - left - look.pushed - taken, false);
+    if (!isIsolated) taken += takeEnergy(world, island, look.excess - left - look.pushed - taken, false);
+    look.excess -= taken;
     if (taken > 0) {
         barDirect(world, group);
         ++guard.caught;
@@ -351,6 +347,11 @@ void guardEnergy(WorldImpl& world) {
             guard.suspects[g] = fits(guard.room[group.front()], account) ? 0 : 1;
         }
     });
+    guard.islands.clear();
+    guard.islands.reserve(groups);
+    guard.visited.clear();
+    guard.islandOf.resizeForOverwrite(world.bodies.size());
+    for (const std::uint32_t body : world.awakeBodies) guard.islandOf[body] = kNone;
     for (std::size_t g = 0; g < groups; ++g)
         if (guard.suspects[g] != 0) guardGroup(world, g);
 }

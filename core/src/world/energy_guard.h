@@ -25,11 +25,22 @@ struct EnergyAccount {
     double room = 0;             ///< the most that it may be above its account
 };
 
+/// The island that groups with more energy than they have room for belong to, of this step.
+struct GuardedIsland {
+    std::uint32_t begin = 0, end = 0;  ///< of its bodies
+    double excess = 0;        ///< J, what its bodies gained
+    double pushed = 0;        ///< J, of its bodies at the speed that overlaps push with; 0 where none does
+    double lawful = -1;       ///< J, kinetic at most; negative: not asked for yet
+    bool isPushed = false;
+    bool isDriven = false;    ///< something in it is moved that no force moves
+    bool hangs = false;       ///< on what does not move
+};
+
 /// Bodies in groups: those that joints hold together, through bodies that move. Found anew when assemblies are.
 struct EnergyGuard {
     explicit EnergyGuard(std::pmr::memory_resource* memory)
         : parent(memory), starts(memory), bodies(memory), watched(memory), accounts(memory), suspects(memory),
-          momentum(memory), kinetic(memory), room(memory), visited(memory) {}
+          momentum(memory), kinetic(memory), room(memory), visited(memory), islandOf(memory), islands(memory) {}
 
     AlignedArray<std::uint32_t> parent;  ///< union-find over bodies
     AlignedArray<std::uint32_t> starts, bodies;
@@ -39,7 +50,9 @@ struct EnergyGuard {
     AlignedArray<Vec3> momentum;  ///< per group, kg m²/s, angular, about its centre of mass, when the step began
     AlignedArray<float> kinetic;  ///< per body, J, when the step began; of those awake, where there are joints
     AlignedArray<float> room;     ///< per body, share of its group's room that is left; counts for the first of a group
-    AlignedArray<std::uint32_t> visited;  ///< bodies of the island that is looked at
+    AlignedArray<std::uint32_t> visited;  ///< bodies of the islands that were looked at, one island after the other
+    AlignedArray<std::uint32_t> islandOf;  ///< per body, which of these it is in
+    AlignedArray<GuardedIsland> islands;
     std::uint64_t caught = 0;             ///< times that energy was taken, since the world was made
     double taken = 0;                     ///< J
 

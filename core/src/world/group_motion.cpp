@@ -104,9 +104,10 @@ void turnToMomentum(WorldImpl& world, std::span<const std::uint32_t> group, cons
 }
 
 double takeEnergy(WorldImpl& world, std::span<const std::uint32_t> group, double energy, bool keepsMomenta) {
+    if (!(energy > 0)) return 0;
     CommonMotion motion = commonMotion(world, group);
     if (!keepsMomenta) motion.inner += motion.rigid, motion.v = motion.w = {};
-    if (!(motion.inner > 0) || !(energy > 0)) return 0;
+    if (!(motion.inner > 0)) return 0;
     const auto share = static_cast<float>(std::sqrt(std::max(0.0, 1 - energy / motion.inner)));
     for (const std::uint32_t b : group) {
         const BodyState& state = world.states[b];
