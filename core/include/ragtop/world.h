@@ -28,7 +28,8 @@ struct WorldImpl;
 /// What a world is made with and keeps.
 struct WorldConfig {
     TaskRunner tasks{};                              ///< default: the calling thread
-    int lanes = 0;                                 ///< width of the solver, 4, 8 or 16; 0: the machine's best
+    /// Width of the solver, 4, 8 or 16; 0: the machine's best. Without AVX2 it is 4 whatever is asked for.
+    int lanes = 0;
     /// Default: std::pmr::get_default_resource(). Outlives the world; with several workers it must be thread safe.
     std::pmr::memory_resource* memory = nullptr;
     int expectedBodies = 0;                        ///< memory set aside at creation

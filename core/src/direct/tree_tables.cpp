@@ -3,8 +3,6 @@
 namespace ragtop::direct {
 
 extern const TreeTables kTreesBaseline4;
-extern const TreeTables kTreesBaseline8;
-extern const TreeTables kTreesBaseline16;
 #if defined(RAGTOP_X86_KERNELS)
 extern const TreeTables kTreesAvx28;
 extern const TreeTables kTreesAvx216;
@@ -15,8 +13,6 @@ extern const TreeTables kTreesAvx51216;
 const TreeTables& selectTreeKernels(int lanes) {
     static constexpr KernelTables<TreeTables> kTables = {
         &kTreesBaseline4,
-        &kTreesBaseline8,
-        &kTreesBaseline16,
 #if defined(RAGTOP_X86_KERNELS)
         &kTreesAvx28,
         &kTreesAvx216,

@@ -3,8 +3,6 @@
 namespace ragtop {
 
 extern const JointKernels kJointKernelsBaseline4;
-extern const JointKernels kJointKernelsBaseline8;
-extern const JointKernels kJointKernelsBaseline16;
 #if defined(RAGTOP_X86_KERNELS)
 extern const JointKernels kJointKernelsAvx28;
 extern const JointKernels kJointKernelsAvx216;
@@ -14,8 +12,6 @@ extern const JointKernels kJointKernelsAvx51216;
 const JointKernels& selectJointKernels(int lanes) {
     static constexpr KernelTables<JointKernels> kTables = {
         &kJointKernelsBaseline4,
-        &kJointKernelsBaseline8,
-        &kJointKernelsBaseline16,
 #if defined(RAGTOP_X86_KERNELS)
         &kJointKernelsAvx28,
         &kJointKernelsAvx216,

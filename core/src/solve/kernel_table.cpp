@@ -5,8 +5,6 @@
 namespace ragtop {
 
 extern const KernelTable kKernelsBaseline4;
-extern const KernelTable kKernelsBaseline8;
-extern const KernelTable kKernelsBaseline16;
 #if defined(RAGTOP_X86_KERNELS)
 extern const KernelTable kKernelsAvx28;
 extern const KernelTable kKernelsAvx216;
@@ -42,16 +40,12 @@ KernelSet selectKernelSet(int lanes) {
     if (usable == Instructions::avx2 && lanes > 4)
         return lanes == 16 ? KernelSet::avx2Lanes16 : KernelSet::avx2Lanes8;
 #endif
-    if (lanes == 16) return KernelSet::baseline16;
-    if (lanes == 8) return KernelSet::baseline8;
     return KernelSet::baseline4;
 }
 
 const KernelTable& selectKernels(int lanes) {
     static constexpr KernelTables<KernelTable> kTables = {
         &kKernelsBaseline4,
-        &kKernelsBaseline8,
-        &kKernelsBaseline16,
 #if defined(RAGTOP_X86_KERNELS)
         &kKernelsAvx28,
         &kKernelsAvx216,

@@ -60,11 +60,10 @@ struct SolverContext {
     bool farContacts = false;  ///< more than a cache holds: passes ask for their memory beforehand
 };
 
-/// Instruction sets and lane counts that kernels are built for, in the order of each list of tables.
+/// Instruction sets and lane counts that kernels are built for, in the order of each list of tables. Sixteen lanes of AVX2
+/// are for tests: they show processors without AVX-512 what those with it do.
 enum class KernelSet {
     baseline4,
-    baseline8,
-    baseline16,
 #if defined(RAGTOP_X86_KERNELS)
     avx2Lanes8,
     avx2Lanes16,
@@ -84,7 +83,8 @@ Instructions usableInstructions();
 /// another thread makes a world.
 void limitInstructions(Instructions most);
 
-/// The fastest set of `lanes` (4, 8, 16) lanes that may be used here, or for 0 lanes the fastest of all.
+/// The fastest set of `lanes` (4, 8, 16) lanes that may be used here, or for 0 lanes the fastest of all. Four lanes where
+/// there are only the baseline's instructions.
 KernelSet selectKernelSet(int lanes);
 
 /// A table for each set.

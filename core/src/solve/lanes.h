@@ -52,11 +52,13 @@ using Native = typename NativeVector<decltype(V{}[0] + 0)>::Type;
 /// Vectors are taken apart and put together in memory, which compilers see through.
 template <class Piece, class V>
 RAGTOP_INLINE Piece pieceOf(const V& v, int place) {
-    return reinterpret_cast<const Piece*>(&v)[place];
+    Piece piece;
+    __builtin_memcpy(&piece, reinterpret_cast<const char*>(&v) + place * sizeof(Piece), sizeof(Piece));
+    return piece;
 }
 template <class Piece, class V>
 RAGTOP_INLINE void setPiece(V& v, int place, Piece piece) {
-    reinterpret_cast<Piece*>(&v)[place] = piece;
+    __builtin_memcpy(reinterpret_cast<char*>(&v) + place * sizeof(Piece), &piece, sizeof(Piece));
 }
 
 /// f of vectors of equal size. g++ takes comparisons and choices of vectors wider than the machine's apart into single
