@@ -233,7 +233,6 @@ void guardGroup(WorldImpl& world, std::size_t g) {
     if (!isIsolated) taken += takeEnergy(world, island, look.excess - left - look.pushed - taken, false);
     look.excess -= taken;
     if (taken > 0) {
-        barDirect(world, group);
         ++guard.caught;
         guard.taken += taken;
     }
