@@ -25,8 +25,10 @@ struct WheelState {
     float transport = 0;         ///< m/s of tread through the patch in that time
     Vec2 travel;                 ///< m/s of the contact point over the ground: forward, left
     float rotation = 0;          ///< rad about the axle
+    float sunk = 0;              ///< m by which the ground counts as lower, see VehicleSim::sinkGround
+    std::uint32_t placed = 1;    ///< somebody put the car where it is, and it has not moved since
 };
-static_assert(sizeof(WheelState) == 112 + 48);
+static_assert(sizeof(WheelState) == 112 + 56);
 
 /// What does not change while driving.
 struct WheelSpec {
@@ -40,10 +42,14 @@ struct WheelSpec {
 /// What a substep works with.
 struct WheelPatch {
     bool touching = false;
-    Vec3 normal, forward, side, axle;  ///< unit, world; axle to the left
-    Vec3 arm;                          ///< of the contact point from the chassis's centre of mass
+    Vec3 normal, forward, side, axle;       ///< unit, world; axle to the left
+    Vec3 strutPush, forwardPush, sidePush;  ///< how units of strut and tire impulses act on both bodies, see aimPushes
+    Vec2 jacking;                           ///< load that a unit of each tire impulse takes from the ground
+    Vec3 arm;                               ///< of the contact point from the chassis's centre of mass
     DVec3 point;
+    Vec3 axis;        ///< of the strut, unit, world
     float slant = 1;  ///< cosine of strut and normal
+    float depth = 0;  ///< m of the wheel in the plane with its strut at the droop stop
     PointBody ground;
     Vec3 groundArm;
     float groundShare = 1;  ///< of the load that moves the ground
@@ -51,8 +57,8 @@ struct WheelPatch {
     float transport = 0, secant = 1, spinBefore = 0;
     float strutK = 0;  ///< inverse effective masses along the normal and of the patch
     Sym2 tireK;
-    float load = 0;  ///< impulses, N s
-    Vec2 tire;
+    float strut = 0;  ///< impulses, N s: what the strut gives along the normal,
+    Vec2 tire;        ///< and the tire along the patch
     bool sliding = false;
 };
 
@@ -105,6 +111,7 @@ struct VehicleSim {
     float steerAngle = 0;  ///< rad, positive to the left
     Drivetrain drivetrain;
     std::vector<WheelState> wheels;
+    Pose endPose;  ///< of the chassis at the end of the last step
 
     // Working memory.
     bool active = true;  ///< the chassis is awake
@@ -122,9 +129,11 @@ private:
     void seekGround(std::size_t i, const Pose& pose, float dt);
     Pose wheelFrame(std::size_t i, const Pose& pose) const;
 
-    void preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body);
+    void preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body, float h);
     bool placePatch(std::size_t i, const Pose& pose, const DVec3& center);
     void takeGround(std::size_t i);
+    bool sinkGround(std::size_t i, const PointBody& body, float h);
+    static void aimPushes(WheelPatch& patch);
     void settleTire(std::size_t i, const PointBody& body);
     Vec3 airImpulse(const PointBody& body, const Quat& rotation, float h) const;
     void pushPatch(std::size_t i, PointBody& body, const Vec3& impulse);

@@ -40,7 +40,7 @@ bool areNumbers(const std::vector<float>& values) {
 }
 bool holdsNumbers(const WheelState& w) {
     return isNumber(w.compression) && isNumber(w.load) && isNumber(w.force) && isNumber(w.deflection) &&
-           isNumber(w.transport) && isNumber(w.travel) && isNumber(w.rotation);
+           isNumber(w.transport) && isNumber(w.travel) && isNumber(w.rotation) && isNumber(w.sunk);
 }
 
 }  // namespace
@@ -57,6 +57,7 @@ void VehicleSim::visitState(Self& self, Visit&& visit) {
     visit(self.drivetrain.brake);
     visit(self.drivetrain.differential);
     visit(self.wheels);
+    visit(self.endPose);
 }
 
 std::size_t VehicleSim::saveSize() const {

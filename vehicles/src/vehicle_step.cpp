@@ -10,8 +10,8 @@ namespace {
 /// How many times a body's own weight at rest a wheel may press it: a brick under a wheel is between the wheel and the
 /// ground, and what is more than it can pass on would shoot it away.
 constexpr float kRubbleLoad = 4;
-/// m/s, the lowest speed over which slip is told, as in tire property files (VXLOW): what sways on standing tires does not
-/// travel, and slip over its speed is any number.
+/// m/s, the lowest speed over which slip is told, as in tire property files (VXLOW): what sways on standing tires does
+/// not travel, and slip over its speed is any number.
 constexpr float kSlowest = 1;
 constexpr float kStill = 1e-3f;  ///< over a wheel's radius: how far the ground of a sleeping car may move
 
@@ -56,6 +56,9 @@ void VehicleSim::beforeStep(double dt) {
     if (!world->isAwake(chassis) || (driver.throttle > 0 && drivetrain.gearbox.gear != 0)) world->wake(chassis);
 
     const Pose pose = world->pose(chassis);
+    if (!(pose == endPose)) {
+        for (WheelState& wheel : wheels) wheel.placed = 1;
+    }
     const float forwardSpeed = dot(world->linearVelocity(chassis), rotate(pose.rotation, {0, 0, 1}));
     const auto step = static_cast<float>(dt);
     steerAngle = steeredAngle(def.steering, steerAngle, driver.steer, forwardSpeed, step);
@@ -95,6 +98,7 @@ void VehicleSim::seekGround(std::size_t i, const Pose& pose, float dt) {
 
 void VehicleSim::afterStep() {
     if (!active) return;
+    endPose = world->pose(chassis);
     // Rest is judged by whether the ground has moved since the end of the last step that the car was awake.
     for (WheelState& wheel : wheels) {
         if (wheel.ground.moves == 0 || wheel.touching == 0 || !world->isValid(wheel.ground.body)) continue;

@@ -9,18 +9,30 @@ namespace {
 constexpr int kMaxSweeps = 24;
 constexpr float kConverged = 1e-5f;  ///< largest change in a sweep, over the impulse of the weight
 constexpr float kFlattest = 0.2f;    ///< sine between axle and normal below which a wheel lies on its side
+constexpr float kLiftSpeed = 0.1f;   ///< m/s at which a wheel comes out of ground that it has not come into
 
 Vec3 velocityOverGround(const WheelPatch& patch, const PointBody& body) {
     return velocityAt(body, patch.arm) - velocityAt(patch.ground, patch.groundArm);
 }
 
-Vec2 slipOf(const WheelPatch& patch, const PointBody& body, float treadSpeed) {
+/// Velocity of the wheel's side of the patch over the ground: forward, left.
+Vec2 travelOf(const WheelPatch& patch, const PointBody& body) {
     const Vec3 velocity = velocityOverGround(patch, body);
-    return {dot(velocity, patch.forward) - treadSpeed, dot(velocity, patch.side)};
+    return {dot(velocity, patch.forwardPush), dot(velocity, patch.sidePush)};
+}
+
+Vec2 slipOf(const WheelPatch& patch, const PointBody& body, float treadSpeed) {
+    const Vec2 travel = travelOf(patch, body);
+    return {travel.x - treadSpeed, travel.y};
 }
 
 Vec3 impulseOf(const WheelPatch& patch) {
-    return patch.load * patch.normal + patch.tire.x * patch.forward + patch.tire.y * patch.side;
+    return patch.strut * patch.normal + patch.tire.x * patch.forwardPush + patch.tire.y * patch.sidePush;
+}
+
+/// What presses the tire on the ground: the strut's impulse, and what of the tire's own the strut does not take.
+float loadOf(const WheelPatch& patch) {
+    return std::max(patch.strut - patch.jacking.x * patch.tire.x - patch.jacking.y * patch.tire.y, 0.0f);
 }
 
 /// Inverse effective mass of the two bodies at the patch between directions d and e.
@@ -41,7 +53,7 @@ void VehicleSim::beforeSubstep(float h) {
     PointBody body{world->linearVelocity(chassis), world->angularVelocity(chassis), 1 / mass,
                    rotated(inverseInertia, pose.rotation)};
     for (std::size_t i = 0; i < wheels.size(); ++i) {
-        preparePatch(i, pose, center, body);
+        preparePatch(i, pose, center, body, h);
         loads[i] = wheels[i].load;
     }
 
@@ -65,7 +77,7 @@ void VehicleSim::solve(PointBody& body, float h) {
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         WheelPatch& patch = patches[i];
         if (!patch.touching) continue;
-        patch.load = h * wheels[i].load;
+        patch.strut = h * (wheels[i].load + patch.jacking.x * wheels[i].force.x + patch.jacking.y * wheels[i].force.y);
         patch.tire = {h * wheels[i].force.x, h * wheels[i].force.y};
         pushPatch(i, body, impulseOf(patch));
         drivetrain.spin[i] -= specs[i].radius * patch.tire.x / drivetrain.inertia()[i];
@@ -80,8 +92,8 @@ void VehicleSim::solve(PointBody& body, float h) {
 }
 
 /// Drag ½ ρ A |v| v, implicit in v so that it never reverses the car, and lift ½ ρ A v² across the flow, which takes no
-/// power. With v̂ the direction of travel, u the car's up axis and a = h ½ ρ A |v|/m, lift turns v̂ to v̂ + a u, normalized:
-/// a (u − (u·v̂) v̂) where a is small, and u itself at most.
+/// power. With v̂ the direction of travel, u the car's up axis and a = h ½ ρ A |v|/m, lift turns v̂ to v̂ + a u,
+/// normalized: a (u − (u·v̂) v̂) where a is small, and u itself at most.
 Vec3 VehicleSim::airImpulse(const PointBody& body, const Quat& rotation, float h) const {
     constexpr float kMostTurn = 1e6f;
     const AerodynamicsDef& air = def.aerodynamics;
@@ -92,7 +104,8 @@ Vec3 VehicleSim::airImpulse(const PointBody& body, const Quat& rotation, float h
     const Vec3 up = rotate(rotation, {0, 1, 0}), along = (1 / speed) * body.v;
     const float a = clampTo(pressure * air.liftArea * body.inverseMass, -kMostTurn, kMostTurn);
     const float longer = a * (2 * dot(along, up) + a), turned = std::sqrt(std::max(1 + longer, 0.0f));
-    const Vec3 lift = turned > 0 ? speed / (turned * body.inverseMass) * (a * up - longer / (1 + turned) * along) : Vec3{};
+    const Vec3 lift =
+        turned > 0 ? speed / (turned * body.inverseMass) * (a * up - longer / (1 + turned) * along) : Vec3{};
     return (-drag / (1 + drag * body.inverseMass)) * body.v + lift;
 }
 
@@ -101,59 +114,92 @@ void VehicleSim::pushPatch(std::size_t i, PointBody& body, const Vec3& impulse) 
     push(patches[i].ground, patches[i].groundArm, -impulse);
 }
 
-void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body) {
+void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body, float h) {
     WheelPatch& patch = patches[i];
     WheelState& wheel = wheels[i];
     patch.spinBefore = drivetrain.spin[i];
     patch.axle = rotate(wheelFrame(i, pose).rotation, {1, 0, 0});
-    patch.touching = placePatch(i, pose, center);
-    patch.load = 0;
+    patch.touching = placePatch(i, pose, center) && sinkGround(i, body, h);
+    patch.strut = 0;
     patch.tire = {};
     if (!patch.touching) {
-        wheel.load = wheel.settleTime = 0;
+        wheel.compression = -specs[i].strut.travelDown;
+        wheel.load = wheel.settleTime = wheel.sunk = 0;
         wheel.force = wheel.deflection = wheel.travel = {};
         return;
     }
-    takeGround(i);
+    aimPushes(patch);
     const float radius = specs[i].radius, inertia = drivetrain.inertia()[i];
     patch.strutK = inverseMassAt(patch, body, patch.normal, patch.normal);
-    patch.tireK = {inverseMassAt(patch, body, patch.forward, patch.forward) + radius * radius / inertia,
-                   inverseMassAt(patch, body, patch.forward, patch.side),
-                   inverseMassAt(patch, body, patch.side, patch.side)};
+    patch.tireK = {inverseMassAt(patch, body, patch.forwardPush, patch.forwardPush) + radius * radius / inertia,
+                   inverseMassAt(patch, body, patch.forwardPush, patch.sidePush),
+                   inverseMassAt(patch, body, patch.sidePush, patch.sidePush)};
     patch.transport = std::abs(radius * drivetrain.spin[i]);
     patch.law = tireLaw(specs[i].tire, wheel.load, patch.transport, wheel.ground.friction);
     settleTire(i, body);
     patch.secant = brushSecant(patch.law, wheel.deflection);
 }
 
-/// Where the wheel touches its plane. The hub sits at p + x a, x the compression; the lowest point of the rim is
-/// r d from it, with d the direction in the plane of the wheel that goes straight down: (p + x a + r d − point)·n = 0.
+/// Where the wheel meets its plane. The hub sits at p + x a, x the compression; the lowest point of the rim is r d from
+/// it, with d the direction in the plane of the wheel that goes straight down.
 bool VehicleSim::placePatch(std::size_t i, const Pose& pose, const DVec3& center) {
     WheelPatch& patch = patches[i];
-    WheelState& wheel = wheels[i];
+    const WheelState& wheel = wheels[i];
     const WheelSpec& spec = specs[i];
-    wheel.compression = -spec.strut.travelDown;
     if (wheel.ground.found == 0) return false;
 
     DVec3 point = wheel.ground.point;
     patch.normal = wheel.ground.normal;
     if (wheel.ground.moves != 0) movePlane(wheel.ground, world->pose(wheel.ground.body), point, patch.normal);
-    const Vec3 axis = rotate(pose.rotation, spec.axis);
+    patch.axis = rotate(pose.rotation, spec.axis);
     const Vec3 inWheel = patch.normal - dot(patch.normal, patch.axle) * patch.axle;
     const float across = length(inWheel);
-    patch.slant = dot(axis, patch.normal);
+    patch.slant = dot(patch.axis, patch.normal);
     if (!(across > kFlattest) || !(patch.slant > kFlattest)) return false;
     const Vec3 down = (-spec.radius / across) * inWheel;
-    const DVec3 hub = transformPoint(pose, spec.position);
-    const float x = -dot(relative(hub, point) + down, patch.normal) / patch.slant;
-    if (!(x > -spec.strut.travelDown)) return false;
-
-    wheel.compression = x;
-    patch.point = hub + (x * axis + down);
-    patch.arm = relative(patch.point, center);
+    const DVec3 lowest = transformPoint(pose, spec.position) + (down - spec.strut.travelDown * patch.axis);
+    patch.depth = -dot(relative(lowest, point), patch.normal);
+    patch.point = lowest;
+    patch.arm = relative(lowest, center);
     patch.forward = normalized(cross(patch.axle, patch.normal));
     patch.side = cross(patch.normal, patch.forward);
+    return patch.depth > 0;
+}
+
+/// The strut yields until the wheel is out of the ground: (lowest + (x + droop) a − point)·n = 0, which is slant (x +
+/// droop) = depth. Only motion may press a strut, because its spring is at nothing's cost otherwise: a wheel that is
+/// found deeper than it can have come since it was clear stands on ground that counts as lower, and is lifted out
+/// slowly. It happens where a wheel turns to ground that it could not touch, as of a car that rolls off its side.
+bool VehicleSim::sinkGround(std::size_t i, const PointBody& body, float h) {
+    WheelPatch& patch = patches[i];
+    WheelState& wheel = wheels[i];
+    takeGround(i);
+    if (wheel.touching == 0 && wheel.placed == 0) {
+        const float come = -h * dot(velocityOverGround(patch, body), patch.normal);
+        wheel.sunk = patch.depth - clampTo(come, 0, patch.depth);
+    } else {
+        wheel.sunk = clampTo(wheel.sunk - h * kLiftSpeed, 0, patch.depth);
+    }
+    if (!(patch.depth > wheel.sunk)) return false;
+    const float yielded = (patch.depth - wheel.sunk) / patch.slant;
+    wheel.compression = yielded - specs[i].strut.travelDown;
+    patch.point = patch.point + yielded * patch.axis;
+    patch.arm += yielded * patch.axis;
+    if (wheel.ground.moves != 0) patch.groundArm += yielded * patch.axis;
     return true;
+}
+
+/// A wheel without mass slides along its strut, so that with the body's side of the patch moving at v over the ground,
+/// and ẋ = −(n·v)/(n·a), the tread travels at
+///
+///     t·(v + ẋ a) = t̃·v,   t̃ = t − n (t·a)/(n·a)
+///
+/// along t in the patch. By virtual work a tire's impulse along t acts on the bodies along t̃, and the load on the
+/// ground is the strut's less (t·a)/(n·a) of the tire's.
+void VehicleSim::aimPushes(WheelPatch& patch) {
+    patch.jacking = {dot(patch.forward, patch.axis) / patch.slant, dot(patch.side, patch.axis) / patch.slant};
+    patch.forwardPush = patch.forward - patch.jacking.x * patch.normal;
+    patch.sidePush = patch.side - patch.jacking.y * patch.normal;
 }
 
 /// Copies the motion of what the wheel stands on. The share of the load that a light body cannot pass on is left out
@@ -192,12 +238,13 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     const WheelState& wheel = wheels[i];
     const float radius = specs[i].radius;
 
-    const float apart = dot(velocityOverGround(patch, body), patch.normal) - patch.strutK * patch.load;
-    const float load = solveStrut(specs[i].strut, wheel.compression, patch.slant, h, patch.strutK, apart);
-    const float loadChange = load - patch.load;
-    patch.load = load;
-    pushPatch(i, body, loadChange * patch.normal);
+    const float apart = dot(velocityOverGround(patch, body), patch.normal) - patch.strutK * patch.strut;
+    const float strut = solveStrut(specs[i].strut, wheel.compression, patch.slant, h, patch.strutK, apart);
+    const float strutChange = strut - patch.strut;
+    patch.strut = strut;
+    pushPatch(i, body, strutChange * patch.normal);
 
+    const float load = loadOf(patch);
     const Vec2 slip = slipOf(patch, body, radius * drivetrain.spin[i]);
     const Sym2& K = patch.tireK;
     const Vec2 free{slip.x - K.xx * patch.tire.x - K.xy * patch.tire.y,
@@ -206,7 +253,7 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     const Vec2 change{visit.impulse.x - patch.tire.x, visit.impulse.y - patch.tire.y};
     patch.tire = visit.impulse;
     patch.sliding = visit.sliding;
-    pushPatch(i, body, change.x * patch.forward + change.y * patch.side);
+    pushPatch(i, body, change.x * patch.forwardPush + change.y * patch.sidePush);
     drivetrain.spin[i] -= radius * change.x / drivetrain.inertia()[i];
     if (load > 0) {
         const Vec2 force{visit.impulse.x / h, visit.impulse.y / h};
@@ -215,7 +262,7 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
                 ? 1.0f / 3
                 : brushSecant(patch.law, deflectionOf(patch.law, patch.secant, wheel.deflection, force, load / h, h));
     }
-    return std::max({std::abs(loadChange), std::abs(change.x), std::abs(change.y)});
+    return std::max({std::abs(strutChange), std::abs(change.x), std::abs(change.y)});
 }
 
 /// Keeps what the next substep needs, and adds the wheel's part to the impulse on the chassis. A wheel that is spun up
@@ -228,6 +275,7 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     wheel.rotation += h * spin;
     wheel.rotation -= 2 * kPi * std::floor((wheel.rotation + kPi) / (2 * kPi));
     wheel.touching = patch.touching ? 1 : 0;
+    wheel.placed = 0;
     if (!patch.touching) return;
 
     const Vec3 impulse = impulseOf(patch);
@@ -236,9 +284,8 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     if (grounds[i].inverseMass > 0) {
         world->applyImpulse(wheel.ground.body, -grounds[i].share * impulse, patch.point);
     }
-    const Vec3 velocity = velocityOverGround(patch, body);
-    wheel.travel = {dot(velocity, patch.forward), dot(velocity, patch.side)};
-    wheel.load = patch.load / h;
+    wheel.travel = travelOf(patch, body);
+    wheel.load = loadOf(patch) / h;
     wheel.force = {patch.tire.x / h, patch.tire.y / h};
     if (patch.sliding) {
         wheel.deflection =

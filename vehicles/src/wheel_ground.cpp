@@ -9,7 +9,10 @@ namespace {
 
 constexpr float kSteepest = 0.2f;  ///< cosine between strut and normal beyond which a surface is a wall to the wheel
 
-bool isGround(const Hit& hit, const WheelPath& path) { return hit && dot(hit.normal, path.axis) > kSteepest; }
+/// What is around the start of the path has no normal there: the wheel is beside it or in it, not above.
+bool isGround(const Hit& hit, const WheelPath& path) {
+    return hit && hit.fraction > 0 && dot(hit.normal, path.axis) > kSteepest;
+}
 
 Hit castBall(const World& world, const QueryFilter& filter, const WheelPath& path) {
     const Hit hit = world.castShape(Sphere{path.radius}, Quat{}, {path.start, path.translation}, filter);
