@@ -110,6 +110,7 @@ VehicleSim::VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePla
     start(placement.speed);
     patches.resize(specs.size());
     grounds.resize(specs.size());
+    groundOfWheel.resize(specs.size());
     loads.resize(specs.size());
     wheelTelemetry.resize(specs.size());
     telemetry.wheels = wheelTelemetry;

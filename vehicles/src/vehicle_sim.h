@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "drivetrain.h"
+#include "ground_body.h"
 #include "point_body.h"
 #include "ragtop/module.h"
 #include "ragtop/vehicle.h"
@@ -47,12 +48,12 @@ struct WheelPatch {
     Vec2 jacking;                           ///< load that a unit of each tire impulse takes from the ground
     Vec3 arm;                               ///< of the contact point from the chassis's centre of mass
     DVec3 point;
-    Vec3 axis;        ///< of the strut, unit, world
-    float slant = 1;  ///< cosine of strut and normal
-    float depth = 0;  ///< m of the wheel in the plane with its strut at the droop stop
-    PointBody ground;
-    Vec3 groundArm;
-    float groundShare = 1;  ///< of the load that moves the ground
+    Vec3 axis;                    ///< of the strut, unit, world
+    float slant = 1;              ///< cosine of strut and normal
+    float depth = 0;              ///< m of the wheel in the plane with its strut at the droop stop
+    PointBody* ground = nullptr;  ///< what it stands on, shared with the other wheels there
+    Vec3 groundArm, belt;         ///< m from its centre of mass; m/s of its surface
+    float share = 1;              ///< of the wheel's impulses that it gets
     TireLaw law;
     float transport = 0, secant = 1, spinBefore = 0;
     float strutK = 0;  ///< inverse effective masses along the normal and of the patch
@@ -60,13 +61,6 @@ struct WheelPatch {
     float strut = 0;  ///< impulses, N s: what the strut gives along the normal,
     Vec2 tire;        ///< and the tire along the patch
     bool sliding = false;
-};
-
-/// The inertia of a body under a wheel, for a step.
-struct GroundMass {
-    float inverseMass = 0;
-    float share = 1;
-    Mat3 inverseInertia{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};  ///< body axes
 };
 
 /// A car inside: definition, state, and the parts of the step. vehicle.cpp builds, saves and shows it,
@@ -117,7 +111,8 @@ struct VehicleSim {
     bool active = true;  ///< the chassis is awake
     bool stale = false;  ///< telemetry is of before a restore
     std::vector<WheelPatch> patches;
-    std::vector<GroundMass> grounds;
+    std::vector<GroundBody> grounds;         ///< of the first wheel that stands there
+    std::vector<std::size_t> groundOfWheel;  ///< which of them
     std::vector<float> loads;
     VehicleTelemetry telemetry;
     std::vector<WheelTelemetry> wheelTelemetry;
@@ -131,7 +126,9 @@ private:
 
     void preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body, float h);
     bool placePatch(std::size_t i, const Pose& pose, const DVec3& center);
-    void takeGround(std::size_t i);
+    void findGrounds();
+    void beginGrounds();
+    void takeGround(std::size_t i, float h);
     bool sinkGround(std::size_t i, const PointBody& body, float h);
     static void aimPushes(WheelPatch& patch);
     void settleTire(std::size_t i, const PointBody& body);

@@ -7,11 +7,8 @@
 namespace ragtop {
 namespace {
 
-/// How many times a body's own weight at rest a wheel may press it: a brick under a wheel is between the wheel and the
-/// ground, and what is more than it can pass on would shoot it away.
-constexpr float kRubbleLoad = 4;
-/// m/s, the lowest speed over which slip is told, as in tire property files (VXLOW): what sways on standing tires does
-/// not travel, and slip over its speed is any number.
+/// m/s, the lowest speed over which slip is told, as in tire property files (VXLOW): what sways on standing tires does not
+/// travel, and slip over its speed is any number.
 constexpr float kSlowest = 1;
 constexpr float kStill = 1e-3f;  ///< over a wheel's radius: how far the ground of a sleeping car may move
 
@@ -65,6 +62,7 @@ void VehicleSim::beforeStep(double dt) {
     const std::optional<int> gear = driver.gearGiven != 0 ? std::optional<int>(driver.gear) : std::nullopt;
     shift(def.gearbox, drivetrain.gearbox, gear, forwardSpeed / meanRadius, driver.throttle, step);
     for (std::size_t i = 0; i < wheels.size(); ++i) seekGround(i, pose, step);
+    findGrounds();
 }
 
 /// The plane is sought where the wheel will be in the middle of the step.
@@ -84,16 +82,24 @@ void VehicleSim::seekGround(std::size_t i, const Pose& pose, float dt) {
     path.translation = -(above + below) * path.axis;
     GroundPlane& plane = wheels[i].ground;
     findGround(*world, chassis, def.chassis.filter, path, plane);
+}
 
-    GroundMass& ground = grounds[i];
-    ground = {};
-    if (plane.found == 0 || world->type(plane.body) != BodyType::dynamic) return;
-    if (!world->isAwake(plane.body)) world->wake(plane.body);
-    const MassProperties body = world->mass(plane.body);
-    ground.share = std::min(1.0f, kRubbleLoad * body.mass * gravity / spec.staticLoad);
-    ground.inverseMass = ground.share / body.mass;
-    const Mat3 inverse = inverseSymmetric(body.inertia);
-    ground.inverseInertia = {ground.share * inverse.cx, ground.share * inverse.cy, ground.share * inverse.cz};
+/// Bodies under several wheels count once, so that each wheel knows what the others do to them.
+void VehicleSim::findGrounds() {
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+        const GroundPlane& plane = wheels[i].ground;
+        const bool moves = plane.found != 0 && plane.moves != 0;
+        std::size_t first = i;
+        for (std::size_t k = i; moves && k-- > 0;) {
+            const GroundPlane& other = wheels[k].ground;
+            if (other.found != 0 && other.moves != 0 && other.body == plane.body) first = k;
+        }
+        groundOfWheel[i] = first;
+        if (first != i) continue;
+        if (moves && world->type(plane.body) == BodyType::dynamic && !world->isAwake(plane.body))
+            world->wake(plane.body);
+        findSupports(*world, moves ? plane.body : BodyId{}, chassis, grounds[i]);
+    }
 }
 
 void VehicleSim::afterStep() {

@@ -9,10 +9,11 @@ namespace {
 constexpr int kMaxSweeps = 24;
 constexpr float kConverged = 1e-5f;  ///< largest change in a sweep, over the impulse of the weight
 constexpr float kFlattest = 0.2f;    ///< sine between axle and normal below which a wheel lies on its side
+constexpr float kMostPressed = 15;   ///< m/s that a substep of a wheel's load may give to a body that nothing holds
 constexpr float kLiftSpeed = 0.1f;   ///< m/s at which a wheel comes out of ground that it has not come into
 
 Vec3 velocityOverGround(const WheelPatch& patch, const PointBody& body) {
-    return velocityAt(body, patch.arm) - velocityAt(patch.ground, patch.groundArm);
+    return velocityAt(body, patch.arm) - velocityAt(*patch.ground, patch.groundArm) - patch.belt;
 }
 
 /// Velocity of the wheel's side of the patch over the ground: forward, left.
@@ -37,7 +38,8 @@ float loadOf(const WheelPatch& patch) {
 
 /// Inverse effective mass of the two bodies at the patch between directions d and e.
 float inverseMassAt(const WheelPatch& patch, const PointBody& body, const Vec3& d, const Vec3& e) {
-    return inverseMassBetween(body, patch.arm, d, e) + inverseMassBetween(patch.ground, patch.groundArm, d, e);
+    return inverseMassBetween(body, patch.arm, d, e) +
+           patch.share * inverseMassBetween(*patch.ground, patch.groundArm, d, e);
 }
 
 }  // namespace
@@ -52,6 +54,7 @@ void VehicleSim::beforeSubstep(float h) {
     const DVec3 center = world->centerOfMass(chassis);
     PointBody body{world->linearVelocity(chassis), world->angularVelocity(chassis), 1 / mass,
                    rotated(inverseInertia, pose.rotation)};
+    beginGrounds();
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         preparePatch(i, pose, center, body, h);
         loads[i] = wheels[i].load;
@@ -62,7 +65,9 @@ void VehicleSim::beforeSubstep(float h) {
     const Vec3 airArm = rotate(pose.rotation, def.aerodynamics.center);
     Vec3 angular = cross(airArm, linear);
     push(body, airArm, linear);
-    body.v += h * world->settings().gravity;
+    const Vec3 fall = h * world->settings().gravity;
+    body.v += fall;
+    for (GroundBody& ground : grounds) pressGround(ground, fall);
 
     solve(body, h);
     for (std::size_t i = 0; i < wheels.size(); ++i) finishWheel(i, body, h, linear, angular);
@@ -86,6 +91,7 @@ void VehicleSim::solve(PointBody& body, float h) {
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
         float change = drivetrain.sweep(def, h) / meanRadius;
         for (std::size_t i = 0; i < wheels.size(); ++i) change = std::max(change, visitWheel(i, body, h));
+        for (GroundBody& ground : grounds) change = std::max(change, visitSupports(ground));
         if (change <= enough) break;
     }
     drivetrain.end(h);
@@ -111,7 +117,7 @@ Vec3 VehicleSim::airImpulse(const PointBody& body, const Quat& rotation, float h
 
 void VehicleSim::pushPatch(std::size_t i, PointBody& body, const Vec3& impulse) {
     push(body, patches[i].arm, impulse);
-    push(patches[i].ground, patches[i].groundArm, -impulse);
+    push(*patches[i].ground, patches[i].groundArm, -patches[i].share * impulse);
 }
 
 void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body, float h) {
@@ -173,7 +179,7 @@ bool VehicleSim::placePatch(std::size_t i, const Pose& pose, const DVec3& center
 bool VehicleSim::sinkGround(std::size_t i, const PointBody& body, float h) {
     WheelPatch& patch = patches[i];
     WheelState& wheel = wheels[i];
-    takeGround(i);
+    takeGround(i, h);
     if (wheel.touching == 0 && wheel.placed == 0) {
         const float come = -h * dot(velocityOverGround(patch, body), patch.normal);
         wheel.sunk = patch.depth - clampTo(come, 0, patch.depth);
@@ -202,21 +208,24 @@ void VehicleSim::aimPushes(WheelPatch& patch) {
     patch.sidePush = patch.side - patch.jacking.y * patch.normal;
 }
 
-/// Copies the motion of what the wheel stands on. The share of the load that a light body cannot pass on is left out
-/// of its impulses, which for the solve is the same as that much more inertia.
-void VehicleSim::takeGround(std::size_t i) {
+void VehicleSim::beginGrounds() {
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+        const GroundPlane& plane = wheels[i].ground;
+        if (groundOfWheel[i] != i || plane.found == 0 || plane.moves == 0) continue;
+        beginGround(*world, plane.body, grounds[i]);
+    }
+}
+
+/// A body so light that the load of a substep would shoot it away if its supports gave way by a hair gets a share.
+void VehicleSim::takeGround(std::size_t i, float h) {
     WheelPatch& patch = patches[i];
     const GroundPlane& plane = wheels[i].ground;
-    patch.ground = {};
-    patch.groundArm = {};
-    if (plane.moves != 0) {
-        patch.groundArm = relative(patch.point, world->centerOfMass(plane.body));
-        patch.ground.v = world->linearVelocity(plane.body);
-        patch.ground.w = world->angularVelocity(plane.body);
-        patch.ground.inverseMass = grounds[i].inverseMass;
-        patch.ground.inverseInertia = rotated(grounds[i].inverseInertia, world->pose(plane.body).rotation);
-    }
-    patch.ground.v += plane.surfaceVelocity;
+    GroundBody& ground = grounds[groundOfWheel[i]];
+    patch.ground = &ground.body;
+    patch.groundArm = plane.moves != 0 ? relative(patch.point, ground.center) : Vec3{};
+    patch.belt = plane.surfaceVelocity;
+    const float pressed = h * specs[i].staticLoad * ground.body.inverseMass;
+    patch.share = pressed > kMostPressed ? kMostPressed / pressed : 1;
 }
 
 /// Brings the bristles up to now: (1) of tire.h with the slip that the last substep really had.
@@ -281,8 +290,8 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     const Vec3 impulse = impulseOf(patch);
     linear += impulse;
     angular += cross(patch.arm, impulse);
-    if (grounds[i].inverseMass > 0) {
-        world->applyImpulse(wheel.ground.body, -grounds[i].share * impulse, patch.point);
+    if (patch.ground->inverseMass > 0) {
+        world->applyImpulse(wheel.ground.body, -patch.share * impulse, patch.point);
     }
     wheel.travel = travelOf(patch, body);
     wheel.load = loadOf(patch) / h;
