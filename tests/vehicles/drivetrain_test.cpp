@@ -18,15 +18,15 @@ constexpr float kStep = 1.0f / 240;
 struct Stand {
     VehicleDef def;
     Drivetrain drivetrain;
-    std::vector<float> loads;
+    std::vector<float> resistances;
 
-    explicit Stand(const VehicleDef& d) : def(d), drivetrain(d), loads(d.wheels.size(), 0.0f) {}
+    explicit Stand(const VehicleDef& d) : def(d), drivetrain(d), resistances(d.wheels.size(), 0.0f) {}
 
     void step(const DrivetrainInput& input, const std::vector<float>& torque) {
         for (std::size_t i = 0; i < torque.size(); ++i) {
             drivetrain.spin[i] += kStep * torque[i] / drivetrain.inertia()[i];
         }
-        drivetrain.begin(def, input, loads, kStep);
+        drivetrain.begin(def, input, resistances, kStep);
         for (int i = 0; i < 200; ++i) {
             if (drivetrain.sweep(def, kStep) <= 1e-6f * kStep) break;
         }

@@ -33,6 +33,7 @@ inline VehicleDef plainTires(float friction) {
     VehicleDef def = hatchback();
     for (WheelDef& wheel : def.wheels) {
         wheel.tire.longitudinalFriction = wheel.tire.lateralFriction = friction;
+        wheel.tire.slidingShare = 1;
         wheel.tire.rollingResistance = 0;
     }
     def.aerodynamics.dragArea = 0;

@@ -19,13 +19,14 @@ TireDef tireDef() {
 
 struct Rig {
     TireSpec spec = makeTireSpec(tireDef(), kLoad, kGravity);
-    float transport = 0;
+    TireGround ground;
+    float transport = 0, tread = 0;
     Vec2 u;
     Vec2 force;
 
     /// A substep at a given slip velocity: the ground is immovable and so is the wheel.
     void step(const Vec2& slip, float h) {
-        const TireLaw law = tireLaw(spec, kLoad, transport, spec.def.referenceSurface);
+        const TireLaw law = tireLaw(spec, ground, {{slip.x + tread, slip.y}, tread}, kLoad, transport);
         float secant = brushSecant(law, u);
         TireVisit visit;
         for (int i = 0; i < 40; ++i) {
@@ -39,10 +40,11 @@ struct Rig {
     }
 };
 
-/// Maximum dissipation on an ellipse: the support point against the slip, F = −N (μx² sx, μy² sy)/|(μx sx, μy sy)|.
+/// Maximum dissipation on the ellipse of the locked wheel: the support point against the slip, F = −N (μx² sx, μy²
+/// sy)/|(μx sx, μy sy)|.
 TEST(Tire, SkidsAtTheEllipsePointOfMostDissipationIn36Directions) {
     const TireDef def = tireDef();
-    const double mx = def.longitudinalFriction, my = def.lateralFriction;
+    const double mx = def.slidingShare * def.longitudinalFriction, my = def.slidingShare * def.lateralFriction;
     for (int k = 0; k < 36; ++k) {
         const double angle = static_cast<double>(k) * 3.14159265358979 / 18;
         const double sx = 2 * std::cos(angle), sy = 2 * std::sin(angle);
@@ -60,13 +62,47 @@ TEST(Tire, RollsWithTheBrushCurve) {
     const double speed = 20;
     for (const double slip : {0.001, 0.01, 0.03, 0.06, 0.1}) {
         Rig rig;
-        rig.transport = static_cast<float>(speed);
+        rig.transport = rig.tread = static_cast<float>(speed);
         for (int i = 0; i < 240; ++i) rig.step({0, static_cast<float>(slip * speed)}, 1.0f / 240);
         const double x = rig.spec.def.corneringStiffness * slip / (3 * rig.spec.def.lateralFriction);
         const double expected = -kLoad * rig.spec.def.lateralFriction * (3 * x - 3 * x * x + x * x * x);
         EXPECT_NEAR(rig.force.y, expected, 1e-4 * kLoad) << slip;
         EXPECT_NEAR(rig.force.x, 0, 1e-6 * kLoad);
     }
+}
+
+/// Braked from 20 m/s with a fixed slip: the brush's curve up to where all of it slides, κ/(1 − κ) = 3 μ/C, and
+/// friction that falls on a line from κ = 3 μ/C to slidingShare of it at the locked wheel. At right angles the locked
+/// wheel's too.
+TEST(Tire, LosesFrictionFromSlidingToLocked) {
+    const double travel = 20;
+    for (const double slip : {0.05, 0.1, 0.2, 0.35, 0.6, 1.0}) {
+        Rig rig;
+        const double tread = (1 - slip) * travel;
+        rig.transport = rig.tread = static_cast<float>(tread);
+        for (int i = 0; i < 2400; ++i) rig.step({static_cast<float>(slip * travel), 0}, 1.0f / 240);
+        const TireDef& def = rig.spec.def;
+        const double z = def.slipStiffness * slip / (3 * def.longitudinalFriction);
+        const double share = slip >= 1 ? 1 : std::max(0.0, (z - 1) / (z / slip - 1));
+        const double friction = def.longitudinalFriction * (1 - (1 - def.slidingShare) * share);
+        const double x = slip < 1 ? std::min(z / (1 - slip), 1.0) : 1;
+        EXPECT_NEAR(rig.force.x, -kLoad * friction * (3 * x - 3 * x * x + x * x * x), 1e-3 * kLoad) << slip;
+    }
+    Rig across;
+    for (int i = 0; i < 240; ++i) across.step({0, 15}, 1.0f / 240);
+    EXPECT_NEAR(across.force.y, -kLoad * across.spec.def.slidingShare * across.spec.def.lateralFriction, 1e-3 * kLoad);
+}
+
+TEST(Tire, GripsInProportionToTheGroundOrAsItsTableSays) {
+    TireDef def = tireDef();
+    def.surfaces = {{.surface = 7, .grip = 0.1f, .stiffness = 0.5f, .drag = 0.04f}};
+    for (const float friction : {0.05f, 0.3f, 0.6f, 1.2f})
+        EXPECT_FLOAT_EQ(tireGround(def, friction, 0).grip, friction / def.referenceSurface);
+    const TireSpec spec = makeTireSpec(def, kLoad, kGravity);
+    const TireLaw ice = tireLaw(spec, tireGround(def, 0.6f, 7), {}, kLoad, 10);
+    EXPECT_FLOAT_EQ(ice.friction.x, 0.1f * def.longitudinalFriction);
+    EXPECT_FLOAT_EQ(ice.stiffness.y, 0.5f * spec.stiffness.y);
+    EXPECT_FLOAT_EQ(tireGround(def, 0.6f, 7).drag, 0.04f);
 }
 
 /// After one relaxation length the bristles of an undamped tire are 1 − 1/e bent; backward Euler is late by h V/(2 σ).
@@ -99,11 +135,11 @@ TEST(Tire, IsASpringAtStandstill) {
 
 TEST(Tire, GivesNothingWithoutLoadOrGrip) {
     const TireSpec spec = makeTireSpec(tireDef(), kLoad, kGravity);
-    const TireLaw law = tireLaw(spec, 0, 1, 0.6f);
+    const TireLaw law = tireLaw(spec, {}, {}, 0, 1);
     EXPECT_EQ(solveTire(law, 1, {0.01f, 0.01f}, 1, 0, 1.0f / 240, {}, {1, 1}).impulse, Vec2{});
     Rig rig;
     rig.spec.def.referenceSurface = 0.6f;
-    const TireLaw ice = tireLaw(spec, kLoad, 0, 0);
+    const TireLaw ice = tireLaw(spec, tireGround(spec.def, 0, 0), {}, kLoad, 0);
     const TireVisit visit = solveTire(ice, 1.0f / 3, {0, 0}, 0, kLoad, 1.0f / 240, {}, {1, 0});
     EXPECT_LT(std::abs(visit.impulse.x), 1e-5f * kLoad);
 }

@@ -36,6 +36,12 @@ TEST(VehicleDef, NamesFieldValueAndWhatIsAllowed) {
              d.wheels[2].suspension.axis = {1, 0, 0};
          }},
         {"/wheels/3/tire/relaxationLength is 0 m", [](VehicleDef& d) { d.wheels[3].tire.relaxationLength = 0; }},
+        {"/wheels/1/tire/slidingShare is 1.5, must be in [0.1, 1]",
+         [](VehicleDef& d) { d.wheels[1].tire.slidingShare = 1.5f; }},
+        {"/wheels/1/tire/surfaces/1/surface is 3, must be that of no other",
+         [](VehicleDef& d) {
+             d.wheels[1].tire.surfaces = {{.surface = 3}, {.surface = 3}};
+         }},
         {"/wheels/2/position makes the wheel carry -",
          [](VehicleDef& d) {
              d.chassis.centerOfMass = Vec3{0, 0.5f, 2};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 
 #include "road.h"
@@ -28,6 +29,58 @@ TEST(Vehicle, StopsInTheDistanceOfFriction) {
             EXPECT_NEAR(road.world.pose(car.chassis()).position.x, 0, 0.05);
         }
     }
+}
+
+/// A pedal as a function of the slip ratio of the wheel that slips most.
+using Foot = std::function<float(float slip)>;
+
+double brakingDistance(const VehicleDef& def, const Material& ground, const Foot& pedal, double from = 100 / 3.6) {
+    World world;
+    world.create(StaticBody{.shape = Box{{2000, 1, 2000}}, .position = {0, -1, 0}, .material = ground});
+    Vehicle car(world, def, {.position = {0, 0, -1500}, .speed = static_cast<float>(from)});
+    car.input.clutch = 1;
+    run(world, 0.5);
+    const double v = car.telemetry().speed, start = world.pose(car.chassis()).position.z;
+    for (int i = 0; i < 6000 && car.telemetry().speed > 0.01f; ++i) {
+        float slip = 0;
+        for (const WheelTelemetry& wheel : car.telemetry().wheels) slip = std::min(slip, wheel.slipRatio);
+        car.input.brake = pedal(slip);
+        world.step(kStep);
+    }
+    return (world.pose(car.chassis()).position.z - start) * (from / v) * (from / v);
+}
+
+float stamp(float) { return 1; }
+
+/// Ice has a twelfth of the grip: a locked car brakes with slidingShare μ times that, and so it does by its table.
+TEST(Vehicle, BrakesOnIceAsTheSurfaceSays) {
+    VehicleDef def = plainTires(1);
+    for (WheelDef& wheel : def.wheels) {
+        wheel.brakeTorque = 1e5f;
+        wheel.tire.slidingShare = 0.8f;
+        wheel.tire.surfaces = {{.surface = 1, .grip = 0.1f}};
+    }
+    const double speed = 10;
+    const auto expected = [&](double grip) { return speed * speed / (2 * 0.8 * grip * 9.81); };
+    const double ice = expected(0.05 / 0.6);
+    EXPECT_NEAR(brakingDistance(def, {.friction = 0.05f}, stamp, speed), ice, 0.02 * ice);
+    EXPECT_NEAR(brakingDistance(def, {.friction = 0.6f, .surface = 1}, stamp, speed), expected(0.1),
+                0.02 * expected(0.1));
+}
+
+/// A foot that keeps the tires where they just slide stops within what friction at its largest allows; locked wheels
+/// need 1/slidingShare as far.
+TEST(Vehicle, BrakesBetterThanLockedByWhatSlidingLoses) {
+    VehicleDef def = plainTires(1);
+    // Hardly any pitching, and rear brakes that follow the loads, so that all wheels are at their best at once.
+    def.chassis.centerOfMass = Vec3{0, 0.02f, 0};
+    for (WheelDef& wheel : def.wheels) {
+        wheel.brakeTorque = wheel.axle == 0 ? 1500.0f : 1425.0f;
+        wheel.tire.slidingShare = 0.8f;
+    }
+    const float most = def.chassis.mass * kGravity / 4 * def.wheels[0].radius / 1500;
+    const double best = brakingDistance(def, {}, [&](float slip) { return most * (1 + 4 * (slip + 0.155f)); });
+    EXPECT_NEAR(brakingDistance(def, {}, stamp) / best, 1 / 0.8, 0.02 / 0.8);
 }
 
 /// Rolling down freely: m g sin θ on the mass and the wheels' inertia, I/r² each.

@@ -4,9 +4,8 @@
 
 namespace ragtop {
 
-float brakeCapacity(const WheelDef& wheel, float pedal, float handbrake, float load) {
-    return pedal * wheel.brakeTorque + handbrake * wheel.handbrakeTorque +
-           wheel.tire.rollingResistance * load * wheel.radius;
+float brakeCapacity(const WheelDef& wheel, float pedal, float handbrake, float resistance) {
+    return pedal * wheel.brakeTorque + handbrake * wheel.handbrakeTorque + resistance;
 }
 
 float solveBrake(float inertia, float bound, float& impulse, float& spin) {

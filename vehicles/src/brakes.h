@@ -4,9 +4,9 @@
 
 namespace ragtop {
 
-/// Largest torque (N m) with which pads and rolling resistance oppose a wheel's rotation. Coulomb: what is needed to
-/// stop it or hold it, up to this.
-float brakeCapacity(const WheelDef& wheel, float pedal, float handbrake, float load);
+/// Largest torque (N m) with which pads and the `resistance` of the rolling wheel oppose its rotation. Coulomb: what is
+/// needed to stop it or hold it, up to this.
+float brakeCapacity(const WheelDef& wheel, float pedal, float handbrake, float resistance);
 
 /// One visit: brings the wheel towards rest by an impulse within the bound (N m s); returns the change of the impulse.
 float solveBrake(float inertia, float bound, float& impulse, float& spin);

@@ -63,7 +63,8 @@ void Drivetrain::turnByClutch(float impulse, float inverseEngineInertia) {
     for (std::size_t i = 0; i < spin.size(); ++i) spin[i] += impulse * ratio_ * share_[i] / inertia_[i];
 }
 
-void Drivetrain::begin(const VehicleDef& def, const DrivetrainInput& input, const std::vector<float>& loads, float h) {
+void Drivetrain::begin(const VehicleDef& def, const DrivetrainInput& input, const std::vector<float>& resistances,
+                       float h) {
     const bool shifting = gearbox.shiftTimer > 0;
     const bool driven = std::any_of(share_.begin(), share_.end(), [](float s) { return s > 0; });
     ratio_ = driven ? gearing(def.gearbox, gearbox.gear) : 0;
@@ -81,7 +82,7 @@ void Drivetrain::begin(const VehicleDef& def, const DrivetrainInput& input, cons
     float inverse = 1 / def.engine.inertia;
     for (std::size_t i = 0; i < spin.size(); ++i) {
         inverse += ratio_ * ratio_ * share_[i] * share_[i] / inertia_[i];
-        brakeBound_[i] = h * brakeCapacity(def.wheels[i], input.brake, input.handbrake, loads[i]);
+        brakeBound_[i] = h * brakeCapacity(def.wheels[i], input.brake, input.handbrake, resistances[i]);
     }
     clutchMass_ = 1 / inverse;
 

@@ -35,8 +35,9 @@ public:
     void startRolling(const VehicleDef& def, float axleSpeed);
     /// All at rest but the engine, which idles; the gear stays.
     void stop(const VehicleDef& def);
-    /// Sets the bounds for a substep of h and applies the impulses of the last one; `loads` of the wheels, N.
-    void begin(const VehicleDef& def, const DrivetrainInput& input, const std::vector<float>& loads, float h);
+    /// Sets the bounds for a substep of h and applies the impulses of the last one; `resistances` of the rolling
+    /// wheels, N m.
+    void begin(const VehicleDef& def, const DrivetrainInput& input, const std::vector<float>& resistances, float h);
     /// One sweep; the largest change of an impulse at a wheel, N m s.
     float sweep(const VehicleDef& def, float h);
     /// Turns impulses into torques.

@@ -37,29 +37,51 @@ float slidingShare(const TireLaw& law, const Vec2& u) {
     return std::sqrt(x * x + y * y);
 }
 
+/// (5): how far the tire is from where it begins to slide to where it is locked. Over kSlowestTravel at least, below
+/// which a tire only sways.
+float lockedShare(const TireLaw& law, const TireMotion& motion, float slowest) {
+    const Vec2 slip{motion.travel.x - motion.tread, motion.travel.y};
+    const float travel = std::sqrt(lengthSquared(motion.travel));
+    const float over = 1 / std::max({travel, std::abs(motion.tread), slowest});
+    const float size = over * std::sqrt(lengthSquared(slip));
+    const float bent = over * law.relaxation;
+    const float z = slidingShare(law, {bent * slip.x, bent * slip.y});
+    // Not where nothing slides, and not where the wheel locks before all of the brush does.
+    if (!(z > 1) || !(z > size)) return 0;
+    return std::min((z - 1) * size / (z - size), 1.0f);
+}
+
 }  // namespace
 
 TireSpec makeTireSpec(const TireDef& def, float staticLoad, float gravity) {
-    TireSpec spec{def, {}, 0, 1, staticLoad};
+    TireSpec spec{def, {}, 0, 1, 1, staticLoad};
     spec.stiffness = {def.slipStiffness / def.relaxationLength, def.corneringStiffness / def.relaxationLength};
     // The load swaying on its standing tire: ω² = N k / (N/g).
     const float sway = std::sqrt(spec.stiffness.y * gravity);
     spec.standingDamping = 2 * def.dampingRatio / sway;
     spec.swaySpeed = def.relaxationLength * sway;
+    spec.slowest = 0.5f * std::sqrt(def.relaxationLength * gravity);
     return spec;
 }
 
-TireLaw tireLaw(const TireSpec& spec, float load, float transport, float groundFriction) {
-    const float ground = std::sqrt(groundFriction / spec.def.referenceSurface);
+TireGround tireGround(const TireDef& def, float friction, std::uint32_t surface) {
+    for (const TireSurface& known : def.surfaces) {
+        if (known.surface == surface) return {known.grip, known.stiffness, known.drag};
+    }
+    return {friction / def.referenceSurface, 1, 0};
+}
+
+TireLaw tireLaw(const TireSpec& spec, const TireGround& ground, const TireMotion& motion, float load, float transport) {
     const float loadChange = load / spec.staticLoad - 1;
-    const float loaded = std::max(1 - spec.def.loadSensitivity * loadChange, 0.5f);
-    const float grip = ground * loaded;
+    const float grip = ground.grip * std::max(1 - spec.def.loadSensitivity * loadChange, 0.5f);
     const float speed = transport / spec.swaySpeed;
     TireLaw law;
     law.friction = {grip * spec.def.longitudinalFriction, grip * spec.def.lateralFriction};
-    law.stiffness = spec.stiffness;
+    law.stiffness = {ground.stiffness * spec.stiffness.x, ground.stiffness * spec.stiffness.y};
     law.relaxation = spec.def.relaxationLength;
     law.damping = spec.standingDamping / (1 + speed * speed);
+    const float lost = (1 - spec.def.slidingShare) * lockedShare(law, motion, spec.slowest);
+    law.friction = {(1 - lost) * law.friction.x, (1 - lost) * law.friction.y};
     return law;
 }
 

@@ -16,6 +16,13 @@
 /// replaces another. Once (4) is met, what the bristles slip is normal to the ellipse: friction takes the most power it
 /// can [Simo, Hughes, Computational Inelasticity, 1998, ch. 2]. Brush and (3): [Pacejka, Tire and Vehicle Dynamics,
 /// 2012, ch. 3]; first-order relaxation: ch. 7. τ, the damping of the carcass, matters at rest and fades with V.
+///
+/// Sliding lowers friction: with ς = s over the faster of travel and tread, z = |C_i ς_i/(3 μ_i)| all bristles slide
+/// from z = 1 on, and of what a locked wheel (|ς| = 1) lacks there is the share
+///
+///     (z − 1)/(z/|ς| − 1)   in [0, 1]                                                                (5)
+///
+/// so that friction is largest where the brush has just begun to slide, and falls on a line from there.
 namespace ragtop {
 
 struct Vec2 {
@@ -28,7 +35,7 @@ struct Sym2 {
     float xx = 0, xy = 0, yy = 0;
 };
 
-/// What equations (1) to (4) need, for one tire on one ground under one load.
+/// What equations (1) to (5) need, for one tire on one ground under one load.
 struct TireLaw {
     Vec2 friction;         ///< μ
     Vec2 stiffness;        ///< k, force over load per m of deflection
@@ -42,12 +49,26 @@ struct TireSpec {
     Vec2 stiffness;
     float standingDamping = 0;  ///< τ at V = 0, s
     float swaySpeed = 1;        ///< V at which half of the damping is left, m/s
+    float slowest = 1;          ///< m/s, least speed over which slip is reckoned: what sways at rest does not travel
     float staticLoad = 0;       ///< N
 };
 TireSpec makeTireSpec(const TireDef& def, float staticLoad, float gravity);
 
-/// `groundFriction` is the Material::friction of the ground.
-TireLaw tireLaw(const TireSpec& spec, float load, float transport, float groundFriction);
+/// The ground as a tire sees it.
+struct TireGround {
+    float grip = 1, stiffness = 1, drag = 0;  ///< as TireSurface
+};
+/// `friction` and `surface` of its material.
+TireGround tireGround(const TireDef& def, float friction, std::uint32_t surface);
+
+/// How the wheel moved in the last substep, m/s: its side of the patch over the ground, and its tread.
+struct TireMotion {
+    Vec2 travel;  ///< forward, left
+    float tread = 0;
+};
+
+/// `transport` is the tread's speed through the patch.
+TireLaw tireLaw(const TireSpec& spec, const TireGround& ground, const TireMotion& motion, float load, float transport);
 
 /// Secant stiffness of the brush over its first one, q in (3), for deflections u.
 float brushSecant(const TireLaw& law, const Vec2& u);

@@ -111,7 +111,7 @@ VehicleSim::VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePla
     patches.resize(specs.size());
     grounds.resize(specs.size());
     groundOfWheel.resize(specs.size());
-    loads.resize(specs.size());
+    resistances.resize(specs.size());
     wheelTelemetry.resize(specs.size());
     telemetry.wheels = wheelTelemetry;
 

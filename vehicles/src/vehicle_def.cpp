@@ -185,6 +185,13 @@ std::string whyUnbalanced(const VehicleDef& def) {
 }
 
 std::string whyInvalid(const WheelDef& wheel, std::size_t i) {
+    const auto& surfaces = wheel.tire.surfaces;
+    for (std::size_t k = 0; k < surfaces.size(); ++k) {
+        const auto same = [&](const TireSurface& other) { return other.surface == surfaces[k].surface; };
+        if (std::none_of(surfaces.begin(), surfaces.begin() + static_cast<std::ptrdiff_t>(k), same)) continue;
+        return "/wheels/" + std::to_string(i) + "/tire/surfaces/" + std::to_string(k) + "/surface is " +
+               std::to_string(surfaces[k].surface) + ", must be that of no other";
+    }
     const Vec3& axis = wheel.suspension.axis;
     if (axis.y > 0.5f * length(axis)) return {};
     return "/wheels/" + std::to_string(i) + "/suspension/axis is (" + text(static_cast<double>(axis.x)) + ", " +

@@ -113,7 +113,7 @@ struct VehicleSim {
     std::vector<WheelPatch> patches;
     std::vector<GroundBody> grounds;         ///< of the first wheel that stands there
     std::vector<std::size_t> groundOfWheel;  ///< which of them
-    std::vector<float> loads;
+    std::vector<float> resistances;          ///< N m
     VehicleTelemetry telemetry;
     std::vector<WheelTelemetry> wheelTelemetry;
 
@@ -131,6 +131,8 @@ private:
     void takeGround(std::size_t i, float h);
     bool sinkGround(std::size_t i, const PointBody& body, float h);
     static void aimPushes(WheelPatch& patch);
+    TireGround groundOf(std::size_t i) const;
+    float resistanceOf(std::size_t i) const;
     void settleTire(std::size_t i, const PointBody& body);
     Vec3 airImpulse(const PointBody& body, const Quat& rotation, float h) const;
     void pushPatch(std::size_t i, PointBody& body, const Vec3& impulse);

@@ -57,7 +57,7 @@ void VehicleSim::beforeSubstep(float h) {
     beginGrounds();
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         preparePatch(i, pose, center, body, h);
-        loads[i] = wheels[i].load;
+        resistances[i] = resistanceOf(i);
     }
 
     // Lift and drag act where the definition says; their arm is short, so drag stays implicit in the speed alone.
@@ -78,7 +78,7 @@ void VehicleSim::beforeSubstep(float h) {
 }
 
 void VehicleSim::solve(PointBody& body, float h) {
-    drivetrain.begin(def, {driver.throttle, driver.brake, driver.handbrake, driver.clutch}, loads, h);
+    drivetrain.begin(def, {driver.throttle, driver.brake, driver.handbrake, driver.clutch}, resistances, h);
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         WheelPatch& patch = patches[i];
         if (!patch.touching) continue;
@@ -141,9 +141,19 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
                    inverseMassAt(patch, body, patch.forwardPush, patch.sidePush),
                    inverseMassAt(patch, body, patch.sidePush, patch.sidePush)};
     patch.transport = std::abs(radius * drivetrain.spin[i]);
-    patch.law = tireLaw(specs[i].tire, wheel.load, patch.transport, wheel.ground.friction);
+    const TireMotion motion{travelOf(patch, body), radius * drivetrain.spin[i]};
+    patch.law = tireLaw(specs[i].tire, groundOf(i), motion, wheel.load, patch.transport);
     settleTire(i, body);
     patch.secant = brushSecant(patch.law, wheel.deflection);
+}
+
+TireGround VehicleSim::groundOf(std::size_t i) const {
+    return tireGround(specs[i].tire.def, wheels[i].ground.friction, wheels[i].ground.surface);
+}
+
+/// The torque by which tire and ground resist rolling.
+float VehicleSim::resistanceOf(std::size_t i) const {
+    return (specs[i].tire.def.rollingResistance + groundOf(i).drag) * wheels[i].load * specs[i].radius;
 }
 
 /// Where the wheel meets its plane. The hub sits at p + x a, x the compression; the lowest point of the rim is r d from

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,33 +31,44 @@ struct ChassisDef {
     Filter filter{};                      ///< of the bodywork, and of what the wheels stand on
 };
 
-/// A strut with a linear spring, a damper of two rates and a bump stop. Unless the compression of the spring is given it
-/// is preloaded so that the standing car has its wheels where the definition puts them; with it, the car stands higher
-/// on stiffer springs and lower with more mass.
+/// A strut with a linear spring, a damper of two rates and a bump stop. Unless the compression of the spring is given
+/// it is preloaded so that the standing car has its wheels where the definition puts them; with it, the car stands
+/// higher on stiffer springs and lower with more mass.
 struct SuspensionDef {
-    Vec3 axis{0, 1, 0};                         ///< along which the hub rises, in the chassis
-    float travelUp = 0.09f;                     ///< m from rest to the bump stop
-    float travelDown = 0.10f;                   ///< m from rest to the droop stop
-    float frequency = 1.4f;                     ///< Hz, undamped, of the load at rest on the spring
-    float dampingRatio = 0.35f;                 ///< of that oscillation
-    std::optional<float> stiffness{};           ///< N/m at the wheel, instead of the frequency
-    std::optional<float> springCompression{};   ///< m, with the wheel at its place; empty: what carries the standing car
+    Vec3 axis{0, 1, 0};                        ///< along which the hub rises, in the chassis
+    float travelUp = 0.09f;                    ///< m from rest to the bump stop
+    float travelDown = 0.10f;                  ///< m from rest to the droop stop
+    float frequency = 1.4f;                    ///< Hz, undamped, of the load at rest on the spring
+    float dampingRatio = 0.35f;                ///< of that oscillation
+    std::optional<float> stiffness{};          ///< N/m at the wheel, instead of the frequency
+    std::optional<float> springCompression{};  ///< m, with the wheel at its place; empty: what carries the standing car
     std::optional<float> compressionDamping{};  ///< N s/m at the wheel, instead of the ratio
     std::optional<float> reboundDamping{};      ///< N s/m at the wheel, instead of the ratio
     float bumpStopStiffness = 10;               ///< over the spring's
 };
 
-/// How the tire grips: a brush of bristles whose share that slides grows with slip until all of it does.
+/// What a tire makes of a kind of ground.
+struct TireSurface {
+    std::uint32_t surface = 0;  ///< Material::surface of the ground
+    float grip = 1;             ///< its frictions there over those of the tire
+    float stiffness = 1;        ///< its stiffnesses there over those of the tire
+    float drag = 0;             ///< force over load that resists rolling besides the tire's own, as of sand
+};
+
+/// How the tire grips: a brush of bristles whose share that slides grows with slip until all of it does. From there on
+/// friction falls to that of a locked wheel.
 struct TireDef {
     float longitudinalFriction = 1.05f;  ///< largest force over load along the wheel, at the load of rest
     float lateralFriction = 1.0f;        ///< the same across; both are axes of an ellipse
-    float referenceSurface = 0.6f;       ///< Material::friction of the ground on which that holds
-    float loadSensitivity = 0;           ///< share of the friction lost when the load doubles
-    float slipStiffness = 18;            ///< longitudinal force over load per unit of slip, at small slip
-    float corneringStiffness = 16;       ///< lateral force over load per radian of slip angle, at small slip
-    float relaxationLength = 0.3f;       ///< m rolled until a force has grown to 1 − 1/e of what the slip asks for
-    float dampingRatio = 0.5f;           ///< of the car that sways on its standing tires
-    float rollingResistance = 0.012f;    ///< resisting force over load
+    float slidingShare = 0.85f;          ///< friction of a locked wheel over the largest
+    float referenceSurface = 0.6f;  ///< Material::friction of the ground on which that holds; proportional on others
+    std::vector<TireSurface> surfaces{};  ///< grounds on which something else holds, whatever their friction
+    float loadSensitivity = 0;            ///< share of the friction lost when the load doubles
+    float slipStiffness = 18;             ///< longitudinal force over load per unit of slip, at small slip
+    float corneringStiffness = 16;        ///< lateral force over load per radian of slip angle, at small slip
+    float relaxationLength = 0.3f;        ///< m rolled until a force has grown to 1 − 1/e of what the slip asks for
+    float dampingRatio = 0.5f;            ///< of the car that sways on its standing tires
+    float rollingResistance = 0.012f;     ///< resisting force over load
 };
 
 struct WheelDef {
@@ -157,6 +169,7 @@ std::string whyInvalid(const VehicleDef& def);
 /// What a file must say.
 constexpr std::array<const char*, 1> requiredFields(const ChassisShape*) { return {"shape"}; }
 constexpr std::array<const char*, 2> requiredFields(const ChassisDef*) { return {"shapes", "mass"}; }
+constexpr std::array<const char*, 2> requiredFields(const TireSurface*) { return {"surface", "grip"}; }
 constexpr std::array<const char*, 2> requiredFields(const WheelDef*) { return {"position", "radius"}; }
 constexpr std::array<const char*, 2> requiredFields(const TorquePoint*) { return {"rpm", "torque"}; }
 constexpr std::array<const char*, 1> requiredFields(const VehicleVisualDef*) { return {"chassis"}; }
@@ -185,8 +198,9 @@ void describe(Visitor& visit, Self& self, const SuspensionDef*) {
     visit(Tunable{"frequency", "Hz", 0.1, 20, "of the load at rest on the spring"}, self.frequency);
     visit(Tunable{"dampingRatio", "1", 0, 5, "of that oscillation"}, self.dampingRatio);
     visit(Tunable{"stiffness", "N/m", 1e-3, 1e12, "at the wheel, instead of the frequency"}, self.stiffness);
-    visit(Tunable{"springCompression", "m", 0, 1e3, "with the wheel at its place; absent: what carries the standing car"},
-          self.springCompression);
+    visit(
+        Tunable{"springCompression", "m", 0, 1e3, "with the wheel at its place; absent: what carries the standing car"},
+        self.springCompression);
     visit(Tunable{"compressionDamping", "N s/m", 0, 1e12, "at the wheel, instead of the ratio"},
           self.compressionDamping);
     visit(Tunable{"reboundDamping", "N s/m", 0, 1e12, "at the wheel, instead of the ratio"}, self.reboundDamping);
@@ -194,12 +208,22 @@ void describe(Visitor& visit, Self& self, const SuspensionDef*) {
           self.bumpStopStiffness);
 }
 template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const TireSurface*) {
+    visit(Tunable{"surface", "", 0, 4294967295.0, "the ground's name for itself, as its material has it"},
+          self.surface);
+    visit(Tunable{"grip", "1", 0, 10, "frictions there over those of the tire"}, self.grip);
+    visit(Tunable{"stiffness", "1", 0.01, 10, "stiffnesses there over those of the tire"}, self.stiffness);
+    visit(Tunable{"drag", "1", 0, 1, "force over load that resists rolling there"}, self.drag);
+}
+template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const TireDef*) {
     visit(Tunable{"longitudinalFriction", "1", 0, 10, "largest force over load along the wheel"},
           self.longitudinalFriction);
     visit(Tunable{"lateralFriction", "1", 0, 10, "largest force over load across the wheel"}, self.lateralFriction);
+    visit(Tunable{"slidingShare", "1", 0.1, 1, "friction of a locked wheel over the largest"}, self.slidingShare);
     visit(Tunable{"referenceSurface", "1", 1e-3, 10, "friction of the ground on which that holds"},
           self.referenceSurface);
+    visit(Tunable{"surfaces", "", 0, 0, "grounds on which something else holds"}, self.surfaces);
     visit(Tunable{"loadSensitivity", "1", 0, 0.5, "share of the friction lost when the load doubles"},
           self.loadSensitivity);
     visit(Tunable{"slipStiffness", "1", 1, 100, "longitudinal force over load per unit of slip"}, self.slipStiffness);
