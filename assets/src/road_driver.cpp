@@ -57,6 +57,8 @@ float speedFor(const SceneRoad& road, std::size_t here, float wanted) {
     return goesOn ? most : std::min(most, std::sqrt(2 * kBraking * ahead.walked()));
 }
 
+}  // namespace
+
 float wheelbase(const VehicleDef& def) {
     float front = def.wheels[0].position.z, rear = front;
     for (const WheelDef& wheel : def.wheels) {
@@ -66,18 +68,14 @@ float wheelbase(const VehicleDef& def) {
     return front - rear;
 }
 
-/// −1 to 1, for a path of that curvature (positive to the left).
-float steerFor(const VehicleDef& def, float curvature, float speed) {
-    float most = def.steering.maxAngle;
-    if (def.steering.halfAngleSpeed) {
-        const float share = speed / *def.steering.halfAngleSpeed;
+float steerFor(const SteeringDef& steering, float angle, float speed) {
+    float most = steering.maxAngle;
+    if (steering.halfAngleSpeed) {
+        const float share = speed / *steering.halfAngleSpeed;
         most /= 1 + share * share;
     }
-    const float angle = arcTan2(curvature * wheelbase(def), 1);
     return most > 0 ? std::clamp(-angle / most, -1.0f, 1.0f) : 0;
 }
-
-}  // namespace
 
 VehicleInput followRoad(const SceneRoad& road, const Vehicle& car, const Pose& chassis, float speed) {
     std::size_t here = 0;
@@ -93,7 +91,8 @@ VehicleInput followRoad(const SceneRoad& road, const Vehicle& car, const Pose& c
     const float squared = target.x * target.x + target.z * target.z;
 
     VehicleInput input;
-    input.steer = steerFor(car.def(), squared > 0 ? 2 * target.x / squared : 0, now);
+    const float curvature = squared > 0 ? 2 * target.x / squared : 0;  // positive to the left
+    input.steer = steerFor(car.def().steering, arcTan2(curvature * wheelbase(car.def()), 1), now);
     const float wanted = speedFor(road, here, speed);
     input.throttle = std::clamp(0.15f + 0.4f * (wanted - now), 0.0f, 1.0f);
     input.brake = std::clamp(0.3f * (now - wanted) - 0.1f, 0.0f, 1.0f);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "drive.h"
 #include "inspect.h"
 #include "ragtop/data_folder.h"
 #include "ragtop/scene.h"
@@ -17,7 +18,7 @@ namespace {
 
 using namespace ragtop;
 
-constexpr int kBadInput = 2;
+constexpr int kFailed = 1, kBadInput = 2;
 
 /// Splits "key=value"; throws CLI::ValidationError, which is a usage error, where there is no key.
 std::vector<SceneOverride> parseOverrides(const std::vector<std::string>& texts) {
@@ -57,6 +58,7 @@ void serve(const live::ServeSceneOptions& options) {
 struct Command {
     demos::RunOptions run;
     live::ServeSceneOptions serve;
+    demos::DriveOptions drive;
     std::vector<std::string> settings;
     std::string asset;
 };
@@ -96,6 +98,22 @@ CLI::App* addServe(CLI::App& app, Command& command) {
     return serve;
 }
 
+CLI::App* addDrive(CLI::App& app, Command& command) {
+    demos::DriveOptions& options = command.drive;
+    CLI::App* drive = app.add_subcommand("drive", "Put a car through manoeuvres and tell what was measured");
+    drive->add_option("car", options.car, "Name of a car that comes with ragtop or a vehicle file")->required();
+    drive->add_option("--manoeuvre", options.manoeuvre, "Name or file of a manoeuvre, or all")->capture_default_str();
+    drive->add_option("--hz", options.hz, "Steps per second")->check(CLI::Range(10.0, 10000.0))->capture_default_str();
+    drive->add_option("--surface", options.friction, "Friction of the ground instead of the manoeuvre's")
+        ->check(CLI::Range(0.0, 10.0));
+    drive->add_option("--seconds", options.seconds, "Simulated time instead of the manoeuvre's duration, s")
+        ->check(CLI::Range(0.01, 1e4));
+    drive->add_option("--json", options.json, "Write a row per value to this file");
+    drive->add_option("--csv", options.csv, "Write all channels of the last manoeuvre to this file");
+    drive->add_option("--svg", options.svg, "Write its plot to this file");
+    return drive;
+}
+
 /// What is wrong with the arguments, in one line.
 std::string usageError(const CLI::App& app, const CLI::ParseError& error) {
     const auto unknown = app.remaining();
@@ -119,6 +137,7 @@ int execute(int argc, char** argv) {
     CLI::App* listed = app.add_subcommand("list", "List the scenes that come with ragtop");
     CLI::App* run = addRun(app, command);
     CLI::App* served = addServe(app, command);
+    CLI::App* driven = addDrive(app, command);
     CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file has in it");
     inspect->add_option("asset", command.asset, "Vehicle, ragdoll, scene, character, robot or mesh")->required();
     try {
@@ -136,6 +155,7 @@ int execute(int argc, char** argv) {
     if (listed->parsed()) list();
     if (run->parsed()) demos::run(command.run);
     if (served->parsed()) serve(command.serve);
+    if (driven->parsed()) return demos::drive(command.drive) ? 0 : kFailed;
     if (inspect->parsed()) fmt::print("{}", demos::inspect(command.asset));
     return 0;
 }

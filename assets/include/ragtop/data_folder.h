@@ -4,8 +4,8 @@
 
 namespace ragtop {
 
-/// The folder of what is shipped: `scenes`, `vehicles`, `ragdolls` and, where it has been installed, `page`. It is the
-/// first of these:
+/// The folder of what is shipped: `scenes`, `vehicles`, `ragdolls`, `manoeuvres` and, where it has been installed, `page`.
+/// It is the first of these:
 ///   - what the environment variable RAGTOP_DATA names, if it is set;
 ///   - that of the installation which the running program or the shared library is part of, wherever it has been moved;
 ///   - the source tree's, for what runs from a build tree;

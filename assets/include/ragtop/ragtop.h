@@ -12,6 +12,7 @@
 #include "ragtop/fixed_stepper.h"
 #include "ragtop/id.h"
 #include "ragtop/joint.h"
+#include "ragtop/manoeuvre.h"
 #include "ragtop/math.h"
 #include "ragtop/mesh_file.h"
 #include "ragtop/module.h"

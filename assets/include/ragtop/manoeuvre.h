@@ -1,0 +1,180 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ragtop/asset_error.h"
+#include "ragtop/vehicle.h"
+
+/// The test track: what a car is put through and what is measured of it, as a file. Forward is +z, left +x, up +y.
+namespace ragtop {
+
+/// A step up that lies across the way: from `at` on the ground is higher.
+struct TrackKerb {
+    float height = 0.1f;  ///< m
+    float at = 20;        ///< m along z
+};
+
+struct TrackGround {
+    float friction = 0.6f;                 ///< Material::friction
+    std::optional<float> rightFriction{};  ///< of what is right of x = 0; empty: the same
+    float slope = 0;                       ///< rise over run along z
+    std::optional<TrackKerb> kerb{};
+};
+
+/// How the car is put there.
+struct TrackStart {
+    float height = 0;   ///< m of its origin above where it stands
+    float pitch = 0;    ///< rad about x, nose down
+    float heading = 0;  ///< rad about y, to the left
+    float roll = 0;     ///< rad about z, to the right
+    float speed = 0;    ///< m/s forward, wheels rolling
+};
+
+/// What the driver does from `time` on; between two points pedals and angle change evenly.
+struct TrackInput {
+    float time = 0;                                            ///< s
+    float throttle = 0, brake = 0, handbrake = 0, clutch = 0;  ///< 0 to 1
+    float wheelAngle = 0;  ///< rad, of a wheel in the middle of the front axle, to the left
+    std::optional<int> gear{};
+};
+
+/// A driver who keeps a speed, and a circle if asked to; overrules throttle, and wheel angle where there is a circle.
+struct TrackCruise {
+    float speed = 20;               ///< m/s
+    float until = 1e6f;             ///< s
+    std::optional<float> radius{};  ///< m, to the left
+};
+
+/// What is known of a car at the end of each step.
+enum class TrackChannel : unsigned char {
+    time,      ///< s
+    speed,     ///< m/s, forward
+    distance,  ///< m travelled, along the ground
+    drift,     ///< m from the place at the first step
+    height,    ///< m of the origin above where it started
+    energy,    ///< J, kinetic and potential of the body; potential 0 where its centre is on the ground at z = 0
+    yawRate,   ///< rad/s, to the left
+    lateralAcceleration,  ///< m/s², speed times yaw rate
+    wheelAngle,           ///< rad, mean of the steered wheels
+    load,                 ///< N, of all wheels
+    largestLoad,          ///< N, of one wheel
+    largestSlip,          ///< of the slip ratios, without sign
+    upright,              ///< cosine between the car's up axis and the vertical
+    asleep,               ///< 1 when it sleeps
+    rpm,                  ///< of the engine
+};
+struct TrackChannelInfo {
+    std::string_view name, unit;
+};
+inline constexpr std::array<TrackChannelInfo, 15> kTrackChannels{{{"time", "s"},
+                                                                  {"speed", "m/s"},
+                                                                  {"distance", "m"},
+                                                                  {"drift", "m"},
+                                                                  {"height", "m"},
+                                                                  {"energy", "J"},
+                                                                  {"yawRate", "rad/s"},
+                                                                  {"lateralAcceleration", "m/s²"},
+                                                                  {"wheelAngle", "rad"},
+                                                                  {"load", "N"},
+                                                                  {"largestLoad", "N"},
+                                                                  {"largestSlip", "1"},
+                                                                  {"upright", "1"},
+                                                                  {"asleep", "1"},
+                                                                  {"rpm", "rpm"}}};
+constexpr std::array<std::string_view, kTrackChannels.size()> enumNames(TrackChannel) {
+    std::array<std::string_view, kTrackChannels.size()> names;
+    for (std::size_t i = 0; i < names.size(); ++i) names[i] = kTrackChannels[i].name;
+    return names;
+}
+
+/// What is taken of a channel between `from` and `to`.
+enum class TrackTake : unsigned char {
+    first,
+    last,
+    smallest,
+    largest,
+    mean,
+    change,     ///< last less first
+    overshoot,  ///< largest over last, less 1
+    rise,       ///< largest over first, less 1
+    timeAbove,  ///< s from `from` until it is first at `level` or above
+    timeBelow,  ///< s from `from` until it is first at `level` or below
+};
+constexpr std::array<std::string_view, 10> enumNames(TrackTake) {
+    return {"first", "last", "smallest", "largest", "mean", "change", "overshoot", "rise", "timeAbove", "timeBelow"};
+}
+
+/// What a value is compared with, computed from the car.
+enum class TrackLaw : unsigned char {
+    none,
+    lockedStop,  ///< m: ln(1 + c v²/(μ g))/(2 c) from the speed at `from`, of locked wheels in air; c v² is its
+                 ///< deceleration
+    coastDown,  ///< s: (m/√(AC)) (atan(v₀√(C/A)) − atan(v√(C/A))) from the speed at `from` to `level`; resistance A + C
+                ///< v²
+    bicycleYaw,  ///< rad/s: v δ/(L + K v²) of the bicycle with the tires' cornering stiffnesses, of speed and angle at
+                 ///< `to`
+    bicycleSteer,  ///< rad: L/R + K v²/R of the same, R being the cruise's
+};
+constexpr std::array<std::string_view, 5> enumNames(TrackLaw) {
+    return {"none", "lockedStop", "coastDown", "bicycleYaw", "bicycleSteer"};
+}
+
+/// A value, and when it is good: within its limits, and near its reference where there is one.
+struct TrackMeasurement {
+    std::string name{};
+    TrackChannel channel = TrackChannel::speed;
+    TrackTake take = TrackTake::last;
+    float from = 0, to = 1e6f;  ///< s
+    float level = 0;            ///< in the channel's unit
+    TrackLaw law = TrackLaw::none;
+    std::optional<float> reference{};  ///< instead of a law
+    float tolerance = 0.01f;           ///< of the reference
+    std::optional<float> least{}, greatest{};
+};
+
+struct Manoeuvre {
+    std::string name{}, description{};
+    float duration = 10;  ///< s
+    TrackGround ground{};
+    TrackStart start{};
+    std::vector<TrackInput> input{};
+    std::optional<TrackCruise> cruise{};
+    bool sleeping = true;
+    std::vector<TrackChannel> plot{TrackChannel::speed};
+    std::vector<TrackMeasurement> measure{};
+};
+
+/// Empty when it can be driven; otherwise names the field, its value and what is allowed.
+std::string whyInvalid(const Manoeuvre& manoeuvre);
+/// Reads name.json. Throws AssetError: "file:line:column: /pointer is value, must be ...".
+Manoeuvre loadManoeuvre(const std::filesystem::path& path);
+/// Names of those that come with ragtop.
+std::vector<std::string> shippedManoeuvres();
+/// The file of a shipped one by name, or a path to any. Throws AssetError.
+std::filesystem::path findManoeuvre(std::string_view nameOrPath);
+
+struct TrackOptions {
+    float hz = 60;
+    std::optional<float> seconds{};   ///< instead of the manoeuvre's duration
+    std::optional<float> friction{};  ///< instead of the ground's
+};
+struct TrackValue {
+    std::string name, unit;
+    double value = 0;
+    std::optional<double> reference{}, error{};  ///< error: relative to the reference
+    bool pass = true;
+};
+struct TrackRun {
+    std::vector<std::array<double, kTrackChannels.size()>> samples;  ///< a row per step
+    std::vector<TrackValue> values;
+};
+/// Drives it. Throws std::invalid_argument on a vehicle or options that cannot be used.
+TrackRun drive(const Manoeuvre& manoeuvre, const VehicleDef& def, const TrackOptions& options = {});
+
+}  // namespace ragtop

@@ -1,0 +1,126 @@
+#include <algorithm>
+#include <system_error>
+
+#include "described_file.h"
+#include "ragtop/data_folder.h"
+#include "ragtop/manoeuvre.h"
+
+namespace ragtop {
+
+template <class Visitor, class Self>
+static void describe(Visitor& visit, Self& self, const TrackKerb*) {
+    visit(Tunable{"height", "m", 0, 2, "of the step"}, self.height);
+    visit(Tunable{"at", "m", -1000, 1000, "along z"}, self.at);
+}
+template <class Visitor, class Self>
+static void describe(Visitor& visit, Self& self, const TrackGround*) {
+    visit(Tunable{"friction", "1", 0, 10, "of the ground"}, self.friction);
+    visit(Tunable{"rightFriction", "1", 0, 10, "right of x = 0; absent: the same"}, self.rightFriction);
+    visit(Tunable{"slope", "1", -2, 2, "rise over run along z"}, self.slope);
+    visit(Tunable{"kerb", "", 0, 0, "a step up across the way"}, self.kerb);
+}
+template <class Visitor, class Self>
+static void describe(Visitor& visit, Self& self, const TrackStart*) {
+    visit(Tunable{"height", "m", 0, 100, "above where the car stands"}, self.height);
+    visit(Tunable{"pitch", "rad", -kWholeTurn, kWholeTurn, "nose down"}, self.pitch);
+    visit(Tunable{"heading", "rad", -kWholeTurn, kWholeTurn, "to the left"}, self.heading);
+    visit(Tunable{"roll", "rad", -kWholeTurn, kWholeTurn, "to the right"}, self.roll);
+    visit(Tunable{"speed", "m/s", -100, 150, "forward, wheels rolling"}, self.speed);
+}
+template <class Visitor, class Self>
+static void describe(Visitor& visit, Self& self, const TrackInput*) {
+    visit(Tunable{"time", "s", 0, 1e4, "from which on it holds"}, self.time);
+    visit(Tunable{"throttle", "1", 0, 1, "pedal"}, self.throttle);
+    visit(Tunable{"brake", "1", 0, 1, "pedal"}, self.brake);
+    visit(Tunable{"handbrake", "1", 0, 1, "lever"}, self.handbrake);
+    visit(Tunable{"clutch", "1", 0, 1, "pedal; 0: automatic"}, self.clutch);
+    visit(Tunable{"wheelAngle", "rad", -1.5, 1.5, "of a wheel in the middle of the front axle, to the left"},
+          self.wheelAngle);
+    visit(Tunable{"gear", "", -1, 20, "absent: the gearbox decides"}, self.gear);
+}
+template <class Visitor, class Self>
+static void describe(Visitor& visit, Self& self, const TrackCruise*) {
+    visit(Tunable{"speed", "m/s", 0, 150, "that the driver keeps"}, self.speed);
+    visit(Tunable{"until", "s", 0, 1e6, "when the driver leaves it to the input"}, self.until);
+    visit(Tunable{"radius", "m", 3, 1e4, "of a circle to the left; absent: the input steers"}, self.radius);
+}
+template <class Visitor, class Self>
+static void describe(Visitor& visit, Self& self, const TrackMeasurement*) {
+    visit(Tunable{"name", "", 0, 0, "of the value"}, self.name);
+    visit(Tunable{"channel", "", 0, 0, "what is looked at"}, self.channel);
+    visit(Tunable{"take", "", 0, 0, "what is taken of it"}, self.take);
+    visit(Tunable{"from", "s", 0, 1e6, "first time"}, self.from);
+    visit(Tunable{"to", "s", 0, 1e6, "last time"}, self.to);
+    visit(Tunable{"level", "", -1e9, 1e9, "in the channel's unit"}, self.level);
+    visit(Tunable{"law", "", 0, 0, "a reference that follows from the car"}, self.law);
+    visit(Tunable{"reference", "", -1e9, 1e9, "instead of a law"}, self.reference);
+    visit(Tunable{"tolerance", "1", 0, 10, "of the reference"}, self.tolerance);
+    visit(Tunable{"least", "", -1e9, 1e9, "below which the value fails"}, self.least);
+    visit(Tunable{"greatest", "", -1e9, 1e9, "above which it fails"}, self.greatest);
+}
+template <class Visitor, class Self>
+static void describe(Visitor& visit, Self& self, const Manoeuvre*) {
+    visit(Tunable{"name", "", 0, 0, "absent: the file's"}, self.name);
+    visit(Tunable{"description", "", 0, 0, "in a line"}, self.description);
+    visit(Tunable{"duration", "s", 0.1, 1e4, "of the whole"}, self.duration);
+    visit(Tunable{"ground", "", 0, 0, "what is driven on"}, self.ground);
+    visit(Tunable{"start", "", 0, 0, "how the car is put there"}, self.start);
+    visit(Tunable{"input", "", 0, 0, "what the driver does, by rising time"}, self.input);
+    visit(Tunable{"cruise", "", 0, 0, "a driver who keeps a speed"}, self.cruise);
+    visit(Tunable{"sleeping", "", 0, 1, "the car may fall asleep"}, self.sleeping);
+    visit(Tunable{"plot", "", 0, 0, "channels"}, self.plot);
+    visit(Tunable{"measure", "", 0, 0, "values and when they are good"}, self.measure);
+}
+static constexpr std::array<const char*, 2> requiredFields(const TrackMeasurement*) { return {"name", "channel"}; }
+static constexpr std::array<const char*, 1> requiredFields(const Manoeuvre*) { return {"measure"}; }
+
+std::string whyInvalid(const Manoeuvre& manoeuvre) {
+    for (std::size_t i = 1; i < manoeuvre.input.size(); ++i) {
+        if (manoeuvre.input[i].time > manoeuvre.input[i - 1].time) continue;
+        return "/input/" + std::to_string(i) + "/time is not above that of the point before, must be";
+    }
+    if (manoeuvre.measure.empty()) return "/measure is empty, must have a value";
+    for (std::size_t i = 0; i < manoeuvre.measure.size(); ++i) {
+        const TrackMeasurement& one = manoeuvre.measure[i];
+        const std::string at = "/measure/" + std::to_string(i);
+        if (!(one.to > one.from)) return at + "/to is not above from, must be";
+        if (!(one.from < manoeuvre.duration)) return at + "/from is not below the duration, must be";
+        if (one.law == TrackLaw::bicycleSteer && !(manoeuvre.cruise && manoeuvre.cruise->radius))
+            return at + "/law is bicycleSteer, must be another where the cruise has no radius";
+    }
+    return {};
+}
+
+Manoeuvre loadManoeuvre(const std::filesystem::path& path) {
+    const JsonDocument document = loadExtended(path);
+    Faults faults(document);
+    Manoeuvre manoeuvre = readDocument<Manoeuvre>(document, faults);
+    faults.throwIfAny();
+    if (manoeuvre.name.empty()) manoeuvre.name = path.stem().string();
+    if (const std::string wrong = whyInvalid(manoeuvre); !wrong.empty()) failInvalid(document, wrong);
+    return manoeuvre;
+}
+
+std::vector<std::string> shippedManoeuvres() {
+    std::vector<std::string> names;
+    std::error_code none;  // where there is no such folder
+    for (const auto& entry : std::filesystem::directory_iterator(dataFolder() / "manoeuvres", none)) {
+        if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+    }
+    std::ranges::sort(names);
+    return names;
+}
+
+std::filesystem::path findManoeuvre(std::string_view nameOrPath) {
+    std::error_code ignored;
+    const std::filesystem::path path(nameOrPath);
+    if (std::filesystem::is_regular_file(path, ignored)) return path;
+    const auto names = shippedManoeuvres();
+    const std::string name(nameOrPath);
+    if (std::ranges::find(names, name) != names.end()) return dataFolder() / "manoeuvres" / (name + ".json");
+    std::string message = name + ": no such manoeuvre, must be a file, all, or one of";
+    for (const std::string& one : names) message += (&one == names.data() ? " " : ", ") + one;
+    throw AssetError(message);
+}
+
+}  // namespace ragtop

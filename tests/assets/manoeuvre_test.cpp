@@ -1,0 +1,93 @@
+#include "ragtop/manoeuvre.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include "ragtop/data_folder.h"
+#include "ragtop/vehicle_file.h"
+#include "support/temporary_path.h"
+
+namespace ragtop {
+namespace {
+
+VehicleDef hatchbackFile() { return loadVehicle(dataFolder() / "vehicles" / "hatchback.car.json"); }
+
+/// What a file of this text is refused with; empty where it is not.
+std::string refusal(const std::string& text) {
+    const auto path = temporaryPath("manoeuvre.json");
+    std::ofstream(path) << text;
+    std::string what;
+    try {
+        loadManoeuvre(path);
+    } catch (const AssetError& error) {
+        what = error.what();
+    }
+    std::filesystem::remove(path);
+    return what;
+}
+
+TEST(Manoeuvre, ShippedOnesAreReadAndNamedAsTheirFiles) {
+    const auto names = shippedManoeuvres();
+    EXPECT_GE(names.size(), 11u);
+    for (const std::string& name : names) EXPECT_EQ(loadManoeuvre(findManoeuvre(name)).name, name);
+    EXPECT_THROW(findManoeuvre("no such"), AssetError);
+}
+
+TEST(Manoeuvre, BadFilesGetALineThatNamesPlaceAndValue) {
+    const std::string measure = R"("measure": [{"name": "v", "channel": "speed"}])";
+    const struct {
+        std::string text, part;
+    } cases[] = {
+        {"{}", "measure"},
+        {"{\"duration\": -1, " + measure + "}", "/duration is -1"},
+        {"{\"durations\": 1, " + measure + "}", "durations"},
+        {R"({"measure": []})", "/measure is empty"},
+        {R"({"measure": [{"name": "v", "channel": "sped"}]})", "/measure/0/channel"},
+        {R"({"measure": [{"name": "v", "channel": "speed", "from": 3, "to": 2}]})", "/measure/0"},
+        {R"({"measure": [{"name": "v", "channel": "wheelAngle", "law": "bicycleSteer"}]})", "/measure/0/law"},
+        {"{\"input\": [{\"time\": 1}, {\"time\": 1}], " + measure + "}", "/input/1/time"},
+        {"{\"ground\": {\"kerb\": {\"height\": 5}}, " + measure + "}", "/ground/kerb/height is 5"},
+        {"{\"start\": ", ":"},
+    };
+    for (const auto& wrong : cases) {
+        const std::string what = refusal(wrong.text);
+        EXPECT_NE(what.find(wrong.part), std::string::npos) << wrong.text << "\n" << what;
+        EXPECT_NE(what.find("manoeuvre.json"), std::string::npos) << what;
+        EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    }
+}
+
+/// Level ground, no driver: speed 0, and nothing that is measured wrongly passes.
+TEST(Manoeuvre, MeasuresFailBeyondTheirLimitsAndWhereThereIsNoValue) {
+    Manoeuvre still;
+    still.duration = 1;
+    still.input = {{.time = 0, .brake = 1}};
+    still.measure = {{.name = "in", .greatest = 1e-3f},
+                     {.name = "out", .least = 1},
+                     {.name = "near", .channel = TrackChannel::load, .reference = 1200 * 9.81f},
+                     {.name = "never", .take = TrackTake::timeAbove, .level = 5}};
+    const TrackRun run = drive(still, hatchbackFile());
+    ASSERT_EQ(run.values.size(), 4u);
+    EXPECT_TRUE(run.values[0].pass);
+    EXPECT_FALSE(run.values[1].pass);
+    EXPECT_TRUE(run.values[2].pass) << run.values[2].value;
+    EXPECT_NEAR(*run.values[2].error, 0, 0.01);
+    EXPECT_FALSE(run.values[3].pass);
+    EXPECT_TRUE(std::isnan(run.values[3].value));
+    EXPECT_EQ(run.samples.size(), 61u);
+    EXPECT_THROW(drive(still, hatchbackFile(), {.hz = 0}), std::invalid_argument);
+}
+
+TEST(Manoeuvre, TheHatchbackPassesTheShippedOnes) {
+    for (const std::string& name : shippedManoeuvres()) {
+        const TrackRun run = drive(loadManoeuvre(findManoeuvre(name)), hatchbackFile());
+        for (const TrackValue& value : run.values)
+            EXPECT_TRUE(value.pass) << name << ": " << value.name << " " << value.value;
+    }
+}
+
+}  // namespace
+}  // namespace ragtop
