@@ -1,44 +1,14 @@
-#include <cmath>
-#include <cstdio>
-#include <type_traits>
 #include <vector>
 
 #include "ragtop/body.h"
 #include "ragtop/ragdoll.h"
+#include "range_check.h"
 
 namespace ragtop {
 namespace {
 
-/// Collects the first field outside of its range.
-struct RangeCheck {
-    std::string problem{};
-
-    template <class Field>
-    void operator()(const Tunable& tunable, const Field& field) {
-        if constexpr (std::is_same_v<Field, float>) {
-            if (!problem.empty() || (field >= tunable.minimum && field <= tunable.maximum)) return;
-            char text[160];
-            std::snprintf(text, sizeof text, " is %g %.*s, must be in [%g, %g]", static_cast<double>(field),
-                          static_cast<int>(tunable.unit.size()), tunable.unit.data(), tunable.minimum, tunable.maximum);
-            problem = std::string(tunable.name) + text;
-        }
-    }
-};
-
-template <class T>
-std::string checked(const T& value) {
-    RangeCheck check;
-    describe(check, value, static_cast<const T*>(nullptr));
-    return check.problem;
-}
-
-bool isRotation(const Quat& q) {
-    const float norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
-    return isFinite(q) && norm > 0.99f && norm < 1.01f;
-}
-
 std::string whyInvalidPart(const RagdollPart& part, std::size_t boneCount) {
-    if (std::string problem = checked(part); !problem.empty()) return problem;
+    if (std::string problem = whyOutside(part); !problem.empty()) return problem;
     if (std::string problem = whyInvalid(part.material); !problem.empty()) return "material." + problem;
     if (!std::holds_alternative<Capsule>(part.shape) && !std::holds_alternative<Box>(part.shape) &&
         !std::holds_alternative<Sphere>(part.shape) && !std::holds_alternative<ConvexHull>(part.shape))
@@ -73,7 +43,7 @@ std::string whyInvalidJoint(const RagdollJoint& joint, const std::vector<bool>& 
 }  // namespace
 
 std::string whyInvalid(const RagdollOptions& options) {
-    if (std::string problem = checked(options); !problem.empty()) return problem;
+    if (std::string problem = whyOutside(options); !problem.empty()) return problem;
     if (std::string problem = whyInvalid(options.material); !problem.empty()) return "material." + problem;
     return {};
 }
