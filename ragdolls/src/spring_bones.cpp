@@ -23,8 +23,8 @@ struct SpringBones::State {
     SpringBonesDef def;
     SpringPlan plan;
     std::size_t boneCount = 0;
-    std::vector<Frame> inCarrier;             ///< of plan.bones, of those without a carrier in the world but for place
-    std::vector<DVec3> joints;                ///< m, of roots in the last frame; one for each of plan.bones
+    std::vector<Frame> inCarrier;             ///< of plan.bones with a carrier, in this frame's animation
+    std::vector<DVec3> joints;                ///< m, of plan.bones in the last frame's animation
     std::vector<PlacedCollider> now, before;  ///< at this frame and the last one, from `origin`
     std::vector<PlacedCollider> between;      ///< within a substep
     DVec3 origin{};
@@ -43,7 +43,6 @@ struct SpringBones::State {
 
     bool takes(std::span<const Pose> pose) const;
     void take(std::span<const Pose> pose);
-    void takeRoot(std::size_t index, const Pose& root);
     void placeColliders(std::span<const Pose> pose);
     bool jumped(float dt) const;
     void setPaths(float dt);
@@ -65,14 +64,13 @@ bool SpringBones::State::takes(std::span<const Pose> pose) const {
                        [&](const SpringCollider& each) { return each.bone < 0 || finite(each.bone); });
 }
 
-/// Rests and joints at the end of this frame; what was the end is the beginning now.
+/// The animation at the end of this frame; what was the end is the beginning now.
 void SpringBones::State::take(std::span<const Pose> pose) {
-    const DVec3 moved = pose[0].position - origin;
+    const Vec3 moved = relative(pose[0].position, origin);
     origin = pose[0].position;
-    for (SpringGroup& each : plan.groups) each.joint = each.joint - four(toVec3(moved));
     for (PlacedCollider& each : now) {
-        each.a -= toVec3(moved);
-        if (!each.plane) each.b -= toVec3(moved);
+        each.a -= moved;
+        if (!each.plane) each.b -= moved;
     }
     std::swap(now, before);
     placeColliders(pose);
@@ -80,25 +78,17 @@ void SpringBones::State::take(std::span<const Pose> pose) {
     for (std::size_t i = 0; i < plan.bones.size(); ++i) {
         const SpringBone& bone = plan.bones[i];
         const Pose& here = pose[static_cast<std::size_t>(bone.bone)];
-        if (bone.carrier < 0) {
-            takeRoot(i, here);
-            continue;
-        }
-        inCarrier[i] = relative(pose[static_cast<std::size_t>(bone.carrier)], here);
+        const bool carried = bone.carrier >= 0;
+        if (carried) inCarrier[i] = relative(pose[static_cast<std::size_t>(bone.carrier)], here);
         if (bone.place < 0) continue;
-        group(bone.place).to.set(bone.place % kLanes, inCarrier[i].rotation);
-        group(bone.place).offset.set(bone.place % kLanes, inCarrier[i].position);
+        SpringGroup& its = group(bone.place);
+        const int lane = bone.place % kLanes;
+        its.to.set(lane, here.rotation);
+        its.offset.set(lane, carried ? inCarrier[i].position : relative(here.position, origin));
+        its.shift.set(lane, relative(here.position, joints[i]));
+        joints[i] = here.position;
     }
     for (SpringGroup& each : plan.groups) each.to = nearer(each.to, each.from);
-}
-
-void SpringBones::State::takeRoot(std::size_t index, const Pose& root) {
-    SpringGroup& its = group(plan.bones[index].place);
-    const int lane = plan.bones[index].place % kLanes;
-    its.to.set(lane, root.rotation);
-    its.end.set(lane, relative(root.position, origin));
-    its.shift.set(lane, relative(root.position, joints[index]));
-    joints[index] = root.position;
 }
 
 void SpringBones::State::placeColliders(std::span<const Pose> pose) {
@@ -128,12 +118,12 @@ bool SpringBones::State::jumped(float dt) const {
     return false;
 }
 
-/// Paths of roots through the last three frames: x(s) = a + s (b − a) + s (s − 1) bow, bow = dt² (v − v₋)/(dt + dt₋).
+/// Paths of the animation through the last three frames: x(s) = a + s (b − a) + s (s − 1) bow, bow = dt² (v − v₋)/(dt +
+/// dt₋).
 void SpringBones::State::setPaths(float dt) {
     const bool fresh = known != Known::motion;
     const float share = fresh ? 0.0f : dt * dt / (dt + frame);
     for (SpringGroup& each : plan.groups) {
-        if (!each.roots) break;
         const FourVec3 rate = (1 / dt) * each.shift;
         const FourQuat turnRate = (1 / dt) * (each.to - each.from);
         each.shiftBow = share * (rate - each.shiftRate);
@@ -181,10 +171,14 @@ void SpringBones::State::give(std::span<Pose> pose) const {
     for (std::size_t i = 0; i < plan.bones.size(); ++i) {
         const SpringBone& bone = plan.bones[i];
         Pose& here = pose[static_cast<std::size_t>(bone.bone)];
-        if (bone.carrier >= 0) here = pose[static_cast<std::size_t>(bone.carrier)] * inCarrier[i];
-        if (bone.place >= 0)
-            here.rotation = plan.groups[static_cast<std::size_t>(bone.place / kLanes)].rotation.at(bone.place % kLanes);
-        here.rotation = normalized(here.rotation);
+        if (bone.place < 0) {
+            here = pose[static_cast<std::size_t>(bone.carrier)] * inCarrier[i];
+            here.rotation = normalized(here.rotation);
+            continue;
+        }
+        const SpringGroup& its = plan.groups[static_cast<std::size_t>(bone.place / kLanes)];
+        if (bone.carrier >= 0) here.position = origin + its.joint.at(bone.place % kLanes);
+        here.rotation = its.rotation.at(bone.place % kLanes);
     }
 }
 

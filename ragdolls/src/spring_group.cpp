@@ -3,42 +3,35 @@
 namespace ragtop {
 namespace {
 
+/// What carries the bones at the end of a pass.
 struct Carriers {
-    FourQuat rotation;
-    FourVec3 joint, moved;
+    FourQuat bend, rotation;
+    FourVec3 joint;
 };
 
-Carriers carriersOf(const SpringGroup& group, std::span<const SpringGroup> groups) {
-    Carriers result;
+float bowed(float s) { return s * (s - 1); }
+
+Carriers carriersOf(const SpringGroup& group, std::span<const SpringGroup> groups, const SpringPass& pass) {
+    Carriers result{};
+    if (group.roots) {
+        result.bend.w = result.rotation.w = four(1.0f);
+        // What is left of the joints' paths up to this frame.
+        result.joint = -((1 - pass.end) * group.shift - bowed(pass.end) * group.shiftBow);
+        return result;
+    }
     for (int lane = 0; lane < SpringGroup::kLanes; ++lane) {
         const int number = group.carrier[static_cast<std::size_t>(lane)];
         const SpringGroup& from = groups[static_cast<std::size_t>(number / SpringGroup::kLanes)];
         const int at = number % SpringGroup::kLanes;
+        result.bend.set(lane, from.bend.at(at));
         result.rotation.set(lane, from.rotation.at(at));
         result.joint.set(lane, from.joint.at(at));
-        result.moved.set(lane, from.moved.at(at));
     }
     return result;
 }
 
-/// Where the carriers hold the bones at the end of a pass.
-struct Held {
-    FourQuat rest;
-    FourVec3 joint, moved, arm;
-};
-
-Held heldBy(const SpringGroup& group, std::span<const SpringGroup> groups, const SpringPass& pass) {
-    const auto bowed = [](float s) { return s * (s - 1); };
-    const FourQuat local = normalized(group.from + pass.end * (group.to - group.from) + bowed(pass.end) * group.bow);
-    if (group.roots) {
-        const FourVec3 moved =
-            (pass.end - pass.begin) * group.shift + (bowed(pass.end) - bowed(pass.begin)) * group.shiftBow;
-        const FourVec3 left = (1 - pass.end) * group.shift - bowed(pass.end) * group.shiftBow;
-        return {local, group.end - left, moved, four(Vec3{})};
-    }
-    const Carriers carriers = carriersOf(group, groups);
-    const FourVec3 arm = rotate(carriers.rotation, group.offset);
-    return {carriers.rotation * local, carriers.joint + arm, carriers.moved + (arm - group.arm), arm};
+FourQuat restOf(const SpringGroup& group, const SpringPass& pass) {
+    return normalized(group.from + pass.end * (group.to - group.from) + bowed(pass.end) * group.bow);
 }
 
 /// Keeps d · c ≤ m for unit c, turning d the short way, and takes what of its rate leads beyond.
@@ -78,17 +71,22 @@ void keepOutOf(SpringGroup& group, const PlacedCollider& collider) {
 }
 
 /// Limits and colliders, and with them where the bones are.
-void place(SpringGroup& group, const Held& held, const SpringPass& pass) {
-    group.rest = held.rest;
-    group.joint = held.joint;
-    group.moved = held.moved;
-    group.arm = held.arm;
-    const FourVec3 unbent = rotate(held.rest, group.axis);
+void place(SpringGroup& group, const Carriers& carriers, const SpringPass& pass) {
+    group.carried = carriers.bend;
+    group.joint = carriers.joint + rotate(carriers.rotation, group.offset);
+    const FourVec3 unbent = rotate(group.rest, group.axis);
     keepOutside(group, -unbent, -group.leastCosine);
-    // The nearest point of a capsule moves with the weight: twice finds it.
-    for (int round = 0; round < 2; ++round)
-        for (const PlacedCollider& collider : pass.colliders) keepOutOf(group, collider);
-    group.rotation = rotationBetween(unbent, group.direction) * held.rest;
+    if (!pass.colliders.empty()) {
+        group.direction = rotate(carriers.bend, group.direction);
+        group.speed = rotate(carriers.bend, group.speed);
+        // The nearest point of a capsule moves with the weight: twice finds it.
+        for (int round = 0; round < 2; ++round)
+            for (const PlacedCollider& collider : pass.colliders) keepOutOf(group, collider);
+        group.direction = rotate(conjugate(carriers.bend), group.direction);
+        group.speed = rotate(conjugate(carriers.bend), group.speed);
+    }
+    group.bend = normalized(carriers.bend * rotationBetween(unbent, group.direction));
+    group.rotation = group.bend * group.rest;
 }
 
 /// How a body moves from rest or by a push, s̈ + c ṡ + k s = 0, in h: by a unit of speed, b, whose rate is
@@ -156,44 +154,49 @@ FourVec3 across(const FourVec3& v, const FourVec3& d) { return v - dot(v, d) * d
 }  // namespace
 
 void settle(SpringGroup& group, std::span<const SpringGroup> groups, const SpringPass& pass) {
-    const Held held = heldBy(group, groups, pass);
-    group.direction = normalized(group.stiffness * rotate(held.rest, group.axis) + group.sag * four(pass.gravity));
+    const Carriers carriers = carriersOf(group, groups, pass);
+    group.rest = restOf(group, pass);
+    const FourVec3 down = rotate(conjugate(carriers.bend), four(pass.gravity));
+    group.direction = normalized(group.stiffness * rotate(group.rest, group.axis) + group.sag * down);
     group.speed = four(Vec3{});
-    place(group, held, pass);
+    place(group, carriers, pass);
 }
 
 void carry(SpringGroup& group, std::span<const SpringGroup> groups, const SpringPass& pass) {
-    const Held held = heldBy(group, groups, pass);
-    const FourQuat turned = held.rest * conjugate(group.rest);
+    const FourQuat rest = restOf(group, pass), turned = rest * conjugate(group.rest);
+    group.rest = rest;
     group.direction = normalized(rotate(turned, group.direction));
     group.speed = rotate(turned, group.speed);
-    place(group, held, pass);
+    place(group, carriersOf(group, groups, pass), pass);
 }
 
 void advance(SpringGroup& group, std::span<const SpringGroup> groups, const SpringPass& pass) {
     const float h = pass.h;
-    Held held = heldBy(group, groups, pass);
-    held.rest = nearer(held.rest, group.rest);
+    const Carriers carriers = carriersOf(group, groups, pass);
+    const FourQuat rest = nearer(restOf(group, pass), group.rest);
     // The path that goes through the last three places has half the acceleration (now − before)/(h + h_before).
     const float spread = 1 / (h + pass.before);
-    const FourQuat pace = (1 / h) * (held.rest - group.rest);
+    const FourQuat pace = (1 / h) * (rest - group.rest);
     if (pass.fresh) group.pace = pace;
-    const FourQuat middle = normalized(0.5f * (held.rest + group.rest) - (h * h * spread / 6) * (pace - group.pace));
+    const FourQuat middle = normalized(0.5f * (rest + group.rest) - (h * h * spread / 6) * (pace - group.pace));
     group.pace = pace;
+    group.rest = rest;
     const FourQuat turning = (2.0f * pace) * conjugate(middle);
     const FourVec3 spin{turning.x, turning.y, turning.z};
 
-    const FourVec3 mean = (1 / h) * held.moved;
+    const FourVec3 mean =
+        ((pass.end - pass.begin) / h) * group.shift + ((bowed(pass.end) - bowed(pass.begin)) / h) * group.shiftBow;
     if (pass.fresh) group.mean = group.last = mean;
     const FourVec3 acceleration = (2 * spread) * (mean - group.mean), start = mean - (0.5f * h) * acceleration;
+    const FourQuat unbend = conjugate(normalized(group.carried + nearer(carriers.bend, group.carried)));
     const FourVec3 d = group.direction;
     if (pass.fresh) group.speed = group.speed + cross(spin, d);
-    group.speed = group.speed - group.inertia * across(start - group.last, d);
+    group.speed = group.speed - group.inertia * across(rotate(conjugate(group.carried), start - group.last), d);
     group.mean = mean;
     group.last = start + h * acceleration;
 
-    const FourVec3 force =
-        group.stiffness * rotate(middle, group.axis) + group.sag * four(pass.gravity) - group.inertia * acceleration;
+    const FourVec3 force = group.stiffness * rotate(middle, group.axis) +
+                           rotate(unbend, group.sag * four(pass.gravity) - group.inertia * acceleration);
     // Without the bound a bone that hangs upside down would leave its carrier as fast as its step is long.
     const FourVec3 halfway = d + (0.5f * h) * group.speed;
     const Four stiffness = greater(dot(force, halfway), 0.25f * group.stiffness);
@@ -202,7 +205,7 @@ void advance(SpringGroup& group, std::span<const SpringGroup> groups, const Spri
     const FourVec3 s = course.b * group.speed + course.p * push;
     group.speed = course.rate * group.speed + course.b * push;
     turn(group, s);
-    place(group, held, pass);
+    place(group, carriers, pass);
 }
 
 }  // namespace ragtop

@@ -7,13 +7,13 @@
 
 namespace ragtop {
 
-/// Four spring bones that as many others carry: what they are, where their carriers are between the last frame and this
-/// one, and how they move.
+/// Four spring bones: what they are, where the animation has them between the last frame and this one, and how they
+/// move.
 struct SpringGroup {
     static constexpr int kLanes = 4;
 
     // What they are.
-    bool roots = true;                  ///< carried by the animation, else by other spring bones:
+    bool roots = true;                  ///< carried by the animation alone, else by other spring bones too:
     std::array<int, kLanes> carrier{};  ///< number of a bone, group · kLanes + lane
     FourVec3 axis{};                    ///< unit, from the joint to the weight, in the bone
     Four length{}, radius{};            ///< m
@@ -21,20 +21,23 @@ struct SpringGroup {
     Four sag{}, inertia{};              ///< 1/s² that gravity pulls with, 1/m: ω² tan(sag), inertia/L
     Four leastCosine{};                 ///< of the swing
 
-    // From the last frame to this one, s in [0, 1]: a + s (b − a) + s (s − 1) bow.
-    FourQuat from{}, to{}, bow{};  ///< rest of a bone in its carrier, of roots in the world
-    FourQuat turnRate{};           ///< of roots, mean of the last frame, 1/s
-    FourVec3 shift{}, shiftBow{};  ///< m, of the joints of roots: b − a and bow
+    // The animation from the last frame to this one, s in [0, 1]: a + s (b − a) + s (s − 1) bow.
+    FourQuat from{}, to{}, bow{};  ///< the bone's rotation
+    FourQuat turnRate{};           ///< mean of the last frame, 1/s
+    FourVec3 shift{}, shiftBow{};  ///< m, of the joint: b − a and bow
     FourVec3 shiftRate{};          ///< m/s, mean of the last frame
-    FourVec3 offset{};             ///< m, of the joints of others, in the carrying bone
-    FourVec3 end{};                ///< m, of the joints of roots at this frame, from the set's origin
+    FourVec3 offset{};             ///< m, of the joint at this frame: in the carrier, of roots from the set's origin
 
-    // How they move.
-    FourVec3 direction{}, speed{};        ///< unit, and its rate in 1/s, world axes
-    FourQuat rest{}, rotation{}, pace{};  ///< of the bone unbent, as it is, and the mean rate of `rest`, 1/s
-    FourVec3 joint{}, moved{};            ///< m, from the set's origin, and by how much in the last substep
-    FourVec3 arm{};                       ///< m, from the carrier's joint, world axes
-    FourVec3 mean{}, last{};              ///< m/s, of the joint: mean of the last substep, and at its end
+    // How they move, in axes that the carrier's bend turns along with it.
+    FourVec3 direction{}, speed{};  ///< unit, and its rate in 1/s
+    FourQuat rest{}, pace{};        ///< the animation's rotation and its mean rate in the last substep, 1/s
+    FourVec3 mean{}, last{};        ///< m/s, of the animation's joint: mean of the last substep, and at its end
+
+    // Where that has them.
+    FourQuat carried{};  ///< `bend` of the carrier
+    FourQuat bend{},
+        rotation{};    ///< from the animation's axes to the world's, of what the bone carries; and of the bone
+    FourVec3 joint{};  ///< m, from the set's origin
 };
 
 /// A ball, a capsule or a half-space at a time of a substep, from the set's origin.
@@ -55,7 +58,7 @@ struct SpringPass {
 
 /// Bones of `group` as they hang at rest at the end of a pass.
 void settle(SpringGroup& group, std::span<const SpringGroup> groups, const SpringPass& pass);
-/// Bones of `group` keep bend and swing relative to their carriers, wherever these are now.
+/// Bones of `group` keep bend and swing relative to the animation, wherever it has them now.
 void carry(SpringGroup& group, std::span<const SpringGroup> groups, const SpringPass& pass);
 /// One substep; carriers have made theirs.
 void advance(SpringGroup& group, std::span<const SpringGroup> groups, const SpringPass& pass);

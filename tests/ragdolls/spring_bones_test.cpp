@@ -145,17 +145,25 @@ TEST(SpringBones, LeansBackAsTheCarrierAccelerates) {
 }
 
 TEST(SpringBones, MovesAlikeAtAnyFrameRate) {
-    for (const int bones : {1, 2}) {
+    for (const int bones : {1, 3, 8}) {
         for (const float frequency : {1.0f, 2.0f, 5.0f}) {
-            const SpringChain chain{.frequency = frequency, .dampingRatio = 0.25f};
-            // Softer than the dance is fast, a chain whips over its carrier, where the least difference grows.
-            if (bones == 2 && frequency < 2) continue;
+            const SpringChain chain{.frequency = frequency};
             const auto exact = course(chain, bones, 1, 4800, dance);
-            for (const int rate : {20, 40, 60, 120, 300})
-                EXPECT_LT(apart(exact, course(chain, bones, 1, rate, dance)), 0.01f)
+            for (const int rate : {20, 40, 60, 120, 300}) {
+                // The tip of eight adds up what frames at 20 Hz do not tell of the dance.
+                const float most = bones == 8 && rate == 20 ? 0.03f : 0.01f;
+                EXPECT_LT(apart(exact, course(chain, bones, 1, rate, dance)), most)
                     << bones << " bones of " << frequency << " Hz at " << rate;
+            }
         }
     }
+}
+
+/// Steps are of second order: half as long, a quarter of the error.
+TEST(SpringBones, ErrorsFallWithTheSquareOfTheFrame) {
+    const auto exact = course({}, 3, 1, 4800, dance);
+    const float coarse = apart(exact, course({}, 3, 1, 60, dance)), fine = apart(exact, course({}, 3, 1, 240, dance));
+    EXPECT_LT(fine, coarse / 10);
 }
 
 TEST(SpringBones, MovesAlikeAtAnySize) {

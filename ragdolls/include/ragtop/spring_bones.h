@@ -14,7 +14,7 @@
 /// Hair, tails, ears, straps: bones that swing behind an animation as damped pendulums.
 namespace ragtop {
 
-/// A line of bones. Each is a pendulum about where its carrier would hold it: its weight is where the next bone begins.
+/// A line of bones. Each is a pendulum about where it would be unbent; its weight is where the next bone begins.
 /// All numbers but `radius` are ratios, rates and angles, so that a skeleton of any size moves alike.
 struct SpringChain {
     int first = -1, last = -1;  ///< indices of bones; `first` is `last` or above it, and none of them is the root
@@ -22,9 +22,9 @@ struct SpringChain {
     Vec3 tip{};
     float frequency = 2.0f;  ///< Hz, of each bone alone
     float dampingRatio = 0.25f;
-    float sag = 0.1f;         ///< rad, by which gravity turns a bone that its carrier holds level
-    float inertia = 1.0f;     ///< share of the carrier's acceleration that bends it
-    float swingLimit = 1.4f;  ///< rad, largest angle to where its carrier would hold it
+    float sag = 0.1f;         ///< rad, by which gravity turns a bone that the animation has level
+    float inertia = 0.5f;     ///< share of the animation's acceleration that bends it
+    float swingLimit = 1.4f;  ///< rad, largest angle to where it would be unbent
     float radius = 0.0f;      ///< m, of the ball at each weight that colliders push out
 };
 
@@ -51,8 +51,8 @@ void describe(Visitor& visit, Self& self, const SpringChain*) {
     visit(Tunable{"frequency", "Hz", 0.05, 30, "of each bone alone"}, self.frequency);
     visit(Tunable{"dampingRatio", "1", 0, 10, "damping over that without overshoot"}, self.dampingRatio);
     visit(Tunable{"sag", "rad", 0, 1.5, "angle by which gravity turns a bone held level"}, self.sag);
-    visit(Tunable{"inertia", "1", 0, 1, "share of the carrier's acceleration that bends it"}, self.inertia);
-    visit(Tunable{"swingLimit", "rad", 1e-3, 3, "largest angle to where the carrier would hold it"}, self.swingLimit);
+    visit(Tunable{"inertia", "1", 0, 1, "share of the animation's acceleration that bends it"}, self.inertia);
+    visit(Tunable{"swingLimit", "rad", 1e-3, 3, "largest angle to where it would be unbent"}, self.swingLimit);
     visit(Tunable{"radius", "m", 0, 1e3, "of the ball at each weight"}, self.radius);
 }
 template <class Visitor, class Self>
@@ -68,11 +68,12 @@ std::string whyInvalid(const SpringBonesDef& def, const Skeleton& skeleton);
 ///
 ///     d̈ = F − (F·d) d − 2ζω (ḋ − ḋ_c) − |ḋ|² d,   F = ω² r + ω² tan(sag) g − (inertia/L) a,
 ///
-/// r where the carrier would hold it, ḋ_c its rate if it were fixed to the carrier, g the unit vector of gravity, a the
-/// acceleration of its joint, L its length. The next bone is carried by it, and does not bend it in turn. Each step is
-/// the damped oscillator's own course for the force and stiffness F·d in its middle, so that it is stable at any
-/// duration, and follows the same course at any frame rate (docs/adr/0044-spring-bones.md). Carriers move between
-/// frames as their last two frames and this one say. Steps neither throw nor allocate.
+/// r where the animation has it, ḋ_c its rate if it were fixed there, a the acceleration of its joint in the animation,
+/// g the unit vector of gravity, L its length; all seen in axes that turn with the bend of the bone that carries it. So
+/// bends add up along a chain, but none shakes another, which would grow from bone to bone without end. Each step is
+/// the damped oscillator's own course for the force and stiffness F·d in its middle: it is stable at any duration, and
+/// the same at any frame rate (docs/adr/0044-spring-bones.md). Between frames the animation moves as its last two
+/// frames and this one say. Steps neither throw nor allocate.
 class SpringBones {
 public:
     /// Throws std::invalid_argument that says what is wrong with the skeleton or the definition.
@@ -87,7 +88,7 @@ public:
     /// their bend. `gravity` may have any length: other than 1 for weaker or stronger pull, with wind added to it.
     /// A pose of another size, a dt below zero and what is not finite assert in debug builds and do nothing.
     void step(std::span<Pose> pose, double dt, const Vec3& gravity = {0, -1, 0});
-    /// What the carrier does before the next step is no motion: chains keep their bend and swing. Told by hand where
+    /// What the animation does before the next step is no motion: chains keep their bend and swing. Told by hand where
     /// a jump is shorter than SpringBonesDef::jump, or a turn.
     void teleport();
     /// The next step begins with chains at rest, as the first one does.
