@@ -1,8 +1,10 @@
 #include "ragtop/ragdoll.h"
 
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
+#include "point_joint.h"
 #include "ragtop/world.h"
 
 namespace ragtop {
@@ -19,7 +21,7 @@ MassProperties massOf(const RagdollPart& part) {
     return mass;
 }
 
-BodyDef bodyOf(const RagdollPart& part, const Pose& pose, const Vec3& velocity) {
+BodyDef bodyOf(const RagdollPart& part, const Pose& pose, const Vec3& velocity, const Vec3& spin) {
     ShapeDef shape{.geometry = part.shape, .frame = part.frame, .material = part.material};
     shape.density = densityOf(part);
     BodyDef body;
@@ -27,6 +29,7 @@ BodyDef bodyOf(const RagdollPart& part, const Pose& pose, const Vec3& velocity) 
     body.shapes.push_back(std::move(shape));
     body.pose = pose;
     body.linearVelocity = velocity;
+    body.angularVelocity = spin;
     return body;
 }
 
@@ -37,29 +40,59 @@ void validate(const RagdollDef& def) {
 
 }  // namespace
 
+/// Pose of a part, velocity of its centre of mass, m/s, and its angular velocity, rad/s.
+struct Ragdoll::PartMotion {
+    Pose pose{};
+    Vec3 velocity{}, spin{};
+};
+
 Ragdoll::Ragdoll(World& world, const RagdollDef& def, const Pose& placement, const Vec3& velocity)
     : world_(&world), def_(def) {
     validate(def_);
-    std::vector<Pose> poses;
-    for (const RagdollPart& part : def_.parts) poses.push_back(placement * part.bind);
-    spawn(poses, velocity);
+    std::vector<PartMotion> parts;
+    for (const RagdollPart& part : def_.parts) parts.push_back({placement * part.bind, velocity, {}});
+    spawn(parts);
 }
 
 Ragdoll::Ragdoll(World& world, const RagdollDef& def, std::span<const Pose> bones, const Vec3& velocity)
     : world_(&world), def_(def) {
     validate(def_);
+    std::vector<PartMotion> parts;
+    for (const Pose& pose : partsOf(bones)) parts.push_back({pose, velocity, {}});
+    spawn(parts);
+}
+
+Ragdoll::Ragdoll(World& world, const RagdollDef& def, std::span<const Pose> before, std::span<const Pose> now,
+                 double dt)
+    : world_(&world), def_(def) {
+    validate(def_);
+    if (!(dt > 0) || !std::isfinite(dt))
+        throw std::invalid_argument("ragdoll: dt is " + std::to_string(dt) + " s, must be above zero and finite");
+    const std::vector<Pose> from = partsOf(before), to = partsOf(now);
+    const auto rate = static_cast<float>(1 / dt);
+    std::vector<PartMotion> parts;
+    for (std::size_t i = 0; i < to.size(); ++i) {
+        const Vec3 center = massOf(def_.parts[i]).center;
+        parts.push_back({to[i], rate * relative(transformPoint(to[i], center), transformPoint(from[i], center)),
+                         rate * rotationVector(to[i].rotation * conjugate(from[i].rotation))});
+    }
+    spawn(parts);
+}
+
+std::vector<Pose> Ragdoll::partsOf(std::span<const Pose> bones) const {
     if (bones.size() != def_.bones.size())
         throw std::invalid_argument("ragdoll: got " + std::to_string(bones.size()) + " poses of bones, must be " +
                                     std::to_string(def_.bones.size()));
-    std::vector<Pose> poses;
-    for (const RagdollPart& part : def_.parts) poses.push_back(bones[static_cast<std::size_t>(part.bone)]);
-    spawn(poses, velocity);
+    std::vector<Pose> parts;
+    for (const RagdollPart& part : def_.parts) parts.push_back(bones[static_cast<std::size_t>(part.bone)]);
+    closeJoints(def_, parts);
+    return parts;
 }
 
-void Ragdoll::spawn(std::span<const Pose> partPoses, const Vec3& velocity) {
+void Ragdoll::spawn(std::span<const PartMotion> parts) {
     try {
         for (std::size_t i = 0; i < def_.parts.size(); ++i)
-            bodies_.push_back(world_->create(bodyOf(def_.parts[i], partPoses[i], velocity)));
+            bodies_.push_back(world_->create(bodyOf(def_.parts[i], parts[i].pose, parts[i].velocity, parts[i].spin)));
         for (std::size_t i = 0; i < def_.parts.size(); ++i) {
             if (def_.parts[i].quiet < 0) continue;
             std::size_t first = 0;
@@ -138,6 +171,20 @@ BodyId Ragdoll::body(std::string_view bone) const {
     for (const RagdollBone& each : def_.bones)
         if (each.name == bone) return bodies_[static_cast<std::size_t>(each.part)];
     return {};
+}
+
+std::vector<BeyondLimit> Ragdoll::beyondLimits(float tolerance) const {
+    std::vector<BeyondLimit> result;
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+        if (!world_->isValid(joints_[i])) continue;
+        const float margin = world_->state(joints_[i]).limitMargin;
+        if (margin < -tolerance) result.push_back({static_cast<int>(i), -margin});
+    }
+    return result;
+}
+
+void Ragdoll::partPoses(std::span<Pose> into) const {
+    for (std::size_t i = 0; i < bodies_.size() && i < into.size(); ++i) into[i] = world_->pose(bodies_[i]);
 }
 
 Pose Ragdoll::pose(int bone) const {

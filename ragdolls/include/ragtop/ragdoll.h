@@ -94,6 +94,12 @@ RagdollDef makeRagdoll(const Skeleton& skeleton, const RagdollOptions& options =
 std::string whyInvalid(const RagdollDef& def);
 std::string whyInvalid(const RagdollOptions& options);
 
+/// A joint that is where its limits do not let it be.
+struct BeyondLimit {
+    int joint = -1;  ///< of the definition
+    float by = 0;    ///< rad or m
+};
+
 /// A ragdoll in a world: its bodies and joints live as long as it does. The world must outlive it and stay where
 /// it is.
 class Ragdoll {
@@ -101,8 +107,13 @@ public:
     /// At rest, with the origin of model space at `placement`, all moving at `velocity` (m/s). Throws
     /// std::invalid_argument on a bad definition.
     Ragdoll(World& world, const RagdollDef& def, const Pose& placement = {}, const Vec3& velocity = {});
-    /// In the pose of an animation: one world pose per bone.
+    /// In the pose of an animation: one world pose per bone, all moving at `velocity`. Parts turn as their bones do,
+    /// and are where their joints have them, also where the animation stretches a bone. What is beyond a limit begins
+    /// there, is told by beyondLimits(), and is moved back without a gain of energy (docs/adr/0027).
     Ragdoll(World& world, const RagdollDef& def, std::span<const Pose> bones, const Vec3& velocity = {});
+    /// Thrown out of an animation: in its pose of now, each part moving and turning as its bone did since the frame
+    /// before, dt seconds ago. Throws std::invalid_argument also where dt is not above zero and finite.
+    Ragdoll(World& world, const RagdollDef& def, std::span<const Pose> before, std::span<const Pose> now, double dt);
     ~Ragdoll();
     Ragdoll(Ragdoll&& other) noexcept;
     Ragdoll& operator=(Ragdoll&& other) noexcept;
@@ -118,7 +129,11 @@ public:
     std::span<const JointId> joints() const { return joints_; }
     /// The body that carries a bone; null when there is no bone of that name.
     BodyId body(std::string_view bone) const;
+    /// Joints that are beyond their limits by more than `tolerance` (rad or m) now.
+    std::vector<BeyondLimit> beyondLimits(float tolerance = 1e-3f) const;
 
+    /// Where the parts are in the world now, into memory of the caller, one entry per part; more are left alone.
+    void partPoses(std::span<Pose> into) const;
     /// Where each bone is in the world now.
     std::vector<Pose> pose() const;
     /// The same into memory of the caller, one entry per bone; more are left alone.
@@ -126,7 +141,9 @@ public:
     Pose pose(int bone) const;
 
 private:
-    void spawn(std::span<const Pose> partPoses, const Vec3& velocity);
+    struct PartMotion;
+    std::vector<Pose> partsOf(std::span<const Pose> bones) const;
+    void spawn(std::span<const PartMotion> parts);
     void release();
     JointDef placed(const RagdollJoint& joint) const;
 
