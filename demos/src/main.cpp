@@ -9,6 +9,7 @@
 
 #include "drive.h"
 #include "inspect.h"
+#include "ragdoll_command.h"
 #include "ragtop/data_folder.h"
 #include "ragtop/scene.h"
 #include "run.h"
@@ -59,6 +60,7 @@ struct Command {
     demos::RunOptions run;
     live::ServeSceneOptions serve;
     demos::DriveOptions drive;
+    demos::RagdollCommand ragdoll;
     std::vector<std::string> settings;
     std::string asset;
 };
@@ -114,6 +116,29 @@ CLI::App* addDrive(CLI::App& app, Command& command) {
     return drive;
 }
 
+CLI::App* addRagdoll(CLI::App& app, Command& command) {
+    demos::RagdollCommand& options = command.ragdoll;
+    std::vector<std::string> names;
+    std::string help = "Only this test, or several:";
+    for (const demos::RagdollTest& test : demos::ragdollTests()) {
+        names.emplace_back(test.name);
+        help += fmt::format("{} {} ({})", names.size() > 1 ? "," : "", test.name, test.meaning);
+    }
+    CLI::App* ragdoll = app.add_subcommand("ragdoll", "Test a ragdoll, character or robot; 1 when a figure fails");
+    ragdoll->add_option("asset", options.asset, "Ragdoll file, character or URDF file")->required();
+    ragdoll->add_option("--test", options.tests, help)->check(CLI::IsMember(names));
+    ragdoll->add_option("--seeds", options.trial.seeds, "Runs of drop, push and flight")
+        ->check(CLI::Range(1, 1000000))
+        ->capture_default_str();
+    ragdoll->add_option("--hz", options.trial.hz, "Steps a second")->check(CLI::Range(10, 1000))->capture_default_str();
+    ragdoll->add_option("--push", options.trial.push, "Impulse on the chest, N s")
+        ->check(CLI::Range(0, 100000))
+        ->capture_default_str();
+    ragdoll->add_flag("--holding", options.holding, "Motors of a robot hold every joint");
+    ragdoll->add_option("--json", options.json, "Write the figures to this file");
+    return ragdoll;
+}
+
 /// What is wrong with the arguments, in one line.
 std::string usageError(const CLI::App& app, const CLI::ParseError& error) {
     const auto unknown = app.remaining();
@@ -138,6 +163,7 @@ int execute(int argc, char** argv) {
     CLI::App* run = addRun(app, command);
     CLI::App* served = addServe(app, command);
     CLI::App* driven = addDrive(app, command);
+    CLI::App* ragdoll = addRagdoll(app, command);
     CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file has in it");
     inspect->add_option("asset", command.asset, "Vehicle, ragdoll, scene, character, robot or mesh")->required();
     try {
@@ -155,7 +181,8 @@ int execute(int argc, char** argv) {
     if (listed->parsed()) list();
     if (run->parsed()) demos::run(command.run);
     if (served->parsed()) serve(command.serve);
-    if (driven->parsed()) return demos::drive(command.drive) ? 0 : kFailed;
+    if (driven->parsed() && !demos::drive(command.drive)) return kFailed;
+    if (ragdoll->parsed() && !demos::testRagdoll(command.ragdoll)) return kFailed;
     if (inspect->parsed()) fmt::print("{}", demos::inspect(command.asset));
     return 0;
 }

@@ -6,42 +6,26 @@
 #include <cmath>
 #include <numeric>
 
+#include "json_text.h"
+
 namespace ragtop::demos {
-namespace {
-
-/// JSON has no NaN and no infinity.
-std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.9g}", value) : "null"; }
-
-std::string quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') out += '\\';
-        if (static_cast<unsigned char>(c) < 0x20)
-            out += fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
-        else
-            out += c;
-    }
-    return out + "\"";
-}
-
-}  // namespace
 
 std::string toJson(const Summary& s) {
     std::string times, warnings;
     for (const auto& [name, ms] : s.msPerStep) {
-        times += fmt::format("{}\n    {}: {}", times.empty() ? "" : ",", quoted(name), number(ms));
+        times += fmt::format("{}\n    {}: {}", times.empty() ? "" : ",", jsonString(name), jsonNumber(ms));
     }
     for (const std::string& warning : s.warnings)
-        warnings += (warnings.empty() ? "\n    " : ",\n    ") + quoted(warning);
+        warnings += (warnings.empty() ? "\n    " : ",\n    ") + jsonString(warning);
     std::string out = "{\n";
     out += fmt::format("  \"hash\": \"{:016x}\",\n  \"steps\": {},\n  \"finite\": {},\n", s.hash, s.steps, s.finite);
-    out += fmt::format("  \"real_time_factor\": {},\n  \"real_time_factor_min\": {},\n", number(s.realTimeFactor),
-                       number(s.realTimeFactorMin));
+    out += fmt::format("  \"real_time_factor\": {},\n  \"real_time_factor_min\": {},\n", jsonNumber(s.realTimeFactor),
+                       jsonNumber(s.realTimeFactorMin));
     out += fmt::format("  \"ms_per_step\": {{{}\n  }},\n  \"contacts\": {},\n", times, s.contacts);
     out += fmt::format("  \"penetration_max_m\": {},\n  \"penetration_p99_m\": {},\n  \"joint_gap_max_m\": {},\n",
-                       number(s.penetrationMax), number(s.penetrationP99), number(s.jointGapMax));
-    out += fmt::format("  \"moved_max_m\": {},\n  \"max_speed_m_s\": {},\n  \"energy_j\": {},\n", number(s.movedMax),
-                       number(s.maxSpeed), number(s.energy));
+                       jsonNumber(s.penetrationMax), jsonNumber(s.penetrationP99), jsonNumber(s.jointGapMax));
+    out += fmt::format("  \"moved_max_m\": {},\n  \"max_speed_m_s\": {},\n  \"energy_j\": {},\n",
+                       jsonNumber(s.movedMax), jsonNumber(s.maxSpeed), jsonNumber(s.energy));
     out += fmt::format("  \"warnings\": [{}]\n}}\n", warnings.empty() ? "" : warnings + "\n  ");
     return out;
 }

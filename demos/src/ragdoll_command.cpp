@@ -1,0 +1,54 @@
+#include "ragdoll_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "json_text.h"
+#include "ragtop/asset_error.h"
+
+namespace ragtop::demos {
+namespace {
+
+std::string line(const RagdollFigure& figure) {
+    return fmt::format("{:6} {:34} {:>11.4g} {} {:<8.4g} {}{}\n", figure.test, figure.name, figure.value,
+                       figure.atLeast ? ">=" : "<=", figure.bound, figure.passes() ? "ok" : "FAILS",
+                       figure.passes() || figure.where.empty() ? "" : "  (" + figure.where + ")");
+}
+
+std::string toJson(const RagdollCommand& command, const std::string& name, const std::vector<RagdollFigure>& figures) {
+    std::string lines;
+    for (const RagdollFigure& figure : figures)
+        lines += fmt::format(
+            "{}\n    {{\"test\": {}, \"name\": {}, \"value\": {}, \"{}\": {}, \"passes\": {}, \"where\": {}}}",
+            lines.empty() ? "" : ",", jsonString(figure.test), jsonString(figure.name), jsonNumber(figure.value),
+            figure.atLeast ? "least" : "most", jsonNumber(figure.bound), figure.passes(), jsonString(figure.where));
+    return fmt::format("{{\n  \"asset\": {},\n  \"hz\": {},\n  \"seeds\": {},\n  \"figures\": [{}\n  ]\n}}\n",
+                       jsonString(name), jsonNumber(command.trial.hz), command.trial.seeds, lines);
+}
+
+}  // namespace
+
+bool testRagdoll(const RagdollCommand& command) {
+    RagdollSubject subject = loadRagdollSubject(command.asset);
+    subject.holding = command.holding;
+    std::vector<RagdollFigure> figures;
+    for (const RagdollTest& test : ragdollTests()) {
+        const bool asked = std::find(command.tests.begin(), command.tests.end(), test.name) != command.tests.end();
+        if (!asked && !command.tests.empty()) continue;
+        for (RagdollFigure& figure : test.run(subject, command.trial)) {
+            fmt::print("{}", line(figure));
+            figures.push_back(std::move(figure));
+        }
+        std::fflush(stdout);
+    }
+    if (command.json) {
+        std::ofstream file(*command.json);
+        file << toJson(command, subject.name, figures);
+        if (!file.flush()) throw AssetError(*command.json + ": cannot be written");
+    }
+    return std::all_of(figures.begin(), figures.end(), [](const RagdollFigure& figure) { return figure.passes(); });
+}
+
+}  // namespace ragtop::demos
