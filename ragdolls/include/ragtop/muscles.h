@@ -1,0 +1,112 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ragtop/anatomy.h"
+#include "ragtop/math.h"
+#include "ragtop/ragdoll.h"
+#include "ragtop/tunables.h"
+
+/// Powered ragdolls: muscles that hold or follow a pose, as strong as a human's.
+namespace ragtop {
+
+/// How tense a body is.
+struct MuscleProfile {
+    float frequency = 4.0f;  ///< Hz, at which a part with all that hangs on it would swing about its target
+    float dampingRatio = 1.0f;
+    float strength = 1.0f;  ///< of the greatest torques of strengthOf
+    float friction = 1.0f;  ///< of the joints' dry friction in the definition
+    float weight = 1.0f;    ///< share of the weight beyond a joint that its muscles bear without being bent
+};
+
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const MuscleProfile*) {
+    visit(Tunable{"frequency", "Hz", 0.1, 20, "of a part with all that hangs on it about its target"}, self.frequency);
+    visit(Tunable{"dampingRatio", "1", 0, 10, "damping over that without overshoot"}, self.dampingRatio);
+    visit(Tunable{"strength", "1", 0, 100, "of the greatest torques of a human of that mass"}, self.strength);
+    visit(Tunable{"friction", "1", 0, 100, "of the dry friction of the joints"}, self.friction);
+    visit(Tunable{"weight", "1", 0, 1, "share of the weight that is borne without being bent"}, self.weight);
+}
+
+/// "limp", "weak", "relaxed", "tense" or "rigid". Throws std::invalid_argument that names them all.
+MuscleProfile muscleProfile(std::string_view name);
+/// Names of all of them, from limp to rigid.
+std::span<const std::string_view> muscleProfileNames();
+/// Empty when the profile is usable; otherwise names the field, its value and what is allowed.
+std::string whyInvalid(const MuscleProfile& profile);
+
+/// Greatest torque, N m, of the muscles that move a part against what carries it, in a human of `bodyMass` kg: of the
+/// stronger direction, of the median man; 0 for `other`.
+float strengthOf(BodyRole role, float bodyMass);
+
+/// The muscles of one ragdoll: a damped spring of bounded torque on each ball and hinge, to whose torque that is added
+/// which bears the weight beyond the joint (inverse dynamics of a standing start). At first they hold the pose that the
+/// ragdoll is in. They act between parts only, so that nothing holds the body up but what it touches. World and ragdoll
+/// must outlive them and stay where they are; the joints are as defined again once they are gone. Strengths and targets
+/// are not part of a world's saved state.
+///
+///     muscles.follow(clip.pose(t), dt);  muscles.step(dt);  world.step(dt);
+///
+/// A bone is limp at strength 0. How much of a bone is drawn from physics is `blend` with a share for each bone
+/// (pose.h).
+class Muscles {
+public:
+    /// Throws std::invalid_argument on a bad profile.
+    Muscles(World& world, const Ragdoll& ragdoll, const MuscleProfile& profile = {});
+    ~Muscles();
+    Muscles(const Muscles&) = delete;
+    Muscles& operator=(const Muscles&) = delete;
+
+    const MuscleProfile& profile() const { return profile_; }
+    /// From the next step on; gains and torques get there within `seconds`, so that nothing jumps. Throws
+    /// std::invalid_argument on a bad profile or duration.
+    void setProfile(const MuscleProfile& profile, float seconds = 0.2f);
+    /// Strength of one joint of the definition beside the profile's, 0 (limp) to 1, as an injury leaves it; gets there
+    /// within `seconds`. Throws std::out_of_range, and std::invalid_argument on a number that is none of these.
+    void setStrength(int joint, float share, float seconds = 0.2f);
+    /// What setStrength has reached by now.
+    float strength(int joint) const { return muscles_.at(static_cast<std::size_t>(joint)).share; }
+    /// Greatest torque of a joint by profile, role and strength now, N m.
+    float bound(int joint) const;
+
+    /// The pose to take: world poses of the bones, of which turns to each other count. With the seconds since the pose
+    /// before, muscles know how fast it moves; 0: it stands. Throws std::invalid_argument on another number of bones or
+    /// a rotation that is none.
+    void follow(std::span<const Pose> bones, double dt = 0);
+    /// Root mean square over the muscles of the angle to their targets, rad; and of one joint.
+    float error() const;
+    float error(int joint) const;
+
+    /// Sets the joints for the next step of the world, of dt seconds; does not throw.
+    void step(double dt);
+
+private:
+    struct Muscle {
+        float most = 0;               ///< N m, of a healthy human
+        float share = 1, wanted = 1;  ///< of the strength; and where it is going
+        float rate = 0;               ///< 1/s
+        Quat target{};                ///< of the child's joint frame in the parent's
+        Vec3 speed{};                 ///< rad/s, of the target, in the parent's joint frame
+    };
+
+    bool powers(int joint) const;
+    Quat turnNow(int joint) const;
+    void ease(float dt);
+    void weigh();
+    JointDef drive(int joint) const;
+
+    World* world_;
+    const Ragdoll* ragdoll_;
+    MuscleProfile profile_, from_, to_;
+    float easing_ = 1, easingRate_ = 0;
+    std::vector<Muscle> muscles_;   ///< one per joint
+    std::vector<int> parentJoint_;  ///< of each part, −1: none
+    std::vector<Vec3> torque_;      ///< N m, world axes, that bears the weight beyond each joint
+    std::vector<float> inertia_;    ///< kg m², about each joint, of all beyond it
+    bool told_ = false;             ///< was there a target before?
+};
+
+}  // namespace ragtop
