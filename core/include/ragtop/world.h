@@ -84,6 +84,9 @@ struct StepStats {
     /// world was made; and how much, J.
     std::uint64_t energyGuarded = 0;
     double energyTaken = 0;
+    /// Times that a group of bodies held together by joints was moved to close joints that a step had left open, since the
+    /// world was made.
+    std::uint64_t jointsClosed = 0;
     double totalMs = 0;
     int bodies = 0, awakeBodies = 0, contacts = 0, touching = 0, joints = 0, colors = 0;
     std::size_t bytes = 0;  ///< memory held

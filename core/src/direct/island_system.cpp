@@ -254,7 +254,35 @@ void IslandSystem::beginSubstep(const BodyArrays& arrays, const JointContext& jo
     stopped_ = rests_;
     if (rests_) return;
     refreshMasses(arrays);
-    buildRows(arrays, joints, true);
+    buildRows(arrays, joints, true, RowAims::substep);
+}
+
+void IslandSystem::makeHeavy(SystemBody& body, double factor) {
+    for (double& m : body.mass) m *= factor;
+    for (double& m : body.inverseMass) m /= factor;
+    body.inertia = scaled(body.inertia, factor);
+    body.inverseInertia = body.inverseTaut = scaled(body.inverseInertia, 1 / factor);
+}
+
+double IslandSystem::largestTurn(double h) const {
+    double square = 0;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const DVec3 w = load(velocity_.data() + 6 * i + 3);
+        const double s = dot(w, w);
+        square = s > square ? s : square;
+    }
+    return h * std::sqrt(square);
+}
+
+void IslandSystem::aimAtRest(const BodyArrays& arrays, const JointContext& joints) {
+    refreshMasses(arrays);
+    buildRows(arrays, joints, false, RowAims::resting);
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        const BodyState& state = arrays.states[bodies_[i].state];
+        store(toDouble(state.v), free_.data() + 6 * i);
+        store(toDouble(state.w), free_.data() + 6 * i + 3);
+    }
+    for (std::size_t i = 0; i < unknowns(); ++i) velocity_[i] = free_[i];
 }
 
 /// The stiffness of a body's joints over its inertia, about the axis for which it matters most.
@@ -273,14 +301,14 @@ bool IslandSystem::aimAgain(const BodyArrays& arrays, const JointContext& joints
         if (row.kind == RowKind::across) return false;  // its rest is the free motion
     storeImpulses(rows_, joints_.data());
     for (SystemBody& body : bodies_) body.stiffness = {};
-    buildRows(arrays, joints, false);
+    buildRows(arrays, joints, false, RowAims::substep);
     return true;
 }
 
-void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins) {
+void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins, RowAims aims) {
     rows_.clear();
     if (joints_.empty()) return;
-    const JointRowBuilder builder{arrays, joints, rows_, bodies_.data(), begins};
+    const JointRowBuilder builder{arrays, joints, rows_, bodies_.data(), begins, aims};
     for (std::size_t j = 0; j < joints_.size(); ++j)
         builder.add(*joints_[j], static_cast<std::uint32_t>(j), jointEnds_[2 * j], jointEnds_[2 * j + 1]);
     for (SystemBody& body : bodies_)

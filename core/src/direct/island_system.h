@@ -89,6 +89,13 @@ struct RestingAim {
     double target = 0, resistance = 0, lower = 0, upper = 0;
 };
 
+/// What rows of joints ask for.
+enum class RowAims : std::uint8_t {
+    substep,  ///< velocities that bring errors of places back too
+    closing,  ///< places alone: the way, in units of the substep, that closes the errors there are
+    resting,  ///< that rigid rows do not open any more
+};
+
 /// A scalar row with bounds: a joint's.
 struct SystemRow {
     RowKind kind = RowKind::first;
@@ -145,6 +152,29 @@ public:
 
     /// Once per substep: free velocities, Jacobians of joints, masses.
     void beginSubstep(const BodyArrays& arrays, const JointContext& joints);
+    /// Asks for the ways that close the joints where they are now, on top of no motion, with weightOf(body) times its
+    /// mass for each.
+    template <class WeightOf>
+    void aimAtClosing(const BodyArrays& arrays, const JointContext& joints, WeightOf&& weightOf) {
+        refreshMasses(arrays);
+        for (SystemBody& body : bodies_)
+            if (const double weight = weightOf(body.state); weight != 1) makeHeavy(body, weight);
+        buildRows(arrays, joints, false, RowAims::closing);
+        for (std::size_t i = 0; i < unknowns(); ++i) free_[i] = velocity_[i] = 0;
+    }
+    /// Rows that give way more are followed less far where they can hardly be closed.
+    void soften(double factor) {
+        for (SystemRow& row : rows_) row.resistance *= factor;
+        for (double& x : velocity_) x = 0;
+    }
+    /// What was found, as ways over h: the largest turn, rad, and that of each body.
+    double largestTurn(double h) const;
+    void visitWays(double h, auto&& visit) const {
+        for (std::size_t i = 0; i < bodies_.size(); ++i)
+            visit(bodies_[i].state, h * load(velocity_.data() + 6 * i), h * load(velocity_.data() + 6 * i + 3));
+    }
+    /// Asks that rigid rows where they are now do not open, of the velocities that bodies have.
+    void aimAtRest(const BodyArrays& arrays, const JointContext& joints);
     /// Rows of taut joints anew, about the velocities that were found and written. False where that is not needed.
     bool aimAgain(const BodyArrays& arrays, const JointContext& joints);
     /// Targets of the pass that moves positions.
@@ -203,12 +233,13 @@ private:
     void loadBodies(const IslandParts& parts, const BodyArrays& arrays);
     void loadContacts(const IslandParts& parts, const BodyArrays& arrays);
     void loadPattern();
-    void buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins);
+    void buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins, RowAims aims);
     /// Is the speed of a body, of turning at its radius of gyration too, not above the one given?
     bool isBelow(std::size_t body, double speed) const;
     /// Stops such a body.
     bool stopBelow(std::size_t body, double speed);
     void refreshMasses(const BodyArrays& arrays);
+    static void makeHeavy(SystemBody& body, double factor);
     void updateGaps(const BodyArrays& arrays);
     void speedsAt(const double* v);
     /// Of each body, m/s, in the scratch: what may be left alone.

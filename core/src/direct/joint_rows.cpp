@@ -87,14 +87,17 @@ public:
     }
     /// `ahead` is the error where free motion leads.
     void rigid(SystemRow row, RowKind kind, double load, double error, double ahead) const {
+        row.lower = -kNoBound, row.upper = kNoBound;
+        if (builder_.aims == RowAims::closing) return push(row, kind, 0, -error * inverseH(), {});
+        if (builder_.aims == RowAims::resting) return push(row, kind, 0, 0, {});
         const double still = curving(row, error, ahead);
         const double bias = -static_cast<double>(builder_.context.softness.biasRate) * error;
-        row.lower = -kNoBound, row.upper = kNoBound;
         push(row, kind, load, still + bias, {still, row.resistance, -kNoBound, kNoBound});
     }
     /// A row as sweeps have it; `bend` is the speed along it at which its coordinate does not change.
     void scalar(SystemRow row, RowKind kind, double load, const RowAim& moving, const RowAim& resting,
                 double inverseMass, double bend) const {
+        if (builder_.aims != RowAims::substep) return;
         row.lower = moving.lower, row.upper = moving.upper;
         RestingAim rest{bend + resting.target, row.resistance, resting.lower, resting.upper};
         row.compliant = moving.drag >= 0;
@@ -111,6 +114,13 @@ public:
         rest.target = static_cast<double>(resting.push - moving.push) * rest.resistance;
         push(row, kind, moving.push, 0, rest);
     }
+    /// The way that brings what is beyond a stop back to it, or that may be used up until it is met.
+    void close(SystemRow row, RowKind kind, const StopSide& side) const {
+        row.lower = 0, row.upper = kNoBound;
+        push(row, kind, 0, -static_cast<double>(side.margin) * inverseH(), {});
+    }
+    RowAims aims() const { return builder_.aims; }
+    double inverseH() const { return builder_.context.inverseH; }
     /// The speed along the row at which an error would not change: what free motion has, less the change it makes.
     double curving(const SystemRow& row, double error, double ahead) const {
         return freeSpeed(row) - (ahead - error) * static_cast<double>(builder_.context.inverseH);
@@ -118,6 +128,7 @@ public:
     const JointContext& context() const { return builder_.context; }
     /// The stiffness of tension T across a line of length L: a spring h γ T/L about the free motion.
     void across(const DVec3& d, double weight) const {
+        if (builder_.aims != RowAims::substep) return;
         SystemRow r = linear(d);
         r.resistance = 1 / weight;
         r.compliant = true;
@@ -216,6 +227,10 @@ void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis
         const StopSide &now = upper ? axis.atUpper : axis.atLower, &later = upper ? ahead.atUpper : ahead.atLower;
         const double bend = stops ? writer.curving(along, now.margin, later.margin) : 0.0;
         const bool stop = stops && (axis.features & AxisRows::kLimit) != 0;
+        if (writer.aims() == RowAims::closing) {
+            if (stop && !(axis.stop.stiffness > 0)) writer.close(along, after(first, i), now);
+            continue;
+        }
         writer.scalar(along, after(first, i), axis.impulse(slot), aimOf(axis, slot, writer.context(), true),
                       stop ? restingAim(now, axis.stop, axis.inverseMass, writer.context())
                            : aimOf(axis, slot, writer.context(), false),
@@ -241,6 +256,10 @@ void addTurnStop(const RowWriter& writer, RowKind kind, const Vec3& axis, const 
     const bool isThere = ahead.margin < kFarAway && side.margin < kFarAway;
     const double bend = isThere ? writer.curving(row, side.margin, ahead.margin) : 0.0;
     const Stop& stop = joint.ball.stop;
+    if (writer.aims() == RowAims::closing) {
+        if (isThere && !(stop.stiffness > 0)) writer.close(row, kind, side);
+        return;
+    }
     writer.scalar(row, kind, side.impulse, aimAtStop(side, stop, w, writer.context(), true),
                   restingAim(side, stop, w, writer.context()), w, bend);
 }
@@ -318,9 +337,10 @@ void JointRowBuilder::add(JointSim& joint, std::uint32_t index, std::int32_t a, 
     refreshJoint(joint, ends.pair(), {context, begins});
 
     const double h = context.h;
+    const bool moves = aims == RowAims::substep;
     const DVec3 force = toDouble(carriedImpulse(joint).linear);
-    if (a != kFixed) addStiffness(bodies[a], -1.0 * force, toDouble(joint.arms.a), h);
-    if (b != kFixed) addStiffness(bodies[b], force, toDouble(joint.arms.b), h);
+    if (moves && a != kFixed) addStiffness(bodies[a], -1.0 * force, toDouble(joint.arms.a), h);
+    if (moves && b != kFixed) addStiffness(bodies[b], force, toDouble(joint.arms.b), h);
 
     const RowWriter writer(*this, joint, index, a, b);
     const DVec3 free = toDouble(joint.block.basis.cz);

@@ -19,6 +19,7 @@ struct JointRowBuilder {
     AlignedArray<SystemRow>& rows;
     SystemBody* bodies;
     bool begins;  ///< for the first time in the substep
+    RowAims aims = RowAims::substep;
 
     void add(JointSim& joint, std::uint32_t index, std::int32_t a, std::int32_t b) const;
 };

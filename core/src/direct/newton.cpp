@@ -155,4 +155,23 @@ void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveRepor
     if (startFromLoads && isLarge(system)) refine(system, factored, report);
 }
 
+void solveJoints(IslandSystem& system, int steps, bool& factored, SolveReport& report) {
+    const std::size_t n = system.unknowns();
+    double* v = system.velocity();
+    double* change = system.scratch().direction.data();
+    for (int i = 0; i < steps; ++i) {
+        const Residual residual = system.evaluate(v, change);
+        if (!std::isfinite(residual.norm) || residual.norm <= kRounding * residual.scale) return;
+        if (!factored || system.regionsChanged()) {
+            if (!system.factorize()) return;
+            factored = true;
+            ++report.factorizations;
+        }
+        for (std::size_t k = 0; k < n; ++k) change[k] = -change[k];
+        system.solve(change);
+        ++report.iterations;
+        for (std::size_t k = 0; k < n; ++k) v[k] += change[k];
+    }
+}
+
 }  // namespace ragtop::direct

@@ -17,4 +17,8 @@ struct SolveReport {
 /// is finite whatever happens.
 void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveReport& report);
 
+/// A system of joints alone, in so many steps at most of an active set [Hintermüller, Ito, Kunisch, 2002]: rigid rows
+/// hold after each of them, and rows with bounds hold or give as the step before has found them.
+void solveJoints(IslandSystem& system, int steps, bool& factored, SolveReport& report);
+
 }  // namespace ragtop::direct

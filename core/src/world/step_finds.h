@@ -174,7 +174,7 @@ enum BodyFlag : std::uint8_t {
     kNotFast,
     kFastClear,  ///< went far for its size, but past nothing
     kToSweep,    ///< went far for its size
-    kSwept,      ///< met something on its way, or is joined to what did
+    kSwept,      ///< met something on its way
     kRunaway
 };
 

@@ -97,6 +97,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       sweptCouplings(memory),
       assemblies(memory),
       energyGuard(memory),
+      jointClosing(memory),
       boundsLeft(memory),
       freshManifolds(memory),
       directIslands(memory),
@@ -116,7 +117,6 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       ledger(memory),
       bodyFlags(memory),
       pairSearch(memory),
-      sweptBodies(memory),
       sweptImpacts(memory),
       begins(memory),
       ends(memory),
@@ -184,6 +184,7 @@ StepStats World::stats() const {
     stats.runaways = w.runaways;
     stats.energyGuarded = w.energyGuard.caught;
     stats.energyTaken = w.energyGuard.taken;
+    stats.jointsClosed = w.jointClosing.closed;
     stats.totalMs = w.totalMs;
     stats.bodies = static_cast<int>(w.bodySlots.used()) - 1;
     stats.awakeBodies = static_cast<int>(w.awakeBodies.size());

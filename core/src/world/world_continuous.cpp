@@ -177,7 +177,6 @@ bool WorldImpl::mayMeet(std::uint32_t index, const DVec3& start) const {
 /// not foresee. Serial and in order of the list, but for those that meet nothing.
 void WorldImpl::sweepFastBodies() {
     sweptImpacts.clear();
-    sweptBodies.clear();
     if (!settings.continuous) return;
     const std::size_t count = awakeBodies.size();
     posesMoved = true;
@@ -185,31 +184,10 @@ void WorldImpl::sweepFastBodies() {
     for (std::size_t i = 0; i < count; ++i)
         if (bodyFlags[i] == kToSweep && moves(awakeBodies[i])) sweepBody(awakeBodies[i]);
     posesMoved = false;
-    followSweptLimbs();
-}
-
-/// A limb that a sweep has held up would leave its figure behind, by all that the figure moves in a step. What it is
-/// joined to is moved after it, from body to body as far as the figure goes; velocities are left to its joints.
-void WorldImpl::followSweptLimbs() {
-    for (std::size_t i = 0; i < sweptBodies.size(); ++i) {
-        const std::uint32_t body = sweptBodies[i];
-        for (std::uint32_t key = bodies[body].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
-            const std::uint32_t j = key >> 1;
-            const JointRecord& joint = joints[j];
-            const std::uint32_t other = joint.bodyA == body ? joint.bodyB : joint.bodyA;
-            if (!isOfFigure(j) || bodyFlags[bodies[other].awakeIndex] == kSwept) continue;
-            const JointBodiesAtStep joined = jointBodies(joint);
-            const Vec3 gap = joined.centerOffset + rotate(joined.rotationB, jointSims[j].localB.position) -
-                             rotate(joined.rotationA, jointSims[j].localA.position);
-            bodies[other].center = bodies[other].center + (joint.bodyA == body ? -gap : gap);
-            noteSwept(other);
-        }
-    }
 }
 
 void WorldImpl::noteSwept(std::uint32_t index) {
     bodyFlags[bodies[index].awakeIndex] = kSwept;
-    sweptBodies.push(index);
 }
 
 /// What is swept past obstacles that stand still alone, and meets none, depends on nothing that other sweeps change; one

@@ -29,6 +29,7 @@
 #include "solve/joint_kernels.h"
 #include "solve/kernel_table.h"
 #include "world/energy_guard.h"
+#include "world/joint_closing.h"
 #include "world/id_lists.h"
 #include "world/records.h"
 #include "world/step_finds.h"
@@ -191,7 +192,6 @@ struct WorldImpl {
     // world_continuous.cpp
     bool mayMeet(std::uint32_t body, const DVec3& start) const;
     void sweepFastBodies();
-    void followSweptLimbs();
     void noteSwept(std::uint32_t index);
     void sweepBody(std::uint32_t body);
     void clearWays();
@@ -450,6 +450,7 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
     Assemblies assemblies;
     EnergyGuard energyGuard;
+    JointClosing jointClosing;
     BoundsLeft boundsLeft;
     StageArray<IslandBearing> bearings;  ///< of world_islands.cpp, as the three after it
     StageArray<std::uint32_t> bearingBegin, neighbours, islandNumber;  ///< per body, of moving ones; per root
@@ -474,7 +475,6 @@ struct WorldImpl {
     std::uint64_t directFailures = 0, runaways = 0;  ///< since the world was made: solves given up, bodies that ran away
     AlignedArray<BodyFlag> bodyFlags;  ///< per awake body, set by finishBodies
     PairSearch pairSearch;
-    AlignedArray<std::uint32_t> sweptBodies;  ///< those that are kSwept in this step
     AlignedArray<SweptImpact> sweptImpacts;  ///< of this step, for its events
     StageArray<StartPose> startPoses;        ///< per awake body, while the step is finished
     SolverContext context;

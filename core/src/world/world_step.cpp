@@ -94,6 +94,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         stopRunaways();
         bringBackJoints();
         sweepFastBodies();
+        closeOpenJoints(*this);
         refitBounds();
         beginStage("events");
         updateSensors();

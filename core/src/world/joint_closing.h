@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <memory_resource>
+#include <vector>
+
+#include "base/aligned_array.h"
+#include "constraints/joint_sim.h"
+#include "direct/island_system.h"
+
+/// Closes joints by places where a step has left them open (docs/adr/0040-closing-joints.md). Whatever way its island
+/// is solved, a group of bodies that joints hold together ends no step with its anchors further apart than a small part
+/// of their bodies' size: all of the group go the least way, weighted with their masses, that closes its joints, and
+/// what speed opens them is taken. Both are orthogonal projections in the metric of the masses: they keep the momentum
+/// of a group that nothing holds, and add no kinetic energy.
+namespace ragtop {
+
+struct WorldImpl;
+
+/// Memory of the closing, from step to step.
+struct JointClosing {
+    explicit JointClosing(std::pmr::memory_resource* memory) : open(memory), groups(memory), localOf(memory) {}
+
+    AlignedArray<std::uint8_t> open;      ///< per group of the energy guard
+    AlignedArray<std::uint32_t> groups;   ///< those that are open
+    AlignedArray<std::uint32_t> localOf;  ///< per body, its number in its group's system
+    /// Of each worker.
+    struct Bench {
+        explicit Bench(std::pmr::memory_resource* memory) : joints(memory), sims(memory), system(memory) {}
+        AlignedArray<std::uint32_t> joints;
+        AlignedArray<JointSim*> sims;
+        direct::IslandSystem system;
+    };
+    std::vector<std::unique_ptr<Bench>> benches;
+    std::uint64_t closed = 0;  ///< groups, since the world was made
+};
+
+/// When bodies are where the step has taken them.
+void closeOpenJoints(WorldImpl& world);
+
+}  // namespace ragtop
