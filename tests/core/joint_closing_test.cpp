@@ -129,6 +129,32 @@ TEST(JointClosing, AddsNoKineticEnergy) {
     EXPECT_GT(world.stats().jointsClosed, 0u);
 }
 
+/// What hangs from a hand that moves keeps up with it: joints are at rest against the hand, not against the world.
+TEST(JointClosing, FollowsTheHandThatItHangsFrom) {
+    for (const double speed : {2.0, 20.0}) {
+        World world{inSpace()};
+        const Row row(world, 6, 20);
+        BodyDef hand;
+        hand.type = BodyType::kinematic;
+        hand.pose.position = {-0.25, 5, 0};
+        const BodyId held = world.create(hand);
+        JointBodies joined{.a = held, .b = row.bodies[0]};
+        joined.frameB = {{-0.25f, 0, 0}, {}};
+        world.create(BallDef{.bodies = joined});
+        // Along the row, which stays straight and must be as fast when it has been put aside by 3 cm and closed.
+        world.setVelocity(held, {static_cast<float>(-speed), 0, 0}, {});
+        for (const BodyId body : row.bodies) world.setVelocity(body, {static_cast<float>(-speed), 0, 0}, {});
+        Pose pose = world.pose(row.bodies[0]);
+        pose.position.x += 0.03;
+        world.setPose(row.bodies[0], pose);
+
+        world.step(kDt);
+
+        EXPECT_GT(world.stats().jointsClosed, 0u) << speed;
+        for (const BodyId body : row.bodies) EXPECT_NEAR(world.linearVelocity(body).x, -speed, 1e-3 * speed) << speed;
+    }
+}
+
 /// What sweeps close by themselves is left to them.
 TEST(JointClosing, LeavesAloneWhatIsClosed) {
     World world{withoutSleep()};

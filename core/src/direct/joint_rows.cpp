@@ -69,7 +69,9 @@ public:
           a_(a),
           b_(b),
           armA_(toDouble(joint.arms.a)),
-          armB_(toDouble(joint.arms.b)) {}
+          armB_(toDouble(joint.arms.b)),
+          stateA_(builder.arrays.states[joint.stateA]),
+          stateB_(builder.arrays.states[joint.stateB]) {}
 
     SystemRow along(const PairVector& d) const {
         const DVec3 l = toDouble(d.linear), turn = toDouble(d.angular);
@@ -89,7 +91,7 @@ public:
     void rigid(SystemRow row, RowKind kind, double load, double error, double ahead) const {
         row.lower = -kNoBound, row.upper = kNoBound;
         if (builder_.aims == RowAims::closing) return push(row, kind, 0, -error * inverseH(), {});
-        if (builder_.aims == RowAims::resting) return push(row, kind, 0, 0, {});
+        if (builder_.aims == RowAims::resting) return push(row, kind, 0, -drivenSpeed(row), {});
         const double still = curving(row, error, ahead);
         const double bias = -static_cast<double>(builder_.context.softness.biasRate) * error;
         push(row, kind, load, still + bias, {still, row.resistance, -kNoBound, kNoBound});
@@ -121,6 +123,17 @@ public:
     }
     RowAims aims() const { return builder_.aims; }
     double inverseH() const { return builder_.context.inverseH; }
+    /// What bodies that no impulse moves do along the row.
+    double drivenSpeed(const SystemRow& row) const {
+        double u = 0;
+        const auto part = [&](std::int32_t body, const BodyState& s, const double j[6]) {
+            if (body != kFixed) return;
+            u += dot(load(j), toDouble(s.v)) + dot(load(j + 3), toDouble(s.w));
+        };
+        part(row.a, stateA_, row.ja);
+        part(row.b, stateB_, row.jb);
+        return u;
+    }
     /// The speed along the row at which an error would not change: what free motion has, less the change it makes.
     double curving(const SystemRow& row, double error, double ahead) const {
         return freeSpeed(row) - (ahead - error) * static_cast<double>(builder_.context.inverseH);
@@ -182,6 +195,7 @@ private:
     std::uint32_t index_;
     std::int32_t a_, b_;
     DVec3 armA_, armB_;
+    const BodyState &stateA_, &stateB_;
 };
 
 const Vec3& columnOf(const Mat3& m, int k) { return k == 0 ? m.cx : k == 1 ? m.cy : m.cz; }

@@ -68,9 +68,12 @@ float widestOpening(const WorldImpl& world, std::span<const std::uint32_t> joint
     return widest;
 }
 
-/// Ways that close joints know nothing of what couplings hold, nor of what soft stops store.
+/// Ways that close joints know nothing of what couplings hold, nor of what springs and soft stops store.
 bool isHeldOtherwise(const JointSim& sim) {
-    return (sim.axis.features & AxisRows::kCoupled) != 0 || sim.axis.stop.stiffness > 0 || sim.ball.stop.stiffness > 0;
+    constexpr std::uint32_t kAxis = AxisRows::kSpring | AxisRows::kCoupled;
+    constexpr std::uint32_t kBall = BallRows::kSpring | BallRows::kDrives;
+    return (sim.axis.features & kAxis) != 0 || (sim.ball.features & kBall) != 0 || sim.axis.stop.stiffness > 0 ||
+           sim.ball.stop.stiffness > 0;
 }
 
 bool isOpen(const WorldImpl& world, std::span<const std::uint32_t> group) {
