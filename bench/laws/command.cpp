@@ -89,7 +89,7 @@ std::string runJob(const Job& job, const Arguments& arguments) {
     } catch (const stability::Unsupported& reason) {
         return json{{"unsupported", reason.what()}}.dump();
     }
-    if (arguments.restore && job.engine->make == stability::makeRagtop)
+    if (arguments.restore && job.engine->name == "ragtop")
         watched.restored = restoresAlike(drawn, job.seed);
     json found = numbers(watched, arguments.laws);
     if (arguments.views)

@@ -196,7 +196,7 @@ std::vector<WindowResult> playRagtop(const Course& course, int threads, int lane
 
 #ifdef RAGTOP_WITH_BULLET
 std::vector<WindowResult> playBullet(const Course& course, Clock clock, Purpose purpose) {
-    const auto engine = stability::makeBulletYardstick(course.scene);
+    const auto engine = stability::makeBullet(course.scene, {.yardstick = true});
     return Player(course, *engine, clock, purpose).play();
 }
 bool hasBullet() { return true; }

@@ -6,21 +6,29 @@ namespace ragtop::stability {
 
 std::span<const EngineKind> engineKinds() {
     static const std::vector<EngineKind> kinds{
-        {"ragtop", makeRagtop},
+        {"ragtop", [](const Scene& scene) { return makeRagtop(scene); }},
 #ifdef RAGTOP_WITH_BULLET
-        {"bullet", makeBullet}, {"bullet-50", makeBullet50},       {"bullet-240", makeBullet240},
+        {"bullet", [](const Scene& scene) { return makeBullet(scene); }},
+        {"bullet-50", [](const Scene& scene) { return makeBullet(scene, {.iterations = 50}); }},
+        {"bullet-240", [](const Scene& scene) { return makeBullet(scene, {.substeps = 4}); }},
 #else
-        {"bullet", nullptr},    {"bullet-50", nullptr},    {"bullet-240", nullptr},
+        {"bullet", nullptr},
+        {"bullet-50", nullptr},
+        {"bullet-240", nullptr},
 #endif
 #ifdef RAGTOP_WITH_MUJOCO
-        {"mujoco", makeMujoco}, {"mujoco-trees", makeMujocoTrees},
+        {"mujoco", [](const Scene& scene) { return makeMujoco(scene); }},
+        {"mujoco-trees", [](const Scene& scene) { return makeMujoco(scene, {.joints = MujocoJoints::trees}); }},
 #else
-        {"mujoco", nullptr},    {"mujoco-trees", nullptr},
+        {"mujoco", nullptr},
+        {"mujoco-trees", nullptr},
 #endif
 #ifdef RAGTOP_WITH_ODE
-        {"ode", makeOde},       {"ode-exact", makeOdeExact},
+        {"ode", [](const Scene& scene) { return makeOde(scene); }},
+        {"ode-exact", [](const Scene& scene) { return makeOde(scene, {.exact = true}); }},
 #else
-        {"ode", nullptr},       {"ode-exact", nullptr},
+        {"ode", nullptr},
+        {"ode-exact", nullptr},
 #endif
     };
     return kinds;

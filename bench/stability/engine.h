@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -32,8 +33,14 @@ struct Missing : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// A scene in one engine, with the engine's default settings, on one thread, never sleeping. Bodies are named by
-/// their index in the scene.
+/// What the last step had to do.
+struct StepWork {
+    int contacts = 0;  ///< contact points that the engine solved
+    int passes = 0;    ///< over the constraints, or iterations of Newton's method, in all substeps
+};
+
+/// A scene in one engine, with the engine's default settings unless its maker says otherwise, on one thread, never
+/// sleeping. Bodies are named by their index in the scene.
 class Engine {
 public:
     virtual ~Engine() = default;
@@ -49,32 +56,66 @@ public:
     virtual double normalForce(int a, int b) const = 0;
     /// Mean of the last step, of a joint by its index in the scene.
     virtual Reaction reaction(int) const { throw Unsupported("forces of joints"); }
+    virtual StepWork work() const { return {}; }
     /// What the engine itself reports to have gone wrong since the scene began, such as a full buffer or a reset.
     virtual std::string complaint() const { return {}; }
 };
 
+using MakeEngine = std::function<std::unique_ptr<Engine>(const Scene& scene)>;
+
 struct EngineKind {
     std::string name;
     /// Null where this program was built without it.
-    std::unique_ptr<Engine> (*make)(const Scene& scene);
+    MakeEngine make;
 };
 
 /// All there are; Ragtop is the first.
 std::span<const EngineKind> engineKinds();
 
-std::unique_ptr<Engine> makeRagtop(const Scene& scene);
-std::unique_ptr<Engine> makeBullet(const Scene& scene);
-/// With 50 iterations instead of ten.
-std::unique_ptr<Engine> makeBullet50(const Scene& scene);
-/// With four steps where the others make one.
-std::unique_ptr<Engine> makeBullet240(const Scene& scene);
-/// Bullet as the speeds of other engines were compared with: hulls with its margin around them, limited balls as its
-/// six-axis springs with motors for friction, sleeping as the scene says. Takes bodies that come later.
-std::unique_ptr<Engine> makeBulletYardstick(const Scene& scene);
-std::unique_ptr<Engine> makeMujoco(const Scene& scene);
-/// With its own trees of joints instead of equality constraints.
-std::unique_ptr<Engine> makeMujocoTrees(const Scene& scene);
-std::unique_ptr<Engine> makeOde(const Scene& scene);
-std::unique_ptr<Engine> makeOdeExact(const Scene& scene);
+// What a chart varies of each engine; 0 is the engine's own default.
+
+struct RagtopOptions {
+    int substeps = 0;
+    SolverChoice solver = SolverChoice::automatic;
+};
+std::unique_ptr<Engine> makeRagtop(const Scene& scene, const RagtopOptions& options = {});
+
+enum class BulletSolver {
+    sequential,  ///< sequential impulses, Bullet's default
+    nncg,        ///< nonlinear nonsmooth conjugate gradients
+};
+struct BulletOptions {
+    int substeps = 1;  ///< steps where the others make one
+    int iterations = 10;
+    BulletSolver solver = BulletSolver::sequential;
+    /// As the speeds of other engines were compared with: hulls with a margin around them, limited balls as six-axis
+    /// springs with motors for friction, sleeping as the scene says. Takes bodies that come later.
+    bool yardstick = false;
+};
+std::unique_ptr<Engine> makeBullet(const Scene& scene, const BulletOptions& options = {});
+std::string bulletVersion();
+
+enum class MujocoJoints {
+    equalities,  ///< every body is free, and joints are equality constraints
+    trees,       ///< bodies are nested in those they hang on; joints that close loops are equality constraints
+};
+enum class MujocoIntegrator { euler, rk4, implicit };
+struct MujocoOptions {
+    MujocoJoints joints = MujocoJoints::equalities;
+    MujocoIntegrator integrator = MujocoIntegrator::euler;
+    bool pyramids = false;  ///< friction in a pyramid, MuJoCo's default, instead of a cone
+    int substeps = 0;       ///< by default steps of about 2 ms, MuJoCo's own
+    int iterations = 0;     ///< at most, of Newton's method; by default 100
+};
+std::unique_ptr<Engine> makeMujoco(const Scene& scene, const MujocoOptions& options = {});
+std::string mujocoVersion();
+
+struct OdeOptions {
+    bool exact = false;   ///< the pivoting solver instead of sweeps
+    int substeps = 1;     ///< steps where the others make one
+    int iterations = 20;  ///< sweeps of the quick step
+};
+std::unique_ptr<Engine> makeOde(const Scene& scene, const OdeOptions& options = {});
+std::string odeVersion();
 
 }  // namespace ragtop::stability

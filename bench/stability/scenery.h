@@ -9,9 +9,6 @@ namespace ragtop::stability {
 
 using scenes::Dice;
 
-/// How many times a case runs that depends on where exactly its bodies begin, each time from other places.
-inline constexpr int kSeeds = 8;
-
 inline constexpr double kGravity = 9.81;  ///< m/s², the default of WorldSettings
 
 Material surface(float friction, float restitution = 0);

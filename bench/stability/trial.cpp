@@ -11,15 +11,16 @@
 #include <limits>
 #include <utility>
 
+#include "base/hash.h"
 #include "extremes.h"
 #include "scenery.h"
 
 namespace ragtop::stability {
 namespace {
 
-double threadMs() {
+double milliseconds(clockid_t clock) {
     timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    clock_gettime(clock, &now);
     return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
@@ -30,6 +31,43 @@ std::string fileName(std::string text) {
 }
 
 DVec3 anchor(const Pose& pose, const Frame& frame) { return transformPoint(pose, frame.position); }
+
+/// Of what tells scenes of the suite apart: gravity, places, masses and materials of bodies, and where joints are.
+std::uint64_t digestOf(const Scene& scene, std::uint64_t before) {
+    StateHash hash;
+    hash.add(before);
+    hash.add(scene.settings.gravity);
+    for (const SceneBody& body : scene.bodies) {
+        const BodyDef& def = body.def;
+        hash.add(static_cast<std::int32_t>(def.type));
+        hash.add(def.pose.position);
+        hash.add(def.pose.rotation);
+        hash.add(def.linearVelocity);
+        hash.add(def.angularVelocity);
+        for (const ShapeDef& shape : def.shapes) {
+            hash.add(static_cast<std::int32_t>(shape.geometry.index()));
+            hash.add(shape.frame);
+            hash.add(shape.material.friction);
+            hash.add(shape.material.restitution);
+        }
+        if (def.type != BodyType::dynamic) continue;
+        const MassProperties mass = massOf(def);
+        hash.add(mass.mass);
+        hash.add(mass.inertia.cx);
+        hash.add(mass.inertia.cy);
+        hash.add(mass.inertia.cz);
+    }
+    for (const SceneJoint& joint : scene.joints) {
+        hash.add(static_cast<std::int32_t>(joint.def.index()));
+        hash.add(joint.bodyA);
+        hash.add(joint.bodyB);
+        const JointBodies& bodies =
+            std::visit([](const auto& def) -> const JointBodies& { return def.bodies; }, joint.def);
+        hash.add(bodies.frameA);
+        hash.add(bodies.frameB);
+    }
+    return hash.value();
+}
 
 double distance(const DVec3& a, const DVec3& b) { return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z); }
 
@@ -77,6 +115,8 @@ struct Run::Film {
 };
 
 Run::Run(Trial& trial, Scene scene, const std::string& label) : trial_(&trial), scene_(std::move(scene)) {
+    scene_.settings.gravity = static_cast<float>(trial.setting_.gravity) * scene_.settings.gravity;
+    trial.course_.digest = digestOf(scene_, trial.course_.digest);
     for (const SceneBody& body : scene_.bodies)
         masses_.push_back(body.def.type == BodyType::dynamic ? massOf(body.def) : MassProperties{});
     engine_ = trial.engine().make(scene_);
@@ -90,9 +130,15 @@ Run::~Run() = default;
 Run::Run(Run&&) noexcept = default;
 
 void Run::step() {
-    const double before = threadMs();
+    Trial::Course& course = trial_->course_;
+    const double before = milliseconds(CLOCK_THREAD_CPUTIME_ID), wallBefore = milliseconds(CLOCK_MONOTONIC);
     if (!lost_) engine_->step(trial_->dt());
-    trial_->cpuMs_ += threadMs() - before;
+    course.wallMs += milliseconds(CLOCK_MONOTONIC) - wallBefore;
+    trial_->cpuMs_ += milliseconds(CLOCK_THREAD_CPUTIME_ID) - before;
+    const StepWork work = engine_->work();
+    course.contacts += work.contacts;
+    course.passes += work.passes;
+    ++course.steps;
     trial_->simulated_ += trial_->dt();
     ++steps_;
     inspect();
@@ -100,21 +146,30 @@ void Run::step() {
 }
 
 void Run::inspect() {
-    if (trial_->fault_.empty()) trial_->fault_ = engine_->complaint();
+    std::string& fault = trial_->course_.fault;
+    if (fault.empty()) {
+        fault = engine_->complaint();
+        if (!fault.empty()) fail();
+    }
     for (std::size_t i = 0; i < masses_.size() && !lost_; ++i) {
         if (!(masses_[i].mass > 0)) continue;
         const BodyMotion m = motion(static_cast<int>(i));
         if (isFinite(m.pose.position) && isFinite(m.pose.rotation) && isFinite(m.v) && isFinite(m.w)) continue;
         lost_ = true;
-        if (trial_->fault_.empty()) trial_->fault_ = fmt::format("body {} is nowhere after {:.3g} s", i, time());
+        fail();
+        if (fault.empty()) fault = fmt::format("body {} is nowhere after {:.3g} s", i, time());
     }
 }
 
+void Run::fail() { trial_->course_.failed = std::min(trial_->course_.failed, time()); }
+
 bool Run::advance(double seconds, const std::function<bool()>& goOn) {
-    const auto count = std::lround(seconds / trial_->dt());
+    const auto count = std::lround(std::min(seconds, trial_->setting_.longest) / trial_->dt());
     for (long i = 0; i < count; ++i) {
         step();
-        if (goOn && !goOn()) return false;
+        if (!goOn || goOn()) continue;
+        fail();
+        return false;
     }
     return true;
 }
@@ -197,8 +252,8 @@ void Trial::file(const std::string& what, double value, double reference, double
                  bool pass) {
     const std::string name = setting_.name + (what.empty() ? "" : ": ") + what;
     rows_.push_back({setting_.family, name, engine().name, value, reference, bound, unit,
-                     pass && fault_.empty() ? Verdict::holds : Verdict::fails, simulated_ > 0 ? cpuMs_ / simulated_ : 0,
-                     fault_});
+                     pass && course_.fault.empty() ? Verdict::holds : Verdict::fails,
+                     simulated_ > 0 ? cpuMs_ / simulated_ : 0, course_.fault});
 }
 
 }  // namespace ragtop::stability

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,7 +37,8 @@ public:
     Run(Run&&) noexcept;
 
     void step();
-    /// Steps for so many seconds; ends early, and returns false, when `goOn` returns false after a step.
+    /// Steps for so many seconds, or as long as the trial allows; ends early, and returns false, when `goOn` returns
+    /// false after a step.
     bool advance(double seconds, const std::function<bool()>& goOn = {});
     double time() const;
     double dt() const;
@@ -63,6 +65,7 @@ private:
     Run(Trial& trial, Scene scene, const std::string& label);
     /// Whether a body is nowhere, or the engine has something to complain of.
     void inspect();
+    void fail();
     struct Film;
 
     Trial* trial_;
@@ -82,6 +85,9 @@ public:
         const EngineKind* engine = nullptr;
         double dt = 1.0 / 60;
         std::optional<std::filesystem::path> records;  ///< folder for recordings of the runs
+        int starts = 8;                                ///< runs of a case that depends on where its bodies begin
+        double longest = std::numeric_limits<double>::infinity();  ///< s, that a run is continued for at once
+        double gravity = 1;                                        ///< factor, to tell how a case depends on its bits
     };
     explicit Trial(Setting setting) : setting_(std::move(setting)) {}
 
@@ -106,6 +112,19 @@ public:
     void skip(const std::string& what, const std::string& why);
 
     const std::vector<Row>& rows() const { return rows_; }
+    /// How many times a case runs that depends on where exactly its bodies begin, each time from other places.
+    int starts() const { return setting_.starts; }
+
+    /// What the runs had in common.
+    struct Course {
+        std::uint64_t digest = 0;                                 ///< of their scenes
+        double failed = std::numeric_limits<double>::infinity();  ///< s into the run that failed first, if any did
+        double contacts = 0, passes = 0;                          ///< sums over all steps, of what the engine told
+        long steps = 0;
+        double wallMs = 0;  ///< of stepping, by the clock; more than the processor's where it was shared
+        std::string fault;  ///< why a run failed, where that is more than what was measured of it
+    };
+    const Course& course() const { return course_; }
     /// Milliseconds of processor time that the runs took so far, and the seconds that they simulated.
     double cpuMs() const { return cpuMs_; }
     double simulated() const { return simulated_; }
@@ -118,7 +137,7 @@ private:
 
     Setting setting_;
     std::vector<Row> rows_;
-    std::string fault_;
+    Course course_;
     double cpuMs_ = 0;
     double simulated_ = 0;
 };

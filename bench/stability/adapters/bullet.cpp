@@ -1,4 +1,5 @@
 #include <BulletDynamics/ConstraintSolver/btGeneric6DofSpring2Constraint.h>
+#include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <cmath>
@@ -41,13 +42,12 @@ struct GroupFilter : btOverlapFilterCallback {
     }
 };
 
-struct BulletOptions {
-    int substeps = 1;
-    int iterations = 10;
-    bool yardstick = false;  ///< see makeBulletYardstick
-};
+std::unique_ptr<btSequentialImpulseConstraintSolver> makeSolver(BulletSolver solver) {
+    if (solver == BulletSolver::nncg) return std::make_unique<btNNCGConstraintSolver>();
+    return std::make_unique<btSequentialImpulseConstraintSolver>();
+}
 
-/// Bullet 3.24 with its sequential impulses and default settings.
+/// Bullet 3.24 with default settings.
 class BulletEngine : public Engine {
 public:
     BulletEngine(const Scene& scene, const BulletOptions& options)
@@ -56,7 +56,8 @@ public:
           shapes_(options.yardstick ? BulletShapes::Hulls::enlarged : BulletShapes::Hulls::shrunk),
           sleeping_(options.yardstick && scene.settings.sleeping),
           dispatcher_(&configuration_),
-          world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
+          solver_(makeSolver(options.solver)),
+          world_(&dispatcher_, &broadphase_, solver_.get(), &configuration_) {
         world_.setGravity(toBullet(scene.settings.gravity));
         world_.getSolverInfo().m_numIterations = options.iterations;
         broadphase_.getOverlappingPairCache()->setOverlapFilterCallback(&filter_);
@@ -113,6 +114,12 @@ public:
                 sum += static_cast<double>(manifold->getContactPoint(k).getAppliedImpulse()) / dt_;
         }
         return sum;
+    }
+    StepWork work() const override {
+        StepWork work{0, options_.substeps * options_.iterations};
+        for (int i = 0; i < dispatcher_.getNumManifolds(); ++i)
+            work.contacts += dispatcher_.getManifoldByIndexInternal(i)->getNumContacts();
+        return work;
     }
 
 private:
@@ -219,7 +226,7 @@ private:
     btDefaultCollisionConfiguration configuration_;
     btCollisionDispatcher dispatcher_;
     btDbvtBroadphase broadphase_;
-    btSequentialImpulseConstraintSolver solver_;
+    std::unique_ptr<btSequentialImpulseConstraintSolver> solver_;
     std::vector<std::unique_ptr<KinematicMotion>> kinematic_;
     std::vector<int> kinematicBodies_;
     std::vector<std::unique_ptr<btRigidBody>> bodies_;
@@ -230,17 +237,9 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Engine> makeBullet(const Scene& scene) {
-    return std::make_unique<BulletEngine>(scene, BulletOptions{});
+std::unique_ptr<Engine> makeBullet(const Scene& scene, const BulletOptions& options) {
+    return std::make_unique<BulletEngine>(scene, options);
 }
-std::unique_ptr<Engine> makeBullet50(const Scene& scene) {
-    return std::make_unique<BulletEngine>(scene, BulletOptions{.iterations = 50});
-}
-std::unique_ptr<Engine> makeBullet240(const Scene& scene) {
-    return std::make_unique<BulletEngine>(scene, BulletOptions{.substeps = 4});
-}
-std::unique_ptr<Engine> makeBulletYardstick(const Scene& scene) {
-    return std::make_unique<BulletEngine>(scene, BulletOptions{.yardstick = true});
-}
+std::string bulletVersion() { return std::to_string(BT_BULLET_VERSION); }
 
 }  // namespace ragtop::stability

@@ -36,13 +36,14 @@ Model load(const std::string& xml) {
     return model;
 }
 
-/// MuJoCo 2.2 with default settings, but for elliptic cones; steps of about its default of 2 ms.
+/// MuJoCo 2.2 with default settings, but for elliptic cones unless pyramids are asked for.
 class MujocoEngine : public Engine {
 public:
-    MujocoEngine(const Scene& scene, MujocoJoints joints)
+    MujocoEngine(const Scene& scene, const MujocoOptions& options)
         : peers_(scene),
-          model_(load(mujocoModel(scene, peers_, joints))),
-          data_(mj_makeData(model_.get()), mj_deleteData) {
+          model_(load(mujocoModel(scene, peers_, options))),
+          data_(mj_makeData(model_.get()), mj_deleteData),
+          substeps_(options.substeps) {
         for (int i = 0; i < peers_.count(); ++i)
             ids_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, ("b" + std::to_string(i)).c_str()));
         update();
@@ -56,9 +57,14 @@ public:
 
     void step(double dt) override {
         constexpr double kStep = 0.002;
-        const int count = std::max(1, static_cast<int>(std::lround(dt / kStep)));
+        const int count = substeps_ > 0 ? substeps_ : std::max(1, static_cast<int>(std::lround(dt / kStep)));
+        work_ = {};
         model_->opt.timestep = dt / count;
-        for (int i = 0; i < count; ++i) mj_step(model_.get(), data_.get());
+        for (int i = 0; i < count; ++i) {
+            mj_step(model_.get(), data_.get());
+            work_.passes += data_->solver_iter;
+        }
+        work_.contacts = data_->ncon;
         std::fill_n(data_->xfrc_applied, 6 * model_->nbody, 0.0);
         update();
     }
@@ -112,6 +118,7 @@ public:
         return sum;
     }
 
+    StepWork work() const override { return work_; }
     /// Buffers that were full, matrices that were singular, and states out of all bounds, upon which MuJoCo puts
     /// everything back to where it began.
     std::string complaint() const override {
@@ -143,16 +150,16 @@ private:
     PeerBodies peers_;
     Model model_;
     Data data_;
+    int substeps_;
+    StepWork work_;
     std::vector<int> ids_;
 };
 
 }  // namespace
 
-std::unique_ptr<Engine> makeMujoco(const Scene& scene) {
-    return std::make_unique<MujocoEngine>(scene, MujocoJoints::equalities);
+std::unique_ptr<Engine> makeMujoco(const Scene& scene, const MujocoOptions& options) {
+    return std::make_unique<MujocoEngine>(scene, options);
 }
-std::unique_ptr<Engine> makeMujocoTrees(const Scene& scene) {
-    return std::make_unique<MujocoEngine>(scene, MujocoJoints::trees);
-}
+std::string mujocoVersion() { return mj_versionString(); }
 
 }  // namespace ragtop::stability

@@ -18,27 +18,41 @@ std::string text(const Quat& q) { return fmt::format("{:.9g} {:.9g} {:.9g} {:.9g
 
 /// Bodies beyond this take minutes: the solver is dense.
 constexpr int kMostBodies = 120;
+constexpr int kIterations = 100;  ///< MuJoCo's default
+
+const char* nameOf(MujocoIntegrator integrator) {
+    switch (integrator) {
+        case MujocoIntegrator::rk4:
+            return "RK4";
+        case MujocoIntegrator::implicit:
+            return "implicit";
+        default:
+            return "Euler";
+    }
+}
 
 class Writer {
 public:
-    Writer(const Scene& scene, const PeerBodies& bodies, MujocoJoints joints)
-        : scene_(scene), bodies_(bodies), joints_(joints), nodes_(scene.bodies.size()) {}
+    Writer(const Scene& scene, const PeerBodies& bodies, const MujocoOptions& options)
+        : scene_(scene), bodies_(bodies), options_(options), nodes_(scene.bodies.size()) {}
 
     std::string write() {
         int moving = 0;
         for (int i = 0; i < bodies_.count(); ++i) moving += bodies_.def(i).type == BodyType::dynamic ? 1 : 0;
         if (moving > kMostBodies) refuse("MuJoCo: too many bodies");
-        if (joints_ == MujocoJoints::trees) growTrees();
+        if (options_.joints == MujocoJoints::trees) growTrees();
         for (int i = 0; i < bodies_.count(); ++i)
             if (node(i).parent == kWorld) addBody(i);
         for (std::size_t i = 0; i < scene_.joints.size(); ++i) addJoint(i);
         const int contacts = 100 + 20 * moving;
         return fmt::format(
             "<mujoco><compiler angle='radian' balanceinertia='true'/>"
-            "<option cone='elliptic' solver='Newton' gravity='{}'/><size nconmax='{}' njmax='{}'/>"
+            "<option cone='{}' integrator='{}' iterations='{}' solver='Newton' gravity='{}'/><size nconmax='{}' "
+            "njmax='{}'/>"
             "<asset>{}</asset><worldbody>{}</worldbody><contact>{}</contact><equality>{}</equality></mujoco>",
-            text(scene_.settings.gravity), contacts, 4 * contacts + 6 * static_cast<int>(scene_.joints.size()), assets_,
-            world_, excludes_, equalities_);
+            options_.pyramids ? "pyramidal" : "elliptic", nameOf(options_.integrator),
+            options_.iterations > 0 ? options_.iterations : kIterations, text(scene_.settings.gravity), contacts,
+            4 * contacts + 6 * static_cast<int>(scene_.joints.size()), assets_, world_, excludes_, equalities_);
     }
 
 private:
@@ -194,7 +208,7 @@ private:
 
     const Scene& scene_;
     const PeerBodies& bodies_;
-    MujocoJoints joints_;
+    MujocoOptions options_;
     std::vector<Node> nodes_;
     std::string assets_, world_, excludes_, equalities_;
     float friction_ = -1;
@@ -203,8 +217,8 @@ private:
 
 }  // namespace
 
-std::string mujocoModel(const Scene& scene, const PeerBodies& bodies, MujocoJoints joints) {
-    return Writer(scene, bodies, joints).write();
+std::string mujocoModel(const Scene& scene, const PeerBodies& bodies, const MujocoOptions& options) {
+    return Writer(scene, bodies, options).write();
 }
 
 }  // namespace ragtop::stability

@@ -41,12 +41,13 @@ void initialise() {
 /// one.
 class OdeEngine : public Engine {
 public:
-    OdeEngine(const Scene& scene, bool exact) : peers_(scene), exact_(exact) {
+    OdeEngine(const Scene& scene, const OdeOptions& options) : peers_(scene), options_(options) {
         initialise();
         world_ = dWorldCreate();
         space_ = dHashSpaceCreate(nullptr);
         contacts_ = dJointGroupCreate(0);
         const Vec3& g = scene.settings.gravity;
+        dWorldSetQuickStepNumIterations(world_, options.iterations);
         dWorldSetGravity(world_, toReal(g.x), toReal(g.y), toReal(g.z));
         for (int i = 0; i < peers_.count(); ++i) addBody(i);
         for (const SceneJoint& joint : scene.joints) addJoint(joint);
@@ -60,15 +61,14 @@ public:
 
     void step(double dt) override {
         firstMessage().clear();
-        setSprings(dt);
-        dJointGroupEmpty(contacts_);
-        forces_.clear();
-        dSpaceCollide(space_, this,
-                      [](void* self, dGeomID a, dGeomID b) { static_cast<OdeEngine*>(self)->collide(a, b); });
-        if (exact_)
-            dWorldStep(world_, dt);
-        else
-            dWorldQuickStep(world_, dt);
+        // Forces are cleared after each step of ODE's.
+        const auto pushes = std::exchange(pushes_, {});
+        for (int i = 0; i < options_.substeps; ++i) {
+            for (const Push& push : pushes)
+                dBodyAddForceAtPos(body(push.body), toReal(push.force.x), toReal(push.force.y), toReal(push.force.z),
+                                   push.point.x, push.point.y, push.point.z);
+            substep(dt / options_.substeps);
+        }
         if (complaint_.empty()) complaint_ = firstMessage();
     }
     BodyMotion motion(int i) const override {
@@ -81,9 +81,7 @@ public:
         dBodySetLinearVel(body(i), toReal(linear.x), toReal(linear.y), toReal(linear.z));
         dBodySetAngularVel(body(i), toReal(angular.x), toReal(angular.y), toReal(angular.z));
     }
-    void push(int i, const Vec3& force, const DVec3& point) override {
-        dBodyAddForceAtPos(body(i), toReal(force.x), toReal(force.y), toReal(force.z), point.x, point.y, point.z);
-    }
+    void push(int i, const Vec3& force, const DVec3& point) override { pushes_.push_back({i, force, point}); }
     void remove(int i) override {
         for (dGeomID geom = dBodyGetFirstGeom(body(i)); geom; geom = dBodyGetNextGeom(geom)) dGeomDisable(geom);
         dBodyDisable(body(i));
@@ -98,6 +96,9 @@ public:
         return sum;
     }
 
+    StepWork work() const override {
+        return {static_cast<int>(forces_.size()), options_.exact ? 0 : options_.substeps * options_.iterations};
+    }
     std::string complaint() const override { return complaint_; }
 
 private:
@@ -105,6 +106,11 @@ private:
         int a, b;
         dReal normal[3];
         dJointFeedback feedback;
+    };
+    struct Push {
+        int body;
+        Vec3 force;
+        DVec3 point;
     };
     struct SpringHinge {
         dJointID joint;
@@ -121,6 +127,17 @@ private:
         out[1] = toReal(q.x);
         out[2] = toReal(q.y);
         out[3] = toReal(q.z);
+    }
+    void substep(double dt) {
+        setSprings(dt);
+        dJointGroupEmpty(contacts_);
+        forces_.clear();
+        dSpaceCollide(space_, this,
+                      [](void* self, dGeomID a, dGeomID b) { static_cast<OdeEngine*>(self)->collide(a, b); });
+        if (options_.exact)
+            dWorldStep(world_, dt);
+        else
+            dWorldQuickStep(world_, dt);
     }
     dBodyID body(int i) const { return bodies_[static_cast<std::size_t>(i)]; }
 
@@ -271,7 +288,7 @@ private:
         Material material;
     };
     PeerBodies peers_;
-    bool exact_;
+    OdeOptions options_;
     dWorldID world_;
     dSpaceID space_;
     dJointGroupID contacts_;
@@ -279,6 +296,7 @@ private:
     std::deque<Tag> tags_;
     std::deque<Force> forces_;
     std::vector<SpringHinge> springs_;
+    std::vector<Push> pushes_;
     std::string complaint_;
     std::deque<std::pair<std::vector<float>, std::vector<dTriIndex>>> meshMemory_;
     std::vector<dTriMeshDataID> meshes_;
@@ -286,7 +304,9 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Engine> makeOde(const Scene& scene) { return std::make_unique<OdeEngine>(scene, false); }
-std::unique_ptr<Engine> makeOdeExact(const Scene& scene) { return std::make_unique<OdeEngine>(scene, true); }
+std::unique_ptr<Engine> makeOde(const Scene& scene, const OdeOptions& options) {
+    return std::make_unique<OdeEngine>(scene, options);
+}
+std::string odeVersion() { return dODE_VERSION; }
 
 }  // namespace ragtop::stability

@@ -3,10 +3,12 @@
 namespace ragtop::stability {
 namespace {
 
-WorldSettings settingsOf(const Scene& scene) {
+WorldSettings settingsOf(const Scene& scene, const RagtopOptions& options) {
     WorldSettings settings;
     settings.gravity = scene.settings.gravity;
     settings.sleeping = false;
+    settings.solver = options.solver;
+    if (options.substeps > 0) settings.substeps = options.substeps;
     return settings;
 }
 
@@ -48,8 +50,16 @@ Reaction RagtopEngine::reaction(int joint) const {
     return {state.force, state.torque};
 }
 
-std::unique_ptr<Engine> makeRagtop(const Scene& scene) {
-    return std::make_unique<RagtopEngine>(scene, settingsOf(scene));
+StepWork RagtopEngine::work() const {
+    const StepStats stats = world_.stats();
+    // A pass that solves and one that relaxes in each substep; islands solved directly have iterations of their own.
+    int passes = 2 * world_.settings().substeps;
+    for (const StepStats::Island& island : stats.islands) passes += island.iterations;
+    return {stats.contacts, passes};
+}
+
+std::unique_ptr<Engine> makeRagtop(const Scene& scene, const RagtopOptions& options) {
+    return std::make_unique<RagtopEngine>(scene, settingsOf(scene, options));
 }
 
 }  // namespace ragtop::stability

@@ -17,6 +17,7 @@ public:
     void remove(int body) override;
     double normalForce(int a, int b) const override;
     Reaction reaction(int joint) const override;
+    StepWork work() const override;
 
     const World& world() const { return world_; }
 

@@ -57,7 +57,7 @@ struct Pit {
 void pile(Trial& trial) {
     constexpr double kDiameter = 2 * static_cast<double>(kRadius);
     double mean = 0, deepest = 0, restless = 0, height = 0;
-    for (int seed = 1; seed <= kSeeds; ++seed) {
+    for (int seed = 1; seed <= trial.starts(); ++seed) {
         const Pit pit(seed);
         Run run = trial.start(pit.scene, fmt::format("{}", seed));
         run.advance(5);
@@ -91,7 +91,7 @@ void cube(Trial& trial) {
     constexpr int kSide = 6, kBalls = kSide * kSide * kSide;
     constexpr double kGap = 0.21, kStart = 0.101, kMass = 10;
     double error = 0, gained = 0, aside = 0;
-    for (int seed = 1; seed <= kSeeds; ++seed) {
+    for (int seed = 1; seed <= trial.starts(); ++seed) {
         Scene scene;
         Dice dice(static_cast<std::uint64_t>(seed));
         const Material slippery = surface(0);

@@ -69,7 +69,7 @@ double largestGap(Run& run, double seconds) {
 /// Links begin up to a millimetre aside.
 void hangs(Trial& trial, const Chain& chain) {
     double gap = 0;
-    for (int seed = 1; seed <= kSeeds; ++seed) {
+    for (int seed = 1; seed <= trial.starts(); ++seed) {
         Chain crooked = chain;
         crooked.spread = 0.001 / kLink;
         Run run = trial.start(sceneOf(crooked, seed), fmt::format("{}", seed));
@@ -106,13 +106,13 @@ void whirls(Trial& trial, const Chain& chain) {
     crooked.whirl = 1;
     Swing worst;
     int closed = 0;
-    for (int seed = 1; seed <= kSeeds; ++seed) {
+    for (int seed = 1; seed <= trial.starts(); ++seed) {
         Run run = trial.start(sceneOf(crooked, seed), fmt::format("{}", seed));
         const Swing result = swing(run, crooked);
         if (result.gap <= kClosed) ++closed;
         worst = {larger(worst.gap, result.gap), larger(worst.lost, result.lost)};
     }
-    trial.expectAtLeast(fmt::format("stay closed, of {}", kSeeds), closed, kSeeds, "chains");
+    trial.expectAtLeast(fmt::format("stay closed, of {}", trial.starts()), closed, trial.starts(), "chains");
     trial.expectAtMost("gap", worst.gap, kClosed, "m");
     trial.expectAtMost("energy lost in 5 s", worst.lost, 0.04, "1");
 }

@@ -66,13 +66,13 @@ void tori(Trial& trial, int links, float load) {
     const std::vector<double> taut(static_cast<std::size_t>(links), kTaut);
     double apart = 0;
     int holding = 0;
-    for (int seed = 1; seed <= kSeeds; ++seed) {
+    for (int seed = 1; seed <= trial.starts(); ++seed) {
         Run run = trial.start(chainOfTori(links, load, seed), fmt::format("{}", seed));
         const Hanging result = hang(run, taut, static_cast<double>(kTube));
         if (result.held >= kLong) ++holding;
         apart = larger(apart, result.apart);
     }
-    trial.expectAtLeast(fmt::format("hold, of {}", kSeeds), holding, kSeeds, "chains");
+    trial.expectAtLeast(fmt::format("hold, of {}", trial.starts()), holding, trial.starts(), "chains");
     trial.expectAtMost("links apart beyond taut", apart, 0.01, "m");
 }
 
@@ -182,7 +182,7 @@ Heap drop(Trial& trial, int bodies, double seconds, int seed) {
 
 void dropped(Trial& trial, int bodies, double seconds) {
     Heap worst;
-    for (int seed = 1; seed <= kSeeds; ++seed) worst.keepWorse(drop(trial, bodies, seconds, seed));
+    for (int seed = 1; seed <= trial.starts(); ++seed) worst.keepWorse(drop(trial, bodies, seconds, seed));
     trial.expectAtMost("overlap, 99th percentile", worst.p99, 0.01, "m");
     trial.expectAtMost("deepest overlap", worst.deepest, 0.02, "m");
     trial.expectAtMost("mean kinetic energy per mass", worst.energy, 0.001, "J/kg");

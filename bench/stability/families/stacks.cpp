@@ -80,7 +80,7 @@ void stands(Trial& trial, const Column& column) {
     Standing worst;
     double loads = 0;
     int standing = 0;
-    for (int seed = 1; seed <= kSeeds; ++seed) {
+    for (int seed = 1; seed <= trial.starts(); ++seed) {
         Run run = trial.start(sceneOf(column, seed), fmt::format("{}", seed));
         const Standing result = watch(run, column, kLong);
         worst.loss = larger(worst.loss, result.loss);
@@ -90,7 +90,7 @@ void stands(Trial& trial, const Column& column) {
         loads = larger(loads, errorOfLoads(run, column));
     }
     const double size = static_cast<double>(column.size);
-    trial.expectAtLeast(fmt::format("stand, of {}", kSeeds), standing, kSeeds, "columns");
+    trial.expectAtLeast(fmt::format("stand, of {}", trial.starts()), standing, trial.starts(), "columns");
     trial.expectAtMost("height lost", worst.loss, 0.005 * size, "m");
     trial.expectAtMost("sideways", worst.sideways, 0.01 * size, "m");
     trial.expectAtMost("loads against the weight above", loads, 0.01, "1");
@@ -99,11 +99,11 @@ void stands(Trial& trial, const Column& column) {
 /// Hundred boxes need only stand.
 void standsAtAll(Trial& trial, const Column& column) {
     int standing = 0;
-    for (int seed = 1; seed <= kSeeds; ++seed) {
+    for (int seed = 1; seed <= trial.starts(); ++seed) {
         Run run = trial.start(sceneOf(column, seed), fmt::format("{}", seed));
         if (watch(run, column, kLong).time >= kLong) ++standing;
     }
-    trial.expectAtLeast(fmt::format("stand, of {}", kSeeds), standing, kSeeds, "columns");
+    trial.expectAtLeast(fmt::format("stand, of {}", trial.starts()), standing, trial.starts(), "columns");
 }
 
 /// The tallest column that stands, to a twentieth of its height.

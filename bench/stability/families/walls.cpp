@@ -46,7 +46,7 @@ void unhit(Trial& trial) {
     constexpr double kSeconds = 60;
     double worst = 0;
     int standing = 0;
-    for (int seed = 1; seed <= kSeeds; ++seed) {
+    for (int seed = 1; seed <= trial.starts(); ++seed) {
         Dice dice(static_cast<std::uint64_t>(seed));
         const Wall scene = wall(dice);
         Run run = trial.start(scene.scene, fmt::format("{}", seed));
@@ -60,7 +60,7 @@ void unhit(Trial& trial) {
         if (stands) ++standing;
         worst = larger(worst, moved);
     }
-    trial.expectAtLeast(fmt::format("stand, of {}", kSeeds), standing, kSeeds, "walls");
+    trial.expectAtLeast(fmt::format("stand, of {}", trial.starts()), standing, trial.starts(), "walls");
     trial.expectAtMost("largest move", worst, 0.01, "m");
 }
 

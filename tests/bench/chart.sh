@@ -1,0 +1,68 @@
+#!/bin/sh
+# What `ragtop_bench chart` promises to those who read its output; its times are not looked at.
+# Usage: chart.sh <ragtop_bench> <source tree>
+set -eu
+program=$1
+tree=$2
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+fail() {
+    echo "chart: $1" >&2
+    exit 1
+}
+
+# refuses <words of the message> <option>...: one line says what is wrong.
+refuses() {
+    words=$1
+    shift
+    if "$program" chart "$@" >"$folder/out" 2>&1; then fail "$* is accepted"; fi
+    grep -qF -- "$words" "$folder/out" || fail "$*: does not say \"$words\" but $(cat "$folder/out")"
+    [ "$(grep -c . "$folder/out")" -le 2 ] || fail "$*: says more than it must: $(cat "$folder/out")"
+}
+
+refuses '"nonsense" is no scene, must be one of stopping' --scenes nonsense
+refuses '"nonsense" is no engine, must be one of ragtop' --engines nonsense
+refuses '"nonsense" is no point, must be like' --point nonsense
+refuses 'cannot be made' --scenes stopping --engines ragtop --out /dev/null/chart
+refuses "$folder/absent.csv: cannot be read" --draw "$folder/absent.csv"
+echo 'scene,error' >"$folder/other.csv"
+refuses "$folder/other.csv:1: does not begin with the columns of ragtop-chart-1" --losses "$folder/other.csv"
+
+# What lines promise besides times, which are the last four columns.
+columns='schema,point,points,scene,quantity,unit,reference_kind,engine,version,variant,step_s,substeps,iterations,default,seed,digest,outcome,failed_at_s,value,reference,error,error_low,error_high,self_consistency,contacts,passes,simulated_s,repeats,reason,command,alone,cpu_ms,cpu_ms_low,cpu_ms_high'
+without_times() { sed 's/\(,[^,]*\)\{4\}$//' "$1"; }
+
+"$program" chart --quick --scenes stopping --repeats 1 --out "$folder/first" >"$folder/out" 2>&1 ||
+    [ ! -f "$tree/build/page/chart.html" ] || fail "the sweep fails: $(tail -n 3 "$folder/out")"
+csv=$folder/first/chart.csv
+[ "$(head -n 1 "$csv")" = "$columns" ] || fail "the columns are other ones"
+[ "$(sed 1d "$csv" | grep -c '^ragtop-chart-1,')" -eq "$(sed 1d "$csv" | wc -l)" ] || fail "a line has no schema"
+grep -q '^[^,]*,[^,]*,[^,]*,stopping,distance,m,closed form,ragtop,[^,]*,ragtop,[^,]*,4,0,1,' "$csv" ||
+    fail "Ragtop's default is not there"
+grep -q ',stopping/ragtop@60x4i0,\|ragtop_bench chart --point .stopping/ragtop@60x4i0.' "$csv" || fail "no command repeats a point"
+
+# A journal that is cut off anywhere leads to the same lines.
+size=$(wc -c <"$folder/first/journal")
+mkdir "$folder/second"
+head -c $((size * 2 / 3)) "$folder/first/journal" >"$folder/second/journal"
+"$program" chart --quick --scenes stopping --repeats 1 --resume --out "$folder/second" >"$folder/out" 2>&1 || true
+without_times "$csv" >"$folder/a"
+without_times "$folder/second/chart.csv" >"$folder/b"
+cmp "$folder/a" "$folder/b" || fail "a resumed sweep ends otherwise"
+[ "$(grep -c error "$folder/out")" -lt "$(sed 1d "$csv" | wc -l)" ] || fail "nothing was taken from the journal"
+
+head -n 5 "$csv" >"$folder/short.csv"
+refuses "is cut off after 4 of" --draw "$folder/short.csv"
+"$program" chart --losses "$csv" | grep -q '^| Scene | Engine |' || fail "no table of losses"
+
+if [ -f "$tree/build/page/chart.html" ]; then
+    page=$folder/first/chart.html
+    [ "$(wc -c <"$page")" -le 3000000 ] || fail "the page has more than 3 MB"
+    if grep -qE '(src|href)="(https?:)?//' "$page"; then fail "the page asks the network"; fi
+fi
+
+# The documentation has what its points say.
+awk '/^<!-- losses -->$/ { on = 1; next } /^<!-- end -->$/ { on = 0 } on' "$tree/docs/chart.md" >"$folder/told"
+{ echo; "$program" chart --losses "$tree/bench/results/chart.csv"; echo; } >"$folder/losses"
+cmp "$folder/told" "$folder/losses" || fail "docs/chart.md: what stands between its marks is not of bench/results/chart.csv; scripts/chart.sh renews it"
