@@ -109,7 +109,7 @@ public:
         }
     }
     BodyState* states() { return states_.data(); }
-    const BodyInertia* inertia() const { return inertia_.data(); }
+    BodyInertia* inertia() { return inertia_.data(); }
     JointBodiesAtStep atStep(const JointSim& joint) const {
         const RigBody &a = bodies[joint.stateA], &b = bodies[joint.stateB];
         return {relative(b.position, a.position), a.rotation, b.rotation};

@@ -129,8 +129,8 @@ void IslandSystem::addContact(const SystemContact& c) {
 }
 
 void IslandSystem::addRow(SystemRow& row) {
-    row.factored = row.free;
-    if (!row.free) return;
+    row.factored = row.side == Side::within;
+    if (!row.factored) return;
     const double weight = 1 / row.resistance;
     const auto a = static_cast<std::uint32_t>(row.a), b = static_cast<std::uint32_t>(row.b);
     if (row.a != kFixed) addOuter(factor_.diagonal(a), weight, row.ja, row.ja);

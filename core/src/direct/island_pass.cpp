@@ -40,10 +40,15 @@ ConePoint respond(const SystemPoint& p, double friction, const double u[3]) {
     return project(y, friction);
 }
 
-double respond(const SystemRow& row, double u, bool& free) {
-    const double y = row.load - (u - row.target) / row.resistance;
-    free = y >= row.lower && y <= row.upper;
-    return y < row.lower ? row.lower : y > row.upper ? row.upper : y;
+/// Of a row, if nothing bounded it.
+double unbounded(const SystemRow& row, double u) { return row.load - (u - row.target) / row.resistance; }
+
+Side sideOf(const SystemRow& row, double y) {
+    return y < row.lower ? Side::lower : y > row.upper ? Side::upper : Side::within;
+}
+
+double atSide(const SystemRow& row, Side side, double y) {
+    return side == Side::lower ? row.lower : side == Side::upper ? row.upper : y;
 }
 
 }  // namespace
@@ -119,7 +124,7 @@ bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext
         row.target = row.resting.target;
         row.lower = row.resting.lower;
         row.upper = row.resting.upper;
-        if (row.resting.resistance != row.resistance) row.factored = !row.free;
+        if (row.resting.resistance != row.resistance) row.factored = row.side != Side::within;
         row.resistance = row.resting.resistance;
     }
     if (largest <= tuning::kAtRest * gravityStep_) return false;
@@ -203,8 +208,15 @@ Residual IslandSystem::evaluate(const double* v, double* gradient) {
             for (int k = 0; k < 3; ++k) p.impulse[k] = found.impulse[k];
             p.region = found.region;
         }
-    for (SystemRow& row : rows_) row.impulse = respond(row, row.speed, row.free);
+    for (SystemRow& row : rows_) {
+        const double y = unbounded(row, row.speed);
+        row.side = sideOf(row, y);
+        row.impulse = atSide(row, row.side, y);
+    }
+    return gradientAt(v, gradient);
+}
 
+Residual IslandSystem::gradientAt(const double* v, double* gradient) const {
     for (std::size_t i = 0; i < unknowns(); ++i) gradient[i] = 0;
     applyImpulses(gradient, false);
     Residual residual;
@@ -324,7 +336,7 @@ bool IslandSystem::regionsChanged() const {
     for (const SystemPoint& p : points_)
         if (p.region != p.factored) return true;
     for (const SystemRow& row : rows_)
-        if (row.free != row.factored) return true;
+        if ((row.side == Side::within) != row.factored) return true;
     return false;
 }
 
@@ -360,8 +372,8 @@ double IslandSystem::slopeAlong(const double* v, const double* d, double alpha) 
             for (int k = 0; k < 3; ++k) slope -= p.change[k] * found.impulse[k];
         }
     for (const SystemRow& row : rows_) {
-        bool free;
-        slope -= row.change * respond(row, row.speed + alpha * row.change, free);
+        const double y = unbounded(row, row.speed + alpha * row.change);
+        slope -= row.change * atSide(row, sideOf(row, y), y);
     }
     return slope;
 }

@@ -318,6 +318,7 @@ void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joint
         if (row.a != kFixed && row.b != kFixed)
             row.block =
                 factor_.ordering().blockOf(static_cast<std::uint32_t>(row.a), static_cast<std::uint32_t>(row.b));
+    takeSidesOfLoads();
 }
 
 void IslandSystem::carryLoads(bool factored) {

@@ -28,8 +28,9 @@ inline constexpr double kRoundedGap = 1e-5;         ///< gap or overlap that is 
 inline constexpr double kRoundedArm = 1e-6;         ///< the same in arms: a few units in the last place of a float
 inline constexpr double kSkip = 1e-6;               ///< speed of a joint's row that is left alone, in g h
 inline constexpr double kAtRest = 2e-5;             ///< the same of a contact point, and of a body at rest
-inline constexpr double kNothing = 1e-12;      ///< speed of a body that is none, in g h; floats have no room for it
-inline constexpr double kLoadRounding = 5e-7;  ///< of loads between steps, in units of the load
+inline constexpr double kNothing = 1e-12;       ///< speed of a body that is none, in g h; floats have no room for it
+inline constexpr double kLoadRounding = 5e-7;   ///< of loads between steps, in units of the load
+inline constexpr double kSideRounding = 1e-12;  ///< of the terms that the load of a row sums up
 }  // namespace tuning
 
 /// A body of the island. Locked movements have mass 1 and no Jacobian.
@@ -96,6 +97,17 @@ enum class RowAims : std::uint8_t {
     resting,  ///< that rigid rows do not open any more
 };
 
+/// Where the load of a row is between its bounds.
+enum class Side : std::uint8_t { within, lower, upper };
+
+/// Which rows change to the side that was asked of them.
+enum class SideChange : std::uint8_t {
+    leap,      ///< all
+    step,      ///< all; those at a bound come within first: friction that is to turn round may find that it sticks
+    farthest,  ///< of these the one that is wrong by most
+    last,      ///< of these the last
+};
+
 /// A scalar row with bounds: a joint's.
 struct SystemRow {
     RowKind kind = RowKind::first;
@@ -109,7 +121,9 @@ struct SystemRow {
     double lower = 0, upper = 0;
     RestingAim resting;
     double speed = 0, change = 0;
-    bool free = true, factored = true;  ///< within its bounds
+    Side side = Side::within, asked = Side::within;  ///< it has, and its speed asks for
+    double wrong = 0;                                ///< J, by which these differ
+    bool factored = true;                            ///< was within its bounds in the factor
 };
 
 /// |M (v − v_free) − Jᵀ λ| and |Jᵀ λ|, in the norm of M⁻¹.
@@ -143,8 +157,8 @@ public:
     bool isOf(std::size_t bodyCount, std::size_t contactCount, std::size_t jointCount) const {
         return bodyCount == bodies_.size() && contactCount == lanes_ && jointCount == joints_.size();
     }
-    /// Was it begun again, and has nothing changed through that step either? Its lanes are then as they were, but for what
-    /// so many substeps of it have borne.
+    /// Was it begun again, and has nothing changed through that step either? Its lanes are then as they were, but for
+    /// what so many substeps of it have borne.
     bool restsAgain(bool begunAgain) const { return begunAgain && rests_ && loadsKept_; }
     int restedSubsteps() const { return restedSubsteps_; }
     /// Else writes loads and impulses back to lanes and joints.
@@ -198,6 +212,12 @@ public:
     void velocityOfLoads(double* v) const;
     /// u, λ and regions at v, and the gradient M (v − v_free) − Jᵀ λ.
     Residual evaluate(const double* v, double* gradient);
+    /// The same of joints alone with the sides that rows have, which are those of their loads after takeSidesOfLoads.
+    Residual evaluateSides(const double* v, double* gradient);
+    void takeSidesOfLoads();
+    /// How many rows the last evaluation asks to change their sides.
+    std::size_t wrongSides() const;
+    void changeSides(SideChange change);
     /// True when the loads answer what was evaluated but for speeds that may be left alone, or a share of those;
     /// keepLoads takes them.
     bool loadsHold(double share = 1);
@@ -242,6 +262,7 @@ private:
     static void makeHeavy(SystemBody& body, double factor);
     void updateGaps(const BodyArrays& arrays);
     void speedsAt(const double* v);
+    Residual gradientAt(const double* v, double* gradient) const;
     /// Of each body, m/s, in the scratch: what may be left alone.
     const double* roundingSpeeds();
     void takePointLoads();

@@ -57,11 +57,6 @@ double dot(const double* a, const double* b, std::size_t n) {
 
 bool isLarge(const IslandSystem& system) { return system.bodyCount() > kMostBodies; }
 
-bool mayFactor(const IslandSystem& system, const SolveReport& report) {
-    if (isLarge(system) && report.factorizations >= kLargeFactors) return false;
-    return (report.factorizations + 1) * static_cast<double>(system.factorProducts()) <= kMostProducts;
-}
-
 /// One convex problem. False when it was given up.
 bool minimize(IslandSystem& system, int iterations, bool& factored, SolveReport& report) {
     const std::size_t n = system.unknowns();
@@ -128,6 +123,11 @@ void refine(IslandSystem& system, bool& factored, SolveReport& report) {
 
 }  // namespace
 
+bool mayFactor(const IslandSystem& system, const SolveReport& report) {
+    if (isLarge(system) && report.factorizations >= kLargeFactors) return false;
+    return (report.factorizations + 1) * static_cast<double>(system.factorProducts()) <= kMostProducts;
+}
+
 void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveReport& report) {
     double* v = system.velocity();
     report.converged |= isLarge(system);
@@ -139,6 +139,10 @@ void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveRepor
             system.stopRounding();
             return;
         }
+    }
+    if (system.pointCount() == 0) {
+        if (startFromLoads) system.takeSidesOfLoads();
+        if (pivot(system, factored, report)) return;
     }
     const double enough = kSlipChange * system.gravityStep();
     for (int round = 0; round < kSlipRounds; ++round) {
@@ -153,25 +157,6 @@ void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveRepor
         if (system.updateSlips() <= enough) break;
     }
     if (startFromLoads && isLarge(system)) refine(system, factored, report);
-}
-
-void solveJoints(IslandSystem& system, int steps, bool& factored, SolveReport& report) {
-    const std::size_t n = system.unknowns();
-    double* v = system.velocity();
-    double* change = system.scratch().direction.data();
-    for (int i = 0; i < steps; ++i) {
-        const Residual residual = system.evaluate(v, change);
-        if (!std::isfinite(residual.norm) || residual.norm <= kRounding * residual.scale) return;
-        if (!factored || system.regionsChanged()) {
-            if (!system.factorize()) return;
-            factored = true;
-            ++report.factorizations;
-        }
-        for (std::size_t k = 0; k < n; ++k) change[k] = -change[k];
-        system.solve(change);
-        ++report.iterations;
-        for (std::size_t k = 0; k < n; ++k) v[k] += change[k];
-    }
 }
 
 }  // namespace ragtop::direct

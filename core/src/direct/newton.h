@@ -17,8 +17,12 @@ struct SolveReport {
 /// is finite whatever happens.
 void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveReport& report);
 
-/// A system of joints alone, in so many steps at most of an active set [Hintermüller, Ito, Kunisch, 2002]: rigid rows
-/// hold after each of them, and rows with bounds hold or give as the step before has found them.
-void solveJoints(IslandSystem& system, int steps, bool& factored, SolveReport& report);
+/// May a system be factorized once more in this step?
+bool mayFactor(const IslandSystem& system, const SolveReport& report);
+
+/// A system of joints alone, from the sides of their bounds that its rows have: a linear system but for these, which
+/// block principal pivoting finds in finitely many steps [Júdice, Pires, 1994] where Newton's method meets one bound
+/// after the other. False when it was given up, at a velocity that is finite.
+bool pivot(IslandSystem& system, bool& factored, SolveReport& report);
 
 }  // namespace ragtop::direct

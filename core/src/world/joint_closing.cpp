@@ -16,7 +16,6 @@ namespace {
 constexpr float kOpen = 0.02f;
 constexpr float kClosed = 0.01f;       ///< the same, at which it is closed enough
 constexpr int kRounds = 12;            ///< of closing: errors are not linear in ways
-constexpr int kSteps = 3;              ///< of the active set of stops, in each solve
 constexpr int kSofter = 6;             ///< softer systems that are tried where ways would be longer than kLargestTurn
 constexpr double kSoftening = 10;      ///< resistance of each over that of the one before
 constexpr double kHeld = 30;           ///< times as heavy is what a sweep of continuous collision holds up
@@ -97,7 +96,7 @@ double findWays(direct::IslandSystem& system, double h, double& softness) {
     system.soften(softness);
     for (int i = 0; i <= kSofter; ++i) {
         bool factored = false;
-        direct::solveJoints(system, kSteps, factored, report);
+        direct::pivot(system, factored, report);
         turn = system.largestTurn(h);
         if (!(turn > kLargestTurn) || i == kSofter) break;
         system.soften(kSoftening);
@@ -117,7 +116,7 @@ void restJoints(WorldImpl& world, direct::IslandSystem& system) {
     direct::SolveReport report;
     bool factored = false;
     system.aimAtRest(world.bodyArrays(), world.jointContext);
-    direct::solveJoints(system, 1, factored, report);
+    direct::pivot(system, factored, report);
     system.writeVelocities(world.bodyArrays());
 }
 

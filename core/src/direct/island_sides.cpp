@@ -1,0 +1,76 @@
+// The sides of joints' rows that are answered as they are (pivoting.h).
+
+#include <cmath>
+
+#include "direct/island_system.h"
+
+namespace ragtop::direct {
+
+namespace {
+
+/// The sum of the sizes of the terms that J v sums up.
+double termsOfSpeed(const SystemRow& row, const double* v) {
+    double sum = 0;
+    if (row.a != kFixed)
+        for (int k = 0; k < 6; ++k) sum += std::fabs(row.ja[k] * v[6 * row.a + k]);
+    if (row.b != kFixed)
+        for (int k = 0; k < 6; ++k) sum += std::fabs(row.jb[k] * v[6 * row.b + k]);
+    return sum;
+}
+
+/// The side of y: the row's own, if rounding may have moved y across.
+Side askedSide(const SystemRow& row, double y, double rounding) {
+    const bool isLower = row.side == Side::lower, isUpper = row.side == Side::upper;
+    if (y < row.lower + (isLower ? rounding : -rounding)) return Side::lower;
+    if (y > row.upper - (isUpper ? rounding : -rounding)) return Side::upper;
+    return Side::within;
+}
+
+/// What the row's potential changes by between y and the bound that it has come from or gone beyond, J.
+double wrongBy(const SystemRow& row, double y) {
+    if (row.asked == row.side) return 0;
+    const Side bound = row.side == Side::within ? row.asked : row.side;
+    const double beyond = y - (bound == Side::lower ? row.lower : row.upper);
+    return 0.5 * row.resistance * beyond * beyond;
+}
+
+}  // namespace
+
+void IslandSystem::takeSidesOfLoads() {
+    for (SystemRow& row : rows_)
+        row.side = row.load <= row.lower ? Side::lower : row.load >= row.upper ? Side::upper : Side::within;
+}
+
+/// A row within its bounds has the load y = λ̂ − (u − û)/R, another that of its bound. It is right there where y is on
+/// that side, but for the rounding of what y sums up.
+Residual IslandSystem::evaluateSides(const double* v, double* gradient) {
+    speedsAt(v);
+    for (SystemRow& row : rows_) {
+        const double y = row.load - (row.speed - row.target) / row.resistance;
+        row.impulse = row.side == Side::lower ? row.lower : row.side == Side::upper ? row.upper : y;
+        const double terms = std::fabs(row.load) + (termsOfSpeed(row, v) + std::fabs(row.target)) / row.resistance;
+        row.asked = askedSide(row, y, tuning::kSideRounding * terms);
+        row.wrong = wrongBy(row, y);
+    }
+    return gradientAt(v, gradient);
+}
+
+std::size_t IslandSystem::wrongSides() const {
+    std::size_t count = 0;
+    for (const SystemRow& row : rows_) count += row.asked != row.side;
+    return count;
+}
+
+void IslandSystem::changeSides(SideChange change) {
+    const SystemRow* chosen = nullptr;
+    for (const SystemRow& row : rows_)
+        if (row.asked != row.side && (!chosen || change == SideChange::last || row.wrong > chosen->wrong))
+            chosen = &row;
+    const bool together = change == SideChange::leap || change == SideChange::step;
+    for (SystemRow& row : rows_) {
+        if (row.asked == row.side || !(together || &row == chosen)) continue;
+        row.side = change == SideChange::leap || row.side == Side::within ? row.asked : Side::within;
+    }
+}
+
+}  // namespace ragtop::direct
