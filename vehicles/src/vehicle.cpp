@@ -45,6 +45,7 @@ StepModule moduleOf(VehicleSim& sim) {
         self.world = &world;
         self.beforeStep(dt);
     };
+    module.look = [](void* user, const World&, double dt) { return static_cast<VehicleSim*>(user)->look(dt); };
     module.beforeSubstep = [](void* user, World&, double h) {
         static_cast<VehicleSim*>(user)->beforeSubstep(static_cast<float>(h));
     };
@@ -112,6 +113,7 @@ VehicleSim::VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePla
     grounds.resize(specs.size());
     groundOfWheel.resize(specs.size());
     resistances.resize(specs.size());
+    touched.reserve(specs.size() + 1);
     wheelTelemetry.resize(specs.size());
     telemetry.wheels = wheelTelemetry;
 
@@ -190,10 +192,7 @@ BodyId Vehicle::chassis() const { return sim_->chassis; }
 const VehicleDef& Vehicle::def() const { return sim_->def; }
 void Vehicle::setDef(const VehicleDef& def) { sim_->setDef(def); }
 void Vehicle::place(const VehiclePlacement& placement) { sim_->place(placement); }
-const VehicleTelemetry& Vehicle::telemetry() const {
-    if (sim_->stale) sim_->refreshTelemetry();
-    return sim_->telemetry;
-}
+const VehicleTelemetry& Vehicle::telemetry() const { return sim_->tell(); }
 std::span<const float> Vehicle::staticLoads() const { return sim_->loadsAtRest; }
 
 }  // namespace ragtop

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include "drivetrain.h"
@@ -72,6 +76,7 @@ struct VehicleSim {
     void place(const VehiclePlacement& placement);
 
     void beforeStep(double dt);
+    std::span<const BodyId> look(double dt);
     void beforeSubstep(float h);
     void afterStep();
 
@@ -80,13 +85,26 @@ struct VehicleSim {
     bool fits(std::span<const std::byte> from) const;
     void restore(std::span<const std::byte> from);
     std::uint64_t hash() const;
+    const VehicleTelemetry& tell();
     void refreshTelemetry();
 
+    // What a sleeping car is asked for in every step lies together.
     World* world = nullptr;  ///< follows a world that is moved, with every call of the module
-    VehicleDef def;
     BodyId chassis;
-    StepModule module;
+    bool active = true;                         ///< the chassis is awake
+    std::atomic<bool> stale{false};             ///< telemetry is of an earlier state
+    std::optional<std::uint64_t> restsOnFixed;  ///< World::fixedVersion of when it was seen to stand where it stood
+    struct Driver {
+        float throttle = 0, brake = 0, steer = 0, handbrake = 0, clutch = 0;
+        std::int32_t gear = 0, gearGiven = 0;
+        bool operator==(const Driver&) const = default;
+    };
+    static Driver driverOf(const VehicleInput& input);
+    Driver driver;  ///< the input of the last step, within its ranges
     VehicleInput input;
+    StepModule module;
+    std::vector<BodyId> touched;  ///< what this step may push: the chassis, and what moves under its wheels
+    VehicleDef def;
     std::vector<WheelSpec> specs;
     std::vector<float> loadsAtRest;
     float mass = 0, gravity = 0;  ///< kg; m/s², at creation
@@ -94,22 +112,14 @@ struct VehicleSim {
     float meanRadius = 0;         ///< of the driven wheels
     std::uint64_t digest = 0;     ///< of the definition, and of the gravity of its springs
 
-    // State.
-    struct Driver {
-        float throttle = 0, brake = 0, steer = 0, handbrake = 0, clutch = 0;
-        std::int32_t gear = 0, gearGiven = 0;
-        bool operator==(const Driver&) const = default;
-    };
-    static Driver driverOf(const VehicleInput& input);
-    Driver driver;         ///< the input of the last step, within its ranges
+    // State, with the driver.
     float steerAngle = 0;  ///< rad, positive to the left
     Drivetrain drivetrain;
     std::vector<WheelState> wheels;
     Pose endPose;  ///< of the chassis at the end of the last step
 
     // Working memory.
-    bool active = true;  ///< the chassis is awake
-    bool stale = false;  ///< telemetry is of before a restore
+    std::mutex telling;  ///< of those that ask for it at once
     std::vector<WheelPatch> patches;
     std::vector<GroundBody> grounds;         ///< of the first wheel that stands there
     std::vector<std::size_t> groundOfWheel;  ///< which of them
@@ -120,7 +130,7 @@ struct VehicleSim {
 private:
     void takeDef();
     void start(float speed);
-    bool mayRest(const Driver& wanted) const;
+    bool mayRest(const Driver& wanted);
     void seekGround(std::size_t i, const Pose& pose, float dt);
     Pose wheelFrame(std::size_t i, const Pose& pose) const;
 

@@ -29,26 +29,35 @@ VehicleSim::Driver VehicleSim::driverOf(const VehicleInput& input) {
     return driver;
 }
 
-/// A sleeping car goes on sleeping while nobody touches the controls and what it stands on stays where it was.
-bool VehicleSim::mayRest(const Driver& wanted) const {
+/// A sleeping car goes on sleeping while nobody touches the controls and what it stands on stays where it was. Where that
+/// is fixed it is asked for only when something fixed has been moved.
+bool VehicleSim::mayRest(const Driver& wanted) {
     if (!(wanted == driver) || (wanted.throttle > 0 && drivetrain.gearbox.gear != 0)) return false;
+    const std::uint64_t version = world->fixedVersion();
+    if (restsOnFixed == version) return true;
+    bool moves = false;
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         const GroundPlane& plane = wheels[i].ground;
         if (wheels[i].touching == 0) continue;
         if (!world->isValid(plane.body)) return false;
+        moves |= plane.moves != 0;
         DVec3 point;
         Vec3 normal;
         movePlane(plane, world->pose(plane.body), point, normal);
         const float moved = length(relative(point, plane.point)) + specs[i].radius * length(normal - plane.normal);
         if (moved > kStill * specs[i].radius) return false;
     }
+    if (!moves) restsOnFixed = version;
     return true;
 }
 
+/// Where the car stands and how it is driven; what the wheels find is looked for when all others have moved what they
+/// move.
 void VehicleSim::beforeStep(double dt) {
     const Driver wanted = driverOf(input);
     active = world->isValid(chassis) && (world->isAwake(chassis) || !mayRest(wanted));
     if (!active) return;
+    restsOnFixed.reset();
     driver = wanted;
     if (!world->isAwake(chassis) || (driver.throttle > 0 && drivetrain.gearbox.gear != 0)) world->wake(chassis);
 
@@ -61,8 +70,16 @@ void VehicleSim::beforeStep(double dt) {
     steerAngle = steeredAngle(def.steering, steerAngle, driver.steer, forwardSpeed, step);
     const std::optional<int> gear = driver.gearGiven != 0 ? std::optional<int>(driver.gear) : std::nullopt;
     shift(def.gearbox, drivetrain.gearbox, gear, forwardSpeed / meanRadius, driver.throttle, step);
-    for (std::size_t i = 0; i < wheels.size(); ++i) seekGround(i, pose, step);
+}
+
+std::span<const BodyId> VehicleSim::look(double dt) {
+    touched.clear();
+    if (!active) return touched;
+    const Pose pose = world->pose(chassis);
+    for (std::size_t i = 0; i < wheels.size(); ++i) seekGround(i, pose, static_cast<float>(dt));
     findGrounds();
+    touched.push_back(chassis);
+    return touched;
 }
 
 /// The plane is sought where the wheel will be in the middle of the step.
@@ -96,8 +113,7 @@ void VehicleSim::findGrounds() {
         }
         groundOfWheel[i] = first;
         if (first != i) continue;
-        if (moves && world->type(plane.body) == BodyType::dynamic && !world->isAwake(plane.body))
-            world->wake(plane.body);
+        if (moves) touched.push_back(plane.body);
         findSupports(*world, moves ? plane.body : BodyId{}, chassis, grounds[i]);
     }
 }
@@ -112,7 +128,7 @@ void VehicleSim::afterStep() {
         movePlane(wheel.ground, now, wheel.ground.point, wheel.ground.normal);
         wheel.ground.pose = now;
     }
-    refreshTelemetry();
+    stale.store(true, std::memory_order_relaxed);
 }
 
 /// The hub with its steering, without its rotation.
@@ -123,8 +139,17 @@ Pose VehicleSim::wheelFrame(std::size_t i, const Pose& pose) const {
     return pose * Frame{spec.position + wheels[i].compression * spec.axis, rotationFromAxes(left, {0, 1, 0}, ahead)};
 }
 
+/// Telemetry is worked out when somebody asks for it, by the first of those that do.
+const VehicleTelemetry& VehicleSim::tell() {
+    if (stale.load(std::memory_order_acquire)) {
+        const std::lock_guard<std::mutex> lock(telling);
+        if (stale.load(std::memory_order_relaxed) && world->isValid(chassis)) refreshTelemetry();
+        stale.store(false, std::memory_order_release);
+    }
+    return telemetry;
+}
+
 void VehicleSim::refreshTelemetry() {
-    stale = false;
     const Pose pose = world->pose(chassis);
     telemetry.speed = dot(world->linearVelocity(chassis), rotate(pose.rotation, {0, 0, 1}));
     telemetry.engine.rpm = revolutionsPerMinute(drivetrain.engineSpeed);

@@ -87,8 +87,17 @@ struct StepStats {
     /// Times that a group of bodies held together by joints was moved to close joints that a step had left open, since the
     /// world was made.
     std::uint64_t jointsClosed = 0;
+    /// Times since the world was made that a module pushed a body between substeps that it had not named, which is left out.
+    std::uint64_t strayImpulses = 0;
     double totalMs = 0;
+    /// What of the stage "solve" the last step spent in modules between its substeps, where all bodies went through these
+    /// together.
+    double modulesMs = 0;
     int bodies = 0, awakeBodies = 0, contacts = 0, touching = 0, joints = 0, colors = 0;
+    /// What the last step did of its awake bodies: went through its substeps together; by themselves, as chains that nothing
+    /// touches do. The rest were at rest and left out.
+    int solvedBodies = 0, aloneBodies = 0;
+    int regions = 0;        ///< into which it divided them, each of which went through the substeps by itself
     std::size_t bytes = 0;  ///< memory held
 };
 
@@ -230,6 +239,9 @@ public:
     std::uint64_t hash() const;
     /// Vehicles, ragdolls and games take part in steps and saves as modules; see module.h.
     void add(StepModule* module);
+    /// Changes whenever a fixed body is put elsewhere or destroyed, and when a state is restored: what sleeps on fixed ground
+    /// need not look at it while this stays.
+    std::uint64_t fixedVersion() const;
     void remove(StepModule* module);
 
     /// Kinetic and potential energy of the dynamic bodies, J; potential is zero at the world's origin.

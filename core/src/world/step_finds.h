@@ -13,6 +13,7 @@
 #include "constraints/constraint_graph.h"
 #include "direct/newton.h"
 #include "narrowphase/manifold.h"
+#include "ragtop/id.h"
 #include "ragtop/math.h"
 #include "world/records.h"
 
@@ -158,15 +159,37 @@ struct ByRegion {
 /// Islands that are solved side by side (world/world_regions.cpp); region 0 is what belongs to none.
 struct Regions {
     explicit Regions(std::pmr::memory_resource* memory)
-        : bodies(memory), assemblies(memory), usedLists(memory), listStarts(memory), weights(memory), ofIsland(memory),
+        : bodies(memory), assemblies(memory), modules(memory), usedLists(memory), listStarts(memory), weights(memory), ofIsland(memory),
           loads(memory) {}
     bool alone = false;  ///< each goes through the substeps of this step by itself
-    ByRegion bodies, assemblies;               ///< of this step, while they are alone
+    ByRegion bodies, assemblies, modules;      ///< of this step, while they are alone; of modules, their groups
     AlignedArray<std::uint32_t> usedLists;     ///< per region: a bit per list that holds something
     AlignedArray<int> listStarts;              ///< scratch: blocks of each list of the graph
     AlignedArray<std::uint32_t> weights, ofIsland;  ///< scratch: per body that is the root of an island
     AlignedArray<std::uint32_t> loads;              ///< scratch: weight of each region
     std::uint32_t wait = 0, nextWait = 0;           ///< steps until islands are looked at again
+};
+
+/// What modules do between the substeps of a step, and to whom (world_modules.cpp). Modules that name a moving body in
+/// common are a group, and groups have nothing to do with each other. Found anew in every step.
+struct ModuleWork {
+    explicit ModuleWork(std::pmr::memory_resource* memory)
+        : named(memory), namer(memory), spans(memory), acting(memory), parent(memory), groupOf(memory), starts(memory),
+          members(memory) {}
+    bool onAll = false;                           ///< some module names nobody: it may act on any body
+    bool inSubsteps = false;                      ///< modules may act now, on any worker
+    AlignedArray<std::uint32_t> named;            ///< bodies, each once, in the order of modules
+    AlignedArray<std::uint32_t> namer;            ///< per body: 1 + the first place in `acting` that named it; 0: none
+    AlignedArray<std::span<const BodyId>> spans;  ///< per module, what it named
+    AlignedArray<std::uint32_t> acting;           ///< modules that named something, in the order of registration
+    AlignedArray<std::uint32_t> parent, groupOf;  ///< per place there: union-find; the group
+    AlignedArray<std::uint32_t> starts, members;  ///< of each group, and the end; places in `acting`, in their order
+    double ms = 0;                                ///< of this step, between its substeps
+    std::uint64_t strays = 0;                     ///< impulses left out, since the world was made
+
+    std::size_t groupCount() const { return starts.empty() ? 0 : starts.size() - 1; }
+    bool acts() const { return onAll || !acting.empty(); }
+    bool actsOn(std::uint32_t body) const { return onAll || (body < namer.size() && namer[body] != 0); }
 };
 
 /// How far a body went in a step.

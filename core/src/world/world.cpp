@@ -79,6 +79,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       movingTree(memory, stageMemory),
       pairs(memory),
       geometries(memory),
+      moduleWork(memory),
       regions(memory),
       jointBundles(jointKernels->lanes, memory),
       springs(memory),
@@ -185,7 +186,12 @@ StepStats World::stats() const {
     stats.energyGuarded = w.energyGuard.caught;
     stats.energyTaken = w.energyGuard.taken;
     stats.jointsClosed = w.jointClosing.closed;
+    stats.strayImpulses = w.moduleWork.strays;
+    stats.solvedBodies = static_cast<int>(w.rest.solved.size() - w.strides.aloneCount);
+    stats.aloneBodies = static_cast<int>(w.strides.aloneCount);
+    stats.regions = w.regions.alone ? w.graph.regionCount() : 0;
     stats.totalMs = w.totalMs;
+    stats.modulesMs = w.moduleWork.ms;
     stats.bodies = static_cast<int>(w.bodySlots.used()) - 1;
     stats.awakeBodies = static_cast<int>(w.awakeBodies.size());
     stats.contacts = static_cast<int>(w.contactSlots.used());
@@ -268,6 +274,7 @@ void World::apply(std::span<CommandBuffer* const> buffers) {
     if (first) std::rethrow_exception(first);
 }
 
+std::uint64_t World::fixedVersion() const { return impl_->fixedVersion; }
 void World::add(StepModule* module) { impl_->modules.push_back(module); }
 void World::remove(StepModule* module) { std::erase(impl_->modules, module); }
 

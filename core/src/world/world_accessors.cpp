@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/check_tunables.h"
-#include "world/world_impl.h"
+#include "world/world_modules.h"
 
 /// Reading and changing single bodies, shapes and joints.
 namespace ragtop {
@@ -146,7 +146,7 @@ void World::moveTo(BodyId body, const Pose& target, double dt) {
 void World::applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point) {
     if (!impl_->takes(isFinite(impulse) && isFinite(point), "impulse")) return;
     const std::uint32_t i = impl_->index(body);
-    if (!impl_->moves(i)) return;
+    if (!impl_->moves(i) || !mayPush(*impl_, i)) return;
     const BodyState& state = impl_->states[i];
     const Vec3 arm = relative(point, impl_->bodies[i].center + state.dp);
     impl_->setVelocity(i, state.v + state.invMass * impulse, state.w + impl_->inertias[i] * cross(arm, impulse));
@@ -156,7 +156,7 @@ void World::applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point) {
 void World::applyAngularImpulse(BodyId body, const Vec3& impulse) {
     if (!impl_->takes(isFinite(impulse), "impulse")) return;
     const std::uint32_t i = impl_->index(body);
-    if (!impl_->moves(i)) return;
+    if (!impl_->moves(i) || !mayPush(*impl_, i)) return;
     impl_->states[i].w += impl_->inertias[i] * impulse;
     if (!impl_->stepping) impl_->wakeBody(i);
 }

@@ -295,7 +295,8 @@ void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3&
     if (bodies[index].type == BodyType::dynamic) obeyLocks(index);
     if (!stepping) histories[index].velocityBefore += state.v - before;
     if (stepping) noteDriven(*this, index);
-    launch(index);
+    // Bounds that are made when the step ends count what modules did within it.
+    if (!moduleWork.inSubsteps) launch(index);
 }
 
 /// What was put somewhere did not travel there.
@@ -329,6 +330,7 @@ void WorldImpl::destroyBody(std::uint32_t index) {
         sleepBody(index);
         (stepping ? sleepEvents : sleepEventsBetweenSteps).pop_back();
     }
+    fixedVersion += body.type == BodyType::fixed ? 1 : 0;
     bodySlots.release(index);
     ++structureVersion;
 }
@@ -336,6 +338,7 @@ void WorldImpl::destroyBody(std::uint32_t index) {
 void WorldImpl::setPose(std::uint32_t index, const Pose& pose) {
     BodyRecord& body = bodies[index];
     wakeTouching(index);
+    fixedVersion += body.type == BodyType::fixed ? 1 : 0;
     const Pose internal = Pose{pose.position, normalized(pose.rotation)} * body.local;
     body.center = internal.position;
     body.rotation = normalized(internal.rotation);

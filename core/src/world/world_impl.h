@@ -413,7 +413,7 @@ struct WorldImpl {
     StageMemory stageMemory;  ///< no state, but of the trees
     BoundsTree staticTree, movingTree;
     PairSet pairs;
-    std::uint64_t stepCount = 0, structureVersion = 0;
+    std::uint64_t stepCount = 0, structureVersion = 0, fixedVersion = 0;
     double time = 0;
     float lastSubstep = 0;
     std::uint32_t contactsMade = 0;  ///< since they were put in order
@@ -426,6 +426,7 @@ struct WorldImpl {
     std::pmr::vector<GeometryEntry> geometries;
     bool meshesMove = false;  ///< has any dynamic body had a mesh?
     std::vector<StepModule*> modules;
+    ModuleWork moduleWork;
     Regions regions;
     JointBundles jointBundles;
     bool bundlesChanged = true;              ///< joints came, went or changed since they were bundled

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "world/world_modules.h"
 #include "world/world_regions.h"
 
 namespace ragtop {
@@ -12,6 +13,7 @@ namespace ragtop {
 namespace {
 
 constexpr std::size_t kLeastBodies = 64;  ///< per region: fewer leave too many lanes without a contact
+constexpr std::uint32_t kNamed = 16;      ///< weight of a body that a module acts on, in bodies
 constexpr float kMostUneven = 1.4f;       ///< weight of the heaviest region over the mean, for which dividing pays
 /// Steps until islands are looked at again after they were too few or too unequal.
 constexpr std::uint32_t kFirstWait = 64, kLongestWait = 1024;
@@ -28,18 +30,22 @@ static int wantedRegions(const WorldImpl& world) {
 static bool anyBetweenRegions(const WorldImpl& world) {
     for (int c = 0; c < ConstraintGraph::kRegionLists; ++c)
         if (!world.graph.color(c).empty()) return true;
+    for (std::size_t group = 0; group < world.moduleWork.groupCount(); ++group)
+        if (regionOfGroup(world, group) == kNone) return true;
     return false;
 }
 
 /// Per root of an island: its bodies, joints and contacts.
 static void weighIslands(WorldImpl& world) {
     world.uniteConstraints(false);
+    uniteNamed(world);
     world.regions.weights.resizeForOverwrite(world.bodies.size());
     for (const std::uint32_t body : world.awakeBodies) world.regions.weights[body] = 0;
     const auto weigh = [&](std::uint32_t a, std::uint32_t b, std::uint32_t weight) {
         if (world.moves(a) || world.moves(b)) world.regions.weights[world.findRoot(world.moves(a) ? a : b)] += weight;
     };
     for (const std::uint32_t body : world.awakeBodies) weigh(body, body, 1);
+    for (const std::uint32_t body : world.moduleWork.named) weigh(body, body, kNamed);
     for (int c = 0; c < world.graph.listCount(); ++c) {
         if (!ConstraintGraph::isSwept(c)) continue;
         for (const std::uint32_t m : world.graph.color(c).manifolds)
@@ -143,8 +149,9 @@ static void moveToRegions(WorldImpl& world, int wanted) {
 
 /// Does nothing between the passes of a substep concern several regions, or anybody else?
 static bool goAlone(const WorldImpl& world) {
-    for (const StepModule* module : world.modules)
-        if (module->beforeSubstep) return false;
+    if (world.moduleWork.onAll) return false;
+    for (std::size_t group = 0; group < world.moduleWork.groupCount(); ++group)
+        if (regionOfGroup(world, group) == kNone) return false;
     if (world.bouncy || world.settings.sequentialFriction || !world.sweptCouplings.empty() ||
         !world.freshManifolds.empty())
         return false;
@@ -191,6 +198,9 @@ void collectRegions(WorldImpl& world) {
     world.regions.bodies.fill(
         count, world.rest.solved.size(), [&](std::size_t i) { return world.rest.solved[i]; },
         [&](std::size_t i) { return regionOf(world.rest.solved[i]); });
+    world.regions.modules.fill(
+        count, world.moduleWork.groupCount(), [&](std::size_t g) { return static_cast<std::uint32_t>(g); },
+        [&](std::size_t g) { return regionOfGroup(world, g); });
     const std::size_t groups = world.assemblies.starts.empty() ? 0 : world.assemblies.starts.size() - 1;
     world.regions.assemblies.fill(
         count, groups, [&](std::size_t i) { return static_cast<std::uint32_t>(i); },

@@ -14,12 +14,8 @@ constexpr float kStill = 1e-3f;
 /// kStill/(substeps · steps) of gravity, 2e-5.
 constexpr int kStillSteps = 16;
 
-/// What is told of every substep or contact expects all of them.
-bool mayRest(const WorldImpl& world) {
-    for (const StepModule* module : world.modules)
-        if (module->beforeSubstep) return false;
-    return !world.callbacks.modify;
-}
+/// What is told of every contact expects all of them.
+bool mayRest(const WorldImpl& world) { return !world.callbacks.modify; }
 
 /// Does anything but its contacts move the body?
 bool isDisturbed(const WorldImpl& world, std::uint32_t index) {
@@ -31,7 +27,8 @@ bool isDisturbed(const WorldImpl& world, std::uint32_t index) {
 /// Is the body held by contacts with what never moves alone, none of which slides, rolls or carries it on?
 bool restsOnFixed(const WorldImpl& world, std::uint32_t index) {
     const BodyRecord& body = world.bodies[index];
-    if (!world.moves(index) || world.isDirect(index) || body.firstJoint != kNone || isDisturbed(world, index)) return false;
+    if (!world.moves(index) || world.isDirect(index) || body.firstJoint != kNone) return false;
+    if (isDisturbed(world, index) || world.moduleWork.actsOn(index)) return false;
     bool loaded = false;
     for (std::uint32_t key = body.firstContact; key != kNone; key = world.nextContact(key)) {
         const ContactRecord& record = world.contacts[key >> 1];
@@ -112,7 +109,7 @@ void WorldImpl::collectSolved() {
     const bool may = mayRest(*this);
     rest.unrested.clear();
     for (const std::uint32_t index : awakeBodies) {
-        if (!may || isDirect(index) || isDisturbed(*this, index)) rouse(index);
+        if (!may || isDirect(index) || isDisturbed(*this, index) || moduleWork.actsOn(index)) rouse(index);
         if (!bodies[index].rests) rest.unrested.push(index);
     }
     rest.solved = {rest.unrested.data(), rest.unrested.size()};

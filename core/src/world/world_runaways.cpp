@@ -1,3 +1,4 @@
+#include <atomic>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -59,7 +60,7 @@ void WorldImpl::forgetImpulses(std::uint32_t index) {
 bool WorldImpl::takes(bool finite, const char* what) {
     if (finite) return true;
     if (!inStep) throw std::invalid_argument(std::string(what) + " is not finite");
-    ++runaways;
+    std::atomic_ref(runaways).fetch_add(1, std::memory_order_relaxed);
     return false;
 }
 

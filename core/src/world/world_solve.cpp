@@ -5,7 +5,7 @@
 
 #include "constraints/contact_layout.h"
 #include "world/single_bundle.h"
-#include "world/world_impl.h"
+#include "world/world_modules.h"
 #include "world/world_strides.h"
 
 namespace ragtop {
@@ -130,12 +130,13 @@ static void sweepAll(WorldImpl& world, Sweep which, const SolverContext& own) {
 }
 
 /// All substeps of what has nothing to do with anybody else.
-static void solveRegion(WorldImpl& world, int region) {
+static void solveRegion(WorldImpl& world, World& face, int region) {
     const BodyArrays arrays = world.bodyArrays();
     const std::span<const std::uint32_t> list = world.regions.bodies.of(region);
     const auto count = static_cast<int>(list.size());
     for (int i = 0; i < world.settings.substeps; ++i) {
         const SolverContext before = contextOf(world, i, false), after = contextOf(world, i, true);
+        for (const std::uint32_t group : world.regions.modules.of(region)) actAsGroup(world, face, group);
         world.kernels->integrateVelocities(arrays, list.data(), 0, count, before);
         sweepRegion(world, region, Sweep::warmStart, before);
         sweepRegion(world, region, Sweep::solve, before);
@@ -146,9 +147,9 @@ static void solveRegion(WorldImpl& world, int region) {
 }
 
 /// Region 0 are bodies of none, that touch nothing and nothing moves.
-static void solveRegions(WorldImpl& world) {
+static void solveRegions(WorldImpl& world, World& face) {
     world.runner.parallelFor(world.graph.regionCount() + 1, 1, [&](int begin, int end, int) {
-        for (int r = begin; r < end; ++r) solveRegion(world, r);
+        for (int r = begin; r < end; ++r) solveRegion(world, face, r);
     });
     world.context = contextOf(world, world.settings.substeps - 1, true);
 }
@@ -164,26 +165,34 @@ static void forEachDirectBouncing(WorldImpl& world, Visit&& visit) {
     }
 }
 
+/// Passes of all bodies, one after the other.
+static void solveTogether(WorldImpl& world, World& face) {
+    for (int number = 0; number < world.settings.substeps; ++number) {
+        world.context = contextOf(world, number, false);
+        actBetweenSubsteps(world, face);
+        world.readMechanisms();
+        world.integrateVelocities();
+        if (world.bouncy) world.bounce();
+        world.solveDirect(WorldImpl::DirectPass::positions);
+        world.warmStart();
+        if (number == 0) world.settleNewContacts();
+        world.solve(true);
+        world.moveAssemblies();
+        world.integratePositions();
+        world.context = contextOf(world, number, true);
+        world.solveDirect(WorldImpl::DirectPass::velocities);
+        world.solve(false);
+    }
+}
+
 void WorldImpl::solveSubsteps(World& world) {
     leadSprings(*this, Lead::begin);
-    if (regions.alone) return solveRegions(*this);
-    for (int number = 0; number < settings.substeps; ++number) {
-        context = contextOf(*this, number, false);
-        for (StepModule* module : modules)
-            if (module->beforeSubstep) module->beforeSubstep(module->user, world, context.h);
-        readMechanisms();
-        integrateVelocities();
-        if (bouncy) bounce();
-        solveDirect(DirectPass::positions);
-        warmStart();
-        if (number == 0) settleNewContacts();
-        solve(true);
-        moveAssemblies();
-        integratePositions();
-        context = contextOf(*this, number, true);
-        solveDirect(DirectPass::velocities);
-        solve(false);
-    }
+    moduleWork.inSubsteps = moduleWork.acts();
+    if (regions.alone)
+        solveRegions(*this, world);
+    else
+        solveTogether(*this, world);
+    moduleWork.inSubsteps = false;
 }
 
 void WorldImpl::integrateVelocities() {

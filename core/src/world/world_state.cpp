@@ -227,6 +227,7 @@ void WorldImpl::forgetDerived() {
     doubtfulContacts.clear();
     forgetTouches();
     ++structureVersion;
+    ++fixedVersion;
     for (const ShapeRecord& shape : shapes) {
         motionReported |= shape.reportsMotion;
         if (!meshesMove && geometries[shape.geometry].mesh && bodies[shape.body].type == BodyType::dynamic) makeSkins();

@@ -5,7 +5,7 @@
 
 #include "constraints/contact_layout.h"
 #include "world/single_bundle.h"
-#include "world/world_impl.h"
+#include "world/world_modules.h"
 #include "world/world_regions.h"
 #include "world/world_strides.h"
 
@@ -16,7 +16,10 @@ template <class Body>
 static void shareStep(WorldImpl& world, Body&& body) {
     // Bodies and contacts take some 0.3 to 1 µs each; few are over before a second thread has woken, 2 µs and more.
     constexpr std::size_t kFew = 64;
-    const std::size_t size = world.awakeBodies.size() + world.awakeContacts.size() + world.moveBuffer.size();
+    // Modules that acted in the last step count as many of them.
+    constexpr std::size_t kModule = 16;
+    const std::size_t size = world.awakeBodies.size() + world.awakeContacts.size() + world.moveBuffer.size() +
+                             kModule * world.moduleWork.members.size();
     if (size < kFew) return world.runner.region(1, [&] { body(false); });
     const Sharing sharing = world.workerChoice.next();
     const auto begin = std::chrono::steady_clock::now();
@@ -60,11 +63,10 @@ void WorldImpl::step(World& world, double stepSeconds) {
     clearEvents();
     stepping = inStep = true;
     stepStart = std::chrono::steady_clock::now();
-    beginStage("modules");
-    for (StepModule* module : modules)
-        if (module->beforeStep) module->beforeStep(module->user, world, stepSeconds);
+    beginModules(*this, world, stepSeconds);
 
     shareStep(*this, [&](bool shareSolve) {
+        askModules(*this, world, stepSeconds);
         beginStage("pairs");
         findPairs();  // may grow arrays, as may the changes of contacts; nothing else below does
         coverLaunched(longer);

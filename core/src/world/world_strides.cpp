@@ -16,11 +16,12 @@ void forMembers(const WorldImpl& world, const DirectIsland& island, Visit&& visi
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) visit(world.directBodies[island.firstBody + i]);
 }
 
-/// Does anybody look at bodies between two substeps?
-bool isLookedAt(const WorldImpl& world) {
-    for (const StepModule* module : world.modules)
-        if (module->beforeSubstep) return true;
-    return false;
+/// Does anybody look at bodies of it between two substeps?
+bool isLookedAt(const WorldImpl& world, const DirectIsland& island) {
+    bool looked = false;
+    if (world.moduleWork.acts())
+        forMembers(world, island, [&](std::uint32_t body) { looked |= world.moduleWork.actsOn(body); });
+    return looked;
 }
 
 struct Pace {
@@ -33,6 +34,7 @@ struct Pace {
 Pace paceOf(const WorldImpl& world, const direct::TreePlan::Tree& tree, bool mayBeAlone) {
     const DirectIsland& island = world.directIslands[tree.owner];
     const BodyState& anchor = world.states[tree.anchor];
+    if (isLookedAt(world, island)) return {1, false};
     if (anchor.v != Vec3{} || anchor.w != Vec3{}) return {1, false};
     const bool hangs = world.chains.linkOf(tree, 0).joint != direct::TreeJoint::free;
     if (!island.strides) return {1, mayBeAlone && (hangs || island.leapfrog)};
@@ -104,12 +106,11 @@ void chooseStrides(WorldImpl& world) {
     direct::TreePlan& chains = world.chains;
     if (chains.treeCount() == 0 && !world.strides.any) return;
     std::atomic<bool> changed{!chains.isGrouped()};
-    const bool lookedAt = isLookedAt(world);
     // What was just made is settled among all bodies, before the step or within its first substep.
     const bool mayBeAlone = world.newJoints.empty() && world.freshManifolds.empty();
     world.runner.parallelFor(static_cast<int>(chains.treeCount()), 8, [&](int begin, int end, int) {
         for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) {
-            const Pace pace = lookedAt ? Pace{1, false} : paceOf(world, chains.treeAt(t), mayBeAlone);
+            const Pace pace = paceOf(world, chains.treeAt(t), mayBeAlone);
             if (chains.setPace(t, pace.stride, pace.alone)) changed.store(true, std::memory_order_relaxed);
         }
     });

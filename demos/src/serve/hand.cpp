@@ -48,6 +48,7 @@ Hand::Hand(World& world) : world_(world) {
     module_.user = this;
     module_.name = "hand";
     module_.beforeStep = [](void* user, World&, double) { static_cast<Hand*>(user)->beforeStep(); };
+    module_.look = [](void* user, const World&, double) { return static_cast<Hand*>(user)->look(); };
     module_.beforeSubstep = [](void* user, World&, double h) { static_cast<Hand*>(user)->pull(static_cast<float>(h)); };
     module_.saveSize = [](const void*) { return sizeof(State); };
     module_.save = [](const void* user, std::span<std::byte> into) {
@@ -104,8 +105,11 @@ void Hand::beforeStep() {
         release();
 }
 
+std::span<const BodyId> Hand::look() const {
+    return {&state_.body, state_.body.isNull() ? std::size_t{0} : std::size_t{1}};
+}
+
 void Hand::pull(float h) {
-    if (state_.body.isNull()) return;
     const Pose pose = world_.pose(state_.body);
     const DVec3 point = transformPoint(pose, state_.point);
     const Vec3 arm = relative(point, world_.centerOfMass(state_.body));

@@ -57,6 +57,7 @@ private:
     };
 
     void beforeStep();
+    std::span<const BodyId> look() const;
     void pull(float h);
 
     World& world_;

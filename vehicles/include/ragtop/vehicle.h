@@ -61,7 +61,7 @@ struct VehicleTelemetry {
     int gear = 0;  ///< −1 reverse, 0 neutral
     bool shifting = false;
     float clutchTorque = 0;                    ///< N m from the engine into the gearbox
-    std::span<const WheelTelemetry> wheels{};  ///< in the order of the definition; valid as long as the car
+    std::span<const WheelTelemetry> wheels{};  ///< in the order of the definition; there as long as the car
 };
 
 struct VehicleSim;
@@ -91,6 +91,7 @@ public:
     void setDef(const VehicleDef& def);
     /// Puts the car somewhere, upright, as if it had been made there; the input stays. Throws std::invalid_argument.
     void place(const VehiclePlacement& placement);
+    /// Of now; what it returned before is brought up to date by the next call. Costs nothing where nobody asks.
     const VehicleTelemetry& telemetry() const;
     /// Loads on the wheels of the car that stands on level ground, N.
     std::span<const float> staticLoads() const;

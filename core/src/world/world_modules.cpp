@@ -1,0 +1,180 @@
+// Modules: what they look at before a step, and what they do between its substeps, on workers where they say to whom
+// (docs/adr/0048-modules-name-their-bodies.md).
+
+#include <atomic>
+#include <chrono>
+
+#include "world/world_modules.h"
+
+namespace ragtop {
+
+namespace {
+
+constexpr int kAtOnce = 4;  ///< modules that look one after the other: those that sleep are done at once
+
+std::uint32_t rootOf(ModuleWork& work, std::uint32_t place) {
+    while (work.parent[place] != place) {
+        work.parent[place] = work.parent[work.parent[place]];
+        place = work.parent[place];
+    }
+    return place;
+}
+
+/// The first registered is the root, so that groups depend on names alone.
+void unite(ModuleWork& work, std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t rootA = rootOf(work, a), rootB = rootOf(work, b);
+    if (rootA < rootB)
+        work.parent[rootB] = rootA;
+    else
+        work.parent[rootA] = rootB;
+}
+
+void forget(ModuleWork& work) {
+    for (const std::uint32_t body : work.named) work.namer[body] = 0;
+    for (auto* list : {&work.named, &work.acting, &work.parent, &work.groupOf, &work.starts, &work.members})
+        list->clear();
+    work.onAll = false;
+    work.ms = 0;
+}
+
+/// All that do something between substeps, on workers.
+void look(WorldImpl& world, const World& face, double dt) {
+    ModuleWork& work = world.moduleWork;
+    work.spans.resizeForOverwrite(world.modules.size());
+    std::atomic<bool> onAll{false};
+    world.runner.parallelFor(static_cast<int>(world.modules.size()), kAtOnce, [&](int begin, int end, int) {
+        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m) {
+            const StepModule& module = *world.modules[m];
+            work.spans[m] = module.look ? module.look(module.user, face, dt) : std::span<const BodyId>{};
+            if (!module.beforeSubstep) work.spans[m] = {};
+            if (module.beforeSubstep && !module.look) onAll.store(true, std::memory_order_relaxed);
+        }
+    });
+    work.onAll = onAll.load(std::memory_order_relaxed);
+}
+
+/// Wakes what a module named and notes it; what does not move is shared by any number of modules.
+void takeNames(WorldImpl& world, std::uint32_t place) {
+    ModuleWork& work = world.moduleWork;
+    for (const BodyId id : work.spans[work.acting[place]]) {
+        if (!world.bodySlots.isValid(id.index, id.generation) || id.index == 0) continue;
+        if (world.bodies[id.index].type == BodyType::fixed) continue;
+        if (world.moves(id.index) && !world.isAwake(id.index)) world.wakeBody(id.index);
+        std::uint32_t& namer = work.namer[id.index];
+        if (namer == 0) {
+            namer = 1 + place;
+            work.named.push(id.index);
+        } else if (world.moves(id.index)) {
+            unite(work, namer - 1, place);
+        }
+    }
+}
+
+/// Groups are in the order of the first module of each.
+void listGroups(ModuleWork& work) {
+    const auto count = static_cast<std::uint32_t>(work.acting.size());
+    std::uint32_t groups = 0;
+    for (std::uint32_t place = 0; place < count; ++place) {
+        const std::uint32_t root = rootOf(work, place);
+        work.groupOf.push(root == place ? groups++ : work.groupOf[root]);
+    }
+    if (groups == 0) return;
+    work.starts.resize(groups + 2, 0);
+    for (const std::uint32_t group : work.groupOf) ++work.starts[group + 2];
+    for (std::uint32_t g = 2; g < groups + 2; ++g) work.starts[g] += work.starts[g - 1];
+    work.members.resizeForOverwrite(count);
+    for (std::uint32_t place = 0; place < count; ++place) work.members[work.starts[work.groupOf[place] + 1]++] = place;
+    work.starts.pop();
+}
+
+template <class Visit>
+void forMovingBodiesOf(const WorldImpl& world, std::size_t group, Visit&& visit) {
+    const ModuleWork& work = world.moduleWork;
+    for (std::uint32_t i = work.starts[group]; i < work.starts[group + 1]; ++i)
+        for (const BodyId id : work.spans[work.acting[work.members[i]]])
+            if (world.bodySlots.isValid(id.index, id.generation) && world.moves(id.index)) visit(id.index);
+}
+
+}  // namespace
+
+void beginModules(WorldImpl& world, World& face, double dt) {
+    world.beginStage("modules");
+    for (StepModule* module : world.modules)
+        if (module->beforeStep) module->beforeStep(module->user, face, dt);
+}
+
+void askModules(WorldImpl& world, const World& face, double dt) {
+    ModuleWork& work = world.moduleWork;
+    forget(work);
+    if (world.modules.empty()) return;
+    world.beginStage("look");
+    look(world, face, dt);
+    work.namer.resize(world.bodies.size(), 0);
+    for (std::uint32_t m = 0; m < work.spans.size(); ++m) {
+        if (work.spans[m].empty()) continue;
+        const auto place = static_cast<std::uint32_t>(work.acting.size());
+        work.acting.push(m);
+        work.parent.push(place);
+        takeNames(world, place);
+    }
+    listGroups(work);
+}
+
+void actAsGroup(WorldImpl& world, World& face, std::size_t group) {
+    const ModuleWork& work = world.moduleWork;
+    for (std::uint32_t i = work.starts[group]; i < work.starts[group + 1]; ++i) {
+        const StepModule& module = *world.modules[work.acting[work.members[i]]];
+        module.beforeSubstep(module.user, face, world.context.h);
+    }
+}
+
+/// Those that may act on any body, and all that named some.
+static void actInOrder(WorldImpl& world, World& face) {
+    for (std::size_t m = 0; m < world.modules.size(); ++m) {
+        const StepModule& module = *world.modules[m];
+        if (module.beforeSubstep && (!module.look || !world.moduleWork.spans[m].empty()))
+            module.beforeSubstep(module.user, face, world.context.h);
+    }
+}
+
+void actBetweenSubsteps(WorldImpl& world, World& face) {
+    ModuleWork& work = world.moduleWork;
+    if (!work.acts()) return;
+    const auto begin = std::chrono::steady_clock::now();
+    if (work.onAll)
+        actInOrder(world, face);
+    else
+        world.runner.parallelFor(static_cast<int>(work.groupCount()), 1, [&](int first, int end, int) {
+            for (int g = first; g < end; ++g) actAsGroup(world, face, static_cast<std::size_t>(g));
+        });
+    work.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+bool mayPush(WorldImpl& world, std::uint32_t body) {
+    if (!world.moduleWork.inSubsteps || world.moduleWork.actsOn(body)) return true;
+    std::atomic_ref(world.moduleWork.strays).fetch_add(1, std::memory_order_relaxed);
+    return false;
+}
+
+std::uint32_t regionOfGroup(const WorldImpl& world, std::size_t group) {
+    std::uint32_t region = 0;
+    bool one = true;
+    forMovingBodiesOf(world, group, [&](std::uint32_t body) {
+        const std::uint32_t own = world.graph.regionOf(world.bodies[body].state);
+        one &= own != 0 && (region == 0 || region == own);
+        region = own;
+    });
+    return one ? region : kNone;
+}
+
+void uniteNamed(WorldImpl& world) {
+    for (std::size_t group = 0; group < world.moduleWork.groupCount(); ++group) {
+        std::uint32_t first = kNone;
+        forMovingBodiesOf(world, group, [&](std::uint32_t body) {
+            if (first == kNone) first = body;
+            world.unite(first, body);
+        });
+    }
+}
+
+}  // namespace ragtop
