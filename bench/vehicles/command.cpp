@@ -45,6 +45,7 @@ using Json = nlohmann::ordered_json;
 struct Arguments {
     Course course;
     int runs = 5;
+    bool tax = false;
     std::string json;
 };
 
@@ -86,9 +87,27 @@ void print(const char* engine, const Course& course, const Result& result) {
                result.allocations);
 }
 
+void write(const std::string& path, const Json& rows) {
+    if (path.empty()) return;
+    std::ofstream file(path, std::ios::binary);
+    file << rows.dump(2) << '\n';
+    if (!file.flush()) throw std::runtime_error(path + ": cannot be written");
+}
+
+void printTaxes(const Arguments& arguments, const VehicleDef& def) {
+    Json rows = Json::array();
+    for (const fleet::Tax& tax : measureTaxes(arguments.course, def)) {
+        fmt::print("{:<11} {:8.1f} us a step, {:8.1f} beside a car that takes {:5.1f}: {:+.1f} %\n", tax.others,
+                   tax.without, tax.with, tax.car, 100 * tax.share());
+        rows.push_back({{"others", tax.others}, {"without", tax.without}, {"with", tax.with}, {"car", tax.car}});
+    }
+    write(arguments.json, rows);
+}
+
 void runVehicles(const Arguments& arguments) {
     const Course& course = arguments.course;
     const VehicleDef def = loadVehicle(dataFolder() / "vehicles" / "hatchback.car.json");
+    if (arguments.tax) return printTaxes(arguments, def);
     const fleet::Terrain terrain = fleet::makeTerrain(course.ground, course.reach());
     Course peerCourse = course;
     peerCourse.threads = 1;
@@ -108,10 +127,7 @@ void runVehicles(const Arguments& arguments) {
         print("bullet", peerCourse, middleOf(peer));
         fmt::print("ragtop is {:.2f} times as fast, median of {} runs in turn\n", medianOf(ratios), arguments.runs);
     }
-    if (arguments.json.empty()) return;
-    std::ofstream file(arguments.json, std::ios::binary);
-    file << rows.dump(2) << '\n';
-    if (!file.flush()) throw std::runtime_error(arguments.json + ": cannot be written");
+    write(arguments.json, rows);
 }
 
 void addVehicles(CLI::App& app) {
@@ -131,6 +147,7 @@ void addVehicles(CLI::App& app) {
         ->capture_default_str();
     command->add_option("--json", arguments->json, "Write the rows to this file");
     command->add_flag("--asleep", arguments->course.asleep, "Cars that are parked and sleep");
+    command->add_flag("--tax", arguments->tax, "What one car costs others that it has nothing to do with");
     command->add_flag("--processor-time", arguments->course.processorTime,
                       "Count processor time, which for one thread is right on a busy machine too");
     command->callback([arguments] { runVehicles(*arguments); });

@@ -44,6 +44,15 @@ Result driveRagtop(const Course& course, const Terrain& terrain, const VehicleDe
 /// btRaycastVehicle with the same wheels, struts and masses; empty where the program was built without Bullet.
 std::optional<Result> driveBullet(const Course& course, const Terrain& terrain, const VehicleDef& def);
 
+/// What one car costs others that it has nothing to do with, in microseconds per step.
+struct Tax {
+    std::string others;
+    double without = 0, with = 0, car = 0;  ///< others alone; with a car; the car alone
+
+    double share() const { return (with - car) / without - 1; }
+};
+std::vector<Tax> measureTaxes(const Course& course, const VehicleDef& def);
+
 /// Seconds, of the clock that the course asks for.
 double now(const Course& course);
 
