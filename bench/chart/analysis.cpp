@@ -66,14 +66,26 @@ Loss worstOf(const Front& own, const Front& peer) {
     return worst;
 }
 
-/// Of each scene each other engine that has a front.
+/// Has the engine failed in all that it was asked of the scene? One that was never timed has not.
+bool failsAlways(const Points& points, const std::string& scene, const std::string& engine) {
+    bool took = false;
+    for (const Point& point : points) {
+        if (point.scene != scene || point.engine != engine || point.outcome == Outcome::unsupported) continue;
+        if (point.outcome == Outcome::measured) return false;
+        took = true;
+    }
+    return took;
+}
+
+/// Of each scene each other engine that has a front, or could have none.
 std::vector<Loss> comparisons(const Points& points) {
     std::vector<Loss> result;
     const std::vector<Front> fronts = frontsOf(points);
     for (const Front& own : fronts) {
-        if (own.engine != kRagtop) continue;
+        if (own.engine != kRagtop || own.points.empty()) continue;
         for (const Front& peer : fronts)
-            if (peer.scene == own.scene && peer.engine != kRagtop && !peer.points.empty())
+            if (peer.scene == own.scene && peer.engine != kRagtop &&
+                (!peer.points.empty() || failsAlways(points, peer.scene, peer.engine)))
                 result.push_back(worstOf(own, peer));
     }
     return result;

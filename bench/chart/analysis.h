@@ -42,7 +42,7 @@ struct Loss {
 std::vector<Loss> lossesOf(const Points& points);
 
 /// Share of the scenes that both took part in where Ragtop's front dominates the engine's: it has for each of its
-/// points one that errs no more and costs no more.
+/// points one that errs no more and costs no more. An engine that fails with every setting is dominated.
 struct Dominance {
     std::string engine;
     int scenes = 0, dominated = 0;

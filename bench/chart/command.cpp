@@ -9,6 +9,7 @@
 #include "csv.h"
 #include "draw.h"
 #include "plan.h"
+#include "programs.h"
 
 namespace ragtop {
 namespace {
@@ -16,11 +17,11 @@ namespace {
 using namespace chart;
 
 struct Arguments {
-    std::vector<std::string> scenes, engines;
+    std::vector<std::string> scenes, engines, programs;
     std::string out = "out/chart", point, draw, losses, cheapest;
     bool quick = false, longer = false, resume = false, list = false, sceneTable = false;
     int jobs = 1, repeats = 0;
-    double limit = 0;
+    double limit = 0, patience = 10;
     std::uint64_t seed = 1;
 };
 
@@ -48,7 +49,18 @@ std::vector<const ChartScene*> scenesOf(const Arguments& arguments) {
     return scenes;
 }
 
-/// An engine's name stands for all its variants.
+/// Those of programs, which live as long as this program.
+const std::vector<Variant>& programsOf(const Arguments& arguments) {
+    static const std::vector<Variant> programs = [&] {
+        std::vector<Variant> all;
+        for (const std::string& command : arguments.programs)
+            all.push_back(programVariant(command, arguments.patience));
+        return all;
+    }();
+    return programs;
+}
+
+/// An engine's name stands for all its variants; programs take part without being named.
 std::vector<const Variant*> variantsOf(const Arguments& arguments) {
     std::vector<const Variant*> variants;
     const auto isAsked = [&](const Variant& variant) {
@@ -62,6 +74,7 @@ std::vector<const Variant*> variantsOf(const Arguments& arguments) {
         if (std::ranges::none_of(allVariants(), [&](const Variant& v) { return v.name == name || v.engine == name; }))
             throw CLI::ValidationError(
                 "--engines", fmt::format("\"{}\" is no engine, must be one of {}", name, namesOf(allVariants())));
+    for (const Variant& variant : programsOf(arguments)) variants.push_back(&variant);
     return variants;
 }
 
@@ -160,6 +173,9 @@ void addChart(CLI::App& app) {
     command->add_option("--engines", a->engines, "Engines, or variants of them; all of them")->delimiter(',');
     CLI::Option* quick = command->add_flag("--quick", a->quick, "Three scenes in five minutes");
     command->add_flag("--long", a->longer, "More steps and repeats")->excludes(quick);
+    command->add_option("--engine-command", a->programs, "A program that speaks the protocol; may be given again");
+    command->add_option("--patience", a->patience, "Seconds that an answer of such a program may take")
+        ->check(CLI::Range(0.1, 3600.0));
     command->add_flag("--resume", a->resume, "Go on with the journal of a sweep that ended early");
     command->add_option("--out", a->out, "Folder for chart.csv, chart.html, chart.svg and the journal")
         ->capture_default_str();

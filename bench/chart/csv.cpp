@@ -139,8 +139,7 @@ std::string csvLine(const Point& p, std::size_t index, std::size_t count) {
         p.isDefault ? 1 : 0, p.seed, p.digest, kOutcomes[static_cast<std::size_t>(p.outcome)], number(p.failedAt),
         number(p.value), number(p.reference), number(p.error), number(p.errorLow), number(p.errorHigh),
         number(p.selfConsistency), number(p.contacts), number(p.passes), number(p.simulated), p.repeats,
-        quoted(p.reason), quoted(p.command()), p.alone ? 1 : 0, number(p.cpuMs), number(p.cpuMsLow),
-        number(p.cpuMsHigh));
+        quoted(p.reason), quoted(p.command), p.alone ? 1 : 0, number(p.cpuMs), number(p.cpuMsLow), number(p.cpuMsHigh));
 }
 
 CsvPlace parseCsvLine(std::string_view line, const std::string& place) {
@@ -169,7 +168,7 @@ CsvPlace parseCsvLine(std::string_view line, const std::string& place) {
         *value = read.real();
     p.repeats = read.whole<int>();
     p.reason = read.text();
-    read.text();
+    p.command = read.text();
     p.alone = read.whole<int>() != 0;
     for (double* value : {&p.cpuMs, &p.cpuMsLow, &p.cpuMsHigh}) *value = read.real();
     return result;

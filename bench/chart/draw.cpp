@@ -76,7 +76,7 @@ Json pointOf(const Point& p) {
             {"msLow", p.cpuMsLow},
             {"msHigh", p.cpuMsHigh},
             {"reason", p.reason},
-            {"command", p.command()}};
+            {"command", p.command}};
 }
 
 Json frontsOf(const Points& points, const std::vector<Json>& places) {

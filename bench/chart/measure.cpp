@@ -16,6 +16,13 @@ using stability::Trial;
 /// The clock may run ahead of the processor's time by so much before another process is to blame.
 constexpr double kShared = 1.2;
 
+/// For the shell.
+std::string inQuotes(const std::string& text) {
+    std::string result = "'";
+    for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return result + "'";
+}
+
 /// One that wanders between processors finds their caches cold.
 void stayHere() {
     cpu_set_t here;
@@ -63,7 +70,7 @@ class Measuring {
 public:
     Measuring(const ChartScene& scene, const stability::Case& test, const Variant& variant, Point point,
               const MeasureOptions& options)
-        : scene_(scene), test_(test), options_(options), point_(std::move(point)) {
+        : scene_(scene), test_(test), timed_(variant.timed), options_(options), point_(std::move(point)) {
         kind_ = {variant.name,
                  [&variant, setting = point_.setting](const Scene& each) { return variant.make(each, setting); }};
     }
@@ -122,7 +129,7 @@ private:
     }
     /// Times of runs that had the processor for themselves drive out those of others.
     void keepTime(const Trial& trial) {
-        const bool alone = trial.course().wallMs <= kShared * trial.cpuMs();
+        const bool alone = timed_ && trial.course().wallMs <= kShared * trial.cpuMs();
         if (alone != point_.alone && !times_.empty()) {
             if (!alone) return;
             times_.clear();
@@ -145,6 +152,7 @@ private:
 
     const ChartScene& scene_;
     const stability::Case& test_;
+    bool timed_;
     MeasureOptions options_;
     Point point_;
     stability::EngineKind kind_;
@@ -166,6 +174,8 @@ Point pointOf(const ChartScene& scene, const Variant& variant, const Setting& se
     point.isDefault = setting.step == standard.step && setting.substeps == standard.substeps &&
                       setting.iterations == standard.iterations;
     point.seed = options.seed;
+    point.command = "ragtop_bench chart --point " + inQuotes(point.key());
+    if (!variant.engineCommand.empty()) point.command += " --engine-command " + inQuotes(variant.engineCommand);
     return point;
 }
 

@@ -49,13 +49,14 @@ struct Point {
     double simulated = kNone;                 ///< s
     int repeats = 0;
     std::string reason;
+    std::string command;  ///< that repeats the point
 
-    bool alone = true;                                          ///< no other process shared the processor
+    bool alone =
+        true;  ///< the times count: no other process shared the processor, and the engine is compiled like others
     double cpuMs = kNone, cpuMsLow = kNone, cpuMsHigh = kNone;  ///< per simulated second
 
     /// "scene/variant@rate x substeps i iterations", by which --point finds it.
     std::string key() const;
-    std::string command() const { return "ragtop_bench chart --point '" + key() + "'"; }
 };
 
 using Points = std::vector<Point>;

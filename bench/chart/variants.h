@@ -24,6 +24,8 @@ struct Variant {
     std::vector<int> iterations{0};
     bool quick = true;  ///< swept by --quick too
     std::function<std::unique_ptr<stability::Engine>(const Scene& scene, const Setting& setting)> make;
+    std::string engineCommand{};  ///< of a program that is no part of this one
+    bool timed = true;            ///< its times can be compared with those of others
 };
 
 /// All that this program was built with.

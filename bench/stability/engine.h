@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -37,6 +38,8 @@ struct Missing : std::runtime_error {
 struct StepWork {
     int contacts = 0;  ///< contact points that the engine solved
     int passes = 0;    ///< over the constraints, or iterations of Newton's method, in all substeps
+    /// Processor time, ms, where the engine measures its own; otherwise whoever steps it measures.
+    std::optional<double> cpuMs{};
 };
 
 /// A scene in one engine, with the engine's default settings unless its maker says otherwise, on one thread, never
@@ -117,5 +120,15 @@ struct OdeOptions {
 };
 std::unique_ptr<Engine> makeOde(const Scene& scene, const OdeOptions& options = {});
 std::string odeVersion();
+
+/// A program that speaks the protocol of docs/chart.md.
+struct ProgramOptions {
+    std::string command;  ///< for the shell
+    int substeps = 1, iterations = 0;
+    double patience = 10;  ///< s, that an answer may take
+};
+/// What a program says of itself, as JSON. Throws std::runtime_error where it does not.
+std::string programHello(const std::string& command, double patience);
+std::unique_ptr<Engine> makeProgram(const Scene& scene, const ProgramOptions& options);
 
 }  // namespace ragtop::stability

@@ -133,9 +133,11 @@ void Run::step() {
     Trial::Course& course = trial_->course_;
     const double before = milliseconds(CLOCK_THREAD_CPUTIME_ID), wallBefore = milliseconds(CLOCK_MONOTONIC);
     if (!lost_) engine_->step(trial_->dt());
-    course.wallMs += milliseconds(CLOCK_MONOTONIC) - wallBefore;
-    trial_->cpuMs_ += milliseconds(CLOCK_THREAD_CPUTIME_ID) - before;
+    const double wall = milliseconds(CLOCK_MONOTONIC) - wallBefore;
+    const double own = milliseconds(CLOCK_THREAD_CPUTIME_ID) - before;
     const StepWork work = engine_->work();
+    trial_->cpuMs_ += work.cpuMs.value_or(own);
+    course.wallMs += work.cpuMs.value_or(wall);
     course.contacts += work.contacts;
     course.passes += work.passes;
     ++course.steps;

@@ -1,6 +1,6 @@
 // The page of a chart: panels of scenes that are filtered together, and what is under the pointer.
 import { init } from './echarts.js';
-import { looksOf, panelOption, profileOption } from './options.js';
+import { looksOf, panelOption, placesOf, profileOption } from './options.js';
 
 const document_ = JSON.parse(document.getElementById('data').textContent);
 const filters = document.getElementById('filters');
@@ -10,6 +10,7 @@ const dark = matchMedia('(prefers-color-scheme: dark)');
 let theme = dark.matches ? 'dark' : 'light';
 let linked = null;
 let panels = [];
+let draws = 0;
 
 function element(name, properties = {}, ...children) {
   const made = Object.assign(document.createElement(name), properties);
@@ -59,7 +60,7 @@ function facts(point) {
     error: `${number(point.error)} (${interval(point.errorLow, point.errorHigh)})`,
     'against own limit': number(point.consistency),
     [point.quantity]: `${number(point.value, point.unit)}, should be ${number(point.reference, point.unit)}`,
-    time: `${number(point.ms)} ms/s (${interval(point.msLow, point.msHigh)})${point.alone ? '' : ', processor shared'}`,
+    time: `${number(point.ms)} ms/s (${interval(point.msLow, point.msHigh)})${point.alone ? '' : ', does not count'}`,
     contacts: `${number(point.contacts)} a step, ${number(point.passes)} passes`,
   };
   if (point.outcome === 'failed')
@@ -75,6 +76,7 @@ function show(point) {
 }
 
 function draw() {
+  ++draws;
   const now = view();
   document.getElementById('panels').classList.toggle('single', now.scene !== '');
   for (const { scene, chart, box } of panels) {
@@ -149,3 +151,21 @@ document.getElementById('theme').addEventListener('click', () => setTheme(theme 
 dark.addEventListener('change', () => setTheme(dark.matches ? 'dark' : 'light'));
 addEventListener('resize', draw);
 setTheme(theme);
+
+/** For tests: where a point is in the window, how many marks are drawn, and how often all was drawn. */
+window.ragtop = {
+  ready: Promise.resolve(),
+  place(index) {
+    const { scene, chart, box } = panels.find((panel) => panel.scene.name === document_.points[index].scene);
+    box.scrollIntoView({ block: 'center' });
+    const { places } = placesOf(document_, scene, view());
+    const { x, y } = places.find((place) => place.index === index);
+    const [left, top] = chart.convertToPixel({ gridIndex: 0 }, [x, y]);
+    const corner = box.getBoundingClientRect();
+    return [corner.left + left, corner.top + top];
+  },
+  marks: () => panels.reduce((sum, { chart }) => sum + chart.getOption().series
+    .filter(({ type, silent }) => type === 'scatter' && !silent).reduce((marks, { data }) => marks + data.length, 0), 0),
+  get draws() { return draws; },
+  points: document_.points,
+};

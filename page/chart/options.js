@@ -31,7 +31,7 @@ function powerAbove(value) {
 }
 
 /** Where the points of a scene are, in the view that is asked for. */
-function placesOf(document, scene, view) {
+export function placesOf(document, scene, view) {
   const mine = [];
   document.points.forEach((point, index) => {
     if (point.scene === scene.name && view.engines.has(point.engine)) mine.push({ point, index });

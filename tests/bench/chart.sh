@@ -62,6 +62,51 @@ if [ -f "$tree/build/page/chart.html" ]; then
     if grep -qE '(src|href)="(https?:)?//' "$page"; then fail "the page asks the network"; fi
 fi
 
+# Programs that speak the protocol, each with a fault of its own: a line tells it, and the sweep goes on.
+cat >"$folder/engine" <<'END'
+body='[0,0.5,0,0,0,0,1,0,0,0,0,0,0]'
+while read -r line; do
+    case "$1:$line" in
+    mute:*) exit 3 ;;
+    *'"hello"'*) echo "{\"name\":\"$1\"}" ;;
+    few:*) echo "{\"bodies\":[$body]}" ;;
+    refuses:*) echo '{"unsupported":"scenes"}' ;;
+    still:* | *'"scene"'*) echo "{\"bodies\":[$body,$body],\"cpu_ms\":0.01}" ;;
+    nan:*) echo "{\"bodies\":[$body,[null,0,0,0,0,0,1,0,0,0,0,0,0]]}" ;;
+    late:*) sleep 60 ;;
+    dies:*) exit 1 ;;
+    babbles:*) echo 'what?' ;;
+    esac
+done
+END
+# told <name> <words>: what a sweep of the engine says.
+told() {
+    "$program" chart --scenes stopping --engines "$ours" --quick --repeats 1 --patience 1 --out "$folder/third" \
+        --engine-command "sh $folder/engine $1" >"$folder/out" 2>&1 || [ ! -f "$tree/build/page/chart.html" ] ||
+        fail "the sweep with an engine that is $1 ends: $(tail -n 1 "$folder/out")"
+    grep "^stopping/$1@60x1i0 " "$folder/out" | grep -qF -- "$2" || fail "$1: does not say \"$2\" but $(cat "$folder/out")"
+    grep -q '^stopping/ode-exact@60x1i0 \|^stopping/ragtop@60x4i0 ' "$folder/out" || fail "$1: the sweep does not go on"
+}
+ours=ragtop
+"$program" chart --list --engines ode-exact >"$folder/out" 2>&1 && ours=ode-exact
+told few 'fails: the program tells of 1 bodies, must be of 2'
+told nan 'fails: body 1 is nowhere after'
+told dies 'fails: the program has ended'
+told babbles 'fails: the program answers what is no object: what?'
+told refuses 'skipped: "scenes"'
+told late 'fails: the program does not answer within 1 s'
+told still 'error'
+refuses "--engine-command sh $folder/engine mute: the program has ended" --engine-command "sh $folder/engine mute"
+refuses '--engine-command sh '"$folder"'/engine ragtop: name is "ragtop", must be none that is known' \
+    --engine-command "sh $folder/engine ragtop"
+if command -v node >/dev/null; then
+    for scene in stopping friction-slides; do
+        "$program" chart --point "$scene/example@240x1i10" --scenes "$scene" --repeats 1 \
+            --engine-command "node $tree/bench/chart/example_engine.mjs" >"$folder/out"
+        awk -F, 'END { exit !($21 != "" && $21 < 0.01) }' "$folder/out" || fail "the example errs in $scene: $(cat "$folder/out")"
+    done
+fi
+
 # The documentation has what its points say.
 awk '/^<!-- losses -->$/ { on = 1; next } /^<!-- end -->$/ { on = 0 } on' "$tree/docs/chart.md" >"$folder/told"
 { echo; "$program" chart --losses "$tree/bench/results/chart.csv"; echo; } >"$folder/losses"
