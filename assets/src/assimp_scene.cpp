@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <fstream>
+#include <map>
+#include <set>
 
 #include "assimp_bones.h"
 #include "assimp_looks.h"
@@ -24,6 +26,7 @@ void nodeFields(Stream& stream, Node& node) {
     stream(node.name);
     stream(node.parent);
     stream(node.local);
+    stream(node.device);
 }
 template <class Stream, class Bone>
 void boneFields(Stream& stream, Bone& bone) {
@@ -47,6 +50,7 @@ template <class Stream, class Clip>
 void clipFields(Stream& stream, Clip& clip) {
     stream(clip.name);
     stream(clip.seconds);
+    stream(clip.turned);
 }
 template <class Stream, class Material>
 void materialFields(Stream& stream, Material& material) {
@@ -159,17 +163,46 @@ void readUnits(const aiScene& from, ImportedScene& scene) {
     }
 }
 
+/// Cameras and lights go by the names of their nodes; targets by theirs with ".Target" behind.
+void markDevices(const aiScene& from, ImportedScene& scene) {
+    std::set<std::string> names;
+    const auto mark = [&](const aiString& name) {
+        if (name.length == 0) return;
+        for (const char* ending : {"", ".Target", "_target", ".target", "Target"})
+            names.insert(name.C_Str() + std::string(ending));
+    };
+    for (unsigned i = 0; i < from.mNumCameras; ++i) mark(from.mCameras[i]->mName);
+    for (unsigned i = 0; i < from.mNumLights; ++i) mark(from.mLights[i]->mName);
+    for (ImportedNode& node : scene.nodes) node.device = names.contains(node.name);
+}
+
+bool isTurning(const aiNodeAnim& channel) {
+    for (unsigned i = 1; i < channel.mNumRotationKeys; ++i)
+        if (!channel.mRotationKeys[i].mValue.Equal(channel.mRotationKeys[0].mValue, 1e-5f)) return true;
+    return false;
+}
+
 ImportedScene toScene(const aiScene& from, const std::string& file) {
     ImportedScene scene;
     readUnits(from, scene);
     for (unsigned i = 0; i < from.mNumMeshes; ++i) scene.meshes.push_back(toMesh(*from.mMeshes[i]));
     if (from.mRootNode) findBoneNodes(from, file, addNodes(*from.mRootNode, scene), scene);
+    markDevices(from, scene);
+    std::map<std::string, std::int32_t> nodeOf;
+    for (std::size_t i = 0; i < scene.nodes.size(); ++i)
+        nodeOf.emplace(scene.nodes[i].name, static_cast<std::int32_t>(i));
     for (unsigned i = 0; i < from.mNumAnimations; ++i) {
         const aiAnimation& clip = *from.mAnimations[i];
         const double rate = clip.mTicksPerSecond > 0 ? clip.mTicksPerSecond : 25.0;
         std::string name = clip.mName.C_Str();
         if (name.empty()) name = "clip " + std::to_string(i);
-        scene.clips.push_back({std::move(name), clip.mDuration / rate});
+        scene.clips.push_back({std::move(name), clip.mDuration / rate, {}});
+        for (unsigned k = 0; k < clip.mNumChannels; ++k) {
+            const auto node = nodeOf.find(clip.mChannels[k]->mNodeName.C_Str());
+            // All that a BVH has is a skeleton, be it at rest.
+            const bool turns = isTurning(*clip.mChannels[k]) || scene.format.find("BVH") != std::string::npos;
+            if (node != nodeOf.end() && turns) scene.clips.back().turned.push_back(node->second);
+        }
     }
     return scene;
 }
@@ -233,6 +266,10 @@ void check(const ImportedScene& scene, const std::string& file) {
     for (const ImportedNode& node : scene.nodes)
         if (!isFiniteMap(node.local))
             throw AssetError(file, "", "node '" + node.name + "' has a transform that is not finite");
+    for (const ImportedClip& clip : scene.clips)
+        for (const std::int32_t node : clip.turned)
+            if (node < 0 || node >= static_cast<std::int32_t>(scene.nodes.size()))
+                throw AssetError(file, "", "clip '" + clip.name + "' turns no such node");
     for (const ImportedMesh& mesh : scene.meshes) {
         const std::string name = "mesh '" + mesh.name + "' ";
         for (const Vec3& vertex : mesh.vertices)

@@ -31,6 +31,7 @@ struct ImportedNode {
     std::string name;
     std::int32_t parent = -1;
     Affine local;
+    bool device = false;  ///< a camera, a light, or what one looks at
 };
 
 struct ImportedWeight {
@@ -64,6 +65,7 @@ struct ImportedMesh {
 struct ImportedClip {
     std::string name;
     double seconds = 0;
+    std::vector<std::int32_t> turned;  ///< nodes whose rotation it changes
 };
 
 /// A PNG or JPEG file.

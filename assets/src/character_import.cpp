@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "axes.h"
 #include "import_text.h"
+#include "moving_nodes.h"
 
 namespace ragtop {
 namespace {
@@ -49,6 +52,7 @@ public:
             if (!scene_.meshes[i].bones.empty()) addSkin(i);
         const bool skinned = std::find(deforms_.begin(), deforms_.end(), true) != deforms_.end();
         if (!skinned) useNodes();
+        addBetween();
         collectBones(skinned);
         for (std::size_t i = 0; i < scene_.meshes.size(); ++i)
             if (scene_.meshes[i].bones.empty()) addAttachments(i);
@@ -85,7 +89,7 @@ private:
         std::vector<int> owner(mesh.vertices.size(), -1), influences(mesh.vertices.size(), 0);
         for (const ImportedBone& bone : mesh.bones) {
             if (bone.node < 0) {
-                character_.warnings.push_back("bone '" + bone.name + "' has no node and is left out");
+                if (homeless_++ == 0) firstHomeless_ = bone.name;
                 continue;
             }
             bool moves = false;
@@ -142,6 +146,10 @@ private:
     }
 
     void warnAboutSkin() {
+        if (homeless_ > 0)
+            character_.warnings.push_back(std::to_string(homeless_) + (homeless_ == 1 ? " bone has" : " bones have") +
+                                          " no node and " + (homeless_ == 1 ? "is" : "are") + " left out, such as '" +
+                                          firstHomeless_ + "'");
         if (posedMeshes_ > 0)
             character_.warnings.push_back("the nodes of " + std::to_string(posedMeshes_) +
                                           " meshes do not stand in the bind pose, such as " + firstPosed_ +
@@ -163,10 +171,28 @@ private:
     /// A file of motion alone: its nodes are its bones.
     void useNodes() {
         for (const ImportedMesh& mesh : scene_.meshes)
-            if (!mesh.triangles.empty()) throw AssetError(character_.file, "", "has a mesh but no bones that move it");
-        if (scene_.nodes.size() < 3) throw AssetError(character_.file, "", "has no bones");
+            if (!mesh.triangles.empty()) throw AssetError(character_.file, "", "has no bones: nothing is skinned or moves as a skeleton");
+        deforms_ = movingSkeleton(scene_);
+        if (std::find(deforms_.begin(), deforms_.end(), true) == deforms_.end())
+            throw AssetError(character_.file, "", "has no bones: nothing is skinned or moves as a skeleton");
         character_.warnings.push_back("has no skin: shapes are made from the lengths of its bones");
-        deforms_.assign(scene_.nodes.size(), true);
+    }
+
+    /// What lies between bones is one, moving no vertex itself. It stands to those above it as the nodes do.
+    void addBetween() {
+        std::vector<bool> between(scene_.nodes.size(), false);
+        for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
+            const int above = deforms_[i] ? parentBone(static_cast<int>(i)) : -1;
+            if (above < 0) continue;
+            for (int at = scene_.nodes[i].parent; at != above; at = scene_.nodes[static_cast<std::size_t>(at)].parent)
+                between[static_cast<std::size_t>(at)] = true;
+        }
+        for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
+            if (!between[i]) continue;
+            const auto above = static_cast<std::size_t>(scene_.nodes[i].parent);
+            bind_[i] = bind_[above] * scene_.nodes[i].local;
+            deforms_[i] = true;
+        }
     }
 
     int parentBone(int node) const {
@@ -222,8 +248,8 @@ private:
     std::vector<Affine> globals_, bind_;
     std::vector<std::vector<Vec3>> skin_;
     std::vector<bool> deforms_;
-    int posedMeshes_ = 0;
-    std::string firstPosed_;
+    int posedMeshes_ = 0, homeless_ = 0;
+    std::string firstPosed_, firstHomeless_;
 };
 
 void transform(Skeleton& skeleton, UpAxis up, float scale) {
@@ -243,7 +269,7 @@ UpAxis decideUpAxis(const ImportedScene& scene, const CharacterOptions& options,
                     std::vector<std::string>& warnings) {
     if (options.upAxis) return *options.upAxis;
     const UpAxis said = scene.upAxis >= 0 ? static_cast<UpAxis>(scene.upAxis) : UpAxis::y;
-    if (!anatomy.humanoid) {
+    if (!anatomy.isHuman()) {
         if (scene.upAxis < 0) warnings.push_back("the file names no up axis; taken as y");
         return said;
     }
@@ -265,8 +291,46 @@ UpAxis decideUpAxis(const ImportedScene& scene, const CharacterOptions& options,
     return said;
 }
 
-float decideUnit(const ImportedScene& scene, const CharacterOptions& options, const std::string& file) {
-    if (!options.metersPerUnit) return scene.unitScale > 0 ? static_cast<float>(scene.unitScale) : 1.0f;
+float extentAlong(const Skeleton& skeleton, const Vec3& direction) {
+    float lower = std::numeric_limits<float>::infinity(), upper = -lower;
+    const auto include = [&](const Vec3& point) {
+        lower = std::min(lower, dot(point, direction));
+        upper = std::max(upper, dot(point, direction));
+    };
+    for (const Bone& bone : skeleton.bones) include(bone.bind.position);
+    for (const auto& vertices : skeleton.skin)
+        for (const Vec3& vertex : vertices) include(vertex);
+    return upper - lower;
+}
+
+/// A human is one to two and a half metres tall where the file does not say how long its units are: the usual unit that
+/// makes it so, nearest to 1.75 m, or that height where none does.
+float guessUnit(float height, std::vector<std::string>& warnings) {
+    constexpr float kUsual = 1.75f, kTall = 2.2f, kSmall = 1.2f;
+    if (height > 0.3f && height < 4.0f) return 1;
+    float unit = kUsual / height;
+    const char* name = "";
+    float off = std::numeric_limits<float>::infinity();
+    for (const auto& [usual, called] : {std::pair{0.01f, "centimetres"}, {0.0254f, "inches"}, {0.001f, "millimetres"},
+                                        {0.3048f, "feet"}, {0.1f, "decimetres"}}) {
+        const float tall = height * usual, away = std::abs(std::log(tall / kUsual));
+        if (tall < kSmall || tall > kTall || away > off) continue;
+        off = away;
+        unit = usual;
+        name = called;
+    }
+    warnings.push_back("the file does not say its units: taken as " +
+                       (*name ? std::string(name) : shortNumber(unit) + " m") + ", which make the body " +
+                       shortNumber(height * unit) + " m tall");
+    return unit;
+}
+
+float decideUnit(const ImportedScene& scene, const CharacterOptions& options, const std::string& file,
+                 const Anatomy& anatomy, float height, std::vector<std::string>& warnings) {
+    if (!options.metersPerUnit) {
+        if (scene.unitScale > 0) return static_cast<float>(scene.unitScale);
+        return anatomy.isHuman() && height > 0 ? guessUnit(height, warnings) : 1.0f;
+    }
     if (!(*options.metersPerUnit > 0 && std::isfinite(*options.metersPerUnit)))
         throw AssetError(file, "", "metersPerUnit is " + shortNumber(*options.metersPerUnit) + ", must be above 0");
     return *options.metersPerUnit;
@@ -295,13 +359,14 @@ ImportedCharacter importCharacter(const std::filesystem::path& path, const Chara
 
     const Anatomy anatomy = recognise(character.skeleton);
     character.upAxis = decideUpAxis(scene, options, anatomy, character.warnings);
-    character.metersPerUnit = decideUnit(scene, options, character.file);
+    const float tall = extentAlong(character.skeleton, anatomy.up);
+    character.metersPerUnit = decideUnit(scene, options, character.file, anatomy, tall, character.warnings);
     transform(character.skeleton, character.upAxis, character.metersPerUnit);
     imported.toModel = uprightScaling(character.upAxis, character.metersPerUnit);
     const Bounds bounds = boundsOf(character.skeleton);
     character.height = bounds.upper.y - bounds.lower.y;
     const bool likely = character.height >= 0.3f && character.height <= 4.0f;
-    if (anatomy.humanoid && !likely)
+    if (anatomy.isHuman() && !likely)
         character.warnings.push_back("the body is " + shortNumber(character.height) + " m tall at " +
                                      shortNumber(character.metersPerUnit) +
                                      " m per unit; set CharacterOptions::metersPerUnit");

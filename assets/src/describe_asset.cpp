@@ -37,6 +37,18 @@ std::string describeJoint(const JointDef& joint) {
     return "joint";
 }
 
+/// The plan, and of the parts how sure they are.
+std::string describeBody(const Anatomy& anatomy, const Skeleton& skeleton) {
+    if (anatomy.plan == BodyPlan::other) return "  body      of no plan that is known\n";
+    std::string text = fmt::format("  body      {}, {:.0f} % sure\n", nameOf(anatomy.plan), 100 * anatomy.confidence);
+    for (const Segment& segment : anatomy.segments)
+        text += fmt::format("    {:<24} {:<6} {:<9} {:3.0f} % sure\n",
+                            skeleton.bones[static_cast<std::size_t>(segment.bone)].name,
+                            segment.side == BodySide::middle ? "" : nameOf(segment.side), nameOf(segment.role),
+                            100 * segment.confidence);
+    return text;
+}
+
 const char* axisName(UpAxis axis) { return axis == UpAxis::x ? "x" : axis == UpAxis::y ? "y" : "z"; }
 
 }  // namespace
@@ -51,6 +63,7 @@ std::string describeAsset(const Character& character) {
         "  skin      {} vertices, {} triangles in {} meshes, at most {} bones each\n  clips     {}\n",
         character.height, character.skeleton.bones.size(), character.droppedBones.size(), skin.vertices, skin.triangles,
         skin.meshes, skin.influences, character.clips.size());
+    text += describeBody(recognise(character.skeleton), character.skeleton);
     for (const std::string& warning : character.warnings) text += "  warning   " + warning + "\n";
     return text;
 }

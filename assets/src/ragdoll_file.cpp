@@ -6,19 +6,9 @@
 
 #include "described_file.h"
 #include "joint_json.h"
+#include "role_names.h"
 
 namespace ragtop {
-
-// Names of the values in the order of the enums; describe_json.h finds them by argument.
-static const std::vector<std::string>& enumNames(BodyRole) {
-    static const std::vector<std::string> names{"other",   "pelvis", "abdomen", "chest", "head", "upperArm",
-                                                "forearm", "hand",   "thigh",   "shank", "foot"};
-    return names;
-}
-static const std::vector<std::string>& enumNames(BodySide) {
-    static const std::vector<std::string> names{"middle", "left", "right"};
-    return names;
-}
 
 namespace {
 

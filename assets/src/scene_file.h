@@ -11,6 +11,7 @@
 #include "ragtop/scene.h"
 #include "ragtop/settings.h"
 #include "ragtop/vehicle.h"
+#include "role_names.h"
 
 /// The structs that a scene file is read into, before they are expanded into a Scene.
 namespace ragtop {

@@ -124,6 +124,8 @@ CLI::App* addRagdoll(CLI::App& app, Command& command) {
         names.emplace_back(test.name);
         help += fmt::format("{} {} ({})", names.size() > 1 ? "," : "", test.name, test.meaning);
     }
+    names.emplace_back("none");
+    help += ", none (to see what a body is taken for)";
     CLI::App* ragdoll = app.add_subcommand("ragdoll", "Test a ragdoll, character or robot; 1 when a figure fails");
     ragdoll->add_option("asset", options.asset, "Ragdoll file, character or URDF file")->required();
     ragdoll->add_option("--test", options.tests, help)->check(CLI::IsMember(names));
@@ -135,7 +137,7 @@ CLI::App* addRagdoll(CLI::App& app, Command& command) {
         ->check(CLI::Range(0, 100000))
         ->capture_default_str();
     ragdoll->add_flag("--holding", options.holding, "Motors of a robot hold every joint");
-    ragdoll->add_option("--json", options.json, "Write the figures to this file");
+    ragdoll->add_option("--json", options.json, "Write the figures, and what a character was taken for, to this file");
     return ragdoll;
 }
 

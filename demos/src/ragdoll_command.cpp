@@ -17,15 +17,17 @@ std::string line(const RagdollFigure& figure) {
                        figure.passes() || figure.where.empty() ? "" : "  (" + figure.where + ")");
 }
 
-std::string toJson(const RagdollCommand& command, const std::string& name, const std::vector<RagdollFigure>& figures) {
+std::string toJson(const RagdollCommand& command, const RagdollSubject& subject,
+                   const std::vector<RagdollFigure>& figures) {
     std::string lines;
     for (const RagdollFigure& figure : figures)
         lines += fmt::format(
             "{}\n    {{\"test\": {}, \"name\": {}, \"value\": {}, \"{}\": {}, \"passes\": {}, \"where\": {}}}",
             lines.empty() ? "" : ",", jsonString(figure.test), jsonString(figure.name), jsonNumber(figure.value),
             figure.atLeast ? "least" : "most", jsonNumber(figure.bound), figure.passes(), jsonString(figure.where));
-    return fmt::format("{{\n  \"asset\": {},\n  \"hz\": {},\n  \"seeds\": {},\n  \"figures\": [{}\n  ]\n}}\n",
-                       jsonString(name), jsonNumber(command.trial.hz), command.trial.seeds, lines);
+    const std::string body = subject.body.empty() ? "" : "  \"body\": " + subject.body + ",\n";
+    return fmt::format("{{\n  \"asset\": {},\n{}  \"hz\": {},\n  \"seeds\": {},\n  \"figures\": [{}\n  ]\n}}\n",
+                       jsonString(subject.name), body, jsonNumber(command.trial.hz), command.trial.seeds, lines);
 }
 
 }  // namespace
@@ -45,7 +47,7 @@ bool testRagdoll(const RagdollCommand& command) {
     }
     if (command.json) {
         std::ofstream file(*command.json);
-        file << toJson(command, subject.name, figures);
+        file << toJson(command, subject, figures);
         if (!file.flush()) throw AssetError(*command.json + ": cannot be written");
     }
     return std::all_of(figures.begin(), figures.end(), [](const RagdollFigure& figure) { return figure.passes(); });

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
+#include "body_json.h"
 #include "ragtop/character.h"
 #include "ragtop/find_asset.h"
 #include "ragtop/ragdoll_file.h"
@@ -32,7 +34,10 @@ RagdollSubject loadRagdollSubject(const std::string& asset) {
         return subject;
     }
     try {
-        subject.def = makeRagdoll(loadCharacter(path));
+        const Character character = loadCharacter(path);
+        RagdollDef def = makeRagdoll(character);
+        subject.body = bodyJson(character, recognise(character.skeleton), def);
+        subject.def = std::move(def);
     } catch (const std::invalid_argument& error) {
         throw AssetError(asset + ": " + error.what());
     }

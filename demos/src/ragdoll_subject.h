@@ -16,6 +16,7 @@ namespace ragtop::demos {
 struct RagdollSubject {
     std::string name;
     std::variant<RagdollDef, Robot> def;
+    std::string body{};    ///< of a character: what it was taken for, as JSON
     bool holding = false;  ///< a robot's motors hold every joint at rest
 };
 

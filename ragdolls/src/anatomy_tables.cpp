@@ -26,6 +26,28 @@ std::string_view nameOf(BodyRole role) {
             return "shank";
         case BodyRole::foot:
             return "foot";
+        case BodyRole::neck:
+            return "neck";
+        case BodyRole::tail:
+            return "tail";
+        case BodyRole::wing:
+            return "wing";
+    }
+    return "other";
+}
+
+std::string_view nameOf(BodyPlan plan) {
+    switch (plan) {
+        case BodyPlan::other:
+            break;
+        case BodyPlan::human:
+            return "human";
+        case BodyPlan::quadruped:
+            return "quadruped";
+        case BodyPlan::bird:
+            return "bird";
+        case BodyPlan::hexapod:
+            return "hexapod";
     }
     return "other";
 }
@@ -41,6 +63,9 @@ double massShare(BodyRole role, double femaleShare) {
     const auto blended = [&](double male, double female) { return 0.01 * (male + femaleShare * (female - male)); };
     switch (role) {
         case BodyRole::other:
+        case BodyRole::neck:
+        case BodyRole::tail:
+        case BodyRole::wing:
             break;
         case BodyRole::pelvis:
             return blended(11.17, 12.47);

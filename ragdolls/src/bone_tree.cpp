@@ -1,130 +1,120 @@
 #include "bone_tree.h"
 
 #include <algorithm>
-#include <array>
-#include <string_view>
-#include <utility>
 
 namespace ragtop {
-namespace {
-
-std::string lowered(const std::string& name) {
-    std::string text = name;
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
-}
-
-bool has(std::string_view text, std::string_view word) { return text.find(word) != std::string_view::npos; }
-
-}  // namespace
 
 BoneTree::BoneTree(const Skeleton& skeleton)
     : children(skeleton.bones.size()),
+      loose(skeleton.bones.size(), false),
       reach(skeleton.bones.size(), 0.0f),
       tip(skeleton.bones.size()),
-      depth(skeleton.bones.size(), 0) {
-    const int count = static_cast<int>(skeleton.bones.size());
-    for (int i = 0; i < count; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        tip[at] = i;
-        const int parent = skeleton.bones[at].parent;
-        if (parent < 0) continue;
-        children[static_cast<std::size_t>(parent)].push_back(i);
-        depth[at] = depth[static_cast<std::size_t>(parent)] + 1;
+      end(skeleton.bones.size()),
+      skin(skeleton.bones.size(), 0),
+      depth(skeleton.bones.size(), 0),
+      skeleton_(&skeleton),
+      enter_(skeleton.bones.size(), 0),
+      leave_(skeleton.bones.size(), 0) {
+    for (int i = 0; i < count(); ++i) {
+        names.push_back(readName(skeleton.bones[static_cast<std::size_t>(i)].name));
+        if (parent(i) < 0) continue;
+        children[static_cast<std::size_t>(parent(i))].push_back(i);
+        depth[static_cast<std::size_t>(i)] = depth[static_cast<std::size_t>(parent(i))] + 1;
     }
-    for (int i = count - 1; i > 0; --i) {
+    order();
+    findLoose();
+    findEnds();
+    measure();
+}
+
+void BoneTree::order() {
+    std::vector<int> below(children.size(), 1);
+    for (int i = count() - 1; i > 0; --i) below[static_cast<std::size_t>(parent(i))] += below[static_cast<std::size_t>(i)];
+    for (int i = 0; i < count(); ++i) {
         const auto at = static_cast<std::size_t>(i);
-        const auto parent = static_cast<std::size_t>(skeleton.bones[at].parent);
-        const float through =
-            reach[at] + length(skeleton.bones[at].bind.position - skeleton.bones[parent].bind.position);
-        if (through > reach[parent]) {
-            reach[parent] = through;
-            tip[parent] = tip[at];
+        leave_[at] = enter_[at] + below[at];
+        int next = enter_[at] + 1;
+        for (const int child : children[at]) {
+            enter_[static_cast<std::size_t>(child)] = next;
+            next += below[static_cast<std::size_t>(child)];
         }
     }
 }
 
-std::vector<int> BoneTree::chain(const Skeleton& skeleton, int bone) const {
-    std::vector<int> result;
-    for (int at = tip[static_cast<std::size_t>(bone)]; at != bone;) {
-        result.push_back(at);
-        at = skeleton.bones[static_cast<std::size_t>(at)].parent;
+/// What a control, a cape or a sword is called is none of the body, with all that hangs on it, unless joints of the body
+/// do: a whole rig may be below a bone called "control".
+void BoneTree::findLoose() {
+    std::vector<bool> hasJoints(children.size(), false);
+    for (int i = count() - 1; i >= 0; --i) {
+        const auto at = static_cast<std::size_t>(i);
+        if (names[at].hint != NameHint::none) hasJoints[at] = true;
+        if (parent(i) >= 0 && hasJoints[at]) hasJoints[static_cast<std::size_t>(parent(i))] = true;
     }
-    result.push_back(bone);
-    std::reverse(result.begin(), result.end());
-    return result;
+    for (int i = 1; i < count(); ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        const bool most = 2 * (leave_[at] - enter_[at]) > count();
+        loose[at] = loose[static_cast<std::size_t>(parent(i))] || (names[at].loose && !hasJoints[at] && !most);
+    }
 }
 
-bool isWithin(const Skeleton& skeleton, int bone, int ancestor) {
-    while (bone > ancestor) bone = skeleton.bones[static_cast<std::size_t>(bone)].parent;
-    return bone == ancestor;
+/// The vertex that a twentieth of the others are farther than: a few that follow a bone by mistake do not count.
+void BoneTree::findEnds() {
+    std::vector<std::pair<float, std::size_t>> far;
+    for (std::size_t i = 0; i < children.size(); ++i) {
+        end[i] = at(static_cast<int>(i));
+        if (skeleton_->skin.empty()) continue;
+        const std::vector<Vec3>& vertices = skeleton_->skin[i];
+        skin[i] = vertices.size();
+        if (!children[i].empty() || vertices.empty()) continue;
+        far.clear();
+        for (std::size_t k = 0; k < vertices.size(); ++k) far.emplace_back(lengthSquared(vertices[k] - end[i]), k);
+        const auto rank = far.begin() + static_cast<std::ptrdiff_t>((far.size() - 1) * 19 / 20);
+        std::nth_element(far.begin(), rank, far.end());
+        end[i] = vertices[rank->second];
+    }
 }
 
-int commonAncestor(const Skeleton& skeleton, const BoneTree& tree, int a, int b) {
+void BoneTree::measure() {
+    for (int i = count() - 1; i >= 0; --i) {
+        const auto at = static_cast<std::size_t>(i);
+        if (reach[at] == 0) {
+            tip[at] = i;
+            reach[at] = beyond(i);
+        }
+        size = std::max(size, reach[at]);
+        if (i == 0 || loose[at]) continue;
+        const auto above = static_cast<std::size_t>(parent(i));
+        skin[above] += skin[at];
+        const float through = reach[at] + length(this->at(i) - this->at(parent(i)));
+        // Two ways from one bone make one from tip to tip.
+        if (reach[above] > 0) size = std::max(size, reach[above] + through);
+        if (through > reach[above]) {
+            reach[above] = through;
+            tip[above] = tip[at];
+        }
+    }
+}
+
+float BoneTree::beyond(int bone) const { return length(end[static_cast<std::size_t>(bone)] - at(bone)); }
+
+bool BoneTree::isWithin(int bone, int ancestor) const {
+    const int place = enter_[static_cast<std::size_t>(bone)];
+    return place >= enter_[static_cast<std::size_t>(ancestor)] && place < leave_[static_cast<std::size_t>(ancestor)];
+}
+
+int BoneTree::commonAncestor(int a, int b) const {
     while (a != b) {
-        int& deeper = tree.depth[static_cast<std::size_t>(a)] > tree.depth[static_cast<std::size_t>(b)] ? a : b;
-        deeper = skeleton.bones[static_cast<std::size_t>(deeper)].parent;
+        int& deeper = depth[static_cast<std::size_t>(a)] > depth[static_cast<std::size_t>(b)] ? a : b;
+        deeper = parent(deeper);
     }
     return a;
 }
 
-NameHint hintOf(const std::string& name) {
-    const std::string text = lowered(name);
-    // Twist bones carry the name of the segment whose middle they are in.
-    if (has(text, "twist") || has(text, "roll")) return NameHint::none;
-    static constexpr std::array<std::pair<std::string_view, NameHint>, 29> kWords{{
-        {"forearm", NameHint::elbow},
-        {"lowerarm", NameHint::elbow},
-        {"lower_arm", NameHint::elbow},
-        {"loarm", NameHint::elbow},
-        {"elbow", NameHint::elbow},
-        {"hand", NameHint::wrist},
-        {"wrist", NameHint::wrist},
-        {"upperarm", NameHint::shoulder},
-        {"upper_arm", NameHint::shoulder},
-        {"uparm", NameHint::shoulder},
-        {"humerus", NameHint::shoulder},
-        {"radius", NameHint::elbow},
-        {"thigh", NameHint::hip},
-        {"upleg", NameHint::hip},
-        {"upperleg", NameHint::hip},
-        {"upper_leg", NameHint::hip},
-        {"femur", NameHint::hip},
-        {"calf", NameHint::knee},
-        {"shin", NameHint::knee},
-        {"shank", NameHint::knee},
-        {"knee", NameHint::knee},
-        {"lowerleg", NameHint::knee},
-        {"lower_leg", NameHint::knee},
-        {"tibia", NameHint::knee},
-        {"foot", NameHint::ankle},
-        {"ankle", NameHint::ankle},
-        {"head", NameHint::head},
-        // What is left of arms and legs by now: "LeftArm" next to "LeftForeArm", "LeftLeg" next to "LeftUpLeg".
-        {"arm", NameHint::shoulder},
-        {"leg", NameHint::knee},
-    }};
-    for (const auto& [word, hint] : kWords)
-        if (has(text, word)) return hint;
-    return NameHint::none;
-}
-
-int sideHintOf(const std::string& name) {
-    const std::string text = lowered(name);
-    if (has(text, "left")) return -1;
-    if (has(text, "right")) return 1;
-    const auto separated = [&](char side) {
-        const auto isLetter = [](char c) { return c >= 'a' && c <= 'z'; };
-        for (std::size_t i = 0; i < text.size(); ++i) {
-            if (text[i] != side) continue;
-            const bool before = i == 0 || !isLetter(text[i - 1]);
-            const bool after = i + 1 == text.size() || !isLetter(text[i + 1]);
-            if (before && after) return true;
-        }
-        return false;
-    };
-    return separated('l') ? -1 : separated('r') ? 1 : 0;
+std::vector<int> BoneTree::path(int from, int to) const {
+    std::vector<int> result{to};
+    while (result.back() != from) result.push_back(parent(result.back()));
+    std::reverse(result.begin(), result.end());
+    return result;
 }
 
 }  // namespace ragtop

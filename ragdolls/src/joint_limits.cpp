@@ -17,7 +17,10 @@ struct BallRange {
     float twist;  ///< either way
 };
 
-BallRange ballRange(BodyRole role) {
+BallRange ballRange(const Anatomy& anatomy, BodyRole role) {
+    // Of other bodies no tables exist; how they stand at rest is the middle of what they do.
+    constexpr BallRange kOther{0.0f, 45.0f, 30.0f};
+    if (!anatomy.isHuman()) return kOther;
     switch (role) {
         case BodyRole::thigh:
             return {55.0f, 70.0f, 45.0f};  // flexion 125, extension 15; rotation 45/45
@@ -33,13 +36,14 @@ BallRange ballRange(BodyRole role) {
         case BodyRole::foot:
             return {-15.0f, 35.0f, 30.0f};  // dorsal 20, plantar 50; inversion 35, eversion 25
         default:
-            return {0.0f, 45.0f, 30.0f};
+            return kOther;
     }
 }
 
 /// Where the twist axis of a joint points when its angles are zero in the textbook.
 Vec3 neutralAxis(const Anatomy& anatomy, const Segment& segment, const Vec3& atRest) {
     const Vec3 outward = segment.side == BodySide::right ? -anatomy.left : anatomy.left;
+    if (!anatomy.isHuman()) return atRest;
     switch (segment.role) {
         case BodyRole::thigh:
             return -anatomy.up;
@@ -73,7 +77,7 @@ struct JointPlace {
 
 BallDef ball(const Skeleton& skeleton, const Anatomy& anatomy, const Segment& segment, const JointPlace& place,
              float limitScale) {
-    const BallRange range = ballRange(segment.role);
+    const BallRange range = ballRange(anatomy, segment.role);
     const Vec3 axis = normalized(segment.end - place.position, anatomy.up);
     Vec3 center = neutralAxis(anatomy, segment, axis);
     // Forward of an upright axis is where `forward` is; of the foot's it is where the shin is.
@@ -105,7 +109,8 @@ HingeDef hinge(const Skeleton& skeleton, const Anatomy& anatomy, const Segment& 
     const bool knee = segment.role == BodyRole::shank;
     const Vec3 upper = normalized(place.position - upperStart, -anatomy.up);
     const Vec3 lower = normalized(segment.end - place.position, upper);
-    const Vec3 towards = knee ? -anatomy.forward : anatomy.forward;
+    // Legs to the sides bend downwards.
+    const Vec3 towards = anatomy.plan == BodyPlan::hexapod ? -anatomy.up : knee ? -anatomy.forward : anatomy.forward;
     Vec3 axis = normalized(cross(lower, towards), anatomy.left);
     const Vec3 bend = cross(upper, lower);
     // A limb that is visibly bent shows its own plane.

@@ -5,6 +5,7 @@
 
 #include "fit.h"
 #include "joint_limits.h"
+#include "masses.h"
 #include "ragtop/ragdoll.h"
 
 namespace ragtop {
@@ -18,7 +19,7 @@ constexpr float kTouching = 0.005f;       ///< parts closer than this share of t
 class Maker {
 public:
     Maker(const Skeleton& skeleton, const RagdollOptions& options)
-        : skeleton_(skeleton), options_(options), anatomy_(recognise(skeleton)) {
+        : skeleton_(skeleton), options_(options), anatomy_(recognise(skeleton, options.roles)) {
         def_.note = anatomy_.note;
     }
 
@@ -26,7 +27,7 @@ public:
         measure();
         assignBones();
         for (std::size_t i = 0; i < anatomy_.segments.size(); ++i) addPart(i);
-        shareMass();
+        giveMass();
         for (std::size_t i = 1; i < anatomy_.segments.size(); ++i) addJoint(static_cast<int>(i));
         quieten();
         return std::move(def_);
@@ -46,7 +47,7 @@ private:
         for (const auto& vertices : skeleton_.skin)
             for (const Vec3& vertex : vertices) include(vertex);
         height_ = upper - lower;
-        if (anatomy_.humanoid && skeleton_.skin.empty()) height_ = std::max(height_, heightOfJoints());
+        if (anatomy_.isHuman() && skeleton_.skin.empty()) height_ = std::max(height_, heightOfJoints());
         if (!(height_ > 0)) height_ = length(boundsOf(skeleton_).upper - boundsOf(skeleton_).lower);
         if (!(height_ > 0)) throw std::invalid_argument("skeleton: all bones are at one point, must have a size");
     }
@@ -105,9 +106,11 @@ private:
     Quat basisOf(const Segment& s) const {
         const Vec3 along = endOf(s) - bindOf(s.bone).position;
         Vec3 y = normalized(along, anatomy_.up);
-        if (isTrunk(s.role) || s.role == BodyRole::head) y = anatomy_.up;
-        if (s.role == BodyRole::foot) y = normalized(along - dot(along, anatomy_.up) * anatomy_.up, anatomy_.forward);
-        const Vec3 ahead = s.role == BodyRole::foot ? anatomy_.up : anatomy_.forward;
+        const bool upright = isTrunk(s.role) || s.role == BodyRole::head;
+        if (anatomy_.isHuman() && upright) y = anatomy_.up;
+        if (anatomy_.isHuman() && s.role == BodyRole::foot) y = normalized(along - dot(along, anatomy_.up) * anatomy_.up, anatomy_.forward);
+        const bool level = s.role == BodyRole::foot || !anatomy_.isHuman();
+        const Vec3 ahead = level ? anatomy_.up : anatomy_.forward;
         const Vec3 z = normalized(ahead - dot(ahead, y) * y, perpendicular(y));
         return rotationFromAxes(cross(y, z), y, z);
     }
@@ -122,8 +125,9 @@ private:
         part.name = skeleton_.bones[static_cast<std::size_t>(s.bone)].name;
         part.material = options_.material;
         const std::vector<Vec3> skin = skinOf(index);
-        // Limbs and heads are round unless that wastes much; the trunk is flat, and a sole is what one stands on.
-        const float roundness = isTrunk(s.role) || s.role == BodyRole::foot ? 1.0f : 1.6f;
+        // Limbs and heads are round unless that wastes much; trunk and hands are flat, and a sole is what one stands on.
+        const bool flat = isTrunk(s.role) || s.role == BodyRole::foot || s.role == BodyRole::hand;
+        const float roundness = flat ? 1.0f : 1.6f;
         FittedShape fitted = skin.size() >= kFewVertices
                                  ? fitShape(skin, basisOf(s), options_.containedShare, roundness)
                                  : fromTables(s);
@@ -143,7 +147,7 @@ private:
     FittedShape fromTables(const Segment& s) const {
         const Vec3 start = bindOf(s.bone).position, end = endOf(s);
         const float reach = length(end - start);
-        if (s.role == BodyRole::other) {
+        if (!anatomy_.isHuman() || !(massShare(s.role, 0) > 0)) {
             const Vec3 axis = normalized(end - start, {0, 1, 0});
             const float radius = 0.15f * reach;
             return {Capsule{radius, 0.5f * reach - radius}, {0.5f * (start + end), rotationBetween({0, 1, 0}, axis)}};
@@ -157,23 +161,37 @@ private:
         return {Box{{0.75f * deep, 0.5f * tall, 0.5f * deep}}, {center, basisOf(s)}};
     }
 
-    /// By the tables for a human, else by volume; the rounding of the sum goes to the heaviest part.
-    void shareMass() {
-        std::vector<double> share;
-        double sum = 0;
-        for (const RagdollPart& part : def_.parts) {
-            share.push_back(anatomy_.humanoid ? massShare(part.role, options_.femaleShare)
-                                              : massOf(part.shape, 1.0f).mass);
-            sum += share.back();
-        }
+    /// The rounding of the sum goes to the heaviest part.
+    void giveMass() {
+        std::vector<MassPart> parts;
+        for (const RagdollPart& part : def_.parts)
+            parts.push_back({part.role, part.side, static_cast<double>(massOf(part.shape, 1.0f).mass)});
+        MassWish wish{anatomy_.isHuman(), options_.femaleShare, options_.bodyMassIndex, stature(), {}};
+        if (options_.bodyMass) wish.bodyMass = *options_.bodyMass;
+        const Masses shared = shareMass(parts, wish);
         std::size_t heaviest = 0;
-        double given = 0;
-        for (std::size_t i = 0; i < share.size(); ++i) {
-            def_.parts[i].mass = static_cast<float>(options_.bodyMass * share[i] / sum);
+        double sum = 0, given = 0;
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            def_.parts[i].mass = static_cast<float>(shared.mass[i]);
+            sum += shared.mass[i];
             given += def_.parts[i].mass;
-            if (share[i] > share[heaviest]) heaviest = i;
+            if (shared.mass[i] > shared.mass[heaviest]) heaviest = i;
         }
-        def_.parts[heaviest].mass += static_cast<float>(options_.bodyMass - given);
+        if (wish.bodyMass) sum = *wish.bodyMass;
+        def_.parts[heaviest].mass += static_cast<float>(sum - given);
+        if (!shared.note.empty()) def_.note += (def_.note.empty() ? "" : "; ") + shared.note;
+    }
+
+    /// m, of a human who stands up: hips are at 0.53 and shoulders at 0.82 of it [Winter 2009, fig. 4.1]. Who stands at
+    /// rest is as tall as that.
+    float stature() const {
+        float legs = 0, most = 0;
+        for (const Segment& s : anatomy_.segments) {
+            const float way = length(s.end - bindOf(s.bone).position);
+            if (s.role == BodyRole::thigh) legs = way;
+            if (s.role == BodyRole::shank) most = std::max(most, legs + way);
+        }
+        return std::max(height_, 0.9f * most / 0.49f);
     }
 
     void addJoint(int child) {

@@ -68,6 +68,9 @@ float strengthOf(BodyRole role, float bodyMass) {
             return scaled(126);
         case BodyRole::pelvis:
         case BodyRole::other:
+        case BodyRole::neck:
+        case BodyRole::tail:
+        case BodyRole::wing:
             break;
     }
     return 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <type_traits>
 
@@ -13,6 +14,10 @@ namespace ragtop {
 struct RangeCheck {
     std::string problem{};
 
+    template <class Field>
+    void operator()(const Tunable& tunable, const std::optional<Field>& field) {
+        if (field) (*this)(tunable, *field);
+    }
     template <class Field>
     void operator()(const Tunable& tunable, const Field& field) {
         if constexpr (std::is_same_v<Field, float>) {

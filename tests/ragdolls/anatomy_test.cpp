@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <array>
 #include <stdexcept>
+#include <vector>
 
-#include "bone_tree.h"
+#include "bone_names.h"
 #include "human.h"
 
 namespace ragtop {
@@ -18,7 +19,7 @@ const Segment* find(const Anatomy& anatomy, BodyRole role, BodySide side) {
 }
 
 void expectHuman(const Anatomy& anatomy, const HumanRig& rig) {
-    ASSERT_TRUE(anatomy.humanoid) << anatomy.note;
+    ASSERT_TRUE(anatomy.isHuman()) << anatomy.note;
     EXPECT_EQ(anatomy.segments.size(), 16u);
     EXPECT_EQ(anatomy.segments.front().bone, rig.hips);
     for (int side = 0; side < 2; ++side) {
@@ -95,12 +96,12 @@ TEST(Anatomy, WithoutToesNamedSidesTellForward) {
     }
     // The sides are named the other way round, so the person faces the other way.
     const Anatomy anatomy = recognise(feetless);
-    ASSERT_TRUE(anatomy.humanoid);
+    ASSERT_TRUE(anatomy.isHuman());
     EXPECT_LT(anatomy.forward.z, -0.99f);
     EXPECT_EQ(anatomy.note, "");
 }
 
-TEST(Anatomy, FourLegsAreNoHuman) {
+TEST(Anatomy, FourLegsOfEqualLengthAreAQuadruped) {
     Skeleton dog;
     const auto add = [&](int parent, Vec3 position) {
         dog.bones.push_back({"b", parent, {position, {}}});
@@ -115,11 +116,99 @@ TEST(Anatomy, FourLegsAreNoHuman) {
             add(add(add(from, {x, 0.55f, z}), {x, 0.3f, z + 0.05f}), {x, 0.05f, z});
         }
     const Anatomy anatomy = recognise(dog);
-    EXPECT_FALSE(anatomy.humanoid);
-    EXPECT_NE(anatomy.note, "");
-    EXPECT_GT(anatomy.segments.size(), 4u);
-    EXPECT_LE(anatomy.segments.size(), 24u);
-    EXPECT_EQ(anatomy.segments.front().bone, 0);
+    EXPECT_EQ(anatomy.plan, BodyPlan::quadruped) << anatomy.note;
+    EXPECT_EQ(anatomy.segments.front().bone, pelvis);
+    EXPECT_EQ(anatomy.segments.front().role, BodyRole::pelvis);
+    EXPECT_GT(anatomy.forward.z, 0.99f);
+    EXPECT_GT(anatomy.up.y, 0.99f);
+    for (const BodyRole role : {BodyRole::thigh, BodyRole::shank, BodyRole::upperArm, BodyRole::forearm, BodyRole::chest})
+        EXPECT_TRUE(anatomy.find(role, role == BodyRole::chest ? BodySide::middle : BodySide::left) >= 0) << nameOf(role);
+}
+
+TEST(Anatomy, RolesOfAMapAreTakenForGranted) {
+    const HumanRig rig;
+    const auto name = [&](int bone) { return rig.skeleton.bones[static_cast<std::size_t>(bone)].name; };
+    // The clavicle for the upper arm, and the other side for the left.
+    const std::vector<BoneRole> roles{{name(rig.clavicle[0]), BodyRole::upperArm, BodySide::right},
+                                      {name(rig.forearm[0]), BodyRole::forearm, BodySide::right},
+                                      {name(rig.spine), BodyRole::pelvis}};
+    const Anatomy anatomy = recognise(rig.skeleton, roles);
+    ASSERT_TRUE(anatomy.isHuman());
+    const int arm = anatomy.find(BodyRole::upperArm, BodySide::right);
+    ASSERT_GE(arm, 0);
+    EXPECT_EQ(anatomy.segments[static_cast<std::size_t>(arm)].bone, rig.clavicle[0]);
+    EXPECT_EQ(anatomy.segments[static_cast<std::size_t>(arm)].confidence, 1);
+    EXPECT_EQ(anatomy.segments[static_cast<std::size_t>(anatomy.find(BodyRole::pelvis))].bone, rig.spine);
+}
+
+TEST(Anatomy, RefusesRolesThatCannotBe) {
+    const HumanRig rig;
+    const auto message = [&](const BoneRole& role) -> std::string {
+        try {
+            recognise(rig.skeleton, std::array{role});
+        } catch (const std::invalid_argument& error) {
+            return error.what();
+        }
+        return {};
+    };
+    EXPECT_EQ(message({"nobody", BodyRole::head}), "roles[0].bone is \"nobody\", must be the name of a bone of the skeleton");
+    const std::string head = rig.skeleton.bones[static_cast<std::size_t>(rig.head)].name;
+    EXPECT_EQ(message({head, BodyRole::foot, BodySide::left}),
+              "roles[0]: bone \"" + head + "\" cannot be the left foot of this human");
+}
+
+TEST(Anatomy, NamesAndProportionsThatAgreeAreSurerThanProportionsAlone) {
+    const HumanRig nameless;
+    HumanRig named;
+    const auto call = [&](int bone, const char* name) {
+        named.skeleton.bones[static_cast<std::size_t>(bone)].name = name;
+    };
+    call(named.thigh[0], "LeftThigh");
+    call(named.shank[0], "LeftShin");
+    const Anatomy with = recognise(named.skeleton), without = recognise(nameless.skeleton);
+    for (const Anatomy* anatomy : {&with, &without}) {
+        EXPECT_GT(anatomy->confidence, 0.5f);
+        EXPECT_LE(anatomy->confidence, 1.0f);
+    }
+    const auto sure = [](const Anatomy& anatomy) {
+        return anatomy.segments[static_cast<std::size_t>(anatomy.find(BodyRole::thigh, BodySide::left))].confidence;
+    };
+    EXPECT_GT(sure(with), sure(without));
+}
+
+TEST(Anatomy, HairOfSixtyThousandBonesHidesNoHuman) {
+    HumanRig rig;
+    const int scalp = rig.head;
+    for (int strand = 0; strand < 3000; ++strand) {
+        int bone = scalp;
+        const float angle = 0.01f * static_cast<float>(strand);
+        for (int i = 0; i < 20; ++i) {
+            const Vec3 out{sinCos(angle).sin, 0.2f - 0.05f * static_cast<float>(i), sinCos(angle).cos};
+            bone = rig.add(bone, rig.at(scalp) + 0.1f * out);
+        }
+    }
+    ASSERT_GT(rig.skeleton.bones.size(), 60000u);
+    expectHuman(recognise(rig.skeleton), rig);
+}
+
+TEST(Anatomy, AThousandLegsAreLookedThroughAndNoHuman) {
+    Skeleton centipede;
+    int spine = -1;
+    for (int i = 0; i < 500; ++i) {
+        const float z = 0.1f * static_cast<float>(i);
+        centipede.bones.push_back({"s", spine, {{0, 0.1f, z}, {}}});
+        spine = static_cast<int>(centipede.bones.size()) - 1;
+        for (const float x : {6.0f, -6.0f}) {
+            int leg = spine;
+            for (int k = 1; k <= 3; ++k) {
+                centipede.bones.push_back({"l", leg, {{x * static_cast<float>(k), 0.1f, z}, {}}});
+                leg = static_cast<int>(centipede.bones.size()) - 1;
+            }
+        }
+    }
+    const Anatomy anatomy = recognise(centipede);
+    EXPECT_FALSE(anatomy.isHuman());
+    EXPECT_LE(anatomy.segments.size(), 100u);
 }
 
 TEST(Anatomy, SegmentMassesSumToTheBody) {
@@ -151,17 +240,41 @@ TEST(Anatomy, RefusesBrokenSkeletons) {
 }
 
 TEST(BoneNames, SpeakOfJoints) {
+    const auto hintOf = [](const char* name) { return readName(name).hint; };
+    const auto sideOf = [](const char* name) { return readName(name).side; };
     EXPECT_EQ(hintOf("LeftForeArm"), NameHint::elbow);
     EXPECT_EQ(hintOf("lowerarm.l"), NameHint::elbow);
-    EXPECT_EQ(hintOf("LeftArm"), NameHint::shoulder);
     EXPECT_EQ(hintOf("Bip01 L Thigh"), NameHint::hip);
     EXPECT_EQ(hintOf("B_Ankle_Left"), NameHint::ankle);
-    EXPECT_EQ(hintOf("LeftLeg"), NameHint::knee);
+    EXPECT_EQ(hintOf("LeftHip"), NameHint::hip);
+    EXPECT_EQ(hintOf("Hips"), NameHint::pelvis);
     EXPECT_EQ(hintOf("Joint10"), NameHint::none);
-    EXPECT_EQ(sideHintOf("Bip01 L Thigh"), -1);
-    EXPECT_EQ(sideHintOf("foot.r"), 1);
-    EXPECT_EQ(sideHintOf("RightFoot"), 1);
-    EXPECT_EQ(sideHintOf("skull"), 0);
+    EXPECT_EQ(hintOf("Armature"), NameHint::none);
+    EXPECT_EQ(sideOf("Bip01 L Thigh"), -1);
+    EXPECT_EQ(sideOf("foot.r"), 1);
+    EXPECT_EQ(sideOf("RightFoot"), 1);
+    EXPECT_EQ(sideOf("skull"), 0);
+    EXPECT_EQ(readName("FrontLeg_L").end, 1);
+    EXPECT_EQ(readName("ForeArm").end, 0);
+    EXPECT_EQ(readName("hind_leg.r").end, -1);
+    EXPECT_TRUE(readName("cape.003").loose);
+    EXPECT_TRUE(readName("foot_ik.l").loose);
+    EXPECT_FALSE(readName("bear_chest").loose);
+}
+
+TEST(BoneNames, MeanWhatTheOthersOfTheLimbLeaveOpen) {
+    const auto hints = [](std::initializer_list<const char*> names) {
+        std::vector<NameHint> read;
+        for (const char* name : names) read.push_back(readName(name).hint);
+        return jointHints(read);
+    };
+    using enum NameHint;
+    const auto list = [](std::initializer_list<NameHint> values) { return std::vector<NameHint>(values); };
+    EXPECT_EQ(hints({"LeftUpLeg", "LeftLeg", "LeftFoot"}), list({hip, knee, ankle}));
+    EXPECT_EQ(hints({"leg.l", "shin.l", "foot.l"}), list({hip, knee, ankle}));
+    EXPECT_EQ(hints({"leg1", "leg2", "leg3"}), list({none, none, none}));
+    EXPECT_EQ(hints({"LeftShoulder", "LeftArm", "LeftForeArm", "LeftHand"}), list({clavicle, shoulder, elbow, wrist}));
+    EXPECT_EQ(hints({"L_Collar", "L_Shoulder", "L_Elbow"}), list({clavicle, shoulder, elbow}));
 }
 
 }  // namespace

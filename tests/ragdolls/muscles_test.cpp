@@ -23,7 +23,7 @@ const HumanRig& rig() {
 }
 
 const RagdollDef& human() {
-    static const RagdollDef def = makeRagdoll(rig().skeleton);
+    static const RagdollDef def = makeRagdoll(rig().skeleton, {.bodyMass = 75});
     return def;
 }
 

@@ -15,7 +15,7 @@ namespace ragtop {
 namespace {
 
 const RagdollDef& human() {
-    static const RagdollDef def = makeRagdoll(HumanRig().skeleton);
+    static const RagdollDef def = makeRagdoll(HumanRig().skeleton, {.bodyMass = 75});
     return def;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,18 +20,21 @@ class World;
 
 /// How a ragdoll is made from a skeleton.
 struct RagdollOptions {
-    float bodyMass = 75.0f;        ///< kg, of all parts together
-    float femaleShare = 0.0f;      ///< blends the segment masses of men (0) and women (1)
+    std::optional<float> bodyMass{};  ///< kg, of all parts together; a human's is by its height, others' by their volume
+    float bodyMassIndex = 24.49f;     ///< kg/m²: build of a human whose mass is not given; 75 kg at 1.75 m
+    float femaleShare = 0.0f;         ///< blends the segment masses of men (0) and women (1)
     float jointFriction = 0.15f;   ///< friction torque over the weight beyond the joint times its part's reach
     float containedShare = 0.92f;  ///< of the skin vertices of a part that its shape encloses
     float limitScale = 1.0f;       ///< all ranges of motion, times this
     bool selfCollision = true;     ///< parts that do not overlap at rest collide with each other
+    std::vector<BoneRole> roles{};  ///< what is known about bones; the others are recognised
     Material material{.friction = 0.8f};
 };
 
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const RagdollOptions*) {
     visit(Tunable{"bodyMass", "kg", 1e-3, 1e6, "mass of all parts together"}, self.bodyMass);
+    visit(Tunable{"bodyMassIndex", "kg/m2", 8, 80, "build of a human whose mass is not given"}, self.bodyMassIndex);
     visit(Tunable{"femaleShare", "1", 0, 1, "blends the segment masses of men and women"}, self.femaleShare);
     visit(Tunable{"jointFriction", "1", 0, 10, "friction torque over the torque of the weight beyond the joint"},
           self.jointFriction);
@@ -38,6 +42,7 @@ void describe(Visitor& visit, Self& self, const RagdollOptions*) {
           self.containedShare);
     visit(Tunable{"limitScale", "1", 0.05, 1.5, "scales all ranges of motion"}, self.limitScale);
     visit(Tunable{"selfCollision", "", 0, 1, "parts that do not overlap at rest collide"}, self.selfCollision);
+    visit(Tunable{.name = "roles", .meaning = "what is known about bones; the others are recognised"}, self.roles);
     visit(Tunable{"material", "", 0, 0, "surface of all parts"}, self.material);
 }
 

@@ -1,0 +1,135 @@
+#include "masses.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace ragtop {
+namespace {
+
+constexpr double kLeastDensity = 300, kMostDensity = 2000;  ///< kg/m³, of any part
+constexpr double kFlesh = 1000;                             ///< kg/m³, of bodies that are no human
+/// Mean logarithm of the ratio between the shares of volume and those of the table. Shapes around people, clothes and
+/// all, are off by less than a factor of two on the average; at a factor of four nothing is left of the table.
+constexpr double kLikeHumans = 0.6931, kUnlikeHumans = 1.3863;
+
+/// The role that has the share of one that a rig does not have.
+constexpr std::array<std::pair<BodyRole, BodyRole>, 8> kCarriers{{
+    {BodyRole::hand, BodyRole::forearm},
+    {BodyRole::forearm, BodyRole::upperArm},
+    {BodyRole::foot, BodyRole::shank},
+    {BodyRole::shank, BodyRole::thigh},
+    {BodyRole::neck, BodyRole::head},
+    {BodyRole::head, BodyRole::chest},
+    {BodyRole::abdomen, BodyRole::pelvis},
+    {BodyRole::chest, BodyRole::pelvis},
+}};
+
+int findPart(std::span<const MassPart> parts, BodyRole role, BodySide side) {
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        if (parts[i].role == role && parts[i].side == side) return static_cast<int>(i);
+    return -1;
+}
+
+/// Shares of the table, where each part has also those of parts that would hang on it.
+std::vector<double> tableShares(std::span<const MassPart> parts, double femaleShare) {
+    std::vector<double> shares;
+    for (const MassPart& part : parts) shares.push_back(massShare(part.role, femaleShare));
+    for (const BodySide side : {BodySide::middle, BodySide::left, BodySide::right})
+        for (const auto& [role, carrier] : kCarriers) {
+            const bool middle = carrier == BodyRole::chest || carrier == BodyRole::pelvis;
+            if (middle != (side == BodySide::middle) || findPart(parts, role, side) >= 0) continue;
+            for (BodyRole at = carrier;;) {
+                if (const int found = findPart(parts, at, side); found >= 0) {
+                    shares[static_cast<std::size_t>(found)] += massShare(role, femaleShare);
+                    break;
+                }
+                const auto next = std::find_if(kCarriers.begin(), kCarriers.end(),
+                                               [&](const auto& entry) { return entry.first == at; });
+                if (next == kCarriers.end()) break;
+                at = next->second;
+            }
+        }
+    return shares;
+}
+
+double sumOf(const std::vector<double>& values) {
+    double sum = 0;
+    for (const double value : values) sum += value;
+    return sum;
+}
+
+/// Shares in proportion to which the mass is given out.
+std::vector<double> wantedShares(std::span<const MassPart> parts, const MassWish& wish, double& departure) {
+    std::vector<double> byVolume;
+    for (const MassPart& part : parts) byVolume.push_back(part.volume);
+    const double volume = sumOf(byVolume);
+    for (double& share : byVolume) share /= volume;
+    departure = 1;
+    if (!wish.human) return byVolume;
+
+    // Tails, wings and the like are by volume; the table shares out the rest.
+    std::vector<double> table = tableShares(parts, wish.femaleShare);
+    const double tableSum = sumOf(table);
+    double human = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        if (table[i] > 0) human += byVolume[i];
+    double off = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        if (!(table[i] > 0)) continue;
+        table[i] /= tableSum;
+        off += table[i] * std::abs(std::log(byVolume[i] / human / table[i]));
+    }
+    const double t = std::clamp((off - kLikeHumans) / (kUnlikeHumans - kLikeHumans), 0.0, 1.0);
+    departure = t * t * (3 - 2 * t);
+    std::vector<double> shares;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        shares.push_back(table[i] > 0 ? (1 - departure) * table[i] * human + departure * byVolume[i] : byVolume[i]);
+    return shares;
+}
+
+/// Masses in proportion to `shares` but for those that meet a bound; halving finds the factor that gives the sum.
+std::vector<double> bounded(std::span<const MassPart> parts, const std::vector<double>& shares, double mass) {
+    const auto masses = [&](double factor) {
+        std::vector<double> result;
+        for (std::size_t i = 0; i < parts.size(); ++i)
+            result.push_back(
+                std::clamp(factor * shares[i], kLeastDensity * parts[i].volume, kMostDensity * parts[i].volume));
+        return result;
+    };
+    double low = 0, high = mass;
+    while (sumOf(masses(high)) < mass) high *= 2;
+    for (int i = 0; i < 100; ++i) {
+        const double middle = 0.5 * (low + high);
+        (sumOf(masses(middle)) < mass ? low : high) = middle;
+    }
+    return masses(high);
+}
+
+}  // namespace
+
+Masses shareMass(std::span<const MassPart> parts, const MassWish& wish) {
+    Masses result;
+    const std::vector<double> shares = wantedShares(parts, wish, result.departure);
+    double volume = 0;
+    for (const MassPart& part : parts) volume += part.volume;
+    const double least = kLeastDensity * volume, most = kMostDensity * volume;
+    double mass = wish.human ? wish.bodyMassIndex * wish.height * wish.height : kFlesh * volume;
+    if (wish.bodyMass)
+        mass = *wish.bodyMass;
+    else
+        mass = std::clamp(mass, 1.01 * least, 0.99 * most);
+    if (mass > least && mass < most) {
+        result.mass = bounded(parts, shares, mass);
+        return result;
+    }
+    for (const MassPart& part : parts) result.mass.push_back(mass * part.volume / volume);
+    char text[160];
+    std::snprintf(text, sizeof text, "%.4g kg are %.3g kg/m3 in its %.3g m3, where %g to %g is flesh: shared by volume", mass,
+                  mass / volume, volume, kLeastDensity, kMostDensity);
+    result.note = text;
+    return result;
+}
+
+}  // namespace ragtop
