@@ -12,6 +12,7 @@
 #include <set>
 
 #include "assimp_bones.h"
+#include "assimp_clips.h"
 #include "assimp_looks.h"
 #include "axes.h"
 #include "file_kind.h"
@@ -46,11 +47,21 @@ void meshFields(Stream& stream, Mesh& mesh) {
     stream(mesh.bones);
     stream(mesh.nodes);
 }
+template <class Stream, class Channel>
+void channelFields(Stream& stream, Channel& channel) {
+    stream(channel.node);
+    stream(channel.positionTimes);
+    stream(channel.rotationTimes);
+    stream(channel.scaleTimes);
+    stream(channel.positions);
+    stream(channel.rotations);
+    stream(channel.scales);
+}
 template <class Stream, class Clip>
 void clipFields(Stream& stream, Clip& clip) {
     stream(clip.name);
     stream(clip.seconds);
-    stream(clip.turned);
+    stream(clip.channels);
 }
 template <class Stream, class Material>
 void materialFields(Stream& stream, Material& material) {
@@ -76,6 +87,8 @@ static void fields(ByteWriter& stream, const ImportedBone& bone) { boneFields(st
 static void fields(ByteReader& stream, ImportedBone& bone) { boneFields(stream, bone); }
 static void fields(ByteWriter& stream, const ImportedMesh& mesh) { meshFields(stream, mesh); }
 static void fields(ByteReader& stream, ImportedMesh& mesh) { meshFields(stream, mesh); }
+static void fields(ByteWriter& stream, const ImportedChannel& channel) { channelFields(stream, channel); }
+static void fields(ByteReader& stream, ImportedChannel& channel) { channelFields(stream, channel); }
 static void fields(ByteWriter& stream, const ImportedClip& clip) { clipFields(stream, clip); }
 static void fields(ByteReader& stream, ImportedClip& clip) { clipFields(stream, clip); }
 static void fields(ByteWriter& stream, const ImportedMaterial& material) { materialFields(stream, material); }
@@ -176,34 +189,12 @@ void markDevices(const aiScene& from, ImportedScene& scene) {
     for (ImportedNode& node : scene.nodes) node.device = names.contains(node.name);
 }
 
-bool isTurning(const aiNodeAnim& channel) {
-    for (unsigned i = 1; i < channel.mNumRotationKeys; ++i)
-        if (!channel.mRotationKeys[i].mValue.Equal(channel.mRotationKeys[0].mValue, 1e-5f)) return true;
-    return false;
-}
-
 ImportedScene toScene(const aiScene& from, const std::string& file) {
     ImportedScene scene;
     readUnits(from, scene);
     for (unsigned i = 0; i < from.mNumMeshes; ++i) scene.meshes.push_back(toMesh(*from.mMeshes[i]));
     if (from.mRootNode) findBoneNodes(from, file, addNodes(*from.mRootNode, scene), scene);
     markDevices(from, scene);
-    std::map<std::string, std::int32_t> nodeOf;
-    for (std::size_t i = 0; i < scene.nodes.size(); ++i)
-        nodeOf.emplace(scene.nodes[i].name, static_cast<std::int32_t>(i));
-    for (unsigned i = 0; i < from.mNumAnimations; ++i) {
-        const aiAnimation& clip = *from.mAnimations[i];
-        const double rate = clip.mTicksPerSecond > 0 ? clip.mTicksPerSecond : 25.0;
-        std::string name = clip.mName.C_Str();
-        if (name.empty()) name = "clip " + std::to_string(i);
-        scene.clips.push_back({std::move(name), clip.mDuration / rate, {}});
-        for (unsigned k = 0; k < clip.mNumChannels; ++k) {
-            const auto node = nodeOf.find(clip.mChannels[k]->mNodeName.C_Str());
-            // All that a BVH has is a skeleton, be it at rest.
-            const bool turns = isTurning(*clip.mChannels[k]) || scene.format.find("BVH") != std::string::npos;
-            if (node != nodeOf.end() && turns) scene.clips.back().turned.push_back(node->second);
-        }
-    }
     return scene;
 }
 
@@ -254,6 +245,7 @@ ImportedScene importHere(const std::string& file, ImportedDetail detail) {
     const aiScene* scene = importer.ReadFile(file, steps);
     if (!scene) refuse(importer, file);
     ImportedScene imported = toScene(*scene, file);
+    if (detail != ImportedDetail::surface) addClips(*scene, imported);
     if (detail == ImportedDetail::looks) addLooks(*scene, file, imported);
     return imported;
 }
@@ -267,9 +259,8 @@ void check(const ImportedScene& scene, const std::string& file) {
         if (!isFiniteMap(node.local))
             throw AssetError(file, "", "node '" + node.name + "' has a transform that is not finite");
     for (const ImportedClip& clip : scene.clips)
-        for (const std::int32_t node : clip.turned)
-            if (node < 0 || node >= static_cast<std::int32_t>(scene.nodes.size()))
-                throw AssetError(file, "", "clip '" + clip.name + "' turns no such node");
+        if (const std::string problem = whyInvalid(clip, scene.nodes.size()); !problem.empty())
+            throw AssetError(file, "", "clip '" + clip.name + "' " + problem);
     for (const ImportedMesh& mesh : scene.meshes) {
         const std::string name = "mesh '" + mesh.name + "' ";
         for (const Vec3& vertex : mesh.vertices)

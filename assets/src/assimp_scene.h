@@ -62,10 +62,19 @@ struct ImportedMesh {
     std::vector<std::int32_t> nodes;  ///< where it stands
 };
 
+/// What a clip does to a node in its parent; it has one key of each kind at least.
+struct ImportedChannel {
+    std::int32_t node = -1;
+    std::vector<float> positionTimes, rotationTimes, scaleTimes;  ///< s, rising
+    std::vector<Vec3> positions;
+    std::vector<Quat> rotations;
+    std::vector<Vec3> scales;
+};
+
 struct ImportedClip {
     std::string name;
     double seconds = 0;
-    std::vector<std::int32_t> turned;  ///< nodes whose rotation it changes
+    std::vector<ImportedChannel> channels;
 };
 
 /// A PNG or JPEG file.
@@ -98,7 +107,7 @@ struct ImportedScene {
 /// What is wanted of a file.
 enum class ImportedDetail : std::uint8_t {
     surface,   ///< triangles that share the vertices at one place
-    skeleton,  ///< bones, and the vertices that they move
+    skeleton,  ///< bones, the vertices that they move, and clips
     looks,     ///< that and normals, materials and textures
 };
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "axes.h"
+#include "character_clips.h"
 #include "import_text.h"
 #include "moving_nodes.h"
 
@@ -171,7 +172,8 @@ private:
     /// A file of motion alone: its nodes are its bones.
     void useNodes() {
         for (const ImportedMesh& mesh : scene_.meshes)
-            if (!mesh.triangles.empty()) throw AssetError(character_.file, "", "has no bones: nothing is skinned or moves as a skeleton");
+            if (!mesh.triangles.empty())
+                throw AssetError(character_.file, "", "has no bones: nothing is skinned or moves as a skeleton");
         deforms_ = movingSkeleton(scene_);
         if (std::find(deforms_.begin(), deforms_.end(), true) == deforms_.end())
             throw AssetError(character_.file, "", "has no bones: nothing is skinned or moves as a skeleton");
@@ -311,8 +313,11 @@ float guessUnit(float height, std::vector<std::string>& warnings) {
     float unit = kUsual / height;
     const char* name = "";
     float off = std::numeric_limits<float>::infinity();
-    for (const auto& [usual, called] : {std::pair{0.01f, "centimetres"}, {0.0254f, "inches"}, {0.001f, "millimetres"},
-                                        {0.3048f, "feet"}, {0.1f, "decimetres"}}) {
+    for (const auto& [usual, called] : {std::pair{0.01f, "centimetres"},
+                                        {0.0254f, "inches"},
+                                        {0.001f, "millimetres"},
+                                        {0.3048f, "feet"},
+                                        {0.1f, "decimetres"}}) {
         const float tall = height * usual, away = std::abs(std::log(tall / kUsual));
         if (tall < kSmall || tall > kTall || away > off) continue;
         off = away;
@@ -351,8 +356,6 @@ ImportedCharacter importCharacter(const std::filesystem::path& path, const Chara
     Character& character = imported.character;
     character.file = path.string();
     character.format = scene.format;
-    for (const ImportedClip& clip : scene.clips)
-        character.clips.push_back({clip.name, static_cast<float>(clip.seconds)});
     CharacterBuilder(imported).run();
     if (const std::string problem = whyInvalid(character.skeleton); !problem.empty())
         throw AssetError(character.file, "", problem);
@@ -363,6 +366,7 @@ ImportedCharacter importCharacter(const std::filesystem::path& path, const Chara
     character.metersPerUnit = decideUnit(scene, options, character.file, anatomy, tall, character.warnings);
     transform(character.skeleton, character.upAxis, character.metersPerUnit);
     imported.toModel = uprightScaling(character.upAxis, character.metersPerUnit);
+    character.clips = makeClips(imported);
     const Bounds bounds = boundsOf(character.skeleton);
     character.height = bounds.upper.y - bounds.lower.y;
     const bool likely = character.height >= 0.3f && character.height <= 4.0f;

@@ -1,15 +1,29 @@
 #include "moving_nodes.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ragtop {
+namespace {
+
+bool isTurning(const ImportedChannel& channel) {
+    const Quat& first = channel.rotations.front();
+    return std::any_of(channel.rotations.begin(), channel.rotations.end(), [&](const Quat& q) {
+        return std::abs(first.x * q.x + first.y * q.y + first.z * q.z + first.w * q.w) < 1 - 1e-6f;
+    });
+}
+
+}  // namespace
 
 std::vector<bool> movingSkeleton(const ImportedScene& scene) {
     const std::size_t count = scene.nodes.size();
     const auto above = [&](std::size_t i) { return scene.nodes[i].parent; };
     std::vector<bool> turns(count, false), device(count, false), bone(count, false);
     for (const ImportedClip& clip : scene.clips)
-        for (const std::int32_t node : clip.turned) turns[static_cast<std::size_t>(node)] = true;
+        for (const ImportedChannel& channel : clip.channels)
+            // All that a BVH has is a skeleton, be it at rest.
+            if (isTurning(channel) || scene.format.find("BVH") != std::string::npos)
+                turns[static_cast<std::size_t>(channel.node)] = true;
     for (std::size_t i = 0; i < count; ++i) {
         device[i] = scene.nodes[i].device || (above(i) >= 0 && device[static_cast<std::size_t>(above(i))]);
         if (device[i]) turns[i] = false;

@@ -33,8 +33,9 @@ std::string bodyJson(const Character& character, const Anatomy& anatomy, const R
     });
     const std::string parts = list("parts", ragdoll.parts, [&](const RagdollPart& part) {
         const double volume = static_cast<double>(massOf(part.shape, 1.0f).mass);
-        return fmt::format("{{\"bone\": {}, \"role\": {}, \"mass\": {:.9g}, \"density\": {:.6g}}}", nameOfBone(part.bone),
-                           jsonString(nameOf(part.role)), part.mass, static_cast<double>(part.mass) / volume);
+        return fmt::format("{{\"bone\": {}, \"role\": {}, \"mass\": {:.9g}, \"density\": {:.6g}}}",
+                           nameOfBone(part.bone), jsonString(nameOf(part.role)), part.mass,
+                           static_cast<double>(part.mass) / volume);
     });
     std::vector<std::string> warnings = character.warnings;
     if (!ragdoll.note.empty() && ragdoll.note != anatomy.note) warnings.push_back(ragdoll.note);
@@ -42,8 +43,8 @@ std::string bodyJson(const Character& character, const Anatomy& anatomy, const R
     return fmt::format(
         "{{\n    \"plan\": {},\n    \"confidence\": {:.3f},\n    \"metersPerUnit\": {:.9g},\n    \"height\": {:.9g},\n"
         "{},\n{},\n{},\n{}\n  }}",
-        jsonString(nameOf(anatomy.plan)), anatomy.confidence, character.metersPerUnit, character.height, roles, bones, parts,
-        warned);
+        jsonString(nameOf(anatomy.plan)), anatomy.confidence, character.metersPerUnit, character.height, roles, bones,
+        parts, warned);
 }
 
 }  // namespace ragtop::demos

@@ -32,8 +32,8 @@ void checkRoles(const Skeleton& skeleton, std::span<const BoneRole> roles, const
                               (wanted.side == BodySide::middle || wanted.side == segment.side));
         if (found) continue;
         const std::string side = wanted.side == BodySide::middle ? "" : std::string(nameOf(wanted.side)) + " ";
-        throw std::invalid_argument("roles[" + std::to_string(i) + "]: bone \"" + wanted.bone + "\" cannot be the " + side +
-                                    std::string(nameOf(wanted.role)) + " of " +
+        throw std::invalid_argument("roles[" + std::to_string(i) + "]: bone \"" + wanted.bone + "\" cannot be the " +
+                                    side + std::string(nameOf(wanted.role)) + " of " +
                                     (anatomy.plan == BodyPlan::other ? "a body without limbs that were found"
                                                                      : "this " + std::string(nameOf(anatomy.plan))));
     }

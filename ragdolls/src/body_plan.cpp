@@ -9,9 +9,9 @@
 namespace ragtop {
 namespace {
 
-constexpr std::size_t kMostPairs = 10;   ///< of each kind that are tried with each other
-constexpr float kLeastEvidence = 0.5f;   ///< what speaks for a plan, less what speaks against it
-constexpr float kLongPair = 0.5f;        ///< a pair this long beside the legs needs an explanation
+constexpr std::size_t kMostPairs = 10;  ///< of each kind that are tried with each other
+constexpr float kLeastEvidence = 0.5f;  ///< what speaks for a plan, less what speaks against it
+constexpr float kLongPair = 0.5f;       ///< a pair this long beside the legs needs an explanation
 
 float squared(float x) { return x * x; }
 float ratioOff(float ratio, float usual, float spread) {
@@ -33,10 +33,10 @@ struct Evidence {
 
 /// How the limbs of a body lie to each other at rest, and how long they are.
 struct Posture {
-    Vec3 trunk;         ///< from hips to shoulders, unit
-    float standing;     ///< cosine between legs and the trunk, reversed: 1 upright, 0 on all fours or seated
-    float fourLegged;   ///< arms along the legs and both across the trunk: 1 on all fours
-    float lateral;      ///< arms to the sides and the trunk across the legs: 1 a bird with open wings
+    Vec3 trunk;        ///< from hips to shoulders, unit
+    float standing;    ///< cosine between legs and the trunk, reversed: 1 upright, 0 on all fours or seated
+    float fourLegged;  ///< arms along the legs and both across the trunk: 1 on all fours
+    float lateral;     ///< arms to the sides and the trunk across the legs: 1 a bird with open wings
     float armsToLegs, trunkToLegs;
 
     Posture(const LimbPair& legs, const LimbPair& arms) {
@@ -49,8 +49,8 @@ struct Posture {
         lateral = 0;
         if (arms.limb[1]) {
             const Vec3 across = normalized(arms.limb[0]->point[0] - arms.limb[1]->point[0]);
-            lateral = 0.5f * crossing *
-                      (dot(arms.limb[0]->direction(), across) - dot(arms.limb[1]->direction(), across));
+            lateral =
+                0.5f * crossing * (dot(arms.limb[0]->direction(), across) - dot(arms.limb[1]->direction(), across));
         }
         armsToLegs = arms.length() / legs.length();
         trunkToLegs = length(way) / legs.length();
@@ -60,10 +60,7 @@ struct Posture {
 class PlanSearch {
 public:
     PlanSearch(const BoneTree& tree, const LimbSearch& search, const KnownRoles& known)
-        : tree_(tree),
-          search_(search),
-          known_(known),
-          namesTail_(namesTail()) {
+        : tree_(tree), search_(search), known_(known), namesTail_(namesTail()) {
         for (std::size_t kind = 0; kind < kLimbKinds; ++kind) pairs_[kind] = pairsOf(static_cast<LimbKind>(kind));
     }
 
@@ -104,9 +101,11 @@ private:
                 if (auto pair = search_.pair(roots[i], roots[k], kind)) pairs.push_back(*pair);
         // Of two that fit alike the longer limbs are the legs.
         const auto order = [&](const LimbPair& pair) {
-            return std::make_tuple(pair.misfit - 2 * pair.length() / tree_.size, pair.limb[0]->root, pair.limb[1]->root);
+            return std::make_tuple(pair.misfit - 2 * pair.length() / tree_.size, pair.limb[0]->root,
+                                   pair.limb[1]->root);
         };
-        std::sort(pairs.begin(), pairs.end(), [&](const LimbPair& a, const LimbPair& b) { return order(a) < order(b); });
+        std::sort(pairs.begin(), pairs.end(),
+                  [&](const LimbPair& a, const LimbPair& b) { return order(a) < order(b); });
         if (pairs.size() > kMostPairs) pairs.resize(kMostPairs);
         return pairs;
     }
@@ -167,7 +166,8 @@ private:
             if (tree_.loose[at] || tree_.reach[at] < 0.15f * tree_.size || tree_.chain(child).size() < 3) continue;
             const bool isLeg = !search_.apart(child, legs.limb[0]->root) ||
                                (legs.limb[1] && !search_.apart(child, legs.limb[1]->root));
-            if (!isLeg && tree_.children[static_cast<std::size_t>(tree_.tip[at])].empty() && !carries(child)) return true;
+            if (!isLeg && tree_.children[static_cast<std::size_t>(tree_.tip[at])].empty() && !carries(child))
+                return true;
         }
         return false;
     }
@@ -180,8 +180,10 @@ private:
         Evidence e{2};
         e.add(-1.5f * std::clamp(legs.misfit, -1.0f, 1.2f), "no two limbs have the proportions of legs");
         e.add(-1.5f * std::clamp(arms.misfit, -1.0f, 1.2f), "no two limbs have the proportions of arms");
-        e.add(-std::min(3.0f, ratioOff(posture.armsToLegs, 0.68f, 0.45f)), "arms and legs do not have lengths of one human");
-        e.add(-std::min(1.5f, ratioOff(posture.trunkToLegs, 0.59f, 0.7f)), "the trunk is too short or long for its legs");
+        e.add(-std::min(3.0f, ratioOff(posture.armsToLegs, 0.68f, 0.45f)),
+              "arms and legs do not have lengths of one human");
+        e.add(-std::min(1.5f, ratioOff(posture.trunkToLegs, 0.59f, 0.7f)),
+              "the trunk is too short or long for its legs");
         e.add(posture.standing > 0 ? 1.5f * posture.standing : posture.standing, "the legs do not continue the spine");
         e.add(-2.5f * posture.fourLegged, "it stands on all fours");
         e.add(head ? 0.7f : -0.7f, "nothing rises between the arms");
@@ -246,7 +248,8 @@ private:
     }
 
     void take(BodyPlan plan, const Evidence& e, float sum, const LimbPair& legs, const LimbPair& arms, int head) {
-        auto known = std::find_if(evidence_.begin(), evidence_.end(), [&](const auto& entry) { return entry.first == plan; });
+        auto known =
+            std::find_if(evidence_.begin(), evidence_.end(), [&](const auto& entry) { return entry.first == plan; });
         if (known == evidence_.end()) known = evidence_.insert(evidence_.end(), {plan, sum});
         known->second = std::max(known->second, sum);
         if (plan == BodyPlan::human && sum > humanSum_) {
@@ -269,7 +272,8 @@ private:
         for (const LimbPair& pair : pairsOf_(LimbKind::insectLeg)) {
             if (isWing(pair)) continue;
             const bool alike = legs.empty() || std::abs(std::log(pair.length() / legs[0].length())) < kLongPair;
-            const bool free = std::all_of(legs.begin(), legs.end(), [&](const LimbPair& other) { return apart(pair, other); });
+            const bool free =
+                std::all_of(legs.begin(), legs.end(), [&](const LimbPair& other) { return apart(pair, other); });
             if (alike && free) legs.push_back(pair);
         }
         if (legs.size() < 3) return;
@@ -311,7 +315,8 @@ private:
             for (const LimbPair& arms : pairsOf_(LimbKind::arm))
                 if (const auto leg = search_.single(root, LimbKind::leg)) consider(BodyPlan::human, *leg, arms, 1);
         }
-        if (best_.plan == BodyPlan::human) best_.missing = best_.arms.limb[1] ? "one leg is missing" : "one arm is missing";
+        if (best_.plan == BodyPlan::human)
+            best_.missing = best_.arms.limb[1] ? "one leg is missing" : "one arm is missing";
     }
 
     void findMore() {
@@ -368,7 +373,8 @@ int findHead(const BoneTree& tree, const KnownRoles& known, const LimbPair& legs
         const auto at = static_cast<std::size_t>(child);
         if (tree.loose[at] || holdsLimb(child)) return;
         const int tip = tree.tip[at];
-        float worth = dot(tree.end[static_cast<std::size_t>(tip)] - arms.start(), normalized(way)) / std::max(trunk, 1e-9f);
+        float worth =
+            dot(tree.end[static_cast<std::size_t>(tip)] - arms.start(), normalized(way)) / std::max(trunk, 1e-9f);
         worth = std::min(worth, 1.0f);
         for (const int bone : tree.chain(child)) {
             const NameHint hint = tree.names[static_cast<std::size_t>(bone)].hint;

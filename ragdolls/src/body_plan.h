@@ -12,10 +12,10 @@ namespace ragtop {
 struct PlanChoice {
     BodyPlan plan = BodyPlan::other;
     float confidence = 0;
-    LimbPair legs, arms;          ///< hind legs and forelegs, legs and wings; of six-legged ones the last and the first pair
-    std::vector<LimbPair> more;   ///< other pairs that are long
-    int head = -1;                ///< the first bone that is not trunk on the way to the head
-    std::string missing;          ///< why it is none, or what it goes without
+    LimbPair legs, arms;  ///< hind legs and forelegs, legs and wings; of six-legged ones the last and the first pair
+    std::vector<LimbPair> more;  ///< other pairs that are long
+    int head = -1;               ///< the first bone that is not trunk on the way to the head
+    std::string missing;         ///< why it is none, or what it goes without
 };
 
 /// Weighs all signs for all plans and all limbs that could be its own.

@@ -21,7 +21,8 @@ std::vector<std::string> wordsOf(const std::string& name) {
             open = false;
             continue;
         }
-        const bool begins = !open || (isUpper(c) && (isLower(name[i - 1]) || (i + 1 < name.size() && isLower(name[i + 1]))));
+        const bool begins =
+            !open || (isUpper(c) && (isLower(name[i - 1]) || (i + 1 < name.size() && isLower(name[i + 1]))));
         if (begins) words.emplace_back();
         words.back() += isUpper(c) ? static_cast<char>(c - 'A' + 'a') : c;
         open = true;
@@ -46,31 +47,66 @@ bool isAny(const std::vector<std::string>& words, const std::array<std::string_v
 // Short ones count as whole words, long ones anywhere.
 constexpr std::array<std::string_view, 16> kLooseWords{"ik",  "ctrl", "pole", "cam", "slot", "eye",  "ear",  "jaw",
                                                        "hat", "belt", "coat", "lip", "robe", "brow", "prop", "gun"};
-constexpr std::array<std::string_view, 23> kLooseParts{
-    "target", "control", "camera", "socket",   "effector", "cape",   "cloak",  "skirt",  "cloth",  "dress", "scarf", "strap",
-    "ribbon", "hair",    "braid",  "ponytail", "beard",    "breast", "weapon", "shield", "tongue", "sword", "feather"};
+constexpr std::array<std::string_view, 23> kLooseParts{"target", "control", "camera", "socket",   "effector", "cape",
+                                                       "cloak",  "skirt",   "cloth",  "dress",    "scarf",    "strap",
+                                                       "ribbon", "hair",    "braid",  "ponytail", "beard",    "breast",
+                                                       "weapon", "shield",  "tongue", "sword",    "feather"};
 
 using Word = std::pair<std::string_view, NameHint>;
 constexpr std::array<Word, 52> kHints{{
-    {"forearm", NameHint::elbow},      {"lowerarm", NameHint::elbow},   {"loarm", NameHint::elbow},
-    {"elbow", NameHint::elbow},        {"radius", NameHint::elbow},     {"finger", NameHint::finger},
-    {"thumb", NameHint::finger},       {"index", NameHint::finger},     {"pinky", NameHint::finger},
-    {"hand", NameHint::wrist},         {"wrist", NameHint::wrist},      {"palm", NameHint::wrist},
-    {"upperarm", NameHint::shoulder},  {"uparm", NameHint::shoulder},   {"humerus", NameHint::shoulder},
-    {"clavicle", NameHint::clavicle},  {"collar", NameHint::clavicle},  {"scapula", NameHint::clavicle},
-    {"thigh", NameHint::hip},          {"upleg", NameHint::hip},        {"upperleg", NameHint::hip},
-    {"femur", NameHint::hip},          {"calf", NameHint::knee},        {"shin", NameHint::knee},
-    {"shank", NameHint::knee},         {"knee", NameHint::knee},        {"lowerleg", NameHint::knee},
-    {"loleg", NameHint::knee},         {"tibia", NameHint::knee},       {"toe", NameHint::toe},
-    {"foot", NameHint::ankle},         {"ankle", NameHint::ankle},      {"hoof", NameHint::ankle},
-    {"paw", NameHint::ankle},          {"metatars", NameHint::ankle},   {"hock", NameHint::ankle},
-    {"head", NameHint::head},          {"skull", NameHint::head},       {"neck", NameHint::neck},
-    {"tail", NameHint::tail},          {"wing", NameHint::wing},        {"pelvis", NameHint::pelvis},
-    {"hips", NameHint::pelvis},        {"chest", NameHint::chest},      {"thorax", NameHint::chest},
-    {"spine", NameHint::spine},        {"abdomen", NameHint::spine},    {"torso", NameHint::spine},
-    {"waist", NameHint::spine},        {"shoulder", NameHint::shoulderOrClavicle},
+    {"forearm", NameHint::elbow},
+    {"lowerarm", NameHint::elbow},
+    {"loarm", NameHint::elbow},
+    {"elbow", NameHint::elbow},
+    {"radius", NameHint::elbow},
+    {"finger", NameHint::finger},
+    {"thumb", NameHint::finger},
+    {"index", NameHint::finger},
+    {"pinky", NameHint::finger},
+    {"hand", NameHint::wrist},
+    {"wrist", NameHint::wrist},
+    {"palm", NameHint::wrist},
+    {"upperarm", NameHint::shoulder},
+    {"uparm", NameHint::shoulder},
+    {"humerus", NameHint::shoulder},
+    {"clavicle", NameHint::clavicle},
+    {"collar", NameHint::clavicle},
+    {"scapula", NameHint::clavicle},
+    {"thigh", NameHint::hip},
+    {"upleg", NameHint::hip},
+    {"upperleg", NameHint::hip},
+    {"femur", NameHint::hip},
+    {"calf", NameHint::knee},
+    {"shin", NameHint::knee},
+    {"shank", NameHint::knee},
+    {"knee", NameHint::knee},
+    {"lowerleg", NameHint::knee},
+    {"loleg", NameHint::knee},
+    {"tibia", NameHint::knee},
+    {"toe", NameHint::toe},
+    {"foot", NameHint::ankle},
+    {"ankle", NameHint::ankle},
+    {"hoof", NameHint::ankle},
+    {"paw", NameHint::ankle},
+    {"metatars", NameHint::ankle},
+    {"hock", NameHint::ankle},
+    {"head", NameHint::head},
+    {"skull", NameHint::head},
+    {"neck", NameHint::neck},
+    {"tail", NameHint::tail},
+    {"wing", NameHint::wing},
+    {"pelvis", NameHint::pelvis},
+    {"hips", NameHint::pelvis},
+    {"chest", NameHint::chest},
+    {"thorax", NameHint::chest},
+    {"spine", NameHint::spine},
+    {"abdomen", NameHint::spine},
+    {"torso", NameHint::spine},
+    {"waist", NameHint::spine},
+    {"shoulder", NameHint::shoulderOrClavicle},
     // What is left of arms and legs by now: "LeftArm" next to "LeftForeArm", "LeftLeg" next to "LeftUpLeg".
-    {"arm", NameHint::arm},            {"leg", NameHint::leg},
+    {"arm", NameHint::arm},
+    {"leg", NameHint::leg},
 }};
 
 NameHint hintOf(std::string_view text, const std::vector<std::string>& words) {

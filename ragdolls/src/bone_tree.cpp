@@ -29,7 +29,8 @@ BoneTree::BoneTree(const Skeleton& skeleton)
 
 void BoneTree::order() {
     std::vector<int> below(children.size(), 1);
-    for (int i = count() - 1; i > 0; --i) below[static_cast<std::size_t>(parent(i))] += below[static_cast<std::size_t>(i)];
+    for (int i = count() - 1; i > 0; --i)
+        below[static_cast<std::size_t>(parent(i))] += below[static_cast<std::size_t>(i)];
     for (int i = 0; i < count(); ++i) {
         const auto at = static_cast<std::size_t>(i);
         leave_[at] = enter_[at] + below[at];
@@ -41,8 +42,8 @@ void BoneTree::order() {
     }
 }
 
-/// What a control, a cape or a sword is called is none of the body, with all that hangs on it, unless joints of the body
-/// do: a whole rig may be below a bone called "control".
+/// What a control, a cape or a sword is called is none of the body, with all that hangs on it, unless joints of the
+/// body do: a whole rig may be below a bone called "control".
 void BoneTree::findLoose() {
     std::vector<bool> hasJoints(children.size(), false);
     for (int i = count() - 1; i >= 0; --i) {

@@ -11,10 +11,10 @@ namespace ragtop {
 struct BoneTree {
     std::vector<std::vector<int>> children;
     std::vector<BoneName> names;
-    std::vector<bool> loose;        ///< hangs on the body, but is no part of it: hair, cloth, things carried, controls
-    std::vector<float> reach;       ///< m, along bones from each bone to its farthest tip, skin included, loose ones apart
-    std::vector<int> tip;           ///< the bone at that tip
-    std::vector<Vec3> end;          ///< of a bone without children: as far as its skin goes; else its own place
+    std::vector<bool> loose;   ///< hangs on the body, but is no part of it: hair, cloth, things carried, controls
+    std::vector<float> reach;  ///< m, along bones from each bone to its farthest tip, skin included, loose ones apart
+    std::vector<int> tip;      ///< the bone at that tip
+    std::vector<Vec3> end;     ///< of a bone without children: as far as its skin goes; else its own place
     std::vector<std::size_t> skin;  ///< vertices of each bone and all below it
     std::vector<int> depth;
     float size = 0;  ///< m, the longest way along bones from one tip to another

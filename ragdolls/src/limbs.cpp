@@ -30,14 +30,14 @@ constexpr std::array<LimbProportions, kLimbKinds> kProportions{{
 }};
 const LimbProportions& proportionsOf(LimbKind kind) { return kProportions[static_cast<std::size_t>(kind)]; }
 
-constexpr float kLimbReach = 0.1f;        ///< a limb is longer than this share of the longest way in the skeleton
-constexpr std::size_t kMostRoots = 24;    ///< places that limbs are looked for at
-constexpr std::size_t kMostJoints = 24;   ///< bones along a limb; chains and tails have more
-constexpr std::size_t kKept = 12;         ///< ways to see a chain as a limb, of which a pair takes the best
-constexpr float kUnlike = 0.3f;           ///< logarithm of the ratio of two lengths that are meant to be alike
-constexpr float kNameWorth = 0.25f;       ///< a fitting name counts as much as a squared deviation of this
-constexpr float kSameStart = 0.05f;       ///< of the upper segment: hips and shoulders are wider apart than this
-constexpr float kEndMissing = 0.04f;      ///< a hand or foot that is only skin is less likely than one with a joint
+constexpr float kLimbReach = 0.1f;       ///< a limb is longer than this share of the longest way in the skeleton
+constexpr std::size_t kMostRoots = 24;   ///< places that limbs are looked for at
+constexpr std::size_t kMostJoints = 24;  ///< bones along a limb; chains and tails have more
+constexpr std::size_t kKept = 12;        ///< ways to see a chain as a limb, of which a pair takes the best
+constexpr float kUnlike = 0.3f;          ///< logarithm of the ratio of two lengths that are meant to be alike
+constexpr float kNameWorth = 0.25f;      ///< a fitting name counts as much as a squared deviation of this
+constexpr float kSameStart = 0.05f;      ///< of the upper segment: hips and shoulders are wider apart than this
+constexpr float kEndMissing = 0.04f;     ///< a hand or foot that is only skin is less likely than one with a joint
 
 float squared(float x) { return x * x; }
 
@@ -45,9 +45,7 @@ float squared(float x) { return x * x; }
 
 BodyRole firstRole(LimbKind kind) { return proportionsOf(kind).first; }
 
-Vec3 LimbPair::start() const {
-    return limb[1] ? 0.5f * (limb[0]->point[0] + limb[1]->point[0]) : limb[0]->point[0];
-}
+Vec3 LimbPair::start() const { return limb[1] ? 0.5f * (limb[0]->point[0] + limb[1]->point[0]) : limb[0]->point[0]; }
 
 Vec3 LimbPair::direction() const {
     return limb[1] ? normalized(limb[0]->direction() + limb[1]->direction()) : limb[0]->direction();
@@ -65,7 +63,8 @@ LimbSearch::LimbSearch(const BoneTree& tree, const KnownRoles& known) : tree_(tr
     std::vector<std::tuple<float, int>> found;
     for (int bone = 1; bone < tree.count(); ++bone) {
         const auto at = static_cast<std::size_t>(bone);
-        const bool isForced = known.of[at] && (known.of[at]->role == BodyRole::thigh || known.of[at]->role == BodyRole::upperArm);
+        const bool isForced =
+            known.of[at] && (known.of[at]->role == BodyRole::thigh || known.of[at]->role == BodyRole::upperArm);
         const float through = tree.reach[at] + length(tree.at(bone) - tree.at(tree.parent(bone)));
         const bool branches = tree.children[static_cast<std::size_t>(tree.parent(bone))].size() > 1;
         const bool skinned = tree.skin[0] == 0 || tree.skin[at] > 0;
@@ -108,9 +107,8 @@ std::vector<Limb> LimbSearch::fit(int root, LimbKind kind) const {
     std::vector<Limb> found;
     for (const std::vector<int>& path : paths(root))
         if (path.size() <= kMostJoints) fitPath(path, kind, found);
-    std::sort(found.begin(), found.end(), [](const Limb& a, const Limb& b) {
-        return std::tie(a.misfit, a.joint) < std::tie(b.misfit, b.joint);
-    });
+    std::sort(found.begin(), found.end(),
+              [](const Limb& a, const Limb& b) { return std::tie(a.misfit, a.joint) < std::tie(b.misfit, b.joint); });
     if (found.size() > kKept) found.resize(kKept);
     return found;
 }
@@ -138,7 +136,7 @@ std::optional<Limb> LimbSearch::limbAt(const std::vector<int>& path, const std::
     const auto bone = [&](int i) { return path[static_cast<std::size_t>(i)]; };
     const auto [a, b, c] = choice;
     const int count = static_cast<int>(path.size());
-    const bool hasEnd = c < count, skinned = tree_.beyond(path.back()) > 0;
+    const bool hasEnd = c<count, skinned = tree_.beyond(path.back())> 0;
     Limb limb;
     limb.root = path.front();
     limb.joint = {bone(a), bone(b), hasEnd ? bone(c) : -1};
@@ -164,8 +162,7 @@ std::optional<Limb> LimbSearch::limbAt(const std::vector<int>& path, const std::
     } else {
         both = limb.upper / usual.upperShare;
         limb.lower = 0;
-        limb.point[2] = limb.point[3] =
-            limb.point[1] + (both - limb.upper) * normalized(limb.point[1] - limb.point[0]);
+        limb.point[2] = limb.point[3] = limb.point[1] + (both - limb.upper) * normalized(limb.point[1] - limb.point[0]);
         share = 0.2f;
     }
     const float girdleError = std::min(girdle / both, std::abs(girdle / both - usual.girdleShare));
@@ -237,14 +234,18 @@ std::optional<LimbPair> LimbSearch::pair(int a, int b, LimbKind kind) const {
             const float lower = lowers ? std::log(one.lower / other.lower) : 0.0f;
             if (!(std::abs(upper) < kUnlike && std::abs(lower) < kUnlike)) continue;
             // One beside the other in the same place is its double, for a blend or a control.
-            if (length(one.point[0] - other.point[0]) + length(one.point[1] - other.point[1]) < 0.02f * tree_.size) continue;
+            if (length(one.point[0] - other.point[0]) + length(one.point[1] - other.point[1]) < 0.02f * tree_.size)
+                continue;
             // Limbs of one body are as far from where they meet.
             const int attach = tree_.commonAncestor(a, b);
             const float apart = (wayTo(one, attach) - wayTo(other, attach)) / (one.length2() + other.length2());
             const int sides = sideOf(one) * sideOf(other);
             const float misfit = one.misfit + other.misfit + 4 * (squared(upper) + squared(lower)) +
                                  (lowers || one.isComplete() == other.isComplete() ? 0.0f : 0.1f) +
-                                 (sides > 0 ? 0.5f : sides < 0 ? -0.2f : 0.0f) + 16 * squared(apart) +
+                                 (sides > 0   ? 0.5f
+                                  : sides < 0 ? -0.2f
+                                              : 0.0f) +
+                                 16 * squared(apart) +
                                  (length(one.point[0] - other.point[0]) < kSameStart * one.upper ? 0.2f : 0.0f);
             if (best && best->misfit <= misfit) continue;
             best = LimbPair{{one, other}, attach, misfit};

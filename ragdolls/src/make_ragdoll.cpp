@@ -108,7 +108,8 @@ private:
         Vec3 y = normalized(along, anatomy_.up);
         const bool upright = isTrunk(s.role) || s.role == BodyRole::head;
         if (anatomy_.isHuman() && upright) y = anatomy_.up;
-        if (anatomy_.isHuman() && s.role == BodyRole::foot) y = normalized(along - dot(along, anatomy_.up) * anatomy_.up, anatomy_.forward);
+        if (anatomy_.isHuman() && s.role == BodyRole::foot)
+            y = normalized(along - dot(along, anatomy_.up) * anatomy_.up, anatomy_.forward);
         const bool level = s.role == BodyRole::foot || !anatomy_.isHuman();
         const Vec3 ahead = level ? anatomy_.up : anatomy_.forward;
         const Vec3 z = normalized(ahead - dot(ahead, y) * y, perpendicular(y));
@@ -125,7 +126,8 @@ private:
         part.name = skeleton_.bones[static_cast<std::size_t>(s.bone)].name;
         part.material = options_.material;
         const std::vector<Vec3> skin = skinOf(index);
-        // Limbs and heads are round unless that wastes much; trunk and hands are flat, and a sole is what one stands on.
+        // Limbs and heads are round unless that wastes much; trunk and hands are flat, and a sole is what one stands
+        // on.
         const bool flat = isTrunk(s.role) || s.role == BodyRole::foot || s.role == BodyRole::hand;
         const float roundness = flat ? 1.0f : 1.6f;
         FittedShape fitted = skin.size() >= kFewVertices

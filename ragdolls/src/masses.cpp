@@ -126,8 +126,8 @@ Masses shareMass(std::span<const MassPart> parts, const MassWish& wish) {
     }
     for (const MassPart& part : parts) result.mass.push_back(mass * part.volume / volume);
     char text[160];
-    std::snprintf(text, sizeof text, "%.4g kg are %.3g kg/m3 in its %.3g m3, where %g to %g is flesh: shared by volume", mass,
-                  mass / volume, volume, kLeastDensity, kMostDensity);
+    std::snprintf(text, sizeof text, "%.4g kg are %.3g kg/m3 in its %.3g m3, where %g to %g is flesh: shared by volume",
+                  mass, mass / volume, volume, kLeastDensity, kMostDensity);
     result.note = text;
     return result;
 }

@@ -7,9 +7,9 @@
 namespace ragtop {
 namespace {
 
-constexpr float kSamePlace = 0.06f;     ///< of the trunk: bones this near to each other are one joint
-constexpr float kPelvisNear = 0.1f;     ///< of the trunk: this much farther from the hips than the nearest bone will do
-constexpr float kLongNeck = 0.5f;       ///< of the trunk: a neck that is a part of its own
+constexpr float kSamePlace = 0.06f;  ///< of the trunk: bones this near to each other are one joint
+constexpr float kPelvisNear = 0.1f;  ///< of the trunk: this much farther from the hips than the nearest bone will do
+constexpr float kLongNeck = 0.5f;    ///< of the trunk: a neck that is a part of its own
 constexpr std::size_t kTailParts = 4;
 
 bool speaksOf(NameHint hint, BodyRole role) {
@@ -94,8 +94,8 @@ private:
         return -1;
     }
 
-    /// The bone of the trunk that the hips are at. The root of the skeleton will do where it is hardly farther, and what
-    /// is called so before it.
+    /// The bone of the trunk that the hips are at. The root of the skeleton will do where it is hardly farther, and
+    /// what is called so before it.
     int findPelvis(const std::vector<int>& spine, int root) const {
         if (const int known = knownAs(spine, BodyRole::pelvis); known >= 0) return known;
         const Vec3 hips = choice_.legs.start();
@@ -240,10 +240,11 @@ private:
         for (std::size_t i = 0; i < 2; ++i) {
             if (!pair.limb[i]) continue;
             const Limb& limb = *pair.limb[i];
-            const float proportions = std::exp(-2 * std::max(0.0f, limb.misfit + (limb.forced ? 100.0f : 0.0f) +
-                                                                       0.25f * static_cast<float>(limb.named - limb.misnamed)));
-            const float alike = pair.limb[1] ? std::exp(-4 * std::abs(std::log(pair.limb[0]->upper / pair.limb[1]->upper)))
-                                             : 0.3f;
+            const float proportions =
+                std::exp(-2 * std::max(0.0f, limb.misfit + (limb.forced ? 100.0f : 0.0f) +
+                                                 0.25f * static_cast<float>(limb.named - limb.misnamed)));
+            const float alike =
+                pair.limb[1] ? std::exp(-4 * std::abs(std::log(pair.limb[0]->upper / pair.limb[1]->upper))) : 0.3f;
             int parent = carrier;
             for (std::size_t k = 0; k < 3 && limb.joint[k] >= 0; ++k) {
                 const auto role = first == BodyRole::wing || first == BodyRole::other
@@ -282,9 +283,8 @@ private:
                                 tree_.reach[at] > 0.15f * tree_.size &&
                                 dot(tree_.at(tree_.tip[at]) - tree_.at(bone), trunk) < -0.2f * tree_.reach[at];
             const bool free = std::none_of(anatomy_.segments.begin(), anatomy_.segments.end(), [&](const Segment& s) {
-                return tree_.isWithin(s.bone, bone) ||
-                       (tree_.isWithin(bone, s.bone) && s.role != BodyRole::pelvis && s.role != BodyRole::abdomen &&
-                        s.role != BodyRole::chest);
+                return tree_.isWithin(s.bone, bone) || (tree_.isWithin(bone, s.bone) && s.role != BodyRole::pelvis &&
+                                                        s.role != BodyRole::abdomen && s.role != BodyRole::chest);
             });
             if ((named || behind) && free) tail = bone;
         }

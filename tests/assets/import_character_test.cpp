@@ -28,8 +28,7 @@ enum class Build { human, stylised };
 
 /// What holds for the ragdoll of every human: parts, mass, fit, no limit violated at rest.
 void expectSoundHuman(const Character& character, Build build) {
-    const RagdollDef def =
-        build == Build::human ? makeRagdoll(character, {.bodyMass = 75}) : makeRagdoll(character);
+    const RagdollDef def = build == Build::human ? makeRagdoll(character, {.bodyMass = 75}) : makeRagdoll(character);
     EXPECT_EQ(whyInvalid(def), "");
     EXPECT_GE(def.parts.size(), 12u);
     EXPECT_LE(def.parts.size(), 22u);
@@ -226,7 +225,8 @@ TEST(LoadCharacter, CamerasAndTheirTargetsAreNoBones) {
     const Character character = loadCharacter(file);
     EXPECT_EQ(recognise(character.skeleton).plan, BodyPlan::human);
     EXPECT_NEAR(character.height, 1.83f, 0.1f);
-    for (const Bone& bone : character.skeleton.bones) EXPECT_EQ(bone.name.find("amera"), std::string::npos) << bone.name;
+    for (const Bone& bone : character.skeleton.bones)
+        EXPECT_EQ(bone.name.find("amera"), std::string::npos) << bone.name;
 }
 
 TEST(LoadCharacter, AHumanThatStandsAlongZIsTurnedUpright) {
@@ -288,7 +288,8 @@ TEST(DescribeAsset, NamesUnitsSizeBonesAndWarnings) {
     RAGTOP_SAMPLE(file, "characters/arnaud.fbx");
     const Character character = loadCharacter(file);
     const std::string text = describeAsset(character) + describeAsset(makeRagdoll(character, {.bodyMass = 75}));
-    for (const char* word : {"human", "% sure", "0.01 m per unit", "1.831 m", "53", "LeftUpLeg", "capsule", "hinge", "75.000 kg"})
+    for (const char* word :
+         {"human", "% sure", "0.01 m per unit", "1.831 m", "53", "LeftUpLeg", "capsule", "hinge", "75.000 kg"})
         EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
 }
 

@@ -100,8 +100,8 @@ TEST_P(Rigs, WarnOfWhatIsMissingAndOfNothingElse) {
     const Character character = loadCharacter(rigFile(GetParam()));
     std::vector<std::string> warnings;
     for (const std::string& warning : character.warnings)
-        if (warning.find("no up axis") == std::string::npos && (skinned() || warning.find("unit") == std::string::npos) &&
-            warning.find("no skin") == std::string::npos)
+        if (warning.find("no up axis") == std::string::npos &&
+            (skinned() || warning.find("unit") == std::string::npos) && warning.find("no skin") == std::string::npos)
             warnings.push_back(warning);
     const std::string wanted = expected().value("warns", "");
     EXPECT_EQ(warnings.size(), wanted.empty() ? 0u : 1u) << testing::PrintToString(warnings);

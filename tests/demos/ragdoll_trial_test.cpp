@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "ragdoll_command.h"
@@ -150,6 +151,28 @@ int ragtop(const std::string& arguments, std::string& text) {
     text.clear();
     while (std::fgets(buffer, sizeof buffer, pipe)) text += buffer;
     return pclose(pipe) >> 8;
+}
+
+TEST(RagdollProgram, TellsWhatACharacterWasTakenFor) {
+    const std::string json = temporaryPath("body.json").string();
+    std::string text;
+    ASSERT_EQ(
+        ragtop("'" RAGTOP_SOURCE_DIR "/tests/data/rigs/human_one_armed.gltf' --test none --json '" + json + "'", text),
+        0)
+        << text;
+    const auto body = nlohmann::json::parse(std::ifstream(json)).at("body");
+    EXPECT_EQ(body.at("plan"), "human");
+    EXPECT_EQ(body.at("roles").size(), 13u);
+    for (const auto& role : body.at("roles")) {
+        EXPECT_GE(role.at("confidence"), 0);
+        EXPECT_LE(role.at("confidence"), 1);
+    }
+    ASSERT_EQ(body.at("warnings").size(), 1u);
+    EXPECT_EQ(body.at("warnings")[0], "one arm is missing");
+    EXPECT_NEAR(body.at("bones")[0].at("position")[1].get<double>(), 0.96, 1e-4);
+    double mass = 0;
+    for (const auto& part : body.at("parts")) mass += part.at("mass").get<double>();
+    EXPECT_NEAR(mass, 24.49 * 1.73 * 1.73, 3);
 }
 
 TEST(RagdollProgram, TellsEachFigureAndFailsWithThem) {

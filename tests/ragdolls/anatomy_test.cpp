@@ -121,8 +121,10 @@ TEST(Anatomy, FourLegsOfEqualLengthAreAQuadruped) {
     EXPECT_EQ(anatomy.segments.front().role, BodyRole::pelvis);
     EXPECT_GT(anatomy.forward.z, 0.99f);
     EXPECT_GT(anatomy.up.y, 0.99f);
-    for (const BodyRole role : {BodyRole::thigh, BodyRole::shank, BodyRole::upperArm, BodyRole::forearm, BodyRole::chest})
-        EXPECT_TRUE(anatomy.find(role, role == BodyRole::chest ? BodySide::middle : BodySide::left) >= 0) << nameOf(role);
+    for (const BodyRole role :
+         {BodyRole::thigh, BodyRole::shank, BodyRole::upperArm, BodyRole::forearm, BodyRole::chest})
+        EXPECT_TRUE(anatomy.find(role, role == BodyRole::chest ? BodySide::middle : BodySide::left) >= 0)
+            << nameOf(role);
 }
 
 TEST(Anatomy, RolesOfAMapAreTakenForGranted) {
@@ -151,7 +153,8 @@ TEST(Anatomy, RefusesRolesThatCannotBe) {
         }
         return {};
     };
-    EXPECT_EQ(message({"nobody", BodyRole::head}), "roles[0].bone is \"nobody\", must be the name of a bone of the skeleton");
+    EXPECT_EQ(message({"nobody", BodyRole::head}),
+              "roles[0].bone is \"nobody\", must be the name of a bone of the skeleton");
     const std::string head = rig.skeleton.bones[static_cast<std::size_t>(rig.head)].name;
     EXPECT_EQ(message({head, BodyRole::foot, BodySide::left}),
               "roles[0]: bone \"" + head + "\" cannot be the left foot of this human");

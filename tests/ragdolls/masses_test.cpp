@@ -22,8 +22,8 @@ std::vector<MassPart> humanParts(Scale scale) {
     for (const BodyRole role : {BodyRole::pelvis, BodyRole::abdomen, BodyRole::chest, BodyRole::head})
         add(role, BodySide::middle);
     for (const BodySide side : {BodySide::left, BodySide::right})
-        for (const BodyRole role : {BodyRole::upperArm, BodyRole::forearm, BodyRole::hand, BodyRole::thigh, BodyRole::shank,
-                                    BodyRole::foot})
+        for (const BodyRole role :
+             {BodyRole::upperArm, BodyRole::forearm, BodyRole::hand, BodyRole::thigh, BodyRole::shank, BodyRole::foot})
             add(role, side);
     return parts;
 }
@@ -89,7 +89,8 @@ TEST(Masses, AreByVolumeAndSaySoWhereNoDensityIsLikely) {
 
 TEST(Masses, OfHandsThatAreMissingGoToTheForearm) {
     auto parts = humanParts([](BodyRole) { return 1.0; });
-    std::erase_if(parts, [](const MassPart& part) { return part.role == BodyRole::hand && part.side == BodySide::left; });
+    std::erase_if(parts,
+                  [](const MassPart& part) { return part.role == BodyRole::hand && part.side == BodySide::left; });
     const Masses masses = shareMass(parts, kPerson);
     double left = 0, right = 0;
     for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -110,7 +111,8 @@ TEST(Masses, OfAHumanGoWithTheSquareOfTheHeightAndOfOthersWithTheVolume) {
 TEST(MakeRagdoll, WeighsATailByItsVolume) {
     HumanRig rig;
     int bone = rig.hips;
-    for (int i = 0; i < 5; ++i) bone = rig.add(bone, {0, 0.9f - 0.05f * static_cast<float>(i), -0.1f - 0.1f * static_cast<float>(i)});
+    for (int i = 0; i < 5; ++i)
+        bone = rig.add(bone, {0, 0.9f - 0.05f * static_cast<float>(i), -0.1f - 0.1f * static_cast<float>(i)});
     rig.add(bone, {0, 0.65f, -0.6f});
     const RagdollDef def = makeRagdoll(rig.skeleton, {.bodyMass = 80});
     double sum = 0, tail = 0, thigh = 0, shank = 0;

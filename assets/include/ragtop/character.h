@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ragtop/asset_error.h"
+#include "ragtop/clip.h"
 #include "ragtop/mesh_file.h"
 #include "ragtop/ragdoll.h"
 #include "ragtop/skeleton.h"
@@ -17,12 +18,6 @@ namespace ragtop {
 struct CharacterOptions {
     std::optional<float> metersPerUnit{};  ///< m per unit of the file
     std::optional<UpAxis> upAxis{};        ///< of the file
-};
-
-/// An animation of a file.
-struct ClipInfo {
-    std::string name{};
-    float seconds = 0;
 };
 
 /// What the skin of a file is like.
@@ -37,9 +32,9 @@ struct SkinInfo {
 /// A rigged character, in metres with Y up.
 struct Character {
     std::string file{};
-    std::string format{};  ///< of the file, as its importer calls it
-    Skeleton skeleton{};   ///< bones that move skin, and what joins them; with their vertices
-    std::vector<ClipInfo> clips{};
+    std::string format{};       ///< of the file, as its importer calls it
+    Skeleton skeleton{};        ///< bones that move skin, and what joins them; with their vertices
+    std::vector<Clip> clips{};  ///< of the bones of the skeleton
     SkinInfo skin{};
     std::vector<std::string> droppedBones{};  ///< controls, slots and others that move no vertex
     float metersPerUnit = 1;                  ///< m per unit of the file

@@ -4,6 +4,7 @@
 #include "ragtop/asset_error.h"
 #include "ragtop/body.h"
 #include "ragtop/character.h"
+#include "ragtop/clip.h"
 #include "ragtop/command_buffer.h"
 #include "ragtop/data_folder.h"
 #include "ragtop/debug_draw.h"

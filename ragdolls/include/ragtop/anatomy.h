@@ -87,12 +87,12 @@ void describe(Visitor& visit, Self& self, const BoneRole*) {
 }
 
 /// Finds the body in a skeleton: human, quadruped, bird or six-legged, in any pose, orientation and size. Signs are how
-/// it branches, how long its bones are beside each other, which of them carry skin, how limbs lie at rest, and names; none
-/// of them decides alone (docs/adr/0051). Sides need not be alike, and one arm or leg, hands, feet and the head may be
-/// missing. Anything else comes back as `BodyPlan::other` with one segment per limb-sized bone.
+/// it branches, how long its bones are beside each other, which of them carry skin, how limbs lie at rest, and names;
+/// none of them decides alone (docs/adr/0051). Sides need not be alike, and one arm or leg, hands, feet and the head
+/// may be missing. Anything else comes back as `BodyPlan::other` with one segment per limb-sized bone.
 ///
-/// `roles` are taken for granted. Throws std::invalid_argument on a bad skeleton, on a role of a bone that does not exist,
-/// and where a role cannot be had together with the others.
+/// `roles` are taken for granted. Throws std::invalid_argument on a bad skeleton, on a role of a bone that does not
+/// exist, and where a role cannot be had together with the others.
 Anatomy recognise(const Skeleton& skeleton, std::span<const BoneRole> roles = {});
 
 /// Share of a role (one side of it) in the mass of a human; 0 where humans have no such part. `femaleShare` blends the

@@ -20,13 +20,14 @@ class World;
 
 /// How a ragdoll is made from a skeleton.
 struct RagdollOptions {
-    std::optional<float> bodyMass{};  ///< kg, of all parts together; a human's is by its height, others' by their volume
-    float bodyMassIndex = 24.49f;     ///< kg/m²: build of a human whose mass is not given; 75 kg at 1.75 m
-    float femaleShare = 0.0f;         ///< blends the segment masses of men (0) and women (1)
-    float jointFriction = 0.15f;   ///< friction torque over the weight beyond the joint times its part's reach
-    float containedShare = 0.92f;  ///< of the skin vertices of a part that its shape encloses
-    float limitScale = 1.0f;       ///< all ranges of motion, times this
-    bool selfCollision = true;     ///< parts that do not overlap at rest collide with each other
+    std::optional<float>
+        bodyMass{};                 ///< kg, of all parts together; a human's is by its height, others' by their volume
+    float bodyMassIndex = 24.49f;   ///< kg/m²: build of a human whose mass is not given; 75 kg at 1.75 m
+    float femaleShare = 0.0f;       ///< blends the segment masses of men (0) and women (1)
+    float jointFriction = 0.15f;    ///< friction torque over the weight beyond the joint times its part's reach
+    float containedShare = 0.92f;   ///< of the skin vertices of a part that its shape encloses
+    float limitScale = 1.0f;        ///< all ranges of motion, times this
+    bool selfCollision = true;      ///< parts that do not overlap at rest collide with each other
     std::vector<BoneRole> roles{};  ///< what is known about bones; the others are recognised
     Material material{.friction = 0.8f};
 };
