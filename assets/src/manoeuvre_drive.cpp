@@ -2,35 +2,17 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "manoeuvre_ground.h"
 #include "manoeuvre_laws.h"
+#include "ragtop/driver.h"
 #include "ragtop/manoeuvre.h"
 #include "ragtop/world.h"
-#include "road_driver.h"
 
 namespace ragtop {
 namespace {
 
-constexpr float kHalfTrack = 2000;  ///< m
-
 /// m/s² per m/s and per m, of drivers that keep speed and circle.
 constexpr float kThrottlePerSpeed = 0.4f, kBrakePerSpeed = 0.3f, kAnglePerCurvature = 4;
-
-Quat trackTilt(const TrackGround& ground) { return rotationAbout({1, 0, 0}, -arcTan2(ground.slope, 1)); }
-
-void layTrack(World& world, const TrackGround& ground, const TrackOptions& options) {
-    const Quat tilt = trackTilt(ground);
-    const Material left{.friction = options.friction.value_or(ground.friction)};
-    const Material right{.friction = ground.rightFriction.value_or(left.friction)};
-    const auto lay = [&](const Vec3& half, const Vec3& at, const Material& material) {
-        world.create(StaticBody{
-            .shape = Box{half}, .position = DVec3(rotate(tilt, at)), .rotation = tilt, .material = material});
-    };
-    lay({0.5f * kHalfTrack, 1, kHalfTrack}, {0.5f * kHalfTrack, -1, 0}, left);
-    lay({0.5f * kHalfTrack, 1, kHalfTrack}, {-0.5f * kHalfTrack, -1, 0}, right);
-    if (!ground.kerb) return;
-    const float half = 0.5f * kHalfTrack, height = 0.5f * ground.kerb->height;
-    lay({half, height, half}, {0, height, ground.kerb->at + half}, left);
-}
 
 void placeCar(World& world, const Vehicle& car, const Manoeuvre& manoeuvre) {
     const TrackStart& start = manoeuvre.start;
@@ -64,10 +46,14 @@ public:
         : manoeuvre_(manoeuvre),
           def_(def),
           world_(settings(manoeuvre)),
-          car_((layTrack(world_, manoeuvre.ground, options), world_), def, {.speed = manoeuvre.start.speed}) {
+          car_((layTrack(world_, manoeuvre.ground, options.friction), world_), def, {.speed = manoeuvre.start.speed}) {
         placeCar(world_, car_, manoeuvre);
         before_ = world_.pose(car_.chassis()).position;
         from_ = before_;
+        if (!manoeuvre.cruise || manoeuvre.cruise->line.empty()) return;
+        points_ = smoothLine(manoeuvre.cruise->line, manoeuvre.cruise->closed);
+        line_ = {points_, manoeuvre.cruise->closed};
+        along_ = placeAt(line_, from_).along;
     }
 
     TrackRun run(float seconds, double dt) {
@@ -95,6 +81,10 @@ private:
         const float speed = car_.telemetry().speed;
         if (manoeuvre_.cruise && time < manoeuvre_.cruise->until) {
             const TrackCruise& cruise = *manoeuvre_.cruise;
+            if (!points_.empty()) {
+                car_.input = followLine(line_, car_, world_.pose(car_.chassis()), cruise.speed);
+                return;
+            }
             now.throttle = std::clamp(0.15f + kThrottlePerSpeed * (cruise.speed - speed), 0.0f, 1.0f);
             now.brake = std::clamp(kBrakePerSpeed * (speed - cruise.speed) - 0.1f, 0.0f, 1.0f);
             if (cruise.radius) now.wheelAngle = circleAngle(*cruise.radius, speed, dt);
@@ -146,6 +136,14 @@ private:
         put(TrackChannel::upright, static_cast<double>(rotate(pose.rotation, {0, 1, 0}).y));
         put(TrackChannel::asleep, world_.isAwake(car_.chassis()) ? 0 : 1);
         put(TrackChannel::rpm, static_cast<double>(seen.engine.rpm));
+        if (points_.empty()) return row;
+        const LinePlace place = placeAt(line_, pose.position);
+        // A lap's end is where its beginning is.
+        const float half = 0.5f * place.length, went = place.along - along_;
+        driven_ += static_cast<double>(went > half ? went - place.length : went < -half ? went + place.length : went);
+        along_ = place.along;
+        put(TrackChannel::aside, static_cast<double>(place.aside));
+        put(TrackChannel::laps, driven_ / static_cast<double>(place.length));
         return row;
     }
 
@@ -156,6 +154,10 @@ private:
     float more_ = 0;  ///< rad
     DVec3 before_, from_;
     double distance_ = 0;
+    std::vector<DVec3> points_;
+    DriverLine line_;    ///< of the cruise, where it has one
+    float along_ = 0;    ///< m, on the line
+    double driven_ = 0;  ///< m, on the line
 };
 
 }  // namespace

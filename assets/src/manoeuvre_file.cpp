@@ -13,11 +13,27 @@ static void describe(Visitor& visit, Self& self, const TrackKerb*) {
     visit(Tunable{"at", "m", -1000, 1000, "along z"}, self.at);
 }
 template <class Visitor, class Self>
+static void describe(Visitor& visit, Self& self, const TrackWall*) {
+    visit(Tunable{"height", "m", 0.01, 100, "of the wall"}, self.height);
+    visit(Tunable{"at", "m", -1000, 1000, "along z, of its face"}, self.at);
+}
+template <class Visitor, class Self>
+static void describe(Visitor& visit, Self& self, const TrackRubble*) {
+    visit(Tunable{"mass", "kg", 0.01, 1e5, "of each cube"}, self.mass);
+    visit(Tunable{"size", "m", 0.01, 2, "of an edge"}, self.size);
+    visit(Tunable{"from", "m", -1000, 1000, "along z"}, self.from);
+    visit(Tunable{"to", "m", -1000, 1000, "along z"}, self.to);
+    visit(Tunable{"count", "1", 1, 5000, "of cubes"}, self.count);
+}
+template <class Visitor, class Self>
 static void describe(Visitor& visit, Self& self, const TrackGround*) {
     visit(Tunable{"friction", "1", 0, 10, "of the ground"}, self.friction);
     visit(Tunable{"rightFriction", "1", 0, 10, "right of x = 0; absent: the same"}, self.rightFriction);
     visit(Tunable{"slope", "1", -2, 2, "rise over run along z"}, self.slope);
+    visit(Tunable{"tiles", "m", 0.2, 1000, "length of the tiles that it is laid of; absent: one piece"}, self.tiles);
     visit(Tunable{"kerb", "", 0, 0, "a step up across the way"}, self.kerb);
+    visit(Tunable{"wall", "", 0, 0, "across the way"}, self.wall);
+    visit(Tunable{"rubble", "", 0, 0, "loose cubes on the way"}, self.rubble);
 }
 template <class Visitor, class Self>
 static void describe(Visitor& visit, Self& self, const TrackStart*) {
@@ -42,7 +58,9 @@ template <class Visitor, class Self>
 static void describe(Visitor& visit, Self& self, const TrackCruise*) {
     visit(Tunable{"speed", "m/s", 0, 150, "that the driver keeps"}, self.speed);
     visit(Tunable{"until", "s", 0, 1e6, "when the driver leaves it to the input"}, self.until);
-    visit(Tunable{"radius", "m", 3, 1e4, "of a circle to the left; absent: the input steers"}, self.radius);
+    visit(Tunable{"radius", "m", 3, 1e4, "of a circle to the left; absent: the line or the input steers"}, self.radius);
+    visit(Tunable{"line", "m", -1e5, 1e5, "points of a smooth line; absent: the input steers"}, self.line);
+    visit(Tunable{"closed", "", 0, 1, "the line is a lap"}, self.closed);
 }
 template <class Visitor, class Self>
 static void describe(Visitor& visit, Self& self, const TrackMeasurement*) {
@@ -79,12 +97,18 @@ std::string whyInvalid(const Manoeuvre& manoeuvre) {
         if (manoeuvre.input[i].time > manoeuvre.input[i - 1].time) continue;
         return "/input/" + std::to_string(i) + "/time is not above that of the point before, must be";
     }
+    if (manoeuvre.cruise && manoeuvre.cruise->line.size() == 1) return "/cruise/line has 1 point, must have 2 or more";
+    if (manoeuvre.cruise && manoeuvre.cruise->radius && !manoeuvre.cruise->line.empty())
+        return "/cruise/line is there beside a radius, must be one of them";
     if (manoeuvre.measure.empty()) return "/measure is empty, must have a value";
     for (std::size_t i = 0; i < manoeuvre.measure.size(); ++i) {
         const TrackMeasurement& one = manoeuvre.measure[i];
         const std::string at = "/measure/" + std::to_string(i);
         if (!(one.to > one.from)) return at + "/to is not above from, must be";
         if (!(one.from < manoeuvre.duration)) return at + "/from is not below the duration, must be";
+        const bool ofLine = one.channel == TrackChannel::aside || one.channel == TrackChannel::laps;
+        if (ofLine && !(manoeuvre.cruise && !manoeuvre.cruise->line.empty()))
+            return at + "/channel is of a line, must be another where the cruise has none";
         if (one.law == TrackLaw::bicycleSteer && !(manoeuvre.cruise && manoeuvre.cruise->radius))
             return at + "/law is bicycleSteer, must be another where the cruise has no radius";
     }

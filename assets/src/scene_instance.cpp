@@ -1,8 +1,8 @@
 #include <stdexcept>
 
+#include "ragtop/driver.h"
 #include "ragtop/scene.h"
 #include "ragtop/world.h"
-#include "road_driver.h"
 
 namespace ragtop {
 namespace {
@@ -73,8 +73,9 @@ void SceneInstance::drive(double time) {
             if (action.time <= time + 5e-7) vehicles[i].input = action.input;
         }
         if (!drivers_[i]) continue;
+        const SceneRoad& road = roads_[drivers_[i]->road];
         vehicles[i].input =
-            followRoad(roads_[drivers_[i]->road], vehicles[i], world_->pose(vehicles[i].chassis()), drivers_[i]->speed);
+            followLine({road.line, road.closed}, vehicles[i], world_->pose(vehicles[i].chassis()), drivers_[i]->speed);
     }
 }
 

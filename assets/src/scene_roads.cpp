@@ -1,42 +1,11 @@
 #include <cmath>
 
+#include "ragtop/driver.h"
 #include "scene_generators.h"
 
 namespace ragtop {
-namespace {
-
-constexpr double kSpacing = 2;  ///< m, of the points of a centre line
-
-/// Between b and c [Catmull, Rom, A Class of Local Interpolating Splines, 1974].
-DVec3 between(const DVec3& a, const DVec3& b, const DVec3& c, const DVec3& d, double t) {
-    const DVec3 linear = c - a, square = 2 * a - 5 * b + 4 * c - d, cube = 3 * (b - c) + (d - a);
-    return b + 0.5 * (t * linear + (t * t) * square + (t * t * t) * cube);
-}
-
-std::vector<DVec3> centerLine(const RoadInFile& road) {
-    const auto count = static_cast<int>(road.points.size());
-    const auto point = [&](int i) {
-        const int inside = road.closed ? (i + count) % count : std::min(std::max(i, 0), count - 1);
-        return road.points[static_cast<std::size_t>(inside)];
-    };
-    std::vector<DVec3> line;
-    const int spans = road.closed ? count : count - 1;
-    for (int i = 0; i < spans; ++i) {
-        const DVec3 chord = point(i + 1) - point(i);
-        const double length = std::sqrt(chord.x * chord.x + chord.y * chord.y + chord.z * chord.z);
-        const int steps = std::max(1, static_cast<int>(std::ceil(length / kSpacing)));
-        for (int k = 0; k < steps; ++k) {
-            line.push_back(between(point(i - 1), point(i), point(i + 1), point(i + 2), static_cast<double>(k) / steps));
-        }
-    }
-    if (!road.closed) line.push_back(point(count - 1));
-    return line;
-}
-
-}  // namespace
-
 SceneBody roadBody(const RoadInFile& road, const Material& material, SceneRoad& line) {
-    line = {road.name, road.closed, road.width, centerLine(road)};
+    line = {road.name, road.closed, road.width, smoothLine(road.points, road.closed)};
     const std::size_t count = line.line.size();
     const DVec3 origin = line.line[0];
     std::vector<Vec3> vertices;

@@ -22,7 +22,8 @@ public:
     BulletFleet(const Course& course, const Terrain& terrain, const VehicleDef& def)
         : dispatcher_(&configuration_),
           world_(&dispatcher_, &broadphase_, &solver_, &configuration_),
-          raycaster_(&world_) {
+          raycaster_(&world_),
+          angle_(Course::wheelAngle(def)) {
         world_.setGravity({0, -9.81f, 0});
         addGround(terrain);
         for (int i = 0; i < course.cars; ++i) {
@@ -71,7 +72,7 @@ private:
 
     void addGround(const Terrain& terrain) {
         if (terrain.heights.empty()) {
-            addFixed(keep<btBoxShape>(btVector3(4000, 1, 4000)), {0, -1, 0});
+            addFixed(keep<btStaticPlaneShape>(btVector3(0, 1, 0), 0.0f), {0, 0, 0});
         } else if (terrain.triangles) {
             vertices_ = terrain.vertices();
             indices_ = terrain.indices();
@@ -133,13 +134,12 @@ private:
         info.m_rollInfluence = 0.1f;
     }
 
-    /// The wheels' angle of about 0.35 rad that the steering of the definition gives at this speed, and a pull like its
-    /// engine's.
-    static void drive(btRaycastVehicle& car) {
+    /// A pull like that of the definition's engine.
+    void drive(btRaycastVehicle& car) const {
         const float speed = car.getRigidBody()->getLinearVelocity().length();
         for (int i = 0; i < car.getNumWheels(); ++i) {
             if (!car.getWheelInfo(i).m_bIsFrontWheel) continue;
-            car.setSteeringValue(-0.2f, i);
+            car.setSteeringValue(angle_, i);
             car.applyEngineForce(2000 * Course::throttleAt(speed), i);
         }
     }
@@ -151,6 +151,7 @@ private:
     btDiscreteDynamicsWorld world_;
     btDefaultVehicleRaycaster raycaster_;
     btRaycastVehicle::btVehicleTuning tuning_;
+    float angle_;  ///< rad
     std::vector<float> heights_;
     std::vector<Vec3> vertices_;
     std::vector<int> indices_;

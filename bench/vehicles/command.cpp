@@ -12,6 +12,7 @@
 #include "../subcommands.h"
 #include "fleet.h"
 #include "ragtop/data_folder.h"
+#include "ragtop/driver.h"
 #include "ragtop/vehicle_file.h"
 
 namespace ragtop {
@@ -19,11 +20,13 @@ namespace fleet {
 
 int Course::side() const { return static_cast<int>(std::ceil(std::sqrt(static_cast<double>(cars)))); }
 
-/// In the middle of streets, where there are any.
+/// Circles are about the crossings of streets, where there are any.
 DVec3 Course::placeOf(int car) const {
     const int half = side() / 2;
-    return {kApart * (car % side() - half), 0, kApart * (car / side() - half)};
+    return {kApart * (car % side() - half) + static_cast<double>(kRadius), 0, kApart * (car / side() - half)};
 }
+
+float Course::wheelAngle(const VehicleDef& def) { return -std::atan(wheelbase(def) / kRadius); }
 
 float Course::reach() const { return static_cast<float>(0.5 * kApart * (side() + 1)); }
 

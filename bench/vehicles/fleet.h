@@ -10,8 +10,8 @@
 
 namespace ragtop::fleet {
 
-/// Cars in rows, each of which keeps about 10 m/s on a circle of its own: steered by a fixed share, with a throttle
-/// that falls as its speed grows.
+/// Cars in rows, each of which goes round in a circle of its own to the right: with its wheels at a fixed angle, and a
+/// throttle that falls as its speed grows.
 struct Course {
     int cars = 100;
     std::string ground = "hills";
@@ -20,12 +20,14 @@ struct Course {
     bool processorTime = false;  ///< of all processors together, instead of what passes
     static constexpr double kStep = 1.0 / 60;
     static constexpr int kWarmSteps = 180, kSteps = 300, kMostSteps = 3600;
-    static constexpr double kApart = 40;  ///< m between cars
-    static constexpr float kSteer = 0.7f, kSpeed = 10;
+    static constexpr double kApart = 40;              ///< m between cars
+    static constexpr float kRadius = 10, kSpeed = 7;  ///< m, about; m/s
 
     int side() const;
-    DVec3 placeOf(int car) const;  ///< on the plane
+    DVec3 placeOf(int car) const;  ///< on the plane, where the circle begins
     float reach() const;
+    /// rad, of a wheel in the middle of the front axle, to the left.
+    static float wheelAngle(const VehicleDef& def);
     /// 0 to 1.
     static float throttleAt(float speed);
 };

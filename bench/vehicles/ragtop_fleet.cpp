@@ -5,6 +5,7 @@
 
 #include "../../tests/core/heap_counter.h"
 #include "fleet.h"
+#include "ragtop/driver.h"
 #include "ragtop/tasks.h"
 #include "ragtop/world.h"
 
@@ -53,7 +54,7 @@ Result driveRagtop(const Course& course, const Terrain& terrain, const VehicleDe
         if (course.asleep)
             cars.back().input.handbrake = 1;
         else
-            cars.back().input.steer = Course::kSteer;
+            cars.back().input.steer = steerFor(def.steering, Course::wheelAngle(def), Course::kSpeed);
     }
     Result result;
     std::map<std::string, double> parts;

@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "fleet.h"
+#include "ragtop/driver.h"
 #include "ragtop/world.h"
 
 namespace ragtop::fleet {
@@ -22,7 +23,7 @@ struct Place {
 
     void addCar(const VehicleDef& def) {
         car = std::make_unique<Vehicle>(world, def, VehiclePlacement{.speed = Course::kSpeed});
-        car->input.steer = Course::kSteer;
+        car->input.steer = steerFor(def.steering, Course::wheelAngle(def), Course::kSpeed);
     }
     /// Boxes that lie apart from each other.
     void addBoxes(int count) {

@@ -12,9 +12,9 @@ float hillAt(double x, double z) {
     return static_cast<float>(1.5 * std::sin(0.05 * x) * std::cos(0.04 * z) + 0.04 * std::sin(0.7 * x + 0.9 * z));
 }
 
-/// Pavements of 12 cm with a house on each, streets of 12 m between them.
+/// Pavements of 12 cm with a house on each, streets of 30 m between them.
 std::vector<Terrain::Block> cityBlocks(float reach) {
-    constexpr double kPitch = 40, kPavement = 14, kKerb = 0.06, kHouse = 10;
+    constexpr double kPitch = 40, kPavement = 5, kKerb = 0.06, kHouse = 4;
     std::vector<Terrain::Block> blocks;
     const int count = static_cast<int>(std::ceil(reach / kPitch)) + 1;
     for (int i = -count; i <= count; ++i)

@@ -53,7 +53,7 @@ nlohmann::ordered_json rowOf(const Manoeuvre& manoeuvre, const VehicleDef& def, 
 void print(const Manoeuvre& manoeuvre, const TrackValue& value) {
     const std::string reference =
         value.reference ? fmt::format("{:>10.5g} {:>+8.2f} %", *value.reference, 100 * *value.error) : "";
-    fmt::print("{:<4}  {:<14} {:<22} {:>10.5g} {:<6} {}\n", value.pass ? "pass" : "FAIL", manoeuvre.name, value.name,
+    fmt::print("{:<4}  {:<18} {:<28} {:>10.5g} {:<6} {}\n", value.pass ? "pass" : "FAIL", manoeuvre.name, value.name,
                value.value, value.unit, reference);
 }
 

@@ -31,7 +31,7 @@ std::string refusal(const std::string& text) {
 
 TEST(Manoeuvre, ShippedOnesAreReadAndNamedAsTheirFiles) {
     const auto names = shippedManoeuvres();
-    EXPECT_GE(names.size(), 11u);
+    EXPECT_GE(names.size(), 17u);
     for (const std::string& name : names) EXPECT_EQ(loadManoeuvre(findManoeuvre(name)).name, name);
     EXPECT_THROW(findManoeuvre("no such"), AssetError);
 }
@@ -50,6 +50,11 @@ TEST(Manoeuvre, BadFilesGetALineThatNamesPlaceAndValue) {
         {R"({"measure": [{"name": "v", "channel": "wheelAngle", "law": "bicycleSteer"}]})", "/measure/0/law"},
         {"{\"input\": [{\"time\": 1}, {\"time\": 1}], " + measure + "}", "/input/1/time"},
         {"{\"ground\": {\"kerb\": {\"height\": 5}}, " + measure + "}", "/ground/kerb/height is 5"},
+        {"{\"ground\": {\"rubble\": {\"mass\": 0}}, " + measure + "}", "/ground/rubble/mass is 0"},
+        {"{\"ground\": {\"tiles\": 0}, " + measure + "}", "/ground/tiles is 0"},
+        {"{\"cruise\": {\"line\": [[0, 0, 0]]}, " + measure + "}", "/cruise/line has 1 point"},
+        {"{\"cruise\": {\"radius\": 9, \"line\": [[0, 0, 0], [0, 0, 9]]}, " + measure + "}", "/cruise/line is there"},
+        {R"({"measure": [{"name": "v", "channel": "laps"}]})", "/measure/0/channel is of a line"},
         {"{\"start\": ", ":"},
     };
     for (const auto& wrong : cases) {

@@ -100,6 +100,7 @@ struct VehicleSim {
         bool operator==(const Driver&) const = default;
     };
     static Driver driverOf(const VehicleInput& input);
+    VehicleInput inputAtRest;  ///< with which it was seen so
     Driver driver;  ///< the input of the last step, within its ranges
     VehicleInput input;
     StepModule module;

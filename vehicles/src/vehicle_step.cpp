@@ -7,8 +7,8 @@
 namespace ragtop {
 namespace {
 
-/// m/s, the lowest speed over which slip is told, as in tire property files (VXLOW): what sways on standing tires does not
-/// travel, and slip over its speed is any number.
+/// m/s, the lowest speed over which slip is told, as in tire property files (VXLOW): what sways on standing tires does
+/// not travel, and slip over its speed is any number.
 constexpr float kSlowest = 1;
 constexpr float kStill = 1e-3f;  ///< over a wheel's radius: how far the ground of a sleeping car may move
 
@@ -29,12 +29,11 @@ VehicleSim::Driver VehicleSim::driverOf(const VehicleInput& input) {
     return driver;
 }
 
-/// A sleeping car goes on sleeping while nobody touches the controls and what it stands on stays where it was. Where that
-/// is fixed it is asked for only when something fixed has been moved.
+/// A sleeping car goes on sleeping while nobody touches the controls and what it stands on stays where it was. Where
+/// that is fixed it is asked for only when something fixed has been moved.
 bool VehicleSim::mayRest(const Driver& wanted) {
     if (!(wanted == driver) || (wanted.throttle > 0 && drivetrain.gearbox.gear != 0)) return false;
     const std::uint64_t version = world->fixedVersion();
-    if (restsOnFixed == version) return true;
     bool moves = false;
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         const GroundPlane& plane = wheels[i].ground;
@@ -47,15 +46,22 @@ bool VehicleSim::mayRest(const Driver& wanted) {
         const float moved = length(relative(point, plane.point)) + specs[i].radius * length(normal - plane.normal);
         if (moved > kStill * specs[i].radius) return false;
     }
-    if (!moves) restsOnFixed = version;
+    if (!moves) {
+        restsOnFixed = version;
+        inputAtRest = input;
+    }
     return true;
 }
 
 /// Where the car stands and how it is driven; what the wheels find is looked for when all others have moved what they
 /// move.
 void VehicleSim::beforeStep(double dt) {
+    const bool there = world->isValid(chassis), awake = there && world->isAwake(chassis);
+    const bool untouched = !active && restsOnFixed == world->fixedVersion() && input == inputAtRest;
+    active = awake;
+    if (!there || (!awake && untouched)) return;
     const Driver wanted = driverOf(input);
-    active = world->isValid(chassis) && (world->isAwake(chassis) || !mayRest(wanted));
+    active = awake || !mayRest(wanted);
     if (!active) return;
     restsOnFixed.reset();
     driver = wanted;

@@ -20,11 +20,28 @@ struct TrackKerb {
     float at = 20;        ///< m along z
 };
 
+/// A wall across the way that does not yield.
+struct TrackWall {
+    float height = 1;  ///< m
+    float at = 20;     ///< m along z, of its face
+};
+
+/// Loose cubes scattered over a strip of 3 m, the same ones in every run.
+struct TrackRubble {
+    float mass = 5;            ///< kg, of each
+    float size = 0.08f;        ///< m, of an edge
+    float from = 10, to = 30;  ///< m along z
+    int count = 100;
+};
+
 struct TrackGround {
     float friction = 0.6f;                 ///< Material::friction
     std::optional<float> rightFriction{};  ///< of what is right of x = 0; empty: the same
     float slope = 0;                       ///< rise over run along z
+    std::optional<float> tiles{};          ///< m, length of the tiles that it is laid of; empty: one piece
     std::optional<TrackKerb> kerb{};
+    std::optional<TrackWall> wall{};
+    std::optional<TrackRubble> rubble{};
 };
 
 /// How the car is put there.
@@ -44,11 +61,14 @@ struct TrackInput {
     std::optional<int> gear{};
 };
 
-/// A driver who keeps a speed, and a circle if asked to; overrules throttle, and wheel angle where there is a circle.
+/// A driver who keeps a speed, and a circle or a line if asked to; overrules pedals, and wheel angle where there is one
+/// of them. On a line the driver slows down for bends (driver.h).
 struct TrackCruise {
     float speed = 20;               ///< m/s
     float until = 1e6f;             ///< s
     std::optional<float> radius{};  ///< m, to the left
+    std::vector<DVec3> line{};      ///< m, points of a smooth line on the ground; empty: none
+    bool closed = false;            ///< the line is a lap
 };
 
 /// What is known of a car at the end of each step.
@@ -68,11 +88,13 @@ enum class TrackChannel : unsigned char {
     upright,              ///< cosine between the car's up axis and the vertical
     asleep,               ///< 1 when it sleeps
     rpm,                  ///< of the engine
+    aside,                ///< m to the left of the cruise's line
+    laps,                 ///< of the line, that have been driven
 };
 struct TrackChannelInfo {
     std::string_view name, unit;
 };
-inline constexpr std::array<TrackChannelInfo, 15> kTrackChannels{{{"time", "s"},
+inline constexpr std::array<TrackChannelInfo, 17> kTrackChannels{{{"time", "s"},
                                                                   {"speed", "m/s"},
                                                                   {"distance", "m"},
                                                                   {"drift", "m"},
@@ -86,7 +108,9 @@ inline constexpr std::array<TrackChannelInfo, 15> kTrackChannels{{{"time", "s"},
                                                                   {"largestSlip", "1"},
                                                                   {"upright", "1"},
                                                                   {"asleep", "1"},
-                                                                  {"rpm", "rpm"}}};
+                                                                  {"rpm", "rpm"},
+                                                                  {"aside", "m"},
+                                                                  {"laps", "1"}}};
 constexpr std::array<std::string_view, kTrackChannels.size()> enumNames(TrackChannel) {
     std::array<std::string_view, kTrackChannels.size()> names;
     for (std::size_t i = 0; i < names.size(); ++i) names[i] = kTrackChannels[i].name;

@@ -21,6 +21,8 @@ struct VehicleInput {
     float handbrake = 0;        ///< 0 to 1
     float clutch = 0;           ///< 0 automatic to 1 pedal fully down
     std::optional<int> gear{};  ///< −1 reverse, 0 neutral, 1 and up; empty: the gearbox decides, or keeps its gear
+
+    bool operator==(const VehicleInput&) const = default;
 };
 
 /// Where a car starts.
