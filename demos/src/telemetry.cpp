@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "ragtop/telemetry.h"
+
 namespace ragtop::demos {
 namespace {
 
@@ -24,12 +26,16 @@ Telemetry::Telemetry(const std::filesystem::path& path, const Scene& scene, cons
     out_ << "time_s,step_ms,energy_j,contacts,awake_bodies";
     for (std::size_t i = 0; i < instance.vehicles.size(); ++i) {
         const std::string car = column(scene.vehicles[i].name, "vehicle" + std::to_string(i));
-        out_ << fmt::format(",{0}.speed_m_s,{0}.rpm,{0}.gear", car);
+        const auto head = [&](const std::string& of) {
+            return [&, of](const TelemetryChannel& channel, double) {
+                out_ << fmt::format(",{}.{} [{}]", of, channel.name, channel.unit);
+            };
+        };
+        const VehicleTelemetry& now = instance.vehicles[i].telemetry();
+        forEachChannel(now, head(car));
         const auto& wheels = instance.vehicles[i].def().wheels;
-        for (std::size_t w = 0; w < wheels.size(); ++w) {
-            const std::string wheel = car + "." + column(wheels[w].name, "wheel" + std::to_string(w));
-            out_ << fmt::format(",{0}.slip_ratio,{0}.slip_angle_rad,{0}.load_n", wheel);
-        }
+        for (std::size_t w = 0; w < wheels.size(); ++w)
+            forEachChannel(now.wheels[w], head(car + "." + column(wheels[w].name, "wheel" + std::to_string(w))));
     }
     out_ << "\n";
 }
@@ -40,10 +46,9 @@ void Telemetry::add(const World& world, const SceneInstance& instance, double ms
                         stats.awakeBodies);
     for (const Vehicle& vehicle : instance.vehicles) {
         const VehicleTelemetry& car = vehicle.telemetry();
-        out_ << fmt::format(",{:.5g},{:.5g},{}", car.speed, car.engine.rpm, car.gear);
-        for (const WheelTelemetry& wheel : car.wheels) {
-            out_ << fmt::format(",{:.5g},{:.5g},{:.5g}", wheel.slipRatio, wheel.slipAngle, wheel.load);
-        }
+        const auto put = [&](const TelemetryChannel&, double value) { out_ << fmt::format(",{:.6g}", value); };
+        forEachChannel(car, put);
+        for (const WheelTelemetry& wheel : car.wheels) forEachChannel(wheel, put);
     }
     out_ << "\n";
 }

@@ -46,6 +46,11 @@ std::vector<float> staticLoads(const std::vector<Vec3>& positions, float weight)
     return loads;
 }
 
+float springForce(const StrutSpec& strut, float compression) {
+    const float bump = std::max(compression - strut.travelUp, 0.0f);
+    return strut.load + strut.stiffness * compression + strut.bumpStiffness * bump;
+}
+
 float solveStrut(const StrutSpec& strut, float compression, float slant, float h, float K, float free) {
     float force = strut.load + strut.stiffness * compression;
     float stiffness = strut.stiffness, extraDamping = 0;

@@ -19,6 +19,9 @@ struct StrutSpec {
 };
 StrutSpec makeStrut(const SuspensionDef& def, float staticLoad, float gravity);
 
+/// N of spring and bump stop at a compression.
+float springForce(const StrutSpec& strut, float compression);
+
 /// Loads of wheels at `positions` (relative to the centre of mass) that carry `weight` in balance on level ground,
 /// the smallest such in the sense of least squares. Empty when there is no such set: wheels in a line.
 std::vector<float> staticLoads(const std::vector<Vec3>& positions, float weight);

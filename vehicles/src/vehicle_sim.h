@@ -87,6 +87,8 @@ struct VehicleSim {
     std::uint64_t hash() const;
     const VehicleTelemetry& tell();
     void refreshTelemetry();
+    void tellMotion(const Pose& pose);
+    void tellWheel(std::size_t i, const Pose& pose);
 
     // What a sleeping car is asked for in every step lies together.
     World* world = nullptr;  ///< follows a world that is moved, with every call of the module

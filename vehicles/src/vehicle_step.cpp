@@ -7,9 +7,6 @@
 namespace ragtop {
 namespace {
 
-/// m/s, the lowest speed over which slip is told, as in tire property files (VXLOW): what sways on standing tires does
-/// not travel, and slip over its speed is any number.
-constexpr float kSlowest = 1;
 constexpr float kStill = 1e-3f;  ///< over a wheel's radius: how far the ground of a sleeping car may move
 
 /// Clamps to [lower, 1]; what is no number counts as 0.
@@ -143,51 +140,6 @@ Pose VehicleSim::wheelFrame(std::size_t i, const Pose& pose) const {
     const Vec3 ahead = wheelDirection(def.steering, def.wheels[i].steerFactor, spec.steerArm, steerAngle);
     const Vec3 left{ahead.z, 0, -ahead.x};
     return pose * Frame{spec.position + wheels[i].compression * spec.axis, rotationFromAxes(left, {0, 1, 0}, ahead)};
-}
-
-/// Telemetry is worked out when somebody asks for it, by the first of those that do.
-const VehicleTelemetry& VehicleSim::tell() {
-    if (stale.load(std::memory_order_acquire)) {
-        const std::lock_guard<std::mutex> lock(telling);
-        if (stale.load(std::memory_order_relaxed) && world->isValid(chassis)) refreshTelemetry();
-        stale.store(false, std::memory_order_release);
-    }
-    return telemetry;
-}
-
-void VehicleSim::refreshTelemetry() {
-    const Pose pose = world->pose(chassis);
-    telemetry.speed = dot(world->linearVelocity(chassis), rotate(pose.rotation, {0, 0, 1}));
-    telemetry.engine.rpm = revolutionsPerMinute(drivetrain.engineSpeed);
-    telemetry.engine.torque = drivetrain.engine.throttle + drivetrain.engine.idle + drivetrain.engine.friction;
-    telemetry.gear = drivetrain.gearbox.gear;
-    telemetry.shifting = drivetrain.gearbox.shiftTimer > 0;
-    telemetry.clutchTorque = drivetrain.clutch;
-    for (std::size_t i = 0; i < wheels.size(); ++i) {
-        const WheelState& wheel = wheels[i];
-        WheelTelemetry& out = wheelTelemetry[i];
-        const float tread = drivetrain.spin[i] * specs[i].radius;
-        const float along = std::abs(wheel.travel.x), across = wheel.travel.y;
-        const float travel = std::sqrt(along * along + across * across);
-        out.grounded = wheel.touching != 0;
-        out.load = wheel.load;
-        out.longitudinalForce = wheel.force.x;
-        out.lateralForce = wheel.force.y;
-        const float larger = std::max({std::abs(tread), along, kSlowest});
-        out.slipRatio = out.grounded ? (tread - wheel.travel.x) / larger : 0;
-        out.slipAngle = out.grounded ? arcTan2(wheel.travel.y, along + std::max(kSlowest - travel, 0.0f)) : 0;
-        out.angularSpeed = drivetrain.spin[i];
-        out.rotation = wheel.rotation;
-        const Vec3 ahead = wheelDirection(def.steering, def.wheels[i].steerFactor, specs[i].steerArm, steerAngle);
-        out.steerAngle = arcTan2(ahead.x, ahead.z);
-        out.compression = wheel.compression;
-        out.contactNormal = wheel.ground.normal;
-        out.ground = out.grounded ? wheel.ground.body : BodyId{};
-        out.surface = wheel.ground.surface;
-        out.pose = wheelFrame(i, pose);
-        out.contactPoint = out.pose.position - specs[i].radius * out.contactNormal;
-        out.pose.rotation = out.pose.rotation * rotationAbout({1, 0, 0}, wheel.rotation);
-    }
 }
 
 }  // namespace ragtop

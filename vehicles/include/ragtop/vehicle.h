@@ -32,19 +32,28 @@ struct VehiclePlacement {
     float speed = 0;    ///< m/s forward, wheels rolling
 };
 
-/// What a wheel does, at the end of the last step.
+/// What a wheel does, at the end of the last step. Its numbers are listed in ragtop/telemetry.h.
 struct WheelTelemetry {
     bool grounded = false;
     float load = 0;               ///< N, normal to the ground
     float longitudinalForce = 0;  ///< N on the car, forward
     float lateralForce = 0;       ///< N on the car, to the left
-    float slipRatio = 0;     ///< tread less travel speed, over the larger of them or 1 m/s; −1 is a locked wheel
-    float slipAngle = 0;     ///< rad from the heading to the travel, fading below 1 m/s; positive when it drifts to the left
-    float angularSpeed = 0;  ///< rad/s, positive forward
-    float rotation = 0;      ///< rad about the axle, in (−π, π]
-    float steerAngle = 0;    ///< rad, positive to the left
-    float compression = 0;   ///< m above the place at rest
-    DVec3 contactPoint{};    ///< m, on the ground; the last one when in the air
+    float slipRatio = 0;          ///< tread less travel speed, over the larger of them or 1 m/s; −1 is a locked wheel
+    float slipAngle =
+        0;  ///< rad from the heading to the travel, fading below 1 m/s; positive when it drifts to the left
+    float angularSpeed = 0;                           ///< rad/s, positive forward
+    float rotation = 0;                               ///< rad about the axle, in (−π, π]
+    float steerAngle = 0;                             ///< rad, positive to the left
+    float compression = 0;                            ///< m above the place at rest
+    float springForce = 0;                            ///< N of spring and bump stop, along the strut
+    float gripUsed = 0;                               ///< share of the largest friction that the tire uses
+    float slipPower = 0;                              ///< W that the patch turns into heat
+    float deflectionForward = 0, deflectionLeft = 0;  ///< m of the tread in the patch
+    float travelForward = 0, travelLeft = 0;          ///< m/s of the patch over the ground
+    float brakeTorque = 0;                            ///< N m of pads and rolling resistance on the wheel
+    float camber = 0;      ///< rad of the wheel to the normal of the ground; positive with its top to the left
+    float radius = 0;      ///< m
+    DVec3 contactPoint{};  ///< m, on the ground; the last one when in the air
     Vec3 contactNormal{0, 1, 0};
     BodyId ground{};            ///< what it stands on
     std::uint32_t surface = 0;  ///< Material::surface there
@@ -54,15 +63,23 @@ struct WheelTelemetry {
 struct EngineTelemetry {
     float rpm = 0;
     float torque = 0;  ///< N m at the flywheel, negative when the engine brakes
+    float power = 0;   ///< W there
 };
 
 /// What the car does, at the end of the last step.
 struct VehicleTelemetry {
-    float speed = 0;  ///< m/s forward, negative backwards
+    float speed = 0;                                 ///< m/s forward, negative backwards
+    float sideSpeed = 0, climbSpeed = 0;             ///< m/s to the left; up in the world
+    float yawRate = 0, pitchRate = 0, rollRate = 0;  ///< rad/s to the left, nose down, to the right; in the car's axes
+    float heading = 0, pitch = 0, roll = 0;          ///< rad to the left of z, nose down, to the right
+    float kineticEnergy = 0;                         ///< J of the chassis
+    float drag = 0;                                  ///< N of the air
     EngineTelemetry engine{};
     int gear = 0;  ///< −1 reverse, 0 neutral
     bool shifting = false;
-    float clutchTorque = 0;                    ///< N m from the engine into the gearbox
+    float clutchTorque = 0;                                    ///< N m from the engine into the gearbox
+    float throttle = 0, brake = 0, handbrake = 0, clutch = 0;  ///< 0 to 1, of the last step
+    float steerAngle = 0;                                      ///< rad of a wheel in the middle of the front axle, left
     std::span<const WheelTelemetry> wheels{};  ///< in the order of the definition; there as long as the car
 };
 
@@ -88,8 +105,8 @@ public:
     BodyId chassis() const;
     const VehicleDef& def() const;
     /// Changes what the car is made from while it drives: it keeps its motion, and its engine, wheels and tires theirs.
-    /// The number of wheels and the shapes of the chassis stay as they are. Throws std::invalid_argument that says which
-    /// field is wrong, and changes nothing then.
+    /// The number of wheels and the shapes of the chassis stay as they are. Throws std::invalid_argument that says
+    /// which field is wrong, and changes nothing then.
     void setDef(const VehicleDef& def);
     /// Puts the car somewhere, upright, as if it had been made there; the input stays. Throws std::invalid_argument.
     void place(const VehiclePlacement& placement);
