@@ -40,7 +40,7 @@ constexpr Golden kGolden[] = {
     {0xf25ae72adfed6973u, 0x3579cf4dcbc8511bu},  // wall
     {0x586d94f2714e958cu, 0x40bfe01cf48bf615u},  // hills
     {0x10e6aa2d75dfb97au, 0xd92fda18b97f73edu},  // bowl
-    {0x453aa1aae5faf1d4u, 0x2b102f59780e4735u},  // joints
+    {0xb2cec332cb924051u, 0xb0dfc0163c046b5au},  // joints
     {0x468f00cf1866291bu, 0xf187a37d4f316d2fu},  // spinners
     {0xefa6f2b1da44b200u, 0x5631951ed9541705u},  // chains
     {0xe3638fbdd590635eu, 0x3db844859cdddc5au},  // house

@@ -387,7 +387,9 @@ TEST(SoftStop, APendulumKeepsItsEnergyUnderItsWeight) {
 /// its stops.
 double momentumAfterABall(float stiffness) {
     constexpr float kArm = 0.3f, kMoment = 0.02f, kBall = 0.004f;
-    World world(withoutGravity());
+    WorldSettings settings = withoutGravity();
+    settings.solver = SolverChoice::iterative;
+    World world(settings);
     BodyDef def;
     def.shapes.push_back({.geometry = Sphere{0.1f}});
     def.pose.position = {0, static_cast<double>(-kArm), -1};

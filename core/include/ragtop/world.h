@@ -67,7 +67,7 @@ struct StepStats {
     };
     /// An island that was solved directly; all others were swept.
     struct Island {
-        const char* reason;      ///< why: asked, heavy, tall, slender, deep, taut, leaning, tree, loop, or staying for a while
+        const char* reason;      ///< why: asked, heavy, tall, slender, deep, taut, leaning, tree, loop, stiff, or staying for a while
         int bodies, contacts, joints;
         int iterations, factorizations;  ///< Newton's, of all substeps
         double residual;         ///< of the impulses in the last solve, relative

@@ -13,6 +13,7 @@ constexpr float kUnequal = 4;         ///< mass ratio from which bodies are uneq
 constexpr float kColumnPairs = 1.5f;  ///< pairs per body up to which nothing beside a column holds it
 constexpr float kHanging = 6;         ///< load number of joints that hang, whose every gap adds up
 constexpr float kJointed = 100;       ///< load number of other joints, as ankles of a figure that stands
+constexpr float kStiff = 1;           ///< as stiffnessOf has it
 constexpr float kBuckling = 0.5f;     ///< share of the buckling load
 constexpr float kLeaning = 0.25f;     ///< share of bodies
 constexpr float kSpin = 0.125f;       ///< rad per substep, from which only free rotation knows how a top turns
@@ -27,7 +28,7 @@ std::uint32_t jointsOfTree(const IslandFeatures& island) { return island.bodies 
 
 const char* nameOf(Reason reason) {
     constexpr const char* kNames[] = {"none", "asked",   "heavy", "tall", "slender", "deep",
-                                      "taut", "leaning", "tree",  "loop", "staying"};
+                                      "taut", "leaning", "tree",  "loop", "stiff",   "staying"};
     return kNames[static_cast<int>(reason)];
 }
 
@@ -43,6 +44,7 @@ Reason chooseDirect(const IslandFeatures& island) {
     }
     const auto bodies = static_cast<float>(island.bodies), pairs = static_cast<float>(island.pairs);
     const bool jointed = island.jointLoad > 0, quiet = limit * static_cast<float>(island.moving) <= kQuiet * bodies;
+    if (island.bodies <= kMostBodies && island.stiffness > limit * kStiff) return Reason::stiff;
     if (island.hangs && island.jointLoad > limit * kHanging) return Reason::taut;
     if (quiet && island.jointLoad > limit * kJointed) return Reason::taut;
     if ((quiet || !jointed) && island.contactLoad > limit * kCrushing && island.massRatio > limit * kUnequal)

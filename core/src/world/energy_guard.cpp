@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "constraints/contact_layout.h"
+#include "constraints/stiffness.h"
+#include "constraints/stored_energy.h"
 #include "direct/choice.h"
 #include "world/group_motion.h"
 #include "world/world_impl.h"
@@ -17,13 +19,22 @@ namespace {
 /// Chosen, not derived: with it the chains of tests/core/energy_guard_test.cpp are left alone.
 constexpr double kRoom = 0.005;
 
-/// Motors, springs, drives and soft stops add or give back what is not counted here; joints of more axes have any of them.
-bool isPassive(const JointSim& joint) {
-    constexpr std::uint32_t kAxis = AxisRows::kMotor | AxisRows::kSpring | AxisRows::kCoupled;
-    constexpr std::uint32_t kBall = BallRows::kSpring | BallRows::kDrives;
-    if (hasAxes(joint.kind)) return false;
-    return (joint.axis.features & kAxis) == 0 && (joint.ball.features & kBall) == 0 &&
-           !(joint.axis.stop.stiffness > 0) && !(joint.ball.stop.stiffness > 0);
+/// The same of what springs hold: they trade more of it within a period, the stiffer they are for a substep.
+constexpr double kSpringRoom = 0.1;
+/// Share of its energy by which a group that nothing holds is moved as a whole by rounding alone.
+constexpr double kThrown = 0.1;
+
+/// Motors, springs with moving targets, drives that push and couplings add what is not counted here; soft stops that
+/// turn by less than a radian per substep keep their own account (SoftAccount); joints of more axes have any of them.
+bool isPassive(const WorldImpl& world, const JointSim& sim) {
+    if (hasAxes(sim.kind)) return false;
+    const bool isDriven = (sim.ball.features & BallRows::kDrives) != 0 &&
+                          !(sim.drives.targetSpeed == Vec3{} && sim.drives.feedForward == Vec3{});
+    const bool isMoved = (sim.axis.features & AxisRows::kSpring) != 0 &&
+                         !(sim.axis.springSpeed == 0 && sim.axis.feedForward == 0);
+    const bool hasAccount = (sim.axis.stop.stiffness > 0 || sim.ball.stop.stiffness > 0) &&
+                            !(stiffnessOf(sim, world.states.data(), world.inertias.data(), world.context.h) > 1);
+    return (sim.axis.features & (AxisRows::kMotor | AxisRows::kCoupled)) == 0 && !isDriven && !isMoved && !hasAccount;
 }
 
 std::uint32_t rootOf(AlignedArray<std::uint32_t>& parent, std::uint32_t body) {
@@ -49,9 +60,35 @@ double workOn(const WorldImpl& world, std::uint32_t index) {
            static_cast<double>(dot(d.torque, turn));
 }
 
+/// J, of springs and soft stops.
+struct Stored {
+    double before = 0, gained = 0;  ///< when the step began, and since
+};
+
+/// Of those joints that are counted with a body.
+Stored storedBy(const WorldImpl& world, std::uint32_t index) {
+    Stored stored;
+    if (!world.energyGuard.stores) return stored;
+    for (std::uint32_t key = world.bodies[index].firstJoint; key != kNone;
+         key = world.joints[key >> 1].edges[key & 1].next) {
+        const JointRecord& joint = world.joints[key >> 1];
+        const JointSim& sim = world.jointSims[key >> 1];
+        const bool isCounted = (key & 1) == 0 || !world.moves(joint.bodyA);
+        if (!isCounted || !storesEnergy(sim)) continue;
+        JointBodiesAtStep at = world.jointBodies(joint);
+        const double before = storedEnergy(sim, at);
+        const BodyState &a = world.states[sim.stateA], &b = world.states[sim.stateB];
+        at.centerOffset += b.dp - a.dp;
+        at.rotationA = a.dq * at.rotationA, at.rotationB = b.dq * at.rotationB;
+        stored.before += before;
+        stored.gained += storedEnergy(sim, at) - before;
+    }
+    return stored;
+}
+
 double excessOf(const WorldImpl& world, std::uint32_t index) {
-    return kineticEnergy(world, index, rotationNow(world, index)) - static_cast<double>(world.energyGuard.kinetic[index]) -
-           workOn(world, index);
+    return kineticEnergy(world, index, rotationNow(world, index)) - static_cast<double>(world.energyGuard.kinetic[index]) +
+           storedBy(world, index).gained - workOn(world, index);
 }
 
 /// By more than a load presses surfaces into each other.
@@ -61,6 +98,12 @@ bool overlaps(const WorldImpl& world, const ContactRecord& contact) {
         for (int j = 0; j < manifold.pointCount; ++j)
             inside |= manifold.separation[j] < -contact::kDeep * contact.size;
     return inside;
+}
+
+/// Does a surface move along itself?
+bool isBelt(const WorldImpl& world, const ContactRecord& contact) {
+    return world.shapes[contact.shapeA].material.surfaceVelocity != Vec3{} ||
+           world.shapes[contact.shapeB].material.surfaceVelocity != Vec3{};
 }
 
 /// J, of a body at the speed that overlaps push with.
@@ -95,7 +138,7 @@ GuardedIsland& islandOf(WorldImpl& world, std::uint32_t first) {
             const ContactRecord& contact = world.contacts[key >> 1];
             if (contact.sensor || contact.firstManifold == kNone) continue;
             const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
-            look.isDriven |= world.bodies[other].type == BodyType::kinematic;
+            look.isDriven |= world.bodies[other].type == BodyType::kinematic || isBelt(world, contact);
             look.isPushed |= overlaps(world, contact);
             reach(other);
         }
@@ -170,17 +213,21 @@ double earlyEnergy(const WorldImpl& world, std::uint32_t index) {
 EnergyAccount accountOf(const WorldImpl& world, std::span<const std::uint32_t> group) {
     EnergyAccount account;
     double work = 0, weight = 0;
+    Stored stored;
     for (const std::uint32_t b : group) {
+        const Stored own = storedBy(world, b);
+        stored.before += own.before, stored.gained += own.gained;
         account.before += static_cast<double>(world.energyGuard.kinetic[b]);
         account.now += kineticEnergy(world, b, rotationNow(world, b));
         work += workOn(world, b);
         weight += static_cast<double>(world.bodies[b].mass * world.bodies[b].size);
         account.room += earlyEnergy(world, b);
     }
-    account.excess = account.now - account.before - work;
+    account.excess = account.now - account.before + stored.gained - work;
     weight *= static_cast<double>(length(world.settings.gravity));
-    account.lawful = std::max(account.before, account.before + work) + weight;
+    account.lawful = std::max(account.before, account.before + work) + stored.before + weight;
     account.room += kRoom * account.lawful;
+    if (stored.before > 0 || stored.gained > 0) account.room += kSpringRoom * (account.before + stored.before);
     return account;
 }
 
@@ -226,11 +273,18 @@ void guardGroup(WorldImpl& world, std::size_t g) {
         look.lawful = accountOf(world, island).lawful;
         if (overran(world, island, look.lawful)) stayPut(world, island);
     }
+    const double whole = beyond;
     // What overlaps is pushed, at a speed that is bounded.
     beyond = std::min(beyond, account.now - look.pushed);
     double taken = takeEnergy(world, group, beyond, isIsolated);
+    // Momenta too are wrong where impulses were so large that their rounding moves all of the group.
+    if (beyond - taken > kThrown * look.lawful) taken += takeEnergy(world, group, beyond - taken, false);
     // What touches the group may have got some of it.
     if (!isIsolated) taken += takeEnergy(world, island, look.excess - left - look.pushed - taken, false);
+    if (guard.stores && whole - look.pushed - taken > account.room) {  // springs have the rest
+        stayPut(world, island);
+        for (const std::uint32_t b : island) world.forgetImpulses(b);
+    }
     look.excess -= taken;
     if (taken > 0) {
         ++guard.caught;
@@ -281,6 +335,7 @@ void findGroups(WorldImpl& world) {
     guard.starts.clear();
     guard.bodies.clear();
     guard.watched.clear();
+    guard.stores = false;
     if (!uniteJoined(world)) return;
     guard.room.resize(world.bodies.size(), 1.0f);
     AlignedArray<std::uint32_t>& groupOf = guard.visited;  // of roots; it has room for all bodies from then on
@@ -290,7 +345,8 @@ void findGroups(WorldImpl& world) {
         const auto isMoved = [&](std::uint32_t body) { return world.bodies[body].type == BodyType::kinematic; };
         const std::uint32_t body = world.moves(joint.bodyA) ? joint.bodyA : joint.bodyB;
         const std::uint32_t group = groupOf[rootOf(guard.parent, body)];
-        if (!isPassive(sim) || isMoved(joint.bodyA) || isMoved(joint.bodyB)) guard.watched[group] = 0;
+        guard.stores |= storesEnergy(sim);
+        if (!isPassive(world, sim) || isMoved(joint.bodyA) || isMoved(joint.bodyB)) guard.watched[group] = 0;
     });
 }
 

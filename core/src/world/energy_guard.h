@@ -8,8 +8,9 @@
 #include "ragtop/math.h"
 
 /// The last guard of the energy law. Whatever way an island is solved, bodies that joints hold together may not gain more
-/// kinetic energy in a step than forces and gravity have given them along the way they went:
-///   ΔK ≤ Σ m a · dp + τ · dθ + room,
+/// energy, kinetic and of springs and soft stops, in a step than forces and gravity have given them along the way they
+/// went:
+///   ΔK + ΔU ≤ Σ m a · dp + τ · dθ + room,
 /// with a room of a few thousandths for what an integrator trades between places and speeds; it is filled again by what is
 /// dissipated only, so that no slow growth passes. What is beyond is taken from the motion of the bodies against each
 /// other, never below what they began the step with: momenta stay as they are.
@@ -53,6 +54,7 @@ struct EnergyGuard {
     AlignedArray<std::uint32_t> visited;  ///< bodies of the islands that were looked at, one island after the other
     AlignedArray<std::uint32_t> islandOf;  ///< per body, which of these it is in
     AlignedArray<GuardedIsland> islands;
+    bool stores = false;                  ///< some joint has springs or soft stops
     std::uint64_t caught = 0;             ///< times that energy was taken, since the world was made
     double taken = 0;                     ///< J
 

@@ -91,6 +91,16 @@ void setVelocity(WorldImpl& world, std::uint32_t body, const Vec3& v, const Vec3
     world.noteMomentum(body, rotationNow(world, body));
 }
 
+/// What springs lead the speeds of their bodies by is part of these; of those joints that are counted with a body.
+void scaleLeads(WorldImpl& world, std::uint32_t body, float share) {
+    for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
+         key = world.joints[key >> 1].edges[key & 1].next) {
+        if ((key & 1) != 0 && world.moves(world.joints[key >> 1].bodyA)) continue;
+        PairVector& lead = world.jointSims[key >> 1].lead;
+        lead = {share * lead.linear, share * lead.angular};
+    }
+}
+
 }  // namespace
 
 void turnToMomentum(WorldImpl& world, std::span<const std::uint32_t> group, const Vec3& momentum) {
@@ -114,6 +124,7 @@ double takeEnergy(WorldImpl& world, std::span<const std::uint32_t> group, double
         const Vec3 arm = toVec3(world.bodies[b].center + state.dp - motion.center);
         const Vec3 v = motion.v + cross(motion.w, arm);
         setVelocity(world, b, v + share * (state.v - v), motion.w + share * (state.w - motion.w));
+        scaleLeads(world, b, share);
     }
     return std::min(energy, motion.inner);
 }

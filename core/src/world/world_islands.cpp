@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "constraints/stiffness.h"
 #include "world/world_regions.h"
 
 namespace ragtop {
@@ -33,9 +34,8 @@ void WorldImpl::beginMeasuring() {
     using M = StageMemory;
     const std::size_t all = bodies.size();
     stageMemory.begin(M::bytesOf<IslandBearing>(room) + M::bytesOf<std::uint32_t>(2 * room) +
-                      M::bytesOf<std::uint32_t>(all + 1) + 3 * M::bytesOf<std::uint32_t>(all) +
-                      M::bytesOf<float>(all) + M::bytesOf<std::uint8_t>(all) +
-                      M::bytesOf<direct::IslandFeatures>(islands));
+                      M::bytesOf<std::uint32_t>(all + 1) + 3 * M::bytesOf<std::uint32_t>(all) + M::bytesOf<float>(all) +
+                      M::bytesOf<std::uint8_t>(all) + M::bytesOf<direct::IslandFeatures>(islands));
     bearings = stageMemory.take<IslandBearing>(room);
     neighbours = stageMemory.take<std::uint32_t>(2 * room);
     bearingBegin = stageMemory.take<std::uint32_t>(all + 1);
@@ -107,8 +107,8 @@ void WorldImpl::findLevels() {
     }
 }
 
-/// The mass that each body hands to each neighbour below it: its own, that of what pushes it if that counts, and what it
-/// carries, in equal shares.
+/// The mass that each body hands to each neighbour below it: its own, that of what pushes it if that counts, and what
+/// it carries, in equal shares.
 void WorldImpl::estimateLoads(bool pushes) {
     paths.carried.resizeForOverwrite(bodies.size());
     paths.supports.resizeForOverwrite(bodies.size());
@@ -227,6 +227,9 @@ void WorldImpl::measureIslands() {
         } else {
             ++island.joints;
             island.bare &= isTreeJoint(jointSims[bearing.constraint]);
+            const JointSim& joint = jointSims[bearing.constraint];
+            island.stiffness =
+                std::max(island.stiffness, stiffnessOf(joint, states.data(), inertias.data(), context.h));
             paths.heldLevel[bearing.a] = paths.heldLevel[bearing.b] = 1;
             island.hangs |= !movesA || !movesB;
         }

@@ -45,6 +45,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     const bool longer = static_cast<float>(stepSeconds) > dt;
     dt = static_cast<float>(stepSeconds);
     const float h = dt / static_cast<float>(settings.substeps), substepRate = 1 / h;
+    graphChanged |= h != context.h;  // springs are as stiff as substeps are long
     context.h = h;
     context.inverseH = substepRate;
     context.dt = dt;
