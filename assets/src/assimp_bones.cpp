@@ -75,11 +75,20 @@ std::map<const aiNode*, Nodes> gltfJoints(const std::string& file, const aiNode&
     return joints;
 }
 
-/// The first of that name, from `skipped` equal ones on.
-const aiNode* named(const Nodes& nodes, const aiString& name, int skipped) {
+/// Nodes by their names, equal ones in their order.
+using NamedNodes = std::map<std::string, Nodes>;
+
+NamedNodes byName(const Nodes& nodes) {
+    NamedNodes named;
     for (const aiNode* node : nodes)
-        if (node && node->mName == name && skipped-- == 0) return node;
-    return nullptr;
+        if (node) named[node->mName.C_Str()].push_back(node);
+    return named;
+}
+
+/// The first of that name, from `skipped` equal ones on.
+const aiNode* find(const NamedNodes& nodes, const std::string& name, std::size_t skipped) {
+    const auto found = nodes.find(name);
+    return found != nodes.end() && skipped < found->second.size() ? found->second[skipped] : nullptr;
 }
 
 /// The nodes that carry no mesh before those that do.
@@ -98,18 +107,20 @@ Nodes barestFirst(const NodePlaces& places) {
 void findBoneNodes(const aiScene& from, const std::string& file, const NodePlaces& places, ImportedScene& to) {
     std::map<const aiNode*, Nodes> skins;
     if (to.format.find("glTF") != std::string::npos) skins = gltfJoints(file, *from.mRootNode);
-    std::map<std::size_t, const Nodes*> skinOf;
-    for (const auto& [carrier, joints] : skins)
-        for (unsigned i = 0; i < carrier->mNumMeshes; ++i) skinOf.emplace(carrier->mMeshes[i], &joints);
-    const Nodes all = barestFirst(places);
+    std::map<const Nodes*, NamedNodes> jointsByName;
+    std::map<std::size_t, const NamedNodes*> skinOf;
+    for (const auto& [carrier, joints] : skins) {
+        const NamedNodes& named = jointsByName[&joints] = byName(joints);
+        for (unsigned i = 0; i < carrier->mNumMeshes; ++i) skinOf.emplace(carrier->mMeshes[i], &named);
+    }
+    const NamedNodes all = byName(barestFirst(places));
     for (std::size_t mesh = 0; mesh < to.meshes.size(); ++mesh) {
         const auto skin = skinOf.find(mesh);
-        std::map<std::string, int> used;
+        std::map<std::string, std::size_t> used;
         for (ImportedBone& bone : to.meshes[mesh].bones) {
-            const aiString name(bone.name);
             const aiNode* node = nullptr;
-            if (skin != skinOf.end()) node = named(*skin->second, name, used[bone.name]++);
-            if (!node) node = named(all, name, 0);
+            if (skin != skinOf.end()) node = find(*skin->second, bone.name, used[bone.name]++);
+            if (!node) node = find(all, bone.name, 0);
             if (node) bone.node = places.at(node);
         }
     }

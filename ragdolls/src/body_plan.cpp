@@ -376,13 +376,7 @@ int findHead(const BoneTree& tree, const KnownRoles& known, const LimbPair& legs
         float worth =
             dot(tree.end[static_cast<std::size_t>(tip)] - arms.start(), normalized(way)) / std::max(trunk, 1e-9f);
         worth = std::min(worth, 1.0f);
-        for (const int bone : tree.chain(child)) {
-            const NameHint hint = tree.names[static_cast<std::size_t>(bone)].hint;
-            const bool isHead = hint == NameHint::head || hint == NameHint::neck;
-            if (isHead) worth += 1;
-            if (hint == NameHint::tail || hint == NameHint::wing) worth -= 3;
-            if (isHead) break;  // hair may be called a tail
-        }
+        worth += tree.headSaid[at];
         if (tree.skin[0] > 0) worth += 0.3f * static_cast<float>(tree.skin[at]) / static_cast<float>(tree.skin[0]);
         if (worth <= most) return;
         most = worth;

@@ -12,6 +12,7 @@ BoneTree::BoneTree(const Skeleton& skeleton)
       end(skeleton.bones.size()),
       skin(skeleton.bones.size(), 0),
       depth(skeleton.bones.size(), 0),
+      headSaid(skeleton.bones.size(), 0.0f),
       skeleton_(&skeleton),
       enter_(skeleton.bones.size(), 0),
       leave_(skeleton.bones.size(), 0) {
@@ -82,6 +83,9 @@ void BoneTree::measure() {
             tip[at] = i;
             reach[at] = beyond(i);
         }
+        const NameHint hint = names[at].hint;
+        if (hint == NameHint::head || hint == NameHint::neck) headSaid[at] = 1;  // hair on it may be called a tail
+        if (hint == NameHint::tail || hint == NameHint::wing) headSaid[at] -= 3;
         size = std::max(size, reach[at]);
         if (i == 0 || loose[at]) continue;
         const auto above = static_cast<std::size_t>(parent(i));
@@ -92,6 +96,7 @@ void BoneTree::measure() {
         if (through > reach[above]) {
             reach[above] = through;
             tip[above] = tip[at];
+            headSaid[above] = headSaid[at];
         }
     }
 }

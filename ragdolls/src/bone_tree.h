@@ -17,6 +17,9 @@ struct BoneTree {
     std::vector<Vec3> end;     ///< of a bone without children: as far as its skin goes; else its own place
     std::vector<std::size_t> skin;  ///< vertices of each bone and all below it
     std::vector<int> depth;
+    /// What names on the way from each bone to its tip say of a head: 1 for it, below 0 where a tail or a wing comes
+    /// first.
+    std::vector<float> headSaid;
     float size = 0;  ///< m, the longest way along bones from one tip to another
 
     explicit BoneTree(const Skeleton& skeleton);

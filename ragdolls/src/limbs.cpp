@@ -33,6 +33,7 @@ const LimbProportions& proportionsOf(LimbKind kind) { return kProportions[static
 constexpr float kLimbReach = 0.1f;       ///< a limb is longer than this share of the longest way in the skeleton
 constexpr std::size_t kMostRoots = 24;   ///< places that limbs are looked for at
 constexpr std::size_t kMostJoints = 24;  ///< bones along a limb; chains and tails have more
+constexpr std::size_t kMostPaths = 4;    ///< from one root to tips
 constexpr std::size_t kKept = 12;        ///< ways to see a chain as a limb, of which a pair takes the best
 constexpr float kUnlike = 0.3f;          ///< logarithm of the ratio of two lengths that are meant to be alike
 constexpr float kNameWorth = 0.25f;      ///< a fitting name counts as much as a squared deviation of this
@@ -92,11 +93,12 @@ std::vector<std::vector<int>> LimbSearch::paths(int root) const {
     const std::vector<int> main = result.front();
     for (const int bone : main) {
         const float left = tree_.reach[static_cast<std::size_t>(bone)];
-        if (left < 0.35f * tree_.reach[static_cast<std::size_t>(root)] || result.size() > 3) break;
+        if (left < 0.35f * tree_.reach[static_cast<std::size_t>(root)]) break;
         for (const int child : tree_.children[static_cast<std::size_t>(bone)]) {
             const auto at = static_cast<std::size_t>(child);
             const float through = tree_.reach[at] + length(tree_.at(child) - tree_.at(bone));
             if (tree_.loose[at] || through < 0.4f * left || tree_.isWithin(main.back(), child)) continue;
+            if (result.size() == kMostPaths) return result;
             result.push_back(tree_.path(root, tree_.tip[at]));
         }
     }
