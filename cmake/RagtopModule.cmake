@@ -76,6 +76,7 @@ endfunction()
 
 # ragtop_precompile(<target> <header>...): parses these once for all sources of a target that no other project builds:
 # parsing is most of what compiling tests and programs costs. Every source still names what it uses.
+# Headers of other projects alone: a cached one of ours would name the checkout that it was made in.
 function(ragtop_precompile target)
     if(NOT RAGTOP_PRECOMPILE)
         return()
