@@ -62,13 +62,20 @@ bool turns(JointKind kind, int coordinate) {
     }
 }
 
+/// Next to the largest principal one, and the same however the body is turned, so that what is chosen by it is chosen
+/// again from a restored state.
+float easiest(const BodyInertia& inverse) {
+    const Vec3 along{inverse.xx, inverse.yy, inverse.zz}, across{inverse.xy, inverse.xz, inverse.yz};
+    return std::sqrt(lengthSquared(along) + 2 * lengthSquared(across));
+}
+
 }  // namespace
 
 float stiffnessOf(const JointSim& joint, const BodyState* states, const BodyInertia* inertia, float h) {
     RelativeMass inverse;
     for (const std::uint32_t body : {joint.stateA, joint.stateB}) {
         inverse.travel += states[body].invMass;
-        inverse.turn += std::max({inertia[body].xx, inertia[body].yy, inertia[body].zz});
+        inverse.turn += easiest(inertia[body]);
     }
     if (joint.kind == JointKind::ball) return stiffness(joint.ball, joint.drives, inverse.turn, h);
     if (!hasAxes(joint.kind)) return stiffness(joint.axis, joint.kind == JointKind::hinge, inverse, h);
