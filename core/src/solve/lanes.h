@@ -4,6 +4,7 @@
 // Everything lives in an anonymous namespace, because each instruction set compiles its own copy and the linker must
 // not merge them; for the same reason the kernels call nothing inline from elsewhere.
 
+#include <cstddef>
 #include <cstdint>
 
 namespace ragtop {
@@ -49,16 +50,21 @@ struct NativeVector {
 template <class V>
 using Native = typename NativeVector<decltype(V{}[0] + 0)>::Type;
 
+/// In bytes.
+template <class Piece>
+constexpr std::size_t placeOf(int place) {
+    return static_cast<std::size_t>(place) * sizeof(Piece);
+}
 /// Vectors are taken apart and put together in memory, which compilers see through.
 template <class Piece, class V>
 RAGTOP_INLINE Piece pieceOf(const V& v, int place) {
     Piece piece;
-    __builtin_memcpy(&piece, reinterpret_cast<const char*>(&v) + place * sizeof(Piece), sizeof(Piece));
+    __builtin_memcpy(&piece, reinterpret_cast<const char*>(&v) + placeOf<Piece>(place), sizeof(Piece));
     return piece;
 }
 template <class Piece, class V>
 RAGTOP_INLINE void setPiece(V& v, int place, Piece piece) {
-    __builtin_memcpy(reinterpret_cast<char*>(&v) + place * sizeof(Piece), &piece, sizeof(Piece));
+    __builtin_memcpy(reinterpret_cast<char*>(&v) + placeOf<Piece>(place), &piece, sizeof(Piece));
 }
 
 /// f of vectors of equal size. g++ takes comparisons and choices of vectors wider than the machine's apart into single
