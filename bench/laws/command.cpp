@@ -140,9 +140,9 @@ void print(const std::string& name, const Tally& tally) {
         fmt::print("  {:<22} {:>5}  worst {:.4g} {} (bound {:.4g})\n", law.name, count == tally.laws.end() ? 0 : count->second,
                    tally.worst.contains(law.name) ? tally.worst.at(law.name) : 0.0, law.unit, law.bound);
     }
-    for (const auto& [law, count] : tally.laws)
-        if (std::ranges::none_of(allLaws(), [&](const Law& known) { return known.name == law; }))
-            fmt::print("  {:<22} {:>5}\n", law, count);
+    for (const auto& law : tally.laws)
+        if (std::ranges::none_of(allLaws(), [&](const Law& known) { return known.name == law.first; }))
+            fmt::print("  {:<22} {:>5}\n", law.first, law.second);
     if (tally.unsupported > 0) fmt::print("  {} scenes cannot be expressed\n", tally.unsupported);
     if (tally.seeds.empty()) return;
     std::string seeds;

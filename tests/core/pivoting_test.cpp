@@ -21,7 +21,10 @@ public:
             rig_.add(body);
         }
         for (int i = 0; i < count; ++i) join(i == 0 ? 0 : 1 + pick(i), i + 1);
-        for (int i = 0; i < count / 4; ++i) join(1 + pick(count), 1 + pick(count));
+        for (int i = 0; i < count / 4; ++i) {
+            const int b = 1 + pick(count), a = 1 + pick(count);
+            join(a, b);
+        }
     }
     /// In units of its impulses, what the answer of a substep leaves of M (v − v_free) = Jᵀ λ, with the λ that its
     /// speeds ask for: the potential is strictly convex, so that zero is the one answer.
