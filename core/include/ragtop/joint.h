@@ -130,6 +130,20 @@ struct SixDofDef {
 using JointDef = std::variant<BallDef, HingeDef, SliderDef, FixedDef, DistanceDef, CylindricalDef, UniversalDef,
                               PlaneDef, ScrewDef, PathDef, SixDofDef>;
 
+/// What pulls a ball or a hinge from now on, in the stead of its springs: for callers that set all joints of a figure in
+/// every step (World::setDrives).
+struct JointDrive {
+    JointId joint{};
+    Quat target{};                     ///< balls: of B's joint frame in A's
+    float angle = 0;                   ///< hinges: rad, unwrapped
+    Vec3 speed{};                      ///< rad/s, at which the target turns, in A's joint frame; of hinges about x
+    Vec3 feedForward{};                ///< N m, that is added, likewise
+    float stiffness = 0;               ///< N m/rad
+    float damping = 0;                 ///< N m s/rad
+    float maxTorque = kNoForceLimit;   ///< N m, of all of it together
+    bool operator==(const JointDrive&) const = default;
+};
+
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const BallDef*) {
     visit(Tunable{"swingLimit", "rad", 1e-3, 3.1, "half angle of the swing cone"}, self.swingLimit);

@@ -192,6 +192,10 @@ public:
     // the type or the bodies.
     const JointDef& def(JointId joint) const;
     void setDef(JointId joint, const JointDef& def);
+    /// Sets what pulls balls and hinges, as setDef with their springs would, in a fraction of its time: nothing else of
+    /// them is looked at, and no memory is allocated. What sleeps stays asleep while its drives stay the same. Throws
+    /// std::invalid_argument that names the drive and its field, and changes nothing then.
+    void setDrives(std::span<const JointDrive> drives);
     JointState state(JointId joint) const;
     std::uint64_t userData(JointId joint) const;
 
