@@ -66,7 +66,7 @@ TEST(RoundArms, BallsThatSpinOnEachOtherKeepTheirMomenta) {
         change = std::max(change, distanceBetween(DVec3{angularMomentum(world, bodies[0])}, own));
     });
     EXPECT_GT(change, 1e-3);  // they have met
-    // Positions may leave the line of velocities by ½ h Δv (ADR 4), Δv up to half of what they close with.
+    // Positions may leave the line of velocities by ½ h Δv (docs/adr/0004), Δv up to half of what they close with.
     EXPECT_LT(worst, 0.5 / 240 * 0.25 * 0.25);
 }
 

@@ -4,7 +4,7 @@ set -eu
 cd "$1"
 status=0
 count=0
-for page in README.md CHANGELOG.md docs/*.md docs/adr/*.md; do
+for page in README.md CHANGELOG.md docs/*.md docs/*/*.md; do
     folder=$(dirname "$page")
     for link in $(sed 's/`[^`]*`//g' "$page" | grep -oE '\]\([^)[:space:]]+\)' | sed 's/^](//; s/)$//; s/#.*//'); do
         case $link in

@@ -16,7 +16,7 @@ struct Sharing {
 
 /// Chooses who takes part in the coming step by what steps have taken. Whether help pays is not known beforehand:
 /// handing a stage over takes 0.1 to 2 µs, as the processors share a cache or not, and a step has a hundred stages of a
-/// few microseconds. Results do not depend on the choice (docs/adr/0035-how-many-take-part.md).
+/// few microseconds. Results do not depend on the choice (docs/adr/0006).
 ///
 /// Ways to share a step are compared by time over size, which the caller counts. One of them is the current one; now and
 /// then another is tried for kTrial steps. The fastest of these, the first left aside, is held against the fastest of as

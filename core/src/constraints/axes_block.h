@@ -31,7 +31,7 @@ struct AxesBlock {
 inline double coordinateOf(const AxesBlock& block, std::uint32_t f) {
     return static_cast<double>(block.value[f]) + static_cast<double>(block.rounded[f]);
 }
-/// Was the joint made beyond a limit, so that it is held where it is (docs/adr/0027)?
+/// Was the joint made beyond a limit, so that it is held where it is (docs/adr/0038)?
 bool isHeld(const AxesBlock& block);
 /// Masses from the directions, once these are filled in.
 void refreshMass(AxesBlock& block, const PairMass& mass);

@@ -19,7 +19,7 @@ struct BallTurn {
 
 /// Margins and axes of the limits at a place.
 void refreshLimits(BallRows& rows, const JointPlace& place);
-/// Was the joint made beyond a limit, so that it is held where it is (docs/adr/0027)?
+/// Was the joint made beyond a limit, so that it is held where it is (docs/adr/0038)?
 bool isHeld(const BallRows& rows);
 /// Swing and twist in turn, or together where the joint is held.
 void solveBallStops(JointSim& joint, BallTurn& turn, const BodyPair& pair, const JointContext& context, bool moving);

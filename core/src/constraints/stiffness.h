@@ -9,7 +9,7 @@ namespace ragtop {
 ///   z₀ = 14 ζ, from 0.03 to 1, of springs; 1 of soft stops, whose course sweeps know up to there;
 /// w is the inverse mass of the relative motion where nothing else holds the bodies, of turns about the axis about
 /// which these turn most easily, nearly. 0 where there is none. Springs of more than 1 that have neighbours are to be solved
-/// all at once (docs/adr/0055-stiff-springs.md).
+/// all at once (docs/adr/0038).
 float stiffnessOf(const JointSim& joint, const BodyState* states, const BodyInertia* inertia, float h);
 
 }  // namespace ragtop

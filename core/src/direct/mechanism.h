@@ -11,7 +11,7 @@
 /// many RATTLE steps [Andersen 1983; Reich 1996] as their turning asks for,
 ///   kick ½h a,  impulses Gₙᵀλ such that C(qₙ₊₁) = 0,  free motion over h,  kick ½h a,  impulses Gₙ₊₁ᵀμ such that
 ///   Gₙ₊₁ v = 0,
-/// which is of second order, reversible and symplectic, so that energy errs by a bounded amount (docs/adr/0025).
+/// which is of second order, reversible and symplectic, so that energy errs by a bounded amount (docs/adr/0021).
 namespace ragtop::direct {
 
 struct MechanismPose {

@@ -363,7 +363,7 @@ RAGTOP_INLINE Mask<N> isZero(const WideVec3<N>& a) {
 
 /// x ← x + h v − ½ h² a, with a the part of this substep's acceleration that the substep before had too: free fall and
 /// steady sliding are then exact parabolas, while impacts and resting contacts, whose accelerations reverse or vanish,
-/// see no correction (docs/adr/0004-position-map.md).
+/// see no correction (docs/adr/0004).
 template <int N>
 void integratePositions(const BodyArrays& arrays, const std::uint32_t* bodies, int begin, int end,
                         const SolverContext& context) {

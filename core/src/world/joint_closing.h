@@ -9,7 +9,7 @@
 #include "constraints/joint_sim.h"
 #include "direct/island_system.h"
 
-/// Closes joints by places where a step has left them open (docs/adr/0040-closing-joints.md). Whatever way its island
+/// Closes joints by places where a step has left them open (docs/adr/0039). Whatever way its island
 /// is solved, a group of bodies that joints hold together ends no step with its anchors further apart than a small part
 /// of their bodies' size: all of the group go the least way, weighted with their masses, that closes its joints, and
 /// what speed opens them is taken. Both are orthogonal projections in the metric of the masses: they keep the momentum

@@ -1,5 +1,5 @@
 // Trees of joints that nothing else has part in: a group of them goes through the whole step in one task, with its bodies
-// in one processor's cache and nobody to wait for (docs/adr/0037-trees-that-go-alone.md). The bits are those of the stages.
+// in one processor's cache and nobody to wait for (docs/adr/0006). The bits are those of the stages.
 
 #include <atomic>
 

@@ -1,5 +1,5 @@
 // Modules: what they look at before a step, and what they do between its substeps, on workers where they say to whom
-// (docs/adr/0048-modules-name-their-bodies.md).
+// (docs/adr/0048).
 
 #include <atomic>
 #include <chrono>

@@ -2,7 +2,7 @@
 
 #include "world/world_impl.h"
 
-/// What is outside the core and takes part in steps (docs/adr/0048-modules-name-their-bodies.md).
+/// What is outside the core and takes part in steps (docs/adr/0048).
 namespace ragtop {
 
 /// `beforeStep` of all.

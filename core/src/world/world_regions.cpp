@@ -1,7 +1,7 @@
 // Regions: islands that have nothing to do with each other, dealt out to as many tasks as there are workers. A region
 // goes through all substeps of a step without waiting for anybody. Constraints keep their colours, so that the bits are
 // those of a world without regions, and how many there are may depend on the number of workers
-// (docs/adr/0036-regions.md).
+// (docs/adr/0006).
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 
 #include "world/world_impl.h"
 
-/// Islands that have nothing to do with each other, side by side (docs/adr/0036-regions.md).
+/// Islands that have nothing to do with each other, side by side (docs/adr/0006).
 namespace ragtop {
 
 /// Deals islands out to regions where that pays, or mends what has changed about them.

@@ -2,8 +2,8 @@
 
 #include "world/world_impl.h"
 
-/// Trees of joints that are calm take several substeps of the world at once (docs/adr/0031-calm-chains.md); those that
-/// nothing else has part in do so by themselves (docs/adr/0037-trees-that-go-alone.md).
+/// Trees of joints that are calm take several substeps of the world at once (docs/adr/0021); those that
+/// nothing else has part in do so by themselves (docs/adr/0006).
 namespace ragtop {
 
 /// How each body of this step goes through it; groups trees anew that changed.

@@ -115,7 +115,7 @@ public:
     Ragdoll(World& world, const RagdollDef& def, const Pose& placement = {}, const Vec3& velocity = {});
     /// In the pose of an animation: one world pose per bone, all moving at `velocity`. Parts turn as their bones do,
     /// and are where their joints have them, also where the animation stretches a bone. What is beyond a limit begins
-    /// there, is told by beyondLimits(), and is moved back without a gain of energy (docs/adr/0027).
+    /// there, is told by beyondLimits(), and is moved back without a gain of energy (docs/adr/0038).
     Ragdoll(World& world, const RagdollDef& def, std::span<const Pose> bones, const Vec3& velocity = {});
     /// Thrown out of an animation: in its pose of now, each part moving and turning as its bone did since the frame
     /// before, dt seconds ago. Throws std::invalid_argument also where dt is not above zero and finite.

@@ -72,7 +72,7 @@ std::string whyInvalid(const SpringBonesDef& def, const Skeleton& skeleton);
 /// g the unit vector of gravity, L its length; all seen in axes that turn with the bend of the bone that carries it. So
 /// bends add up along a chain, but none shakes another, which would grow from bone to bone without end. Each step is
 /// the damped oscillator's own course for the force and stiffness F·d in its middle: it is stable at any duration, and
-/// the same at any frame rate (docs/adr/0044-spring-bones.md). Between frames the animation moves as its last two
+/// the same at any frame rate (docs/adr/0045). Between frames the animation moves as its last two
 /// frames and this one say. Steps neither throw nor allocate.
 class SpringBones {
 public:

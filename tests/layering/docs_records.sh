@@ -1,0 +1,36 @@
+#!/bin/sh
+# docs_records.sh <source tree>: decision records keep their form.
+#   A record in docs/adr has at most 60 lines, a status, context, decision, consequences, one table and its proof; the tests
+#   that records name exist, and so do the records that source comments name.
+set -eu
+cd "$1"
+status=0
+complain() {
+    echo "$1"
+    status=1
+}
+atMost() {
+    lines=$(wc -l <"$1")
+    [ "$lines" -le "$2" ] || complain "$1: $lines lines, more than $2"
+}
+
+tests=$(grep -rhoE '^(TEST|TEST_F|TEST_P|TYPED_TEST)\([A-Za-z0-9]+, [A-Za-z0-9]+' tests --include='*.cpp' |
+    sed 's/^[A-Z_]*(//; s/, /./' | sort -u)
+for record in docs/adr/[0-9]*.md; do
+    atMost "$record" 60
+    grep -q '^Status: ' "$record" || complain "$record: no status"
+    for part in Context Decision Consequences Proof; do
+        grep -q "^## $part\$" "$record" || complain "$record: no section $part"
+    done
+    tables=$(grep -cE '^ *\|[-|: ]+\|$' "$record" || true)
+    [ "$tables" = 1 ] || complain "$record: $tables tables, not one"
+    grep -qF "($(basename "$record"))" docs/adr/README.md || complain "docs/adr/README.md: does not name $record"
+    for name in $(sed -n '/^## Proof/,$p' "$record" | grep -oE '`[A-Z][A-Za-z0-9]+\.[A-Z][A-Za-z0-9]+`' | tr -d '`'); do
+        echo "$tests" | grep -qx "$name" || complain "$record: no test $name"
+    done
+done
+for number in $(grep -rhoE 'docs/adr/[0-9]{4}' core vehicles ragdolls assets/include assets/src demos bench tests \
+    --include='*.h' --include='*.cpp' --include='*.inl' | sed 's|.*/||' | sort -u); do
+    ls "docs/adr/$number"-*.md >/dev/null 2>&1 || complain "a comment names docs/adr/$number, which is no record"
+done
+exit $status
