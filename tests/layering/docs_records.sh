@@ -1,7 +1,8 @@
 #!/bin/sh
-# docs_records.sh <source tree>: decision records keep their form.
+# docs_records.sh <source tree>: decision records and the changelog keep their form.
 #   A record in docs/adr has at most 60 lines, a status, context, decision, consequences, one table and its proof; the tests
 #   that records name exist, and so do the records that source comments name.
+#   CHANGELOG.md has at most 120 lines.
 set -eu
 cd "$1"
 status=0
@@ -14,6 +15,7 @@ atMost() {
     [ "$lines" -le "$2" ] || complain "$1: $lines lines, more than $2"
 }
 
+atMost CHANGELOG.md 120
 tests=$(grep -rhoE '^(TEST|TEST_F|TEST_P|TYPED_TEST)\([A-Za-z0-9]+, [A-Za-z0-9]+' tests --include='*.cpp' |
     sed 's/^[A-Z_]*(//; s/, /./' | sort -u)
 for record in docs/adr/[0-9]*.md; do
