@@ -2,7 +2,7 @@
 # docs_records.sh <source tree>: decision records and the changelog keep their form.
 #   A record in docs/adr has at most 60 lines, a status, context, decision, consequences, one table and its proof; the tests
 #   that records name exist, and so do the records that source comments name.
-#   CHANGELOG.md has at most 120 lines.
+#   CHANGELOG.md has at most 120 lines, docs/step.md at most 250.
 set -eu
 cd "$1"
 status=0
@@ -16,6 +16,7 @@ atMost() {
 }
 
 atMost CHANGELOG.md 120
+atMost docs/step.md 250
 tests=$(grep -rhoE '^(TEST|TEST_F|TEST_P|TYPED_TEST)\([A-Za-z0-9]+, [A-Za-z0-9]+' tests --include='*.cpp' |
     sed 's/^[A-Z_]*(//; s/, /./' | sort -u)
 for record in docs/adr/[0-9]*.md; do
