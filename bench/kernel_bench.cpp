@@ -164,11 +164,11 @@ BENCHMARK_CAPTURE(contactWarmStart, bodies, Below::body)->Apply(laneCounts);
 BENCHMARK_CAPTURE(contactWarmStart, ground, Below::ground)->Apply(laneCounts);
 BENCHMARK(bodyIntegrate)->Apply(laneCounts);
 
-/// Figures of sixteen balls: Jacobians, factor and solution of one substep; `twofold` in double precision.
-void treeSolve(benchmark::State& state, bool twofold) {
+/// Figures of sixteen balls: Jacobians, factor and solution of one substep; `doublePrecision` in double precision.
+void treeSolve(benchmark::State& state, bool doublePrecision) {
     constexpr int kTrees = 64;
     const direct::TreeTables& tables = direct::selectTreeKernels(static_cast<int>(state.range(0)));
-    const direct::TreeKernels& kernels = twofold ? tables.twofold : tables.single;
+    const direct::TreeKernels& kernels = doublePrecision ? tables.doublePrecision : tables.single;
     test::TreeRig rig(kernels, test::limbed(test::figure(4, 4)), kTrees);
     rig.begin();
     for (auto _ : state) rig.solve({1.0f / 240, 40});
@@ -176,13 +176,13 @@ void treeSolve(benchmark::State& state, bool twofold) {
     state.SetLabel(kernels.name);
 }
 BENCHMARK_CAPTURE(treeSolve, single, false)->Apply(laneCounts);
-BENCHMARK_CAPTURE(treeSolve, twofold, true)->Apply(laneCounts);
+BENCHMARK_CAPTURE(treeSolve, doublePrecision, true)->Apply(laneCounts);
 
 /// Of it the factor and one solution alone, of what has been gathered, turned and aimed.
-void treeFactor(benchmark::State& state, bool twofold) {
+void treeFactor(benchmark::State& state, bool doublePrecision) {
     constexpr int kTrees = 64;
     const direct::TreeTables& tables = direct::selectTreeKernels(static_cast<int>(state.range(0)));
-    const direct::TreeKernels& kernels = twofold ? tables.twofold : tables.single;
+    const direct::TreeKernels& kernels = doublePrecision ? tables.doublePrecision : tables.single;
     test::TreeRig rig(kernels, test::limbed(test::figure(4, 4)), kTrees);
     rig.begin();
     rig.solve({1.0f / 240, 40});
@@ -191,7 +191,7 @@ void treeFactor(benchmark::State& state, bool twofold) {
     state.SetLabel(kernels.name);
 }
 BENCHMARK_CAPTURE(treeFactor, single, false)->Apply(laneCounts);
-BENCHMARK_CAPTURE(treeFactor, twofold, true)->Apply(laneCounts);
+BENCHMARK_CAPTURE(treeFactor, doublePrecision, true)->Apply(laneCounts);
 
 /// Pairs as one box resting on another, with the cache of the step before.
 void pairBench(benchmark::State& state, const Shape& a, const Shape& b, const Vec3& offset) {

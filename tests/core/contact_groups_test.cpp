@@ -22,7 +22,7 @@ protected:
     LaneView lane(GraphPlace place) { return {graph.lane(place), graph.lanes()}; }
     void SetUp() override {
         for (std::uint32_t i = 0; i < kContacts; ++i) {
-            places[i] = graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, ConstraintGraph::By::sweeps);
+            places[i] = graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, ConstraintGraph::By::iteration);
             ASSERT_EQ(places[i].color, 0u);
             for (int field = 0; field < contact::kFields; ++field) lane(places[i]).at(field) = valueOf(i, field);
             lane(places[i]).setBits(contact::kPointCount, pointsOf(i));
@@ -45,9 +45,9 @@ TEST(ConstraintGraph, ColoursOfFewContactsGrowByAllContacts) {
     constexpr std::uint32_t kMany = 16384;
     ConstraintGraph graph(8, std::pmr::get_default_resource());
     for (std::uint32_t i = 0; i < kMany; ++i)
-        graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, ConstraintGraph::By::sweeps);
+        graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, ConstraintGraph::By::iteration);
     const auto addSecond = [&](std::uint32_t i) {
-        return graph.insertContact(kMany + i, 4 * i + 1, true, 4 * i + 3, true, ConstraintGraph::By::sweeps);
+        return graph.insertContact(kMany + i, 4 * i + 1, true, 4 * i + 3, true, ConstraintGraph::By::iteration);
     };
     ASSERT_EQ(addSecond(0).color, 1u);
     const ConstraintGraph::Color& color = graph.color(1);

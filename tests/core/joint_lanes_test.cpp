@@ -143,7 +143,7 @@ Rig pairs(const Kind& kind, int count, std::uint64_t seed) {
             def);
         // Held or locked bodies are of no figure.
         const bool mayBe = !held && rig.bodies[a].locks == 0 && rig.bodies[b].locks == 0;
-        rig.join(a, b, def).ofFigure = static_cast<float>(mayBe && i % 2 == 0 ? 1 : 0);
+        rig.join(a, b, def).ofFreeTree = static_cast<float>(mayBe && i % 2 == 0 ? 1 : 0);
     }
     return rig;
 }
@@ -157,8 +157,8 @@ void expectSame(const Rig& alone, const Rig& wide, const std::string& what) {
     }
     for (std::size_t j = 0; j < alone.joints.size(); ++j) {
         const JointSim &a = alone.joints[j], &b = wide.joints[j];
-        ASSERT_EQ(carriedImpulse(a).linear, carriedImpulse(b).linear) << what << ", joint " << j;
-        ASSERT_EQ(carriedImpulse(a).angular, carriedImpulse(b).angular) << what << ", joint " << j;
+        ASSERT_EQ(warmStartImpulse(a).linear, warmStartImpulse(b).linear) << what << ", joint " << j;
+        ASSERT_EQ(warmStartImpulse(a).angular, warmStartImpulse(b).angular) << what << ", joint " << j;
         ASSERT_EQ(a.stepImpulse.angular, b.stepImpulse.angular) << what << ", joint " << j;
         ASSERT_EQ(a.axis.turns, b.axis.turns) << what << ", joint " << j;
         ASSERT_EQ(alone.state(j).coordinate, wide.state(j).coordinate) << what << ", joint " << j;

@@ -107,7 +107,7 @@ public:
             joint.start = drawn.stored;
             joints_.push_back(joint);
         }
-        noteKinetic(kind);
+        recordKinetic(kind);
     }
     /// The most that any joint has gained, of what it began with, while none of its stops is pressed.
     double gain() const {
@@ -148,13 +148,13 @@ private:
         return 0.5 * static_cast<double>(dot(v, v) + dot(w, scale(kMoments, w)));
     }
     /// What does not fit the rigid rows is lost at once: a universal's axes are held apart by its cross.
-    void noteKinetic(const Kind& kind);
+    void recordKinetic(const Kind& kind);
 
     World world_;
     std::vector<Joint> joints_;
 };
 
-void ThrownJoints::noteKinetic(const Kind& kind) {
+void ThrownJoints::recordKinetic(const Kind& kind) {
     if (kind.draw != universal) {
         for (Joint& joint : joints_) joint.start += energy(world_, joint.a) + energy(world_, joint.b);
         return;

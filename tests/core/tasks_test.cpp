@@ -164,7 +164,7 @@ TEST(StageRunner, AloneOnTheCallerWakesNoWorker) {
     StageRunner runner(threadTasks(2));
     const auto caller = std::this_thread::get_id();
     int calls = 0;
-    runner.aloneRegion([&] {
+    runner.serialRegion([&] {
         runner.parallelFor(1000, 10, [&](int begin, int end, int worker) {
             calls += end - begin;
             EXPECT_EQ(std::this_thread::get_id(), caller);

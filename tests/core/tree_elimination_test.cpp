@@ -182,7 +182,7 @@ double worstError(TreeRig& rig, int trees, double beta, bool twice, bool perCond
 TEST(TreeElimination, AgreesWithADenseFactorization) {
     for (const bool held : {true, false}) {
         const direct::TreeTables& tables = direct::selectTreeKernels(8);
-        for (const TreeKernels* kernels : {&tables.single, &tables.twofold}) {
+        for (const TreeKernels* kernels : {&tables.single, &tables.doublePrecision}) {
             TreeRig rig(*kernels, mixed(held), 11);
             stopSpins(rig, 11);
             rig.begin();
@@ -197,7 +197,7 @@ TEST(TreeElimination, AgreesWithADenseFactorization) {
 
 TEST(TreeElimination, LimbsAgreeWithTheGeneralWayAndADenseFactorization) {
     const direct::TreeTables& tables = direct::selectTreeKernels(8);
-    for (const TreeKernels* kernels : {&tables.single, &tables.twofold})
+    for (const TreeKernels* kernels : {&tables.single, &tables.doublePrecision})
         for (std::uint64_t seed = 1; seed <= 6; ++seed)
             for (const bool limbs : {false, true}) {
                 const std::vector<TreeLink> links = randomBalls(seed % 2 == 0, seed);
@@ -214,12 +214,12 @@ TEST(TreeElimination, LimbsAgreeWithTheGeneralWayAndADenseFactorization) {
 
 TEST(TreeElimination, SameBitsInAnyLaneOfAnyWidth) {
     constexpr int kTrees = 19;
-    for (const bool twofold : {false, true}) {
+    for (const bool doublePrecision : {false, true}) {
         const std::vector<TreeLink> links = test::limbed(mixed(true));
         std::vector<BodyState> expected;
         for (const int lanes : {4, 8, 16}) {
             const direct::TreeTables& tables = direct::selectTreeKernels(lanes);
-            const TreeKernels& kernels = twofold ? tables.twofold : tables.single;
+            const TreeKernels& kernels = doublePrecision ? tables.doublePrecision : tables.single;
             TreeRig rig(kernels, links, kTrees, 100);
             rig.begin();
             rig.solve({kH, 40});
@@ -243,7 +243,7 @@ TEST(TreeElimination, SameBitsInAnyLaneOfAnyWidth) {
 
 TEST(TreeElimination, FreeTreeKeepsItsMomentum) {
     const direct::TreeTables& tables = direct::selectTreeKernels(8);
-    for (const TreeKernels* kernels : {&tables.single, &tables.twofold}) {
+    for (const TreeKernels* kernels : {&tables.single, &tables.doublePrecision}) {
         TreeRig rig(*kernels, test::limbed(mixed(false)), 8);
         rig.begin();
         rig.solve({kH, 40});
@@ -262,7 +262,7 @@ TEST(TreeElimination, FreeTreeKeepsItsMomentum) {
 }
 
 TEST(TreeElimination, ErrorsVanishWhenTheSubstepEnds) {
-    const TreeKernels& kernels = direct::selectTreeKernels(8).twofold;
+    const TreeKernels& kernels = direct::selectTreeKernels(8).doublePrecision;
     TreeRig rig(kernels, test::limbed(test::figure(4, 4)), 4);
     rig.begin();
     rig.solve({kH, 1 / kH});
@@ -299,7 +299,7 @@ TEST(TreeElimination, WhatHasNoAnswerIsLeftAlone) {
 /// What is measured alone has an answer, and leaves bodies as they are.
 TEST(TreeElimination, FactorsAgainWhatASolveHasLeft) {
     const direct::TreeTables& tables = direct::selectTreeKernels(8);
-    for (const TreeKernels* kernels : {&tables.single, &tables.twofold}) {
+    for (const TreeKernels* kernels : {&tables.single, &tables.doublePrecision}) {
         TreeRig rig(*kernels, test::limbed(test::figure(4, 4)), 11);
         rig.begin();
         rig.solve({kH, 40});

@@ -149,7 +149,7 @@ private:
 };
 
 inline std::vector<direct::TreeLink> limbed(std::vector<direct::TreeLink> links) {
-    direct::markLimbs(links.data(), links.size());
+    direct::markBallChains(links.data(), links.size());
     return links;
 }
 

@@ -117,8 +117,8 @@ TEST(Modules, TaxOnlyTheBodiesThatTheyName) {
     }
     EXPECT_EQ(looking.calls, 480u);
     const StepStats a = free.stats(), b = watched.stats();
-    EXPECT_EQ(a.aloneBodies, 8 * 13);
-    EXPECT_EQ(b.aloneBodies, a.aloneBodies);
+    EXPECT_EQ(a.independentBodies, 8 * 13);
+    EXPECT_EQ(b.independentBodies, a.independentBodies);
     EXPECT_LE(b.solvedBodies, a.solvedBodies + 1);
     EXPECT_LT(a.solvedBodies, 10);
     for (std::size_t c = 0; c < freeChains.size(); ++c)

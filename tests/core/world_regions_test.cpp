@@ -47,14 +47,14 @@ struct Watcher {
 };
 
 TEST(Regions, ChangeNoBitHoweverManyWorkersThereAre) {
-    World alone(withoutSleep()), two(withoutSleep(), {.tasks = threadTasks(2)}),
+    World independent(withoutSleep()), two(withoutSleep(), {.tasks = threadTasks(2)}),
         three(withoutSleep(), {.tasks = threadTasks(3)});
     // With modules that look at substeps regions go through the stages of the world.
     World watchedAlone(withoutSleep()), watched(withoutSleep(), {.tasks = threadTasks(3)});
     Watcher watchers[2];
     watchedAlone.add(&watchers[0].module);
     watched.add(&watchers[1].module);
-    const std::array worlds{&alone, &two, &three, &watchedAlone, &watched};
+    const std::array worlds{&independent, &two, &three, &watchedAlone, &watched};
     bool divided = false;
     for (World* world : worlds) addRows(*world);
     for (int i = 0; i < 240; ++i) {
@@ -62,11 +62,11 @@ TEST(Regions, ChangeNoBitHoweverManyWorkersThereAre) {
             if (i % 80 == 40) addLatecomer(*world);
             world->step(1.0 / 60);
         }
-        ASSERT_EQ(two.hash(), alone.hash()) << "step " << i;
-        ASSERT_EQ(three.hash(), alone.hash()) << "step " << i;
+        ASSERT_EQ(two.hash(), independent.hash()) << "step " << i;
+        ASSERT_EQ(three.hash(), independent.hash()) << "step " << i;
         ASSERT_EQ(watched.hash(), watchedAlone.hash()) << "step " << i;
         // Regions have lists of their own, whose lengths are saved.
-        divided |= three.saveSize() > alone.saveSize() && two.saveSize() > alone.saveSize();
+        divided |= three.saveSize() > independent.saveSize() && two.saveSize() > independent.saveSize();
     }
     EXPECT_TRUE(divided);
 }
@@ -77,19 +77,19 @@ TEST(Regions, AreSavedAndGoOnWithAnotherNumberOfWorkers) {
     for (int i = 0; i < 40; ++i) three.step(1.0 / 60);
     std::vector<std::byte> state(three.saveSize());
     three.save(state);
-    World alone(withoutSleep()), two(withoutSleep(), {.tasks = threadTasks(2)});
-    for (World* world : {&alone, &two}) {
+    World independent(withoutSleep()), two(withoutSleep(), {.tasks = threadTasks(2)});
+    for (World* world : {&independent, &two}) {
         addRows(*world);
         world->restore(state);
     }
     for (int i = 0; i < 60; ++i) {
-        for (World* world : {&alone, &two, &three}) world->step(1.0 / 60);
-        ASSERT_EQ(alone.hash(), three.hash()) << "step " << i;
+        for (World* world : {&independent, &two, &three}) world->step(1.0 / 60);
+        ASSERT_EQ(independent.hash(), three.hash()) << "step " << i;
         ASSERT_EQ(two.hash(), three.hash()) << "step " << i;
     }
     std::vector<std::byte> damaged = state;
     damaged[state.size() / 2] ^= std::byte{1};
-    EXPECT_THROW(alone.restore(damaged), std::invalid_argument);
+    EXPECT_THROW(independent.restore(damaged), std::invalid_argument);
 }
 
 TEST(Regions, KeepTheColourOfAConstraintAndAllThatItsLaneHolds) {
@@ -97,7 +97,7 @@ TEST(Regions, KeepTheColourOfAConstraintAndAllThatItsLaneHolds) {
     constexpr std::uint32_t kContacts = 20;
     GraphPlace places[kContacts];
     for (std::uint32_t i = 0; i < kContacts; ++i) {
-        places[i] = graph.insertContact(i, 1 + i / 2, true, 0, false, ConstraintGraph::By::sweeps);
+        places[i] = graph.insertContact(i, 1 + i / 2, true, 0, false, ConstraintGraph::By::iteration);
         LaneView lane(graph.lane(places[i]), graph.lanes());
         for (int field = 0; field < contact::kFields; ++field)
             lane.at(field) = static_cast<float>(100 * i) + static_cast<float>(field);
@@ -120,7 +120,7 @@ TEST(Regions, KeepTheColourOfAConstraintAndAllThatItsLaneHolds) {
             ASSERT_EQ(lane.at(field), static_cast<float>(100 * i) + static_cast<float>(field));
     }
     // A third contact of a body takes the next colour, beside the first two of its region.
-    const GraphPlace third = graph.insertContact(kContacts, 1, true, 0, false, ConstraintGraph::By::sweeps);
+    const GraphPlace third = graph.insertContact(kContacts, 1, true, 0, false, ConstraintGraph::By::iteration);
     EXPECT_EQ(third.color,
               static_cast<std::uint32_t>(ConstraintGraph::firstList(1) + ConstraintGraph::kFirstStaticColor + 2));
 }

@@ -55,9 +55,9 @@ std::vector<DVec3> placesAfter(const WorldConfig& config, int company, double se
 }
 
 TEST(TreesOfJoints, CompanyAndLanesChangeNoBit) {
-    const std::vector<DVec3> alone = placesAfter({.lanes = 4}, 0, 1.5);
+    const std::vector<DVec3> independent = placesAfter({.lanes = 4}, 0, 1.5);
     for (const int lanes : {4, 8, 16})
-        for (const int company : {0, 13}) EXPECT_EQ(placesAfter({.lanes = lanes}, company, 1.5), alone) << lanes;
+        for (const int company : {0, 13}) EXPECT_EQ(placesAfter({.lanes = lanes}, company, 1.5), independent) << lanes;
 }
 
 /// Narrow groups before wide ones: vectors of every width must lie where they may be read.

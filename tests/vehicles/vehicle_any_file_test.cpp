@@ -96,7 +96,7 @@ TEST(AnyVehicleFile, ForcesThatAreNoNumbersAreLeftOutAndCounted) {
     };
     road.world.add(&asking);
     ASSERT_NO_THROW(road.world.step(kStep));
-    EXPECT_EQ(road.world.stats().runaways, 5u);  // four substeps and an end
+    EXPECT_EQ(road.world.stats().outOfRange, 5u);  // four substeps and an end
     road.world.remove(&asking);
     EXPECT_THROW(road.world.applyTorque(victim, {0, INFINITY, 0}), std::invalid_argument);
 }

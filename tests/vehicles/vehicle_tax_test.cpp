@@ -51,9 +51,9 @@ TEST(Vehicle, OneCarTaxesNobody) {
         }
         EXPECT_GT(car.telemetry().speed, 1);
         const StepStats a = without.world.stats(), b = with.world.stats();
-        ASSERT_EQ(a.aloneBodies, without.links);
+        ASSERT_EQ(a.independentBodies, without.links);
         ASSERT_EQ(a.solvedBodies, 0);  // boxes rest
-        EXPECT_EQ(b.aloneBodies, a.aloneBodies);
+        EXPECT_EQ(b.independentBodies, a.independentBodies);
         EXPECT_EQ(b.solvedBodies, 1);  // the car
         EXPECT_EQ(b.strayImpulses, 0u);
         for (std::size_t i = 0; i < with.others.size(); ++i)

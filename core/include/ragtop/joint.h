@@ -130,8 +130,8 @@ struct SixDofDef {
 using JointDef = std::variant<BallDef, HingeDef, SliderDef, FixedDef, DistanceDef, CylindricalDef, UniversalDef,
                               PlaneDef, ScrewDef, PathDef, SixDofDef>;
 
-/// What pulls a ball or a hinge from now on, in the stead of its springs: for callers that set all joints of a figure in
-/// every step (World::setDrives).
+/// What pulls a ball or a hinge from now on, in the stead of its springs: for callers that set all joints of a ragdoll
+/// in every step (World::setDrives).
 struct JointDrive {
     JointId joint{};
     Quat target{};                     ///< balls: of B's joint frame in A's

@@ -12,8 +12,8 @@ namespace ragtop {
 
 /// Who solves the constraints of an island, bodies that joints and contacts link.
 enum class SolverChoice : std::int32_t {
-    automatic,  ///< sweeps, and the direct solver for islands that need it
-    iterative,  ///< sweeps everywhere
+    automatic,  ///< iteration, and the direct solver for islands that need it
+    iterative,  ///< iteration everywhere
     direct,     ///< the direct solver wherever it fits
 };
 
@@ -32,8 +32,8 @@ struct WorldSettings {
     float staticContactDamping = 5.0f;  ///< the same against static bodies, which are twice as stiff
     float jointFrequency = 0.25f;       ///< of joints, times the substep rate
     float jointDamping = 2.0f;          ///< damping ratio of joints
-    float loadCarrying = 0.002f;        ///< share of a contact's load carried into the next step's rest point
-    float staticLoadCarrying = 0.03f;   ///< the same against static bodies
+    float loadGain = 0.002f;            ///< share of a contact's load carried into the next step's rest point
+    float staticLoadGain = 0.03f;       ///< the same against static bodies
     SolverChoice solver = SolverChoice::automatic;
     float pushOut = 0.03f;              ///< speed that an overlap adds at most to what the load takes, in sizes per step
     bool sequentialFriction = false;    ///< friction after all normal forces instead of beside each
@@ -57,11 +57,12 @@ void describe(Visitor& visit, Self& self, const WorldSettings*) {
     visit(Tunable{"jointFrequency", "1", 0.001, 0.25, "frequency of joints over the substep rate"},
           self.jointFrequency);
     visit(Tunable{"jointDamping", "1", 0, 100, "damping ratio of joints"}, self.jointDamping);
-    visit(Tunable{"loadCarrying", "1", 0, 0.05, "share of a contact's load carried into its rest point per step"},
-          self.loadCarrying);
-    visit(Tunable{"staticLoadCarrying", "1", 0, 0.05, "the same of contacts with static bodies"},
-          self.staticLoadCarrying);
-    visit(Tunable{"solver", "", 0, 0, "who solves: chosen per island, sweeps everywhere, or direct wherever it fits"}, self.solver);
+    visit(Tunable{"loadGain", "1", 0, 0.05, "share of a contact's load carried into its rest point per step"},
+          self.loadGain);
+    visit(Tunable{"staticLoadGain", "1", 0, 0.05, "the same of contacts with static bodies"}, self.staticLoadGain);
+    visit(
+        Tunable{"solver", "", 0, 0, "who solves: chosen per island, iteration everywhere, or direct wherever it fits"},
+        self.solver);
     visit(Tunable{"pushOut", "sizes/step", 0.001, 10, "largest speed that an overlap adds to what the load takes"}, self.pushOut);
     visit(Tunable{"sequentialFriction", "", 0, 1, "friction after all normal forces instead of beside each"},
           self.sequentialFriction);

@@ -65,21 +65,21 @@ struct StepStats {
         const char* name;
         double ms;
     };
-    /// An island that was solved directly; all others were swept.
+    /// An island that was solved directly; all others were solved by iteration.
     struct Island {
         const char* reason;      ///< why: asked, heavy, tall, slender, deep, taut, leaning, tree, loop, stiff, or staying for a while
         int bodies, contacts, joints;
         int iterations, factorizations;  ///< Newton's, of all substeps
         double residual;         ///< of the impulses in the last solve, relative
         double ms;
-        bool solved;             ///< false: given up, and left to sweeps for some steps
+        bool solved;  ///< false: it did not converge, and is left to iteration for some steps
     };
     std::span<const Stage> stages;    ///< in order; valid until the next step
     std::span<const Island> islands;  ///< likewise
-    std::uint64_t givenUp = 0;        ///< direct solves that were, since the world was made
+    std::uint64_t directFailures = 0;  ///< direct solves that did not converge, since the world was made
     /// Times since the world was made that a body was stopped where a step began, as forces beyond all measure took it out
     /// of numbers (1e15 m, or that in a step), or that a module asked for a force that is none, and which is left out.
-    std::uint64_t runaways = 0;
+    std::uint64_t outOfRange = 0;
     /// Times that bodies held together by joints had gained energy that nothing gave them, which was taken back, since the
     /// world was made; and how much, J.
     std::uint64_t energyGuarded = 0;
@@ -96,7 +96,7 @@ struct StepStats {
     int bodies = 0, awakeBodies = 0, contacts = 0, touching = 0, joints = 0, colors = 0;
     /// What the last step did of its awake bodies: went through its substeps together; by themselves, as chains that nothing
     /// touches do. The rest were at rest and left out.
-    int solvedBodies = 0, aloneBodies = 0;
+    int solvedBodies = 0, independentBodies = 0;
     int regions = 0;        ///< into which it divided them, each of which went through the substeps by itself
     std::size_t bytes = 0;  ///< memory held
 };

@@ -50,7 +50,7 @@ public:
         const BodyFunction call = [](void* context) { (*static_cast<Function*>(context))(); };
         const int workers = most < workers_ ? most : workers_;
         if (workers_ == 1 || inRegion()) return body();
-        if (workers == 1) return aloneRegion(body);
+        if (workers == 1) return serialRegion(body);
         if (!openRegion(workers, call, addressOf(body))) body();
     }
     template <class Body>
@@ -62,22 +62,22 @@ public:
     template <class Part>
     void part(bool alone, Part&& part) {
         if (!inRegion()) return part();
-        const bool before = alone_;
-        alone_ = before || alone;
+        const bool before = serial_;
+        serial_ = before || alone;
         part();
-        alone_ = before;
+        serial_ = before;
     }
 
     /// The same on the calling thread alone: waking workers costs more than they could help with little work.
     template <class Body>
-    void aloneRegion(Body&& body) {
+    void serialRegion(Body&& body) {
         std::thread::id nobody;
         const bool taken =
             caller_.compare_exchange_strong(nobody, std::this_thread::get_id(), std::memory_order_acquire);
         if (!taken) return body();
-        alone_ = true;
+        serial_ = true;
         body();
-        alone_ = false;
+        serial_ = false;
         caller_.store(std::thread::id{}, std::memory_order_release);
     }
 
@@ -98,7 +98,7 @@ public:
             (*static_cast<Function*>(context))(begin, end, worker);
         };
         if (inRegion()) {
-            if (alone_) return body(0, count, 0);
+            if (serial_) return body(0, count, 0);
             runStage(call, addressOf(body), count, grain);
             return;
         }
@@ -139,7 +139,7 @@ private:
     std::unique_ptr<Share[]> shares_;        ///< one per worker
     std::atomic<std::thread::id> caller_{};  ///< whose region it is
     bool bodyDone_ = false;                  ///< of the caller alone
-    bool alone_ = false;                     ///< of the caller alone: its region has no workers, or does not ask them
+    bool serial_ = false;                    ///< of the caller alone: its region has no workers, or does not ask them
     BodyFunction body_ = nullptr;
     void* bodyContext_ = nullptr;
     std::uint32_t othersBlocks_ = 0;  ///< of the caller alone: blocks that others have done since the runner was made

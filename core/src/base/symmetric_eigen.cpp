@@ -10,7 +10,7 @@ PrincipalAxes principalAxes(const Mat3& m) {
     const double scale = std::abs(a[0][0]) + std::abs(a[1][1]) + std::abs(a[2][2]);
     const double small = 1e-6 * scale;  // single-precision input: anything below is rounding
     bool turned = false;
-    for (int sweep = 0; sweep < 20; ++sweep) {
+    for (int iteration = 0; iteration < 20; ++iteration) {
         double largest = 0;
         for (int p = 0; p < 2; ++p)
             for (int q = p + 1; q < 3; ++q) {

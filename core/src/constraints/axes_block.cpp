@@ -68,7 +68,7 @@ void refreshMass(AxesBlock& block, const PairMass& mass) {
     }
 }
 
-PairVector carriedImpulse(const AxesBlock& block) {
+PairVector warmStartImpulse(const AxesBlock& block) {
     PairVector sum;
     for (std::uint32_t i = 0; i < block.rigidRows; ++i) sum += block.impulse[i] * block.rigid[i];
     for (std::uint32_t f = 0; f < block.freeRows; ++f) sum += axisImpulse(block.axis[f]) * block.free[f];
@@ -135,8 +135,8 @@ void closeAxes(const AxesBlock& block, const BodyPair& pair, const Arms& arms, f
 namespace {
 
 /// Stops of several coordinates at once: what one gives the others take in part, so that one after the other they lose
-/// and give back energy for substeps until they agree. Once two act they are solved together, by sweeps of their own
-/// over the speeds of the coordinates, u = u₀ + P λ with P = K_ff − K_fr K_rr⁻¹ K_rf: their impulse is then the
+/// and give back energy for substeps until they agree. Once two act they are solved together, by iterations of their
+/// own over the speeds of the coordinates, u = u₀ + P λ with P = K_ff − K_fr K_rr⁻¹ K_rf: their impulse is then the
 /// projection of the velocity on what the stops allow, which only loses energy [Moreau, 1983].
 class JointStops {
 public:
@@ -153,9 +153,9 @@ public:
     }
 
     void settle(BodyPair& pair, const Arms& arms, const JointContext& context, bool moving) {
-        constexpr int kSweeps = 32;
+        constexpr int kIterations = 32;
         constexpr float kAgreed = 1e-8f;  // of the energies of the impulses
-        for (int sweep = 0; sweep < kSweeps && count_ > 0; ++sweep) {
+        for (int iteration = 0; iteration < kIterations && count_ > 0; ++iteration) {
             float changed = 0, whole = 0;
             for (int i = 0; i < count_; ++i) {
                 AxisRows& axis = block_.axis[stops_[i]];

@@ -9,7 +9,7 @@ namespace ragtop {
 struct AxesBlock {
     static constexpr int kMostRigid = 6, kMostFree = 6;
     std::uint32_t rigidRows = 0, freeRows = 0;
-    std::uint32_t isAlone = 0;   ///< 1: neither body has another joint
+    std::uint32_t isIsolated = 0;  ///< 1: neither body has another joint
     std::uint32_t isAbrupt = 0;  ///< 1: rigid rows bend too differently from substep to substep to be foreseen
     std::uint32_t locked = 0;    ///< a bit for each coordinate that is a rigid row, at AxisRows::lower
     std::uint32_t vague = 0;  ///< the same where its row is not its rate: near a half turn, where swings have no axis
@@ -36,7 +36,7 @@ bool isHeld(const AxesBlock& block);
 /// Masses from the directions, once these are filled in.
 void refreshMass(AxesBlock& block, const PairMass& mass);
 /// All that is carried over as one impulse.
-PairVector carriedImpulse(const AxesBlock& block);
+PairVector warmStartImpulse(const AxesBlock& block);
 /// The impulse along a coordinate with what keeps the rigid rows' velocity, which is noted.
 PairVector freeImpulse(AxesBlock& block, std::uint32_t coordinate, float amount);
 /// The velocities that the rigid rows leave when they only hold, or bend as in the substep before.

@@ -4,7 +4,7 @@
 
 #include "constraints/joint_constants.h"
 #include "constraints/rows.h"
-#include "constraints/soft_course.h"
+#include "constraints/stop_trajectory.h"
 
 namespace ragtop {
 namespace {
@@ -162,8 +162,8 @@ bool DryFriction::begin(float size, float kinetic, float breakaway) {
 /// kLeaves, and what is left leads into the stop at the other end.
 static constexpr float kCrosses = 3;
 
-/// What is held by one stop meets the other where its course leads, not where the speed of now would; and what the one
-/// has given to that speed goes on for no longer than it holds.
+/// What is held by one stop meets the other where its trajectory leads, not where the speed of now would; and what the
+/// one has given to that speed goes on for no longer than it holds.
 static void leadTo(StopSide& other, StopSide& held) {
     const bool crosses = held.meets == kCrosses;
     if (crosses) held.meets = kLeaves;
@@ -174,7 +174,7 @@ static void leadTo(StopSide& other, StopSide& held) {
 
 static bool beginStops(AxisRows& rows, float speed, float h, float bend) {
     StopSide &lower = rows.atLower, &upper = rows.atUpper;
-    SoftCourse course;
+    StopTrajectory course;
     if (rows.stop.stiffness > 0) course = {rows.stop, rows.inverseMass, h, rows.upper - rows.lower};
     const bool struckLower = beginStop(lower, rows.stop, speed, course, h, bend);
     const bool struckUpper = beginStop(upper, rows.stop, -speed, course, h, -bend);
@@ -257,7 +257,7 @@ static float dueOnRelease(const StopSide& side, const Stop& stop, float h) {
     return letsGo ? -0.5f * h * stop.stiffness * side.startMargin : 0.0f;
 }
 
-bool beginStop(StopSide& side, const Stop& stop, float speed, const SoftCourse& course, float h, float bend) {
+bool beginStop(StopSide& side, const Stop& stop, float speed, const StopTrajectory& course, float h, float bend) {
     const bool jumped = side.rebound > 0 || side.meets > 0;
     const bool struck = jumped ? side.impulse != 0 : side.impulse > 0 && !(side.pressed > 0);
     const float due = jumped ? 0.0f : dueOnRelease(side, stop, h);

@@ -5,11 +5,11 @@
 
 #include "ragtop/joint_parts.h"
 
-/// Scalar rows along one coordinate, described so that both solvers can solve them: sweeps one after the other, through
-/// the joint's block; direct islands all at once.
+/// Scalar rows along one coordinate, described so that both solvers can solve them: the iteration one after the other,
+/// through the joint's block; direct islands all at once.
 namespace ragtop {
 
-class SoftCourse;
+class StopTrajectory;
 struct JointContext;
 
 /// What a row asks for in one pass. A rigid row is to reach a speed; a compliant one gives λ = push − drag u.
@@ -39,7 +39,7 @@ TunedSpring tuned(const TunedSpring& given, float frequency, float dampingRatio,
 /// A share as the drag of a row.
 inline float dragOf(float share, float inverseMass) { return (1 / share - 1) / inverseMass; }
 
-/// A limit that is overstepped by much is come back from by at most so much in a substep, rad. Turning faster, bodies
+/// A limit that is violated by much is come back from by at most so much in a substep, rad. Turning faster, bodies
 /// with unequal moments would make energy of it that is not taken back.
 inline constexpr float kTurnRecovery = 0.01f;
 
@@ -62,7 +62,7 @@ struct StopSide {
 };
 /// When a substep begins; `speed` is that of the margin before the rows of the joint act. True when something ran into
 /// the stop in the substep before: an impact does not last, so that its impulses are no guess for those to come.
-bool beginStop(StopSide& side, const Stop& stop, float speed, const SoftCourse& course, float h, float bend = 0);
+bool beginStop(StopSide& side, const Stop& stop, float speed, const StopTrajectory& course, float h, float bend = 0);
 /// False where the row of a stop would leave an impulse of zero as it is.
 bool mayAct(const StopSide& side, const Stop& stop, float speed, const JointContext& context, bool moving);
 RowAim aimAtStop(const StopSide& side, const Stop& stop, float inverseMass, const JointContext& context, bool moving);

@@ -47,7 +47,7 @@ int ConstraintGraph::findPlace(std::uint32_t bodyA, bool movesA, std::uint32_t b
 }
 
 void ConstraintGraph::clearBits(int index, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB) {
-    if (isSerial(index) || !isSwept(index)) return;
+    if (isSerial(index) || !isIterated(index)) return;
     const std::uint32_t bit = 1u << colorOf(index);
     if (movesA) bodies_[bodyA].colors &= ~bit;
     if (movesB) bodies_[bodyB].colors &= ~bit;
@@ -68,9 +68,7 @@ int ConstraintGraph::usedColors() const {
 
 GraphPlace ConstraintGraph::insertContact(std::uint32_t manifold, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,
                                           bool movesB, By by) {
-    const int index = by == By::direct ? kDirect
-                      : by == By::none ? kResting
-                                       : findPlace(bodyA, movesA, bodyB, movesB);
+    const int index = by == By::direct ? kDirect : by == By::none ? kFrozen : findPlace(bodyA, movesA, bodyB, movesB);
     return addContact(index, manifold);
 }
 
@@ -85,18 +83,18 @@ GraphPlace ConstraintGraph::addContact(int index, std::uint32_t manifold) {
     return place;
 }
 
-/// Of everything that a contact has in its colour at once. The last colours that are swept hold few contacts, whose number
-/// comes and goes by more than its own size: they get room by that of all contacts.
+/// Of everything that a contact has in its colour at once. The last colours that are iterated hold few contacts, whose
+/// number comes and goes by more than its own size: they get room by that of all contacts.
 void ConstraintGraph::makeRoom(int index) {
     constexpr std::size_t kFew = 64, kShare = 64, kLargeGrowth = 64;
     Color& c = color(index);
     const std::size_t size = c.manifolds.size();
     std::size_t all = 0;
-    const int first = isSwept(index) ? index - colorOf(index) : 0;
+    const int first = isIterated(index) ? index - colorOf(index) : 0;
     for (int i = first; i < first + kRegionLists; ++i) all += color(i).manifolds.size();
     std::size_t room = size + (c.bundles.isLarge() ? size / kLargeGrowth : size);
     if (!isSerial(index)) room = std::max(room, kFew);
-    if (!isSerial(index) && isSwept(index)) room = std::max(room, all / kShare);
+    if (!isSerial(index) && isIterated(index)) room = std::max(room, all / kShare);
     room = std::max(room, size + 1);
     c.manifolds.reserve(room);
     c.points.reserve(room);
@@ -139,7 +137,7 @@ void ConstraintGraph::copyLane(GraphPlace from, GraphPlace to) {
 /// The list of the same colour there.
 int ConstraintGraph::inRegion(GraphPlace place, std::uint32_t region) {
     const auto list = static_cast<int>(place.color);
-    return isSerial(list) || !isSwept(list) ? list : firstList(static_cast<int>(region)) + colorOf(list);
+    return isSerial(list) || !isIterated(list) ? list : firstList(static_cast<int>(region)) + colorOf(list);
 }
 
 GraphPlace ConstraintGraph::moveContact(GraphPlace from, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,

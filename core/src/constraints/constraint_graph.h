@@ -24,20 +24,20 @@ struct GraphPlace {
 /// every constraint in its lane as long as it lives [Catto, Box2D v3, 2024]. Contacts with static bodies use the last
 /// colours and are solved last. What fits nowhere is in the overflow colour, one constraint per bundle, solved serially
 /// before the others. Constraints of islands that are solved directly are in a list of their own, in which bodies may
-/// occur as often as they like: no sweep visits it. So are contacts of bodies that rest (world/world_rest.cpp), which
-/// nothing visits until they are put back.
+/// occur as often as they like: no pass visits it. So are contacts of bodies that rest (world/world_freezing.cpp),
+/// which nothing visits until they are put back.
 class ConstraintGraph {
 public:
     static constexpr int kColors = 24;
     static constexpr int kFirstStaticColor = 12;
     static constexpr int kOverflow = kColors;
     static constexpr int kDirect = kColors + 1;
-    static constexpr int kResting = kColors + 2;
+    static constexpr int kFrozen = kColors + 2;
     static constexpr int kLists = kColors + 3;
     static constexpr int kRegionLists = kColors + 1;
     static constexpr int kMostRegions = 64;
     /// Who looks after a contact.
-    enum class By { sweeps, direct, none };
+    enum class By { iteration, direct, none };
 
     struct Color {
         explicit Color(std::pmr::memory_resource* memory)
@@ -98,8 +98,8 @@ public:
     static int colorOf(int list) { return list < kLists ? list : (list - kLists) % kRegionLists; }
     /// One constraint per bundle, which may share bodies.
     static bool isSerial(int list) { return colorOf(list) == kOverflow; }
-    static bool isSwept(int list) { return list != kDirect && list != kResting; }
-    static bool isSwept(GraphPlace place) { return isSwept(static_cast<int>(place.color)); }
+    static bool isIterated(int list) { return list != kDirect && list != kFrozen; }
+    static bool isIterated(GraphPlace place) { return isIterated(static_cast<int>(place.color)); }
     std::uint32_t regionOf(std::uint32_t body) const { return body < bodies_.size() ? bodies_[body].region : 0; }
     AlignedArray<BodyPlace>& bodies() { return bodies_; }
     void setRegion(std::uint32_t body, std::uint32_t region) { bodyPlace(body).region = region; }

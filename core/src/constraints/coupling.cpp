@@ -196,7 +196,7 @@ void clearCoupled(JointSim& joint, bool coupled) {
     for (AxisRows& axis : joint.axes.axis) clear(axis);
 }
 
-void carryCoupling(const CouplingSim& coupling, JointSim* joints) {
+void warmStartCoupling(const CouplingSim& coupling, JointSim* joints) {
     const float carried = axisImpulse(coupling.axis);
     for (std::uint32_t i = 0; i < coupling.count; ++i) {
         AxisRows& axis = axisOf(joints[coupling.joints[i]], coupling.coordinates[i]);

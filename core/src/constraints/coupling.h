@@ -28,7 +28,7 @@ bool coordinateTurns(JointKind kind, int coordinate);
 /// Takes a definition over and keeps impulses. `joints` are all joints of the world.
 void compileCoupling(const CouplingDef& def, const JointSim* joints, CouplingSim& into);
 /// Of each substep, in this order: before the joints are warm started, after that, and in each pass after the joints.
-void carryCoupling(const CouplingSim& coupling, JointSim* joints);
+void warmStartCoupling(const CouplingSim& coupling, JointSim* joints);
 void beginCoupling(CouplingSim& coupling, JointSim* joints, BodyState* states, const BodyInertia* inertia,
                    const JointContext& context);
 /// After positions have moved, once the joints are refreshed.

@@ -90,7 +90,7 @@ float frictionLoad(const JointSim& joint, const JointPlace& place) {
         const float load = thrust * (1 + lead * lead) - block.axis[0].frictionImpulse * lead / joint.threadRadius;
         return load < 0 ? -load : load;
     }
-    const Vec3 carried = carriedImpulse(block).linear, x = axisX(place.b);
+    const Vec3 carried = warmStartImpulse(block).linear, x = axisX(place.b);
     return length(carried - dot(carried, x) * x);
 }
 

@@ -2,7 +2,7 @@
 #include "constraints/joint_ball_stops.h"
 #include "constraints/joint_constants.h"
 #include "constraints/joint_types.h"
-#include "constraints/soft_course.h"
+#include "constraints/stop_trajectory.h"
 
 namespace ragtop {
 namespace {
@@ -204,13 +204,13 @@ void beginBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, c
     }
     const Vec3 spin = pair.velocity(joint.arms).angular;
     if (rows.features & (BallRows::kSpring | BallRows::kDrives)) rows.springStart = spin;
-    const SoftCourse noCourse;
+    const StopTrajectory noTrajectory;
     bool hadImpact = false;
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
-        hadImpact |= beginStop(rows.swing[i], rows.stop, dot(rows.swingAxis[i], spin), noCourse, h);
+        hadImpact |= beginStop(rows.swing[i], rows.stop, dot(rows.swingAxis[i], spin), noTrajectory, h);
     if (rows.features & BallRows::kTwist) {
-        hadImpact |= beginStop(rows.twistLower, rows.stop, dot(rows.lowerTwistAxis(), spin), noCourse, h);
-        hadImpact |= beginStop(rows.twistUpper, rows.stop, -dot(-rows.upperTwistAxis(), spin), noCourse, h);
+        hadImpact |= beginStop(rows.twistLower, rows.stop, dot(rows.lowerTwistAxis(), spin), noTrajectory, h);
+        hadImpact |= beginStop(rows.twistUpper, rows.stop, -dot(-rows.upperTwistAxis(), spin), noTrajectory, h);
     }
     beginBlock(joint.block, hadImpact);
 }

@@ -42,7 +42,7 @@ private:
 };
 
 /// Sides that are held where they are, and not brought back, would come back all the same: as the bodies turn on, their
-/// margin leaves its tangent, by ½ h² in each substep, and the load does work on what nobody takes back.
+/// margin leaves its tangent, by ½ h² in each substep, and the load does work that nothing takes back.
 struct HeldBends {
     float bend[BallSides::kMost] = {};
 
@@ -66,22 +66,22 @@ struct HeldBends {
 /// All sides at once, as JointStops of other joints: one after the other they would lose energy for substeps and give
 /// it back.
 void solveTogether(JointSim& joint, BallTurn& turn, const BodyPair& pair, const JointContext& context, bool moving) {
-    constexpr int kSweeps = 32;
+    constexpr int kIterations = 32;
     constexpr float kAgreed = 1e-8f;  // of the energy of the first changes
     const BallSides sides(joint.ball);
     HeldBends bends;
     if (moving) bends = HeldBends(joint, sides, turn, pair, context.h);
     float first = 0;
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (int iteration = 0; iteration < kIterations; ++iteration) {
         float changed = 0;
         for (int i = 0; i < sides.count; ++i)
             changed += solveTurnStop(*sides.side[i], sides.axis[i], turn, joint.ball, context, moving, bends.bend[i]);
-        if (sweep == 0) first = changed;
+        if (iteration == 0) first = changed;
         if (!(changed > kAgreed * first)) return;
     }
 }
 
-/// An overstepped stop that brings its margin back; asked in the pass that moves.
+/// A violated stop that brings its margin back; asked in the pass that moves.
 bool isRecovering(const StopSide& side) { return side.margin < 0 && side.impulse > 0; }
 
 /// Takes the rates about some axes out of a rotation, n · ω = 0, by impulses about them: each axis is first made
@@ -107,7 +107,7 @@ struct HeldAxes {
 
 /// The energy ½ ω · P⁻¹ ω that the relative rotation would have if nothing out of place were brought back, neither the
 /// point nor a margin: what acts would hold.
-void noteEnergy(BallRows& rows, const BallTurn& turn, const BodyPair& pair, const Arms& arms) {
+void recordEnergy(BallRows& rows, const BallTurn& turn, const BodyPair& pair, const Arms& arms) {
     rows.mostEnergy = kNoForceLimit;
     bool recovers = isRecovering(rows.twistLower) || isRecovering(rows.twistUpper);
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) recovers = recovers || isRecovering(rows.swing[i]);
@@ -152,7 +152,7 @@ void solveBallStops(JointSim& joint, BallTurn& turn, const BodyPair& pair, const
         for (int i = 0; i < sides.count; ++i) solveTurnStop(*sides.side[i], sides.axis[i], turn, rows, context, moving);
     }
     if (moving)
-        noteEnergy(rows, turn, pair, joint.arms);
+        recordEnergy(rows, turn, pair, joint.arms);
     else
         shedEnergy(rows, turn);
 }

@@ -71,7 +71,7 @@ void JointBundles::build(const ConstraintGraph& graph, const JointSim* sims) {
         // Those share bodies, and are solved one after the other anyway.
         if (ConstraintGraph::isSerial(c))
             for (const std::uint32_t j : graph.color(c).joints) singles_.push(j);
-        else if (ConstraintGraph::isSwept(c))
+        else if (ConstraintGraph::isIterated(c))
             addColor(graph.color(c), sims);
         color.end = static_cast<int>(bundles_.size());
         color.endSingle = static_cast<int>(singles_.size());

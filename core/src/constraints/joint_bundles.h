@@ -8,8 +8,8 @@
 
 namespace ragtop {
 
-/// The joints of each colour in bundles of equal structure. What has none, or no company in its colour, stays single
-/// and is solved one by one, with the same bits. Derived from the graph and the joints; nothing of it is saved.
+/// The joints of each colour in bundles of equal structure. What has none, or is the only one in its colour, stays
+/// single and is solved one by one, with the same bits. Derived from the graph and the joints; nothing of it is saved.
 class JointBundles {
 public:
     struct Color {
@@ -21,7 +21,7 @@ public:
     /// After joints came, went or changed.
     void build(const ConstraintGraph& graph, const JointSim* sims);
 
-    /// Of a list of the graph that sweeps visit.
+    /// Of a list of the graph that passes visit.
     const Color& color(int index) const { return colors_[static_cast<std::size_t>(index)]; }
     int bundleCount() const { return static_cast<int>(bundles_.size()); }
     std::uint32_t single(int place) const { return singles_[static_cast<std::size_t>(place)]; }

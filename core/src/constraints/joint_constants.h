@@ -5,9 +5,10 @@ namespace ragtop {
 
 /// Elimination in single precision leaves a few ulps (6e-8) of the diagonal where the exact pivot is zero.
 inline constexpr float kZeroPivot = 1e-6f;
-/// Errors of a figure's joint that its velocities bring back: up to so many times h² (|rA| ωA² + |rB| ωB²), twice what
-/// arms leave their tangents by in a substep. Moving the bodies by what their turning leaves open would cost angular
-/// momentum: with 4 a tumbling figure loses 1e-3 of it in ten seconds, with 16 as much as if nothing were moved.
+/// Errors of a free tree's joint that its velocities bring back: up to so many times h² (|rA| ωA² + |rB| ωB²), twice
+/// what arms leave their tangents by in a substep. Moving the bodies by what their turning leaves open would cost
+/// angular momentum: with 4 a tumbling ragdoll loses 1e-3 of it in ten seconds, with 16 as much as if nothing were
+/// moved.
 inline constexpr float kBending = 16;
 /// Rebounds of less than so many times the speed gained in a substep are rest.
 inline constexpr float kRestingRebound = 4;

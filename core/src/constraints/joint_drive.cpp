@@ -76,7 +76,7 @@ bool setDrive(JointDef& def, const JointDrive& drive) {
 bool setDrive(JointSim& joint, const JointDef& def) {
     const auto* ball = std::get_if<BallDef>(&def);
     if (!(ball ? set(joint, *ball) : set(joint, std::get<HingeDef>(def)))) return false;
-    joint.account = {};
+    joint.ledger = {};
     joint.leads = 0;
     joint.ball.springStart = joint.ball.springLoad = {};
     joint.axis.springStart = joint.axis.springLoad = 0;

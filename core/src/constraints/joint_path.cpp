@@ -36,15 +36,15 @@ double lengthTo(const PathRows& path, std::uint32_t segment, float t) {
 
 /// The slopes for which the curvature has no jumps:
 ///   hᵢ mᵢ₋₁ + 2 (hᵢ₋₁ + hᵢ) mᵢ + hᵢ₋₁ mᵢ₊₁ = 3 (hᵢ dᵢ₋₁/hᵢ₋₁ + hᵢ₋₁ dᵢ/hᵢ),
-/// and at free ends none. Each sweep takes at least half of the error away.
+/// and at free ends none. Each iteration takes at least half of the error away.
 void solveSlopes(PathRows& path, bool closed) {
-    constexpr int kSweeps = 48;
+    constexpr int kIterations = 48;
     const std::uint32_t n = path.points;
     const auto chordOf = [&](std::uint32_t i) {
         const std::uint32_t next = i + 1 == n ? 0 : i + 1;
         return (1 / path.chord[i]) * (path.point[next] - path.point[i]);
     };
-    for (int sweep = 0; sweep < kSweeps; ++sweep)
+    for (int iteration = 0; iteration < kIterations; ++iteration)
         for (std::uint32_t i = 0; i < n; ++i) {
             const std::uint32_t before = i == 0 ? n - 1 : i - 1, after = i + 1 == n ? 0 : i + 1;
             if (!closed && i == 0) {

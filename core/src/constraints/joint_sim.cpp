@@ -92,7 +92,7 @@ void compileJoint(const JointDef& def, const Vec3& centerA, const Vec3& centerB,
         // A distance has no direction yet; a ball's rows stay in world axes.
         if (kind == JointKind::distance) into.block.basis.cz = {};
     }
-    into.account = {};
+    into.ledger = {};
     into.leads = 0;
     const JointBodies& bodies = bodiesOf(def);
     into.localA = {bodies.frameA.position - centerA, normalized(bodies.frameA.rotation)};
@@ -134,8 +134,8 @@ void placeJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodyStat
     refreshJoint(joint, pair, {{}, false});
 }
 
-PairVector carriedImpulse(const JointSim& joint) {
-    if (hasAxes(joint.kind)) return carriedImpulse(joint.axes);
+PairVector warmStartImpulse(const JointSim& joint) {
+    if (hasAxes(joint.kind)) return warmStartImpulse(joint.axes);
     PairVector sum = blockImpulse(joint.block);
     const Vec3 alongAxis = axisImpulse(joint.axis) * joint.block.basis.cz;
     switch (joint.kind) {
@@ -158,11 +158,11 @@ PairVector carriedImpulse(const JointSim& joint) {
 void warmStartJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context) {
     BodyPair pair(states, inertia, joint.stateA, joint.stateB);
     const JointPlace now = locate(joint, pair);
-    pair.notePull(joint.arms, carriedImpulse(joint).linear, context.h);
+    pair.recordPull(joint.arms, warmStartImpulse(joint).linear, context.h);
     refreshAt(joint, now, pair, {context, true});
-    openAccount(joint, pair, context.h);
-    pair.apply(joint.arms, carriedImpulse(joint));
-    noteOwn(joint, pair, AccountPass::warmStart);
+    openLedger(joint, pair, context.h);
+    pair.apply(joint.arms, warmStartImpulse(joint));
+    recordOwn(joint, pair, LedgerPass::warmStart);
     pair.store();
 }
 
@@ -198,7 +198,7 @@ static float squaredError(const JointSim& joint, float length) {
     return block.linearFirst ? first + (length * length) * second : second + (length * length) * first;
 }
 
-/// The share of its error that a joint of a figure has beyond what velocities bring back.
+/// The share of its error that a joint of a free tree has beyond what velocities bring back.
 static float openShare(const JointSim& joint, const BodyPair& pair, float h) {
     const float armA = length(joint.arms.a), armB = length(joint.arms.b);
     const Turning w = pair.turns();
@@ -210,17 +210,17 @@ static float openShare(const JointSim& joint, const BodyPair& pair, float h) {
 /// Rows that carry their whole load and come back from an error as soft ones do.
 static Softness withoutLeak(const Softness& soft) { return {soft.biasRate, 1, 0}; }
 
-/// Joints of a figure carry their whole load: sweeps nearly solve it, and the leak of soft rows is for what they do
-/// not.
+/// Joints of a free tree carry their whole load: the iteration nearly solves it, and the leak of soft rows is for what
+/// they do not.
 static Softness softnessOf(const JointSim& joint, const BodyPair& pair, const JointContext& context) {
-    if (joint.ofFigure == 0) return context.softness;
+    if (joint.ofFreeTree == 0) return context.softness;
     return {context.softness.biasRate * (1 - openShare(joint, pair, context.h)), 1, 0};
 }
 
 /// Closes what is open by moving the bodies. That they are moved gives them no speed, so nothing is fed that other rows
 /// would have to take back.
 static void closeJoint(const JointSim& joint, const BodyPair& pair, float h) {
-    if (joint.ofFigure == 0 || joint.kind == JointKind::distance) return;
+    if (joint.ofFreeTree == 0 || joint.kind == JointKind::distance) return;
     const float share = openShare(joint, pair, h);
     if (!(share > 0)) return;
     if (hasAxes(joint.kind))
@@ -260,13 +260,13 @@ void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& cont
     pair.apply(joint.arms, freeImpulse(block, solveAxis(joint.axis, speed, context, useBias, bend)));
 }
 
-/// What is alone is solved at once: it carries its whole load, and takes an impact on a stop whole. What is held beyond
-/// its limits would not come back from where it gave way, and stays soft.
+/// What is isolated is solved at once: it carries its whole load, and takes an impact on a stop whole. What is held
+/// beyond its limits would not come back from where it gave way, and stays soft.
 static void solveAxes(JointSim& joint, BodyPair& pair, const JointContext& context, bool moving) {
     const Softness whole = withoutLeak(context.softness);
-    const bool alone = joint.axes.isAlone != 0;
-    const Softness& rigid = alone && joint.axes.isAbrupt == 0 ? whole : context.softness;
-    const JointContext own{context.h, context.inverseH, alone && !isHeld(joint.axes) ? whole : context.softness};
+    const bool isolated = joint.axes.isIsolated != 0;
+    const Softness& rigid = isolated && joint.axes.isAbrupt == 0 ? whole : context.softness;
+    const JointContext own{context.h, context.inverseH, isolated && !isHeld(joint.axes) ? whole : context.softness};
     solveAxes(joint.axes, pair, joint.arms, moving ? rigid : kRigid, own, moving);
 }
 
@@ -308,11 +308,11 @@ void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, 
     }
     solveRows(joint, pair, context, useBias);
     if (useBias)
-        noteOwn(joint, pair, AccountPass::moving);
+        recordOwn(joint, pair, LedgerPass::moving);
     else
-        settleAccount(joint, pair, context);
+        settleLedger(joint, pair, context);
     pair.store();
-    if (!useBias) noteLoad(joint);
+    if (!useBias) recordLoad(joint);
 }
 
 void solveJointAgain(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
@@ -351,7 +351,7 @@ bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inerti
     const bool fits = length(after.linear - before.linear) <= kRounding * moving &&
                       length(after.angular - before.angular) <= kRounding * turning;
     if (!fits) pair.store();
-    beginAccount(joint, pair);
+    beginLedger(joint, pair);
     return !fits;
 }
 

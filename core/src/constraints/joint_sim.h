@@ -8,7 +8,7 @@
 #include "constraints/joint_path.h"
 #include "constraints/joint_swing.h"
 #include "constraints/rows.h"
-#include "constraints/soft_account.h"
+#include "constraints/stop_ledger.h"
 #include "ragtop/joint.h"
 #include "ragtop/math.h"
 #include "solve/body_state.h"
@@ -92,7 +92,7 @@ struct JointSim {
     Quat frameA{}, frameB{};  ///< of the joint frames in the world
 
     Arms arms;  ///< m, of the current substep
-    float ofFigure = 0;      ///< 1: the joint is one of a figure's, see openShare
+    float ofFreeTree = 0;    ///< 1: the joint is one of a free tree's, see openShare
     PairVector stepImpulse;  ///< what a breakable joint gave in this step so far, N s and N m s
     RigidBlock block;
     AxisRows axis;  ///< along the free direction of hinge, slider and distance
@@ -102,7 +102,7 @@ struct JointSim {
     float pitch = 0;         ///< m per rad, of a screw
     float threadRadius = 0;  ///< m
     PathRows path;
-    SoftAccount account;
+    StopLedger ledger;
     PairVector lead;          ///< N s and N m s, given when the last step ended: see spring_lead.h
     std::uint32_t leads = 0;  ///< 1: `lead` was given, and is to be taken back
 };
@@ -125,11 +125,11 @@ void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, 
 void solveJointAgain(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
                      bool useBias);
 /// Everything that the joint carries over, as one impulse in the directions that were just refreshed.
-PairVector carriedImpulse(const JointSim& joint);
+PairVector warmStartImpulse(const JointSim& joint);
 /// At the end of each substep.
-inline void noteLoad(JointSim& joint) {
+inline void recordLoad(JointSim& joint) {
     if (joint.breakable == 0) return;
-    const PairVector impulse = carriedImpulse(joint);
+    const PairVector impulse = warmStartImpulse(joint);
     joint.stepImpulse.linear += impulse.linear;
     joint.stepImpulse.angular += impulse.angular;
 }

@@ -76,7 +76,7 @@ JointState jointState(const JointSim& joint, const JointBodiesAtStep& atEnd, con
     at.b = atEnd.rotationB * joint.localB.rotation;
 
     JointState state;
-    const PairVector impulse = carriedImpulse(joint);
+    const PairVector impulse = warmStartImpulse(joint);
     state.force = inverseSubstep * impulse.linear;
     // The force acts at the shared point, half the gap away from B's anchor.
     state.torque = inverseSubstep * impulse.angular - cross(0.5f * at.gap, state.force);

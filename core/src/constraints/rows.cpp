@@ -85,7 +85,7 @@ void addPull(BodyState& state, const BodyInertia& inertia, const Vec3& arm, floa
 
 }  // namespace
 
-void BodyPair::notePull(const Arms& arms, const Vec3& impulse, float h) const {
+void BodyPair::recordPull(const Arms& arms, const Vec3& impulse, float h) const {
     addPull(*stateA_, *inertiaA_, arms.a, -h * dot(arms.a, impulse));
     addPull(*stateB_, *inertiaB_, arms.b, h * dot(arms.b, impulse));
 }

@@ -96,7 +96,7 @@ class BodyPair {
 public:
     BodyPair(BodyState* states, const BodyInertia* inertia, std::uint32_t a, std::uint32_t b);
     /// Adds the stiffness that the impulse carried over gives to that of the bodies, for the next substep.
-    void notePull(const Arms& arms, const Vec3& impulse, float h) const;
+    void recordPull(const Arms& arms, const Vec3& impulse, float h) const;
     PairVector velocity(const Arms& arms) const;
     /// The angular velocities of now, and of bodies that a joint lets turn against each other about x alone, or not at
     /// all: what they differ by otherwise is weighted so that the joint's own impulses, which its rows take back, do

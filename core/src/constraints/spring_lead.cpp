@@ -96,7 +96,7 @@ PairVector leadAxis(Leading& leading) {
 
 /// What one coordinate leads by moves the others: in turn, until each has its own.
 PairVector leadAxes(Leading& leading) {
-    constexpr int kSweeps = 4;
+    constexpr int kIterations = 4;
     JointSim& joint = leading.joint;
     AxesBlock axes = joint.axes;
     BodyPair pair = leading.pair;
@@ -108,7 +108,7 @@ PairVector leadAxes(Leading& leading) {
             speed + leadOf(joint.axes.axis[f], coordinateOf(axes, f), speed, speedAlong(axes.free[f], kick), leading);
     }
     PairVector total;
-    for (int sweep = 0; sweep < kSweeps; ++sweep)
+    for (int iteration = 0; iteration < kIterations; ++iteration)
         for (std::uint32_t f = 0; f < axes.freeRows; ++f) {
             const AxisRows& rows = axes.axis[f];
             if (!(rows.features & AxisRows::kSpring) || !(rows.inverseMass > 0)) continue;

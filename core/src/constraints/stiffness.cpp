@@ -23,7 +23,7 @@ float stiffness(const TunedSpring& spring, float inverseMass, float h) {
     return z / std::clamp(kDamped * ratio, kLeast, kMost);
 }
 
-/// Sweeps know the course of a softer one (SoftCourse).
+/// The iteration knows the trajectory of a softer one (StopTrajectory).
 float stiffness(const Stop& stop, float inverseMass, float h) { return h * h * stop.stiffness * inverseMass / kMost; }
 
 float stiffness(const AxisRows& axis, bool turns, const RelativeMass& inverse, float h) {

@@ -4,15 +4,15 @@ namespace ragtop::direct {
 
 namespace {
 
-constexpr float kDepth = 4;           ///< load number of columns that soft contacts carry without much sag
+constexpr float kDepth = 4;           ///< load number of columns that soft contacts bear without much sag
 constexpr float kDeep = 8;            ///< load number of structures that swing and creep in soft contacts
 constexpr float kHeavy = 8;           ///< load number of unequal bodies
-constexpr float kCrushing = 100;      ///< load number that no sweep carries, whatever else goes on
+constexpr float kCrushing = 100;      ///< load number that no iteration holds, whatever else goes on
 constexpr float kQuiet = 0.125f;      ///< share of bodies that move up to which an island is at rest
 constexpr float kUnequal = 4;         ///< mass ratio from which bodies are unequal
 constexpr float kColumnPairs = 1.5f;  ///< pairs per body up to which nothing beside a column holds it
 constexpr float kHanging = 6;         ///< load number of joints that hang, whose every gap adds up
-constexpr float kJointed = 100;       ///< load number of other joints, as ankles of a figure that stands
+constexpr float kJointed = 100;       ///< load number of other joints, as ankles of a ragdoll that stands
 constexpr float kStiff = 1;           ///< as stiffnessOf has it
 constexpr float kBuckling = 0.5f;     ///< share of the buckling load
 constexpr float kLeaning = 0.25f;     ///< share of bodies
@@ -37,7 +37,7 @@ Reason chooseDirect(const IslandFeatures& island) {
     if (island.bodies > kMostBodies && (island.restless > 0 || island.jointLoad > 0)) return Reason::none;
     const float limit = island.direct ? kStay : 1.0f;
     if (isMechanism(island)) {
-        // Elimination costs no more than a sweep. Loops are another matter, but sweeps do not close them.
+        // Elimination costs no more than a pass over rows. Loops are another matter, but passes do not close them.
         const bool tree = island.joints == jointsOfTree(island);
         if (tree && limit * island.spin < kSpin) return Reason::tree;
         if (!tree && island.bodies <= kMostLooped && limit * island.spin < kLoopSpin) return Reason::loop;
@@ -49,7 +49,7 @@ Reason chooseDirect(const IslandFeatures& island) {
     if (quiet && island.jointLoad > limit * kJointed) return Reason::taut;
     if ((quiet || !jointed) && island.contactLoad > limit * kCrushing && island.massRatio > limit * kUnequal)
         return Reason::heavy;
-    // What tumbles changes its contacts in every step, and sweeps are as good.
+    // What tumbles changes its contacts in every step, and iteration is as good.
     if (jointed || !quiet) return Reason::none;
     if (island.contactLoad > limit * kHeavy && island.massRatio > limit * kUnequal) return Reason::heavy;
     if (island.contactLoad > limit * kDepth && limit * pairs < kColumnPairs * bodies) return Reason::tall;

@@ -28,20 +28,20 @@ struct IslandFeatures {
     bool hangs = false;                    ///< by joints, from something that does not move
     bool touches = false;  ///< has contacts, near or not
     bool bare = true;      ///< bodies turn freely, and joints are such as trees know
-    bool rolls = false;   ///< some contact has resistance to turning or a grain, which only sweeps know
-    bool coupled = false;  ///< joints are coupled with each other, which only sweeps know
+    bool rolls = false;    ///< some contact has resistance to turning or a grain, which only the iteration knows
+    bool coupled = false;  ///< joints are coupled with each other, which only the iteration knows
     bool direct = false;  ///< is solved directly now
-    std::int32_t staying = 0, barred = 0;  ///< steps for which it stays so, or may not be (negative)
+    std::int32_t staying = 0, cooldown = 0;  ///< steps for which it stays so, or may not be (negative)
     Reason last = Reason::none, reason = Reason::none;
 };
 
 inline constexpr std::uint32_t kMostBodies = 512;   ///< of an island that is solved directly whatever it does
 inline constexpr std::uint32_t kMostAtRest = 4096;  ///< of one that is so only as long as nothing in it moves
-inline constexpr std::uint32_t kMostLooped = 64;    ///< of a mechanism, whose factor costs more than its sweeps
+inline constexpr std::uint32_t kMostLooped = 64;    ///< of a mechanism, whose factor costs more than iterating it
 inline constexpr float kLongRest = 1;               ///< s; more than it takes an island to fall asleep
 inline constexpr std::int32_t kStayingSteps = 60;   ///< for which a choice outlives its reason
 inline constexpr std::int32_t kFactorSteps = 10;    ///< of its stay that each step with a factor costs a large island
-inline constexpr std::int32_t kBarredSteps = 60;    ///< of sweeps after a direct solve that failed
+inline constexpr std::int32_t kCooldownSteps = 60;  ///< of iteration after a direct solve that failed
 inline constexpr std::uint8_t kMostDoublings = 5;   ///< of those steps, one for each further failure
 
 /// Limits fall by a third for an island that is solved directly already, so that none goes to and fro.

@@ -89,7 +89,7 @@ void IslandSystem::aimAtPositions(const BodyArrays& arrays, const SolverContext&
 
 /// The speeds by which other bounds and drags of a row may change it.
 template <class Note>
-static void noteRest(const SystemRow& row, Note&& note) {
+static void recordRest(const SystemRow& row, Note&& note) {
     const double stiffer = row.resistance / row.resting.resistance - 1;
     note(stiffer < 1 ? stiffer * row.speed : row.speed);
     // A load at a bound that moves.
@@ -117,10 +117,10 @@ bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext
             p.target = target;
         }
     }
-    const auto noteRow = [&](double change) { note(tuning::kAtRest / tuning::kSkip * change); };
+    const auto recordRow = [&](double change) { note(tuning::kAtRest / tuning::kSkip * change); };
     for (SystemRow& row : rows_) {
-        noteRow(0.1 * (row.resting.target - row.target));
-        noteRest(row, noteRow);
+        recordRow(0.1 * (row.resting.target - row.target));
+        recordRest(row, recordRow);
         row.target = row.resting.target;
         row.lower = row.resting.lower;
         row.upper = row.resting.upper;

@@ -321,7 +321,7 @@ void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joint
     takeSidesOfLoads();
 }
 
-void IslandSystem::carryLoads(bool factored) {
+void IslandSystem::updateLoads(bool factored) {
     restedSubsteps_ += rests_;
     if (rests_) return;
     if (factored && loops_) dropSelfStress();
@@ -330,7 +330,7 @@ void IslandSystem::carryLoads(bool factored) {
         for (std::uint32_t j = 0; j < c.count; ++j)
             pointField(c, j, contact::kPeak) += static_cast<float>(points_[c.first + j].load[0]);
     storeImpulses(rows_, joints_.data());
-    for (JointSim* joint : joints_) noteLoad(*joint);
+    for (JointSim* joint : joints_) recordLoad(*joint);
 }
 
 void IslandSystem::scaleResistance(double factor) {
@@ -383,7 +383,7 @@ void IslandSystem::end() {
                                                                                       : friction.z);
             field(c, contact::kTwistImpulse) = static_cast<float>(twist);
         }
-        // Rows that are exact keep no place; sweeps that follow stick to that of now.
+        // Rows that are exact keep no place; the iteration that follows sticks to that of now.
         field(c, contact::kSliding) = slides && !sticks ? 1.0f : 0.0f;
         for (int k = 0; k < 3; ++k) field(c, contact::kStick + k) = 0;
     }

@@ -197,7 +197,7 @@ public:
     bool aimAtVelocities(const BodyArrays& arrays, const SolverContext& context);
     /// Notes what was found as the loads that the next substep starts from. With a factor, loads of joints by which
     /// they pull against each other alone are left out.
-    void carryLoads(bool factored);
+    void updateLoads(bool factored);
     void writeVelocities(const BodyArrays& arrays);
 
     // For newton.cpp.

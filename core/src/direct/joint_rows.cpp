@@ -96,7 +96,7 @@ public:
         const double bias = -static_cast<double>(builder_.context.softness.biasRate) * error;
         push(row, kind, load, still + bias, {still, row.resistance, -kNoBound, kNoBound});
     }
-    /// A row as sweeps have it; `bend` is the speed along it at which its coordinate does not change.
+    /// A row as the iteration has it; `bend` is the speed along it at which its coordinate does not change.
     void scalar(SystemRow row, RowKind kind, double load, const RowAim& moving, const RowAim& resting,
                 double inverseMass, double bend) const {
         if (builder_.aims != RowAims::substep) return;
@@ -352,7 +352,7 @@ void JointRowBuilder::add(JointSim& joint, std::uint32_t index, std::int32_t a, 
 
     const double h = context.h;
     const bool moves = aims == RowAims::substep;
-    const DVec3 force = toDouble(carriedImpulse(joint).linear);
+    const DVec3 force = toDouble(warmStartImpulse(joint).linear);
     if (moves && a != kFixed) addStiffness(bodies[a], -1.0 * force, toDouble(joint.arms.a), h);
     if (moves && b != kFixed) addStiffness(bodies[b], force, toDouble(joint.arms.b), h);
 

@@ -24,7 +24,7 @@ struct JointRowBuilder {
     void add(JointSim& joint, std::uint32_t index, std::int32_t a, std::int32_t b) const;
 };
 
-/// Writes the impulses of rows back to their joints, in the form that sweeps carry.
+/// Writes the impulses of rows back to their joints, in the form that the iteration keeps.
 void storeImpulses(const AlignedArray<SystemRow>& rows, JointSim* const* joints);
 
 }  // namespace ragtop::direct

@@ -95,7 +95,7 @@ bool Mechanism::step(double h, double closing) {
         if (!isNearlyAligned()) return false;
         errorsAt(poses_.data(), errors_.data());
         if (!refresh()) return false;
-        carryLoads();
+        updateLoads();
         lastStep_ = h;
         ready_ = true;
     }
@@ -129,7 +129,7 @@ void Mechanism::give(const Twist* impulses) {
 }
 
 /// Half of what the joints gave in the substep before, as what they gave at the end of a step as long.
-void Mechanism::carryLoads() {
+void Mechanism::updateLoads() {
     for (std::size_t i = 0; i < moving_; ++i) restImpulses_[i] = {};
     for (std::size_t j = 0; j < joints_.size(); ++j) {
         const MechanismJoint& joint = joints_[j];

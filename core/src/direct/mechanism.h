@@ -95,7 +95,7 @@ private:
     bool step(double h, double closing);
     void kick(double h);
     void give(const Twist* impulses);
-    void carryLoads();
+    void updateLoads();
     bool closePositions(double h, double closing);
     void closeVelocities();
     void moveFreely(double h);

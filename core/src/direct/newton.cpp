@@ -57,7 +57,7 @@ double dot(const double* a, const double* b, std::size_t n) {
 
 bool isLarge(const IslandSystem& system) { return system.bodyCount() > kMostBodies; }
 
-/// One convex problem. False when it was given up.
+/// One convex problem. False when it did not converge.
 bool minimize(IslandSystem& system, int iterations, bool& factored, SolveReport& report) {
     const std::size_t n = system.unknowns();
     double* v = system.velocity();

@@ -22,7 +22,7 @@ bool mayFactor(const IslandSystem& system, const SolveReport& report);
 
 /// A system of joints alone, from the sides of their bounds that its rows have: a linear system but for these, which
 /// block principal pivoting finds in finitely many steps [Júdice, Pires, 1994] where Newton's method meets one bound
-/// after the other. False when it was given up, at a velocity that is finite.
+/// after the other. False when it did not converge, at a velocity that is finite.
 bool pivot(IslandSystem& system, bool& factored, SolveReport& report);
 
 }  // namespace ragtop::direct

@@ -41,10 +41,10 @@ struct TreeNode {
     TreeVec<R> d, e;           ///< asked of u and w, child minus parent
     TreeVec<R> v, w;           ///< Δ
     TreeVec<R> force, torque;  ///< N s, N m s that the link receives at the point
-    // Of limbs, see tree_limbs.inl.
+    // Of ball chains, see tree_ball_chains.inl.
     TreeSym<R> ease;        ///< W
-    TreeSym<R> admittance;  ///< Y, of what hangs from a limb too
-    TreeSym<R> give;        ///< D⁻¹; where a limb ends (Y + R)⁻¹
+    TreeSym<R> admittance;  ///< Y, of what hangs from a link of a ball chain too
+    TreeSym<R> give;        ///< D⁻¹; where a chain ends (Y + R)⁻¹
     TreeMat<R> lever;       ///< H
     TreeVec<R> lack;        ///< e
 };
@@ -118,10 +118,10 @@ RAGTOP_INLINE void giveWay(TreeNode<R>& node, bool turns) {
     m.X = moved;
 }
 
-/// First half of the work: inertias of `node` are about its centre and complete. A limb above is told how much the
+/// First half of the work: inertias of `node` are about its centre and complete. A ball chain above is told how much the
 /// point yields.
 template <class R, class Test>
-RAGTOP_INLINE void eliminate(TreeNode<R>& node, TreeNode<R>* parent, direct::TreeJoint joint, bool belowLimb,
+RAGTOP_INLINE void eliminate(TreeNode<R>& node, TreeNode<R>* parent, direct::TreeJoint joint, bool belowBallChain,
                              Test& ok) {
     if (joint == direct::TreeJoint::free) {
         freeRotation(node.inertia, ok);
@@ -142,7 +142,7 @@ RAGTOP_INLINE void eliminate(TreeNode<R>& node, TreeNode<R>* parent, direct::Tre
         m.X = m.X - outer(node.inverse, node.y, node.z);
         m.A = m.A - outer(node.inverse, node.z);
     }
-    if (belowLimb) {
+    if (belowBallChain) {
         node.admittance = inverseOfPositive(node.inertia.L, ok);
         return;
     }
@@ -157,14 +157,14 @@ RAGTOP_INLINE void eliminate(TreeNode<R>& node, TreeNode<R>* parent, direct::Tre
 
 /// Second half, leaves first: momenta of `node` are complete.
 template <class R>
-RAGTOP_INLINE void passMomentum(TreeNode<R>& node, TreeNode<R>* parent, direct::TreeJoint joint, bool belowLimb) {
+RAGTOP_INLINE void passMomentum(TreeNode<R>& node, TreeNode<R>* parent, direct::TreeJoint joint, bool belowBallChain) {
     if (joint == direct::TreeJoint::free) return;
     const TreeInertia<R>& m = node.inertia;
     TreeVec<R>&p = node.momentum.p, &l = node.momentum.l;
     l = l - cross(node.armC, p);
     if (joint == direct::TreeJoint::ball) {
         p = p - m.X * l;
-        if (belowLimb) {
+        if (belowBallChain) {
             node.lack = node.d - node.admittance * p;
             return;
         }
@@ -192,9 +192,9 @@ RAGTOP_INLINE void passMomentum(TreeNode<R>& node, TreeNode<R>* parent, direct::
     parent->momentum.l = parent->momentum.l + t + cross(node.armP, f);
 }
 
-/// And back, root first. A limb above has found the force.
+/// And back, root first. A ball chain above has found the force.
 template <class R>
-RAGTOP_INLINE void takeVelocity(TreeNode<R>& node, const TreeNode<R>* parent, direct::TreeJoint joint, bool belowLimb) {
+RAGTOP_INLINE void takeVelocity(TreeNode<R>& node, const TreeNode<R>* parent, direct::TreeJoint joint, bool belowBallChain) {
     const TreeInertia<R>& m = node.inertia;
     const TreeVec<R>&p = node.momentum.p, &l = node.momentum.l;
     const TreeVec<R> zero{R(0.0f), R(0.0f), R(0.0f)};
@@ -207,7 +207,7 @@ RAGTOP_INLINE void takeVelocity(TreeNode<R>& node, const TreeNode<R>* parent, di
     TreeVec<R> u = node.d;
     if (parent) u = u + parent->v + cross(parent->w, node.armP);
     if (joint == direct::TreeJoint::ball) {
-        if (!belowLimb) node.force = m.L * u - p;
+        if (!belowBallChain) node.force = m.L * u - p;
         node.torque = zero;
         if constexpr (TreeReal<R>::kYields) u = u - scaled(node.resistance, node.force);
         node.w = m.A * l - transposed(m.X, u);

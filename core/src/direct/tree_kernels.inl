@@ -1,6 +1,6 @@
 // Trees of joints of equal topology side by side in lanes. Included by one source per instruction set.
 
-#include "direct/tree_limbs.inl"
+#include "direct/tree_ball_chains.inl"
 
 namespace ragtop {
 namespace {
@@ -19,8 +19,8 @@ struct TreeLanes {
     RAGTOP_INLINE TreeNode<R>* parentNode(int l) const {
         return group.links[l].parent < 0 ? nullptr : &links[group.links[l].parent].node;
     }
-    RAGTOP_INLINE bool isLimb(int l) const { return group.links[l].below != direct::kNoLimb; }
-    RAGTOP_INLINE bool isBelowLimb(int l) const { return group.links[l].parent >= 0 && isLimb(group.links[l].parent); }
+    RAGTOP_INLINE bool isBallChain(int l) const { return group.links[l].below != direct::kNoBallChain; }
+    RAGTOP_INLINE bool isBelowBallChain(int l) const { return group.links[l].parent >= 0 && isBallChain(group.links[l].parent); }
     RAGTOP_INLINE TreeNode<R>* nodeBelow(int l) const {
         return group.links[l].below < 0 ? nullptr : &links[group.links[l].below].node;
     }
@@ -88,11 +88,11 @@ struct TreeLanes {
     RAGTOP_INLINE void takeVelocities(Visit&& visit) const {
         for (int l = 0; l < group.linkCount; ++l) {
             TreeNode<R>& node = links[l].node;
-            if (isLimb(l)) {
-                if (!isBelowLimb(l)) takeImpulse(node, parentNode(l));
-                takeLimbVelocity(links[l], nodeBelow(l));
+            if (isBallChain(l)) {
+                if (!isBelowBallChain(l)) takeImpulse(node, parentNode(l));
+                takeBallChainVelocity(links[l], nodeBelow(l));
             } else {
-                takeVelocity(node, parentNode(l), group.links[l].joint, isBelowLimb(l));
+                takeVelocity(node, parentNode(l), group.links[l].joint, isBelowBallChain(l));
             }
             visit(links[l]);
         }
@@ -217,20 +217,20 @@ RAGTOP_INLINE void bear(const TreeLanes<R>& lanes, int l, R h, bool again) {
 
 /// Says in which lanes joints are open: what the turns foreseen by the substep before have missed.
 template <class R>
-RAGTOP_INLINE void noteGaps(const TreeLanes<R>& lanes) {
+RAGTOP_INLINE void recordGaps(const TreeLanes<R>& lanes) {
     using direct::tuning::kClosed, direct::tuning::kOpen;
     TreeGroup& group = lanes.group;
-    typename TreeReal<R>::Test open = R(1.0f) < R(0.0f), ajar = open;
+    typename TreeReal<R>::Test open = R(1.0f) < R(0.0f), notClosed = open;
     for (int l = 0; l < group.linkCount; ++l) {
         if (group.links[l].joint == direct::TreeJoint::free) continue;
         const TreeLane<R>& link = lanes.links[l];
         const R gap = dot(link.gap, link.gap), arm = dot(link.rC, link.rC);
         open = open | (gap > R(static_cast<float>(kOpen * kOpen)) * arm);
-        ajar = ajar | (gap > R(static_cast<float>(kClosed * kClosed)) * arm);
+        notClosed = notClosed | (gap > R(static_cast<float>(kClosed * kClosed)) * arm);
     }
     for (int i = 0; i < group.used; ++i) {
         if (open.v[i]) group.open |= 1u << i;
-        if (ajar.v[i]) group.ajar |= 1u << i;
+        if (notClosed.v[i]) group.notClosed |= 1u << i;
     }
 }
 
@@ -238,12 +238,12 @@ RAGTOP_INLINE void noteGaps(const TreeLanes<R>& lanes) {
 template <class R>
 RAGTOP_INLINE void handUp(const TreeLanes<R>& lanes, int l) {
     TreeNode<R>& node = lanes.links[l].node;
-    if (!lanes.isLimb(l)) {
-        passMomentum(node, lanes.parentNode(l), lanes.group.links[l].joint, lanes.isBelowLimb(l));
+    if (!lanes.isBallChain(l)) {
+        passMomentum(node, lanes.parentNode(l), lanes.group.links[l].joint, lanes.isBelowBallChain(l));
         return;
     }
     passLack(node, lanes.nodeBelow(l));
-    if (!lanes.isBelowLimb(l)) endLack(node, lanes.parentNode(l));
+    if (!lanes.isBelowBallChain(l)) endLack(node, lanes.parentNode(l));
 }
 /// The joint is likely to give `share` of its load.
 template <class R>
@@ -256,13 +256,13 @@ RAGTOP_INLINE void handUp(const TreeLanes<R>& lanes, int l, R share) {
 template <class R, class Test>
 RAGTOP_INLINE void eliminateLink(const TreeLanes<R>& lanes, int l, Test& ok) {
     TreeLane<R>& link = lanes.links[l];
-    if (!lanes.isLimb(l)) {
+    if (!lanes.isBallChain(l)) {
         addInertia(link);
-        eliminate(link.node, lanes.parentNode(l), lanes.group.links[l].joint, lanes.isBelowLimb(l), ok);
+        eliminate(link.node, lanes.parentNode(l), lanes.group.links[l].joint, lanes.isBelowBallChain(l), ok);
         return;
     }
-    eliminateLimb(link, lanes.nodeBelow(l), ok);
-    if (!lanes.isBelowLimb(l)) endLimb(link.node, lanes.parentNode(l), ok);
+    eliminateBallChain(link, lanes.nodeBelow(l), ok);
+    if (!lanes.isBelowBallChain(l)) endBallChain(link.node, lanes.parentNode(l), ok);
 }
 
 /// From the leaves to the root, a link's whole work in one visit: its memory is some kilobytes, and waits. `ask(l)`
@@ -303,7 +303,7 @@ void solveTrees(TreeGroup& group, const BodyArrays& arrays, const direct::TreeSu
     const R h(substep.h), rate(substep.biasRate), share(halved ? 0.5f : 1.0f);
     TreeMotion<R> anchor;
     lanes.loadAll(arrays, anchor);
-    if (!kLeapfrog) noteGaps(lanes);
+    if (!kLeapfrog) recordGaps(lanes);
     for (int l = 0; l < group.linkCount; ++l) {
         TreeLane<R>& link = lanes.links[l];
         lanes.refine(link, h);
@@ -419,7 +419,7 @@ void factorTrees(TreeGroup& group) {
     const TreeLanes<R> lanes(group);
     typename TreeReal<R>::Test ok = R(0.0f) < R(1.0f);
     for (int l = 0; l < group.linkCount; ++l)
-        if (!lanes.isLimb(l)) clearNode(lanes.links[l]);
+        if (!lanes.isBallChain(l)) clearNode(lanes.links[l]);
     for (int l = group.linkCount; l-- > 0;) {
         eliminateLink(lanes, l, ok);
         handUp(lanes, l);

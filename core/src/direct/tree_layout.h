@@ -12,19 +12,19 @@ namespace ragtop::direct {
 /// What a link may do about its joint. A free link is a root that nothing holds.
 enum class TreeJoint : std::uint8_t { free, ball, hinge, fixed };
 
-inline constexpr std::int32_t kNoLimb = -2;
+inline constexpr std::int32_t kNoBallChain = -2;
 
 struct TreeLink {
     std::int32_t parent = -1;  ///< a link, or what does not move
     TreeJoint joint = TreeJoint::free;
     std::uint8_t childIsB = 0;  ///< the link is body B of its joint
     std::uint8_t pad[2] = {0, 0};
-    /// Of a limb, a link on a ball from which nothing hangs (−1) or one other, on a ball: that link.
-    std::int32_t below = kNoLimb;
+    /// Of a ball chain, a link on a ball from which nothing hangs (−1) or one other, on a ball: that link.
+    std::int32_t below = kNoBallChain;
 };
 
-/// Says which links are limbs; the others are eliminated in a way that knows all joints.
-void markLimbs(TreeLink* links, std::size_t count);
+/// Says which links are of ball chains; the others are eliminated in a way that knows all joints.
+void markBallChains(TreeLink* links, std::size_t count);
 
 /// Of a joint when the step begins, seen from its link (C) and that link's parent (P); rows of eight floats.
 struct alignas(32) TreeJointRow {
@@ -56,7 +56,7 @@ struct TreeGroup {
     std::uint32_t failed = 0;         ///< one bit per lane: it had no answer in this step, and is left alone
     std::uint32_t taut = 0;           ///< the same: it was solved twice
     std::uint32_t open = 0;           ///< the same: a joint was found open by more than kOpen
-    std::uint32_t ajar = 0;           ///< the same: by more than kClosed
+    std::uint32_t notClosed = 0;      ///< the same: by more than kClosed
 };
 
 struct TreeSubstep {
@@ -89,7 +89,7 @@ struct TreeKernels {
 /// Kernels beside those of `lanes` single lanes: as many for trees of moderate masses, and half as many of doubles.
 /// Where the machine has wider vectors, `wider` are those of twice as many lanes, for trees that fill them.
 struct TreeTables {
-    TreeKernels single, twofold;
+    TreeKernels single, doublePrecision;
     const TreeTables* wider = nullptr;
 };
 const TreeTables& selectTreeKernels(int lanes);

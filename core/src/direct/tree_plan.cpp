@@ -5,12 +5,12 @@
 
 namespace ragtop::direct {
 
-void markLimbs(TreeLink* links, std::size_t count) {
-    for (std::size_t l = 0; l < count; ++l) links[l].below = links[l].joint == TreeJoint::ball ? -1 : kNoLimb;
+void markBallChains(TreeLink* links, std::size_t count) {
+    for (std::size_t l = 0; l < count; ++l) links[l].below = links[l].joint == TreeJoint::ball ? -1 : kNoBallChain;
     for (std::size_t l = 0; l < count; ++l) {
         if (links[l].parent < 0) continue;
         std::int32_t& below = links[static_cast<std::size_t>(links[l].parent)].below;
-        below = below == -1 && links[l].joint == TreeJoint::ball ? static_cast<std::int32_t>(l) : kNoLimb;
+        below = below == -1 && links[l].joint == TreeJoint::ball ? static_cast<std::int32_t>(l) : kNoBallChain;
     }
 }
 
@@ -21,7 +21,7 @@ TreePlan::TreePlan(std::pmr::memory_resource* memory)
       joints_(memory),
       order_(memory),
       groups_(memory),
-      aloneGroups_(memory),
+      independentGroups_(memory),
       sharedGroups_(memory),
       members_(memory),
       laneStates_(memory),
@@ -36,10 +36,10 @@ void TreePlan::clear() {
     states_.clear();
     joints_.clear();
     groups_.clear();
-    aloneGroups_.clear();
+    independentGroups_.clear();
     sharedGroups_.clear();
     grouped_ = false;
-    drawn_ = 0;
+    built_ = 0;
 }
 
 void TreePlan::push(const TreeLink& link, std::uint32_t state, std::uint32_t joint) {
@@ -48,30 +48,30 @@ void TreePlan::push(const TreeLink& link, std::uint32_t state, std::uint32_t joi
     joints_.push(joint);
 }
 
-void TreePlan::keep(std::uint32_t anchor, std::uint32_t owner, bool twofold) {
+void TreePlan::keep(std::uint32_t anchor, std::uint32_t owner, bool doublePrecision) {
     const auto end = static_cast<std::uint32_t>(links_.size());
-    markLimbs(links_.data() + drawn_, end - drawn_);
-    trees_.push({drawn_, end - drawn_, anchor, owner, twofold, 1, false});
-    drawn_ = end;
+    markBallChains(links_.data() + built_, end - built_);
+    trees_.push({built_, end - built_, anchor, owner, doublePrecision, 1, false});
+    built_ = end;
 }
 
 void TreePlan::drop() {
-    links_.resizeForOverwrite(drawn_);
-    states_.resizeForOverwrite(drawn_);
-    joints_.resizeForOverwrite(drawn_);
+    links_.resizeForOverwrite(built_);
+    states_.resizeForOverwrite(built_);
+    joints_.resizeForOverwrite(built_);
 }
 
-bool TreePlan::setPace(std::size_t tree, int stride, bool alone) {
+bool TreePlan::setPace(std::size_t tree, int stepFactor, bool independent) {
     Tree& at = trees_[tree];
-    const bool changes = at.stride != stride || at.alone != alone;
-    at.stride = static_cast<std::uint8_t>(stride);
-    at.alone = alone;
+    const bool changes = at.stepFactor != stepFactor || at.independent != independent;
+    at.stepFactor = static_cast<std::uint8_t>(stepFactor);
+    at.independent = independent;
     return changes;
 }
 
 /// By precision and topology.
 int TreePlan::compareShapes(const Tree& a, const Tree& b) const {
-    if (a.twofold != b.twofold) return a.twofold ? 1 : -1;
+    if (a.doublePrecision != b.doublePrecision) return a.doublePrecision ? 1 : -1;
     if (a.count != b.count) return a.count < b.count ? -1 : 1;
     return std::memcmp(links_.data() + a.first, links_.data() + b.first, a.count * sizeof(TreeLink));
 }
@@ -79,22 +79,22 @@ int TreePlan::compareShapes(const Tree& a, const Tree& b) const {
 int TreePlan::compare(const Tree& a, const Tree& b) const {
     const int way = compareShapes(a, b);
     if (way != 0) return way;
-    return a.stride != b.stride ? a.stride - b.stride : int{b.alone} - int{a.alone};
+    return a.stepFactor != b.stepFactor ? a.stepFactor - b.stepFactor : int{b.independent} - int{a.independent};
 }
 
 /// The next place where vectors of every width may lie: groups of different widths follow one another.
 constexpr std::size_t onLine(std::size_t bytes) { return (bytes + 63) & ~std::size_t{63}; }
 
-/// Trees of one shape fill their groups, but for one per stride, and one of those that are not alone.
+/// Trees of one shape fill their groups, but for one per step factor, and one of those that are not independent.
 void TreePlan::makeRoom(const TreeTables& tables) {
     const TreeTables& widest = tables.wider ? *tables.wider : tables;
     std::size_t rows = 0, lanes = 0, bytes = 0, groups = 0;
     for (std::size_t i = 0, end = 0; i < order_.size(); i = end) {
         const Tree& first = trees_[order_[i]];
         while (end < order_.size() && compareShapes(first, trees_[order_[end]]) == 0) ++end;
-        const TreeKernels& kernels = first.twofold ? widest.twofold : widest.single;
+        const TreeKernels& kernels = first.doublePrecision ? widest.doublePrecision : widest.single;
         const auto width = static_cast<std::size_t>(kernels.lanes);
-        const std::size_t most = (end - i) / width + (first.twofold ? kStrides : 1) + 1;
+        const std::size_t most = (end - i) / width + (first.doublePrecision ? kStepFactors : 1) + 1;
         groups += most;
         lanes += most * width;
         rows += most * width * first.count;
@@ -103,13 +103,13 @@ void TreePlan::makeRoom(const TreeTables& tables) {
     laneStates_.reserve(rows), laneAnchors_.reserve(lanes);
     rows_.reserve(rows), impulses_.reserve(rows);
     memory_.reserve(bytes), groups_.reserve(groups);
-    aloneGroups_.reserve(groups), sharedGroups_.reserve(groups), members_.reserve(states_.size());
+    independentGroups_.reserve(groups), sharedGroups_.reserve(groups), members_.reserve(states_.size());
 }
 
 void TreePlan::group(const TreeTables& tables) {
     grouped_ = true;
     groups_.clear();
-    aloneGroups_.clear();
+    independentGroups_.clear();
     sharedGroups_.clear();
     members_.clear();
     const auto count = static_cast<std::uint32_t>(trees_.size());
@@ -124,7 +124,9 @@ void TreePlan::group(const TreeTables& tables) {
     for (std::uint32_t i = 0; i < count;) {
         Group group;
         const Tree& first = trees_[order_[i]];
-        const auto kernelsOf = [&](const TreeTables& from) { return first.twofold ? &from.twofold : &from.single; };
+        const auto kernelsOf = [&](const TreeTables& from) {
+            return first.doublePrecision ? &from.doublePrecision : &from.single;
+        };
         group.kernels = kernelsOf(tables);
         const std::uint32_t beyond = i + static_cast<std::uint32_t>(group.kernels->lanes);
         if (tables.wider && beyond < count && compare(first, trees_[order_[beyond]]) == 0)
@@ -152,7 +154,8 @@ void TreePlan::group(const TreeTables& tables) {
         lanes += static_cast<std::size_t>(group.kernels->lanes);
         bytes += static_cast<std::size_t>(group.lanes.linkCount) * group.kernels->linkBytes;
         layOut(group);
-        (treeOf(group, 0).alone ? aloneGroups_ : sharedGroups_).push(static_cast<std::uint32_t>(&group - groups_.data()));
+        (treeOf(group, 0).independent ? independentGroups_ : sharedGroups_)
+            .push(static_cast<std::uint32_t>(&group - groups_.data()));
     }
 }
 

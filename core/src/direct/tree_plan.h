@@ -10,19 +10,19 @@
 namespace ragtop::direct {
 
 /// Trees of joints and how they share lanes: those of equal topology side by side. Lanes never mix, so that no result
-/// depends on the company a tree is in.
+/// depends on the trees beside it.
 class TreePlan {
 public:
-    static constexpr std::size_t kStrides = 3;  ///< 1, 2 and 4 substeps
+    static constexpr std::size_t kStepFactors = 3;  ///< 1, 2 and 4 substeps
 
     /// A tree; its links, joints and bodies are at [first, first + count) of their arrays.
     struct Tree {
         std::uint32_t first = 0, count = 0;
         std::uint32_t anchor = 0;  ///< state of what the root hangs from
         std::uint32_t owner = 0;   ///< the caller's
-        bool twofold = false;      ///< in double precision
-        std::uint8_t stride = 1;   ///< substeps of the world that it takes at once
-        bool alone = false;        ///< goes through its step without the world's substeps
+        bool doublePrecision = false;  ///< in double precision
+        std::uint8_t stepFactor = 1;   ///< substeps of the world that it takes at once
+        bool independent = false;      ///< goes through its step without the world's substeps
     };
     struct Group {
         TreeGroup lanes;
@@ -36,25 +36,27 @@ public:
 
     void clear();
     bool empty() const { return trees_.empty(); }
-    /// Links of the tree that is being drawn up: pushed one by one, then kept as a tree or dropped.
+    /// Links of the tree that is being built: pushed one by one, then kept as a tree or dropped.
     void push(const TreeLink& link, std::uint32_t state, std::uint32_t joint);
     /// Joint of a link that has been pushed.
-    std::uint32_t drawnJoint(std::size_t i) const { return joints_[drawn_ + i]; }
-    void keep(std::uint32_t anchor, std::uint32_t owner, bool twofold);
+    std::uint32_t builtJoint(std::size_t i) const { return joints_[built_ + i]; }
+    void keep(std::uint32_t anchor, std::uint32_t owner, bool doublePrecision);
     void drop();
-    /// Groups what has been kept, and makes room for it however strides change.
+    /// Groups what has been kept, and makes room for it however step factors change.
     void group(const TreeTables& tables);
     bool isGrouped() const { return grouped_; }
 
     std::size_t treeCount() const { return trees_.size(); }
     const Tree& treeAt(std::size_t index) const { return trees_[index]; }
     /// To be grouped again. True when that is another pace.
-    bool setPace(std::size_t tree, int stride, bool alone);
-    int strideOf(const Group& group) const { return treeOf(group, 0).stride; }
+    bool setPace(std::size_t tree, int stepFactor, bool independent);
+    int stepFactorOf(const Group& group) const { return treeOf(group, 0).stepFactor; }
 
-    /// Groups of trees that are alone, and of the others.
-    std::size_t groupCount(bool alone) const { return (alone ? aloneGroups_ : sharedGroups_).size(); }
-    Group& groupAt(bool alone, std::size_t index) { return groups_[(alone ? aloneGroups_ : sharedGroups_)[index]]; }
+    /// Groups of trees that are independent, and of the others.
+    std::size_t groupCount(bool independent) const { return (independent ? independentGroups_ : sharedGroups_).size(); }
+    Group& groupAt(bool independent, std::size_t index) {
+        return groups_[(independent ? independentGroups_ : sharedGroups_)[index]];
+    }
     /// States of the bodies of a group, each once.
     std::span<const std::uint32_t> membersOf(const Group& group) const {
         return {members_.data() + group.firstMember, group.memberCount};
@@ -88,9 +90,9 @@ private:
     AlignedArray<TreeLink> links_;
     AlignedArray<std::uint32_t> states_, joints_, order_;
     AlignedArray<Group> groups_;
-    AlignedArray<std::uint32_t> aloneGroups_, sharedGroups_, members_;
+    AlignedArray<std::uint32_t> independentGroups_, sharedGroups_, members_;
     bool grouped_ = false;     ///< since it was cleared
-    std::uint32_t drawn_ = 0;  ///< first link of the tree that is being drawn up
+    std::uint32_t built_ = 0;  ///< first link of the tree that is being built
     // Of the groups.
     AlignedArray<std::uint32_t> laneStates_, laneAnchors_;
     AlignedArray<TreeJointRow> rows_;

@@ -76,7 +76,7 @@ void WorldImpl::sleepQuietIslands() {
 }
 
 /// What happens between steps is told by the next one.
-void WorldImpl::noteSleep(std::uint32_t index, bool asleep) {
+void WorldImpl::recordSleep(std::uint32_t index, bool asleep) {
     (stepping ? sleepEvents : sleepEventsBetweenSteps).push_back({id(index), asleep});
 }
 
@@ -88,11 +88,11 @@ void WorldImpl::sleepBody(std::uint32_t index) {
     awakeBodies[body.awakeIndex] = last;
     bodies[last].awakeIndex = body.awakeIndex;
     awakeBodies.pop();
-    assemblies.known = false;
+    articulations.known = false;
     body.awakeIndex = kNone;
     states[index].v = states[index].w = {};
     histories[index].velocityBefore = histories[index].lastChange = {};
-    noteMomentum(index);
+    storeMomentum(index);
     for (std::uint32_t key = body.firstContact; key != kNone; key = nextContact(key)) {
         const std::uint32_t c = key >> 1;
         const ContactRecord& contact = contacts[c];
@@ -101,7 +101,7 @@ void WorldImpl::sleepBody(std::uint32_t index) {
     }
     for (std::uint32_t key = body.firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next)
         removeJointFromGraph(key >> 1);
-    noteSleep(index, true);
+    recordSleep(index, true);
 }
 
 /// Wakes a body and all sleeping ones that it touches or is joined to, directly or through others.
@@ -114,13 +114,13 @@ void WorldImpl::wakeBody(std::uint32_t first) {
         BodyRecord& body = bodies[index];
         if (body.type == BodyType::fixed || index == 0) continue;
         body.sleepTimer = 0;
-        rouse(index);
+        unfreeze(index);
         if (body.awakeIndex != kNone) continue;
         body.awakeIndex = static_cast<std::uint32_t>(awakeBodies.size());
         awakeBodies.push(index);
-        assemblies.known = false;
+        articulations.known = false;
         structureChanged = graphChanged = true;
-        noteSleep(index, false);
+        recordSleep(index, false);
         for (std::uint32_t key = body.firstContact; key != kNone; key = nextContact(key)) {
             const ContactRecord& contact = contacts[key >> 1];
             if (contact.awakeIndex == kNone) addAwakeContact(key >> 1);

@@ -37,6 +37,6 @@ struct LaneManifolds {
 
 /// Of a manifold after a step: some point carried load or overlaps; some point carried load to the end. That of a body
 /// that rests is what it was.
-enum ManifoldTouch : std::uint8_t { kTouches = 1, kBearsLoad = 2, kUnknownTouch = 4, kRestingTouch = 8 };
+enum ManifoldTouch : std::uint8_t { kTouches = 1, kBearsLoad = 2, kUnknownTouch = 4, kFrozenTouch = 8 };
 
 }  // namespace ragtop

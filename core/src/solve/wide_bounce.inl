@@ -3,7 +3,7 @@
 namespace ragtop {
 namespace {
 
-constexpr int kBounceSweeps = 8;
+constexpr int kBounceIterations = 8;
 
 /// What a contact knows of the impacts ahead of it in this substep. Bodies move with constant acceleration on the line that
 /// ends with their velocity of now; displacements are such that this is so from the beginning of the substep.
@@ -45,7 +45,7 @@ RAGTOP_INLINE void foresee(const ContactBundle<N>& c, const WideVec3<N>& acceler
 
 /// u⁺ = −e u⁻ for the points that are struck in this substep, with Coulomb friction during the impact. Each body leaves
 /// its old line for the new one where they meet: displacements take back what the new velocity would have moved it
-/// before. What that sets in motion is struck in the next sweep, so impacts run through a row of bodies one by one.
+/// before. What that sets in motion is struck in the next iteration, so impacts run through a row of bodies one by one.
 template <int N>
 bool bounceContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
     bool bounced = false;
@@ -71,7 +71,7 @@ bool bounceContacts(float* bundles, int begin, int end, const BodyArrays& arrays
         c.recallArms();
 
         Lanes<N> impulses[contact::kMaxPoints] = {zero, zero, zero, zero};
-        for (int sweep = 0; sweep < kBounceSweeps; ++sweep)
+        for (int iteration = 0; iteration < kBounceIterations; ++iteration)
             for (int j = 0; j < contact::kMaxPoints; ++j) {
                 const WideVec3<N> rA = c.arm(pointField(j, contact::kAnchor)), rB = rA - c.offset;
                 const Lanes<N> speed = dot(c.normal, c.relativeVelocity(rA, rB)) - impacts.gain[j];

@@ -340,7 +340,7 @@ constexpr float kLittleTurn = 1.0f / 100;  ///< sin² θ/2 of a turn that effect
 /// What fast turns ask of contacts whose arms are those of the step's beginning, once positions have moved. Masses follow
 /// the inertia as it turns, or the impulses of a slender body would gain energy. Contacts let go when their points are no
 /// longer where they were found, half a radian on; a round surface goes on touching where it did. What spins otherwise
-/// is left to the sweep of fast bodies. Seldom, and for itself: the passes keep their registers.
+/// is left to continuous collision. Seldom, and for itself: the passes keep their registers.
 template <int N>
 __attribute__((noinline, cold)) void followFastTurns(float* fields, const BodyArrays& arrays) {
     ContactBundle<N> c(fields, arrays);

@@ -213,7 +213,7 @@ struct WideBallTurn {
         return select(swings & (inverseMass > noise), rotation - (dot(axis, rotation) / inverseMass) * response,
                       rotation);
     }
-    RAGTOP_INLINE void noteEnergy(const WideJoint<N>& joint, const WideTurns<N>& turns, const WideFactor<N>& first,
+    RAGTOP_INLINE void recordEnergy(const WideJoint<N>& joint, const WideTurns<N>& turns, const WideFactor<N>& first,
                                   const WideFactor<N>& second) {
         constexpr int kMost = RAGTOP_JOINT_FIELD(ball.mostEnergy);
         const Lanes<N> all(kNoForceLimit);
@@ -268,7 +268,7 @@ struct WideBallTurn {
         if (features & BallRows::kSwing) stop(RAGTOP_JOINT_FIELD(ball.swing[0]), turns.swingAxis, context, moving);
         if (!(features & (BallRows::kSwing | BallRows::kTwist))) return;
         if (moving)
-            noteEnergy(joint, turns, first, second);
+            recordEnergy(joint, turns, first, second);
         else
             shedEnergy(second);
     }

@@ -64,8 +64,8 @@ RAGTOP_INLINE Lanes<N> openShare(const WideJoint<N>& j, Lanes<N> squaredTurn, fl
     return select(error > near, 1.0f - near / error, Lanes<N>(0.0f));
 }
 template <int N>
-RAGTOP_INLINE Mask<N> ofFigures(const WideJoint<N>& j) {
-    return j.at(RAGTOP_JOINT_FIELD(ofFigure)) > 0.0f;
+RAGTOP_INLINE Mask<N> ofFreeTrees(const WideJoint<N>& j) {
+    return j.at(RAGTOP_JOINT_FIELD(ofFreeTree)) > 0.0f;
 }
 /// As softnessOf in the moving pass, rigid in the other.
 template <int N>
@@ -75,7 +75,7 @@ RAGTOP_INLINE WideSoftness<N> softnessOf(const WideJoint<N>& j, Lanes<N> squared
     if (!moving) return {zero, one, zero};
     const Softness& soft = context.softness;
     const Lanes<N> rate(soft.biasRate), mass(soft.massScale), impulse(soft.impulseScale);
-    const Mask<N> rigid = ofFigures(j);
+    const Mask<N> rigid = ofFreeTrees(j);
     if (!any(rigid)) return {rate, mass, impulse};
     return {select(rigid, rate * (one - openShare(j, squaredTurn, context.h)), rate), select(rigid, one, mass),
             select(rigid, zero, impulse)};
@@ -113,7 +113,7 @@ struct WideOpening {
 /// False where nothing is.
 template <int N>
 RAGTOP_INLINE bool isOpen(const WideJoint<N>& j, Lanes<N> squaredTurn, float h, WideOpening<N>& open) {
-    const Mask<N> rigid = ofFigures(j);
+    const Mask<N> rigid = ofFreeTrees(j);
     if (!any(rigid)) return false;
     open.share = openShare(j, squaredTurn, h);
     open.lanes = rigid & (open.share > 0.0f);

@@ -211,8 +211,8 @@ struct WideJoint : JointFields<N> {
         armA = vector(RAGTOP_JOINT_FIELD(arms.a)), armB = vector(RAGTOP_JOINT_FIELD(arms.b));
     }
 
-    /// As BodyPair::notePull.
-    RAGTOP_INLINE void notePull(const WideVec3<N>& impulse, float h) const {
+    /// As BodyPair::recordPull.
+    RAGTOP_INLINE void recordPull(const WideVec3<N>& impulse, float h) const {
         addPull(rowsA, a[3], Lanes<N>(-h) * dot(armA, impulse) * easeAcross(inertiaA, armA));
         addPull(rowsB, b[3], Lanes<N>(h) * dot(armB, impulse) * easeAcross(inertiaB, armB));
     }

@@ -71,7 +71,7 @@ void storeJoints(const JointLanesView& view, int begin, int end) {
         float* rows[N];
         for (int i = 0; i < N; ++i)
             rows[i] = joints[i] == kNoJoint ? nullptr : reinterpret_cast<float*>(view.sims + joints[i]);
-        storeRange<N>(rows, fields, RAGTOP_JOINT_RANGE(ofFigure, block.mass));
+        storeRange<N>(rows, fields, RAGTOP_JOINT_RANGE(ofFreeTree, block.mass));
         if (bundle.kind == JointKind::hinge || bundle.kind == JointKind::distance) {
             storeRange<N>(rows, fields, RAGTOP_JOINT_RANGE(axis.springImpulse, axis.inverseMass));
             storeRange<N>(rows, fields, RAGTOP_JOINT_RANGE(block.basis, block.errorFirst));

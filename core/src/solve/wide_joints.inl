@@ -23,13 +23,13 @@
 namespace ragtop {
 namespace {
 
-/// As carriedImpulse.
+/// As warmStartImpulse.
 template <int N>
 struct WideImpulse {
     WideVec3<N> linear, angular;
 };
 template <int N>
-RAGTOP_INLINE WideImpulse<N> carriedImpulse(const WideJoint<N>& j) {
+RAGTOP_INLINE WideImpulse<N> warmStartImpulse(const WideJoint<N>& j) {
     const Lanes<N> zero(0.0f);
     WideImpulse<N> sum{j.vector(RAGTOP_JOINT_FIELD(block.impulseFirst)),
                        j.vector(RAGTOP_JOINT_FIELD(block.impulseSecond))};
@@ -51,7 +51,7 @@ void warmStartJoints(const JointLanesView& view, int begin, int end, const Joint
         WideJoint<N> j(view, i, pass.arrays);
         j.locate();
         j.storeArms();
-        j.notePull(carriedImpulse(j).linear, pass.context.h);
+        j.recordPull(warmStartImpulse(j).linear, pass.context.h);
         switch (j.bundle.kind) {
             case JointKind::ball:
                 beginBallJoint(j, pass.context);
@@ -66,7 +66,7 @@ void warmStartJoints(const JointLanesView& view, int begin, int end, const Joint
                 beginDistance(j, pass.context);
                 break;
         }
-        const WideImpulse<N> carried = carriedImpulse(j);
+        const WideImpulse<N> carried = warmStartImpulse(j);
         j.apply(carried.linear, carried.angular);
         j.writeVelocities();
     }
@@ -122,7 +122,7 @@ void relaxJoints(const JointLanesView& view, int begin, int end, const JointPass
         if (j.bundle.breakable) {
             constexpr int kLinear = RAGTOP_JOINT_FIELD(stepImpulse.linear),
                           kAngular = RAGTOP_JOINT_FIELD(stepImpulse.angular);
-            const WideImpulse<N> carried = carriedImpulse(j);
+            const WideImpulse<N> carried = warmStartImpulse(j);
             j.set(kLinear, j.vector(kLinear) + carried.linear);
             j.set(kAngular, j.vector(kAngular) + carried.angular);
         }

@@ -33,7 +33,7 @@ RAGTOP_INLINE Lanes<N> ownShare(Lanes<N> mass, Lanes<N> impulse, const SolverCon
 /// long beside n times that of the row: contacts with the ground that carry little else than their body may be quick, and
 /// so may points that have sunk to twice what counts as deep, as long as they are.
 template <int N, bool kGround>
-RAGTOP_INLINE void carryLoads(ContactBundle<N, N, kGround>& c, typename Mask<N>::V count, const SolverContext& context) {
+RAGTOP_INLINE void updateLoads(ContactBundle<N, N, kGround>& c, typename Mask<N>::V count, const SolverContext& context) {
     const Lanes<N> zero(0.0f), one(1.0f), slow(context.loadShare);
     const Lanes<N> fast(context.staticLoadShare), quick = select(c.isFixed(), fast, zero);
     const Lanes<N> deep = deepOf(c, context);
@@ -115,7 +115,7 @@ RAGTOP_INLINE std::int32_t prepareBundle(float* fields, const BodyArrays& arrays
     preparePoints(c, count);
     c.set(contact::kShift, c.shift);
     setMasses(c, Mask<N>{count == count}, [&](int field) { return c.vector(field); });
-    carryLoads(c, count, context);
+    updateLoads(c, count, context);
     // Rounding of the normal does not count, or friction would change a little in every step at rest.
     const WideVec3<N> friction = c.vector(contact::kFrictionImpulse);
     const Lanes<N> along = dot(friction, c.normal);
@@ -215,7 +215,7 @@ struct NormalSoftness {
 
 /// C ≥ 0 per point. Apart, the row lets the gap close within the substep; overlapping, it is a soft row that relaxes
 /// towards the carried load (bias pass), or a rigid velocity row (relax pass, which takes back the push-out velocity).
-/// What the soft row pushes beyond its load is bounded: speeds of rows that push each other add up, and one relaxing sweep
+/// What the soft row pushes beyond its load is bounded: speeds of rows that push each other add up, and one relaxing pass
 /// takes back a part of them only.
 template <int N, int L, bool kGround, bool kBias>
 RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const SolverContext& context) {

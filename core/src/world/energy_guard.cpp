@@ -25,16 +25,16 @@ constexpr double kSpringRoom = 0.1;
 constexpr double kThrown = 0.1;
 
 /// Motors, springs with moving targets, drives that push and couplings add what is not counted here; soft stops that
-/// turn by less than a radian per substep keep their own account (SoftAccount); joints of more axes have any of them.
+/// turn by less than a radian per substep keep their own ledger (StopLedger); joints of more axes have any of them.
 bool isPassive(const WorldImpl& world, const JointSim& sim) {
     if (hasAxes(sim.kind)) return false;
     const bool isDriven = (sim.ball.features & BallRows::kDrives) != 0 &&
                           !(sim.drives.targetSpeed == Vec3{} && sim.drives.feedForward == Vec3{});
     const bool isMoved = (sim.axis.features & AxisRows::kSpring) != 0 &&
                          !(sim.axis.springSpeed == 0 && sim.axis.feedForward == 0);
-    const bool hasAccount = (sim.axis.stop.stiffness > 0 || sim.ball.stop.stiffness > 0) &&
-                            !(stiffnessOf(sim, world.states.data(), world.inertias.data(), world.context.h) > 1);
-    return (sim.axis.features & (AxisRows::kMotor | AxisRows::kCoupled)) == 0 && !isDriven && !isMoved && !hasAccount;
+    const bool hasLedger = (sim.axis.stop.stiffness > 0 || sim.ball.stop.stiffness > 0) &&
+                           !(stiffnessOf(sim, world.states.data(), world.inertias.data(), world.context.h) > 1);
+    return (sim.axis.features & (AxisRows::kMotor | AxisRows::kCoupled)) == 0 && !isDriven && !isMoved && !hasLedger;
 }
 
 std::uint32_t rootOf(AlignedArray<std::uint32_t>& parent, std::uint32_t body) {
@@ -157,13 +157,14 @@ void stayPut(WorldImpl& world, std::span<const std::uint32_t> group) {
     }
 }
 
-/// Sweeps have it for a while: a direct solve of joints that stand open, or of motions far from its linear ones, is none.
+/// It falls back to iteration for a while: a direct solve of joints that stand open, or of motions far from its linear
+/// ones, is none.
 void barDirect(WorldImpl& world, std::span<const std::uint32_t> group) {
     bool changed = false;
     for (const std::uint32_t b : group) {
         std::int32_t& steps = world.bodies[b].directSteps;
         changed |= steps > 0;
-        steps = std::min(steps, -direct::kBarredSteps);
+        steps = std::min(steps, -direct::kCooldownSteps);
     }
     if (changed) world.graphChanged = world.directChanged = true;
 }
@@ -206,7 +207,7 @@ bool overran(const WorldImpl& world, std::span<const std::uint32_t> group, doubl
 double earlyEnergy(const WorldImpl& world, std::uint32_t index) {
     const BodyRecord& body = world.bodies[index];
     if (body.directReason != direct::Reason::tree) return 0;
-    const float early = world.context.h * static_cast<float>(body.stride);
+    const float early = world.context.h * static_cast<float>(body.stepFactor);
     return static_cast<double>(body.mass * early * length(world.dynamics[index].acceleration) * length(world.states[index].v));
 }
 
@@ -330,7 +331,7 @@ void listMembers(WorldImpl& world, AlignedArray<std::uint32_t>& groupOf) {
 
 /// Where joints, the bodies that are awake or direct islands have changed.
 void findGroups(WorldImpl& world) {
-    if (!world.assemblies.fresh) return;
+    if (!world.articulations.fresh) return;
     EnergyGuard& guard = world.energyGuard;
     guard.starts.clear();
     guard.bodies.clear();
@@ -352,7 +353,7 @@ void findGroups(WorldImpl& world) {
 
 }  // namespace
 
-void noteKinetic(WorldImpl& world, std::uint32_t body) {
+void recordKinetic(WorldImpl& world, std::uint32_t body) {
     world.energyGuard.kinetic[body] = static_cast<float>(kineticEnergy(world, body, world.bodies[body].rotation));
 }
 
@@ -363,7 +364,7 @@ void beginGuard(WorldImpl& world) {
     guard.kinetic.resizeForOverwrite(world.bodies.size());
     world.runner.parallelFor(static_cast<int>(world.awakeBodies.size()), 64, [&](int begin, int end, int) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-            noteKinetic(world, world.awakeBodies[i]);
+            recordKinetic(world, world.awakeBodies[i]);
     });
     guard.momentum.resizeForOverwrite(guard.groupCount());
     world.runner.parallelFor(static_cast<int>(guard.groupCount()), 4, [&](int begin, int end, int) {
@@ -372,7 +373,7 @@ void beginGuard(WorldImpl& world) {
     });
 }
 
-void noteDriven(WorldImpl& world, std::uint32_t body) {
+void recordDriven(WorldImpl& world, std::uint32_t body) {
     if (world.energyGuard.groupCount() > 0) world.energyGuard.kinetic[body] = std::numeric_limits<float>::infinity();
 }
 
@@ -389,8 +390,8 @@ void guardEnergy(WorldImpl& world) {
     guard.suspects.resizeForOverwrite(groups);
     // Trees that go alone and have kept their energy have been finished.
     const auto isFinished = [&](std::size_t g) {
-        return world.strides.aloneCount > 0 &&
-               (world.strides.marks[guard.membersOf(g).front()] & BodyStrides::kAlone) != 0;
+        return world.multirate.independentCount > 0 &&
+               (world.multirate.marks[guard.membersOf(g).front()] & Multirate::kIndependent) != 0;
     };
     world.runner.parallelFor(static_cast<int>(groups), 4, [&](int begin, int end, int) {
         for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g) {

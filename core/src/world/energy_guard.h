@@ -37,7 +37,7 @@ struct GuardedIsland {
     bool hangs = false;       ///< on what does not move
 };
 
-/// Bodies in groups: those that joints hold together, through bodies that move. Found anew when assemblies are.
+/// Bodies in groups: those that joints hold together, through bodies that move. Found anew when articulations are.
 struct EnergyGuard {
     explicit EnergyGuard(std::pmr::memory_resource* memory)
         : parent(memory), starts(memory), bodies(memory), watched(memory), accounts(memory), suspects(memory),
@@ -67,9 +67,9 @@ struct EnergyGuard {
 /// When a step begins: groups the bodies, where they changed, and notes what they have.
 void beginGuard(WorldImpl& world);
 /// The same of one body that was given another speed since.
-void noteKinetic(WorldImpl& world, std::uint32_t body);
+void recordKinetic(WorldImpl& world, std::uint32_t body);
 /// What a module gives a body within a step is not looked at.
-void noteDriven(WorldImpl& world, std::uint32_t body);
+void recordDriven(WorldImpl& world, std::uint32_t body);
 /// May bodies that joints alone hold together have gained more than their groups have room for? May be asked on any thread.
 bool hasGainedEnergy(const WorldImpl& world, std::span<const std::uint32_t> bodies);
 /// When all substeps are done, before poses move.

@@ -88,7 +88,7 @@ void setVelocity(WorldImpl& world, std::uint32_t body, const Vec3& v, const Vec3
     state.v = v;
     state.w = w;
     if (state.locks != 0 || world.dynamics[body].spins == 0) world.obeyLocks(body);
-    world.noteMomentum(body, rotationNow(world, body));
+    world.storeMomentum(body, rotationNow(world, body));
 }
 
 /// What springs lead the speeds of their bodies by is part of these; of those joints that are counted with a body.

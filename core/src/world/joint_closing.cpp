@@ -167,7 +167,7 @@ void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClo
     restJoints(world, system);
     // Places that move beside velocities change what these make about the centre of mass.
     if (!hangs(world, joints)) turnToMomentum(world, group, momentum);
-    for (const std::uint32_t body : group) world.noteMomentum(body);
+    for (const std::uint32_t body : group) world.storeMomentum(body);
 }
 
 }  // namespace

@@ -27,8 +27,8 @@ struct alignas(64) BodyRecord {
     std::uint32_t state = 0;  ///< index into the solver's arrays; 0 for fixed bodies
     BodyType type = BodyType::dynamic;
     bool refitted = false;  ///< at the end of the last step: some shape left its bounds
-    bool launched = false;  ///< was given a velocity since, which its bounds do not count
-    bool rests = false;     ///< on what does not move, and is left out of the solver
+    bool hasNewVelocity = false;  ///< was given a velocity since, which its bounds do not count
+    bool frozen = false;          ///< on what does not move, and is left out of the solver
 
     Frame local;         ///< internal frame in the frame of the definition
     Vec3 inertia;        ///< kg m², principal moments
@@ -46,11 +46,11 @@ struct alignas(64) BodyRecord {
     std::uint8_t stillSteps : 5 = 0;  ///< for which it was too slow to tell from what rests
     AxisLocks locks;
     direct::Reason directReason = direct::Reason::none;
-    std::uint8_t directFailures = 0;  ///< solves of its island that were given up since one came to rest
+    std::uint8_t directFailures = 0;  ///< direct solves of its island that failed since one came to rest
     std::uint8_t innerSteps = 1;      ///< of each substep, as part of a mechanism
-    std::uint8_t calmSteps = 0;       ///< for which half as many would have done
-    std::uint8_t stride : 4 = 1;      ///< substeps that it took at once last, as part of a tree: 1, 2 or 4
-    std::uint8_t mayStride : 4 = 1;   ///< the same, as far as its joints' gaps tell
+    std::uint8_t hysteresisSteps = 0;    ///< for which half as many would have done
+    std::uint8_t stepFactor : 4 = 1;     ///< substeps that it took at once last, as part of a tree: 1, 2 or 4
+    std::uint8_t allowedFactor : 4 = 1;  ///< the same, as far as its joints' gaps tell
 };
 static_assert(sizeof(BodyRecord) == 192);
 
@@ -90,7 +90,7 @@ struct alignas(64) ContactRecord {
     };
     std::uint8_t manifoldCapacity = 1;  ///< kMaxManifolds for meshes and height fields
     bool isMesh = false, sensor = false, touching = false, reportsMotion = false;
-    bool struck = false;       ///< by a sweep in this step
+    bool struck = false;       ///< by continuous collision in this step
     bool hasPoints = false;    ///< has some manifold points?
     bool bearsLoad = false;    ///< did its first manifold at the end of the last step?
     bool surfaceOpen = false;  ///< what its lanes say of surfaces may have changed

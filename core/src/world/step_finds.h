@@ -29,17 +29,17 @@ struct TouchedPlane {
 };
 
 /// A tree of joints (world_trees.cpp).
-struct DrawnTree {
+struct BuiltTree {
     std::uint32_t anchor = kNone;  ///< body that does not move
     std::uint32_t bodies = 0, joints = 0;
     bool watched = false;  ///< impulses are wanted after every substep
-    bool twofold = false;  ///< masses ask for double precision
+    bool doublePrecision = false;  ///< masses ask for double precision
 };
 
 /// What a fast body meets first on its way (world_continuous.cpp).
 struct Meeting {
     bool hit = false;
-    float fraction = 1;  ///< of the way that was swept
+    float fraction = 1;  ///< of the path that was swept
     std::uint32_t shape = 0, obstacle = 0;
     Manifold touch;  ///< in the frame of the obstacle, the normal towards the shape
 };
@@ -60,7 +60,7 @@ struct BoundsLeft {
 };
 
 /// A contact or joint through which bodies may bear on each other (world_islands.cpp).
-struct IslandBearing {
+struct SupportEdge {
     std::uint32_t a, b;        ///< bodies
     std::uint32_t constraint;  ///< manifold or joint
     bool joint;
@@ -71,7 +71,7 @@ struct IslandBearing {
 struct LoadPaths {
     StageArray<std::uint32_t> levels;    ///< per body: steps to what does not move
     StageArray<std::uint32_t> supports;  ///< per body: how many bear it
-    StageArray<float> carried;           ///< kg, per body
+    StageArray<float> load;              ///< kg, per body
     StageArray<std::uint8_t> heldLevel;  ///< per body: something level is below it
 };
 
@@ -80,7 +80,7 @@ struct DirectIsland {
     std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
     std::uint32_t system = kNone;  ///< of Newton's method, where it has one
     bool factored = false;
-    bool swept = false;      ///< given up in this step
+    bool fellBack = false;   ///< to iteration in this step: the direct solve did not converge
     bool unchanged = false;  ///< since a step through which it rested
     bool renewed = false;    ///< some lane of it is other than in the last step; told by several threads
     int restedAgain = 0;     ///< substeps through which it has rested as in the step before
@@ -88,45 +88,51 @@ struct DirectIsland {
     bool mechanism = false;  ///< moves by itself, without a system
     bool watched = false;    ///< of a tree or mechanism: impulses are wanted after every substep
     bool leapfrog = false;   ///< of a tree: speeds are those of the middle of a substep
-    bool strides = false;    ///< of a tree: may take several substeps at once
-    bool alone = false;      ///< of a tree: goes through the step by itself
-    bool open = false, ajar = false;  ///< of a tree: joints were open in this step by more than kOpen, kClosed
+    bool multirate = false;  ///< of a tree: may take several substeps at once
+    bool independent = false;              ///< of a tree: goes through the step by itself
+    bool open = false, notClosed = false;  ///< of a tree: joints were open in this step by more than kOpen, kClosed
     direct::SolveReport report;
     double ms = 0;
 
     /// Of a step.
     void begin() {
-        factored = swept = open = ajar = unchanged = false;
+        factored = fellBack = open = notClosed = unchanged = false;
         restedAgain = 0;
         report = {};
         ms = 0;
     }
 };
 
-/// How awake bodies go through the substeps of a step (world_strides.cpp).
-struct BodyStrides {
-    explicit BodyStrides(std::pmr::memory_resource* memory)
+/// How awake bodies go through the substeps of a step (multirate.cpp).
+struct Multirate {
+    explicit Multirate(std::pmr::memory_resource* memory)
         : lists{AlignedArray<std::uint32_t>(memory), AlignedArray<std::uint32_t>(memory),
                 AlignedArray<std::uint32_t>(memory)},
           marks(memory),
           sharedJoints(memory) {}
-    static constexpr std::uint8_t kAlone = 128;  ///< in marks
-    /// Of 1, 2 and 4 substeps at once, without those of trees that are alone; where `any`.
-    std::array<AlignedArray<std::uint32_t>, direct::TreePlan::kStrides> lists;
-    AlignedArray<std::uint8_t> marks;           ///< per body, 0 where it is of no tree, else its stride
-    AlignedArray<std::uint32_t> sharedJoints;   ///< of direct islands, without those of trees that are alone
-    std::size_t aloneCount = 0;                 ///< bodies of such trees
+    static constexpr std::uint8_t kIndependent = 128;  ///< in marks
+    /// Of 1, 2 and 4 substeps at once, without those of independent trees; where `any`.
+    std::array<AlignedArray<std::uint32_t>, direct::TreePlan::kStepFactors> lists;
+    AlignedArray<std::uint8_t> marks;           ///< per body, 0 where it is of no tree, else its step factor
+    AlignedArray<std::uint32_t> sharedJoints;   ///< of direct islands, without those of independent trees
+    std::size_t independentCount = 0;           ///< bodies of such trees
     bool any = true;                            ///< some body goes otherwise than by single substeps, or may have
 };
 
-/// Bodies that joints hold together (world_assemblies.cpp). They outlive the step while joints, the bodies that are awake
-/// and the direct islands stay the same.
-struct Assemblies {
-    explicit Assemblies(std::pmr::memory_resource* memory)
-        : parent(memory), place(memory), joints(memory), isFigure(memory), starts(memory), bodies(memory), masses(memory) {}
+/// Bodies that joints hold together (world_articulations.cpp). They outlive the step while joints, the bodies that are
+/// awake and the direct islands stay the same.
+struct Articulations {
+    explicit Articulations(std::pmr::memory_resource* memory)
+        : parent(memory),
+          place(memory),
+          joints(memory),
+          isFreeTree(memory),
+          starts(memory),
+          bodies(memory),
+          masses(memory) {}
     AlignedArray<std::uint32_t> parent, place;     ///< per body, of those awake; 0: held by the world
-    AlignedArray<std::uint32_t> joints, isFigure;  ///< per body that is a parent of itself
-    AlignedArray<std::uint32_t> starts;            ///< of the members of each assembly, and the end
+    AlignedArray<std::uint32_t> joints, isFreeTree;  ///< per body that is a parent of itself
+    AlignedArray<std::uint32_t> starts;              ///< of the members of each articulation, and the end
     AlignedArray<std::uint32_t> bodies;            ///< the members
     AlignedArray<float> masses;                    ///< kg, of the members
     bool known = false;                            ///< nothing has changed since they were found
@@ -134,7 +140,7 @@ struct Assemblies {
 };
 
 /// What a pass over constraints does.
-enum class Sweep { warmStart, solve, relax };
+enum class SolvePass { warmStart, solve, relax };
 
 /// Numbers by region.
 struct ByRegion {
@@ -159,10 +165,16 @@ struct ByRegion {
 /// Islands that are solved side by side (world/world_regions.cpp); region 0 is what belongs to none.
 struct Regions {
     explicit Regions(std::pmr::memory_resource* memory)
-        : bodies(memory), assemblies(memory), modules(memory), usedLists(memory), listStarts(memory), weights(memory), ofIsland(memory),
+        : bodies(memory),
+          articulations(memory),
+          modules(memory),
+          usedLists(memory),
+          listStarts(memory),
+          weights(memory),
+          ofIsland(memory),
           loads(memory) {}
-    bool alone = false;  ///< each goes through the substeps of this step by itself
-    ByRegion bodies, assemblies, modules;      ///< of this step, while they are alone; of modules, their groups
+    bool independent = false;                  ///< each goes through the substeps of this step by itself
+    ByRegion bodies, articulations, modules;   ///< of this step, while they are independent; of modules, their groups
     AlignedArray<std::uint32_t> usedLists;     ///< per region: a bit per list that holds something
     AlignedArray<int> listStarts;              ///< scratch: blocks of each list of the graph
     AlignedArray<std::uint32_t> weights, ofIsland;  ///< scratch: per body that is the root of an island
@@ -176,7 +188,7 @@ struct ModuleWork {
     explicit ModuleWork(std::pmr::memory_resource* memory)
         : named(memory), namer(memory), spans(memory), acting(memory), parent(memory), groupOf(memory), starts(memory),
           members(memory) {}
-    bool onAll = false;                           ///< some module names nobody: it may act on any body
+    bool onAll = false;                           ///< some module names no body: it may act on any body
     bool inSubsteps = false;                      ///< modules may act now, on any worker
     AlignedArray<std::uint32_t> named;            ///< bodies, each once, in the order of modules
     AlignedArray<std::uint32_t> namer;            ///< per body: 1 + the first place in `acting` that named it; 0: none
@@ -198,19 +210,19 @@ enum BodyFlag : std::uint8_t {
     kFastClear,  ///< went far for its size, but past nothing
     kToSweep,    ///< went far for its size
     kSwept,      ///< met something on its way
-    kRunaway
+    kOutOfRange
 };
 
-/// Which bodies a step solves (world_rest.cpp).
-struct RestFinds {
-    explicit RestFinds(std::pmr::memory_resource* memory) : unrested(memory) {}
+/// Which bodies a step solves (world_freezing.cpp).
+struct Freezing {
+    explicit Freezing(std::pmr::memory_resource* memory) : unfrozen(memory) {}
     /// Counts the steps for which a body has been still; `slow`: below what counts as that, over the whole step.
-    void note(BodyRecord& body, bool slow);
+    void record(BodyRecord& body, bool slow);
     /// m/s, when gravity gives so much in a substep.
     static float slowest(float gravityStep);
     std::atomic<bool> anyStill{false};       ///< has any body been still for long enough to rest?
     std::span<const std::uint32_t> solved;   ///< awake bodies that do not rest
-    AlignedArray<std::uint32_t> unrested;    ///< the same while some rest
+    AlignedArray<std::uint32_t> unfrozen;    ///< the same while some rest
 };
 
 /// A contact for which a step found a change, of ContactChange.

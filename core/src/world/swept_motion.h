@@ -24,7 +24,7 @@ private:
 };
 
 /// A pose and the motion ahead of it: a line, and a turn at a constant rate that may be of many revolutions.
-struct SweptWay {
+struct SweptPath {
     Pose from;
     Vec3 way;   ///< m
     Vec3 turn;  ///< rad

@@ -64,15 +64,15 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       storedImpulses(memory),
       joints(memory),
       jointSims(memory),
-      launchedBodies(memory),
+      newVelocityBodies(memory),
       newJoints(memory),
-      overstepped(memory),
+      violatedJoints(memory),
       couplings(memory),
       couplingSims(memory),
       awakeBodies(memory),
       awakeContacts(memory),
       moveBuffer(memory),
-      strides(memory),
+      multirate(memory),
       graph(kernels->lanes, memory),
       stageMemory(memory),
       staticTree(memory, stageMemory),
@@ -85,9 +85,9 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       springs(memory),
       manifoldTouches(memory),
       laneTouches(memory),
-      rest(memory),
+      freezing(memory),
       contactChanged(memory),
-      doubtfulContacts(memory),
+      dirtyContacts(memory),
       changedContacts(memory),
       shiftedBodies(memory),
       closingContacts(memory),
@@ -95,8 +95,8 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       islandQuiet(memory),
       bodyStack(memory),
       movedConstraints(memory),
-      sweptCouplings(memory),
-      assemblies(memory),
+      iteratedCouplings(memory),
+      articulations(memory),
       energyGuard(memory),
       jointClosing(memory),
       boundsLeft(memory),
@@ -181,15 +181,15 @@ StepStats World::stats() const {
     StepStats stats;
     stats.stages = w.stages;
     stats.islands = w.ledger;
-    stats.givenUp = w.directFailures;
-    stats.runaways = w.runaways;
+    stats.directFailures = w.directFailures;
+    stats.outOfRange = w.outOfRange;
     stats.energyGuarded = w.energyGuard.caught;
     stats.energyTaken = w.energyGuard.taken;
     stats.jointsClosed = w.jointClosing.closed;
     stats.strayImpulses = w.moduleWork.strays;
-    stats.solvedBodies = static_cast<int>(w.rest.solved.size() - w.strides.aloneCount);
-    stats.aloneBodies = static_cast<int>(w.strides.aloneCount);
-    stats.regions = w.regions.alone ? w.graph.regionCount() : 0;
+    stats.solvedBodies = static_cast<int>(w.freezing.solved.size() - w.multirate.independentCount);
+    stats.independentBodies = static_cast<int>(w.multirate.independentCount);
+    stats.regions = w.regions.independent ? w.graph.regionCount() : 0;
     stats.totalMs = w.totalMs;
     stats.modulesMs = w.moduleWork.ms;
     stats.bodies = static_cast<int>(w.bodySlots.used()) - 1;

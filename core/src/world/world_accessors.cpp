@@ -166,7 +166,7 @@ void World::applyForce(BodyId body, const Vec3& force, const DVec3& point) {
     const std::uint32_t i = impl_->index(body);
     if (!impl_->moves(i)) return;
     impl_->bodies[i].force += force;
-    impl_->noteForce(i);
+    impl_->recordForce(i);
     impl_->bodies[i].torque += cross(relative(point, impl_->bodies[i].center), force);
     impl_->wakeBody(i);
 }

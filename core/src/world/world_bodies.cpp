@@ -251,7 +251,7 @@ void WorldImpl::refreshInertia(std::uint32_t index) {
         restrictInertia(index);
     else
         inertias[index] = inverseInertiaAt(index, bodies[index].rotation);
-    noteMomentum(index);
+    storeMomentum(index);
 }
 
 /// World inverse inertia of a body if it were turned so; what locks restrict stays as it is.
@@ -266,10 +266,10 @@ BodyInertia WorldImpl::inverseInertiaAt(std::uint32_t index, const Quat& rotatio
     return inertia;
 }
 
-void WorldImpl::noteMomentum(std::uint32_t index) { noteMomentum(index, bodies[index].rotation); }
+void WorldImpl::storeMomentum(std::uint32_t index) { storeMomentum(index, bodies[index].rotation); }
 
 /// The angular momentum that belongs to the velocity of now and a rotation.
-void WorldImpl::noteMomentum(std::uint32_t index, const Quat& q) {
+void WorldImpl::storeMomentum(std::uint32_t index, const Quat& q) {
     const Vec3 w = states[index].w;
     BodyHistory& history = histories[index];
     history.turningX = w.x, history.turningY = w.y, history.turningZ = w.z;
@@ -294,9 +294,9 @@ void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3&
     state.w = angular;
     if (bodies[index].type == BodyType::dynamic) obeyLocks(index);
     if (!stepping) histories[index].velocityBefore += state.v - before;
-    if (stepping) noteDriven(*this, index);
+    if (stepping) recordDriven(*this, index);
     // Bounds that are made when the step ends count what modules did within it.
-    if (!moduleWork.inSubsteps) launch(index);
+    if (!moduleWork.inSubsteps) recordNewVelocity(index);
 }
 
 /// What was put somewhere did not travel there.

@@ -219,7 +219,7 @@ std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const PairPlace& plac
     if (!first)
         change = record.isMesh && meetAsSurfaces(record) ? takeSurfaceManifolds(record, found)
                                                          : takeManifolds(record, found);
-    if (!first && (bodies[record.bodyA].rests || bodies[record.bodyB].rests)) change |= kGraph;
+    if (!first && (bodies[record.bodyA].frozen || bodies[record.bodyB].frozen)) change |= kGraph;
     if (count == 0) {
         record.until = travel + static_cast<double>(room.manifolds[0].gap - tuning::kSpeculative * record.size);
         return static_cast<std::uint8_t>(change);
@@ -257,20 +257,20 @@ void WorldImpl::applyContactChanges() {
         else
             applyContactChange(changed.contact);
     }
-    noteShiftedLoads();
+    recordShiftedLoads();
     // All may fall asleep at once, when nothing may grow.
     if (settings.sleeping) storedImpulses.reserve(manifolds.capacity()), freeStored.reserve(manifolds.capacity());
 }
 
 /// Where points that hold a body came or went, all that hold it find their loads anew.
-void WorldImpl::noteShiftedLoads() {
+void WorldImpl::recordShiftedLoads() {
     for (const std::uint32_t body : shiftedBodies)
         for (std::uint32_t key = bodies[body].firstContact; key != kNone;
              key = nextContact(key)) {
             const ContactRecord& record = contacts[key >> 1];
             if (!record.hasPoints || !holds(record)) continue;
             for (const ManifoldRecord& manifold : manifoldsOf(record))
-                if (manifold.place.color != kNone && ConstraintGraph::isSwept(manifold.place))
+                if (manifold.place.color != kNone && ConstraintGraph::isIterated(manifold.place))
                     LaneView(graph.lane(manifold.place), graph.lanes()).at(contact::kShifted) = 1;
         }
 }
@@ -280,7 +280,7 @@ void WorldImpl::noteShiftedLoads() {
 /// fell asleep with, which has not changed.
 void WorldImpl::applyContactChange(std::uint32_t index) {
     ContactRecord& record = contacts[index];
-    rouse(record.bodyA), rouse(record.bodyB);
+    unfreeze(record.bodyA), unfreeze(record.bodyB);
     bool meets = false;
     forEachManifold(record, [&](std::uint32_t k) {
         const ManifoldRecord& manifold = manifolds[k];

@@ -169,7 +169,7 @@ void WorldImpl::writeLane(const ContactRecord& record, const ManifoldRecord& man
     lane.set(contact::kStick, impulses.stick);
 }
 
-void WorldImpl::noteGraphChange(GraphPlace place) {
+void WorldImpl::recordGraphChange(GraphPlace place) {
     graphChanged = true;
     directChanged |= place.color == ConstraintGraph::kDirect;
 }
@@ -178,13 +178,13 @@ void WorldImpl::addToGraph(std::uint32_t index) {
     ManifoldRecord& manifold = manifolds[index];
     const ContactRecord& record = contacts[manifold.contact];
     if (manifold.place.color != kNone || manifold.pointCount == 0 || record.sensor) return;
-    rouse(record.bodyA), rouse(record.bodyB);
+    unfreeze(record.bodyA), unfreeze(record.bodyB);
     const ManifoldImpulses impulses = impulsesOf(manifold);
     const bool direct = isDirect(record.bodyA) || isDirect(record.bodyB);
     manifold.place =
         graph.insertContact(index, bodies[record.bodyA].state, moves(record.bodyA), bodies[record.bodyB].state,
-                            moves(record.bodyB), direct ? ConstraintGraph::By::direct : ConstraintGraph::By::sweeps);
-    noteGraphChange(manifold.place);
+                            moves(record.bodyB), direct ? ConstraintGraph::By::direct : ConstraintGraph::By::iteration);
+    recordGraphChange(manifold.place);
     writeLane(record, manifold, impulses);
     if (record.manifoldCapacity == 1) forgetStored(manifold);
 }
@@ -193,12 +193,12 @@ void WorldImpl::removeFromGraph(std::uint32_t index) {
     ManifoldRecord& manifold = manifolds[index];
     if (manifold.place.color == kNone) return;
     const ContactRecord& record = contacts[manifold.contact];
-    rouse(record.bodyA), rouse(record.bodyB);
+    unfreeze(record.bodyA), unfreeze(record.bodyB);
     if (manifold.pointCount > 0) storeImpulses(manifold);
     const std::uint32_t moved = graph.removeContact(manifold.place, bodies[record.bodyA].state, moves(record.bodyA),
                                                     bodies[record.bodyB].state, moves(record.bodyB));
     if (moved != kNone) manifolds[moved].place.slot = manifold.place.slot;
-    noteGraphChange(manifold.place);
+    recordGraphChange(manifold.place);
     manifold.place = {};
     manifoldTouches[index] = manifold.pointCount > 0 ? kUnknownTouch : 0;
     contacts[manifold.contact].until = 0;
@@ -207,7 +207,8 @@ void WorldImpl::removeFromGraph(std::uint32_t index) {
 namespace {
 
 /// Impulses of the points of before for those of now that have the same feature.
-ManifoldImpulses carriedImpulses(const ManifoldRecord& before, const ManifoldImpulses& known, const ManifoldRecord& now) {
+ManifoldImpulses matchedImpulses(const ManifoldRecord& before, const ManifoldImpulses& known,
+                                 const ManifoldRecord& now) {
     ManifoldImpulses carried;
     if (before.pointCount > 0) carried = known;
     for (int j = 0; j < kMaxManifoldPoints; ++j) {
@@ -415,7 +416,7 @@ std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, std::span<const Man
         manifold.normal = normals[i];
         placePoints(record, fresh, manifold);
         others |= hasOtherPoints(before, manifold);
-        writeImpulses(record, manifold, carriedImpulses(before, known, manifold));
+        writeImpulses(record, manifold, matchedImpulses(before, known, manifold));
         if (manifold.place.color == kNone)
             change |= kGraph, manifoldTouches[record.firstManifold + static_cast<std::size_t>(place[i])] = kUnknownTouch;
     }
@@ -436,7 +437,7 @@ std::uint8_t WorldImpl::takeSurfaceManifolds(ContactRecord& record, std::span<co
     ManifoldImpulses known[kMaxManifolds], handed[kMaxManifolds];
     for (std::size_t k = 0; k < now.size(); ++k) before[k] = now[k], known[k] = impulsesOf(now[k]);
     const std::uint8_t change = takeManifolds(record, found);
-    for (std::size_t k = 0; k < now.size(); ++k) handed[k] = carriedImpulses(before[k], known[k], now[k]);
+    for (std::size_t k = 0; k < now.size(); ++k) handed[k] = matchedImpulses(before[k], known[k], now[k]);
     const float sizeA = shapes[record.shapeA].size, sizeB = shapes[record.shapeB].size;
     handOverImpulses({before, now.size()}, known, now, handed, sizeA < sizeB ? sizeA : sizeB);
     for (std::size_t k = 0; k < now.size(); ++k)

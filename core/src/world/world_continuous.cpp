@@ -180,19 +180,17 @@ void WorldImpl::sweepFastBodies() {
     if (!settings.continuous) return;
     const std::size_t count = awakeBodies.size();
     posesMoved = true;
-    if (runner.workers() > 1) clearWays();
+    if (runner.workers() > 1) clearPaths();
     for (std::size_t i = 0; i < count; ++i)
         if (bodyFlags[i] == kToSweep && moves(awakeBodies[i])) sweepBody(awakeBodies[i]);
     posesMoved = false;
 }
 
-void WorldImpl::noteSwept(std::uint32_t index) {
-    bodyFlags[bodies[index].awakeIndex] = kSwept;
-}
+void WorldImpl::recordSwept(std::uint32_t index) { bodyFlags[bodies[index].awakeIndex] = kSwept; }
 
 /// What is swept past obstacles that stand still alone, and meets none, depends on nothing that other sweeps change; one
 /// that pushes it on lets it be swept after all.
-void WorldImpl::clearWays() {
+void WorldImpl::clearPaths() {
     runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const std::uint32_t body = awakeBodies[static_cast<std::size_t>(i)];
@@ -206,20 +204,20 @@ namespace {
 
 constexpr int kMaxPieces = 64;
 
-/// The share of a way that is swept at once: long turns are swept piece by piece.
-float firstPiece(const SweptWay& path) {
+/// The share of a path that is swept at once: long turns are swept piece by piece.
+float firstPiece(const SweptPath& path) {
     constexpr float kPiece = 1.5f;  // rad
     return 1 / (1 + std::floor(length(path.turn) / kPiece));
 }
 
-SweptWay afterPiece(const SweptWay& path, float share) {
+SweptPath afterPiece(const SweptPath& path, float share) {
     return {path.at(share), (1 - share) * path.way, (1 - share) * path.turn};
 }
 
 }  // namespace
 
 bool WorldImpl::meetsAnything(std::uint32_t index) const {
-    SweptWay path = wayOfStep(index);
+    SweptPath path = pathOfStep(index);
     float done = 0;
     for (int piece = 0; piece < kMaxPieces && done < 1; ++piece) {
         const float share = firstPiece(path);
@@ -232,12 +230,12 @@ bool WorldImpl::meetsAnything(std::uint32_t index) const {
 }
 
 /// How a body moved in this step: straight, and turning evenly, as many revolutions as its speed tells.
-SweptWay WorldImpl::wayOfStep(std::uint32_t index) const {
+SweptPath WorldImpl::pathOfStep(std::uint32_t index) const {
     const BodyRecord& body = bodies[index];
     const Pose end{body.center, body.rotation};
     if (body.awakeIndex == kNone || body.awakeIndex >= startPoses.size()) return {end, {}, {}};
     const StartPose& start = startPoses[body.awakeIndex];
-    SweptWay path{{start.center, start.rotation}, relative(end.position, start.center), {}};
+    SweptPath path{{start.center, start.rotation}, relative(end.position, start.center), {}};
     path.turn = rotationVector(end.rotation * conjugate(start.rotation));
     const float angle = length(path.turn);
     const Vec3 axis = angle > 0 ? (1 / angle) * path.turn : normalized(states[index].w);
@@ -249,7 +247,7 @@ SweptWay WorldImpl::wayOfStep(std::uint32_t index) const {
 /// Takes what is left behind on an obstacle that moves on along with it, or the obstacle would pass it.
 void WorldImpl::rideAlong(std::uint32_t obstacle, float done, Pose& pose) const {
     if (bodies[obstacle].type == BodyType::fixed) return;
-    const SweptWay way = wayOfStep(obstacle);
+    const SweptPath way = pathOfStep(obstacle);
     const Frame beside = relative(way.at(done), pose);
     pose = way.at(1) * beside;
     pose.rotation = normalized(pose.rotation);
@@ -259,7 +257,7 @@ void WorldImpl::rideAlong(std::uint32_t obstacle, float done, Pose& pose) const 
 /// or piece, is lost, but for the way of what it lies on.
 void WorldImpl::sweepBody(std::uint32_t index) {
     constexpr int kMaxImpacts = 8, kMaxStuck = 3;
-    SweptWay path = wayOfStep(index);
+    SweptPath path = pathOfStep(index);
     Quat velocityAt = bodies[index].rotation;
     float done = 0;
     int impacts = 0, stuck = 0;
@@ -283,7 +281,7 @@ void WorldImpl::sweepBody(std::uint32_t index) {
         // What meets a surface again and again at once rattles on it: its turn is lost, and it slides along.
         stuck = meeting.fraction == 0 ? stuck + 1 : 0;
         if (stuck > kMaxStuck) {
-            const SweptWay others = wayOfStep(shapes[meeting.obstacle].body);
+            const SweptPath others = pathOfStep(shapes[meeting.obstacle].body);
             const Quat place = others.at(done).rotation * shapes[meeting.obstacle].frame.rotation;
             const Vec3 normal = rotate(place, meeting.touch.normal);
             const float into = dot(path.way - (1 - done) * others.way, normal);
@@ -298,7 +296,7 @@ void WorldImpl::sweepBody(std::uint32_t index) {
     bodies[index].center = path.from.position;
     bodies[index].rotation = path.from.rotation;
     refreshInertia(index);
-    noteSwept(index);
+    recordSwept(index);
 }
 
 /// The first surface that a body would go into on its way from a pose at the share `done` of the step to one at
@@ -328,9 +326,9 @@ Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& start, const Po
             if (obstacle.body == index || obstacle.sensor || !maySweepInto(s, other)) return true;
             if (keptApart(s, other, shapeStart, shapeEnd, bulge)) return true;
             const bool still = bodies[obstacle.body].type == BodyType::fixed;
-            const SweptWay others =
-                still ? SweptWay{{bodies[obstacle.body].center, bodies[obstacle.body].rotation}, {}, {}}
-                      : wayOfStep(obstacle.body);
+            const SweptPath others =
+                still ? SweptPath{{bodies[obstacle.body].center, bodies[obstacle.body].rotation}, {}, {}}
+                      : pathOfStep(obstacle.body);
             const Frame& place = obstacle.frame;
             const Frame from = seenFrom(others.at(done) * place, shapeStart);
             const Frame to = seenFrom(others.at(until) * place, shapeEnd);

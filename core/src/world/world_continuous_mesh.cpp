@@ -56,8 +56,9 @@ void WorldImpl::sweepMesh(std::uint32_t index, std::uint32_t s, const Pose& star
         const ShapeRecord& obstacle = shapes[other];
         if (obstacle.body == index || obstacle.sensor || !maySweepInto(s, other)) return true;
         const bool still = bodies[obstacle.body].type == BodyType::fixed;
-        const SweptWay others = still ? SweptWay{{bodies[obstacle.body].center, bodies[obstacle.body].rotation}, {}, {}}
-                                      : wayOfStep(obstacle.body);
+        const SweptPath others = still
+                                     ? SweptPath{{bodies[obstacle.body].center, bodies[obstacle.body].rotation}, {}, {}}
+                                     : pathOfStep(obstacle.body);
         const GeometryEntry& solid = geometries[obstacle.geometry];
         const Pose otherStart = others.at(done), place = otherStart * obstacle.frame;
         const float share = until - done;

@@ -101,7 +101,7 @@ void WorldImpl::forEachCoupledPair(const std::function<void(std::uint32_t, std::
     }
 }
 
-bool WorldImpl::isSwept(const CouplingDef& def) const {
+bool WorldImpl::isIterated(const CouplingDef& def) const {
     for (int i = 0; i < def.count; ++i) {
         const GraphPlace& place = joints[def.parts[static_cast<std::size_t>(i)].joint.index].place;
         if (place.color == kNone || place.color == ConstraintGraph::kDirect) return false;
@@ -110,23 +110,23 @@ bool WorldImpl::isSwept(const CouplingDef& def) const {
 }
 
 void WorldImpl::prepareCouplings(float ratio) {
-    sweptCouplings.clear();
+    iteratedCouplings.clear();
     for (std::uint32_t c = 0; c < couplingSlots.count(); ++c) {
-        if (!couplingSlots.isUsed(c) || !isSwept(couplings[c].def)) continue;
+        if (!couplingSlots.isUsed(c) || !isIterated(couplings[c].def)) continue;
         if (ratio != 1) rescale(couplingSims[c].axis, ratio);
-        sweptCouplings.push(c);
+        iteratedCouplings.push(c);
     }
 }
 
-void WorldImpl::carryCouplings() {
-    for (const std::uint32_t c : sweptCouplings)
+void WorldImpl::warmStartCouplings() {
+    for (const std::uint32_t c : iteratedCouplings)
         for (std::uint32_t i = 0; i < couplingSims[c].count; ++i)
             clearCoupled(jointSims[couplingSims[c].joints[i]], true);
-    for (const std::uint32_t c : sweptCouplings) carryCoupling(couplingSims[c], jointSims.data());
+    for (const std::uint32_t c : iteratedCouplings) warmStartCoupling(couplingSims[c], jointSims.data());
 }
 
 void WorldImpl::beginCouplings() {
-    for (const std::uint32_t c : sweptCouplings)
+    for (const std::uint32_t c : iteratedCouplings)
         beginCoupling(couplingSims[c], jointSims.data(), states.data(), inertias.data(), jointContext);
 }
 
@@ -134,10 +134,10 @@ void WorldImpl::beginCouplings() {
 void WorldImpl::solveCouplings(bool moving) {
     constexpr int kRounds = 4;
     if (!moving)
-        for (const std::uint32_t c : sweptCouplings)
+        for (const std::uint32_t c : iteratedCouplings)
             refreshCoupling(couplingSims[c], jointSims.data(), states.data(), inertias.data());
     for (int round = 0; round < kRounds; ++round)
-        for (const std::uint32_t c : sweptCouplings) {
+        for (const std::uint32_t c : iteratedCouplings) {
             CouplingSim& coupling = couplingSims[c];
             if (round > 0)
                 for (std::uint32_t i = 0; i < coupling.count; ++i)

@@ -4,9 +4,9 @@
 
 #include "constraints/contact_layout.h"
 #include "direct/newton.h"
+#include "world/multirate.h"
 #include "world/world_impl.h"
 #include "world/world_regions.h"
-#include "world/world_strides.h"
 
 namespace ragtop {
 
@@ -164,7 +164,7 @@ static void forEachDirectBundle(WorldImpl& world, Visit&& visit) {
 }
 
 /// Tells the islands of which some lane is not that of the last step, to the bit.
-void WorldImpl::noteDirectBundles() {
+void WorldImpl::recordDirectBundles() {
     const AlignedArray<float>& now = graph.color(ConstraintGraph::kDirect).bundles;
     const auto lanes = static_cast<std::size_t>(graph.lanes());
     const std::size_t floats = contact::kFields * lanes, known = std::min(directSeen.size(), now.size()) / floats;
@@ -245,7 +245,7 @@ static void forEachDirectIsland(WorldImpl& world, Visit&& visit) {
 
 void WorldImpl::beginDirect() {
     if (directIslands.empty()) return;
-    noteDirectBundles();
+    recordDirectBundles();
     directLanes.resizeForOverwrite(directManifolds.size());
     directSims.resizeForOverwrite(directJoints.size());
     directIndex.resizeForOverwrite(bodies.size());
@@ -253,17 +253,17 @@ void WorldImpl::beginDirect() {
     beginChains();
 }
 
-/// Joints alone make a nearly linear system, of which only rounding can be left, and sweeps would tear it; but a tree
-/// that could not be eliminated has no answer at all.
-static bool isGivenUp(const DirectIsland& island) {
+/// Joints alone make a nearly linear system, of which only rounding can be left, and iteration would tear it; but a
+/// tree that could not be eliminated has no answer at all.
+static bool isUnsolved(const DirectIsland& island) {
     return !island.report.converged && (island.contactCount > 0 || island.tree || island.mechanism);
 }
 
 void WorldImpl::solveDirect(DirectPass pass) {
     if (directIslands.empty()) return;
     forEachDirectIsland(*this, [&](DirectIsland& island, int i) {
-        if (island.swept)
-            sweepIsland(island, pass);
+        if (island.fellBack)
+            iterateIsland(island, pass);
         else if (island.mechanism)
             solveMechanism(island, *mechanisms[static_cast<std::size_t>(i)], pass);
         else
@@ -276,7 +276,7 @@ void WorldImpl::solveDirect(DirectPass pass) {
 void WorldImpl::solveSystem(DirectIsland& island, DirectPass pass) {
     const BodyArrays arrays = bodyArrays();
     direct::IslandSystem& system = *directSystems[island.system];
-    if (pass == DirectPass::velocities && system.rests()) return system.carryLoads(island.factored);
+    if (pass == DirectPass::velocities && system.rests()) return system.updateLoads(island.factored);
     const auto start = std::chrono::steady_clock::now();
     switch (pass) {
         case DirectPass::positions:
@@ -285,38 +285,38 @@ void WorldImpl::solveSystem(DirectIsland& island, DirectPass pass) {
             system.aimAtPositions(arrays, context);
             if (island.jointCount > 0) island.factored = false;
             direct::solve(system, true, island.factored, island.report);
-            if (isGivenUp(island)) {
-                island.swept = true;
-                sweepIsland(island, pass);
+            if (isUnsolved(island)) {
+                island.fellBack = true;
+                iterateIsland(island, pass);
                 break;
             }
             system.writeVelocities(arrays);
             if (system.aimAgain(arrays, jointContext)) {
                 island.factored = false;
                 direct::solve(system, false, island.factored, island.report);
-                if (!isGivenUp(island)) system.writeVelocities(arrays);
+                if (!isUnsolved(island)) system.writeVelocities(arrays);
             }
             break;
         case DirectPass::velocities:
             if (system.aimAtVelocities(arrays, context)) {
                 direct::solve(system, false, island.factored, island.report);
-                if (isGivenUp(island)) {
-                    island.swept = true;
-                    sweepIsland(island, pass);
+                if (isUnsolved(island)) {
+                    island.fellBack = true;
+                    iterateIsland(island, pass);
                     break;
                 }
                 system.writeVelocities(arrays);
             }
-            system.carryLoads(island.factored);
+            system.updateLoads(island.factored);
             break;
     }
     island.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// What could not be solved is left to sweeps for a while, each time for twice as long until it comes to rest: a heap
-/// that never can be is tried ever more seldom.
-void WorldImpl::barGivenUp(const DirectIsland& island, bool rests) {
-    const bool failed = isGivenUp(island);
+/// What could not be solved falls back to iteration for a while, each time for twice as long until it comes to rest: a
+/// heap that never can be is tried ever more seldom.
+void WorldImpl::startCooldown(const DirectIsland& island, bool rests) {
+    const bool failed = isUnsolved(island);
     const bool costly = island.bodyCount > direct::kMostBodies && island.report.factorizations > 0;
     if (!failed && !costly && !rests) return;
     directFailures += failed;
@@ -325,7 +325,7 @@ void WorldImpl::barGivenUp(const DirectIsland& island, bool rests) {
         if (rests) body.directFailures = 0;
         if (costly) body.directSteps -= direct::kFactorSteps;
         if (!failed && body.directSteps > 0) continue;
-        body.directSteps = -(direct::kBarredSteps << body.directFailures);
+        body.directSteps = -(direct::kCooldownSteps << body.directFailures);
         if (body.directFailures < direct::kMostDoublings) ++body.directFailures;
         graphChanged = directChanged = true;
     }
@@ -334,11 +334,11 @@ void WorldImpl::barGivenUp(const DirectIsland& island, bool rests) {
 void WorldImpl::endDirect() {
     for (std::size_t i = 0; i < directIslands.size(); ++i)
         if (const DirectIsland& island = directIslands[i]; !island.unchanged)
-            barGivenUp(island, hasSystem(island) && !island.swept && directSystems[island.system]->rests());
+            startCooldown(island, hasSystem(island) && !island.fellBack && directSystems[island.system]->rests());
     for (std::size_t i = 0; i < directIslands.size(); ++i)
         if (const DirectIsland& island = directIslands[i]; island.mechanism) keepPace(island, *mechanisms[i]);
     for (const DirectIsland& island : directIslands)
-        if (island.strides && !island.alone) noteGaps(*this, island);
+        if (island.multirate && !island.independent) recordGaps(*this, island);
     ledger.clear();
     if (directIslands.size() > ledger.capacity()) ledger.reserve(2 * directIslands.size() + 8);
     for (const DirectIsland& island : directIslands)
@@ -348,7 +348,7 @@ void WorldImpl::endDirect() {
                           island.report.residual, island.ms, island.report.converged});
     std::atomic<bool> restsAgain{false};
     forEachDirectIsland(*this, [&](DirectIsland& island, int) {
-        if (island.swept || !hasSystem(island)) return;
+        if (island.fellBack || !hasSystem(island)) return;
         direct::IslandSystem& system = *directSystems[island.system];
         if (!system.restsAgain(island.unchanged)) return system.end();
         island.restedAgain = system.restedSubsteps();

@@ -28,7 +28,7 @@ bool isLoaded(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
 }
 
 /// Threads may say so of one contact at once.
-void markDoubtful(WorldImpl& world, std::uint32_t contact) {
+void markDirty(WorldImpl& world, std::uint32_t contact) {
     const std::uint32_t place = world.contacts[contact].awakeIndex;
     if (place != kNone) std::atomic_ref(world.contactChanged[place]).store(1, std::memory_order_relaxed);
 }
@@ -45,26 +45,26 @@ void takeTouches(WorldImpl& world, const ConstraintGraph::Color& color, std::siz
             std::uint8_t& known = world.manifoldTouches[manifold];
             if (known == touch && touch != kUnknownTouch) continue;
             known = touch;
-            markDoubtful(world, world.manifolds[manifold].contact);
+            markDirty(world, world.manifolds[manifold].contact);
         }
 }
 
 }  // namespace
 
 void WorldImpl::forgetTouches() {
-    allDoubtful = true;
+    allDirty = true;
     manifoldTouches.resizeForOverwrite(manifolds.size());
     for (std::size_t i = 0; i < manifolds.size(); ++i)
-        manifoldTouches[i] = manifolds[i].place.color == ConstraintGraph::kResting ? kRestingTouch
-                             : manifolds[i].pointCount > 0                         ? kUnknownTouch
-                                                                                   : 0;
+        manifoldTouches[i] = manifolds[i].place.color == ConstraintGraph::kFrozen ? kFrozenTouch
+                             : manifolds[i].pointCount > 0                        ? kUnknownTouch
+                                                                                  : 0;
 }
 
 /// What the lanes say of all manifolds in the graph.
 void WorldImpl::findTouches() {
     const auto lanes = static_cast<std::size_t>(graph.lanes());
     for (int c = 0; c < graph.listCount(); ++c) {
-        if (c == ConstraintGraph::kResting) continue;
+        if (c == ConstraintGraph::kFrozen) continue;
         const std::size_t perBundle = ConstraintGraph::isSerial(c) ? 1 : lanes;
         laneTouches.resizeForOverwrite(static_cast<std::size_t>(graph.bundleCount(c)) * lanes);
         runner.parallelFor(graph.bundleCount(c), 32,
@@ -74,17 +74,17 @@ void WorldImpl::findTouches() {
 
 /// Contacts that may touch otherwise than before: where lanes say otherwise, what came, changed, or was struck in this
 /// step or the last. Sensors have no lanes; what tells of motion does so in every step.
-static void findDoubtful(WorldImpl& world) {
-    const bool all = world.allDoubtful || world.motionReported || world.anySensor.load(std::memory_order_relaxed);
+static void findDirty(WorldImpl& world) {
+    const bool all = world.allDirty || world.motionReported || world.anySensor.load(std::memory_order_relaxed);
     world.contactChanged.resizeForOverwrite(world.awakeContacts.size());
     std::fill(world.contactChanged.begin(), world.contactChanged.end(), all ? 1 : 0);
-    world.allDoubtful = false;
+    world.allDirty = false;
     world.findTouches();
     for (const ChangedContact changed : world.changedContacts)
-        if ((changed.change & kApart) == 0) markDoubtful(world, changed.contact);
-    for (const std::uint32_t contact : world.doubtfulContacts) markDoubtful(world, contact);
-    for (const SweptImpact& impact : world.sweptImpacts) markDoubtful(world, impact.contact);
-    world.doubtfulContacts.clear();
+        if ((changed.change & kApart) == 0) markDirty(world, changed.contact);
+    for (const std::uint32_t contact : world.dirtyContacts) markDirty(world, contact);
+    for (const SweptImpact& impact : world.sweptImpacts) markDirty(world, impact.contact);
+    world.dirtyContacts.clear();
 }
 
 /// Does a contact touch after the step? Notes whether it bears a load.
@@ -92,7 +92,7 @@ bool WorldImpl::isTouching(ContactRecord& record) {
     bool touching = record.struck;
     for (std::uint32_t k = 0; record.hasPoints && k < record.manifoldCapacity; ++k) {
         const std::uint8_t touch = manifoldTouches[record.firstManifold + k];
-        if (touch == kRestingTouch) return record.touching;
+        if (touch == kFrozenTouch) return record.touching;
         const bool unknown = touch == kUnknownTouch || record.sensor;
         touching |= unknown ? isLoaded(graph, manifolds[record.firstManifold + k]) : (touch & kTouches) != 0;
         const bool bears = !unknown && (touch & kBearsLoad) != 0;
@@ -103,7 +103,7 @@ bool WorldImpl::isTouching(ContactRecord& record) {
 
 /// Contacts touch when a point carries load or overlaps; begin and end are reported in the order of the list.
 void WorldImpl::publishEvents() {
-    findDoubtful(*this);
+    findDirty(*this);
     runner.parallelFor(static_cast<int>(awakeContacts.size()), 256, [&](int begin, int end, int) {
         std::uint8_t* doubtful = contactChanged.data() + begin;
         const std::uint32_t* awake = awakeContacts.data() + begin;
@@ -118,12 +118,12 @@ void WorldImpl::publishEvents() {
     publishSweptImpacts();
 }
 
-/// Impacts that a sweep has played are over; the next step may find nothing of them.
+/// Impacts that continuous collision has played are over; the next step may find nothing of them.
 void WorldImpl::publishSweptImpacts() {
     for (const SweptImpact& impact : sweptImpacts) {
         ContactRecord& record = contacts[impact.contact];
         record.struck = false;
-        doubtfulContacts.push(impact.contact);
+        dirtyContacts.push(impact.contact);
         if (!record.reportsMotion || impact.speed <= context.restitutionSpeed) continue;
         SurfaceEvent event;
         event.kind = SurfaceEvent::Kind::impact;
@@ -142,7 +142,7 @@ void WorldImpl::publishSweptImpacts() {
 void WorldImpl::publishContact(std::uint32_t index) {
     ContactRecord& record = contacts[index];
     for (const ManifoldRecord& manifold : manifoldsOf(record))
-        if (manifold.place.color == ConstraintGraph::kResting) return;
+        if (manifold.place.color == ConstraintGraph::kFrozen) return;
     bool touching = record.struck;
     unsigned loadedNow = 0, bit = 1;
     for (const ManifoldRecord& manifold : manifoldsOf(record)) {

@@ -1,4 +1,4 @@
-// Direct islands that could not be solved: sweeps over their constraints, one after the other.
+// Direct islands that could not be solved: iteration over their constraints, one after the other.
 
 #include "world/single_bundle.h"
 #include "world/world_impl.h"
@@ -6,13 +6,13 @@
 namespace ragtop {
 
 /// Where Newton's method gives up, its velocities mean nothing, and the bodies still have those from before it.
-void WorldImpl::sweepIsland(const DirectIsland& island, DirectPass pass) {
-    constexpr int kSweeps = 4;
+void WorldImpl::iterateIsland(const DirectIsland& island, DirectPass pass) {
+    constexpr int kIterations = 4;
     const bool moves = pass == DirectPass::positions;
     const BodyArrays arrays = bodyArrays();
     SolverContext all = context;
     all.normals = all.friction = true;
-    const auto substeps = static_cast<float>(bodies[directBodies[island.firstBody]].stride);
+    const auto substeps = static_cast<float>(bodies[directBodies[island.firstBody]].stepFactor);
     JointContext own = jointContext;
     own.h *= substeps, own.inverseH /= substeps, own.softness.biasRate /= substeps;
     SingleBundle bundle(graph.lanes());
@@ -27,7 +27,7 @@ void WorldImpl::sweepIsland(const DirectIsland& island, DirectPass pass) {
             warmStartJoint(jointSims[members[j]], arrays.states, arrays.inertia, own);
         contactsBy(kernels->warmStartContacts);
     }
-    for (int sweep = 0; sweep < (moves ? kSweeps : 1); ++sweep) {
+    for (int iteration = 0; iteration < (moves ? kIterations : 1); ++iteration) {
         for (std::uint32_t j = 0; j < island.jointCount; ++j)
             solveJoint(jointSims[members[j]], arrays.states, arrays.inertia, own, moves);
         contactsBy(moves ? kernels->solveContacts : kernels->relaxContacts);

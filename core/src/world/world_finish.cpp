@@ -6,7 +6,7 @@
 
 namespace ragtop {
 
-/// What sweeps have worn down to nothing is nothing: floats too small for their full precision scale with nothing.
+/// What iterations have worn down to nothing is nothing: floats too small for their full precision scale with nothing.
 static void stopVanishing(WorldImpl& world, std::uint32_t index, float gravity) {
     constexpr float kNothing = 1e-12f;  // of the speed that gravity gives in a step
     BodyState& state = world.states[index];
@@ -16,7 +16,7 @@ static void stopVanishing(WorldImpl& world, std::uint32_t index, float gravity) 
     if (length(state.v) < limit) state.v = {};
     if (state.w == Vec3{} || !(length(state.w) * body.radius < limit)) return;
     state.w = {};
-    world.noteMomentum(index);
+    world.storeMomentum(index);
 }
 
 /// Moves a pose, notes who is quiet and who was too fast for its size.
@@ -26,14 +26,14 @@ void WorldImpl::finishBody(std::size_t place) {
     BodyRecord& body = bodies[index];
     BodyState& state = states[index];
     startPoses[place] = {body.center, body.rotation};
-    const bool lost = ranAway(index);
+    const bool lost = leftRange(index);
     if (lost) stayPut(index);
     const float turn = 2 * length(Vec3{state.dq.x, state.dq.y, state.dq.z}) * body.coreRadius;
     const float motion = length(state.dp) + turn;
     const bool fast = body.continuous && motion > tuning::kContinuousMotion * body.size;
     body.center = body.center + state.dp;
     if (state.dq != Quat{}) body.rotation = normalized(state.dq * body.rotation);
-    bodyFlags[place] = lost                                       ? kRunaway
+    bodyFlags[place] = lost                                       ? kOutOfRange
                        : !fast                                    ? kNotFast
                        : mayMeet(index, startPoses[place].center) ? kToSweep
                                                                   : kFastClear;
@@ -44,22 +44,22 @@ void WorldImpl::finishBody(std::size_t place) {
     const float speed = length(state.v) + length(state.w) * body.radius;
     const bool still = body.type == BodyType::kinematic ? speed == 0 : speed <= quiet;
     body.sleepTimer = body.allowSleep && still ? body.sleepTimer + dt : 0;
-    const float slow = RestFinds::slowest(context.gravityStep);
-    rest.note(body, speed <= slow && motion <= slow * dt);
+    const float slow = Freezing::slowest(context.gravityStep);
+    freezing.record(body, speed <= slow && motion <= slow * dt);
     if (dynamics[index].spins == 0) restrictInertia(index);
 }
 
-/// All but those of trees that go alone, which have done it.
+/// All but those of independent trees, which have done it.
 void WorldImpl::finishBodies() {
-    const bool alone = strides.aloneCount > 0;
-    if (strides.aloneCount == awakeBodies.size()) return;
+    const bool independent = multirate.independentCount > 0;
+    if (multirate.independentCount == awakeBodies.size()) return;
     runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-            if (!alone || (strides.marks[awakeBodies[i]] & BodyStrides::kAlone) == 0) finishBody(i);
+            if (!independent || (multirate.marks[awakeBodies[i]] & Multirate::kIndependent) == 0) finishBody(i);
     });
 }
 
-/// Once in a step, when nobody looks any more at what bears on what.
+/// Once in a step, after the last stage that reads what bears on what.
 void WorldImpl::makeRoomToFinish() {
     stageMemory.begin(StageMemory::bytesOf<StartPose>(awakeBodies.size()));
     startPoses = stageMemory.take<StartPose>(awakeBodies.size());

@@ -7,7 +7,7 @@ namespace ragtop {
 
 namespace {
 
-constexpr int kImpactSweeps = 16;
+constexpr int kImpactIterations = 16;
 
 struct Velocity {
     Vec3 v, w;
@@ -64,7 +64,7 @@ float Impact::solve(Velocity& ofA, Velocity& ofB) const {
         a.apply(ofA, j, -impulse);
         b.apply(ofB, j, impulse);
     };
-    for (int sweep = 0; sweep < kImpactSweeps; ++sweep)
+    for (int iteration = 0; iteration < kImpactIterations; ++iteration)
         for (int j = 0; j < points; ++j) {
             const float k = dot(normal, a.response(j, normal) + b.response(j, normal));
             if (!(k > 0)) continue;
@@ -99,7 +99,7 @@ void WorldImpl::turnVelocity(std::uint32_t index, const Quat& from, const Quat& 
 /// Solves the impact of a body that a sweep has brought to path.from: for the velocities with which it moves in this
 /// step, which give the rest of its path, and for those with which it leaves it. False if the rest is to be lost.
 bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float done, Quat& velocityAt,
-                             SweptWay& path) {
+                             SweptPath& path) {
     const ShapeRecord &shape = shapes[meeting.shape], &obstacle = shapes[meeting.obstacle];
     const std::uint32_t other = obstacle.body;
     const bool pushes = moves(other);
@@ -108,7 +108,7 @@ bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float 
     turnVelocity(index, velocityAt, path.from.rotation);
     velocityAt = path.from.rotation;
 
-    const SweptWay others = wayOfStep(other);
+    const SweptPath others = pathOfStep(other);
     const Pose otherNow = others.at(done), place = otherNow * obstacle.frame;
     Impact impact;
     impact.surface = surfaceOfMeeting(meeting);
@@ -146,10 +146,10 @@ bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float 
     Velocity lastB{states[index].v, states[index].w};
     const float impulse = impact.solve(lastA, lastB);
     changeVelocity(index, lastB.v, lastB.w);
-    noteImpact(meeting, impact.normal, place, approach, impulse);
+    recordImpact(meeting, impact.normal, place, approach, impulse);
     if (pushes) {
         changeVelocity(other, lastA.v, lastA.w);
-        const SweptWay gained{
+        const SweptPath gained{
             {bodies[other].center, bodies[other].rotation}, left * (meanA.v - beforeA.v), left * (meanA.w - beforeA.w)};
         const Pose end = gained.at(1);
         bodies[other].center = end.position;
@@ -181,7 +181,8 @@ void WorldImpl::changeVelocity(std::uint32_t index, const Vec3& linear, const Ve
 }
 
 /// Kept for the events of this step: the contact itself may be over by its end.
-void WorldImpl::noteImpact(const Meeting& meeting, const Vec3& normal, const Pose& place, float speed, float impulse) {
+void WorldImpl::recordImpact(const Meeting& meeting, const Vec3& normal, const Pose& place, float speed,
+                             float impulse) {
     const std::uint32_t* contact = pairs.find(pairKey(meeting.obstacle, meeting.shape));
     if (!contact || impulse <= 0) return;
     ContactRecord& record = contacts[*contact];

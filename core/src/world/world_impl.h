@@ -16,9 +16,9 @@
 #include "broadphase/bounds_tree.h"
 #include "constraints/constraint_graph.h"
 #include "constraints/coupling.h"
+#include "constraints/initial_violation.h"
 #include "constraints/joint_bundles.h"
 #include "constraints/joint_sim.h"
-#include "constraints/overstepped.h"
 #include "direct/mechanism.h"
 #include "direct/newton.h"
 #include "direct/tree_plan.h"
@@ -29,8 +29,8 @@
 #include "solve/joint_kernels.h"
 #include "solve/kernel_table.h"
 #include "world/energy_guard.h"
-#include "world/joint_closing.h"
 #include "world/id_lists.h"
+#include "world/joint_closing.h"
 #include "world/records.h"
 #include "world/step_finds.h"
 #include "world/swept_motion.h"
@@ -55,7 +55,7 @@ struct WorldImpl {
     void prepareJoints();
     void storeJoints();
     void solveSubsteps(World& world);
-    void moveAssembly(std::uint32_t assembly);
+    void moveArticulation(std::uint32_t articulation);
     void integrateVelocities();
     void warmStart();
     void solve(bool useBias);
@@ -64,10 +64,10 @@ struct WorldImpl {
     void finishBody(std::size_t awakePlace);
     void finishBodies();
     void makeRoomToFinish();
-    bool ranAway(std::uint32_t body) const;
+    bool leftRange(std::uint32_t body) const;
     void stayPut(std::uint32_t body);
     void forgetImpulses(std::uint32_t body);
-    void stopRunaways();
+    void stopOutOfRange();
     bool takes(bool finite, const char* what);
     void restrictInertia(std::uint32_t body);
 
@@ -75,9 +75,9 @@ struct WorldImpl {
     void findPairs();
     class PairsMet;
     void findPairsOfMoved(bool obstaclesToo);
-    void launch(std::uint32_t body);
+    void recordNewVelocity(std::uint32_t body);
     void coverMotion(std::uint32_t body);
-    void coverLaunched(bool all);
+    void coverNewVelocities(bool all);
     void refitBounds();
     void createContact(std::uint32_t shapeA, std::uint32_t shapeB);
     void destroyContact(std::uint32_t contact);
@@ -103,7 +103,7 @@ struct WorldImpl {
     void updateSensors();
     void applyContactChanges();
     void applyContactChange(std::uint32_t contact);
-    void noteShiftedLoads();
+    void recordShiftedLoads();
 
     // world_order.cpp: contacts in the order of space.
     void orderContacts();
@@ -147,7 +147,7 @@ struct WorldImpl {
     void forgetGaps(std::uint32_t body);
     void giveRoom(std::uint32_t body);
     Frame shapeBInA(const ContactRecord& contact) const;
-    Vec3 wayAtPoint(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
+    Vec3 motionAtPoint(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
     bool willMeet(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
     bool reuseManifolds(ContactRecord& contact, const PairPlace& place, double travel) const;
     bool turnsUnderContact(const ContactRecord& contact) const;
@@ -155,7 +155,7 @@ struct WorldImpl {
     void writeSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
     void refreshSurfaces(ContactRecord& contact);
     void writeLane(const ContactRecord& contact, const ManifoldRecord& manifold, const ManifoldImpulses& impulses);
-    void noteGraphChange(GraphPlace place);
+    void recordGraphChange(GraphPlace place);
     void addToGraph(std::uint32_t manifold);
     void removeFromGraph(std::uint32_t manifold);
     void addJointToGraph(std::uint32_t joint);
@@ -181,22 +181,22 @@ struct WorldImpl {
     bool keptApart(std::uint32_t shape, std::uint32_t obstacle, const Pose& start, const Pose& end, float bulge) const;
     float slackOf(std::uint32_t shapeA, std::uint32_t shapeB) const;
 
-    // world_assemblies.cpp
-    void findAssemblies();
-    void listAssemblies();
-    void countJointsOfAssemblies();
-    bool isOfFigure(std::uint32_t joint) const;
-    void noteCompany(std::uint32_t joint);
-    void moveAssemblies();
+    // world_articulations.cpp
+    void findArticulations();
+    void listArticulations();
+    void countJointsOfArticulations();
+    bool isOfFreeTree(std::uint32_t joint) const;
+    void classifyJoint(std::uint32_t joint);
+    void moveArticulations();
 
     // world_continuous.cpp
     bool mayMeet(std::uint32_t body, const DVec3& start) const;
     void sweepFastBodies();
-    void noteSwept(std::uint32_t index);
+    void recordSwept(std::uint32_t index);
     void sweepBody(std::uint32_t body);
-    void clearWays();
+    void clearPaths();
     bool meetsAnything(std::uint32_t body) const;
-    SweptWay wayOfStep(std::uint32_t body) const;
+    SweptPath pathOfStep(std::uint32_t body) const;
     void rideAlong(std::uint32_t obstacle, float done, Pose& pose) const;
     Meeting firstMeeting(std::uint32_t body, const Pose& start, const Pose& end, float done, float until) const;
     void sweepMesh(std::uint32_t body, std::uint32_t shape, const Pose& start, const Pose& end, float done, float until,
@@ -204,20 +204,20 @@ struct WorldImpl {
     bool maySweepInto(std::uint32_t shape, std::uint32_t obstacle) const;
 
     // world_impacts.cpp
-    bool solveMeeting(std::uint32_t body, const Meeting& meeting, float done, Quat& velocityAt, SweptWay& path);
+    bool solveMeeting(std::uint32_t body, const Meeting& meeting, float done, Quat& velocityAt, SweptPath& path);
     ContactSurface surfaceOfMeeting(const Meeting& meeting) const;
     void changeVelocity(std::uint32_t body, const Vec3& linear, const Vec3& angular);
     void turnVelocity(std::uint32_t body, const Quat& from, const Quat& to);
-    void noteImpact(const Meeting& meeting, const Vec3& normal, const Pose& place, float speed, float impulse);
+    void recordImpact(const Meeting& meeting, const Vec3& normal, const Pose& place, float speed, float impulse);
 
     // world_islands.cpp: what bears on what, and the choice of solvers.
-    void noteForce(std::uint32_t body);
+    void recordForce(std::uint32_t body);
     void beginMeasuring();
     direct::IslandFeatures& islandOf(std::uint32_t body) { return islandFeatures[islandNumber[findRoot(body)]]; }
-    void collectBearings();
+    void collectSupportEdges();
     void findLevels();
     void estimateLoads(bool pushes);
-    float bucklingShare(const IslandBearing& bearing, float load, float number) const;
+    float bucklingShare(const SupportEdge& edge, float load, float number) const;
     bool standsOn(std::uint32_t manifold) const;
     bool isInContact(std::uint32_t body) const;
     void measureIslands();
@@ -229,9 +229,9 @@ struct WorldImpl {
     void loadNewContacts();
     void settleNewContacts();
     void settleNewJoints();
-    // world_overstepped.cpp
-    void noteOverstepped(std::uint32_t joint);
-    void bringBackJoints();
+    // world_initial_violations.cpp
+    void recordInitialViolation(std::uint32_t joint);
+    void correctInitialViolations();
     void shiftBody(std::uint32_t index, const Shift& shift);
     void addPushes(float share);
 
@@ -242,22 +242,22 @@ struct WorldImpl {
     void numberDirectBodies();
     void beginDirect();
     void assignSystems();
-    void noteDirectBundles();
+    void recordDirectBundles();
     void addDirectPeaks();
     bool isRenewed(const DirectIsland& island) const;
     void beginIsland(DirectIsland& island, int index);
     void solveDirect(DirectPass pass);
     void solveSystem(DirectIsland& island, DirectPass pass);
     void endDirect();
-    void barGivenUp(const DirectIsland& island, bool rests);
-    void sweepIsland(const DirectIsland& island, DirectPass pass);
+    void startCooldown(const DirectIsland& island, bool rests);
+    void iterateIsland(const DirectIsland& island, DirectPass pass);
     bool isDirect(std::uint32_t body) const { return bodies[body].directSteps > 0; }
 
     // world_trees.cpp: trees of joints, in lanes.
     static bool isTreeJoint(const JointSim& joint);
     bool turnsFreely(std::uint32_t body) const;
-    bool drawTree(std::uint32_t start, DrawnTree& drawn);
-    void layLinks(std::uint32_t root, DrawnTree& drawn);
+    bool buildTree(std::uint32_t start, BuiltTree& built);
+    void layLinks(std::uint32_t root, BuiltTree& built);
     void planChains();
     void beginGroup(direct::TreePlan::Group& group);
     void beginChains();
@@ -277,7 +277,7 @@ struct WorldImpl {
     void storeLoads(const DirectIsland& island, direct::Mechanism& mechanism);
     void solveMechanism(DirectIsland& island, direct::Mechanism& mechanism, DirectPass pass);
 
-    // islands/sleeping.cpp; of bodies that rest on what does not move: world_rest.cpp
+    // islands/sleeping.cpp; of bodies that rest on what does not move: world_freezing.cpp
     void sleepQuietIslands();
     void uniteConstraints(bool touchingOnly);
     void buildIslands();
@@ -287,9 +287,9 @@ struct WorldImpl {
     void restoreContacts(std::uint32_t body);
     void wakeTouching(std::uint32_t body);
     void sleepBody(std::uint32_t body);
-    void noteSleep(std::uint32_t body, bool asleep);
-    void restStillBodies();
-    void rouse(std::uint32_t body);
+    void recordSleep(std::uint32_t body, bool asleep);
+    void freezeStillBodies();
+    void unfreeze(std::uint32_t body);
     void collectSolved();
 
     // world_events.cpp
@@ -316,10 +316,10 @@ struct WorldImpl {
     void destroyCoupling(std::uint32_t coupling);
     void checkCoupled(const CouplingDef& def) const;
     void pushCoupledBodies(std::uint32_t joint);
-    bool isSwept(const CouplingDef& coupling) const;
+    bool isIterated(const CouplingDef& coupling) const;
     void forEachCoupledPair(const std::function<void(std::uint32_t, std::uint32_t)>& visit) const;
     void prepareCouplings(float ratio);
-    void carryCouplings();
+    void warmStartCouplings();
     void beginCouplings();
     void solveCouplings(bool moving);
 
@@ -331,8 +331,8 @@ struct WorldImpl {
     void moveAnchors(std::uint32_t body, const Frame& move);
     void compile(std::uint32_t joint);
     void resetSolverState(std::uint32_t body);
-    void noteMomentum(std::uint32_t body);
-    void noteMomentum(std::uint32_t body, const Quat& rotation);
+    void storeMomentum(std::uint32_t body);
+    void storeMomentum(std::uint32_t body, const Quat& rotation);
     void refreshInertia(std::uint32_t body);
     BodyInertia inverseInertiaAt(std::uint32_t body, const Quat& rotation) const;
     void obeyLocks(std::uint32_t body);
@@ -402,13 +402,13 @@ struct WorldImpl {
     AlignedArray<ManifoldImpulses> storedImpulses;
     AlignedArray<JointRecord> joints;
     AlignedArray<JointSim> jointSims;
-    AlignedArray<std::uint32_t> launchedBodies;  ///< BodyRecord::launched, and some that are no more
+    AlignedArray<std::uint32_t> newVelocityBodies;  ///< BodyRecord::hasNewVelocity, and some that are no more
     AlignedArray<std::uint32_t> newJoints;  ///< made since the last step
-    AlignedArray<std::uint32_t> overstepped;  ///< joints that were made beyond their hard limits, and are so still
+    AlignedArray<std::uint32_t> violatedJoints;  ///< joints that were made beyond their hard limits, and are so still
     AlignedArray<CouplingRecord> couplings;
     AlignedArray<CouplingSim> couplingSims;
     AlignedArray<std::uint32_t> awakeBodies, awakeContacts, moveBuffer;
-    BodyStrides strides;
+    Multirate multirate;
     ConstraintGraph graph;
     StageMemory stageMemory;  ///< no state, but of the trees
     BoundsTree staticTree, movingTree;
@@ -417,7 +417,7 @@ struct WorldImpl {
     double time = 0;
     float lastSubstep = 0;
     std::uint32_t contactsMade = 0;  ///< since they were put in order
-    bool graphChanged = true;      ///< since solvers were chosen, as far as bearings are concerned
+    bool graphChanged = true;        ///< since solvers were chosen, as far as support edges are concerned
     bool directChanged = true;     ///< the same where a direct island has part in it
     std::uint64_t choiceStep = 0;  ///< in which solvers were chosen
     bool structureChanged = true;  ///< the same for bodies and joints that were made, moved or woken
@@ -437,24 +437,24 @@ struct WorldImpl {
     AlignedArray<std::uint8_t> laneTouches;      ///< the same per lane of a colour
     bool surfacesForgotten = false;              ///< lanes are to be told anew what the surfaces are
     std::atomic<bool> anySensor{false};      ///< is any awake contact one?
-    RestFinds rest;
+    Freezing freezing;
     std::vector<AlignedArray<ManifoldRecord>> heldManifolds;  ///< per worker: found in this step, without a place yet
-    AlignedArray<std::uint8_t> contactChanged;  ///< per awake contact, set by updateContacts, and by findDoubtful
-    AlignedArray<std::uint32_t> doubtfulContacts;  ///< that came since events were published, or were struck before
-    bool allDoubtful = true, motionReported = false;  ///< are all contacts to be asked; has any shape told of its motion?
+    AlignedArray<std::uint8_t> contactChanged;     ///< per awake contact, set by updateContacts, and by findDirty
+    AlignedArray<std::uint32_t> dirtyContacts;     ///< that came since events were published, or were struck before
+    bool allDirty = true, motionReported = false;  ///< are all contacts to be asked; has any shape told of its motion?
     AlignedArray<ChangedContact> changedContacts;
     AlignedArray<std::uint32_t> shiftedBodies;    ///< that other points of the ground hold than before
     AlignedArray<std::uint32_t> closingContacts;  ///< that may be seams, or woke in this step
     AlignedArray<std::uint32_t> islandParent;     ///< union-find over bodies
     AlignedArray<float> islandQuiet;              ///< s, of the least quiet body of a root
     AlignedArray<std::uint32_t> bodyStack, movedConstraints;
-    AlignedArray<std::uint32_t> sweptCouplings;                  ///< of this step: those whose joints are swept
-    Assemblies assemblies;
+    AlignedArray<std::uint32_t> iteratedCouplings;  ///< of this step: those whose joints are iterated
+    Articulations articulations;
     EnergyGuard energyGuard;
     JointClosing jointClosing;
     BoundsLeft boundsLeft;
-    StageArray<IslandBearing> bearings;  ///< of world_islands.cpp, as the three after it
-    StageArray<std::uint32_t> bearingBegin, neighbours, islandNumber;  ///< per body, of moving ones; per root
+    StageArray<SupportEdge> supportEdges;  ///< of world_islands.cpp, as the three after it
+    StageArray<std::uint32_t> neighbourBegin, neighbours, islandNumber;  ///< per body, of moving ones; per root
     LoadPaths paths;
     AlignedArray<std::uint32_t> freshManifolds;    ///< made in this step, of bodies that have not moved yet
     StageArray<direct::IslandFeatures> islandFeatures;
@@ -467,13 +467,13 @@ struct WorldImpl {
     AlignedArray<std::uint32_t> systemOwner, systemOfBody;  ///< first body of its island; of those, kNone for all others
     std::vector<std::unique_ptr<direct::Mechanism>> mechanisms;  ///< likewise, where one is
     bool directGrouped = false;
-    bool treesChanged = true;  ///< joints, their bodies or their rows, since trees were drawn up
+    bool treesChanged = true;  ///< joints, their bodies or their rows, since trees were built
     direct::TreePlan chains;   ///< direct islands that are trees
     AlignedArray<std::uint32_t> treeMark, treeBodies;  ///< per body; in the order of a visit
     AlignedArray<float> directSeen;  ///< bundles of direct islands in the last step
     AlignedArray<std::uint32_t> directOwner;  ///< per slot of theirs: the island
     std::pmr::vector<StepStats::Island> ledger;
-    std::uint64_t directFailures = 0, runaways = 0;  ///< since the world was made: solves given up, bodies that ran away
+    std::uint64_t directFailures = 0, outOfRange = 0;  ///< since the world was made, as in StepStats
     AlignedArray<BodyFlag> bodyFlags;  ///< per awake body, set by finishBodies
     PairSearch pairSearch;
     AlignedArray<SweptImpact> sweptImpacts;  ///< of this step, for its events

@@ -18,8 +18,8 @@ constexpr float kSlow = 0.05f;        ///< speed of a body at rest, in √(gravi
 
 }  // namespace
 
-/// Forces beyond a few weights change what bears on what, as new bearings do.
-void WorldImpl::noteForce(std::uint32_t index) {
+/// Forces beyond a few weights change what bears on what, as new support edges do.
+void WorldImpl::recordForce(std::uint32_t index) {
     const BodyRecord& body = bodies[index];
     if (length(body.force) > kPressed * body.mass * length(settings.gravity)) graphChanged = structureChanged = true;
 }
@@ -33,16 +33,16 @@ void WorldImpl::beginMeasuring() {
     for (const std::uint32_t body : awakeBodies) islands += islandParent[body] == body ? 1 : 0;
     using M = StageMemory;
     const std::size_t all = bodies.size();
-    stageMemory.begin(M::bytesOf<IslandBearing>(room) + M::bytesOf<std::uint32_t>(2 * room) +
+    stageMemory.begin(M::bytesOf<SupportEdge>(room) + M::bytesOf<std::uint32_t>(2 * room) +
                       M::bytesOf<std::uint32_t>(all + 1) + 3 * M::bytesOf<std::uint32_t>(all) + M::bytesOf<float>(all) +
                       M::bytesOf<std::uint8_t>(all) + M::bytesOf<direct::IslandFeatures>(islands));
-    bearings = stageMemory.take<IslandBearing>(room);
+    supportEdges = stageMemory.take<SupportEdge>(room);
     neighbours = stageMemory.take<std::uint32_t>(2 * room);
-    bearingBegin = stageMemory.take<std::uint32_t>(all + 1);
+    neighbourBegin = stageMemory.take<std::uint32_t>(all + 1);
     islandNumber = stageMemory.take<std::uint32_t>(all);
     paths.levels = stageMemory.take<std::uint32_t>(all);
     paths.supports = stageMemory.take<std::uint32_t>(all);
-    paths.carried = stageMemory.take<float>(all);
+    paths.load = stageMemory.take<float>(all);
     paths.heldLevel = stageMemory.take<std::uint8_t>(all);
     islandFeatures = stageMemory.take<direct::IslandFeatures>(islands);
     for (const std::uint32_t body : awakeBodies) {
@@ -53,9 +53,9 @@ void WorldImpl::beginMeasuring() {
 }
 
 /// Everything that bears or holds: contacts within reach, and joints.
-void WorldImpl::collectBearings() {
+void WorldImpl::collectSupportEdges() {
     const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t constraint, bool joint) {
-        bearings.push({a, b, constraint, joint, moves(a), moves(b)});
+        supportEdges.push({a, b, constraint, joint, moves(a), moves(b)});
     };
     // Not by the lists of the graph: sums follow this order, and who is where in them depends on the number of workers.
     forEachInGraph(
@@ -71,26 +71,27 @@ void WorldImpl::collectBearings() {
         [&](std::uint32_t j) { add(joints[j].bodyA, joints[j].bodyB, j, true); });
 }
 
-/// Distances from what does not move, by breadth first over the bearings; `bodyStack` keeps the order of the visit.
+/// Distances from what does not move, by breadth first over the support edges; `bodyStack` keeps the order of the
+/// visit.
 void WorldImpl::findLevels() {
     paths.levels.resizeForOverwrite(bodies.size());
-    bearingBegin.resizeForOverwrite(bodies.size() + 1);
-    std::memset(bearingBegin.data(), 0, bearingBegin.size() * sizeof(std::uint32_t));
+    neighbourBegin.resizeForOverwrite(bodies.size() + 1);
+    std::memset(neighbourBegin.data(), 0, neighbourBegin.size() * sizeof(std::uint32_t));
     for (const std::uint32_t body : awakeBodies) paths.levels[body] = kNone;
-    for (const IslandBearing& bearing : bearings) {
-        if (!bearing.movesA || !bearing.movesB) continue;
-        ++bearingBegin[bearing.a + 1];
-        ++bearingBegin[bearing.b + 1];
+    for (const SupportEdge& edge : supportEdges) {
+        if (!edge.movesA || !edge.movesB) continue;
+        ++neighbourBegin[edge.a + 1];
+        ++neighbourBegin[edge.b + 1];
     }
-    for (std::size_t i = 1; i < bearingBegin.size(); ++i) bearingBegin[i] += bearingBegin[i - 1];
-    neighbours.resizeForOverwrite(bearingBegin[bodies.size()]);
+    for (std::size_t i = 1; i < neighbourBegin.size(); ++i) neighbourBegin[i] += neighbourBegin[i - 1];
+    neighbours.resizeForOverwrite(neighbourBegin[bodies.size()]);
     bodyStack.clear();
-    for (const IslandBearing& bearing : bearings) {
-        const bool movesA = bearing.movesA, movesB = bearing.movesB;
+    for (const SupportEdge& edge : supportEdges) {
+        const bool movesA = edge.movesA, movesB = edge.movesB;
         if (movesA && movesB) {
-            neighbours[bearingBegin[bearing.a]++] = bearing.b;
-            neighbours[bearingBegin[bearing.b]++] = bearing.a;
-        } else if (const std::uint32_t body = movesA ? bearing.a : bearing.b; paths.levels[body] == kNone) {
+            neighbours[neighbourBegin[edge.a]++] = edge.b;
+            neighbours[neighbourBegin[edge.b]++] = edge.a;
+        } else if (const std::uint32_t body = movesA ? edge.a : edge.b; paths.levels[body] == kNone) {
             paths.levels[body] = 1;
             bodyStack.push(body);
         }
@@ -98,8 +99,8 @@ void WorldImpl::findLevels() {
     // Each begin has moved to its end, which is where the next one began.
     for (std::size_t i = 0; i < bodyStack.size(); ++i) {
         const std::uint32_t body = bodyStack[i];
-        const std::uint32_t begin = body == 0 ? 0 : bearingBegin[body - 1];
-        for (std::uint32_t k = begin; k < bearingBegin[body]; ++k)
+        const std::uint32_t begin = body == 0 ? 0 : neighbourBegin[body - 1];
+        for (std::uint32_t k = begin; k < neighbourBegin[body]; ++k)
             if (std::uint32_t& level = paths.levels[neighbours[k]]; level == kNone) {
                 level = paths.levels[body] + 1;
                 bodyStack.push(neighbours[k]);
@@ -110,29 +111,29 @@ void WorldImpl::findLevels() {
 /// The mass that each body hands to each neighbour below it: its own, that of what pushes it if that counts, and what
 /// it carries, in equal shares.
 void WorldImpl::estimateLoads(bool pushes) {
-    paths.carried.resizeForOverwrite(bodies.size());
+    paths.load.resizeForOverwrite(bodies.size());
     paths.supports.resizeForOverwrite(bodies.size());
     const float gravity = length(settings.gravity), perForce = gravity > 0 ? 1 / gravity : 0.0f;
     for (const std::uint32_t body : awakeBodies)
-        paths.carried[body] = pushes ? perForce * length(bodies[body].force) : 0.0f, paths.supports[body] = 0;
-    for (const IslandBearing& bearing : bearings) {
-        const bool movesA = bearing.movesA, movesB = bearing.movesB;
-        if (movesA && (!movesB || paths.levels[bearing.b] < paths.levels[bearing.a])) ++paths.supports[bearing.a];
-        if (movesB && (!movesA || paths.levels[bearing.a] < paths.levels[bearing.b])) ++paths.supports[bearing.b];
+        paths.load[body] = pushes ? perForce * length(bodies[body].force) : 0.0f, paths.supports[body] = 0;
+    for (const SupportEdge& edge : supportEdges) {
+        const bool movesA = edge.movesA, movesB = edge.movesB;
+        if (movesA && (!movesB || paths.levels[edge.b] < paths.levels[edge.a])) ++paths.supports[edge.a];
+        if (movesB && (!movesA || paths.levels[edge.a] < paths.levels[edge.b])) ++paths.supports[edge.b];
     }
     for (std::size_t i = bodyStack.size(); i-- > 0;) {
         const std::uint32_t body = bodyStack[i];
-        const float share = (paths.carried[body] + bodies[body].mass) / static_cast<float>(paths.supports[body]);
-        const std::uint32_t begin = body == 0 ? 0 : bearingBegin[body - 1];
-        for (std::uint32_t k = begin; k < bearingBegin[body]; ++k)
-            if (paths.levels[neighbours[k]] < paths.levels[body]) paths.carried[neighbours[k]] += share;
+        const float share = (paths.load[body] + bodies[body].mass) / static_cast<float>(paths.supports[body]);
+        const std::uint32_t begin = body == 0 ? 0 : neighbourBegin[body - 1];
+        for (std::uint32_t k = begin; k < neighbourBegin[body]; ++k)
+            if (paths.levels[neighbours[k]] < paths.levels[body]) paths.load[neighbours[k]] += share;
     }
 }
 
 /// Load over the load under which soft contacts of this pair tilt away: a column of n boxes of height l stands while
 /// n³ m g l < 7.84 k_θ, with k_θ the stiffness of its points about their middle.
-float WorldImpl::bucklingShare(const IslandBearing& bearing, float load, float number) const {
-    const ManifoldRecord& manifold = manifolds[bearing.constraint];
+float WorldImpl::bucklingShare(const SupportEdge& edge, float load, float number) const {
+    const ManifoldRecord& manifold = manifolds[edge.constraint];
     if (manifold.pointCount < 3) return 0;
     Vec3 middle;
     const float count = static_cast<float>(manifold.pointCount);
@@ -146,12 +147,12 @@ float WorldImpl::bucklingShare(const IslandBearing& bearing, float load, float n
     }
     const float difference = s11 - s22;
     const float spread = 0.5f * (s11 + s22 - std::sqrt(difference * difference + 4 * s12 * s12));
-    const float inverseMass = states[bodies[bearing.a].state].invMass + states[bodies[bearing.b].state].invMass;
+    const float inverseMass = states[bodies[edge.a].state].invMass + states[bodies[edge.b].state].invMass;
     const float omega = 2 * kPi * settings.contactFrequency * static_cast<float>(settings.substeps) / dt;
-    const bool fixed = !moves(bearing.a) || !moves(bearing.b);
+    const bool fixed = !moves(edge.a) || !moves(edge.b);
     const float stiffness = (fixed ? 4 : 1) * omega * omega * spread / inverseMass;
-    const BodyRecord& upper = bodies[moves(bearing.b) ? bearing.b : bearing.a];
-    const Vec3 arm = rotate(upper.rotation, moves(bearing.b) ? manifold.anchorB[0] : manifold.anchorA[0]);
+    const BodyRecord& upper = bodies[moves(edge.b) ? edge.b : edge.a];
+    const Vec3 arm = rotate(upper.rotation, moves(edge.b) ? manifold.anchorB[0] : manifold.anchorA[0]);
     const float gravity = length(settings.gravity);
     if (!(gravity > 0)) return 0;
     const float height = 2 * std::fabs(dot(arm, settings.gravity)) / gravity;
@@ -177,21 +178,21 @@ bool WorldImpl::isInContact(std::uint32_t body) const {
     return false;
 }
 
-/// Asks for what measuring islands reads of bearings some places ahead: they lie in no order.
-static void prefetchBearing(const WorldImpl& world, std::size_t place) {
+/// Asks for what measuring islands reads of support edges some places ahead: they lie in no order.
+static void prefetchSupportEdge(const WorldImpl& world, std::size_t place) {
     constexpr std::size_t kRecords = 16, kLane = 8;
-    const StageArray<IslandBearing>& bearings = world.bearings;
-    if (place + kRecords < bearings.size() && !bearings[place + kRecords].joint) {
-        const IslandBearing& bearing = bearings[place + kRecords];
-        const ManifoldRecord& manifold = world.manifolds[bearing.constraint];
+    const StageArray<SupportEdge>& supportEdges = world.supportEdges;
+    if (place + kRecords < supportEdges.size() && !supportEdges[place + kRecords].joint) {
+        const SupportEdge& edge = supportEdges[place + kRecords];
+        const ManifoldRecord& manifold = world.manifolds[edge.constraint];
         prefetch(&manifold.normal);
         prefetch(&manifold.place);
-        prefetch(&world.bodies[bearing.a].rotation);
-        prefetch(&world.bodies[bearing.a].mass);
-        prefetch(&world.bodies[bearing.b].mass);
+        prefetch(&world.bodies[edge.a].rotation);
+        prefetch(&world.bodies[edge.a].mass);
+        prefetch(&world.bodies[edge.b].mass);
     }
-    if (place + kLane < bearings.size() && !bearings[place + kLane].joint) {
-        const float* lane = world.graph.lane(world.manifolds[bearings[place + kLane].constraint].place);
+    if (place + kLane < supportEdges.size() && !supportEdges[place + kLane].joint) {
+        const float* lane = world.graph.lane(world.manifolds[supportEdges[place + kLane].constraint].place);
         prefetch(lane + contact::kCross * world.graph.lanes());
         prefetch(lane + contact::kRolling * world.graph.lanes());
     }
@@ -199,7 +200,7 @@ static void prefetchBearing(const WorldImpl& world, std::size_t place) {
 
 void WorldImpl::measureIslands() {
     beginMeasuring();
-    collectBearings();
+    collectSupportEdges();
     findLevels();
     estimateLoads(true);
     paths.heldLevel.resizeForOverwrite(bodies.size());
@@ -207,42 +208,42 @@ void WorldImpl::measureIslands() {
 
     const float gravity = length(settings.gravity);
     const Vec3 up = gravity > 0 ? (-1 / gravity) * settings.gravity : Vec3{};
-    for (std::size_t i = 0; i < bearings.size(); ++i) {
-        prefetchBearing(*this, i);
-        const IslandBearing& bearing = bearings[i];
-        const bool movesA = bearing.movesA, movesB = bearing.movesB;
-        direct::IslandFeatures& island = islandOf(movesA ? bearing.a : bearing.b);
+    for (std::size_t i = 0; i < supportEdges.size(); ++i) {
+        prefetchSupportEdge(*this, i);
+        const SupportEdge& edge = supportEdges[i];
+        const bool movesA = edge.movesA, movesB = edge.movesB;
+        direct::IslandFeatures& island = islandOf(movesA ? edge.a : edge.b);
         island.pairs += movesA && movesB;
-        const bool aBears = movesB && (!movesA || paths.levels[bearing.a] < paths.levels[bearing.b]);
-        const bool bBears = movesA && (!movesB || paths.levels[bearing.b] < paths.levels[bearing.a]);
-        if (!bearing.joint) {
-            const GraphPlace place = manifolds[bearing.constraint].place;
+        const bool aBears = movesB && (!movesA || paths.levels[edge.a] < paths.levels[edge.b]);
+        const bool bBears = movesA && (!movesB || paths.levels[edge.b] < paths.levels[edge.a]);
+        if (!edge.joint) {
+            const GraphPlace place = manifolds[edge.constraint].place;
             const float* lane = graph.lane(place);
             for (const int field : {contact::kRolling, contact::kSpinning, contact::kCross})
                 island.rolls |= lane[field * graph.lanes()] != 0;
-            const Vec3 normal = rotate(bodies[bearing.a].rotation, manifolds[bearing.constraint].normal);
+            const Vec3 normal = rotate(bodies[edge.a].rotation, manifolds[edge.constraint].normal);
             const float cosine = dot(normal, up);
             const bool upright = cosine > kLevel || cosine < -kLevel;
-            if (upright && standsOn(bearing.constraint)) paths.heldLevel[cosine > 0 ? bearing.b : bearing.a] = 1;
+            if (upright && standsOn(edge.constraint)) paths.heldLevel[cosine > 0 ? edge.b : edge.a] = 1;
         } else {
             ++island.joints;
-            island.bare &= isTreeJoint(jointSims[bearing.constraint]);
-            const JointSim& joint = jointSims[bearing.constraint];
+            island.bare &= isTreeJoint(jointSims[edge.constraint]);
+            const JointSim& joint = jointSims[edge.constraint];
             island.stiffness =
                 std::max(island.stiffness, stiffnessOf(joint, states.data(), inertias.data(), context.h));
-            paths.heldLevel[bearing.a] = paths.heldLevel[bearing.b] = 1;
+            paths.heldLevel[edge.a] = paths.heldLevel[edge.b] = 1;
             island.hangs |= !movesA || !movesB;
         }
         if (!aBears && !bBears) continue;
-        const std::uint32_t upper = aBears ? bearing.b : bearing.a;
-        const float load = (paths.carried[upper] + bodies[upper].mass) / static_cast<float>(paths.supports[upper]);
-        const float massA = movesA ? bodies[bearing.a].mass : bodies[bearing.b].mass;
-        const float massB = movesB ? bodies[bearing.b].mass : massA;
+        const std::uint32_t upper = aBears ? edge.b : edge.a;
+        const float load = (paths.load[upper] + bodies[upper].mass) / static_cast<float>(paths.supports[upper]);
+        const float massA = movesA ? bodies[edge.a].mass : bodies[edge.b].mass;
+        const float massB = movesB ? bodies[edge.b].mass : massA;
         const float lighter = std::min(massA, massB), number = load / lighter;
-        float& largest = bearing.joint ? island.jointLoad : island.contactLoad;
+        float& largest = edge.joint ? island.jointLoad : island.contactLoad;
         largest = std::max(largest, number);
         island.massRatio = std::max(island.massRatio, std::max(massA, massB) / lighter);
-        if (!bearing.joint) island.buckling = std::max(island.buckling, bucklingShare(bearing, load, number));
+        if (!edge.joint) island.buckling = std::max(island.buckling, bucklingShare(edge, load, number));
     }
     for (const std::uint32_t body : awakeBodies) {
         if (!moves(body)) continue;
@@ -289,7 +290,7 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
         island.direct |= steps > 0;
         if (steps > 0) island.last = bodies[body].directReason;
         island.staying = std::max(island.staying, steps);
-        island.barred = std::min(island.barred, steps);
+        island.cooldown = std::min(island.cooldown, steps);
     }
     bool waiting = false;
     for (const std::uint32_t body : awakeBodies) {
@@ -301,9 +302,9 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
         const bool large = island.bodies > direct::kMostBodies;
         const bool fits = !large && !island.rolls && !island.coupled;
         if (settings.solver == SolverChoice::direct && fits) island.reason = direct::Reason::asked;
-        if (island.barred < 0) {
+        if (island.cooldown < 0) {
             island.reason = direct::Reason::none;
-            island.staying = std::min(island.barred + elapsed, 0);
+            island.staying = std::min(island.cooldown + elapsed, 0);
             waiting = true;  // to be chosen anew
         } else if (island.reason != direct::Reason::none) {
             if (!large || !island.direct) island.staying = direct::kStayingSteps;
@@ -327,8 +328,8 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
     return waiting;
 }
 
-/// Choices change when bearings do, so they are made anew only then: at once where a direct island has part in it or
-/// something was just made or put somewhere, else every few steps.
+/// Choices change when support edges do, so they are made anew only then: at once where a direct island has part in it
+/// or something was just made or put somewhere, else every few steps.
 void WorldImpl::chooseSolvers() {
     constexpr std::uint64_t kPeriod = 16;
     const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
@@ -345,7 +346,7 @@ void WorldImpl::chooseSolvers() {
     }
     const bool anyDirect = !list.manifolds.empty() || !list.joints.empty();
     // Sleeping may have emptied the list since.
-    if (!directGrouped || treesChanged) assemblies.known = false;
+    if (!directGrouped || treesChanged) articulations.known = false;
     if (!directGrouped || !anyDirect || treesChanged) groupDirect();
     directGrouped = true;
     treesChanged = false;

@@ -100,7 +100,7 @@ void WorldImpl::destroyJoint(std::uint32_t index) {
     removeJointFromGraph(index);
     unlink(joints, bodies[joint.bodyA].firstJoint, 2 * index);
     unlink(joints, bodies[joint.bodyB].firstJoint, 2 * index + 1);
-    for (AlignedArray<std::uint32_t>* list : {&newJoints, &overstepped})
+    for (AlignedArray<std::uint32_t>* list : {&newJoints, &violatedJoints})
         for (std::uint32_t& listed : *list)
             if (listed == index) listed = kNone;
     const bool collided = bodiesOf(joint.def).collide;
@@ -140,7 +140,7 @@ void WorldImpl::addJointToGraph(std::uint32_t index) {
     if ((movesA && !isAwake(joint.bodyA)) || (movesB && !isAwake(joint.bodyB))) return;
     joint.place = graph.insertJoint(index, bodies[joint.bodyA].state, movesA, bodies[joint.bodyB].state, movesB,
                                     isDirect(joint.bodyA) || isDirect(joint.bodyB));
-    noteGraphChange(joint.place);
+    recordGraphChange(joint.place);
     bundlesChanged = treesChanged = true;
 }
 
@@ -150,7 +150,7 @@ void WorldImpl::removeJointFromGraph(std::uint32_t index) {
     const std::uint32_t moved = graph.removeJoint(joint.place, bodies[joint.bodyA].state, moves(joint.bodyA),
                                                   bodies[joint.bodyB].state, moves(joint.bodyB));
     if (moved != kNone) joints[moved].place.slot = joint.place.slot;
-    noteGraphChange(joint.place);
+    recordGraphChange(joint.place);
     joint.place = {};
     bundlesChanged = treesChanged = true;
 }

@@ -106,16 +106,16 @@ void WorldImpl::beginMechanism(const DirectIsland& island, Mechanism& mechanism)
 
 /// Fewer inner steps when a second has asked for half of them only.
 void WorldImpl::keepPace(const DirectIsland& island, const Mechanism& mechanism) {
-    constexpr std::uint8_t kCalmSteps = 60;
+    constexpr std::uint8_t kHysteresisSteps = 60;
     int pace = mechanism.pace();
     const bool calm = pace > 1 && mechanism.largestNeed() <= 0.5 * pace;
     const BodyRecord& first = bodies[directBodies[island.firstBody]];
-    std::uint8_t steps = calm ? static_cast<std::uint8_t>(first.calmSteps + 1) : std::uint8_t{0};
-    if (steps >= kCalmSteps) pace /= 2, steps = 0;
+    std::uint8_t steps = calm ? static_cast<std::uint8_t>(first.hysteresisSteps + 1) : std::uint8_t{0};
+    if (steps >= kHysteresisSteps) pace /= 2, steps = 0;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
         BodyRecord& body = bodies[directBodies[island.firstBody + i]];
         body.innerSteps = static_cast<std::uint8_t>(pace);
-        body.calmSteps = steps;
+        body.hysteresisSteps = steps;
     }
 }
 
@@ -141,7 +141,7 @@ void WorldImpl::readMechanism(const DirectIsland& island, Mechanism& mechanism) 
 /// Before velocities change: a mechanism adds what acts from outside by itself.
 void WorldImpl::readMechanisms() {
     for (std::size_t i = 0; i < directIslands.size(); ++i)
-        if (const DirectIsland& island = directIslands[i]; island.mechanism && !island.swept)
+        if (const DirectIsland& island = directIslands[i]; island.mechanism && !island.fellBack)
             readMechanism(island, *mechanisms[i]);
 }
 
@@ -159,7 +159,7 @@ void WorldImpl::writeMechanism(const DirectIsland& island, Mechanism& mechanism)
         const Quat rotation = direct::toFloat(pose.q);
         state.dq = direct::toFloat(pose.q * conjugate(direct::toDouble(record.rotation)));
         inertias[index] = inverseInertiaAt(index, rotation);
-        noteMomentum(index, rotation);
+        storeMomentum(index, rotation);
     }
 }
 
@@ -174,7 +174,7 @@ void WorldImpl::storeLoads(const DirectIsland& island, Mechanism& mechanism) {
         sim.block.impulseSecond = toVec3(mechanism.joint(j).torque);
         refreshJoint(sim, BodyPair(states.data(), inertias.data(), sim.stateA, sim.stateB),
                      {jointContext, false});
-        noteLoad(sim);
+        recordLoad(sim);
     }
 }
 
@@ -192,9 +192,9 @@ void WorldImpl::solveMechanism(DirectIsland& island, Mechanism& mechanism, Direc
             RigidBlock& block = jointSims[directJoints[island.firstJoint + j]].block;
             block.impulseFirst = block.impulseSecond = {};
         }
-        island.swept = true;
+        island.fellBack = true;
         island.report.converged = false;
-        sweepIsland(island, pass);
+        iterateIsland(island, pass);
     }
     island.report.iterations = mechanism.iterations();
     island.report.factorizations = mechanism.factorizations();

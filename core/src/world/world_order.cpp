@@ -119,7 +119,7 @@ void WorldImpl::moveManifolds() {
 /// that are solved serially keep theirs.
 void WorldImpl::moveLanes() {
     for (int c = 0; c < graph.listCount(); ++c) {
-        if (ConstraintGraph::isSerial(c) || !ConstraintGraph::isSwept(c)) continue;
+        if (ConstraintGraph::isSerial(c) || !ConstraintGraph::isIterated(c)) continue;
         const AlignedArray<std::uint32_t>& list = graph.color(c).manifolds;
         contactOrder.clear();
         for (std::uint32_t slot = 0; slot < list.size(); ++slot) {

@@ -87,10 +87,10 @@ void WorldImpl::giveRoom(std::uint32_t index) {
 
 /// Bounds made at the end of a step count the motion of the next one, going on as it does; what was set going since is
 /// not in them.
-void WorldImpl::launch(std::uint32_t index) {
-    if (bodies[index].launched) return;
-    bodies[index].launched = true;
-    launchedBodies.push(index);
+void WorldImpl::recordNewVelocity(std::uint32_t index) {
+    if (bodies[index].hasNewVelocity) return;
+    bodies[index].hasNewVelocity = true;
+    newVelocityBodies.push(index);
 }
 
 void WorldImpl::coverMotion(std::uint32_t index) {
@@ -109,13 +109,13 @@ void WorldImpl::coverMotion(std::uint32_t index) {
 
 /// `all`: this step is longer than the one that bounds were made for, as the first one is. What moves is met in this
 /// step; obstacles that stand still are swept to, and looked for in the next one.
-void WorldImpl::coverLaunched(bool all) {
-    for (const std::uint32_t index : launchedBodies) {
-        if (!bodies[index].launched) continue;
-        bodies[index].launched = false;
+void WorldImpl::coverNewVelocities(bool all) {
+    for (const std::uint32_t index : newVelocityBodies) {
+        if (!bodies[index].hasNewVelocity) continue;
+        bodies[index].hasNewVelocity = false;
         if (!all) coverMotion(index);
     }
-    launchedBodies.clear();
+    newVelocityBodies.clear();
     if (all)
         for (const std::uint32_t index : awakeBodies) coverMotion(index);
     if (!moveBuffer.empty()) findPairsOfMoved(false);
@@ -459,7 +459,7 @@ void WorldImpl::addAwakeContact(std::uint32_t index) {
     if (contacts[index].sensor) anySensor.store(true, std::memory_order_relaxed);
     awakeContacts.push(index);
     closingContacts.push(index);
-    doubtfulContacts.push(index);
+    dirtyContacts.push(index);
 }
 
 void WorldImpl::removeAwakeContact(std::uint32_t index) {

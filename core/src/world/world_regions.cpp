@@ -47,7 +47,7 @@ static void weighIslands(WorldImpl& world) {
     for (const std::uint32_t body : world.awakeBodies) weigh(body, body, 1);
     for (const std::uint32_t body : world.moduleWork.named) weigh(body, body, kNamed);
     for (int c = 0; c < world.graph.listCount(); ++c) {
-        if (!ConstraintGraph::isSwept(c)) continue;
+        if (!ConstraintGraph::isIterated(c)) continue;
         for (const std::uint32_t m : world.graph.color(c).manifolds)
             weigh(world.contacts[world.manifolds[m].contact].bodyA, world.contacts[world.manifolds[m].contact].bodyB,
                   1);
@@ -124,7 +124,7 @@ static void moveToRegions(WorldImpl& world, int wanted) {
         return world.graph.regionOf(world.bodies[world.moves(a) ? a : b].state);
     };
     for (int c = 0; c < world.graph.listCount(); ++c) {
-        if (!ConstraintGraph::isSwept(c)) continue;
+        if (!ConstraintGraph::isIterated(c)) continue;
         ConstraintGraph::Color& list = world.graph.color(c);
         for (std::uint32_t slot = 0; slot < list.manifolds.size();) {
             ManifoldRecord& manifold = world.manifolds[list.manifolds[slot]];
@@ -148,15 +148,15 @@ static void moveToRegions(WorldImpl& world, int wanted) {
 }
 
 /// Does nothing between the passes of a substep concern several regions, or anybody else?
-static bool goAlone(const WorldImpl& world) {
+static bool areIndependent(const WorldImpl& world) {
     if (world.moduleWork.onAll) return false;
     for (std::size_t group = 0; group < world.moduleWork.groupCount(); ++group)
         if (regionOfGroup(world, group) == kNone) return false;
-    if (world.bouncy || world.settings.sequentialFriction || !world.sweptCouplings.empty() ||
+    if (world.bouncy || world.settings.sequentialFriction || !world.iteratedCouplings.empty() ||
         !world.freshManifolds.empty())
         return false;
-    if (!world.directIslands.empty() || world.strides.any || world.regions.usedLists[0] != 0) return false;
-    for (const std::uint32_t body : world.rest.solved)
+    if (!world.directIslands.empty() || world.multirate.any || world.regions.usedLists[0] != 0) return false;
+    for (const std::uint32_t body : world.freezing.solved)
         if (!world.moves(body) && (world.states[body].v != Vec3{} || world.states[body].w != Vec3{})) return false;
     return true;
 }
@@ -192,19 +192,19 @@ void collectRegions(WorldImpl& world) {
         for (int c = 0; c < ConstraintGraph::kRegionLists; ++c)
             if (!world.graph.color(ConstraintGraph::firstList(r) + c).empty())
                 world.regions.usedLists[static_cast<std::size_t>(r)] |= 1u << c;
-    world.regions.alone = count > 0 && goAlone(world);
-    if (!world.regions.alone) return;
+    world.regions.independent = count > 0 && areIndependent(world);
+    if (!world.regions.independent) return;
     const auto regionOf = [&](std::uint32_t body) { return world.graph.regionOf(world.bodies[body].state); };
     world.regions.bodies.fill(
-        count, world.rest.solved.size(), [&](std::size_t i) { return world.rest.solved[i]; },
-        [&](std::size_t i) { return regionOf(world.rest.solved[i]); });
+        count, world.freezing.solved.size(), [&](std::size_t i) { return world.freezing.solved[i]; },
+        [&](std::size_t i) { return regionOf(world.freezing.solved[i]); });
     world.regions.modules.fill(
         count, world.moduleWork.groupCount(), [&](std::size_t g) { return static_cast<std::uint32_t>(g); },
         [&](std::size_t g) { return regionOfGroup(world, g); });
-    const std::size_t groups = world.assemblies.starts.empty() ? 0 : world.assemblies.starts.size() - 1;
-    world.regions.assemblies.fill(
+    const std::size_t groups = world.articulations.starts.empty() ? 0 : world.articulations.starts.size() - 1;
+    world.regions.articulations.fill(
         count, groups, [&](std::size_t i) { return static_cast<std::uint32_t>(i); },
-        [&](std::size_t i) { return regionOf(world.assemblies.bodies[world.assemblies.starts[i]]); });
+        [&](std::size_t i) { return regionOf(world.articulations.bodies[world.articulations.starts[i]]); });
 }
 
 }  // namespace ragtop

@@ -90,7 +90,7 @@ bool WorldImpl::anyTouchedPlane(std::uint32_t body, float within, std::uint32_t 
 }
 
 /// The way of A relative to B in this step at a point of a contact, if the bodies go on as they do.
-Vec3 WorldImpl::wayAtPoint(const ContactRecord& record, const ManifoldRecord& manifold, int point) const {
+Vec3 WorldImpl::motionAtPoint(const ContactRecord& record, const ManifoldRecord& manifold, int point) const {
     const auto velocity = [&](std::uint32_t index, const Vec3& anchor) {
         const BodyRecord& body = bodies[index];
         if (body.type == BodyType::fixed) return Vec3{};
@@ -103,7 +103,7 @@ Vec3 WorldImpl::wayAtPoint(const ContactRecord& record, const ManifoldRecord& ma
 bool WorldImpl::willMeet(const ContactRecord& record, const ManifoldRecord& manifold, int point) const {
     if (manifold.separation[point] <= 0) return true;
     const Vec3 normal = rotate(bodies[record.bodyA].rotation, manifold.normal);
-    return manifold.separation[point] <= dot(normal, wayAtPoint(record, manifold, point));
+    return manifold.separation[point] <= dot(normal, motionAtPoint(record, manifold, point));
 }
 
 /// Does a contact close in this step by more than `least`, and some point of it meet in this step, or in the substep
@@ -120,7 +120,7 @@ bool WorldImpl::closes(const ContactRecord& record, const ManifoldRecord& manifo
     const float foreseen = 1 + context.h / dt;
     bool nearer = false, meets = false;
     for (int j = 0; j < manifold.pointCount; ++j) {
-        const float closing = dot(wayAtPoint(record, manifold, j), normal);
+        const float closing = dot(motionAtPoint(record, manifold, j), normal);
         nearer |= closing > least;
         meets |= manifold.separation[j] <= foreseen * closing + least;
     }
@@ -135,7 +135,7 @@ bool WorldImpl::slidesInto(const ManifoldRecord& manifold, const Vec3& plane, fl
     const Vec3 along = normal - dot(normal, plane) * plane;
     const float foreseen = 1 + context.h / dt;
     for (int j = 0; j < manifold.pointCount; ++j) {
-        const Vec3 way = wayAtPoint(contact, manifold, j);
+        const Vec3 way = motionAtPoint(contact, manifold, j);
         if (dot(way, along) > least && manifold.separation[j] <= foreseen * dot(way, normal) + least) return true;
     }
     return false;
@@ -161,7 +161,7 @@ bool WorldImpl::isSeam(const ManifoldRecord& manifold, int side) const {
     return anyTouchedPlane(shapes[shape].body, slack, manifold.contact, keepsApart);
 }
 
-/// The same on a swept way: in front of the plane at both of its ends, and as far as it may bulge between them.
+/// The same on a swept path: in front of the plane at both of its ends, and as far as it may bulge between them.
 bool WorldImpl::keptApart(std::uint32_t shape, std::uint32_t obstacle, const Pose& start, const Pose& end,
                           float bulge) const {
     const ConvexView& view = geometries[shapes[shape].geometry].convex;

@@ -11,9 +11,9 @@ namespace ragtop {
 namespace {
 
 constexpr float kUpright = 0.94f;  ///< cosine of the steepest contact whose load is a weight
-constexpr int kSweeps = 16;        ///< that make estimated loads an equilibrium; what is left of their error is local
+constexpr int kIterations = 16;    ///< that make estimated loads an equilibrium; what is left of their error is local
 
-constexpr int kJointSweeps = 32;
+constexpr int kJointIterations = 32;
 
 }  // namespace
 
@@ -24,16 +24,16 @@ void WorldImpl::settleNewJoints() {
     for (const std::uint32_t j : newJoints)
         if (j != kNone) placeJoint(jointSims[j], jointBodies(joints[j]), states.data(), inertias.data());
     bool fits = false;
-    for (int i = 0; i < kJointSweeps && !fits; ++i) {
+    for (int i = 0; i < kJointIterations && !fits; ++i) {
         fits = true;
         for (const std::uint32_t j : newJoints)
             if (j != kNone && fitVelocities(jointSims[j], states.data(), inertias.data())) fits = false;
     }
     for (const std::uint32_t j : newJoints) {
         if (j == kNone) continue;
-        noteOverstepped(j);
+        recordInitialViolation(j);
         for (const std::uint32_t body : {joints[j].bodyA, joints[j].bodyB})
-            if (moves(body)) noteMomentum(body);
+            if (moves(body)) storeMomentum(body);
     }
     newJoints.clear();
 }
@@ -45,7 +45,7 @@ bool WorldImpl::isUntouched(std::uint32_t body) const {
 }
 
 /// The weight that the estimate hands down, in equal shares to the points, for each contact of bodies that have not
-/// moved yet and that carries nothing; what pushes today is no weight. Follows measureIslands.
+/// moved yet and that bears nothing; what pushes today is no weight. Follows measureIslands.
 void WorldImpl::loadNewContacts() {
     freshManifolds.clear();
     estimateLoads(false);
@@ -53,14 +53,14 @@ void WorldImpl::loadNewContacts() {
     if (!(gravity > 0)) return;
     const Vec3 down = (1 / gravity) * settings.gravity;
     const auto stride = static_cast<std::size_t>(graph.lanes());
-    for (const IslandBearing& bearing : bearings) {
-        if (bearing.joint || !isUntouched(bearing.a) || !isUntouched(bearing.b)) continue;
-        const bool movesA = moves(bearing.a), movesB = moves(bearing.b);
-        const bool aBears = movesB && (!movesA || paths.levels[bearing.a] < paths.levels[bearing.b]);
-        const bool bBears = movesA && (!movesB || paths.levels[bearing.b] < paths.levels[bearing.a]);
+    for (const SupportEdge& edge : supportEdges) {
+        if (edge.joint || !isUntouched(edge.a) || !isUntouched(edge.b)) continue;
+        const bool movesA = moves(edge.a), movesB = moves(edge.b);
+        const bool aBears = movesB && (!movesA || paths.levels[edge.a] < paths.levels[edge.b]);
+        const bool bBears = movesA && (!movesB || paths.levels[edge.b] < paths.levels[edge.a]);
         if (!aBears && !bBears) continue;
-        const ManifoldRecord& manifold = manifolds[bearing.constraint];
-        const float along = std::fabs(dot(rotate(bodies[bearing.a].rotation, manifold.normal), down));
+        const ManifoldRecord& manifold = manifolds[edge.constraint];
+        const float along = std::fabs(dot(rotate(bodies[edge.a].rotation, manifold.normal), down));
         if (along < kUpright || manifold.pointCount == 0 || manifold.place.color == ConstraintGraph::kDirect) continue;
         float* lane = graph.lane(manifold.place);
         const auto at = [&](int point, int field) -> float& {
@@ -69,11 +69,11 @@ void WorldImpl::loadNewContacts() {
         bool loaded = false;
         for (int j = 0; j < manifold.pointCount; ++j) loaded |= at(j, contact::kImpulse) != 0;
         if (loaded) continue;
-        const std::uint32_t upper = aBears ? bearing.b : bearing.a;
-        const float load = (paths.carried[upper] + bodies[upper].mass) / static_cast<float>(paths.supports[upper]);
+        const std::uint32_t upper = aBears ? edge.b : edge.a;
+        const float load = (paths.load[upper] + bodies[upper].mass) / static_cast<float>(paths.supports[upper]);
         const float share = load * context.gravityStep * along / static_cast<float>(manifold.pointCount);
         for (int j = 0; j < manifold.pointCount; ++j) at(j, contact::kImpulse) = at(j, contact::kLoad) = share;
-        freshManifolds.push(bearing.constraint);
+        freshManifolds.push(edge.constraint);
     }
 }
 
@@ -88,12 +88,12 @@ void WorldImpl::addPushes(float share) {
     }
 }
 
-/// Sweeps that move nothing yet make the estimate an equilibrium of weights, which is what these contacts carry from
+/// Iterations that move nothing yet make the estimate an equilibrium of weights, which is what these contacts bear from
 /// then on.
 void WorldImpl::settleNewContacts() {
     if (freshManifolds.empty()) return;
     addPushes(-1);
-    for (int i = 0; i < kSweeps; ++i) solve(false);
+    for (int i = 0; i < kIterations; ++i) solve(false);
     addPushes(1);
     const auto stride = static_cast<std::size_t>(graph.lanes());
     for (const std::uint32_t m : freshManifolds) {

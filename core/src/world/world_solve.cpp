@@ -1,12 +1,12 @@
-// The passes of the sweeps over bodies and constraints, in each substep.
+// The passes of the iteration over bodies and constraints, in each substep.
 
 #include <algorithm>
 #include <atomic>
 
 #include "constraints/contact_layout.h"
+#include "world/multirate.h"
 #include "world/single_bundle.h"
 #include "world/world_modules.h"
-#include "world/world_strides.h"
 
 namespace ragtop {
 
@@ -39,12 +39,12 @@ static SolverContext contextOf(const WorldImpl& world, int number, bool moved) {
 /// What is in no region: overflow first and serially, then the colours in order, each in parallel: alone(joint) for its
 /// single joints, wide(begin, end) and contact(bundles, begin, end) for its bundles.
 template <class Joint, class Joints, class Contacts>
-static void forUndivided(WorldImpl& world, Joint&& alone, Joints&& wide, Contacts&& contact) {
+static void forUndivided(WorldImpl& world, Joint&& single, Joints&& wide, Contacts&& contact) {
     constexpr int kJointsPerBlock = 8;
     constexpr int kMostBlocks = 64;  // of contacts: what is next in memory is best solved by the same thread
     const int jointBundlesPerBlock = 32 / world.jointKernels->lanes, leastContactBundles = 32 / world.graph.lanes();
     const auto singles = [&](int begin, int end) {
-        for (int i = begin; i < end; ++i) alone(world.jointBundles.single(i));
+        for (int i = begin; i < end; ++i) single(world.jointBundles.single(i));
     };
     const JointBundles::Color& serial = world.jointBundles.color(ConstraintGraph::kOverflow);
     ConstraintGraph::Color& overflow = world.graph.color(ConstraintGraph::kOverflow);
@@ -76,13 +76,13 @@ static void forUndivided(WorldImpl& world, Joint&& alone, Joints&& wide, Contact
 
 /// The same for a region, on the calling thread.
 template <class Joint, class Joints, class Contacts>
-static void forRegion(WorldImpl& world, int region, Joint&& alone, Joints&& wide, Contacts&& contact) {
+static void forRegion(WorldImpl& world, int region, Joint&& single, Joints&& wide, Contacts&& contact) {
     const int first = ConstraintGraph::firstList(region);
     const std::uint32_t used = world.regions.usedLists[static_cast<std::size_t>(region)];
     for (int c = 0; c < ConstraintGraph::kColors; ++c) {
         if ((used >> c & 1) == 0) continue;
         const JointBundles::Color& bundled = world.jointBundles.color(first + c);
-        for (int i = bundled.firstSingle; i < bundled.endSingle; ++i) alone(world.jointBundles.single(i));
+        for (int i = bundled.firstSingle; i < bundled.endSingle; ++i) single(world.jointBundles.single(i));
         if (bundled.begin < bundled.end) wide(bundled.begin, bundled.end);
         const int count = world.graph.bundleCount(first + c);
         if (count > 0) contact(world.graph.color(first + c).bundles.data(), 0, count);
@@ -91,11 +91,11 @@ static void forRegion(WorldImpl& world, int region, Joint&& alone, Joints&& wide
 
 /// Calls visit(alone, wide, contact) with what a pass does to single joints, bundles of joints and bundles of contacts.
 template <class Visit>
-static void visitSweep(WorldImpl& world, Sweep which, const SolverContext& own, Visit&& visit) {
+static void visitPass(WorldImpl& world, SolvePass which, const SolverContext& own, Visit&& visit) {
     const BodyArrays arrays = world.bodyArrays();
     const JointLanesView lanes = world.jointBundles.view(world.jointSims.data());
     const JointPass pass{arrays, world.jointContext};
-    const bool warm = which == Sweep::warmStart, moving = which == Sweep::solve;
+    const bool warm = which == SolvePass::warmStart, moving = which == SolvePass::solve;
     const auto passJoints = warm     ? world.jointKernels->warmStart
                             : moving ? world.jointKernels->solve
                                      : world.jointKernels->relax;
@@ -116,20 +116,20 @@ static void visitSweep(WorldImpl& world, Sweep which, const SolverContext& own, 
         [&](float* bundles, int begin, int end) { passContacts(bundles, begin, end, arrays, own); });
 }
 
-static void sweepRegion(WorldImpl& world, int region, Sweep which, const SolverContext& own) {
-    visitSweep(world, which, own,
-               [&](auto&& alone, auto&& wide, auto&& contact) { forRegion(world, region, alone, wide, contact); });
+static void passOverRegion(WorldImpl& world, int region, SolvePass which, const SolverContext& own) {
+    visitPass(world, which, own,
+              [&](auto&& single, auto&& wide, auto&& contact) { forRegion(world, region, single, wide, contact); });
 }
 
-static void sweepAll(WorldImpl& world, Sweep which, const SolverContext& own) {
-    visitSweep(world, which, own,
-               [&](auto&& alone, auto&& wide, auto&& contact) { forUndivided(world, alone, wide, contact); });
+static void passOverAll(WorldImpl& world, SolvePass which, const SolverContext& own) {
+    visitPass(world, which, own,
+              [&](auto&& single, auto&& wide, auto&& contact) { forUndivided(world, single, wide, contact); });
     world.runner.parallelFor(world.graph.regionCount(), 1, [&](int begin, int end, int) {
-        for (int r = begin + 1; r <= end; ++r) sweepRegion(world, r, which, own);
+        for (int r = begin + 1; r <= end; ++r) passOverRegion(world, r, which, own);
     });
 }
 
-/// All substeps of what has nothing to do with anybody else.
+/// All substeps of what shares no body with anything else.
 static void solveRegion(WorldImpl& world, World& face, int region) {
     const BodyArrays arrays = world.bodyArrays();
     const std::span<const std::uint32_t> list = world.regions.bodies.of(region);
@@ -138,11 +138,12 @@ static void solveRegion(WorldImpl& world, World& face, int region) {
         const SolverContext before = contextOf(world, i, false), after = contextOf(world, i, true);
         for (const std::uint32_t group : world.regions.modules.of(region)) actAsGroup(world, face, group);
         world.kernels->integrateVelocities(arrays, list.data(), 0, count, before);
-        sweepRegion(world, region, Sweep::warmStart, before);
-        sweepRegion(world, region, Sweep::solve, before);
-        for (const std::uint32_t assembly : world.regions.assemblies.of(region)) world.moveAssembly(assembly);
+        passOverRegion(world, region, SolvePass::warmStart, before);
+        passOverRegion(world, region, SolvePass::solve, before);
+        for (const std::uint32_t articulation : world.regions.articulations.of(region))
+            world.moveArticulation(articulation);
         world.kernels->integratePositions(arrays, list.data(), 0, count, before);
-        sweepRegion(world, region, Sweep::relax, after);
+        passOverRegion(world, region, SolvePass::relax, after);
     }
 }
 
@@ -177,7 +178,7 @@ static void solveTogether(WorldImpl& world, World& face) {
         world.warmStart();
         if (number == 0) world.settleNewContacts();
         world.solve(true);
-        world.moveAssemblies();
+        world.moveArticulations();
         world.integratePositions();
         world.context = contextOf(world, number, true);
         world.solveDirect(WorldImpl::DirectPass::velocities);
@@ -188,7 +189,7 @@ static void solveTogether(WorldImpl& world, World& face) {
 void WorldImpl::solveSubsteps(World& world) {
     leadSprings(*this, Lead::begin);
     moduleWork.inSubsteps = moduleWork.acts();
-    if (regions.alone)
+    if (regions.independent)
         solveRegions(*this, world);
     else
         solveTogether(*this, world);
@@ -210,18 +211,18 @@ void WorldImpl::integratePositions() {
 }
 
 void WorldImpl::warmStart() {
-    carryCouplings();
-    sweepAll(*this, Sweep::warmStart, context);
+    warmStartCouplings();
+    passOverAll(*this, SolvePass::warmStart, context);
     beginCouplings();
 }
 
 /// Friction beside the normal rows of each contact, or after those of all, as the settings say.
 void WorldImpl::solve(bool useBias) {
-    const Sweep which = useBias ? Sweep::solve : Sweep::relax;
+    const SolvePass which = useBias ? SolvePass::solve : SolvePass::relax;
     const auto pass = [&](bool normals, bool friction) {
         context.normals = normals;
         context.friction = friction;
-        sweepAll(*this, which, context);
+        passOverAll(*this, which, context);
         if (normals) solveCouplings(useBias);
     };
     if (!settings.sequentialFriction) return pass(true, true);
@@ -229,22 +230,22 @@ void WorldImpl::solve(bool useBias) {
     pass(false, true);
 }
 
-/// Sweeps until nothing more will meet, or enough: what is left then is stopped by the rows that do not bounce.
+/// Iterates until nothing more will meet, or enough: what is left then is stopped by the rows that do not bounce.
 void WorldImpl::bounce() {
-    constexpr int kSweeps = 32;
+    constexpr int kIterations = 32;
     const BodyArrays arrays = bodyArrays();
-    for (int i = 0; i < kSweeps; ++i) {
+    for (int i = 0; i < kIterations; ++i) {
         std::atomic<bool> bounced{false};
         const auto visit = [&](float* bundles, int begin, int end) {
             if (kernels->bounceContacts(bundles, begin, end, arrays, context))
                 bounced.store(true, std::memory_order_relaxed);
         };
-        const auto alone = [](std::uint32_t) {};
+        const auto single = [](std::uint32_t) {};
         const auto wide = [](int, int) {};
         forEachDirectBouncing(*this, visit);
-        forUndivided(*this, alone, wide, visit);
+        forUndivided(*this, single, wide, visit);
         runner.parallelFor(graph.regionCount(), 1, [&](int begin, int end, int) {
-            for (int r = begin + 1; r <= end; ++r) forRegion(*this, r, alone, wide, visit);
+            for (int r = begin + 1; r <= end; ++r) forRegion(*this, r, single, wide, visit);
         });
         if (!bounced.load(std::memory_order_relaxed)) return;
     }

@@ -38,7 +38,7 @@ void leadSprings(WorldImpl& world, Lead when) {
         const std::uint32_t first = springs.starts[static_cast<std::size_t>(c)];
         const auto count = static_cast<int>(springs.starts[static_cast<std::size_t>(c) + 1] - first);
         // Bodies may occur as often as they like in these.
-        const bool serial = ConstraintGraph::isSerial(c) || !ConstraintGraph::isSwept(c);
+        const bool serial = ConstraintGraph::isSerial(c) || !ConstraintGraph::isIterated(c);
         world.runner.parallelFor(count, serial ? count + 1 : kAtOnce, [&](int begin, int end, int) {
             for (int i = begin; i < end; ++i) visit(springs.joints[first + static_cast<std::uint32_t>(i)]);
         });

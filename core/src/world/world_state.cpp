@@ -82,9 +82,9 @@ void WorldImpl::archive(Archive& archive) {
     archive(freeStored);
     archive(joints);
     archive(jointSims);
-    archive(launchedBodies);
+    archive(newVelocityBodies);
     archive(newJoints);
-    archive(overstepped);
+    archive(violatedJoints);
     archive(energyGuard.room);
     archive(couplings);
     archive(couplingSims);
@@ -220,11 +220,11 @@ void World::restore(std::span<const std::byte> from) {
 void WorldImpl::forgetDerived() {
     context.h = lastSubstep;
     directGrouped = false;
-    bundlesChanged = treesChanged = strides.any = true;
+    bundlesChanged = treesChanged = multirate.any = true;
     boundsLeft.rooms.clear();
     // No such field of a lane is saved.
     surfacesForgotten = true;
-    doubtfulContacts.clear();
+    dirtyContacts.clear();
     forgetTouches();
     ++structureVersion;
     ++fixedVersion;

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "constraints/contact_layout.h"
+#include "world/multirate.h"
 #include "world/single_bundle.h"
 #include "world/world_modules.h"
 #include "world/world_regions.h"
-#include "world/world_strides.h"
 
 namespace ragtop {
 
@@ -30,7 +30,7 @@ static void shareStep(WorldImpl& world, Body&& body) {
 
 /// What substeps leave behind, and whether bodies that joints hold together have gained energy.
 static void endSolve(WorldImpl& world) {
-    stepTreesAlone(world);
+    stepIndependentTrees(world);
     world.storeJoints();
     world.endDirect();
     guardEnergy(world);
@@ -56,8 +56,8 @@ void WorldImpl::step(World& world, double stepSeconds) {
     context.heavyDepth = contact::kHeavy * context.gravityStep * context.soft.impulseScale /
                          (context.soft.massScale * context.soft.biasRate);
     context.restitutionSpeed = settings.restitutionSpeed * length(settings.gravity) * dt;
-    context.loadShare = settings.loadCarrying;
-    context.staticLoadShare = settings.staticLoadCarrying;
+    context.loadShare = settings.loadGain;
+    context.staticLoadShare = settings.staticLoadGain;
     jointContext = {h, substepRate, makeSoftness(settings.jointFrequency * substepRate, settings.jointDamping, h)};
 
     stages.clear();
@@ -70,7 +70,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         askModules(*this, world, stepSeconds);
         beginStage("pairs");
         findPairs();  // may grow arrays, as may the changes of contacts; nothing else below does
-        coverLaunched(longer);
+        coverNewVelocities(longer);
         beginStage("collide");
         updateContacts();
         beginStage("contacts");
@@ -79,11 +79,11 @@ void WorldImpl::step(World& world, double stepSeconds) {
         beginStage("islands");
         chooseSolvers();
         collectSolved();
-        chooseStrides(*this);
+        chooseStepFactors(*this);
         divideIntoRegions(*this);
         beginStage("prepare");
         prepareBodies();
-        findAssemblies();
+        findArticulations();
         settleNewJoints();
         beginGuard(*this);
         prepareConstraints();
@@ -94,8 +94,8 @@ void WorldImpl::step(World& world, double stepSeconds) {
         endSolve(*this);
         beginStage("finish");
         finishBodies();
-        stopRunaways();
-        bringBackJoints();
+        stopOutOfRange();
+        correctInitialViolations();
         sweepFastBodies();
         closeOpenJoints(*this);
         refitBounds();
@@ -103,7 +103,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         updateSensors();
         publishEvents();
         beginStage("sleep");
-        restStillBodies();
+        freezeStillBodies();
         sleepQuietIslands();
     });
 
@@ -122,14 +122,14 @@ void WorldImpl::step(World& world, double stepSeconds) {
 void WorldImpl::prepareBody(std::uint32_t index) {
     BodyRecord& body = bodies[index];
     BodyDynamics& d = dynamics[index];
-    const float h = context.h * static_cast<float>(body.stride);
+    const float h = context.h * static_cast<float>(body.stepFactor);
     d.linearDecay = 1 / (1 + h * body.linearDamping);
     d.angularDecay = 1 / (1 + h * body.angularDamping);
     const float inverseMass = states[index].invMass;
     d.acceleration = inverseMass > 0 ? body.gravityScale * settings.gravity + inverseMass * body.force : Vec3{};
     d.torque = body.torque;
     // The forces of joints turn with the bodies: taking them for smooth would feed energy into every swing.
-    // What joined bodies have in common is smooth, and is theirs by moveAssemblies.
+    // What joined bodies have in common is smooth, and is theirs by moveArticulations.
     d.translates = inverseMass > 0 && body.firstJoint == kNone ? 1.0f : 0.0f;
     body.force = {};
     body.torque = {};
@@ -186,7 +186,7 @@ void WorldImpl::prepareConstraints() {
     groupContacts();
     std::atomic<bool> mayBounce{false};
     forBlocksOfAllLists(
-        8, [&](int c) { return c == ConstraintGraph::kResting ? 0 : graph.bundleCount(c); },
+        8, [&](int c) { return c == ConstraintGraph::kFrozen ? 0 : graph.bundleCount(c); },
         [&](int c, int begin, int end) {
             if (placeAndPrepare(c, begin, end)) mayBounce.store(true, std::memory_order_relaxed);
         });
@@ -203,7 +203,7 @@ void WorldImpl::prepareConstraints() {
 void WorldImpl::groupContacts() {
     constexpr std::size_t kNear = std::size_t{1} << 21;  // bytes that passes find in a cache
     const auto group = [&](int c) {
-        if (ConstraintGraph::isSerial(c) || !ConstraintGraph::isSwept(c)) return;
+        if (ConstraintGraph::isSerial(c) || !ConstraintGraph::isIterated(c)) return;
         graph.groupByPoints(c, [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
     };
     if (graph.regionCount() > 0)
@@ -240,13 +240,13 @@ bool WorldImpl::placeAndPrepare(int c, int begin, int end) {
 }
 
 void WorldImpl::prepareJointOf(std::uint32_t joint) {
-    if (assemblies.fresh) noteCompany(joint);
+    if (articulations.fresh) classifyJoint(joint);
     prepareJoint(jointSims[joint], jointBodies(joint), states.data(), inertias.data(), jointContext);
 }
 
 void WorldImpl::prepareJoints() {
     const auto jointsOf = [&](int c) -> const AlignedArray<std::uint32_t>& {
-        return c == ConstraintGraph::kDirect && strides.any ? strides.sharedJoints : graph.color(c).joints;
+        return c == ConstraintGraph::kDirect && multirate.any ? multirate.sharedJoints : graph.color(c).joints;
     };
     forBlocksOfAllLists(
         16, [&](int c) { return static_cast<int>(jointsOf(c).size()); },

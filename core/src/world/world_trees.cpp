@@ -1,8 +1,8 @@
 // Trees of joints: which there are, and their passes within the substep (direct/tree_kernels.inl).
 
 #include "constraints/joint_types.h"
+#include "world/multirate.h"
 #include "world/world_impl.h"
-#include "world/world_strides.h"
 
 namespace ragtop {
 
@@ -35,9 +35,9 @@ void put(const Vec3& from, float to[3]) { to[0] = from.x, to[1] = from.y, to[2] 
 void put(const Quat& from, float to[4]) { to[0] = from.x, to[1] = from.y, to[2] = from.z, to[3] = from.w; }
 Vec3 get(const float from[3]) { return {from[0], from[1], from[2]}; }
 
-/// Loads are those of `stride` substeps, of which the joint knows one.
-void fillRow(const JointSim& joint, bool childIsB, int stride, direct::TreeJointRow& row) {
-    const float sign = childIsB ? 1.0f : -1.0f, share = sign * static_cast<float>(stride);
+/// Loads are those of `stepFactor` substeps, of which the joint knows one.
+void fillRow(const JointSim& joint, bool childIsB, int stepFactor, direct::TreeJointRow& row) {
+    const float sign = childIsB ? 1.0f : -1.0f, share = sign * static_cast<float>(stepFactor);
     put(sign * joint.centerOffset, row.offset);
     put(childIsB ? joint.anchorB : joint.anchorA, row.anchorC);
     put(childIsB ? joint.anchorA : joint.anchorB, row.anchorP);
@@ -55,9 +55,9 @@ bool WorldImpl::isTreeJoint(const JointSim& joint) {
 bool WorldImpl::turnsFreely(std::uint32_t body) const { return states[body].locks == 0 && dynamics[body].spins > 0; }
 
 /// Draws up the tree of joints that holds `start`, from what it hangs from, or its first body. False, and nothing is
-/// drawn, when it is no tree, or has joints or bodies that trees do not know.
-bool WorldImpl::drawTree(std::uint32_t start, DrawnTree& drawn) {
-    drawn = {};
+/// built, when it is no tree, or has joints or bodies that trees do not know.
+bool WorldImpl::buildTree(std::uint32_t start, BuiltTree& built) {
+    built = {};
     treeBodies.clear();
     treeBodies.push(start);
     treeMark[start] = start;
@@ -66,17 +66,17 @@ bool WorldImpl::drawTree(std::uint32_t start, DrawnTree& drawn) {
     for (std::size_t i = 0; i < treeBodies.size(); ++i) {
         const std::uint32_t body = treeBodies[i];
         known &= turnsFreely(body) && isAwake(body);
-        if (drawn.anchor == kNone && body < root) root = body;
+        if (built.anchor == kNone && body < root) root = body;
         for (std::uint32_t key = bodies[body].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
             const JointRecord& joint = joints[key >> 1];
             const std::uint32_t other = (key & 1) != 0 ? joint.bodyA : joint.bodyB;
             const JointSim& sim = jointSims[key >> 1];
             known &= isTreeJoint(sim);
-            drawn.watched |= isWatched(sim);
+            built.watched |= isWatched(sim);
             counted += moves(other) ? 1 : 2;
             if (!moves(other)) {
-                known &= drawn.anchor == kNone;
-                drawn.anchor = other;
+                known &= built.anchor == kNone;
+                built.anchor = other;
                 root = body;
             } else if (treeMark[other] != start) {
                 treeMark[other] = start;
@@ -84,16 +84,16 @@ bool WorldImpl::drawTree(std::uint32_t start, DrawnTree& drawn) {
             }
         }
     }
-    drawn.bodies = static_cast<std::uint32_t>(treeBodies.size());
-    drawn.joints = counted / 2;
+    built.bodies = static_cast<std::uint32_t>(treeBodies.size());
+    built.joints = counted / 2;
     // Every joint but those to what does not move has been met from both of its bodies.
-    if (!known || drawn.joints != drawn.bodies - (drawn.anchor == kNone ? 1 : 0)) return false;
-    layLinks(root, drawn);
+    if (!known || built.joints != built.bodies - (built.anchor == kNone ? 1 : 0)) return false;
+    layLinks(root, built);
     return true;
 }
 
 /// Links breadth first from the root.
-void WorldImpl::layLinks(std::uint32_t root, DrawnTree& drawn) {
+void WorldImpl::layLinks(std::uint32_t root, BuiltTree& built) {
     float lightest = bodies[root].mass, heaviest = lightest;
     treeBodies.clear();
     const auto push = [&](std::uint32_t body, std::int32_t parent, std::uint32_t key) {
@@ -117,14 +117,14 @@ void WorldImpl::layLinks(std::uint32_t root, DrawnTree& drawn) {
         if (!moves(otherOf(key))) held = key;
     push(root, -1, held);
     for (std::size_t i = 0; i < treeBodies.size(); ++i) {
-        const std::uint32_t body = treeBodies[i], above = chains.drawnJoint(i);
+        const std::uint32_t body = treeBodies[i], above = chains.builtJoint(i);
         for (std::uint32_t key = bodies[body].firstJoint; key != kNone; key = next(key))
             if ((key >> 1) != above && moves(otherOf(key))) push(otherOf(key), static_cast<std::int32_t>(i), key);
     }
-    drawn.twofold = heaviest > kSingleRatio * lightest;
+    built.doublePrecision = heaviest > kSingleRatio * lightest;
 }
 
-/// Direct islands that are trees of rigid rows and touch nothing; chooseStrides groups them.
+/// Direct islands that are trees of rigid rows and touch nothing; chooseStepFactors groups them.
 void WorldImpl::planChains() {
     chains.clear();
     if (directIslands.empty()) return;
@@ -132,17 +132,17 @@ void WorldImpl::planChains() {
     for (const std::uint32_t body : awakeBodies) treeMark[body] = kNone;
     for (std::size_t i = 0; i < directIslands.size(); ++i) {
         DirectIsland& island = directIslands[i];
-        island.tree = island.watched = island.leapfrog = island.strides = false;
+        island.tree = island.watched = island.leapfrog = island.multirate = false;
         if (island.contactCount > 0 || island.jointCount == 0) continue;
-        DrawnTree tree;
-        if (!drawTree(directBodies[island.firstBody], tree)) continue;
+        BuiltTree tree;
+        if (!buildTree(directBodies[island.firstBody], tree)) continue;
         island.tree = tree.joints == island.jointCount && tree.bodies == island.bodyCount;
         island.watched = tree.watched;
-        island.leapfrog = island.tree && !tree.twofold;
-        island.strides = island.tree && tree.twofold && tree.anchor != kNone && !tree.watched;
+        island.leapfrog = island.tree && !tree.doublePrecision;
+        island.multirate = island.tree && tree.doublePrecision && tree.anchor != kNone && !tree.watched;
         if (island.tree)
             chains.keep(tree.anchor == kNone ? 0 : bodies[tree.anchor].state, static_cast<std::uint32_t>(i),
-                        tree.twofold);
+                        tree.doublePrecision);
         else
             chains.drop();
     }
@@ -158,11 +158,11 @@ void WorldImpl::beginGroup(direct::TreePlan::Group& group) {
             row = {};
             const direct::TreeLink& link = chains.linkOf(tree, l);
             if (link.joint != direct::TreeJoint::free)
-                fillRow(jointSims[chains.jointOf(tree, l)], link.childIsB != 0, tree.stride, row);
+                fillRow(jointSims[chains.jointOf(tree, l)], link.childIsB != 0, tree.stepFactor, row);
         }
     }
     chains.repeatRows(group);
-    group.lanes.failed = group.lanes.open = group.lanes.ajar = 0;
+    group.lanes.failed = group.lanes.open = group.lanes.notClosed = 0;
     group.kernels->begin(group.lanes, bodyArrays());
 }
 
@@ -184,11 +184,11 @@ void WorldImpl::solveChains(DirectPass pass) {
 /// What is to be done in a substep of the world.
 void WorldImpl::solveGroup(direct::TreePlan::Group& group, DirectPass pass, int number) {
     const bool moves = pass == DirectPass::positions;
-    const int stride = chains.strideOf(group);
-    if (number % stride != 0) return;
+    const int stepFactor = chains.stepFactorOf(group);
+    if (number % stepFactor != 0) return;
     const auto start = std::chrono::steady_clock::now();
-    const auto substeps = static_cast<float>(stride);
-    const bool last = number + stride >= settings.substeps;
+    const auto substeps = static_cast<float>(stepFactor);
+    const bool last = number + stepFactor >= settings.substeps;
     const direct::TreeSubstep substep{context.h * substeps, jointContext.softness.biasRate / substeps, number == 0, last};
     const bool relaxes = !group.kernels->leapfrog || last;
     (moves ? group.kernels->solve : group.kernels->relax)(group.lanes, bodyArrays(), substep);
@@ -199,14 +199,14 @@ void WorldImpl::solveGroup(direct::TreePlan::Group& group, DirectPass pass, int 
         const auto has = [lane](std::uint32_t bits) { return ((bits >> lane) & 1u) != 0; };
         island.ms += ms / group.lanes.used;
         island.open = has(group.lanes.open);
-        island.ajar = has(group.lanes.ajar);
-        if (has(group.lanes.failed) && !island.swept) {
-            island.swept = true;
+        island.notClosed = has(group.lanes.notClosed);
+        if (has(group.lanes.failed) && !island.fellBack) {
+            island.fellBack = true;
             island.report.converged = false;
             rescaleJoints(*this, island, substeps);
         }
-        if (island.swept) {
-            sweepIsland(island, pass);
+        if (island.fellBack) {
+            iterateIsland(island, pass);
             continue;
         }
         if (moves) {
@@ -228,14 +228,14 @@ void WorldImpl::storeImpulses(const direct::TreePlan::Group& group, int lane) {
         if (link.joint == direct::TreeJoint::free) continue;
         JointSim& joint = jointSims[chains.jointOf(tree, l)];
         const direct::TreeImpulse& impulse = chains.impulse(group, l, lane);
-        const float sign = (link.childIsB != 0 ? 1.0f : -1.0f) / static_cast<float>(tree.stride);
+        const float sign = (link.childIsB != 0 ? 1.0f : -1.0f) / static_cast<float>(tree.stepFactor);
         joint.block.impulseFirst = sign * get(impulse.force);
         joint.block.impulseSecond = sign * get(impulse.torque);
         if (!isWatched(joint)) continue;
         // Turns of a hinge are counted.
         refreshJoint(joint, BodyPair(states.data(), inertias.data(), joint.stateA, joint.stateB),
                      {jointContext, false});
-        noteLoad(joint);
+        recordLoad(joint);
     }
 }
 

@@ -34,7 +34,7 @@ struct Row {
 // Bodies at rest are moved together and stay at rest: what is moved gets no speed. Each sweep closes a joint but for
 // the second order of its turns, so that two bodies are together after a step of four; nothing acts from outside, so
 // the centre of mass stays where it is but for rounding.
-TEST(WorldFigures, OpenJointsCloseWithoutSpeed) {
+TEST(WorldFreeTrees, OpenJointsCloseWithoutSpeed) {
     World world(WorldSettings{.gravity = {0, 0, 0}, .sleeping = false});
     const Row row(world, 2, 5, 0.02f);
     const double before = world.centerOfMass(row.bodies[0]).y + world.centerOfMass(row.bodies[1]).y;
@@ -48,8 +48,8 @@ TEST(WorldFigures, OpenJointsCloseWithoutSpeed) {
 }
 
 // A soft row leaks a tenth of its load per substep, by which it would stand open by λ/(h m ω²) = a/(2π 60 Hz)², 0.07 mm
-// for a load of the body's own weight and 30 times that for the block's. In a figure nothing leaks.
-TEST(WorldFigures, ALoadDoesNotOpenThem) {
+// for a load of the body's own weight and 30 times that for the block's. In a free tree nothing leaks.
+TEST(WorldFreeTrees, ALoadDoesNotOpenThem) {
     World world(withoutSleep());
     world.create(StaticBody{.shape = Box{{50, 1, 50}}, .position = {0, -1, 0}});
     for (const double x : {0.0, 2.0})
@@ -62,9 +62,9 @@ TEST(WorldFigures, ALoadDoesNotOpenThem) {
     EXPECT_LT(row.gap(world), 1e-4f);
 }
 
-// A restored world finds anew who belongs to which figure; one that goes on knows it from the step before. Both are the
-// same to the bit whatever happens to joints, bodies and sleep in between.
-TEST(WorldFigures, AreKnownAfterWhateverHappensToThem) {
+// A restored world finds anew who belongs to which free tree; one that goes on knows it from the step before. Both are
+// the same to the bit whatever happens to joints, bodies and sleep in between.
+TEST(WorldFreeTrees, AreKnownAfterWhateverHappensToThem) {
     World world, restored;
     std::vector<Row> rows;
     for (World* each : {&world, &restored}) {

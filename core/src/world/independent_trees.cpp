@@ -1,9 +1,9 @@
-// Trees of joints that nothing else has part in: a group of them goes through the whole step in one task, with its bodies
-// in one processor's cache and nobody to wait for (docs/adr/0006). The bits are those of the stages.
+// Trees of joints that nothing else has part in: a group of them goes through the whole step in one task, with its
+// bodies in one processor's cache and no barrier to wait at (docs/adr/0006). The bits are those of the stages.
 
 #include <atomic>
 
-#include "world/world_strides.h"
+#include "world/multirate.h"
 
 namespace ragtop {
 
@@ -12,10 +12,10 @@ namespace {
 using Group = direct::TreePlan::Group;
 
 void prepareGroup(WorldImpl& world, Group& group) {
-    const int stride = world.chains.strideOf(group);
+    const int stepFactor = world.chains.stepFactorOf(group);
     for (const std::uint32_t body : world.chains.membersOf(group)) {
-        giveStride(world, body, stride);
-        noteKinetic(world, body);
+        setStepFactor(world, body, stepFactor);
+        recordKinetic(world, body);
         world.prepareBody(body);
     }
     for (int lane = 0; lane < group.lanes.used; ++lane) {
@@ -31,10 +31,10 @@ void solveSubsteps(WorldImpl& world, Group& group) {
     using Pass = WorldImpl::DirectPass;
     const BodyArrays arrays = world.bodyArrays();
     const std::span<const std::uint32_t> bodies = world.chains.membersOf(group);
-    const int count = static_cast<int>(bodies.size()), stride = world.chains.strideOf(group);
+    const int count = static_cast<int>(bodies.size()), stepFactor = world.chains.stepFactorOf(group);
     SolverContext own = world.context;
-    own.h *= static_cast<float>(stride);
-    for (int substep = 0; substep < world.settings.substeps; substep += stride) {
+    own.h *= static_cast<float>(stepFactor);
+    for (int substep = 0; substep < world.settings.substeps; substep += stepFactor) {
         world.kernels->integrateVelocities(arrays, bodies.data(), 0, count, own);
         world.solveGroup(group, Pass::positions, substep);
         world.kernels->integratePositions(arrays, bodies.data(), 0, count, own);
@@ -42,18 +42,18 @@ void solveSubsteps(WorldImpl& world, Group& group) {
     }
 }
 
-/// A tree that is to be guarded is finished with all others, and trees are drawn up anew.
+/// A tree that is to be guarded is finished with all others, and trees are built anew.
 void leaveToStages(WorldImpl& world, std::span<const std::uint32_t> bodies) {
     for (const std::uint32_t body : bodies)
-        world.strides.marks[body] = static_cast<std::uint8_t>(world.strides.marks[body] & ~BodyStrides::kAlone);
-    std::atomic_ref(world.strides.aloneCount).fetch_sub(bodies.size(), std::memory_order_relaxed);
+        world.multirate.marks[body] = static_cast<std::uint8_t>(world.multirate.marks[body] & ~Multirate::kIndependent);
+    std::atomic_ref(world.multirate.independentCount).fetch_sub(bodies.size(), std::memory_order_relaxed);
     std::atomic_ref(world.treesChanged).store(true, std::memory_order_relaxed);
 }
 
 void finishGroup(WorldImpl& world, const Group& group) {
     for (int lane = 0; lane < group.lanes.used; ++lane) {
         const DirectIsland& island = world.directIslands[world.chains.treeOf(group, lane).owner];
-        if (island.strides) noteGaps(world, island);
+        if (island.multirate) recordGaps(world, island);
         const std::span<const std::uint32_t> bodies{world.directBodies.data() + island.firstBody, island.bodyCount};
         if (hasGainedEnergy(world, bodies)) {
             leaveToStages(world, bodies);
@@ -65,7 +65,7 @@ void finishGroup(WorldImpl& world, const Group& group) {
 
 }  // namespace
 
-void stepTreesAlone(WorldImpl& world) {
+void stepIndependentTrees(WorldImpl& world) {
     const std::size_t count = world.chains.groupCount(true);
     world.runner.parallelFor(static_cast<int>(count), 1, [&](int begin, int end, int) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {

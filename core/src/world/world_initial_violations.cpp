@@ -3,10 +3,10 @@
 namespace ragtop {
 
 /// Of a joint that was just made and placed.
-void WorldImpl::noteOverstepped(std::uint32_t joint) {
-    if (!isOverstepped(jointSims[joint])) return;
-    holdOverstepped(jointSims[joint]);
-    overstepped.push(joint);
+void WorldImpl::recordInitialViolation(std::uint32_t joint) {
+    if (!isViolatedInitially(jointSims[joint])) return;
+    holdInitialViolation(jointSims[joint]);
+    violatedJoints.push(joint);
 }
 
 /// Moves a body, which keeps its speed as seen from itself, and so its energy.
@@ -14,7 +14,7 @@ void WorldImpl::shiftBody(std::uint32_t index, const Shift& shift) {
     if (!moves(index)) return;
     BodyRecord& body = bodies[index];
     const Quat before = body.rotation;
-    const Pose after = SweptWay{{body.center, before}, shift.way, shift.turn}.at(1);
+    const Pose after = SweptPath{{body.center, before}, shift.way, shift.turn}.at(1);
     body.center = after.position;
     body.rotation = after.rotation;
     body.sleepTimer = 0;
@@ -24,9 +24,9 @@ void WorldImpl::shiftBody(std::uint32_t index, const Shift& shift) {
 
 /// Joints that were made beyond their limits come back a little in each step. What their velocities no longer fit then
 /// they lose, as when the joint was made. Serial and in order of the list.
-void WorldImpl::bringBackJoints() {
+void WorldImpl::correctInitialViolations() {
     std::size_t kept = 0;
-    for (const std::uint32_t j : overstepped) {
+    for (const std::uint32_t j : violatedJoints) {
         if (j == kNone) continue;
         const JointRecord& joint = joints[j];
         const bool awake = (moves(joint.bodyA) && isAwake(joint.bodyA)) || (moves(joint.bodyB) && isAwake(joint.bodyB));
@@ -41,16 +41,16 @@ void WorldImpl::bringBackJoints() {
             placeJoint(jointSims[j], jointBodies(joint), states.data(), inertias.data());
             fitVelocities(jointSims[j], states.data(), inertias.data());
             for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
-                if (moves(body)) noteMomentum(body);
-            holdOverstepped(jointSims[j]);
-            if (!isOverstepped(jointSims[j])) {
+                if (moves(body)) storeMomentum(body);
+            holdInitialViolation(jointSims[j]);
+            if (!isViolatedInitially(jointSims[j])) {
                 compile(j);
                 continue;
             }
         }
-        overstepped[kept++] = j;
+        violatedJoints[kept++] = j;
     }
-    overstepped.resizeForOverwrite(kept);
+    violatedJoints.resizeForOverwrite(kept);
 }
 
 }  // namespace ragtop

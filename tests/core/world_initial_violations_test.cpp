@@ -56,7 +56,7 @@ struct Pair {
 };
 
 /// At rest nothing else moves it: 0.01 rad in each step, up to what rows bring back.
-TEST(WorldOverstepped, ComesBackAtABoundedRate) {
+TEST(WorldInitialViolations, ComesBackAtABoundedRate) {
     Pair pair(0, 0.5f);
     double before = pair.beyond();
     EXPECT_NEAR(before, 0.5, 1e-5);
@@ -70,7 +70,7 @@ TEST(WorldOverstepped, ComesBackAtABoundedRate) {
 }
 
 /// Drawing two bodies in that turn about each other would spin them up: I falls by 40 % here. Moving them does not.
-TEST(WorldOverstepped, GainsNoEnergy) {
+TEST(WorldInitialViolations, GainsNoEnergy) {
     for (const float spin : {0.5f, 8.0f}) {
         Pair pair(spin, 0.8f);
         const double start = pair.energy();
@@ -85,7 +85,7 @@ TEST(WorldOverstepped, GainsNoEnergy) {
     }
 }
 
-TEST(WorldOverstepped, GoesOnFromASavedState) {
+TEST(WorldInitialViolations, GoesOnFromASavedState) {
     Pair pair(3, 0.8f);
     for (int i = 0; i < 20; ++i) pair.world.step(kStep);
     std::vector<std::byte> saved(pair.world.saveSize());
@@ -99,7 +99,7 @@ TEST(WorldOverstepped, GoesOnFromASavedState) {
     EXPECT_EQ(later(), once);
 }
 
-TEST(WorldOverstepped, LetsGoOfWhatIsGone) {
+TEST(WorldInitialViolations, LetsGoOfWhatIsGone) {
     Pair pair(0, 0.5f);
     pair.world.step(kStep);
     pair.world.destroy(pair.joint);

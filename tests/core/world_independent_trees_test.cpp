@@ -11,7 +11,7 @@ namespace {
 using namespace test;
 
 /// Nothing that such a tree does depends on others, so that it may do all of it at once.
-TEST(TreesThatGoAlone, EndUpWhereTheySwingWithTheWorldToTheBit) {
+TEST(IndependentTrees, EndUpWhereTheySwingWithTheWorldToTheBit) {
     std::vector<std::uint64_t> hashes;
     for (const bool watched : {false, true}) {
         World world(withoutSleep());
@@ -19,8 +19,8 @@ TEST(TreesThatGoAlone, EndUpWhereTheySwingWithTheWorldToTheBit) {
         if (watched) world.add(&watcher.module);  // no tree is alone then
         std::vector<Chain> chains;
         for (int i = 0; i < 9; ++i) chains.emplace_back(world, 6 + i % 2, 2.0f, 2.0 * i);  // they leap
-        chains.emplace_back(world, 5, 1000.0f, -2, true);                                  // hinges: one substep at once
-        world.destroy(chains[3].joints[0]);                                                // it falls
+        chains.emplace_back(world, 5, 1000.0f, -2, true);  // hinges: one substep at once
+        world.destroy(chains[3].joints[0]);                // it falls
         run(world, 1);
         world.applyImpulse(chains[1].bodies[2], {0, 0, 5}, world.centerOfMass(chains[1].bodies[2]));
         run(world, 1);
@@ -30,7 +30,7 @@ TEST(TreesThatGoAlone, EndUpWhereTheySwingWithTheWorldToTheBit) {
 }
 
 /// What a chain hangs from may begin to move in any step: the chain then follows it through the substeps.
-TEST(TreesThatGoAlone, FollowWhatTheyHangFromWhenItMoves) {
+TEST(IndependentTrees, FollowWhatTheyHangFromWhenItMoves) {
     World world(withoutSleep());
     BodyDef def = bodyDef(Sphere{0.1f}, {0, 0, 0});
     def.type = BodyType::kinematic;
@@ -49,7 +49,7 @@ TEST(TreesThatGoAlone, FollowWhatTheyHangFromWhenItMoves) {
 }
 
 /// One chain comes to touch the ground and is a tree no longer; its neighbours do not notice.
-TEST(TreesThatGoAlone, DoNotNoticeThatAnotherTouchesSomething) {
+TEST(IndependentTrees, DoNotNoticeThatAnotherTouchesSomething) {
     std::vector<std::vector<DVec3>> places;
     for (const bool ground : {false, true}) {
         World world(withoutSleep());
@@ -89,7 +89,8 @@ TEST(BoundsOfWhatSwings, FollowItsTurns) {
     }
 }
 
-/// Bounds of several steps: a chain that swings by freely meets what stands in its way all the same, and what is put there.
+/// Bounds of several steps: a chain that swings by freely meets what stands in its way all the same, and what is put
+/// there.
 TEST(BoundsOfWhatSwings, HoldItUntilItMeetsSomething) {
     for (const bool later : {false, true}) {
         World world(withoutSleep());

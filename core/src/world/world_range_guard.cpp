@@ -19,7 +19,7 @@ bool isNear(const Vec3& a) {
 }  // namespace
 
 /// True where a force beyond all measure, or a solver that failed, has left no motion that numbers can hold.
-bool WorldImpl::ranAway(std::uint32_t index) const {
+bool WorldImpl::leftRange(std::uint32_t index) const {
     const BodyState& state = states[index];
     const Quat& q = state.dq;
     const DVec3 c = bodies[index].center + state.dp;
@@ -60,16 +60,16 @@ void WorldImpl::forgetImpulses(std::uint32_t index) {
 bool WorldImpl::takes(bool finite, const char* what) {
     if (finite) return true;
     if (!inStep) throw std::invalid_argument(std::string(what) + " is not finite");
-    std::atomic_ref(runaways).fetch_add(1, std::memory_order_relaxed);
+    std::atomic_ref(outOfRange).fetch_add(1, std::memory_order_relaxed);
     return false;
 }
 
 /// One body's failure is not to be that of all it touches.
-void WorldImpl::stopRunaways() {
+void WorldImpl::stopOutOfRange() {
     for (std::size_t i = 0; i < awakeBodies.size(); ++i) {
-        if (bodyFlags[i] != kRunaway) continue;
+        if (bodyFlags[i] != kOutOfRange) continue;
         bodyFlags[i] = kNotFast;
-        ++runaways;
+        ++outOfRange;
         forgetImpulses(awakeBodies[i]);
     }
 }

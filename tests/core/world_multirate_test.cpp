@@ -12,14 +12,15 @@ using namespace test;
 
 void hangDown(World& world, const Chain& chain) {
     for (std::size_t i = 0; i < chain.bodies.size(); ++i)
-        world.setPose(chain.bodies[i], {{0, -0.5 * static_cast<double>(i) - 0.25, world.centerOfMass(chain.bodies[i]).z},
-                                        i + 1 == chain.bodies.size() ? rotationBetween({1, 0, 0}, {0, -1, 0})
-                                                                     : rotationBetween({0, 1, 0}, {0, -1, 0})});
+        world.setPose(chain.bodies[i],
+                      {{0, -0.5 * static_cast<double>(i) - 0.25, world.centerOfMass(chain.bodies[i]).z},
+                       i + 1 == chain.bodies.size() ? rotationBetween({1, 0, 0}, {0, -1, 0})
+                                                    : rotationBetween({0, 1, 0}, {0, -1, 0})});
 }
 
 int factorizations(const World& world) { return world.stats().islands[0].factorizations; }
 
-TEST(CalmChains, AreSolvedOncePerStepAndBearTheirWeight) {
+TEST(MultirateChains, AreSolvedOncePerStepAndBearTheirWeight) {
     World world(withoutSleep());
     const Chain chain(world, 8, 100);
     hangDown(world, chain);
@@ -33,7 +34,7 @@ TEST(CalmChains, AreSolvedOncePerStepAndBearTheirWeight) {
     }
 }
 
-TEST(CalmChains, AreSolvedInEverySubstepThatSomebodyLooksAt) {
+TEST(MultirateChains, AreSolvedInEverySubstepThatAModuleActsIn) {
     World world(withoutSleep());
     Watcher watcher;
     world.add(&watcher.module);
@@ -43,7 +44,7 @@ TEST(CalmChains, AreSolvedInEverySubstepThatSomebodyLooksAt) {
     EXPECT_GE(factorizations(world), 4);
 }
 
-TEST(CalmChains, KeepToSubstepsThatDivideTheStep) {
+TEST(MultirateChains, KeepToSubstepsThatDivideTheStep) {
     WorldSettings settings = withoutSleep();
     settings.substeps = 3;
     World world(settings);
@@ -55,7 +56,7 @@ TEST(CalmChains, KeepToSubstepsThatDivideTheStep) {
 
 /// A substep of h' errs in the turn of a pendulum by (ω h')²/24: at 3 rad/s and 1/60 s by 10⁻⁴ of a way of ten metres.
 /// Forces of a substep and a half that are taken twice, or not at all, would be 3 h/2 v = 40 mm.
-TEST(CalmChains, SwingAsTheyDoInShortSubsteps) {
+TEST(MultirateChains, SwingAsTheyDoInShortSubsteps) {
     std::vector<DVec3> ends;
     int least = 8;
     for (const bool watched : {false, true}) {
@@ -91,10 +92,10 @@ std::uint64_t hashAfter(int lanes, bool savedBetween) {
     return world.hash();
 }
 
-TEST(CalmChains, TakeTheSameStridesInAnyLanesAndAfterBeingRestored) {
-    const std::uint64_t alone = hashAfter(4, false);
-    for (const int lanes : {8, 16}) EXPECT_EQ(hashAfter(lanes, false), alone) << lanes;
-    EXPECT_EQ(hashAfter(8, true), alone);
+TEST(MultirateChains, TakeTheSameFactorsInAnyLanesAndAfterBeingRestored) {
+    const std::uint64_t independent = hashAfter(4, false);
+    for (const int lanes : {8, 16}) EXPECT_EQ(hashAfter(lanes, false), independent) << lanes;
+    EXPECT_EQ(hashAfter(8, true), independent);
 }
 
 }  // namespace

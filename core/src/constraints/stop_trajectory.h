@@ -16,10 +16,10 @@ struct SoftMeeting {
 ///   ẍ = −ω² x − d ẋ,  ω² = k w,  d = c w.
 /// For what is underdamped and turns by at most a radian per substep; else it finds no meeting. The other end of its
 /// range, `room` away, has the same stop.
-class SoftCourse {
+class StopTrajectory {
 public:
-    SoftCourse() = default;
-    SoftCourse(const Stop& stop, float inverseMass, float h, float room);
+    StopTrajectory() = default;
+    StopTrajectory(const Stop& stop, float inverseMass, float h, float room);
 
     bool follows() const { return follows_; }
 

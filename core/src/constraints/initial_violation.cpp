@@ -1,4 +1,4 @@
-#include "constraints/overstepped.h"
+#include "constraints/initial_violation.h"
 
 namespace ragtop {
 namespace {
@@ -38,7 +38,7 @@ void forEachHardSide(JointSim& joint, Visit&& visit) {
 JointSim bare(const JointSim& joint, float most) {
     JointSim now = joint;
     rescaleJoint(now, 0);
-    now.ofFigure = 0;
+    now.ofFreeTree = 0;
     now.axis.features &= AxisRows::kLimit | AxisRows::kLocked;
     now.ball.features &= BallRows::kSwing | BallRows::kTwist;
     for (AxisRows& rows : now.axes.axis) rows.features &= AxisRows::kLimit | AxisRows::kLocked;
@@ -48,14 +48,14 @@ JointSim bare(const JointSim& joint, float most) {
 
 }  // namespace
 
-bool isOverstepped(const JointSim& joint) {
+bool isViolatedInitially(const JointSim& joint) {
     bool found = false;
     forEachHardSide(const_cast<JointSim&>(joint),
                     [&](const StopSide& side, float size) { found = found || side.margin < -kSlight * size; });
     return found;
 }
 
-void holdOverstepped(JointSim& joint) {
+void holdInitialViolation(JointSim& joint) {
     forEachHardSide(joint, [](StopSide& side, float size) {
         if (side.margin < -kSlight * size) side.recovery = 0;
     });

@@ -1,5 +1,5 @@
-// Bodies that rest on what does not move. Sweeps would find the same impulses for them in every step; they are left out
-// of the solver, with the impulses that hold them, until anything changes.
+// Bodies that rest on what does not move are frozen. The iteration would find the same impulses for them in every step;
+// they are left out of the solver, with the impulses that hold them, until anything changes.
 
 #include "world/lane_view.h"
 #include "world/world_impl.h"
@@ -15,13 +15,13 @@ constexpr float kStill = 1e-3f;
 constexpr int kStillSteps = 16;
 
 /// What is told of every contact expects all of them.
-bool mayRest(const WorldImpl& world) { return !world.callbacks.modify; }
+bool mayFreeze(const WorldImpl& world) { return !world.callbacks.modify; }
 
 /// Does anything but its contacts move the body?
 bool isDisturbed(const WorldImpl& world, std::uint32_t index) {
     const BodyRecord& body = world.bodies[index];
     const BodyState& state = world.states[index];
-    return body.force != Vec3{} || body.torque != Vec3{} || (body.rests && (state.v != Vec3{} || state.w != Vec3{}));
+    return body.force != Vec3{} || body.torque != Vec3{} || (body.frozen && (state.v != Vec3{} || state.w != Vec3{}));
 }
 
 /// Is the body held by contacts with what never moves alone, none of which slides, rolls or carries it on?
@@ -37,7 +37,7 @@ bool restsOnFixed(const WorldImpl& world, std::uint32_t index) {
         if (world.bodies[other].type != BodyType::fixed || world.turnsUnderContact(record)) return false;
         for (const ManifoldRecord& manifold : world.manifoldsOf(record)) {
             if (manifold.pointCount == 0) continue;
-            if (!ConstraintGraph::isSwept(manifold.place)) return false;
+            if (!ConstraintGraph::isIterated(manifold.place)) return false;
             const LaneReader lane(world.graph.lane(manifold.place), world.graph.lanes());
             if (lane.vector(contact::kSurface) != Vec3{} || lane.at(contact::kShifted) > 0) return false;
             bool bears = false;
@@ -51,68 +51,68 @@ bool restsOnFixed(const WorldImpl& world, std::uint32_t index) {
 
 /// Puts all contacts of a body into the list of those that rest, or back.
 void moveContactsOf(WorldImpl& world, std::uint32_t index, ConstraintGraph::By by) {
-    const bool resting = by == ConstraintGraph::By::none;
+    const bool frozen = by == ConstraintGraph::By::none;
     for (std::uint32_t key = world.bodies[index].firstContact; key != kNone; key = world.nextContact(key)) {
         const ContactRecord& record = world.contacts[key >> 1];
         world.forEachManifold(record, [&](std::uint32_t k) {
             ManifoldRecord& manifold = world.manifolds[k];
             const GraphPlace from = manifold.place;
-            if (from.color == kNone || (from.color == ConstraintGraph::kResting) == resting) return;
+            if (from.color == kNone || (from.color == ConstraintGraph::kFrozen) == frozen) return;
             const std::uint32_t a = record.bodyA, b = record.bodyB;
             std::uint32_t tookOver = kNone;
             manifold.place = world.graph.moveContact(from, world.bodies[a].state, world.moves(a), world.bodies[b].state,
                                                      world.moves(b), by, tookOver);
             if (tookOver != kNone) world.manifolds[tookOver].place.slot = from.slot;
-            world.manifoldTouches[k] = resting ? kRestingTouch : kUnknownTouch;
+            world.manifoldTouches[k] = frozen ? kFrozenTouch : kUnknownTouch;
         });
     }
 }
 
 }  // namespace
 
-float RestFinds::slowest(float gravityStep) { return kStill * gravityStep; }
+float Freezing::slowest(float gravityStep) { return kStill * gravityStep; }
 
-void RestFinds::note(BodyRecord& body, bool slow) {
+void Freezing::record(BodyRecord& body, bool slow) {
     const int steps = slow ? body.stillSteps + 1 : 0;
     body.stillSteps = static_cast<std::uint8_t>(steps < kStillSteps ? steps : kStillSteps) & 31u;
-    if (body.stillSteps == kStillSteps && !body.rests) anyStill.store(true, std::memory_order_relaxed);
+    if (body.stillSteps == kStillSteps && !body.frozen) anyStill.store(true, std::memory_order_relaxed);
 }
 
 /// Bodies that have been still for long enough come to rest where they are.
-void WorldImpl::restStillBodies() {
-    if (!rest.anyStill.exchange(false, std::memory_order_relaxed) || !mayRest(*this)) return;
+void WorldImpl::freezeStillBodies() {
+    if (!freezing.anyStill.exchange(false, std::memory_order_relaxed) || !mayFreeze(*this)) return;
     for (const std::uint32_t index : awakeBodies) {
         BodyRecord& body = bodies[index];
-        if (body.stillSteps < kStillSteps || body.rests) continue;
+        if (body.stillSteps < kStillSteps || body.frozen) continue;
         body.stillSteps = 0;
         if (!restsOnFixed(*this, index)) continue;
         states[index].v = states[index].w = {};
         histories[index].velocityBefore = histories[index].lastChange = {};
-        noteMomentum(index);
+        storeMomentum(index);
         moveContactsOf(*this, index, ConstraintGraph::By::none);
-        body.rests = true;
+        body.frozen = true;
     }
 }
 
 /// Something has changed about a body that rests: it is solved again.
-void WorldImpl::rouse(std::uint32_t index) {
-    if (!bodies[index].rests) return;
-    bodies[index].rests = false;
+void WorldImpl::unfreeze(std::uint32_t index) {
+    if (!bodies[index].frozen) return;
+    bodies[index].frozen = false;
     bodies[index].stillSteps = 0;
-    moveContactsOf(*this, index, ConstraintGraph::By::sweeps);
+    moveContactsOf(*this, index, ConstraintGraph::By::iteration);
 }
 
 /// The bodies that this step solves.
 void WorldImpl::collectSolved() {
-    rest.solved = {awakeBodies.data(), awakeBodies.size()};
-    if (graph.color(ConstraintGraph::kResting).manifolds.empty()) return;
-    const bool may = mayRest(*this);
-    rest.unrested.clear();
+    freezing.solved = {awakeBodies.data(), awakeBodies.size()};
+    if (graph.color(ConstraintGraph::kFrozen).manifolds.empty()) return;
+    const bool may = mayFreeze(*this);
+    freezing.unfrozen.clear();
     for (const std::uint32_t index : awakeBodies) {
-        if (!may || isDirect(index) || isDisturbed(*this, index) || moduleWork.actsOn(index)) rouse(index);
-        if (!bodies[index].rests) rest.unrested.push(index);
+        if (!may || isDirect(index) || isDisturbed(*this, index) || moduleWork.actsOn(index)) unfreeze(index);
+        if (!bodies[index].frozen) freezing.unfrozen.push(index);
     }
-    rest.solved = {rest.unrested.data(), rest.unrested.size()};
+    freezing.solved = {freezing.unfrozen.data(), freezing.unfrozen.size()};
 }
 
 }  // namespace ragtop

@@ -1,9 +1,9 @@
-#include "constraints/soft_account.h"
+#include "constraints/stop_ledger.h"
 
 #include <cmath>
 
 #include "constraints/joint_sim.h"
-#include "constraints/soft_course.h"
+#include "constraints/stop_trajectory.h"
 
 namespace ragtop {
 namespace {
@@ -38,7 +38,7 @@ void eachSide(Rows& rows, Visit&& visit) {
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) visit(rows.swing[i]);
 }
 
-bool keepsAccount(const JointSim& joint) {
+bool keepsLedger(const JointSim& joint) {
     if (joint.kind == JointKind::ball) {
         const BallRows& rows = joint.ball;
         return rows.stop.stiffness > 0 && (rows.features & kStopsOfBall) != 0 && (rows.features & ~kPassiveBall) == 0;
@@ -93,7 +93,7 @@ bool isReleased(const AxisRows& axis) {
 }
 
 /// Where sides press each other, of balls and of several coordinates, they let go between substeps: when none is
-/// overstepped.
+/// violated.
 bool isReleased(const JointSim& joint) {
     bool released = true;
     if (joint.kind == JointKind::ball)
@@ -145,14 +145,14 @@ public:
     Released(const AxisRows& axis, float h) {
         if (axis.atLower.meets == kArrives) met_ = &axis.atLower, side_ = 1;
         if (axis.atUpper.meets == kArrives) met_ = &axis.atUpper, side_ = -1;
-        if (met_) course_ = {axis.stop, axis.inverseMass, h, axis.upper - axis.lower};
+        if (met_) trajectory_ = {axis.stop, axis.inverseMass, h, axis.upper - axis.lower};
     }
     bool crossed() const { return met_ != nullptr; }
     float speedOf(float row) const {
-        return met_ ? static_cast<float>(side_ * course_.speedAt(margin(), side_ * static_cast<double>(row))) : row;
+        return met_ ? static_cast<float>(side_ * trajectory_.speedAt(margin(), side_ * static_cast<double>(row))) : row;
     }
     float rowOf(float speed) const {
-        return met_ ? static_cast<float>(side_ * course_.rowSpeedAt(margin(), side_ * static_cast<double>(speed)))
+        return met_ ? static_cast<float>(side_ * trajectory_.rowSpeedAt(margin(), side_ * static_cast<double>(speed)))
                     : speed;
     }
 
@@ -161,7 +161,7 @@ private:
 
     const StopSide* met_ = nullptr;
     double side_ = 1;
-    SoftCourse course_;
+    StopTrajectory trajectory_;
 };
 
 /// J, of the relative motion and the stops. What a row lags behind by is its coordinate's, which turns and moves apart
@@ -233,91 +233,91 @@ void settleBall(JointSim& joint, BodyPair& pair, float missing) {
 
 }  // namespace
 
-void beginAccount(JointSim& joint, const BodyPair& pair) {
-    if (!keepsAccount(joint)) return;
-    SoftAccount& account = joint.account;
-    account = {};
-    account.known = account.steady = account.pressed = 1;
-    account.kept = pair.relativeEnergy() + stored(joint);
-    account.last = pair.relativeVelocity();
-    noteOwn(joint, pair, AccountPass::none);
+void beginLedger(JointSim& joint, const BodyPair& pair) {
+    if (!keepsLedger(joint)) return;
+    StopLedger& ledger = joint.ledger;
+    ledger = {};
+    ledger.known = ledger.steady = ledger.pressed = 1;
+    ledger.kept = pair.relativeEnergy() + stored(joint);
+    ledger.last = pair.relativeVelocity();
+    recordOwn(joint, pair, LedgerPass::none);
 }
 
-void openAccount(JointSim& joint, const BodyPair& pair, float h) {
-    if (!keepsAccount(joint)) return;
-    SoftAccount& account = joint.account;
-    const Vec3 speed = pair.relativeVelocity(), kick = speed - account.last;
+void openLedger(JointSim& joint, const BodyPair& pair, float h) {
+    if (!keepsLedger(joint)) return;
+    StopLedger& ledger = joint.ledger;
+    const Vec3 speed = pair.relativeVelocity(), kick = speed - ledger.last;
     const Turning spin = pair.turns();
-    const Torque a = torqueBetween(account.spinA, spin.a, pair.inertiaA(), h);
-    const Torque b = torqueBetween(account.spinB, spin.b, pair.inertiaB(), h);
-    const bool forced = account.begun > 0 && !isSteady(kick, account.kick, speed);
-    if (!(account.known > 0) || forced || a.any || b.any || !movesByItself(pair.stateA()) ||
+    const Torque a = torqueBetween(ledger.spinA, spin.a, pair.inertiaA(), h);
+    const Torque b = torqueBetween(ledger.spinB, spin.b, pair.inertiaB(), h);
+    const bool forced = ledger.begun > 0 && !isSteady(kick, ledger.kick, speed);
+    if (!(ledger.known > 0) || forced || a.any || b.any || !movesByItself(pair.stateA()) ||
         !movesByItself(pair.stateB()))
-        account.steady = 0;
-    account.kept += a.work + b.work;
-    account.way = pair.relativeWay();
-    account.kick = kick;
-    account.known = account.begun = 1;
+        ledger.steady = 0;
+    ledger.kept += a.work + b.work;
+    ledger.way = pair.relativeWay();
+    ledger.kick = kick;
+    ledger.known = ledger.begun = 1;
 }
 
 void watchOthers(JointSim& joint, const BodyPair& pair) {
-    if (!keepsAccount(joint)) return;
-    SoftAccount& account = joint.account;
+    if (!keepsLedger(joint)) return;
+    StopLedger& ledger = joint.ledger;
     const Turning spin = pair.turns();
     // The motion in between turns the spins by itself, once the moving pass is over.
-    const bool turned = account.pass == AccountPass::warmStart && !(spin.a == account.spinA && spin.b == account.spinB);
-    if (turned || !(pair.relativeVelocity() == account.speed)) account.steady = 0;
+    const bool turned = ledger.pass == LedgerPass::warmStart && !(spin.a == ledger.spinA && spin.b == ledger.spinB);
+    if (turned || !(pair.relativeVelocity() == ledger.speed)) ledger.steady = 0;
 }
 
-void noteOwn(JointSim& joint, const BodyPair& pair, AccountPass pass) {
-    if (!keepsAccount(joint)) return;
-    SoftAccount& account = joint.account;
-    account.pass = account.pass == AccountPass::none && pass == AccountPass::moving ? AccountPass::none : pass;
-    account.speed = pair.relativeVelocity();
-    account.spinA = pair.turns().a, account.spinB = pair.turns().b;
+void recordOwn(JointSim& joint, const BodyPair& pair, LedgerPass pass) {
+    if (!keepsLedger(joint)) return;
+    StopLedger& ledger = joint.ledger;
+    ledger.pass = ledger.pass == LedgerPass::none && pass == LedgerPass::moving ? LedgerPass::none : pass;
+    ledger.speed = pair.relativeVelocity();
+    ledger.spinA = pair.turns().a, ledger.spinB = pair.turns().b;
 }
 
 /// Work of a steady force g over a substep: v ends a kick late and places half of one, so that ½ h g Δv is counted
 /// twice,
 ///   W = μ g (Δx − ½ h Δv).
-static float workOf(const SoftAccount& account, const BodyPair& pair, float inverseH) {
-    const Vec3 way = pair.relativeWay() - account.way, gained = pair.relativeVelocity() - account.last;
-    return pair.reducedMass() * dot(account.kick, inverseH * way - 0.5f * gained);
+static float workOf(const StopLedger& ledger, const BodyPair& pair, float inverseH) {
+    const Vec3 way = pair.relativeWay() - ledger.way, gained = pair.relativeVelocity() - ledger.last;
+    return pair.reducedMass() * dot(ledger.kick, inverseH * way - 0.5f * gained);
 }
 
 static void settleReleased(JointSim& joint, BodyPair& pair, float h) {
-    SoftAccount& account = joint.account;
-    if (account.steady > 0) {
+    StopLedger& ledger = joint.ledger;
+    if (ledger.steady > 0) {
         const bool braked = brakes(joint);
-        const float missing = account.kept - energyOf(joint, pair, h);
-        if (missing < 0 || (account.pressed > 0 && !braked)) {
+        const float missing = ledger.kept - energyOf(joint, pair, h);
+        if (missing < 0 || (ledger.pressed > 0 && !braked)) {
             if (joint.kind == JointKind::ball)
                 settleBall(joint, pair, missing);
             else
                 settleAxis(joint, pair, missing, h);
         }
-        if (braked && missing > 0) account.kept -= missing;
+        if (braked && missing > 0) ledger.kept -= missing;
     } else {
-        account.steady = 1;
-        account.kept = energyOf(joint, pair, h);
+        ledger.steady = 1;
+        ledger.kept = energyOf(joint, pair, h);
     }
-    account.pressed = 0;
+    ledger.pressed = 0;
     eachAxis(joint, [&](const AxisRows& axis, const PairVector&) {
-        if (hasSoftStops(axis) && Released(axis, h).crossed()) account.pressed = 1;
+        if (hasSoftStops(axis) && Released(axis, h).crossed()) ledger.pressed = 1;
     });
 }
 
-void settleAccount(JointSim& joint, BodyPair& pair, const JointContext& context) {
-    if (!keepsAccount(joint) || joint.account.pass != AccountPass::moving) return;
-    SoftAccount& account = joint.account;
-    account.kept += workOf(account, pair, context.inverseH);
+void settleLedger(JointSim& joint, BodyPair& pair, const JointContext& context) {
+    if (!keepsLedger(joint) || joint.ledger.pass != LedgerPass::moving) return;
+    StopLedger& ledger = joint.ledger;
+    ledger.kept += workOf(ledger, pair, context.inverseH);
     if (!isReleased(joint)) {
-        account.pressed = 1;
+        ledger.pressed = 1;
     } else {
         settleReleased(joint, pair, context.h);
     }
-    account.last = pair.relativeVelocity();
-    noteOwn(joint, pair, AccountPass::none);
+    ledger.last = pair.relativeVelocity();
+    recordOwn(joint, pair, LedgerPass::none);
 }
 
 }  // namespace ragtop

@@ -1,15 +1,15 @@
-// Limbs of trees, in lanes: links on balls from which at most one other hangs, on a ball too. Included by
+// Ball chains of trees, in lanes: links on balls from which at most one other hangs, on a ball too. Included by
 // tree_kernels.inl.
 //
-// Their elimination needs nothing larger than 3 × 3. With r and s from the centre of a limb to its own joint and to
+// Their elimination needs nothing larger than 3 × 3. With r and s from the centre of a link to its own joint and to
 // that of what hangs from it, and W its inverse inertia, an impulse at one changes the speed of the other by
 //   Λ_rs = E/m − [r] W [s].
 // Let Y say by what the speed of a joint's point changes per impulse, of all that hangs there, and g what it gains
-// without one. The joint between a limb and what hangs from it takes
+// without one. The joint between a link and what hangs from it takes
 //   λ = D⁻¹ (Λ_sr λ_above + e),  D = Y + Λ_ss + R,  e = d − g,
-// after which the limb has
+// after which the link has
 //   Y_r = Λ_rr − H Λ_sr,  g_r = −H e,  H = Λ_rs D⁻¹:
-// the block Cholesky factorization of J M̂⁻¹ Jᵀ, which is block tridiagonal along a limb.
+// the block Cholesky factorization of J M̂⁻¹ Jᵀ, which is block tridiagonal along a chain.
 
 #pragma once
 
@@ -67,7 +67,7 @@ RAGTOP_INLINE TreeSym<R> stiffened(const TreeLane<R>& link) {
 
 /// First half of the work. `below` hangs from the link, or nothing does.
 template <class R, class Test>
-RAGTOP_INLINE void eliminateLimb(TreeLane<R>& link, TreeNode<R>* below, Test& ok) {
+RAGTOP_INLINE void eliminateBallChain(TreeLane<R>& link, TreeNode<R>* below, Test& ok) {
     TreeNode<R>& node = link.node;
     node.ease = stiffened(link);
     const TreeMat<R> own = crossTimes(node.armC, node.ease);
@@ -80,9 +80,9 @@ RAGTOP_INLINE void eliminateLimb(TreeLane<R>& link, TreeNode<R>* below, Test& ok
     node.admittance = node.admittance - productTransposed(below->lever, across);
 }
 
-/// What hangs from a link that is no limb, or from what does not move, answers its speed alone.
+/// What hangs from a link that is of no ball chain, or from what does not move, answers its speed alone.
 template <class R, class Test>
-RAGTOP_INLINE void endLimb(TreeNode<R>& node, TreeNode<R>* parent, Test& ok) {
+RAGTOP_INLINE void endBallChain(TreeNode<R>& node, TreeNode<R>* parent, Test& ok) {
     node.give = inverseOfPositive(yieldingOf(node), ok);
     if (parent) addPointMessage(*parent, node.armP, node.give);
 }
@@ -101,7 +101,7 @@ RAGTOP_INLINE void endLack(const TreeNode<R>& node, TreeNode<R>* parent) {
     parent->momentum.l = parent->momentum.l - cross(node.armP, f);
 }
 
-/// And back, root first: the impulse where a limb ends,
+/// And back, root first: the impulse where a chain ends,
 template <class R>
 RAGTOP_INLINE void takeImpulse(TreeNode<R>& node, const TreeNode<R>* parent) {
     TreeVec<R> u = node.lack;
@@ -110,7 +110,7 @@ RAGTOP_INLINE void takeImpulse(TreeNode<R>& node, const TreeNode<R>* parent) {
 }
 /// then that of what hangs from each, and the velocity between both.
 template <class R>
-RAGTOP_INLINE void takeLimbVelocity(TreeLane<R>& link, TreeNode<R>* below) {
+RAGTOP_INLINE void takeBallChainVelocity(TreeLane<R>& link, TreeNode<R>* below) {
     TreeNode<R>& node = link.node;
     TreeVec<R> force = node.force, moment = cross(node.armC, node.force);
     if (below) {

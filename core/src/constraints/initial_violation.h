@@ -8,10 +8,10 @@
 namespace ragtop {
 
 /// Is a coordinate beyond a hard stop by more than what rows bring back? Asks the margins that are there.
-bool isOverstepped(const JointSim& joint);
-/// Lets the rows of sides that are overstepped hold without bringing anything back, until the definition is compiled
+bool isViolatedInitially(const JointSim& joint);
+/// Lets the rows of sides that are violated hold without bringing anything back, until the definition is compiled
 /// anew.
-void holdOverstepped(JointSim& joint);
+void holdInitialViolation(JointSim& joint);
 
 /// By how much a body is to be moved: m, and a rotation vector.
 struct Shift {
@@ -20,8 +20,8 @@ struct Shift {
 struct PairShift {
     Shift a, b;
 };
-/// What brings the coordinates of a joint nearer to its range, up to `most` rad or of its arms, and the bodies together,
-/// to first order.
+/// What brings the coordinates of a joint nearer to its range, up to `most` rad or of its arms, and the bodies
+/// together, to first order.
 PairShift shiftBack(const JointSim& joint, const JointBodiesAtStep& bodies, const BodyState* states,
                     const BodyInertia* inertia, float most);
 

@@ -1,4 +1,4 @@
-#include "constraints/soft_course.h"
+#include "constraints/stop_trajectory.h"
 
 #include <cmath>
 
@@ -8,7 +8,7 @@
 
 namespace ragtop {
 
-SoftCourse::SoftCourse(const Stop& stop, float inverseMass, float h, float room)
+StopTrajectory::StopTrajectory(const Stop& stop, float inverseMass, float h, float room)
     : square_(static_cast<double>(stop.stiffness) * inverseMass),
       damping_(static_cast<double>(stop.damping) * inverseMass),
       h_(h),
@@ -22,7 +22,7 @@ SoftCourse::SoftCourse(const Stop& stop, float inverseMass, float h, float room)
 }
 
 /// x(t) = e^{−dt/2} (x cos + (v + d x/2) sin/Ω),  v(t) = e^{−dt/2} (v cos − (ω² x + d v/2) sin/Ω)
-SoftCourse::Place SoftCourse::after(const Place& from, double t) const {
+StopTrajectory::Place StopTrajectory::after(const Place& from, double t) const {
     const double half = oscillator::shortSine(0.5 * rate_ * t);
     const double sine = 2 * half * std::sqrt(1 - half * half) / rate_, cosine = 1 - 2 * half * half;
     const double left = 1 - oscillator::fading(0.5 * damping_ * t);
@@ -31,23 +31,23 @@ SoftCourse::Place SoftCourse::after(const Place& from, double t) const {
 }
 
 /// Rows go on from x₁ by  x₂ − x₁ = q₁ (h v − (ωh)² x₁).
-double SoftCourse::rowSpeedAt(double margin, double speed) const {
+double StopTrajectory::rowSpeedAt(double margin, double speed) const {
     return (after({margin, speed}, h_).x - margin) / (h_ * moving_) + h_ * square_ * margin;
 }
-double SoftCourse::speedAt(double margin, double speed) const {
+double StopTrajectory::speedAt(double margin, double speed) const {
     const double step = h_ * moving_ * (speed - h_ * square_ * margin);
     const Place still = after({margin, 0}, h_), unit = after({0, 1}, h_);
     return (margin + step - still.x) / unit.x;
 }
 
 /// The substep ends beyond the stop, with the speed from which rows go on exactly.
-SoftMeeting SoftCourse::goOn(const Place& now, double margin) const {
+SoftMeeting StopTrajectory::goOn(const Place& now, double margin) const {
     const double last = rowSpeedAt(now.x, now.v);
     return {true, false, false, static_cast<float>((now.x - margin) / h_), static_cast<float>(last)};
 }
 
 /// Is let go after `until` and flies on from there, to the other stop if that is near.
-SoftMeeting SoftCourse::fly(const Place& from, double until, double margin) const {
+SoftMeeting StopTrajectory::fly(const Place& from, double until, double margin) const {
     const Place end = after(from, until);
     const double left = h_ - until, flight = (room_ - end.x) / end.v;
     if (flight < left) {
@@ -60,12 +60,12 @@ SoftMeeting SoftCourse::fly(const Place& from, double until, double margin) cons
 }
 
 /// Meets the stop on the way and follows it for the rest of the substep.
-SoftMeeting SoftCourse::arrive(double margin, double speed) const {
+SoftMeeting StopTrajectory::arrive(double margin, double speed) const {
     return goOn(after({0, speed}, h_ + margin / speed), margin);
 }
 
 /// Is beyond the stop when nothing has pushed yet: its speed is that of this very place.
-SoftMeeting SoftCourse::begin(double margin, double speed) const {
+SoftMeeting StopTrajectory::begin(double margin, double speed) const {
     const Place now{margin, speed};
     const double until = forceFree(now);
     if (!(until > 0)) return {};
@@ -73,7 +73,7 @@ SoftMeeting SoftCourse::begin(double margin, double speed) const {
 }
 
 /// When the stop ceases to push: ω² x + d v obeys the same equation as x.
-double SoftCourse::forceFree(const Place& now) const {
+double StopTrajectory::forceFree(const Place& now) const {
     const double force = square_ * now.x + damping_ * now.v;
     if (force >= 0) return 0;
     const double change = square_ * now.v - damping_ * force;
@@ -83,13 +83,13 @@ double SoftCourse::forceFree(const Place& now) const {
 }
 
 /// Is let go on the way.
-SoftMeeting SoftCourse::leave(double margin, double speed) const {
+SoftMeeting StopTrajectory::leave(double margin, double speed) const {
     const Place now{margin, speedAt(margin, speed)};
     const double until = forceFree(now);
     return until < h_ && now.v > 0 ? fly(now, until, margin) : SoftMeeting{};
 }
 
-SoftMeeting SoftCourse::meet(float margin, float speed, bool pressed) const {
+SoftMeeting StopTrajectory::meet(float margin, float speed, bool pressed) const {
     if (!follows_) return {};
     if (margin < 0) return pressed ? leave(margin, speed) : begin(margin, speed);
     if (margin + static_cast<float>(h_) * speed < 0) return arrive(margin, speed);

@@ -2,28 +2,28 @@
 
 #include "world/world_impl.h"
 
-/// Trees of joints that are calm take several substeps of the world at once (docs/adr/0021); those that
-/// nothing else has part in do so by themselves (docs/adr/0006).
+/// Multirate: trees of joints whose gaps stay small take several substeps of the world at once (docs/adr/0021); those
+/// that nothing else has part in do so by themselves (docs/adr/0006).
 namespace ragtop {
 
 /// How each body of this step goes through it; groups trees anew that changed.
-void chooseStrides(WorldImpl& world);
+void chooseStepFactors(WorldImpl& world);
 /// Trees that nothing else has part in go through the whole step, each group of them in one task.
-void stepTreesAlone(WorldImpl& world);
+void stepIndependentTrees(WorldImpl& world);
 /// A body of a tree that takes as many substeps of the world at once from now on.
-void giveStride(WorldImpl& world, std::uint32_t body, int stride);
+void setStepFactor(WorldImpl& world, std::uint32_t body, int stepFactor);
 /// Shorter at once where joints of a tree opened, longer when they have been closed for a while.
-void noteGaps(WorldImpl& world, const DirectIsland& island);
-/// Loads of as many substeps as its joints are swept at once.
+void recordGaps(WorldImpl& world, const DirectIsland& island);
+/// Loads of as many substeps as its joints are solved for at once.
 void rescaleJoints(WorldImpl& world, const DirectIsland& island, float ratio);
 
-/// Calls visit(k, bodies) for those that take 2ᵏ substeps of the world at once and are not alone.
+/// Calls visit(k, bodies) for those that take 2ᵏ substeps of the world at once and are not independent.
 template <class Visit>
 void forSharedBodies(const WorldImpl& world, Visit&& visit) {
-    for (std::size_t k = 0; k < world.strides.lists.size(); ++k) {
-        const bool whole = k == 0 && !world.strides.any;
-        const AlignedArray<std::uint32_t>& some = world.strides.lists[k];
-        const std::span<const std::uint32_t> list = whole ? world.rest.solved : std::span(some.data(), some.size());
+    for (std::size_t k = 0; k < world.multirate.lists.size(); ++k) {
+        const bool whole = k == 0 && !world.multirate.any;
+        const AlignedArray<std::uint32_t>& some = world.multirate.lists[k];
+        const std::span<const std::uint32_t> list = whole ? world.freezing.solved : std::span(some.data(), some.size());
         if (!list.empty()) visit(static_cast<int>(k), list);
     }
 }

@@ -40,7 +40,7 @@ struct Crowd {
 };
 
 // A body on which a force beyond all measure acts stays where it was; what it touches, and what hangs on it, lives on.
-TEST(WorldRunaways, AForceBeyondAllMeasureStopsItsBodyAlone) {
+TEST(WorldRangeGuard, AForceBeyondAllMeasureStopsItsBodyAlone) {
     for (const std::size_t victim : {std::size_t{0}, std::size_t{4}, std::size_t{13}, std::size_t{17}}) {
         Crowd crowd;
         World& world = crowd.world;
@@ -48,7 +48,7 @@ TEST(WorldRunaways, AForceBeyondAllMeasureStopsItsBodyAlone) {
         world.applyForce(crowd.bodies[victim], {kBeyond, kBeyond, 0}, world.pose(crowd.bodies[victim]).position);
         world.step(kDt);
         ASSERT_TRUE(crowd.holds());
-        EXPECT_GT(world.stats().runaways, 0u);
+        EXPECT_GT(world.stats().outOfRange, 0u);
         for (int i = 0; i < 120; ++i) world.step(kDt);
         ASSERT_TRUE(crowd.holds());
         EXPECT_NEAR(world.pose(crowd.bodies.back()).position.y, 0.5, 1e-3);
@@ -56,7 +56,7 @@ TEST(WorldRunaways, AForceBeyondAllMeasureStopsItsBodyAlone) {
     }
 }
 
-TEST(WorldRunaways, AnImpulseBeyondAllMeasureDoesToo) {
+TEST(WorldRangeGuard, AnImpulseBeyondAllMeasureDoesToo) {
     Crowd crowd;
     World& world = crowd.world;
     for (const std::size_t victim : {std::size_t{2}, std::size_t{15}}) {
@@ -66,13 +66,13 @@ TEST(WorldRunaways, AnImpulseBeyondAllMeasureDoesToo) {
     }
     for (int i = 0; i < 120; ++i) world.step(kDt);
     EXPECT_TRUE(crowd.holds());
-    EXPECT_GE(world.stats().runaways, 2u);
+    EXPECT_GE(world.stats().outOfRange, 2u);
 }
 
-TEST(WorldRunaways, NothingRunsAwayInQuietScenes) {
+TEST(WorldRangeGuard, NothingLeavesTheRangeInQuietScenes) {
     Crowd crowd;
     for (int i = 0; i < 60; ++i) crowd.world.step(kDt);
-    EXPECT_EQ(crowd.world.stats().runaways, 0u);
+    EXPECT_EQ(crowd.world.stats().outOfRange, 0u);
 }
 
 }  // namespace

@@ -9,12 +9,12 @@ namespace {
 using namespace test;
 
 /// A box at rest on a slope, solved by sweeps, that nothing else touches.
-class WorldRest : public ::testing::Test {
+class WorldFreezing : public ::testing::Test {
 protected:
     static constexpr float kTilt = 0.2f;
     static constexpr float kFriction = 0.5f;
 
-    explicit WorldRest(const WorldSettings& settings = withoutSleep()) : world(settings) {
+    explicit WorldFreezing(const WorldSettings& settings = withoutSleep()) : world(settings) {
         BodyDef slope = bodyDef(Box{{20, 0.5f, 20}}, {}, surface(kFriction), BodyType::fixed);
         slope.pose.rotation = rotationAbout({0, 0, 1}, kTilt);
         ground = world.create(slope);
@@ -40,9 +40,9 @@ protected:
     BodyId ground, box;
 };
 
-TEST_F(WorldRest, WhatRestsOnASlopeKeepsItsPlaceToTheBit) { expectStill(); }
+TEST_F(WorldFreezing, WhatRestsOnASlopeKeepsItsPlaceToTheBit) { expectStill(); }
 
-TEST_F(WorldRest, IsHeldByItsWeight) {
+TEST_F(WorldFreezing, IsHeldByItsWeight) {
     run(world, 1);
     float force = 0;
     world.forEachContact(box, [&](const Contact& contact) { force += contact.normalForce; });
@@ -50,7 +50,7 @@ TEST_F(WorldRest, IsHeldByItsWeight) {
     EXPECT_NEAR(force, weight * std::cos(kTilt), 1e-3f * weight);
 }
 
-TEST_F(WorldRest, ABlowMovesItInTheSameStep) {
+TEST_F(WorldFreezing, ABlowMovesItInTheSameStep) {
     expectStill();
     const Pose before = world.pose(box);
     world.applyImpulse(box, {0, world.mass(box).mass, 0}, before.position);
@@ -58,7 +58,7 @@ TEST_F(WorldRest, ABlowMovesItInTheSameStep) {
     EXPECT_NEAR(world.pose(box).position.y - before.position.y, kDt * (1 - 0.5 * kGravity * kDt), 1e-3);
 }
 
-TEST_F(WorldRest, AForceAboveFrictionMovesIt) {
+TEST_F(WorldFreezing, AForceAboveFrictionMovesIt) {
     const float mass = world.mass(box).mass;
     const Vec3 down{-std::cos(kTilt), -std::sin(kTilt), 0};
     for (int i = 0; i < 60; ++i) {
@@ -68,9 +68,9 @@ TEST_F(WorldRest, AForceAboveFrictionMovesIt) {
     EXPECT_NEAR(dot(world.linearVelocity(box), down), slidingSpeed(kFriction, 1) + kGravity, 0.02f * kGravity);
 }
 
-// A blow without restitution leaves both at the speed of their common centre of mass; on the 1.1 m before it the ball gains
-// at most what the slope gives, and friction takes less than a tenth in the steps around it.
-TEST_F(WorldRest, IsMovedByWhatHitsItAsMomentumSays) {
+// A blow without restitution leaves both at the speed of their common centre of mass; on the 1.1 m before it the ball
+// gains at most what the slope gives, and friction takes less than a tenth in the steps around it.
+TEST_F(WorldFreezing, IsMovedByWhatHitsItAsMomentumSays) {
     const Vec3 down{-std::cos(kTilt), -std::sin(kTilt), 0};
     const DVec3 start = world.pose(box).position + (-2.0f) * down;
     const BodyId ball = world.create(bodyDef(Sphere{0.4f}, start, surface(kFriction)));
@@ -83,20 +83,20 @@ TEST_F(WorldRest, IsMovedByWhatHitsItAsMomentumSays) {
     EXPECT_GT(fastest, 0.9f * share * 8);
 }
 
-TEST_F(WorldRest, SlidesWhenItsGroundGetsSlippery) {
+TEST_F(WorldFreezing, SlidesWhenItsGroundGetsSlippery) {
     world.setMaterial(world.shapes(ground)[0], surface(0));
     run(world, 1);
     EXPECT_NEAR(length(world.linearVelocity(box)), slidingSpeed(0, 1), 0.01f);
 }
 
-TEST_F(WorldRest, FallsWhenItsGroundIsGone) {
+TEST_F(WorldFreezing, FallsWhenItsGroundIsGone) {
     const double height = world.pose(box).position.y;
     world.destroy(ground);
     run(world, 1);
     EXPECT_NEAR(world.pose(box).position.y - height, -0.5 * kGravity, 0.01);
 }
 
-TEST_F(WorldRest, FollowsGravity) {
+TEST_F(WorldFreezing, FollowsGravity) {
     WorldSettings settings = world.settings();
     settings.gravity = {0, 1, 0};
     world.setSettings(settings);
@@ -104,19 +104,19 @@ TEST_F(WorldRest, FollowsGravity) {
     EXPECT_NEAR(world.linearVelocity(box).y, 1, 0.01);
 }
 
-TEST_F(WorldRest, StaysWhenTheStepChanges) {
+TEST_F(WorldFreezing, StaysWhenTheStepChanges) {
     const DVec3 before = world.pose(box).position;
     run(world, 2, 1.0 / 144);
     EXPECT_LT(length(relative(world.pose(box).position, before)), 1e-4f);
 }
 
-TEST_F(WorldRest, GoesOnFromASavedState) {
+TEST_F(WorldFreezing, GoesOnFromASavedState) {
     expectRestoredGoesOn(world);
     world.applyImpulse(box, {0, world.mass(box).mass, 0}, world.pose(box).position);
     expectRestoredGoesOn(world);
 }
 
-TEST_F(WorldRest, TouchesAllTheTime) {
+TEST_F(WorldFreezing, TouchesAllTheTime) {
     for (int i = 0; i < 60; ++i) {
         world.step(kDt);
         ASSERT_TRUE(world.contactBegins().empty());
@@ -125,14 +125,15 @@ TEST_F(WorldRest, TouchesAllTheTime) {
 }
 
 // What accelerates by a thousandth of gravity is far from rest, though it begins without speed.
-TEST(WorldRestLimit, AScarceSlopeIsNoRest) {
+TEST(WorldFreezingLimit, AScarceSlopeIsNoRest) {
     World world(withoutSleep());
     constexpr float kFriction = 0.2f;
     const float tilt = std::atan(1.005f * kFriction);
     BodyDef slope = bodyDef(Box{{50, 0.5f, 50}}, {}, surface(kFriction), BodyType::fixed);
     slope.pose.rotation = rotationAbout({0, 0, 1}, tilt);
     world.create(slope);
-    BodyDef def = bodyDef(Box{{0.5f, 0.25f, 0.5f}}, DVec3{rotate(slope.pose.rotation, Vec3{0, 0.75f, 0})}, surface(kFriction));
+    BodyDef def =
+        bodyDef(Box{{0.5f, 0.25f, 0.5f}}, DVec3{rotate(slope.pose.rotation, Vec3{0, 0.75f, 0})}, surface(kFriction));
     def.pose.rotation = slope.pose.rotation;
     const BodyId box = world.create(def);
     run(world, 4);
@@ -141,7 +142,7 @@ TEST(WorldRestLimit, AScarceSlopeIsNoRest) {
 }
 
 // The same bits whether others rest beside it or not, on any number of threads and lanes.
-TEST(WorldRestLimit, HasTheSameBitsOnAnyThreadsAndLanes) {
+TEST(WorldFreezingLimit, HasTheSameBitsOnAnyThreadsAndLanes) {
     const auto play = [](int lanes, int threads) {
         WorldConfig config;
         config.lanes = lanes;
