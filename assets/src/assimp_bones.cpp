@@ -5,7 +5,6 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -15,19 +14,6 @@ namespace ragtop {
 namespace {
 
 using Nodes = std::vector<const aiNode*>;
-
-/// The JSON of a text or binary glTF file [Khronos, glTF 2.0, 4.4]: header and chunk header are 20 bytes.
-Json gltfJson(const std::string& file) {
-    std::ifstream stream(file, std::ios::binary);
-    const std::string bytes(std::istreambuf_iterator<char>(stream), {});
-    std::string_view text = bytes;
-    if (text.starts_with("glTF") && text.size() >= 20) {
-        std::uint32_t length = 0;
-        std::memcpy(&length, text.data() + 12, sizeof length);
-        text = text.substr(20, length);
-    }
-    return Json::parse(text, nullptr, false);
-}
 
 /// assimp's node for each of the file's: it makes one of each, children in the same order, below a root of its own
 /// where the scene has several. Empty where that does not hold.
@@ -59,7 +45,7 @@ Nodes nodesOf(const Json& gltf, const aiNode& root) {
 std::map<const aiNode*, Nodes> gltfJoints(const std::string& file, const aiNode& root) {
     std::map<const aiNode*, Nodes> joints;
     try {
-        const Json gltf = gltfJson(file);
+        const Json gltf = Json::parse(gltfText(file), nullptr, false);
         const Nodes nodes = nodesOf(gltf, root);
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             const Json& node = gltf.at("nodes").at(i);
@@ -103,6 +89,16 @@ Nodes barestFirst(const NodePlaces& places) {
 }
 
 }  // namespace
+
+/// In a binary one header and chunk header are 20 bytes [Khronos, glTF 2.0, 4.4].
+std::string gltfText(const std::string& file) {
+    std::ifstream stream(file, std::ios::binary);
+    std::string bytes(std::istreambuf_iterator<char>(stream), {});
+    if (!bytes.starts_with("glTF") || bytes.size() < 20) return bytes;
+    std::uint32_t length = 0;
+    std::memcpy(&length, bytes.data() + 12, sizeof length);
+    return bytes.substr(20, length);
+}
 
 void findBoneNodes(const aiScene& from, const std::string& file, const NodePlaces& places, ImportedScene& to) {
     std::map<const aiNode*, Nodes> skins;

@@ -9,14 +9,17 @@
 #include <assimp/Importer.hpp>
 #include <fstream>
 #include <map>
+#include <new>
 #include <set>
 
 #include "assimp_bones.h"
 #include "assimp_clips.h"
+#include "assimp_folder.h"
 #include "assimp_looks.h"
 #include "axes.h"
 #include "file_kind.h"
 #include "import_child.h"
+#include "json_document.h"
 #include "ragtop/asset_error.h"
 
 namespace ragtop {
@@ -219,12 +222,27 @@ std::string beginningOf(const std::string& file) {
     return text;
 }
 
-[[noreturn]] void refuse(const Assimp::Importer& importer, const std::string& file) {
+/// The importer does not say what is wrong with the JSON of a glTF.
+void checkJson(const std::string& file) {
+    try {
+        JsonDocument::parse(gltfText(file), file);
+    } catch (const AssetError& error) {
+        const std::string mistakes = error.what();
+        throw AssetError(mistakes.substr(0, mistakes.find('\n')));
+    }
+}
+
+[[noreturn]] void refuse(const Assimp::Importer& importer, const std::string& file, const std::string& outside) {
+    if (!outside.empty())
+        throw AssetError(file, "", "refers to '" + onOneLine(outside) + "', must refer to files in its folder alone");
     const std::string extension = std::filesystem::path(file).extension().string();
     const std::string like = looksLike(beginningOf(file));
+    if (extension == ".gltf") checkJson(file);
     if (!importer.IsExtensionSupported(extension))
         throw AssetError(file, "", "is in no format that is read, which are " + std::string(kFormats) + like);
-    throw AssetError(file, "", "cannot be imported: " + onOneLine(importer.GetErrorString()) + like);
+    const std::string reason = onOneLine(importer.GetErrorString());
+    if (reason.find("bad_alloc") != std::string::npos) throw std::bad_alloc();
+    throw AssetError(file, "", "cannot be imported: " + reason + like);
 }
 
 ImportedScene importHere(const std::string& file, ImportedDetail detail) {
@@ -242,9 +260,14 @@ ImportedScene importHere(const std::string& file, ImportedDetail detail) {
         steps |= aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices;
         importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kSmoothAngle);
     }
+    auto* files = new FilesOfFolder(file);
+    importer.SetIOHandler(files);  // which owns it from now on
     const aiScene* scene = importer.ReadFile(file, steps);
-    if (!scene) refuse(importer, file);
+    if (!scene) refuse(importer, file, files->refused());
     ImportedScene imported = toScene(*scene, file);
+    if (!files->refused().empty())
+        imported.warnings.push_back("file '" + onOneLine(files->refused()) +
+                                    "' is left out: it is not in the folder of the model");
     if (detail != ImportedDetail::surface) addClips(*scene, imported);
     if (detail == ImportedDetail::looks) addLooks(*scene, file, imported);
     return imported;

@@ -356,6 +356,7 @@ ImportedCharacter importCharacter(const std::filesystem::path& path, const Chara
     Character& character = imported.character;
     character.file = path.string();
     character.format = scene.format;
+    character.warnings = scene.warnings;
     CharacterBuilder(imported).run();
     if (const std::string problem = whyInvalid(character.skeleton); !problem.empty())
         throw AssetError(character.file, "", problem);

@@ -28,7 +28,14 @@ std::string reasonOf(const nlohmann::json::exception& error) {
     std::string line;
     // It quotes the last bytes read, which may be anything.
     for (const char c : text) line += c < 0x20 ? '?' : c;
-    return line;
+    // A value that is not closed is quoted to the end of the file.
+    constexpr std::size_t kBegin = 100, kEnd = 60;
+    if (line.size() <= kBegin + kEnd) return line;
+    const auto wholeCharacter = [&](std::size_t at) {
+        while (at > 0 && (static_cast<unsigned char>(line[at]) & 0xc0u) == 0x80u) --at;
+        return at;
+    };
+    return line.substr(0, wholeCharacter(kBegin)) + " … " + line.substr(wholeCharacter(line.size() - kEnd));
 }
 
 /// Accepts everything, and turns the first error into an AssetError that has a place.

@@ -18,13 +18,22 @@ template <class Stream, class Joint>
 void jointFields(Stream& stream, Joint& joint) {
     stream(joint.name);
     stream(joint.kind);
-    stream(joint.planar);
     stream(joint.origin);
     stream(joint.axis);
     stream(joint.limited);
     stream(joint.rated);
     for (auto* value : {&joint.lower, &joint.upper, &joint.effort, &joint.velocity, &joint.damping, &joint.friction})
         stream(*value);
+    stream(joint.follows);
+    for (auto* value :
+         {&joint.multiplier, &joint.offset, &joint.softLower, &joint.softUpper, &joint.kPosition, &joint.kVelocity})
+        stream(*value);
+}
+template <class Stream, class Tag>
+void tagFields(Stream& stream, Tag& tag) {
+    stream(tag.tag);
+    stream(tag.applied);
+    stream(tag.leftOut);
 }
 template <class Stream, class Shape>
 void shapeFields(Stream& stream, Shape& shape) {
@@ -49,6 +58,7 @@ void linkFields(Stream& stream, Link& link) {
 template <class Stream, class Robot>
 void robotFields(Stream& stream, Robot& robot) {
     stream(robot.name);
+    stream(robot.tags);
     stream(robot.links);
     stream(robot.warnings);
 }
@@ -121,6 +131,7 @@ private:
         }
         if (!log.error.empty()) fail(log.error);
         if (!model || !model->getRoot()) fail("is no robot");
+        robot_.tags = std::move(text_.tags);
         robot_.warnings = std::move(text_.warnings);
         robot_.warnings.insert(robot_.warnings.end(), log.warnings.begin(), log.warnings.end());
         return model;
@@ -187,6 +198,8 @@ private:
                 return RobotJointKind::hinge;
             case urdf::Joint::PRISMATIC:
                 return RobotJointKind::slider;
+            case urdf::Joint::PLANAR:
+                return RobotJointKind::plane;
             default:
                 return RobotJointKind::free;
         }
@@ -196,11 +209,10 @@ private:
         ImportedRobotJoint joint;
         joint.name = from.name;
         joint.kind = kindOf(from);
-        joint.planar = from.type == urdf::Joint::PLANAR;
         joint.origin = toFrame(from.parent_to_joint_origin_transform);
         joint.axis = toVec3(from.axis);
         if (from.limits) {
-            joint.limited = from.type != urdf::Joint::CONTINUOUS;
+            joint.limited = from.type == urdf::Joint::REVOLUTE || from.type == urdf::Joint::PRISMATIC;
             joint.rated = true;
             joint.lower = single(from.limits->lower);
             joint.upper = single(from.limits->upper);
@@ -210,6 +222,17 @@ private:
         if (from.dynamics) {
             joint.damping = single(from.dynamics->damping);
             joint.friction = single(from.dynamics->friction);
+        }
+        if (from.mimic) {
+            joint.follows = from.mimic->joint_name;
+            joint.multiplier = single(from.mimic->multiplier);
+            joint.offset = single(from.mimic->offset);
+        }
+        if (from.safety) {
+            joint.softLower = single(from.safety->soft_lower_limit);
+            joint.softUpper = single(from.safety->soft_upper_limit);
+            joint.kPosition = single(from.safety->k_position);
+            joint.kVelocity = single(from.safety->k_velocity);
         }
         return joint;
     }
@@ -224,13 +247,17 @@ private:
 // ByteWriter and ByteReader find these by argument.
 static void fields(ByteWriter& stream, const ImportedRobotShape& shape) { shapeFields(stream, shape); }
 static void fields(ByteReader& stream, ImportedRobotShape& shape) { shapeFields(stream, shape); }
+static void fields(ByteWriter& stream, const ImportedRobotTag& tag) { tagFields(stream, tag); }
+static void fields(ByteReader& stream, ImportedRobotTag& tag) { tagFields(stream, tag); }
 static void fields(ByteWriter& stream, const ImportedRobotLink& link) { linkFields(stream, link); }
 static void fields(ByteReader& stream, ImportedRobotLink& link) { linkFields(stream, link); }
+
+ImportedRobot readRobot(const std::filesystem::path& path) { return RobotReader(path).run(); }
 
 ImportedRobot importRobot(const std::filesystem::path& path) {
     ImportedRobot robot;
     const auto write = [&](ByteWriter& to) {
-        const ImportedRobot read = RobotReader(path).run();
+        const ImportedRobot read = readRobot(path);
         robotFields(to, read);
     };
     importInChild(path, write, [&](ByteReader& from) { robotFields(from, robot); });

@@ -10,18 +10,23 @@
 
 namespace ragtop {
 
-enum class RobotJointKind : std::uint8_t { fixed, hinge, slider, ball, free };
+enum class RobotJointKind : std::uint8_t { fixed, hinge, slider, ball, plane, free };
 
 struct ImportedRobotJoint {
     std::string name;
     RobotJointKind kind = RobotJointKind::fixed;
-    bool planar = false;  ///< made free
-    Frame origin;         ///< in the parent link
+    Frame origin;  ///< in the parent link
     Vec3 axis{1, 0, 0};
     bool limited = false, rated = false;  ///< has a range; has an effort and a velocity
     float lower = 0, upper = 0;           ///< rad or m
     float effort = 0, velocity = 0;       ///< N m or N, rad/s or m/s
     float damping = 0, friction = 0;      ///< N m s/rad or N s/m, N m or N
+    /// The joint that it follows, of which it is `multiplier` times the coordinate and `offset`; empty: none.
+    std::string follows;
+    float multiplier = 1, offset = 0;
+    /// Within its range: beyond these, effort is held below −kVelocity (ẋ + kPosition (x − end)).
+    float softLower = 0, softUpper = 0;
+    float kPosition = 0, kVelocity = 0;  ///< 1/s, N m s/rad or N s/m; one of them 0: no such ends
 };
 
 enum class RobotShapeKind : std::uint8_t { box, sphere, cylinder, capsule, mesh };
@@ -45,9 +50,16 @@ struct ImportedRobotLink {
     std::vector<ImportedRobotShape> shapes;
 };
 
+/// Elements of one name.
+struct ImportedRobotTag {
+    std::string tag;
+    std::int32_t applied = 0, leftOut = 0;
+};
+
 /// What a description says, in its own axes.
 struct ImportedRobot {
     std::string name;
+    std::vector<ImportedRobotTag> tags;
     std::vector<ImportedRobotLink> links;  ///< depth first from the root
     std::vector<std::string> warnings;
 };
@@ -55,5 +67,7 @@ struct ImportedRobot {
 /// Reads URDF in a process of its own, since files may nest, or chain links, beyond what the libraries' stacks hold.
 /// Throws AssetError: missing, not XML, a wrong value with its line, crashed, out of time.
 ImportedRobot importRobot(const std::filesystem::path& path);
+/// The same in this process.
+ImportedRobot readRobot(const std::filesystem::path& path);
 
 }  // namespace ragtop

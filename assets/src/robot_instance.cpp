@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <variant>
 
@@ -21,8 +23,8 @@ BodyDef bodyOf(const RobotBody& body, const Pose& placement) {
     return def;
 }
 
-void hold(JointDef& joint, float effort) {
-    const Motor motor{0, effort};
+/// Joints with one coordinate have motors.
+void setMotor(JointDef& joint, const Motor& motor) {
     if (auto* hinge = std::get_if<HingeDef>(&joint)) hinge->motor = motor;
     if (auto* slider = std::get_if<SliderDef>(&joint)) slider->motor = motor;
 }
@@ -41,7 +43,7 @@ RobotIds makeRobot(World& world, const Robot& robot, const Pose& placement, cons
         }
         for (const RobotJoint& joint : robot.joints) {
             JointDef def = joint.joint;
-            if (options.holding) hold(def, joint.effort);
+            if (options.holding) setMotor(def, {0, joint.effort});
             std::visit(
                 [&](auto& each) {
                     each.bodies.a = ids.bodies.at(static_cast<std::size_t>(joint.parent));
@@ -50,11 +52,37 @@ RobotIds makeRobot(World& world, const Robot& robot, const Pose& placement, cons
                 def);
             ids.joints.push_back(world.create(def));
         }
+        for (const RobotCoupling& each : robot.couplings) {
+            CouplingDef def = each.coupling;
+            for (std::size_t i = 0; i < each.joints.size(); ++i)
+                def.parts.at(i).joint = ids.joints.at(static_cast<std::size_t>(each.joints[i]));
+            ids.couplings.push_back(world.create(def));
+        }
     } catch (...) {
         for (const BodyId body : ids.bodies) world.destroy(body);
         throw;
     }
     return ids;
+}
+
+void driveRobot(World& world, const Robot& robot, const RobotIds& ids, std::span<const float> coordinates, double dt) {
+    if (coordinates.size() != robot.joints.size())
+        throw std::invalid_argument(fmt::format("coordinates: there are {}, must be {}, one per joint",
+                                                coordinates.size(), robot.joints.size()));
+    if (!(dt > 0 && std::isfinite(dt))) throw std::invalid_argument(fmt::format("dt is {}, must be above 0 s", dt));
+    std::vector<bool> follows(robot.joints.size(), false);
+    for (const RobotCoupling& each : robot.couplings)
+        if (each.joints.size() > 1) follows[static_cast<std::size_t>(each.joints.front())] = true;
+    for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+        const RobotJoint& joint = robot.joints[i];
+        if (follows[i] || std::isnan(coordinates[i])) continue;
+        const float missing = coordinates[i] - world.state(ids.joints[i]).coordinate;
+        float speed = missing / static_cast<float>(dt);
+        if (joint.velocity > 0) speed = std::clamp(speed, -joint.velocity, joint.velocity);
+        JointDef def = world.def(ids.joints[i]);
+        setMotor(def, {speed, joint.effort});
+        world.setDef(ids.joints[i], def);
+    }
 }
 
 std::string describeAsset(const Robot& robot) {
@@ -64,6 +92,15 @@ std::string describeAsset(const Robot& robot) {
     for (const RobotBody& body : robot.bodies)
         text += fmt::format("    {:<32} {:8.4f} kg  {} shapes{}\n", body.name, body.mass.mass, body.shapes.size(),
                             body.anchored ? ", fixed to the world" : "");
+    for (const RobotCoupling& each : robot.couplings)
+        if (each.joints.size() > 1)
+            text +=
+                fmt::format("    {:<32} follows {}, {:g} times\n", each.name,
+                            robot.joints[static_cast<std::size_t>(each.joints[1])].name, -each.coupling.parts[1].ratio);
+    std::string leftOut;
+    for (const RobotTag& tag : robot.tags)
+        if (tag.leftOut > 0) leftOut += fmt::format("{}{} {}", leftOut.empty() ? "" : ", ", tag.leftOut, tag.tag);
+    if (!leftOut.empty()) text += "  left out  " + leftOut + "\n";
     for (const std::string& warning : robot.warnings) text += "  warning   " + warning + "\n";
     return text;
 }

@@ -1,14 +1,7 @@
 #include "robot_xml.h"
 
-#include <tinyxml.h>
-
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
-#include <fstream>
-#include <iterator>
-#include <limits>
 #include <map>
 #include <set>
 #include <sstream>
@@ -16,6 +9,7 @@
 
 #include "file_kind.h"
 #include "ragtop/asset_error.h"
+#include "xml_text.h"
 
 namespace ragtop {
 namespace {
@@ -54,76 +48,61 @@ constexpr std::array kRules{
     NumberRule{"limit", "velocity", "rad/s or m/s", 1, Allowed::notNegative, true},
     NumberRule{"dynamics", "damping", "N m s/rad or N s/m", 1, Allowed::notNegative, false},
     NumberRule{"dynamics", "friction", "N m or N", 1, Allowed::notNegative, false},
+    NumberRule{"safety_controller", "soft_lower_limit", "rad or m", 1, Allowed::any, false},
+    NumberRule{"safety_controller", "soft_upper_limit", "rad or m", 1, Allowed::any, false},
+    NumberRule{"safety_controller", "k_position", "1/s", 1, Allowed::notNegative, false},
+    NumberRule{"safety_controller", "k_velocity", "N m s/rad or N s/m", 1, Allowed::notNegative, true},
     NumberRule{"mimic", "multiplier", "", 1, Allowed::any, false},
     NumberRule{"mimic", "offset", "rad or m", 1, Allowed::any, false},
 };
 
-/// Elements that nothing here uses.
-constexpr std::array<std::string_view, 7> kUnused{
-    "mimic", "safety_controller", "calibration", "transmission", "gazebo", "mujoco", "sensor"};
+/// Elements whose numbers are not this reader's to check.
+constexpr std::array<std::string_view, 5> kUnused{"calibration", "transmission", "gazebo", "mujoco", "sensor"};
 
 constexpr std::array<std::string_view, 7> kJointTypes{"revolute", "continuous", "prismatic", "fixed",
                                                       "floating", "planar",     "spherical"};
 
-constexpr int kMaxDepth = 64;
+/// Where each element belongs that becomes part of the robot; those anywhere else, and what is in them, do not.
+struct Place {
+    std::string_view parent, element;
+};
+constexpr std::array kPlaces{
+    Place{"robot", "link"},         Place{"robot", "joint"},
+    Place{"link", "inertial"},      Place{"inertial", "origin"},
+    Place{"inertial", "mass"},      Place{"inertial", "inertia"},
+    Place{"link", "collision"},     Place{"collision", "origin"},
+    Place{"collision", "geometry"}, Place{"geometry", "box"},
+    Place{"geometry", "sphere"},    Place{"geometry", "cylinder"},
+    Place{"geometry", "capsule"},   Place{"geometry", "mesh"},
+    Place{"joint", "parent"},       Place{"joint", "child"},
+    Place{"joint", "origin"},       Place{"joint", "axis"},
+    Place{"joint", "limit"},        Place{"joint", "dynamics"},
+    Place{"joint", "mimic"},        Place{"joint", "safety_controller"},
+};
 
-/// The line on which elements nest too deep for parsers that call themselves for each level; 0: nowhere.
-int lineTooDeep(std::string_view text) {
-    int depth = 0;
-    const auto after = [&](std::string_view end, std::size_t from) {
-        const std::size_t found = text.find(end, from);
-        return found == std::string_view::npos ? text.size() : found + end.size();
-    };
-    for (std::size_t at = text.find('<'); at < text.size(); at = text.find('<', at)) {
-        const std::string_view rest = text.substr(at);
-        if (rest.starts_with("<!--")) {
-            at = after("-->", at + 4);
-        } else if (rest.starts_with("<![CDATA[")) {
-            at = after("]]>", at);
-        } else if (rest.starts_with("<?") || rest.starts_with("<!")) {
-            at = after(">", at);
-        } else if (rest.starts_with("</")) {
-            --depth;
-            at = after(">", at);
-        } else {
-            const std::size_t begin = at;
-            // Quotes may hold brackets.
-            for (++at; at < text.size() && text[at] != '>'; ++at) {
-                if (text[at] == '"' || text[at] == '\'') at = after(text.substr(at, 1), at + 1) - 1;
-            }
-            if (at < text.size() && text[at - 1] != '/' && ++depth > kMaxDepth)
-                return 1 + static_cast<int>(
-                               std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(begin), '\n'));
-        }
-    }
-    return 0;
+/// What each kind of joint makes use of.
+bool usedBy(std::string_view type, std::string_view element) {
+    const bool slides = type == "revolute" || type == "prismatic";
+    const bool turns = type == "continuous";
+    if (element == "axis") return slides || turns || type == "planar";
+    if (element == "dynamics") return slides || turns || type == "spherical";
+    if (element == "limit" || element == "mimic") return slides || turns;
+    if (element == "safety_controller") return slides;
+    return true;
 }
 
 class Checker {
 public:
-    explicit Checker(const std::filesystem::path& path) : file_(path.string()) {
-        std::ifstream stream(path, std::ios::binary);
-        if (!stream || std::filesystem::is_directory(path)) throw AssetError(file_, "", "no such file");
-        source_.assign(std::istreambuf_iterator<char>(stream), {});
-    }
+    explicit Checker(const std::filesystem::path& path) : file_(path.string()) { readXml(path, xml_); }
 
     CheckedRobotText run() {
-        if (const int line = lineTooDeep(source_); line > 0)
-            throw AssetError(file_, std::to_string(line),
-                             "nests elements deeper than " + std::to_string(kMaxDepth) + " levels, the most allowed");
-        document_.Parse(source_.c_str(), nullptr, TIXML_ENCODING_UTF8);
-        if (document_.Error()) {
-            const std::string place = document_.ErrorRow() > 0 ? std::to_string(document_.ErrorRow()) + ":" +
-                                                                     std::to_string(document_.ErrorCol())
-                                                               : std::string();
-            throw AssetError(file_, place, std::string("is no XML: ") + document_.ErrorDesc());
-        }
-        TiXmlElement* robot = document_.RootElement();
+        TiXmlElement* robot = xml_.document.RootElement();
         if (!robot || robot->ValueStr() != "robot") {
             const std::string begins = robot ? "begins with <" + robot->ValueStr() + ">" : "has no element";
             throw AssetError(file_, robot ? std::to_string(robot->Row()) : "",
-                             begins + ", must with <robot>: robots are read from URDF" + looksLike(source_));
+                             begins + ", must with <robot>: robots are read from URDF" + looksLike(xml_.source));
         }
+        countTags(*robot);
         collectNames(*robot);
         takeVisuals(*robot, "material", "robot");
         for (TiXmlElement* e = robot->FirstChildElement(); e; e = e->NextSiblingElement()) {
@@ -133,14 +112,12 @@ public:
             if (e->ValueStr() == "link") takeCapsules(*e, name);
             checkNumbers(*e, e->ValueStr() + " '" + name + "'");
         }
-        for (const auto& [tag, count] : unused_)
-            result_.warnings.push_back(std::to_string(count) + " <" + tag + "> left out: not supported");
         if (faultyVisuals_ > 0)
             result_.warnings.push_back(std::to_string(faultyVisuals_) +
                                        " visuals or materials are faulty, which changes no physics, such as in line " +
                                        firstFaulty_);
         std::ostringstream text;
-        text << document_;
+        text << xml_.document;
         result_.text = text.str();
         return std::move(result_);
     }
@@ -155,14 +132,42 @@ private:
         return value ? value : "";
     }
 
+    /// Everything that is in the file, and whether it becomes part of the robot. What is left out for the looks alone
+    /// is told by its number only; all else is a warning.
+    void countTags(const TiXmlElement& robot) {
+        std::map<std::string, ImportedRobotTag> tags;
+        std::set<const TiXmlElement*> applied{&robot};
+        std::map<std::string, int> strange;
+        for (const TiXmlElement* e = nextElement(&robot, robot); e; e = nextElement(e, robot)) {
+            const std::string& tag = e->ValueStr();
+            if (tag.starts_with("xacro:"))
+                fail(*e, "has <" + tag + ">, which is for xacro: expand it first, as with 'xacro in.xacro > out.urdf'");
+            const TiXmlElement& parent = *e->Parent()->ToElement();
+            const std::string type = attribute(parent, "type");
+            const bool belongs = std::any_of(kPlaces.begin(), kPlaces.end(), [&](const Place& place) {
+                return parent.ValueStr() == place.parent && tag == place.element;
+            });
+            const bool inApplied = applied.contains(&parent);
+            const bool used = inApplied && belongs && (parent.ValueStr() != "joint" || usedBy(type, tag));
+            ImportedRobotTag& count = tags[tag];
+            count.tag = tag;
+            ++(used ? count.applied : count.leftOut);
+            if (used) applied.insert(e);
+            if (used || !inApplied || tag == "visual" || tag == "material") continue;
+            ++strange[belongs ? "<" + tag + "> of " + type + " joints left out: it has no meaning there"
+                              : "<" + tag + "> in <" + parent.ValueStr() + "> left out: not supported"];
+        }
+        for (const auto& [tag, count] : tags) result_.tags.push_back(count);
+        for (const auto& [what, count] : strange) result_.warnings.push_back(std::to_string(count) + " " + what);
+    }
+
     void collectNames(const TiXmlElement& robot) {
-        std::set<std::string> joints;
         for (const TiXmlElement* e = robot.FirstChildElement(); e; e = e->NextSiblingElement()) {
             const bool link = e->ValueStr() == "link";
             if (!link && e->ValueStr() != "joint") continue;
             const std::string name = attribute(*e, "name");
             if (name.empty()) fail(*e, e->ValueStr() + " has no name");
-            if (!(link ? links_ : joints).insert(name).second)
+            if (!(link ? links_ : joints_).insert(name).second)
                 fail(*e, e->ValueStr() + " '" + name + "' is there twice");
         }
         if (links_.empty()) fail(robot, "robot has no link, must have at least one");
@@ -195,9 +200,19 @@ private:
             numbers(*axis, "xyz", xyz.data(), 3, "joint '" + name + "'");
             if (xyz == std::array<double, 3>{}) fail(*axis, what + "axis xyz is zero, must have a direction");
         }
+        checkFollowing(joint, type, what);
         if (type != "spherical") return;
         joint.SetAttribute("type", "floating");
         result_.spherical.push_back(name);
+    }
+
+    void checkFollowing(const TiXmlElement& joint, const std::string& type, const std::string& what) const {
+        const TiXmlElement* mimic = joint.FirstChildElement("mimic");
+        if (!mimic || !usedBy(type, "mimic")) return;
+        const std::string other = attribute(*mimic, "joint");
+        if (!joints_.contains(other))
+            fail(*mimic, what + "mimic joint is '" + other + "', must be one of the robot's joints");
+        if (other == attribute(joint, "name")) fail(*mimic, what + "mimics itself, must mimic another joint");
     }
 
     /// What is wrong with looks is told, and keeps nobody from the rest.
@@ -245,23 +260,13 @@ private:
     /// Those of an element and of all in it, in the order of the text.
     void checkNumbers(const TiXmlElement& top, const std::string& owner) {
         const TiXmlElement* element = &top;
-        while (element) {
-            const TiXmlElement* inner = checkOwnNumbers(*element, owner) ? element->FirstChildElement() : nullptr;
-            while (!inner && element != &top) {
-                inner = element->NextSiblingElement();
-                if (!inner) element = element->Parent()->ToElement();
-            }
-            element = inner;
-        }
+        while (element) element = nextElement(element, top, checkOwnNumbers(*element, owner));
     }
 
     /// False where other rules hold inside.
     bool checkOwnNumbers(const TiXmlElement& element, const std::string& owner) {
         for (const std::string_view tag : kUnused)
-            if (element.ValueStr() == tag) {
-                ++unused_[std::string(tag)];
-                if (tag != "mimic") return false;
-            }
+            if (element.ValueStr() == tag) return false;
         for (const NumberRule& rule : kRules)
             if (element.ValueStr() == rule.element) check(element, rule, owner);
         if (element.ValueStr() == "limit") checkRange(element, owner);
@@ -301,32 +306,15 @@ private:
                  const std::string& owner) const {
         const std::string text = attribute(element, name);
         if (text.empty() && !element.Attribute(name)) return;
-        const char* at = text.data();
-        const char* end = at + text.size();
-        const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; };
-        int found = 0;
-        bool sound = true;
-        while (sound) {
-            while (at != end && blank(*at)) ++at;
-            if (at == end) break;
-            if (*at == '+') ++at;
-            double value = 0;
-            const auto [after, error] = std::from_chars(at, end, value);
-            sound = error == std::errc() && (after == end || blank(*after)) && std::isfinite(value) &&
-                    std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()) && found < count;
-            if (sound) values[found++] = value;
-            at = after;
-        }
-        if (sound && found == count) return;
+        if (readNumbers(text, {values, static_cast<std::size_t>(count)}) == count) return;
         fail(element, owner + ": " + element.ValueStr() + " " + name + " is '" + text + "', must be " +
                           (count == 1 ? "a number" : std::to_string(count) + " numbers"));
     }
 
-    std::string file_, source_;
-    TiXmlDocument document_;
+    std::string file_;
+    XmlText xml_;
     CheckedRobotText result_;
-    std::set<std::string> links_, carried_;
-    std::map<std::string, int> unused_;
+    std::set<std::string> links_, joints_, carried_;
     int faultyVisuals_ = 0;
     std::string firstFaulty_;  ///< line and what is wrong
 };

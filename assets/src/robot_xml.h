@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "robot_document.h"
+
 namespace ragtop {
 
 /// What the URDF library cannot read, taken out of the text before it sees it.
@@ -17,7 +19,8 @@ struct CheckedRobotText {
     std::string text;  ///< XML that the library can read
     std::vector<ExtraCapsule> capsules;
     std::vector<std::string> spherical;  ///< joints to be made balls; "floating" in the text
-    std::vector<std::string> warnings;   ///< tags that nothing will use
+    std::vector<ImportedRobotTag> tags;
+    std::vector<std::string> warnings;  ///< of elements that nothing will use, and others
 };
 
 /// Checks what the library lets pass: every number and its range, names that are doubled, links that are missing.

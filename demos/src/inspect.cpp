@@ -5,7 +5,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
 
+#include "body_json.h"
+#include "json_text.h"
 #include "ragtop/character.h"
 #include "ragtop/find_asset.h"
 #include "ragtop/mesh_file.h"
@@ -14,6 +19,7 @@
 #include "ragtop/scene.h"
 #include "ragtop/start_overlaps.h"
 #include "ragtop/vehicle_file.h"
+#include "robot_json.h"
 
 namespace ragtop::demos {
 namespace {
@@ -100,35 +106,56 @@ std::string inspectMesh(const fs::path& path) {
     return text;
 }
 
+/// As text, and as a member of a JSON object where there is more to tell than lines.
+struct Inspected {
+    std::string text, json;
+};
+
+Inspected inspectRobot(const fs::path& path) {
+    const Robot robot = loadRobot(path);
+    return {describeAsset(robot), "\"robot\": " + robotJson(robot)};
+}
+
 /// A model with bones is a character, one without is a mesh.
-std::string inspectModel(const fs::path& path) {
-    std::string whyNoCharacter;
+Inspected inspectModel(const fs::path& path) {
     try {
         const Character character = loadCharacter(path);
-        return describeAsset(character) + describeAsset(makeRagdoll(character));
-    } catch (const std::exception& error) {
-        whyNoCharacter = error.what();
-    }
-    try {
-        return inspectMesh(path);
+        const RagdollDef ragdoll = makeRagdoll(character);
+        return {describeAsset(character) + describeAsset(ragdoll),
+                "\"body\": " + bodyJson(character, recognise(character.skeleton), ragdoll)};
     } catch (const AssetError& error) {
-        const bool noBones = whyNoCharacter.find("bone") != std::string::npos;
-        throw AssetError(noBones ? error.what() : whyNoCharacter);
+        // What could not be imported once is not tried again, which would take as long.
+        if (std::string(error.what()).find("bone") == std::string::npos) throw;
+    } catch (const std::invalid_argument&) {  // bones that make no ragdoll
     }
+    return {inspectMesh(path), {}};
+}
+
+Inspected inspectAny(const std::string& asset) {
+    if (asset.ends_with(".car.json")) return {inspectVehicle(asset), {}};
+    if (asset.ends_with(".ragdoll.json")) return {describeAsset(loadRagdoll(asset)), {}};
+    const auto scenes = shippedScenes();
+    if (asset.ends_with(".json") || std::find(scenes.begin(), scenes.end(), asset) != scenes.end()) {
+        return {inspectScene(findScene(asset)), {}};
+    }
+    const fs::path path = findAsset(asset);
+    if (path.extension() == ".urdf" || path.extension() == ".xml") return inspectRobot(path);
+    return inspectModel(path);
 }
 
 }  // namespace
 
-std::string inspect(const std::string& asset) {
-    if (asset.ends_with(".car.json")) return inspectVehicle(asset);
-    if (asset.ends_with(".ragdoll.json")) return describeAsset(loadRagdoll(asset));
-    const auto scenes = shippedScenes();
-    if (asset.ends_with(".json") || std::find(scenes.begin(), scenes.end(), asset) != scenes.end()) {
-        return inspectScene(findScene(asset));
+std::string inspect(const std::string& asset) { return inspectAny(asset).text; }
+
+std::string inspectAsJson(const std::string& asset) {
+    Inspected found = inspectAny(asset);
+    if (found.json.empty()) {
+        std::vector<std::string> lines;
+        std::istringstream text(found.text);
+        for (std::string line; std::getline(text, line);) lines.push_back(line);
+        found.json = jsonList("lines", lines, [](const std::string& line) { return jsonString(line); }).substr(4);
     }
-    const fs::path path = findAsset(asset);
-    if (path.extension() == ".urdf" || path.extension() == ".xml") return describeAsset(loadRobot(path));
-    return inspectModel(path);
+    return fmt::format("{{\n  \"asset\": {},\n  {}\n}}\n", jsonString(asset), found.json);
 }
 
 }  // namespace ragtop::demos

@@ -63,6 +63,7 @@ struct Command {
     demos::RagdollCommand ragdoll;
     std::vector<std::string> settings;
     std::string asset;
+    bool json = false;
 };
 
 CLI::App* addRun(CLI::App& app, Command& command) {
@@ -168,6 +169,7 @@ int execute(int argc, char** argv) {
     CLI::App* ragdoll = addRagdoll(app, command);
     CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file has in it");
     inspect->add_option("asset", command.asset, "Vehicle, ragdoll, scene, character, robot or mesh")->required();
+    inspect->add_flag("--json", command.json, "As JSON, with every element of a robot's file counted");
     try {
         app.parse(argc, argv);
         command.run.overrides = command.serve.world.overrides = parseOverrides(command.settings);
@@ -185,7 +187,8 @@ int execute(int argc, char** argv) {
     if (served->parsed()) serve(command.serve);
     if (driven->parsed() && !demos::drive(command.drive)) return kFailed;
     if (ragdoll->parsed() && !demos::testRagdoll(command.ragdoll)) return kFailed;
-    if (inspect->parsed()) fmt::print("{}", demos::inspect(command.asset));
+    if (inspect->parsed())
+        fmt::print("{}", command.json ? demos::inspectAsJson(command.asset) : demos::inspect(command.asset));
     return 0;
 }
 

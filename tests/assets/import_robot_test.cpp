@@ -71,7 +71,8 @@ TEST(LoadRobot, MapsLimitsEffortDampingAndFriction) {
     EXPECT_EQ(hinge.spring->stiffness, 0.0f);
     EXPECT_FALSE(hinge.motor.has_value());
     EXPECT_FLOAT_EQ(joint(robot, "j").effort, 20);
-    EXPECT_TRUE(warns(robot, "velocity limits"));
+    EXPECT_FLOAT_EQ(joint(robot, "j").velocity, 3);
+    EXPECT_TRUE(robot.warnings.empty()) << robot.warnings[0];
     // y of the file lies in the plane; a metre along its z is a metre up.
     const Frame world = robot.bodies[0].pose * hinge.bodies.frameA;
     EXPECT_LT(length(rotate(world.rotation, {1, 0, 0}) - Vec3{0, 0, -1}), 1e-6f);
@@ -185,14 +186,83 @@ TEST(LoadRobot, TellsWhatAnotherFormatLooksLike) {
         << text;
 }
 
-TEST(LoadRobot, WhatIsNotSupportedIsSaid) {
-    const TemporaryFile file("tags.urdf",
-                             twoLinks("revolute",
-                                      "<limit lower='-1' upper='1' effort='1' velocity='1'/><mimic joint='j'/>"
-                                      "<safety_controller k_velocity='1'/>"));
+const RobotTag& tag(const Robot& robot, const std::string& name) {
+    for (const RobotTag& each : robot.tags)
+        if (each.tag == name) return each;
+    throw std::out_of_range(name);
+}
+
+TEST(LoadRobot, EveryElementIsAppliedOrLeftOutAndCounted) {
+    std::string text = twoLinks("revolute",
+                                "<axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/>"
+                                "<calibration rising='0'/><safety_controller k_velocity='1' k_position='1'/>",
+                                "<visual><geometry><box size='1 1 1'/></geometry></visual><sensor/>");
+    text.insert(text.rfind("</robot>"),
+                "<transmission name='t'><joint name='j'/></transmission>"
+                "<link name='tool'/><joint name='k' type='fixed'><parent link='arm'/><child link='tool'/>"
+                "<axis xyz='1 0 0'/></joint><gazebo/><gazebo><plugin/></gazebo>");
+    const TemporaryFile file("tags.urdf", text);
     const Robot robot = loadRobot(file.path());
-    EXPECT_TRUE(warns(robot, "<mimic>"));
-    EXPECT_TRUE(warns(robot, "<safety_controller>"));
+    int counted = 0;
+    for (const RobotTag& each : robot.tags) counted += each.applied + each.leftOut;
+    const auto begins = [&](std::size_t i) { return text[i] == '<' && text[i + 1] != '/'; };
+    int there = -1;  // the robot itself
+    for (std::size_t i = 0; i + 1 < text.size(); ++i) there += begins(i) ? 1 : 0;
+    EXPECT_EQ(counted, there);
+    EXPECT_EQ(tag(robot, "axis").applied, 1);
+    EXPECT_EQ(tag(robot, "axis").leftOut, 1);
+    EXPECT_EQ(tag(robot, "gazebo").leftOut, 2);
+    EXPECT_EQ(tag(robot, "joint").applied, 2);
+    EXPECT_EQ(tag(robot, "joint").leftOut, 1);
+    EXPECT_EQ(tag(robot, "box").leftOut, 1);
+    EXPECT_TRUE(warns(robot, "1 <transmission> in <robot> left out: not supported"));
+    EXPECT_TRUE(warns(robot, "2 <gazebo> in <robot> left out"));
+    EXPECT_TRUE(warns(robot, "1 <calibration> in <joint> left out"));
+    EXPECT_TRUE(warns(robot, "1 <axis> of fixed joints left out: it has no meaning there"));
+}
+
+TEST(LoadRobot, RefusesFollowersOfNobody) {
+    const auto failure = [](const std::string& mimic) {
+        const TemporaryFile file("mimic.urdf", twoLinks("continuous", mimic));
+        return importError(file.path(), [&] { loadRobot(file.path()); });
+    };
+    const std::string nobody = failure("<mimic joint='knee'/>");
+    EXPECT_NE(nobody.find(":5: joint 'j': mimic joint is 'knee', must be one of the robot's joints"), std::string::npos)
+        << nobody;
+    EXPECT_NE(failure("<mimic joint='j'/>").find("joint 'j': mimics itself"), std::string::npos);
+    std::string ring = twoLinks("continuous", "<mimic joint='k'/>");
+    ring.insert(ring.rfind("</robot>"),
+                "<link name='tip'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' "
+                "iyz='0'/></inertial></link><joint name='k' type='continuous'><parent link='arm'/><child link='tip'/>"
+                "<mimic joint='j'/></joint>");
+    const TemporaryFile file("ring.urdf", ring);
+    const std::string text = importError(file.path(), [&] { loadRobot(file.path()); });
+    EXPECT_NE(text.find("follows itself through others"), std::string::npos) << text;
+    const TemporaryFile other("number.urdf", ring.replace(ring.find("joint='k'"), 9, "joint='k' multiplier='x'"));
+    const std::string number = importError(other.path(), [&] { loadRobot(other.path()); });
+    EXPECT_NE(number.find("multiplier is 'x', must be a number"), std::string::npos) << number;
+}
+
+TEST(LoadRobot, MacrosAreToBeExpandedFirst) {
+    const TemporaryFile file("macro.urdf",
+                             "<robot name='r' xmlns:xacro='x'>\n<xacro:property name='a' value='1'/></robot>");
+    const std::string text = importError(file.path(), [&] { loadRobot(file.path()); });
+    EXPECT_NE(text.find(":2: has <xacro:property>, which is for xacro: expand it first"), std::string::npos) << text;
+}
+
+TEST(LoadRobot, LoopsAndGiantsAreRefusedInOneLine) {
+    const std::string mass =
+        "'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>";
+    const TemporaryFile loop("loop.urdf", "<robot name='r'><link name='a" + mass + "<link name='b" + mass +
+                                              "<link name='c" + mass +
+                                              "<joint name='i' type='fixed'><parent link='b'/><child link='c'/></joint>"
+                                              "<joint name='j' type='fixed'><parent link='c'/><child link='b'/></joint>"
+                                              "</robot>");
+    const std::string text = importError(loop.path(), [&] { loadRobot(loop.path()); });
+    EXPECT_NE(text.find("2 links do not hang on the root 'a': their joints form a loop"), std::string::npos) << text;
+    const TemporaryFile giant("giant.urdf", std::string(40 << 20, ' '));
+    const std::string size = importError(giant.path(), [&] { loadRobot(giant.path()); });
+    EXPECT_NE(size.find("is 41943040 bytes long, must be at most 33554432"), std::string::npos) << size;
 }
 
 TEST(LoadRobot, RefusesBadNumbersWithLineValueAndRange) {

@@ -56,6 +56,20 @@ TEST_P(WorldFreeRotation, KeepsAngularMomentumAndEnergy) {
     RecordProperty("energy", std::to_string(worstEnergy));
 }
 
+// Nothing is too small to turn: a body is as large as its mass reaches, where it has no shape.
+TEST(WorldRotation, BodiesWithoutShapesTurnUnderGravity) {
+    World world;
+    BodyDef def;
+    def.mass = MassProperties{2, {}, {{0.5f, 0, 0}, {0, 0.5f, 0}, {0, 0, 0.5f}}};
+    def.angularVelocity = {0, 2, 0};
+    const BodyId body = world.create(def);
+    run(world, 1, kDt, [] {});
+    EXPECT_NEAR(world.angularVelocity(body).y, 2, 1e-5);
+    world.setMass(body, {1, {}, {{0.5f, 0, 0}, {0, 0.5f, 0}, {0, 0, 0.5f}}});
+    run(world, 1, kDt, [] {});
+    EXPECT_NEAR(world.angularVelocity(body).y, 2, 1e-5);
+}
+
 INSTANTIATE_TEST_SUITE_P(Axes, WorldFreeRotation,
                          ::testing::Values(Spin{{1, 0, 0}, 10}, Spin{{0, 1, 0}, 10}, Spin{{0, 0, 1}, 10},
                                            Spin{{1, 0, 0}, 30}, Spin{{0, 1, 0}, 30}, Spin{{0, 0, 1}, 30},

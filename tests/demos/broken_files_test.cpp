@@ -118,9 +118,45 @@ const std::vector<Broken> kRagdolls{
     ragdoll("reversed_limit", {"/joints/0/hinge/limit/lower is 1.5", "at most \"upper\", 0.5"}),
 };
 
+Broken robot(const std::string& name, std::vector<std::string> says) {
+    return {name, "inspect " + name + ".urdf", std::move(says)};
+}
+
+const std::vector<Broken> kRobots{
+    robot("mass_abc", {"mass_abc.urdf", "abc"}),
+    robot("loop", {"loop.urdf: 2 links do not hang on the root 'a'", "loop"}),
+    robot("missing_link", {"missing_link.urdf:4: joint 'j': child link 'leg' does not exist", "must be one of"}),
+    robot("mimic_nobody", {"mimic_nobody.urdf:4: joint 'j': mimic joint is 'knee'", "must be one of"}),
+    robot("mimic_itself", {"mimic_itself.urdf:4: joint 'j': mimics itself", "must mimic another"}),
+    robot("macro", {"macro.urdf:2: has <xacro:property>", "expand it first"}),
+    robot("negative_mass", {"negative_mass.urdf:3: link 'b': mass value is -1", "must be at least 0 kg"}),
+    robot("joint_type", {"joint_type.urdf:4: joint 'j': type is 'elastic'", "must be revolute"}),
+    robot("no_limit", {"no_limit.urdf:4: joint 'j': has no <limit>"}),
+    robot("twice", {"twice.urdf:5: link 'a' is there twice"}),
+    robot("range", {"range.urdf:4: joint 'j': limit lower is 2, must be at most upper, 1"}),
+    robot("no_axis", {"no_axis.urdf:4: joint 'j': axis xyz is zero, must have a direction"}),
+    robot("two_numbers", {"two_numbers.urdf:4: joint 'j': origin xyz is '1 2', must be 3 numbers"}),
+    robot("massless", {"massless.urdf: link 'b' moves but has no mass", "above 0 kg"}),
+    robot("two_parents", {"two_parents.urdf:5: joint 'k': child link 'b' hangs on another joint already"}),
+    robot("no_link", {"no_link.urdf:1: robot has no link, must have at least one"}),
+    robot("safety", {"safety.urdf:4: joint 'j': safety_controller k_velocity is -1", "at least 0"}),
+    robot("unclosed", {"unclosed.urdf", "is no XML"}),
+    robot("box_size", {"box_size.urdf:3: link 'b': box size is 1 0 1, must be above 0 m"}),
+};
+
 const std::vector<Broken> kModels{
-    {"mass_abc", "inspect mass_abc.urdf", {"mass_abc.urdf", "abc"}},
     {"empty_mesh", "inspect empty_mesh.obj", {"empty_mesh.obj"}},
+    {"syntax", "inspect syntax.gltf", {"syntax.gltf:3:14: is not JSON"}},
+    {"outside", "inspect outside.gltf", {"outside.gltf: refers to '", "README.md', must refer to files in its folder"}},
+    {"giant_off", "inspect giant.off", {"giant.off: the file needs more than 4 GiB of memory to import"}},
+    {"giant_ply", "inspect giant.ply", {"giant.ply: the file needs more than 4 GiB of memory to import"}},
+    {"picture", "inspect picture.fbx", {"picture.fbx", "it looks like a PNG picture"}},
+    {"blend", "inspect blend.fbx", {"blend.fbx", "it looks like Blender's own format"}},
+    {"words", "inspect words.stl", {"words.stl"}},
+    {"line", "inspect line.obj", {"line.obj", "has no triangles"}},
+    {"index", "inspect index.obj", {"index.obj"}},
+    {"not_a_number", "inspect nan.obj", {"nan.obj"}},
+    {"hierarchy", "inspect hierarchy.bvh", {"hierarchy.bvh"}},
     {"garbage", "inspect garbage.glb", {"garbage.glb"}},
     {"truncated_gltf", "inspect truncated.gltf", {"truncated.gltf"}},
     {"no_such_file", "inspect no_such_file.fbx", {"no_such_file.fbx"}},
@@ -150,6 +186,7 @@ INSTANTIATE_TEST_SUITE_P(Text, BrokenFile, testing::ValuesIn(kText), nameOf);
 INSTANTIATE_TEST_SUITE_P(Scene, BrokenFile, testing::ValuesIn(kScenes), nameOf);
 INSTANTIATE_TEST_SUITE_P(Vehicle, BrokenFile, testing::ValuesIn(kVehicles), nameOf);
 INSTANTIATE_TEST_SUITE_P(Ragdoll, BrokenFile, testing::ValuesIn(kRagdolls), nameOf);
+INSTANTIATE_TEST_SUITE_P(Robot, BrokenFile, testing::ValuesIn(kRobots), nameOf);
 INSTANTIATE_TEST_SUITE_P(Model, BrokenFile, testing::ValuesIn(kModels), nameOf);
 INSTANTIATE_TEST_SUITE_P(Usage, BrokenFile, testing::ValuesIn(kUsage), nameOf);
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -108,6 +110,12 @@ static void reach(BodyRecord& body, const ShapeRecord& shape, const GeometryEntr
     if (core > body.coreRadius) body.coreRadius = core;
 }
 
+/// What has no shape still turns: as far out as its mass is.
+static float radiusOfGyration(const BodyRecord& body) {
+    const float moment = std::max({body.inertia.x, body.inertia.y, body.inertia.z});
+    return body.mass > 0 ? std::sqrt(moment / body.mass) : 0.0f;
+}
+
 /// The internal frame moves in the body; all that is kept in it moves the other way.
 void WorldImpl::changeMass(std::uint32_t index, const MassProperties& mass) {
     BodyRecord& body = bodies[index];
@@ -119,7 +127,8 @@ void WorldImpl::changeMass(std::uint32_t index, const MassProperties& mass) {
     states[index].v += cross(states[index].w, relative(internal.position, body.center));
     body.center = internal.position;
     body.rotation = normalized(internal.rotation);
-    body.radius = body.coreRadius = 0;
+    body.radius = body.firstShape == kNone ? radiusOfGyration(body) : 0.0f;
+    body.coreRadius = 0;
     for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
         ShapeRecord& shape = shapes[s];
         shape.frame = move * shape.frame;
@@ -182,7 +191,10 @@ std::uint32_t WorldImpl::createBody(const BodyDef& def) {
     // In reverse, because the list is built from its end.
     for (std::size_t i = flat.size(); i-- > 0;)
         addShape(index, *flat[i].def, flat[i].frame, *flat[i].geometry, toInternal);
-    if (flat.empty()) body.size = body.radius = body.coreRadius = 0;
+    if (flat.empty()) {
+        body.size = body.coreRadius = 0;
+        body.radius = radiusOfGyration(body);
+    }
     resetSolverState(index);
     refreshBounds(index);
     ++structureVersion;

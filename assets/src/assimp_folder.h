@@ -1,0 +1,29 @@
+#pragma once
+
+#include <assimp/DefaultIOSystem.h>
+
+#include <filesystem>
+#include <string>
+
+namespace ragtop {
+
+/// Lets a file that is imported read what lies in its folder, and nothing else: names in a file come from strangers.
+class FilesOfFolder : public Assimp::DefaultIOSystem {
+public:
+    explicit FilesOfFolder(const std::filesystem::path& file);
+
+    bool Exists(const char* file) const override;
+    Assimp::IOStream* Open(const char* file, const char* mode) override;
+
+    /// The first file outside of the folder that was asked for; empty: none was.
+    const std::string& refused() const { return refused_; }
+
+private:
+    /// Where a name in the file leads; empty: out of the folder.
+    std::string placeOf(const char* file) const;
+
+    std::filesystem::path folder_;
+    mutable std::string refused_;
+};
+
+}  // namespace ragtop
