@@ -14,11 +14,11 @@ namespace ragtop {
 
 class World;
 
-/// How an animation goes on when what is in its way takes more than its budget.
+/// What an animation does when its way is blocked: when moving on would take more than its budget.
 enum class WhenBlocked {
-    stall,        ///< it presses on with its budget, and its clock slows down to what the body achieves
-    yield,        ///< after a while it runs backwards, and forwards again once it is back at its beginning
-    breakThrough  ///< after a while it destroys the dynamic body that bears most of its budget
+    stall,        ///< presses with its budget; its clock slows down to what the body achieves
+    yield,        ///< after `patience` runs backwards, and forwards again once it is back at its beginning
+    breakThrough  ///< after `patience` destroys the dynamic body that bears most of its force
 };
 inline constexpr std::array<std::string_view, 3> kWhenBlockedNames{"stall", "yield", "break"};
 constexpr const std::array<std::string_view, 3>& enumNames(WhenBlocked) { return kWhenBlockedNames; }
@@ -28,32 +28,32 @@ struct AnimationKey {
     Pose pose{};      ///< of the body, in its carrier
 };
 
-/// A body that follows an animation as a kinematic one does, but gives no more than its budget to what it meets.
+/// A dynamic body that follows an animation as a kinematic one would, with a bounded force on what it meets.
 struct AnimatedBodyDef {
     BodyId body{};     ///< dynamic
-    BodyId carrier{};  ///< what the poses are relative to, and what bears the reaction; null: the world
-    /// At least two, the first at 0 s, later ones later. Between them it eases out and in, s = 3t² − 2t³.
+    BodyId carrier{};  ///< the body that poses are relative to and that bears the reaction; null: the world
+    /// At least two, at rising times from 0 s on. Between two keys the share of the way is 3t² − 2t³, t from 0 to 1.
     std::vector<AnimationKey> keys{};
-    bool loops = false;      ///< from the last key, which is where the first one is, on with the first
-    float maxForce = 1000;   ///< N, along its way and across it, beyond what its own motion takes
+    bool loops = false;      ///< goes on with the first key after the last one; their poses should be equal
+    float maxForce = 1000;   ///< N, along its path and across it, each beyond what its own motion takes
     float maxTorque = 1000;  ///< N m, likewise
     WhenBlocked whenBlocked = WhenBlocked::stall;
-    float patience = 0.2f;  ///< s of being blocked until it yields or breaks
+    float patience = 0.2f;  ///< s that it must be blocked before it yields or breaks
 };
 
-/// Empty when the definition is usable, its bodies aside; otherwise the complaint.
+/// Empty when the definition is usable (its bodies are not checked); otherwise says what is wrong.
 std::string whyInvalid(const AnimatedBodyDef& def);
 
 struct AnimationState {
-    double clock = 0;      ///< s; the body is where the animation is at this time
-    float rate = 0;        ///< of the clock in the last step: 1, less when blocked, negative when it runs backwards
-    bool blocked = false;  ///< less than half of the way was possible in the last step
-    float force = 0;       ///< N, that the animation gave at the end of the last step
-    BodyId broken{};       ///< what it destroyed in the last step
+    double clock = 0;      ///< s, time of the animation that the body is at
+    float rate = 0;        ///< of the clock in the last step: 1; less when blocked; negative while it yields
+    bool blocked = false;  ///< the body came less than half as far as it should in the last step
+    float force = 0;       ///< N, on the body at the end of the last step
+    BodyId broken{};       ///< the body that it destroyed in the last step, or null
 };
 
-/// Plays an animation on a body. While it is in hand the body does not feel gravity; let go, it is a dynamic body as
-/// any other with the velocity that it had. The world must outlive this. Saved, restored and hashed with the world.
+/// Plays an animation on a body, which does not feel gravity meanwhile. Let go, it is a dynamic body like any other,
+/// with the velocity that it has. The world must outlive this object. Saved, restored and hashed with the world.
 class AnimatedBody {
 public:
     /// Throws std::invalid_argument that says what is wrong.
@@ -63,7 +63,7 @@ public:
     AnimatedBody& operator=(AnimatedBody&&) noexcept;
 
     AnimationState state() const;
-    /// Where the animation is at a time of its clock.
+    /// The pose of the animation at a time of its clock, in the carrier.
     Pose at(double clock) const;
     /// A paused animation holds the body where it is.
     void setPaused(bool paused);

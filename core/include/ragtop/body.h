@@ -14,8 +14,8 @@ namespace ragtop {
 
 enum class BodyType : std::uint8_t {
     fixed,      ///< never moves
-    kinematic,  ///< moves as its velocity says, pushes and is not pushed
-    dynamic,    ///< moves by forces
+    kinematic,  ///< moves by its velocity; pushes and is not pushed
+    dynamic,    ///< moves by forces and impulses
 };
 
 /// A shape on a body.
@@ -25,13 +25,13 @@ struct ShapeDef {
     float density = 1000.0f;  ///< kg/m³
     Material material{};
     Filter filter{};
-    bool sensor = false;         ///< reports overlaps, feels nothing
+    bool sensor = false;         ///< reports overlaps and has no contacts
     bool reportsMotion = false;  ///< emits impact, slide and roll events (sound, skid marks)
-    std::uint64_t userData = 0;
+    std::uint64_t userData = 0;  ///< the caller's
 };
 
-/// Movements a body does not make, in world axes. The planar lock of a 2-D game is z of translation, x and y of
-/// rotation.
+/// Movements that a body does not make, in world axes. A game in the x-y plane locks translation along z and rotation
+/// about x and y.
 struct AxisLocks {
     bool translationX = false, translationY = false, translationZ = false;
     bool rotationX = false, rotationY = false, rotationZ = false;
@@ -49,10 +49,10 @@ struct BodyDef {
     float angularDamping = 0.0f;  ///< 1/s
     float gravityScale = 1.0f;
     AxisLocks locks{};
-    bool continuous = true;     ///< does not pass through static shapes at any speed
+    bool continuous = true;     ///< does not pass through fixed shapes at any speed
     bool bullet = false;        ///< nor through moving ones
     bool allowSleep = true;
-    std::optional<MassProperties> mass{};  ///< instead of what shapes and densities give
+    std::optional<MassProperties> mass{};  ///< in the body's frame; empty: from shapes and densities
     std::uint64_t userData = 0;
 };
 

@@ -10,13 +10,13 @@
 
 namespace ragtop {
 
-/// Changes to a world, recorded by a job and applied later by World::apply. Each job has a buffer of its own with a
-/// key of its own; keys, not threads, decide the order, so results are reproducible.
+/// Changes to a world, recorded by a job and applied later by World::apply. Each job has its own buffer with its own
+/// key. Keys, not threads, decide the order, so results are reproducible. The calls are those of World.
 class CommandBuffer {
 public:
     explicit CommandBuffer(std::uint64_t key) : key_(key) {}
 
-    /// The place of the created body's id in created() after World::apply.
+    /// Returns the place in created() where the body's id is after World::apply.
     std::size_t create(BodyDef def);
     void destroy(BodyId body);
     void applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point);
@@ -28,9 +28,10 @@ public:
     void destroy(JointId joint);
 
     std::uint64_t key() const { return key_; }
+    /// Ids of what was created by the last World::apply, in the order of the calls; null where one threw.
     const std::vector<BodyId>& created() const { return created_; }
     const std::vector<JointId>& createdJoints() const { return createdJoints_; }
-    void clear();
+    void clear();  ///< forgets all commands, for the next frame
 
 private:
     friend class World;

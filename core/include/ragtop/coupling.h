@@ -8,34 +8,34 @@
 #include "ragtop/joint_parts.h"
 #include "ragtop/tunables.h"
 
-/// Couplings between joints: gears, racks, pulleys, differentials, tendons. A coupling acts along one coordinate, the
-/// sum of coordinates of joints times their ratios, and pushes each joint between its own two bodies, so that whatever
-/// carries the joints feels its share.
+/// Couplings between joints: gears, racks, pulleys, differentials, tendons. A coupling acts on one number, the sum of
+/// coordinates of joints times their ratios. It pushes each joint between that joint's own two bodies, so the bodies
+/// that carry the joints feel the reaction.
 namespace ragtop {
 
-/// One of the coordinates that World::state tells of a joint.
+/// One term of the sum: a coordinate of a joint, as World::state has it, and its ratio.
 struct CoupledCoordinate {
     JointId joint{};
-    int coordinate = 0;  ///< which: 0 is `coordinate`, 1 `second`, 2 `third`; 3 to 5 the travels of a SixDofDef
-    float ratio = 1;     ///< in the sum; not zero
+    int coordinate = 0;  ///< of JointState: 0 `coordinate`, 1 `second`, 2 `third`; 3 to 5 the travels of a SixDofDef
+    float ratio = 1;     ///< by which it is multiplied; not zero
 };
 
 /// Hinge, slider, distance, cylindrical, universal, plane, screw, path and six-degree-of-freedom joints have
 /// coordinates to couple. Those that turn count all their turns.
 struct CouplingDef {
     static constexpr int kMostParts = 4;
-    int count = 0;  ///< 1 to 4
+    int count = 0;  ///< terms in use, 1 to 4
     std::array<CoupledCoordinate, kMostParts> parts{};
-    /// What acts along the sum: a limit with equal ends makes gears of it, a range or a spring a tendon. In the unit of
-    /// the coordinates times their ratios.
+    /// What acts along the sum, in the unit of the coordinates times their ratios. A limit with equal ends makes a
+    /// gear, a range or a spring a tendon.
     AxisDef sum{};
     std::uint64_t userData = 0;
 };
 
-/// `driven` turns `ratio` times as far as `driver`: minus the teeth of the driver over those of the driven wheel where
-/// two wheels mesh outside. From where both are zero.
+/// `driven` turns `ratio` times as far as `driver`, measured from where both are zero. For two wheels that mesh outside
+/// the ratio is minus the teeth of the driver over those of the driven wheel.
 CouplingDef gear(JointId driver, JointId driven, float ratio);
-/// The slider `rack` travels `radius` (m, above zero or below) per radian of the hinge `pinion`.
+/// The slider `rack` travels `radius` (m, of either sign, not zero) per radian of the hinge `pinion`.
 CouplingDef rackAndPinion(JointId pinion, JointId rack, float radius);
 /// A rope from one body over pulleys to another: a + ratio · b stays up to `length`, m, where `a` and `b` are distance
 /// joints, without limits of their own, from a pulley to what hangs from it. `ratio` is the number of strands that
@@ -48,15 +48,15 @@ void describe(Visitor& visit, Self& self, const CoupledCoordinate*) {
     visit(Tunable{"ratio", "", -1e6, 1e6, "how often it counts in the sum"}, self.ratio);
 }
 
-/// Empty when the definition is usable, its joints aside; otherwise names the field, its value and what is allowed.
+/// Empty when the definition is usable (its joints are not checked); otherwise names field, value and what is allowed.
 std::string whyInvalid(const CouplingDef& def);
 
 /// What a coupling does, at the end of the last step.
 struct CouplingState {
     double sum = 0;         ///< of the coordinates
     double speed = 0;       ///< its rate
-    float force = 0;        ///< N or N m, towards larger sums; times its ratio, on a coordinate
-    float limitMargin = 0;  ///< to the nearer limit, negative beyond it; infinite without limits
+    float force = 0;        ///< N or N m, towards larger sums; a coordinate gets it times its ratio
+    float limitMargin = 0;  ///< of the sum to the nearer limit, negative beyond it; infinite without limits
 };
 
 }  // namespace ragtop

@@ -11,13 +11,14 @@ namespace ragtop {
 /// 0xRRGGBB.
 using Color = std::uint32_t;
 
-/// The colour of an island by its first body (World::islands); of sleeping bodies where that is null.
+/// The colour of the island with this first body (World::islands); for a null id that of sleeping bodies.
 Color islandColor(BodyId first);
 
-/// What World::draw calls; derive from it to show a world. Every function does nothing by default.
+/// The interface that World::draw calls; derive from it to show a world. Positions and sizes are in m. By default every
+/// function does nothing.
 class DebugDraw {
 public:
-    struct Options {
+    struct Options {  ///< what is drawn
         bool shapes = true, contacts = false, joints = false, bounds = false, centers = false, islands = false;
     };
     Options options;

@@ -5,8 +5,8 @@
 #include "ragtop/id.h"
 #include "ragtop/math.h"
 
-/// What happened in the last step. Spans of events are valid until the next step and come in an order that depends
-/// on the scene alone.
+/// What happened in the last step. Spans of events are valid until the next step; their order depends on the scene
+/// alone.
 namespace ragtop {
 
 /// Two shapes that began or ended touching.
@@ -16,12 +16,12 @@ struct ContactEvent {
     bool operator==(const ContactEvent&) const = default;
 };
 
-/// What two touching surfaces do to each other, for shapes that report their motion: for sounds, sparks, skid marks.
+/// An impact, slide or roll of two surfaces, for shapes with `reportsMotion`: for sounds, sparks, skid marks.
 struct SurfaceEvent {
     enum class Kind : std::uint8_t {
         impact,  ///< they met in this step at `speed` along the normal
         slide,   ///< they slide past each other at `speed`
-        roll,    ///< one rolls on the other; `speed` is of the contact point along the surface
+        roll,    ///< one rolls on the other; `speed` is that of the contact point along the surface
     };
     Kind kind = Kind::impact;
     ShapeId shapeA, shapeB;
@@ -39,13 +39,13 @@ struct SleepEvent {
     bool asleep = false;
 };
 
-/// A joint that broke under more than its definition allows. It exists no more.
+/// A joint that broke under more force or torque than its definition allows; it has been destroyed.
 struct JointBreak {
     JointId joint;
     BodyId bodyA, bodyB;         ///< null: the world
     std::uint64_t userData = 0;  ///< of the joint
-    Vec3 force;                  ///< N, that A exerted on B, mean over the step
-    Vec3 torque;                 ///< N m
+    Vec3 force;                  ///< N, of A on B, mean over the step
+    Vec3 torque;                 ///< N m, likewise
 };
 
 /// One contact point as the solver left it.
@@ -55,7 +55,7 @@ struct ContactPoint {
     float impulse = 0;     ///< N s along the normal, during the last substep
 };
 
-/// A touching pair, or one direction of it where a pair touches in several.
+/// A manifold: a pair that touches, or one direction of it where a pair touches in several.
 struct Contact {
     ShapeId shapeA, shapeB;
     BodyId bodyA, bodyB;

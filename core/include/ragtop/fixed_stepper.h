@@ -40,14 +40,14 @@ public:
     };
     Steps advance(double frameTime);
 
-    /// Share of a step that has passed since the last one, in [0, 1).
+    /// Time since the last step over the step, in [0, 1).
     double blendFactor() const { return accumulator_ / step_; }
     /// Seconds that were dropped so far because frames took longer than maxSteps.
     double dropped() const { return dropped_; }
 
     /// Keeps the poses before a step; call it before World::step.
     void remember(const World& world);
-    /// The pose of a body to draw now, between the remembered and the current one.
+    /// The pose at which to draw a body now, between the remembered and the current one.
     Pose blended(const World& world, BodyId body) const;
 
 private:

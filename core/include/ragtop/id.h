@@ -4,8 +4,8 @@
 
 namespace ragtop {
 
-/// A name for an object in a world: an index that is reused and a generation that is not, so that the id of a
-/// destroyed object never names its successor. A default id names nothing.
+/// Names an object in a world by an index, which is reused, and a generation, which is not: the id of a destroyed
+/// object never names its successor. A default id is null and names nothing.
 template <class Tag>
 struct Id {
     std::uint32_t index = 0;

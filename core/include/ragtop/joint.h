@@ -10,41 +10,41 @@
 #include "ragtop/math.h"
 #include "ragtop/tunables.h"
 
-/// Joints between two bodies, or between a body and the world (a null id). Frames are in body space; the x axis of
-/// a joint frame is the hinge, slide or twist axis, and the joint's zero is where both frames agree.
+/// Joints between two bodies, or between a body and the world (a null id). Joint frames are given in their bodies. The
+/// x axis of a joint frame is the hinge, slide or twist axis; coordinates are zero where both frames agree.
 namespace ragtop {
 
 /// What a joint joins.
 struct JointBodies {
-    BodyId a{}, b{};                    ///< a null id is the world, at its origin; not both
+    BodyId a{}, b{};                    ///< null: the world, whose frame is at its origin; not both
     Frame frameA{}, frameB{};           ///< the joint's frame in each body, relative to the body's pose
     bool collide = false;               ///< do the two bodies collide with each other?
-    float breakForce = kNoForceLimit;   ///< N, mean over a step; beyond it the joint is destroyed
+    float breakForce = kNoForceLimit;   ///< N, mean over a step; beyond it the joint breaks (World::jointBreaks)
     float breakTorque = kNoForceLimit;  ///< N m, the same
     std::uint64_t userData = 0;
 };
 
-/// Holds two points together; swing and twist may be limited, resisted or driven. Of the shapes of the swing limit at
-/// most one may be given.
+/// Holds two points together; swing and twist may be limited, resisted or driven. At most one of the four swing limits
+/// may be given.
 struct BallDef {
     JointBodies bodies{};
     std::optional<float> swingLimit{};           ///< rad, half angle of the cone of B's x axis about A's, in (0, π)
     std::optional<SwingEllipse> swingEllipse{};  ///< a cone with two half angles
-    std::optional<SwingPyramid> swingPyramid{};  ///< apart about y and z
+    std::optional<SwingPyramid> swingPyramid{};  ///< a range about y and one about z
     std::optional<ReachPolygon> reach{};         ///< any spherical polygon, with a twist range of its own
     std::optional<Range> twistLimit{};           ///< rad, within [−π, π]
-    Stop stop{};                                 ///< of all of these
+    Stop stop{};                                 ///< how all of these limits stop what meets them
     float friction = 0;                          ///< N m, dry friction torque
-    std::optional<Bearing> bearing{};            ///< its other friction; the reaction counts as a whole
+    std::optional<Bearing> bearing{};            ///< other friction; of the reaction in any direction
     std::optional<Spring> spring{};              ///< pulls B's rotation in A to `target`, the shortest way
-    std::optional<Spring> twistSpring{};         ///< turns about the twist axis; then `spring` swings alone
-    Quat target{};                               ///< of B's joint frame in A's
-    Vec3 targetSpeed{};                          ///< rad/s, at which the target turns, in A's joint frame
-    Vec3 feedForward{};                          ///< N m, that the spring adds, in A's joint frame
-    float maxSpringTorque = 3.4e38f;             ///< N m
+    std::optional<Spring> twistSpring{};         ///< of the twist alone; `spring` then acts on the swing alone
+    Quat target{};                               ///< rotation of B's joint frame in A's that the springs pull to
+    Vec3 targetSpeed{};                          ///< rad/s, angular velocity of the target, in A's joint frame
+    Vec3 feedForward{};                          ///< N m, added to the spring's torque, in A's joint frame
+    float maxSpringTorque = 3.4e38f;             ///< N m, of springs and feed-forward together
 };
 
-/// Joins at a point and an axis.
+/// Joins two bodies at a point and an axis: B turns about the x axis.
 struct HingeDef {
     JointBodies bodies{};
     std::optional<Range> limit{};      ///< rad; the angle is unwrapped and may be many turns
@@ -56,7 +56,7 @@ struct HingeDef {
     std::optional<Bearing> bearing{};  ///< its other friction
 };
 
-/// Slides along the x axis without turning.
+/// B slides along A's x axis without turning.
 struct SliderDef {
     JointBodies bodies{};
     std::optional<Range> limit{};      ///< m
@@ -68,13 +68,13 @@ struct SliderDef {
     std::optional<Bearing> bearing{};  ///< its other friction
 };
 
-/// Welds two bodies.
+/// Welds two bodies together.
 struct FixedDef {
     JointBodies bodies{};
 };
 
-/// Keeps the distance of the two frame origins within a range (a rod when both ends are equal, a rope when the lower
-/// one is zero), or springs it.
+/// Keeps the distance of the two frame origins within a range, or pulls it to a rest length by a spring. A range with
+/// equal ends is a rod, one from zero a rope.
 struct DistanceDef {
     JointBodies bodies{};
     std::optional<Range> limit{};    ///< m, not negative
@@ -83,30 +83,30 @@ struct DistanceDef {
     float rest = 0;                  ///< m
 };
 
-/// Turns about the x axes and slides along them.
+/// B turns about A's x axis and slides along it.
 struct CylindricalDef {
     JointBodies bodies{};
     AxisDef turn{}, travel{};  ///< rad, m
 };
 
-/// Two shafts that cross: turns about A's x axis and about B's y axis, which stay at a right angle.
+/// A cross between two shafts: B turns about A's x axis and about its own y axis, which stay at a right angle.
 struct UniversalDef {
     JointBodies bodies{};
     AxisDef first{}, second{};  ///< rad, about A's x and about B's y
 };
 
-/// Slides in A's y-z plane and turns about its normal x.
+/// B slides in A's y-z plane and turns about its normal, x.
 struct PlaneDef {
     JointBodies bodies{};
     AxisDef y{}, z{}, turn{};  ///< m, m, rad
 };
 
-/// A nut on a thread: travels along the x axis by the pitch with each turn.
+/// A nut on a thread: B travels along A's x axis by the pitch with each turn.
 struct ScrewDef {
     JointBodies bodies{};
     float pitch = 0.01f;  ///< m per turn, negative for a left-handed thread
-    AxisDef turn{};       ///< rad; its bearing's coefficient acts on the flanks of the thread, whose mean radius is
-                          ///< `pinRadius`
+    AxisDef turn{};       ///< rad; the bearing's coefficient is that of the thread's flanks, `pinRadius` their mean
+                          ///< radius
 };
 
 /// Keeps B's frame origin on a curve that is fixed in A's frame.
@@ -114,13 +114,13 @@ struct PathDef {
     JointBodies bodies{};
     Curve curve{};
     bool align = false;  ///< B's x axis points along the curve; B still rolls about it
-    AxisDef travel{};  ///< m along the curve from its first point; laps of a closed one add up. An open one is limited
-                       ///< to its length anyway.
+    AxisDef travel{};  ///< m along the curve from its first point. Laps of a closed one add up; an open one ends at its
+                       ///< last point.
 };
 
-/// Each degree of freedom as asked: a limit with equal ends locks it. The rotation of B in A is a swing after a twist:
-/// the twist about x, the swing as a rotation vector across x. Up to a swing of 2.5 rad; beyond, what acts along the
-/// swing fades.
+/// All six degrees of freedom, each as its AxisDef says; a limit with equal ends locks one. The rotation of B in A is a
+/// twist about x, then a swing, a rotation vector across x. Beyond a swing of 2.5 rad the forces along the swing fade,
+/// since its direction is undefined at a half turn.
 struct SixDofDef {
     JointBodies bodies{};
     AxisDef x{}, y{}, z{};                ///< m, along A's axes
@@ -130,14 +130,14 @@ struct SixDofDef {
 using JointDef = std::variant<BallDef, HingeDef, SliderDef, FixedDef, DistanceDef, CylindricalDef, UniversalDef,
                               PlaneDef, ScrewDef, PathDef, SixDofDef>;
 
-/// What pulls a ball or a hinge from now on, in the stead of its springs: for callers that set all joints of a ragdoll
-/// in every step (World::setDrives).
+/// The spring of a ball or hinge, as World::setDrives sets it from now on: for callers that drive all joints of a
+/// ragdoll in every step.
 struct JointDrive {
     JointId joint{};
-    Quat target{};                     ///< balls: of B's joint frame in A's
-    float angle = 0;                   ///< hinges: rad, unwrapped
-    Vec3 speed{};                      ///< rad/s, at which the target turns, in A's joint frame; of hinges about x
-    Vec3 feedForward{};                ///< N m, that is added, likewise
+    Quat target{};                     ///< balls: rotation of B's joint frame in A's to pull to
+    float angle = 0;                   ///< hinges: rad to pull to, unwrapped
+    Vec3 speed{};                      ///< rad/s of the target, in A's joint frame; hinges use x
+    Vec3 feedForward{};                ///< N m, added to the spring's torque, in A's joint frame; hinges use x
     float stiffness = 0;               ///< N m/rad
     float damping = 0;                 ///< N m s/rad
     float maxTorque = kNoForceLimit;   ///< N m, of all of it together
@@ -233,20 +233,20 @@ void describe(Visitor& visit, Self& self, const SixDofDef*) {
 /// Empty when the definition is usable; otherwise names the field, its value and what is allowed.
 std::string whyInvalid(const JointDef& def);
 
-/// What a joint does, in the world's axes, at the end of the last step.
+/// What a joint does at the end of the last step, in world axes.
 struct JointState {
-    Vec3 force;            ///< N, that A exerts on B
+    Vec3 force;            ///< N, of A on B
     Vec3 torque;           ///< N m, about B's frame origin
-    /// rad of a hinge, unwrapped, m of a slider, distance or path, rad of twist of a ball or six-degree-of-freedom
-    /// joint
+    /// Angle of a hinge, screw or cylindrical joint (rad, unwrapped), travel of a slider or path, distance (m), first
+    /// angle of a universal joint, turn of a plane, twist of a ball or six-degree-of-freedom joint (rad).
     float coordinate = 0;
     /// Travel of a cylindrical joint, second angle of a universal one, y and z of a plane, swing of a
     /// six-degree-of-freedom joint.
     float second = 0, third = 0;
     Vec3 travel;            ///< m, of a six-degree-of-freedom joint, along A's axes
-    float speed = 0;        ///< its rate
+    float speed = 0;        ///< rate of `coordinate`
     float swing = 0;        ///< rad, balls only
-    float gap = 0;          ///< m, between the points that should be one
+    float gap = 0;          ///< m, between the anchors that should coincide
     float limitMargin = 0;  ///< rad or m to the nearest limit, negative beyond it; infinite without limits
 };
 

@@ -6,11 +6,11 @@
 #include "ragtop/math.h"
 #include "ragtop/tunables.h"
 
-/// What joints are made of: ranges with stops, springs, motors, friction. Units are those of the coordinate they act
-/// along: m and N, or rad and N m.
+/// What joints are made of: ranges with stops, springs, motors, friction. Units are those of the coordinate that they
+/// act along: m and N, or rad and N m.
 namespace ragtop {
 
-/// Stands for no bound on a force or torque.
+/// No bound on a force or torque.
 inline constexpr float kNoForceLimit = 3.4e38f;
 
 /// A closed range, in the unit of what it limits.
@@ -19,39 +19,39 @@ struct Range {
 };
 
 /// Pulls a coordinate to its target with the force k (target − x) + d (speed − ẋ) + feed-forward. Alone on its
-/// coordinate it moves as the exact damped oscillator does, at any step up to one substep per radian of its
-/// frequency, and stays stable beyond.
+/// coordinate it follows the exact damped oscillator while ω h ≤ 1, with h the substep, and is implicit and stable
+/// beyond (docs/adr/0038).
 struct Spring {
     float stiffness = 0;  ///< N/m or N m/rad
     float damping = 0;    ///< N s/m or N m s/rad
-    /// Hz. Above zero, it and `dampingRatio` replace stiffness and damping, for whatever inertia the joint moves.
+    /// Hz. Above zero, it and `dampingRatio` replace stiffness and damping, for the inertia that the joint moves.
     float frequency = 0;
     float dampingRatio = 1;
-    float speed = 0;                 ///< m/s or rad/s, at which the target moves: what damping compares with
-    float feedForward = 0;           ///< N or N m, added
-    float maxForce = kNoForceLimit;  ///< N or N m, of all of it together
+    float speed = 0;                 ///< m/s or rad/s, of the target: damping acts on the difference from it
+    float feedForward = 0;           ///< N or N m, added to the spring's force
+    float maxForce = kNoForceLimit;  ///< N or N m, bound of the sum
 };
 
 /// Drives a speed with a bounded force or torque.
 struct Motor {
     float targetSpeed = 0;              ///< m/s or rad/s
     float maxForce = 0;                 ///< N or N m, in both directions unless `maxReverse` is given
-    std::optional<float> maxReverse{};  ///< N or N m, of what pushes towards lower coordinates
+    std::optional<float> maxReverse{};  ///< N or N m, bound towards lower coordinates
 };
 
-/// How the ends of a range meet what runs into them.
+/// How the ends of a range stop what runs into them: hard, with restitution, or as a damped spring.
 struct Stop {
-    float restitution = 0;  ///< rebound speed over impact speed, of a hard stop
+    float restitution = 0;  ///< of a hard stop: rebound speed over impact speed
     float stiffness = 0;    ///< N/m or N m/rad beyond the end of the range; 0: a hard stop
     float damping = 0;      ///< N s/m or N m s/rad, of a soft stop
 };
 
 /// Friction of a joint beside its dry friction.
 struct Bearing {
-    float breakaway = 0;    ///< N or N m by which friction at rest exceeds that of motion
-    float viscous = 0;      ///< N s/m or N m s/rad
-    float coefficient = 0;  ///< of the friction that the joint's reaction across the axis gives
-    float pinRadius = 0;    ///< m, its lever about the axis; of no use where the joint slides
+    float breakaway = 0;    ///< N or N m, by which friction at rest exceeds friction in motion
+    float viscous = 0;      ///< N s/m or N m s/rad, friction per speed
+    float coefficient = 0;  ///< friction over the joint's reaction across the axis
+    float pinRadius = 0;    ///< m, lever of that friction about the axis; unused where the joint slides
 };
 
 /// All that may act along one free coordinate of a joint.
@@ -65,18 +65,18 @@ struct AxisDef {
     std::optional<Bearing> bearing{};  ///< its other friction
 };
 
-/// Half angles of a cone about A's x axis, as the x axis of B turns towards y and z: the swing (s_y, s_z), its angle
-/// along its direction, keeps (s_y/y)² + (s_z/z)² ≤ 1.
+/// An elliptic cone about A's x axis. The swing of B's x axis, as a vector (s_y, s_z) of its angle along its direction,
+/// keeps (s_y/y)² + (s_z/z)² ≤ 1.
 struct SwingEllipse {
-    float y = 1, z = 1;  ///< rad
+    float y = 1, z = 1;  ///< rad, half angles
 };
 
-/// Bounds of the swing about y and about z apart, each within a quarter turn; a reach polygon goes further.
+/// Ranges of the swing about y and about z, each within a quarter turn; a reach polygon may go further.
 struct SwingPyramid {
     Range y{-1, 1}, z{-1, 1};  ///< rad
 };
 
-/// A corner of a reach polygon: a direction of B's x axis in A's frame and the twist that it allows.
+/// A corner of a reach polygon: a direction of B's x axis in A's frame, and the range of twist there.
 struct ReachCorner {
     Vec3 direction{1, 0, 0};  ///< need not have unit length
     Range twist{-3.1415f, 3.1415f};
@@ -91,8 +91,8 @@ struct ReachPolygon {
     std::array<ReachCorner, kMostCorners> corners{};
 };
 
-/// A smooth curve through some points: the cubic spline whose curvature has no jumps [de Boor, A Practical Guide to
-/// Splines, 1978], by the chords between them; it ends straight.
+/// A cubic spline through points, with continuous curvature [de Boor, A Practical Guide to Splines, 1978], parametrised
+/// by the chords between them; an open one has no curvature at its ends.
 struct Curve {
     static constexpr int kMostPoints = 16;
     int count = 0;                           ///< 2 to 16, of a closed curve at least 3

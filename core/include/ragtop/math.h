@@ -4,7 +4,7 @@
 #include <cstdint>
 
 /// Plain vector types. SI units, right-handed, Y up, angles in radians (docs/notation.md).
-/// Everything relative is single precision; positions in the world are double.
+/// Positions in the world are double precision; everything relative to something near is single (docs/adr/0001).
 namespace ragtop {
 
 inline constexpr float kPi = 3.14159265358979f;
@@ -71,7 +71,7 @@ constexpr DVec3 operator*(double s, const DVec3& a) { return {s * a.x, s * a.y, 
 constexpr DVec3 operator+(const DVec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 constexpr DVec3 operator-(const DVec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 constexpr Vec3 toVec3(const DVec3& a) { return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)}; }
-/// a − b as a short vector.
+/// a − b, subtracted in double and rounded once.
 constexpr Vec3 relative(const DVec3& a, const DVec3& b) { return toVec3(a - b); }
 inline bool isFinite(const DVec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
@@ -130,7 +130,7 @@ constexpr Mat3 operator+(const Mat3& a, const Mat3& b) { return {a.cx + b.cx, a.
 constexpr Mat3 transpose(const Mat3& m) {
     return {{m.cx.x, m.cy.x, m.cz.x}, {m.cx.y, m.cy.y, m.cz.y}, {m.cx.z, m.cy.z, m.cz.z}};
 }
-/// What `rotate` makes of the axes.
+/// The rotation as a matrix: its columns are the rotated axes.
 constexpr Mat3 toMat3(const Quat& q) {
     const float x2 = 2 * q.x, y2 = 2 * q.y, z2 = 2 * q.z;
     const float xx = q.x * x2, yy = q.y * y2, zz = q.z * z2, xy = q.x * y2, xz = q.x * z2, yz = q.y * z2;
@@ -138,7 +138,7 @@ constexpr Mat3 toMat3(const Quat& q) {
     return {{1 - (yy + zz), xy + wz, xz - wy}, {xy - wz, 1 - (xx + zz), yz + wx}, {xz + wy, yz - wx, 1 - (xx + yy)}};
 }
 
-/// A frame relative to another one, both near.
+/// A frame relative to another one that is near.
 struct Frame {
     Vec3 position;
     Quat rotation;
@@ -155,7 +155,7 @@ constexpr Frame inverse(const Frame& f) {
     return {inverseRotate(f.rotation, -f.position), conjugate(f.rotation)};
 }
 
-/// Where something is in the world.
+/// Position and rotation of something in the world.
 struct Pose {
     DVec3 position;
     Quat rotation;

@@ -14,22 +14,22 @@ struct Ray {
     Vec3 translation{};  ///< m, from start to end
 };
 
-/// Which shapes a query sees: category must meet the shape's mask and mask its category.
+/// Which shapes a query sees: its category must meet the shape's mask, and its mask the shape's category.
 struct QueryFilter {
     std::uint32_t category = 0xffffffffu;
     std::uint32_t mask = 0xffffffffu;
-    BodyId ignore{};         ///< a body it does not see
+    BodyId ignore{};         ///< a body that is not seen; null: none
     bool sensors = false;  ///< see sensors too
 };
 
-/// The nearest thing a query met. `fraction` is the share of the translation travelled, 0 when it starts inside.
+/// The nearest shape that a query met.
 struct Hit {
     ShapeId shape;  ///< null: nothing was met
     BodyId body;
-    float fraction = 1;
-    DVec3 point;
-    Vec3 normal;                 ///< of the surface met, towards the ray's origin
-    std::uint32_t triangle = 0;  ///< of a mesh or height field
+    float fraction = 1;  ///< share of the translation travelled; 0 when the query starts inside
+    DVec3 point;         ///< m, in the world
+    Vec3 normal;                 ///< of the surface, towards the side that the query comes from
+    std::uint32_t triangle = 0;  ///< index, of a mesh or height field
     std::uint32_t surface = 0;   ///< Material::surface there
 
     explicit operator bool() const { return !shape.isNull(); }

@@ -10,36 +10,36 @@
 
 namespace ragtop {
 
-/// Who solves the constraints of an island, bodies that joints and contacts link.
+/// How islands are solved: groups of moving bodies that contacts and joints connect.
 enum class SolverChoice : std::int32_t {
-    automatic,  ///< iteration, and the direct solver for islands that need it
-    iterative,  ///< iteration everywhere
-    direct,     ///< the direct solver wherever it fits
+    automatic,  ///< by iteration, and directly where iteration would not hold (docs/adr/0016)
+    iterative,  ///< by iteration everywhere
+    direct,     ///< directly wherever an island is small enough
 };
 
 /// Names in files, in the order of the values.
 constexpr std::array<std::string_view, 3> enumNames(SolverChoice) { return {"automatic", "iterative", "direct"}; }
 
-/// How a world moves. Lengths and speeds inside are relative to the size of what touches and to gravity and step, so
-/// a scene of other size needs no other settings. May be changed between steps.
+/// How a world moves. Tolerances inside are shares of the size of what touches, of gravity and of the step, so a scene
+/// of another size needs no other settings. May be changed between steps.
 struct WorldSettings {
     Vec3 gravity{0, -9.81f, 0};         ///< m/s²
     int substeps = 4;                   ///< solver substeps per step
-    bool sleeping = true;               ///< islands at rest cost nothing
+    bool sleeping = true;               ///< islands at rest fall asleep and cost nothing
     bool continuous = true;             ///< fast bodies do not pass through walls
-    float contactFrequency = 0.125f;    ///< of soft contacts, times the substep rate
+    float contactFrequency = 0.125f;    ///< of soft contacts, over the substep rate
     float contactDamping = 10.0f;       ///< damping ratio of soft contacts between moving bodies
-    float staticContactDamping = 5.0f;  ///< the same against static bodies, which are twice as stiff
-    float jointFrequency = 0.25f;       ///< of joints, times the substep rate
+    float staticContactDamping = 5.0f;  ///< the same against fixed bodies, with twice the frequency
+    float jointFrequency = 0.25f;       ///< of joints, over the substep rate
     float jointDamping = 2.0f;          ///< damping ratio of joints
-    float loadGain = 0.002f;            ///< share of a contact's load carried into the next step's rest point
-    float staticLoadGain = 0.03f;       ///< the same against static bodies
+    float loadGain = 0.002f;            ///< share of λ − λ̂ by which the load λ̂ of a contact follows its impulse per step
+    float staticLoadGain = 0.03f;       ///< the same against fixed bodies, at most
     SolverChoice solver = SolverChoice::automatic;
-    float pushOut = 0.03f;              ///< speed that an overlap adds at most to what the load takes, in sizes per step
-    bool sequentialFriction = false;    ///< friction after all normal forces instead of beside each
-    float restitutionSpeed = 2.0f;      ///< slowest impact that bounces, in speeds gravity gives per step
-    float sleepTime = 0.5f;             ///< s at rest before an island sleeps
-    float sleepSpeed = 0.02f;           ///< at rest below this, times √(gravity · size)
+    float pushOut = 0.03f;              ///< largest speed that an overlap adds to what the load takes, sizes per step
+    bool sequentialFriction = false;    ///< friction after the normal rows of all contacts, not after those of each
+    float restitutionSpeed = 2.0f;      ///< slowest impact that bounces, over gravity · step
+    float sleepTime = 0.5f;             ///< s that an island must be at rest before it sleeps
+    float sleepSpeed = 0.02f;           ///< a body is at rest below this speed, over √(gravity · size)
 };
 
 template <class Visitor, class Self>
@@ -60,9 +60,8 @@ void describe(Visitor& visit, Self& self, const WorldSettings*) {
     visit(Tunable{"loadGain", "1", 0, 0.05, "share of a contact's load carried into its rest point per step"},
           self.loadGain);
     visit(Tunable{"staticLoadGain", "1", 0, 0.05, "the same of contacts with static bodies"}, self.staticLoadGain);
-    visit(
-        Tunable{"solver", "", 0, 0, "who solves: chosen per island, iteration everywhere, or direct wherever it fits"},
-        self.solver);
+    visit(Tunable{"solver", "", 0, 0, "how islands are solved: chosen for each, by iteration, or directly"},
+          self.solver);
     visit(Tunable{"pushOut", "sizes/step", 0.001, 10, "largest speed that an overlap adds to what the load takes"}, self.pushOut);
     visit(Tunable{"sequentialFriction", "", 0, 1, "friction after all normal forces instead of beside each"},
           self.sequentialFriction);

@@ -11,27 +11,28 @@
 #include "ragtop/math.h"
 #include "ragtop/tunables.h"
 
-/// Shapes are values. Those with much data (hull, mesh, height field) share it, immutable, between copies.
+/// Shapes are values: copies of a hull, mesh or height field share its data, which never changes.
 namespace ragtop {
 
-/// How a number of two surfaces that meet is made of theirs. Where they ask for different rules, the later one holds.
+/// How the numbers of two surfaces that meet are combined. Of two different rules, the later in this list holds.
 enum class CombineRule : std::uint8_t { geometricMean, average, minimum, product, maximum };
 constexpr std::array<std::string_view, 5> enumNames(CombineRule) {
     return {"geometricMean", "average", "minimum", "product", "maximum"};
 }
+/// The number of two surfaces with these rules and values.
 float combined(CombineRule a, float valueA, CombineRule b, float valueB);
 
-/// What a surface does to what touches it. Two surfaces meet with frictions and restitutions as their rules combine them,
-/// the larger rolling and spinning resistance, the difference of their surface velocities, and the grain of the one
-/// whose friction depends more on direction.
+/// What a surface does to what touches it. For two surfaces, friction and restitution are combined by their rules; the
+/// larger rolling and spinning resistance, the difference of surface velocities, and the grain of the surface whose
+/// friction depends more on direction hold.
 struct Material {
     float friction = 0.6f;           ///< Coulomb coefficient at rest, along the grain where there is one
-    float slidingShare = 1.0f;       ///< the coefficient while sliding over that at rest
+    float slidingShare = 1.0f;       ///< coefficient while sliding over that at rest
     Vec3 grain{};                    ///< direction in the body's frame; zero: no grain
-    float crossFriction = 1.0f;      ///< the coefficient across the grain over that along it
+    float crossFriction = 1.0f;      ///< coefficient across the grain over that along it
     float restitution = 0.0f;        ///< speed after over speed before an impact
     float rollingResistance = 0.0f;  ///< resisting moment over normal force, m
-    float spinningResistance = 0.0f; ///< the same about the normal, for contacts at a point, m
+    float spinningResistance = 0.0f; ///< resisting moment about the normal over normal force, m
     CombineRule frictionRule = CombineRule::geometricMean;
     CombineRule restitutionRule = CombineRule::maximum;
     Vec3 surfaceVelocity{};            ///< m/s in the body's frame; a conveyor belt
@@ -57,8 +58,8 @@ void describe(Visitor& visit, Self& self, const Material*) {
     visit(Tunable{"surface", "", 0, 4294967295.0, "the caller's name for the surface"}, self.surface);
 }
 
-/// Who collides with whom: both masks must accept the other's category. Equal groups above zero always collide,
-/// equal groups below zero never do.
+/// Which shapes collide: each one's mask must meet the other's category. Shapes of one group above zero always collide,
+/// those of one group below zero never do.
 struct Filter {
     std::uint32_t category = 1;
     std::uint32_t mask = 0xffffffffu;
@@ -121,13 +122,13 @@ private:
     std::shared_ptr<const HullData> data_;
 };
 
-/// Three indices into the vertices, counter-clockwise seen from outside.
+/// Three indices into the vertices, counter-clockwise as seen from outside.
 struct Triangle {
     std::uint32_t a = 0, b = 0, c = 0;
 };
 
-/// A surface of triangles; collides on the counter-clockwise side. On dynamic bodies it is a solid of any form: closed,
-/// its triangles counter-clockwise seen from outside. One that is not needs the body's mass given and stays a thin sheet.
+/// A surface of triangles that collides on the side from which they are counter-clockwise. On a dynamic body it is a
+/// solid of any form and must be closed; an open one is a thin sheet, and its body's mass must be given.
 class TriangleMesh {
 public:
     /// `materialOfTriangle` is empty, or has one index per triangle into `materials` (then the shape's own material
@@ -138,7 +139,7 @@ public:
     const MeshData& data() const { return *data_; }
     std::span<const Vec3> vertices() const;
     std::span<const Triangle> triangles() const;
-    int degenerateCount() const;
+    int degenerateCount() const;  ///< triangles that were left out because they have no area
 
 private:
     std::shared_ptr<const MeshData> data_;
@@ -163,7 +164,7 @@ private:
 
 struct CompoundPart;
 
-/// Several shapes fixed to each other; on a body each part keeps its own bounds.
+/// Several shapes fixed to each other. On a body each part is a shape of its own, with its own id and bounds.
 struct Compound {
     std::vector<CompoundPart> parts;
 };
@@ -182,14 +183,14 @@ struct MassProperties {
     Mat3 inertia{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};  ///< kg m², about the centre, in the axes of that frame
 };
 
-/// Mass properties of a solid of uniform density (kg/m³). Height fields and meshes that are not closed have none and
-/// throw std::invalid_argument, which tells the edge that is open or the triangles that are turned round.
+/// Mass properties of a solid of uniform density (kg/m³). Throws std::invalid_argument for height fields and for meshes
+/// that are not closed, naming the edge that is open or the triangles that are inverted.
 MassProperties massOf(const Shape& shape, float density);
-/// The same about another frame, and of several things at once (parallel axes).
+/// The same, from `frame` to the frame around it; and the sum of several in one frame (parallel axes).
 MassProperties transformed(const MassProperties& m, const Frame& frame);
 MassProperties combined(std::span<const MassProperties> parts);
 
-/// Empty when the shape is usable; otherwise says which number is wrong and what is allowed.
+/// Empty when the shape is usable; otherwise names the number that is wrong and what is allowed.
 std::string whyInvalid(const Shape& shape);
 
 }  // namespace ragtop

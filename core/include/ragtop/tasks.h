@@ -4,13 +4,13 @@
 
 namespace ragtop {
 
-/// How a world uses threads: one function that runs `count` tasks, possibly at once, and returns when all have
-/// ended. Wrap a game's job system in it. A task that starts late, or only after the others have ended, is fine.
-/// Results of a step do not depend on it. Calls never nest.
+/// How a world uses threads: one function that runs `count` tasks, possibly at once, and returns when all have ended. A
+/// game's job system is wrapped in it. Tasks may start late, or only after others have ended. Results do not depend on
+/// it. Calls never nest. What a runner must keep is in docs/threading.md.
 struct TaskRunner {
     using Task = void (*)(void* context, int index);
 
-    int workers = 1;  ///< tasks that may run at once, the calling thread included; 1 to 64
+    int workers = 1;  ///< tasks that may run at once, the calling thread's included; 1 to 64
     void (*run)(void* user, int count, Task task, void* context) = nullptr;  ///< null: a loop on the calling thread
     void* user = nullptr;
     std::shared_ptr<void> keepAlive;  ///< owner of `user`, released with the world

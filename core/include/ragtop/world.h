@@ -25,88 +25,91 @@ namespace ragtop {
 class CommandBuffer;
 struct WorldImpl;
 
-/// What a world is made with and keeps.
+/// What a world is made with; it cannot be changed later.
 struct WorldConfig {
-    TaskRunner tasks{};                              ///< default: the calling thread
-    /// Width of the solver, 4, 8 or 16; 0: the machine's best. Without AVX2 it is 4 whatever is asked for.
+    TaskRunner tasks{};                              ///< threads of a step; default: the calling one
+    /// SIMD width of the solver: 4, 8 or 16; 0: the machine's best. Always 4 without AVX2. Changes no result.
     int lanes = 0;
-    /// Default: std::pmr::get_default_resource(). Outlives the world; with several workers it must be thread safe.
+    /// Null: std::pmr::get_default_resource(). Must outlive the world, and be thread safe where it has several workers.
     std::pmr::memory_resource* memory = nullptr;
-    int expectedBodies = 0;                        ///< memory set aside at creation
+    int expectedBodies = 0;                        ///< bodies for which memory is set aside at creation
 };
 
-/// A call of the filter or modify callback tells of one pair of shapes.
+/// The pair of shapes that a filter or modify callback is asked about.
 struct PairInfo {
     ShapeId shapeA, shapeB;
     BodyId bodyA, bodyB;
     std::uint64_t userDataA = 0, userDataB = 0;  ///< of the shapes
 };
-/// What a modify callback may change in a contact before it is solved.
+/// What a modify callback may change about a contact before it is solved; units as in Material.
 struct ContactSurface {
     float friction = 0, slidingShare = 1, restitution = 0, rollingResistance = 0, spinningResistance = 0;
-    Vec3 grain;               ///< world axes, of any length; zero: none
+    Vec3 grain;               ///< direction in world axes, of any length; zero: none
     float crossFriction = 1;  ///< the coefficient across the grain over that along it, above zero
     Vec3 surfaceVelocity;  ///< m/s, of B's surface relative to A's beyond the bodies' motion, world axes
-    bool enabled = true;
+    bool enabled = true;   ///< false: the contact does nothing in this step
 };
 
 /// Profiling zones and callbacks. Those marked (threads) run on several threads at once, must be thread safe, must
 /// not call the world, and must decide by their arguments alone so that results stay reproducible. None may throw.
 struct WorldCallbacks {
     std::function<bool(const PairInfo&)> filter;                   ///< (threads) false: the pair does not collide
-    std::function<void(const PairInfo&, ContactSurface&)> modify;  ///< (threads) once per touching pair and step
-    std::function<void(const char* zone)> beginZone;               ///< a stage of the step begins, calling thread
-    std::function<void(const char* zone)> endZone;
+    std::function<void(const PairInfo&, ContactSurface&)> modify;  ///< (threads) for each touching pair in each step
+    std::function<void(const char* zone)> beginZone;               ///< a stage of the step begins; calling thread
+    std::function<void(const char* zone)> endZone;                 ///< it ends
 };
 
-/// Time and counts of the last step.
+/// What the last step took and did, and counters since the world was made.
 struct StepStats {
     struct Stage {
-        const char* name;
+        const char* name;  ///< as in docs/step.md
         double ms;
     };
     /// An island that was solved directly; all others were solved by iteration.
     struct Island {
-        const char* reason;      ///< why: asked, heavy, tall, slender, deep, taut, leaning, tree, loop, stiff, or staying for a while
+        const char* reason;      ///< why, as in docs/adr/0016, "asked" by the settings, or "staying" for a while
         int bodies, contacts, joints;
         int iterations, factorizations;  ///< Newton's, of all substeps
-        double residual;         ///< of the impulses in the last solve, relative
+        double residual;         ///< of the last solve, over its impulses
         double ms;
-        bool solved;  ///< false: it did not converge, and is left to iteration for some steps
+        bool solved;             ///< false: given up, and left to iteration for some steps
     };
     std::span<const Stage> stages;    ///< in order; valid until the next step
     std::span<const Island> islands;  ///< likewise
     std::uint64_t directFailures = 0;  ///< direct solves that did not converge, since the world was made
-    /// Times since the world was made that a body was stopped where a step began, as forces beyond all measure took it out
-    /// of numbers (1e15 m, or that in a step), or that a module asked for a force that is none, and which is left out.
+    /// Since the world was made: bodies stopped where a step began, because forces took them beyond the range of
+    /// numbers (1e15 m away, or so far in a step), and forces of modules that were left out because they were no
+    /// numbers.
     std::uint64_t outOfRange = 0;
-    /// Times that bodies held together by joints had gained energy that nothing gave them, which was taken back, since the
-    /// world was made; and how much, J.
+    /// Since the world was made: times that a group of jointed bodies had gained energy that nothing gave it and that
+    /// was taken back, and how much, J.
     std::uint64_t energyGuarded = 0;
     double energyTaken = 0;
-    /// Times that a group of bodies held together by joints was moved to close joints that a step had left open, since the
-    /// world was made.
+    /// Since the world was made: times that a group of jointed bodies was moved because a step had left a joint open by
+    /// more than a fiftieth of its smaller body's size.
     std::uint64_t jointsClosed = 0;
-    /// Times since the world was made that a module pushed a body between substeps that it had not named, which is left out.
+    /// Since the world was made: impulses of modules on bodies that they had not named, which were left out.
     std::uint64_t strayImpulses = 0;
-    double totalMs = 0;
-    /// What of the stage "solve" the last step spent in modules between its substeps, where all bodies went through these
+    double totalMs = 0;  ///< of the last step
+    /// The part of the stage "solve" that was spent in modules between substeps, where all bodies go through these
     /// together.
     double modulesMs = 0;
+    /// `contacts` are pairs whose bounds overlap, `touching` the awake ones that touch, `colors` those of the graph.
     int bodies = 0, awakeBodies = 0, contacts = 0, touching = 0, joints = 0, colors = 0;
-    /// What the last step did of its awake bodies: went through its substeps together; by themselves, as chains that nothing
-    /// touches do. The rest were at rest and left out.
+    /// Awake bodies that went through the substeps together, and that did so by themselves, such as chains that touch
+    /// nothing. The rest are frozen and left out.
     int solvedBodies = 0, independentBodies = 0;
-    int regions = 0;        ///< into which it divided them, each of which went through the substeps by itself
-    std::size_t bytes = 0;  ///< memory held
+    int regions = 0;        ///< island batches, each of which one worker took through all substeps
+    std::size_t bytes = 0;  ///< memory that the world holds
 };
 
-/// A rigid body world. All members may be called from one thread at a time; the const ones (queries, reads) from any
+/// A world of rigid bodies. Members are called from one thread at a time; const members (queries, reads) from any
 /// number of threads at once between steps. Other threads change a world through command buffers (docs/threading.md).
-/// Creating throws std::invalid_argument that says which field is wrong; an id that names nothing throws
-/// std::out_of_range where it is an argument. Stepping never throws.
+/// Creating throws std::invalid_argument that names the field, its value and what is allowed; an argument that is an id
+/// of nothing throws std::out_of_range. Stepping never throws.
 class World {
 public:
+    /// Throws std::invalid_argument when a setting is not allowed.
     explicit World(const WorldSettings& settings = {}, const WorldConfig& config = {});
     ~World();
     World(World&&) noexcept;
@@ -116,25 +119,25 @@ public:
     /// Throws std::invalid_argument and changes nothing when a value is not allowed.
     void setSettings(const WorldSettings& settings);
     void setCallbacks(WorldCallbacks callbacks);
-    int lanes() const;
+    int lanes() const;  ///< SIMD width in use
 
     /// Advances by dt seconds, above zero and finite; anything else asserts in debug builds and does nothing.
     void step(double dt);
-    std::uint64_t stepCount() const;
-    double time() const;
-    StepStats stats() const;
+    std::uint64_t stepCount() const;  ///< steps made so far
+    double time() const;              ///< s, sum of their dt
+    StepStats stats() const;          ///< of the last step
 
     BodyId create(const BodyDef& def);
     BodyId create(const StaticBody& def);
     BodyId create(const DynamicBody& def);
     JointId create(const JointDef& def);
-    /// Between joints of this world that are there already. It is destroyed with the first of them.
+    /// Couples joints that exist already; destroyed with the first of them that is destroyed.
     CouplingId create(const CouplingDef& def);
-    /// Destroys a body with its shapes, contacts and joints; what it touched wakes.
+    /// Destroys a body with its shapes, contacts and joints; bodies that it touched wake.
     void destroy(BodyId body);
     void destroy(JointId joint);
     void destroy(CouplingId coupling);
-    bool isValid(BodyId body) const;
+    bool isValid(BodyId body) const;  ///< does the id name something that exists?
     bool isValid(ShapeId shape) const;
     bool isValid(JointId joint) const;
     bool isValid(CouplingId coupling) const;
@@ -148,29 +151,29 @@ public:
     DVec3 centerOfMass(BodyId body) const;
     Vec3 linearVelocity(BodyId body) const;
     Vec3 angularVelocity(BodyId body) const;
-    Vec3 velocityAt(BodyId body, const DVec3& point) const;
+    Vec3 velocityAt(BodyId body, const DVec3& point) const;  ///< m/s, of a point of the body in the world
     BodyType type(BodyId body) const;
-    MassProperties mass(BodyId body) const;
+    MassProperties mass(BodyId body) const;  ///< in the body's frame
     bool isAwake(BodyId body) const;
-    /// Groups of awake dynamic bodies that touch or are joined; found by the call.
+    /// The number of groups of awake dynamic bodies that touch or are joined. The call searches for them.
     int countIslands() const;
-    /// For each of bodies() the first body of its group; null where it sleeps or is not dynamic.
+    /// For each of bodies() the first body of its group; null if it sleeps or is not dynamic.
     std::vector<BodyId> islands() const;
     std::uint64_t userData(BodyId body) const;
     std::span<const ShapeId> shapes(BodyId body) const;
     std::span<const JointId> jointsOf(BodyId body) const;
-    void setPose(BodyId body, const Pose& pose);
-    void setVelocity(BodyId body, const Vec3& linear, const Vec3& angular);
+    void setPose(BodyId body, const Pose& pose);  ///< puts it there at once, without regard to what is in the way
+    void setVelocity(BodyId body, const Vec3& linear, const Vec3& angular);  ///< m/s, rad/s
     void setGravityScale(BodyId body, float scale);
     float gravityScale(BodyId body) const;
-    /// Changes mass, centre and inertia of a dynamic body (fuel, freight); its pose and the motion of its points stay.
+    /// Changes mass, centre and inertia of a dynamic body (fuel, freight). Its pose and the motion of its points stay.
     /// Throws std::invalid_argument and changes nothing when a value is not allowed.
     void setMass(BodyId body, const MassProperties& mass);
-    /// Moves a kinematic body so that it is at `target` after the next step of dt seconds.
+    /// Gives a kinematic body the velocity that takes it to `target` in the next step of dt seconds.
     void moveTo(BodyId body, const Pose& target, double dt);
-    void applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point);
-    void applyAngularImpulse(BodyId body, const Vec3& impulse);
-    /// Forces act during the next step only.
+    void applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point);  ///< N s, at a point in the world
+    void applyAngularImpulse(BodyId body, const Vec3& impulse);               ///< N m s
+    /// N and N m; they act during the next step only.
     void applyForce(BodyId body, const Vec3& force, const DVec3& point);
     void applyTorque(BodyId body, const Vec3& torque);
     void wake(BodyId body);
@@ -181,20 +184,20 @@ public:
     BodyId bodyOf(ShapeId shape) const;
     /// The shape as it was defined; Compound parts are shapes of their own.
     const Shape& geometry(ShapeId shape) const;
-    Frame frame(ShapeId shape) const;
+    Frame frame(ShapeId shape) const;  ///< in its body
     Material material(ShapeId shape) const;
     void setMaterial(ShapeId shape, const Material& material);
     void setFilter(ShapeId shape, const Filter& filter);
     std::uint64_t userData(ShapeId shape) const;
-    Bounds bounds(ShapeId shape) const;
+    Bounds bounds(ShapeId shape) const;  ///< at the pose of now, rounded outwards
 
     // Joints. setDef changes limits, motors, springs, friction and targets, keeping the impulses; it may not change
     // the type or the bodies.
     const JointDef& def(JointId joint) const;
     void setDef(JointId joint, const JointDef& def);
-    /// Sets what pulls balls and hinges, as setDef with their springs would, in a fraction of its time: nothing else of
-    /// them is looked at, and no memory is allocated. What sleeps stays asleep while its drives stay the same. Throws
-    /// std::invalid_argument that names the drive and its field, and changes nothing then.
+    /// Sets targets, gains and bounds of the springs of balls and hinges, with the result of setDef in a fraction of
+    /// its time and without memory: nothing else of the joints is checked. Sleepers stay asleep while their drives stay
+    /// the same. Throws std::invalid_argument that names the drive and its field, and changes nothing then.
     void setDrives(std::span<const JointDrive> drives);
     JointState state(JointId joint) const;
     std::uint64_t userData(JointId joint) const;
@@ -213,23 +216,24 @@ public:
     std::span<const SurfaceEvent> surfaceEvents() const;
     std::span<const SleepEvent> sleepEvents() const;
     std::span<const JointBreak> jointBreaks() const;
-    /// Calls `visit` for each touching pair with at least one loaded or overlapping point.
+    /// Calls `visit` for each pair that touches: that has a point with load or overlap.
     void forEachContact(const std::function<void(const Contact&)>& visit) const;
     void forEachContact(BodyId body, const std::function<void(const Contact&)>& visit) const;
 
     // Queries.
-    Hit castRay(const Ray& ray, const QueryFilter& filter = {}) const;
-    /// Sweeps a sphere, capsule, box or hull along path.translation from {path.origin, rotation}.
+    Hit castRay(const Ray& ray, const QueryFilter& filter = {}) const;  ///< the nearest shape that the ray meets
+    /// The first shape that a sphere, capsule, box or hull meets on its way along `path`, with the given rotation.
     Hit castShape(const Shape& shape, const Quat& rotation, const Ray& path, const QueryFilter& filter = {}) const;
-    /// Many rays at once, wide and on the world's threads; results[i] belongs to rays[i].
+    /// Many rays on the world's threads; results[i] belongs to rays[i]. Throws std::invalid_argument if it is shorter.
     void castRays(std::span<const Ray> rays, std::span<Hit> results, const QueryFilter& filter = {}) const;
-    /// Calls `visit` for each shape whose surface or inside meets the shape at `pose`, until it returns false.
+    /// Calls `visit` for each shape that overlaps the given one at `pose`, until it returns false.
     void overlap(const Shape& shape, const Pose& pose, const std::function<bool(ShapeId)>& visit,
                  const QueryFilter& filter = {}) const;
     void overlap(const Bounds& bounds, const std::function<bool(ShapeId)>& visit, const QueryFilter& filter = {}) const;
 
     // Changes from jobs.
-    /// Applies the buffers ordered by their keys; throws as the calls themselves would, after the others are done.
+    /// Applies the buffers in the order of their keys. A command that throws is left out; the first exception is thrown
+    /// when all others are done.
     void apply(std::span<CommandBuffer* const> buffers);
 
     // State. Saving copies everything that a step reads or writes, ids included, into memory of the caller; restoring
@@ -243,14 +247,14 @@ public:
     std::uint64_t hash() const;
     /// Vehicles, ragdolls and games take part in steps and saves as modules; see module.h.
     void add(StepModule* module);
-    /// Changes whenever a fixed body is put elsewhere or destroyed, and when a state is restored: what sleeps on fixed ground
-    /// need not look at it while this stays.
+    /// Changes whenever a fixed body is moved or destroyed, and when a state is restored. While it stays the same, a
+    /// module that sleeps on fixed ground need not look at it again.
     std::uint64_t fixedVersion() const;
     void remove(StepModule* module);
 
     /// Kinetic and potential energy of the dynamic bodies, J; potential is zero at the world's origin.
     double energy() const;
-    void draw(DebugDraw& draw) const;
+    void draw(DebugDraw& draw) const;  ///< as draw.options say
 
 private:
     friend struct WorldImpl;

@@ -13,8 +13,17 @@ namespace ragtop {
 
 class StageRunner;
 
-/// A dynamic binary tree of bounds. Proxies are created with enlarged bounds by the caller. Deterministic: the same
-/// calls give the same tree.
+/// A dynamic binary tree of axis-aligned boxes, for pairs, rays and queries. A leaf (proxy) has the bounds that its
+/// caller gives it; a branch has the union of those of its children, B = Bl ∪ Br. Two boxes overlap when
+///   lower_i ≤ upper'_i  and  lower'_i ≤ upper_i   along x, y and z,
+/// and what does not overlap a branch overlaps nothing below it.
+///
+/// The cost of a query grows with the sum of the surface areas A(B) of all branches [Goldsmith, Salmon, 1987].
+/// Insertion descends to where that sum grows least; a branch whose leaves have changed is refitted and, where that
+/// makes its children smaller, rotated; after eight refits it is rebuilt.
+///
+/// The caller enlarges the bounds of shapes by a share of their size and by their motion, so that most shapes stay
+/// within them for many steps and only those that leave them are looked up. The same calls give the same tree.
 class BoundsTree {
 public:
     static constexpr std::uint32_t kNull = 0xffffffffu;

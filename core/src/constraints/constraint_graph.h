@@ -19,13 +19,22 @@ struct GraphPlace {
     std::uint32_t slot = 0;
 };
 
-/// Constraints in colours: within a colour no moving body occurs twice, so its constraints may be solved in any order,
-/// in lanes and on threads, with the same result. Colours are filled as constraints come and go, first fit, which keeps
-/// every constraint in its lane as long as it lives [Catto, Box2D v3, 2024]. Contacts with static bodies use the last
-/// colours and are solved last. What fits nowhere is in the overflow colour, one constraint per bundle, solved serially
-/// before the others. Constraints of islands that are solved directly are in a list of their own, in which bodies may
-/// occur as often as they like: no pass visits it. So are contacts of bodies that rest (world/world_freezing.cpp),
-/// which nothing visits until they are put back.
+/// Constraints in colours. Bodies are nodes, constraints are edges, and a colour is a set of edges that share no
+/// moving body:
+///   colour(c) = min { k : k ∉ used(a) ∪ used(b) },
+/// used(x) being the colours that the constraints of body x have. Constraints of one colour may be solved in any
+/// order, in lanes and on threads, with the same result; a pass of Gauss–Seidel goes through the colours in turn. A
+/// constraint keeps its colour and lane as long as it lives [Catto, Box2D v3, 2024], so that impulses stay where they
+/// are from step to step.
+///
+///   colours 0–11    constraints of two moving bodies
+///   colours 12–23   contacts with bodies that no impulse moves; solved last
+///   kOverflow       what fits no colour: one constraint per bundle, solved serially before the others
+///   kDirect         constraints of islands that are solved directly; no pass visits them
+///   kFrozen         contacts of frozen bodies (world/world_freezing.cpp); nothing visits them until they are put back
+///
+/// A bundle is an array of structures of arrays: field f of lane i is at f · lanes + i. Beside the lists for the whole
+/// world there are those of each region, an island batch that one worker takes through all substeps.
 class ConstraintGraph {
 public:
     static constexpr int kColors = 24;

@@ -7,11 +7,20 @@
 #include "ragtop/math.h"
 #include "solve/body_state.h"
 
-/// The shared parts of which joints are made. Two bodies exchange impulses at one shared world point, half way between
-/// their anchors, so that momentum is conserved to rounding whatever the gap is. Their relative motion there is a pair
-/// of vectors, linear and angular; a joint makes one half of it rigid (three rows), then none, two or three rows of the
-/// other half, all solved as one direct block. What remains free is moved by scalar rows that act through the block:
-/// their impulse comes with the one that keeps the rigid rows' velocity.
+/// The parts of which joints are made. Two bodies exchange impulses at one shared world point, half way between their
+/// anchors, so that momentum is conserved to rounding whatever the gap is. Their relative motion there is a pair of
+/// vectors,
+///   u = (vB + ωB × rB − vA − ωA × rA,  ωB − ωA)        linear and angular,
+/// and K = J M⁻¹ Jᵀ, its velocity per impulse, has four blocks:
+///   K_ll = (1/mA + 1/mB) E − [rA] IA⁻¹ [rA] − [rB] IB⁻¹ [rB],   K_aa = IA⁻¹ + IB⁻¹,   K_al = IA⁻¹ [rA] + IB⁻¹ [rB].
+///
+/// A joint makes one half rigid (three rows), then none, two or three rows of the other half, and solves both at once.
+/// With 1 for the first half and 2 for the second, and w = u + β C,
+///   G = K₁₁⁻¹ K₁₂,   P = K₂₂ − K₂₁ G,   p₂ = −P⁻¹ (w₂ − Gᵀ w₁),   p₁ = −K₁₁⁻¹ w₁ − G p₂,
+///   Δλ = s_m p − s_i (λ − λ̂),
+/// with the softness β, s_m, s_i of the soft pass, or 0, 1, 0 in the relaxing pass. What stays free is moved by scalar
+/// rows (axis_rows.h) that act through the block: an impulse along the free direction comes with those that keep the
+/// velocity of the rigid rows.
 namespace ragtop {
 
 /// What all joints share in a substep.

@@ -11,10 +11,23 @@
 #include "direct/linear.h"
 #include "solve/kernel_table.h"
 
-/// The equations of one island and substep, and where their parts are stored. Unknown are the velocities of its bodies:
+/// The equations of one island and substep, and where their parts are stored. Unknown are the velocities v of its
+/// bodies [Castro et al., 2022]:
 ///   minimise  ½ |v − v_free|²_M + Σ φ(J v),
-/// φ the potentials of contact points (contact_cone.h) and of scalar rows, both about carried loads λ̂. A load that is
-/// right already is kept whatever the resistance R is, so R need only be small enough for a quick answer to new loads.
+///   λ = −∂φ/∂u = P_K(λ̂ − (u − û)/R),              u = J v: speeds of contact points and joint rows
+///   H = M + Jᵀ W J + h γ Σ λ K_g,                  the matrix of Newton's method, W = ∂λ/∂u
+///
+///   M, v_free   masses; velocities that the bodies would have without constraints
+///   û           speed that a row asks for: errors decay at the rate of the soft row, gaps may be used up
+///   λ̂           load of the substep before
+///   R           resistance, a small share of the row's inverse mass (tuning::kContactResistance, kRowResistance)
+///   K           what λ may be: Coulomb's cone of a contact point (contact_cone.h), or the bounds of a row
+///   P_K         projection onto K
+///   K_g         stiffness of what is taut, against turns of its arms
+///
+/// This is the method of multipliers with one round per substep: a load that is right already is kept whatever R is,
+/// so R need only be small enough for a quick answer to new loads. H has blocks of 6 × 6 and is factored sparsely
+/// (factor.h).
 namespace ragtop::direct {
 
 inline constexpr std::int32_t kFixed = -1;  ///< a body that no impulse moves

@@ -4,9 +4,19 @@
 #include "narrowphase/clip_rectangle.h"
 #include "narrowphase/pairs.h"
 
-/// Two boxes: separating axes [Gottschalk, Lin, Manocha, 1996], then the incident face clipped in the plane of the
-/// reference face. The commonest pair of all, so it works on plain arrays, and on
-/// the axes of a box side by side.
+/// Two boxes with half extents hA, hB, in the frame of A; B's centre is at p, its axes are the columns b_j of R.
+///
+/// Separating axes [Gottschalk, Lin, Manocha, 1996]. Along a unit vector L the boxes are apart by
+///   s(L) = |p · L| − Σ hA_i |a_i · L| − Σ hB_j |b_j · L|,
+/// and the largest s over the faces a_i, b_j and the edge pairs a_i × b_j is their separation (negative: overlap). The
+/// axis of the step before is kept while another one is better by less than 0.01 sizes, so that contact points
+/// persist.
+///
+/// Contact points. For a face, the incident face of the other box is clipped to the sides of the reference face; each
+/// corner that remains and is less than the margin above the face is a point, half way between the surfaces. At most
+/// four are kept. For an edge pair, the one point is half way between the closest points of both edges.
+///
+/// This is the commonest pair, so it works on plain arrays and tests the axes of a box side by side.
 namespace ragtop::pairs {
 namespace {
 

@@ -1,4 +1,15 @@
 // Integration of bodies, N at a time. Included by wide_kernels.inl.
+//
+// Velocities (integrateVelocities), with damping d:
+//   v ← (v + h a)/(1 + h d),    ω ← (ω + h I⁻¹ τ)/(1 + h d).
+// Positions (integratePositions), with the velocity v that the soft pass has found:
+//   dp ← dp + h v − ½ h² ā,     ā = s Δv/h,    s = clamp(Δv_last · Δv/|Δv|², 0, 1);
+// ā is the part of the acceleration that this substep has in common with the one before. Rotations follow from the
+// angular momentum L, which is stored in world axes and changes by I Δω only. With p = L along the principal axes and
+// I₂ the middle moment, the energy of free rotation splits [Dullweber, Leimkuhler, McLachlan, 1997] into
+//   Σ pᵢ²/2Iᵢ = |L|²/2I₂ + ½ α₁ p₁² + ½ α₃ p₃²,    αᵢ = 1/Iᵢ − 1/I₂:
+// one turn about L, which commutes with the others, and turns about single axes: α₁ for h/2, α₃ for h, α₁ for h/2.
+// dp and dq are displacements since the step began; poses are updated once per step. docs/adr/0004 has the reasons.
 
 namespace ragtop {
 namespace {

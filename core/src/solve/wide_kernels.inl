@@ -1,5 +1,18 @@
-// Contact rows, N at a time: written once, compiled per instruction set. The soft step of [Catto, Solver2D, 2024] with
-// one friction row pair and one twist row per manifold.
+// Contact rows, N at a time: written once, compiled per instruction set.
+//
+// A manifold has the normal n from A to B and up to four points; a point has arms rA, rB from the centres of mass and
+//   C = C₀ + n · (dpB + dqB rB − rB − dpA − dqA rA + rA),   the separation, negative inside; dq turns an arm
+//   u = n · (vB + ωB × rB − vA − ωA × rA),                  its rate
+//   1/m_eff = 1/mA + 1/mB + (rA × n)·IA⁻¹(rA × n) + (rB × n)·IB⁻¹(rB × n).
+// With β, s_m, s_i of a soft row [Catto, Soft Constraints, GDC 2011] and the carried load λ̂, λ ≥ 0 changes by
+//   apart, C > 0       Δλ = −m_eff (u + C/h)
+//   overlap, soft      Δλ = min(−m_eff s_m β C − s_i (λ − λ̂), m_eff u_most) − m_eff s_m u
+//   overlap, relax     Δλ = −m_eff u
+// and both bodies take it at once: v ← v ± Δλ n/m, ω ← ω ± Δλ I⁻¹ (r × n). The points of a manifold follow each other
+// (Gauss–Seidel); then come its twist and rolling rows and one pair of friction rows in the cone |λt| ≤ μ Σ λ
+// (wide_friction.inl). λ̂ follows λ once per step, λ̂ ← λ̂ + α (λ − λ̂).
+//
+// A bundle holds N manifolds side by side (contact_layout.h); no two lanes share a moving body.
 
 #include <cstdint>
 
@@ -213,10 +226,9 @@ struct NormalSoftness {
     }
 };
 
-/// C ≥ 0 per point. Apart, the row lets the gap close within the substep; overlapping, it is a soft row that relaxes
-/// towards the carried load (bias pass), or a rigid velocity row (relax pass, which takes back the push-out velocity).
-/// What the soft row pushes beyond its load is bounded: speeds of rows that push each other add up, and one relaxing pass
-/// takes back a part of them only.
+/// One visit to the manifolds of a bundle, in the soft pass (kBias) or the relaxing pass. The push beyond the load is
+/// bounded because the speeds of rows that push each other add up, and one relaxing pass takes back a part of them
+/// only.
 template <int N, int L, bool kGround, bool kBias>
 RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const SolverContext& context) {
     const Lanes<N> inverseH(context.inverseH), zero(0.0f), one(1.0f), half(0.5f), threshold(-context.restitutionSpeed);

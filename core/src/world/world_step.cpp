@@ -1,3 +1,19 @@
+// The order of a step, and the data that one stage hands to the next:
+//
+//   pairs      enlarged bounds B ⊕ 0.1 s ⊕ |v| dt that have come to overlap          → pairs of shapes
+//   collide    manifolds: normal n, up to four points with separation C₀              → contacts with points
+//   contacts   colours in which no moving body occurs twice                           → the constraint graph
+//   islands    who solves which island: iterations over colours, or a direct solver   → lists of each solver
+//   prepare    points at the poses of now, m_eff = 1/(J M⁻¹ Jᵀ), carried loads λ̂      → rows in lanes
+//   solve      per substep h = dt/n:
+//                v ← v + h a;  warm start;  Δλ = −m_eff s_m (u + β C) − s_i (λ − λ̂)   the soft pass
+//                x ← x + h v                                                          displacements dp, dq
+//                Δλ = −m_eff u                                                        the relaxing pass
+//   finish     poses from displacements; continuous collision; open joints; bounds    → the state of the next step
+//   events, sleep
+//
+// The method is the soft step [Catto, Solver2D, 2024]. docs/step.md follows one contact through all of it.
+
 #include <algorithm>
 #include <atomic>
 #include <cassert>
@@ -11,7 +27,7 @@
 
 namespace ragtop {
 
-/// Runs what workers may help with, and tells the choice who does how long that took.
+/// Runs the stages that workers may help with, and reports the time to the choice of workers.
 template <class Body>
 static void shareStep(WorldImpl& world, Body&& body) {
     // Bodies and contacts take some 0.3 to 1 µs each; few are over before a second thread has woken, 2 µs and more.
@@ -28,7 +44,7 @@ static void shareStep(WorldImpl& world, Body&& body) {
     world.workerChoice.note(taken.count(), static_cast<float>(size));
 }
 
-/// What substeps leave behind, and whether bodies that joints hold together have gained energy.
+/// Stores what the substeps have changed, then checks the energy of jointed groups.
 static void endSolve(WorldImpl& world) {
     stepIndependentTrees(world);
     world.storeJoints();
@@ -36,8 +52,7 @@ static void endSolve(WorldImpl& world) {
     guardEnergy(world);
 }
 
-/// Advances the world by dt seconds. Soft step [Catto, Solver2D, 2024]: collide once, then substep velocities,
-/// positions, and a relax pass that takes back the velocity which pushing out has added.
+/// Advances the world by dt seconds: collide once, then substeps.
 void WorldImpl::step(World& world, double stepSeconds) {
     const bool valid = std::isfinite(stepSeconds) && stepSeconds > 0;
     assert(valid);
