@@ -1,7 +1,8 @@
 #!/bin/sh
 # docs_records.sh <source tree>: decision records and the changelog keep their form.
 #   A record in docs/adr has at most 60 lines, a status, context, decision, consequences, one table and its proof; the tests
-#   that records name exist, and so do the records that source comments name.
+#   that records name exist, and so do the records that source comments name, and the files that
+#   pages name.
 #   CHANGELOG.md has at most 120 lines, docs/step.md at most 250.
 set -eu
 cd "$1"
@@ -30,6 +31,13 @@ for record in docs/adr/[0-9]*.md; do
     grep -qF "($(basename "$record"))" docs/adr/README.md || complain "docs/adr/README.md: does not name $record"
     for name in $(sed -n '/^## Proof/,$p' "$record" | grep -oE '`[A-Z][A-Za-z0-9]+\.[A-Z][A-Za-z0-9]+`' | tr -d '`'); do
         echo "$tests" | grep -qx "$name" || complain "$record: no test $name"
+    done
+done
+# Files that pages name in code marks, by the end of their path.
+sources=$(find core vehicles ragdolls assets demos bench tests scripts page -type f 2>/dev/null | sed 's|^|/|')
+for page in docs/adr/*.md docs/measurements/*.md docs/step.md docs/architecture.md docs/reading.md docs/threading.md docs/joints.md; do
+    for name in $(grep -oE '`[A-Za-z0-9_./]+\.(h|cpp|inl|sh|py)`' "$page" | tr -d '`' | sort -u); do
+        echo "$sources" | grep -qF "/$name" || complain "$page: no file $name"
     done
 done
 for number in $(grep -rhoE 'docs/adr/[0-9]{4}' core vehicles ragdolls assets/include assets/src demos bench tests \
