@@ -1,10 +1,11 @@
 #!/bin/sh
 # docs_records.sh <source tree>: decision records and the changelog keep their form.
 #   A record in docs/adr has at most 60 lines, a status, context, decision, consequences, one table and its proof; the tests
-#   that records name exist, and so do the records that source comments name, and the files that
-#   pages name.
+#   that records name exist, and so do the records that source comments name, and the files and
+#   names of the code that pages name.
 #   CHANGELOG.md has at most 120 lines, docs/step.md at most 250.
 set -eu
+export LC_ALL=C
 cd "$1"
 status=0
 complain() {
@@ -39,6 +40,15 @@ for page in docs/adr/*.md docs/measurements/*.md docs/step.md docs/architecture.
     for name in $(grep -oE '`[A-Za-z0-9_./]+\.(h|cpp|inl|sh|py)`' "$page" | tr -d '`' | sort -u); do
         echo "$sources" | grep -qF "/$name" || complain "$page: no file $name"
     done
+done
+# Names in camel case that pages name in code marks occur in the sources.
+words=$(mktemp)
+trap 'rm -f "$words"' EXIT
+find core vehicles ragdolls assets demos bench tests page -type f \( -name '*.h' -o -name '*.cpp' -o -name '*.inl' -o -name '*.mjs' \
+    -o -name '*.js' \) -exec cat {} + | grep -oE '[A-Za-z_][A-Za-z0-9_]*' | sort -u >"$words"
+for page in docs/adr/*.md docs/step.md docs/architecture.md docs/reading.md docs/notation.md docs/threading.md docs/state.md docs/joints.md; do
+    named=$(sed '/^## Words/,/^## /d' "$page" | grep -oE '`[A-Za-z_][A-Za-z0-9_:]*(\(\))?`' | tr -d '`()' | sed 's/.*:://' | grep -E '[a-z][A-Z]' | sort -u)
+    for name in $(echo "$named" | comm -23 - "$words"); do complain "$page: nothing is called $name"; done
 done
 for number in $(grep -rhoE 'docs/adr/[0-9]{4}' core vehicles ragdolls assets/include assets/src demos bench tests \
     --include='*.h' --include='*.cpp' --include='*.inl' | sed 's|.*/||' | sort -u); do
