@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ragdoll_stander.h"
 #include "ragdoll_watch.h"
 #include "ragtop/asset_error.h"
 
@@ -255,6 +256,7 @@ const std::vector<RagdollTest>& ragdollTests() {
         {"hang", "by each hand and foot, 30 s", hang},
         {"shake", "up and down by each hand and foot, 10 s", shake},
         {"flight", "thrown with moving joints, 5 s", flight},
+        {"balance", "a human on its own feet: still, pushed, on slopes, on what accelerates, with a load", balance},
     };
     return tests;
 }

@@ -14,10 +14,10 @@ constexpr float kMassOfTables = 75;
 using Named = std::pair<std::string_view, MuscleProfile>;
 constexpr std::array<Named, 5> kProfiles{{
     {"limp", {.frequency = 1, .dampingRatio = 1, .strength = 0, .friction = 1, .weight = 0}},
-    {"weak", {.frequency = 1.5f, .dampingRatio = 0.7f, .strength = 0.25f, .friction = 1, .weight = 0.5f}},
-    {"relaxed", {.frequency = 2.5f, .dampingRatio = 0.8f, .strength = 0.6f, .friction = 1, .weight = 1}},
+    {"weak", {.frequency = 1.5f, .dampingRatio = 0.7f, .strength = 0.25f, .weight = 0.5f}},
+    {"relaxed", {.frequency = 2.5f, .dampingRatio = 0.8f, .strength = 0.6f, .weight = 1}},
     {"tense", {}},
-    {"rigid", {.frequency = 8, .dampingRatio = 1, .strength = 10, .friction = 1, .weight = 1}},
+    {"rigid", {.frequency = 8, .dampingRatio = 1, .strength = 10, .weight = 1}},
 }};
 
 constexpr std::array<std::string_view, kProfiles.size()> namesOfProfiles() {

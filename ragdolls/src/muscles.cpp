@@ -4,15 +4,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "joint_bodies.h"
 #include "ragtop/world.h"
 #include "range_check.h"
+#include "within_limits.h"
 
 namespace ragtop {
 namespace {
-
-const JointBodies& bodiesOf(const JointDef& def) {
-    return std::visit([](const auto& each) -> const JointBodies& { return each.bodies; }, def);
-}
 
 MuscleProfile between(const MuscleProfile& a, const MuscleProfile& b, float share) {
     const auto mixed = [&](float from, float to) { return share < 1 ? from + share * (to - from) : to; };
@@ -34,45 +32,34 @@ void requireValid(const MuscleProfile& profile) {
 /// What joints take at most of anything (joint.h): a body of any size and clips of any speed are within.
 float bounded(float value, float most) { return std::clamp(value, -most, most); }
 Vec3 bounded(const Vec3& v, float most) { return {bounded(v.x, most), bounded(v.y, most), bounded(v.z, most)}; }
+constexpr float kMargin = 0.02f;  ///< rad, that targets keep from limits
 constexpr float kMostTorque = 1e12f, kMostGain = 1e12f, kMostSpeed = 1e5f, kMostFriction = 1e9f;
-
-/// Largest of the angular inertia of a body about a point, at most: that of its centre about the axis that has most.
-float inertiaAbout(const MassProperties& mass, const Vec3& arm) {
-    const Mat3& i = mass.inertia;
-    return std::max({i.cx.x, i.cy.y, i.cz.z}) + mass.mass * lengthSquared(arm);
-}
 
 }  // namespace
 
 Muscles::Muscles(World& world, const Ragdoll& ragdoll, const MuscleProfile& profile)
-    : world_(&world), ragdoll_(&ragdoll), profile_(profile), from_(profile), to_(profile) {
+    : world_(&world), ragdoll_(&ragdoll), profile_(profile), from_(profile), to_(profile), dynamics_(world, ragdoll) {
     requireValid(profile);
     const RagdollDef& def = ragdoll.def();
     float mass = 0;
     for (const RagdollPart& part : def.parts) mass += part.mass;
     muscles_.resize(def.joints.size());
     torque_.resize(def.joints.size());
-    inertia_.resize(def.joints.size());
-    parentJoint_.assign(def.parts.size(), -1);
-    for (std::size_t i = 0; i < def.joints.size(); ++i)
-        parentJoint_[static_cast<std::size_t>(def.joints[i].child)] = static_cast<int>(i);
-    weigh();
+    accelerations_.reserve(def.parts.size());
+    outside_.reserve(def.parts.size());
+    drives_.reserve(def.joints.size());
     for (std::size_t i = 0; i < muscles_.size(); ++i) {
         muscles_[i].most = strengthOf(def.parts[static_cast<std::size_t>(def.joints[i].child)].role, mass);
         // Of what is no human nothing is known: three times what holds it out straight, by its own size.
-        if (!(muscles_[i].most > 0)) muscles_[i].most = 3 * 9.81f * std::sqrt(inertia_[i] * mass);
+        if (!(muscles_[i].most > 0))
+            muscles_[i].most = 3 * 9.81f * std::sqrt(dynamics_.inertiaBeyond(static_cast<int>(i)) * mass);
         muscles_[i].target = turnNow(static_cast<int>(i));
     }
 }
 
 Muscles::~Muscles() {
-    for (std::size_t i = 0; i < muscles_.size(); ++i) {
-        const JointId joint = ragdoll_->joints()[i];
-        if (!world_->isValid(joint) || !powers(static_cast<int>(i))) continue;
-        JointDef limp = ragdoll_->def().joints[i].joint;
-        std::visit([&](auto& each) { each.bodies = bodiesOf(world_->def(joint)); }, limp);
-        world_->setDef(joint, limp);
-    }
+    for (std::size_t i = 0; i < muscles_.size(); ++i)
+        if (world_->isValid(ragdoll_->joints()[i]) && powers(static_cast<int>(i))) rub(static_cast<int>(i), 1);
 }
 
 bool Muscles::powers(int joint) const {
@@ -140,6 +127,35 @@ void Muscles::follow(std::span<const Pose> bones, double dt) {
     told_ = true;
 }
 
+void Muscles::setTarget(int joint, const Quat& turn, const Vec3& speed) {
+    Muscle& muscle = muscles_.at(static_cast<std::size_t>(joint));
+    if (!isRotation(turn) || !isFinite(speed))
+        throw std::invalid_argument("muscles: the target of joint " + std::to_string(joint) +
+                                    " or its speed is not finite or has not length 1");
+    muscle.target =
+        withinLimits(ragdoll_->def().joints[static_cast<std::size_t>(joint)].joint, normalized(turn), kMargin);
+    muscle.speed = bounded(speed, kMostSpeed);
+}
+
+void Muscles::setGains(int joint, std::optional<MuscleGains> gains) {
+    Muscle& muscle = muscles_.at(static_cast<std::size_t>(joint));
+    const auto allowed = [](float gain) { return gain >= 0 && gain <= kMostGain; };
+    if (gains && !(allowed(gains->stiffness) && allowed(gains->damping)))
+        throw std::invalid_argument("muscles: stiffness and damping are " + std::to_string(gains->stiffness) + " and " +
+                                    std::to_string(gains->damping) + ", must be in [0, 1e12]");
+    muscle.gains = gains;
+}
+
+void Muscles::expect(std::span<const PartMotion> accelerations, std::span<const PartMotion> outside) {
+    const std::size_t parts = ragdoll_->def().parts.size();
+    for (const std::size_t size : {accelerations.size(), outside.size()})
+        if (size != parts)
+            throw std::invalid_argument("muscles: got " + std::to_string(size) + " motions or wrenches, must be " +
+                                        std::to_string(parts));
+    accelerations_.assign(accelerations.begin(), accelerations.end());
+    outside_.assign(outside.begin(), outside.end());
+}
+
 float Muscles::error(int joint) const {
     return length(rotationVector(conjugate(turnNow(joint)) * muscles_.at(static_cast<std::size_t>(joint)).target));
 }
@@ -166,78 +182,82 @@ void Muscles::ease(float dt) {
     }
 }
 
-/// Against gravity a joint bears −Σ (cₖ − p) × mₖ g of all parts k beyond it, at p.
-void Muscles::weigh() {
-    const RagdollDef& def = ragdoll_->def();
-    const Vec3 gravity = world_->settings().gravity;
-    std::fill(torque_.begin(), torque_.end(), Vec3{});
-    std::fill(inertia_.begin(), inertia_.end(), 0.0f);
-    for (std::size_t part = 0; part < def.parts.size(); ++part) {
-        const BodyId body = ragdoll_->bodies()[part];
-        if (!world_->isValid(body)) continue;
-        const MassProperties mass = world_->mass(body);
-        const DVec3 center = world_->centerOfMass(body);
-        const Vec3 weight = world_->gravityScale(body) * mass.mass * gravity;
-        for (int joint = parentJoint_[part]; joint >= 0;) {
-            const RagdollJoint& at = def.joints[static_cast<std::size_t>(joint)];
-            const BodyId carrier = ragdoll_->bodies()[static_cast<std::size_t>(at.parent)];
-            if (!world_->isValid(carrier)) break;
-            const DVec3 point = transformPoint(world_->pose(carrier), bodiesOf(at.joint).frameA.position);
-            const Vec3 arm = relative(center, point);
-            torque_[static_cast<std::size_t>(joint)] -= cross(arm, weight);
-            inertia_[static_cast<std::size_t>(joint)] += inertiaAbout(mass, arm);
-            joint = parentJoint_[static_cast<std::size_t>(at.parent)];
-        }
-    }
+/// The joint as defined, with a share of its friction and no spring.
+void Muscles::rub(int joint, float friction) {
+    const auto at = static_cast<std::size_t>(joint);
+    JointDef def = ragdoll_->def().joints[at].joint;
+    if (auto* ball = std::get_if<BallDef>(&def)) ball->friction = bounded(ball->friction * friction, kMostFriction);
+    if (auto* hinge = std::get_if<HingeDef>(&def)) hinge->friction = bounded(hinge->friction * friction, kMostFriction);
+    std::visit([&](auto& each) { each.bodies = bodiesOf(world_->def(ragdoll_->joints()[at])); }, def);
+    world_->setDef(ragdoll_->joints()[at], def);
 }
 
-/// k = I ω², c = 2 ζ I ω of the inertia I of all beyond the joint.
-JointDef Muscles::drive(int joint) const {
+/// τ = τ₀ − k e − c (ω − ω_t) with k = I ω², c = 2 ζ I ω of the inertia I of all beyond the joint. What is more than
+/// the muscle has scales all of it down, now or as the error will be when the step ends: the solver then has no bound
+/// to find, which would cost it a direct solve (docs/adr/0080).
+void Muscles::drive(int joint, float dt) {
     const auto at = static_cast<std::size_t>(joint);
     const RagdollJoint& def = ragdoll_->def().joints[at];
-    const Muscle& muscle = muscles_[at];
-    const float most = bound(joint), rate = 2 * kPi * profile_.frequency;
-    const Pose carrier = world_->pose(ragdoll_->bodies()[static_cast<std::size_t>(def.parent)]);
-    const Quat axes = carrier.rotation * bodiesOf(def.joint).frameA.rotation;
-    const Vec3 torque = bounded(profile_.weight * inverseRotate(axes, torque_[at]), kMostTorque);
-    Spring spring{.stiffness = bounded(inertia_[at] * rate * rate, kMostGain),
-                  .damping = bounded(2 * profile_.dampingRatio * inertia_[at] * rate, kMostGain)};
-    spring.maxForce = most;
-    JointDef result = def.joint;
-    if (auto* ball = std::get_if<BallDef>(&result)) {
-        ball->friction = bounded(ball->friction * profile_.friction, kMostFriction);
-        if (most > 0) {
-            ball->spring = spring;
-            ball->target = muscle.target;
-            ball->targetSpeed = muscle.speed;
-            ball->feedForward = torque;
-            ball->maxSpringTorque = most;
-        }
-    } else if (auto* hinge = std::get_if<HingeDef>(&result)) {
-        hinge->friction = bounded(hinge->friction * profile_.friction, kMostFriction);
-        if (most > 0) {
-            spring.speed = muscle.speed.x;
-            spring.feedForward = torque.x;
-            hinge->spring = spring;
-            // The turn of the target about the axis, on the lap that the hinge is on.
-            const float now = world_->state(ragdoll_->joints()[at]).coordinate;
-            const float angle = 2 * arcTan2(muscle.target.x, muscle.target.w);
-            hinge->target = angle + 2 * kPi * std::floor((now - angle) / (2 * kPi) + 0.5f);
-        }
+    Muscle& muscle = muscles_[at];
+    const float most = bound(joint), rate = 2 * kPi * profile_.frequency, inertia = dynamics_.inertiaBeyond(joint);
+    MuscleGains gains{bounded(inertia * rate * rate, kMostGain),
+                      bounded(2 * profile_.dampingRatio * inertia * rate, kMostGain)};
+    if (muscle.gains) gains = *muscle.gains;
+    const InverseDynamics::Part& a = dynamics_.parts()[static_cast<std::size_t>(def.parent)];
+    const InverseDynamics::Part& b = dynamics_.parts()[static_cast<std::size_t>(def.child)];
+    const JointBodies& joined = bodiesOf(def.joint);
+    const Quat axes = a.rotation * joined.frameA.rotation;
+    const Quat turn = normalized(conjugate(axes) * (b.rotation * joined.frameB.rotation));
+    Vec3 error = rotationVector(turn * conjugate(muscle.target));
+    Vec3 lag = inverseRotate(axes, b.spin - a.spin) - muscle.speed;
+    Vec3 given = bounded(profile_.weight * inverseRotate(axes, torque_[at]), kMostTorque);
+    const auto* hinge = std::get_if<HingeDef>(&def.joint);
+    float angle = 0;
+    if (hinge) {
+        // The turn of the target about the axis, on the lap that the hinge is on.
+        const float now = world_->state(ragdoll_->joints()[at]).coordinate;
+        const float wanted = 2 * arcTan2(muscle.target.x, muscle.target.w);
+        angle = wanted + 2 * kPi * std::floor((now - wanted) / (2 * kPi) + 0.5f);
+        error = {now - angle, 0, 0};
+        lag = {lag.x, 0, 0};
+        given = {given.x, 0, 0};
     }
-    std::visit([&](auto& each) { each.bodies = bodiesOf(world_->def(ragdoll_->joints()[at])); }, result);
-    return result;
+    const Vec3 torque = given - gains.stiffness * error - gains.damping * lag;
+    const float needed = std::max(length(torque), length(torque - (gains.stiffness * dt) * lag));
+    const float share = needed > most ? most / needed : 1.0f;
+    muscle.torque = rotate(axes, share * torque);
+    drives_.push_back({.joint = ragdoll_->joints()[at],
+                       .target = muscle.target,
+                       .angle = angle,
+                       .speed = muscle.speed,
+                       .feedForward = share * given,
+                       .stiffness = share * gains.stiffness,
+                       .damping = share * gains.damping});
 }
 
 void Muscles::step(double dt) {
     const auto seconds = static_cast<float>(dt);
     if (!(seconds > 0) || !std::isfinite(seconds)) return;
     ease(seconds);
-    weigh();
+    dynamics_.look();
+    dynamics_.torques(accelerations_, outside_, torque_);
+    drives_.clear();
     for (std::size_t i = 0; i < muscles_.size(); ++i) {
-        const JointId joint = ragdoll_->joints()[i];
-        if (world_->isValid(joint) && powers(static_cast<int>(i))) world_->setDef(joint, drive(static_cast<int>(i)));
+        const auto joint = static_cast<int>(i);
+        Muscle& muscle = muscles_[i];
+        muscle.torque = {};
+        if (!world_->isValid(ragdoll_->joints()[i]) || !powers(joint)) continue;
+        const bool limp = !(bound(joint) > 0);
+        const float friction = limp ? -1.0f - profile_.friction : profile_.friction;
+        if (muscle.friction != friction) {
+            rub(joint, profile_.friction);
+            muscle.friction = friction;
+        }
+        if (!limp) drive(joint, seconds);
     }
+    world_->setDrives(drives_);
+    accelerations_.clear();
+    outside_.clear();
 }
 
 }  // namespace ragtop

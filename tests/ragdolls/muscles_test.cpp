@@ -96,7 +96,7 @@ TEST(Muscles, HoldAPoseAgainstTheWeight) {
 
 /// Dry friction holds joints short of their targets by its share of the springs' torque.
 TEST(Muscles, HoldAPoseInStiffJoints) {
-    Held held(MuscleProfile{});
+    Held held(MuscleProfile{.friction = 1});
     held.run(0.5);
     EXPECT_LT(held.muscles.error(), 1 * kDegree);
     held.muscles.follow(marching(0.3));
@@ -162,9 +162,10 @@ TEST(Muscles, AChangeOfStrengthIsNoJump) {
     EXPECT_LT(held.muscles.error(), 1 * kDegree);
 }
 
-/// Knees that cannot hold their shanks push as hard as they may, and no harder.
+/// Knees that cannot hold their shanks push as hard as they may where each step begins. What slips within a step is
+/// damped beyond that, by less the slower it begins to: after the first steps the mean over one is within the bound.
 TEST(Muscles, TheBoundOfTheTorqueIsKept) {
-    Held held({.strength = 0.005f, .friction = 0});
+    Held held({.strength = 0.005f});
     const auto joint = static_cast<std::size_t>(jointOf(BodyRole::shank, BodySide::left));
     const float bound = 0.005f * strengthOf(BodyRole::shank, 75);
     EXPECT_NEAR(held.muscles.bound(static_cast<int>(joint)), bound, 1e-6f);
@@ -176,7 +177,11 @@ TEST(Muscles, TheBoundOfTheTorqueIsKept) {
         const Frame& frame = std::get<HingeDef>(human().joints[joint].joint).bodies.frameB;
         const Quat axes =
             held.world.pose(held.body.bodies()[static_cast<std::size_t>(human().joints[joint].child)]).rotation;
-        most = std::max(most, std::abs(dot(state.torque, rotate(axes * frame.rotation, {1, 0, 0}))));
+        const float began = length(held.muscles.torque(static_cast<int>(joint)));
+        const float ended = std::abs(dot(state.torque, rotate(axes * frame.rotation, {1, 0, 0})));
+        EXPECT_LT(began, 1.001f * bound);
+        most = std::max(most, began);
+        EXPECT_TRUE(i < 4 || 0.5f * (began + ended) < 1.05f * bound) << i;
     }
     EXPECT_NEAR(most, bound, 0.01f * bound);
 }

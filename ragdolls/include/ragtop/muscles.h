@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "ragtop/anatomy.h"
+#include "ragtop/inverse_dynamics.h"
 #include "ragtop/math.h"
 #include "ragtop/ragdoll.h"
 #include "ragtop/tunables.h"
@@ -18,7 +20,7 @@ struct MuscleProfile {
     float frequency = 4.0f;  ///< Hz, at which a part with all that hangs on it would swing about its target
     float dampingRatio = 1.0f;
     float strength = 1.0f;  ///< of the greatest torques of strengthOf
-    float friction = 1.0f;  ///< of the joints' dry friction in the definition
+    float friction = 0.0f;  ///< of the joints' dry friction in the definition, which stands for tissue that is limp
     float weight = 1.0f;    ///< share of the weight beyond a joint that its muscles bear without being bent
 };
 
@@ -42,11 +44,17 @@ std::string whyInvalid(const MuscleProfile& profile);
 /// stronger direction, of the median man; 0 for `other`.
 float strengthOf(BodyRole role, float bodyMass);
 
-/// The muscles of one ragdoll: a damped spring of bounded torque on each ball and hinge, to whose torque that is added
-/// which bears the weight beyond the joint (inverse dynamics of a standing start). At first they hold the pose that the
-/// ragdoll is in. They act between parts only, so that nothing holds the body up but what it touches. World and ragdoll
-/// must outlive them and stay where they are; the joints are as defined again once they are gone. Strengths and targets
-/// are not part of a world's saved state.
+/// Stiffness, N m/rad, and damping, N m s/rad, of one joint.
+struct MuscleGains {
+    float stiffness = 0, damping = 0;
+};
+
+/// The muscles of one ragdoll: a damped spring on each ball and hinge, to whose torque that is added which inverse
+/// dynamics ask for (inverse_dynamics.h), and all of it bounded by what the muscle can give where each step begins. At
+/// first they hold the pose that the ragdoll is in. They act between parts only, so that nothing holds the body up but
+/// what it touches. World and ragdoll must outlive them and stay where they are; the joints are as defined again once
+/// they are gone. Strengths and targets are not part of a world's saved state. Steps do not allocate but where the
+/// friction of a profile changes or a joint becomes limp.
 ///
 ///     muscles.follow(clip.pose(t), dt);  muscles.step(dt);  world.step(dt);
 ///
@@ -80,33 +88,50 @@ public:
     float error() const;
     float error(int joint) const;
 
+    /// The same for one joint: the turn of the child's joint frame in the parent's, and how fast that turns, rad/s, in
+    /// the parent's joint frame. Throws as follow() does, and std::out_of_range.
+    void setTarget(int joint, const Quat& turn, const Vec3& speed = {});
+    /// Of one joint in the stead of what the profile makes of the inertia beyond it; nothing: the profile's again.
+    /// Throws std::out_of_range, and std::invalid_argument on what is below zero or not finite.
+    void setGains(int joint, std::optional<MuscleGains> gains);
+    /// What inverse dynamics count in the next step: how parts are to accelerate, and what pushes them from outside
+    /// beside gravity, one entry per part. Throws std::invalid_argument on another number of entries.
+    void expect(std::span<const PartMotion> accelerations, std::span<const PartMotion> outside);
+
     /// Sets the joints for the next step of the world, of dt seconds; does not throw.
     void step(double dt);
+    /// Torque that a joint was given where the last step began, N m, world axes, on the child.
+    const Vec3& torque(int joint) const { return muscles_.at(static_cast<std::size_t>(joint)).torque; }
+    const InverseDynamics& dynamics() const { return dynamics_; }
 
 private:
     struct Muscle {
         float most = 0;               ///< N m, of a healthy human
         float share = 1, wanted = 1;  ///< of the strength; and where it is going
         float rate = 0;               ///< 1/s
+        float friction = -3e38f;      ///< share that the joint has now; −1 minus it without a spring
         Quat target{};                ///< of the child's joint frame in the parent's
         Vec3 speed{};                 ///< rad/s, of the target, in the parent's joint frame
+        std::optional<MuscleGains> gains{};
+        Vec3 torque{};  ///< N m, world axes
     };
 
     bool powers(int joint) const;
     Quat turnNow(int joint) const;
     void ease(float dt);
-    void weigh();
-    JointDef drive(int joint) const;
+    void rub(int joint, float friction);
+    void drive(int joint, float dt);
 
     World* world_;
     const Ragdoll* ragdoll_;
     MuscleProfile profile_, from_, to_;
     float easing_ = 1, easingRate_ = 0;
-    std::vector<Muscle> muscles_;   ///< one per joint
-    std::vector<int> parentJoint_;  ///< of each part, −1: none
-    std::vector<Vec3> torque_;      ///< N m, world axes, that bears the weight beyond each joint
-    std::vector<float> inertia_;    ///< kg m², about each joint, of all beyond it
-    bool told_ = false;             ///< was there a target before?
+    InverseDynamics dynamics_;
+    std::vector<Muscle> muscles_;                      ///< one per joint
+    std::vector<Vec3> torque_;                         ///< N m, world axes, that inverse dynamics ask for
+    std::vector<PartMotion> accelerations_, outside_;  ///< expected of the next step; empty: none
+    std::vector<JointDrive> drives_;
+    bool told_ = false;  ///< was there a target before?
 };
 
 }  // namespace ragtop

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "ragtop/body_pose.h"
+#include "ragtop/inverse_dynamics.h"
+#include "ragtop/muscles.h"
+#include "ragtop/tunables.h"
+
+/// A powered human that stands on its own feet.
+namespace ragtop {
+
+/// How a body stands.
+struct BalanceOptions {
+    float stiffness =
+        2.8f;              ///< of both ankles together, over weight times height of the centre of mass; topples below 1
+    float damping = 1.0f;  ///< of the ankles, over their stiffness divided by the rate at which the body would topple
+    float crouch = 0.01f;  ///< of the length of straight legs, by which the hips are lower
+    float learning =
+        0.5f;  ///< 1/s, at which it finds where it has to lean on a slope, with a load, on what accelerates
+};
+
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const BalanceOptions*) {
+    visit(Tunable{"stiffness", "1", 1, 20, "of both ankles, over weight times height"}, self.stiffness);
+    visit(Tunable{"damping", "1", 0, 10, "of the ankles, over stiffness by the rate of toppling"}, self.damping);
+    visit(Tunable{"crouch", "1", 0, 0.6, "of the length of the legs, by which hips are lower"}, self.crouch);
+    visit(Tunable{"learning", "1/s", 0, 10, "at which it finds where it has to lean"}, self.learning);
+}
+
+/// Empty when the options are usable; otherwise names the field, its value and what is allowed.
+std::string whyInvalid(const BalanceOptions& options);
+
+struct Leg;
+
+/// Keeps a human on both feet by its joints alone: no force acts on it but gravity and what it touches. Legs are bent
+/// by inverse kinematics for hips that carry the centre of mass over the middle of the feet; ankles are springs as
+/// stiff and as damped as the feedback of the capture point asks for (docs/adr/0080). Everything is relative to what
+/// the feet stand on. World, ragdoll and muscles must outlive it and stay where they are. Steps neither throw nor
+/// allocate.
+///
+///     balance.step(dt);  muscles.step(dt);  world.step(dt);
+class Balance {
+public:
+    /// Throws std::invalid_argument on bad options, and where the body is no human with legs of three parts whose knees
+    /// are hinges.
+    Balance(World& world, const Ragdoll& ragdoll, Muscles& muscles, const BalanceOptions& options = {});
+    ~Balance();
+    Balance(const Balance&) = delete;
+    Balance& operator=(const Balance&) = delete;
+
+    /// Sets targets and gains of all muscles for the next step of the world.
+    void step(double dt);
+    /// Gives the gains of the muscles back to their profile.
+    void release();
+
+    /// Where the body would have to be held up to come to rest over it, on the height of the feet [Pratt et al.,
+    /// Capture Point, 2006].
+    const DVec3& capturePoint() const { return capture_; }
+    /// m, from the capture point to the nearest edge of what the feet that bear something cover; negative beyond it.
+    /// Without help from arms or a step a body falls that has it below zero.
+    float margin() const { return margin_; }
+    /// m, from the centre of mass to the edge of what the feet cover, along a level direction: J = m d √(g/z) is what a
+    /// body of that height z can be pushed by without a step. 0 where it has no foot on the ground.
+    float reach(const Vec3& direction) const;
+    bool onFeet() const { return feet_[0].planted || feet_[1].planted; }
+
+private:
+    struct Foot {
+        bool planted = false;
+        float load = 0;    ///< N
+        DVec3 pressure{};  ///< m, centre of it
+        Vec3 normal{0, 1, 0};
+        Vec3 ground{};   ///< m/s, of what it stands on
+        DVec3 middle{};  ///< m, of the sole
+        Quat flat{};     ///< rotation of its bone with the sole on the ground
+    };
+    struct Stand;
+
+    void feel();
+    void feel(std::size_t side);
+    Stand survey() const;
+    void learn(const Stand& stand, float dt);
+    void measure(const Stand& stand);
+    float marginOf(const Vec3& point) const;
+    void bend(const Stand& stand);
+
+    World* world_;
+    const Ragdoll* ragdoll_;
+    Muscles* muscles_;
+    BalanceOptions options_;
+    BodyAxes axes_;
+    int pelvis_ = -1;
+    InverseDynamics dynamics_;
+    std::vector<Leg> legs_;                   ///< left, right
+    std::array<std::vector<Vec3>, 2> soles_;  ///< corners, in the bones of the feet
+    std::array<Vec3, 2> middles_{};           ///< of those
+    std::vector<Quat> stance_;                ///< turns of the joints of who stands
+    std::array<Foot, 2> feet_;
+    Vec3 lean_{};                 ///< m, of the centre of mass from the middle of the feet
+    DVec3 center_{}, capture_{};  ///< m, of the feet
+    float margin_ = 0;
+};
+
+}  // namespace ragtop

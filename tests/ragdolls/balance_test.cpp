@@ -1,0 +1,169 @@
+#include "ragtop/balance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "core/heap_counter.h"
+#include "human.h"
+#include "ragtop/world.h"
+#include "support.h"
+
+namespace ragtop {
+namespace {
+
+constexpr double kDt = 1.0 / 60;
+
+const RagdollDef& human() {
+    static const RagdollDef def = makeRagdoll(HumanRig().skeleton, {.bodyMass = 75});
+    return def;
+}
+
+struct Stander {
+    World world;
+    BodyId floor;
+    Ragdoll body;
+    Muscles muscles;
+    Balance balance;
+    InverseDynamics dynamics;
+
+    explicit Stander(const BodyType ground = BodyType::fixed)
+        : world(WorldSettings{.sleeping = false}),
+          floor(world.create(BodyDef{.type = ground,
+                                     .shapes = {{.geometry = Box{{100, 1, 100}}, .material = {.friction = 0.8f}}},
+                                     .pose = {{0, -1, 0}, {}}})),
+          body(world, human(), standing(BodyAxes(human()))),
+          muscles(world, body),
+          balance(world, body, muscles),
+          dynamics(world, body) {}
+    void run(double seconds) {
+        for (int i = 0; i < std::lround(seconds / kDt); ++i) step();
+    }
+    void step() {
+        balance.step(kDt);
+        muscles.step(kDt);
+        world.step(kDt);
+        dynamics.look();
+    }
+    float height() const { return static_cast<float>(dynamics.centerOfMass().y); }
+    /// All parts get the same velocity, m/s.
+    void push(const Vec3& velocity) {
+        for (const BodyId part : body.bodies())
+            world.setVelocity(part, world.linearVelocity(part) + velocity, world.angularVelocity(part));
+    }
+};
+
+TEST(Balance, StandsStill) {
+    Stander stander;
+    stander.run(4);
+    const float height = stander.height();
+    const DVec3 place = stander.dynamics.centerOfMass();
+    EXPECT_GT(height, 0.9f);
+    stander.run(16);
+    EXPECT_NEAR(stander.height(), height, 0.005f);
+    EXPECT_LT(length(relative(stander.dynamics.centerOfMass(), place)), 0.03f);
+    EXPECT_LT(length(stander.dynamics.velocity()), 0.005f);
+    EXPECT_GT(stander.balance.margin(), 0.03f);
+}
+
+/// J = m d √(g/z) is what a body without a step can take, d from the centre of mass to the edge of its feet.
+TEST(Balance, TakesHalfOfWhatFeetCanFromAnySide) {
+    for (int way = 0; way < 8; ++way) {
+        Stander stander;
+        stander.run(3);
+        const float rate = std::sqrt(9.81f / stander.height());
+        const SinCos angle = sinCos(0.25f * kPi * static_cast<float>(way));
+        const Vec3 along{angle.sin, 0, angle.cos};
+        const float edge = stander.balance.reach(along);
+        EXPECT_GT(edge, 0.05f);
+        stander.push(0.5f * edge * rate * along);
+        stander.run(5);
+        EXPECT_GT(stander.height(), 0.9f) << way;
+        EXPECT_LT(length(stander.dynamics.velocity()), 0.02f) << way;
+    }
+}
+
+/// On what accelerates it leans by z a/g.
+TEST(Balance, LeansIntoAnAcceleration) {
+    Stander stander(BodyType::kinematic);
+    stander.run(3);
+    const auto ahead = [&] {
+        double feet = 0;
+        for (std::size_t i = 0; i < human().parts.size(); ++i)
+            if (human().parts[i].role == BodyRole::foot)
+                feet += 0.5 * stander.world.centerOfMass(stander.body.bodies()[i]).z;
+        return stander.dynamics.centerOfMass().z - feet;
+    };
+    const double upright = ahead();
+    for (double time = 0; time < 10; time += kDt) {
+        const double way = 0.5 * (time + kDt) * (time + kDt);
+        stander.world.moveTo(stander.floor, {{0, -1, way}, {}}, kDt);
+        stander.step();
+    }
+    EXPECT_GT(stander.height(), 0.85f);
+    EXPECT_NEAR(ahead() - upright, static_cast<double>(stander.height()) / 9.81, 0.015);
+}
+
+/// No force acts on what balances but gravity: in the air its centre of mass falls, and it keeps its angular momentum.
+TEST(Balance, HoldsTheBodyByItsJointsAlone) {
+    Stander stander;
+    for (const BodyId part : stander.body.bodies()) {
+        Pose pose = stander.world.pose(part);
+        pose.position.y += 50;
+        stander.world.setPose(part, pose);
+    }
+    stander.dynamics.look();
+    const DVec3 start = stander.dynamics.centerOfMass();
+    const Vec3 spin = stander.dynamics.angularMomentum();
+    stander.run(1);
+    const Vec3 velocity = stander.dynamics.velocity();
+    EXPECT_NEAR(velocity.y, -9.81f, 1e-3f);
+    EXPECT_LT(std::hypot(velocity.x, velocity.z), 1e-4f);
+    EXPECT_LT(std::abs(stander.dynamics.centerOfMass().x - start.x), 1e-3);
+    // N m s: what a thousandth of the weight gives about a hand's breadth in that second.
+    EXPECT_LT(length(stander.dynamics.angularMomentum() - spin), 1e-3f * 75 * 9.81f * 0.1f);
+    EXPECT_FALSE(stander.balance.onFeet());
+}
+
+TEST(Balance, StepsWithoutMemory) {
+    Stander stander;
+    stander.run(0.5);
+    const long before = heapCalls();
+    stander.balance.step(kDt);
+    stander.muscles.step(kDt);
+    EXPECT_EQ(heapCalls(), before);
+}
+
+TEST(Balance, WhatIsWrongIsTold) {
+    EXPECT_EQ(whyInvalid(BalanceOptions{.stiffness = 0.5f}), "stiffness is 0.5, must be in [1, 20]");
+    World world;
+    RagdollDef def = human();
+    Ragdoll body(world, def);
+    Muscles muscles(world, body);
+    EXPECT_THROW(Balance(world, body, muscles, {.crouch = 2}), std::invalid_argument);
+    for (RagdollPart& part : def.parts)
+        if (part.role == BodyRole::foot && part.side == BodySide::right) part.role = BodyRole::other;
+    Ragdoll lame(world, def);
+    Muscles others(world, lame);
+    try {
+        Balance balance(world, lame, others);
+        FAIL();
+    } catch (const std::invalid_argument& error) {
+        EXPECT_STREQ(error.what(),
+                     "balance: the right leg is not a thigh on the pelvis, a shank on a hinge and a foot");
+    }
+}
+
+TEST(Support, MarginIsTheWayToTheNearestEdge) {
+    std::vector<Spot> square{{0, 0}, {2, 0}, {1, 1}, {2, 2}, {0, 2}};
+    EXPECT_NEAR(marginWithin(square, {0.5f, 1}), 0.5f, 1e-6f);
+    EXPECT_NEAR(marginWithin(square, {3, 1}), -1, 1e-6f);
+    EXPECT_NEAR(marginWithin(square, {3, 3}), -std::sqrt(2.0f), 1e-6f);
+    std::vector<Spot> line{{0, 0}, {2, 0}};
+    EXPECT_NEAR(marginWithin(line, {0, 1}), -1, 1e-6f);
+}
+
+}  // namespace
+}  // namespace ragtop
