@@ -1,3 +1,12 @@
+// Scalar rows along one free coordinate x of a joint: limits, spring, friction, damping and motor. Each says what it
+// asks for in a pass as a RowAim, a speed or λ = push − drag u between bounds; iteration solves it at once, direct
+// solvers make a row of theirs of it.
+//   hard limit   u ≥ −margin/h;  with restitution e it is left at −e u₀ from the time within the substep when it is met
+//   soft limit   the damped spring beyond the end, for the part of the substep that it is pressed (stop_trajectory.h)
+//   spring       λ = −h k C − drag u, the drags of both passes from springShares
+//   friction     |λ| ≤ h F, F dry friction, breakaway at rest and a share of the reaction;  viscous: λ = −drag u
+//   motor        u = target with |λ| ≤ h F
+
 #include "constraints/axis_rows.h"
 
 #include <cmath>

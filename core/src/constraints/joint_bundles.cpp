@@ -1,3 +1,6 @@
+// Sorts the joints of each colour by what rows they have, N of one structure to a bundle; what has no equal in its
+// colour is solved alone. Made anew only after joints came, went or changed.
+
 #include "constraints/joint_bundles.h"
 
 #include <algorithm>

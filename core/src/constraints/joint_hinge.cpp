@@ -1,3 +1,10 @@
+// A hinge: B turns about the x axis of both joint frames. With p the anchors, x the axes in the world and E two
+// directions across xB,
+//   C₁ = pB − pA                          Ċ₁ = vB + ωB × rB − vA − ωA × rA        three linear rows
+//   C₂ = Eᵀ 2 sin(θ/2) xA × xB/|xA × xB|   Ċ₂ ≈ Eᵀ (ωB − ωA)                       two angular rows
+// θ being the angle between the axes. All five are one block (rows.h). Free is ωrel · xB, the rate of the angle about
+// x, along which limits, spring, friction and motor act (axis_rows.h).
+
 #include "constraints/joint_angle.h"
 #include "constraints/joint_constants.h"
 #include "constraints/joint_types.h"
@@ -17,7 +24,7 @@ Vec3 axisError(const Vec3& xA, const Vec3& xB) {
     return 2.0f * normalized(axis, perpendicular(xB));
 }
 
-/// Five rigid rows: C₁ = gap, C₂ = the two components of the error of the x axes. ω_rel is free along B's x axis.
+/// The errors, masses and margins of now; at the beginning of a substep also the aims of the scalar rows.
 void refreshHinge(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh) {
     const Vec3 xA = axisX(place.a), yA = axisY(place.a), xB = axisX(place.b);
     RigidBlock& block = joint.block;

@@ -1,3 +1,7 @@
+// A joint in the solver: compiled from its definition, refreshed and warm started once per substep, solved in the
+// soft and the relaxing pass. What depends on the kind of joint is in joint_<kind>.cpp; the switches over the kinds
+// are here.
+
 #include "constraints/joint_sim.h"
 
 #include <cmath>

@@ -1,3 +1,8 @@
+// RATTLE steps of a mechanism, see mechanism.h: half of the outside impulses; impulses along the Jacobian of the
+// beginning such that the joints are closed at the end (Newton's method with the factor of the velocities before);
+// free rotation; the other half; impulses along the Jacobian of the end such that the rows have no speed. Pace is in
+// mechanism_pace.cpp, rows are in mechanism_rows.cpp.
+
 #include "direct/mechanism.h"
 
 #include <cmath>

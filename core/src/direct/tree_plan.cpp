@@ -1,3 +1,6 @@
+// Plans the elimination of trees: the order of links, parents before children, which of them form ball chains, and
+// which trees have the same topology and precision, so that one group of lanes eliminates them side by side.
+
 #include "direct/tree_plan.h"
 
 #include <algorithm>
