@@ -10,7 +10,7 @@
 namespace ragtop::demos {
 namespace {
 
-constexpr double kStill = 60, kSettled = 3, kAfter = 6;  ///< s
+constexpr double kStill = 60, kSettled = 6, kAfter = 6;  ///< s
 constexpr float kShare = 0.8f;                           ///< of what a body without a step can take
 constexpr float kSlope = 5 * kPi / 180;
 constexpr float kAcceleration = 1;  ///< m/s²
@@ -138,10 +138,12 @@ const RagdollDef* RagdollStander::standerOf(const RagdollSubject& subject) {
     return def;
 }
 
-void RagdollStander::step(double dt) {
-    balance_.step(dt);
+void RagdollStander::step(double dt, Brace* brace, bool balancing) {
+    if (balancing) balance_.step(dt);
+    if (brace) brace->step();
     muscles_.step(dt);
     world_.step(dt);
+    world_.setVelocity(floor_, {}, {});
     dynamics_.look();
 }
 

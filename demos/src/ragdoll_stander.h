@@ -4,6 +4,7 @@
 
 #include "ragdoll_trial.h"
 #include "ragtop/balance.h"
+#include "ragtop/brace.h"
 #include "ragtop/muscles.h"
 
 namespace ragtop::demos {
@@ -17,7 +18,9 @@ public:
     /// None where the subject is no human on two legs of three parts.
     static const RagdollDef* standerOf(const RagdollSubject& subject);
 
-    void step(double dt);
+    void step(double dt) { step(dt, nullptr, true); }
+    /// Bracing for a fall, or with neither that nor balance.
+    void step(double dt, Brace* brace, bool balancing);
     /// The floor turns or moves to `target` in the next step.
     void moveFloor(const Pose& target, double dt);
     /// All parts get the velocity that an impulse of `size` N s along a level direction gives the whole.
@@ -30,6 +33,10 @@ public:
     double height() const { return dynamics_.centerOfMass().y; }
     const InverseDynamics& dynamics() const { return dynamics_; }
     World& world() { return world_; }
+    BodyId floor() const { return floor_; }
+    Ragdoll& body() { return body_; }
+    Muscles& muscles() { return muscles_; }
+    Balance& balance() { return balance_; }
 
 private:
     World world_;
@@ -43,5 +50,7 @@ private:
 };
 
 std::vector<RagdollFigure> balance(const RagdollSubject& subject, const RagdollTrialOptions& options);
+/// Pushed beyond that, 64 ways.
+std::vector<RagdollFigure> brace(const RagdollSubject& subject, const RagdollTrialOptions& options);
 
 }  // namespace ragtop::demos

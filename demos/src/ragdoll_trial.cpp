@@ -257,6 +257,7 @@ const std::vector<RagdollTest>& ragdollTests() {
         {"shake", "up and down by each hand and foot, 10 s", shake},
         {"flight", "thrown with moving joints, 5 s", flight},
         {"balance", "a human on its own feet: still, pushed, on slopes, on what accelerates, with a load", balance},
+        {"brace", "pushed so that it falls, 64 ways", brace},
     };
     return tests;
 }

@@ -60,6 +60,13 @@ RagdollFigure figureOf(const RagdollSubject& subject, const std::string& test, c
     return {};
 }
 
+TEST(RagdollTrial, OnlyHumansAreToldToStand) {
+    for (const RagdollTest& each : ragdollTests()) {
+        const bool ofHumans = each.name == "balance" || each.name == "brace";
+        EXPECT_TRUE(!ofHumans || each.run(pair(), {.seeds = 1}).empty()) << each.name;
+    }
+}
+
 TEST(RagdollTrial, AnOpenJointIsMeasuredAndNamed) {
     RagdollStage stage(pair(), {});
     WholenessWatch watch;
@@ -202,7 +209,7 @@ TEST(RagdollProgram, SaysWhatIsWrongInOneLine) {
     EXPECT_EQ(ragtop("nothing.glb", text), 2);
     EXPECT_EQ(text, "nothing.glb: no such file\n");
     EXPECT_EQ(ragtop("nothing.glb --test fly", text), 2);
-    EXPECT_EQ(text, "ragtop: --test: fly not in {drop,push,hang,shake,flight,none}\n");
+    EXPECT_EQ(text, "ragtop: --test: fly not in {drop,push,hang,shake,flight,balance,brace,none}\n");
     EXPECT_EQ(ragtop("nothing.glb --hz 0", text), 2);
     const std::string hollow = temporaryPath("hollow.urdf").string();
     std::ofstream(hollow) << "<robot name='hollow'><link name='only'><inertial><mass value='1'/>"
