@@ -215,7 +215,10 @@ bool restoresAlike(const Drawn& drawn, std::uint64_t seed) {
     const auto steps = std::min(std::lround(drawn.seconds / dt), 180L);
     World straight(settings), turned(settings);
     const SceneInstance one(drawn.scene, straight), other(drawn.scene, turned);
-    for (long i = 0; i < steps; ++i) straight.step(dt);
+    for (long i = 0; i < steps; ++i) {
+        straight.step(dt);
+        if (!straight.validate().empty()) return false;
+    }
     Dice dice(seed);
     std::vector<std::byte> kept;
     for (long i = 0; i < steps; ++i) {
@@ -226,6 +229,7 @@ bool restoresAlike(const Drawn& drawn, std::uint64_t seed) {
             turned.restore(kept);
         }
         turned.step(dt);
+        if (!turned.validate().empty()) return false;
     }
     return straight.hash() == turned.hash();
 }

@@ -5,7 +5,7 @@
 #include <memory_resource>
 
 #include "constraints/constraint_graph.h"
-#include "world/lane_view.h"
+#include "constraints/lane_view.h"
 
 namespace ragtop {
 namespace {

@@ -330,7 +330,7 @@ TEST(MovingMesh, AllocatesNothingWhileItMoves) {
     addChain(world, 6, 0);
     run(world, 2);
     const long before = heapCalls();
-    run(world, 1);
+    for (int i = 0; i < stepsIn(1); ++i) world.step(kDt);  // without asking the world what holds of it, which takes memory
     EXPECT_EQ(heapCalls() - before, 0);
 }
 

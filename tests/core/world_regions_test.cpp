@@ -8,7 +8,7 @@
 
 #include "constraints/constraint_graph.h"
 #include "ragtop/tasks.h"
-#include "world/lane_view.h"
+#include "constraints/lane_view.h"
 #include "world_support.h"
 
 namespace ragtop {

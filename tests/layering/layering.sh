@@ -8,6 +8,9 @@
 #   no module uses the algorithms that stop clang 19 with libstdc++ 12
 #   no extreme of the stability suite is kept in a way that loses NaN
 #   no file is longer than 500 lines, no function of a module longer than 80
+#   folders of core include what the table in docs/architecture.md says, headers of systems have at most 150 lines
+#   no class of core has more than 30 member functions or 25 fields, but for ceilings.txt, which only falls
+#   every named number of core says what it is, but for constants.txt, which only falls
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 cd "$1"
@@ -61,6 +64,19 @@ if [ -n "$sources" ]; then
     headers=$(echo "$sources" | grep -E '\.(h|inl)$' || true)
     if [ -n "$headers" ] && grep -nE '^[[:space:]]*using[[:space:]]+namespace' $headers; then
         echo "using-directives in headers (above)"
+        status=1
+    fi
+fi
+if [ -d core/src ] && [ -f docs/architecture.md ]; then
+    core=$(echo "$sources" | grep '^core/src/')
+    awk -f "$here/folders.awk" docs/architecture.md $core || status=1
+    awk -v ceilings="$here/ceilings.txt" -f "$here/classes.awk" $(echo "$core" | grep '\.h$') || status=1
+    bare=$(awk -f "$here/constants.awk" $core)
+    count=$(echo "$bare" | grep -c . || true)
+    most=$(cat "$here/constants.txt")
+    if [ "$count" -gt "$most" ]; then
+        echo "$bare"
+        echo "$count numbers without a word (above), at most $most by constants.txt: say what they are"
         status=1
     fi
 fi

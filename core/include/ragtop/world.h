@@ -6,6 +6,7 @@
 #include <memory>
 #include <memory_resource>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "ragtop/body.h"
@@ -245,6 +246,9 @@ public:
     void restore(std::span<const std::byte> from);
     /// A 64-bit digest of the state that decides the future: poses, velocities, impulses, modules.
     std::uint64_t hash() const;
+    /// The first fact that does not hold of the world's own tables, lists and constraint graph, in words; empty when
+    /// all do, as between any two calls. For tests and bug reports: about as slow as a save, and takes memory.
+    std::string validate() const;
     /// Vehicles, ragdolls and games take part in steps and saves as modules; see module.h.
     void add(StepModule* module);
     /// Changes whenever a fixed body is moved or destroyed, and when a state is restored. While it stays the same, a

@@ -32,8 +32,9 @@ bool isPassive(const WorldImpl& world, const JointSim& sim) {
                           !(sim.drives.targetSpeed == Vec3{} && sim.drives.feedForward == Vec3{});
     const bool isMoved = (sim.axis.features & AxisRows::kSpring) != 0 &&
                          !(sim.axis.springSpeed == 0 && sim.axis.feedForward == 0);
-    const bool hasLedger = (sim.axis.stop.stiffness > 0 || sim.ball.stop.stiffness > 0) &&
-                           !(stiffnessOf(sim, world.states.data(), world.inertias.data(), world.context.h) > 1);
+    const bool hasLedger =
+        (sim.axis.stop.stiffness > 0 || sim.ball.stop.stiffness > 0) &&
+        !(stiffnessOf(sim, world.bodies.states.data(), world.bodies.inertias.data(), world.context.h) > 1);
     return (sim.axis.features & (AxisRows::kMotor | AxisRows::kCoupled)) == 0 && !isDriven && !isMoved && !hasLedger;
 }
 
@@ -48,13 +49,14 @@ std::uint32_t rootOf(AlignedArray<std::uint32_t>& parent, std::uint32_t body) {
 template <class Visit>
 void forEachJoint(const WorldImpl& world, Visit&& visit) {
     for (int c = 0; c < world.graph.listCount(); ++c)
-        for (const std::uint32_t joint : world.graph.color(c).joints) visit(world.joints[joint], world.jointSims[joint]);
+        for (const std::uint32_t joint : world.graph.color(c).joints)
+            visit(world.joints[joint], world.joints.sims[joint]);
 }
 
 /// J, that forces gave a body along its way.
 double workOn(const WorldImpl& world, std::uint32_t index) {
-    const BodyDynamics& d = world.dynamics[index];
-    const BodyState& state = world.states[index];
+    const BodyDynamics& d = world.bodies.dynamics[index];
+    const BodyState& state = world.bodies.states[index];
     const Vec3 turn = 2 * Vec3{state.dq.x, state.dq.y, state.dq.z};
     return static_cast<double>(world.bodies[index].mass) * static_cast<double>(dot(d.acceleration, state.dp)) +
            static_cast<double>(dot(d.torque, turn));
@@ -72,12 +74,12 @@ Stored storedBy(const WorldImpl& world, std::uint32_t index) {
     for (std::uint32_t key = world.bodies[index].firstJoint; key != kNone;
          key = world.joints[key >> 1].edges[key & 1].next) {
         const JointRecord& joint = world.joints[key >> 1];
-        const JointSim& sim = world.jointSims[key >> 1];
-        const bool isCounted = (key & 1) == 0 || !world.moves(joint.bodyA);
+        const JointSim& sim = world.joints.sims[key >> 1];
+        const bool isCounted = (key & 1) == 0 || !world.bodies.moves(joint.bodyA);
         if (!isCounted || !storesEnergy(sim)) continue;
         JointBodiesAtStep at = world.jointBodies(joint);
         const double before = storedEnergy(sim, at);
-        const BodyState &a = world.states[sim.stateA], &b = world.states[sim.stateB];
+        const BodyState &a = world.bodies.states[sim.stateA], &b = world.bodies.states[sim.stateB];
         at.centerOffset += b.dp - a.dp;
         at.rotationA = a.dq * at.rotationA, at.rotationB = b.dq * at.rotationB;
         stored.before += before;
@@ -94,7 +96,7 @@ double excessOf(const WorldImpl& world, std::uint32_t index) {
 /// By more than a load presses surfaces into each other.
 bool overlaps(const WorldImpl& world, const ContactRecord& contact) {
     bool inside = false;
-    for (const ManifoldRecord& manifold : world.manifoldsOf(contact))
+    for (const ManifoldRecord& manifold : world.manifolds.of(contact))
         for (int j = 0; j < manifold.pointCount; ++j)
             inside |= manifold.separation[j] < -contact::kDeep * contact.size;
     return inside;
@@ -120,9 +122,9 @@ GuardedIsland& islandOf(WorldImpl& world, std::uint32_t first) {
     GuardedIsland look;
     look.begin = static_cast<std::uint32_t>(guard.visited.size());
     const auto reach = [&](std::uint32_t body) {
-        if (!world.moves(body)) {
+        if (!world.bodies.moves(body)) {
             look.hangs = true;
-        } else if (world.isAwake(body) && guard.islandOf[body] == kNone) {
+        } else if (world.bodies.isAwake(body) && guard.islandOf[body] == kNone) {
             guard.islandOf[body] = number;
             guard.visited.push(body);
         }
@@ -134,7 +136,7 @@ GuardedIsland& islandOf(WorldImpl& world, std::uint32_t first) {
         for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
              key = world.joints[key >> 1].edges[key & 1].next)
             reach((key & 1) != 0 ? world.joints[key >> 1].bodyA : world.joints[key >> 1].bodyB);
-        for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.nextContact(key)) {
+        for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.contacts.next(key)) {
             const ContactRecord& contact = world.contacts[key >> 1];
             if (contact.sensor || contact.firstManifold == kNone) continue;
             const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
@@ -151,9 +153,9 @@ GuardedIsland& islandOf(WorldImpl& world, std::uint32_t first) {
 
 void stayPut(WorldImpl& world, std::span<const std::uint32_t> group) {
     for (const std::uint32_t b : group) {
-        world.states[b].dp = {};
-        world.states[b].dq = {};
-        world.refreshInertia(b);
+        world.bodies.states[b].dp = {};
+        world.bodies.states[b].dq = {};
+        world.bodies.refreshInertia(b);
     }
 }
 
@@ -166,15 +168,15 @@ void barDirect(WorldImpl& world, std::span<const std::uint32_t> group) {
         changed |= steps > 0;
         steps = std::min(steps, -direct::kCooldownSteps);
     }
-    if (changed) world.graphChanged = world.directChanged = true;
+    if (changed) world.islands.graphChanged = world.islands.directChanged = true;
 }
 
 /// Has a force or velocity beyond all measure taken some body out of the range of numbers? Then it is stopped alone.
 bool isThrown(const WorldImpl& world, std::span<const std::uint32_t> group) {
     constexpr float kBeyond = 1e12f;  // m/s², rad/s² and J
     for (const std::uint32_t b : group) {
-        const BodyDynamics& d = world.dynamics[b];
-        const bool pushed = length(d.acceleration) > kBeyond || length(world.inertias[b] * d.torque) > kBeyond;
+        const BodyDynamics& d = world.bodies.dynamics[b];
+        const bool pushed = length(d.acceleration) > kBeyond || length(world.bodies.inertias[b] * d.torque) > kBeyond;
         if (pushed || !(world.energyGuard.kinetic[b] < kBeyond)) return true;
     }
     return false;
@@ -183,7 +185,7 @@ bool isThrown(const WorldImpl& world, std::span<const std::uint32_t> group) {
 /// A solver that failed has left no motion that numbers can hold.
 void stopGroup(WorldImpl& world, std::span<const std::uint32_t> group) {
     for (const std::uint32_t b : group) {
-        world.states[b].v = world.states[b].w = {};
+        world.bodies.states[b].v = world.bodies.states[b].w = {};
         world.forgetImpulses(b);
     }
     stayPut(world, group);
@@ -196,7 +198,7 @@ void stopGroup(WorldImpl& world, std::span<const std::uint32_t> group) {
 bool overran(const WorldImpl& world, std::span<const std::uint32_t> group, double energy) {
     constexpr double kFar = 16;  // in squares of the way
     for (const std::uint32_t b : group) {
-        const double speed = static_cast<double>(length(world.states[b].dp)) / static_cast<double>(world.dt);
+        const double speed = static_cast<double>(length(world.bodies.states[b].dp)) / static_cast<double>(world.dt);
         if (0.5 * static_cast<double>(world.bodies[b].mass) * speed * speed > kFar * energy) return true;
     }
     return false;
@@ -208,7 +210,8 @@ double earlyEnergy(const WorldImpl& world, std::uint32_t index) {
     const BodyRecord& body = world.bodies[index];
     if (body.directReason != direct::Reason::tree) return 0;
     const float early = world.context.h * static_cast<float>(body.stepFactor);
-    return static_cast<double>(body.mass * early * length(world.dynamics[index].acceleration) * length(world.states[index].v));
+    return static_cast<double>(body.mass * early * length(world.bodies.dynamics[index].acceleration) *
+                               length(world.bodies.states[index].v));
 }
 
 EnergyAccount accountOf(const WorldImpl& world, std::span<const std::uint32_t> group) {
@@ -299,10 +302,10 @@ bool uniteJoined(WorldImpl& world) {
     EnergyGuard& guard = world.energyGuard;
     bool joined = false;
     guard.parent.resizeForOverwrite(world.bodies.size());
-    for (const std::uint32_t body : world.awakeBodies) guard.parent[body] = body;
+    for (const std::uint32_t body : world.bodies.awake) guard.parent[body] = body;
     forEachJoint(world, [&](const JointRecord& joint, const JointSim&) {
         joined = true;
-        if (!world.moves(joint.bodyA) || !world.moves(joint.bodyB)) return;
+        if (!world.bodies.moves(joint.bodyA) || !world.bodies.moves(joint.bodyB)) return;
         const std::uint32_t a = rootOf(guard.parent, joint.bodyA), b = rootOf(guard.parent, joint.bodyB);
         guard.parent[a < b ? b : a] = a < b ? a : b;
     });
@@ -312,26 +315,28 @@ bool uniteJoined(WorldImpl& world) {
 /// Lists the members of each group in the order of awake bodies.
 void listMembers(WorldImpl& world, AlignedArray<std::uint32_t>& groupOf) {
     EnergyGuard& guard = world.energyGuard;
-    const auto isMember = [&](std::uint32_t body) { return world.moves(body) && world.bodies[body].firstJoint != kNone; };
+    const auto isMember = [&](std::uint32_t body) {
+        return world.bodies.moves(body) && world.bodies[body].firstJoint != kNone;
+    };
     const auto group = [&](std::uint32_t body) { return groupOf[rootOf(guard.parent, body)]; };
     std::uint32_t count = 0;
-    for (const std::uint32_t body : world.awakeBodies)
+    for (const std::uint32_t body : world.bodies.awake)
         if (isMember(body) && rootOf(guard.parent, body) == body) groupOf[body] = count++;
     guard.watched.resize(count, 1);
     // Counted two places on, so that filling moves each begin to where the group before ends.
     guard.starts.resize(count + 2, 0);
-    for (const std::uint32_t body : world.awakeBodies)
+    for (const std::uint32_t body : world.bodies.awake)
         if (isMember(body)) ++guard.starts[group(body) + 2];
     for (std::size_t g = 2; g < guard.starts.size(); ++g) guard.starts[g] += guard.starts[g - 1];
     guard.bodies.resizeForOverwrite(guard.starts[count + 1]);
-    for (const std::uint32_t body : world.awakeBodies)
+    for (const std::uint32_t body : world.bodies.awake)
         if (isMember(body)) guard.bodies[guard.starts[group(body) + 1]++] = body;
     guard.starts.pop();
 }
 
 /// Where joints, the bodies that are awake or direct islands have changed.
 void findGroups(WorldImpl& world) {
-    if (!world.articulations.fresh) return;
+    if (!world.articulations.areFresh()) return;
     EnergyGuard& guard = world.energyGuard;
     guard.starts.clear();
     guard.bodies.clear();
@@ -344,7 +349,7 @@ void findGroups(WorldImpl& world) {
     listMembers(world, groupOf);
     forEachJoint(world, [&](const JointRecord& joint, const JointSim& sim) {
         const auto isMoved = [&](std::uint32_t body) { return world.bodies[body].type == BodyType::kinematic; };
-        const std::uint32_t body = world.moves(joint.bodyA) ? joint.bodyA : joint.bodyB;
+        const std::uint32_t body = world.bodies.moves(joint.bodyA) ? joint.bodyA : joint.bodyB;
         const std::uint32_t group = groupOf[rootOf(guard.parent, body)];
         guard.stores |= storesEnergy(sim);
         if (!isPassive(world, sim) || isMoved(joint.bodyA) || isMoved(joint.bodyB)) guard.watched[group] = 0;
@@ -362,9 +367,9 @@ void beginGuard(WorldImpl& world) {
     EnergyGuard& guard = world.energyGuard;
     if (guard.groupCount() == 0) return;
     guard.kinetic.resizeForOverwrite(world.bodies.size());
-    world.runner.parallelFor(static_cast<int>(world.awakeBodies.size()), 64, [&](int begin, int end, int) {
+    world.runner.parallelFor(static_cast<int>(world.bodies.awake.size()), 64, [&](int begin, int end, int) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-            recordKinetic(world, world.awakeBodies[i]);
+            recordKinetic(world, world.bodies.awake[i]);
     });
     guard.momentum.resizeForOverwrite(guard.groupCount());
     world.runner.parallelFor(static_cast<int>(guard.groupCount()), 4, [&](int begin, int end, int) {
@@ -390,8 +395,8 @@ void guardEnergy(WorldImpl& world) {
     guard.suspects.resizeForOverwrite(groups);
     // Trees that go alone and have kept their energy have been finished.
     const auto isFinished = [&](std::size_t g) {
-        return world.multirate.independentCount > 0 &&
-               (world.multirate.marks[guard.membersOf(g).front()] & Multirate::kIndependent) != 0;
+        return world.directSet.multirate.independentCount > 0 &&
+               (world.directSet.multirate.marks[guard.membersOf(g).front()] & Multirate::kIndependent) != 0;
     };
     world.runner.parallelFor(static_cast<int>(groups), 4, [&](int begin, int end, int) {
         for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g) {
@@ -407,7 +412,7 @@ void guardEnergy(WorldImpl& world) {
     guard.islands.reserve(groups);
     guard.visited.clear();
     guard.islandOf.resizeForOverwrite(world.bodies.size());
-    for (const std::uint32_t body : world.awakeBodies) guard.islandOf[body] = kNone;
+    for (const std::uint32_t body : world.bodies.awake) guard.islandOf[body] = kNone;
     for (std::size_t g = 0; g < groups; ++g)
         if (guard.suspects[g] != 0) guardGroup(world, g);
 }

@@ -9,7 +9,7 @@ namespace ragtop {
 
 double kineticEnergy(const WorldImpl& world, std::uint32_t index, const Quat& rotation) {
     const BodyRecord& body = world.bodies[index];
-    const BodyState& state = world.states[index];
+    const BodyState& state = world.bodies.states[index];
     const Vec3 w = inverseRotate(rotation, state.w);
     const double mass = static_cast<double>(body.mass);
     return 0.5 * (mass * static_cast<double>(lengthSquared(state.v)) +
@@ -17,7 +17,7 @@ double kineticEnergy(const WorldImpl& world, std::uint32_t index, const Quat& ro
 }
 
 Quat rotationNow(const WorldImpl& world, std::uint32_t index) {
-    return normalized(world.states[index].dq * world.bodies[index].rotation);
+    return normalized(world.bodies.states[index].dq * world.bodies[index].rotation);
 }
 
 Vec3 angularMomentumAtStart(const WorldImpl& world, std::span<const std::uint32_t> group) {
@@ -27,8 +27,8 @@ Vec3 angularMomentumAtStart(const WorldImpl& world, std::span<const std::uint32_
     Vec3 moment, momentum, angular;
     for (const std::uint32_t b : group) {
         const BodyRecord& body = world.bodies[b];
-        const Vec3 r = toVec3(body.center - origin), p = body.mass * world.states[b].v;
-        const Vec3 spin = scale(body.inertia, inverseRotate(body.rotation, world.states[b].w));
+        const Vec3 r = toVec3(body.center - origin), p = body.mass * world.bodies.states[b].v;
+        const Vec3 spin = scale(body.inertia, inverseRotate(body.rotation, world.bodies.states[b].w));
         mass += body.mass;
         moment += body.mass * r;
         momentum += p;
@@ -41,12 +41,12 @@ CommonMotion commonMotion(const WorldImpl& world, std::span<const std::uint32_t>
     CommonMotion motion;
     double mass = 0;
     DVec3 center{}, momentum{};
-    const auto place = [&](std::uint32_t b) { return world.bodies[b].center + world.states[b].dp; };
+    const auto place = [&](std::uint32_t b) { return world.bodies[b].center + world.bodies.states[b].dp; };
     for (const std::uint32_t b : group) {
         const double m = static_cast<double>(world.bodies[b].mass);
         mass += m;
         center = center + m * place(b);
-        momentum = momentum + m * DVec3{world.states[b].v};
+        momentum = momentum + m * DVec3{world.bodies.states[b].v};
     }
     motion.center = (1 / mass) * center;
     motion.v = toVec3((1 / mass) * momentum);
@@ -56,9 +56,9 @@ CommonMotion commonMotion(const WorldImpl& world, std::span<const std::uint32_t>
     for (const std::uint32_t b : group) {
         const float m = world.bodies[b].mass;
         const Quat q = rotationNow(world, b);
-        const Vec3 r = toVec3(place(b) - motion.center), w = inverseRotate(q, world.states[b].w);
+        const Vec3 r = toVec3(place(b) - motion.center), w = inverseRotate(q, world.bodies.states[b].w);
         const Vec3 i = world.bodies[b].inertia;
-        angular += m * cross(r, world.states[b].v - motion.v) + rotate(q, scale(i, w));
+        angular += m * cross(r, world.bodies.states[b].v - motion.v) + rotate(q, scale(i, w));
         const Mat3 t = toMat3(q);
         const auto add = [&](float& to, auto at) {
             to += i.x * at(t.cx) + i.y * at(t.cy) + i.z * at(t.cz) - m * at(r);
@@ -84,19 +84,19 @@ CommonMotion commonMotion(const WorldImpl& world, std::span<const std::uint32_t>
 namespace {
 
 void setVelocity(WorldImpl& world, std::uint32_t body, const Vec3& v, const Vec3& w) {
-    BodyState& state = world.states[body];
+    BodyState& state = world.bodies.states[body];
     state.v = v;
     state.w = w;
-    if (state.locks != 0 || world.dynamics[body].spins == 0) world.obeyLocks(body);
-    world.storeMomentum(body, rotationNow(world, body));
+    if (state.locks != 0 || world.bodies.dynamics[body].spins == 0) world.bodies.obeyLocks(body);
+    world.bodies.storeMomentum(body, rotationNow(world, body));
 }
 
 /// What springs lead the speeds of their bodies by is part of these; of those joints that are counted with a body.
 void scaleLeads(WorldImpl& world, std::uint32_t body, float share) {
     for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
          key = world.joints[key >> 1].edges[key & 1].next) {
-        if ((key & 1) != 0 && world.moves(world.joints[key >> 1].bodyA)) continue;
-        PairVector& lead = world.jointSims[key >> 1].lead;
+        if ((key & 1) != 0 && world.bodies.moves(world.joints[key >> 1].bodyA)) continue;
+        PairVector& lead = world.joints.sims[key >> 1].lead;
         lead = {share * lead.linear, share * lead.angular};
     }
 }
@@ -107,7 +107,7 @@ void turnToMomentum(WorldImpl& world, std::span<const std::uint32_t> group, cons
     const CommonMotion motion = commonMotion(world, group);
     const Vec3 turn = solve(motion.inertia, momentum - motion.momentum);
     for (const std::uint32_t b : group) {
-        const BodyState& state = world.states[b];
+        const BodyState& state = world.bodies.states[b];
         const Vec3 arm = toVec3(world.bodies[b].center + state.dp - motion.center);
         setVelocity(world, b, state.v + cross(turn, arm), state.w + turn);
     }
@@ -120,7 +120,7 @@ double takeEnergy(WorldImpl& world, std::span<const std::uint32_t> group, double
     if (!(motion.inner > 0)) return 0;
     const auto share = static_cast<float>(std::sqrt(std::max(0.0, 1 - energy / motion.inner)));
     for (const std::uint32_t b : group) {
-        const BodyState& state = world.states[b];
+        const BodyState& state = world.bodies.states[b];
         const Vec3 arm = toVec3(world.bodies[b].center + state.dp - motion.center);
         const Vec3 v = motion.v + cross(motion.w, arm);
         setVelocity(world, b, v + share * (state.v - v), motion.w + share * (state.w - motion.w));

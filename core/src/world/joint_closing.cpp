@@ -24,24 +24,26 @@ constexpr double kLargestTurn = 0.25;  ///< rad, up to which the way that closes
 /// The gap between a joint's anchors over the size of the smaller of the bodies that it moves; 0 where these have none.
 float opening(const WorldImpl& world, std::uint32_t index) {
     const JointRecord& joint = world.joints[index];
-    const JointSim& sim = world.jointSims[index];
+    const JointSim& sim = world.joints.sims[index];
     if (sim.kind != JointKind::ball && sim.kind != JointKind::hinge && sim.kind != JointKind::fixed) return 0;
     const JointBodiesAtStep at = world.jointBodies(joint);
     const Vec3 gap =
         at.centerOffset + rotate(at.rotationB, sim.localB.position) - rotate(at.rotationA, sim.localA.position);
     const float sizeA = world.bodies[joint.bodyA].size, sizeB = world.bodies[joint.bodyB].size;
-    const float size = !world.moves(joint.bodyA) ? sizeB : !world.moves(joint.bodyB) ? sizeA : std::min(sizeA, sizeB);
+    const float size = !world.bodies.moves(joint.bodyA)   ? sizeB
+                       : !world.bodies.moves(joint.bodyB) ? sizeA
+                                                          : std::min(sizeA, sizeB);
     return size > 0 ? length(gap) / size : 0;
 }
 
 /// What turning leaves of that: an arm r that turns by θ in a substep ends it ½ θ² r from where its speed led.
 float openingOfTurns(const WorldImpl& world, std::uint32_t index) {
     const JointRecord& joint = world.joints[index];
-    const JointSim& sim = world.jointSims[index];
+    const JointSim& sim = world.joints.sims[index];
     float left = 0, size = std::numeric_limits<float>::max();
     const auto add = [&](std::uint32_t body, const Vec3& arm) {
-        if (!world.moves(body)) return;
-        left += 0.5f * world.context.h * world.context.h * lengthSquared(world.states[body].w) * length(arm);
+        if (!world.bodies.moves(body)) return;
+        left += 0.5f * world.context.h * world.context.h * lengthSquared(world.bodies.states[body].w) * length(arm);
         size = std::min(size, world.bodies[body].size);
     };
     add(joint.bodyA, sim.localA.position);
@@ -56,7 +58,7 @@ void forEachJoint(const WorldImpl& world, std::span<const std::uint32_t> group, 
         for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
              key = world.joints[key >> 1].edges[key & 1].next) {
             const JointRecord& joint = world.joints[key >> 1];
-            const bool first = (key & 1) == 0 || !world.moves(joint.bodyA);
+            const bool first = (key & 1) == 0 || !world.bodies.moves(joint.bodyA);
             if (first) visit(key >> 1);
         }
 }
@@ -78,11 +80,11 @@ bool isHeldOtherwise(const JointSim& sim) {
 bool isOpen(const WorldImpl& world, std::span<const std::uint32_t> group) {
     if (group.size() > direct::kMostBodies) return false;
     for (const std::uint32_t body : group)
-        if (!world.moves(body) || !world.isAwake(body)) return false;
+        if (!world.bodies.moves(body) || !world.bodies.isAwake(body)) return false;
     bool open = false, otherwise = false;
     forEachJoint(world, group, [&](std::uint32_t joint) {
         open = open || opening(world, joint) > kOpen + openingOfTurns(world, joint);
-        otherwise = otherwise || isHeldOtherwise(world.jointSims[joint]);
+        otherwise = otherwise || isHeldOtherwise(world.joints.sims[joint]);
     });
     return open && !otherwise;
 }
@@ -107,17 +109,17 @@ double findWays(direct::IslandSystem& system, double h, double& softness) {
 
 void placeJoints(WorldImpl& world, std::span<const std::uint32_t> joints) {
     for (const std::uint32_t joint : joints)
-        placeJoint(world.jointSims[joint], world.jointBodies(world.joints[joint]), world.states.data(),
-                   world.inertias.data());
+        placeJoint(world.joints.sims[joint], world.jointBodies(world.joints[joint]), world.bodies.states.data(),
+                   world.bodies.inertias.data());
 }
 
 /// Takes the speed at which rigid rows open.
 void restJoints(WorldImpl& world, direct::IslandSystem& system) {
     direct::SolveReport report;
     bool factored = false;
-    system.aimAtRest(world.bodyArrays(), world.jointContext);
+    system.aimAtRest(world.bodies.arrays(), world.jointContext);
     direct::pivot(system, factored, report);
-    system.writeVelocities(world.bodyArrays());
+    system.writeVelocities(world.bodies.arrays());
 }
 
 direct::IslandParts partsOf(WorldImpl& world, std::span<const std::uint32_t> group, JointClosing::Bench& bench) {
@@ -125,7 +127,7 @@ direct::IslandParts partsOf(WorldImpl& world, std::span<const std::uint32_t> gro
     bench.sims.clear();
     forEachJoint(world, group, [&](std::uint32_t joint) {
         bench.joints.push(joint);
-        bench.sims.push(&world.jointSims[joint]);
+        bench.sims.push(&world.joints.sims[joint]);
     });
     direct::IslandParts parts;
     parts.bodies = group.data();
@@ -139,7 +141,7 @@ direct::IslandParts partsOf(WorldImpl& world, std::span<const std::uint32_t> gro
 
 bool hangs(const WorldImpl& world, std::span<const std::uint32_t> joints) {
     return std::any_of(joints.begin(), joints.end(), [&](std::uint32_t joint) {
-        return !world.moves(world.joints[joint].bodyA) || !world.moves(world.joints[joint].bodyB);
+        return !world.bodies.moves(world.joints[joint].bodyA) || !world.bodies.moves(world.joints[joint].bodyB);
     });
 }
 
@@ -149,14 +151,14 @@ void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClo
     const std::span<const std::uint32_t> joints(bench.joints.data(), bench.joints.size());
     const Vec3 momentum = angularMomentumAtStart(world, group);
     placeJoints(world, joints);
-    system.begin(parts, world.bodyArrays(), world.context);
+    system.begin(parts, world.bodies.arrays(), world.context);
     const auto weightOf = [&](std::uint32_t body) {
-        return world.bodyFlags[world.bodies[body].awakeIndex] == kSwept ? kHeld : 1.0;
+        return world.sweptBodies.flags[world.bodies[body].awakeIndex] == kSwept ? kHeld : 1.0;
     };
     const double h = static_cast<double>(world.context.h);
     double softness = 1;
     for (int round = 0; round < kRounds && (round == 0 || widestOpening(world, joints) > kClosed); ++round) {
-        system.aimAtClosing(world.bodyArrays(), world.jointContext, weightOf);
+        system.aimAtClosing(world.bodies.arrays(), world.jointContext, weightOf);
         const double turn = findWays(system, h, softness);
         const double share = turn > kLargestTurn ? kLargestTurn / turn : 1;
         system.visitWays(share * h, [&](std::uint32_t body, const DVec3& way, const DVec3& turning) {
@@ -167,7 +169,7 @@ void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClo
     restJoints(world, system);
     // Places that move beside velocities change what these make about the centre of mass.
     if (!hangs(world, joints)) turnToMomentum(world, group, momentum);
-    for (const std::uint32_t body : group) world.storeMomentum(body);
+    for (const std::uint32_t body : group) world.bodies.storeMomentum(body);
 }
 
 }  // namespace

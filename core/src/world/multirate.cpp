@@ -13,7 +13,7 @@ constexpr int kLongest = 1 << (direct::TreePlan::kStepFactors - 1);
 
 template <class Visit>
 void forMembers(const WorldImpl& world, const DirectIsland& island, Visit&& visit) {
-    for (std::uint32_t i = 0; i < island.bodyCount; ++i) visit(world.directBodies[island.firstBody + i]);
+    for (std::uint32_t i = 0; i < island.bodyCount; ++i) visit(world.directSet.bodies[island.firstBody + i]);
 }
 
 /// Does a module act on bodies of it between two substeps?
@@ -33,16 +33,16 @@ struct Pace {
 /// hangs from stands still. Trees that hang from nothing share their parabola with other free trees unless they are
 /// leapfrog trees.
 Pace paceOf(const WorldImpl& world, const direct::TreePlan::Tree& tree, bool mayBeIndependent) {
-    const DirectIsland& island = world.directIslands[tree.owner];
-    const BodyState& anchor = world.states[tree.anchor];
+    const DirectIsland& island = world.directSet.islands[tree.owner];
+    const BodyState& anchor = world.bodies.states[tree.anchor];
     if (isLookedAt(world, island)) return {1, false};
     if (anchor.v != Vec3{} || anchor.w != Vec3{}) return {1, false};
-    const bool hangs = world.chains.linkOf(tree, 0).joint != direct::TreeJoint::free;
+    const bool hangs = world.directSet.trees.linkOf(tree, 0).joint != direct::TreeJoint::free;
     if (!island.multirate) return {1, mayBeIndependent && (hangs || island.leapfrog)};
     float square = 0;
     int most = kLongest;
     forMembers(world, island, [&](std::uint32_t body) {
-        square = std::max(square, lengthSquared(world.states[body].w));
+        square = std::max(square, lengthSquared(world.bodies.states[body].w));
         most = std::min(most, static_cast<int>(world.bodies[body].allowedFactor));
     });
     const float longest = static_cast<float>(direct::tuning::kLongTurn) / world.context.h;
@@ -55,15 +55,15 @@ Pace paceOf(const WorldImpl& world, const direct::TreePlan::Tree& tree, bool may
 
 /// What changes only with the trees and their paces.
 void markTrees(WorldImpl& world) {
-    Multirate& multirate = world.multirate;
+    Multirate& multirate = world.directSet.multirate;
     multirate.marks.resizeForOverwrite(world.bodies.size());
-    for (const std::uint32_t body : world.awakeBodies) multirate.marks[body] = 0;
-    for (DirectIsland& island : world.directIslands) island.independent = false;
+    for (const std::uint32_t body : world.bodies.awake) multirate.marks[body] = 0;
+    for (DirectIsland& island : world.directSet.islands) island.independent = false;
     multirate.any = false;
     multirate.independentCount = 0;
-    for (std::size_t t = 0; t < world.chains.treeCount(); ++t) {
-        const direct::TreePlan::Tree& tree = world.chains.treeAt(t);
-        DirectIsland& island = world.directIslands[tree.owner];
+    for (std::size_t t = 0; t < world.directSet.trees.treeCount(); ++t) {
+        const direct::TreePlan::Tree& tree = world.directSet.trees.treeAt(t);
+        DirectIsland& island = world.directSet.islands[tree.owner];
         multirate.any |= tree.independent || tree.stepFactor > 1;
         multirate.independentCount += tree.independent ? tree.count : 0;
         island.independent = tree.independent;
@@ -71,14 +71,14 @@ void markTrees(WorldImpl& world) {
         forMembers(world, island, [&](std::uint32_t body) { multirate.marks[body] = static_cast<std::uint8_t>(mark); });
     }
     multirate.sharedJoints.clear();
-    for (const DirectIsland& island : world.directIslands)
+    for (const DirectIsland& island : world.directSet.islands)
         for (std::uint32_t j = 0; j < island.jointCount && !island.independent; ++j)
-            multirate.sharedJoints.push(world.directJoints[island.firstJoint + j]);
+            multirate.sharedJoints.push(world.directSet.joints[island.firstJoint + j]);
 }
 
 /// The bodies that take part in the world's substeps, by their step factors.
 void listShared(WorldImpl& world) {
-    Multirate& multirate = world.multirate;
+    Multirate& multirate = world.directSet.multirate;
     for (AlignedArray<std::uint32_t>& list : multirate.lists) list.clear();
     if (multirate.independentCount == world.freezing.solved.size()) return;
     for (const std::uint32_t body : world.freezing.solved) {
@@ -97,19 +97,19 @@ void setStepFactor(WorldImpl& world, std::uint32_t index, int stepFactor) {
     BodyRecord& body = world.bodies[index];
     if (stepFactor == 0) body.stepFactor = 1;
     if (stepFactor == 0 || stepFactor == body.stepFactor) return;
-    BodyState& state = world.states[index];
+    BodyState& state = world.bodies.states[index];
     const float early = 0.5f * world.context.h * static_cast<float>(stepFactor - static_cast<int>(body.stepFactor));
     body.stepFactor = static_cast<std::uint8_t>(stepFactor) & 15u;
     state.v -= early * (body.gravityScale * world.settings.gravity + state.invMass * body.force);
-    state.w -= early * (world.inertias[index] * body.torque);
+    state.w -= early * (world.bodies.inertias[index] * body.torque);
 }
 
 void chooseStepFactors(WorldImpl& world) {
-    direct::TreePlan& chains = world.chains;
-    if (chains.treeCount() == 0 && !world.multirate.any) return;
+    direct::TreePlan& chains = world.directSet.trees;
+    if (chains.treeCount() == 0 && !world.directSet.multirate.any) return;
     std::atomic<bool> changed{!chains.isGrouped()};
     // What was just made is settled among all bodies, before the step or within its first substep.
-    const bool mayBeIndependent = world.newJoints.empty() && world.freshManifolds.empty();
+    const bool mayBeIndependent = world.joints.created.empty() && world.contactFinds.fresh.empty();
     world.runner.parallelFor(static_cast<int>(chains.treeCount()), 8, [&](int begin, int end, int) {
         for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) {
             const Pace pace = paceOf(world, chains.treeAt(t), mayBeIndependent);
@@ -125,7 +125,7 @@ void chooseStepFactors(WorldImpl& world) {
 
 void recordGaps(WorldImpl& world, const DirectIsland& island) {
     constexpr std::uint8_t kHysteresisSteps = 16;
-    const BodyRecord& first = world.bodies[world.directBodies[island.firstBody]];
+    const BodyRecord& first = world.bodies[world.directSet.bodies[island.firstBody]];
     int stepFactor = first.allowedFactor, calm = island.notClosed ? 0 : first.hysteresisSteps;
     if (island.open || island.fellBack) {
         stepFactor = std::max(stepFactor / 2, 1);
@@ -142,7 +142,7 @@ void recordGaps(WorldImpl& world, const DirectIsland& island) {
 
 void rescaleJoints(WorldImpl& world, const DirectIsland& island, float ratio) {
     for (std::uint32_t j = 0; j < island.jointCount; ++j)
-        rescaleJoint(world.jointSims[world.directJoints[island.firstJoint + j]], ratio);
+        rescaleJoint(world.joints.sims[world.directSet.joints[island.firstJoint + j]], ratio);
 }
 
 }  // namespace ragtop

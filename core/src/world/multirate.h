@@ -20,9 +20,9 @@ void rescaleJoints(WorldImpl& world, const DirectIsland& island, float ratio);
 /// Calls visit(k, bodies) for those that take 2ᵏ substeps of the world at once and are not independent.
 template <class Visit>
 void forSharedBodies(const WorldImpl& world, Visit&& visit) {
-    for (std::size_t k = 0; k < world.multirate.lists.size(); ++k) {
-        const bool whole = k == 0 && !world.multirate.any;
-        const AlignedArray<std::uint32_t>& some = world.multirate.lists[k];
+    for (std::size_t k = 0; k < world.directSet.multirate.lists.size(); ++k) {
+        const bool whole = k == 0 && !world.directSet.multirate.any;
+        const AlignedArray<std::uint32_t>& some = world.directSet.multirate.lists[k];
         const std::span<const std::uint32_t> list = whole ? world.freezing.solved : std::span(some.data(), some.size());
         if (!list.empty()) visit(static_cast<int>(k), list);
     }

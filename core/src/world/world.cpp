@@ -42,115 +42,32 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       workerChoice(runner.workers()),
       kernels(&selectKernels(checkedLanes(config.lanes))),
       jointKernels(&selectJointKernels(kernels->lanes)),
-      bodySlots(memory),
-      shapeSlots(memory),
-      contactSlots(memory),
-      jointSlots(memory),
-      couplingSlots(memory),
       bodies(memory),
-      states(memory),
-      inertias(memory),
-      dynamics(memory),
-      histories(memory),
-      bodyUserData(memory),
       shapes(memory),
       contacts(memory),
-      contactLinks(memory),
-      manifolds(memory),
-      meshMemory(memory),
-      freeManifolds(memory),
-      freeMeshManifolds(memory),
-      freeStored(memory),
-      storedImpulses(memory),
-      joints(memory),
-      jointSims(memory),
-      newVelocityBodies(memory),
-      newJoints(memory),
-      violatedJoints(memory),
+      manifolds(runner.workers(), memory),
+      joints(jointKernels->lanes, memory),
       couplings(memory),
-      couplingSims(memory),
-      awakeBodies(memory),
-      awakeContacts(memory),
-      moveBuffer(memory),
-      multirate(memory),
       graph(kernels->lanes, memory),
       stageMemory(memory),
-      staticTree(memory, stageMemory),
-      movingTree(memory, stageMemory),
-      pairs(memory),
-      geometries(memory),
+      broadphase(memory, stageMemory),
+      islands(memory),
+      events(memory),
+      directSet(memory),
       moduleWork(memory),
       regions(memory),
-      jointBundles(jointKernels->lanes, memory),
       springs(memory),
-      manifoldTouches(memory),
-      laneTouches(memory),
       freezing(memory),
-      contactChanged(memory),
-      dirtyContacts(memory),
-      changedContacts(memory),
-      shiftedBodies(memory),
-      closingContacts(memory),
-      islandParent(memory),
-      islandQuiet(memory),
-      bodyStack(memory),
-      movedConstraints(memory),
-      iteratedCouplings(memory),
       articulations(memory),
       energyGuard(memory),
       jointClosing(memory),
-      boundsLeft(memory),
-      freshManifolds(memory),
-      directIslands(memory),
-      directBodies(memory),
-      directManifolds(memory),
-      directJoints(memory),
-      directLanes(memory),
-      directSims(memory),
-      directIndex(memory),
-      systemOwner(memory),
-      systemOfBody(memory),
-      chains(memory),
-      treeMark(memory),
-      treeBodies(memory),
-      directSeen(memory),
-      directOwner(memory),
-      ledger(memory),
-      bodyFlags(memory),
-      pairSearch(memory),
-      sweptImpacts(memory),
-      begins(memory),
-      ends(memory),
-      sensorBegins(memory),
-      sensorEnds(memory),
-      endsBetweenSteps(memory),
-      sensorEndsBetweenSteps(memory),
-      surfaceEvents(memory),
-      sleepEvents(memory),
-      sleepEventsBetweenSteps(memory),
-      jointBreaks(memory),
-      brokenJoints(memory),
-      stages(memory) {
+      contactFinds(memory),
+      sweptBodies(memory),
+      profile(memory) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
-    for (int worker = 0; worker < runner.workers(); ++worker) heldManifolds.emplace_back(memory);
-    // Body 0 is the world: static, without shapes, the other end of joints to nowhere.
-    bodySlots.acquire();
-    bodies.resize(1, {});
-    bodies[0].type = BodyType::fixed;
-    states.resize(1, {});
-    inertias.resize(1, {});
-    dynamics.resize(1, {});
-    histories.resize(1, {});
-    bodyUserData.resize(1, 0);
     const auto expected = static_cast<std::size_t>(std::max(config.expectedBodies, 0)) + 1;
     bodies.reserve(expected);
-    states.reserve(expected);
-    inertias.reserve(expected);
-    dynamics.reserve(expected);
-    histories.reserve(expected);
-    bodyUserData.reserve(expected);
     shapes.reserve(expected);
-    awakeBodies.reserve(expected);
 }
 
 World::World(const WorldSettings& settings, const WorldConfig& config)
@@ -163,12 +80,12 @@ const WorldSettings& World::settings() const { return impl_->settings; }
 void World::setSettings(const WorldSettings& settings) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
     const bool wake = settings.gravity != impl_->settings.gravity || !settings.sleeping;
-    if (settings.solver != impl_->settings.solver) impl_->graphChanged = impl_->directChanged = true;
-    impl_->directSeen.clear();
+    if (settings.solver != impl_->settings.solver) impl_->islands.graphChanged = impl_->islands.directChanged = true;
+    impl_->directSet.seen.clear();
     impl_->settings = settings;
     if (!wake) return;
-    for (std::uint32_t i = 1; i < impl_->bodySlots.count(); ++i)
-        if (impl_->bodySlots.isUsed(i) && impl_->moves(i)) impl_->wakeBody(i);
+    for (std::uint32_t i = 1; i < impl_->bodies.slots.count(); ++i)
+        if (impl_->bodies.slots.isUsed(i) && impl_->bodies.moves(i)) impl_->wakeBody(i);
 }
 void World::setCallbacks(WorldCallbacks callbacks) { impl_->callbacks = std::move(callbacks); }
 int World::lanes() const { return impl_->graph.lanes(); }
@@ -179,33 +96,31 @@ double World::time() const { return impl_->time; }
 StepStats World::stats() const {
     const WorldImpl& w = *impl_;
     StepStats stats;
-    stats.stages = w.stages;
-    stats.islands = w.ledger;
-    stats.directFailures = w.directFailures;
+    stats.stages = w.profile.stages();
+    stats.islands = w.directSet.ledger;
+    stats.directFailures = w.directSet.failures;
     stats.outOfRange = w.outOfRange;
     stats.energyGuarded = w.energyGuard.caught;
     stats.energyTaken = w.energyGuard.taken;
     stats.jointsClosed = w.jointClosing.closed;
     stats.strayImpulses = w.moduleWork.strays;
-    stats.solvedBodies = static_cast<int>(w.freezing.solved.size() - w.multirate.independentCount);
-    stats.independentBodies = static_cast<int>(w.multirate.independentCount);
+    stats.solvedBodies = static_cast<int>(w.freezing.solved.size() - w.directSet.multirate.independentCount);
+    stats.independentBodies = static_cast<int>(w.directSet.multirate.independentCount);
     stats.regions = w.regions.independent ? w.graph.regionCount() : 0;
-    stats.totalMs = w.totalMs;
+    stats.totalMs = w.profile.totalMs();
     stats.modulesMs = w.moduleWork.ms;
-    stats.bodies = static_cast<int>(w.bodySlots.used()) - 1;
-    stats.awakeBodies = static_cast<int>(w.awakeBodies.size());
-    stats.contacts = static_cast<int>(w.contactSlots.used());
-    stats.joints = static_cast<int>(w.jointSlots.used());
+    stats.bodies = static_cast<int>(w.bodies.slots.used()) - 1;
+    stats.awakeBodies = static_cast<int>(w.bodies.awake.size());
+    stats.contacts = static_cast<int>(w.contacts.slots.used());
+    stats.joints = static_cast<int>(w.joints.slots.used());
     stats.colors = w.graph.usedColors();
-    for (const std::uint32_t c : w.awakeContacts) stats.touching += w.contacts[c].touching;
-    stats.bytes = w.bodies.bytes() + w.states.bytes() + w.inertias.bytes() + w.dynamics.bytes() + w.histories.bytes() +
-                  w.shapes.bytes() + w.contacts.bytes() + w.contactLinks.bytes() + w.manifolds.bytes() +
-                  w.meshMemory.bytes() + w.joints.bytes() + w.jointSims.bytes() + w.jointBundles.bytes();
+    for (const std::uint32_t c : w.contacts.awake) stats.touching += w.contacts[c].touching;
+    stats.bytes = w.bodies.bytes() + w.shapes.bytes() + w.contacts.bytes() + w.manifolds.bytes() + w.joints.bytes();
     for (int c = 0; c < w.graph.listCount(); ++c) stats.bytes += w.graph.color(c).bundles.bytes();
     return stats;
 }
 
-BodyId World::create(const BodyDef& def) { return impl_->id(impl_->createBody(def)); }
+BodyId World::create(const BodyDef& def) { return impl_->bodies.id(impl_->createBody(def)); }
 BodyId World::create(const StaticBody& def) {
     BodyDef body;
     body.type = BodyType::fixed;
@@ -232,15 +147,15 @@ BodyId World::create(const DynamicBody& def) {
     body.userData = def.userData;
     return create(body);
 }
-CouplingId World::create(const CouplingDef& def) { return impl_->couplingId(impl_->createCoupling(def)); }
+CouplingId World::create(const CouplingDef& def) { return impl_->couplings.id(impl_->createCoupling(def)); }
 void World::destroy(CouplingId coupling) { impl_->destroyCoupling(impl_->index(coupling)); }
-bool World::isValid(CouplingId id) const { return impl_->couplingSlots.isValid(id.index, id.generation); }
-JointId World::create(const JointDef& def) { return impl_->jointId(impl_->createJoint(def)); }
+bool World::isValid(CouplingId id) const { return impl_->couplings.slots.isValid(id.index, id.generation); }
+JointId World::create(const JointDef& def) { return impl_->joints.id(impl_->createJoint(def)); }
 void World::destroy(BodyId body) { impl_->destroyBody(impl_->index(body)); }
 void World::destroy(JointId joint) { impl_->destroyJoint(impl_->index(joint)); }
-bool World::isValid(BodyId id) const { return impl_->bodySlots.isValid(id.index, id.generation) && id.index != 0; }
-bool World::isValid(ShapeId id) const { return impl_->shapeSlots.isValid(id.index, id.generation); }
-bool World::isValid(JointId id) const { return impl_->jointSlots.isValid(id.index, id.generation); }
+bool World::isValid(BodyId id) const { return impl_->bodies.slots.isValid(id.index, id.generation) && id.index != 0; }
+bool World::isValid(ShapeId id) const { return impl_->shapes.slots.isValid(id.index, id.generation); }
+bool World::isValid(JointId id) const { return impl_->joints.slots.isValid(id.index, id.generation); }
 
 void World::apply(std::span<CommandBuffer* const> buffers) {
     std::exception_ptr first;

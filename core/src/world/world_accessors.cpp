@@ -34,24 +34,24 @@ void WorldImpl::rebuildLists(IdLists& to) const {
     to.bodies.clear();
     to.joints.clear();
     to.couplings.clear();
-    to.bodyShapes.resize(bodySlots.count());
-    to.bodyJoints.resize(bodySlots.count());
-    for (std::uint32_t i = 1; i < bodySlots.count(); ++i) {
+    to.bodyShapes.resize(bodies.slots.count());
+    to.bodyJoints.resize(bodies.slots.count());
+    for (std::uint32_t i = 1; i < bodies.slots.count(); ++i) {
         to.bodyShapes[i].clear();
         to.bodyJoints[i].clear();
-        if (!bodySlots.isUsed(i)) continue;
-        to.bodies.push_back(id(i));
+        if (!bodies.slots.isUsed(i)) continue;
+        to.bodies.push_back(bodies.id(i));
         for (std::uint32_t s = bodies[i].firstShape; s != kNone; s = shapes[s].next)
-            to.bodyShapes[i].push_back(shapeId(s));
+            to.bodyShapes[i].push_back(shapes.id(s));
     }
-    for (std::uint32_t j = 0; j < jointSlots.count(); ++j) {
-        if (!jointSlots.isUsed(j)) continue;
-        to.joints.push_back(jointId(j));
+    for (std::uint32_t j = 0; j < joints.slots.count(); ++j) {
+        if (!joints.slots.isUsed(j)) continue;
+        to.joints.push_back(joints.id(j));
         for (const std::uint32_t body : {joints[j].bodyA, joints[j].bodyB})
-            if (body != 0) to.bodyJoints[body].push_back(jointId(j));
+            if (body != 0) to.bodyJoints[body].push_back(joints.id(j));
     }
-    for (std::uint32_t c = 0; c < couplingSlots.count(); ++c)
-        if (couplingSlots.isUsed(c)) to.couplings.push_back(couplingId(c));
+    for (std::uint32_t c = 0; c < couplings.slots.count(); ++c)
+        if (couplings.slots.isUsed(c)) to.couplings.push_back(couplings.id(c));
 }
 
 std::span<const BodyId> World::bodies() const { return impl_->lists().bodies; }
@@ -70,24 +70,24 @@ std::span<const JointId> World::jointsOf(BodyId body) const {
 Pose World::pose(BodyId id) const {
     const std::uint32_t i = impl_->index(id);
     const BodyRecord& body = impl_->bodies[i];
-    if (!impl_->stepping) return impl_->poseOf(body);
-    const BodyState& state = impl_->states[i];
+    if (!impl_->stepping) return poseOf(body);
+    const BodyState& state = impl_->bodies.states[i];
     return Pose{body.center + state.dp, normalized(state.dq * body.rotation)} * inverse(body.local);
 }
 DVec3 World::centerOfMass(BodyId id) const {
     const std::uint32_t i = impl_->index(id);
-    return impl_->bodies[i].center + impl_->states[i].dp;
+    return impl_->bodies[i].center + impl_->bodies.states[i].dp;
 }
-Vec3 World::linearVelocity(BodyId body) const { return impl_->states[impl_->index(body)].v; }
-Vec3 World::angularVelocity(BodyId body) const { return impl_->states[impl_->index(body)].w; }
+Vec3 World::linearVelocity(BodyId body) const { return impl_->bodies.states[impl_->index(body)].v; }
+Vec3 World::angularVelocity(BodyId body) const { return impl_->bodies.states[impl_->index(body)].w; }
 Vec3 World::velocityAt(BodyId body, const DVec3& point) const {
     const std::uint32_t i = impl_->index(body);
-    return impl_->states[i].v +
-           cross(impl_->states[i].w, relative(point, impl_->bodies[i].center + impl_->states[i].dp));
+    return impl_->bodies.states[i].v +
+           cross(impl_->bodies.states[i].w, relative(point, impl_->bodies[i].center + impl_->bodies.states[i].dp));
 }
 BodyType World::type(BodyId body) const { return impl_->bodies[impl_->index(body)].type; }
-bool World::isAwake(BodyId body) const { return impl_->isAwake(impl_->index(body)); }
-std::uint64_t World::userData(BodyId body) const { return impl_->bodyUserData[impl_->index(body)]; }
+bool World::isAwake(BodyId body) const { return impl_->bodies.isAwake(impl_->index(body)); }
+std::uint64_t World::userData(BodyId body) const { return impl_->bodies.userData[impl_->index(body)]; }
 
 MassProperties World::mass(BodyId id) const {
     const BodyRecord& body = impl_->bodies[impl_->index(id)];
@@ -146,25 +146,25 @@ void World::moveTo(BodyId body, const Pose& target, double dt) {
 void World::applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point) {
     if (!impl_->takes(isFinite(impulse) && isFinite(point), "impulse")) return;
     const std::uint32_t i = impl_->index(body);
-    if (!impl_->moves(i) || !mayPush(*impl_, i)) return;
-    const BodyState& state = impl_->states[i];
+    if (!impl_->bodies.moves(i) || !mayPush(*impl_, i)) return;
+    const BodyState& state = impl_->bodies.states[i];
     const Vec3 arm = relative(point, impl_->bodies[i].center + state.dp);
-    impl_->setVelocity(i, state.v + state.invMass * impulse, state.w + impl_->inertias[i] * cross(arm, impulse));
+    impl_->setVelocity(i, state.v + state.invMass * impulse, state.w + impl_->bodies.inertias[i] * cross(arm, impulse));
     if (!impl_->stepping) impl_->wakeBody(i);
 }
 
 void World::applyAngularImpulse(BodyId body, const Vec3& impulse) {
     if (!impl_->takes(isFinite(impulse), "impulse")) return;
     const std::uint32_t i = impl_->index(body);
-    if (!impl_->moves(i) || !mayPush(*impl_, i)) return;
-    impl_->states[i].w += impl_->inertias[i] * impulse;
+    if (!impl_->bodies.moves(i) || !mayPush(*impl_, i)) return;
+    impl_->bodies.states[i].w += impl_->bodies.inertias[i] * impulse;
     if (!impl_->stepping) impl_->wakeBody(i);
 }
 
 void World::applyForce(BodyId body, const Vec3& force, const DVec3& point) {
     if (!impl_->takes(isFinite(force) && isFinite(point), "force")) return;
     const std::uint32_t i = impl_->index(body);
-    if (!impl_->moves(i)) return;
+    if (!impl_->bodies.moves(i)) return;
     impl_->bodies[i].force += force;
     impl_->recordForce(i);
     impl_->bodies[i].torque += cross(relative(point, impl_->bodies[i].center), force);
@@ -174,21 +174,21 @@ void World::applyForce(BodyId body, const Vec3& force, const DVec3& point) {
 void World::applyTorque(BodyId body, const Vec3& torque) {
     if (!impl_->takes(isFinite(torque), "torque")) return;
     const std::uint32_t i = impl_->index(body);
-    if (!impl_->moves(i)) return;
+    if (!impl_->bodies.moves(i)) return;
     impl_->bodies[i].torque += torque;
     impl_->wakeBody(i);
 }
 
 std::vector<BodyId> World::islands() const {
     const WorldImpl& w = *impl_;
-    std::vector<std::uint32_t> parent(w.bodySlots.count());
+    std::vector<std::uint32_t> parent(w.bodies.slots.count());
     for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
     const auto root = [&](std::uint32_t i) {
         while (parent[i] != i) i = parent[i] = parent[parent[i]];
         return i;
     };
     const auto join = [&](std::uint32_t a, std::uint32_t b) {
-        if (!w.moves(a) || !w.moves(b)) return;
+        if (!w.bodies.moves(a) || !w.bodies.moves(b)) return;
         const std::uint32_t rootA = root(a), rootB = root(b);
         parent[rootA < rootB ? rootB : rootA] = rootA < rootB ? rootA : rootB;
     };
@@ -198,10 +198,11 @@ std::vector<BodyId> World::islands() const {
                 join(contact.bodyA, contact.bodyB);
         for (const std::uint32_t j : w.graph.color(c).joints) join(w.joints[j].bodyA, w.joints[j].bodyB);
     }
-    w.forEachCoupledPair(join);
+    forEachCoupledPair(w.tables(), join);
     std::vector<BodyId> islands;
     for (const BodyId body : bodies())
-        islands.push_back(w.moves(body.index) && w.isAwake(body.index) ? w.id(root(body.index)) : BodyId{});
+        islands.push_back(w.bodies.moves(body.index) && w.bodies.isAwake(body.index) ? w.bodies.id(root(body.index))
+                                                                                     : BodyId{});
     return islands;
 }
 
@@ -216,18 +217,18 @@ int World::countIslands() const {
 void World::wake(BodyId body) { impl_->wakeBody(impl_->index(body)); }
 void World::sleep(BodyId body) {
     const std::uint32_t first = impl_->index(body);
-    if (!impl_->isAwake(first)) return;
-    impl_->buildIslands();
-    const std::uint32_t root = impl_->moves(first) ? impl_->findRoot(first) : first;
+    if (!impl_->bodies.isAwake(first)) return;
+    impl_->islands.findQuiet(impl_->tables());
+    const std::uint32_t root = impl_->bodies.moves(first) ? impl_->islands.root(first) : first;
     std::vector<std::uint32_t> island;
-    for (const std::uint32_t i : impl_->awakeBodies)
-        if (i == first || (impl_->moves(i) && impl_->findRoot(i) == root)) island.push_back(i);
+    for (const std::uint32_t i : impl_->bodies.awake)
+        if (i == first || (impl_->bodies.moves(i) && impl_->islands.root(i) == root)) island.push_back(i);
     for (const std::uint32_t i : island) impl_->sleepBody(i);
 }
 
-BodyId World::bodyOf(ShapeId shape) const { return impl_->id(impl_->shapes[impl_->index(shape)].body); }
+BodyId World::bodyOf(ShapeId shape) const { return impl_->bodies.id(impl_->shapes[impl_->index(shape)].body); }
 const Shape& World::geometry(ShapeId shape) const {
-    return impl_->geometries[impl_->shapes[impl_->index(shape)].geometry].shape;
+    return impl_->shapes.geometries[impl_->shapes[impl_->index(shape)].geometry].shape;
 }
 Frame World::frame(ShapeId shape) const {
     const ShapeRecord& record = impl_->shapes[impl_->index(shape)];
@@ -238,8 +239,7 @@ void World::setMaterial(ShapeId shape, const Material& material) {
     if (const std::string wrong = whyInvalid(material); !wrong.empty()) throw std::invalid_argument(wrong);
     ShapeRecord& record = impl_->shapes[impl_->index(shape)];
     record.material = material;
-    for (std::uint32_t key = impl_->bodies[record.body].firstContact; key != kNone;
-         key = impl_->nextContact(key))
+    for (std::uint32_t key = impl_->bodies[record.body].firstContact; key != kNone; key = impl_->contacts.next(key))
         impl_->contacts[key >> 1].surfaceOpen = true;
     impl_->wakeTouching(record.body);
 }
@@ -250,17 +250,17 @@ void World::setFilter(ShapeId shape, const Filter& filter) {
     record.filter = filter;
     for (std::uint32_t key = impl_->bodies[record.body].firstContact; key != kNone;) {
         const ContactRecord& contact = impl_->contacts[key >> 1];
-        const std::uint32_t next = impl_->nextContact(key);
+        const std::uint32_t next = impl_->contacts.next(key);
         if (contact.shapeA == i || contact.shapeB == i) impl_->destroyContact(key >> 1);
         key = next;
     }
-    impl_->tree(record).setCategory(record.proxy, filter.category);
+    impl_->broadphase.tree(record.isStaticTree).setCategory(record.proxy, filter.category);
     impl_->markMoved(i);
 }
 std::uint64_t World::userData(ShapeId shape) const { return impl_->shapes[impl_->index(shape)].userData; }
 Bounds World::bounds(ShapeId shape) const {
     const ShapeRecord& record = impl_->shapes[impl_->index(shape)];
-    return boundsOf(impl_->geometries[record.geometry].shape, impl_->shapePose(record));
+    return boundsOf(impl_->shapes.geometries[record.geometry].shape, impl_->shapePose(record));
 }
 
 const JointDef& World::def(JointId joint) const { return impl_->joints[impl_->index(joint)].def; }
@@ -277,47 +277,47 @@ void World::setDef(JointId id, const JointDef& def) {
     joint.def = def;
     impl_->compile(i);
     for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
-        if (impl_->moves(body)) impl_->wakeBody(body);
+        if (impl_->bodies.moves(body)) impl_->wakeBody(body);
 }
 JointState World::state(JointId id) const {
     const std::uint32_t i = impl_->index(id);
     const float rate = impl_->lastSubstep > 0 ? 1 / impl_->lastSubstep : 0;
-    return jointState(impl_->jointSims[i], impl_->jointBodies(impl_->joints[i]), impl_->states.data(), rate);
+    return jointState(impl_->joints.sims[i], impl_->jointBodies(impl_->joints[i]), impl_->bodies.states.data(), rate);
 }
 std::uint64_t World::userData(JointId joint) const {
     return std::visit([](const auto& d) { return d.bodies.userData; }, impl_->joints[impl_->index(joint)].def);
 }
 
-std::span<const ContactEvent> World::contactBegins() const { return impl_->begins; }
-std::span<const ContactEvent> World::contactEnds() const { return impl_->ends; }
-std::span<const ContactEvent> World::sensorBegins() const { return impl_->sensorBegins; }
-std::span<const ContactEvent> World::sensorEnds() const { return impl_->sensorEnds; }
-std::span<const SurfaceEvent> World::surfaceEvents() const { return impl_->surfaceEvents; }
-std::span<const SleepEvent> World::sleepEvents() const { return impl_->sleepEvents; }
-std::span<const JointBreak> World::jointBreaks() const { return impl_->jointBreaks; }
+std::span<const ContactEvent> World::contactBegins() const { return impl_->events.begins(); }
+std::span<const ContactEvent> World::contactEnds() const { return impl_->events.ends(); }
+std::span<const ContactEvent> World::sensorBegins() const { return impl_->events.sensorBegins(); }
+std::span<const ContactEvent> World::sensorEnds() const { return impl_->events.sensorEnds(); }
+std::span<const SurfaceEvent> World::surfaceEvents() const { return impl_->events.surfaces(); }
+std::span<const SleepEvent> World::sleepEvents() const { return impl_->events.sleeps(); }
+std::span<const JointBreak> World::jointBreaks() const { return impl_->events.breaks(); }
 
 void World::forEachContact(const std::function<void(const Contact&)>& visit) const {
-    for (std::uint32_t c = 0; c < impl_->contactSlots.count(); ++c)
-        if (impl_->contactSlots.isUsed(c)) impl_->visitContact(c, visit);
+    for (std::uint32_t c = 0; c < impl_->contacts.slots.count(); ++c)
+        if (impl_->contacts.slots.isUsed(c)) impl_->visitContact(c, visit);
 }
 void World::forEachContact(BodyId body, const std::function<void(const Contact&)>& visit) const {
     std::uint32_t key = impl_->bodies[impl_->index(body)].firstContact;
-    for (; key != kNone; key = impl_->nextContact(key)) impl_->visitContact(key >> 1, visit);
+    for (; key != kNone; key = impl_->contacts.next(key)) impl_->visitContact(key >> 1, visit);
 }
 void WorldImpl::visitContact(std::uint32_t index, const std::function<void(const Contact&)>& visit) const {
     const ContactRecord& record = contacts[index];
     if (!record.touching || record.sensor) return;
-    for (const ManifoldRecord& manifold : manifoldsOf(record))
+    for (const ManifoldRecord& manifold : manifolds.of(record))
         if (manifold.pointCount > 0) visit(describe(record, manifold));
 }
 
 double World::energy() const {
     double total = 0;
     const Vec3 gravity = impl_->settings.gravity;
-    for (std::uint32_t i = 1; i < impl_->bodySlots.count(); ++i) {
-        if (!impl_->bodySlots.isUsed(i) || !impl_->moves(i)) continue;
+    for (std::uint32_t i = 1; i < impl_->bodies.slots.count(); ++i) {
+        if (!impl_->bodies.slots.isUsed(i) || !impl_->bodies.moves(i)) continue;
         const BodyRecord& body = impl_->bodies[i];
-        const Vec3 v = impl_->states[i].v, w = inverseRotate(body.rotation, impl_->states[i].w);
+        const Vec3 v = impl_->bodies.states[i].v, w = inverseRotate(body.rotation, impl_->bodies.states[i].w);
         const double m = body.mass;
         total += 0.5 * m * static_cast<double>(dot(v, v));
         total +=

@@ -29,52 +29,11 @@ void flatten(const ShapeDef& def, const Shape& geometry, const Frame& frame, std
     into.push_back({&def, &geometry, frame});
 }
 
-template <class Array, class T>
-void grow(Array& array, std::uint32_t index, const T& value) {
-    if (index >= array.size()) array.resize(index + 1, value);
-    array[index] = value;
-}
-
 }  // namespace
-
-Pose WorldImpl::poseOf(const BodyRecord& body) const { return Pose{body.center, body.rotation} * inverse(body.local); }
 
 Pose WorldImpl::shapePose(const ShapeRecord& shape) const {
     const BodyRecord& body = bodies[shape.body];
     return Pose{body.center, body.rotation} * shape.frame;
-}
-
-/// Shapes that share data share an entry.
-std::uint32_t WorldImpl::geometryIndex(const Shape& shape) {
-    GeometryEntry entry{shape, {}, nullptr, nullptr, sizeOf(shape), nullptr};
-    if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-        entry.mesh = &mesh->data();
-    } else if (const auto* field = std::get_if<HeightField>(&shape)) {
-        entry.field = &field->data();
-    } else {
-        entry.convex = convexView(shape);
-    }
-    for (std::size_t i = geometries.size(); i-- > 0 && geometries.size() - i <= 64;) {
-        const GeometryEntry& known = geometries[i];
-        if (known.shape.index() == shape.index() && known.mesh == entry.mesh && known.field == entry.field &&
-            known.convex.hull == entry.convex.hull && known.convex.radius == entry.convex.radius &&
-            known.convex.halfExtents == entry.convex.halfExtents)
-            return static_cast<std::uint32_t>(i);
-    }
-    geometries.push_back(std::move(entry));
-    if (meshesMove) makeSkins();
-    return static_cast<std::uint32_t>(geometries.size() - 1);
-}
-
-/// Meshes that move meet boxes and hulls by their triangles.
-void WorldImpl::makeSkins() {
-    meshesMove = true;
-    for (GeometryEntry& entry : geometries) {
-        const bool box = entry.convex.kind == ConvexKind::box, hull = entry.convex.kind == ConvexKind::hull;
-        if (entry.isMesh() || entry.skin || !(box || hull)) continue;
-        entry.skin =
-            std::make_unique<const MeshData>(meshOf(box ? boxHull(entry.convex.halfExtents) : *entry.convex.hull));
-    }
 }
 
 /// Mass, centre and principal axes, from the definition or from shapes and densities.
@@ -124,7 +83,7 @@ void WorldImpl::changeMass(std::uint32_t index, const MassProperties& mass) {
     takeMass(index, mass);
     const Frame move = inverse(body.local) * before;
     const Pose internal = pose * body.local;
-    states[index].v += cross(states[index].w, relative(internal.position, body.center));
+    bodies.states[index].v += cross(bodies.states[index].w, relative(internal.position, body.center));
     body.center = internal.position;
     body.rotation = normalized(internal.rotation);
     body.radius = body.firstShape == kNone ? radiusOfGyration(body) : 0.0f;
@@ -133,7 +92,7 @@ void WorldImpl::changeMass(std::uint32_t index, const MassProperties& mass) {
         ShapeRecord& shape = shapes[s];
         shape.frame = move * shape.frame;
         shape.frame.rotation = normalized(shape.frame.rotation);
-        reach(body, shape, geometries[shape.geometry]);
+        reach(body, shape, shapes.geometries[shape.geometry]);
     }
     moveAnchors(index, move);
     resetSolverState(index);
@@ -143,10 +102,10 @@ void WorldImpl::changeMass(std::uint32_t index, const MassProperties& mass) {
 }
 
 void WorldImpl::moveAnchors(std::uint32_t index, const Frame& move) {
-    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = nextContact(key)) {
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts.next(key)) {
         const ContactRecord& contact = contacts[key >> 1];
         const bool isA = contact.bodyA == index;
-        for (ManifoldRecord& manifold : manifoldsOf(contact)) {
+        for (ManifoldRecord& manifold : manifolds.of(contact)) {
             if (isA) manifold.normal = rotate(move.rotation, manifold.normal);
             for (int j = 0; j < manifold.pointCount; ++j) {
                 Vec3& anchor = (isA ? manifold.anchorA : manifold.anchorB)[j];
@@ -158,13 +117,7 @@ void WorldImpl::moveAnchors(std::uint32_t index, const Frame& move) {
 
 std::uint32_t WorldImpl::createBody(const BodyDef& def) {
     if (const std::string wrong = whyInvalid(def); !wrong.empty()) throw std::invalid_argument(wrong);
-    const std::uint32_t index = bodySlots.acquire();
-    grow(bodies, index, BodyRecord{});
-    grow(states, index, BodyState{});
-    grow(inertias, index, BodyInertia{});
-    grow(dynamics, index, BodyDynamics{});
-    grow(histories, index, BodyHistory{});
-    grow(bodyUserData, index, std::uint64_t{0});
+    const std::uint32_t index = bodies.acquire();
     BodyRecord& body = bodies[index];
     body.type = def.type;
     body.linearDamping = def.linearDamping;
@@ -174,15 +127,15 @@ std::uint32_t WorldImpl::createBody(const BodyDef& def) {
     body.continuous = def.continuous;
     body.bullet = def.bullet;
     body.locks = def.locks;
-    bodyUserData[index] = def.userData;
+    bodies.userData[index] = def.userData;
     body.state = def.type == BodyType::fixed ? 0 : index;
     setMass(index, def);
     const Pose start{def.pose.position, normalized(def.pose.rotation)};
     const Pose internal = start * body.local;
     body.center = internal.position;
     body.rotation = normalized(internal.rotation);
-    states[index].v = def.linearVelocity;
-    states[index].w = def.angularVelocity;
+    bodies.states[index].v = def.linearVelocity;
+    bodies.states[index].w = def.angularVelocity;
 
     std::vector<FlatShape> flat;
     for (const ShapeDef& shape : def.shapes) flatten(shape, shape.geometry, shape.frame, flat);
@@ -200,15 +153,14 @@ std::uint32_t WorldImpl::createBody(const BodyDef& def) {
     ++structureVersion;
     if (def.type != BodyType::fixed) {
         wakeBody(index);
-        (stepping ? sleepEvents : sleepEventsBetweenSteps).pop_back();  // it was never asleep
+        events.takeBackSleep();  // it was never asleep
     }
     return index;
 }
 
 void WorldImpl::addShape(std::uint32_t bodyIndex, const ShapeDef& def, const Frame& frame, const Shape& geometry,
                          const Frame& toInternal) {
-    const std::uint32_t index = shapeSlots.acquire();
-    grow(shapes, index, ShapeRecord{});
+    const std::uint32_t index = shapes.acquire();
     ShapeRecord& shape = shapes[index];
     BodyRecord& body = bodies[bodyIndex];
     shape.frame = toInternal * frame;
@@ -216,28 +168,28 @@ void WorldImpl::addShape(std::uint32_t bodyIndex, const ShapeDef& def, const Fra
     shape.filter = def.filter;
     shape.material = def.material;
     shape.body = bodyIndex;
-    shape.geometry = geometryIndex(geometry);
-    shape.size = geometries[shape.geometry].size;
-    if (body.type == BodyType::dynamic && geometries[shape.geometry].mesh) {
-        shape.size = geometries[shape.geometry].mesh->thickness;
-        if (!meshesMove) makeSkins();
+    shape.geometry = shapes.geometryIndex(geometry);
+    shape.size = shapes.geometries[shape.geometry].size;
+    if (body.type == BodyType::dynamic && shapes.geometries[shape.geometry].mesh) {
+        shape.size = shapes.geometries[shape.geometry].mesh->thickness;
+        if (!shapes.meshesMove()) shapes.letMeshesMove();
     }
     shape.sensor = def.sensor;
     shape.reportsMotion = def.reportsMotion;
-    motionReported |= def.reportsMotion;
+    contactFinds.motionReported |= def.reportsMotion;
     shape.userData = def.userData;
     shape.next = body.firstShape;
     body.firstShape = index;
     if (shape.size < body.size) body.size = shape.size;
-    reach(body, shape, geometries[shape.geometry]);
+    reach(body, shape, shapes.geometries[shape.geometry]);
 }
 
 /// What the solver streams through, from the record.
 void WorldImpl::resetSolverState(std::uint32_t index) {
     const BodyRecord& body = bodies[index];
-    BodyState& state = states[index];
-    BodyDynamics& d = dynamics[index];
-    treesChanged = true;
+    BodyState& state = bodies.states[index];
+    BodyDynamics& d = bodies.dynamics[index];
+    directSet.treesChanged = true;
     const bool isDynamic = body.type == BodyType::dynamic;
     const AxisLocks& locks = body.locks;
     const bool turns = isDynamic && !(locks.rotationX || locks.rotationY || locks.rotationZ) && body.inertia.x > 0 &&
@@ -251,61 +203,20 @@ void WorldImpl::resetSolverState(std::uint32_t index) {
     d.inertia = turns ? body.inertia : Vec3{1, 1, 1};
     d.inverseInertia = turns ? Vec3{1 / body.inertia.x, 1 / body.inertia.y, 1 / body.inertia.z} : Vec3{1, 1, 1};
     d.spins = turns ? 1.0f : 0.0f;
-    if (isDynamic) obeyLocks(index);
+    if (isDynamic) bodies.obeyLocks(index);
     // Free flight is the best guess for a body without a past; only the direction counts, any step fits.
-    histories[index].velocityBefore = isDynamic ? state.v - 1e12f * settings.gravity : state.v;
-    refreshInertia(index);
-}
-
-/// World inertia and momentum of a body that was turned, or given a velocity, from outside the solver.
-void WorldImpl::refreshInertia(std::uint32_t index) {
-    if (dynamics[index].spins == 0)
-        restrictInertia(index);
-    else
-        inertias[index] = inverseInertiaAt(index, bodies[index].rotation);
-    storeMomentum(index);
-}
-
-/// World inverse inertia of a body if it were turned so; what locks restrict stays as it is.
-BodyInertia WorldImpl::inverseInertiaAt(std::uint32_t index, const Quat& rotation) const {
-    if (dynamics[index].spins == 0) return inertias[index];
-    const Mat3 r = toMat3(rotation);
-    const Vec3 i = dynamics[index].inverseInertia;
-    const Mat3 m = r * Mat3{i.x * Vec3{1, 0, 0}, i.y * Vec3{0, 1, 0}, i.z * Vec3{0, 0, 1}} * transpose(r);
-    BodyInertia inertia = inertias[index];
-    inertia.xx = m.cx.x, inertia.xy = m.cx.y, inertia.xz = m.cx.z;
-    inertia.yy = m.cy.y, inertia.yz = m.cy.z, inertia.zz = m.cz.z;
-    return inertia;
-}
-
-void WorldImpl::storeMomentum(std::uint32_t index) { storeMomentum(index, bodies[index].rotation); }
-
-/// The angular momentum that belongs to the velocity of now and a rotation.
-void WorldImpl::storeMomentum(std::uint32_t index, const Quat& q) {
-    const Vec3 w = states[index].w;
-    BodyHistory& history = histories[index];
-    history.turningX = w.x, history.turningY = w.y, history.turningZ = w.z;
-    const Vec3 momentum = scale(dynamics[index].inertia, inverseRotate(q, w));
-    history.momentum = rotate(q, momentum);
-    inertias[index].excess = excessOfSpin(momentum, dynamics[index].inverseInertia);
-}
-
-/// Takes the movements that locks forbid out of a velocity that was given.
-void WorldImpl::obeyLocks(std::uint32_t index) {
-    const AxisLocks& locks = bodies[index].locks;
-    Vec3 &v = states[index].v, &w = states[index].w;
-    v = {locks.translationX ? 0 : v.x, locks.translationY ? 0 : v.y, locks.translationZ ? 0 : v.z};
-    w = {locks.rotationX ? 0 : w.x, locks.rotationY ? 0 : w.y, locks.rotationZ ? 0 : w.z};
+    bodies.histories[index].velocityBefore = isDynamic ? state.v - 1e12f * settings.gravity : state.v;
+    bodies.refreshInertia(index);
 }
 
 /// A velocity given between steps is no acceleration that the position map could take for a smooth one.
 void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3& angular) {
-    BodyState& state = states[index];
+    BodyState& state = bodies.states[index];
     const Vec3 before = state.v;
     state.v = linear;
     state.w = angular;
-    if (bodies[index].type == BodyType::dynamic) obeyLocks(index);
-    if (!stepping) histories[index].velocityBefore += state.v - before;
+    if (bodies[index].type == BodyType::dynamic) bodies.obeyLocks(index);
+    if (!stepping) bodies.histories[index].velocityBefore += state.v - before;
     if (stepping) recordDriven(*this, index);
     // Bounds that are made when the step ends count what modules did within it.
     if (!moduleWork.inSubsteps) recordNewVelocity(index);
@@ -313,7 +224,7 @@ void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3&
 
 /// What was put somewhere did not travel there.
 void WorldImpl::forgetGaps(std::uint32_t index) {
-    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = nextContact(key))
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts.next(key))
         contacts[key >> 1].until = 0;
 }
 
@@ -334,16 +245,16 @@ void WorldImpl::destroyBody(std::uint32_t index) {
     for (std::uint32_t s = body.firstShape; s != kNone;) {
         const std::uint32_t next = shapes[s].next;
         removeProxy(s);
-        shapeSlots.release(s);
+        shapes.release(s);
         s = next;
     }
     body.firstShape = kNone;
     if (body.awakeIndex != kNone) {
         sleepBody(index);
-        (stepping ? sleepEvents : sleepEventsBetweenSteps).pop_back();
+        events.takeBackSleep();
     }
     fixedVersion += body.type == BodyType::fixed ? 1 : 0;
-    bodySlots.release(index);
+    bodies.release(index);
     ++structureVersion;
 }
 
@@ -356,7 +267,7 @@ void WorldImpl::setPose(std::uint32_t index, const Pose& pose) {
     body.rotation = normalized(internal.rotation);
     resetSolverState(index);
     for (std::uint32_t key = body.firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next)
-        jointSims[key >> 1].leads = 0;
+        joints.sims[key >> 1].leads = 0;
     refreshBounds(index);
     wakeOverlapped(index);
 }
@@ -365,30 +276,32 @@ void WorldImpl::setPose(std::uint32_t index, const Pose& pose) {
 void WorldImpl::wakeOverlapped(std::uint32_t index) {
     std::vector<std::uint32_t> met;
     for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next)
-        movingTree.query(tree(shapes[s]).bounds(shapes[s].proxy), [&](std::uint32_t other) {
-            if (!isAwake(shapes[other].body) && shouldCollide(shapes[s], shapes[other]))
-                met.push_back(shapes[other].body);
-            return true;
-        });
+        broadphase.movingTree.query(
+            broadphase.tree(shapes[s].isStaticTree).bounds(shapes[s].proxy), [&](std::uint32_t other) {
+                if (!bodies.isAwake(shapes[other].body) && shouldCollide(shapes[s], shapes[other]))
+                    met.push_back(shapes[other].body);
+                return true;
+            });
     for (const std::uint32_t body : met) wakeBody(body);
 }
 
 std::uint32_t WorldImpl::index(BodyId id) const {
-    if (id.index == 0 || !bodySlots.isValid(id.index, id.generation))
+    if (id.index == 0 || !bodies.slots.isValid(id.index, id.generation))
         throw std::out_of_range("no such body: id names nothing");
     return id.index;
 }
 std::uint32_t WorldImpl::index(ShapeId id) const {
-    if (!shapeSlots.isValid(id.index, id.generation)) throw std::out_of_range("no such shape: id names nothing");
+    if (!shapes.slots.isValid(id.index, id.generation)) throw std::out_of_range("no such shape: id names nothing");
     return id.index;
 }
 std::uint32_t WorldImpl::index(JointId id) const {
-    if (!jointSlots.isValid(id.index, id.generation)) throw std::out_of_range("no such joint: id names nothing");
+    if (!joints.slots.isValid(id.index, id.generation)) throw std::out_of_range("no such joint: id names nothing");
     return id.index;
 }
 
 std::uint32_t WorldImpl::index(CouplingId id) const {
-    if (!couplingSlots.isValid(id.index, id.generation)) throw std::out_of_range("no such coupling: id names nothing");
+    if (!couplings.slots.isValid(id.index, id.generation))
+        throw std::out_of_range("no such coupling: id names nothing");
     return id.index;
 }
 

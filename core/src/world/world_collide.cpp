@@ -6,17 +6,18 @@
 
 #include "base/nonzero_bytes.h"
 #include "base/prefetch.h"
-#include "world/lane_view.h"
+#include "constraints/lane_view.h"
+#include "contacts/contact_order.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
 
 /// How far each body may go in the coming step.
 void WorldImpl::lookAhead() {
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
+    runner.parallelFor(static_cast<int>(bodies.awake.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
-            const std::uint32_t body = awakeBodies[static_cast<std::size_t>(i)];
-            const BodyState& state = states[body];
+            const std::uint32_t body = bodies.awake[static_cast<std::size_t>(i)];
+            const BodyState& state = bodies.states[body];
             bodies[body].ahead = (length(state.v) + length(state.w) * bodies[body].coreRadius) * dt;
         }
     });
@@ -53,10 +54,10 @@ bool stays(const ContactRecord& record, const BodyRecord& a, const BodyRecord& b
 /// nobody foresees: all are written, and kept or not.
 void askSome(WorldImpl& world, int begin, int end, int last, AskedContacts& asked) {
     constexpr int kRecord = 32, kRest = 16;
-    const auto records = world.contacts.view();
-    const std::uint32_t* awake = world.awakeContacts.data();
+    const auto records = world.contacts.records().view();
+    const std::uint32_t* awake = world.contacts.awake.data();
     const BodyRecord* of = world.bodies.data();
-    const bool allOpen = world.surfacesForgotten || world.callbacks.modify;
+    const bool allOpen = world.contactFinds.surfacesForgotten || world.callbacks.modify;
     const bool sameSubstep = world.lastSubstep == world.context.h;
     int moving = 0, open = 0;
     for (int i = begin; i < end; ++i) {
@@ -83,9 +84,9 @@ void askSome(WorldImpl& world, int begin, int end, int last, AskedContacts& aske
 void WorldImpl::sortAwakeContacts() {
     constexpr std::uint64_t kSteps = 64;
     if (stepCount % kSteps != 0) return;
-    std::sort(awakeContacts.begin(), awakeContacts.end());
-    for (std::size_t i = 0; i < awakeContacts.size(); ++i)
-        contacts[awakeContacts[i]].awakeIndex = static_cast<std::uint32_t>(i);
+    std::sort(contacts.awake.begin(), contacts.awake.end());
+    for (std::size_t i = 0; i < contacts.awake.size(); ++i)
+        contacts[contacts.awake[i]].awakeIndex = static_cast<std::uint32_t>(i);
 }
 
 /// Asks for what colliding a pair will read.
@@ -102,19 +103,20 @@ void WorldImpl::prefetchCollision(const ContactRecord& record) const {
 void WorldImpl::prefetchShapes(const ContactRecord& record) const {
     for (const std::uint32_t index : {record.shapeA, record.shapeB}) {
         const ShapeRecord& shape = shapes[index];
-        prefetch(&tree(shape).bounds(shape.proxy));
-        prefetch(&geometries[shape.geometry].convex);
+        prefetch(&broadphase.tree(shape.isStaticTree).bounds(shape.proxy));
+        prefetch(&shapes.geometries[shape.geometry].convex);
     }
-    prefetch(&states[record.bodyA]);
-    prefetch(&states[record.bodyB]);
-    if (record.isMesh && record.nearTriangles != kNone) prefetch(&meshMemory[record.nearTriangles]);
+    prefetch(&bodies.states[record.bodyA]);
+    prefetch(&bodies.states[record.bodyB]);
+    if (record.isMesh && record.nearTriangles != kNone) prefetch(&manifolds.meshMemory[record.nearTriangles]);
 }
 
 /// What does not stay is collided after the others were asked: until then its memory is on the way.
 static void updateSome(WorldImpl& world, int begin, int end, int last, int worker) {
     AskedContacts asked;
     askSome(world, begin, end, last, asked);
-    std::memset(&world.contactChanged[static_cast<std::size_t>(begin)], kUnchanged, static_cast<std::size_t>(end - begin));
+    std::memset(&world.contactFinds.change[static_cast<std::size_t>(begin)], kUnchanged,
+                static_cast<std::size_t>(end - begin));
     const int count = asked.movingCount;
     for (int k = 0; k < asked.openCount; ++k) {
         const ManifoldRecord& manifold = world.manifolds[world.contacts[asked.open[k]].firstManifold];
@@ -124,7 +126,7 @@ static void updateSome(WorldImpl& world, int begin, int end, int last, int worke
     for (int k = 0; k < count; ++k) world.prefetchCollision(world.contacts[asked.moving[k]]);
     for (int k = 0; k < asked.openCount; ++k) {
         ContactRecord& record = world.contacts[asked.open[k]];
-        world.contactChanged[record.awakeIndex] = world.keepManifolds(record);
+        world.contactFinds.change[record.awakeIndex] = world.keepManifolds(record);
     }
     constexpr int kFour = 4, kNext = 2 * kFour;
     for (int k = 0; k < count && k < kNext; ++k) world.prefetchShapes(world.contacts[asked.moving[k]]);
@@ -142,27 +144,30 @@ static void updateSome(WorldImpl& world, int begin, int end, int last, int worke
 }
 
 void WorldImpl::updateContacts() {
-    orderContacts();
+    if (orderContacts({bodies, contacts, manifolds, broadphase.pairs, graph}, stageMemory)) {
+        forgetTouches();
+        directSet.grouped = false;
+    }
     sortAwakeContacts();
-    const int count = static_cast<int>(awakeContacts.size());
-    contactChanged.resizeForOverwrite(awakeContacts.size());
-    anySensor.store(false, std::memory_order_relaxed);
+    const int count = static_cast<int>(contacts.awake.size());
+    contactFinds.change.resizeForOverwrite(contacts.awake.size());
+    contactFinds.anySensor.store(false, std::memory_order_relaxed);
     lookAhead();
-    makeRoomToHold();
+    manifolds.makeRoomToHold();
     runner.parallelFor(count, kAskedAtOnce, [&](int begin, int end, int worker) {
         for (int i = begin; i < end; i += kAskedAtOnce)
             updateSome(*this, i, i + kAskedAtOnce < end ? i + kAskedAtOnce : end, end, worker);
     });
-    surfacesForgotten = false;
+    contactFinds.surfacesForgotten = false;
 }
 
 /// What sensors overlap where the bodies are at the end of the step. Their manifolds carry no impulses and need no
 /// place.
 void WorldImpl::updateSensors() {
-    if (!anySensor.load(std::memory_order_relaxed)) return;
-    runner.parallelFor(static_cast<int>(awakeContacts.size()), 64, [&](int begin, int end, int) {
+    if (!contactFinds.anySensor.load(std::memory_order_relaxed)) return;
+    runner.parallelFor(static_cast<int>(contacts.awake.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
-            ContactRecord& record = contacts[awakeContacts[static_cast<std::size_t>(i)]];
+            ContactRecord& record = contacts[contacts.awake[static_cast<std::size_t>(i)]];
             if (!record.sensor) continue;
             Manifold found[kMaxManifolds];
             const int count = findManifolds(record, shapeBInA(record), 0, found);
@@ -177,16 +182,17 @@ void WorldImpl::updateSensors() {
 /// Contacts are found early enough that the motion of the step cannot pass them.
 void WorldImpl::updateContact(std::uint32_t index, const PairPlace& place, int worker) {
     ContactRecord& record = contacts[index];
-    std::uint8_t& change = contactChanged[record.awakeIndex];
+    std::uint8_t& change = contactFinds.change[record.awakeIndex];
     change = kUnchanged;
     const double travel = bodies[record.bodyA].travel + bodies[record.bodyB].travel;
     const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
-    if (!overlaps(tree(shapeA).bounds(shapeA.proxy), tree(shapeB).bounds(shapeB.proxy))) {
+    if (!overlaps(broadphase.tree(shapeA.isStaticTree).bounds(shapeA.proxy),
+                  broadphase.tree(shapeB.isStaticTree).bounds(shapeB.proxy))) {
         change = record.hasPoints && !record.sensor && holds(record) ? kApart | kPoints : kApart;
         return;
     }
     if (record.sensor) {
-        anySensor.store(true, std::memory_order_relaxed);
+        contactFinds.anySensor.store(true, std::memory_order_relaxed);
         return;
     }
     if (keepsGeometry(record, bodies[record.bodyA], bodies[record.bodyB], lastSubstep == context.h)) {
@@ -237,21 +243,21 @@ std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const PairPlace& plac
 
 /// Contacts that came or went, in the order of the list, so that colours depend on the scene alone.
 void WorldImpl::applyContactChanges() {
-    changedContacts.clear();
-    closingContacts.clear();
-    shiftedBodies.clear();
+    contactFinds.changed.clear();
+    contactFinds.closing.clear();
+    contactFinds.shiftedBodies.clear();
     static_assert(kUnchanged == 0);
-    forEachNonzero(contactChanged.data(), awakeContacts.size(), [&](std::size_t i) {
-        const std::uint8_t change = contactChanged[i];
-        if ((change & kFound) != 0) settleManifolds(awakeContacts[i]);
-        if ((change & kCloses) != 0) closingContacts.push(awakeContacts[i]);
+    forEachNonzero(contactFinds.change.data(), contacts.awake.size(), [&](std::size_t i) {
+        const std::uint8_t change = contactFinds.change[i];
+        if ((change & kFound) != 0) manifolds.settle(contacts[contacts.awake[i]], contacts.awake[i]);
+        if ((change & kCloses) != 0) contactFinds.closing.push(contacts.awake[i]);
         if ((change & kPoints) != 0) {
-            const ContactRecord& record = contacts[awakeContacts[i]];
-            shiftedBodies.push(moves(record.bodyA) ? record.bodyA : record.bodyB);
+            const ContactRecord& record = contacts[contacts.awake[i]];
+            contactFinds.shiftedBodies.push(bodies.moves(record.bodyA) ? record.bodyA : record.bodyB);
         }
-        if ((change & (kApart | kGraph)) != 0) changedContacts.push({awakeContacts[i], change});
+        if ((change & (kApart | kGraph)) != 0) contactFinds.changed.push({contacts.awake[i], change});
     });
-    for (const ChangedContact changed : changedContacts) {
+    for (const ChangedContact changed : contactFinds.changed) {
         if ((changed.change & kApart) != 0)
             destroyContact(changed.contact);
         else
@@ -259,17 +265,16 @@ void WorldImpl::applyContactChanges() {
     }
     recordShiftedLoads();
     // All may fall asleep at once, when nothing may grow.
-    if (settings.sleeping) storedImpulses.reserve(manifolds.capacity()), freeStored.reserve(manifolds.capacity());
+    if (settings.sleeping) manifolds.makeRoomToStore();
 }
 
 /// Where points that hold a body came or went, all that hold it find their loads anew.
 void WorldImpl::recordShiftedLoads() {
-    for (const std::uint32_t body : shiftedBodies)
-        for (std::uint32_t key = bodies[body].firstContact; key != kNone;
-             key = nextContact(key)) {
+    for (const std::uint32_t body : contactFinds.shiftedBodies)
+        for (std::uint32_t key = bodies[body].firstContact; key != kNone; key = contacts.next(key)) {
             const ContactRecord& record = contacts[key >> 1];
             if (!record.hasPoints || !holds(record)) continue;
-            for (const ManifoldRecord& manifold : manifoldsOf(record))
+            for (const ManifoldRecord& manifold : manifolds.of(record))
                 if (manifold.place.color != kNone && ConstraintGraph::isIterated(manifold.place))
                     LaneView(graph.lane(manifold.place), graph.lanes()).at(contact::kShifted) = 1;
         }
@@ -282,21 +287,21 @@ void WorldImpl::applyContactChange(std::uint32_t index) {
     ContactRecord& record = contacts[index];
     unfreeze(record.bodyA), unfreeze(record.bodyB);
     bool meets = false;
-    forEachManifold(record, [&](std::uint32_t k) {
+    Manifolds::forEach(record, [&](std::uint32_t k) {
         const ManifoldRecord& manifold = manifolds[k];
         if (manifold.pointCount == 0) removeFromGraph(k);
         for (int j = 0; j < manifold.pointCount; ++j) meets |= willMeet(record, manifold, j);
     });
-    if (!record.hasPoints) return releaseManifolds(record);
-    const bool sleepsA = moves(record.bodyA) && !isAwake(record.bodyA);
-    const bool sleepsB = moves(record.bodyB) && !isAwake(record.bodyB);
+    if (!record.hasPoints) return manifolds.release(record);
+    const bool sleepsA = bodies.moves(record.bodyA) && !bodies.isAwake(record.bodyA);
+    const bool sleepsB = bodies.moves(record.bodyB) && !bodies.isAwake(record.bodyB);
     if ((sleepsA || sleepsB) && !meets) {
         record.until = 0;
         return;
     }
     if (sleepsA) wakeBody(record.bodyA);
     if (sleepsB) wakeBody(record.bodyB);
-    forEachManifold(record, [&](std::uint32_t manifold) { addToGraph(manifold); });
+    Manifolds::forEach(record, [&](std::uint32_t manifold) { addToGraph(manifold); });
 }
 
 }  // namespace ragtop

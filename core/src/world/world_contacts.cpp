@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "world/lane_view.h"
+#include "constraints/lane_view.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -43,12 +43,6 @@ float combined(CombineRule a, float valueA, CombineRule b, float valueB) {
     return valueA > valueB ? valueA : valueB;
 }
 
-const Material& WorldImpl::materialAt(const ShapeRecord& shape, std::uint32_t triangle) const {
-    const MeshData* mesh = geometries[shape.geometry].mesh;
-    if (!mesh || mesh->materialOfTriangle.empty()) return shape.material;
-    return mesh->materials[mesh->materialOfTriangle[triangle]];
-}
-
 ContactSurface WorldImpl::surfaceOf(const ContactRecord& contact, std::uint32_t triangle) const {
     ContactSurface surface = surfaceOfPair(contact.shapeA, contact.shapeB, triangle);
     if (callbacks.modify) callbacks.modify(pairInfo(contact), surface);
@@ -59,7 +53,7 @@ ContactSurface WorldImpl::surfaceOf(const ContactRecord& contact, std::uint32_t 
 ContactSurface WorldImpl::surfaceOfPair(std::uint32_t indexA, std::uint32_t indexB, std::uint32_t triangle) const {
     const ShapeRecord &shapeA = shapes[indexA], &shapeB = shapes[indexB];
     const BodyRecord &bodyA = bodies[shapeA.body], &bodyB = bodies[shapeB.body];
-    const Material& a = materialAt(shapeA, triangle);
+    const Material& a = shapes.materialAt(shapeA, triangle);
     const Material& b = shapeB.material;
     ContactSurface surface;
     surface.friction = combined(a.frictionRule, a.friction, b.frictionRule, b.friction);
@@ -85,8 +79,8 @@ ContactSurface WorldImpl::surfaceOfPair(std::uint32_t indexA, std::uint32_t inde
 }
 
 PairInfo WorldImpl::pairInfo(const ContactRecord& contact) const {
-    return {shapeId(contact.shapeA), shapeId(contact.shapeB),         id(contact.bodyA),
-            id(contact.bodyB),       shapes[contact.shapeA].userData, shapes[contact.shapeB].userData};
+    return {shapes.id(contact.shapeA), shapes.id(contact.shapeB),       bodies.id(contact.bodyA),
+            bodies.id(contact.bodyB),  shapes[contact.shapeA].userData, shapes[contact.shapeB].userData};
 }
 
 /// A manifold found some steps ago, where its anchors are now.
@@ -128,22 +122,22 @@ void WorldImpl::writeSurface(const ContactRecord& record, const ManifoldRecord& 
     lane.at(contact::kRolling) = surface.rollingResistance;
     lane.at(contact::kSpinning) = surface.spinningResistance;
     const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
-    const ConvexView &a = geometries[shapeA.geometry].convex, &b = geometries[shapeB.geometry].convex;
+    const ConvexView &a = shapes.geometries[shapeA.geometry].convex, &b = shapes.geometries[shapeB.geometry].convex;
     const float follow = followShare(a.radius, b.radius);
     lane.at(contact::kRoundA) = a.radius;
     lane.at(contact::kRoundB) = b.radius;
     lane.at(contact::kFollow) = follow;
     // What does not move has no say in it.
-    lane.at(contact::kCoreShareA) = coreTurns(shapeA, a) ? (moves(record.bodyB) ? 1 - follow : 1.0f) : 0.0f;
-    lane.at(contact::kCoreShareB) = coreTurns(shapeB, b) ? (moves(record.bodyA) ? follow : 1.0f) : 0.0f;
+    lane.at(contact::kCoreShareA) = coreTurns(shapeA, a) ? (bodies.moves(record.bodyB) ? 1 - follow : 1.0f) : 0.0f;
+    lane.at(contact::kCoreShareB) = coreTurns(shapeB, b) ? (bodies.moves(record.bodyA) ? follow : 1.0f) : 0.0f;
     lane.set(contact::kSurface, surface.surfaceVelocity);
 }
 
 /// Where surfaces may have changed, they are written anew for all manifolds that have a lane.
 void WorldImpl::refreshSurfaces(ContactRecord& record) {
-    if (!record.surfaceOpen && !callbacks.modify && !surfacesForgotten) return;
+    if (!record.surfaceOpen && !callbacks.modify && !contactFinds.surfacesForgotten) return;
     record.surfaceOpen = false;
-    for (const ManifoldRecord& manifold : manifoldsOf(record))
+    for (const ManifoldRecord& manifold : manifolds.of(record))
         if (manifold.place.color != kNone) writeSurface(record, manifold);
 }
 
@@ -169,10 +163,16 @@ void WorldImpl::writeLane(const ContactRecord& record, const ManifoldRecord& man
     lane.set(contact::kStick, impulses.stick);
 }
 
-void WorldImpl::recordGraphChange(GraphPlace place) {
-    graphChanged = true;
-    directChanged |= place.color == ConstraintGraph::kDirect;
+/// Of what has neither a lane nor stored impulses, they are zero and stay so.
+void WorldImpl::writeImpulses(const ContactRecord& record, const ManifoldRecord& manifold,
+                              const ManifoldImpulses& impulses) {
+    if (manifold.place.color != kNone)
+        writeLane(record, manifold, impulses);
+    else if (manifold.stored != kNone)
+        manifolds.storedOf(manifold) = impulses;
 }
+
+void WorldImpl::recordGraphChange(GraphPlace place) { islands.graphChangedAt(place.color == ConstraintGraph::kDirect); }
 
 void WorldImpl::addToGraph(std::uint32_t index) {
     ManifoldRecord& manifold = manifolds[index];
@@ -180,13 +180,13 @@ void WorldImpl::addToGraph(std::uint32_t index) {
     if (manifold.place.color != kNone || manifold.pointCount == 0 || record.sensor) return;
     unfreeze(record.bodyA), unfreeze(record.bodyB);
     const ManifoldImpulses impulses = impulsesOf(manifold);
-    const bool direct = isDirect(record.bodyA) || isDirect(record.bodyB);
-    manifold.place =
-        graph.insertContact(index, bodies[record.bodyA].state, moves(record.bodyA), bodies[record.bodyB].state,
-                            moves(record.bodyB), direct ? ConstraintGraph::By::direct : ConstraintGraph::By::iteration);
+    const bool direct = bodies.isDirect(record.bodyA) || bodies.isDirect(record.bodyB);
+    manifold.place = graph.insertContact(index, bodies[record.bodyA].state, bodies.moves(record.bodyA),
+                                         bodies[record.bodyB].state, bodies.moves(record.bodyB),
+                                         direct ? ConstraintGraph::By::direct : ConstraintGraph::By::iteration);
     recordGraphChange(manifold.place);
     writeLane(record, manifold, impulses);
-    if (record.manifoldCapacity == 1) forgetStored(manifold);
+    if (record.manifoldCapacity == 1) manifolds.forgetStored(manifold);
 }
 
 void WorldImpl::removeFromGraph(std::uint32_t index) {
@@ -194,13 +194,14 @@ void WorldImpl::removeFromGraph(std::uint32_t index) {
     if (manifold.place.color == kNone) return;
     const ContactRecord& record = contacts[manifold.contact];
     unfreeze(record.bodyA), unfreeze(record.bodyB);
-    if (manifold.pointCount > 0) storeImpulses(manifold);
-    const std::uint32_t moved = graph.removeContact(manifold.place, bodies[record.bodyA].state, moves(record.bodyA),
-                                                    bodies[record.bodyB].state, moves(record.bodyB));
+    if (manifold.pointCount > 0) manifolds.store(manifold, impulsesOf(manifold));
+    const std::uint32_t moved =
+        graph.removeContact(manifold.place, bodies[record.bodyA].state, bodies.moves(record.bodyA),
+                            bodies[record.bodyB].state, bodies.moves(record.bodyB));
     if (moved != kNone) manifolds[moved].place.slot = manifold.place.slot;
     recordGraphChange(manifold.place);
     manifold.place = {};
-    manifoldTouches[index] = manifold.pointCount > 0 ? kUnknownTouch : 0;
+    manifolds.touches[index] = manifold.pointCount > 0 ? kUnknownTouch : 0;
     contacts[manifold.contact].until = 0;
 }
 
@@ -310,7 +311,7 @@ bool WorldImpl::reuseManifolds(ContactRecord& record, const PairPlace& place, do
     if (!record.hasPoints || turnsUnderContact(record) || place.margin > record.collidedMargin + most) return false;
     const float left = most - place.moved;
     if (left < 0) return false;
-    for (const ManifoldRecord& manifold : manifoldsOf(record))
+    for (const ManifoldRecord& manifold : manifolds.of(record))
         if (manifold.pointCount > 0 && manifold.place.color == kNone) return false;
     record.until = travel + static_cast<double>(left / place.perTravel);
     return true;
@@ -318,8 +319,8 @@ bool WorldImpl::reuseManifolds(ContactRecord& record, const PairPlace& place, do
 
 /// A round surface turns under its contact point, and is cheap to collide.
 bool WorldImpl::turnsUnderContact(const ContactRecord& record) const {
-    return geometries[shapes[record.shapeA].geometry].convex.radius +
-               geometries[shapes[record.shapeB].geometry].convex.radius >
+    return shapes.geometries[shapes[record.shapeA].geometry].convex.radius +
+               shapes.geometries[shapes[record.shapeB].geometry].convex.radius >
            0;
 }
 
@@ -335,8 +336,8 @@ Frame WorldImpl::shapeBInA(const ContactRecord& record) const {
 
 /// Does a mesh of a dynamic body take part? Meshes that only others move collide triangle by triangle.
 bool WorldImpl::meetAsSurfaces(const ContactRecord& record) const {
-    const GeometryEntry& a = geometries[shapes[record.shapeA].geometry];
-    const GeometryEntry& b = geometries[shapes[record.shapeB].geometry];
+    const GeometryEntry& a = shapes.geometries[shapes[record.shapeA].geometry];
+    const GeometryEntry& b = shapes.geometries[shapes[record.shapeB].geometry];
     return b.isMesh() || (a.mesh && bodies[record.bodyA].type == BodyType::dynamic);
 }
 
@@ -345,10 +346,10 @@ bool WorldImpl::meetAsSurfaces(const ContactRecord& record) const {
 int WorldImpl::findSurfaceManifolds(const ContactRecord& record, const Frame& bInA, float margin,
                                     std::span<Manifold> found) const {
     const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
-    const GeometryEntry &a = geometries[shapeA.geometry], &b = geometries[shapeB.geometry];
+    const GeometryEntry &a = shapes.geometries[shapeA.geometry], &b = shapes.geometries[shapeB.geometry];
     ContactReach reach{margin, {}, shapeA.size < shapeB.size ? shapeA.size : shapeB.size};
     if (margin > 0) {
-        const Vec3 vA = states[record.bodyA].v, vB = states[record.bodyB].v, way = dt * (vB - vA);
+        const Vec3 vA = bodies.states[record.bodyA].v, vB = bodies.states[record.bodyB].v, way = dt * (vB - vA);
         const float slower = lengthSquared(vA) < lengthSquared(vB) ? length(vA) : length(vB);
         const float shared = dt * slower, most = 0.5f * reach.size;
         reach.way = inverseRotate(bodies[record.bodyA].rotation * shapeA.frame.rotation, way);
@@ -362,12 +363,12 @@ int WorldImpl::findSurfaceManifolds(const ContactRecord& record, const Frame& bI
 
 /// The narrow phase of a pair; returns how many directions it touches in, at most as many as the contact has room for.
 int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float margin, std::span<Manifold> found) {
-    const GeometryEntry& a = geometries[shapes[record.shapeA].geometry];
-    const GeometryEntry& b = geometries[shapes[record.shapeB].geometry];
+    const GeometryEntry& a = shapes.geometries[shapes[record.shapeA].geometry];
+    const GeometryEntry& b = shapes.geometries[shapes[record.shapeB].geometry];
     if (record.isMesh && meetAsSurfaces(record)) return findSurfaceManifolds(record, bInA, margin, found);
     found[0].gap = margin;
     if (a.mesh && record.nearTriangles != kNone)
-        return collide(*a.mesh, b.convex, bInA, margin, meshMemory[record.nearTriangles], found);
+        return collide(*a.mesh, b.convex, bInA, margin, manifolds.meshMemory[record.nearTriangles], found);
     if (a.mesh) return collide(*a.mesh, b.convex, bInA, margin, found);
     if (a.field) return collide(*a.field, b.convex, bInA, margin, found);
     collide(a.convex, b.convex, bInA, margin, record.cache, found[0]);
@@ -376,7 +377,7 @@ int WorldImpl::findManifolds(ContactRecord& record, const Frame& bInA, float mar
 
 /// What a contact without manifolds has found; returns the first.
 ManifoldRecord& WorldImpl::takeFirstManifolds(ContactRecord& record, std::span<const Manifold> found, int worker) {
-    const std::span<ManifoldRecord> held = holdManifolds(record, worker);
+    const std::span<ManifoldRecord> held = manifolds.hold(record, worker);
     record.hasPoints = true;
     for (std::size_t i = 0; i < found.size(); ++i) {
         held[i].normal = rotate(shapes[record.shapeA].frame.rotation, found[i].normal);
@@ -418,7 +419,8 @@ std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, std::span<const Man
         others |= hasOtherPoints(before, manifold);
         writeImpulses(record, manifold, matchedImpulses(before, known, manifold));
         if (manifold.place.color == kNone)
-            change |= kGraph, manifoldTouches[record.firstManifold + static_cast<std::size_t>(place[i])] = kUnknownTouch;
+            change |= kGraph,
+                manifolds.touches[record.firstManifold + static_cast<std::size_t>(place[i])] = kUnknownTouch;
     }
     for (int k = 0; k < record.manifoldCapacity; ++k) {
         if (written[k] || old[k].pointCount == 0) continue;
@@ -432,7 +434,7 @@ std::uint8_t WorldImpl::takeManifolds(ContactRecord& record, std::span<const Man
 
 /// The same of meshes that move.
 std::uint8_t WorldImpl::takeSurfaceManifolds(ContactRecord& record, std::span<const Manifold> found) {
-    const std::span<ManifoldRecord> now = manifoldsOf(record);
+    const std::span<ManifoldRecord> now = manifolds.of(record);
     ManifoldRecord before[kMaxManifolds];
     ManifoldImpulses known[kMaxManifolds], handed[kMaxManifolds];
     for (std::size_t k = 0; k < now.size(); ++k) before[k] = now[k], known[k] = impulsesOf(now[k]);

@@ -161,41 +161,42 @@ static bool isAwayFrom(const BoundsTree& tree, const DVec3& from, const DVec3& t
 /// Does the ball that holds a body come near anything on which a sweep from `start` could end?
 bool WorldImpl::mayMeet(std::uint32_t index, const DVec3& start) const {
     const BodyRecord& body = bodies[index];
-    if (!body.bullet && isAwayFrom(staticTree, start, body.center, body.radius)) return false;
+    if (!body.bullet && isAwayFrom(broadphase.fixedTree, start, body.center, body.radius)) return false;
     const Bounds path = boundsOfPath(start, body.center, body.radius);
     bool found = false;
     const auto visit = [&](std::uint32_t shape) {
         found = shapes[shape].body != index;
         return !found;
     };
-    staticTree.query(path, visit);
-    if (body.bullet && !found) movingTree.query(path, visit);
+    broadphase.fixedTree.query(path, visit);
+    if (body.bullet && !found) broadphase.movingTree.query(path, visit);
     return found;
 }
 
 /// Bodies that moved far for their size are swept along their path, so that they do not pass what their contacts did
 /// not foresee. Serial and in order of the list, but for those that meet nothing.
 void WorldImpl::sweepFastBodies() {
-    sweptImpacts.clear();
+    sweptBodies.impacts.clear();
     if (!settings.continuous) return;
-    const std::size_t count = awakeBodies.size();
-    posesMoved = true;
+    const std::size_t count = bodies.awake.size();
+    sweptBodies.posesMoved = true;
     if (runner.workers() > 1) clearPaths();
     for (std::size_t i = 0; i < count; ++i)
-        if (bodyFlags[i] == kToSweep && moves(awakeBodies[i])) sweepBody(awakeBodies[i]);
-    posesMoved = false;
+        if (sweptBodies.flags[i] == kToSweep && bodies.moves(bodies.awake[i])) sweepBody(bodies.awake[i]);
+    sweptBodies.posesMoved = false;
 }
 
-void WorldImpl::recordSwept(std::uint32_t index) { bodyFlags[bodies[index].awakeIndex] = kSwept; }
+void WorldImpl::recordSwept(std::uint32_t index) { sweptBodies.flags[bodies[index].awakeIndex] = kSwept; }
 
 /// What is swept past obstacles that stand still alone, and meets none, depends on nothing that other sweeps change; one
 /// that pushes it on lets it be swept after all.
 void WorldImpl::clearPaths() {
-    runner.parallelFor(static_cast<int>(awakeBodies.size()), 64, [&](int begin, int end, int) {
+    runner.parallelFor(static_cast<int>(bodies.awake.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
-            const std::uint32_t body = awakeBodies[static_cast<std::size_t>(i)];
-            BodyFlag& flag = bodyFlags[static_cast<std::size_t>(i)];
-            if (flag == kToSweep && moves(body) && !bodies[body].bullet && !meetsAnything(body)) flag = kFastClear;
+            const std::uint32_t body = bodies.awake[static_cast<std::size_t>(i)];
+            BodyFlag& flag = sweptBodies.flags[static_cast<std::size_t>(i)];
+            if (flag == kToSweep && bodies.moves(body) && !bodies[body].bullet && !meetsAnything(body))
+                flag = kFastClear;
         }
     });
 }
@@ -233,13 +234,13 @@ bool WorldImpl::meetsAnything(std::uint32_t index) const {
 SweptPath WorldImpl::pathOfStep(std::uint32_t index) const {
     const BodyRecord& body = bodies[index];
     const Pose end{body.center, body.rotation};
-    if (body.awakeIndex == kNone || body.awakeIndex >= startPoses.size()) return {end, {}, {}};
-    const StartPose& start = startPoses[body.awakeIndex];
+    if (body.awakeIndex == kNone || body.awakeIndex >= sweptBodies.starts.size()) return {end, {}, {}};
+    const StartPose& start = sweptBodies.starts[body.awakeIndex];
     SweptPath path{{start.center, start.rotation}, relative(end.position, start.center), {}};
     path.turn = rotationVector(end.rotation * conjugate(start.rotation));
     const float angle = length(path.turn);
-    const Vec3 axis = angle > 0 ? (1 / angle) * path.turn : normalized(states[index].w);
-    const float revolutions = std::floor((dt * dot(states[index].w, axis) - angle) / (2 * kPi) + 0.5f);
+    const Vec3 axis = angle > 0 ? (1 / angle) * path.turn : normalized(bodies.states[index].w);
+    const float revolutions = std::floor((dt * dot(bodies.states[index].w, axis) - angle) / (2 * kPi) + 0.5f);
     path.turn += 2 * kPi * revolutions * axis;
     return path;
 }
@@ -295,7 +296,7 @@ void WorldImpl::sweepBody(std::uint32_t index) {
     turnVelocity(index, velocityAt, path.from.rotation);
     bodies[index].center = path.from.position;
     bodies[index].rotation = path.from.rotation;
-    refreshInertia(index);
+    bodies.refreshInertia(index);
     recordSwept(index);
 }
 
@@ -307,7 +308,7 @@ Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& start, const Po
     Meeting first;
     for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
         const ShapeRecord& shape = shapes[s];
-        const GeometryEntry& geometry = geometries[shape.geometry];
+        const GeometryEntry& geometry = shapes.geometries[shape.geometry];
         if (shape.sensor || geometry.field) continue;
         if (geometry.mesh) {
             sweepMesh(index, s, start, end, done, until, first);
@@ -332,7 +333,7 @@ Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& start, const Po
             const Frame& place = obstacle.frame;
             const Frame from = seenFrom(others.at(done) * place, shapeStart);
             const Frame to = seenFrom(others.at(until) * place, shapeEnd);
-            const GeometryEntry& solid = geometries[obstacle.geometry];
+            const GeometryEntry& solid = shapes.geometries[obstacle.geometry];
             const auto sweepAt = [&](const auto& view) {
                 const auto touchAt = [&](const Frame& at) {
                     return touchOf(view, geometry.convex, at, to, tuning::kSpeculative * shape.size);
@@ -375,8 +376,8 @@ Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& start, const Po
                 forEachTriangle(*solid.field, path, triangle);
             return true;
         };
-        staticTree.query(swept, meet);
-        if (body.bullet) movingTree.query(swept, meet);
+        broadphase.fixedTree.query(swept, meet);
+        if (body.bullet) broadphase.movingTree.query(swept, meet);
     }
     return first;
 }
@@ -384,8 +385,8 @@ Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& start, const Po
 bool WorldImpl::maySweepInto(std::uint32_t shape, std::uint32_t obstacle) const {
     const ShapeRecord &a = shapes[shape], &b = shapes[obstacle];
     if (!shouldCollide(a, b)) return false;
-    return !callbacks.filter ||
-           callbacks.filter({shapeId(shape), shapeId(obstacle), id(a.body), id(b.body), a.userData, b.userData});
+    return !callbacks.filter || callbacks.filter({shapes.id(shape), shapes.id(obstacle), bodies.id(a.body),
+                                                  bodies.id(b.body), a.userData, b.userData});
 }
 
 }  // namespace ragtop

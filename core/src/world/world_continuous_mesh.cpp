@@ -46,7 +46,7 @@ void WorldImpl::sweepMesh(std::uint32_t index, std::uint32_t s, const Pose& star
                           float until, Meeting& first) const {
     const BodyRecord& body = bodies[index];
     const ShapeRecord& shape = shapes[s];
-    const GeometryEntry& geometry = geometries[shape.geometry];
+    const GeometryEntry& geometry = shapes.geometries[shape.geometry];
     const Pose shapeStart = start * shape.frame, shapeEnd = end * shape.frame;
     const float bulge = body.radius * (1 - std::abs((end.rotation * conjugate(start.rotation)).w));
     const Bounds swept =
@@ -59,7 +59,7 @@ void WorldImpl::sweepMesh(std::uint32_t index, std::uint32_t s, const Pose& star
         const SweptPath others = still
                                      ? SweptPath{{bodies[obstacle.body].center, bodies[obstacle.body].rotation}, {}, {}}
                                      : pathOfStep(obstacle.body);
-        const GeometryEntry& solid = geometries[obstacle.geometry];
+        const GeometryEntry& solid = shapes.geometries[obstacle.geometry];
         const Pose otherStart = others.at(done), place = otherStart * obstacle.frame;
         const float share = until - done;
         const auto inPlace = [&](const Vec3& v) { return inverseRotate(place.rotation, v); };
@@ -77,8 +77,8 @@ void WorldImpl::sweepMesh(std::uint32_t index, std::uint32_t s, const Pose& star
         first = {true, hit.fraction, s, other, touchAt(solid, path, hit, shape.size)};
         return true;
     };
-    staticTree.query(swept, meet);
-    if (body.bullet) movingTree.query(swept, meet);
+    broadphase.fixedTree.query(swept, meet);
+    if (body.bullet) broadphase.movingTree.query(swept, meet);
 }
 
 }  // namespace ragtop

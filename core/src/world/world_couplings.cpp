@@ -19,9 +19,9 @@ void WorldImpl::checkCoupled(const CouplingDef& def) const {
     if (const std::string wrong = whyInvalid(def); !wrong.empty()) throw std::invalid_argument(wrong);
     for (int i = 0; i < def.count; ++i) {
         const CoupledCoordinate& part = def.parts[static_cast<std::size_t>(i)];
-        if (!jointSlots.isValid(part.joint.index, part.joint.generation))
+        if (!joints.slots.isValid(part.joint.index, part.joint.generation))
             throw std::invalid_argument(nameOf(i) + ".joint names no joint of this world");
-        if (!hasCoordinate(jointSims[part.joint.index].kind, part.coordinate))
+        if (!hasCoordinate(joints.sims[part.joint.index].kind, part.coordinate))
             throw std::invalid_argument(nameOf(i) + ".coordinate is " + std::to_string(part.coordinate) +
                                         ", which this kind of joint does not have");
     }
@@ -29,26 +29,21 @@ void WorldImpl::checkCoupled(const CouplingDef& def) const {
 
 std::uint32_t WorldImpl::createCoupling(const CouplingDef& def) {
     checkCoupled(def);
-    const std::uint32_t index = couplingSlots.acquire();
-    if (index >= couplings.size()) {
-        couplings.resize(index + 1, CouplingRecord{});
-        couplingSims.resize(index + 1, CouplingSim{});
-    }
+    const std::uint32_t index = couplings.acquire();
     CouplingRecord& coupling = couplings[index];
-    coupling = CouplingRecord{};
     coupling.def = def;
-    couplingSims[index] = CouplingSim{};
-    compileCoupling(def, jointSims.data(), couplingSims[index]);
-    markCoupled(couplingSims[index], jointSims.data());
+    compileCoupling(def, joints.sims.data(), couplings.sims[index]);
+    markCoupled(couplings.sims[index], joints.sims.data());
     for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(def.count); ++i) {
         JointRecord& joint = joints[def.parts[i].joint.index];
         coupling.next[i] = joint.firstCoupling;
         joint.firstCoupling = kParts * index + i;
         for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
-            if (moves(body)) wakeBody(body);
+            if (bodies.moves(body)) wakeBody(body);
     }
     ++structureVersion;
-    structureChanged = graphChanged = bundlesChanged = treesChanged = true;
+    islands.structureChangedAt();
+    joints.bundlesChanged = directSet.treesChanged = true;
     return index;
 }
 
@@ -60,15 +55,16 @@ void WorldImpl::destroyCoupling(std::uint32_t index) {
         std::uint32_t* at = &joint.firstCoupling;
         while (*at != key) at = &couplings[*at / kParts].next[*at % kParts];
         *at = coupling.next[i];
-        clearCoupled(jointSims[j], false);
+        clearCoupled(joints.sims[j], false);
         for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
-            if (moves(body)) wakeBody(body);
+            if (bodies.moves(body)) wakeBody(body);
     }
-    couplingSlots.release(index);
-    for (std::uint32_t c = 0; c < couplingSlots.count(); ++c)
-        if (couplingSlots.isUsed(c)) markCoupled(couplingSims[c], jointSims.data());
+    couplings.release(index);
+    for (std::uint32_t c = 0; c < couplings.slots.count(); ++c)
+        if (couplings.slots.isUsed(c)) markCoupled(couplings.sims[c], joints.sims.data());
     ++structureVersion;
-    structureChanged = graphChanged = bundlesChanged = treesChanged = true;
+    islands.structureChangedAt();
+    joints.bundlesChanged = directSet.treesChanged = true;
 }
 
 /// What a coupling reaches from this joint wakes with it.
@@ -79,24 +75,7 @@ void WorldImpl::pushCoupledBodies(std::uint32_t joint) {
         for (int i = 0; i < def.count; ++i) {
             const JointRecord& other = joints[def.parts[static_cast<std::size_t>(i)].joint.index];
             for (const std::uint32_t body : {other.bodyA, other.bodyB})
-                if (moves(body) && !isAwake(body)) bodyStack.push(body);
-        }
-    }
-}
-
-/// Calls visit(first, body) for the awake bodies of each coupling that move, `first` being the first of them.
-void WorldImpl::forEachCoupledPair(const std::function<void(std::uint32_t, std::uint32_t)>& visit) const {
-    for (std::uint32_t c = 0; c < couplingSlots.count(); ++c) {
-        if (!couplingSlots.isUsed(c)) continue;
-        const CouplingDef& def = couplings[c].def;
-        std::uint32_t first = kNone;
-        for (int i = 0; i < def.count; ++i) {
-            const JointRecord& joint = joints[def.parts[static_cast<std::size_t>(i)].joint.index];
-            for (const std::uint32_t body : {joint.bodyA, joint.bodyB}) {
-                if (!moves(body) || !isAwake(body)) continue;
-                if (first == kNone) first = body;
-                visit(first, body);
-            }
+                if (bodies.moves(body) && !bodies.isAwake(body)) islands.stack.push(body);
         }
     }
 }
@@ -110,40 +89,42 @@ bool WorldImpl::isIterated(const CouplingDef& def) const {
 }
 
 void WorldImpl::prepareCouplings(float ratio) {
-    iteratedCouplings.clear();
-    for (std::uint32_t c = 0; c < couplingSlots.count(); ++c) {
-        if (!couplingSlots.isUsed(c) || !isIterated(couplings[c].def)) continue;
-        if (ratio != 1) rescale(couplingSims[c].axis, ratio);
-        iteratedCouplings.push(c);
+    couplings.iterated.clear();
+    for (std::uint32_t c = 0; c < couplings.slots.count(); ++c) {
+        if (!couplings.slots.isUsed(c) || !isIterated(couplings[c].def)) continue;
+        if (ratio != 1) rescale(couplings.sims[c].axis, ratio);
+        couplings.iterated.push(c);
     }
 }
 
 void WorldImpl::warmStartCouplings() {
-    for (const std::uint32_t c : iteratedCouplings)
-        for (std::uint32_t i = 0; i < couplingSims[c].count; ++i)
-            clearCoupled(jointSims[couplingSims[c].joints[i]], true);
-    for (const std::uint32_t c : iteratedCouplings) warmStartCoupling(couplingSims[c], jointSims.data());
+    for (const std::uint32_t c : couplings.iterated)
+        for (std::uint32_t i = 0; i < couplings.sims[c].count; ++i)
+            clearCoupled(joints.sims[couplings.sims[c].joints[i]], true);
+    for (const std::uint32_t c : couplings.iterated) warmStartCoupling(couplings.sims[c], joints.sims.data());
 }
 
 void WorldImpl::beginCouplings() {
-    for (const std::uint32_t c : iteratedCouplings)
-        beginCoupling(couplingSims[c], jointSims.data(), states.data(), inertias.data(), jointContext);
+    for (const std::uint32_t c : couplings.iterated)
+        beginCoupling(couplings.sims[c], joints.sims.data(), bodies.states.data(), bodies.inertias.data(),
+                      jointContext);
 }
 
 /// A push along one joint may open another that shares a body with it: so these are solved in turn.
 void WorldImpl::solveCouplings(bool moving) {
     constexpr int kRounds = 4;
     if (!moving)
-        for (const std::uint32_t c : iteratedCouplings)
-            refreshCoupling(couplingSims[c], jointSims.data(), states.data(), inertias.data());
+        for (const std::uint32_t c : couplings.iterated)
+            refreshCoupling(couplings.sims[c], joints.sims.data(), bodies.states.data(), bodies.inertias.data());
     for (int round = 0; round < kRounds; ++round)
-        for (const std::uint32_t c : iteratedCouplings) {
-            CouplingSim& coupling = couplingSims[c];
+        for (const std::uint32_t c : couplings.iterated) {
+            CouplingSim& coupling = couplings.sims[c];
             if (round > 0)
                 for (std::uint32_t i = 0; i < coupling.count; ++i)
-                    solveJointAgain(jointSims[coupling.joints[i]], states.data(), inertias.data(), jointContext,
-                                    moving);
-            solveCoupling(coupling, jointSims.data(), states.data(), inertias.data(), jointContext, moving);
+                    solveJointAgain(joints.sims[coupling.joints[i]], bodies.states.data(), bodies.inertias.data(),
+                                    jointContext, moving);
+            solveCoupling(coupling, joints.sims.data(), bodies.states.data(), bodies.inertias.data(), jointContext,
+                          moving);
         }
 }
 
@@ -160,25 +141,26 @@ void World::setDef(CouplingId id, const CouplingDef& def) {
     }
     if (!same) throw std::invalid_argument("setDef keeps the joints of a coupling and their coordinates");
     coupling.def = def;
-    compileCoupling(def, impl_->jointSims.data(), impl_->couplingSims[index]);
+    compileCoupling(def, impl_->joints.sims.data(), impl_->couplings.sims[index]);
     for (int i = 0; i < def.count; ++i) {
         const JointRecord& joint = impl_->joints[def.parts[static_cast<std::size_t>(i)].joint.index];
         for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
-            if (impl_->moves(body)) impl_->wakeBody(body);
+            if (impl_->bodies.moves(body)) impl_->wakeBody(body);
     }
 }
 
 CouplingState World::state(CouplingId id) const {
     const WorldImpl& world = *impl_;
     const std::uint32_t index = world.index(id);
-    const CouplingSim& sim = world.couplingSims[index];
+    const CouplingSim& sim = world.couplings.sims[index];
     JointSim now[CouplingSim::kMost];
     for (std::uint32_t i = 0; i < sim.count; ++i) {
-        now[i] = world.jointSims[sim.joints[i]];
-        placeJoint(now[i], world.jointBodies(world.joints[sim.joints[i]]), world.states.data(), world.inertias.data());
+        now[i] = world.joints.sims[sim.joints[i]];
+        placeJoint(now[i], world.jointBodies(world.joints[sim.joints[i]]), world.bodies.states.data(),
+                   world.bodies.inertias.data());
     }
     const float rate = world.lastSubstep > 0 ? 1 / world.lastSubstep : 0;
-    return couplingState(sim, now, world.states.data(), world.inertias.data(), rate);
+    return couplingState(sim, now, world.bodies.states.data(), world.bodies.inertias.data(), rate);
 }
 
 std::uint64_t World::userData(CouplingId coupling) const {

@@ -14,24 +14,25 @@ namespace ragtop {
 void WorldImpl::applyChoices() {
     const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
     bool any = !list.manifolds.empty() || !list.joints.empty();
-    for (std::size_t i = 0; i < awakeBodies.size() && !any; ++i) any = isDirect(awakeBodies[i]);
+    for (std::size_t i = 0; i < bodies.awake.size() && !any; ++i) any = bodies.isDirect(bodies.awake[i]);
     if (!any) return;
-    movedConstraints.clear();
+    directSet.movedConstraints.clear();
     const auto changes = [&](std::uint32_t a, std::uint32_t b, GraphPlace place) {
-        return (isDirect(a) || isDirect(b)) != (place.color == ConstraintGraph::kDirect);
+        return (bodies.isDirect(a) || bodies.isDirect(b)) != (place.color == ConstraintGraph::kDirect);
     };
     std::size_t contactCount = 0;
     forEachInGraph(
-        *this,
+        tables(),
         [&](std::uint32_t m) {
             const ContactRecord& contact = contacts[manifolds[m].contact];
-            if (changes(contact.bodyA, contact.bodyB, manifolds[m].place)) movedConstraints.push(m), ++contactCount;
+            if (changes(contact.bodyA, contact.bodyB, manifolds[m].place))
+                directSet.movedConstraints.push(m), ++contactCount;
         },
         [&](std::uint32_t j) {
-            if (changes(joints[j].bodyA, joints[j].bodyB, joints[j].place)) movedConstraints.push(j);
+            if (changes(joints[j].bodyA, joints[j].bodyB, joints[j].place)) directSet.movedConstraints.push(j);
         });
-    for (std::size_t i = 0; i < movedConstraints.size(); ++i) {
-        const std::uint32_t moved = movedConstraints[i];
+    for (std::size_t i = 0; i < directSet.movedConstraints.size(); ++i) {
+        const std::uint32_t moved = directSet.movedConstraints[i];
         if (i < contactCount)
             removeFromGraph(moved), addToGraph(moved);
         else
@@ -42,56 +43,59 @@ void WorldImpl::applyChoices() {
 /// Islands of the direct list, their bodies numbered in the order in which its constraints name them, so that the
 /// grouping depends on that list alone.
 void WorldImpl::groupDirect() {
-    directIslands.clear();
-    directSeen.clear();
-    directOwner.clear();
-    directBodies.clear();
-    directManifolds.clear();
-    directJoints.clear();
-    chains.clear();
+    directSet.islands.clear();
+    directSet.seen.clear();
+    directSet.owner.clear();
+    directSet.bodies.clear();
+    directSet.manifolds.clear();
+    directSet.joints.clear();
+    directSet.trees.clear();
     const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
     if (list.manifolds.empty() && list.joints.empty()) return;
-    islandParent.resizeForOverwrite(bodies.size());
-    directIndex.resizeForOverwrite(bodies.size());
+    islands.parent.resizeForOverwrite(bodies.size());
+    directSet.index.resizeForOverwrite(bodies.size());
     const auto forEachPair = [&](auto&& visit) {
         for (const std::uint32_t m : list.manifolds)
             visit(contacts[manifolds[m].contact].bodyA, contacts[manifolds[m].contact].bodyB);
         for (const std::uint32_t j : list.joints) visit(joints[j].bodyA, joints[j].bodyB);
     };
     forEachPair([&](std::uint32_t a, std::uint32_t b) {
-        for (const std::uint32_t body : {a, b}) islandParent[body] = body, directIndex[body] = kNone;
+        for (const std::uint32_t body : {a, b}) islands.parent[body] = body, directSet.index[body] = kNone;
     });
-    forEachPair([&](std::uint32_t a, std::uint32_t b) { unite(a, b); });
+    forEachPair([&](std::uint32_t a, std::uint32_t b) { islands.unite(bodies, a, b); });
     // Counts first, then places: a root's directIndex is its island.
-    const auto islandOf = [&](std::uint32_t a, std::uint32_t b) { return directIndex[findRoot(moves(a) ? a : b)]; };
+    const auto islandOf = [&](std::uint32_t a, std::uint32_t b) {
+        return directSet.index[islands.root(bodies.moves(a) ? a : b)];
+    };
     forEachPair([&](std::uint32_t a, std::uint32_t b) {
-        std::uint32_t& index = directIndex[findRoot(moves(a) ? a : b)];
+        std::uint32_t& index = directSet.index[islands.root(bodies.moves(a) ? a : b)];
         if (index != kNone) return;
-        index = static_cast<std::uint32_t>(directIslands.size());
-        directIslands.push({});
+        index = static_cast<std::uint32_t>(directSet.islands.size());
+        directSet.islands.push({});
     });
     for (const std::uint32_t m : list.manifolds)
-        ++directIslands[islandOf(contacts[manifolds[m].contact].bodyA, contacts[manifolds[m].contact].bodyB)]
+        ++directSet.islands[islandOf(contacts[manifolds[m].contact].bodyA, contacts[manifolds[m].contact].bodyB)]
               .contactCount;
-    for (const std::uint32_t j : list.joints) ++directIslands[islandOf(joints[j].bodyA, joints[j].bodyB)].jointCount;
+    for (const std::uint32_t j : list.joints)
+        ++directSet.islands[islandOf(joints[j].bodyA, joints[j].bodyB)].jointCount;
     std::uint32_t contactsBefore = 0, jointsBefore = 0;
-    for (DirectIsland& island : directIslands) {
+    for (DirectIsland& island : directSet.islands) {
         island.firstContact = contactsBefore, island.firstJoint = jointsBefore;
         contactsBefore += island.contactCount, jointsBefore += island.jointCount;
         island.contactCount = island.jointCount = 0;
     }
-    directOwner.resizeForOverwrite(list.manifolds.size());
-    directManifolds.resizeForOverwrite(contactsBefore);
-    directJoints.resizeForOverwrite(jointsBefore);
+    directSet.owner.resizeForOverwrite(list.manifolds.size());
+    directSet.manifolds.resizeForOverwrite(contactsBefore);
+    directSet.joints.resizeForOverwrite(jointsBefore);
     for (const std::uint32_t m : list.manifolds) {
         DirectIsland& island =
-            directIslands[islandOf(contacts[manifolds[m].contact].bodyA, contacts[manifolds[m].contact].bodyB)];
-        directManifolds[island.firstContact + island.contactCount++] = m;
-        directOwner[manifolds[m].place.slot] = static_cast<std::uint32_t>(&island - directIslands.data());
+            directSet.islands[islandOf(contacts[manifolds[m].contact].bodyA, contacts[manifolds[m].contact].bodyB)];
+        directSet.manifolds[island.firstContact + island.contactCount++] = m;
+        directSet.owner[manifolds[m].place.slot] = static_cast<std::uint32_t>(&island - directSet.islands.data());
     }
     for (const std::uint32_t j : list.joints) {
-        DirectIsland& island = directIslands[islandOf(joints[j].bodyA, joints[j].bodyB)];
-        directJoints[island.firstJoint + island.jointCount++] = j;
+        DirectIsland& island = directSet.islands[islandOf(joints[j].bodyA, joints[j].bodyB)];
+        directSet.joints[island.firstJoint + island.jointCount++] = j;
     }
     numberDirectBodies();
     planChains();
@@ -100,23 +104,23 @@ void WorldImpl::groupDirect() {
 }
 
 void WorldImpl::numberDirectBodies() {
-    for (DirectIsland& island : directIslands) {
-        island.firstBody = static_cast<std::uint32_t>(directBodies.size());
+    for (DirectIsland& island : directSet.islands) {
+        island.firstBody = static_cast<std::uint32_t>(directSet.bodies.size());
         const auto number = [&](std::uint32_t body) {
-            if (!moves(body) || islandParent[body] == kNone) return;
-            islandParent[body] = kNone;  // counted
-            directBodies.push(body);
+            if (!bodies.moves(body) || islands.parent[body] == kNone) return;
+            islands.parent[body] = kNone;  // counted
+            directSet.bodies.push(body);
         };
         for (std::uint32_t i = 0; i < island.contactCount; ++i) {
-            const ContactRecord& contact = contacts[manifolds[directManifolds[island.firstContact + i]].contact];
+            const ContactRecord& contact = contacts[manifolds[directSet.manifolds[island.firstContact + i]].contact];
             number(contact.bodyA);
             number(contact.bodyB);
         }
         for (std::uint32_t i = 0; i < island.jointCount; ++i) {
-            number(joints[directJoints[island.firstJoint + i]].bodyA);
-            number(joints[directJoints[island.firstJoint + i]].bodyB);
+            number(joints[directSet.joints[island.firstJoint + i]].bodyA);
+            number(joints[directSet.joints[island.firstJoint + i]].bodyB);
         }
-        island.bodyCount = static_cast<std::uint32_t>(directBodies.size()) - island.firstBody;
+        island.bodyCount = static_cast<std::uint32_t>(directSet.bodies.size()) - island.firstBody;
     }
 }
 
@@ -127,29 +131,29 @@ static bool hasSystem(const DirectIsland& island) { return !island.tree && !isla
 /// that is free.
 void WorldImpl::assignSystems() {
     constexpr std::size_t kMore = 4;
-    systemOfBody.resize(bodies.size(), kNone);
-    const auto firstOf = [&](const DirectIsland& island) { return directBodies[island.firstBody]; };
-    for (DirectIsland& island : directIslands)
-        if (hasSystem(island)) island.system = systemOfBody[firstOf(island)];
-    for (std::uint32_t& owner : systemOwner) {
-        if (owner != kNone) systemOfBody[owner] = kNone;
+    directSet.systemOfBody.resize(bodies.size(), kNone);
+    const auto firstOf = [&](const DirectIsland& island) { return directSet.bodies[island.firstBody]; };
+    for (DirectIsland& island : directSet.islands)
+        if (hasSystem(island)) island.system = directSet.systemOfBody[firstOf(island)];
+    for (std::uint32_t& owner : directSet.systemOwner) {
+        if (owner != kNone) directSet.systemOfBody[owner] = kNone;
         owner = kNone;
     }
     const auto give = [&](DirectIsland& island, std::size_t system) {
         island.system = static_cast<std::uint32_t>(system);
-        systemOwner[system] = firstOf(island);
-        systemOfBody[firstOf(island)] = island.system;
+        directSet.systemOwner[system] = firstOf(island);
+        directSet.systemOfBody[firstOf(island)] = island.system;
     };
-    for (DirectIsland& island : directIslands)
+    for (DirectIsland& island : directSet.islands)
         if (island.system != kNone) give(island, island.system);
     std::size_t next = 0;
-    for (DirectIsland& island : directIslands) {
+    for (DirectIsland& island : directSet.islands) {
         if (!hasSystem(island) || island.system != kNone) continue;
-        while (next < systemOwner.size() && systemOwner[next] != kNone) ++next;
-        if (next == systemOwner.size())
+        while (next < directSet.systemOwner.size() && directSet.systemOwner[next] != kNone) ++next;
+        if (next == directSet.systemOwner.size())
             for (std::size_t i = 0; i < kMore; ++i) {
-                directSystems.push_back(std::make_unique<direct::IslandSystem>(memory));
-                systemOwner.push(kNone);
+                directSet.systems.push_back(std::make_unique<direct::IslandSystem>(memory));
+                directSet.systemOwner.push(kNone);
             }
         give(island, next);
     }
@@ -167,19 +171,19 @@ static void forEachDirectBundle(WorldImpl& world, Visit&& visit) {
 void WorldImpl::recordDirectBundles() {
     const AlignedArray<float>& now = graph.color(ConstraintGraph::kDirect).bundles;
     const auto lanes = static_cast<std::size_t>(graph.lanes());
-    const std::size_t floats = contact::kFields * lanes, known = std::min(directSeen.size(), now.size()) / floats;
-    directSeen.resizeForOverwrite(now.size());
-    for (DirectIsland& island : directIslands) island.renewed = false;
+    const std::size_t floats = contact::kFields * lanes, known = std::min(directSet.seen.size(), now.size()) / floats;
+    directSet.seen.resizeForOverwrite(now.size());
+    for (DirectIsland& island : directSet.islands) island.renewed = false;
     forEachDirectBundle(*this, [&](std::size_t b) {
         const float* bundle = now.data() + b * floats;
-        float* seen = directSeen.data() + b * floats;
+        float* seen = directSet.seen.data() + b * floats;
         if (b < known && std::memcmp(seen, bundle, floats * sizeof(float)) == 0) return;
-        for (std::size_t lane = 0; lane < lanes && b * lanes + lane < directOwner.size(); ++lane) {
+        for (std::size_t lane = 0; lane < lanes && b * lanes + lane < directSet.owner.size(); ++lane) {
             bool renewed = b >= known;
             for (std::size_t i = lane; !renewed && i < floats; i += lanes)
                 renewed = std::memcmp(seen + i, bundle + i, sizeof(float)) != 0;
             if (renewed)
-                std::atomic_ref(directIslands[directOwner[b * lanes + lane]].renewed)
+                std::atomic_ref(directSet.islands[directSet.owner[b * lanes + lane]].renewed)
                     .store(true, std::memory_order_relaxed);
         }
         std::memcpy(static_cast<void*>(seen), bundle, floats * sizeof(float));
@@ -189,7 +193,7 @@ void WorldImpl::recordDirectBundles() {
 /// Is any of its contacts, or how many they are, other than when its system was made?
 bool WorldImpl::isRenewed(const DirectIsland& island) const {
     return island.renewed ||
-           !directSystems[island.system]->isOf(island.bodyCount, island.contactCount, island.jointCount);
+           !directSet.systems[island.system]->isOf(island.bodyCount, island.contactCount, island.jointCount);
 }
 
 /// What contacts of islands that rest again have borne. Their loads are the impulses in their lanes.
@@ -198,8 +202,8 @@ void WorldImpl::addDirectPeaks() {
     AlignedArray<float>& bundles = graph.color(ConstraintGraph::kDirect).bundles;
     forEachDirectBundle(*this, [&](std::size_t b) {
         float* bundle = bundles.data() + b * contact::kFields * lanes;
-        for (std::size_t lane = 0; lane < lanes && b * lanes + lane < directOwner.size(); ++lane) {
-            const int substeps = directIslands[directOwner[b * lanes + lane]].restedAgain;
+        for (std::size_t lane = 0; lane < lanes && b * lanes + lane < directSet.owner.size(); ++lane) {
+            const int substeps = directSet.islands[directSet.owner[b * lanes + lane]].restedAgain;
             for (int j = 0; j < contact::kMaxPoints && substeps > 0; ++j) {
                 float* point = bundle + static_cast<std::size_t>(contact::kPoints + j * contact::kPointFields) * lanes + lane;
                 point[contact::kPeak * lanes] +=
@@ -213,30 +217,31 @@ void WorldImpl::beginIsland(DirectIsland& island, int index) {
     if (island.tree) return;
     island.begin();
     for (std::uint32_t i = 0; i < island.jointCount; ++i)
-        directSims[island.firstJoint + i] = &jointSims[directJoints[island.firstJoint + i]];
-    if (island.mechanism) return beginMechanism(island, *mechanisms[static_cast<std::size_t>(index)]);
-    direct::IslandSystem& system = *directSystems[island.system];
+        directSet.sims[island.firstJoint + i] = &joints.sims[directSet.joints[island.firstJoint + i]];
+    if (island.mechanism) return beginMechanism(island, *directSet.mechanisms[static_cast<std::size_t>(index)]);
+    direct::IslandSystem& system = *directSet.systems[island.system];
     island.unchanged = island.jointCount == 0 && system.restedThrough(settings.substeps) && !isRenewed(island);
     if (island.unchanged) return system.beginAgain();  // its lanes are where they were
     for (std::uint32_t i = 0; i < island.contactCount; ++i)
-        directLanes[island.firstContact + i] = graph.lane(manifolds[directManifolds[island.firstContact + i]].place);
+        directSet.lanes[island.firstContact + i] =
+            graph.lane(manifolds[directSet.manifolds[island.firstContact + i]].place);
     direct::IslandParts parts;
-    parts.bodies = directBodies.data() + island.firstBody;
+    parts.bodies = directSet.bodies.data() + island.firstBody;
     parts.bodyCount = island.bodyCount;
-    parts.lanes = directLanes.data() + island.firstContact;
+    parts.lanes = directSet.lanes.data() + island.firstContact;
     parts.contactCount = island.contactCount;
-    parts.joints = directSims.data() + island.firstJoint;
+    parts.joints = directSet.sims.data() + island.firstJoint;
     parts.jointCount = island.jointCount;
     parts.laneStride = graph.lanes();
-    parts.localOf = directIndex.data();
-    system.begin(parts, bodyArrays(), context);
+    parts.localOf = directSet.index.data();
+    system.begin(parts, bodies.arrays(), context);
 }
 
 /// In parallel, but trees, which are many and have their lanes; none is looked at where all are trees.
 template <class Visit>
 static void forEachDirectIsland(WorldImpl& world, Visit&& visit) {
-    AlignedArray<DirectIsland>& islands = world.directIslands;
-    if (world.chains.treeCount() == islands.size()) return;
+    AlignedArray<DirectIsland>& islands = world.directSet.islands;
+    if (world.directSet.trees.treeCount() == islands.size()) return;
     world.runner.parallelFor(static_cast<int>(islands.size()), 1, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i)
             if (DirectIsland& island = islands[static_cast<std::size_t>(i)]; !island.tree) visit(island, i);
@@ -244,11 +249,11 @@ static void forEachDirectIsland(WorldImpl& world, Visit&& visit) {
 }
 
 void WorldImpl::beginDirect() {
-    if (directIslands.empty()) return;
+    if (directSet.islands.empty()) return;
     recordDirectBundles();
-    directLanes.resizeForOverwrite(directManifolds.size());
-    directSims.resizeForOverwrite(directJoints.size());
-    directIndex.resizeForOverwrite(bodies.size());
+    directSet.lanes.resizeForOverwrite(directSet.manifolds.size());
+    directSet.sims.resizeForOverwrite(directSet.joints.size());
+    directSet.index.resizeForOverwrite(bodies.size());
     forEachDirectIsland(*this, [&](DirectIsland& island, int i) { beginIsland(island, i); });
     beginChains();
 }
@@ -260,12 +265,12 @@ static bool isUnsolved(const DirectIsland& island) {
 }
 
 void WorldImpl::solveDirect(DirectPass pass) {
-    if (directIslands.empty()) return;
+    if (directSet.islands.empty()) return;
     forEachDirectIsland(*this, [&](DirectIsland& island, int i) {
         if (island.fellBack)
             iterateIsland(island, pass);
         else if (island.mechanism)
-            solveMechanism(island, *mechanisms[static_cast<std::size_t>(i)], pass);
+            solveMechanism(island, *directSet.mechanisms[static_cast<std::size_t>(i)], pass);
         else
             solveSystem(island, pass);
     });
@@ -274,8 +279,8 @@ void WorldImpl::solveDirect(DirectPass pass) {
 
 /// By Newton's method.
 void WorldImpl::solveSystem(DirectIsland& island, DirectPass pass) {
-    const BodyArrays arrays = bodyArrays();
-    direct::IslandSystem& system = *directSystems[island.system];
+    const BodyArrays arrays = bodies.arrays();
+    direct::IslandSystem& system = *directSet.systems[island.system];
     if (pass == DirectPass::velocities && system.rests()) return system.updateLoads(island.factored);
     const auto start = std::chrono::steady_clock::now();
     switch (pass) {
@@ -319,37 +324,40 @@ void WorldImpl::startCooldown(const DirectIsland& island, bool rests) {
     const bool failed = isUnsolved(island);
     const bool costly = island.bodyCount > direct::kMostBodies && island.report.factorizations > 0;
     if (!failed && !costly && !rests) return;
-    directFailures += failed;
+    directSet.failures += failed;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
-        BodyRecord& body = bodies[directBodies[island.firstBody + i]];
+        BodyRecord& body = bodies[directSet.bodies[island.firstBody + i]];
         if (rests) body.directFailures = 0;
         if (costly) body.directSteps -= direct::kFactorSteps;
         if (!failed && body.directSteps > 0) continue;
         body.directSteps = -(direct::kCooldownSteps << body.directFailures);
         if (body.directFailures < direct::kMostDoublings) ++body.directFailures;
-        graphChanged = directChanged = true;
+        islands.graphChanged = islands.directChanged = true;
     }
 }
 
 void WorldImpl::endDirect() {
-    for (std::size_t i = 0; i < directIslands.size(); ++i)
-        if (const DirectIsland& island = directIslands[i]; !island.unchanged)
-            startCooldown(island, hasSystem(island) && !island.fellBack && directSystems[island.system]->rests());
-    for (std::size_t i = 0; i < directIslands.size(); ++i)
-        if (const DirectIsland& island = directIslands[i]; island.mechanism) keepPace(island, *mechanisms[i]);
-    for (const DirectIsland& island : directIslands)
+    for (std::size_t i = 0; i < directSet.islands.size(); ++i)
+        if (const DirectIsland& island = directSet.islands[i]; !island.unchanged)
+            startCooldown(island, hasSystem(island) && !island.fellBack && directSet.systems[island.system]->rests());
+    for (std::size_t i = 0; i < directSet.islands.size(); ++i)
+        if (const DirectIsland& island = directSet.islands[i]; island.mechanism)
+            keepPace(island, *directSet.mechanisms[i]);
+    for (const DirectIsland& island : directSet.islands)
         if (island.multirate && !island.independent) recordGaps(*this, island);
-    ledger.clear();
-    if (directIslands.size() > ledger.capacity()) ledger.reserve(2 * directIslands.size() + 8);
-    for (const DirectIsland& island : directIslands)
-        ledger.push_back({direct::nameOf(bodies[directBodies[island.firstBody]].directReason),
-                          static_cast<int>(island.bodyCount), static_cast<int>(island.contactCount),
-                          static_cast<int>(island.jointCount), island.report.iterations, island.report.factorizations,
-                          island.report.residual, island.ms, island.report.converged});
+    directSet.ledger.clear();
+    if (directSet.islands.size() > directSet.ledger.capacity())
+        directSet.ledger.reserve(2 * directSet.islands.size() + 8);
+    for (const DirectIsland& island : directSet.islands)
+        directSet.ledger.push_back({direct::nameOf(bodies[directSet.bodies[island.firstBody]].directReason),
+                                    static_cast<int>(island.bodyCount), static_cast<int>(island.contactCount),
+                                    static_cast<int>(island.jointCount), island.report.iterations,
+                                    island.report.factorizations, island.report.residual, island.ms,
+                                    island.report.converged});
     std::atomic<bool> restsAgain{false};
     forEachDirectIsland(*this, [&](DirectIsland& island, int) {
         if (island.fellBack || !hasSystem(island)) return;
-        direct::IslandSystem& system = *directSystems[island.system];
+        direct::IslandSystem& system = *directSet.systems[island.system];
         if (!system.restsAgain(island.unchanged)) return system.end();
         island.restedAgain = system.restedSubsteps();
         restsAgain.store(true, std::memory_order_relaxed);

@@ -62,7 +62,7 @@ void drawContact(DebugDraw& draw, const WorldImpl& world, const Contact& contact
     float sign = 1;
     for (const BodyId id : {contact.bodyA, contact.bodyB}) {
         const BodyRecord& body = world.bodies[id.index];
-        if (!world.moves(id.index) || (lighter && body.mass >= lighter->mass)) continue;
+        if (!world.bodies.moves(id.index) || (lighter && body.mass >= lighter->mass)) continue;
         lighter = &body;
         sign = id == contact.bodyB ? 1.0f : -1.0f;
     }
@@ -99,12 +99,12 @@ void World::draw(DebugDraw& draw) const {
     const WorldImpl& impl = *impl_;
     std::vector<Color> ofIsland;
     if (draw.options.islands) {
-        ofIsland.resize(impl.bodySlots.count(), kAsleepColor);
+        ofIsland.resize(impl.bodies.slots.count(), kAsleepColor);
         const std::vector<BodyId> first = islands();
         for (std::size_t i = 0; i < first.size(); ++i) ofIsland[bodies()[i].index] = islandColor(first[i]);
     }
-    for (std::uint32_t s = 0; s < impl.shapeSlots.count(); ++s) {
-        if (!impl.shapeSlots.isUsed(s)) continue;
+    for (std::uint32_t s = 0; s < impl.shapes.slots.count(); ++s) {
+        if (!impl.shapes.slots.isUsed(s)) continue;
         const ShapeRecord& shape = impl.shapes[s];
         const BodyRecord& body = impl.bodies[shape.body];
         const Color color = body.type == BodyType::fixed       ? kFixedColor
@@ -113,12 +113,12 @@ void World::draw(DebugDraw& draw) const {
                             : body.awakeIndex != kNone         ? kAwakeColor
                                                                : kAsleepColor;
         if (draw.options.shapes)
-            std::visit(ShapePainter{draw, impl.shapePose(shape), color}, impl.geometries[shape.geometry].shape);
-        if (draw.options.bounds) drawBounds(draw, impl.tree(shape).bounds(shape.proxy));
+            std::visit(ShapePainter{draw, impl.shapePose(shape), color}, impl.shapes.geometries[shape.geometry].shape);
+        if (draw.options.bounds) drawBounds(draw, impl.broadphase.tree(shape.isStaticTree).bounds(shape.proxy));
     }
     if (draw.options.centers)
         for (const BodyId id : bodies())
-            if (impl.moves(id.index))
+            if (impl.bodies.moves(id.index))
                 draw.frame({centerOfMass(id), impl.bodies[id.index].rotation}, impl.bodies[id.index].size);
     if (draw.options.contacts) forEachContact([&](const Contact& contact) { drawContact(draw, impl, contact); });
     if (draw.options.joints)
@@ -126,11 +126,12 @@ void World::draw(DebugDraw& draw) const {
             const JointRecord& joint = impl.joints[id.index];
             const JointBodies& ends =
                 std::visit([](const auto& d) -> const JointBodies& { return d.bodies; }, joint.def);
-            const Pose a = joint.bodyA == 0 ? Pose{} : impl.poseOf(impl.bodies[joint.bodyA]);
-            const Pose b = joint.bodyB == 0 ? Pose{} : impl.poseOf(impl.bodies[joint.bodyB]);
+            const Pose a = joint.bodyA == 0 ? Pose{} : poseOf(impl.bodies[joint.bodyA]);
+            const Pose b = joint.bodyB == 0 ? Pose{} : poseOf(impl.bodies[joint.bodyB]);
             float size = 0;
             for (const std::uint32_t end : {joint.bodyA, joint.bodyB})
-                if (impl.moves(end) && (size == 0 || impl.bodies[end].radius < size)) size = impl.bodies[end].radius;
+                if (impl.bodies.moves(end) && (size == 0 || impl.bodies[end].radius < size))
+                    size = impl.bodies[end].radius;
             drawJoint(draw, joint.def, state(id), a * ends.frameA, b * ends.frameB, size);
         }
 }

@@ -42,9 +42,9 @@ void World::setDrives(std::span<const JointDrive> drives) {
         const std::uint32_t i = impl_->index(drive.joint);
         JointRecord& joint = impl_->joints[i];
         if (!setDrive(joint.def, drive)) continue;
-        if (!setDrive(impl_->jointSims[i], joint.def)) impl_->compile(i);
+        if (!setDrive(impl_->joints.sims[i], joint.def)) impl_->compile(i);
         for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
-            if (impl_->moves(body) && !impl_->isAwake(body)) impl_->wakeBody(body);
+            if (impl_->bodies.moves(body) && !impl_->bodies.isAwake(body)) impl_->wakeBody(body);
     }
 }
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "base/nonzero_bytes.h"
-#include "world/lane_view.h"
+#include "constraints/lane_view.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -30,19 +30,19 @@ bool isLoaded(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
 /// Threads may say so of one contact at once.
 void markDirty(WorldImpl& world, std::uint32_t contact) {
     const std::uint32_t place = world.contacts[contact].awakeIndex;
-    if (place != kNone) std::atomic_ref(world.contactChanged[place]).store(1, std::memory_order_relaxed);
+    if (place != kNone) std::atomic_ref(world.contactFinds.change[place]).store(1, std::memory_order_relaxed);
 }
 
 /// What the lanes of some bundles say of their manifolds. Contacts of which they say the same as in the step before
 /// touch as they did.
 void takeTouches(WorldImpl& world, const ConstraintGraph::Color& color, std::size_t perBundle, int begin, int end) {
     const auto lanes = static_cast<std::size_t>(world.graph.lanes());
-    world.kernels->readTouches(color.bundles.data(), begin, end, world.laneTouches.data());
+    world.kernels->readTouches(color.bundles.data(), begin, end, world.contactFinds.laneTouches.data());
     for (auto bundle = static_cast<std::size_t>(begin); bundle < static_cast<std::size_t>(end); ++bundle)
         for (std::size_t lane = 0; lane < perBundle && bundle * perBundle + lane < color.manifolds.size(); ++lane) {
             const std::uint32_t manifold = color.manifolds[bundle * perBundle + lane];
-            const std::uint8_t touch = world.laneTouches[bundle * lanes + lane];
-            std::uint8_t& known = world.manifoldTouches[manifold];
+            const std::uint8_t touch = world.contactFinds.laneTouches[bundle * lanes + lane];
+            std::uint8_t& known = world.manifolds.touches[manifold];
             if (known == touch && touch != kUnknownTouch) continue;
             known = touch;
             markDirty(world, world.manifolds[manifold].contact);
@@ -52,12 +52,12 @@ void takeTouches(WorldImpl& world, const ConstraintGraph::Color& color, std::siz
 }  // namespace
 
 void WorldImpl::forgetTouches() {
-    allDirty = true;
-    manifoldTouches.resizeForOverwrite(manifolds.size());
+    contactFinds.allDirty = true;
+    manifolds.touches.resizeForOverwrite(manifolds.size());
     for (std::size_t i = 0; i < manifolds.size(); ++i)
-        manifoldTouches[i] = manifolds[i].place.color == ConstraintGraph::kFrozen ? kFrozenTouch
-                             : manifolds[i].pointCount > 0                        ? kUnknownTouch
-                                                                                  : 0;
+        manifolds.touches[i] = manifolds[i].place.color == ConstraintGraph::kFrozen ? kFrozenTouch
+                               : manifolds[i].pointCount > 0                        ? kUnknownTouch
+                                                                                    : 0;
 }
 
 /// What the lanes say of all manifolds in the graph.
@@ -66,7 +66,7 @@ void WorldImpl::findTouches() {
     for (int c = 0; c < graph.listCount(); ++c) {
         if (c == ConstraintGraph::kFrozen) continue;
         const std::size_t perBundle = ConstraintGraph::isSerial(c) ? 1 : lanes;
-        laneTouches.resizeForOverwrite(static_cast<std::size_t>(graph.bundleCount(c)) * lanes);
+        contactFinds.laneTouches.resizeForOverwrite(static_cast<std::size_t>(graph.bundleCount(c)) * lanes);
         runner.parallelFor(graph.bundleCount(c), 32,
                            [&](int begin, int end, int) { takeTouches(*this, graph.color(c), perBundle, begin, end); });
     }
@@ -75,23 +75,24 @@ void WorldImpl::findTouches() {
 /// Contacts that may touch otherwise than before: where lanes say otherwise, what came, changed, or was struck in this
 /// step or the last. Sensors have no lanes; what tells of motion does so in every step.
 static void findDirty(WorldImpl& world) {
-    const bool all = world.allDirty || world.motionReported || world.anySensor.load(std::memory_order_relaxed);
-    world.contactChanged.resizeForOverwrite(world.awakeContacts.size());
-    std::fill(world.contactChanged.begin(), world.contactChanged.end(), all ? 1 : 0);
-    world.allDirty = false;
+    const bool all = world.contactFinds.allDirty || world.contactFinds.motionReported ||
+                     world.contactFinds.anySensor.load(std::memory_order_relaxed);
+    world.contactFinds.change.resizeForOverwrite(world.contacts.awake.size());
+    std::fill(world.contactFinds.change.begin(), world.contactFinds.change.end(), all ? 1 : 0);
+    world.contactFinds.allDirty = false;
     world.findTouches();
-    for (const ChangedContact changed : world.changedContacts)
+    for (const ChangedContact changed : world.contactFinds.changed)
         if ((changed.change & kApart) == 0) markDirty(world, changed.contact);
-    for (const std::uint32_t contact : world.dirtyContacts) markDirty(world, contact);
-    for (const SweptImpact& impact : world.sweptImpacts) markDirty(world, impact.contact);
-    world.dirtyContacts.clear();
+    for (const std::uint32_t contact : world.contactFinds.dirty) markDirty(world, contact);
+    for (const SweptImpact& impact : world.sweptBodies.impacts) markDirty(world, impact.contact);
+    world.contactFinds.dirty.clear();
 }
 
 /// Does a contact touch after the step? Notes whether it bears a load.
 bool WorldImpl::isTouching(ContactRecord& record) {
     bool touching = record.struck;
     for (std::uint32_t k = 0; record.hasPoints && k < record.manifoldCapacity; ++k) {
-        const std::uint8_t touch = manifoldTouches[record.firstManifold + k];
+        const std::uint8_t touch = manifolds.touches[record.firstManifold + k];
         if (touch == kFrozenTouch) return record.touching;
         const bool unknown = touch == kUnknownTouch || record.sensor;
         touching |= unknown ? isLoaded(graph, manifolds[record.firstManifold + k]) : (touch & kTouches) != 0;
@@ -104,48 +105,48 @@ bool WorldImpl::isTouching(ContactRecord& record) {
 /// Contacts touch when a point carries load or overlaps; begin and end are reported in the order of the list.
 void WorldImpl::publishEvents() {
     findDirty(*this);
-    runner.parallelFor(static_cast<int>(awakeContacts.size()), 256, [&](int begin, int end, int) {
-        std::uint8_t* doubtful = contactChanged.data() + begin;
-        const std::uint32_t* awake = awakeContacts.data() + begin;
+    runner.parallelFor(static_cast<int>(contacts.awake.size()), 256, [&](int begin, int end, int) {
+        std::uint8_t* doubtful = contactFinds.change.data() + begin;
+        const std::uint32_t* awake = contacts.awake.data() + begin;
         forEachNonzero(doubtful, static_cast<std::size_t>(end - begin), [&](std::size_t i) {
             ContactRecord& record = contacts[awake[i]];
             const bool touching = (record.hasPoints || record.struck) && isTouching(record);
             doubtful[i] = touching != record.touching || (touching && record.reportsMotion) ? 1 : 0;
         });
     });
-    forEachNonzero(contactChanged.data(), awakeContacts.size(),
-                   [&](std::size_t i) { publishContact(awakeContacts[i]); });
+    forEachNonzero(contactFinds.change.data(), contacts.awake.size(),
+                   [&](std::size_t i) { publishContact(contacts.awake[i]); });
     publishSweptImpacts();
 }
 
 /// Impacts that continuous collision has played are over; the next step may find nothing of them.
 void WorldImpl::publishSweptImpacts() {
-    for (const SweptImpact& impact : sweptImpacts) {
+    for (const SweptImpact& impact : sweptBodies.impacts) {
         ContactRecord& record = contacts[impact.contact];
         record.struck = false;
-        dirtyContacts.push(impact.contact);
+        contactFinds.dirty.push(impact.contact);
         if (!record.reportsMotion || impact.speed <= context.restitutionSpeed) continue;
         SurfaceEvent event;
         event.kind = SurfaceEvent::Kind::impact;
-        event.shapeA = shapeId(record.shapeA), event.shapeB = shapeId(record.shapeB);
-        event.bodyA = id(record.bodyA), event.bodyB = id(record.bodyB);
-        event.surfaceA = materialAt(shapes[record.shapeA], impact.triangle).surface;
+        event.shapeA = shapes.id(record.shapeA), event.shapeB = shapes.id(record.shapeB);
+        event.bodyA = bodies.id(record.bodyA), event.bodyB = bodies.id(record.bodyB);
+        event.surfaceA = shapes.materialAt(shapes[record.shapeA], impact.triangle).surface;
         event.surfaceB = shapes[record.shapeB].material.surface;
         event.point = impact.point;
         event.normal = impact.normal;
         event.speed = impact.speed;
         event.impulse = impact.impulse;
-        surfaceEvents.push_back(event);
+        events.surface(event);
     }
 }
 
 void WorldImpl::publishContact(std::uint32_t index) {
     ContactRecord& record = contacts[index];
-    for (const ManifoldRecord& manifold : manifoldsOf(record))
+    for (const ManifoldRecord& manifold : manifolds.of(record))
         if (manifold.place.color == ConstraintGraph::kFrozen) return;
     bool touching = record.struck;
     unsigned loadedNow = 0, bit = 1;
-    for (const ManifoldRecord& manifold : manifoldsOf(record)) {
+    for (const ManifoldRecord& manifold : manifolds.of(record)) {
         const bool loaded = isLoaded(graph, manifold);
         touching |= loaded;
         if (loaded && record.reportsMotion && manifold.place.color != kNone)
@@ -155,11 +156,12 @@ void WorldImpl::publishContact(std::uint32_t index) {
     }
     record.loaded = static_cast<std::uint8_t>(loadedNow);
     if (touching == record.touching) return;
-    const ContactEvent event{shapeId(record.shapeA), shapeId(record.shapeB), id(record.bodyA), id(record.bodyB)};
-    if (record.sensor)
-        (touching ? sensorBegins : sensorEnds).push_back(event);
+    const ContactEvent event{shapes.id(record.shapeA), shapes.id(record.shapeB), bodies.id(record.bodyA),
+                             bodies.id(record.bodyB)};
+    if (touching)
+        events.begin(event, record.sensor);
     else
-        (touching ? begins : ends).push_back(event);
+        events.end(event, record.sensor);
     record.touching = touching;
 }
 
@@ -175,16 +177,16 @@ void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord
     if (event.impulse <= 0) return;
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
     const Vec3 rA = lane.vector(contact::kCenter), rB = rA - lane.vector(contact::kOffset);
-    const BodyState &stateA = states[a.state], &stateB = states[b.state];
+    const BodyState &stateA = bodies.states[a.state], &stateB = bodies.states[b.state];
     const Vec3 velocityA = stateA.v + cross(stateA.w, rA), velocityB = stateB.v + cross(stateB.w, rB);
     const Vec3 slip = velocityB - velocityA + lane.vector(contact::kSurface);
     const Vec3 normal = lane.vector(contact::kNormal);
     const Vec3 tangential = slip - dot(slip, normal) * normal;
     const float size = lane.at(contact::kSize);
     const float slowest = tuning::kSlideSpeed * std::sqrt(length(settings.gravity) * size);
-    event.shapeA = shapeId(record.shapeA), event.shapeB = shapeId(record.shapeB);
-    event.bodyA = id(record.bodyA), event.bodyB = id(record.bodyB);
-    event.surfaceA = materialAt(shapes[record.shapeA], manifold.triangle).surface;
+    event.shapeA = shapes.id(record.shapeA), event.shapeB = shapes.id(record.shapeB);
+    event.bodyA = bodies.id(record.bodyA), event.bodyB = bodies.id(record.bodyB);
+    event.surfaceA = shapes.materialAt(shapes[record.shapeA], manifold.triangle).surface;
     event.surfaceB = shapes[record.shapeB].material.surface;
     event.point = (a.state == 0 ? b.center : a.center) + rA;
     event.normal = normal;
@@ -192,7 +194,7 @@ void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord
     if (approach < -context.restitutionSpeed && !wasLoaded) {
         event.kind = SurfaceEvent::Kind::impact;
         event.speed = -approach;
-        surfaceEvents.push_back(event);
+        events.surface(event);
     }
     event.speed = length(tangential);
     event.kind = SurfaceEvent::Kind::slide;
@@ -202,13 +204,13 @@ void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord
         event.speed = length(travel - dot(travel, normal) * normal) * 2;
         event.kind = SurfaceEvent::Kind::roll;
     }
-    if (event.speed > slowest) surfaceEvents.push_back(event);
+    if (event.speed > slowest) events.surface(event);
 }
 
 Contact WorldImpl::describe(const ContactRecord& record, const ManifoldRecord& manifold) const {
     Contact result;
-    result.shapeA = shapeId(record.shapeA), result.shapeB = shapeId(record.shapeB);
-    result.bodyA = id(record.bodyA), result.bodyB = id(record.bodyB);
+    result.shapeA = shapes.id(record.shapeA), result.shapeB = shapes.id(record.shapeB);
+    result.bodyA = bodies.id(record.bodyA), result.bodyB = bodies.id(record.bodyB);
     const PlacedManifold now = placed(record, manifold);
     result.normal = now.normal;
     result.pointCount = manifold.pointCount;

@@ -9,27 +9,27 @@ namespace ragtop {
 void WorldImpl::iterateIsland(const DirectIsland& island, DirectPass pass) {
     constexpr int kIterations = 4;
     const bool moves = pass == DirectPass::positions;
-    const BodyArrays arrays = bodyArrays();
+    const BodyArrays arrays = bodies.arrays();
     SolverContext all = context;
     all.normals = all.friction = true;
-    const auto substeps = static_cast<float>(bodies[directBodies[island.firstBody]].stepFactor);
+    const auto substeps = static_cast<float>(bodies[directSet.bodies[island.firstBody]].stepFactor);
     JointContext own = jointContext;
     own.h *= substeps, own.inverseH /= substeps, own.softness.biasRate /= substeps;
     SingleBundle bundle(graph.lanes());
     const auto contactsBy = [&](auto kernel) {
         for (std::uint32_t i = 0; i < island.contactCount; ++i)
-            bundle.visit(directLanes[island.firstContact + i],
+            bundle.visit(directSet.lanes[island.firstContact + i],
                          [&](float* fields, int begin, int end) { kernel(fields, begin, end, arrays, all); });
     };
-    const std::uint32_t* members = directJoints.data() + island.firstJoint;
+    const std::uint32_t* members = directSet.joints.data() + island.firstJoint;
     if (moves) {
         for (std::uint32_t j = 0; j < island.jointCount; ++j)
-            warmStartJoint(jointSims[members[j]], arrays.states, arrays.inertia, own);
+            warmStartJoint(joints.sims[members[j]], arrays.states, arrays.inertia, own);
         contactsBy(kernels->warmStartContacts);
     }
     for (int iteration = 0; iteration < (moves ? kIterations : 1); ++iteration) {
         for (std::uint32_t j = 0; j < island.jointCount; ++j)
-            solveJoint(jointSims[members[j]], arrays.states, arrays.inertia, own, moves);
+            solveJoint(joints.sims[members[j]], arrays.states, arrays.inertia, own, moves);
         contactsBy(moves ? kernels->solveContacts : kernels->relaxContacts);
     }
 }

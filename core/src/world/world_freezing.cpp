@@ -1,7 +1,7 @@
 // Bodies that rest on what does not move are frozen. The iteration would find the same impulses for them in every step;
 // they are left out of the solver, with the impulses that hold them, until anything changes.
 
-#include "world/lane_view.h"
+#include "constraints/lane_view.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -20,22 +20,22 @@ bool mayFreeze(const WorldImpl& world) { return !world.callbacks.modify; }
 /// Does anything but its contacts move the body?
 bool isDisturbed(const WorldImpl& world, std::uint32_t index) {
     const BodyRecord& body = world.bodies[index];
-    const BodyState& state = world.states[index];
+    const BodyState& state = world.bodies.states[index];
     return body.force != Vec3{} || body.torque != Vec3{} || (body.frozen && (state.v != Vec3{} || state.w != Vec3{}));
 }
 
 /// Is the body held by contacts with what never moves alone, none of which slides, rolls or carries it on?
 bool restsOnFixed(const WorldImpl& world, std::uint32_t index) {
     const BodyRecord& body = world.bodies[index];
-    if (!world.moves(index) || world.isDirect(index) || body.firstJoint != kNone) return false;
+    if (!world.bodies.moves(index) || world.bodies.isDirect(index) || body.firstJoint != kNone) return false;
     if (isDisturbed(world, index) || world.moduleWork.actsOn(index)) return false;
     bool loaded = false;
-    for (std::uint32_t key = body.firstContact; key != kNone; key = world.nextContact(key)) {
+    for (std::uint32_t key = body.firstContact; key != kNone; key = world.contacts.next(key)) {
         const ContactRecord& record = world.contacts[key >> 1];
         if (!record.hasPoints || record.sensor) continue;
         const std::uint32_t other = (key & 1) != 0 ? record.bodyA : record.bodyB;
         if (world.bodies[other].type != BodyType::fixed || world.turnsUnderContact(record)) return false;
-        for (const ManifoldRecord& manifold : world.manifoldsOf(record)) {
+        for (const ManifoldRecord& manifold : world.manifolds.of(record)) {
             if (manifold.pointCount == 0) continue;
             if (!ConstraintGraph::isIterated(manifold.place)) return false;
             const LaneReader lane(world.graph.lane(manifold.place), world.graph.lanes());
@@ -52,18 +52,18 @@ bool restsOnFixed(const WorldImpl& world, std::uint32_t index) {
 /// Puts all contacts of a body into the list of those that rest, or back.
 void moveContactsOf(WorldImpl& world, std::uint32_t index, ConstraintGraph::By by) {
     const bool frozen = by == ConstraintGraph::By::none;
-    for (std::uint32_t key = world.bodies[index].firstContact; key != kNone; key = world.nextContact(key)) {
+    for (std::uint32_t key = world.bodies[index].firstContact; key != kNone; key = world.contacts.next(key)) {
         const ContactRecord& record = world.contacts[key >> 1];
-        world.forEachManifold(record, [&](std::uint32_t k) {
+        Manifolds::forEach(record, [&](std::uint32_t k) {
             ManifoldRecord& manifold = world.manifolds[k];
             const GraphPlace from = manifold.place;
             if (from.color == kNone || (from.color == ConstraintGraph::kFrozen) == frozen) return;
             const std::uint32_t a = record.bodyA, b = record.bodyB;
             std::uint32_t tookOver = kNone;
-            manifold.place = world.graph.moveContact(from, world.bodies[a].state, world.moves(a), world.bodies[b].state,
-                                                     world.moves(b), by, tookOver);
+            manifold.place = world.graph.moveContact(from, world.bodies[a].state, world.bodies.moves(a),
+                                                     world.bodies[b].state, world.bodies.moves(b), by, tookOver);
             if (tookOver != kNone) world.manifolds[tookOver].place.slot = from.slot;
-            world.manifoldTouches[k] = frozen ? kFrozenTouch : kUnknownTouch;
+            world.manifolds.touches[k] = frozen ? kFrozenTouch : kUnknownTouch;
         });
     }
 }
@@ -81,14 +81,12 @@ void Freezing::record(BodyRecord& body, bool slow) {
 /// Bodies that have been still for long enough come to rest where they are.
 void WorldImpl::freezeStillBodies() {
     if (!freezing.anyStill.exchange(false, std::memory_order_relaxed) || !mayFreeze(*this)) return;
-    for (const std::uint32_t index : awakeBodies) {
+    for (const std::uint32_t index : bodies.awake) {
         BodyRecord& body = bodies[index];
         if (body.stillSteps < kStillSteps || body.frozen) continue;
         body.stillSteps = 0;
         if (!restsOnFixed(*this, index)) continue;
-        states[index].v = states[index].w = {};
-        histories[index].velocityBefore = histories[index].lastChange = {};
-        storeMomentum(index);
+        bodies.stop(index);
         moveContactsOf(*this, index, ConstraintGraph::By::none);
         body.frozen = true;
     }
@@ -104,12 +102,12 @@ void WorldImpl::unfreeze(std::uint32_t index) {
 
 /// The bodies that this step solves.
 void WorldImpl::collectSolved() {
-    freezing.solved = {awakeBodies.data(), awakeBodies.size()};
+    freezing.solved = {bodies.awake.data(), bodies.awake.size()};
     if (graph.color(ConstraintGraph::kFrozen).manifolds.empty()) return;
     const bool may = mayFreeze(*this);
     freezing.unfrozen.clear();
-    for (const std::uint32_t index : awakeBodies) {
-        if (!may || isDirect(index) || isDisturbed(*this, index) || moduleWork.actsOn(index)) unfreeze(index);
+    for (const std::uint32_t index : bodies.awake) {
+        if (!may || bodies.isDirect(index) || isDisturbed(*this, index) || moduleWork.actsOn(index)) unfreeze(index);
         if (!bodies[index].frozen) freezing.unfrozen.push(index);
     }
     freezing.solved = {freezing.unfrozen.data(), freezing.unfrozen.size()};

@@ -93,7 +93,8 @@ float Impact::solve(Velocity& ofA, Velocity& ofB) const {
 /// An angular velocity of the end of the step, or of an earlier impact, as it is when the body is turned otherwise: the
 /// same seen from the body, so that a path of constant rate keeps the energy.
 void WorldImpl::turnVelocity(std::uint32_t index, const Quat& from, const Quat& to) {
-    if (dynamics[index].spins != 0) states[index].w = rotate(to, inverseRotate(from, states[index].w));
+    if (bodies.dynamics[index].spins != 0)
+        bodies.states[index].w = rotate(to, inverseRotate(from, bodies.states[index].w));
 }
 
 /// Solves the impact of a body that a sweep has brought to path.from: for the velocities with which it moves in this
@@ -102,9 +103,9 @@ bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float 
                              SweptPath& path) {
     const ShapeRecord &shape = shapes[meeting.shape], &obstacle = shapes[meeting.obstacle];
     const std::uint32_t other = obstacle.body;
-    const bool pushes = moves(other);
+    const bool pushes = bodies.moves(other);
     // A sleeper is woken by its contact in the next step, which then has the whole impact.
-    if (pushes && !isAwake(other)) return false;
+    if (pushes && !bodies.isAwake(other)) return false;
     turnVelocity(index, velocityAt, path.from.rotation);
     velocityAt = path.from.rotation;
 
@@ -115,11 +116,11 @@ bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float 
     impact.threshold = context.restitutionSpeed;
     impact.normal = rotate(place.rotation, meeting.touch.normal);
     impact.points = meeting.touch.pointCount;
-    impact.b.inverseMass = inverseMassOf(states[index]);
-    impact.b.inertia = inverseInertiaAt(index, path.from.rotation);
+    impact.b.inverseMass = inverseMassOf(bodies.states[index]);
+    impact.b.inertia = bodies.inverseInertiaAt(index, path.from.rotation);
     if (pushes) {
-        impact.a.inverseMass = inverseMassOf(states[other]);
-        impact.a.inertia = inverseInertiaAt(other, otherNow.rotation);
+        impact.a.inverseMass = inverseMassOf(bodies.states[other]);
+        impact.a.inertia = bodies.inverseInertiaAt(other, otherNow.rotation);
     }
     const float left = (1 - done) * dt, rate = left > 0 ? 1 / left : 0.0f;
     const float apart = 0.5f * tuning::kSpeculative * shape.size;  // more than the distance that a sweep keeps
@@ -142,8 +143,9 @@ bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float 
     impact.solve(meanA, meanB);
     path.way = left * meanB.v;
     path.turn = left * meanB.w;
-    Velocity lastA = bodies[other].type == BodyType::fixed ? Velocity{} : Velocity{states[other].v, states[other].w};
-    Velocity lastB{states[index].v, states[index].w};
+    Velocity lastA =
+        bodies[other].type == BodyType::fixed ? Velocity{} : Velocity{bodies.states[other].v, bodies.states[other].w};
+    Velocity lastB{bodies.states[index].v, bodies.states[index].w};
     const float impulse = impact.solve(lastA, lastB);
     changeVelocity(index, lastB.v, lastB.w);
     recordImpact(meeting, impact.normal, place, approach, impulse);
@@ -154,8 +156,8 @@ bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float 
         const Pose end = gained.at(1);
         bodies[other].center = end.position;
         bodies[other].rotation = end.rotation;
-        refreshInertia(other);
-        BodyFlag& flag = bodyFlags[bodies[other].awakeIndex];
+        bodies.refreshInertia(other);
+        BodyFlag& flag = sweptBodies.flags[bodies[other].awakeIndex];
         if (flag == kFastClear) flag = kToSweep;  // it goes another way now
     }
     return true;
@@ -163,7 +165,7 @@ bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float 
 
 /// As their contact has it, seen from the obstacle.
 ContactSurface WorldImpl::surfaceOfMeeting(const Meeting& meeting) const {
-    const std::uint32_t* contact = pairs.find(pairKey(meeting.obstacle, meeting.shape));
+    const std::uint32_t* contact = broadphase.pairs.find(pairKey(meeting.obstacle, meeting.shape));
     if (!contact) return surfaceOfPair(meeting.obstacle, meeting.shape, meeting.touch.triangle);
     ContactSurface surface = surfaceOf(contacts[*contact], meeting.touch.triangle);
     if (contacts[*contact].shapeA != meeting.obstacle) surface.surfaceVelocity = -surface.surfaceVelocity;
@@ -172,24 +174,24 @@ ContactSurface WorldImpl::surfaceOfMeeting(const Meeting& meeting) const {
 
 /// A velocity that an impact gives at the end of a step; locks hold, and the position map does not take it for smooth.
 void WorldImpl::changeVelocity(std::uint32_t index, const Vec3& linear, const Vec3& angular) {
-    BodyState& state = states[index];
+    BodyState& state = bodies.states[index];
     const Vec3 before = state.v;
     state.v = linear;
     state.w = angular;
-    obeyLocks(index);
-    histories[index].velocityBefore += state.v - before;
+    bodies.obeyLocks(index);
+    bodies.histories[index].velocityBefore += state.v - before;
 }
 
 /// Kept for the events of this step: the contact itself may be over by its end.
 void WorldImpl::recordImpact(const Meeting& meeting, const Vec3& normal, const Pose& place, float speed,
                              float impulse) {
-    const std::uint32_t* contact = pairs.find(pairKey(meeting.obstacle, meeting.shape));
+    const std::uint32_t* contact = broadphase.pairs.find(pairKey(meeting.obstacle, meeting.shape));
     if (!contact || impulse <= 0) return;
     ContactRecord& record = contacts[*contact];
     record.struck = true;
     const bool inOrder = record.shapeA == meeting.obstacle;
-    sweptImpacts.push({*contact, meeting.touch.triangle, transformPoint(place, meeting.touch.points[0].position),
-                       inOrder ? normal : -normal, speed, impulse});
+    sweptBodies.impacts.push({*contact, meeting.touch.triangle, transformPoint(place, meeting.touch.points[0].position),
+                              inOrder ? normal : -normal, speed, impulse});
 }
 
 }  // namespace ragtop

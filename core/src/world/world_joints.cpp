@@ -2,7 +2,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "world/edge_list.h"
+#include "model/edge_list.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -24,7 +24,7 @@ DVec3 WorldImpl::jointCenter(const JointRecord& joint, std::uint32_t body) const
 
 /// Of two bodies that have states the record is not needed, which lies by itself.
 JointBodiesAtStep WorldImpl::jointBodies(std::uint32_t index) const {
-    const JointSim& sim = jointSims[index];
+    const JointSim& sim = joints.sims[index];
     if (sim.stateA == 0 || sim.stateB == 0) return jointBodies(joints[index]);
     const BodyRecord &a = bodies[sim.stateA], &b = bodies[sim.stateB];
     return {relative(b.center, a.center), definitionRotation(a), definitionRotation(b)};
@@ -41,32 +41,27 @@ std::uint32_t WorldImpl::createJoint(const JointDef& def) {
     const JointBodies& joined = bodiesOf(def);
     const auto bodyIndex = [&](BodyId id, const char* name) {
         if (id.isNull()) return std::uint32_t{0};
-        if (!bodySlots.isValid(id.index, id.generation))
+        if (!bodies.slots.isValid(id.index, id.generation))
             throw std::invalid_argument(std::string("bodies.") + name + " names no body of this world");
         return id.index;
     };
     const std::uint32_t a = bodyIndex(joined.a, "a"), b = bodyIndex(joined.b, "b");
-    if (!moves(a) && !moves(b)) throw std::invalid_argument("bodies.a and bodies.b: at least one must be dynamic");
+    if (!bodies.moves(a) && !bodies.moves(b))
+        throw std::invalid_argument("bodies.a and bodies.b: at least one must be dynamic");
 
-    const std::uint32_t index = jointSlots.acquire();
-    if (index >= joints.size()) {
-        joints.resize(index + 1, JointRecord{});
-        jointSims.resize(index + 1, JointSim{});
-    }
+    const std::uint32_t index = joints.acquire();
     JointRecord& joint = joints[index];
-    joint = JointRecord{};
     joint.def = def;
     joint.bodyA = a;
     joint.bodyB = b;
-    JointSim& sim = jointSims[index];
-    sim = JointSim{};
+    JointSim& sim = joints.sims[index];
     sim.stateA = bodies[a].state;
     sim.stateB = bodies[b].state;
     compile(index);
     // Bodies that were in contact and no longer collide lose that contact.
     if (!joined.collide)
         for (std::uint32_t key = bodies[a].firstContact; key != kNone;) {
-            const std::uint32_t next = nextContact(key);
+            const std::uint32_t next = contacts.next(key);
             const ContactRecord& contact = contacts[key >> 1];
             if (contact.bodyA == b || contact.bodyB == b) destroyContact(key >> 1);
             key = next;
@@ -74,12 +69,12 @@ std::uint32_t WorldImpl::createJoint(const JointDef& def) {
     link(joints, bodies[a].firstJoint, 2 * index);
     link(joints, bodies[b].firstJoint, 2 * index + 1);
     ++structureVersion;
-    const bool awakeA = moves(a) && isAwake(a), awakeB = moves(b) && isAwake(b);
-    if (moves(a) && !awakeA) wakeBody(a);
-    if (moves(b) && !awakeB) wakeBody(b);
+    const bool awakeA = bodies.moves(a) && bodies.isAwake(a), awakeB = bodies.moves(b) && bodies.isAwake(b);
+    if (bodies.moves(a) && !awakeA) wakeBody(a);
+    if (bodies.moves(b) && !awakeB) wakeBody(b);
     addJointToGraph(index);
-    newJoints.push(index);
-    structureChanged = true;
+    joints.created.push(index);
+    islands.structureChanged = true;
     return index;
 }
 
@@ -88,23 +83,20 @@ void WorldImpl::compile(std::uint32_t index) {
     const JointRecord& joint = joints[index];
     const JointBodies& joined = bodiesOf(joint.def);
     compileJoint(joint.def, joint.bodyA == 0 ? joined.frameA.position : bodies[joint.bodyA].local.position,
-                 joint.bodyB == 0 ? joined.frameB.position : bodies[joint.bodyB].local.position, jointSims[index]);
-    bundlesChanged = treesChanged = true;
+                 joint.bodyB == 0 ? joined.frameB.position : bodies[joint.bodyB].local.position, joints.sims[index]);
+    joints.bundlesChanged = directSet.treesChanged = true;
 }
 
 void WorldImpl::destroyJoint(std::uint32_t index) {
     JointRecord& joint = joints[index];
     while (joint.firstCoupling != kNone) destroyCoupling(joint.firstCoupling / CouplingDef::kMostParts);
-    if (moves(joint.bodyA)) wakeBody(joint.bodyA);
-    if (moves(joint.bodyB)) wakeBody(joint.bodyB);
+    if (bodies.moves(joint.bodyA)) wakeBody(joint.bodyA);
+    if (bodies.moves(joint.bodyB)) wakeBody(joint.bodyB);
     removeJointFromGraph(index);
     unlink(joints, bodies[joint.bodyA].firstJoint, 2 * index);
     unlink(joints, bodies[joint.bodyB].firstJoint, 2 * index + 1);
-    for (AlignedArray<std::uint32_t>* list : {&newJoints, &violatedJoints})
-        for (std::uint32_t& listed : *list)
-            if (listed == index) listed = kNone;
     const bool collided = bodiesOf(joint.def).collide;
-    jointSlots.release(index);
+    joints.release(index);
     ++structureVersion;
     if (collided) return;
     // The bodies may collide from now on: their shapes look for partners again.
@@ -114,45 +106,45 @@ void WorldImpl::destroyJoint(std::uint32_t index) {
 
 /// In the order of their ids, so that events depend on the scene alone.
 void WorldImpl::breakJoints() {
-    brokenJoints.clear();
+    joints.broken.clear();
     for (int c = 0; c < graph.listCount(); ++c)
         for (const std::uint32_t j : graph.color(c).joints) {
-            if (jointSims[j].breakable == 0) continue;
+            if (joints.sims[j].breakable == 0) continue;
             const JointBodies& bound = bodiesOf(joints[j].def);
-            const PairVector& impulse = jointSims[j].stepImpulse;
+            const PairVector& impulse = joints.sims[j].stepImpulse;
             if (length(impulse.linear) > bound.breakForce * dt || length(impulse.angular) > bound.breakTorque * dt)
-                brokenJoints.push_back(j);
+                joints.broken.push_back(j);
         }
-    std::sort(brokenJoints.begin(), brokenJoints.end());
-    for (const std::uint32_t j : brokenJoints) {
+    std::sort(joints.broken.begin(), joints.broken.end());
+    for (const std::uint32_t j : joints.broken) {
         const JointBodies bound = bodiesOf(joints[j].def);
-        const PairVector& impulse = jointSims[j].stepImpulse;
-        jointBreaks.push_back(
-            {jointId(j), bound.a, bound.b, bound.userData, (1 / dt) * impulse.linear, (1 / dt) * impulse.angular});
+        const PairVector& impulse = joints.sims[j].stepImpulse;
+        events.jointBreak(
+            {joints.id(j), bound.a, bound.b, bound.userData, (1 / dt) * impulse.linear, (1 / dt) * impulse.angular});
         destroyJoint(j);
     }
 }
 
 void WorldImpl::addJointToGraph(std::uint32_t index) {
     JointRecord& joint = joints[index];
-    const bool movesA = moves(joint.bodyA), movesB = moves(joint.bodyB);
+    const bool movesA = bodies.moves(joint.bodyA), movesB = bodies.moves(joint.bodyB);
     if (joint.place.color != kNone) return;
-    if ((movesA && !isAwake(joint.bodyA)) || (movesB && !isAwake(joint.bodyB))) return;
+    if ((movesA && !bodies.isAwake(joint.bodyA)) || (movesB && !bodies.isAwake(joint.bodyB))) return;
     joint.place = graph.insertJoint(index, bodies[joint.bodyA].state, movesA, bodies[joint.bodyB].state, movesB,
-                                    isDirect(joint.bodyA) || isDirect(joint.bodyB));
+                                    bodies.isDirect(joint.bodyA) || bodies.isDirect(joint.bodyB));
     recordGraphChange(joint.place);
-    bundlesChanged = treesChanged = true;
+    joints.bundlesChanged = directSet.treesChanged = true;
 }
 
 void WorldImpl::removeJointFromGraph(std::uint32_t index) {
     JointRecord& joint = joints[index];
     if (joint.place.color == kNone) return;
-    const std::uint32_t moved = graph.removeJoint(joint.place, bodies[joint.bodyA].state, moves(joint.bodyA),
-                                                  bodies[joint.bodyB].state, moves(joint.bodyB));
+    const std::uint32_t moved = graph.removeJoint(joint.place, bodies[joint.bodyA].state, bodies.moves(joint.bodyA),
+                                                  bodies[joint.bodyB].state, bodies.moves(joint.bodyB));
     if (moved != kNone) joints[moved].place.slot = joint.place.slot;
     recordGraphChange(joint.place);
     joint.place = {};
-    bundlesChanged = treesChanged = true;
+    joints.bundlesChanged = directSet.treesChanged = true;
 }
 
 }  // namespace ragtop

@@ -27,34 +27,34 @@ MechanismJointKind mechanismJoint(JointKind kind) {
 bool WorldImpl::keepsOwnTime(const DirectIsland& island) const {
     if (island.tree || island.contactCount > 0 || island.jointCount == 0) return false;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i)
-        if (!turnsFreely(directBodies[island.firstBody + i])) return false;
+        if (!turnsFreely(directSet.bodies[island.firstBody + i])) return false;
     for (std::uint32_t i = 0; i < island.jointCount; ++i)
-        if (!isTreeJoint(jointSims[directJoints[island.firstJoint + i]])) return false;
+        if (!isTreeJoint(joints.sims[directSet.joints[island.firstJoint + i]])) return false;
     return true;
 }
 
 void WorldImpl::planMechanisms() {
-    mechanisms.resize(std::max(mechanisms.size(), directIslands.size()));
-    for (std::size_t i = 0; i < directIslands.size(); ++i) {
-        DirectIsland& island = directIslands[i];
+    directSet.mechanisms.resize(std::max(directSet.mechanisms.size(), directSet.islands.size()));
+    for (std::size_t i = 0; i < directSet.islands.size(); ++i) {
+        DirectIsland& island = directSet.islands[i];
         island.mechanism = keepsOwnTime(island);
         if (!island.mechanism) continue;
-        if (!mechanisms[i]) mechanisms[i] = std::make_unique<Mechanism>(memory);
+        if (!directSet.mechanisms[i]) directSet.mechanisms[i] = std::make_unique<Mechanism>(memory);
         island.watched = false;
         for (std::uint32_t j = 0; j < island.jointCount; ++j)
-            island.watched |= jointSims[directJoints[island.firstJoint + j]].breakable != 0;
+            island.watched |= joints.sims[directSet.joints[island.firstJoint + j]].breakable != 0;
     }
 }
 
 /// All of a body but its place, in double.
 void WorldImpl::loadMechanismBody(std::uint32_t index, MechanismBody& body, direct::MechanismPose& pose) const {
     const BodyRecord& record = bodies[index];
-    const BodyState& state = states[record.state];
-    const BodyDynamics& d = dynamics[record.state];
+    const BodyState& state = bodies.states[record.state];
+    const BodyDynamics& d = bodies.dynamics[record.state];
     pose.q = direct::toDouble(record.rotation);
     body = {};
     body.v = DVec3(state.v), body.w = DVec3(state.w);
-    if (!moves(index)) return;
+    if (!bodies.moves(index)) return;
     body.inverseMass = static_cast<double>(state.invMass);
     body.moments = DVec3(d.inertia), body.inverseMoments = DVec3(d.inverseInertia);
     body.acceleration = DVec3(d.acceleration), body.torque = DVec3(d.torque);
@@ -65,29 +65,29 @@ void WorldImpl::loadMechanismBody(std::uint32_t index, MechanismBody& body, dire
 
 /// Bodies as they are, in double, and joints with their loads.
 void WorldImpl::beginMechanism(const DirectIsland& island, Mechanism& mechanism) {
-    const std::uint32_t* members = directBodies.data() + island.firstBody;
-    const std::uint32_t* held = directJoints.data() + island.firstJoint;
+    const std::uint32_t* members = directSet.bodies.data() + island.firstBody;
+    const std::uint32_t* held = directSet.joints.data() + island.firstJoint;
     std::size_t others = 0;
     for (std::uint32_t j = 0; j < island.jointCount; ++j)
-        others += !moves(joints[held[j]].bodyA) || !moves(joints[held[j]].bodyB);
+        others += !bodies.moves(joints[held[j]].bodyA) || !bodies.moves(joints[held[j]].bodyB);
     mechanism.resize(island.bodyCount, others, island.jointCount);
     const DVec3 origin = bodies[members[0]].center;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
-        directIndex[members[i]] = i;
+        directSet.index[members[i]] = i;
         loadMechanismBody(members[i], mechanism.body(i), mechanism.pose(i));
         mechanism.pose(i).x = bodies[members[i]].center - origin;
     }
     std::size_t next = island.bodyCount;
     for (std::uint32_t j = 0; j < island.jointCount; ++j) {
         const JointRecord& record = joints[held[j]];
-        const JointSim& sim = jointSims[held[j]];
+        const JointSim& sim = joints.sims[held[j]];
         MechanismJoint& joint = mechanism.joint(j);
         joint.kind = mechanismJoint(sim.kind);
         const auto place = [&](std::uint32_t body, const Frame& local, DVec3& anchor, DQuat& frame) {
             const DQuat toBody = conjugate(direct::toDouble(bodies[body].local.rotation));
             anchor = rotate(toBody, DVec3(local.position));
             frame = toBody * direct::toDouble(local.rotation);
-            if (moves(body)) return directIndex[body];
+            if (bodies.moves(body)) return directSet.index[body];
             loadMechanismBody(body, mechanism.body(next), mechanism.pose(next));
             mechanism.pose(next).x = jointCenter(record, body) - origin;
             return static_cast<std::uint32_t>(next++);
@@ -109,11 +109,11 @@ void WorldImpl::keepPace(const DirectIsland& island, const Mechanism& mechanism)
     constexpr std::uint8_t kHysteresisSteps = 60;
     int pace = mechanism.pace();
     const bool calm = pace > 1 && mechanism.largestNeed() <= 0.5 * pace;
-    const BodyRecord& first = bodies[directBodies[island.firstBody]];
+    const BodyRecord& first = bodies[directSet.bodies[island.firstBody]];
     std::uint8_t steps = calm ? static_cast<std::uint8_t>(first.hysteresisSteps + 1) : std::uint8_t{0};
     if (steps >= kHysteresisSteps) pace /= 2, steps = 0;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
-        BodyRecord& body = bodies[directBodies[island.firstBody + i]];
+        BodyRecord& body = bodies[directSet.bodies[island.firstBody + i]];
         body.innerSteps = static_cast<std::uint8_t>(pace);
         body.hysteresisSteps = steps;
     }
@@ -122,7 +122,7 @@ void WorldImpl::keepPace(const DirectIsland& island, const Mechanism& mechanism)
 /// Takes over what modules did to velocities since the last substep.
 void WorldImpl::readMechanism(const DirectIsland& island, Mechanism& mechanism) {
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
-        const BodyState& state = states[directBodies[island.firstBody + i]];
+        const BodyState& state = bodies.states[directSet.bodies[island.firstBody + i]];
         const MechanismBody& body = mechanism.body(i);
         const Vec3 v = toVec3(body.v), w = toVec3(body.w);
         if (state.v == v && state.w == w) continue;
@@ -130,9 +130,9 @@ void WorldImpl::readMechanism(const DirectIsland& island, Mechanism& mechanism) 
     }
     std::size_t next = island.bodyCount;
     for (std::uint32_t j = 0; j < island.jointCount; ++j) {
-        const JointRecord& joint = joints[directJoints[island.firstJoint + j]];
-        if (moves(joint.bodyA) && moves(joint.bodyB)) continue;
-        const BodyState& state = states[bodies[moves(joint.bodyA) ? joint.bodyB : joint.bodyA].state];
+        const JointRecord& joint = joints[directSet.joints[island.firstJoint + j]];
+        if (bodies.moves(joint.bodyA) && bodies.moves(joint.bodyB)) continue;
+        const BodyState& state = bodies.states[bodies[bodies.moves(joint.bodyA) ? joint.bodyB : joint.bodyA].state];
         MechanismBody& body = mechanism.body(next++);
         body.v = DVec3(state.v), body.w = DVec3(state.w);
     }
@@ -140,26 +140,26 @@ void WorldImpl::readMechanism(const DirectIsland& island, Mechanism& mechanism) 
 
 /// Before velocities change: a mechanism adds what acts from outside by itself.
 void WorldImpl::readMechanisms() {
-    for (std::size_t i = 0; i < directIslands.size(); ++i)
-        if (const DirectIsland& island = directIslands[i]; island.mechanism && !island.fellBack)
-            readMechanism(island, *mechanisms[i]);
+    for (std::size_t i = 0; i < directSet.islands.size(); ++i)
+        if (const DirectIsland& island = directSet.islands[i]; island.mechanism && !island.fellBack)
+            readMechanism(island, *directSet.mechanisms[i]);
 }
 
 /// Where the bodies are at the end of a substep, and how they move.
 void WorldImpl::writeMechanism(const DirectIsland& island, Mechanism& mechanism) {
-    const DVec3 origin = bodies[directBodies[island.firstBody]].center;
+    const DVec3 origin = bodies[directSet.bodies[island.firstBody]].center;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
-        const std::uint32_t index = directBodies[island.firstBody + i];
+        const std::uint32_t index = directSet.bodies[island.firstBody + i];
         const BodyRecord& record = bodies[index];
         const MechanismBody& body = mechanism.body(i);
         const direct::MechanismPose& pose = mechanism.pose(i);
-        BodyState& state = states[index];
+        BodyState& state = bodies.states[index];
         state.v = toVec3(body.v), state.w = toVec3(body.w);
         state.dp = toVec3(pose.x - (record.center - origin));
         const Quat rotation = direct::toFloat(pose.q);
         state.dq = direct::toFloat(pose.q * conjugate(direct::toDouble(record.rotation)));
-        inertias[index] = inverseInertiaAt(index, rotation);
-        storeMomentum(index, rotation);
+        bodies.inertias[index] = bodies.inverseInertiaAt(index, rotation);
+        bodies.storeMomentum(index, rotation);
     }
 }
 
@@ -169,10 +169,10 @@ void WorldImpl::storeLoads(const DirectIsland& island, Mechanism& mechanism) {
     if (!context.lastSubstep && !island.watched && mechanism.pace() <= kFast) return;
     mechanism.findLoads();
     for (std::uint32_t j = 0; j < island.jointCount; ++j) {
-        JointSim& sim = jointSims[directJoints[island.firstJoint + j]];
+        JointSim& sim = joints.sims[directSet.joints[island.firstJoint + j]];
         sim.block.impulseFirst = toVec3(mechanism.joint(j).force);
         sim.block.impulseSecond = toVec3(mechanism.joint(j).torque);
-        refreshJoint(sim, BodyPair(states.data(), inertias.data(), sim.stateA, sim.stateB),
+        refreshJoint(sim, BodyPair(bodies.states.data(), bodies.inertias.data(), sim.stateA, sim.stateB),
                      {jointContext, false});
         recordLoad(sim);
     }
@@ -189,7 +189,7 @@ void WorldImpl::solveMechanism(DirectIsland& island, Mechanism& mechanism, Direc
     if (!mechanism.advance(h, h * static_cast<double>(jointContext.softness.biasRate))) {
         // Loads that lead to no answer would throw the bodies about.
         for (std::uint32_t j = 0; j < island.jointCount; ++j) {
-            RigidBlock& block = jointSims[directJoints[island.firstJoint + j]].block;
+            RigidBlock& block = joints.sims[directSet.joints[island.firstJoint + j]].block;
             block.impulseFirst = block.impulseSecond = {};
         }
         island.fellBack = true;

@@ -57,14 +57,14 @@ void look(WorldImpl& world, const World& face, double dt) {
 void takeNames(WorldImpl& world, std::uint32_t place) {
     ModuleWork& work = world.moduleWork;
     for (const BodyId id : work.spans[work.acting[place]]) {
-        if (!world.bodySlots.isValid(id.index, id.generation) || id.index == 0) continue;
+        if (!world.bodies.slots.isValid(id.index, id.generation) || id.index == 0) continue;
         if (world.bodies[id.index].type == BodyType::fixed) continue;
-        if (world.moves(id.index) && !world.isAwake(id.index)) world.wakeBody(id.index);
+        if (world.bodies.moves(id.index) && !world.bodies.isAwake(id.index)) world.wakeBody(id.index);
         std::uint32_t& namer = work.namer[id.index];
         if (namer == 0) {
             namer = 1 + place;
             work.named.push(id.index);
-        } else if (world.moves(id.index)) {
+        } else if (world.bodies.moves(id.index)) {
             unite(work, namer - 1, place);
         }
     }
@@ -92,13 +92,13 @@ void forMovingBodiesOf(const WorldImpl& world, std::size_t group, Visit&& visit)
     const ModuleWork& work = world.moduleWork;
     for (std::uint32_t i = work.starts[group]; i < work.starts[group + 1]; ++i)
         for (const BodyId id : work.spans[work.acting[work.members[i]]])
-            if (world.bodySlots.isValid(id.index, id.generation) && world.moves(id.index)) visit(id.index);
+            if (world.bodies.slots.isValid(id.index, id.generation) && world.bodies.moves(id.index)) visit(id.index);
 }
 
 }  // namespace
 
 void beginModules(WorldImpl& world, World& face, double dt) {
-    world.beginStage("modules");
+    world.profile.beginStage("modules", world.callbacks);
     for (StepModule* module : world.modules)
         if (module->beforeStep) module->beforeStep(module->user, face, dt);
 }
@@ -107,7 +107,7 @@ void askModules(WorldImpl& world, const World& face, double dt) {
     ModuleWork& work = world.moduleWork;
     forget(work);
     if (world.modules.empty()) return;
-    world.beginStage("look");
+    world.profile.beginStage("look", world.callbacks);
     look(world, face, dt);
     work.namer.resize(world.bodies.size(), 0);
     for (std::uint32_t m = 0; m < work.spans.size(); ++m) {
@@ -172,7 +172,7 @@ void uniteNamed(WorldImpl& world) {
         std::uint32_t first = kNone;
         forMovingBodiesOf(world, group, [&](std::uint32_t body) {
             if (first == kNone) first = body;
-            world.unite(first, body);
+            world.islands.unite(world.bodies, first, body);
         });
     }
 }

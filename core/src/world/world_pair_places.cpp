@@ -105,16 +105,16 @@ void WorldImpl::placePairs(const std::uint32_t* asked, int count, PairPlace* out
         const bool found = record.firstManifold != kNone;
         rows.collidedAt[i] = found ? &manifolds[record.firstManifold].collidedAt : rows.shapeA[i];
         rows.rotationA[i] = &a.rotation, rows.rotationB[i] = &b.rotation;
-        rows.vA[i] = &states[record.bodyA].v, rows.wA[i] = &states[record.bodyA].w;
-        rows.vB[i] = &states[record.bodyB].v, rows.wB[i] = &states[record.bodyB].w;
+        rows.vA[i] = &bodies.states[record.bodyA].v, rows.wA[i] = &bodies.states[record.bodyA].w;
+        rows.vB[i] = &bodies.states[record.bodyB].v, rows.wB[i] = &bodies.states[record.bodyB].w;
         const Vec3 apart = relative(b.center, a.center);
         for (int axis = 0; axis < 3; ++axis) rows.apart[axis][i] = apart[axis];
         rows.radiusA[i] = a.coreRadius, rows.radiusB[i] = b.coreRadius;
         rows.turningA[i] = a.type == BodyType::fixed ? 0 : a.coreRadius;
         rows.turningB[i] = b.type == BodyType::fixed ? 0 : b.coreRadius;
         rows.size[i] = record.size;
-        anyCapsules |= takeCapsules(geometries[shapes[record.shapeA].geometry].convex,
-                                    geometries[shapes[record.shapeB].geometry].convex, i, rows);
+        anyCapsules |= takeCapsules(shapes.geometries[shapes[record.shapeA].geometry].convex,
+                                    shapes.geometries[shapes[record.shapeB].geometry].convex, i, rows);
     }
     const FourFrames shapeA = inLanes(rows.shapeA), shapeB = inLanes(rows.shapeB), before = inLanes(rows.collidedAt);
     const FourQuats qA = inLanes(rows.rotationA), qB = inLanes(rows.rotationB);

@@ -27,23 +27,23 @@ Hit castThroughTrees(const WorldImpl& impl, const Bounds& start, const Vec3& tra
     Hit best;
     const Vec3 center = 0.5f * (start.lower + start.upper);
     const Vec3 extents = 0.5f * (start.upper - start.lower);
-    for (const BoundsTree* tree : {&impl.staticTree, &impl.movingTree}) {
+    for (const BoundsTree* tree : {&impl.broadphase.fixedTree, &impl.broadphase.movingTree}) {
         tree->cast(center, translation, extents, [&](std::uint32_t index, float closer) {
             if (best && best.fraction < closer) closer = best.fraction;
             const ShapeRecord& shape = impl.shapes[index];
-            if (!sees(filter, shape, impl.id(shape.body))) return closer;
+            if (!sees(filter, shape, impl.bodies.id(shape.body))) return closer;
             const Pose pose = impl.shapePose(shape);
             std::uint32_t triangle = 0;
             const SweepHit hit =
-                test(impl.geometries[shape.geometry].shape, pose, best ? best.fraction : 1.0f, triangle);
+                test(impl.shapes.geometries[shape.geometry].shape, pose, best ? best.fraction : 1.0f, triangle);
             if (!hit.hit || (best && hit.fraction >= best.fraction)) return closer;
-            best.shape = impl.shapeId(index);
-            best.body = impl.id(shape.body);
+            best.shape = impl.shapes.id(index);
+            best.body = impl.bodies.id(shape.body);
             best.fraction = hit.fraction;
             best.point = transformPoint(pose, hit.point);
             best.normal = rotate(pose.rotation, hit.normal);
             best.triangle = triangle;
-            best.surface = impl.materialAt(shape, triangle).surface;
+            best.surface = impl.shapes.materialAt(shape, triangle).surface;
             return hit.fraction;
         });
     }
@@ -91,7 +91,7 @@ void World::overlap(const Shape& shape, const Pose& pose, const std::function<bo
         boundsOf(shape, pose),
         [&](ShapeId id) {
             const ShapeRecord& target = impl_->shapes[id.index];
-            if (!overlapsShape(shape, pose, impl_->geometries[target.geometry].shape, impl_->shapePose(target)))
+            if (!overlapsShape(shape, pose, impl_->shapes.geometries[target.geometry].shape, impl_->shapePose(target)))
                 return true;
             return visit(id);
         },
@@ -100,15 +100,15 @@ void World::overlap(const Shape& shape, const Pose& pose, const std::function<bo
 
 void World::overlap(const Bounds& bounds, const std::function<bool(ShapeId)>& visit, const QueryFilter& filter) const {
     bool goOn = true;
-    for (const BoundsTree* tree : {&impl_->staticTree, &impl_->movingTree}) {
+    for (const BoundsTree* tree : {&impl_->broadphase.fixedTree, &impl_->broadphase.movingTree}) {
         if (!goOn) return;
         tree->query(bounds, [&](std::uint32_t index) {
             const ShapeRecord& shape = impl_->shapes[index];
-            if (!sees(filter, shape, impl_->id(shape.body))) return true;
+            if (!sees(filter, shape, impl_->bodies.id(shape.body))) return true;
             // Tree bounds are enlarged; the answer is about the shape's own.
-            if (!overlaps(bounds, boundsOf(impl_->geometries[shape.geometry].shape, impl_->shapePose(shape))))
+            if (!overlaps(bounds, boundsOf(impl_->shapes.geometries[shape.geometry].shape, impl_->shapePose(shape))))
                 return true;
-            goOn = visit(impl_->shapeId(index));
+            goOn = visit(impl_->shapes.id(index));
             return goOn;
         });
     }

@@ -20,7 +20,7 @@ bool isNear(const Vec3& a) {
 
 /// True where a force beyond all measure, or a solver that failed, has left no motion that numbers can hold.
 bool WorldImpl::leftRange(std::uint32_t index) const {
-    const BodyState& state = states[index];
+    const BodyState& state = bodies.states[index];
     const Quat& q = state.dq;
     const DVec3 c = bodies[index].center + state.dp;
     const bool holds = isNear(state.dp) && isNear(dt * state.v) && isNear(dt * bodies[index].radius * state.w) &&
@@ -32,23 +32,23 @@ bool WorldImpl::leftRange(std::uint32_t index) const {
 
 /// Stays where the step began, at rest.
 void WorldImpl::stayPut(std::uint32_t index) {
-    BodyState& state = states[index];
+    BodyState& state = bodies.states[index];
     state.v = state.w = state.dp = {};
     state.dq = {};
-    state.pull = inertias[index].taut = 0;
-    histories[index].velocityBefore = histories[index].lastChange = {};
-    refreshInertia(index);
+    state.pull = bodies.inertias[index].taut = 0;
+    bodies.histories[index].velocityBefore = bodies.histories[index].lastChange = {};
+    bodies.refreshInertia(index);
 }
 
 /// Constraints of a body begin anew.
 void WorldImpl::forgetImpulses(std::uint32_t index) {
-    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = nextContact(key)) {
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts.next(key)) {
         ContactRecord& record = contacts[key >> 1];
         record.bearsLoad = false;
-        for (const ManifoldRecord& manifold : manifoldsOf(record)) writeImpulses(record, manifold, {});
+        for (const ManifoldRecord& manifold : manifolds.of(record)) writeImpulses(record, manifold, {});
     }
     for (std::uint32_t key = bodies[index].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
-        JointSim& joint = jointSims[key >> 1];
+        JointSim& joint = joints.sims[key >> 1];
         JointSim fresh{};
         fresh.stateA = joint.stateA, fresh.stateB = joint.stateB;
         joint = fresh;
@@ -66,11 +66,11 @@ bool WorldImpl::takes(bool finite, const char* what) {
 
 /// One body's failure is not to be that of all it touches.
 void WorldImpl::stopOutOfRange() {
-    for (std::size_t i = 0; i < awakeBodies.size(); ++i) {
-        if (bodyFlags[i] != kOutOfRange) continue;
-        bodyFlags[i] = kNotFast;
+    for (std::size_t i = 0; i < bodies.awake.size(); ++i) {
+        if (sweptBodies.flags[i] != kOutOfRange) continue;
+        sweptBodies.flags[i] = kNotFast;
         ++outOfRange;
-        forgetImpulses(awakeBodies[i]);
+        forgetImpulses(bodies.awake[i]);
     }
 }
 

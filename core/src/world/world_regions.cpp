@@ -22,7 +22,7 @@ constexpr std::uint32_t kFirstWait = 64, kLongestWait = 1024;
 
 /// As many as there are workers, if the bodies suffice.
 static int wantedRegions(const WorldImpl& world) {
-    const std::size_t most = world.awakeBodies.size() / kLeastBodies;
+    const std::size_t most = world.bodies.awake.size() / kLeastBodies;
     const auto wanted = static_cast<int>(std::min(most, static_cast<std::size_t>(world.runner.workers())));
     return wanted < 2 ? 0 : wanted;
 }
@@ -37,14 +37,15 @@ static bool anyBetweenRegions(const WorldImpl& world) {
 
 /// Per root of an island: its bodies, joints and contacts.
 static void weighIslands(WorldImpl& world) {
-    world.uniteConstraints(false);
+    world.islands.uniteConstraints(world.tables(), false);
     uniteNamed(world);
     world.regions.weights.resizeForOverwrite(world.bodies.size());
-    for (const std::uint32_t body : world.awakeBodies) world.regions.weights[body] = 0;
+    for (const std::uint32_t body : world.bodies.awake) world.regions.weights[body] = 0;
     const auto weigh = [&](std::uint32_t a, std::uint32_t b, std::uint32_t weight) {
-        if (world.moves(a) || world.moves(b)) world.regions.weights[world.findRoot(world.moves(a) ? a : b)] += weight;
+        if (world.bodies.moves(a) || world.bodies.moves(b))
+            world.regions.weights[world.islands.root(world.bodies.moves(a) ? a : b)] += weight;
     };
-    for (const std::uint32_t body : world.awakeBodies) weigh(body, body, 1);
+    for (const std::uint32_t body : world.bodies.awake) weigh(body, body, 1);
     for (const std::uint32_t body : world.moduleWork.named) weigh(body, body, kNamed);
     for (int c = 0; c < world.graph.listCount(); ++c) {
         if (!ConstraintGraph::isIterated(c)) continue;
@@ -68,20 +69,20 @@ static bool areEven(const AlignedArray<std::uint32_t>& loads) {
 static bool mendRegions(WorldImpl& world, int wanted) {
     if (world.graph.regionCount() != wanted || !world.graph.color(ConstraintGraph::kOverflow).empty()) return false;
     world.regions.ofIsland.resizeForOverwrite(world.bodies.size());
-    for (const std::uint32_t body : world.awakeBodies) world.regions.ofIsland[body] = kNone;
-    for (const std::uint32_t body : world.awakeBodies) {
-        if (!world.moves(body)) continue;
-        std::uint32_t& of = world.regions.ofIsland[world.findRoot(body)];
+    for (const std::uint32_t body : world.bodies.awake) world.regions.ofIsland[body] = kNone;
+    for (const std::uint32_t body : world.bodies.awake) {
+        if (!world.bodies.moves(body)) continue;
+        std::uint32_t& of = world.regions.ofIsland[world.islands.root(body)];
         const std::uint32_t region = world.graph.regionOf(world.bodies[body].state);
         of = of == kNone || of == region ? region : 0;
     }
     world.regions.loads.clear();
     world.regions.loads.resize(static_cast<std::size_t>(wanted) + 1, 0);
-    for (const std::uint32_t body : world.awakeBodies)
-        if (world.moves(body) && world.findRoot(body) == body)
+    for (const std::uint32_t body : world.bodies.awake)
+        if (world.bodies.moves(body) && world.islands.root(body) == body)
             world.regions.loads[world.regions.ofIsland[body]] += world.regions.weights[body];
-    for (const std::uint32_t body : world.awakeBodies)
-        if (world.moves(body) && world.findRoot(body) == body && world.regions.ofIsland[body] == 0) {
+    for (const std::uint32_t body : world.bodies.awake)
+        if (world.bodies.moves(body) && world.islands.root(body) == body && world.regions.ofIsland[body] == 0) {
             const auto lightest = std::min_element(world.regions.loads.begin() + 1, world.regions.loads.end());
             *lightest += world.regions.weights[body];
             world.regions.ofIsland[body] = static_cast<std::uint32_t>(lightest - world.regions.loads.begin());
@@ -94,13 +95,14 @@ static bool mendRegions(WorldImpl& world, int wanted) {
 static bool dealOutIslands(WorldImpl& world, int wanted) {
     if (!world.graph.color(ConstraintGraph::kOverflow).empty()) return false;
     std::uint64_t sum = 0, before = 0;
-    for (const std::uint32_t body : world.awakeBodies)
-        if (world.moves(body) && world.findRoot(body) == body) sum += world.regions.weights[body];
+    for (const std::uint32_t body : world.bodies.awake)
+        if (world.bodies.moves(body) && world.islands.root(body) == body) sum += world.regions.weights[body];
     world.regions.loads.clear();
     world.regions.loads.resize(static_cast<std::size_t>(wanted) + 1, 0);
     world.regions.ofIsland.resizeForOverwrite(world.bodies.size());
     for (std::uint32_t body = 1; body < world.bodies.size(); ++body) {
-        if (!world.bodySlots.isUsed(body) || !world.moves(body) || !world.isAwake(body) || world.findRoot(body) != body)
+        if (!world.bodies.slots.isUsed(body) || !world.bodies.moves(body) || !world.bodies.isAwake(body) ||
+            world.islands.root(body) != body)
             continue;
         const std::uint64_t middle = before + world.regions.weights[body] / 2;
         const auto region = static_cast<std::uint32_t>(1 + middle * static_cast<std::uint64_t>(wanted) / sum);
@@ -117,11 +119,11 @@ static void moveToRegions(WorldImpl& world, int wanted) {
         if (wanted == 0 || place.region > static_cast<std::uint32_t>(wanted)) place.region = 0;
     if (wanted > world.graph.regionCount()) world.graph.resizeRegions(wanted);
     if (wanted > 0)
-        for (const std::uint32_t body : world.awakeBodies)
-            if (world.moves(body))
-                world.graph.setRegion(world.bodies[body].state, world.regions.ofIsland[world.findRoot(body)]);
+        for (const std::uint32_t body : world.bodies.awake)
+            if (world.bodies.moves(body))
+                world.graph.setRegion(world.bodies[body].state, world.regions.ofIsland[world.islands.root(body)]);
     const auto regionOf = [&](std::uint32_t a, std::uint32_t b) {
-        return world.graph.regionOf(world.bodies[world.moves(a) ? a : b].state);
+        return world.graph.regionOf(world.bodies[world.bodies.moves(a) ? a : b].state);
     };
     for (int c = 0; c < world.graph.listCount(); ++c) {
         if (!ConstraintGraph::isIterated(c)) continue;
@@ -143,7 +145,7 @@ static void moveToRegions(WorldImpl& world, int wanted) {
         }
     }
     world.graph.resizeRegions(wanted);
-    world.bundlesChanged = true;
+    world.joints.bundlesChanged = true;
     if (wanted > 0) world.regions.nextWait = 0;
 }
 
@@ -152,12 +154,15 @@ static bool areIndependent(const WorldImpl& world) {
     if (world.moduleWork.onAll) return false;
     for (std::size_t group = 0; group < world.moduleWork.groupCount(); ++group)
         if (regionOfGroup(world, group) == kNone) return false;
-    if (world.bouncy || world.settings.sequentialFriction || !world.iteratedCouplings.empty() ||
-        !world.freshManifolds.empty())
+    if (world.bouncy || world.settings.sequentialFriction || !world.couplings.iterated.empty() ||
+        !world.contactFinds.fresh.empty())
         return false;
-    if (!world.directIslands.empty() || world.multirate.any || world.regions.usedLists[0] != 0) return false;
+    if (!world.directSet.islands.empty() || world.directSet.multirate.any || world.regions.usedLists[0] != 0)
+        return false;
     for (const std::uint32_t body : world.freezing.solved)
-        if (!world.moves(body) && (world.states[body].v != Vec3{} || world.states[body].w != Vec3{})) return false;
+        if (!world.bodies.moves(body) &&
+            (world.bodies.states[body].v != Vec3{} || world.bodies.states[body].w != Vec3{}))
+            return false;
     return true;
 }
 
@@ -201,10 +206,10 @@ void collectRegions(WorldImpl& world) {
     world.regions.modules.fill(
         count, world.moduleWork.groupCount(), [&](std::size_t g) { return static_cast<std::uint32_t>(g); },
         [&](std::size_t g) { return regionOfGroup(world, g); });
-    const std::size_t groups = world.articulations.starts.empty() ? 0 : world.articulations.starts.size() - 1;
+    const std::size_t groups = world.articulations.count();
     world.regions.articulations.fill(
         count, groups, [&](std::size_t i) { return static_cast<std::uint32_t>(i); },
-        [&](std::size_t i) { return regionOf(world.articulations.bodies[world.articulations.starts[i]]); });
+        [&](std::size_t i) { return regionOf(world.articulations.firstBody(i)); });
 }
 
 }  // namespace ragtop

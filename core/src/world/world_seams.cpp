@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "base/prefetch.h"
+#include "constraints/lane_view.h"
 #include "narrowphase/pairs.h"
-#include "world/lane_view.h"
 #include "world/world_impl.h"
 
 /// Seams between bodies. What slides from one tile of a floor to the next meets the side of the next one, or its edge,
@@ -42,9 +42,9 @@ float extentAlong(const ConvexView& shape, const Pose& pose, const Vec3& directi
 /// A body at the beginning of the step: the manifolds of the step belong there.
 Pose WorldImpl::startOfStep(std::uint32_t index) const {
     const BodyRecord& body = bodies[index];
-    if (!posesMoved || body.awakeIndex == kNone || body.awakeIndex >= startPoses.size())
+    if (!sweptBodies.posesMoved || body.awakeIndex == kNone || body.awakeIndex >= sweptBodies.starts.size())
         return {body.center, body.rotation};
-    const StartPose& start = startPoses[body.awakeIndex];
+    const StartPose& start = sweptBodies.starts[body.awakeIndex];
     return {start.center, start.rotation};
 }
 
@@ -69,7 +69,7 @@ TouchedPlane WorldImpl::touchedPlane(const ManifoldRecord& manifold, int side, f
 /// Does a plane have one shape in front of it, but for what it overlaps there, and the other behind?
 bool WorldImpl::separates(const TouchedPlane& plane, std::uint32_t front, std::uint32_t behind, float slack) const {
     const ShapeRecord &a = shapes[front], &b = shapes[behind];
-    const ConvexView &viewA = geometries[a.geometry].convex, &viewB = geometries[b.geometry].convex;
+    const ConvexView &viewA = shapes.geometries[a.geometry].convex, &viewB = shapes.geometries[b.geometry].convex;
     return extentAlong(viewA, startOfStep(a.body) * a.frame, -plane.normal, plane.at) <= slack + plane.depth &&
            extentAlong(viewB, startOfStep(b.body) * b.frame, plane.normal, plane.at) <= slack;
 }
@@ -77,10 +77,10 @@ bool WorldImpl::separates(const TouchedPlane& plane, std::uint32_t front, std::u
 /// Calls visit(plane, manifold, side) for what a body touches in other contacts than one, until one says true.
 template <class Visit>
 bool WorldImpl::anyTouchedPlane(std::uint32_t body, float within, std::uint32_t except, Visit&& visit) const {
-    for (std::uint32_t key = bodies[body].firstContact; key != kNone; key = nextContact(key)) {
+    for (std::uint32_t key = bodies[body].firstContact; key != kNone; key = contacts.next(key)) {
         const ContactRecord& contact = contacts[key >> 1];
         if (contact.sensor || key >> 1 == except) continue;
-        for (const ManifoldRecord& manifold : manifoldsOf(contact)) {
+        for (const ManifoldRecord& manifold : manifolds.of(contact)) {
             if (manifold.pointCount == 0 || manifold.place.color == kNone) continue;
             const TouchedPlane plane = touchedPlane(manifold, static_cast<int>(key & 1), within);
             if (plane.touches && visit(plane, manifold, static_cast<int>(key & 1))) return true;
@@ -94,7 +94,7 @@ Vec3 WorldImpl::motionAtPoint(const ContactRecord& record, const ManifoldRecord&
     const auto velocity = [&](std::uint32_t index, const Vec3& anchor) {
         const BodyRecord& body = bodies[index];
         if (body.type == BodyType::fixed) return Vec3{};
-        return states[index].v + cross(states[index].w, rotate(body.rotation, anchor));
+        return bodies.states[index].v + cross(bodies.states[index].w, rotate(body.rotation, anchor));
     };
     return dt * (velocity(record.bodyA, manifold.anchorA[point]) - velocity(record.bodyB, manifold.anchorB[point]));
 }
@@ -110,7 +110,7 @@ bool WorldImpl::willMeet(const ContactRecord& record, const ManifoldRecord& mani
 /// after it, which the last relaxing pass foresees? What does not has nothing to hide.
 bool WorldImpl::closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const {
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
-    const BodyState &stateA = states[record.bodyA], &stateB = states[record.bodyB];
+    const BodyState &stateA = bodies.states[record.bodyA], &stateB = bodies.states[record.bodyB];
     const Vec3 normal = rotate(a.rotation, manifold.normal);
     const Vec3 way =
         dt * ((a.type == BodyType::fixed ? Vec3{} : stateA.v) - (b.type == BodyType::fixed ? Vec3{} : stateB.v));
@@ -154,7 +154,7 @@ bool WorldImpl::isSeam(const ManifoldRecord& manifold, int side) const {
         const ContactRecord& by = contacts[other.contact];
         const std::uint32_t otherShape = otherSide == 1 ? by.shapeB : by.shapeA;
         const std::uint32_t otherObstacle = otherSide == 1 ? by.shapeA : by.shapeB;
-        if (other.contact < manifold.contact || geometries[shapes[otherObstacle].geometry].isMesh()) return true;
+        if (other.contact < manifold.contact || shapes.geometries[shapes[otherObstacle].geometry].isMesh()) return true;
         const TouchedPlane own = touchedPlane(manifold, side, slack);
         return !own.touches || !separates(own, otherShape, otherObstacle, slackOf(otherShape, otherObstacle));
     };
@@ -164,10 +164,10 @@ bool WorldImpl::isSeam(const ManifoldRecord& manifold, int side) const {
 /// The same on a swept path: in front of the plane at both of its ends, and as far as it may bulge between them.
 bool WorldImpl::keptApart(std::uint32_t shape, std::uint32_t obstacle, const Pose& start, const Pose& end,
                           float bulge) const {
-    const ConvexView& view = geometries[shapes[shape].geometry].convex;
-    const ConvexView& solid = geometries[shapes[obstacle].geometry].convex;
+    const ConvexView& view = shapes.geometries[shapes[shape].geometry].convex;
+    const ConvexView& solid = shapes.geometries[shapes[obstacle].geometry].convex;
     const float slack = slackOf(shape, obstacle);
-    if (bulge > slack || geometries[shapes[obstacle].geometry].isMesh()) return false;
+    if (bulge > slack || shapes.geometries[shapes[obstacle].geometry].isMesh()) return false;
     const Pose place = shapePose(shapes[obstacle]);
     return anyTouchedPlane(
         shapes[shape].body, slack, kNone, [&](const TouchedPlane& plane, const ManifoldRecord& by, int side) {
@@ -202,7 +202,8 @@ bool WorldImpl::mayBeSeam(const ContactRecord& record, const ManifoldRecord& man
 void WorldImpl::hideSeam(ContactRecord& record) {
     const ManifoldRecord& manifold = manifolds[record.firstManifold];
     if (manifold.place.color == kNone) return;
-    if (!(moves(record.bodyA) && isSeam(manifold, 0)) && !(moves(record.bodyB) && isSeam(manifold, 1))) return;
+    if (!(bodies.moves(record.bodyA) && isSeam(manifold, 0)) && !(bodies.moves(record.bodyB) && isSeam(manifold, 1)))
+        return;
     LaneView(graph.lane(manifold.place), graph.lanes()).setBits(contact::kPointCount, 0);
     record.surfaceOpen = true;
 }
@@ -216,7 +217,7 @@ static void prefetchTouched(const WorldImpl& world, const std::uint32_t* closing
     for (int i = 0; i < count; ++i) {
         const ContactRecord& record = world.contacts[closing[i]];
         for (const std::uint32_t body : {record.bodyA, record.bodyB})
-            if (world.moves(body)) keys[lists++] = world.bodies[body].firstContact;
+            if (world.bodies.moves(body)) keys[lists++] = world.bodies[body].firstContact;
     }
     for (bool more = true; more && seen < kMost - 2 * kSeamsAtOnce;) {
         more = false;
@@ -224,7 +225,7 @@ static void prefetchTouched(const WorldImpl& world, const std::uint32_t* closing
             if (keys[k] == kNone) continue;
             prefetch(&world.contacts[keys[k] >> 1]);
             found[seen++] = keys[k] >> 1;
-            keys[k] = world.nextContact(keys[k]);
+            keys[k] = world.contacts.next(keys[k]);
             more = true;
         }
     }
@@ -240,12 +241,12 @@ static void prefetchTouched(const WorldImpl& world, const std::uint32_t* closing
 /// Takes the points of contacts at seams out of this step; their lanes are written anew in the next one. Which may be
 /// seams was noted while they were collided; those of bodies that woke since are looked at here.
 void WorldImpl::hideSeams() {
-    runner.parallelFor(static_cast<int>(closingContacts.size()), kSeamsAtOnce, [&](int begin, int end, int) {
+    runner.parallelFor(static_cast<int>(contactFinds.closing.size()), kSeamsAtOnce, [&](int begin, int end, int) {
         for (int first = begin; first < end; first += kSeamsAtOnce) {
             const int past = std::min(first + kSeamsAtOnce, end);
-            prefetchTouched(*this, &closingContacts[static_cast<std::size_t>(first)], past - first);
+            prefetchTouched(*this, &contactFinds.closing[static_cast<std::size_t>(first)], past - first);
             for (int i = first; i < past; ++i) {
-                ContactRecord& record = contacts[closingContacts[static_cast<std::size_t>(i)]];
+                ContactRecord& record = contacts[contactFinds.closing[static_cast<std::size_t>(i)]];
                 if (record.hasPoints && mayBeSeam(record, manifolds[record.firstManifold])) hideSeam(record);
             }
         }

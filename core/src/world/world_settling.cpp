@@ -10,7 +10,6 @@ namespace ragtop {
 
 namespace {
 
-constexpr float kUpright = 0.94f;  ///< cosine of the steepest contact whose load is a weight
 constexpr int kIterations = 16;    ///< that make estimated loads an equilibrium; what is left of their error is local
 
 constexpr int kJointIterations = 32;
@@ -21,47 +20,46 @@ constexpr int kJointIterations = 32;
 /// impact. The soft rows would let some of it open the joint first, and closing it again gives energy to what the joint
 /// bears.
 void WorldImpl::settleNewJoints() {
-    for (const std::uint32_t j : newJoints)
-        if (j != kNone) placeJoint(jointSims[j], jointBodies(joints[j]), states.data(), inertias.data());
+    for (const std::uint32_t j : joints.created)
+        if (j != kNone)
+            placeJoint(joints.sims[j], jointBodies(joints[j]), bodies.states.data(), bodies.inertias.data());
     bool fits = false;
     for (int i = 0; i < kJointIterations && !fits; ++i) {
         fits = true;
-        for (const std::uint32_t j : newJoints)
-            if (j != kNone && fitVelocities(jointSims[j], states.data(), inertias.data())) fits = false;
+        for (const std::uint32_t j : joints.created)
+            if (j != kNone && fitVelocities(joints.sims[j], bodies.states.data(), bodies.inertias.data())) fits = false;
     }
-    for (const std::uint32_t j : newJoints) {
+    for (const std::uint32_t j : joints.created) {
         if (j == kNone) continue;
         recordInitialViolation(j);
         for (const std::uint32_t body : {joints[j].bodyA, joints[j].bodyB})
-            if (moves(body)) storeMomentum(body);
+            if (bodies.moves(body)) bodies.storeMomentum(body);
     }
-    newJoints.clear();
+    joints.created.clear();
 }
 
 /// True of what was just made and stands: it has no speed at all, as nothing keeps once it has been stepped.
 bool WorldImpl::isUntouched(std::uint32_t body) const {
-    const BodyState& state = states[bodies[body].state];
+    const BodyState& state = bodies.states[bodies[body].state];
     return state.v == Vec3{} && state.w == Vec3{};
 }
 
 /// The weight that the estimate hands down, in equal shares to the points, for each contact of bodies that have not
 /// moved yet and that bears nothing; what pushes today is no weight. Follows measureIslands.
 void WorldImpl::loadNewContacts() {
-    freshManifolds.clear();
-    estimateLoads(false);
+    contactFinds.fresh.clear();
     const float gravity = length(settings.gravity);
+    islands.paths.estimate(bodies, gravity, false);
     if (!(gravity > 0)) return;
     const Vec3 down = (1 / gravity) * settings.gravity;
     const auto stride = static_cast<std::size_t>(graph.lanes());
-    for (const SupportEdge& edge : supportEdges) {
+    for (const SupportEdge& edge : islands.paths.edges) {
         if (edge.joint || !isUntouched(edge.a) || !isUntouched(edge.b)) continue;
-        const bool movesA = moves(edge.a), movesB = moves(edge.b);
-        const bool aBears = movesB && (!movesA || paths.levels[edge.a] < paths.levels[edge.b]);
-        const bool bBears = movesA && (!movesB || paths.levels[edge.b] < paths.levels[edge.a]);
+        const bool aBears = islands.paths.aBears(edge), bBears = islands.paths.bBears(edge);
         if (!aBears && !bBears) continue;
         const ManifoldRecord& manifold = manifolds[edge.constraint];
         const float along = std::fabs(dot(rotate(bodies[edge.a].rotation, manifold.normal), down));
-        if (along < kUpright || manifold.pointCount == 0 || manifold.place.color == ConstraintGraph::kDirect) continue;
+        if (along < kLevel || manifold.pointCount == 0 || manifold.place.color == ConstraintGraph::kDirect) continue;
         float* lane = graph.lane(manifold.place);
         const auto at = [&](int point, int field) -> float& {
             return lane[static_cast<std::size_t>(contact::kPoints + point * contact::kPointFields + field) * stride];
@@ -70,33 +68,34 @@ void WorldImpl::loadNewContacts() {
         for (int j = 0; j < manifold.pointCount; ++j) loaded |= at(j, contact::kImpulse) != 0;
         if (loaded) continue;
         const std::uint32_t upper = aBears ? edge.b : edge.a;
-        const float load = (paths.load[upper] + bodies[upper].mass) / static_cast<float>(paths.supports[upper]);
+        const float load = islands.paths.shareOf(bodies, upper);
         const float share = load * context.gravityStep * along / static_cast<float>(manifold.pointCount);
         for (int j = 0; j < manifold.pointCount; ++j) at(j, contact::kImpulse) = at(j, contact::kLoad) = share;
-        freshManifolds.push(edge.constraint);
+        contactFinds.fresh.push(edge.constraint);
     }
 }
 
 /// Adds a share of the velocities that forces and torques, beside gravity, have given in this substep.
 void WorldImpl::addPushes(float share) {
-    for (const std::uint32_t index : awakeBodies) {
-        if (!moves(index) || states[index].locks != 0) continue;
-        const BodyDynamics& d = dynamics[index];
+    for (const std::uint32_t index : bodies.awake) {
+        if (!bodies.moves(index) || bodies.states[index].locks != 0) continue;
+        const BodyDynamics& d = bodies.dynamics[index];
         const Vec3 push = d.acceleration - bodies[index].gravityScale * settings.gravity;
-        if (push != Vec3{}) states[index].v += share * context.h * d.linearDecay * push;
-        if (d.torque != Vec3{}) states[index].w += share * context.h * d.angularDecay * (inertias[index] * d.torque);
+        if (push != Vec3{}) bodies.states[index].v += share * context.h * d.linearDecay * push;
+        if (d.torque != Vec3{})
+            bodies.states[index].w += share * context.h * d.angularDecay * (bodies.inertias[index] * d.torque);
     }
 }
 
 /// Iterations that move nothing yet make the estimate an equilibrium of weights, which is what these contacts bear from
 /// then on.
 void WorldImpl::settleNewContacts() {
-    if (freshManifolds.empty()) return;
+    if (contactFinds.fresh.empty()) return;
     addPushes(-1);
     for (int i = 0; i < kIterations; ++i) solve(false);
     addPushes(1);
     const auto stride = static_cast<std::size_t>(graph.lanes());
-    for (const std::uint32_t m : freshManifolds) {
+    for (const std::uint32_t m : contactFinds.fresh) {
         float* lane = graph.lane(manifolds[m].place);
         for (int j = 0; j < manifolds[m].pointCount; ++j) {
             float* point = lane + static_cast<std::size_t>(contact::kPoints + j * contact::kPointFields) * stride;
@@ -109,7 +108,7 @@ void WorldImpl::settleNewContacts() {
                 graph.lane(manifolds[m].place)[static_cast<std::size_t>(contact::kPoints + j * contact::kPointFields +
                                                                         contact::kPeak) *
                                                stride] = 0;
-    freshManifolds.clear();
+    contactFinds.fresh.clear();
 }
 
 }  // namespace ragtop

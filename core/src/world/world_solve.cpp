@@ -44,9 +44,9 @@ static void forUndivided(WorldImpl& world, Joint&& single, Joints&& wide, Contac
     constexpr int kMostBlocks = 64;  // of contacts: what is next in memory is best solved by the same thread
     const int jointBundlesPerBlock = 32 / world.jointKernels->lanes, leastContactBundles = 32 / world.graph.lanes();
     const auto singles = [&](int begin, int end) {
-        for (int i = begin; i < end; ++i) single(world.jointBundles.single(i));
+        for (int i = begin; i < end; ++i) single(world.joints.bundles.single(i));
     };
-    const JointBundles::Color& serial = world.jointBundles.color(ConstraintGraph::kOverflow);
+    const JointBundles::Color& serial = world.joints.bundles.color(ConstraintGraph::kOverflow);
     ConstraintGraph::Color& overflow = world.graph.color(ConstraintGraph::kOverflow);
     singles(serial.firstSingle, serial.endSingle);
     for (int i = 0; i < world.graph.bundleCount(ConstraintGraph::kOverflow); ++i)
@@ -55,7 +55,7 @@ static void forUndivided(WorldImpl& world, Joint&& single, Joints&& wide, Contac
     for (int c = 0; c < ConstraintGraph::kColors; ++c) {
         if ((world.regions.usedLists[0] >> c & 1) == 0) continue;
         float* bundles = world.graph.color(c).bundles.data();
-        const JointBundles::Color& bundled = world.jointBundles.color(c);
+        const JointBundles::Color& bundled = world.joints.bundles.color(c);
         const Blocks singleBlocks{kJointsPerBlock, bundled.firstSingle, bundled.endSingle, 0};
         const Blocks wideBlocks{jointBundlesPerBlock, bundled.begin, bundled.end, singleBlocks.next()};
         const int contactBundles = world.graph.bundleCount(c),
@@ -81,8 +81,8 @@ static void forRegion(WorldImpl& world, int region, Joint&& single, Joints&& wid
     const std::uint32_t used = world.regions.usedLists[static_cast<std::size_t>(region)];
     for (int c = 0; c < ConstraintGraph::kColors; ++c) {
         if ((used >> c & 1) == 0) continue;
-        const JointBundles::Color& bundled = world.jointBundles.color(first + c);
-        for (int i = bundled.firstSingle; i < bundled.endSingle; ++i) single(world.jointBundles.single(i));
+        const JointBundles::Color& bundled = world.joints.bundles.color(first + c);
+        for (int i = bundled.firstSingle; i < bundled.endSingle; ++i) single(world.joints.bundles.single(i));
         if (bundled.begin < bundled.end) wide(bundled.begin, bundled.end);
         const int count = world.graph.bundleCount(first + c);
         if (count > 0) contact(world.graph.color(first + c).bundles.data(), 0, count);
@@ -92,8 +92,8 @@ static void forRegion(WorldImpl& world, int region, Joint&& single, Joints&& wid
 /// Calls visit(alone, wide, contact) with what a pass does to single joints, bundles of joints and bundles of contacts.
 template <class Visit>
 static void visitPass(WorldImpl& world, SolvePass which, const SolverContext& own, Visit&& visit) {
-    const BodyArrays arrays = world.bodyArrays();
-    const JointLanesView lanes = world.jointBundles.view(world.jointSims.data());
+    const BodyArrays arrays = world.bodies.arrays();
+    const JointLanesView lanes = world.joints.bundles.view(world.joints.sims.data());
     const JointPass pass{arrays, world.jointContext};
     const bool warm = which == SolvePass::warmStart, moving = which == SolvePass::solve;
     const auto passJoints = warm     ? world.jointKernels->warmStart
@@ -106,9 +106,9 @@ static void visitPass(WorldImpl& world, SolvePass which, const SolverContext& ow
     visit(
         [&](std::uint32_t j) {
             if (warm)
-                warmStartJoint(world.jointSims[j], arrays.states, arrays.inertia, world.jointContext);
+                warmStartJoint(world.joints.sims[j], arrays.states, arrays.inertia, world.jointContext);
             else if (withJoints)
-                solveJoint(world.jointSims[j], arrays.states, arrays.inertia, world.jointContext, moving);
+                solveJoint(world.joints.sims[j], arrays.states, arrays.inertia, world.jointContext, moving);
         },
         [&](int begin, int end) {
             if (withJoints) passJoints(lanes, begin, end, pass);
@@ -129,9 +129,16 @@ static void passOverAll(WorldImpl& world, SolvePass which, const SolverContext& 
     });
 }
 
+static void moveArticulations(WorldImpl& world) {
+    world.runner.parallelFor(static_cast<int>(world.articulations.count()), 16, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i)
+            world.articulations.move(static_cast<std::uint32_t>(i), world.context.h, world.bodies);
+    });
+}
+
 /// All substeps of what shares no body with anything else.
 static void solveRegion(WorldImpl& world, World& face, int region) {
-    const BodyArrays arrays = world.bodyArrays();
+    const BodyArrays arrays = world.bodies.arrays();
     const std::span<const std::uint32_t> list = world.regions.bodies.of(region);
     const auto count = static_cast<int>(list.size());
     for (int i = 0; i < world.settings.substeps; ++i) {
@@ -141,7 +148,7 @@ static void solveRegion(WorldImpl& world, World& face, int region) {
         passOverRegion(world, region, SolvePass::warmStart, before);
         passOverRegion(world, region, SolvePass::solve, before);
         for (const std::uint32_t articulation : world.regions.articulations.of(region))
-            world.moveArticulation(articulation);
+            world.articulations.move(articulation, world.context.h, world.bodies);
         world.kernels->integratePositions(arrays, list.data(), 0, count, before);
         passOverRegion(world, region, SolvePass::relax, after);
     }
@@ -178,7 +185,7 @@ static void solveTogether(WorldImpl& world, World& face) {
         world.warmStart();
         if (number == 0) world.settleNewContacts();
         world.solve(true);
-        world.moveArticulations();
+        moveArticulations(world);
         world.integratePositions();
         world.context = contextOf(world, number, true);
         world.solveDirect(WorldImpl::DirectPass::velocities);
@@ -197,14 +204,14 @@ void WorldImpl::solveSubsteps(World& world) {
 }
 
 void WorldImpl::integrateVelocities() {
-    const BodyArrays arrays = bodyArrays();
+    const BodyArrays arrays = bodies.arrays();
     forBodiesInTurn(*this, [&](const std::uint32_t* list, int begin, int end, const SolverContext& own) {
         kernels->integrateVelocities(arrays, list, begin, end, own);
     });
 }
 
 void WorldImpl::integratePositions() {
-    const BodyArrays arrays = bodyArrays();
+    const BodyArrays arrays = bodies.arrays();
     forBodiesInTurn(*this, [&](const std::uint32_t* list, int begin, int end, const SolverContext& own) {
         kernels->integratePositions(arrays, list, begin, end, own);
     });
@@ -233,7 +240,7 @@ void WorldImpl::solve(bool useBias) {
 /// Iterates until nothing more will meet, or enough: what is left then is stopped by the rows that do not bounce.
 void WorldImpl::bounce() {
     constexpr int kIterations = 32;
-    const BodyArrays arrays = bodyArrays();
+    const BodyArrays arrays = bodies.arrays();
     for (int i = 0; i < kIterations; ++i) {
         std::atomic<bool> bounced{false};
         const auto visit = [&](float* bundles, int begin, int end) {

@@ -12,16 +12,16 @@ void collectSprings(WorldImpl& world) {
     for (int c = 0; c < world.graph.listCount(); ++c) {
         springs.starts.push(static_cast<std::uint32_t>(springs.joints.size()));
         for (const std::uint32_t joint : world.graph.color(c).joints)
-            if (hasSprings(world.jointSims[joint])) springs.joints.push(joint);
+            if (hasSprings(world.joints.sims[joint])) springs.joints.push(joint);
     }
     springs.starts.push(static_cast<std::uint32_t>(springs.joints.size()));
 }
 
 static BodyKicks kicksOf(const WorldImpl& world, const JointSim& joint) {
     const float h = world.context.h;
-    const auto linear = [&](std::uint32_t state) { return h * world.dynamics[state].acceleration; };
+    const auto linear = [&](std::uint32_t state) { return h * world.bodies.dynamics[state].acceleration; };
     const auto angular = [&](std::uint32_t state) {
-        return h * (world.inertias[state] * world.dynamics[state].torque);
+        return h * (world.bodies.inertias[state] * world.bodies.dynamics[state].torque);
     };
     return {linear(joint.stateA), angular(joint.stateA), linear(joint.stateB), angular(joint.stateB)};
 }
@@ -30,9 +30,9 @@ void leadSprings(WorldImpl& world, Lead when) {
     constexpr int kAtOnce = 16;
     const Springs& springs = world.springs;
     const auto visit = [&](std::uint32_t joint) {
-        JointSim& sim = world.jointSims[joint];
+        JointSim& sim = world.joints.sims[joint];
         const auto lead = when == Lead::begin ? beginLead : endLead;
-        lead(sim, world.states.data(), world.inertias.data(), kicksOf(world, sim), world.context.h);
+        lead(sim, world.bodies.states.data(), world.bodies.inertias.data(), kicksOf(world, sim), world.context.h);
     };
     for (int c = 0; c + 1 < static_cast<int>(springs.starts.size()); ++c) {
         const std::uint32_t first = springs.starts[static_cast<std::size_t>(c)];

@@ -14,7 +14,7 @@ namespace ragtop {
 namespace {
 
 struct StateHeader {
-    char magic[8] = {'R', 'A', 'G', 'T', 'O', 'P', 'S', '1'};
+    char magic[8] = {'R', 'A', 'G', 'T', 'O', 'P', 'S', '2'};
     std::uint32_t lanes = 0, geometries = 0, modules = 0;
     std::uint32_t layout = sizeof(BodyRecord) + 7 * sizeof(ContactRecord) + 31 * sizeof(ManifoldRecord) +
                            127 * sizeof(JointSim) + 511 * sizeof(CouplingSim) + 8191 * sizeof(ShapeRecord) + 32767 * sizeof(NearTriangles);
@@ -60,37 +60,16 @@ std::uint64_t digestOf(const std::pmr::vector<GeometryEntry>& geometries, std::s
 /// Everything that a step reads and that outlives it, in one place for counting, saving and restoring.
 template <class Archive>
 void WorldImpl::archive(Archive& archive) {
-    bodySlots.archive(archive);
-    shapeSlots.archive(archive);
-    contactSlots.archive(archive);
-    jointSlots.archive(archive);
-    couplingSlots.archive(archive);
-    archive(bodies);
-    archive(states);
-    archive(inertias);
-    archive(dynamics);
-    archive(histories);
-    archive(bodyUserData);
-    archive(shapes);
-    archive(contacts);
-    archive(contactLinks);
-    archive(manifolds);
-    meshMemory.archive(archive);
-    archive(freeManifolds);
-    archive(freeMeshManifolds);
-    archive(storedImpulses);
-    archive(freeStored);
-    archive(joints);
-    archive(jointSims);
-    archive(newVelocityBodies);
-    archive(newJoints);
-    archive(violatedJoints);
+    bodies.archive(archive);
+    shapes.archive(archive);
+    contacts.archive(archive);
+    manifolds.archive(archive);
+    joints.archive(archive);
+    couplings.archive(archive);
+    broadphase.archive(archive);
+    islands.archive(archive);
+    events.archive(archive);
     archive(energyGuard.room);
-    archive(couplings);
-    archive(couplingSims);
-    archive(awakeBodies);
-    archive(awakeContacts);
-    archive(moveBuffer);
     archive(graph.bodies());
     const int lists = archive.lists(graph);
     for (int c = 0; c < lists; ++c) {
@@ -100,21 +79,11 @@ void WorldImpl::archive(Archive& archive) {
         archive(color.joints);
         archive.bundles(graph, c);
     }
-    archive.tree(staticTree);
-    archive.tree(movingTree);
-    archive.pairs(pairs);
-    archive.events(endsBetweenSteps);
-    archive.events(sensorEndsBetweenSteps);
     archive.value(settings);
     archive.value(stepCount);
     archive.value(time);
     archive.value(lastSubstep);
-    archive.value(contactsMade);
     archive.value(dt);
-    archive.value(graphChanged);
-    archive.value(directChanged);
-    archive.value(choiceStep);
-    archive.value(structureChanged);
 }
 
 namespace {
@@ -125,7 +94,7 @@ StateHeader headerOf(const WorldImpl& world, std::size_t geometries) {
     header.lanes = static_cast<std::uint32_t>(world.graph.lanes());
     header.geometries = static_cast<std::uint32_t>(geometries);
     header.modules = static_cast<std::uint32_t>(world.modules.size());
-    header.shapes = digestOf(world.geometries, geometries);
+    header.shapes = digestOf(world.shapes.geometries, geometries);
     return header;
 }
 
@@ -144,7 +113,7 @@ std::size_t World::save(std::span<std::byte> into) const {
     if (into.size() < size)
         throw std::length_error("saving needs " + std::to_string(size) + " bytes, the memory has " +
                                 std::to_string(into.size()));
-    StateHeader header = headerOf(*impl_, impl_->geometries.size());
+    StateHeader header = headerOf(*impl_, impl_->shapes.geometries.size());
     header.bytes = size;
     StateWriter writer(into.data() + sizeof header);
     impl_->archive(writer);
@@ -194,7 +163,7 @@ void World::restore(std::span<const std::byte> from) {
     if (from.size() < sizeof header) throw std::invalid_argument("the bytes are no state: too few");
     std::memcpy(&header, from.data(), sizeof header);
     // Shapes that came after the state was saved do no harm.
-    const std::size_t known = impl_->geometries.size();
+    const std::size_t known = impl_->shapes.geometries.size();
     const StateHeader own = headerOf(*impl_, header.geometries < known ? header.geometries : known);
     if (const std::string why = whyForeign(header, own, from.size()); !why.empty()) throw std::invalid_argument(why);
     const auto payload = from.subspan(sizeof header, static_cast<std::size_t>(header.bytes) - sizeof header);
@@ -219,28 +188,23 @@ void World::restore(std::span<const std::byte> from) {
 /// What is derived from the state or tells of the last step, after the state has changed as a whole.
 void WorldImpl::forgetDerived() {
     context.h = lastSubstep;
-    directGrouped = false;
-    bundlesChanged = treesChanged = multirate.any = true;
-    boundsLeft.rooms.clear();
+    directSet.grouped = false;
+    joints.bundlesChanged = directSet.treesChanged = directSet.multirate.any = true;
+    broadphase.left.rooms.clear();
     // No such field of a lane is saved.
-    surfacesForgotten = true;
-    dirtyContacts.clear();
+    contactFinds.surfacesForgotten = true;
+    contactFinds.dirty.clear();
     forgetTouches();
     ++structureVersion;
     ++fixedVersion;
     for (const ShapeRecord& shape : shapes) {
-        motionReported |= shape.reportsMotion;
-        if (!meshesMove && geometries[shape.geometry].mesh && bodies[shape.body].type == BodyType::dynamic) makeSkins();
+        contactFinds.motionReported |= shape.reportsMotion;
+        if (!shapes.meshesMove() && shapes.geometries[shape.geometry].mesh &&
+            bodies[shape.body].type == BodyType::dynamic)
+            shapes.letMeshesMove();
     }
-    begins.clear();
-    ends.clear();
-    sensorBegins.clear();
-    sensorEnds.clear();
-    surfaceEvents.clear();
-    sleepEvents.clear();
-    jointBreaks.clear();
-    sleepEventsBetweenSteps.clear();
-    stages.clear();
+    events.forget();
+    profile.forget();
 }
 
 namespace {
@@ -278,29 +242,29 @@ std::uint64_t WorldImpl::hash() const {
     StateHash digest;
     digest.add(stepCount);
     digest.add(time);
-    for (std::uint32_t i = 1; i < bodySlots.count(); ++i) {
-        if (!bodySlots.isUsed(i)) continue;
+    for (std::uint32_t i = 1; i < bodies.slots.count(); ++i) {
+        if (!bodies.slots.isUsed(i)) continue;
         const BodyRecord& body = bodies[i];
-        digest.add(id(i));
+        digest.add(bodies.id(i));
         digest.add(body.center);
         digest.add(body.rotation);
-        digest.add(states[i].v);
-        digest.add(states[i].w);
-        digest.add(histories[i].momentum);
+        digest.add(bodies.states[i].v);
+        digest.add(bodies.states[i].w);
+        digest.add(bodies.histories[i].momentum);
         digest.add(body.force);
         digest.add(body.torque);
         digest.add(body.sleepTimer);
         digest.add(body.awakeIndex != kNone);
     }
-    for (std::uint32_t i = 0; i < contactSlots.count(); ++i) {
-        if (!contactSlots.isUsed(i)) continue;
-        for (const ManifoldRecord& manifold : manifoldsOf(contacts[i]))
+    for (std::uint32_t i = 0; i < contacts.slots.count(); ++i) {
+        if (!contacts.slots.isUsed(i)) continue;
+        for (const ManifoldRecord& manifold : manifolds.of(contacts[i]))
             if (manifold.pointCount > 0) addManifold(digest, *this, manifold);
     }
-    for (std::uint32_t j = 0; j < jointSlots.count(); ++j)
-        if (jointSlots.isUsed(j)) addJoint(digest, jointSims[j]);
-    for (std::uint32_t c = 0; c < couplingSlots.count(); ++c)
-        if (couplingSlots.isUsed(c)) digest.add(axisImpulse(couplingSims[c].axis));
+    for (std::uint32_t j = 0; j < joints.slots.count(); ++j)
+        if (joints.slots.isUsed(j)) addJoint(digest, joints.sims[j]);
+    for (std::uint32_t c = 0; c < couplings.slots.count(); ++c)
+        if (couplings.slots.isUsed(c)) digest.add(axisImpulse(couplings.sims[c].axis));
     for (const StepModule* module : modules)
         if (module->hash) digest.add(module->hash(module->user));
     return digest.value();

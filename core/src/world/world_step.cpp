@@ -34,7 +34,7 @@ static void shareStep(WorldImpl& world, Body&& body) {
     constexpr std::size_t kFew = 64;
     // Modules that acted in the last step count as many of them.
     constexpr std::size_t kModule = 16;
-    const std::size_t size = world.awakeBodies.size() + world.awakeContacts.size() + world.moveBuffer.size() +
+    const std::size_t size = world.bodies.awake.size() + world.contacts.awake.size() + world.broadphase.moved.size() +
                              kModule * world.moduleWork.members.size();
     if (size < kFew) return world.runner.region(1, [&] { body(false); });
     const Sharing sharing = world.workerChoice.next();
@@ -52,6 +52,25 @@ static void endSolve(WorldImpl& world) {
     guardEnergy(world);
 }
 
+/// What the substeps of a step of dt seconds have in common.
+static void fillContexts(const WorldSettings& settings, float dt, SolverContext& contacts, JointContext& joints) {
+    const float h = dt / static_cast<float>(settings.substeps), substepRate = 1 / h;
+    const float gravity = length(settings.gravity);
+    contacts.h = h;
+    contacts.inverseH = substepRate;
+    contacts.dt = dt;
+    contacts.soft = makeSoftness(settings.contactFrequency * substepRate, settings.contactDamping, h);
+    contacts.softStatic = makeSoftness(2 * settings.contactFrequency * substepRate, settings.staticContactDamping, h);
+    contacts.pushOut = settings.pushOut / dt;
+    contacts.gravityStep = gravity * h;
+    contacts.heavyDepth = contact::kHeavy * contacts.gravityStep * contacts.soft.impulseScale /
+                          (contacts.soft.massScale * contacts.soft.biasRate);
+    contacts.restitutionSpeed = settings.restitutionSpeed * gravity * dt;
+    contacts.loadShare = settings.loadGain;
+    contacts.staticLoadShare = settings.staticLoadGain;
+    joints = {h, substepRate, makeSoftness(settings.jointFrequency * substepRate, settings.jointDamping, h)};
+}
+
 /// Advances the world by dt seconds: collide once, then substeps.
 void WorldImpl::step(World& world, double stepSeconds) {
     const bool valid = std::isfinite(stepSeconds) && stepSeconds > 0;
@@ -59,96 +78,84 @@ void WorldImpl::step(World& world, double stepSeconds) {
     if (!valid) return;
     const bool longer = static_cast<float>(stepSeconds) > dt;
     dt = static_cast<float>(stepSeconds);
-    const float h = dt / static_cast<float>(settings.substeps), substepRate = 1 / h;
-    graphChanged |= h != context.h;  // springs are as stiff as substeps are long
-    context.h = h;
-    context.inverseH = substepRate;
-    context.dt = dt;
-    context.soft = makeSoftness(settings.contactFrequency * substepRate, settings.contactDamping, h);
-    context.softStatic = makeSoftness(2 * settings.contactFrequency * substepRate, settings.staticContactDamping, h);
-    context.pushOut = settings.pushOut / dt;
-    context.gravityStep = length(settings.gravity) * h;
-    context.heavyDepth = contact::kHeavy * context.gravityStep * context.soft.impulseScale /
-                         (context.soft.massScale * context.soft.biasRate);
-    context.restitutionSpeed = settings.restitutionSpeed * length(settings.gravity) * dt;
-    context.loadShare = settings.loadGain;
-    context.staticLoadShare = settings.staticLoadGain;
-    jointContext = {h, substepRate, makeSoftness(settings.jointFrequency * substepRate, settings.jointDamping, h)};
+    const float before = context.h;
+    fillContexts(settings, dt, context, jointContext);
+    islands.graphChanged |= before != context.h;  // springs are as stiff as substeps are long
 
-    stages.clear();
-    clearEvents();
+    events.beginStep(bodies.room());
     stepping = inStep = true;
-    stepStart = std::chrono::steady_clock::now();
+    profile.begin();
     beginModules(*this, world, stepSeconds);
 
     shareStep(*this, [&](bool shareSolve) {
         askModules(*this, world, stepSeconds);
-        beginStage("pairs");
+        profile.beginStage("pairs", callbacks);
         findPairs();  // may grow arrays, as may the changes of contacts; nothing else below does
         coverNewVelocities(longer);
-        beginStage("collide");
+        profile.beginStage("collide", callbacks);
         updateContacts();
-        beginStage("contacts");
+        profile.beginStage("contacts", callbacks);
         applyContactChanges();
         hideSeams();
-        beginStage("islands");
+        profile.beginStage("islands", callbacks);
         chooseSolvers();
         collectSolved();
         chooseStepFactors(*this);
         divideIntoRegions(*this);
-        beginStage("prepare");
+        profile.beginStage("prepare", callbacks);
         prepareBodies();
-        findArticulations();
+        articulations.find(tables(), directSet);
         settleNewJoints();
         beginGuard(*this);
         prepareConstraints();
         beginDirect();
-        beginStage("solve");
+        profile.beginStage("solve", callbacks);
         runner.part(!shareSolve, [&] { solveSubsteps(world); });
         makeRoomToFinish();
         endSolve(*this);
-        beginStage("finish");
+        profile.beginStage("finish", callbacks);
         finishBodies();
         stopOutOfRange();
         correctInitialViolations();
         sweepFastBodies();
         closeOpenJoints(*this);
         refitBounds();
-        beginStage("events");
+        profile.beginStage("events", callbacks);
         updateSensors();
         publishEvents();
-        beginStage("sleep");
+        profile.beginStage("sleep", callbacks);
         freezeStillBodies();
         sleepQuietIslands();
     });
 
     stepping = false;
+    events.endStep();
     breakJoints();
-    lastSubstep = h;
+    lastSubstep = context.h;
     ++stepCount;
     time += stepSeconds;
-    beginStage("modules after");
+    profile.beginStage("modules after", callbacks);
     for (StepModule* module : modules)
         if (module->afterStep) module->afterStep(module->user, world, stepSeconds);
     inStep = false;
-    endStages();
+    profile.end(callbacks);
 }
 
 void WorldImpl::prepareBody(std::uint32_t index) {
     BodyRecord& body = bodies[index];
-    BodyDynamics& d = dynamics[index];
+    BodyDynamics& d = bodies.dynamics[index];
     const float h = context.h * static_cast<float>(body.stepFactor);
     d.linearDecay = 1 / (1 + h * body.linearDamping);
     d.angularDecay = 1 / (1 + h * body.angularDamping);
-    const float inverseMass = states[index].invMass;
+    const float inverseMass = bodies.states[index].invMass;
     d.acceleration = inverseMass > 0 ? body.gravityScale * settings.gravity + inverseMass * body.force : Vec3{};
     d.torque = body.torque;
     // The forces of joints turn with the bodies: taking them for smooth would feed energy into every swing.
-    // What joined bodies have in common is smooth, and is theirs by moveArticulations.
+    // What joined bodies have in common is smooth, and is theirs by Articulations::move.
     d.translates = inverseMass > 0 && body.firstJoint == kNone ? 1.0f : 0.0f;
     body.force = {};
     body.torque = {};
-    histories[index].rotation = body.rotation;
+    bodies.histories[index].rotation = body.rotation;
 }
 
 void WorldImpl::prepareBodies() {
@@ -195,9 +202,9 @@ void WorldImpl::forBlocksOfAllLists(int size, Count&& count, Visit&& visit) {
 void WorldImpl::prepareConstraints() {
     const bool rescale = lastSubstep > 0 && lastSubstep != context.h;
     const float ratio = rescale ? context.h / lastSubstep : 1;
-    if (bundlesChanged) jointBundles.build(graph, jointSims.data());
-    if (bundlesChanged) collectSprings(*this);
-    bundlesChanged = false;
+    if (joints.bundlesChanged) joints.bundles.build(graph, joints.sims.data());
+    if (joints.bundlesChanged) collectSprings(*this);
+    joints.bundlesChanged = false;
     groupContacts();
     std::atomic<bool> mayBounce{false};
     forBlocksOfAllLists(
@@ -207,7 +214,7 @@ void WorldImpl::prepareConstraints() {
         });
     if (rescale)
         for (int c = 0; c < graph.listCount(); ++c)
-            for (const std::uint32_t joint : graph.color(c).joints) rescaleJoint(jointSims[joint], ratio);
+            for (const std::uint32_t joint : graph.color(c).joints) rescaleJoint(joints.sims[joint], ratio);
     prepareJoints();
     bouncy = mayBounce.load(std::memory_order_relaxed);
     prepareCouplings(ratio);
@@ -234,8 +241,12 @@ void WorldImpl::groupContacts() {
 }
 
 ContactPlaces WorldImpl::contactPlaces() const {
-    return {&bodies.data()->center, &bodies.data()->rotation, sizeof(BodyRecord), manifolds.pages(),
-            manifolds.kPageBits,    sizeof(ManifoldRecord)};
+    return {&bodies.data()->center,
+            &bodies.data()->rotation,
+            sizeof(BodyRecord),
+            manifolds.records().pages(),
+            PagedArray<ManifoldRecord>::kPageBits,
+            sizeof(ManifoldRecord)};
 }
 
 /// Some bundles at a time, which the cache holds in between. True if any may bounce.
@@ -249,73 +260,39 @@ bool WorldImpl::placeAndPrepare(int c, int begin, int end) {
     for (int i = begin; i < end; i += kAtOnce) {
         const int last = i + kAtOnce < end ? i + kAtOnce : end;
         kernels->placeContacts(color.bundles.data(), i, last, list, places);
-        mayBounce |= kernels->prepareContacts(color.bundles.data(), i, last, bodyArrays(), context);
+        mayBounce |= kernels->prepareContacts(color.bundles.data(), i, last, bodies.arrays(), context);
     }
     return mayBounce;
 }
 
 void WorldImpl::prepareJointOf(std::uint32_t joint) {
-    if (articulations.fresh) classifyJoint(joint);
-    prepareJoint(jointSims[joint], jointBodies(joint), states.data(), inertias.data(), jointContext);
+    if (articulations.areFresh()) articulations.classify(tables(), joint, joints.sims[joint]);
+    prepareJoint(joints.sims[joint], jointBodies(joint), bodies.states.data(), bodies.inertias.data(), jointContext);
 }
 
 void WorldImpl::prepareJoints() {
     const auto jointsOf = [&](int c) -> const AlignedArray<std::uint32_t>& {
-        return c == ConstraintGraph::kDirect && multirate.any ? multirate.sharedJoints : graph.color(c).joints;
+        return c == ConstraintGraph::kDirect && directSet.multirate.any ? directSet.multirate.sharedJoints
+                                                                        : graph.color(c).joints;
     };
     forBlocksOfAllLists(
         16, [&](int c) { return static_cast<int>(jointsOf(c).size()); },
         [&](int c, int begin, int end) {
             for (int i = begin; i < end; ++i) prepareJointOf(jointsOf(c)[static_cast<std::size_t>(i)]);
         });
-    const JointLanesView view = jointBundles.view(jointSims.data());
-    const auto bundles = [&](int c) {
-        return jointBundles.color(c).end - jointBundles.color(c).begin;
-    };
+    const JointLanesView view = joints.bundles.view(joints.sims.data());
+    const auto bundles = [&](int c) { return joints.bundles.color(c).end - joints.bundles.color(c).begin; };
     forBlocksOfAllLists(4, bundles, [&](int c, int begin, int end) {
-        const int first = jointBundles.color(c).begin;
+        const int first = joints.bundles.color(c).begin;
         jointKernels->load(view, first + begin, first + end);
     });
 }
 
 void WorldImpl::storeJoints() {
-    const JointLanesView view = jointBundles.view(jointSims.data());
-    runner.parallelFor(jointBundles.bundleCount(), 8,
+    const JointLanesView view = joints.bundles.view(joints.sims.data());
+    runner.parallelFor(joints.bundles.bundleCount(), 8,
                        [&](int begin, int end, int) { jointKernels->store(view, begin, end); });
     leadSprings(*this, Lead::end);
-}
-
-void WorldImpl::clearEvents() {
-    begins.clear();
-    sensorBegins.clear();
-    ends.clear();
-    sensorEnds.clear();
-    ends.swap(endsBetweenSteps);
-    sensorEnds.swap(sensorEndsBetweenSteps);
-    surfaceEvents.clear();
-    jointBreaks.clear();
-    sleepEvents.clear();
-    sleepEvents.swap(sleepEventsBetweenSteps);
-    // All may wake at once, however long they have slept.
-    sleepEvents.reserve(bodies.bytes() / sizeof(BodyRecord));
-}
-
-void WorldImpl::beginStage(const char* name) {
-    const auto now = std::chrono::steady_clock::now();
-    if (!stages.empty()) {
-        stages.back().ms = std::chrono::duration<double, std::milli>(now - stageStart).count();
-        if (callbacks.endZone) callbacks.endZone(stages.back().name);
-    }
-    stages.push_back({name, 0});
-    stageStart = now;
-    if (callbacks.beginZone) callbacks.beginZone(name);
-}
-
-void WorldImpl::endStages() {
-    const auto now = std::chrono::steady_clock::now();
-    stages.back().ms = std::chrono::duration<double, std::milli>(now - stageStart).count();
-    if (callbacks.endZone) callbacks.endZone(stages.back().name);
-    totalMs = std::chrono::duration<double, std::milli>(now - stepStart).count();
 }
 
 }  // namespace ragtop

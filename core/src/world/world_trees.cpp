@@ -52,39 +52,41 @@ void fillRow(const JointSim& joint, bool childIsB, int stepFactor, direct::TreeJ
 bool WorldImpl::isTreeJoint(const JointSim& joint) {
     return treeJoint(joint.kind) != direct::TreeJoint::free && isBare(joint);
 }
-bool WorldImpl::turnsFreely(std::uint32_t body) const { return states[body].locks == 0 && dynamics[body].spins > 0; }
+bool WorldImpl::turnsFreely(std::uint32_t body) const {
+    return bodies.states[body].locks == 0 && bodies.dynamics[body].spins > 0;
+}
 
 /// Draws up the tree of joints that holds `start`, from what it hangs from, or its first body. False, and nothing is
 /// built, when it is no tree, or has joints or bodies that trees do not know.
 bool WorldImpl::buildTree(std::uint32_t start, BuiltTree& built) {
     built = {};
-    treeBodies.clear();
-    treeBodies.push(start);
-    treeMark[start] = start;
+    directSet.treeBodies.clear();
+    directSet.treeBodies.push(start);
+    directSet.treeMark[start] = start;
     std::uint32_t root = start, counted = 0;
     bool known = true;
-    for (std::size_t i = 0; i < treeBodies.size(); ++i) {
-        const std::uint32_t body = treeBodies[i];
-        known &= turnsFreely(body) && isAwake(body);
+    for (std::size_t i = 0; i < directSet.treeBodies.size(); ++i) {
+        const std::uint32_t body = directSet.treeBodies[i];
+        known &= turnsFreely(body) && bodies.isAwake(body);
         if (built.anchor == kNone && body < root) root = body;
         for (std::uint32_t key = bodies[body].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
             const JointRecord& joint = joints[key >> 1];
             const std::uint32_t other = (key & 1) != 0 ? joint.bodyA : joint.bodyB;
-            const JointSim& sim = jointSims[key >> 1];
+            const JointSim& sim = joints.sims[key >> 1];
             known &= isTreeJoint(sim);
             built.watched |= isWatched(sim);
-            counted += moves(other) ? 1 : 2;
-            if (!moves(other)) {
+            counted += bodies.moves(other) ? 1 : 2;
+            if (!bodies.moves(other)) {
                 known &= built.anchor == kNone;
                 built.anchor = other;
                 root = body;
-            } else if (treeMark[other] != start) {
-                treeMark[other] = start;
-                treeBodies.push(other);
+            } else if (directSet.treeMark[other] != start) {
+                directSet.treeMark[other] = start;
+                directSet.treeBodies.push(other);
             }
         }
     }
-    built.bodies = static_cast<std::uint32_t>(treeBodies.size());
+    built.bodies = static_cast<std::uint32_t>(directSet.treeBodies.size());
     built.joints = counted / 2;
     // Every joint but those to what does not move has been met from both of its bodies.
     if (!known || built.joints != built.bodies - (built.anchor == kNone ? 1 : 0)) return false;
@@ -95,16 +97,16 @@ bool WorldImpl::buildTree(std::uint32_t start, BuiltTree& built) {
 /// Links breadth first from the root.
 void WorldImpl::layLinks(std::uint32_t root, BuiltTree& built) {
     float lightest = bodies[root].mass, heaviest = lightest;
-    treeBodies.clear();
+    directSet.treeBodies.clear();
     const auto push = [&](std::uint32_t body, std::int32_t parent, std::uint32_t key) {
         direct::TreeLink link;
         link.parent = parent;
         if (key != kNone) {
-            link.joint = treeJoint(jointSims[key >> 1].kind);
+            link.joint = treeJoint(joints.sims[key >> 1].kind);
             link.childIsB = joints[key >> 1].bodyB == body ? 1 : 0;
         }
-        treeBodies.push(body);
-        chains.push(link, bodies[body].state, key == kNone ? kNone : key >> 1);
+        directSet.treeBodies.push(body);
+        directSet.trees.push(link, bodies[body].state, key == kNone ? kNone : key >> 1);
         lightest = bodies[body].mass < lightest ? bodies[body].mass : lightest;
         heaviest = bodies[body].mass > heaviest ? bodies[body].mass : heaviest;
     };
@@ -114,64 +116,65 @@ void WorldImpl::layLinks(std::uint32_t root, BuiltTree& built) {
     const auto next = [&](std::uint32_t key) { return joints[key >> 1].edges[key & 1].next; };
     std::uint32_t held = kNone;
     for (std::uint32_t key = bodies[root].firstJoint; key != kNone; key = next(key))
-        if (!moves(otherOf(key))) held = key;
+        if (!bodies.moves(otherOf(key))) held = key;
     push(root, -1, held);
-    for (std::size_t i = 0; i < treeBodies.size(); ++i) {
-        const std::uint32_t body = treeBodies[i], above = chains.builtJoint(i);
+    for (std::size_t i = 0; i < directSet.treeBodies.size(); ++i) {
+        const std::uint32_t body = directSet.treeBodies[i], above = directSet.trees.builtJoint(i);
         for (std::uint32_t key = bodies[body].firstJoint; key != kNone; key = next(key))
-            if ((key >> 1) != above && moves(otherOf(key))) push(otherOf(key), static_cast<std::int32_t>(i), key);
+            if ((key >> 1) != above && bodies.moves(otherOf(key)))
+                push(otherOf(key), static_cast<std::int32_t>(i), key);
     }
     built.doublePrecision = heaviest > kSingleRatio * lightest;
 }
 
 /// Direct islands that are trees of rigid rows and touch nothing; chooseStepFactors groups them.
 void WorldImpl::planChains() {
-    chains.clear();
-    if (directIslands.empty()) return;
-    treeMark.resizeForOverwrite(bodies.size());
-    for (const std::uint32_t body : awakeBodies) treeMark[body] = kNone;
-    for (std::size_t i = 0; i < directIslands.size(); ++i) {
-        DirectIsland& island = directIslands[i];
+    directSet.trees.clear();
+    if (directSet.islands.empty()) return;
+    directSet.treeMark.resizeForOverwrite(bodies.size());
+    for (const std::uint32_t body : bodies.awake) directSet.treeMark[body] = kNone;
+    for (std::size_t i = 0; i < directSet.islands.size(); ++i) {
+        DirectIsland& island = directSet.islands[i];
         island.tree = island.watched = island.leapfrog = island.multirate = false;
         if (island.contactCount > 0 || island.jointCount == 0) continue;
         BuiltTree tree;
-        if (!buildTree(directBodies[island.firstBody], tree)) continue;
+        if (!buildTree(directSet.bodies[island.firstBody], tree)) continue;
         island.tree = tree.joints == island.jointCount && tree.bodies == island.bodyCount;
         island.watched = tree.watched;
         island.leapfrog = island.tree && !tree.doublePrecision;
         island.multirate = island.tree && tree.doublePrecision && tree.anchor != kNone && !tree.watched;
         if (island.tree)
-            chains.keep(tree.anchor == kNone ? 0 : bodies[tree.anchor].state, static_cast<std::uint32_t>(i),
-                        tree.doublePrecision);
+            directSet.trees.keep(tree.anchor == kNone ? 0 : bodies[tree.anchor].state, static_cast<std::uint32_t>(i),
+                                 tree.doublePrecision);
         else
-            chains.drop();
+            directSet.trees.drop();
     }
 }
 
 /// Rows and loads of this step.
 void WorldImpl::beginGroup(direct::TreePlan::Group& group) {
     for (int lane = 0; lane < group.lanes.used; ++lane) {
-        const direct::TreePlan::Tree& tree = chains.treeOf(group, lane);
-        directIslands[tree.owner].begin();
+        const direct::TreePlan::Tree& tree = directSet.trees.treeOf(group, lane);
+        directSet.islands[tree.owner].begin();
         for (int l = 0; l < group.lanes.linkCount; ++l) {
-            direct::TreeJointRow& row = chains.row(group, l, lane);
+            direct::TreeJointRow& row = directSet.trees.row(group, l, lane);
             row = {};
-            const direct::TreeLink& link = chains.linkOf(tree, l);
+            const direct::TreeLink& link = directSet.trees.linkOf(tree, l);
             if (link.joint != direct::TreeJoint::free)
-                fillRow(jointSims[chains.jointOf(tree, l)], link.childIsB != 0, tree.stepFactor, row);
+                fillRow(joints.sims[directSet.trees.jointOf(tree, l)], link.childIsB != 0, tree.stepFactor, row);
         }
     }
-    chains.repeatRows(group);
+    directSet.trees.repeatRows(group);
     group.lanes.failed = group.lanes.open = group.lanes.notClosed = 0;
-    group.kernels->begin(group.lanes, bodyArrays());
+    group.kernels->begin(group.lanes, bodies.arrays());
 }
 
 /// In parallel, those that take part in the substeps of the world.
 template <class Visit>
 static void forEachChainGroup(WorldImpl& world, Visit&& visit) {
-    direct::TreePlan& chains = world.chains;
-    world.runner.parallelFor(static_cast<int>(chains.groupCount(false)), 1, [&](int begin, int end, int) {
-        for (int i = begin; i < end; ++i) visit(chains.groupAt(false, static_cast<std::size_t>(i)));
+    direct::TreePlan& trees = world.directSet.trees;
+    world.runner.parallelFor(static_cast<int>(trees.groupCount(false)), 1, [&](int begin, int end, int) {
+        for (int i = begin; i < end; ++i) visit(trees.groupAt(false, static_cast<std::size_t>(i)));
     });
 }
 void WorldImpl::beginChains() {
@@ -184,18 +187,18 @@ void WorldImpl::solveChains(DirectPass pass) {
 /// What is to be done in a substep of the world.
 void WorldImpl::solveGroup(direct::TreePlan::Group& group, DirectPass pass, int number) {
     const bool moves = pass == DirectPass::positions;
-    const int stepFactor = chains.stepFactorOf(group);
+    const int stepFactor = directSet.trees.stepFactorOf(group);
     if (number % stepFactor != 0) return;
     const auto start = std::chrono::steady_clock::now();
     const auto substeps = static_cast<float>(stepFactor);
     const bool last = number + stepFactor >= settings.substeps;
     const direct::TreeSubstep substep{context.h * substeps, jointContext.softness.biasRate / substeps, number == 0, last};
     const bool relaxes = !group.kernels->leapfrog || last;
-    (moves ? group.kernels->solve : group.kernels->relax)(group.lanes, bodyArrays(), substep);
+    (moves ? group.kernels->solve : group.kernels->relax)(group.lanes, bodies.arrays(), substep);
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     for (int lane = 0; lane < group.lanes.used; ++lane) {
-        const direct::TreePlan::Tree& tree = chains.treeOf(group, lane);
-        DirectIsland& island = directIslands[tree.owner];
+        const direct::TreePlan::Tree& tree = directSet.trees.treeOf(group, lane);
+        DirectIsland& island = directSet.islands[tree.owner];
         const auto has = [lane](std::uint32_t bits) { return ((bits >> lane) & 1u) != 0; };
         island.ms += ms / group.lanes.used;
         island.open = has(group.lanes.open);
@@ -222,18 +225,18 @@ void WorldImpl::solveGroup(direct::TreePlan::Group& group, DirectPass pass, int 
 }
 
 void WorldImpl::storeImpulses(const direct::TreePlan::Group& group, int lane) {
-    const direct::TreePlan::Tree& tree = chains.treeOf(group, lane);
+    const direct::TreePlan::Tree& tree = directSet.trees.treeOf(group, lane);
     for (int l = 0; l < group.lanes.linkCount; ++l) {
-        const direct::TreeLink& link = chains.linkOf(tree, l);
+        const direct::TreeLink& link = directSet.trees.linkOf(tree, l);
         if (link.joint == direct::TreeJoint::free) continue;
-        JointSim& joint = jointSims[chains.jointOf(tree, l)];
-        const direct::TreeImpulse& impulse = chains.impulse(group, l, lane);
+        JointSim& joint = joints.sims[directSet.trees.jointOf(tree, l)];
+        const direct::TreeImpulse& impulse = directSet.trees.impulse(group, l, lane);
         const float sign = (link.childIsB != 0 ? 1.0f : -1.0f) / static_cast<float>(tree.stepFactor);
         joint.block.impulseFirst = sign * get(impulse.force);
         joint.block.impulseSecond = sign * get(impulse.torque);
         if (!isWatched(joint)) continue;
         // Turns of a hinge are counted.
-        refreshJoint(joint, BodyPair(states.data(), inertias.data(), joint.stateA, joint.stateB),
+        refreshJoint(joint, BodyPair(bodies.states.data(), bodies.inertias.data(), joint.stateA, joint.stateB),
                      {jointContext, false});
         recordLoad(joint);
     }

@@ -26,7 +26,7 @@ struct alignas(64) BodyRecord {
     float ahead = 0;          ///< m, the same of the coming step, going on as it does
     std::uint32_t state = 0;  ///< index into the solver's arrays; 0 for fixed bodies
     BodyType type = BodyType::dynamic;
-    bool refitted = false;  ///< at the end of the last step: some shape left its bounds
+    bool refitted = false;        ///< at the end of the last step: some shape left its bounds
     bool hasNewVelocity = false;  ///< was given a velocity since, which its bounds do not count
     bool frozen = false;          ///< on what does not move, and is left out of the solver
 
@@ -46,8 +46,8 @@ struct alignas(64) BodyRecord {
     std::uint8_t stillSteps : 5 = 0;  ///< for which it was too slow to tell from what rests
     AxisLocks locks;
     direct::Reason directReason = direct::Reason::none;
-    std::uint8_t directFailures = 0;  ///< direct solves of its island that failed since one came to rest
-    std::uint8_t innerSteps = 1;      ///< of each substep, as part of a mechanism
+    std::uint8_t directFailures = 0;     ///< direct solves of its island that failed since one came to rest
+    std::uint8_t innerSteps = 1;         ///< of each substep, as part of a mechanism
     std::uint8_t hysteresisSteps = 0;    ///< for which half as many would have done
     std::uint8_t stepFactor : 4 = 1;     ///< substeps that it took at once last, as part of a tree: 1, 2 or 4
     std::uint8_t allowedFactor : 4 = 1;  ///< the same, as far as its joints' gaps tell

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "world/records.h"
+#include "model/records.h"
 
 /// Lists of what hangs on a body, through the edges of records, one per side.
 namespace ragtop {

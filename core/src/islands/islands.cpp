@@ -1,0 +1,66 @@
+#include "islands/islands.h"
+
+#include <limits>
+
+namespace ragtop {
+
+void Islands::begin(const Bodies& bodies) {
+    parent.resizeForOverwrite(bodies.size());
+    for (const std::uint32_t body : bodies.awake) parent[body] = body;
+}
+
+std::uint32_t Islands::root(std::uint32_t body) {
+    while (parent[body] != body) {
+        parent[body] = parent[parent[body]];
+        body = parent[body];
+    }
+    return body;
+}
+
+void Islands::unite(const Bodies& bodies, std::uint32_t a, std::uint32_t b) {
+    if (!bodies.moves(a) || !bodies.moves(b)) return;
+    const std::uint32_t rootA = root(a), rootB = root(b);
+    if (rootA == rootB) return;
+    if (rootA < rootB)
+        parent[rootB] = rootA;
+    else
+        parent[rootA] = rootB;
+}
+
+void Islands::uniteConstraints(const ConstTables& t, bool touchingOnly) {
+    begin(t.bodies);
+    for (int c = 0; c < t.graph.listCount(); ++c) {
+        forContactsOf(t, t.graph.color(c).manifolds,
+                      [&](std::uint32_t, const ManifoldRecord&, const ContactRecord& contact) {
+                          if (contact.touching || !touchingOnly) unite(t.bodies, contact.bodyA, contact.bodyB);
+                      });
+        for (const std::uint32_t j : t.graph.color(c).joints) unite(t.bodies, t.joints[j].bodyA, t.joints[j].bodyB);
+    }
+    forEachCoupledPair(t, [&](std::uint32_t a, std::uint32_t b) { unite(t.bodies, a, b); });
+}
+
+void Islands::findQuiet(const ConstTables& t) {
+    uniteConstraints(t, true);
+    quiet.resizeForOverwrite(t.bodies.size());
+    for (const std::uint32_t body : t.bodies.awake) {
+        if (!t.bodies.moves(body)) continue;
+        quiet[body] = std::numeric_limits<float>::max();
+    }
+    for (const std::uint32_t body : t.bodies.awake) {
+        if (!t.bodies.moves(body)) continue;
+        float& least = quiet[root(body)];
+        if (t.bodies[body].sleepTimer < least) least = t.bodies[body].sleepTimer;
+    }
+    // What a moving kinematic body touches does not rest, however slow it is.
+    for (const std::uint32_t body : t.bodies.awake) {
+        if (t.bodies.moves(body) || t.bodies[body].sleepTimer > 0) continue;
+        for (std::uint32_t key = t.bodies[body].firstContact; key != kNone; key = t.contacts.next(key)) {
+            const ContactRecord& contact = t.contacts[key >> 1];
+            const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
+            if (contact.touching && !contact.sensor && t.bodies.moves(other) && t.bodies.isAwake(other))
+                quiet[root(other)] = 0;
+        }
+    }
+}
+
+}  // namespace ragtop

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+namespace ragtop {
+
+struct WorldImpl;
+
+/// The first fact that does not hold between two calls: about lists, tables, the graph and its lanes, sleep, the broad
+/// phase and numbers; empty when all do. As slow as saving the world; see World::validate.
+std::string firstBroken(const WorldImpl& world);
+
+}  // namespace ragtop
