@@ -186,6 +186,17 @@ TEST(WorldSleep, AMovingPlatformKeepsItsLoadAwake) {
     EXPECT_NEAR(world.pose(box).position.x - x, 1, 0.1);
 }
 
+/// It falls asleep by itself, and the joint with it did: the pendulum fell.
+TEST(WorldSleep, AKinematicBodyThatStandsStillHoldsAPendulum) {
+    World world;
+    const BodyId hook = world.create(bodyDef(Sphere{0.1f}, {0, 10, 0}, {}, BodyType::kinematic));
+    const BodyId bob = world.create(bodyDef(Sphere{0.2f}, {2, 10, 0}));
+    const JointId joint = world.create(BallDef{.bodies = {.a = hook, .b = bob, .frameB = {{-2, 0, 0}, {}}}});
+    run(world, 3, kDt, [&] { ASSERT_LT(world.state(joint).gap, 1e-3f); });
+    EXPECT_FALSE(world.isAwake(hook));
+    EXPECT_TRUE(world.isAwake(bob));
+}
+
 TEST(WorldSleep, WhoMayNotSleepDoesNot) {
     World world;
     addFloor(world);

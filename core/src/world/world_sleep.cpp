@@ -35,8 +35,10 @@ void WorldImpl::sleepBody(std::uint32_t index) {
         if (contact.awakeIndex != kNone && !bodies.isAwake(contact.bodyA) && !bodies.isAwake(contact.bodyB))
             contacts.removeAwake(c);
     }
-    for (std::uint32_t key = body.firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next)
-        removeJointFromGraph(key >> 1);
+    // What hangs from a kinematic body that stands still goes on swinging.
+    const auto sleeps = [&](std::uint32_t other) { return bodies.moves(other) && !bodies.isAwake(other); };
+    for (std::uint32_t key = body.firstJoint; key != kNone; key = joints.next(key))
+        if (sleeps(joints[key >> 1].bodyA) || sleeps(joints[key >> 1].bodyB)) removeJointFromGraph(key >> 1);
     recordSleep(index, true);
 }
 
