@@ -83,7 +83,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t kAlignment = 64;
+    static constexpr std::size_t kAlignment = 64;  ///< bytes, a cache line and a vector of 16 floats
     static constexpr std::size_t kFew = 16, kLarge = std::size_t{1} << 20;  ///< elements, bytes
 
     std::size_t grownFor(std::size_t size) const {

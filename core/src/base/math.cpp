@@ -7,12 +7,12 @@
 namespace ragtop {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
+constexpr double kPiDouble = 3.14159265358979323846;  ///< π, rounded to double
 /// π/2 in two parts: the first has 33 bits, so that its product with an integer below 2²⁰ is exact
 /// [Cody, Waite, Software Manual for the Elementary Functions, 1980].
 constexpr double kHalfPiHigh = 1.57079632673412561417e+00;
-constexpr double kHalfPiLow = 6.07710050650619224932e-11;
-constexpr double kLargestReduced = 1048576.0;
+constexpr double kHalfPiLow = 6.07710050650619224932e-11;  ///< the rest of π/2
+constexpr double kLargestReduced = 1048576.0;  ///< 2²⁰, beyond which that product is rounded
 
 /// Taylor polynomials on |x| ≤ π/4; the first omitted terms are below 7e-12 of the result.
 double sinNearZero(double x) {

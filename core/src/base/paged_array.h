@@ -74,7 +74,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t kAlignment = 64, kFew = 16;
+    static constexpr std::size_t kAlignment = 64, kFew = 16;  ///< bytes; elements
 
     std::size_t bytesOfPage() const { return (capacity_ < kPage ? capacity_ : kPage) * sizeof(T); }
     void* allocate(std::size_t count) { return memory_->allocate(count * sizeof(T), kAlignment); }

@@ -107,7 +107,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t kSmallest = 16;
+    static constexpr std::size_t kSmallest = 16;  ///< entries
 
     /// The high bits of a product depend on all bits of the key (Fibonacci hashing).
     std::size_t homeOf(std::uint64_t key) const {

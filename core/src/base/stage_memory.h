@@ -76,7 +76,7 @@ public:
     std::size_t capacity() const { return bytes_.capacity(); }
 
 private:
-    static constexpr std::size_t kLine = 64;
+    static constexpr std::size_t kLine = 64;  ///< bytes, of a cache
 
     AlignedArray<std::byte> bytes_;
     std::size_t taken_ = 0;

@@ -22,7 +22,7 @@ namespace ragtop {
 
 namespace {
 
-constexpr int kMaxWorkers = 64;
+constexpr int kMaxWorkers = 64;  ///< a bound on what callers ask for
 /// Of waiting with the processor kept, some 10 µs: to sleep and be woken costs more.
 constexpr int kRounds = 256;
 

@@ -25,9 +25,9 @@ struct Sharing {
 /// the processors, or the solver much to do, are not laid to a way's charge. Takes no memory.
 class WorkerChoice {
 public:
-    static constexpr float kCost = 0.01f;
-    static constexpr float kWorth = 0.03f;
-    static constexpr int kTrial = 4;
+    static constexpr float kCost = 0.01f;  ///< of the time
+    static constexpr float kWorth = 0.03f;  ///< of a step's time
+    static constexpr int kTrial = 4;  ///< steps, of which the first does not count
     /// Steps to the first repetition of a trial; each that is lost doubles them, up to kMostWait.
     static constexpr std::uint64_t kFirstWait = 16, kMostWait = 256;
     /// However much slower a way was: what made it so may have gone. What takes four times as long still keeps to kCost.

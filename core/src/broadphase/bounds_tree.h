@@ -26,7 +26,7 @@ class StageRunner;
 /// within them for many steps and only those that leave them are looked up. The same calls give the same tree.
 class BoundsTree {
 public:
-    static constexpr std::uint32_t kNull = 0xffffffffu;
+    static constexpr std::uint32_t kNull = 0xffffffffu;  ///< no node
     /// No tree of 2³¹ leaves grows higher; traversals need no more room than this.
     static constexpr int kMaxHeight = 80;
 

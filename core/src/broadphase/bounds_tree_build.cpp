@@ -11,8 +11,8 @@ namespace ragtop {
 
 namespace {
 
-constexpr int kBins = 8;
-constexpr float kFar = 3.4e38f;
+constexpr int kBins = 8;  ///< of the longest axis, by trial
+constexpr float kFar = 3.4e38f;  ///< beyond all bounds
 
 /// Twice the centre.
 Vec3 center(const Bounds& b) { return b.lower + b.upper; }
@@ -87,7 +87,7 @@ void BoundsTree::build(const Part& part) {
 
 /// Parts share nothing; what is above them follows, children first. They are split level by level, those of one at once.
 void BoundsTree::buildParts(const Part& whole, StageRunner& runner) {
-    constexpr int kParts = 32;
+    constexpr int kParts = 32;  // tasks at most, which the stack holds
     constexpr std::uint32_t kFew = 64;  // branches
     Part parts[kParts];
     std::uint32_t above[kParts];

@@ -20,7 +20,7 @@ inline Bounds enlarged(const Bounds& bounds, float margin) {
 
 /// How far a body with a single shape that swings free can still go before that leaves its bounds.
 struct BoundsRoom {
-    static constexpr double kUnknown = -1;
+    static constexpr double kUnknown = -1;  ///< no travel is negative
     Vec3 below, above;         ///< m, towards the lower and the upper bounds
     double travel = kUnknown;  ///< m, of the body then
 };

@@ -8,7 +8,7 @@ namespace ragtop {
 /// Real-Time Collision Detection, 2005, 5.3.3] on bounds grown by the box. Rounded so that it never misses [Ize,
 /// Robust BVH Ray Traversal, 2013].
 struct SweptBox {
-    static constexpr float kMiss = 3.4e38f;
+    static constexpr float kMiss = 3.4e38f;  ///< farther than any fraction
     static constexpr float kEpsilon = 5.9604645e-8f;  ///< half an ulp of 1
 
     Vec3 origin;       ///< centre of the box at the start

@@ -153,7 +153,7 @@ public:
     }
 
     void settle(BodyPair& pair, const Arms& arms, const JointContext& context, bool moving) {
-        constexpr int kIterations = 32;
+        constexpr int kIterations = 32;  // a bound, by trial
         constexpr float kAgreed = 1e-8f;  // of the energies of the impulses
         for (int iteration = 0; iteration < kIterations && count_ > 0; ++iteration) {
             float changed = 0, whole = 0;

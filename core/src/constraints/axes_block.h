@@ -7,7 +7,7 @@
 namespace ragtop {
 
 struct AxesBlock {
-    static constexpr int kMostRigid = 6, kMostFree = 6;
+    static constexpr int kMostRigid = 6, kMostFree = 6;  ///< of the six coordinates of two bodies
     std::uint32_t rigidRows = 0, freeRows = 0;
     std::uint32_t isIsolated = 0;  ///< 1: neither body has another joint
     std::uint32_t isAbrupt = 0;  ///< 1: rigid rows bend too differently from substep to substep to be foreseen

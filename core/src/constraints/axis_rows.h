@@ -43,7 +43,7 @@ inline float dragOf(float share, float inverseMass) { return (1 / share - 1) / i
 /// with unequal moments would make energy of it that is not taken back.
 inline constexpr float kTurnRecovery = 0.01f;
 
-inline constexpr float kArrives = 1, kLeaves = 2;
+inline constexpr float kArrives = 1, kLeaves = 2;  ///< of StopSide::meets
 
 /// One end of a range. Its coordinate is the margin, which is negative beyond the end.
 struct StopSide {
@@ -78,7 +78,7 @@ struct DryFriction {
 };
 
 enum class AxisSlot : std::uint32_t { spring, viscous, friction, motor, lower, upper };
-inline constexpr int kAxisSlots = 6;
+inline constexpr int kAxisSlots = 6;  ///< of AxisSlot
 
 /// What a definition says about a coordinate.
 struct AxisSettings {

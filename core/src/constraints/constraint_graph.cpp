@@ -86,7 +86,7 @@ GraphPlace ConstraintGraph::addContact(int index, std::uint32_t manifold) {
 /// Of everything that a contact has in its colour at once. The last colours that are iterated hold few contacts, whose
 /// number comes and goes by more than its own size: they get room by that of all contacts.
 void ConstraintGraph::makeRoom(int index) {
-    constexpr std::size_t kFew = 64, kShare = 64, kLargeGrowth = 64;
+    constexpr std::size_t kFew = 64, kShare = 64, kLargeGrowth = 64;  // constraints; shares of all, of its own
     Color& c = color(index);
     const std::size_t size = c.manifolds.size();
     std::size_t all = 0;

@@ -11,7 +11,7 @@
 
 namespace ragtop {
 
-inline constexpr std::uint32_t kNone = 0xffffffffu;
+inline constexpr std::uint32_t kNone = 0xffffffffu;  ///< no index
 
 /// A constraint's place: its colour, and its slot in that colour's list.
 struct GraphPlace {
@@ -37,14 +37,14 @@ struct GraphPlace {
 /// world there are those of each region, an island batch that one worker takes through all substeps.
 class ConstraintGraph {
 public:
-    static constexpr int kColors = 24;
-    static constexpr int kFirstStaticColor = 12;
+    static constexpr int kColors = 24;  ///< bits of a word; as many as Box3D has
+    static constexpr int kFirstStaticColor = 12;  ///< half of them
     static constexpr int kOverflow = kColors;
     static constexpr int kDirect = kColors + 1;
     static constexpr int kFrozen = kColors + 2;
     static constexpr int kLists = kColors + 3;
     static constexpr int kRegionLists = kColors + 1;
-    static constexpr int kMostRegions = 64;
+    static constexpr int kMostRegions = 64;  ///< a bound on tasks
     /// Who looks after a contact.
     enum class By { iteration, direct, none };
 

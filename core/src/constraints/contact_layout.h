@@ -16,7 +16,7 @@ enum PointField : int {
     kLoad,            ///< carried load: the impulse the soft row relaxes towards, N s
     kPointFields,
 };
-inline constexpr int kMaxPoints = 4;
+inline constexpr int kMaxPoints = 4;  ///< of the largest polygon that a manifold keeps
 
 /// Fields of a bundle; vectors take three consecutive fields. What every pass reads comes first, then the points, of which
 /// a pass reads those that there are, then what few contacts have and what is for other stages. Of points beyond the last

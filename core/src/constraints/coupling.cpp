@@ -57,7 +57,7 @@ private:
         return used_++;
     }
 
-    static constexpr int kMost = 2 * CouplingSim::kMost;
+    static constexpr int kMost = 2 * CouplingSim::kMost;  ///< two bodies for each joint
     std::uint32_t used_ = 0, a_[CouplingSim::kMost] = {}, b_[CouplingSim::kMost] = {}, index_[kMost] = {};
     BodyState states_[kMost];
     BodyInertia inertia_[kMost];

@@ -7,7 +7,7 @@ namespace ragtop {
 /// What the arc tangent of joints is made of; lanes do the same operations. The polynomial is for |t| ≤ tan(π/8)
 /// [Moshier, Cephes mathematical library, 1992], the whole within 3e-7 rad and, near zero, 3e-7 of the angle.
 namespace arc_tangent {
-inline constexpr float kTanOfEighth = 0.41421356f;
+inline constexpr float kTanOfEighth = 0.41421356f;  ///< tan π/8
 inline constexpr float kC9 = 8.05374449538e-2f, kC7 = -1.38776856032e-1f, kC5 = 1.99777106478e-1f,
                        kC3 = -3.33329491539e-1f;
 }  // namespace arc_tangent

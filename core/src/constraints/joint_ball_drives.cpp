@@ -85,7 +85,7 @@ Vec3 leadDrives(const JointSim& joint, const JointPlace& place, float inverseIne
 
 /// (D⁻¹ + P) λ = D⁻¹ push − (ω − P λ_old) in the basis; a row without drag is a force.
 Vec3 solveDrives(JointSim& joint, const Vec3& spin, int pass, float longest) {
-    constexpr float kNoDrag = 1e-6f;
+    constexpr float kNoDrag = 1e-6f;  // of the rows' admittance: eight roundings of a float
     const BallDrives& drives = joint.drives;
     const Vec3 &push = drives.push[pass], &drag = drives.drag[pass];
     const Sym3 p = inBasis(joint.block.mass.rest, drives.basis);

@@ -21,7 +21,7 @@ float solveTurnStop(StopSide& side, const Vec3& axis, BallTurn& turn, const Ball
 
 /// The sides that a ball has, in the order in which they are solved.
 struct BallSides {
-    static constexpr int kMost = 2 + SwingLimit::kSides;
+    static constexpr int kMost = 2 + SwingLimit::kSides;  ///< two of the twist, and of the swing
     StopSide* side[kMost];
     Vec3 axis[kMost];
     int count = 0;
@@ -66,7 +66,7 @@ struct HeldBends {
 /// All sides at once, as JointStops of other joints: one after the other they would lose energy for substeps and give
 /// it back.
 void solveTogether(JointSim& joint, BallTurn& turn, const BodyPair& pair, const JointContext& context, bool moving) {
-    constexpr int kIterations = 32;
+    constexpr int kIterations = 32;  // a bound, by trial
     constexpr float kAgreed = 1e-8f;  // of the energy of the first changes
     const BallSides sides(joint.ball);
     HeldBends bends;

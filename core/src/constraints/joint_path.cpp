@@ -38,7 +38,7 @@ double lengthTo(const PathRows& path, std::uint32_t segment, float t) {
 ///   hᵢ mᵢ₋₁ + 2 (hᵢ₋₁ + hᵢ) mᵢ + hᵢ₋₁ mᵢ₊₁ = 3 (hᵢ dᵢ₋₁/hᵢ₋₁ + hᵢ₋₁ dᵢ/hᵢ),
 /// and at free ends none. Each iteration takes at least half of the error away.
 void solveSlopes(PathRows& path, bool closed) {
-    constexpr int kIterations = 48;
+    constexpr int kIterations = 48;  // leave 2⁻⁴⁸ of the error: less than floats resolve
     const std::uint32_t n = path.points;
     const auto chordOf = [&](std::uint32_t i) {
         const std::uint32_t next = i + 1 == n ? 0 : i + 1;
@@ -69,7 +69,7 @@ float towards(const PathRows& path, std::uint32_t segment, float t, const Vec3& 
 }
 
 void findNearest(PathRows& path, const Vec3& p) {
-    constexpr int kTries = 8;
+    constexpr int kTries = 8;  // per segment, by trial
     float least = 3.4e38f;
     for (std::uint32_t s = 0; s < path.segments; ++s)
         for (int i = 0; i <= kTries; ++i) {
@@ -119,8 +119,8 @@ CurvePoint curvePoint(const PathRows& path, std::uint32_t segment, float paramet
 }
 
 void follow(PathRows& path, const Vec3& p) {
-    constexpr int kSteps = 6;
-    constexpr float kEnough = 1e-6f;
+    constexpr int kSteps = 6;  // of Newton's method, by trial
+    constexpr float kEnough = 1e-6f;  // of a segment: eight roundings of a float
     const bool begins = path.at.tracked == 0;
     if (begins) findNearest(path, p);
     const bool closed = path.segments == path.points;
@@ -178,7 +178,7 @@ void writePath(AxesWriter& write, PathRows& path, const JointPlace& place) {
 }
 
 std::string whyInvalidCurve(const Curve& curve) {
-    constexpr float kApart = 1e-4f;
+    constexpr float kApart = 1e-4f;  // m, as the message says
     if (curve.closed && curve.count < 3)
         return "curve.count is " + std::to_string(curve.count) + ", must be at least 3 for a closed curve";
     for (int i = 0; i < curve.count; ++i) {

@@ -346,7 +346,7 @@ bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inerti
     BodyPair pair(states, inertia, joint.stateA, joint.stateB);
     const PairVector before = pair.velocity(joint.arms);
     pair = fitted(joint, pair);
-    constexpr float kRounding = 1e-5f;
+    constexpr float kRounding = 1e-5f;  // of speeds: eighty roundings of a float
     const PairVector after = pair.velocity(joint.arms);
     const Vec3 vA = states[joint.stateA].v, wA = states[joint.stateA].w, vB = states[joint.stateB].v,
                wB = states[joint.stateB].w;

@@ -44,7 +44,7 @@ constexpr bool hasAxes(JointKind kind) { return kind >= JointKind::cylindrical; 
 
 /// What only a ball has: rows that turn B in A about any axis.
 struct BallRows {
-    static constexpr std::uint32_t kSwing = 1, kTwist = 2, kSpring = 4, kFriction = 8, kViscous = 16;
+    static constexpr std::uint32_t kSwing = 1, kTwist = 2, kSpring = 4, kFriction = 8, kViscous = 16;  ///< bits
     static constexpr std::uint32_t kDrives = 32;  ///< JointSim::drives, in the stead of the spring
     std::uint32_t features = 0;
     Range twistLimit{};  ///< rad; a polygon has its own

@@ -172,7 +172,7 @@ bool arcsCross(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 }  // namespace
 
 std::string whyInvalidReach(const ReachPolygon& polygon) {
-    constexpr float kApart = 1e-3f;
+    constexpr float kApart = 1e-3f;  // rad, 0.06°
     const int n = polygon.count;
     if (n < 3 || n > ReachPolygon::kMostCorners)
         return "reach.count is " + std::to_string(n) + ", must be in [3, " +

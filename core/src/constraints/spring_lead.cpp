@@ -14,7 +14,7 @@ namespace {
 ///   β z = (e − cos b + a s)/s,  a = x/2, b = √(z − a²), e = e^{−a}, s = sin b/b.
 /// The first factor is 1 + (ωh)²/12 and is left out.
 double exactShare(double z, double x) {
-    constexpr double kLittle = 1e-6, kCritical = 1e-8;
+    constexpr double kLittle = 1e-6, kCritical = 1e-8;  // below which series stand for quotients of differences
     const double a = 0.5 * x, under = z - a * a, left = 1 - oscillator::fading(a);
     if (!(z > kLittle * (1 + x * x))) return x > 1e-3 ? 1 + 1 / x - 1 / oscillator::fading(x) : 0.5 - x / 12;
     if (under > kCritical) {
@@ -96,7 +96,7 @@ PairVector leadAxis(Leading& leading) {
 
 /// What one coordinate leads by moves the others: in turn, until each has its own.
 PairVector leadAxes(Leading& leading) {
-    constexpr int kIterations = 4;
+    constexpr int kIterations = 4;  // by trial
     JointSim& joint = leading.joint;
     AxesBlock axes = joint.axes;
     BodyPair pair = leading.pair;

@@ -112,7 +112,7 @@ void letGo(StopSide& side) {
 
 /// Beyond rounding of the speeds that the kicks are differences of.
 bool isSteady(const Vec3& kick, const Vec3& last, const Vec3& speed) {
-    constexpr float kSame = 1e-3f, kRounding = 1e-6f;
+    constexpr float kSame = 1e-3f, kRounding = 1e-6f;  // of a kick, by trial; of speeds, eight roundings of a float
     return length(kick - last) <= kSame * length(last) + kRounding * length(speed);
 }
 
@@ -129,7 +129,7 @@ struct Torque {
     float work;  ///< J, J of rounding where there is none
 };
 Torque torqueBetween(const Vec3& before, const Vec3& now, const BodyInertia& inertia, float h) {
-    constexpr float kRounding = 1e-5f;
+    constexpr float kRounding = 1e-5f;  // of a speed: eighty roundings of a float
     const Vec3 change = now - before;
     const Vec3 gain = 0.5f * h * (inertia * cross(momentumOf(inertia, before), before));
     const float square = lengthSquared(before), both = square + 4 * lengthSquared(gain);

@@ -91,7 +91,7 @@ SwingMargin marginAt(const EdgePlace& edge, const Vec3& d) {
 /// vector; two steps of Newton's method on its inverse length [Moré, Sorensen, Computing a Trust Region Step, 1983],
 /// from below.
 Phase nearestOnPlane(float y, float z, float v, float w) {
-    constexpr int kSteps = 2;
+    constexpr int kSteps = 2;  // as said above
     const float y2 = y * y, z2 = z * z, yv = y * v, zw = z * w;
     float t = yv - y2 > zw - z2 ? yv - y2 : zw - z2;
     for (int i = 0;; ++i) {
@@ -104,7 +104,7 @@ Phase nearestOnPlane(float y, float z, float v, float w) {
 
 /// d in the quadrant of positive swings. The phase stays between those where d is ahead and where it is behind.
 SwingMargin quadrantMargin(float y, float z, const Vec3& d, Phase phase) {
-    constexpr int kEvaluations = 8;
+    constexpr int kEvaluations = 8;  // a bound, by trial
     const float uneven = y > z ? y * y - z * z : z * z - y * y;
     Phase low{1, 0}, high{0, 1};
     for (int i = 1;; ++i) {

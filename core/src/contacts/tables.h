@@ -40,7 +40,7 @@ void forEachInGraph(const ConstTables& t, Contact&& contact, Joint&& joint) {
 /// has come.
 template <class Visit>
 void forContactsOf(const ConstTables& t, const AlignedArray<std::uint32_t>& list, Visit&& visit) {
-    constexpr std::size_t kManifold = 24, kContact = 16, kBodies = 8;
+    constexpr std::size_t kManifold = 24, kContact = 16, kBodies = 8;  // places ahead, by trial
     for (std::size_t i = 0; i < list.size(); ++i) {
         if (i + kManifold < list.size()) {
             const ManifoldRecord& manifold = t.manifolds[list[i + kManifold]];

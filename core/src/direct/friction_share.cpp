@@ -100,7 +100,7 @@ void shareFriction(SharePoint* points, unsigned count, double mu, const double f
             std::fabs(m.at[2]) <= kEnough * mu * moment)
             return;
         const Plane step = sharing.step(slip);
-        constexpr int kHalvings = 12;
+        constexpr int kHalvings = 12;  // 2⁻¹² of a step is none
         double share = 1;
         for (int k = 0; k < kHalvings; ++k, share *= 0.5) {
             const Plane next{

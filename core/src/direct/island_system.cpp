@@ -143,7 +143,7 @@ static void shareFriction(SystemPoint* points, const SystemContact& contact, con
 
 /// What is loaded up to its cone, or not at all, slides already.
 static void guessSlips(SystemPoint* points, const SystemContact& contact, const BodyState& a, const BodyState& b) {
-    constexpr double kNearlySliding = 0.99;
+    constexpr double kNearlySliding = 0.99;  // of the cone: a guess to begin with
     for (std::uint32_t j = 0; j < contact.count; ++j) {
         SystemPoint& p = points[j];
         const double held = std::sqrt(p.load[1] * p.load[1] + p.load[2] * p.load[2]);

@@ -43,7 +43,7 @@ void Ordering::eliminate() {
     place_.resizeForOverwrite(count_);
     begin_.resizeForOverwrite(std::size_t{count_} + 1);
     rows_.clear();
-    constexpr std::uint32_t kDone = 0xffffffffu;
+    constexpr std::uint32_t kDone = 0xffffffffu;  // no degree
     const auto countBits = [&](std::uint32_t v) {
         std::uint32_t n = 0;
         for (std::uint32_t w = 0; w < words_; ++w) n += static_cast<std::uint32_t>(std::popcount(rowOf(v)[w]));

@@ -12,7 +12,7 @@ namespace ragtop::direct {
 /// What a link may do about its joint. A free link is a root that nothing holds.
 enum class TreeJoint : std::uint8_t { free, ball, hinge, fixed };
 
-inline constexpr std::int32_t kNoBallChain = -2;
+inline constexpr std::int32_t kNoBallChain = -2;  ///< neither −1 nor a link
 
 struct TreeLink {
     std::int32_t parent = -1;  ///< a link, or what does not move

@@ -16,7 +16,7 @@ std::uint32_t Shapes::acquire() {
 
 /// Only the last ones are compared: what is made by the thousand is made in a row.
 std::uint32_t Shapes::geometryIndex(const Shape& shape) {
-    constexpr std::size_t kCompared = 64;
+    constexpr std::size_t kCompared = 64;  // by trial: what is made by the thousand is made in a row
     GeometryEntry entry{shape, {}, nullptr, nullptr, sizeOf(shape), nullptr};
     if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
         entry.mesh = &mesh->data();

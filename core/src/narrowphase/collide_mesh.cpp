@@ -102,7 +102,7 @@ Feature featureAlong(const TriangleHull& t, const Vec3& normal) {
         const float square = lengthSquared(t.vertices[i == 2 ? 0 : i + 1] - t.vertices[i]);
         longest = square > longest ? square : longest;
     }
-    constexpr float kLevel = 1e-3f;
+    constexpr float kLevel = 1e-3f;  // of the longest edge
     const float tolerance = kLevel * std::sqrt(longest);
     int count = 0, top = 0, below = 0;
     for (int i = 0; i < 3; ++i) {
@@ -418,7 +418,7 @@ private:
         contact.count = kept;
     }
 
-    static constexpr int kMostNear = 48;
+    static constexpr int kMostNear = 48;  ///< gathered at a time, in groups of four
 
     const Surface& surface_;
     const Mover& mover_;

@@ -31,7 +31,7 @@ public:
     int write(const Vec3& offset, std::span<Manifold> out);
 
 private:
-    static constexpr int kMost = 192, kMaxPoints = 24;
+    static constexpr int kMost = 192, kMaxPoints = 24;  ///< scratch: of all triangles, of a direction
     struct Cluster {
         Vec3 normal;
         std::uint32_t triangle = 0;

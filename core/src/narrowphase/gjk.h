@@ -63,9 +63,9 @@ struct PlacedCoreSupport {
 /// when a corner returns, or when rounding stops the descent. `start` is any guess of a vector from B to A.
 template <class SupportA, class SupportB>
 Closest closest(const SupportA& supportA, const SupportB& supportB, const Vec3& start) {
-    constexpr int kMaxIterations = 48;
-    constexpr float kRelativeGap = 1e-6f;
-    constexpr float kRounding = 2e-7f;
+    constexpr int kMaxIterations = 48;  // a bound, by trial
+    constexpr float kRelativeGap = 1e-6f;  // of |v|²: eight roundings of a float
+    constexpr float kRounding = 2e-7f;  // 1.7 roundings of a float, of what corners are sums of
     Simplex simplex;
     Vec3 v = lengthSquared(start) > 0 ? start : Vec3{1, 0, 0};
     float vv = 0, scale2 = 0;

@@ -6,7 +6,7 @@
 
 namespace ragtop {
 
-inline constexpr int kMaxManifoldPoints = 4;
+inline constexpr int kMaxManifoldPoints = 4;  ///< as contact::kMaxPoints
 /// Directions in which one pair may touch (a box in a corner of a mesh); nearer ones are merged.
 inline constexpr int kMaxManifolds = 8;
 

@@ -24,7 +24,7 @@ public:
     int write(const Vec3& offset, std::span<Manifold> out);
 
 private:
-    static constexpr int kMaxPoints = 24;
+    static constexpr int kMaxPoints = 24;  ///< scratch, of a direction
     struct Cluster {
         Vec3 normal;
         float deepest = 0;

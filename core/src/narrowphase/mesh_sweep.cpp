@@ -6,7 +6,7 @@
 namespace ragtop {
 namespace {
 
-constexpr int kMaxSteps = 64;
+constexpr int kMaxSteps = 64;  ///< a bound of conservative advancement
 constexpr float kTouch = 0.1f;  // of the target: tolerance of the distance met
 /// rad. Up to such a turn triangles that look back from the motion are left out.
 constexpr float kSmallTurn = 0.3f;

@@ -10,7 +10,7 @@
 namespace ragtop {
 
 struct alignas(64) NearTriangles {
-    static constexpr int kMost = 24;
+    static constexpr int kMost = 24;  ///< remembered, six groups of four
     static constexpr int kTooMany = kMost + 1;
 
     /// In the mesh. What lies within it meets no triangles but these; at first nothing does.

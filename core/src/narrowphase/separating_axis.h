@@ -17,7 +17,7 @@ public:
     const HullView& view() const { return view_; }
 
 private:
-    static constexpr std::size_t kMaxVertices = 128, kMaxFaces = 2 * kMaxVertices - 4;
+    static constexpr std::size_t kMaxVertices = 128, kMaxFaces = 2 * kMaxVertices - 4;  ///< Euler: 2 V − 4 triangles
     // Not filled with zeros first: most hulls are small.
     union {
         Vec3 vertices_[kMaxVertices];

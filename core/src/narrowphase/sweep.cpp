@@ -4,11 +4,11 @@
 namespace ragtop {
 namespace {
 
-constexpr int kMaxSweepSteps = 48;
-constexpr int kMaxImpactSteps = 96;
+constexpr int kMaxSweepSteps = 48;  ///< a bound, as that of GJK
+constexpr int kMaxImpactSteps = 96;  ///< a bound of conservative advancement
 /// Of the size of B: how near counts as touching.
 constexpr float kTouch = 1e-5f;
-constexpr float kImpactTouch = 1e-4f;
+constexpr float kImpactTouch = 1e-4f;  ///< the same of what turns as well
 
 /// Radius of the ball about the origin of a convex shape that holds it.
 float reach(const ConvexView& shape) {

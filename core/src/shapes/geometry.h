@@ -50,7 +50,7 @@ struct MeshNode {
 /// The same tree with up to four children to a branch, in its order, for walks that look at all of them at once.
 /// Absent children meet nothing.
 struct alignas(64) MeshBranch {
-    static constexpr int kWidth = 4;
+    static constexpr int kWidth = 4;  ///< lanes of FourFloats
     float lower[3][kWidth], upper[3][kWidth];  ///< m, by axis and child
     std::uint32_t first[kWidth] = {};          ///< leaf: first triangle; inner: index of the branch
     std::uint32_t count[kWidth] = {};          ///< leaf: number of triangles; inner: 0
@@ -87,7 +87,7 @@ struct MeshData {
     float thickness = 0;
 };
 
-inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
+inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;  ///< no index
 
 struct HeightFieldData {
     int columns = 0, rows = 0;

@@ -104,7 +104,7 @@ DVec3 directionOf(int i) {
 
 /// At most kMaxHullVertices of the candidates, those farthest along the directions of the sequence.
 std::vector<int> outermost(const std::vector<DVec3>& points, const std::vector<int>& candidates) {
-    constexpr int kDirections = 4096;
+    constexpr int kDirections = 4096;  // 32 for each corner that a hull may have
     std::vector<int> kept;
     for (int i = 0; i < kDirections && kept.size() < kMaxHullVertices; ++i) {
         const DVec3 direction = directionOf(i);
@@ -231,7 +231,7 @@ ConvexHull::ConvexHull(std::span<const Vec3> points) {
     std::vector<Vec3> places = sortedPoints(points);
     std::vector<DVec3> normalized = normalizedPoints(places);
     const double thick = thickness(normalized);
-    constexpr double kFlat = 1e-5;
+    constexpr double kFlat = 1e-5;  // of the size: eighty roundings of a float
     if (!(thick > kFlat)) {
         reject("points all lie in a plane to within " + numberText(static_cast<float>(thick)) +
                " of their size, must span a volume");

@@ -6,7 +6,7 @@
 namespace ragtop {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
+constexpr double kPiDouble = 3.14159265358979323846;  ///< π, rounded to double
 
 constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 constexpr DVec3 cross(const DVec3& a, const DVec3& b) {

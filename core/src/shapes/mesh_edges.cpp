@@ -58,7 +58,7 @@ Vec3 triangleNormal(const Vec3& a, const Vec3& b, const Vec3& c) {
     const DVec3 n(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x);
     const auto square = [](const DVec3& d) { return d.x * d.x + d.y * d.y + d.z * d.z; };
     const double area = std::sqrt(square(n));
-    constexpr double kNoArea = 1e-7;
+    constexpr double kNoArea = 1e-7;  // of the longest edge's square: a rounding of a float
     if (!(area > kNoArea * std::max({square(u), square(v), square(w)}))) return {};
     return toVec3((1 / area) * n);
 }

@@ -110,7 +110,7 @@ void findSolid(MeshData& mesh) {
     if (mesh.whyNotSolid.empty() && !(volume > kNoVolume * area * std::sqrt(area)))
         mesh.whyNotSolid = "has a volume of " + numberText(static_cast<float>(volume)) +
                            " m³, which triangles that are clockwise seen from outside make";
-    constexpr double kSheet = 0.02;
+    constexpr double kSheet = 0.02;  // of the size: what is open has no thickness of its own
     const Vec3 extent = mesh.bounds.upper - mesh.bounds.lower;
     mesh.thickness = static_cast<float>(mesh.whyNotSolid.empty()
                                             ? 2 * volume / area

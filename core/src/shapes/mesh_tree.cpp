@@ -8,8 +8,8 @@
 namespace ragtop {
 namespace {
 
-constexpr std::size_t kLeafSize = 4;
-constexpr int kBins = 16;
+constexpr std::size_t kLeafSize = 4;  ///< lanes of FourFloats
+constexpr int kBins = 16;  ///< of the longest axis, by trial
 /// From this depth on halves are equal in number, so that 2³² triangles end within kMeshTreeDepth.
 constexpr int kBalancedDepth = kMeshTreeDepth - 34;
 

@@ -49,7 +49,7 @@ constexpr float excessOfSpin(const Vec3& p, const Vec3& inverse) {
 /// implicit in it to first order [Tournier et al., Stable Constrained Dynamics, 2015]. It conserves no angular momentum
 /// and is therefore left out where the plain step is stable.
 struct TautBody {
-    static constexpr float kExplicit = 4;
+    static constexpr float kExplicit = 4;  ///< of h² K/I: ω h = 2, the bound of stability above
     /// Of the inverse inertia, that is left by a stiffness of so much more.
     static constexpr float share(float taut) { return taut > 0 ? 1 / (1 + taut) : 1.0f; }
 };

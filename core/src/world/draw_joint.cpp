@@ -72,7 +72,7 @@ struct JointPainter {
             4, 1, [&](int i) { return corners[i % 4]; }, color);
     }
     void polygon(const ReachPolygon& reach, Color color) const {
-        constexpr int kPerEdge = 6;
+        constexpr int kPerEdge = 6;  // lines of an arc between two corners
         edge(
             kPerEdge * reach.count, kPerEdge,
             [&](int i) {

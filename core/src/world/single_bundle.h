@@ -21,7 +21,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t kMostLanes = 16;
+    static constexpr std::size_t kMostLanes = 16;  ///< of KernelTable
     std::size_t stride_;
     alignas(64) float fields_[contact::kFields * kMostLanes] = {};
 };

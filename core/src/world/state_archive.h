@@ -34,7 +34,7 @@ inline constexpr Strip kStrips[] = {
     {loadField(0), 1},    {loadField(1), 1},    {loadField(2), 1},    {loadField(3), 1},
 };
 static_assert(contact::kMaxPoints == 4);
-inline constexpr int kFieldsSaved = 24;
+inline constexpr int kFieldsSaved = 24;  ///< the sum of kStrips' counts
 
 /// Calls visit(first float, number of floats) for what is saved of a bundle.
 template <class Visit>

@@ -53,7 +53,7 @@ bool stays(const ContactRecord& record, const BodyRecord& a, const BodyRecord& b
 /// Asks some contacts whether they stay as they are, and for the memory of what is asked some places later. Which stay
 /// nobody foresees: all are written, and kept or not.
 void askSome(WorldImpl& world, int begin, int end, int last, AskedContacts& asked) {
-    constexpr int kRecord = 32, kRest = 16;
+    constexpr int kRecord = 32, kRest = 16;  // places ahead, by trial
     const auto records = world.contacts.records().view();
     const std::uint32_t* awake = world.contacts.awake.data();
     const BodyRecord* of = world.bodies.data();
@@ -82,7 +82,7 @@ void askSome(WorldImpl& world, int begin, int end, int last, AskedContacts& aske
 
 /// Contacts come and go in any order, and records are found faster in that of memory. Seldom: a few in disorder do little.
 void WorldImpl::sortAwakeContacts() {
-    constexpr std::uint64_t kSteps = 64;
+    constexpr std::uint64_t kSteps = 64;  // between two sorts, a second at 60 Hz
     if (stepCount % kSteps != 0) return;
     std::sort(contacts.awake.begin(), contacts.awake.end());
     for (std::size_t i = 0; i < contacts.awake.size(); ++i)
@@ -91,7 +91,7 @@ void WorldImpl::sortAwakeContacts() {
 
 /// Asks for what colliding a pair will read.
 void WorldImpl::prefetchCollision(const ContactRecord& record) const {
-    constexpr std::size_t kLine = 64;
+    constexpr std::size_t kLine = 64;  // bytes, of a cache
     prefetch(&shapes[record.shapeA]);
     prefetch(&shapes[record.shapeB]);
     if (!record.hasPoints) return;
@@ -128,7 +128,7 @@ static void updateSome(WorldImpl& world, int begin, int end, int last, int worke
         ContactRecord& record = world.contacts[asked.open[k]];
         world.contactFinds.change[record.awakeIndex] = world.keepManifolds(record);
     }
-    constexpr int kFour = 4, kNext = 2 * kFour;
+    constexpr int kFour = 4, kNext = 2 * kFour;  // lanes of FourFloats; two groups ahead
     for (int k = 0; k < count && k < kNext; ++k) world.prefetchShapes(world.contacts[asked.moving[k]]);
     for (int first = 0; first < count; first += kFour) {
         const int past = std::min(first + kFour, count);

@@ -229,7 +229,7 @@ ManifoldImpulses matchedImpulses(const ManifoldRecord& before, const ManifoldImp
 /// borne by the nearest one of now that faces alike, so that nothing sinks until it finds its load anew.
 void handOverImpulses(std::span<const ManifoldRecord> before, const ManifoldImpulses* known,
                       std::span<const ManifoldRecord> now, ManifoldImpulses* carried, float size) {
-    constexpr float kNear = 0.5f, kAlike = 0.7f;
+    constexpr float kNear = 0.5f, kAlike = 0.7f;  // of the size; cosine, 45°
     for (std::size_t i = 0; i < before.size(); ++i)
         for (int j = 0; j < before[i].pointCount; ++j) {
             const ManifoldRecord& old = before[i];

@@ -147,7 +147,7 @@ Manifold touchOf(const TriangleView& t, const ConvexView& shape, const Frame& fr
 
 /// Is a ball surely away from all bounds of a tree along its way? In doubles, which need no rounding to either side.
 static bool isAwayFrom(const BoundsTree& tree, const DVec3& from, const DVec3& to, float radius) {
-    constexpr double kMore = 1 + 1e-5;
+    constexpr double kMore = 1 + 1e-5;  // radii are floats: eighty roundings
     if (tree.empty()) return true;
     const Bounds& all = tree.bounds();
     const double reach = kMore * static_cast<double>(radius);
@@ -203,7 +203,7 @@ void WorldImpl::clearPaths() {
 
 namespace {
 
-constexpr int kMaxPieces = 64;
+constexpr int kMaxPieces = 64;  ///< of 1.5 rad: 15 turns in a step
 
 /// The share of a path that is swept at once: long turns are swept piece by piece.
 float firstPiece(const SweptPath& path) {

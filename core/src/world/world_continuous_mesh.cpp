@@ -33,7 +33,7 @@ Manifold touchAt(const GeometryEntry& solid, const MeshPath& path, const MeshSwe
     Manifold found[kMaxManifolds];
     const int count = solid.field ? collideSurfaces(*solid.field, *path.mesh, met, reach, found)
                                   : collideSurfaces(*solid.triangles(), *path.mesh, met, reach, found);
-    constexpr float kAlike = 0.98f;
+    constexpr float kAlike = 0.98f;  // cosine, 11°: the same side
     for (int i = 0; i < count; ++i)
         if (dot(found[i].normal, hit.normal) > kAlike) return found[i];
     return touch;

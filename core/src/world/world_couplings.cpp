@@ -112,7 +112,7 @@ void WorldImpl::beginCouplings() {
 
 /// A push along one joint may open another that shares a body with it: so these are solved in turn.
 void WorldImpl::solveCouplings(bool moving) {
-    constexpr int kRounds = 4;
+    constexpr int kRounds = 4;  // by trial
     if (!moving)
         for (const std::uint32_t c : couplings.iterated)
             refreshCoupling(couplings.sims[c], joints.sims.data(), bodies.states.data(), bodies.inertias.data());

@@ -130,7 +130,7 @@ static bool hasSystem(const DirectIsland& island) { return !island.tree && !isla
 /// An island keeps the system that it had, known by its first body, however the others come and go; what is new gets one
 /// that is free.
 void WorldImpl::assignSystems() {
-    constexpr std::size_t kMore = 4;
+    constexpr std::size_t kMore = 4;  // systems are made at a time
     directSet.systemOfBody.resize(bodies.size(), kNone);
     const auto firstOf = [&](const DirectIsland& island) { return directSet.bodies[island.firstBody]; };
     for (DirectIsland& island : directSet.islands)

@@ -7,7 +7,7 @@ namespace ragtop {
 
 /// Where Newton's method gives up, its velocities mean nothing, and the bodies still have those from before it.
 void WorldImpl::iterateIsland(const DirectIsland& island, DirectPass pass) {
-    constexpr int kIterations = 4;
+    constexpr int kIterations = 4;  // per substep, by trial
     const bool moves = pass == DirectPass::positions;
     const BodyArrays arrays = bodies.arrays();
     SolverContext all = context;

@@ -7,7 +7,7 @@ namespace ragtop {
 
 namespace {
 
-constexpr int kImpactIterations = 16;
+constexpr int kImpactIterations = 16;  ///< over at most four points, by trial
 
 struct Velocity {
     Vec3 v, w;

@@ -89,7 +89,7 @@ bool WorldImpl::isInContact(std::uint32_t body) const {
 
 /// Asks for what measuring islands reads of support edges some places ahead: they lie in no order.
 static void prefetchSupportEdge(const WorldImpl& world, std::size_t place) {
-    constexpr std::size_t kRecords = 16, kLane = 8;
+    constexpr std::size_t kRecords = 16, kLane = 8;  // edges ahead, by trial
     const StageArray<SupportEdge>& edges = world.islands.paths.edges;
     if (place + kRecords < edges.size() && !edges[place + kRecords].joint) {
         const SupportEdge& edge = edges[place + kRecords];
@@ -241,7 +241,7 @@ bool WorldImpl::decideIslands(std::int32_t elapsed) {
 /// Choices change when support edges do, so they are made anew only then: at once where a direct island has part in it
 /// or something was just made or put somewhere, else every few steps.
 void WorldImpl::chooseSolvers() {
-    constexpr std::uint64_t kPeriod = 16;
+    constexpr std::uint64_t kPeriod = 16;  // steps between choices that nothing hurries: a quarter of a second at 60 Hz
     const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
     const bool atOnce = islands.structureChanged || islands.directChanged;
     if (islands.graphChanged && (atOnce || stepCount % kPeriod == 0)) {

@@ -106,7 +106,7 @@ void WorldImpl::beginMechanism(const DirectIsland& island, Mechanism& mechanism)
 
 /// Fewer inner steps when a second has asked for half of them only.
 void WorldImpl::keepPace(const DirectIsland& island, const Mechanism& mechanism) {
-    constexpr std::uint8_t kHysteresisSteps = 60;
+    constexpr std::uint8_t kHysteresisSteps = 60;  // a second at 60 Hz
     int pace = mechanism.pace();
     const bool calm = pace > 1 && mechanism.largestNeed() <= 0.5 * pace;
     const BodyRecord& first = bodies[directSet.bodies[island.firstBody]];

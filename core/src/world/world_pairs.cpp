@@ -203,7 +203,7 @@ static std::uint32_t refitBodies(WorldImpl& world, std::size_t begin, std::size_
 /// Bounds that were left are enlarged in place; their shapes look for partners in the next step, in the order of the
 /// bodies.
 void WorldImpl::refitBounds() {
-    constexpr std::size_t kAtOnce = 64;
+    constexpr std::size_t kAtOnce = 64;  // shapes of a task
     const std::size_t count = bodies.awake.size(), blocks = (count + kAtOnce - 1) / kAtOnce;
     AlignedArray<std::uint32_t>& starts = broadphase.left.starts;
     broadphase.left.bodies.resizeForOverwrite(count);
@@ -289,7 +289,7 @@ public:
     }
 
 private:
-    static constexpr int kMost = 64;
+    static constexpr int kMost = 64;  ///< pairs that are asked for at once
 
     bool isNew(const PairFound& pair) const {
         const ShapeRecord &a = world_.shapes[pair.a], &b = world_.shapes[pair.b];
@@ -308,8 +308,8 @@ private:
 
 /// Pairs of moving shapes in the move buffer together: the trees are gone down once for all of them.
 static std::size_t findPairsOfMany(WorldImpl& world, bool obstaclesToo) {
-    constexpr std::size_t kMostBranches = 64;
-    constexpr std::size_t kShapesPerBranch = 32;
+    constexpr std::size_t kMostBranches = 64;  // tasks
+    constexpr std::size_t kShapesPerBranch = 32;  // of a task, by trial
     BoundsTree& tree = world.broadphase.movingTree;
     for (const std::uint32_t shape : world.broadphase.moved)
         if (!world.shapes[shape].isStaticTree) tree.seek(world.shapes[shape].proxy);
@@ -338,7 +338,7 @@ static std::size_t findPairsOfMany(WorldImpl& world, bool obstaclesToo) {
 /// The same where few of many have moved: branches that hold one of them are far larger than it, and would meet much that
 /// it does not. Of two that both seek, the first one in the order of shapes finds the other.
 static std::size_t findPairsOfFew(WorldImpl& world, bool obstaclesToo) {
-    constexpr std::size_t kAtOnce = 64;
+    constexpr std::size_t kAtOnce = 64;  // shapes of a task
     auto& found = world.broadphase.search.found;
     auto& waiting = world.broadphase.search.waiting;
     const std::size_t count = world.broadphase.moved.size(), blocks = (count + kAtOnce - 1) / kAtOnce;

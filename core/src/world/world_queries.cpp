@@ -15,7 +15,7 @@ bool sees(const QueryFilter& filter, const ShapeRecord& shape, BodyId body) {
 
 /// Half extents that make up for the rounding of a far origin to single precision.
 Vec3 roundingExtents(const DVec3& origin) {
-    constexpr float kUlp = 2.4e-7f;
+    constexpr float kUlp = 2.4e-7f;  // two roundings of a float
     const Vec3 o = abs(toVec3(origin));
     return kUlp * o;
 }

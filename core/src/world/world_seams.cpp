@@ -229,7 +229,7 @@ static void prefetchTouched(const WorldImpl& world, const std::uint32_t* closing
             more = true;
         }
     }
-    constexpr std::size_t kLine = 64;
+    constexpr std::size_t kLine = 64;  // bytes, of a cache
     for (int i = 0; i < seen; ++i) {
         const ContactRecord& record = world.contacts[found[i]];
         if (!record.hasPoints || record.firstManifold == kNone) continue;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kIterations = 16;    ///< that make estimated loads an equilibrium; what is left of their error is local
 
-constexpr int kJointIterations = 32;
+constexpr int kJointIterations = 32;  ///< a bound; ends when all fit
 
 }  // namespace
 

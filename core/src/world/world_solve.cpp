@@ -40,7 +40,7 @@ static SolverContext contextOf(const WorldImpl& world, int number, bool moved) {
 /// single joints, wide(begin, end) and contact(bundles, begin, end) for its bundles.
 template <class Joint, class Joints, class Contacts>
 static void forUndivided(WorldImpl& world, Joint&& single, Joints&& wide, Contacts&& contact) {
-    constexpr int kJointsPerBlock = 8;
+    constexpr int kJointsPerBlock = 8;  // of a task, by trial
     constexpr int kMostBlocks = 64;  // of contacts: what is next in memory is best solved by the same thread
     const int jointBundlesPerBlock = 32 / world.jointKernels->lanes, leastContactBundles = 32 / world.graph.lanes();
     const auto singles = [&](int begin, int end) {
@@ -239,7 +239,7 @@ void WorldImpl::solve(bool useBias) {
 
 /// Iterates until nothing more will meet, or enough: what is left then is stopped by the rows that do not bounce.
 void WorldImpl::bounce() {
-    constexpr int kIterations = 32;
+    constexpr int kIterations = 32;  // a bound: an impact goes through so many bodies of a row
     const BodyArrays arrays = bodies.arrays();
     for (int i = 0; i < kIterations; ++i) {
         std::atomic<bool> bounced{false};

@@ -25,7 +25,7 @@ struct StateHeader {
 
 /// Of parts, on all threads; a sum, so that their order does not matter.
 std::uint64_t checksumOf(StageRunner& runner, std::span<const std::byte> bytes) {
-    constexpr std::size_t kPart = 1 << 16;
+    constexpr std::size_t kPart = 1 << 16;  // bytes of a task
     std::atomic<std::uint64_t> total{0};
     runner.parallelFor(static_cast<int>((bytes.size() + kPart - 1) / kPart), 4, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {

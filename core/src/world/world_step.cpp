@@ -251,7 +251,7 @@ ContactPlaces WorldImpl::contactPlaces() const {
 
 /// Some bundles at a time, which the cache holds in between. True if any may bounce.
 bool WorldImpl::placeAndPrepare(int c, int begin, int end) {
-    constexpr int kAtOnce = 4;
+    constexpr int kAtOnce = 4;  // bundles, by trial
     ConstraintGraph::Color& color = graph.color(c);
     const LaneManifolds list{color.manifolds.data(), static_cast<int>(color.manifolds.size()),
                              ConstraintGraph::isSerial(c) ? 1 : graph.lanes()};
