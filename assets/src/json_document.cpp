@@ -80,17 +80,12 @@ std::string read(const std::filesystem::path& path) {
     return std::move(text).str();
 }
 
-void merge(Json& base, const Json& over) {
-    if (!base.is_object() || !over.is_object()) {
-        base = over;
-        return;
-    }
-    for (const auto& [key, value] : over.items()) {
-        if (base.contains(key))
-            merge(base[key], value);
-        else
-            base[key] = value;
-    }
+/// What the elements of a list go by: their name, or of joints the part that they carry; empty: by nothing.
+std::string nameOf(const Json& element) {
+    for (const char* key : {"name", "child"})
+        if (element.is_object() && element.contains(key) && element.at(key).is_string())
+            return element.at(key).get<std::string>();
+    return {};
 }
 
 }  // namespace
@@ -125,11 +120,45 @@ std::filesystem::path JsonDocument::folderOf(const std::string& pointer) const {
     return std::filesystem::path(place(pointer).file).parent_path();
 }
 
+/// Members of objects are merged, and an object over a list into the elements of these names. Everything else replaces.
+void JsonDocument::mergeOver(Json& base, const std::string& pointer, const std::string& pointerInBase) {
+    const Json over = pointer.empty() ? root_ : root_.at(Json::json_pointer(pointer));
+    if (pointer != pointerInBase) moved_[pointer] = pointerInBase;
+    if (base.is_object() && over.is_object()) {
+        for (const auto& [key, value] : over.items()) {
+            const std::string step = pointerStep(key);
+            if (base.contains(key))
+                mergeOver(base[key], pointer + step, pointerInBase + step);
+            else
+                base[key] = value;
+        }
+    } else if (base.is_array() && over.is_object()) {
+        for (const auto& [key, value] : over.items()) {
+            std::size_t i = 0;
+            std::string names;
+            for (; i < base.size() && nameOf(base[i]) != key; ++i) names += (i > 0 ? ", " : "") + nameOf(base[i]);
+            if (i == base.size())
+                fail(pointer + pointerStep(key), "is no element of the list, must be one of " + names);
+            mergeOver(base[i], pointer + pointerStep(key), pointerInBase + "/" + std::to_string(i));
+        }
+    } else {
+        base = over;
+    }
+}
+
 void JsonDocument::layOver(const JsonDocument& base) {
     Json merged = base.root_;
-    merge(merged, root_);
-    root_ = std::move(merged);
+    moved_.clear();
+    mergeOver(merged, "", "");
+    std::map<std::string, JsonPlace> places;
+    for (const auto& [pointer, place] : places_) {
+        std::string around = pointer;
+        while (!around.empty() && !moved_.contains(around)) around.erase(around.rfind('/'));
+        places.emplace(around.empty() ? pointer : moved_.at(around) + pointer.substr(around.size()), place);
+    }
+    places_ = std::move(places);
     places_.insert(base.places_.begin(), base.places_.end());
+    root_ = std::move(merged);
     files_.insert(files_.end(), base.files_.begin(), base.files_.end());
 }
 

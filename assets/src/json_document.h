@@ -35,7 +35,9 @@ public:
     /// The files that it was read from: its own, then what it was laid over.
     const std::vector<std::filesystem::path>& files() const { return files_; }
 
-    /// Lays this document over `base`: members of objects are merged, everything else replaces.
+    /// Lays this document over `base`: members of objects are merged, and where the base has a list and this one an
+    /// object, its members into the elements of their names; everything else replaces. Throws AssetError where the list
+    /// has no such element.
     void layOver(const JsonDocument& base);
     void erase(const std::string& key) { root_.erase(key); }
     /// Sets the value at a path like "settings.sleeping"; its place is the `origin` that the caller names. Throws
@@ -49,10 +51,13 @@ public:
     [[noreturn]] void fail(const std::string& pointer, const std::string& message) const;
 
 private:
+    void mergeOver(Json& base, const std::string& pointer, const std::string& pointerInBase);
+
     Json root_;
     std::string file_;
     std::map<std::string, JsonPlace> places_;
     std::vector<std::filesystem::path> files_;
+    std::map<std::string, std::string> moved_;  ///< pointers by name to pointers by index, of the last laying over
 };
 
 /// `key` as one step of a JSON pointer, with its slash.

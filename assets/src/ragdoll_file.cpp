@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
+#include <string_view>
+#include <system_error>
 
 #include "described_file.h"
 #include "joint_json.h"
@@ -210,6 +213,27 @@ void saveRagdoll(const RagdollDef& def, const std::filesystem::path& path) {
         throw AssetError(path.string() + ": is not written, the ragdoll is not usable: " + wrong);
     }
     writeJson(writeRagdoll(def), path);
+}
+
+RagdollDef saveEditableRagdoll(const RagdollDef& fitted, const std::filesystem::path& path) {
+    constexpr std::string_view kEnd = ".ragdoll.json";
+    const std::string name = path.filename().string();
+    if (!name.ends_with(kEnd) || name.size() == kEnd.size())
+        throw AssetError(path.string() + ": must end with " + std::string(kEnd));
+    const std::string base = name.substr(0, name.size() - kEnd.size()) + ".fitted" + std::string(kEnd);
+    saveRagdoll(fitted, path.parent_path() / base);
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) {
+        std::ofstream out(path, std::ios::binary);
+        out << "// Changes to " << base << ", which is written anew whenever the model is imported; these stay.\n"
+            << "// Name what shall differ: parts by their name, joints by that of the part which they carry, as in\n"
+            << "//   \"parts\": {\"head\": {\"mass\": 5, \"material\": {\"friction\": 0.4}}},\n"
+            << "//   \"joints\": {\"head\": {\"ball\": {\"swingLimit\": 0.6}}}\n"
+            << "// Masses are in kg, lengths in m, angles in rad; the other file has all that can be named.\n"
+            << "{\n  \"extends\": " << Json(base).dump() << ",\n  \"parts\": {},\n  \"joints\": {}\n}\n";
+        if (!out.flush()) throw AssetError(path.string() + ": cannot be written");
+    }
+    return loadRagdoll(path);
 }
 
 }  // namespace ragtop

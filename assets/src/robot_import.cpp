@@ -29,6 +29,26 @@ ConvexHull cylinder(float radius, float length) {
     return ConvexHull(points);
 }
 
+/// Rings of points on an ellipsoid with these half axes.
+ConvexHull ellipsoid(const Vec3& half) {
+    constexpr int kRings = 7, kSides = 16;
+    std::vector<Vec3> points{{0, 0, half.z}, {0, 0, -half.z}};
+    for (int ring = 1; ring <= kRings; ++ring) {
+        const SinCos down = sinCos(kPi * static_cast<float>(ring) / (kRings + 1));
+        for (int side = 0; side < kSides; ++side) {
+            const SinCos round = sinCos(2 * kPi * static_cast<float>(side) / kSides);
+            points.push_back({half.x * down.sin * round.cos, half.y * down.sin * round.sin, half.z * down.cos});
+        }
+    }
+    return ConvexHull(points);
+}
+
+/// Below a plane, which has no end where its half size is 0.
+constexpr float kPlaneDepth = 1, kPlaneHalf = 100;  // m
+Box slab(const Vec3& half) {
+    return {{half.x > 0 ? half.x : kPlaneHalf, half.y > 0 ? half.y : kPlaneHalf, kPlaneDepth}};
+}
+
 const Quat kYToZ{0.70710678118654752f, 0, 0, 0.70710678118654752f};
 
 class RobotBuilder {
@@ -46,6 +66,9 @@ public:
         homes_ = homesOf(from_, followed_, robot_.warnings);
         for (const ImportedRobotLink& link : from_.links) addLink(link);
         addFollowers();
+        for (const ImportedRobotSum& sum : from_.sums) addSum(sum);
+        for (const ImportedRobotLoop& loop : from_.loops) addLoop(loop);
+        for (const ImportedRobotKey& key : from_.keys) addKey(key);
         finishMasses();
         summarise();
         robot_.warnings = counted(robot_.warnings);
@@ -73,11 +96,17 @@ private:
     Place addRoot(const ImportedRobotLink& root) {
         RobotBody first;
         first.name = root.name;
-        first.anchored = root.name == "world" && !root.heavy && root.shapes.empty();
+        first.anchored = from_.grounded || (root.name == "world" && !root.heavy && root.shapes.empty());
         first.pose.rotation = uprightRotation(UpAxis::z);
         robot_.bodies.push_back(std::move(first));
-        masses_.emplace_back();
+        begin(root);
         return {};
+    }
+
+    void begin(const ImportedRobotLink& link) {
+        masses_.emplace_back();
+        between_.push_back(link.between);
+        parents_.push_back(robot_.links.empty() ? -1 : robot_.links[static_cast<std::size_t>(link.parent)].body);
     }
 
     Place addJoint(const ImportedRobotLink& child) {
@@ -92,7 +121,7 @@ private:
         made.pose = robot_.bodies[static_cast<std::size_t>(parent.body)].pose * origin * moved(joint, home);
         made.pose.rotation = normalized(made.pose.rotation);
         robot_.bodies.push_back(std::move(made));
-        masses_.emplace_back();
+        begin(child);
         if (joint.kind == RobotJointKind::free) return {next, {}};
         jointOfLink_[robot_.links.size()] = static_cast<int>(robot_.joints.size());
         robot_.joints.push_back(jointOf(joint, parent.body, next, origin));
@@ -105,7 +134,8 @@ private:
         const Vec3 axis = normalized(joint.axis, {1, 0, 0});
         if (joint.kind == RobotJointKind::slider) return {coordinate * axis, {}};
         if (joint.kind != RobotJointKind::hinge || coordinate == 0) return {};
-        return {{}, rotationAbout(axis, coordinate)};
+        const Quat turn = rotationAbout(axis, coordinate);
+        return {joint.anchor - rotate(turn, joint.anchor), turn};
     }
 
     RobotJoint jointOf(const ImportedRobotJoint& joint, int parent, int child, const Frame& origin) {
@@ -115,14 +145,18 @@ private:
         if (joint.kind == RobotJointKind::plane) result.joint = PlaneDef{};
         if (auto* ball = std::get_if<BallDef>(&result.joint)) {
             ball->friction = joint.friction;
+            if (joint.stiffness > 0) ball->spring = Spring{joint.stiffness, 0};
+            if (joint.limited) limitBall(*ball, joint);
             if (joint.damping > 0) ball->bearing = Bearing{.viscous = joint.damping};
         }
         const bool spherical = joint.kind == RobotJointKind::ball;
         const Quat alongAxis = spherical ? Quat{} : rotationBetween({1, 0, 0}, normalized(joint.axis, {1, 0, 0}));
         std::visit(
             [&](auto& def) {
-                def.bodies.frameA = {origin.position, normalized(origin.rotation * alongAxis)};
-                def.bodies.frameB = {{}, alongAxis};
+                const Frame at{joint.anchor, alongAxis};
+                def.bodies.frameA = origin * at;
+                def.bodies.frameA.rotation = normalized(def.bodies.frameA.rotation);
+                def.bodies.frameB = at;
             },
             result.joint);
         return result;
@@ -139,8 +173,17 @@ private:
         // The effort of the drive is at most −kVelocity (ẋ + kPosition (x − end)) beyond a soft end.
         if (hasSoftEnds(joint)) def.stop = {0, joint.kPosition * joint.kVelocity, joint.kVelocity};
         def.friction = joint.friction;
-        if (joint.damping > 0) def.spring = Spring{0, joint.damping};
+        if (joint.damping > 0 || joint.stiffness > 0) def.spring = Spring{joint.stiffness, joint.damping};
+        def.target = joint.springTarget;
         return def;
+    }
+
+    /// Files bound the whole angle.
+    void limitBall(BallDef& ball, const ImportedRobotJoint& joint) {
+        const float most = std::clamp(joint.upper, 1e-3f, 3.1f);
+        ball.swingLimit = most;
+        ball.twistLimit = Range{-most, most};
+        warn("joint '" + joint.name + "': its range bounds swing and twist apart");
     }
 
     void tellCutRange(const ImportedRobotJoint& joint) {
@@ -164,7 +207,7 @@ private:
             if (followed_[i] < 0) continue;
             const ImportedRobotJoint& joint = from_.links[i].joint;
             const int own = jointOfLink_.at(i), other = jointOfLink_.at(static_cast<std::size_t>(followed_[i]));
-            RobotCoupling follows{joint.name, {}, {own}};
+            RobotCoupling follows{joint.name, {}, {own}, true};
             follows.coupling.count = 1;
             follows.coupling.sum.limit = Range{joint.offset, joint.offset};
             if (joint.multiplier != 0) {
@@ -174,6 +217,47 @@ private:
             }
             robot_.couplings.push_back(std::move(follows));
         }
+    }
+
+    void addSum(const ImportedRobotSum& from) {
+        RobotCoupling sum{from.name, {}, {}};
+        for (const ImportedRobotPart& part : from.parts) {
+            sum.coupling.parts.at(sum.joints.size()).ratio = part.ratio;
+            sum.joints.push_back(jointOfLink_.at(static_cast<std::size_t>(part.link)));
+        }
+        sum.coupling.count = static_cast<int>(sum.joints.size());
+        AxisDef& along = sum.coupling.sum;
+        if (from.limited) along.limit = Range{from.lower, from.upper};
+        if (from.stiffness > 0 || from.damping > 0) along.spring = Spring{from.stiffness, from.damping};
+        along.target = from.rest;
+        along.friction = from.friction;
+        robot_.couplings.push_back(std::move(sum));
+    }
+
+    /// Holds two bodies together where they stand at home.
+    void addLoop(const ImportedRobotLoop& loop) {
+        const RobotLink& a = robot_.links.at(static_cast<std::size_t>(loop.a));
+        const RobotLink& b = robot_.links.at(static_cast<std::size_t>(loop.b));
+        const Frame inA = a.inBody * Frame{loop.anchor, {}};
+        const Frame inB = inverse(robot_.bodies[static_cast<std::size_t>(b.body)].pose) *
+                          robot_.bodies[static_cast<std::size_t>(a.body)].pose * inA;
+        RobotJoint joint{loop.name, a.body, b.body, BallDef{}};
+        if (loop.welded) joint.joint = FixedDef{};
+        std::visit(
+            [&](auto& def) {
+                def.bodies.frameA = {inA.position, normalized(inA.rotation)};
+                def.bodies.frameB = {inB.position, normalized(inB.rotation)};
+            },
+            joint.joint);
+        if (a.body == b.body) return warn("'" + loop.name + "' holds one body to itself: left out");
+        robot_.joints.push_back(std::move(joint));
+    }
+
+    void addKey(const ImportedRobotKey& key) {
+        RobotKeyframe pose{key.name, std::vector<float>(robot_.joints.size(), 0.0f)};
+        for (const auto& [link, joint] : jointOfLink_)
+            pose.coordinates[static_cast<std::size_t>(joint)] = key.coordinates.at(link);
+        robot_.keyframes.push_back(std::move(pose));
     }
 
     void addMass(const ImportedRobotLink& link, std::size_t body, const Frame& inBody) {
@@ -189,8 +273,9 @@ private:
         masses_[body].push_back(transformed(mass, inBody * link.centerOfMass));
     }
 
-    void push(std::size_t body, Shape shape, const Frame& frame) {
+    void push(std::size_t body, Shape shape, const Frame& frame, float friction) {
         ShapeDef def{.geometry = std::move(shape), .frame = frame, .material = options_.material};
+        if (friction >= 0) def.material.friction = std::min(friction, 10.0f);
         def.frame.rotation = normalized(frame.rotation);
         robot_.bodies[body].shapes.push_back(std::move(def));
     }
@@ -199,13 +284,17 @@ private:
         const Frame frame = inBody * shape.origin;
         switch (shape.kind) {
             case RobotShapeKind::sphere:
-                return push(body, Sphere{shape.radius}, frame);
+                return push(body, Sphere{shape.radius}, frame, shape.friction);
             case RobotShapeKind::box:
-                return push(body, Box{0.5f * shape.size}, frame);
+                return push(body, Box{0.5f * shape.size}, frame, shape.friction);
             case RobotShapeKind::cylinder:
-                return push(body, cylinder(shape.radius, shape.length), frame);
+                return push(body, cylinder(shape.radius, shape.length), frame, shape.friction);
             case RobotShapeKind::capsule:
-                return push(body, Capsule{shape.radius, 0.5f * shape.length}, frame * Frame{{}, kYToZ});
+                return push(body, Capsule{shape.radius, 0.5f * shape.length}, frame * Frame{{}, kYToZ}, shape.friction);
+            case RobotShapeKind::ellipsoid:
+                return push(body, ellipsoid(shape.size), frame, shape.friction);
+            case RobotShapeKind::plane:
+                return push(body, slab(shape.size), frame * Frame{{0, 0, -kPlaneDepth}, {}}, shape.friction);
             case RobotShapeKind::mesh:
                 return addMesh(link, shape, body, frame);
         }
@@ -223,7 +312,7 @@ private:
             const Shape hull = loadMesh(file, {.convex = true});
             std::vector<Vec3> points;
             for (const Vec3& point : std::get<ConvexHull>(hull).vertices()) points.push_back(scale(shape.size, point));
-            push(body, ConvexHull(points), frame);
+            push(body, ConvexHull(points), frame, shape.friction);
         } catch (const std::exception& error) {
             leaveOutMesh();
             warn("link '" + link + "': collision left out: " + error.what());
@@ -260,11 +349,36 @@ private:
         return {};
     }
 
+    /// Bodies between two joints of one take a ten-thousandth of it each, so that all of it weighs what it should.
+    void shareMasses() {
+        constexpr float kShare = 1e-4f;
+        const auto scaled = [](MassProperties mass, float share) {
+            mass.mass *= share;
+            mass.inertia = {share * mass.inertia.cx, share * mass.inertia.cy, share * mass.inertia.cz};
+            return mass;
+        };
+        for (std::size_t last = robot_.bodies.size(); last-- > 0;) {
+            if (between_[last] || masses_[last].empty()) continue;
+            const MassProperties whole = combined(masses_[last]);
+            float left = 1;
+            for (int i = parents_[last]; i >= 0 && between_[static_cast<std::size_t>(i)];
+                 i = parents_[static_cast<std::size_t>(i)]) {
+                const auto at = static_cast<std::size_t>(i);
+                if (!masses_[at].empty()) break;  // that of another limb, which it carries too
+                const Frame place = inverse(robot_.bodies[at].pose) * robot_.bodies[last].pose;
+                masses_[at].push_back(transformed(scaled(whole, kShare), place));
+                left -= kShare;
+            }
+            masses_[last] = {scaled(whole, left)};
+        }
+    }
+
     void finishMasses() {
+        shareMasses();
         for (std::size_t i = 0; i < robot_.bodies.size(); ++i) {
             RobotBody& body = robot_.bodies[i];
             if (!masses_[i].empty()) body.mass = combined(masses_[i]);
-            robot_.mass += static_cast<double>(body.mass.mass);
+            if (!body.anchored) robot_.mass += static_cast<double>(body.mass.mass);
             if (!body.anchored && !(body.mass.mass > 0))
                 fail("link '" + body.name + "' moves but has no mass, must have an <inertial> with mass above 0 kg");
         }
@@ -281,6 +395,8 @@ private:
     ImportedRobot from_;
     Robot robot_;
     std::vector<std::vector<MassProperties>> masses_;
+    std::vector<bool> between_;  ///< by body
+    std::vector<int> parents_;   ///< by body, of the joint that it hangs on
     std::vector<int> followed_;  ///< by link, the link whose joint its joint follows
     std::vector<float> homes_;   ///< by link
     std::map<std::size_t, int> jointOfLink_;

@@ -72,7 +72,7 @@ void driveRobot(World& world, const Robot& robot, const RobotIds& ids, std::span
     if (!(dt > 0 && std::isfinite(dt))) throw std::invalid_argument(fmt::format("dt is {}, must be above 0 s", dt));
     std::vector<bool> follows(robot.joints.size(), false);
     for (const RobotCoupling& each : robot.couplings)
-        if (each.joints.size() > 1) follows[static_cast<std::size_t>(each.joints.front())] = true;
+        if (each.follows) follows[static_cast<std::size_t>(each.joints.front())] = true;
     for (std::size_t i = 0; i < robot.joints.size(); ++i) {
         const RobotJoint& joint = robot.joints[i];
         if (follows[i] || std::isnan(coordinates[i])) continue;
@@ -93,7 +93,7 @@ std::string describeAsset(const Robot& robot) {
         text += fmt::format("    {:<32} {:8.4f} kg  {} shapes{}\n", body.name, body.mass.mass, body.shapes.size(),
                             body.anchored ? ", fixed to the world" : "");
     for (const RobotCoupling& each : robot.couplings)
-        if (each.joints.size() > 1)
+        if (each.follows && each.joints.size() > 1)
             text +=
                 fmt::format("    {:<32} follows {}, {:g} times\n", each.name,
                             robot.joints[static_cast<std::size_t>(each.joints[1])].name, -each.coupling.parts[1].ratio);

@@ -6,10 +6,9 @@
 #include <set>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
-#include "file_kind.h"
 #include "ragtop/asset_error.h"
-#include "xml_text.h"
 
 namespace ragtop {
 namespace {
@@ -93,15 +92,10 @@ bool usedBy(std::string_view type, std::string_view element) {
 
 class Checker {
 public:
-    explicit Checker(const std::filesystem::path& path) : file_(path.string()) { readXml(path, xml_); }
+    Checker(std::string file, XmlText& text) : file_(std::move(file)), xml_(text) {}
 
     CheckedRobotText run() {
         TiXmlElement* robot = xml_.document.RootElement();
-        if (!robot || robot->ValueStr() != "robot") {
-            const std::string begins = robot ? "begins with <" + robot->ValueStr() + ">" : "has no element";
-            throw AssetError(file_, robot ? std::to_string(robot->Row()) : "",
-                             begins + ", must with <robot>: robots are read from URDF" + looksLike(xml_.source));
-        }
         countTags(*robot);
         collectNames(*robot);
         takeVisuals(*robot, "material", "robot");
@@ -312,7 +306,7 @@ private:
     }
 
     std::string file_;
-    XmlText xml_;
+    XmlText& xml_;
     CheckedRobotText result_;
     std::set<std::string> links_, joints_, carried_;
     int faultyVisuals_ = 0;
@@ -321,6 +315,6 @@ private:
 
 }  // namespace
 
-CheckedRobotText checkRobotText(const std::filesystem::path& path) { return Checker(path).run(); }
+CheckedRobotText checkRobotText(const std::string& file, XmlText& text) { return Checker(file, text).run(); }
 
 }  // namespace ragtop

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "robot_document.h"
+#include "xml_text.h"
 
 namespace ragtop {
 
@@ -25,6 +25,6 @@ struct CheckedRobotText {
 
 /// Checks what the library lets pass: every number and its range, names that are doubled, links that are missing.
 /// Throws AssetError with file and line.
-CheckedRobotText checkRobotText(const std::filesystem::path& path);
+CheckedRobotText checkRobotText(const std::string& file, XmlText& text);
 
 }  // namespace ragtop

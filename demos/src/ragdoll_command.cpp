@@ -7,6 +7,7 @@
 
 #include "json_text.h"
 #include "ragtop/asset_error.h"
+#include "ragtop/ragdoll_file.h"
 
 namespace ragtop::demos {
 namespace {
@@ -30,15 +31,24 @@ std::string toJson(const RagdollCommand& command, const RagdollSubject& subject,
                        jsonString(subject.name), body, jsonNumber(command.trial.hz), command.trial.seeds, lines);
 }
 
+/// What is tested afterwards is what the files say together.
+void write(RagdollSubject& subject, const std::string& out) {
+    const auto* fitted = std::get_if<RagdollDef>(&subject.def);
+    if (!fitted) throw AssetError(out + ": is not written: " + subject.name + " is a robot, must be a character");
+    subject.def = saveEditableRagdoll(*fitted, out);
+    fmt::print("{}: {} parts\n", out, std::get<RagdollDef>(subject.def).parts.size());
+}
+
 }  // namespace
 
 bool testRagdoll(const RagdollCommand& command) {
     RagdollSubject subject = loadRagdollSubject(command.asset);
     subject.holding = command.holding;
+    if (command.out) write(subject, *command.out);
     std::vector<RagdollFigure> figures;
     for (const RagdollTest& test : ragdollTests()) {
         const bool asked = std::find(command.tests.begin(), command.tests.end(), test.name) != command.tests.end();
-        if (!asked && !command.tests.empty()) continue;
+        if (!asked && (command.out || !command.tests.empty())) continue;
         for (RagdollFigure& figure : test.run(subject, command.trial)) {
             fmt::print("{}", line(figure));
             figures.push_back(std::move(figure));

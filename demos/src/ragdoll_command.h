@@ -14,6 +14,7 @@ struct RagdollCommand {
     bool holding = false;            ///< motors of a robot hold every joint
     RagdollTrialOptions trial;
     std::optional<std::string> json;  ///< file of the figures
+    std::optional<std::string> out;   ///< file of the ragdoll, to be edited; then only the tests that are named
 };
 
 /// Puts a ragdoll file, a character or a robot to the tests and prints one line per figure with its bound; true when

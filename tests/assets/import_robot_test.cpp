@@ -179,9 +179,9 @@ TEST(LoadRobot, KeepsRangesOfSeveralTurns) {
 }
 
 TEST(LoadRobot, TellsWhatAnotherFormatLooksLike) {
-    const TemporaryFile file("other.xml", "<!-- a robot -->\n<mujoco model='m'><worldbody/></mujoco>");
+    const TemporaryFile file("other.xml", "<!-- a robot -->\n<sdf version='1.6'><model/></sdf>");
     const std::string text = importError(file.path(), [&] { loadRobot(file.path()); });
-    EXPECT_NE(text.find("begins with <mujoco>, must with <robot>: robots are read from URDF; it looks like MJCF"),
+    EXPECT_NE(text.find("begins with <sdf>, must with <robot> (URDF) or <mujoco> (MJCF); it looks like SDFormat"),
               std::string::npos)
         << text;
 }

@@ -80,5 +80,23 @@ TEST(JsonDocument, SetsValuesByPath) {
     EXPECT_THROW(document.set("list.0.x.y", 5, "here"), AssetError);
 }
 
+TEST(JsonDocument, ObjectsOverListsChangeElementsByName) {
+    JsonDocument base =
+        JsonDocument::parse("{\"parts\": [{\"name\": \"head\", \"mass\": 4}, {\"name\": \"hip\"}]}", "base");
+    JsonDocument over = JsonDocument::parse("{\n\"parts\": {\n \"hip\": {\"mass\": 9}}}", "over");
+    over.layOver(base);
+    EXPECT_EQ(over.root().dump(), "{\"parts\":[{\"name\":\"head\",\"mass\":4},{\"name\":\"hip\",\"mass\":9}]}");
+    EXPECT_EQ(over.place("/parts/1/mass").file, "over");
+    EXPECT_EQ(over.place("/parts/1/mass").line, 3);
+    EXPECT_EQ(over.place("/parts/0/mass").file, "base");
+    JsonDocument strange = JsonDocument::parse("{\n\"parts\": {\"knee\": {}}}", "over");
+    try {
+        strange.layOver(base);
+        FAIL();
+    } catch (const AssetError& error) {
+        EXPECT_STREQ(error.what(), "over:2:19: /parts/knee is no element of the list, must be one of head, hip");
+    }
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -67,6 +67,13 @@ struct RobotCoupling {
     std::string name{};
     CouplingDef coupling{};     ///< with null joints
     std::vector<int> joints{};  ///< indices of joints, one per part
+    bool follows = false;       ///< the first joint follows the others
+};
+
+/// A pose that a file has a name for.
+struct RobotKeyframe {
+    std::string name{};
+    std::vector<float> coordinates{};  ///< rad or m, one per joint
 };
 
 /// What became of the elements of one name in a description.
@@ -82,6 +89,7 @@ struct Robot {
     std::vector<RobotLink> links{};
     std::vector<RobotJoint> joints{};
     std::vector<RobotCoupling> couplings{};
+    std::vector<RobotKeyframe> keyframes{};
     std::vector<RobotTag> tags{};  ///< all elements of the file, in the order of their names
     double mass = 0;               ///< kg
     std::vector<std::string> warnings{};
@@ -90,9 +98,10 @@ struct Robot {
     int findJoint(std::string_view name) const;
 };
 
-/// Reads URDF, besides capsules (URDF 1.1) and spherical joints (Bullet's dialect). docs/files.md has what each element
-/// becomes; what cannot be honoured (meshes that are absent, transmissions) is left out with a warning and counted in
-/// `tags`. Throws AssetError with the line: not XML, a value that is no number or out of range, a link that is missing.
+/// Reads URDF, besides capsules (URDF 1.1) and spherical joints (Bullet's dialect), and a part of MJCF. docs/files.md
+/// has what each element becomes; what cannot be honoured (meshes that are absent, transmissions) is left out with a
+/// warning and counted in `tags`. Throws AssetError with the line: not XML, a value that is no number or out of range,
+/// a link that is missing.
 Robot loadRobot(const std::filesystem::path& path, const RobotOptions& options = {});
 
 /// A robot in a world.
