@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "chain_support.h"
 
@@ -109,6 +110,65 @@ TEST(JointClosing, NoStepLeavesAJointOfAStruckRowOpen) {
                 }
             }
         }
+}
+
+/// The same of limits, which are closed up to a fiftieth of a radian, and left by a tenth where that cannot be.
+TEST(JointClosing, NoStepLeavesALimitPassed) {
+    constexpr float kLimit = 0.3f, kTorn = 0.1f;
+    for (const float ratio : {1.0f, 20.0f})
+        for (const float speed : {5.0f, 20.0f, 80.0f}) {
+            World world{inSpace()};
+            Row row(world, 8, ratio);
+            for (JointId& joint : row.joints) {
+                BallDef def = std::get<BallDef>(world.def(joint));
+                def.swingLimit = kLimit;
+                def.twistLimit = Range{-kLimit, kLimit};
+                world.setDef(joint, def);
+            }
+            world.setVelocity(row.bodies[3], {0, speed, 0.3f * speed}, {0.5f * speed, 0, 0});
+            for (int i = 0; i < 120; ++i) {
+                world.step(kDt);
+                for (std::size_t j = 1; j < row.bodies.size(); ++j) {
+                    const Quat turn =
+                        conjugate(world.pose(row.bodies[j - 1]).rotation) * world.pose(row.bodies[j]).rotation;
+                    const double swing = 2 * std::atan2(std::hypot(asDouble(turn.y), asDouble(turn.z)),
+                                                        std::hypot(asDouble(turn.w), asDouble(turn.x)));
+                    const double twist = 2 * std::atan2(asDouble(turn.x), asDouble(turn.w));
+                    ASSERT_LE(swing, kLimit + kTorn) << ratio << " at " << speed << " m/s, step " << i;
+                    ASSERT_LE(std::abs(std::remainder(twist, 2 * 3.14159265358979)), kLimit + kTorn)
+                        << ratio << " at " << speed << " m/s, step " << i;
+                }
+            }
+        }
+}
+
+/// What a step has thrown about ends it no more torn than it began, keeps its momentum and gains no energy.
+TEST(JointClosing, CutsAStepShortThatTearsALoop) {
+    World world{inSpace()};
+    Row row(world, 8, 200);
+    JointBodies across{.a = row.bodies[1], .b = row.bodies[6]};
+    across.frameA = {{1.25f, 0, 0}, {}}, across.frameB = {{-1.25f, 0, 0}, {}};
+    row.joints.push_back(world.create(BallDef{.bodies = across}));
+    world.setVelocity(row.bodies[3], {0, 300, 90}, {0, 0, 40});
+    world.setVelocity(row.bodies[4], {0, -300, 20}, {0, 70, 0});
+    Vec3 momentum;
+    double energy = 0;
+    for (const BodyId body : row.bodies) {
+        momentum += world.mass(body).mass * world.linearVelocity(body);
+        energy += kineticEnergy(world, body);
+    }
+    for (int i = 0; i < 60; ++i) {
+        world.step(kDt);
+        Vec3 now;
+        double sum = 0;
+        for (const BodyId body : row.bodies) {
+            now += world.mass(body).mass * world.linearVelocity(body);
+            sum += kineticEnergy(world, body);
+        }
+        ASSERT_LE(row.largestGap(world), 0.1f * 0.4f) << i;
+        ASSERT_LE(length(now - momentum), 1e-3f * length(momentum)) << i;
+        ASSERT_LE(sum, 1.005 * energy) << i;
+    }
 }
 
 /// Speeds that open joints are taken, none is given.

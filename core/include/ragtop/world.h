@@ -86,8 +86,8 @@ struct StepStats {
     /// was taken back, and how much, J.
     std::uint64_t energyGuarded = 0;
     double energyTaken = 0;
-    /// Since the world was made: times that a group of jointed bodies was moved because a step had left a joint open by
-    /// more than a fiftieth of its smaller body's size.
+    /// Since the world was made: times that a group of jointed bodies was moved because a step had left a joint open,
+    /// or beyond a limit, by more than a fiftieth of its smaller body's size, or rad.
     std::uint64_t jointsClosed = 0;
     /// Since the world was made: impulses of modules on bodies that they had not named, which were left out.
     std::uint64_t strayImpulses = 0;

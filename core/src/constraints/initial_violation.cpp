@@ -1,5 +1,8 @@
 #include "constraints/initial_violation.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace ragtop {
 namespace {
 
@@ -53,6 +56,14 @@ bool isViolatedInitially(const JointSim& joint) {
     forEachHardSide(const_cast<JointSim&>(joint),
                     [&](const StopSide& side, float size) { found = found || side.margin < -kSlight * size; });
     return found;
+}
+
+float limitOverrun(const JointSim& joint) {
+    float most = -std::numeric_limits<float>::max();
+    forEachHardSide(const_cast<JointSim&>(joint), [&](const StopSide& side, float size) {
+        if (side.recovery > 0) most = std::max(most, -side.margin / size);
+    });
+    return most;
 }
 
 void holdInitialViolation(JointSim& joint) {

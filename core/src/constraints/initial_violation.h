@@ -11,6 +11,9 @@ namespace ragtop {
 bool isViolatedInitially(const JointSim& joint);
 /// Lets the rows of sides that are violated hold without bringing anything back, until the definition is compiled
 /// anew.
+/// How far the joint is beyond its hard stops where it was placed last, rad or the same of its lengths; negative within
+/// them. Stops that it was made beyond do not count.
+float limitOverrun(const JointSim& joint);
 void holdInitialViolation(JointSim& joint);
 
 /// By how much a body is to be moved: m, and a rotation vector.

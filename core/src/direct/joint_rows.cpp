@@ -116,10 +116,12 @@ public:
         rest.target = static_cast<double>(resting.push - moving.push) * rest.resistance;
         push(row, kind, moving.push, 0, rest);
     }
-    /// The way that brings what is beyond a stop back to it, or that may be used up until it is met.
+    /// The way that brings what is beyond a stop back to it, or that may be used up until it is met. A joint that was
+    /// made beyond its stop comes back by itself.
     void close(SystemRow row, RowKind kind, const StopSide& side) const {
         row.lower = 0, row.upper = kNoBound;
-        push(row, kind, 0, -static_cast<double>(side.margin) * inverseH(), {});
+        const bool held = side.recovery == 0 && side.margin < 0;
+        push(row, kind, 0, held ? 0.0 : -static_cast<double>(side.margin) * inverseH(), {});
     }
     RowAims aims() const { return builder_.aims; }
     double inverseH() const { return builder_.context.inverseH; }

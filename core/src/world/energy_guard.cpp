@@ -23,6 +23,8 @@ constexpr double kRoom = 0.005;
 constexpr double kSpringRoom = 0.1;
 /// Share of its energy by which a group that nothing holds is moved as a whole by rounding alone.
 constexpr double kThrown = 0.1;
+/// Times what there was and what pushing out gives, beyond which impulses that made it are no estimate of any load.
+constexpr double kGarbage = 10;
 
 /// Motors, springs with moving targets, drives that push and couplings add what is not counted here; soft stops that
 /// turn by less than a radian per substep keep their own ledger (StopLedger); joints of more axes have any of them.
@@ -252,6 +254,21 @@ bool fits(float& room, const EnergyAccount& account) {
     return true;
 }
 
+/// J, that forces give in a step to bodies at rest which nothing holds.
+double givenAtOnce(const WorldImpl& world, std::span<const std::uint32_t> island) {
+    double energy = 0;
+    for (const std::uint32_t b : island) {
+        const Vec3 change = world.dt * world.bodies.dynamics[b].acceleration;
+        energy += 0.5 * static_cast<double>(world.bodies[b].mass * lengthSquared(change));
+    }
+    return energy;
+}
+
+/// Joints keep what else they know, as their turns.
+void dropImpulses(WorldImpl& world, std::span<const std::uint32_t> island) {
+    for (const std::uint32_t b : island) world.forgetImpulses(b, false);
+}
+
 void guardGroup(WorldImpl& world, std::size_t g) {
     EnergyGuard& guard = world.energyGuard;
     const std::span<const std::uint32_t> group = guard.membersOf(g);
@@ -282,12 +299,19 @@ void guardGroup(WorldImpl& world, std::size_t g) {
     beyond = std::min(beyond, account.now - look.pushed);
     double taken = takeEnergy(world, group, beyond, isIsolated);
     // Momenta too are wrong where impulses were so large that their rounding moves all of the group.
-    if (beyond - taken > kThrown * look.lawful) taken += takeEnergy(world, group, beyond - taken, false);
+    const double lawful = account.now - beyond;
+    if (const double more = accountOf(world, group).now - lawful; more > kThrown * look.lawful)
+        taken += takeEnergy(world, group, more, false);
     // What touches the group may have got some of it.
     if (!isIsolated) taken += takeEnergy(world, island, look.excess - left - look.pushed - taken, false);
-    if (guard.stores && whole - look.pushed - taken > account.room) {  // springs have the rest
-        stayPut(world, island);
+    // Springs have the rest, or heights of what is held: the way that led there is not gone.
+    const bool isLeft = whole - look.pushed - taken > account.room;
+    if (isLeft && (guard.stores || !isIsolated)) stayPut(world, island);
+    if (isLeft && guard.stores) {
         for (const std::uint32_t b : island) world.forgetImpulses(b);
+    } else if (taken > kGarbage * (look.lawful + look.pushed + givenAtOnce(world, island))) {
+        // Impulses that made more than there was would do so again as the next step's first guess.
+        dropImpulses(world, island);
     }
     look.excess -= taken;
     if (taken > 0) {
@@ -295,6 +319,22 @@ void guardGroup(WorldImpl& world, std::size_t g) {
         guard.taken += taken;
     }
     room = 0;
+}
+
+/// What a direct solve that fell back has given to bodies that no joint holds, which are in no group.
+void guardFallenBack(WorldImpl& world, const DirectIsland& fallen) {
+    EnergyGuard& guard = world.energyGuard;
+    GuardedIsland& look = islandOf(world, world.directSet.bodies[fallen.firstBody]);
+    const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
+    if (look.isDriven || !std::isfinite(look.excess)) return;
+    if (!(look.lawful >= 0)) look.lawful = accountOf(world, island).lawful;
+    const double taken = takeEnergy(world, island, look.excess - look.pushed - kRoom * look.lawful, false);
+    if (!(taken > 0)) return;
+    look.excess -= taken;
+    ++guard.caught;
+    guard.taken += taken;
+    if (overran(world, island, look.lawful)) stayPut(world, island);
+    dropImpulses(world, island);
 }
 
 /// Union-find over bodies that move and joints between them; false where there are no joints.
@@ -409,12 +449,14 @@ void guardEnergy(WorldImpl& world) {
         }
     });
     guard.islands.clear();
-    guard.islands.reserve(groups);
+    guard.islands.reserve(groups + world.directSet.islands.size());
     guard.visited.clear();
     guard.islandOf.resizeForOverwrite(world.bodies.size());
     for (const std::uint32_t body : world.bodies.awake) guard.islandOf[body] = kNone;
     for (std::size_t g = 0; g < groups; ++g)
         if (guard.suspects[g] != 0) guardGroup(world, g);
+    for (const DirectIsland& island : world.directSet.islands)
+        if (island.fellBack && island.jointCount > 0 && island.contactCount > 0) guardFallenBack(world, island);
 }
 
 }  // namespace ragtop

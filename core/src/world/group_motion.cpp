@@ -76,8 +76,10 @@ CommonMotion commonMotion(const WorldImpl& world, std::span<const std::uint32_t>
     motion.inertia = factorize(inertia, diagonal(inertia));
     motion.momentum = angular;
     motion.w = solve(motion.inertia, angular);
-    motion.rigid = 0.5 * (mass * static_cast<double>(lengthSquared(motion.v)) + static_cast<double>(dot(motion.w, angular)));
-    motion.inner = std::max(0.0, whole - motion.rigid);
+    // Rounding of the inertia of a group may make its common motion more than all of its motion.
+    motion.rigid = std::min(whole, 0.5 * (mass * static_cast<double>(lengthSquared(motion.v)) +
+                                          static_cast<double>(dot(motion.w, angular))));
+    motion.inner = whole - motion.rigid;
     return motion;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "constraints/initial_violation.h"
 #include "direct/choice.h"
 #include "direct/newton.h"
 #include "world/group_motion.h"
@@ -12,14 +13,20 @@ namespace ragtop {
 
 namespace {
 
-/// Gap between anchors, in sizes of the smaller body and beyond what turning leaves, that is closed.
+/// Gap between anchors, in sizes of the smaller body and beyond what turning leaves, or angle beyond a hard stop, rad,
+/// that is closed.
 constexpr float kOpen = 0.02f;
+constexpr float kTorn = 0.1f;          ///< the same, which no step may leave of joints that were closed
 constexpr float kClosed = 0.01f;       ///< the same, at which it is closed enough
-constexpr int kRounds = 12;            ///< of closing: errors are not linear in ways
+constexpr int kRounds = 24;            ///< of closing: errors are not linear in ways
 constexpr int kSofter = 6;             ///< softer systems that are tried where ways would be longer than kLargestTurn
 constexpr double kSoftening = 10;      ///< resistance of each over that of the one before
 constexpr double kHeld = 30;           ///< times as heavy is what a sweep of continuous collision holds up
-constexpr double kLargestTurn = 0.25;  ///< rad, up to which the way that closes joints is nearly straight
+constexpr float kLeastShare = 0.125f;  ///< of a step that is cut short, below which none of it is left
+constexpr float kLargestTurn = 0.25f;  ///< rad, of a round
+constexpr float kStraight = 0.25f;     ///< least share of the ways of a round: they are damped more instead
+constexpr float kBetter = 0.9f;        ///< of an opening, that counts as closed further
+constexpr int kPatience = 6;           ///< rounds that close nothing further
 
 /// The gap between a joint's anchors over the size of the smaller of the bodies that it moves; 0 where these have none.
 float opening(const WorldImpl& world, std::uint32_t index) {
@@ -36,14 +43,30 @@ float opening(const WorldImpl& world, std::uint32_t index) {
     return size > 0 ? length(gap) / size : 0;
 }
 
-/// What turning leaves of that: an arm r that turns by θ in a substep ends it ½ θ² r from where its speed led.
-float openingOfTurns(const WorldImpl& world, std::uint32_t index) {
+bool hasAngularStops(JointKind kind) { return kind == JointKind::ball || kind == JointKind::hinge; }
+
+/// How far the joint is beyond its angular stops, rad; it is placed anew only where it may be.
+float overrunNow(WorldImpl& world, std::uint32_t index) {
+    const JointRecord& joint = world.joints[index];
+    JointSim& sim = world.joints.sims[index];
+    if (!hasAngularStops(sim.kind)) return 0;
+    const Vec3 turning = world.bodies.states[sim.stateB].w - world.bodies.states[sim.stateA].w;
+    // Margins are those of the last substep or the one before it.
+    if (limitOverrun(sim) + 2 * world.context.h * length(turning) < kOpen) return 0;
+    placeJoint(sim, world.jointBodies(joint), world.bodies.states.data(), world.bodies.inertias.data());
+    return limitOverrun(sim);
+}
+
+/// What turning leaves of that: an arm r that turns by θ ends it ½ θ² r from where its speed led. `turnSquared` tells
+/// θ² of a body.
+template <class TurnSquared>
+float openingOfTurns(const WorldImpl& world, std::uint32_t index, TurnSquared&& turnSquared) {
     const JointRecord& joint = world.joints[index];
     const JointSim& sim = world.joints.sims[index];
     float left = 0, size = std::numeric_limits<float>::max();
     const auto add = [&](std::uint32_t body, const Vec3& arm) {
         if (!world.bodies.moves(body)) return;
-        left += 0.5f * world.context.h * world.context.h * lengthSquared(world.bodies.states[body].w) * length(arm);
+        left += 0.5f * turnSquared(body) * length(arm);
         size = std::min(size, world.bodies[body].size);
     };
     add(joint.bodyA, sim.localA.position);
@@ -63,9 +86,14 @@ void forEachJoint(const WorldImpl& world, std::span<const std::uint32_t> group, 
         }
 }
 
+/// Of joints that were just placed, in sizes and rad.
 float widestOpening(const WorldImpl& world, std::span<const std::uint32_t> joints) {
     float widest = 0;
-    for (const std::uint32_t joint : joints) widest = std::max(widest, opening(world, joint));
+    for (const std::uint32_t joint : joints) {
+        widest = std::max(widest, opening(world, joint));
+        if (hasAngularStops(world.joints.sims[joint].kind))
+            widest = std::max(widest, limitOverrun(world.joints.sims[joint]));
+    }
     return widest;
 }
 
@@ -77,34 +105,20 @@ bool isHeldOtherwise(const JointSim& sim) {
            sim.ball.stop.stiffness > 0;
 }
 
-bool isOpen(const WorldImpl& world, std::span<const std::uint32_t> group) {
+bool isOpen(WorldImpl& world, std::span<const std::uint32_t> group) {
     if (group.size() > direct::kMostBodies) return false;
     for (const std::uint32_t body : group)
         if (!world.bodies.moves(body) || !world.bodies.isAwake(body)) return false;
     bool open = false, otherwise = false;
+    const auto ofSubstep = [&](std::uint32_t body) {
+        return world.context.h * world.context.h * lengthSquared(world.bodies.states[body].w);
+    };
     forEachJoint(world, group, [&](std::uint32_t joint) {
-        open = open || opening(world, joint) > kOpen + openingOfTurns(world, joint);
+        open = open || opening(world, joint) > std::min(kOpen + openingOfTurns(world, joint, ofSubstep), kTorn) ||
+               overrunNow(world, joint) > kOpen;
         otherwise = otherwise || isHeldOtherwise(world.joints.sims[joint]);
     });
     return open && !otherwise;
-}
-
-/// The ways over a substep h that close the joints, by Newton's method on errors of places, with Levenberg's damping
-/// where these can hardly be closed: `softness` is that of the round before. Returns the largest turn, rad.
-double findWays(direct::IslandSystem& system, double h, double& softness) {
-    direct::SolveReport report;
-    double turn = 0;
-    softness = std::max(1.0, softness / (kSoftening * kSoftening));
-    system.soften(softness);
-    for (int i = 0; i <= kSofter; ++i) {
-        bool factored = false;
-        direct::pivot(system, factored, report);
-        turn = system.largestTurn(h);
-        if (!(turn > kLargestTurn) || i == kSofter) break;
-        system.soften(kSoftening);
-        softness *= kSoftening;
-    }
-    return turn;
 }
 
 void placeJoints(WorldImpl& world, std::span<const std::uint32_t> joints) {
@@ -145,30 +159,192 @@ bool hangs(const WorldImpl& world, std::span<const std::uint32_t> joints) {
     });
 }
 
-void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClosing::Bench& bench) {
-    direct::IslandSystem& system = bench.system;
-    const direct::IslandParts parts = partsOf(world, group, bench);
-    const std::span<const std::uint32_t> joints(bench.joints.data(), bench.joints.size());
-    const Vec3 momentum = angularMomentumAtStart(world, group);
+/// Speeds stay as they are seen from the body.
+void moveTo(WorldImpl& world, std::uint32_t index, const Pose& pose) {
+    BodyRecord& body = world.bodies[index];
+    world.turnVelocity(index, body.rotation, pose.rotation);
+    body.center = pose.position;
+    body.rotation = pose.rotation;
+    world.bodies.refreshInertia(index);
+}
+
+void keepPlaces(const WorldImpl& world, std::span<const std::uint32_t> group, AlignedArray<Pose>& places) {
+    places.clear();
+    for (const std::uint32_t body : group) places.push({world.bodies[body].center, world.bodies[body].rotation});
+}
+
+/// How much of the ways that were found closes joints: their turns open them again by their square, so that half of
+/// what is open is the most that pays.
+float shareOfWays(const WorldImpl& world, std::span<const std::uint32_t> joints, JointClosing::Bench& bench,
+                  float open) {
+    const double h = static_cast<double>(world.context.h);
+    bench.system.visitWays(h, [&](std::uint32_t body, const DVec3&, const DVec3& turning) {
+        bench.turns[world.jointClosing.localOf[body]] = lengthSquared(toVec3(turning));
+    });
+    const auto ofWay = [&](std::uint32_t body) { return bench.turns[world.jointClosing.localOf[body]]; };
+    float bend = 0;
+    for (const std::uint32_t joint : joints) bend = std::max(bend, openingOfTurns(world, joint, ofWay));
+    const auto turn = static_cast<float>(bench.system.largestTurn(h));
+    return std::min({1.0f, 0.5f * open / std::max(bend, 0.5f * open), kLargestTurn / std::max(turn, kLargestTurn)});
+}
+
+/// The ways over a substep that close the joints, by Newton's method on errors of places, with Levenberg's damping
+/// where these can hardly be closed: `softness` is that of the round before. Returns the share of them to go.
+float findWays(const WorldImpl& world, std::span<const std::uint32_t> joints, JointClosing::Bench& bench, float open,
+               float least, double& softness) {
+    direct::SolveReport report;
+    softness = std::max(1.0, softness / (kSoftening * kSoftening));
+    bench.system.soften(softness);
+    for (int i = 0;; ++i) {
+        bool factored = false;
+        direct::pivot(bench.system, factored, report);
+        const float share = shareOfWays(world, joints, bench, open);
+        if (share >= least || i == kSofter) return share;
+        bench.system.soften(kSoftening);
+        softness *= kSoftening;
+    }
+}
+
+/// To where they were closed best.
+void moveBack(WorldImpl& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
+              const JointClosing::Bench& bench) {
+    for (std::size_t i = 0; i < group.size(); ++i) moveTo(world, group[i], bench.best[i]);
     placeJoints(world, joints);
-    system.begin(parts, world.bodies.arrays(), world.context);
+}
+
+/// Ways in rounds until the joints are closed, or cannot be; where they were closed best. Returns the widest opening
+/// left.
+float closeByPlaces(WorldImpl& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
+                    JointClosing::Bench& bench) {
     const auto weightOf = [&](std::uint32_t body) {
         return world.sweptBodies.flags[world.bodies[body].awakeIndex] == kSwept ? kHeld : 1.0;
     };
-    const double h = static_cast<double>(world.context.h);
     double softness = 1;
-    for (int round = 0; round < kRounds && (round == 0 || widestOpening(world, joints) > kClosed); ++round) {
-        system.aimAtClosing(world.bodies.arrays(), world.jointContext, weightOf);
-        const double turn = findWays(system, h, softness);
-        const double share = turn > kLargestTurn ? kLargestTurn / turn : 1;
-        system.visitWays(share * h, [&](std::uint32_t body, const DVec3& way, const DVec3& turning) {
-            world.shiftBody(body, {toVec3(way), toVec3(turning)});
-        });
+    placeJoints(world, joints);
+    float open = widestOpening(world, joints), least = open;
+    bench.turns.resizeForOverwrite(group.size());
+    keepPlaces(world, group, bench.best);
+    int tried = 0;  // rounds since it was closed best
+    for (int round = 0; round < kRounds && tried < kPatience && open > kClosed; ++round) {
+        // Where damped ways lead nowhere, some of the straight ones always closes.
+        const bool damped = tried < kPatience / 2;
+        if (!damped && open > least) {
+            moveBack(world, group, joints, bench);
+            open = least;
+        }
+        bench.system.aimAtClosing(world.bodies.arrays(), world.jointContext, weightOf);
+        const float share = findWays(world, joints, bench, open, damped ? kStraight : 0.0f, softness);
+        bench.system.visitWays(static_cast<double>(share * world.context.h),
+                               [&](std::uint32_t body, const DVec3& way, const DVec3& turning) {
+                                   world.shiftBody(body, {toVec3(way), toVec3(turning)});
+                               });
         placeJoints(world, joints);
+        open = widestOpening(world, joints);
+        ++tried;
+        if (!(open < least)) continue;
+        if (open < kBetter * least) tried = 0;
+        least = open;
+        keepPlaces(world, group, bench.best);
     }
-    restJoints(world, system);
+    if (open > least) moveBack(world, group, joints, bench);
+    return least;
+}
+
+/// m, of the centre of mass of a group in its step.
+Vec3 commonWay(const WorldImpl& world, std::span<const std::uint32_t> group, std::span<const SweptPath> paths) {
+    float mass = 0;
+    Vec3 moment;
+    for (std::size_t i = 0; i < group.size(); ++i) {
+        const float m = world.bodies[group[i]].mass;
+        mass += m;
+        moment += m * paths[i].way;
+    }
+    return (1 / mass) * moment;
+}
+
+/// Puts a group where it was after a share of its step, but for a way that all of it goes to the end.
+void moveAlong(WorldImpl& world, std::span<const std::uint32_t> group, std::span<const SweptPath> paths,
+               const Vec3& common, float share) {
+    for (std::size_t i = 0; i < group.size(); ++i) {
+        Pose at = paths[i].at(share);
+        at.position = at.position + (1 - share) * common;
+        moveTo(world, group[i], at);
+    }
+}
+
+/// The widest opening of joints between bodies of the group and what never moves.
+float widestOfOwn(const WorldImpl& world, std::span<const std::uint32_t> joints) {
+    float widest = 0;
+    for (const std::uint32_t joint : joints) {
+        const auto isDriven = [&](std::uint32_t body) { return world.bodies[body].type == BodyType::kinematic; };
+        if (!isDriven(world.joints[joint].bodyA) && !isDriven(world.joints[joint].bodyB))
+            widest = std::max(widest, widestOpening(world, {&joint, 1}));
+    }
+    return widest;
+}
+
+/// Hinges that have been thrown about have counted turns that they have not made: those within a turn have the one that
+/// leads into their range.
+void countTurnsAnew(WorldImpl& world, std::span<const std::uint32_t> joints) {
+    for (const std::uint32_t joint : joints) {
+        AxisRows& axis = world.joints.sims[joint].axis;
+        if ((axis.features & AxisRows::kLimit) != 0 && axis.upper - axis.lower < 2 * kPi) axis.tracked = 0;
+    }
+}
+
+/// A step that ends where joints cannot be closed is cut short: the joints were closed where it began, so that they are
+/// nearly so a little further on. A group that nothing holds goes on as a whole. One that began open has no such place.
+float closeEarlier(WorldImpl& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
+                   JointClosing::Bench& bench) {
+    const std::span<const SweptPath> paths(bench.paths.data(), bench.paths.size());
+    const Vec3 common = hangs(world, joints) ? Vec3{} : commonWay(world, group, paths);
+    moveAlong(world, group, paths, common, 0);
+    countTurnsAnew(world, joints);
+    placeJoints(world, joints);
+    const bool beganOpen = widestOfOwn(world, joints) > kTorn;
+    float share = beganOpen ? 1.0f : 0.5f;
+    for (;; share *= 0.5f) {
+        if (share < kLeastShare) share = 0;
+        moveAlong(world, group, paths, common, share);
+        if (closeByPlaces(world, group, joints, bench) <= kTorn || beganOpen || share == 0) break;
+    }
+    return share;
+}
+
+/// J, that forces give a group on the way from where its step led it.
+double workOfClosing(const WorldImpl& world, std::span<const std::uint32_t> group, std::span<const SweptPath> paths) {
+    double work = 0;
+    for (std::size_t i = 0; i < group.size(); ++i) {
+        const BodyRecord& body = world.bodies[group[i]];
+        const Vec3 way = toVec3(body.center - paths[i].from.position) - paths[i].way;
+        work += static_cast<double>(body.mass * dot(world.bodies.dynamics[group[i]].acceleration, way));
+    }
+    return work;
+}
+
+double kineticOf(const WorldImpl& world, std::span<const std::uint32_t> group) {
+    double kinetic = 0;
+    for (const std::uint32_t body : group) kinetic += kineticEnergy(world, body, world.bodies[body].rotation);
+    return kinetic;
+}
+
+void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClosing::Bench& bench) {
+    const direct::IslandParts parts = partsOf(world, group, bench);
+    const std::span<const std::uint32_t> joints(bench.joints.data(), bench.joints.size());
+    const Vec3 momentum = angularMomentumAtStart(world, group);
+    const double kinetic = kineticOf(world, group);
+    bench.paths.clear();
+    for (const std::uint32_t body : group) bench.paths.push(world.pathOfStep(body));
+    bench.system.begin(parts, world.bodies.arrays(), world.context);
+    float share = 1;
+    if (closeByPlaces(world, group, joints, bench) > kTorn) share = closeEarlier(world, group, joints, bench);
+    restJoints(world, bench.system);
     // Places that move beside velocities change what these make about the centre of mass.
-    if (!hangs(world, joints)) turnToMomentum(world, group, momentum);
+    const bool isFree = !hangs(world, joints);
+    if (isFree) turnToMomentum(world, group, momentum);
+    const double work = workOfClosing(world, group, {bench.paths.data(), bench.paths.size()});
+    takeEnergy(world, group, kineticOf(world, group) - (share > 0 ? std::max(0.0, kinetic + std::min(0.0, work)) : 0.0),
+               isFree);
     for (const std::uint32_t body : group) world.bodies.storeMomentum(body);
 }
 

@@ -8,6 +8,7 @@
 #include "base/aligned_array.h"
 #include "constraints/joint_sim.h"
 #include "direct/island_system.h"
+#include "world/swept_motion.h"
 
 /// Closes joints by places where a step has left them open (docs/adr/0039). Whatever way its island
 /// is solved, a group of bodies that joints hold together ends no step with its anchors further apart than a small part
@@ -27,9 +28,13 @@ struct JointClosing {
     AlignedArray<std::uint32_t> localOf;  ///< per body, its number in its group's system
     /// Of each worker.
     struct Bench {
-        explicit Bench(std::pmr::memory_resource* memory) : joints(memory), sims(memory), system(memory) {}
+        explicit Bench(std::pmr::memory_resource* memory)
+            : joints(memory), sims(memory), paths(memory), best(memory), turns(memory), system(memory) {}
         AlignedArray<std::uint32_t> joints;
         AlignedArray<JointSim*> sims;
+        AlignedArray<SweptPath> paths;  ///< of the group's bodies in this step
+        AlignedArray<Pose> best;        ///< where they were closed best
+        AlignedArray<float> turns;      ///< rad², of the ways of a round
         direct::IslandSystem system;
     };
     std::vector<std::unique_ptr<Bench>> benches;

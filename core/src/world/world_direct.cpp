@@ -330,6 +330,11 @@ void WorldImpl::startCooldown(const DirectIsland& island, bool rests) {
         if (rests) body.directFailures = 0;
         if (costly) body.directSteps -= direct::kFactorSteps;
         if (!failed && body.directSteps > 0) continue;
+        if (island.mechanism) {  // Newton's method is next
+            body.directFailures = 1;
+            islands.graphChanged = islands.directChanged = true;
+            continue;
+        }
         body.directSteps = -(direct::kCooldownSteps << body.directFailures);
         if (body.directFailures < direct::kMostDoublings) ++body.directFailures;
         islands.graphChanged = islands.directChanged = true;

@@ -67,7 +67,7 @@ struct WorldImpl {
     void makeRoomToFinish();
     bool leftRange(std::uint32_t body) const;
     void stayPut(std::uint32_t body);
-    void forgetImpulses(std::uint32_t body);
+    void forgetImpulses(std::uint32_t body, bool anew = true);
     void stopOutOfRange();
     bool takes(bool finite, const char* what);
 

@@ -23,11 +23,14 @@ MechanismJointKind mechanismJoint(JointKind kind) {
 
 }  // namespace
 
-/// Rigid rows of balls, hinges and fixed joints, between bodies that turn freely and touch nothing.
+/// Rigid rows of balls, hinges and fixed joints, between bodies that turn freely and touch nothing. Where joints stand
+/// open, or hold bodies in a line or a plane, these may have had no answer: Newton's method has one.
 bool WorldImpl::keepsOwnTime(const DirectIsland& island) const {
     if (island.tree || island.contactCount > 0 || island.jointCount == 0) return false;
-    for (std::uint32_t i = 0; i < island.bodyCount; ++i)
-        if (!turnsFreely(directSet.bodies[island.firstBody + i])) return false;
+    for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
+        const std::uint32_t body = directSet.bodies[island.firstBody + i];
+        if (!turnsFreely(body) || bodies[body].directFailures > 0) return false;
+    }
     for (std::uint32_t i = 0; i < island.jointCount; ++i)
         if (!isTreeJoint(joints.sims[directSet.joints[island.firstJoint + i]])) return false;
     return true;

@@ -40,8 +40,8 @@ void WorldImpl::stayPut(std::uint32_t index) {
     bodies.refreshInertia(index);
 }
 
-/// Constraints of a body begin anew.
-void WorldImpl::forgetImpulses(std::uint32_t index) {
+/// Constraints of a body begin without a guess, or as if they had just been made.
+void WorldImpl::forgetImpulses(std::uint32_t index, bool anew) {
     for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts.next(key)) {
         ContactRecord& record = contacts[key >> 1];
         record.bearsLoad = false;
@@ -49,6 +49,10 @@ void WorldImpl::forgetImpulses(std::uint32_t index) {
     }
     for (std::uint32_t key = bodies[index].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
         JointSim& joint = joints.sims[key >> 1];
+        if (!anew) {
+            rescaleJoint(joint, 0);
+            continue;
+        }
         JointSim fresh{};
         fresh.stateA = joint.stateA, fresh.stateB = joint.stateB;
         joint = fresh;
