@@ -92,6 +92,22 @@ function(ragtop_precompile target)
     endif()
 endfunction()
 
+# ragtop_unity(<target> [ALONE <regex>]): compiles eight sources at a time. Their headers, and what templates make of those
+# again in each source, are most of what they cost. Sources whose paths match the expression use the same names for
+# different things and stay alone. Call it when the target has all its sources.
+function(ragtop_unity target)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "ALONE" "")
+    if(NOT RAGTOP_UNITY)
+        return()
+    endif()
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    if(arg_ALONE)
+        get_target_property(sources ${target} SOURCES)
+        list(FILTER sources INCLUDE REGEX "${arg_ALONE}")
+        set_source_files_properties(${sources} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    endif()
+endfunction()
+
 # ragtop_use_headers(<target> <package target>...): compiles against header-only packages without linking them,
 # so that they stay out of the exported targets and consumers need not have them.
 function(ragtop_use_headers target)

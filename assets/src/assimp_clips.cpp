@@ -8,6 +8,8 @@
 #include <map>
 #include <utility>
 
+#include "assimp_math.h"
+
 namespace ragtop {
 namespace {
 
@@ -23,15 +25,15 @@ void readKeys(const Key* keys, unsigned count, double rate, std::vector<float>& 
     }
 }
 
-Vec3 toVec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 Quat toQuat(const aiQuaternion& q) { return normalized(Quat{q.x, q.y, q.z, q.w}); }
 
 ImportedChannel toChannel(const aiNodeAnim& from, std::int32_t node, double rate) {
     ImportedChannel channel;
     channel.node = node;
-    readKeys(from.mPositionKeys, from.mNumPositionKeys, rate, channel.positionTimes, channel.positions, toVec3);
+    const auto vector = [](const aiVector3D& v) { return toVec3(v); };
+    readKeys(from.mPositionKeys, from.mNumPositionKeys, rate, channel.positionTimes, channel.positions, vector);
     readKeys(from.mRotationKeys, from.mNumRotationKeys, rate, channel.rotationTimes, channel.rotations, toQuat);
-    readKeys(from.mScalingKeys, from.mNumScalingKeys, rate, channel.scaleTimes, channel.scales, toVec3);
+    readKeys(from.mScalingKeys, from.mNumScalingKeys, rate, channel.scaleTimes, channel.scales, vector);
     return channel;
 }
 

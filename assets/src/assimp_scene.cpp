@@ -16,6 +16,7 @@
 #include "assimp_clips.h"
 #include "assimp_folder.h"
 #include "assimp_looks.h"
+#include "assimp_math.h"
 #include "axes.h"
 #include "file_kind.h"
 #include "import_child.h"
@@ -113,8 +114,6 @@ void sceneFields(Stream& stream, Scene& scene) {
     stream(scene.images);
     stream(scene.warnings);
 }
-
-Vec3 toVec3(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
 Affine toAffine(const aiMatrix4x4& m) {
     return {{{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}}, {m.a4, m.b4, m.c4}};

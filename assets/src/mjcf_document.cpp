@@ -9,11 +9,10 @@
 #include "import_text.h"
 #include "mjcf_links.h"
 #include "ragtop/asset_error.h"
+#include "single.h"
 
 namespace ragtop {
 namespace {
-
-float single(double value) { return static_cast<float>(value); }
 
 /// N m or N of an actuator without a bound.
 constexpr double kUnbounded = 1e9;

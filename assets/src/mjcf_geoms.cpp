@@ -3,10 +3,10 @@
 #include <array>
 #include <map>
 
+#include "single.h"
+
 namespace ragtop {
 namespace {
-
-float single(double value) { return static_cast<float>(value); }
 
 constexpr double kDensity = 1000;  // kg/m³, of geoms that do not say
 constexpr double kTurn = 3.14159265358979323846;

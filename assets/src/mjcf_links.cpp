@@ -3,10 +3,10 @@
 #include <array>
 #include <utility>
 
+#include "single.h"
+
 namespace ragtop {
 namespace {
-
-float single(double value) { return static_cast<float>(value); }
 
 /// kg m² as links have it, of a body's matrix.
 void setMass(ImportedRobotLink& link, const MassProperties& mass) {

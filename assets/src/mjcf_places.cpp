@@ -2,10 +2,10 @@
 
 #include <array>
 
+#include "single.h"
+
 namespace ragtop {
 namespace {
-
-float single(double value) { return static_cast<float>(value); }
 
 Vec3 vectorOf(const double* v) { return {single(v[0]), single(v[1]), single(v[2])}; }
 

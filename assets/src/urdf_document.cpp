@@ -9,6 +9,7 @@
 
 #include "ragtop/asset_error.h"
 #include "robot_xml.h"
+#include "single.h"
 
 namespace ragtop {
 namespace {
@@ -35,8 +36,6 @@ public:
     std::string error;
     std::vector<std::string> warnings;
 };
-
-float single(double value) { return static_cast<float>(value); }
 
 Vec3 toVec3(const urdf::Vector3& v) { return {single(v.x), single(v.y), single(v.z)}; }
 

@@ -12,7 +12,7 @@ namespace ragtop::demos {
 namespace {
 
 constexpr int kPushes = 64;
-constexpr double kSettled = 6, kFall = 4;     ///< s
+constexpr double kFall = 4;                   ///< s
 constexpr float kLeast = 1.6f, kMost = 2.6f;  ///< of what a body without a step can take
 constexpr float kLost = 0.03f;  ///< m, of the capture point beyond the feet, at which it gives up standing
 constexpr double kArmsFirst = 0.9, kHeadShare = 0.6;

@@ -10,7 +10,7 @@
 namespace ragtop::demos {
 namespace {
 
-constexpr double kStill = 60, kSettled = 6, kAfter = 6;  ///< s
+constexpr double kStill = 60, kAfter = 6;  ///< s
 constexpr float kShare = 0.8f;                           ///< of what a body without a step can take
 constexpr float kSlope = 5 * kPi / 180;
 constexpr float kAcceleration = 1;  ///< m/s²

@@ -9,6 +9,9 @@
 
 namespace ragtop::demos {
 
+/// s, in which a human that is set upright comes to stand still.
+inline constexpr double kSettled = 6;
+
 /// A human that balances on a floor of its own.
 class RagdollStander {
 public:

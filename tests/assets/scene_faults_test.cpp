@@ -37,14 +37,14 @@ std::vector<std::string> faultsOf(const std::string& members) {
     return {};
 }
 
-Scene sceneOf(const std::string& members) {
+Scene sceneWith(const std::string& members) {
     const TemporaryFile file("starts.json", "{" + members + "}");
     return loadScene(file.path());
 }
 
 /// What is told of where things begin.
 std::vector<std::string> overlapsIn(const std::string& members) {
-    const Scene scene = sceneOf(members);
+    const Scene scene = sceneWith(members);
     return startOverlaps(scene);
 }
 
@@ -215,8 +215,8 @@ TEST(Scene, TakesNoDegreesForRadians) {
     // Doors do not wind, winches do.
     const std::string door = R"("bodies": [{"name": "a", "shape": {"sphere": {}}}],
 "joints": [{"name": "j", "a": "a", "anchor": [0, 0, 0], "hinge": {"limit": {"lower": -1.5, "upper": )";
-    EXPECT_THAT(sceneOf(door + "90}}}]").warnings, ElementsAre(HasSubstr("joint \"j\" may turn more than once round")));
-    EXPECT_THAT(sceneOf(door + "1.5}}}]").warnings, IsEmpty());
+    EXPECT_THAT(sceneWith(door + "90}}}]").warnings, ElementsAre(HasSubstr("joint \"j\" may turn more than once round")));
+    EXPECT_THAT(sceneWith(door + "1.5}}}]").warnings, IsEmpty());
 }
 
 const std::string kGround =

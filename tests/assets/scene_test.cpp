@@ -17,13 +17,6 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A file that is there for one test.
-std::filesystem::path fileWith(const std::string& name, const std::string& text) {
-    const auto path = temporaryPath(name);
-    std::ofstream(path) << text;
-    return path;
-}
-
 TEST(Scene, ShipsWhatTheProgramLists) {
     EXPECT_THAT(shippedScenes(), testing::IsSupersetOf({"chain", "crash", "crash_unhit", "door", "hills", "mechanisms",
                                                         "rain", "tower", "track", "wrecker"}));

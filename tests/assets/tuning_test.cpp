@@ -36,12 +36,6 @@ void describe(Visitor& visit, Self& self, const Wind*) {
     visit(Tunable{"heights", "m", 0, 100, "of the layers"}, self.heights);
 }
 
-std::filesystem::path fileWith(const std::string& name, const std::string& text) {
-    const auto path = temporaryPath(name);
-    std::ofstream(path) << text;
-    return path;
-}
-
 std::vector<std::string> pathsOf(const Scene& scene) {
     std::vector<std::string> paths;
     for (const TunableField& field : tunablesOf(scene)) paths.push_back(field.path);

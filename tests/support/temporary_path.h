@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -32,4 +33,11 @@ private:
 inline std::filesystem::path temporaryPath(const std::string& name) {
     static const TemporaryOfProcess folder;
     return std::filesystem::path(folder.path) / name;
+}
+
+/// A file of one test with this text.
+inline std::filesystem::path fileWith(const std::string& name, const std::string& text) {
+    const auto path = temporaryPath(name);
+    std::ofstream(path) << text;
+    return path;
 }
