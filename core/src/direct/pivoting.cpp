@@ -9,7 +9,7 @@ namespace ragtop::direct {
 
 namespace {
 
-constexpr int kPivots = 512;     ///< after which a system falls back; five suffice nearly always
+constexpr int kPivots = 512;     ///< after which a system falls back; struck tangles take seven on average
 constexpr int kQuick = 128;      ///< of these that are chosen for speed
 constexpr int kBlocks = 4;       ///< times that rows may change sides together without fewer being wrong
 constexpr int kRefinements = 2;  ///< of the answer, by which rounding of the factor is taken back

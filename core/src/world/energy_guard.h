@@ -11,7 +11,7 @@
 /// energy, kinetic and of springs and soft stops, in a step than forces and gravity have given them along the way they
 /// went:
 ///   ΔK + ΔU ≤ Σ m a · dp + τ · dθ + room,
-/// with a room of a few thousandths for what an integrator trades between places and speeds; it is filled again by what is
+/// with a room of 0.5 %, a tenth where springs store, for what an integrator trades between places and speeds; refilled by what is
 /// dissipated only, so that no slow growth passes. What is beyond is taken from the motion of the bodies against each
 /// other, never below what they began the step with: momenta stay as they are.
 namespace ragtop {
