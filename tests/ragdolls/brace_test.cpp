@@ -16,11 +16,6 @@ namespace {
 
 constexpr double kDt = 1.0 / 60;
 
-const RagdollDef& human() {
-    static const RagdollDef def = makeRagdoll(HumanRig().skeleton, {.bodyMass = 75});
-    return def;
-}
-
 struct Faller {
     World world;
     BodyId floor;

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "ragtop/ragdoll.h"
 #include "ragtop/skeleton.h"
 
 namespace ragtop {
@@ -52,5 +53,11 @@ struct HumanRig {
 
     Vec3 at(int bone) const { return skeleton.bones[static_cast<std::size_t>(bone)].bind.position; }
 };
+
+/// That person as a ragdoll of 75 kg.
+inline const RagdollDef& human() {
+    static const RagdollDef def = makeRagdoll(HumanRig().skeleton, {.bodyMass = 75});
+    return def;
+}
 
 }  // namespace ragtop

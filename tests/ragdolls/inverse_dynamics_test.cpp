@@ -12,7 +12,7 @@
 namespace ragtop {
 namespace {
 
-const RagdollDef& human() {
+const RagdollDef& frictionless() {
     static const RagdollDef def = makeRagdoll(HumanRig().skeleton, {.bodyMass = 75, .jointFriction = 0});
     return def;
 }
@@ -70,17 +70,17 @@ TEST(InverseDynamics, KnowTheAccelerationOfWhatWhirls) {
 
 TEST(InverseDynamics, AskNothingOfWhatFallsAndTheWeightOfWhatStands) {
     World world;
-    Ragdoll body(world, human());
+    Ragdoll body(world, frictionless());
     const InverseDynamics dynamics(world, body);
-    std::vector<Vec3> torques(human().joints.size());
-    const std::vector<PartMotion> falling(human().parts.size(), PartMotion{{0, -9.81f, 0}, {}});
+    std::vector<Vec3> torques(frictionless().joints.size());
+    const std::vector<PartMotion> falling(frictionless().parts.size(), PartMotion{{0, -9.81f, 0}, {}});
     PartMotion root = dynamics.torques(falling, {}, torques);
     EXPECT_LT(length(root.linear) + length(root.angular), 1e-3f);
     for (const Vec3& torque : torques) EXPECT_LT(length(torque), 1e-3f);
     root = dynamics.torques({}, {}, torques);
     EXPECT_NEAR(root.linear.y, 75 * 9.81f, 0.01f);
     // On one hip.
-    std::vector<PartMotion> outside(human().parts.size());
+    std::vector<PartMotion> outside(frictionless().parts.size());
     outside[0] = {{0, 75 * 9.81f, 0}, {}};
     root = dynamics.torques({}, outside, torques);
     EXPECT_LT(length(root.linear), 0.01f);
@@ -89,12 +89,12 @@ TEST(InverseDynamics, AskNothingOfWhatFallsAndTheWeightOfWhatStands) {
 /// What hangs on a hand is borne by all joints up to the root.
 TEST(InverseDynamics, BearWhatIsCarried) {
     World world;
-    Ragdoll body(world, human());
+    Ragdoll body(world, frictionless());
     InverseDynamics dynamics(world, body);
-    std::vector<Vec3> before(human().joints.size()), after(human().joints.size());
+    std::vector<Vec3> before(frictionless().joints.size()), after(frictionless().joints.size());
     dynamics.torques({}, {}, before);
     std::size_t hand = 0;
-    while (human().parts[hand].role != BodyRole::hand) ++hand;
+    while (frictionless().parts[hand].role != BodyRole::hand) ++hand;
     const DVec3 at = world.centerOfMass(body.bodies()[hand]);
     const BodyId load = world.create(DynamicBody{.shape = Sphere{0.1f}, .position = at});
     const Frame place{inverseTransformPoint(world.pose(body.bodies()[hand]), at), {}};
@@ -114,7 +114,7 @@ TEST(InverseDynamics, BearWhatIsCarried) {
 
 /// The torques that a motion takes, given to the joints of a body in flight, are that motion in the world itself.
 TEST(InverseDynamics, GiveTheMotionThatTheWorldMakesOfThem) {
-    RagdollDef def = human();
+    RagdollDef def = frictionless();
     for (RagdollJoint& joint : def.joints) {
         if (auto* ball = std::get_if<BallDef>(&joint.joint)) ball->swingLimit.reset(), ball->twistLimit.reset();
         // Balls all, so that any acceleration is possible.
@@ -171,9 +171,9 @@ TEST(InverseDynamics, GiveTheMotionThatTheWorldMakesOfThem) {
 
 TEST(InverseDynamics, LookWithoutMemory) {
     World world;
-    Ragdoll body(world, human());
+    Ragdoll body(world, frictionless());
     InverseDynamics dynamics(world, body);
-    std::vector<Vec3> torques(human().joints.size());
+    std::vector<Vec3> torques(frictionless().joints.size());
     const long before = heapCalls();
     dynamics.look();
     dynamics.torques({}, {}, torques);

@@ -22,11 +22,6 @@ const HumanRig& rig() {
     return human;
 }
 
-const RagdollDef& human() {
-    static const RagdollDef def = makeRagdoll(rig().skeleton, {.bodyMass = 75});
-    return def;
-}
-
 void bend(LocalPose& pose, int bone, const Vec3& axis, float angle) {
     Frame& frame = pose.bones[static_cast<std::size_t>(bone)];
     frame.rotation = normalized(frame.rotation * rotationAbout(axis, angle));
@@ -164,6 +159,7 @@ TEST(Muscles, AChangeOfStrengthIsNoJump) {
 
 /// Knees that cannot hold their shanks push as hard as they may where each step begins. What slips within a step is
 /// damped beyond that, by less the slower it begins to: after the first steps the mean over one is within the bound.
+/// How far it will slip is known only of what hangs free: a foot on the ground is held by more than its own inertia.
 TEST(Muscles, TheBoundOfTheTorqueIsKept) {
     Held held({.strength = 0.005f});
     const auto joint = static_cast<std::size_t>(jointOf(BodyRole::shank, BodySide::left));

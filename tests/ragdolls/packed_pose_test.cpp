@@ -13,11 +13,6 @@
 namespace ragtop {
 namespace {
 
-const RagdollDef& human() {
-    static const RagdollDef def = makeRagdoll(HumanRig().skeleton);
-    return def;
-}
-
 float angleBetween(const Quat& a, const Quat& b) { return length(rotationVector(conjugate(a) * b)); }
 
 /// Bodies that fall, lie and are dragged by a hand, near the origin and far away.

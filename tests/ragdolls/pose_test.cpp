@@ -13,7 +13,7 @@
 namespace ragtop {
 namespace {
 
-const Skeleton& human() {
+const Skeleton& humanBones() {
     static const Skeleton skeleton = HumanRig().skeleton;
     return skeleton;
 }
@@ -31,7 +31,7 @@ private:
 /// Every bone turned by up to `most` rad and stretched a little.
 LocalPose anyPose(unsigned seed, float most = 1.5f) {
     Numbers numbers(seed);
-    LocalPose pose = restPose(human(), {{3, 2, 1}, numbers.turn(3)});
+    LocalPose pose = restPose(humanBones(), {{3, 2, 1}, numbers.turn(3)});
     for (Frame& bone : pose.bones) {
         bone.rotation = normalized(bone.rotation * numbers.turn(most));
         bone.position += 0.01f * Vec3{numbers.next(), numbers.next(), numbers.next()};
@@ -49,7 +49,9 @@ float apart(const std::vector<Pose>& a, const std::vector<Pose>& b) {
             {most, length(relative(a[i].position, b[i].position)), angleBetween(a[i].rotation, b[i].rotation)});
     return most;
 }
-float apart(const LocalPose& a, const LocalPose& b) { return apart(writePose(human(), a), writePose(human(), b)); }
+float apart(const LocalPose& a, const LocalPose& b) {
+    return apart(writePose(humanBones(), a), writePose(humanBones(), b));
+}
 
 /// Unit quaternions of single precision hold 1e-7; a chain of ten of them, and an angle from them, some times that.
 constexpr float kRounding = 5e-6f;
@@ -57,11 +59,11 @@ constexpr float kRounding = 5e-6f;
 TEST(Pose, WhatIsWrittenIsRead) {
     for (unsigned seed = 1; seed <= 20; ++seed) {
         const LocalPose pose = anyPose(seed);
-        EXPECT_LT(apart(pose, readPose(human(), writePose(human(), pose))), kRounding);
+        EXPECT_LT(apart(pose, readPose(humanBones(), writePose(humanBones(), pose))), kRounding);
     }
     std::vector<Pose> rest;
-    for (const Bone& bone : human().bones) rest.push_back(Pose{{1, 2, 3}, {}} * bone.bind);
-    EXPECT_LT(apart(rest, writePose(human(), restPose(human(), {{1, 2, 3}, {}}))), kRounding);
+    for (const Bone& bone : humanBones().bones) rest.push_back(Pose{{1, 2, 3}, {}} * bone.bind);
+    EXPECT_LT(apart(rest, writePose(humanBones(), restPose(humanBones(), {{1, 2, 3}, {}}))), kRounding);
 }
 
 TEST(Pose, ABlendGoesFromOneToTheOtherByTheShortWay) {
@@ -101,10 +103,10 @@ TEST(Pose, AddingADifferenceUndoesSubtracting) {
 }
 
 TEST(Pose, AGestureOfOneBoneIsTheSameOnAnyBase) {
-    LocalPose waving = restPose(human());
+    LocalPose waving = restPose(humanBones());
     const Quat wave = rotationAbout({0, 0, 1}, 0.5f);
     waving.bones[8].rotation = waving.bones[8].rotation * wave;
-    const LocalPose base = anyPose(3), both = add(base, subtract(waving, restPose(human())));
+    const LocalPose base = anyPose(3), both = add(base, subtract(waving, restPose(humanBones())));
     for (std::size_t i = 1; i < base.bones.size(); ++i) {
         const Quat expected = i == 8 ? normalized(base.bones[i].rotation * wave) : base.bones[i].rotation;
         EXPECT_LT(angleBetween(both.bones[i].rotation, expected), kRounding);
@@ -113,7 +115,7 @@ TEST(Pose, AGestureOfOneBoneIsTheSameOnAnyBase) {
 
 TEST(Pose, AMirrorSwapsTheSidesAndTwiceIsNone) {
     const HumanRig rig;
-    const PoseMirror mirror(human());
+    const PoseMirror mirror(humanBones());
     EXPECT_EQ(mirror.twin(rig.head), rig.head);
     for (const auto& pair : {rig.hand, rig.foot, rig.upperArm, rig.toe}) {
         EXPECT_EQ(mirror.twin(pair[0]), pair[1]);
@@ -124,7 +126,7 @@ TEST(Pose, AMirrorSwapsTheSidesAndTwiceIsNone) {
         const LocalPose pose = anyPose(seed);
         EXPECT_LT(apart(mirror(mirror(pose, placement), placement), pose), 2 * kRounding);
     }
-    EXPECT_LT(apart(mirror(restPose(human())), restPose(human())), kRounding);
+    EXPECT_LT(apart(mirror(restPose(humanBones())), restPose(humanBones())), kRounding);
 }
 
 /// On a symmetric body every bone is where the reflection of its twin is.
@@ -147,12 +149,12 @@ TEST(Pose, AMirroredPoseIsTheReflectionInTheWorld) {
 }
 
 TEST(Pose, ADefinitionKnowsItsSkeleton) {
-    const Skeleton skeleton = skeletonOf(makeRagdoll(human()));
+    const Skeleton skeleton = skeletonOf(makeRagdoll(humanBones()));
     EXPECT_EQ(whyInvalid(skeleton), "");
     for (std::size_t i = 0; i < skeleton.bones.size(); ++i) {
-        EXPECT_EQ(skeleton.bones[i].name, human().bones[i].name);
-        EXPECT_EQ(skeleton.bones[i].parent, human().bones[i].parent);
-        EXPECT_LT(length(skeleton.bones[i].bind.position - human().bones[i].bind.position), 1e-6f);
+        EXPECT_EQ(skeleton.bones[i].name, humanBones().bones[i].name);
+        EXPECT_EQ(skeleton.bones[i].parent, humanBones().bones[i].parent);
+        EXPECT_LT(length(skeleton.bones[i].bind.position - humanBones().bones[i].bind.position), 1e-6f);
     }
 }
 
@@ -160,12 +162,12 @@ TEST(Pose, AnotherNumberOfBonesIsRefused) {
     const LocalPose pose = anyPose(1);
     LocalPose shorter = pose;
     shorter.bones.pop_back();
-    std::vector<Pose> world(human().bones.size() - 1);
-    EXPECT_THROW(readPose(human(), world), std::invalid_argument);
-    EXPECT_THROW(writePose(human(), pose, world), std::invalid_argument);
+    std::vector<Pose> world(humanBones().bones.size() - 1);
+    EXPECT_THROW(readPose(humanBones(), world), std::invalid_argument);
+    EXPECT_THROW(writePose(humanBones(), pose, world), std::invalid_argument);
     EXPECT_THROW(blend(pose, shorter, 0.5f), std::invalid_argument);
     EXPECT_THROW(subtract(pose, shorter), std::invalid_argument);
-    EXPECT_THROW(PoseMirror{human()}(shorter), std::invalid_argument);
+    EXPECT_THROW(PoseMirror{humanBones()}(shorter), std::invalid_argument);
     EXPECT_THROW(PoseMirror{Skeleton{}}, std::invalid_argument);
 }
 

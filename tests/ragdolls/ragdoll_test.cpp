@@ -14,11 +14,6 @@
 namespace ragtop {
 namespace {
 
-const RagdollDef& human() {
-    static const RagdollDef def = makeRagdoll(HumanRig().skeleton, {.bodyMass = 75});
-    return def;
-}
-
 TEST(Ragdoll, SpawnsWhereItsBonesRest) {
     World world;
     const Pose placement{{100, 5, -3}, rotationAbout({0, 1, 0}, 0.7f)};
