@@ -114,7 +114,7 @@ TEST(JointClosing, NoStepLeavesAJointOfAStruckRowOpen) {
 
 /// The same of limits, which are closed up to a fiftieth of a radian, and left by a tenth where that cannot be.
 TEST(JointClosing, NoStepLeavesALimitPassed) {
-    constexpr float kLimit = 0.3f, kTorn = 0.1f;
+    constexpr float kLimit = 0.3f, kTorn = 0.05f;
     for (const float ratio : {1.0f, 20.0f})
         for (const float speed : {5.0f, 20.0f, 80.0f}) {
             World world{inSpace()};

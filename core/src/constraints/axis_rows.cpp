@@ -342,7 +342,7 @@ RowAim aimAtStop(const StopSide& side, const Stop& stop, float inverseMass, cons
     } else if (moving && side.margin > 0) {
         aim.target = -side.margin * context.inverseH;
     } else if (moving) {
-        aim.soft = true;
+        // It carries its whole load: with the leak of soft rows a limit under weight would stand passed by λ/(m h² ω²).
         const float recovery = -context.softness.biasRate * side.margin, fastest = side.recovery * context.inverseH;
         aim.target = recovery < fastest ? recovery : fastest;
     } else if (side.margin > 0 && !(side.impulse > 0)) {

@@ -116,7 +116,26 @@ double pushEnergy(const WorldImpl& world, std::uint32_t index) {
     return 0.5 * static_cast<double>(world.bodies[index].mass) * speed * speed;
 }
 
-/// All that a body touches or is joined to, and so on; each island is looked at once in a step, whatever asks for it.
+/// What a body of an island touches or is joined to.
+template <class Reach>
+void lookAround(const WorldImpl& world, std::uint32_t body, GuardedIsland& look, Reach&& reach) {
+    for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
+         key = world.joints[key >> 1].edges[key & 1].next) {
+        look.stores |= storesEnergy(world.joints.sims[key >> 1]);
+        reach((key & 1) != 0 ? world.joints[key >> 1].bodyA : world.joints[key >> 1].bodyB);
+    }
+    for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.contacts.next(key)) {
+        const ContactRecord& contact = world.contacts[key >> 1];
+        if (contact.sensor || contact.firstManifold == kNone) continue;
+        const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
+        look.isDriven |= world.bodies[other].type == BodyType::kinematic || isBelt(world, contact);
+        look.isPushed |= overlaps(world, contact);
+        reach(other);
+    }
+}
+
+/// All that a body touches or is joined to, and so on; each island is looked at once in a step, whatever asks for
+/// it.
 GuardedIsland& islandOf(WorldImpl& world, std::uint32_t first) {
     EnergyGuard& guard = world.energyGuard;
     if (guard.islandOf[first] != kNone) return guard.islands[guard.islandOf[first]];
@@ -135,17 +154,7 @@ GuardedIsland& islandOf(WorldImpl& world, std::uint32_t first) {
     for (std::size_t i = look.begin; i < guard.visited.size(); ++i) {
         const std::uint32_t body = guard.visited[i];
         look.excess += excessOf(world, body);
-        for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
-             key = world.joints[key >> 1].edges[key & 1].next)
-            reach((key & 1) != 0 ? world.joints[key >> 1].bodyA : world.joints[key >> 1].bodyB);
-        for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.contacts.next(key)) {
-            const ContactRecord& contact = world.contacts[key >> 1];
-            if (contact.sensor || contact.firstManifold == kNone) continue;
-            const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
-            look.isDriven |= world.bodies[other].type == BodyType::kinematic || isBelt(world, contact);
-            look.isPushed |= overlaps(world, contact);
-            reach(other);
-        }
+        lookAround(world, body, look, reach);
     }
     look.end = static_cast<std::uint32_t>(guard.visited.size());
     for (std::size_t i = look.begin; i < look.end && look.isPushed; ++i) look.pushed += pushEnergy(world, guard.visited[i]);
@@ -306,8 +315,8 @@ void guardGroup(WorldImpl& world, std::size_t g) {
     if (!isIsolated) taken += takeEnergy(world, island, look.excess - left - look.pushed - taken, false);
     // Springs have the rest, or heights of what is held: the way that led there is not gone.
     const bool isLeft = whole - look.pushed - taken > account.room;
-    if (isLeft && (guard.stores || !isIsolated)) stayPut(world, island);
-    if (isLeft && guard.stores) {
+    if (isLeft && (look.stores || !isIsolated)) stayPut(world, island);
+    if (isLeft && look.stores) {
         for (const std::uint32_t b : island) world.forgetImpulses(b);
     } else if (taken > kGarbage * (look.lawful + look.pushed + givenAtOnce(world, island))) {
         // Impulses that made more than there was would do so again as the next step's first guess.

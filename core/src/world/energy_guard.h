@@ -33,6 +33,7 @@ struct GuardedIsland {
     double pushed = 0;        ///< J, of its bodies at the speed that overlaps push with; 0 where none does
     double lawful = -1;       ///< J, kinetic at most; negative: not asked for yet
     bool isPushed = false;
+    bool stores = false;      ///< some joint has springs or soft stops
     bool isDriven = false;    ///< something in it is moved that no force moves
     bool hangs = false;       ///< on what does not move
 };
@@ -54,7 +55,7 @@ struct EnergyGuard {
     AlignedArray<std::uint32_t> visited;  ///< bodies of the islands that were looked at, one island after the other
     AlignedArray<std::uint32_t> islandOf;  ///< per body, which of these it is in
     AlignedArray<GuardedIsland> islands;
-    bool stores = false;                  ///< some joint has springs or soft stops
+    bool stores = false;                  ///< some joint of some group does
     std::uint64_t caught = 0;             ///< times that energy was taken, since the world was made
     double taken = 0;                     ///< J
 

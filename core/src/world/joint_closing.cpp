@@ -17,6 +17,7 @@ namespace {
 /// that is closed.
 constexpr float kOpen = 0.02f;
 constexpr float kTorn = 0.1f;          ///< the same, which no step may leave of joints that were closed
+constexpr float kTornStop = 0.05f;     ///< rad beyond a hard stop, likewise
 constexpr float kClosed = 0.01f;       ///< the same, at which it is closed enough
 constexpr int kRounds = 24;            ///< of closing: errors are not linear in ways
 constexpr int kSofter = 6;             ///< softer systems that are tried where ways would be longer than kLargestTurn
@@ -86,13 +87,13 @@ void forEachJoint(const WorldImpl& world, std::span<const std::uint32_t> group, 
         }
 }
 
-/// Of joints that were just placed, in sizes and rad.
+/// Of joints that were just placed, in sizes; what is beyond stops counts as the gap that is as torn.
 float widestOpening(const WorldImpl& world, std::span<const std::uint32_t> joints) {
     float widest = 0;
     for (const std::uint32_t joint : joints) {
         widest = std::max(widest, opening(world, joint));
         if (hasAngularStops(world.joints.sims[joint].kind))
-            widest = std::max(widest, limitOverrun(world.joints.sims[joint]));
+            widest = std::max(widest, kTorn / kTornStop * limitOverrun(world.joints.sims[joint]));
     }
     return widest;
 }
