@@ -20,7 +20,7 @@ void placeCar(World& world, const Vehicle& car, const Manoeuvre& manoeuvre) {
     const Quat attitude = tilt * rotationAbout({0, 1, 0}, start.heading) * rotationAbout({1, 0, 0}, start.pitch) *
                           rotationAbout({0, 0, 1}, -start.roll);
     world.setPose(car.chassis(), {DVec3(rotate(tilt, {0, start.height, 0})), attitude});
-    world.setVelocity(car.chassis(), start.speed * rotate(attitude, {0, 0, 1}), {});
+    world.setVelocity(car.chassis(), rotate(attitude, {start.sideSpeed, 0, start.speed}), {});
 }
 
 float between(float a, float b, float share) { return a + share * (b - a); }

@@ -26,6 +26,13 @@ static void describe(Visitor& visit, Self& self, const TrackRubble*) {
     visit(Tunable{"count", "1", 1, 5000, "of cubes"}, self.count);
 }
 template <class Visitor, class Self>
+static void describe(Visitor& visit, Self& self, const TrackLoop*) {
+    visit(Tunable{"radius", "m", 2, 100, "of its circle"}, self.radius);
+    visit(Tunable{"at", "m", 0, 1900, "along the way, of its lowest point"}, self.at);
+    visit(Tunable{"aside", "m", 0, 50, "to the left, of its end from its beginning"}, self.aside);
+    visit(Tunable{"width", "m", 1, 50, "of its track"}, self.width);
+}
+template <class Visitor, class Self>
 static void describe(Visitor& visit, Self& self, const TrackGround*) {
     visit(Tunable{"friction", "1", 0, 10, "of the ground"}, self.friction);
     visit(Tunable{"rightFriction", "1", 0, 10, "right of x = 0; absent: the same"}, self.rightFriction);
@@ -34,6 +41,7 @@ static void describe(Visitor& visit, Self& self, const TrackGround*) {
     visit(Tunable{"kerb", "", 0, 0, "a step up across the way"}, self.kerb);
     visit(Tunable{"wall", "", 0, 0, "across the way"}, self.wall);
     visit(Tunable{"rubble", "", 0, 0, "loose cubes on the way"}, self.rubble);
+    visit(Tunable{"loop", "", 0, 0, "a looping on the way"}, self.loop);
 }
 template <class Visitor, class Self>
 static void describe(Visitor& visit, Self& self, const TrackStart*) {
@@ -42,6 +50,7 @@ static void describe(Visitor& visit, Self& self, const TrackStart*) {
     visit(Tunable{"heading", "rad", -kWholeTurn, kWholeTurn, "to the left"}, self.heading);
     visit(Tunable{"roll", "rad", -kWholeTurn, kWholeTurn, "to the right"}, self.roll);
     visit(Tunable{"speed", "m/s", -100, 150, "forward, wheels rolling"}, self.speed);
+    visit(Tunable{"sideSpeed", "m/s", -100, 100, "to the left"}, self.sideSpeed);
 }
 template <class Visitor, class Self>
 static void describe(Visitor& visit, Self& self, const TrackInput*) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace ragtop {
 namespace {
@@ -53,6 +54,25 @@ void scatter(World& world, const TrackRubble& rubble, const Quat& tilt, const Ma
     }
 }
 
+/// Triangles of 2° of the circle, their fronts inside.
+void bend(World& world, const TrackLoop& loop, const Quat& tilt, const Material& material) {
+    constexpr unsigned kPieces = 180;
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    for (unsigned i = 0; i <= kPieces; ++i) {
+        const float share = static_cast<float>(i) / static_cast<float>(kPieces);
+        const Vec3 spoke = rotate(rotationAbout({1, 0, 0}, -2 * kPi * share), {0, -loop.radius, 0});
+        for (const float side : {-0.5f, 0.5f}) {
+            vertices.push_back(spoke + Vec3{side * loop.width + share * loop.aside, loop.radius, loop.at});
+        }
+    }
+    for (unsigned i = 0; i < 2 * kPieces; i += 2) {
+        triangles.push_back({i, i + 2, i + 1});
+        triangles.push_back({i + 1, i + 2, i + 3});
+    }
+    world.create(StaticBody{.shape = TriangleMesh(vertices, triangles), .rotation = tilt, .material = material});
+}
+
 }  // namespace
 
 Quat trackTilt(const TrackGround& ground) { return rotationAbout({1, 0, 0}, -arcTan2(ground.slope, 1)); }
@@ -72,6 +92,7 @@ void layTrack(World& world, const TrackGround& ground, std::optional<float> fric
         const float height = 0.5f * ground.wall->height;
         lay({half, height, 1}, {0, height, ground.wall->at + 1}, left);
     }
+    if (ground.loop) bend(world, *ground.loop, lay.tilt, left);
     if (ground.rubble) scatter(world, *ground.rubble, lay.tilt, left);
 }
 

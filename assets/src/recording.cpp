@@ -30,7 +30,9 @@ void Recording::Impl::add(BodyId id, int frame) {
     body.id = id;
     body.type = world->type(id);
     body.firstFrame = frame;
-    for (const ShapeId shape : world->shapes(id)) body.parts.push_back({world->geometry(shape), world->frame(shape)});
+    for (const ShapeId shape : world->shapes(id)) {
+        if (!world->givesWay(shape)) body.parts.push_back({world->geometry(shape), world->frame(shape)});
+    }
     if (id.index >= trackOfIndex.size()) trackOfIndex.resize(std::size_t{id.index} + 1, kNone);
     trackOfIndex[id.index] = scene.bodies.size();
     scene.bodies.push_back(std::move(body));

@@ -132,6 +132,7 @@ private:
     void collect(BodyId body) {
         if (sensors_.contains(body)) return;
         for (const ShapeId shape : world_.shapes(body)) {
+            if (world_.givesWay(shape)) continue;
             Piece piece;
             piece.body = body;
             piece.moves = world_.type(body) == BodyType::dynamic;

@@ -22,30 +22,57 @@ TEST(StaticLoads, AreNoneForWheelsInALine) {
     EXPECT_TRUE(staticLoads({{0, 0, 1}, {0, 0, 0}, {0, 0, -1}}, 1000).empty());
 }
 
-/// A mass on a strut, free to move: two periods apart the undamped sway has the same phase. Backward Euler lengthens
-/// the period by (ω h)²/3 relative, 1e-6 here.
+/// A strut on a tire that hardly yields.
+StrutSpec strutOf(const SuspensionDef& def, float load, float g, float tireStiffness = 1e9f) {
+    WheelDef wheel;
+    wheel.suspension = def;
+    wheel.tire.radialStiffness = tireStiffness;
+    return makeStrut(wheel, load, g);
+}
+
+/// The period of a mass that sways on a strut and its tire; two crossings apart it has the same phase.
+double periodOf(const StrutSpec& strut, float load, float g, float h) {
+    const float mass = load / g;
+    double height = -0.02, speed = 0, crossing = -1;
+    float compression = 0.02f;
+    for (int i = 0; i < 40000; ++i) {
+        const auto free = static_cast<float>(speed) - h * g;
+        const float squash = static_cast<float>(-height) - compression + strut.tireSquash;
+        const StrutVisit visit = solveStrut(strut, compression, squash, 1, h, 1 / mass, free);
+        compression += visit.way;
+        speed += static_cast<double>(visit.impulse) / static_cast<double>(mass) - static_cast<double>(h * g);
+        const double before = height;
+        height += static_cast<double>(h) * speed;
+        if (before < 0 && height >= 0) {
+            const double now = (i + before / (before - height)) * static_cast<double>(h);
+            if (crossing >= 0) return now - crossing;
+            crossing = now;
+        }
+    }
+    return 0;
+}
+
+/// Backward Euler lengthens the period by (ω h)²/3 relative, 1e-6 here.
 TEST(Strut, SwaysAtItsFrequency) {
     SuspensionDef def;
     def.frequency = 1.4f;
     def.dampingRatio = 0;
     def.travelUp = def.travelDown = 1;
-    const float load = 3000, g = 9.81f, mass = load / g, h = 1.0f / 4000;
-    const StrutSpec strut = makeStrut(def, load, g);
-    double height = -0.02, speed = 0;
-    double crossing = -1, period = 0;
-    for (int i = 0; i < 8000; ++i) {
-        const auto free = static_cast<float>(speed) - h * g;
-        const float impulse = solveStrut(strut, static_cast<float>(-height), 1, h, 1 / mass, free);
-        speed += static_cast<double>(impulse) / static_cast<double>(mass) - static_cast<double>(h * g);
-        const double before = height;
-        height += static_cast<double>(h) * speed;
-        if (before < 0 && height >= 0) {
-            const double now = (i + before / (before - height)) * static_cast<double>(h);
-            if (crossing >= 0 && period == 0) period = now - crossing;
-            crossing = now;
-        }
+    EXPECT_NEAR(periodOf(strutOf(def, 3000, 9.81f), 3000, 9.81f, 1.0f / 4000), 1 / 1.4, 2e-3 / 1.4);
+}
+
+/// Springs in series: 1/k = 1/k_strut + 1/k_tire, so that with a tire as stiff as the strut the period is √2 longer.
+TEST(Strut, SwaysOnATireAsSpringsInSeriesDo) {
+    SuspensionDef def;
+    def.stiffness = 30000.0f;
+    def.dampingRatio = 0;
+    def.travelUp = def.travelDown = 1;
+    const double mass = 3000 / 9.81;
+    for (const float tire : {30000.0f, 200000.0f}) {
+        const double both = 1 / (1 / 30000.0 + 1 / static_cast<double>(tire));
+        const double expected = 2 * 3.14159265358979 * std::sqrt(mass / both);
+        EXPECT_NEAR(periodOf(strutOf(def, 3000, 9.81f, tire), 3000, 9.81f, 1.0f / 4000), expected, 2e-3 * expected);
     }
-    EXPECT_NEAR(period, 1 / 1.4, 2e-3 / 1.4);
 }
 
 /// However stiff the strut and long the step, it stops what falls on it and never throws it back faster.
@@ -53,17 +80,50 @@ TEST(Strut, NeverOvershoots) {
     for (const float stiffness : {1e3f, 1e6f, 1e9f, 1e12f}) {
         SuspensionDef def;
         def.stiffness = stiffness;
-        const StrutSpec strut = makeStrut(def, 3000, 9.81f);
+        const StrutSpec strut = strutOf(def, 3000, 9.81f);
         const float K = 1.0f / 300, free = -5;
-        const float impulse = solveStrut(strut, 0, 1, 1.0f / 30, K, free);
+        const float impulse = solveStrut(strut, 0, strut.tireSquash, 1, 1.0f / 30, K, free).impulse;
         EXPECT_LE(free + K * impulse, 3000 * K / 30 + 1e-3f) << stiffness;
         EXPECT_GE(impulse, 0);
     }
 }
 
 TEST(Strut, PushesOnly) {
-    const StrutSpec strut = makeStrut({}, 3000, 9.81f);
-    EXPECT_EQ(solveStrut(strut, 0, 1, 1.0f / 240, 1.0f / 300, 50), 0);
+    const StrutSpec strut = strutOf({}, 3000, 9.81f);
+    EXPECT_EQ(solveStrut(strut, 0, strut.tireSquash, 1, 1.0f / 240, 1.0f / 300, 50).impulse, 0);
+}
+
+/// However fast the ground comes up, a tire presses with no more than it is squashed by, and the strut gives way.
+TEST(Strut, OnATireMeetsAKerbWithTheTiresForce) {
+    const StrutSpec strut = strutOf({}, 3000, 9.81f, 200000);
+    const float h = 1.0f / 1000, speed = 50;
+    const StrutVisit visit = solveStrut(strut, 0, strut.tireSquash, 1, h, 0, -speed);
+    EXPECT_LE(visit.impulse / h, 3000 + 200000 * speed * h);
+    EXPECT_GT(visit.way, 0);
+    EXPECT_LT(visit.way, speed * h);
+}
+
+/// On ground that stays, a load that lags lacks (1 − share)ⁿ of what it lacked.
+TEST(Strut, LoadThatLagsGoesToThatOfItsSquashGeometrically) {
+    const StrutSpec strut = strutOf({.stiffness = 1e9f}, 3000, 9.81f, 200000);
+    const float h = 1.0f / 240, squash = strut.tireSquash + 0.01f;
+    LoadLag lag{0.25f, 3000};
+    for (int i = 1; i <= 8; ++i) {
+        const StrutVisit visit = solveStrut(strut, 0, squash, 1, h, 0, 0, 0, lag);
+        lag.load = visit.impulse / h;
+        EXPECT_NEAR(lag.load, 5000 - 2000 * std::pow(0.75f, static_cast<float>(i)), 5) << i;
+    }
+}
+
+TEST(Strut, LetsAWheelInTheAirFallToItsDroopStop) {
+    const StrutSpec strut = strutOf({}, 3000, 9.81f);
+    float compression = 0.05f;
+    for (int i = 0; i < 240; ++i) {
+        const float way = fallOfWheel(strut, compression, 1.0f / 240);
+        EXPECT_LE(way, 0);
+        compression += way;
+    }
+    EXPECT_FLOAT_EQ(compression, -strut.travelDown);
 }
 
 TEST(Steering, TurnsAllWheelsAboutOnePoint) {

@@ -97,6 +97,7 @@ TEST(VehicleAttitude, OnLeaningStrutsItSinksAlongThem) {
     for (WheelDef& wheel : def.wheels) {
         wheel.suspension.axis = {lean, 1, 0};
         wheel.tire.corneringStiffness = 100;
+        wheel.tire.radialStiffness = 3e6f;
     }
     Road road(0, awake());
     Vehicle car(road.world, def);

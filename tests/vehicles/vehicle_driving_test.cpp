@@ -270,7 +270,7 @@ TEST(Vehicle, IsPressedDownByItsWings) {
     Road road;
     const float area = -3;
     Vehicle car(road.world, winged(area), {.position = {0, 0, -500}, .speed = 50});
-    run(road.world, 2);
+    run(road.world, 4);
     const float speed = car.telemetry().speed, pressed = 0.5f * 1.2f * -area * speed * speed;
     EXPECT_NEAR(totalLoad(car), 1200 * kGravity + pressed, 2e-3f * pressed);
 }

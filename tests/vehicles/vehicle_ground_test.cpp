@@ -80,6 +80,7 @@ TEST(Vehicle, BouncesAtTheFrequencyOfItsSprings) {
     VehicleDef def = plainTires(1);
     def.chassis.centerOfMass = Vec3{0, 0.5f, 0};
     for (WheelDef& wheel : def.wheels) {
+        wheel.tire.radialStiffness = 1e6f;
         wheel.suspension.frequency = 1.25f;
         wheel.suspension.dampingRatio = 0;
     }

@@ -1,6 +1,50 @@
 #include "chassis.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
 namespace ragtop {
+namespace {
+
+/// The turn that takes up to where a strut points.
+Quat strutRotation(const WheelDef& wheel) { return rotationBetween({0, 1, 0}, normalized(wheel.suspension.axis)); }
+
+/// A wheel about its hub as what is beside, before and behind it meets it: round, its corners as far out of
+/// the circle as its sides are in it. A side looks ahead, so that it stands for what a wheel meets as a wall. In a frame
+/// whose y is the strut's axis.
+ConvexHull wheelHull(const WheelDef& wheel) {
+    constexpr int kSides = 16;
+    const float out = 2 / (1 + std::cos(kPi / kSides));
+    constexpr float kThinnest = 0.02f, kWidest = 20;  // half of its width over its radius, of what has a hull
+    const float radius = out * wheel.radius;
+    const float half = std::clamp(0.5f * wheel.width, kThinnest * radius, kWidest * radius);
+    const Quat fromChassis = conjugate(strutRotation(wheel));
+    std::vector<Vec3> points;
+    for (int i = 0; i < kSides; ++i) {
+        const Vec3 spoke = rotate(rotationAbout({1, 0, 0}, kPi * static_cast<float>(2 * i + 1) / kSides), {0, 1, 0});
+        for (const float across : {-half, half})
+            points.push_back(rotate(fromChassis, Vec3{across, 0, 0} + radius * spoke));
+    }
+    return ConvexHull(points);
+}
+
+}  // namespace
+
+Material wheelMaterial(const VehicleDef& def, const WheelDef& wheel) {
+    Material material = def.chassis.material;
+    constexpr float kPatch = 0.3f;  // of a radius, half of the length of a patch that is squashed as under a car
+    constexpr float kLoss = 0.2f;   // of what rubber takes up when it is squashed [Gent, Walter 2006]
+    const float rocking = std::min(kLoss * kPatch * wheel.radius, 1.0f);
+    material.rollingResistance = std::max(material.rollingResistance, rocking);
+    return material;
+}
+
+Frame wheelShapeFrame(const WheelDef& wheel, float risen, float angle) {
+    return {wheel.position + risen * normalized(wheel.suspension.axis),
+            normalized(strutRotation(wheel) * rotationAbout({0, 1, 0}, angle))};
+}
 
 MassProperties chassisMass(const ChassisDef& def) {
     std::vector<MassProperties> parts;
@@ -22,6 +66,15 @@ BodyDef chassisBody(const VehicleDef& def, const VehiclePlacement& placement) {
         part.frame = shape.frame;
         part.material = def.chassis.material;
         part.filter = def.chassis.filter;
+        body.shapes.push_back(std::move(part));
+    }
+    for (const WheelDef& wheel : def.wheels) {
+        ShapeDef part;
+        part.geometry = wheelHull(wheel);
+        part.frame = wheelShapeFrame(wheel, 0, 0);
+        part.material = wheelMaterial(def, wheel);
+        part.filter = def.chassis.filter;
+        part.givesWay = true;
         body.shapes.push_back(std::move(part));
     }
     body.pose = {placement.position, rotationAbout({0, 1, 0}, placement.heading)};

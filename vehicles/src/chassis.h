@@ -5,9 +5,16 @@
 
 namespace ragtop {
 
-/// Mass, centre and inertia of a chassis, in its frame: those of its shapes at even density, scaled to its mass, unless
-/// the definition says otherwise.
+/// Mass, centre and inertia of the whole car: the shapes scaled to the definition's mass, but for what it says itself.
 MassProperties chassisMass(const ChassisDef& def);
+
+/// The body of a car there: its bodywork, and after that its wheels, which give way along their struts.
 BodyDef chassisBody(const VehicleDef& def, const VehiclePlacement& placement);
+
+/// Of the sides of a wheel: the bodywork's, with what its rubber takes of rolling and rocking.
+Material wheelMaterial(const VehicleDef& def, const WheelDef& wheel);
+
+/// Of a wheel's shape in the chassis, its hub risen along the strut and turned about it, to the left.
+Frame wheelShapeFrame(const WheelDef& wheel, float risen, float angle);
 
 }  // namespace ragtop

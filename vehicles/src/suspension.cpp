@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ragtop {
 
-StrutSpec makeStrut(const SuspensionDef& def, float staticLoad, float gravity) {
+StrutSpec makeStrut(const WheelDef& wheel, float staticLoad, float gravity) {
+    constexpr float kSquash = 0.05f;  // of a radius, of a tire that stands, where nothing is said: as of passenger cars
+    constexpr float kRim = 0.2f;      // of a radius, of the side wall that gives way before the rim is met
+    constexpr float kMost = 1.5f, kSolid = 20;  // of the travel, and of the rubber's stiffness, of what is behind it
+    const SuspensionDef& def = wheel.suspension;
     const float mass = staticLoad / gravity;
     const float omega = 2 * kPi * def.frequency;
     StrutSpec strut;
@@ -19,6 +24,12 @@ StrutSpec makeStrut(const SuspensionDef& def, float staticLoad, float gravity) {
     strut.bumpStiffness = def.bumpStopStiffness * strut.stiffness;
     // Rubber gives back little: half of critical.
     strut.bumpDamping = std::sqrt(strut.bumpStiffness * mass);
+    strut.tireStiffness = wheel.tire.radialStiffness.value_or(staticLoad / (kSquash * wheel.radius));
+    strut.tireSquash = staticLoad / strut.tireStiffness;
+    strut.rimSquash = strut.tireSquash + kRim * wheel.radius;
+    strut.travelMost = kMost * strut.travelUp;
+    strut.solidStiffness = kSolid * strut.bumpStiffness;
+    strut.wheelWeight = wheel.mass * gravity;
     return strut;
 }
 
@@ -47,25 +58,86 @@ std::vector<float> staticLoads(const std::vector<Vec3>& positions, float weight)
 }
 
 float springForce(const StrutSpec& strut, float compression) {
-    const float bump = std::max(compression - strut.travelUp, 0.0f);
-    return strut.load + strut.stiffness * compression + strut.bumpStiffness * bump;
+    const float bump = std::max(compression - strut.travelUp, 0.0f),
+                most = std::max(compression - strut.travelMost, 0.0f);
+    return strut.load + strut.stiffness * compression + strut.bumpStiffness * bump + strut.solidStiffness * most;
 }
 
-float solveStrut(const StrutSpec& strut, float compression, float slant, float h, float K, float free) {
-    float force = strut.load + strut.stiffness * compression;
-    float stiffness = strut.stiffness, extraDamping = 0;
-    if (compression > strut.travelUp) {
-        force += strut.bumpStiffness * (compression - strut.travelUp);
-        stiffness += strut.bumpStiffness;
-        extraDamping = strut.bumpDamping;
+namespace {
+
+constexpr float kStopped = std::numeric_limits<float>::infinity();  ///< N/m, of a strut at its droop stop
+constexpr float kRimStiffness = 10;                                 ///< of the tire's, where its rim is on the ground
+
+/// F = force + stiffness w, of a way w in a substep.
+struct Line {
+    float force = 0, stiffness = 0;
+};
+
+/// Of a strut on the piece of its curve that holds at `end`.
+Line strutLine(const StrutSpec& strut, float compression, float end, float damping, float h) {
+    Line line{strut.load + strut.stiffness * compression, strut.stiffness + damping / h};
+    if (end > strut.travelUp) {
+        line.force += strut.bumpStiffness * (compression - strut.travelUp);
+        line.stiffness += strut.bumpStiffness + (compression > strut.travelUp ? strut.bumpDamping / h : 0);
     }
-    const auto impulse = [&](float damping) {
-        const float g = h * (h * stiffness + damping + extraDamping) / (slant * slant);
-        return (h * force / slant - g * free) / (1 + g * K);
-    };
-    float result = impulse(strut.compressionDamping);
-    if (free + K * result > 0) result = impulse(strut.reboundDamping);
-    return std::max(result, 0.0f);
+    if (end > strut.travelMost) {
+        line.force += strut.solidStiffness * (compression - strut.travelMost);
+        line.stiffness += strut.solidStiffness;
+    }
+    return line;
+}
+
+/// Of a tire, along its strut; its way makes it longer.
+Line tireLine(const StrutSpec& strut, float squash, float end, float slant, float rub, const LoadLag& lag) {
+    const float rim = end > strut.rimSquash ? kRimStiffness * strut.tireStiffness : 0;
+    const float load = strut.tireStiffness * squash + rim * (squash - strut.rimSquash);
+    return {slant * (lag.load + lag.share * (load - lag.load)) + rub,
+            slant * slant * lag.share * (strut.tireStiffness + rim)};
+}
+
+}  // namespace
+
+/// Each of the pieces is tried from those that hold at the beginning; the curves rise and bend up, so that a piece that
+/// is left is left for the next one.
+StrutVisit solveStrut(const StrutSpec& strut, float compression, float squash, float slant, float h, float K,
+                      float free, float rub, const LoadLag& lag) {
+    constexpr int kMostPieces = 6;
+    const float yielding = h * h * K / (slant * slant), coming = -h * free / slant;
+    float end = compression, squashed = squash, force = 0, way = 0, stiffness = kStopped;
+    for (int piece = 0; piece < kMostPieces; ++piece) {
+        const Line tire = tireLine(strut, squash, squashed, slant, rub, lag);
+        const auto meet = [&](float damping) {
+            const Line line = strutLine(strut, compression, end, damping, h);
+            const float share = 1 / (line.stiffness + tire.stiffness), both = line.stiffness * tire.stiffness * share;
+            force = (share * (tire.stiffness * line.force + line.stiffness * tire.force) +
+                     both * (coming + yielding * rub)) /
+                    (1 + both * yielding);
+            force = std::max(force, rub);
+            stiffness = line.stiffness;
+            way = (force - line.force) / line.stiffness;
+        };
+        meet(strut.compressionDamping);
+        if (way < 0) meet(strut.reboundDamping);
+        if (compression + way < -strut.travelDown) {
+            way = -strut.travelDown - compression;
+            force = (tire.force + tire.stiffness * (coming + yielding * rub - way)) / (1 + tire.stiffness * yielding);
+            force = std::max(force, rub);
+            stiffness = kStopped;
+        }
+        const float newEnd = compression + way, newSquash = squash + slant * (coming - yielding * (force - rub) - way);
+        const bool holds = (newEnd > strut.travelUp) == (end > strut.travelUp) &&
+                           (newEnd > strut.travelMost) == (end > strut.travelMost) &&
+                           (newSquash > strut.rimSquash) == (squashed > strut.rimSquash);
+        end = newEnd;
+        squashed = newSquash;
+        if (holds) break;
+    }
+    return {h * (force - rub) / slant, way, stiffness};
+}
+
+float fallOfWheel(const StrutSpec& strut, float compression, float h) {
+    const Line line = strutLine(strut, compression, compression, strut.reboundDamping, h);
+    return std::max(-std::max(line.force, strut.wheelWeight) / line.stiffness, -strut.travelDown - compression);
 }
 
 }  // namespace ragtop

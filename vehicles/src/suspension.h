@@ -5,19 +5,26 @@
 #include "ragtop/math.h"
 #include "ragtop/vehicle_def.h"
 
-/// Struts: how they share the car's weight, and their spring, damper and stops.
+/// Struts: how they share the car's weight, and their spring, damper and stops, with the tire that stands below.
 namespace ragtop {
 
 /// A strut in numbers: the force along its axis at compression x (m above its place) is
 ///
-///     F = load + k x + c ẋ + [x > travelUp] (k_b (x − travelUp) + c_b ẋ),   F ≥ 0
+///     F = load + k x + c ẋ + Σ k_i (x − x_i)₊ + [x > travelUp] c_b ẋ,   x ≥ −travelDown,   F ≥ 0
+///
+/// with the bump stop's rubber from travelUp on, and what is behind it from half as far again. The tire, in series with
+/// it, presses the ground with N = k_t (δ + 10 (δ − δ_r)₊), δ ≥ 0 (m along the ground's normal) the squash, which is δ₀
+/// where it bears the standing car and has its radius, and δ_r where the rim is on the ground.
 struct StrutSpec {
     float load = 0;  ///< N, of the spring with the wheel at its place
     float stiffness = 0, compressionDamping = 0, reboundDamping = 0;
     float travelUp = 0, travelDown = 0;
     float bumpStiffness = 0, bumpDamping = 0;
+    float travelMost = 0, solidStiffness = 0;  ///< m and N/m more, where the rubber of the bump stop is squashed
+    float tireStiffness = 0, tireSquash = 0, rimSquash = 0;  ///< k_t, δ₀, δ_r
+    float wheelWeight = 0;                                   ///< N, with which a wheel in the air falls
 };
-StrutSpec makeStrut(const SuspensionDef& def, float staticLoad, float gravity);
+StrutSpec makeStrut(const WheelDef& wheel, float staticLoad, float gravity);
 
 /// N of spring and bump stop at a compression.
 float springForce(const StrutSpec& strut, float compression);
@@ -26,9 +33,31 @@ float springForce(const StrutSpec& strut, float compression);
 /// the smallest such in the sense of least squares. Empty when there is no such set: wheels in a line.
 std::vector<float> staticLoads(const std::vector<Vec3>& positions, float weight);
 
-/// The impulse λ ≥ 0 along the ground's normal that the strut gives in a substep of h, when the point of contact
-/// moves apart from the ground at free + K λ. `slant` is the cosine between axis and normal: ẋ = −(free + K λ)/slant,
-/// λ = h F(x + h ẋ, ẋ)/slant, solved exactly (F rises with x and ẋ, so that there is one solution).
-float solveStrut(const StrutSpec& strut, float compression, float slant, float h, float K, float free);
+/// What a strut and its tire do in a substep.
+struct StrutVisit {
+    float impulse = 0;    ///< N s, λ ≥ 0 along the ground's normal
+    float way = 0;        ///< m that the strut is compressed more at its end
+    float stiffness = 0;  ///< N/m, by which its force rises with that way
+};
+
+/// How fast a tire's load follows its squash: by the share of what it lacks in each substep.
+struct LoadLag {
+    float share = 1;
+    float load = 0;  ///< N, at the beginning of the substep
+};
+
+/// A substep of h, when the car's side of the contact moves apart from the ground at free + K λ, and the tire is
+/// squashed by δ at its beginning. `slant` is the cosine s between strut and normal: of the way W = −h (free + K λ)/s
+/// along the strut it takes w, and the tire W − w,
+///
+///     F = F_strut(x + w, w/h),   F = s N(δ + s (W − w)) + R,   λ = h (F − R)/s
+///
+/// where R is what the tire's grip pushes along the strut, N. Both rise with their ways, piece by piece on a line, so
+/// that there is one solution.
+StrutVisit solveStrut(const StrutSpec& strut, float compression, float squash, float slant, float h, float K,
+                      float free, float rub = 0, const LoadLag& lag = {});
+
+/// m that a strut whose wheel is in the air is compressed more at the end of a substep: it falls as its damper lets it.
+float fallOfWheel(const StrutSpec& strut, float compression, float h);
 
 }  // namespace ragtop

@@ -68,7 +68,7 @@ WheelSpec wheelSpec(const WheelDef& wheel, const Vec3& steeringCenter, float loa
     spec.radius = wheel.radius;
     spec.halfWidth = 0.5f * wheel.width;
     spec.staticLoad = load;
-    spec.strut = makeStrut(wheel.suspension, load, gravity);
+    spec.strut = makeStrut(wheel, load, gravity);
     spec.tire = makeTireSpec(wheel.tire, load, gravity);
     return spec;
 }
@@ -110,6 +110,7 @@ VehicleSim::VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePla
     takeDef();
     start(placement.speed);
     patches.resize(specs.size());
+    courses.resize(specs.size());
     grounds.resize(specs.size());
     groundOfWheel.resize(specs.size());
     resistances.resize(specs.size());
@@ -154,8 +155,11 @@ void VehicleSim::setDef(const VehicleDef& next) {
     requireUsable(next);
     requireSameParts(def, next);
     const bool heavier = !sameMass(chassisMass(def.chassis), chassisMass(next.chassis));
-    if (next.chassis.material != def.chassis.material) {
-        for (const ShapeId shape : world->shapes(chassis)) world->setMaterial(shape, next.chassis.material);
+    const auto shapes = world->shapes(chassis);
+    const std::size_t bodywork = def.chassis.shapes.size();
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+        const Material material = i < bodywork ? next.chassis.material : wheelMaterial(next, next.wheels[i - bodywork]);
+        if (material != world->material(shapes[i])) world->setMaterial(shapes[i], material);
     }
     if (next.chassis.filter != def.chassis.filter) {
         for (const ShapeId shape : world->shapes(chassis)) world->setFilter(shape, next.chassis.filter);

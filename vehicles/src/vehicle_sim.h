@@ -14,13 +14,14 @@
 #include "ragtop/world.h"
 #include "suspension.h"
 #include "tire.h"
-#include "wheel_ground.h"
+#include "wheel_course.h"
 
 namespace ragtop {
 
 /// The state of a wheel beyond its rotation, which the drivetrain keeps. Saved as it is: no padding.
 struct WheelState {
-    GroundPlane ground;
+    GroundPlane ground;          ///< under it in the last substep
+    GroundPlane ahead;           ///< where it will be at the beginning of the next step
     std::uint32_t touching = 0;  ///< in the last substep
     float compression = 0;       ///< m above rest
     float load = 0;              ///< N
@@ -30,10 +31,14 @@ struct WheelState {
     float transport = 0;         ///< m/s of tread through the patch in that time
     Vec2 travel;                 ///< m/s of the contact point over the ground: forward, left
     float rotation = 0;          ///< rad about the axle
+    float hubSpeed = 0;          ///< m/s along the strut
+    float below = 0;             ///< m of its course below the ground ahead, see CourseEnd
     float sunk = 0;              ///< m by which the ground counts as lower, see VehicleSim::sinkGround
-    std::uint32_t placed = 1;    ///< somebody put the car where it is, and it has not moved since
+    std::uint32_t placed = kPut;
+    static constexpr std::uint32_t kPut = 1;    ///< somebody put the car where it is, and it has not moved since
+    static constexpr std::uint32_t kAbove = 2;  ///< in the last substep it was clear of the ground below it
 };
-static_assert(sizeof(WheelState) == 112 + 56);
+static_assert(sizeof(WheelState) == 2 * 112 + 64);
 
 /// What does not change while driving.
 struct WheelSpec {
@@ -46,24 +51,27 @@ struct WheelSpec {
 
 /// What a substep works with.
 struct WheelPatch {
-    bool touching = false;
-    Vec3 normal, forward, side, axle;       ///< unit, world; axle to the left
-    Vec3 strutPush, forwardPush, sidePush;  ///< how units of strut and tire impulses act on both bodies, see aimPushes
-    Vec2 jacking;                           ///< load that a unit of each tire impulse takes from the ground
-    Vec3 arm;                               ///< of the contact point from the chassis's centre of mass
+    bool touching = false, above = false;
+    Vec3 normal, forward, side, axle;  ///< unit, world; axle to the left
+    Vec2 lean;                         ///< of the strut, along forward and side
+    Vec3 arm;                          ///< of the contact point from the chassis's centre of mass
     DVec3 point;
     Vec3 axis;                    ///< of the strut, unit, world
     float slant = 1;              ///< cosine of strut and normal
-    float depth = 0;              ///< m of the wheel in the plane with its strut at the droop stop
+    float rise = 0;               ///< m that the hub would have risen on a tire that has its radius
+    float squash = 0;             ///< m of the tire at the beginning of the substep
     PointBody* ground = nullptr;  ///< what it stands on, shared with the other wheels there
     Vec3 groundArm, belt;         ///< m from its centre of mass; m/s of its surface
     float share = 1;              ///< of the wheel's impulses that it gets
+    LoadLag lag;
     TireLaw law;
     float transport = 0, secant = 1, spinBefore = 0;
     float strutK = 0;  ///< inverse effective masses along the normal and of the patch
     Sym2 tireK;
-    float strut = 0;  ///< impulses, N s: what the strut gives along the normal,
-    Vec2 tire;        ///< and the tire along the patch
+    float way = 0;        ///< m that the strut is compressed in the substep
+    float strutGive = 0;  ///< m/s of the hub that a unit impulse along the strut makes
+    float load = 0;       ///< impulses, N s: along the normal,
+    Vec2 tire;            ///< and along the patch
     bool sliding = false;
 };
 
@@ -103,7 +111,7 @@ struct VehicleSim {
     };
     static Driver driverOf(const VehicleInput& input);
     VehicleInput inputAtRest;  ///< with which it was seen so
-    Driver driver;  ///< the input of the last step, within its ranges
+    Driver driver;             ///< the input of the last step, within its ranges
     VehicleInput input;
     StepModule module;
     std::vector<BodyId> touched;  ///< what this step may push: the chassis, and what moves under its wheels
@@ -124,6 +132,8 @@ struct VehicleSim {
     // Working memory.
     std::mutex telling;  ///< of those that ask for it at once
     std::vector<WheelPatch> patches;
+    std::vector<WheelCourse> courses;
+    int substep = 0;                         ///< of the step
     std::vector<GroundBody> grounds;         ///< of the first wheel that stands there
     std::vector<std::size_t> groundOfWheel;  ///< which of them
     std::vector<float> resistances;          ///< N m
@@ -136,14 +146,17 @@ private:
     bool mayRest(const Driver& wanted);
     void seekGround(std::size_t i, const Pose& pose, float dt);
     Pose wheelFrame(std::size_t i, const Pose& pose) const;
+    void placeShapes();
 
     void preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body, float h);
+    WheelWay wayOf(std::size_t i, const Pose& pose, float dt) const;
     bool placePatch(std::size_t i, const Pose& pose, const DVec3& center);
+    void takePiece(std::size_t i);
     void findGrounds();
     void beginGrounds();
     void takeGround(std::size_t i, float h);
     bool sinkGround(std::size_t i, const PointBody& body, float h);
-    static void aimPushes(WheelPatch& patch);
+    void letFall(std::size_t i, float h);
     TireGround groundOf(std::size_t i) const;
     float resistanceOf(std::size_t i) const;
     void settleTire(std::size_t i, const PointBody& body);

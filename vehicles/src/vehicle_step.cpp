@@ -1,16 +1,26 @@
 #include <algorithm>
 #include <cmath>
 
+#include "chassis.h"
 #include "steering.h"
 #include "vehicle_sim.h"
 
 namespace ragtop {
 namespace {
 
-constexpr float kStill = 1e-3f;  ///< over a wheel's radius: how far the ground of a sleeping car may move
+constexpr float kPlaced = 0.002f;  ///< radii, and rad, by which a wheel's shape may be where its wheel is not
+constexpr float kStill = 1e-3f;    ///< over a wheel's radius: how far the ground of a sleeping car may move
 
 /// Clamps to [lower, 1]; what is no number counts as 0.
 float within(float x, float lower) { return x > lower ? std::min(x, 1.0f) : x <= lower ? lower : 0; }
+
+/// Whether somebody has moved the car between steps, and not the last bit of its rotation.
+bool isElsewhere(const Pose& now, const Pose& before) {
+    constexpr float kLeast = 1e-5f;  // m and rad
+    const Quat turn = conjugate(before.rotation) * now.rotation;
+    return length(relative(now.position, before.position)) > kLeast ||
+           2 * length(Vec3{turn.x, turn.y, turn.z}) > kLeast;
+}
 
 }  // namespace
 
@@ -65,14 +75,30 @@ void VehicleSim::beforeStep(double dt) {
     if (!world->isAwake(chassis) || (driver.throttle > 0 && drivetrain.gearbox.gear != 0)) world->wake(chassis);
 
     const Pose pose = world->pose(chassis);
-    if (!(pose == endPose)) {
-        for (WheelState& wheel : wheels) wheel.placed = 1;
+    if (isElsewhere(pose, endPose)) {
+        for (WheelState& wheel : wheels) wheel.placed = WheelState::kPut;
     }
     const float forwardSpeed = dot(world->linearVelocity(chassis), rotate(pose.rotation, {0, 0, 1}));
     const auto step = static_cast<float>(dt);
     steerAngle = steeredAngle(def.steering, steerAngle, driver.steer, forwardSpeed, step);
     const std::optional<int> gear = driver.gearGiven != 0 ? std::optional<int>(driver.gear) : std::nullopt;
     shift(def.gearbox, drivetrain.gearbox, gear, forwardSpeed / meanRadius, driver.throttle, step);
+    placeShapes();
+}
+
+/// What meets wheels from the side finds them where their struts and the steering have them.
+void VehicleSim::placeShapes() {
+    const auto all = world->shapes(chassis);
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+        const ShapeId shape = all[def.chassis.shapes.size() + i];
+        const Vec3 ahead = wheelDirection(def.steering, def.wheels[i].steerFactor, specs[i].steerArm, steerAngle);
+        const Frame now = world->frame(shape);
+        const Frame next = wheelShapeFrame(def.wheels[i], wheels[i].compression, arcTan2(ahead.x, ahead.z));
+        const Quat turn = conjugate(now.rotation) * next.rotation;
+        const float turned = 2 * length(Vec3{turn.x, turn.y, turn.z});
+        if (length(next.position - now.position) > kPlaced * specs[i].radius || turned > kPlaced)
+            world->setFrame(shape, next);
+    }
 }
 
 std::span<const BodyId> VehicleSim::look(double dt) {
@@ -85,23 +111,41 @@ std::span<const BodyId> VehicleSim::look(double dt) {
     return touched;
 }
 
-/// The plane is sought where the wheel will be in the middle of the step.
-void VehicleSim::seekGround(std::size_t i, const Pose& pose, float dt) {
+/// Where a hub goes in the step, going on as it does.
+WheelWay VehicleSim::wayOf(std::size_t i, const Pose& pose, float dt) const {
     const WheelSpec& spec = specs[i];
-    const DVec3 hub = transformPoint(pose, spec.position);
-    const Vec3 velocity = world->velocityAt(chassis, hub);
-    WheelPath path;
-    path.axis = rotate(pose.rotation, spec.axis);
-    path.axle = rotate(wheelFrame(i, pose).rotation, {1, 0, 0});
-    path.radius = spec.radius;
-    path.halfWidth = spec.halfWidth;
-    const float above = spec.strut.travelUp + spec.radius;
+    WheelWay way;
+    way.from = transformPoint(pose, spec.position);
+    const Vec3 went = dt * world->velocityAt(chassis, way.from);
+    way.to = way.from + went;
+    way.axis = rotate(pose.rotation, spec.axis);
+    way.axle = rotate(wheelFrame(i, pose).rotation, {1, 0, 0});
+    way.radius = spec.radius;
+    way.halfWidth = spec.halfWidth;
+    way.above = spec.strut.travelUp + spec.radius;
     // What the wheel may reach within the step counts as ground already.
-    const float below = spec.strut.travelDown + 0.5f * spec.radius + dt * length(velocity);
-    path.start = hub + 0.5f * dt * velocity + above * path.axis;
-    path.translation = -(above + below) * path.axis;
-    GroundPlane& plane = wheels[i].ground;
-    findGround(*world, chassis, def.chassis.filter, path, plane);
+    way.below = spec.strut.travelDown + 0.5f * spec.radius + length(went);
+    way.seconds = dt;
+    way.stands = wheels[i].touching != 0;
+    return way;
+}
+
+void VehicleSim::seekGround(std::size_t i, const Pose& pose, float dt) {
+    WheelState& wheel = wheels[i];
+    if (wheel.placed == WheelState::kPut) wheel.ahead.found = 0;
+    if (wheel.touching == 0) wheel.below = 0;
+    findCourse(*world, chassis, def.chassis.filter, wayOf(i, pose, dt), world->settings().substeps,
+               {wheel.ahead, wheel.below}, courses[i]);
+    substep = 0;
+    takePiece(i);
+}
+
+/// The piece of the ground that a wheel is on in a substep.
+void VehicleSim::takePiece(std::size_t i) {
+    const WheelCourse& course = courses[i];
+    const int all = world->settings().substeps, piece = substep * course.count / all;
+    if (substep > 0 && piece == (substep - 1) * course.count / all) return;
+    wheels[i].ground = course.pieces[static_cast<std::size_t>(piece)];
 }
 
 /// Bodies under several wheels count once, so that each wheel knows what the others do to them.

@@ -8,32 +8,27 @@ namespace {
 
 constexpr int kMaxSweeps = 24;
 constexpr float kConverged = 1e-5f;  ///< largest change in a sweep, over the impulse of the weight
-constexpr float kFlattest = 0.2f;    ///< sine between axle and normal below which a wheel lies on its side
 constexpr float kMostPressed = 15;   ///< m/s that a substep of a wheel's load may give to a body that nothing holds
-constexpr float kLiftSpeed = 0.1f;   ///< m/s at which a wheel comes out of ground that it has not come into
+constexpr float kMostFelt = 0.25f;   ///< of the way that a tire's load moves what it stands on in a substep, as squash
 
 Vec3 velocityOverGround(const WheelPatch& patch, const PointBody& body) {
     return velocityAt(body, patch.arm) - velocityAt(*patch.ground, patch.groundArm) - patch.belt;
 }
 
-/// Velocity of the wheel's side of the patch over the ground: forward, left.
-Vec2 travelOf(const WheelPatch& patch, const PointBody& body) {
+/// Velocity of the wheel's side of the patch over the ground, its hub rising along the strut: forward, left.
+Vec2 travelOf(const WheelPatch& patch, const PointBody& body, float hubSpeed) {
     const Vec3 velocity = velocityOverGround(patch, body);
-    return {dot(velocity, patch.forwardPush), dot(velocity, patch.sidePush)};
+    return {dot(velocity, patch.forward) + patch.lean.x * hubSpeed,
+            dot(velocity, patch.side) + patch.lean.y * hubSpeed};
 }
 
-Vec2 slipOf(const WheelPatch& patch, const PointBody& body, float treadSpeed) {
-    const Vec2 travel = travelOf(patch, body);
+Vec2 slipOf(const WheelPatch& patch, const PointBody& body, float hubSpeed, float treadSpeed) {
+    const Vec2 travel = travelOf(patch, body, hubSpeed);
     return {travel.x - treadSpeed, travel.y};
 }
 
 Vec3 impulseOf(const WheelPatch& patch) {
-    return patch.strut * patch.normal + patch.tire.x * patch.forwardPush + patch.tire.y * patch.sidePush;
-}
-
-/// What presses the tire on the ground: the strut's impulse, and what of the tire's own the strut does not take.
-float loadOf(const WheelPatch& patch) {
-    return std::max(patch.strut - patch.jacking.x * patch.tire.x - patch.jacking.y * patch.tire.y, 0.0f);
+    return patch.load * patch.normal + patch.tire.x * patch.forward + patch.tire.y * patch.side;
 }
 
 /// Inverse effective mass of the two bodies at the patch between directions d and e.
@@ -75,6 +70,7 @@ void VehicleSim::beforeSubstep(float h) {
     world->applyImpulse(chassis, linear, center);
     world->applyAngularImpulse(chassis, angular);
     if (!holds(linear, angular)) forgetMotion();
+    ++substep;
 }
 
 void VehicleSim::solve(PointBody& body, float h) {
@@ -82,7 +78,7 @@ void VehicleSim::solve(PointBody& body, float h) {
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         WheelPatch& patch = patches[i];
         if (!patch.touching) continue;
-        patch.strut = h * (wheels[i].load + patch.jacking.x * wheels[i].force.x + patch.jacking.y * wheels[i].force.y);
+        patch.load = h * wheels[i].load;
         patch.tire = {h * wheels[i].force.x, h * wheels[i].force.y};
         pushPatch(i, body, impulseOf(patch));
         drivetrain.spin[i] -= specs[i].radius * patch.tire.x / drivetrain.inertia()[i];
@@ -125,23 +121,27 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     WheelState& wheel = wheels[i];
     patch.spinBefore = drivetrain.spin[i];
     patch.axle = rotate(wheelFrame(i, pose).rotation, {1, 0, 0});
-    patch.touching = placePatch(i, pose, center) && sinkGround(i, body, h);
-    patch.strut = 0;
+    if (substep > 0) takePiece(i);
+    const bool known = placePatch(i, pose, center);
+    patch.touching = known && sinkGround(i, body, h);
+    patch.above = known && !patch.touching;
+    patch.load = patch.way = patch.strutGive = 0;
     patch.tire = {};
     if (!patch.touching) {
-        wheel.compression = -specs[i].strut.travelDown;
+        letFall(i, h);
         wheel.load = wheel.settleTime = wheel.sunk = 0;
         wheel.force = wheel.deflection = wheel.travel = {};
+        wheel.hubSpeed = 0;
         return;
     }
-    aimPushes(patch);
+    patch.lean = {dot(patch.forward, patch.axis), dot(patch.side, patch.axis)};
     const float radius = specs[i].radius, inertia = drivetrain.inertia()[i];
     patch.strutK = inverseMassAt(patch, body, patch.normal, patch.normal);
-    patch.tireK = {inverseMassAt(patch, body, patch.forwardPush, patch.forwardPush) + radius * radius / inertia,
-                   inverseMassAt(patch, body, patch.forwardPush, patch.sidePush),
-                   inverseMassAt(patch, body, patch.sidePush, patch.sidePush)};
+    patch.tireK = {inverseMassAt(patch, body, patch.forward, patch.forward) + radius * radius / inertia,
+                   inverseMassAt(patch, body, patch.forward, patch.side),
+                   inverseMassAt(patch, body, patch.side, patch.side)};
     patch.transport = std::abs(radius * drivetrain.spin[i]);
-    const TireMotion motion{travelOf(patch, body), radius * drivetrain.spin[i]};
+    const TireMotion motion{travelOf(patch, body, wheel.hubSpeed), radius * drivetrain.spin[i]};
     patch.law = tireLaw(specs[i].tire, groundOf(i), motion, wheel.load, patch.transport);
     settleTire(i, body);
     patch.secant = brushSecant(patch.law, wheel.deflection);
@@ -156,8 +156,8 @@ float VehicleSim::resistanceOf(std::size_t i) const {
     return (specs[i].tire.def.rollingResistance + groundOf(i).drag) * wheels[i].load * specs[i].radius;
 }
 
-/// Where the wheel meets its plane. The hub sits at p + x a, x the compression; the lowest point of the rim is r d from
-/// it, with d the direction in the plane of the wheel that goes straight down.
+/// Where the wheel meets its plane, on a tire that has its radius: the hub sits at p + x a, the lowest point of the rim
+/// below it, and (p + x a + lowest − point)·n = 0.
 bool VehicleSim::placePatch(std::size_t i, const Pose& pose, const DVec3& center) {
     WheelPatch& patch = patches[i];
     const WheelState& wheel = wheels[i];
@@ -168,54 +168,43 @@ bool VehicleSim::placePatch(std::size_t i, const Pose& pose, const DVec3& center
     patch.normal = wheel.ground.normal;
     if (wheel.ground.moves != 0) movePlane(wheel.ground, world->pose(wheel.ground.body), point, patch.normal);
     patch.axis = rotate(pose.rotation, spec.axis);
-    const Vec3 inWheel = patch.normal - dot(patch.normal, patch.axle) * patch.axle;
-    const float across = length(inWheel);
     patch.slant = dot(patch.axis, patch.normal);
-    if (!(across > kFlattest) || !(patch.slant > kFlattest)) return false;
-    const Vec3 down = (-spec.radius / across) * inWheel;
-    const DVec3 lowest = transformPoint(pose, spec.position) + (down - spec.strut.travelDown * patch.axis);
-    patch.depth = -dot(relative(lowest, point), patch.normal);
-    patch.point = lowest;
-    patch.arm = relative(lowest, center);
+    const std::optional<Vec3> lowest = lowestPoint(patch.normal, patch.axle, spec.radius);
+    if (!lowest || !(patch.slant > kSteepest)) return false;
+    const DVec3 below = transformPoint(pose, spec.position) + *lowest;
+    patch.rise = -dot(relative(below, point), patch.normal) / patch.slant;
+    patch.point = below + patch.rise * patch.axis;
+    patch.arm = relative(patch.point, center);
     patch.forward = normalized(cross(patch.axle, patch.normal));
     patch.side = cross(patch.normal, patch.forward);
-    return patch.depth > 0;
-}
-
-/// The strut yields until the wheel is out of the ground: (lowest + (x + droop) a − point)·n = 0, which is slant (x +
-/// droop) = depth. Only motion may press a strut, because its spring is at nothing's cost otherwise: a wheel that is
-/// found deeper than it can have come since it was clear stands on ground that counts as lower, and is lifted out
-/// slowly. It happens where a wheel turns to ground that it could not touch, as of a car that rolls off its side.
-bool VehicleSim::sinkGround(std::size_t i, const PointBody& body, float h) {
-    WheelPatch& patch = patches[i];
-    WheelState& wheel = wheels[i];
-    takeGround(i, h);
-    if (wheel.touching == 0 && wheel.placed == 0) {
-        const float come = -h * dot(velocityOverGround(patch, body), patch.normal);
-        wheel.sunk = patch.depth - clampTo(come, 0, patch.depth);
-    } else {
-        wheel.sunk = clampTo(wheel.sunk - h * kLiftSpeed, 0, patch.depth);
-    }
-    if (!(patch.depth > wheel.sunk)) return false;
-    const float yielded = (patch.depth - wheel.sunk) / patch.slant;
-    wheel.compression = yielded - specs[i].strut.travelDown;
-    patch.point = patch.point + yielded * patch.axis;
-    patch.arm += yielded * patch.axis;
-    if (wheel.ground.moves != 0) patch.groundArm += yielded * patch.axis;
     return true;
 }
 
-/// A wheel without mass slides along its strut, so that with the body's side of the patch moving at v over the ground,
-/// and ẋ = −(n·v)/(n·a), the tread travels at
-///
-///     t·(v + ẋ a) = t̃·v,   t̃ = t − n (t·a)/(n·a)
-///
-/// along t in the patch. By virtual work a tire's impulse along t acts on the bodies along t̃, and the load on the
-/// ground is the strut's less (t·a)/(n·a) of the tire's.
-void VehicleSim::aimPushes(WheelPatch& patch) {
-    patch.jacking = {dot(patch.forward, patch.axis) / patch.slant, dot(patch.side, patch.axis) / patch.slant};
-    patch.forwardPush = patch.forward - patch.jacking.x * patch.normal;
-    patch.sidePush = patch.side - patch.jacking.y * patch.normal;
+/// The tire is squashed by what the strut does not yield. Only motion may squash it, because the spring is at nothing's
+/// cost otherwise: a wheel that is found deeper than it can have come since it was clear stands on ground that counts
+/// as lower, and is lifted out slowly. It happens where a wheel turns to ground that it could not touch, as of a car
+/// that rolls off its side, and where ground comes up by itself.
+bool VehicleSim::sinkGround(std::size_t i, const PointBody& body, float h) {
+    WheelPatch& patch = patches[i];
+    WheelState& wheel = wheels[i];
+    const StrutSpec& strut = specs[i].strut;
+    takeGround(i, h);
+    if (wheel.placed == WheelState::kPut) wheel.compression = std::max(patch.rise, -strut.travelDown);
+    patch.squash = patch.slant * (patch.rise - wheel.compression) + strut.tireSquash;
+    const float deepest = std::max(patch.squash, 0.0f);
+    if (wheel.touching == 0 && wheel.placed == 0) {
+        const float fallen = -patch.slant * fallOfWheel(strut, wheel.compression, h);
+        const float come = fallen - h * dot(velocityOverGround(patch, body), patch.normal);
+        wheel.sunk = deepest - clampTo(come, 0, deepest);
+    } else {
+        wheel.sunk = clampTo(wheel.sunk - h * kLiftSpeed, 0, deepest);
+    }
+    patch.squash -= wheel.sunk;
+    return patch.squash > 0;
+}
+
+void VehicleSim::letFall(std::size_t i, float h) {
+    wheels[i].compression += fallOfWheel(specs[i].strut, wheels[i].compression, h);
 }
 
 void VehicleSim::beginGrounds() {
@@ -236,6 +225,9 @@ void VehicleSim::takeGround(std::size_t i, float h) {
     patch.belt = plane.surfaceVelocity;
     const float pressed = h * specs[i].staticLoad * ground.body.inverseMass;
     patch.share = pressed > kMostPressed ? kMostPressed / pressed : 1;
+    const float give = patch.share * inverseMassBetween(ground.body, patch.groundArm, patch.normal, patch.normal);
+    const float felt = h * h * specs[i].strut.tireStiffness * give;
+    patch.lag = {felt > kMostFelt ? kMostFelt / felt : 1, wheels[i].load};
 }
 
 /// Brings the bristles up to now: (1) of tire.h with the slip that the last substep really had.
@@ -243,7 +235,7 @@ void VehicleSim::settleTire(std::size_t i, const PointBody& body) {
     WheelState& wheel = wheels[i];
     const WheelPatch& patch = patches[i];
     if (wheel.settleTime > 0) {
-        const Vec2 slip = slipOf(patch, body, specs[i].radius * drivetrain.spin[i]);
+        const Vec2 slip = slipOf(patch, body, wheel.hubSpeed, specs[i].radius * drivetrain.spin[i]);
         wheel.deflection = rolledDeflection(patch.law, wheel.deflection, slip, wheel.transport, wheel.settleTime);
         wheel.settleTime = 0;
     }
@@ -257,22 +249,29 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     const WheelState& wheel = wheels[i];
     const float radius = specs[i].radius;
 
-    const float apart = dot(velocityOverGround(patch, body), patch.normal) - patch.strutK * patch.strut;
-    const float strut = solveStrut(specs[i].strut, wheel.compression, patch.slant, h, patch.strutK, apart);
-    const float strutChange = strut - patch.strut;
-    patch.strut = strut;
-    pushPatch(i, body, strutChange * patch.normal);
+    const float apart = dot(velocityOverGround(patch, body), patch.normal) - patch.strutK * patch.load;
+    const float rub = (patch.lean.x * patch.tire.x + patch.lean.y * patch.tire.y) / h;
+    const StrutVisit strut = solveStrut(specs[i].strut, wheel.compression, patch.squash, patch.slant, h, patch.strutK,
+                                        apart, rub, patch.lag);
+    const float load = strut.impulse, loadChange = load - patch.load;
+    patch.load = load;
+    patch.way = strut.way;
+    patch.strutGive = 1 / (h * h * strut.stiffness);
+    pushPatch(i, body, loadChange * patch.normal);
 
-    const float load = loadOf(patch);
-    const Vec2 slip = slipOf(patch, body, radius * drivetrain.spin[i]);
-    const Sym2& K = patch.tireK;
+    // Under a load that stays, what a tire's impulse has along the strut moves the hub.
+    const Sym2 K{patch.tireK.xx + patch.strutGive * patch.lean.x * patch.lean.x,
+                 patch.tireK.xy + patch.strutGive * patch.lean.x * patch.lean.y,
+                 patch.tireK.yy + patch.strutGive * patch.lean.y * patch.lean.y};
+    const Vec2 slip = slipOf(patch, body, patch.way / h, radius * drivetrain.spin[i]);
     const Vec2 free{slip.x - K.xx * patch.tire.x - K.xy * patch.tire.y,
                     slip.y - K.xy * patch.tire.x - K.yy * patch.tire.y};
     const TireVisit visit = solveTire(patch.law, patch.secant, wheel.deflection, patch.transport, load, h, K, free);
     const Vec2 change{visit.impulse.x - patch.tire.x, visit.impulse.y - patch.tire.y};
     patch.tire = visit.impulse;
     patch.sliding = visit.sliding;
-    pushPatch(i, body, change.x * patch.forwardPush + change.y * patch.sidePush);
+    patch.way += h * patch.strutGive * (patch.lean.x * change.x + patch.lean.y * change.y);
+    pushPatch(i, body, change.x * patch.forward + change.y * patch.side);
     drivetrain.spin[i] -= radius * change.x / drivetrain.inertia()[i];
     if (load > 0) {
         const Vec2 force{visit.impulse.x / h, visit.impulse.y / h};
@@ -281,7 +280,7 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
                 ? 1.0f / 3
                 : brushSecant(patch.law, deflectionOf(patch.law, patch.secant, wheel.deflection, force, load / h, h));
     }
-    return std::max({std::abs(strutChange), std::abs(change.x), std::abs(change.y)});
+    return std::max({std::abs(loadChange), std::abs(change.x), std::abs(change.y)});
 }
 
 /// Keeps what the next substep needs, and adds the wheel's part to the impulse on the chassis. A wheel that is spun up
@@ -294,7 +293,7 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     wheel.rotation += h * spin;
     wheel.rotation -= 2 * kPi * std::floor((wheel.rotation + kPi) / (2 * kPi));
     wheel.touching = patch.touching ? 1 : 0;
-    wheel.placed = 0;
+    wheel.placed = patch.above ? WheelState::kAbove : 0;
     if (!patch.touching) return;
 
     const Vec3 impulse = impulseOf(patch);
@@ -303,8 +302,10 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     if (patch.ground->inverseMass > 0) {
         world->applyImpulse(wheel.ground.body, -patch.share * impulse, patch.point);
     }
-    wheel.travel = travelOf(patch, body);
-    wheel.load = loadOf(patch) / h;
+    wheel.compression += patch.way;
+    wheel.hubSpeed = patch.way / h;
+    wheel.travel = travelOf(patch, body, wheel.hubSpeed);
+    wheel.load = patch.load / h;
     wheel.force = {patch.tire.x / h, patch.tire.y / h};
     if (patch.sliding) {
         wheel.deflection =

@@ -7,24 +7,37 @@
 namespace ragtop {
 namespace {
 
-constexpr float kSteepest = 0.2f;  ///< cosine between strut and normal beyond which a surface is a wall to the wheel
-
 /// What is around the start of the path has no normal there: the wheel is beside it or in it, not above.
 bool isGround(const Hit& hit, const WheelPath& path) {
     return hit && hit.fraction > 0 && dot(hit.normal, path.axis) > kSteepest;
 }
 
+/// A cast of a ball ends within its tolerance, which a stiff tire feels: where the ball lies on a face, a ray tells
+/// where that is.
+void polish(const World& world, const QueryFilter& filter, const WheelPath& path, Hit& hit) {
+    constexpr float kOneFace = 0.995f, kReach = 1.1f;
+    const DVec3 center = path.start + hit.fraction * path.translation;
+    const Hit face = world.castRay({center, -kReach * path.radius * hit.normal}, filter);
+    if (!face || !(face.body == hit.body) || !(dot(face.normal, hit.normal) > kOneFace)) return;
+    hit.point = face.point;
+    hit.normal = face.normal;
+}
+
 Hit castBall(const World& world, const QueryFilter& filter, const WheelPath& path) {
-    const Hit hit = world.castShape(Sphere{path.radius}, Quat{}, {path.start, path.translation}, filter);
+    Hit hit = world.castShape(Sphere{path.radius}, Quat{}, {path.start, path.translation}, filter);
     if (!isGround(hit, path)) return {};
     const float beside = dot(relative(hit.point, path.start) - hit.fraction * path.translation, path.axle);
-    return std::abs(beside) <= path.halfWidth ? hit : Hit{};
+    // Beyond it the shoulder of the tire passes by, and what the side meets is none of this.
+    constexpr float kTread = 0.8f;
+    if (!(std::abs(beside) <= kTread * path.halfWidth)) return {};
+    polish(world, filter, path, hit);
+    return hit;
 }
 
 Hit castRays(const World& world, const QueryFilter& filter, const WheelPath& path) {
     Hit highest;
     const Vec3 reach = path.translation - path.radius * path.axis;
-    for (const float side : {0.0f, -0.9f, 0.9f}) {
+    for (const float side : {0.0f, -0.8f, 0.8f}) {
         const Hit hit = world.castRay({path.start + side * path.halfWidth * path.axle, reach}, filter);
         if (isGround(hit, path) && (!highest || hit.fraction < highest.fraction)) highest = hit;
     }

@@ -10,6 +10,11 @@ namespace ragtop {
 class World;
 struct Filter;
 
+/// Cosine between strut and normal beyond which a surface is a wall to a wheel.
+inline constexpr float kSteepest = 0.2f;
+/// m/s at which a wheel comes out of ground that it has not come into.
+inline constexpr float kLiftSpeed = 0.1f;
+
 /// The plane on which a wheel stands during a step. Trivially copyable without padding: it is saved as it is.
 struct GroundPlane {
     DVec3 point;  ///< at the beginning of the step

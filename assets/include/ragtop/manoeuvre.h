@@ -34,6 +34,14 @@ struct TrackRubble {
     int count = 100;
 };
 
+/// A looping of triangles: a circle that ends beside where it begins.
+struct TrackLoop {
+    float radius = 12;  ///< m
+    float at = 20;      ///< m along z, of its lowest point
+    float aside = 6;    ///< m to the left, of its end
+    float width = 8;    ///< m
+};
+
 struct TrackGround {
     float friction = 0.6f;                 ///< Material::friction
     std::optional<float> rightFriction{};  ///< of what is right of x = 0; empty: the same
@@ -42,6 +50,7 @@ struct TrackGround {
     std::optional<TrackKerb> kerb{};
     std::optional<TrackWall> wall{};
     std::optional<TrackRubble> rubble{};
+    std::optional<TrackLoop> loop{};
 };
 
 /// How the car is put there.
@@ -51,6 +60,7 @@ struct TrackStart {
     float heading = 0;  ///< rad about y, to the left
     float roll = 0;     ///< rad about z, to the right
     float speed = 0;    ///< m/s forward, wheels rolling
+    float sideSpeed = 0;  ///< m/s to the left
 };
 
 /// What the driver does from `time` on; between two points pedals and angle change evenly.

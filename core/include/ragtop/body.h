@@ -27,6 +27,9 @@ struct ShapeDef {
     Filter filter{};
     bool sensor = false;         ///< reports overlaps and has no contacts
     bool reportsMotion = false;  ///< emits impact, slide and roll events (sound, skid marks)
+    /// Gives way along y of its frame, as a wheel on its strut: contacts that would push it that way, with more than a
+    /// fifth of their direction, are left to who moves it with World::setFrame.
+    bool givesWay = false;
     std::uint64_t userData = 0;  ///< the caller's
 };
 

@@ -186,6 +186,11 @@ public:
     /// The shape as it was defined; Compound parts are shapes of their own.
     const Shape& geometry(ShapeId shape) const;
     Frame frame(ShapeId shape) const;  ///< in its body
+    /// Moves a shape in its body, which wakes where that is a change; the body's mass stays as it is. Between steps, or
+    /// in StepModule::beforeStep. Contacts learn of the place, and not of a speed with which it was reached. Throws
+    /// std::invalid_argument on a frame that is not finite.
+    void setFrame(ShapeId shape, const Frame& frame);
+    bool givesWay(ShapeId shape) const;  ///< ShapeDef::givesWay
     Material material(ShapeId shape) const;
     void setMaterial(ShapeId shape, const Material& material);
     void setFilter(ShapeId shape, const Filter& filter);

@@ -60,7 +60,9 @@ struct alignas(64) ShapeRecord {
     std::uint32_t body = 0, next = kNone;
     std::uint32_t geometry = 0;  ///< index into the world's geometry table
     std::uint32_t proxy = kNone;
-    bool isStaticTree = false, sensor = false, reportsMotion = false, inMoveBuffer = false;
+    bool isStaticTree = false, inMoveBuffer = false;
+    bool reportsMotion = false;
+    bool sensor : 1 = false, givesWay : 1 = false;
     Filter filter;
     Material material;
     std::uint64_t userData = 0;

@@ -53,4 +53,11 @@ const Material& Shapes::materialAt(const ShapeRecord& shape, std::uint32_t trian
     return mesh->materials[mesh->materialOfTriangle[triangle]];
 }
 
+void reach(BodyRecord& body, const ShapeRecord& shape, const GeometryEntry& geometry) {
+    const float radius = radiusAbout(geometry.shape, inverseTransformPoint(shape.frame, {}));
+    const float core = radius - geometry.convex.radius;
+    if (radius > body.radius) body.radius = radius;
+    if (core > body.coreRadius) body.coreRadius = core;
+}
+
 }  // namespace ragtop

@@ -66,4 +66,8 @@ private:
     bool meshesMove_ = false;
 };
 
+/// Widens the balls about a body's centre so that they hold a shape, and its core: what is round about that does not
+/// change its place as the body turns.
+void reach(BodyRecord& body, const ShapeRecord& shape, const GeometryEntry& geometry);
+
 }  // namespace ragtop

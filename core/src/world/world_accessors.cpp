@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/check_tunables.h"
+#include "world/shape_motion.h"
 #include "world/world_modules.h"
 
 /// Reading and changing single bodies, shapes and joints.
@@ -234,6 +235,15 @@ Frame World::frame(ShapeId shape) const {
     const ShapeRecord& record = impl_->shapes[impl_->index(shape)];
     return impl_->bodies[record.body].local * record.frame;
 }
+void World::setFrame(ShapeId id, const Frame& frame) {
+    requireFinite(isFinite(frame.position), "frame.position");
+    requireRotation(frame.rotation, "frame.rotation");
+    const std::uint32_t i = impl_->index(id);
+    Frame next = inverse(impl_->bodies[impl_->shapes[i].body].local) * frame;
+    next.rotation = normalized(next.rotation);
+    moveShape(*impl_, i, next);
+}
+bool World::givesWay(ShapeId shape) const { return impl_->shapes[impl_->index(shape)].givesWay; }
 Material World::material(ShapeId shape) const { return impl_->shapes[impl_->index(shape)].material; }
 void World::setMaterial(ShapeId shape, const Material& material) {
     if (const std::string wrong = whyInvalid(material); !wrong.empty()) throw std::invalid_argument(wrong);

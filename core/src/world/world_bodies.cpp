@@ -60,15 +60,6 @@ void WorldImpl::takeMass(std::uint32_t index, const MassProperties& mass) {
     body.local = {mass.center, axes.rotation};
 }
 
-/// Widens the balls about the body's centre so that they hold a shape, and its core: what is round about that does not
-/// change its place as the body turns.
-static void reach(BodyRecord& body, const ShapeRecord& shape, const GeometryEntry& geometry) {
-    const float radius = radiusAbout(geometry.shape, inverseTransformPoint(shape.frame, {}));
-    const float core = radius - geometry.convex.radius;
-    if (radius > body.radius) body.radius = radius;
-    if (core > body.coreRadius) body.coreRadius = core;
-}
-
 /// What has no shape still turns: as far out as its mass is.
 static float radiusOfGyration(const BodyRecord& body) {
     const float moment = std::max({body.inertia.x, body.inertia.y, body.inertia.z});
@@ -180,7 +171,9 @@ void WorldImpl::addShape(std::uint32_t bodyIndex, const ShapeDef& def, const Fra
     shape.userData = def.userData;
     shape.next = body.firstShape;
     body.firstShape = index;
-    if (shape.size < body.size) body.size = shape.size;
+    shape.givesWay = def.givesWay;
+    // What gives way is not swept.
+    if (shape.size < body.size && !shape.givesWay) body.size = shape.size;
     reach(body, shape, shapes.geometries[shape.geometry]);
 }
 

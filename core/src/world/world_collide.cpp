@@ -8,6 +8,7 @@
 #include "base/prefetch.h"
 #include "constraints/lane_view.h"
 #include "contacts/contact_order.h"
+#include "contacts/yielding_shapes.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -216,9 +217,11 @@ std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const PairPlace& plac
         Manifold manifolds[kMaxManifolds];
     } room;
     std::construct_at(room.manifolds);
-    const int count = place.touch.single
-                          ? takeTouch(place.touch, place.margin, room.manifolds[0])
-                          : findManifolds(record, place.bInA, place.margin, {room.manifolds, record.manifoldCapacity});
+    const int all = place.touch.single
+                        ? takeTouch(place.touch, place.margin, room.manifolds[0])
+                        : findManifolds(record, place.bInA, place.margin, {room.manifolds, record.manifoldCapacity});
+    const int count = keepUnyielding(bodies, shapes, record, place.bInA, tuning::kSpeculative * record.size, dt,
+                                     {room.manifolds, static_cast<std::size_t>(all)});
     const std::span<const Manifold> found(room.manifolds, static_cast<std::size_t>(count));
     const bool first = record.firstManifold == kNone;
     unsigned change = kUnchanged;

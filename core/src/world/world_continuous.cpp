@@ -309,7 +309,7 @@ Meeting WorldImpl::firstMeeting(std::uint32_t index, const Pose& start, const Po
     for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
         const ShapeRecord& shape = shapes[s];
         const GeometryEntry& geometry = shapes.geometries[shape.geometry];
-        if (shape.sensor || geometry.field) continue;
+        if (shape.sensor || shape.givesWay || geometry.field) continue;
         if (geometry.mesh) {
             sweepMesh(index, s, start, end, done, until, first);
             continue;

@@ -126,7 +126,9 @@ std::uint32_t Nodes::add(BodyId body) {
     const auto number = static_cast<std::uint32_t>(known_.size());
     node.name = look.name.empty() ? "body " + std::to_string(number) : look.name;
     node.color = look.color.value_or(defaultColor(body, type));
-    for (const ShapeId shape : world.shapes(body)) addPart(world.geometry(shape), world.frame(shape), node.parts);
+    for (const ShapeId shape : world.shapes(body)) {
+        if (!world.givesWay(shape)) addPart(world.geometry(shape), world.frame(shape), node.parts);
+    }
     known_.push_back(std::move(node));
     numbers_[body] = number;
     return number;

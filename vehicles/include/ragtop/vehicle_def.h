@@ -69,6 +69,7 @@ struct TireDef {
     float relaxationLength = 0.3f;        ///< m rolled until a force has grown to 1 − 1/e of what the slip asks for
     float dampingRatio = 0.5f;            ///< of the car that sways on its standing tires
     float rollingResistance = 0.012f;     ///< resisting force over load
+    std::optional<float> radialStiffness{};  ///< N/m; empty: the standing car squashes it by a twentieth of its radius
 };
 
 struct WheelDef {
@@ -233,6 +234,9 @@ void describe(Visitor& visit, Self& self, const TireDef*) {
           self.relaxationLength);
     visit(Tunable{"dampingRatio", "1", 0, 1, "of the car that sways on its standing tires"}, self.dampingRatio);
     visit(Tunable{"rollingResistance", "1", 0, 1, "resisting force over load"}, self.rollingResistance);
+    visit(Tunable{"radialStiffness", "N/m", 1, 1e12,
+                  "of the tire; absent: the standing car squashes it by a twentieth of its radius"},
+          self.radialStiffness);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const WheelDef*) {

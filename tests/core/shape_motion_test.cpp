@@ -1,0 +1,81 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <stdexcept>
+
+#include "ragtop/world.h"
+
+/// Shapes that are moved in their bodies, and that give way.
+namespace ragtop {
+namespace {
+
+constexpr double kStep = 1.0 / 60;
+
+BodyId layFloor(World& world) { return world.create(StaticBody{.shape = Box{{50, 1, 50}}, .position = {0, -1, 0}}); }
+
+/// A box whose foot is moved down: it stands higher by as much.
+TEST(ShapeMotion, ABodyStandsOnAShapeWhereItWasMoved) {
+    World world;
+    layFloor(world);
+    BodyDef def;
+    def.shapes = {ShapeDef{.geometry = Box{{0.5f, 0.1f, 0.5f}}}, ShapeDef{.geometry = Box{{0.4f, 0.1f, 0.4f}}}};
+    def.pose.position = {0, 0.1, 0};
+    const BodyId body = world.create(def);
+    for (int i = 0; i < 60; ++i) world.step(kStep);
+    EXPECT_NEAR(world.pose(body).position.y, 0.1, 2e-3);
+    const ShapeId foot = world.shapes(body)[1];
+    for (int i = 1; i <= 60; ++i) {
+        world.setFrame(foot, {{0, -0.005f * static_cast<float>(i), 0}, {}});
+        world.step(kStep);
+        ASSERT_EQ(world.validate(), "");
+    }
+    for (int i = 0; i < 60; ++i) world.step(kStep);
+    EXPECT_NEAR(world.pose(body).position.y, 0.4, 4e-3);
+    EXPECT_NEAR(world.frame(foot).position.y, -0.3f, 1e-6f);
+}
+
+TEST(ShapeMotion, WakesTheBodyWhereItIsAChange) {
+    World world;
+    layFloor(world);
+    const BodyId body = world.create(DynamicBody{.shape = Box{{0.5f, 0.1f, 0.5f}}, .position = {0, 0.1, 0}});
+    for (int i = 0; i < 120; ++i) world.step(kStep);
+    ASSERT_FALSE(world.isAwake(body));
+    const ShapeId shape = world.shapes(body)[0];
+    world.setFrame(shape, world.frame(shape));
+    EXPECT_FALSE(world.isAwake(body));
+    world.setFrame(shape, {{0, 0.05f, 0}, {}});
+    EXPECT_TRUE(world.isAwake(body));
+}
+
+TEST(ShapeMotion, RejectsAFrameThatIsNone) {
+    World world;
+    const BodyId body = world.create(DynamicBody{.shape = Sphere{0.5f}});
+    const ShapeId shape = world.shapes(body)[0];
+    const float none = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_THROW(world.setFrame(shape, {{none, 0, 0}, {}}), std::invalid_argument);
+    EXPECT_THROW(world.setFrame(shape, {{}, {0, 0, 0, 0}}), std::invalid_argument);
+    EXPECT_THROW(world.setFrame(ShapeId{}, {}), std::out_of_range);
+    EXPECT_EQ(world.frame(shape).position, (Vec3{}));
+}
+
+/// What gives way upward sinks into the floor that pushes it so, and is stopped by the wall beside it.
+TEST(ShapeMotion, WhatGivesWayIsPushedAcrossItsWayAlone) {
+    World world;
+    layFloor(world);
+    world.create(StaticBody{.shape = Box{{1, 5, 5}}, .position = {3, 0, 0}});
+    BodyDef def;
+    def.shapes = {ShapeDef{.geometry = Sphere{0.5f}, .givesWay = true}};
+    def.pose.position = {0, 1, 0};
+    def.linearVelocity = {4, 0, 0};
+    def.gravityScale = 0;
+    const BodyId body = world.create(def);
+    EXPECT_TRUE(world.givesWay(world.shapes(body)[0]));
+    for (int i = 0; i < 60; ++i) world.step(kStep);
+    EXPECT_NEAR(world.pose(body).position.x, 1.5, 0.02);
+    world.setVelocity(body, {0, -2, 0}, {});
+    for (int i = 0; i < 24; ++i) world.step(kStep);
+    EXPECT_NEAR(world.pose(body).position.y, 0.2, 0.01);
+}
+
+}  // namespace
+}  // namespace ragtop

@@ -1,0 +1,151 @@
+#include "wheel_course.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ragtop/world.h"
+
+namespace ragtop {
+namespace {
+
+constexpr float kFlattest = 0.2f;    ///< sine between axle and normal below which a wheel lies on its side
+constexpr float kSamePlane = 2e-3f;  ///< radii between planes that count as one, and rad between their normals
+constexpr float kSameTurn = 0.02f;
+constexpr float kSteepestClimb = 4;  ///< m risen per m travelled beyond which ground has come up by itself,
+constexpr float kCatchUp = 1;        ///< which is then climbed by so many m per m
+
+struct Sample {
+    GroundPlane plane;
+    DVec3 hub;
+    float rise = 0;  ///< m
+};
+
+bool isOnePlane(const Sample& a, const Sample& b, const WheelWay& way) {
+    if (a.plane.found != b.plane.found) return false;
+    if (a.plane.found == 0) return true;
+    const float apart = std::abs(dot(relative(b.plane.point, a.plane.point), a.plane.normal));
+    return apart < kSamePlane * way.radius && length(b.plane.normal - a.plane.normal) < kSameTurn;
+}
+
+/// From a to b in so many seconds, along the way of the hub: it rises from a.rise to b.rise, which is lowered to what
+/// it can have climbed.
+GroundPlane pieceBetween(const Sample& a, Sample& b, const WheelWay& way, float below, float seconds) {
+    if (b.plane.found == 0) return a.plane.found != 0 ? a.plane : b.plane;
+    if (a.plane.found == 0 || !way.stands || (below == 0 && isOnePlane(a, b, way))) return b.plane;
+    const Vec3 went = relative(b.hub, a.hub);
+    const float along = dot(went, way.axis), onward = std::sqrt(std::max(dot(went, went) - along * along, 0.0f));
+    const float climbed = b.rise - (a.rise + below);
+    const float more = climbed > kSteepestClimb * onward ? 0 : std::max(climbed, 0.0f);
+    b.rise = std::min(b.rise, a.rise + more + kCatchUp * onward + kLiftSpeed * seconds);
+    const float climb = b.rise - a.rise;
+    if (climb < -onward) return b.plane;
+    const Vec3 locus = went + climb * way.axis;
+    const float squared = dot(locus, locus);
+    const Vec3 mean = a.plane.normal + b.plane.normal;
+    const Vec3 across = squared > 0 ? mean - (dot(mean, locus) / squared) * locus : mean;
+    GroundPlane piece = climb > 0 ? b.plane : a.plane;
+    piece.normal = length(across) > 1e-3f ? normalized(across) : b.plane.normal;
+    const std::optional<Vec3> down = lowestPoint(piece.normal, way.axle, way.radius);
+    if (!down || !(dot(piece.normal, way.axis) > kSteepest)) return b.plane;
+    piece.point = a.hub + a.rise * way.axis + *down;
+    return piece;
+}
+
+}  // namespace
+
+std::optional<Vec3> lowestPoint(const Vec3& normal, const Vec3& axle, float radius) {
+    const Vec3 inWheel = normal - dot(normal, axle) * axle;
+    const float across = length(inWheel);
+    if (!(across > kFlattest)) return {};
+    return (-radius / across) * inWheel;
+}
+
+/// (hub + down + x a − point)·n = 0
+std::optional<float> riseOn(const GroundPlane& plane, const WheelWay& way, const DVec3& hub) {
+    const std::optional<Vec3> down = lowestPoint(plane.normal, way.axle, way.radius);
+    const float slant = dot(plane.normal, way.axis);
+    if (!down || !(slant > kSteepest)) return {};
+    return -dot(relative(hub, plane.point) + *down, plane.normal) / slant;
+}
+
+namespace {
+
+/// Of one step of a wheel.
+struct Search {
+    const World& world;
+    BodyId chassis;
+    const Filter& filter;
+    const WheelWay& way;
+
+    void take(Sample& sample) const {
+        const std::optional<float> rise =
+            sample.plane.found != 0 ? riseOn(sample.plane, way, sample.hub) : std::nullopt;
+        sample.plane.found = rise ? 1 : 0;
+        sample.rise = rise.value_or(0);
+    }
+
+    Sample look(float share) const {
+        Sample sample{{}, way.from + share * relative(way.to, way.from), 0};
+        const WheelPath path{sample.hub + way.above * way.axis,
+                             -(way.above + way.below) * way.axis,
+                             way.axis,
+                             way.axle,
+                             way.radius,
+                             way.halfWidth};
+        findGround(world, chassis, filter, path, sample.plane);
+        take(sample);
+        return sample;
+    }
+
+    /// What was found at the end of the way before, where it is now.
+    Sample again(const GroundPlane& last) const {
+        if (last.found == 0 || !world.isValid(last.body)) return look(0);
+        Sample sample{last, way.from, 0};
+        if (const Pose now = world.pose(last.body); now != last.pose) {
+            movePlane(last, now, sample.plane.point, sample.plane.normal);
+            sample.plane.pose = now;
+        }
+        take(sample);
+        return sample;
+    }
+
+    /// Is all of the way over one plane?
+    bool isEven(const Sample& first, const Sample& end) const {
+        if (!isOnePlane(first, end, way)) return false;
+        if (!(length(relative(way.to, way.from)) > way.radius)) return true;
+        const Sample middle = look(0.5f);
+        return isOnePlane(first, middle, way) && isOnePlane(middle, end, way);
+    }
+};
+
+}  // namespace
+
+void findCourse(const World& world, BodyId chassis, const Filter& filter, const WheelWay& way, int substeps,
+                const CourseEnd& last, WheelCourse& course) {
+    const Search search{world, chassis, filter, way};
+    std::array<Sample, kMostPieces + 1> samples;
+    samples[0] = search.again(last.plane);
+    const Sample end = search.look(1);
+    course.count = search.isEven(samples[0], end) ? 1 : std::clamp(substeps, 1, kMostPieces);
+    const auto count = static_cast<std::size_t>(course.count);
+    samples[count] = end;
+    for (std::size_t k = 1; k < count; ++k) samples[k] = search.look(static_cast<float>(k) / static_cast<float>(count));
+    last.plane = end.plane;
+    // What moves is solved with the car as one body for the step, where it will be in its middle.
+    const auto moves = [](const Sample& sample) { return sample.plane.found != 0 && sample.plane.moves != 0; };
+    if (std::any_of(samples.begin(), samples.begin() + course.count + 1, moves)) {
+        course.count = 1;
+        course.pieces[0] = search.look(0.5f).plane;
+        last.below = 0;
+        return;
+    }
+    samples[0].rise -= last.below;
+    for (std::size_t k = 0; k < count; ++k) {
+        Sample& next = samples[k + 1];
+        const float found = next.rise;
+        course.pieces[k] = pieceBetween(samples[k], next, way, last.below, way.seconds / static_cast<float>(count));
+        last.below = found - next.rise;
+    }
+}
+
+}  // namespace ragtop

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "wheel_ground.h"
+
+namespace ragtop {
+
+constexpr int kMostPieces = 8;
+
+/// The ground along the way of a wheel through a step, as planes that follow each other in time.
+struct WheelCourse {
+    std::array<GroundPlane, kMostPieces> pieces;
+    int count = 0;  ///< of pieces, of equal times
+};
+
+/// What is known of the ground at the end of a way, kept with the wheel.
+struct CourseEnd {
+    GroundPlane& plane;
+    float& below;  ///< m of the hub's course below what was found, which it catches up with
+};
+
+/// A wheel and where its hub would be in the middle of its travel, at the beginning and at the end of a step.
+struct WheelWay {
+    DVec3 from, to;
+    Vec3 axis;  ///< unit, along which the hub rises
+    Vec3 axle;  ///< unit, to the left
+    float radius = 0, halfWidth = 0;
+    float above = 0, below = 0;  ///< m along the axis between which the hub is sought
+    float seconds = 0;           ///< of the step
+    bool stands = false;         ///< it did in the last substep
+};
+
+/// m that a hub has to rise along the axis for the wheel to stand on a plane; empty where it cannot stand there,
+/// because it lies on its side or the plane is a wall to it.
+std::optional<float> riseOn(const GroundPlane& plane, const WheelWay& way, const DVec3& hub);
+
+/// The lowest point of a wheel from its hub, over a plane of normal n: straight down in the wheel's own plane. Empty
+/// where the wheel lies on its side.
+std::optional<Vec3> lowestPoint(const Vec3& normal, const Vec3& axle, float radius);
+
+/// Looks for the ground along a way. `last` is of the end of the way before, and becomes that of this one. The hub of a
+/// wheel that rolls over steps and bumps goes along a locus, from which samples are taken: where they are not all on
+/// one plane, `substeps` of them. Between two samples the ground is the plane along which the hub goes from the one to
+/// the other: what the wheel climbs in a time its car pays for with what it is slowed down, whatever the length of a
+/// step. Ground that comes up at once, as an edge that the tread meets from its side, is climbed at a slope. Over what
+/// moves there is one piece.
+void findCourse(const World& world, BodyId chassis, const Filter& filter, const WheelWay& way, int substeps,
+                const CourseEnd& last, WheelCourse& course);
+
+}  // namespace ragtop
