@@ -12,7 +12,7 @@ endif()
 if(RAGTOP_BUILD_ASSETS)
     # Dependants first, as a linker reading static archives in order wants them.
     list(PREPEND modules assets vehicles ragdolls)
-    list(PREPEND libraries_private -lassimp -lurdfdom_model -lconsole_bridge -ltinyxml -ltinygltf -lfmt)
+    list(PREPEND libraries_private -lassimp -lurdfdom_model -lconsole_bridge -ltinyxml -ltinygltf -lmeshoptimizer -lfmt)
     install(DIRECTORY assets/data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/ragtop OPTIONAL)
     if(RAGTOP_BUILD_DEMOS)
         list(PREPEND modules serve)

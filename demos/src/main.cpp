@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "drive.h"
+#include "fit_command.h"
 #include "inspect.h"
 #include "ragdoll_command.h"
 #include "ragtop/data_folder.h"
@@ -61,6 +62,7 @@ struct Command {
     live::ServeSceneOptions serve;
     demos::DriveOptions drive;
     demos::RagdollCommand ragdoll;
+    demos::FitCommand fit;
     std::vector<std::string> settings;
     std::string asset;
     bool json = false;
@@ -144,6 +146,30 @@ CLI::App* addRagdoll(CLI::App& app, Command& command) {
     return ragdoll;
 }
 
+CLI::App* addFit(CLI::App& app, Command& command) {
+    demos::FitCommand& options = command.fit;
+    CLI::App* fit = app.add_subcommand("fit", "Take a closed mesh apart into convex pieces; 1 when they do not fit");
+    fit->add_option("mesh", options.asset, "OBJ, STL, PLY, glTF or another mesh file")->required();
+    fit->add_option("--pieces", options.limits.maxPieces, "Most pieces")
+        ->check(CLI::Range(1, 256))
+        ->capture_default_str();
+    fit->add_option("--vertices", options.limits.maxVertices, "Most vertices of a piece")
+        ->check(CLI::Range(8, 128))
+        ->capture_default_str();
+    fit->add_option("--error", options.limits.maxError, "From the solid to the farthest air in a piece, m")
+        ->check(CLI::Range(1e-6, 1e5))
+        ->capture_default_str();
+    fit->add_option("--volume", options.limits.maxVolume, "Of the pieces together, over that of the solid")
+        ->check(CLI::Range(1.001, 1e6))
+        ->capture_default_str();
+    fit->add_option("--simplify", options.simplify, "Make the mesh simpler first, within this, m")
+        ->check(CLI::Range(0.0, 1e5));
+    fit->add_option("--threads", options.threads, "Threads that work")->check(CLI::Range(1, 64))->capture_default_str();
+    fit->add_flag("--json", options.json, "As JSON, with the vertices of all pieces");
+    fit->add_option("--out", options.out, "Write the pieces to this OBJ file, an object each");
+    return fit;
+}
+
 /// What is wrong with the arguments, in one line.
 std::string usageError(const CLI::App& app, const CLI::ParseError& error) {
     const auto unknown = app.remaining();
@@ -169,6 +195,7 @@ int execute(int argc, char** argv) {
     CLI::App* served = addServe(app, command);
     CLI::App* driven = addDrive(app, command);
     CLI::App* ragdoll = addRagdoll(app, command);
+    CLI::App* fit = addFit(app, command);
     CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file has in it");
     inspect->add_option("asset", command.asset, "Vehicle, ragdoll, scene, character, robot or mesh")->required();
     inspect->add_flag("--json", command.json, "As JSON, with every element of a robot's file counted");
@@ -189,6 +216,7 @@ int execute(int argc, char** argv) {
     if (served->parsed()) serve(command.serve);
     if (driven->parsed() && !demos::drive(command.drive)) return kFailed;
     if (ragdoll->parsed() && !demos::testRagdoll(command.ragdoll)) return kFailed;
+    if (fit->parsed() && !demos::fit(command.fit)) return kFailed;
     if (inspect->parsed())
         fmt::print("{}", command.json ? demos::inspectAsJson(command.asset) : demos::inspect(command.asset));
     return 0;

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
+#include "ragtop/hull_triangles.h"
 #include "shapes/hull.h"
 
 /// The steps of building a ConvexHull. Coordinates are double, about the middle of the points and scaled by a power of
@@ -10,12 +10,6 @@
 namespace ragtop {
 
 inline constexpr std::size_t kMaxHullVertices = 128;
-
-using HullTriangle = std::array<int, 3>;
-
-/// The triangles of the hull, counter-clockwise from outside, each from its lowest index on, sorted. Throws
-/// std::invalid_argument with Qhull's words when it fails.
-std::vector<HullTriangle> convexTriangles(const std::vector<DVec3>& points);
 
 /// Faces (counter-clockwise loops) out of triangles, those that lie in a plane to within `tolerance` merged. Vertices
 /// along the way of an edge are left out. Empty when the merged faces would not be a polyhedron.

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "ragtop/shape.h"
+
+namespace ragtop {
+
+struct WeldedSurface {
+    std::vector<Vec3> vertices;       ///< no two at one place, sorted
+    std::vector<Triangle> triangles;  ///< with three different vertices
+};
+WeldedSurface welded(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
+
+/// Collapses edges down to `target` triangles, or as far as its quadrics stay below the error (m). These estimate; they
+/// promise nothing.
+WeldedSurface collapsed(const WeldedSurface& surface, std::size_t target, float error);
+
+}  // namespace ragtop

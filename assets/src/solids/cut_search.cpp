@@ -1,0 +1,73 @@
+#include "solids/cut_search.h"
+#include "ragtop/tunables.h"
+
+#include <algorithm>
+
+namespace ragtop {
+namespace {
+
+constexpr double kNoVolume = 1e-9;
+
+/// The hulls of the parts together, beyond their volume; infinite where there is none.
+double airOf(Remainder& part) {
+    double hulls = 0;
+    for (std::vector<DVec3>& corners : part.corners) hulls += hullOf(std::move(corners)).volume;
+    return hulls < kNoVolume ? kUnbounded : std::max(0.0, hulls - part.volume);
+}
+
+/// Air in the hulls of what a cut leaves, weighed: of cuts that remove as much of it, those go on better that are even,
+/// end in many corners, or are small.
+double cost(const CutSolid& solid, const std::vector<ConcaveEdge>& concave, const DPlane& plane) {
+    constexpr double kUneven = 0.3, kConcave = 0.6, kArea = 0.2;
+    Remainder below = remainderBelow(solid, plane), above = remainderBelow(solid, flipped(plane));
+    const double parts = static_cast<double>(below.corners.size() + above.corners.size()) / 2;
+    const double low = airOf(below), high = airOf(above), air = low + high;
+    if (air == kUnbounded) return kUnbounded;
+    double left = 0, all = 0;
+    for (const ConcaveEdge& edge : concave) {
+        all += edge.weight;
+        const double a = plane.height(solid.vertices[edge.a]), b = plane.height(solid.vertices[edge.b]);
+        if (std::abs(a) > kOnPlane || std::abs(b) > kOnPlane) left += edge.weight;
+    }
+    const double uneven = air > 0 ? std::max(low, high) / air : 0;
+    const double area = std::max(0.0, below.cutArea), size = air + below.volume + above.volume;
+    // Air of what is round falls with the square of the number of pieces: more of them have to remove more.
+    return parts * parts * air *
+           (1 + kUneven * uneven + kConcave * (all > 0 ? left / all : 1) + kArea * area * std::sqrt(area) / size);
+}
+
+struct Costs {
+    const CutSolid& solid;
+    std::vector<ConcaveEdge> concave;
+    std::vector<DPlane> planes;
+    std::vector<double> costs;
+
+    Costs(const CutSolid& s, const TaskRunner& tasks)
+        : solid(s), concave(concaveEdges(s)), planes(planesToTry(s, concave)), costs(planes.size(), kUnbounded) {
+        const auto task = [](void* context, int index) {
+            auto& self = *static_cast<Costs*>(context);
+            const auto i = static_cast<std::size_t>(index);
+            self.costs[i] = cost(self.solid, self.concave, self.planes[i]);
+        };
+        const int count = static_cast<int>(planes.size());
+        if (tasks.run)
+            tasks.run(tasks.user, count, task, this);
+        else
+            for (int i = 0; i < count; ++i) task(this, i);
+    }
+    std::size_t best() const {
+        return static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
+    }
+};
+
+}  // namespace
+
+std::optional<DPlane> bestCut(const CutSolid& solid, const TaskRunner& tasks) {
+    if (solid.vertices.empty()) return {};
+    const Costs first(solid, tasks);
+    const std::size_t best = first.best();
+    if (first.costs[best] == kUnbounded) return {};
+    return first.planes[best];
+}
+
+}  // namespace ragtop

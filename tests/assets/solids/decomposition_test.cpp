@@ -1,0 +1,247 @@
+#include "ragtop/decomposition.h"
+
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "ragtop/world.h"
+#include "solids/cut_solid.h"
+#include "solids/point_hull.h"
+#include "solids/written_solids.h"
+
+namespace ragtop {
+namespace {
+
+double sizeOf(const written::Solid& solid) {
+    Bounds bounds{solid.vertices[0], solid.vertices[0]};
+    for (const Vec3& v : solid.vertices) bounds = merge(bounds, {v, v});
+    const Vec3 extent = bounds.upper - bounds.lower;
+    return static_cast<double>(std::max({extent.x, extent.y, extent.z}));
+}
+
+PointHull hullOfPiece(const ConvexHull& piece) {
+    std::vector<DVec3> points;
+    for (const Vec3& v : piece.vertices()) points.emplace_back(v);
+    return hullOf(points);
+}
+
+/// m, of the vertex that is farthest from being in a piece.
+double farthestOutside(const written::Solid& solid, const Decomposition& made) {
+    std::vector<PointHull> hulls;
+    for (const ConvexHull& piece : made.pieces) hulls.push_back(hullOfPiece(piece));
+    double worst = -1;
+    for (const Vec3& v : solid.vertices) {
+        double least = 1e30;
+        for (const PointHull& hull : hulls) least = std::min(least, heightOver(hull, DVec3(v)));
+        worst = std::max(worst, least);
+    }
+    return worst;
+}
+
+std::vector<std::vector<Vec3>> verticesOf(const Decomposition& made) {
+    std::vector<std::vector<Vec3>> all;
+    for (const ConvexHull& piece : made.pieces) all.emplace_back(piece.vertices().begin(), piece.vertices().end());
+    return all;
+}
+
+TEST(Decomposition, PiecesHoldAllVerticesOfTwentySolidsWithinTheirLimits) {
+    // Walls that curve both ways, a spring, and a gear with a hole need more than 16 pieces for 5 mm.
+    const std::vector<std::string> beyond{"gear", "shell", "spring", "bowl"};
+    for (const written::Solid& solid : written::twenty()) {
+        const DecompositionOptions options;
+        const Decomposition made = decompose(solid.mesh(), options);
+        EXPECT_LE(made.pieces.size(), 16u) << solid.name;
+        for (const ConvexHull& piece : made.pieces) EXPECT_LE(piece.vertices().size(), 64u) << solid.name;
+        EXPECT_LE(farthestOutside(solid, made), 5e-5 * sizeOf(solid)) << solid.name;
+        EXPECT_LT(made.volume, 1.3f * made.solidVolume) << solid.name;
+        const bool suffices = std::find(beyond.begin(), beyond.end(), solid.name) == beyond.end();
+        EXPECT_TRUE(!suffices || made.isWithin(options)) << solid.name << " " << made.error << " " << made.volume;
+    }
+}
+
+/// Cuts run along the faces, so that pieces are as exact as these; in a grid of cells they would have steps.
+TEST(Decomposition, OfFlatFacesHasTheVolumeOfTheSolid) {
+    for (const char* name : {"chair", "table", "L", "T", "U", "H", "E", "stairs", "frame", "shelf", "cross"}) {
+        const written::Solid solid = written::turned(written::byName(name), 1.1f);
+        const Decomposition made = decompose(solid.mesh(), {.maxVolume = 1.01f});
+        EXPECT_NEAR(made.volume, made.solidVolume, 2e-3f * made.solidVolume) << name;
+        EXPECT_LT(made.error, 1e-3f) << name;
+    }
+    EXPECT_EQ(decompose(written::byName("table").mesh()).pieces.size(), 5u);
+    EXPECT_EQ(decompose(written::byName("frame").mesh()).pieces.size(), 4u);
+    EXPECT_EQ(decompose(written::byName("shelf").mesh()).pieces.size(), 6u);
+}
+
+TEST(Decomposition, KeepsToOtherErrorsAndNumbers) {
+    const TriangleMesh ring = written::byName("torus").mesh();
+    std::size_t before = 0;
+    for (const float error : {0.1f, 0.03f, 0.01f}) {
+        const DecompositionOptions options{.maxPieces = 32, .maxError = error, .maxVolume = 2};
+        const Decomposition made = decompose(ring, options);
+        EXPECT_LE(made.error, error);
+        EXPECT_GE(made.pieces.size(), before) << error;
+        before = made.pieces.size();
+    }
+    EXPECT_EQ(decompose(ring, {.maxPieces = 1}).pieces.size(), 1u);
+    EXPECT_LE(decompose(ring, {.maxPieces = 5}).pieces.size(), 5u);
+    const Decomposition coarse = decompose(ring, {.maxVertices = 12});
+    for (const ConvexHull& piece : coarse.pieces) EXPECT_LE(piece.vertices().size(), 12u);
+    EXPECT_LE(farthestOutside(written::byName("torus"), coarse), 5e-5);
+}
+
+TEST(Decomposition, InOnePieceIsTheHull) {
+    for (const char* name : {"L", "star", "spring"}) {
+        const written::Solid solid = written::byName(name);
+        std::vector<DVec3> points;
+        for (const Vec3& v : solid.vertices) points.emplace_back(v);
+        const Decomposition made = decompose(solid.mesh(), {.maxPieces = 1, .maxVertices = 128});
+        ASSERT_EQ(made.pieces.size(), 1u);
+        const PointHull hull = hullOf(points);
+        // Corners that have to be left out are made up for by others, which move outwards.
+        const double more = hull.points.size() <= 128 ? 1e-4 : 0.05;
+        EXPECT_GE(static_cast<double>(made.volume), (1 - 1e-4) * hull.volume) << name;
+        EXPECT_LE(static_cast<double>(made.volume), (1 + more) * hull.volume) << name;
+    }
+}
+
+TEST(Decomposition, ScalesWithTheSolidToTheBit) {
+    for (const char* name : {"chair", "pipe"}) {
+        const written::Solid solid = written::turned(written::byName(name), 0.4f);
+        const auto one = verticesOf(decompose(solid.mesh()));
+        for (const float scale : {1.0f / 1024, 2048.0f}) {  // millimetres and kilometres
+            written::Solid other = solid;
+            for (Vec3& v : other.vertices) v = scale * v;
+            auto pieces = verticesOf(decompose(other.mesh(), {.maxError = 0.005f * scale}));
+            for (auto& piece : pieces)
+                for (Vec3& v : piece) v = (1 / scale) * v;
+            EXPECT_EQ(pieces, one) << name << " " << scale;
+        }
+    }
+}
+
+TEST(Decomposition, IsTheSameWithAnyTasks) {
+    const TriangleMesh mesh = written::turned(written::byName("pipe"), 0.3f).mesh();
+    const auto serial = verticesOf(decompose(mesh));
+    for (const int workers : {2, 3, 7}) {
+        EXPECT_EQ(verticesOf(decompose(mesh, {}, tbbTasks(workers))), serial);
+        EXPECT_EQ(verticesOf(decompose(mesh, {}, threadTasks(workers))), serial);
+    }
+}
+
+/// Doubled vertices, triangles without area and faces in many parts change nothing about a solid.
+TEST(Decomposition, TakesRoughTriangles) {
+    written::Solid solid = written::byName("U");
+    const std::size_t count = solid.triangles.size();
+    for (std::size_t i = 0; i < count; ++i) {  // each triangle in three parts, one of them with vertices of its own
+        const Triangle t = solid.triangles[i];
+        const Vec3 a = solid.vertices[t.a], b = solid.vertices[t.b], c = solid.vertices[t.c];
+        const auto first = static_cast<std::uint32_t>(solid.vertices.size());
+        solid.vertices.insert(solid.vertices.end(), {0.25f * a + 0.25f * b + 0.5f * c, a, b});
+        solid.triangles[i] = {first + 1, first + 2, first};
+        solid.triangles.push_back({t.b, t.c, first});
+        solid.triangles.push_back({t.c, t.a, first});
+        solid.triangles.push_back({first, first, t.a});
+    }
+    const Decomposition made = decompose(solid.mesh());
+    EXPECT_EQ(made.pieces.size(), 3u);
+    EXPECT_NEAR(made.volume, made.solidVolume, 1e-4f * made.solidVolume);
+}
+
+TEST(Decomposition, ThinWallsStayThin) {
+    // A tray of sheet metal, 1 mm thick.
+    const written::Solid tray = written::cup(0.1, 0.001, 0.05, 4);
+    const Decomposition made = decompose(tray.mesh());
+    EXPECT_EQ(made.pieces.size(), 5u);
+    EXPECT_LE(farthestOutside(tray, made), 5e-5 * sizeOf(tray));
+    EXPECT_NEAR(made.volume, made.solidVolume, 0.02f * made.solidVolume);
+}
+
+TEST(Decomposition, OfAHollowBallLeavesItHollow) {
+    const written::Solid shell = written::byName("shell");
+    const Decomposition made = decompose(shell.mesh(), {.maxPieces = 24, .maxError = 0.1f});
+    for (const ConvexHull& piece : made.pieces) EXPECT_GT(heightOver(hullOfPiece(piece), {0, 0, 0}), 0.02);
+}
+
+TEST(Decomposition, RefusesWhatIsNoSolidInOneLine) {
+    const auto complaint = [](const TriangleMesh& mesh, const DecompositionOptions& options = {}) {
+        try {
+            decompose(mesh, options);
+        } catch (const std::invalid_argument& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    written::Solid solid = written::byName("L");
+    written::Solid open = solid;
+    open.triangles.pop_back();
+    EXPECT_THAT(complaint(open.mesh()), testing::HasSubstr("is open at the edge of vertices"));
+    written::Solid inside = solid;
+    for (Triangle& t : inside.triangles) std::swap(t.b, t.c);
+    EXPECT_THAT(complaint(inside.mesh()), testing::HasSubstr("clockwise seen from outside"));
+    EXPECT_THAT(complaint(solid.mesh(), {.maxPieces = 0}), testing::HasSubstr("maxPieces is 0, must be in [1, 256]"));
+    EXPECT_THAT(complaint(solid.mesh(), {.maxError = std::nanf("")}), testing::HasSubstr("maxError is nan"));
+    for (const std::string& line : {complaint(open.mesh()), complaint(inside.mesh())})
+        EXPECT_EQ(line.find('\n'), std::string::npos);
+}
+
+TEST(CutSolid, CutsKeepTheVolumeAndHullsHoldIt) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> part(-1, 1);
+    for (const written::Solid& solid : written::twenty()) {
+        CutSolid whole;
+        for (const Vec3& v : solid.vertices) whole.vertices.emplace_back(v);
+        whole.triangles = solid.triangles;
+        const double volume = volumeOf(whole);
+        std::vector<CutSolid> parts{whole};
+        for (int k = 0; k < 6; ++k) {
+            DVec3 n{part(random), part(random), part(random)};
+            if (k < 3) n = {k == 0 ? 1.0 : 0, k == 1 ? 1.0 : 0, k == 2 ? 1.0 : 0};  // along faces where there are any
+            n = (1 / length(n)) * n;
+            const DPlane plane{n, dot(n, DVec3(solid.vertices[random() % solid.vertices.size()]))};
+            std::vector<CutSolid> next;
+            for (const CutSolid& each : parts) {
+                const CutSolid below = partBelow(each, plane), above = partBelow(each, flipped(plane));
+                EXPECT_NEAR(volumeOf(below) + volumeOf(above), volumeOf(each), 1e-12) << solid.name;
+                EXPECT_NEAR(remainderBelow(each, plane).volume, volumeOf(below), 1e-12) << solid.name;
+                for (CutSolid half : {below, above})
+                    for (CutSolid& one : separated(std::move(half))) next.push_back(std::move(one));
+            }
+            parts = std::move(next);
+        }
+        double sum = 0;
+        for (const CutSolid& each : parts) {
+            sum += volumeOf(each);
+            EXPECT_GT(hullOf(each.vertices).volume, volumeOf(each) - 1e-7) << solid.name;
+        }
+        EXPECT_NEAR(sum, volume, 1e-12) << solid.name;
+    }
+}
+
+/// A ball that fits with room to spare lies on the floor of the cup, and stays there when the cup is let fall.
+TEST(Decomposition, ABallRestsInTheCup) {
+    for (const bool falls : {false, true}) {
+        World world;
+        BodyDef ground;
+        ground.type = BodyType::fixed;
+        ground.shapes = {{.geometry = Box{{2, 0.5f, 2}}}};
+        ground.pose.position = {0, -0.5, 0};
+        world.create(ground);
+        BodyDef cup;
+        cup.type = falls ? BodyType::dynamic : BodyType::fixed;
+        cup.shapes = {{.geometry = compoundOf(decompose(written::byName("cup").mesh()))}};
+        cup.pose.position = {0, falls ? 0.02 : 0, 0};
+        const BodyId held = world.create(cup);
+        BodyDef ball;
+        ball.shapes = {{.geometry = Sphere{0.025f}}};
+        ball.pose.position = {0.004, 0.06, 0.003};
+        const BodyId dropped = world.create(ball);
+        for (int i = 0; i < 180; ++i) world.step(1.0f / 60);
+        const DVec3 at = world.pose(dropped).position, floor = world.pose(held).position;
+        constexpr double kWall = 0.006, kRadius = 0.025, kSlack = 5e-4;
+        EXPECT_NEAR(at.y - floor.y, kWall + kRadius, kSlack) << falls;
+        EXPECT_LT(std::hypot(at.x - floor.x, at.z - floor.z), 0.04 - kRadius + kSlack) << falls;
+    }
+}
+
+}  // namespace
+}  // namespace ragtop
