@@ -15,11 +15,15 @@ namespace {
 
 constexpr Vec3 kUp{0, 1, 0};
 constexpr float kPlanted = 0.02f;         ///< of the weight, that a foot bears at least which stands
-constexpr float kUpright = 2;             ///< stiffness of knees and hips over that of ankles
-constexpr float kUprightDamping = 0.33f;  ///< of knees and hips, over stiffness by the rate of toppling
-constexpr float kMostLean = 0.16f;        ///< of the length of the legs
-constexpr float kCalm = 0.01f;            ///< m, of what is left to fall, at which learning goes at half its rate
-constexpr float kFollow = 0.5f;  ///< share of a step by which the normal of the ground follows that of contacts
+constexpr float kUpright = 0.56f;         ///< stiffness of knees and hips over weight times height
+constexpr float kUprightDamping = 0.28f;  ///< of knees and hips, over that by the rate of toppling
+constexpr float kRising = 1;              ///< 1/s, of the length of the legs, at which hips rise at most
+constexpr float kLifted = 0.04f;  ///< of the length of legs, up to which a foot is set down by what it is to bear
+constexpr float kAnkle = 0.42f, kAnkleDamping = 0.14f;
+constexpr float kSoleShare = 0.85f;  ///< of the soles, that pressure is kept within so that they stay flat
+constexpr float kMostLean = 0.16f;   ///< of the length of the legs
+constexpr float kCalm = 0.01f;       ///< m, of what is left to fall, at which learning goes at half its rate
+constexpr float kFollow = 0.5f;      ///< share of a step by which the normal of the ground follows that of contacts
 
 /// How the arms of who balances are held: apart from the thighs, which they would rub on.
 constexpr PartAngles kArms[] = {{BodyRole::upperArm, BodySide::left, 0.05f, 0.3f},
@@ -60,13 +64,12 @@ Balance::Balance(World& world, const Ragdoll& ragdoll, Muscles& muscles, const B
         if (!leg)
             throw std::invalid_argument("balance: the " + std::string(nameOf(side)) +
                                         " leg is not a thigh on the pelvis, a shank on a hinge and a foot");
-        const std::size_t index = legs_.size();
-        soles_[index] = soleOf(axes_, leg->foot);
-        for (const Vec3& corner : soles_[index])
-            middles_[index] += (1.0f / static_cast<float>(soles_[index].size())) * corner;
+        soles_.push_back(soleOf(axes_, leg->foot));
         legs_.push_back(*leg);
     }
     stance_.resize(ragdoll.def().joints.size());
+    accelerations_.resize(ragdoll.def().parts.size());
+    outside_.resize(ragdoll.def().parts.size());
     turnsOf(axes_, kArms, stance_);
 }
 
@@ -75,6 +78,14 @@ Balance::~Balance() = default;
 void Balance::release() {
     for (const Leg& leg : legs_)
         for (const int joint : {leg.hip, leg.knee, leg.ankle}) muscles_->setGains(joint, {});
+    lean_ = {};
+    height_ = 0;
+}
+
+void Balance::setOptions(const BalanceOptions& options) {
+    if (const std::string problem = whyInvalid(options); !problem.empty())
+        throw std::invalid_argument("balance: " + problem);
+    options_ = options;
 }
 
 /// What the ground does to a foot.
@@ -110,14 +121,22 @@ void Balance::feel(std::size_t side) {
         foot.normal = normalized(foot.normal + kFollow * normalized(felt.normal, kUp), kUp);
     }
     const Pose pose = world_->pose(body);
-    foot.middle = transformPoint(pose, middles_[side]);
-    const Vec3 up = rotate(axes_.axesOf(legs_[side].foot, pose.rotation), kUp);
+    foot.middle = transformPoint(pose, soles_[side].middle);
+    const Vec3 up = rotate(pose.rotation, soles_[side].up);
     foot.flat = normalized(rotationBetween(up, foot.normal) * pose.rotation);
 }
 
 void Balance::feel() {
     dynamics_.look();
     for (std::size_t side = 0; side < 2; ++side) feel(side);
+    for (std::size_t side = 0; side < 2; ++side) {
+        Foot &foot = feet_[side], &other = feet_[1 - side];
+        foot.height = 0;
+        if (foot.planted || !other.planted) continue;
+        foot.height = dot(relative(foot.middle, other.middle), other.normal);
+        foot.normal = other.normal;
+        foot.ground = other.ground;
+    }
 }
 
 Balance::Stand Balance::survey() const {
@@ -161,8 +180,9 @@ float Balance::marginOf(const Vec3& point) const {
     std::size_t count = 0;
     for (std::size_t side = 0; side < 2; ++side) {
         if (!feet_[side].planted) continue;
-        for (const Vec3& corner : soles_[side]) {
-            const Vec3 at = relative(feet_[side].middle, center_) + rotate(feet_[side].flat, corner - middles_[side]);
+        for (const Vec3& corner : soles_[side].corners) {
+            const Vec3 at =
+                relative(feet_[side].middle, center_) + rotate(feet_[side].flat, corner - soles_[side].middle);
             corners[count++] = {at.x, at.z};
         }
     }
@@ -182,9 +202,9 @@ float Balance::reach(const Vec3& direction) const {
 }
 
 /// Hips are level, headed as the feet are on average, and where they carry the centre of mass over the point that was
-/// learnt. The capture point ξ = c + ċ/ω comes to rest where the centre of pressure is p = ξ + (κ − 1)(ξ − ξ₀), which
-/// springs about the ankles give by k = κ m g z and d = k/ω.
-void Balance::bend(const Stand& stand) {
+/// learnt. Springs only hold legs in shape: what bears is fed forward, as no spring of a foot of a kilogram can be as
+/// stiff as a body is heavy.
+void Balance::bend(const Stand& stand, float dt) {
     const RagdollDef& def = ragdoll_->def();
     Vec3 forward;
     for (std::size_t side = 0; side < 2; ++side)
@@ -198,29 +218,81 @@ void Balance::bend(const Stand& stand) {
     float height = 2 * legs_[0].length;
     for (std::size_t side = 0; side < 2; ++side) {
         const Leg& leg = legs_[side];
-        ankles[side] =
-            relative(feet_[side].middle, stand.center) + rotate(feet_[side].flat, leg.ankleInFoot - middles_[side]);
+        ankles[side] = relative(feet_[side].middle, stand.center) +
+                       rotate(feet_[side].flat, leg.ankleInFoot - soles_[side].middle);
         offsets[side] = rotate(turn, leg.hipInPelvis - middle);
+        ankles[side] -= feet_[side].height * feet_[side].normal;
         const Vec3 to = ankles[side] - offsets[side] - hips;
         const float most = (1 - options_.crouch) * leg.length, across = lengthSquared(level(to));
         height = std::min(height, to.y + std::sqrt(std::max(most * most - across, 0.0f)));
     }
-    hips.y = height;
-    const float k = 0.5f * options_.stiffness * dynamics_.mass() * stand.gravity * stand.height;
+    // Knees bend and stretch no faster than those of who gets up, and their targets move as fast as that.
+    const float before = height_ > 0 ? height_ : relative(transformPoint(pelvis, middle), stand.center).y;
+    const float most = kRising * legs_[0].length * dt;
+    const Vec3 rising{0, std::clamp(height - before, -most, most), 0};
+    height_ = before + rising.y;
+    hips.y = height_;
+    const float toppling = dynamics_.mass() * stand.gravity * stand.height;
+    const MuscleGains upright{kUpright * toppling, kUprightDamping * toppling / stand.rate},
+        ankle{kAnkle * toppling, kAnkleDamping * toppling / stand.rate};
     for (std::size_t joint = 0; joint < stance_.size(); ++joint)
         muscles_->setTarget(static_cast<int>(joint), stance_[joint]);
     for (std::size_t side = 0; side < 2; ++side) {
         const Leg& leg = legs_[side];
-        const Leg::Bent bent = leg.reach(axes_, turn, hips + offsets[side], feet_[side].flat, ankles[side]);
-        const auto set = [&](int joint, const Quat& parent, const Quat& child, const MuscleGains& gains) {
-            muscles_->setTarget(joint, turnOf(def.joints[static_cast<std::size_t>(joint)], parent, child));
+        const Vec3 hip = hips + offsets[side];
+        const Leg::Bent bent = leg.reach(axes_, turn, hip, feet_[side].flat, ankles[side]),
+                        below = leg.reach(axes_, turn, hip - rising, feet_[side].flat, ankles[side]);
+        const auto set = [&](int joint, const Quat& parent, const Quat& child, const Quat& last,
+                             const MuscleGains& gains) {
+            const Quat target = turnOf(def.joints[static_cast<std::size_t>(joint)], parent, child);
+            muscles_->setTarget(joint, target, (1 / dt) * rotationVector(target * conjugate(last)));
             muscles_->setGains(joint, gains);
         };
-        const MuscleGains upright{kUpright * k, kUpright * kUprightDamping * k / stand.rate};
-        set(leg.hip, turn, bent.thigh, upright);
-        set(leg.knee, bent.thigh, bent.shank, upright);
-        set(leg.ankle, bent.shank, bent.foot, {k, options_.damping * k / stand.rate});
+        const auto last = [&](int joint, const Quat& parent, const Quat& child) {
+            return turnOf(def.joints[static_cast<std::size_t>(joint)], parent, child);
+        };
+        set(leg.hip, turn, bent.thigh, last(leg.hip, turn, below.thigh), upright);
+        set(leg.knee, bent.thigh, bent.shank, last(leg.knee, below.thigh, below.shank), upright);
+        set(leg.ankle, bent.shank, bent.foot, last(leg.ankle, below.shank, below.foot), ankle);
     }
+}
+
+/// Bears the weight so that the centre of pressure is where it brings the capture point ξ = c + ċ/ω to rest, at
+/// p = ξ + (κ − 1)(ξ − ξ₀): by the share of each foot first, then within the soles. The body moves as a whole, by
+/// c̈ = ω² (c − p).
+void Balance::bear(const Stand& stand) {
+    if (!onFeet()) return;
+    const Vec3 wanted = stand.capture + (options_.gain - 1) * (stand.capture - level(lean_));
+    const Vec3 left = level(relative(feet_[0].middle, stand.center)),
+               right = level(relative(feet_[1].middle, stand.center)), apart = left - right;
+    float share = feet_[0].planted ? 1.0f : 0.0f;
+    if (stand.both) share = std::clamp(dot(wanted - right, apart) / std::max(lengthSquared(apart), 1e-6f), 0.0f, 1.0f);
+    const Vec3 offset = wanted - (share * left + (1 - share) * right);
+    Vec3 pressure;
+    std::array<Vec3, 2> at{};
+    for (std::size_t side = 0; side < 2; ++side) {
+        const Quat& flat = feet_[side].flat;
+        at[side] = relative(feet_[side].middle, stand.center) +
+                   rotate(flat, soles_[side].within(inverseRotate(flat, offset), kSoleShare));
+        pressure += (side == 0 ? share : 1 - share) * at[side];
+    }
+    const float mass = dynamics_.mass();
+    const Vec3 acceleration = (stand.rate * stand.rate) * level(stand.mass - pressure);
+    const Vec3 force = mass * (acceleration - world_->settings().gravity);
+    std::fill(accelerations_.begin(), accelerations_.end(), PartMotion{acceleration, {}});
+    std::fill(outside_.begin(), outside_.end(), PartMotion{});
+    for (std::size_t side = 0; side < 2; ++side) {
+        const auto part = static_cast<std::size_t>(legs_[side].foot);
+        const Vec3 f = (side == 0 ? share : 1 - share) * force;
+        const Vec3 arm = at[side] - relative(dynamics_.parts()[part].center, stand.center);
+        outside_[part] = {f, cross(arm, f)};
+    }
+    muscles_->expect(accelerations_, outside_);
+}
+
+void Balance::look() {
+    feel();
+    measure(survey());
 }
 
 void Balance::step(double dt) {
@@ -230,7 +302,8 @@ void Balance::step(double dt) {
     const Stand stand = survey();
     learn(stand, seconds);
     measure(stand);
-    bend(stand);
+    bend(stand, seconds);
+    bear(stand);
 }
 
 }  // namespace ragtop

@@ -123,7 +123,7 @@ std::vector<Pose> standing(const BodyAxes& axes, const Pose& ground, std::span<c
         const int foot = axes.find(BodyRole::foot, side);
         if (foot < 0) continue;
         const Pose& at = parts[static_cast<std::size_t>(foot)];
-        for (const Vec3& corner : soleOf(axes, foot)) lowest = std::min(lowest, transformPoint(at, corner).y);
+        for (const Vec3& corner : soleOf(axes, foot).corners) lowest = std::min(lowest, transformPoint(at, corner).y);
         middle = middle + 0.5 * at.position;
     }
     if (!std::isfinite(lowest)) lowest = 0;

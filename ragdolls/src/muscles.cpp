@@ -53,7 +53,7 @@ Muscles::Muscles(World& world, const Ragdoll& ragdoll, const MuscleProfile& prof
         // Of what is no human nothing is known: three times what holds it out straight, by its own size.
         if (!(muscles_[i].most > 0))
             muscles_[i].most = 3 * 9.81f * std::sqrt(dynamics_.inertiaBeyond(static_cast<int>(i)) * mass);
-        muscles_[i].target = turnNow(static_cast<int>(i));
+        muscles_[i].target = muscles_[i].aim = turnNow(static_cast<int>(i));
     }
 }
 
@@ -146,6 +146,16 @@ void Muscles::setGains(int joint, std::optional<MuscleGains> gains) {
     muscle.gains = gains;
 }
 
+void Muscles::crossfade(float seconds) {
+    requireDuration(seconds);
+    fading_ = seconds > 0 ? 0.0f : 1.0f;
+    fadingRate_ = seconds > 0 ? 1 / seconds : 0;
+    for (Muscle& muscle : muscles_) {
+        muscle.before = muscle.aim;
+        muscle.had = muscle.has;
+    }
+}
+
 void Muscles::expect(std::span<const PartMotion> accelerations, std::span<const PartMotion> outside) {
     const std::size_t parts = ragdoll_->def().parts.size();
     for (const std::size_t size : {accelerations.size(), outside.size()})
@@ -176,6 +186,7 @@ void Muscles::ease(float dt) {
         easing_ = std::min(easing_ + easingRate_ * dt, 1.0f);
         profile_ = between(from_, to_, easing_);
     }
+    fading_ = std::min(fading_ + fadingRate_ * dt, 1.0f);
     for (Muscle& muscle : muscles_) {
         const float left = muscle.wanted - muscle.share, way = muscle.rate * dt;
         muscle.share = std::abs(left) <= way ? muscle.wanted : muscle.share + (left > 0 ? way : -way);
@@ -203,12 +214,21 @@ void Muscles::drive(int joint, float dt) {
     MuscleGains gains{bounded(inertia * rate * rate, kMostGain),
                       bounded(2 * profile_.dampingRatio * inertia * rate, kMostGain)};
     if (muscle.gains) gains = *muscle.gains;
+    muscle.aim = muscle.target;
+    if (fading_ < 1) {
+        const float s = fading_ * fading_ * (3 - 2 * fading_);
+        const Vec3 way = rotationVector(muscle.target * conjugate(muscle.before));
+        muscle.aim = normalized(rotationAbout(way, s * length(way)) * muscle.before);
+        gains = {muscle.had.stiffness + s * (gains.stiffness - muscle.had.stiffness),
+                 muscle.had.damping + s * (gains.damping - muscle.had.damping)};
+    }
+    muscle.has = gains;
     const InverseDynamics::Part& a = dynamics_.parts()[static_cast<std::size_t>(def.parent)];
     const InverseDynamics::Part& b = dynamics_.parts()[static_cast<std::size_t>(def.child)];
     const JointBodies& joined = bodiesOf(def.joint);
     const Quat axes = a.rotation * joined.frameA.rotation;
     const Quat turn = normalized(conjugate(axes) * (b.rotation * joined.frameB.rotation));
-    Vec3 error = rotationVector(turn * conjugate(muscle.target));
+    Vec3 error = rotationVector(turn * conjugate(muscle.aim));
     Vec3 lag = inverseRotate(axes, b.spin - a.spin) - muscle.speed;
     Vec3 given = bounded(profile_.weight * inverseRotate(axes, torque_[at]), kMostTorque);
     const auto* hinge = std::get_if<HingeDef>(&def.joint);
@@ -216,7 +236,7 @@ void Muscles::drive(int joint, float dt) {
     if (hinge) {
         // The turn of the target about the axis, on the lap that the hinge is on.
         const float now = world_->state(ragdoll_->joints()[at]).coordinate;
-        const float wanted = 2 * arcTan2(muscle.target.x, muscle.target.w);
+        const float wanted = 2 * arcTan2(muscle.aim.x, muscle.aim.w);
         angle = wanted + 2 * kPi * std::floor((now - wanted) / (2 * kPi) + 0.5f);
         error = {now - angle, 0, 0};
         lag = {lag.x, 0, 0};
@@ -227,7 +247,7 @@ void Muscles::drive(int joint, float dt) {
     const float share = needed > most ? most / needed : 1.0f;
     muscle.torque = rotate(axes, share * torque);
     drives_.push_back({.joint = ragdoll_->joints()[at],
-                       .target = muscle.target,
+                       .target = muscle.aim,
                        .angle = angle,
                        .speed = muscle.speed,
                        .feedForward = share * given,
@@ -253,7 +273,12 @@ void Muscles::step(double dt) {
             rub(joint, profile_.friction);
             muscle.friction = friction;
         }
-        if (!limp) drive(joint, seconds);
+        if (limp) {
+            muscle.aim = turnNow(joint);
+            muscle.has = {};
+        } else {
+            drive(joint, seconds);
+        }
     }
     world_->setDrives(drives_);
     accelerations_.clear();

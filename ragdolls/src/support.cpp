@@ -42,9 +42,7 @@ float distanceToEdge(const Spot& a, const Spot& b, const Spot& p) {
     return distance({a.x + share * dx, a.z + share * dz}, p);
 }
 
-}  // namespace
-
-std::vector<Vec3> soleOf(const BodyAxes& axes, int foot) {
+std::vector<Vec3> cornersOf(const BodyAxes& axes, int foot) {
     const RagdollPart& part = axes.def().parts[static_cast<std::size_t>(foot)];
     const Vec3 down = inverseRotate(axes.zero(foot), {0, -1, 0});
     std::vector<Vec3> corners;
@@ -64,6 +62,35 @@ std::vector<Vec3> soleOf(const BodyAxes& axes, int foot) {
             corners.push_back(transformPoint(part.frame, {0, end * capsule->halfHeight, 0}) + capsule->radius * down);
     }
     return corners;
+}
+
+}  // namespace
+
+Sole soleOf(const BodyAxes& axes, int foot) {
+    Sole sole{.corners = cornersOf(axes, foot)};
+    const std::vector<Vec3>& c = sole.corners;
+    for (const Vec3& corner : c) sole.middle += (1.0f / static_cast<float>(c.size())) * corner;
+    const Vec3 up = inverseRotate(axes.zero(foot), {0, 1, 0});
+    sole.up = up;
+    if (c.size() == 2) sole.halves[0] = 0.5f * (c[1] - c[0]);
+    if (c.size() == 4) {
+        // The longest way from one corner is across.
+        std::array<Vec3, 3> ways{c[1] - c[0], c[2] - c[0], c[3] - c[0]};
+        std::sort(ways.begin(), ways.end(), [](const Vec3& a, const Vec3& b) { return length(a) < length(b); });
+        sole.halves = {0.5f * ways[0], 0.5f * ways[1]};
+        sole.up = normalized(cross(ways[0], ways[1]), up);
+        if (dot(sole.up, up) < 0) sole.up = -sole.up;
+    }
+    return sole;
+}
+
+Vec3 Sole::within(const Vec3& way, float share) const {
+    Vec3 kept;
+    for (const Vec3& half : halves) {
+        const float square = lengthSquared(half);
+        if (square > 0) kept += std::clamp(dot(way, half) / square, -share, share) * half;
+    }
+    return kept;
 }
 
 float marginWithin(std::span<Spot> corners, const Spot& point) {

@@ -8,8 +8,16 @@
 
 namespace ragtop {
 
-/// Corners of the underside of a foot, in its bone: of a box four, of a capsule two.
-std::vector<Vec3> soleOf(const BodyAxes& axes, int foot);
+/// The underside of a foot, in its bone.
+struct Sole {
+    std::vector<Vec3> corners{};   ///< of a box four, of a capsule two
+    Vec3 middle{}, up{0, 1, 0};    ///< up: unit vector across it, out of the ground
+    std::array<Vec3, 2> halves{};  ///< from the middle to the middles of two edges that meet
+
+    /// What of a way from the middle is over that share of the sole.
+    Vec3 within(const Vec3& way, float share) const;
+};
+Sole soleOf(const BodyAxes& axes, int foot);
 
 /// A point on the ground.
 struct Spot {

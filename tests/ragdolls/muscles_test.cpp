@@ -157,6 +157,31 @@ TEST(Muscles, AChangeOfStrengthIsNoJump) {
     EXPECT_LT(held.muscles.error(), 1 * kDegree);
 }
 
+/// What takes over within T moves the target by the smoothest step, whose speed is at most 1.5 of the way over T.
+TEST(Muscles, ACrossfadeIsNoJump) {
+    Held abrupt, eased;
+    for (Held* held : {&abrupt, &eased}) {
+        held->run(1);
+        held->muscles.follow(marching(0.3));
+    }
+    const int hip = jointOf(BodyRole::thigh, BodySide::left);
+    const float way = eased.muscles.error(hip);
+    ASSERT_GT(way, 0.3f);
+    eased.muscles.crossfade(0.5f);
+    const float jump = abrupt.turning();
+    float fastest = 0;
+    EXPECT_LT(eased.turning(), 0.1f * jump);
+    for (int i = 0; i < 40; ++i) {
+        const float before = eased.muscles.error(hip);
+        eased.run(1.0 / 60);
+        fastest = std::max(fastest, std::abs(eased.muscles.error(hip) - before) * 60);
+    }
+    EXPECT_LT(fastest, 1.2f * 1.5f * way / 0.5f);
+    eased.run(1);
+    EXPECT_LT(eased.muscles.error(), 1 * kDegree);
+    EXPECT_THROW(eased.muscles.crossfade(-1), std::invalid_argument);
+}
+
 /// Knees that cannot hold their shanks push as hard as they may where each step begins. What slips within a step is
 /// damped beyond that, by less the slower it begins to: after the first steps the mean over one is within the bound.
 /// How far it will slip is known only of what hangs free: a foot on the ground is held by more than its own inertia.

@@ -14,18 +14,15 @@ namespace ragtop {
 
 /// How a body stands.
 struct BalanceOptions {
-    float stiffness =
-        2.8f;              ///< of both ankles together, over weight times height of the centre of mass; topples below 1
-    float damping = 1.0f;  ///< of the ankles, over their stiffness divided by the rate at which the body would topple
-    float crouch = 0.01f;  ///< of the length of straight legs, by which the hips are lower
+    float gain = 2.8f;     ///< of the centre of pressure on the capture point; topples at 1
+    float crouch = 0.04f;  ///< of the length of straight legs, by which the hips are lower
     float learning =
         0.5f;  ///< 1/s, at which it finds where it has to lean on a slope, with a load, on what accelerates
 };
 
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const BalanceOptions*) {
-    visit(Tunable{"stiffness", "1", 1, 20, "of both ankles, over weight times height"}, self.stiffness);
-    visit(Tunable{"damping", "1", 0, 10, "of the ankles, over stiffness by the rate of toppling"}, self.damping);
+    visit(Tunable{"gain", "1", 1, 20, "of the centre of pressure on the capture point"}, self.gain);
     visit(Tunable{"crouch", "1", 0, 0.6, "of the length of the legs, by which hips are lower"}, self.crouch);
     visit(Tunable{"learning", "1/s", 0, 10, "at which it finds where it has to lean"}, self.learning);
 }
@@ -34,12 +31,13 @@ void describe(Visitor& visit, Self& self, const BalanceOptions*) {
 std::string whyInvalid(const BalanceOptions& options);
 
 struct Leg;
+struct Sole;
 
 /// Keeps a human on both feet by its joints alone: no force acts on it but gravity and what it touches. Legs are bent
-/// by inverse kinematics for hips that carry the centre of mass over the middle of the feet; ankles are springs as
-/// stiff and as damped as the feedback of the capture point asks for (docs/adr/0080). Everything is relative to what
-/// the feet stand on. World, ragdoll and muscles must outlive it and stay where they are. Steps neither throw nor
-/// allocate.
+/// by inverse kinematics for hips that carry the centre of mass over the middle of the feet, and bear the weight with
+/// the torques of inverse dynamics for a centre of pressure that brings the capture point back (docs/adr/0080).
+/// Everything is relative to what the feet stand on. World, ragdoll and muscles must outlive it and stay where they
+/// are. Steps neither throw nor allocate.
 ///
 ///     balance.step(dt);  muscles.step(dt);  world.step(dt);
 class Balance {
@@ -53,7 +51,9 @@ public:
 
     /// Sets targets and gains of all muscles for the next step of the world.
     void step(double dt);
-    /// Gives the gains of the muscles back to their profile.
+    /// Takes up where the feet are, for capturePoint(), margin(), center() and reach(), of who something else moves.
+    void look();
+    /// Gives the gains of the muscles back to their profile, and forgets where it had to lean.
     void release();
 
     /// Where the body would have to be held up to come to rest over it, on the height of the feet [Pratt et al.,
@@ -65,6 +65,11 @@ public:
     /// m, from the centre of mass to the edge of what the feet cover, along a level direction: J = m d √(g/z) is what a
     /// body of that height z can be pushed by without a step. 0 where it has no foot on the ground.
     float reach(const Vec3& direction) const;
+    /// m, the middle between the soles.
+    const DVec3& center() const { return center_; }
+    const BalanceOptions& options() const { return options_; }
+    /// From the next step on. Throws std::invalid_argument.
+    void setOptions(const BalanceOptions& options);
     bool onFeet() const { return feet_[0].planted || feet_[1].planted; }
 
 private:
@@ -73,9 +78,10 @@ private:
         float load = 0;    ///< N
         DVec3 pressure{};  ///< m, centre of it
         Vec3 normal{0, 1, 0};
-        Vec3 ground{};   ///< m/s, of what it stands on
-        DVec3 middle{};  ///< m, of the sole
-        Quat flat{};     ///< rotation of its bone with the sole on the ground
+        Vec3 ground{};     ///< m/s, of what it stands on
+        float height = 0;  ///< m, over the ground of the other one, of who is not planted
+        DVec3 middle{};    ///< m, of the sole
+        Quat flat{};       ///< rotation of its bone with the sole on the ground
     };
     struct Stand;
 
@@ -85,7 +91,8 @@ private:
     void learn(const Stand& stand, float dt);
     void measure(const Stand& stand);
     float marginOf(const Vec3& point) const;
-    void bend(const Stand& stand);
+    void bend(const Stand& stand, float dt);
+    void bear(const Stand& stand);
 
     World* world_;
     const Ragdoll* ragdoll_;
@@ -94,14 +101,15 @@ private:
     BodyAxes axes_;
     int pelvis_ = -1;
     InverseDynamics dynamics_;
-    std::vector<Leg> legs_;                   ///< left, right
-    std::array<std::vector<Vec3>, 2> soles_;  ///< corners, in the bones of the feet
-    std::array<Vec3, 2> middles_{};           ///< of those
-    std::vector<Quat> stance_;                ///< turns of the joints of who stands
+    std::vector<Leg> legs_;                            ///< left, right
+    std::vector<Sole> soles_;                          ///< likewise
+    std::vector<Quat> stance_;                         ///< turns of the joints of who stands
+    std::vector<PartMotion> accelerations_, outside_;  ///< that muscles are told
     std::array<Foot, 2> feet_;
     Vec3 lean_{};                 ///< m, of the centre of mass from the middle of the feet
     DVec3 center_{}, capture_{};  ///< m, of the feet
     float margin_ = 0;
+    float height_ = 0;  ///< m, of the hips, as legs were last bent for; 0: not yet
 };
 
 }  // namespace ragtop

@@ -94,6 +94,9 @@ public:
     /// Of one joint in the stead of what the profile makes of the inertia beyond it; nothing: the profile's again.
     /// Throws std::out_of_range, and std::invalid_argument on what is below zero or not finite.
     void setGains(int joint, std::optional<MuscleGains> gains);
+    /// Targets and gains that are set from now on are reached from those of now within `seconds`, so that who else
+    /// moves the body takes over without a jump. Throws std::invalid_argument on a duration that is none.
+    void crossfade(float seconds);
     /// What inverse dynamics count in the next step: how parts are to accelerate, and what pushes them from outside
     /// beside gravity, one entry per part. Throws std::invalid_argument on another number of entries.
     void expect(std::span<const PartMotion> accelerations, std::span<const PartMotion> outside);
@@ -113,7 +116,9 @@ private:
         Quat target{};                ///< of the child's joint frame in the parent's
         Vec3 speed{};                 ///< rad/s, of the target, in the parent's joint frame
         std::optional<MuscleGains> gains{};
-        Vec3 torque{};  ///< N m, world axes
+        Quat aim{}, before{};      ///< target of the last step, and of where the crossfade began
+        MuscleGains had{}, has{};  ///< gains there, and of the last step
+        Vec3 torque{};             ///< N m, world axes
     };
 
     bool powers(int joint) const;
@@ -126,6 +131,7 @@ private:
     const Ragdoll* ragdoll_;
     MuscleProfile profile_, from_, to_;
     float easing_ = 1, easingRate_ = 0;
+    float fading_ = 1, fadingRate_ = 0;  ///< of the crossfade
     InverseDynamics dynamics_;
     std::vector<Muscle> muscles_;                      ///< one per joint
     std::vector<Vec3> torque_;                         ///< N m, world axes, that inverse dynamics ask for
