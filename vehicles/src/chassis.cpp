@@ -12,8 +12,8 @@ namespace {
 Quat strutRotation(const WheelDef& wheel) { return rotationBetween({0, 1, 0}, normalized(wheel.suspension.axis)); }
 
 /// A wheel about its hub as what is beside, before and behind it meets it: round, its corners as far out of
-/// the circle as its sides are in it. A side looks ahead, so that it stands for what a wheel meets as a wall. In a frame
-/// whose y is the strut's axis.
+/// the circle as its sides are in it. A side looks ahead, so that it stands for what a wheel meets as a wall. In a
+/// frame whose y is the strut's axis.
 ConvexHull wheelHull(const WheelDef& wheel) {
     constexpr int kSides = 16;
     const float out = 2 / (1 + std::cos(kPi / kSides));

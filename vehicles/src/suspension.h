@@ -8,26 +8,49 @@
 /// Struts: how they share the car's weight, and their spring, damper and stops, with the tire that stands below.
 namespace ragtop {
 
+/// From a speed on, of a damper: force + slope (|ẋ| − speed).
+struct DamperLine {
+    float speed = 0;  ///< m/s
+    float force = 0;  ///< N
+    float slope = 0;  ///< N s/m
+};
+
+/// A stop that begins to yield at a place of the strut and is met s farther, over a length L: k s (1 + p s/(2 L)).
+struct StopSpec {
+    float stiffness = 0;    ///< k, N/m
+    float progression = 0;  ///< p/L, 1/m
+};
+
 /// A strut in numbers: the force along its axis at compression x (m above its place) is
 ///
-///     F = load + k x + c ẋ + Σ k_i (x − x_i)₊ + [x > travelUp] c_b ẋ,   x ≥ −travelDown,   F ≥ 0
+///     F = load + k x + D(ẋ) + B(x − travelUp) + [x > travelUp] c_b ẋ + 20 k_b (x − travelMost)₊ − E(−travelDown − x),
 ///
-/// with the bump stop's rubber from travelUp on, and what is behind it from half as far again. The tire, in series with
-/// it, presses the ground with N = k_t (δ + 10 (δ − δ_r)₊), δ ≥ 0 (m along the ground's normal) the squash, which is δ₀
-/// where it bears the standing car and has its radius, and δ_r where the rim is on the ground.
+/// with B and E the rubber of the stops (StopSpec) and D the damper, on lines through (0, 0); F ≥ 0 and x ≥
+/// travelLeast. The tire, in series with it, presses the ground with N = k_t (δ + 10 (δ − δ_r)₊), δ ≥ 0 (m along the
+/// ground's normal) the squash, which is δ₀ where it bears the standing car and has its radius, and δ_r where the rim
+/// is on the ground.
 struct StrutSpec {
     float load = 0;  ///< N, of the spring with the wheel at its place
-    float stiffness = 0, compressionDamping = 0, reboundDamping = 0;
+    float stiffness = 0;
+    std::vector<DamperLine> compression, rebound;  ///< from 0 m/s on
     float travelUp = 0, travelDown = 0;
-    float bumpStiffness = 0, bumpDamping = 0;
+    StopSpec bump, droop;
+    float bumpDamping = 0;
     float travelMost = 0, solidStiffness = 0;  ///< m and N/m more, where the rubber of the bump stop is squashed
+    float travelLeast = 0;                     ///< m, where the droop stop gives way no more
     float tireStiffness = 0, tireSquash = 0, rimSquash = 0;  ///< k_t, δ₀, δ_r
     float wheelWeight = 0;                                   ///< N, with which a wheel in the air falls
 };
 StrutSpec makeStrut(const WheelDef& wheel, float staticLoad, float gravity);
 
-/// N of spring and bump stop at a compression.
+/// N of spring and stops at a compression.
 float springForce(const StrutSpec& strut, float compression);
+
+/// N of the damper at a speed of compression.
+float damperForce(const StrutSpec& strut, float speed);
+
+/// m by which a tire is squashed under a load.
+float squashUnder(const StrutSpec& strut, float load);
 
 /// Loads of wheels at `positions` (relative to the centre of mass) that carry `weight` in balance on level ground,
 /// the smallest such in the sense of least squares. Empty when there is no such set: wheels in a line.
@@ -46,18 +69,23 @@ struct LoadLag {
     float load = 0;  ///< N, at the beginning of the substep
 };
 
+/// What else presses a wheel down along its strut: an anti-roll bar, by force + stiffness w.
+struct BarPull {
+    float force = 0, stiffness = 0;  ///< N, N/m
+};
+
 /// A substep of h, when the car's side of the contact moves apart from the ground at free + K λ, and the tire is
 /// squashed by δ at its beginning. `slant` is the cosine s between strut and normal: of the way W = −h (free + K λ)/s
 /// along the strut it takes w, and the tire W − w,
 ///
-///     F = F_strut(x + w, w/h),   F = s N(δ + s (W − w)) + R,   λ = h (F − R)/s
+///     F = F_strut(x + w, w/h) + bar,   F = s N(δ + s (W − w)) + R,   λ = h (F − R)/s
 ///
-/// where R is what the tire's grip pushes along the strut, N. Both rise with their ways, piece by piece on a line, so
-/// that there is one solution.
+/// where R is what the tire's grip pushes along the strut, N. Both rise with their ways, piece by piece on a line or,
+/// where a stop is progressive, by Newton's method on its tangents, so that there is one solution.
 StrutVisit solveStrut(const StrutSpec& strut, float compression, float squash, float slant, float h, float K,
-                      float free, float rub = 0, const LoadLag& lag = {});
+                      float free, float rub = 0, const LoadLag& lag = {}, const BarPull& bar = {});
 
 /// m that a strut whose wheel is in the air is compressed more at the end of a substep: it falls as its damper lets it.
-float fallOfWheel(const StrutSpec& strut, float compression, float h);
+float fallOfWheel(const StrutSpec& strut, float compression, float h, const BarPull& bar = {});
 
 }  // namespace ragtop

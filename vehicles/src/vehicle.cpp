@@ -138,7 +138,19 @@ void VehicleSim::takeDef() {
     for (std::size_t i = 0; i < def.wheels.size(); ++i) {
         specs.push_back(wheelSpec(def.wheels[i], center, loadsAtRest[i], gravity));
     }
+    for (const AntiRollBarDef& bar : def.antiRollBars) takeBar(bar);
     digest = definitionDigest(def, properties, gravity);
+}
+
+/// Its axle has two wheels (whyInvalid).
+void VehicleSim::takeBar(const AntiRollBarDef& bar) {
+    std::vector<std::size_t> ends;
+    for (std::size_t i = 0; i < specs.size(); ++i) {
+        if (def.wheels[i].axle == bar.axle) ends.push_back(i);
+    }
+    specs[ends.front()].barPartner = ends.back();
+    specs[ends.back()].barPartner = ends.front();
+    specs[ends.front()].barStiffness = specs[ends.back()].barStiffness = bar.stiffness;
 }
 
 /// The state of a car that rolls at `speed` and has touched nothing yet.

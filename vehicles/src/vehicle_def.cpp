@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <variant>
 
 #include "chassis.h"
@@ -184,7 +185,39 @@ std::string whyUnbalanced(const VehicleDef& def) {
     return {};
 }
 
+std::string whyInvalid(const std::vector<DamperPoint>& curve, const std::string& path) {
+    for (std::size_t i = 1; i < curve.size(); ++i) {
+        const DamperPoint &before = curve[i - 1], &now = curve[i];
+        const std::string point = path + "/" + std::to_string(i);
+        if (!(now.speed > before.speed)) {
+            return point + "/speed is " + text(static_cast<double>(now.speed)) + ", must be above the point before, " +
+                   text(static_cast<double>(before.speed));
+        }
+        if (!(now.force >= before.force)) {
+            return point + "/force is " + text(static_cast<double>(now.force)) +
+                   ", must not be below the point before, " + text(static_cast<double>(before.force));
+        }
+    }
+    return {};
+}
+
+std::string whyInvalid(const VehicleDef& def, const AntiRollBarDef& bar, std::size_t i) {
+    const std::string axle = "/antiRollBars/" + std::to_string(i) + "/axle is " + std::to_string(bar.axle);
+    const auto wheels = std::count_if(def.wheels.begin(), def.wheels.end(),
+                                      [&](const WheelDef& wheel) { return wheel.axle == bar.axle; });
+    if (wheels != 2) return axle + ", which has " + std::to_string(wheels) + " wheels, must be one of 2";
+    const auto end = def.antiRollBars.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto same = [&](const AntiRollBarDef& other) { return other.axle == bar.axle; };
+    return std::any_of(def.antiRollBars.begin(), end, same) ? axle + ", must be that of no other" : std::string();
+}
+
 std::string whyInvalid(const WheelDef& wheel, std::size_t i) {
+    const std::string suspension = "/wheels/" + std::to_string(i) + "/suspension";
+    for (const auto& [curve, name] : {std::pair{&wheel.suspension.compressionCurve, "/compressionCurve"},
+                                      std::pair{&wheel.suspension.reboundCurve, "/reboundCurve"}}) {
+        if (std::string why = whyInvalid(*curve, suspension + name); !why.empty()) return why;
+    }
+
     const auto& surfaces = wheel.tire.surfaces;
     for (std::size_t k = 0; k < surfaces.size(); ++k) {
         const auto same = [&](const TireSurface& other) { return other.surface == surfaces[k].surface; };
@@ -194,9 +227,8 @@ std::string whyInvalid(const WheelDef& wheel, std::size_t i) {
     }
     const Vec3& axis = wheel.suspension.axis;
     if (axis.y > 0.5f * length(axis)) return {};
-    return "/wheels/" + std::to_string(i) + "/suspension/axis is (" + text(static_cast<double>(axis.x)) + ", " +
-           text(static_cast<double>(axis.y)) + ", " + text(static_cast<double>(axis.z)) +
-           "), must be within 60° of (0, 1, 0)";
+    return suspension + "/axis is (" + text(static_cast<double>(axis.x)) + ", " + text(static_cast<double>(axis.y)) +
+           ", " + text(static_cast<double>(axis.z)) + "), must be within 60° of (0, 1, 0)";
 }
 
 }  // namespace
@@ -211,6 +243,9 @@ std::string whyInvalid(const VehicleDef& def) {
     }
     for (std::size_t i = 0; i < def.wheels.size(); ++i) {
         if (std::string why = whyInvalid(def.wheels[i], i); !why.empty()) return why;
+    }
+    for (std::size_t i = 0; i < def.antiRollBars.size(); ++i) {
+        if (std::string why = whyInvalid(def, def.antiRollBars[i], i); !why.empty()) return why;
     }
     if (std::string why = whyInvalid(def.engine); !why.empty()) return why;
     if (std::string why = whyInvalid(def.gearbox); !why.empty()) return why;

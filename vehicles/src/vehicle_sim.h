@@ -47,6 +47,8 @@ struct WheelSpec {
     float radius = 0, halfWidth = 0, staticLoad = 0;
     StrutSpec strut;
     TireSpec tire;
+    float barStiffness = 0;      ///< N/m, of an anti-roll bar
+    std::size_t barPartner = 0;  ///< the wheel at its other end
 };
 
 /// What a substep works with.
@@ -142,6 +144,7 @@ struct VehicleSim {
 
 private:
     void takeDef();
+    void takeBar(const AntiRollBarDef& bar);
     void start(float speed);
     bool mayRest(const Driver& wanted);
     void seekGround(std::size_t i, const Pose& pose, float dt);
@@ -157,6 +160,7 @@ private:
     void takeGround(std::size_t i, float h);
     bool sinkGround(std::size_t i, const PointBody& body, float h);
     void letFall(std::size_t i, float h);
+    BarPull barOf(std::size_t i) const;
     TireGround groundOf(std::size_t i) const;
     float resistanceOf(std::size_t i) const;
     void settleTire(std::size_t i, const PointBody& body);

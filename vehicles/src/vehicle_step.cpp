@@ -124,7 +124,7 @@ WheelWay VehicleSim::wayOf(std::size_t i, const Pose& pose, float dt) const {
     way.halfWidth = spec.halfWidth;
     way.above = spec.strut.travelUp + spec.radius;
     // What the wheel may reach within the step counts as ground already.
-    way.below = spec.strut.travelDown + 0.5f * spec.radius + length(went);
+    way.below = -spec.strut.travelLeast + 0.5f * spec.radius + length(went);
     way.seconds = dt;
     way.stands = wheels[i].touching != 0;
     return way;

@@ -189,7 +189,7 @@ bool VehicleSim::sinkGround(std::size_t i, const PointBody& body, float h) {
     WheelState& wheel = wheels[i];
     const StrutSpec& strut = specs[i].strut;
     takeGround(i, h);
-    if (wheel.placed == WheelState::kPut) wheel.compression = std::max(patch.rise, -strut.travelDown);
+    if (wheel.placed == WheelState::kPut) wheel.compression = std::max(patch.rise, strut.travelLeast);
     patch.squash = patch.slant * (patch.rise - wheel.compression) + strut.tireSquash;
     const float deepest = std::max(patch.squash, 0.0f);
     if (wheel.touching == 0 && wheel.placed == 0) {
@@ -204,7 +204,14 @@ bool VehicleSim::sinkGround(std::size_t i, const PointBody& body, float h) {
 }
 
 void VehicleSim::letFall(std::size_t i, float h) {
-    wheels[i].compression += fallOfWheel(specs[i].strut, wheels[i].compression, h);
+    wheels[i].compression += fallOfWheel(specs[i].strut, wheels[i].compression, h, barOf(i));
+}
+
+/// By where the wheel at its other end has come in this visit.
+BarPull VehicleSim::barOf(std::size_t i) const {
+    const float stiffness = specs[i].barStiffness;
+    const std::size_t other = specs[i].barPartner;
+    return {stiffness * (wheels[i].compression - wheels[other].compression - patches[other].way), stiffness};
 }
 
 void VehicleSim::beginGrounds() {
@@ -252,7 +259,7 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     const float apart = dot(velocityOverGround(patch, body), patch.normal) - patch.strutK * patch.load;
     const float rub = (patch.lean.x * patch.tire.x + patch.lean.y * patch.tire.y) / h;
     const StrutVisit strut = solveStrut(specs[i].strut, wheel.compression, patch.squash, patch.slant, h, patch.strutK,
-                                        apart, rub, patch.lag);
+                                        apart, rub, patch.lag, barOf(i));
     const float load = strut.impulse, loadChange = load - patch.load;
     patch.load = load;
     patch.way = strut.way;
@@ -304,6 +311,7 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     }
     wheel.compression += patch.way;
     wheel.hubSpeed = patch.way / h;
+    patch.way = 0;
     wheel.travel = travelOf(patch, body, wheel.hubSpeed);
     wheel.load = patch.load / h;
     wheel.force = {patch.tire.x / h, patch.tire.y / h};

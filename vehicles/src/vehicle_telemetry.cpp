@@ -96,13 +96,16 @@ void VehicleSim::tellWheel(std::size_t i, const Pose& pose) {
     out.steerAngle = arcTan2(ahead.x, ahead.z);
     out.compression = wheel.compression;
     out.springForce = springForce(spec.strut, wheel.compression);
+    out.damperForce = damperForce(spec.strut, wheel.hubSpeed);
+    out.antiRollForce = spec.barStiffness * (wheel.compression - wheels[spec.barPartner].compression);
+    out.tireSquash = squashUnder(spec.strut, wheel.load);
     out.contactNormal = wheel.ground.normal;
     out.ground = out.grounded ? wheel.ground.body : BodyId{};
     out.surface = wheel.ground.surface;
     out.pose = wheelFrame(i, pose);
     const float lean = clampTo(dot(rotate(out.pose.rotation, {1, 0, 0}), out.contactNormal), -1, 1);
     out.camber = out.grounded ? arcTan2(-lean, std::sqrt(1 - lean * lean)) : 0;
-    out.contactPoint = out.pose.position - spec.radius * out.contactNormal;
+    out.contactPoint = out.pose.position - (spec.radius + spec.strut.tireSquash - out.tireSquash) * out.contactNormal;
     out.pose.rotation = out.pose.rotation * rotationAbout({1, 0, 0}, wheel.rotation);
 }
 

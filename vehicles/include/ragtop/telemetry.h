@@ -36,7 +36,10 @@ void forEachChannel(const WheelTelemetry& wheel, Visit&& visit) {
     tell("steerAngle", "rad", "to the left", wheel.steerAngle);
     tell("camber", "rad", "of the wheel to the normal of the ground; its top to the left", wheel.camber);
     tell("compression", "m", "of the strut, above its place at rest", wheel.compression);
-    tell("springForce", "N", "of spring and bump stop, along the strut", wheel.springForce);
+    tell("springForce", "N", "of spring and stops, along the strut", wheel.springForce);
+    tell("damperForce", "N", "of the damper, along the strut; positive presses the wheel down", wheel.damperForce);
+    tell("antiRollForce", "N", "of the anti-roll bar, likewise", wheel.antiRollForce);
+    tell("tireSquash", "m", "by which the load has pressed the tire in", wheel.tireSquash);
     tell("surface", "1", "Material::surface that it stands on", wheel.surface);
 }
 

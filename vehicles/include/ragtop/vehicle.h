@@ -41,13 +41,16 @@ struct WheelTelemetry {
     float slipRatio = 0;          ///< tread less travel speed, over the larger of them or 1 m/s; −1 is a locked wheel
     float slipAngle =
         0;  ///< rad from the heading to the travel, fading below 1 m/s; positive when it drifts to the left
-    float angularSpeed = 0;                           ///< rad/s, positive forward
-    float rotation = 0;                               ///< rad about the axle, in (−π, π]
-    float steerAngle = 0;                             ///< rad, positive to the left
-    float compression = 0;                            ///< m above the place at rest
-    float springForce = 0;                            ///< N of spring and bump stop, along the strut
-    float gripUsed = 0;                               ///< share of the largest friction that the tire uses
-    float slipPower = 0;                              ///< W that the patch turns into heat
+    float angularSpeed = 0;  ///< rad/s, positive forward
+    float rotation = 0;      ///< rad about the axle, in (−π, π]
+    float steerAngle = 0;    ///< rad, positive to the left
+    float compression = 0;   ///< m above the place at rest
+    float springForce = 0;   ///< N of spring and stops, along the strut
+    float damperForce = 0,
+          antiRollForce = 0;  ///< N of damper and bar, along the strut; positive presses the wheel down
+    float tireSquash = 0;     ///< m by which the load has pressed the tire in
+    float gripUsed = 0;       ///< share of the largest friction that the tire uses
+    float slipPower = 0;      ///< W that the patch turns into heat
     float deflectionForward = 0, deflectionLeft = 0;  ///< m of the tread in the patch
     float travelForward = 0, travelLeft = 0;          ///< m/s of the patch over the ground
     float brakeTorque = 0;                            ///< N m of pads and rolling resistance on the wheel

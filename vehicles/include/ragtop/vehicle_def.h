@@ -31,20 +31,31 @@ struct ChassisDef {
     Filter filter{};                      ///< of the bodywork, and of what the wheels stand on
 };
 
-/// A strut with a linear spring, a damper of two rates and a bump stop. Unless the compression of the spring is given
-/// it is preloaded so that the standing car has its wheels where the definition puts them; with it, the car stands
-/// higher on stiffer springs and lower with more mass.
+/// A point of a damper's curve, at the wheel.
+struct DamperPoint {
+    float speed = 0;  ///< m/s
+    float force = 0;  ///< N against it
+};
+
+/// A strut with a linear spring, a damper and stops at both ends of its travel. Unless the compression of the spring is
+/// given it is preloaded so that the standing car has its wheels where the definition puts them; with it, the car
+/// stands higher on stiffer springs and lower with more mass.
 struct SuspensionDef {
     Vec3 axis{0, 1, 0};                        ///< along which the hub rises, in the chassis
-    float travelUp = 0.09f;                    ///< m from rest to the bump stop
-    float travelDown = 0.10f;                  ///< m from rest to the droop stop
+    float travelUp = 0.09f;                    ///< m from rest to the bump stop; metal is met half as far again
+    float travelDown = 0.10f;                  ///< m from rest to the droop stop; likewise where that yields
     float frequency = 1.4f;                    ///< Hz, undamped, of the load at rest on the spring
     float dampingRatio = 0.35f;                ///< of that oscillation
     std::optional<float> stiffness{};          ///< N/m at the wheel, instead of the frequency
     std::optional<float> springCompression{};  ///< m, with the wheel at its place; empty: what carries the standing car
     std::optional<float> compressionDamping{};  ///< N s/m at the wheel, instead of the ratio
     std::optional<float> reboundDamping{};      ///< N s/m at the wheel, instead of the ratio
-    float bumpStopStiffness = 10;               ///< over the spring's
+    /// Force over speed instead, through (0, 0) and on from the last point as before it: both rise from point to point.
+    std::vector<DamperPoint> compressionCurve{}, reboundCurve{};
+    float bumpStopStiffness = 10;               ///< over the spring's, where it is first met
+    float bumpStopProgression = 0;              ///< share by which it is stiffer where metal is met
+    std::optional<float> droopStopStiffness{};  ///< over the spring's, where it is first met; empty: rigid
+    float droopStopProgression = 0;             ///< share by which it is stiffer where metal is met
 };
 
 /// What a tire makes of a kind of ground.
@@ -85,6 +96,13 @@ struct WheelDef {
     float handbrakeTorque = 0;  ///< N m, lever fully up
     SuspensionDef suspension{};
     TireDef tire{};
+};
+
+/// A bar that twists where the wheels of an axle are not equally high: each is pressed down by its stiffness times what
+/// it is higher than the other.
+struct AntiRollBarDef {
+    unsigned axle = 0;    ///< WheelDef::axle, of two wheels
+    float stiffness = 0;  ///< N/m, force on each wheel over the difference of their compressions
 };
 
 struct SteeringDef {
@@ -154,7 +172,8 @@ struct VehicleVisualDef {
 struct VehicleDef {
     std::string name{};
     ChassisDef chassis{};
-    std::vector<WheelDef> wheels{};  ///< three or more
+    std::vector<WheelDef> wheels{};              ///< three or more
+    std::vector<AntiRollBarDef> antiRollBars{};  ///< one to an axle at most
     SteeringDef steering{};
     EngineDef engine{};
     GearboxDef gearbox{};
@@ -170,6 +189,8 @@ std::string whyInvalid(const VehicleDef& def);
 /// What a file must say.
 constexpr std::array<const char*, 1> requiredFields(const ChassisShape*) { return {"shape"}; }
 constexpr std::array<const char*, 2> requiredFields(const ChassisDef*) { return {"shapes", "mass"}; }
+constexpr std::array<const char*, 2> requiredFields(const DamperPoint*) { return {"speed", "force"}; }
+constexpr std::array<const char*, 2> requiredFields(const AntiRollBarDef*) { return {"axle", "stiffness"}; }
 constexpr std::array<const char*, 2> requiredFields(const TireSurface*) { return {"surface", "grip"}; }
 constexpr std::array<const char*, 2> requiredFields(const WheelDef*) { return {"position", "radius"}; }
 constexpr std::array<const char*, 2> requiredFields(const TorquePoint*) { return {"rpm", "torque"}; }
@@ -192,6 +213,17 @@ void describe(Visitor& visit, Self& self, const ChassisDef*) {
     visit(Tunable{"filter", "", 0, 0, "what bodywork and wheels collide with"}, self.filter);
 }
 template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const DamperPoint*) {
+    visit(Tunable{"speed", "m/s", 1e-6, 1e4, "of the damper, at the wheel"}, self.speed);
+    visit(Tunable{"force", "N", 0, 1e12, "against it"}, self.force);
+}
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const AntiRollBarDef*) {
+    visit(Tunable{"axle", "", 0, 255, "of two wheels"}, self.axle);
+    visit(Tunable{"stiffness", "N/m", 0, 1e12, "force on each wheel over the difference of their compressions"},
+          self.stiffness);
+}
+template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const SuspensionDef*) {
     visit(Tunable{"axis", "", -1, 1, "along which the hub rises, in the chassis"}, self.axis);
     visit(Tunable{"travelUp", "m", 1e-4, 1e3, "from rest to the bump stop"}, self.travelUp);
@@ -205,8 +237,18 @@ void describe(Visitor& visit, Self& self, const SuspensionDef*) {
     visit(Tunable{"compressionDamping", "N s/m", 0, 1e12, "at the wheel, instead of the ratio"},
           self.compressionDamping);
     visit(Tunable{"reboundDamping", "N s/m", 0, 1e12, "at the wheel, instead of the ratio"}, self.reboundDamping);
-    visit(Tunable{"bumpStopStiffness", "1", 0, 1000, "of the bump stop over that of the spring"},
+    visit(Tunable{"compressionCurve", "", 0, 0, "force over speed as it is compressed, instead"},
+          self.compressionCurve);
+    visit(Tunable{"reboundCurve", "", 0, 0, "force over speed as it extends, instead"}, self.reboundCurve);
+    visit(Tunable{"bumpStopStiffness", "1", 0, 1000, "of the bump stop over that of the spring, where it is first met"},
           self.bumpStopStiffness);
+    visit(Tunable{"bumpStopProgression", "1", 0, 1000, "share by which it is stiffer where metal is met"},
+          self.bumpStopProgression);
+    visit(Tunable{"droopStopStiffness", "1", 1e-3, 1000,
+                  "of the droop stop over that of the spring, where it is first met; absent: rigid"},
+          self.droopStopStiffness);
+    visit(Tunable{"droopStopProgression", "1", 0, 1000, "share by which it is stiffer where metal is met"},
+          self.droopStopProgression);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const TireSurface*) {
@@ -314,6 +356,7 @@ void describe(Visitor& visit, Self& self, const VehicleDef*) {
     visit(Tunable{"name"}, self.name);
     visit(Tunable{"chassis", "", 0, 0, "the rigid body"}, self.chassis);
     visit(Tunable{"wheels", "", 0, 0, "three or more"}, self.wheels);
+    visit(Tunable{"antiRollBars", "", 0, 0, "between the wheels of an axle"}, self.antiRollBars);
     visit(Tunable{"steering", "", 0, 0, "from the input to the wheels"}, self.steering);
     visit(Tunable{"engine", "", 0, 0, "torque and inertia"}, self.engine);
     visit(Tunable{"gearbox", "", 0, 0, "gears, clutch and shifting"}, self.gearbox);
