@@ -55,5 +55,7 @@ private:
 std::vector<RagdollFigure> balance(const RagdollSubject& subject, const RagdollTrialOptions& options);
 /// Pushed beyond that, 64 ways.
 std::vector<RagdollFigure> brace(const RagdollSubject& subject, const RagdollTrialOptions& options);
+/// Gets up from how it lies after a drop, as many as seeds.
+std::vector<RagdollFigure> getUp(const RagdollSubject& subject, const RagdollTrialOptions& options);
 
 }  // namespace ragtop::demos

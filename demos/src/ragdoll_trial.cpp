@@ -258,6 +258,7 @@ const std::vector<RagdollTest>& ragdollTests() {
         {"flight", "thrown with moving joints, 5 s", flight},
         {"balance", "a human on its own feet: still, pushed, on slopes, on what accelerates, with a load", balance},
         {"brace", "pushed so that it falls, 64 ways", brace},
+        {"getup", "gets up from how it lies after a drop", getUp},
     };
     return tests;
 }

@@ -11,7 +11,7 @@
 namespace ragtop::demos {
 
 struct RagdollFigure {
-    std::string test, name;  ///< the name ends with its unit: _m, _deg, _m_s, _j, _ratio, _share
+    std::string test, name;  ///< the name ends with its unit: _m, _deg, _m_s, _j, _n, _n_m, _ratio, _share
     double value = 0, bound = 0;
     bool atLeast = false;  ///< the bound is the least allowed, else the most
     std::string where{};   ///< of the worst: seed, limb, joint, time

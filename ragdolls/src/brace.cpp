@@ -4,28 +4,17 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "arm.h"
 #include "ragtop/world.h"
 
 namespace ragtop {
 namespace {
 
-constexpr float kSpread = 0.3f;  ///< of the way that the arms reach, to the sides
-constexpr float kElbow = 0.35f;  ///< rad, so that arms give way
-constexpr float kMostAbduction = 1.4f;
+constexpr float kSpread = 0.3f;       ///< of the way that the arms reach, to the sides
+constexpr float kElbow = 0.35f;       ///< rad, so that arms give way
 constexpr float kGiving = 0.6f;       ///< rad, by which arms that bear all that they can have given way
 constexpr float kGivingTime = 0.08f;  ///< s, of damping over stiffness
 constexpr float kChin = 0.7f, kKnees = 0.9f, kHips = 0.5f, kCurl = 0.25f;  ///< rad
-
-/// Flexion and abduction of an arm that points along a unit vector in the axes of the chest:
-/// (± sin a, −cos a cos f, cos a sin f).
-PartAngles pointing(BodySide side, const Vec3& along) {
-    const float out = side == BodySide::left ? along.x : -along.x;
-    const float across = std::sqrt(along.y * along.y + along.z * along.z);
-    PartAngles arm{.role = BodyRole::upperArm, .side = side};
-    arm.abduction = std::clamp(arcTan2(out, across), -0.2f, kMostAbduction);
-    arm.flexion = arcTan2(along.z, -along.y);
-    return arm;
-}
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "inertia.h"
 #include "joint_bodies.h"
 #include "ragtop/world.h"
 
@@ -11,13 +12,6 @@ namespace {
 /// Upper bound of the inertia about a point, of what has `inertia` about a centre that is `arm` away.
 float inertiaAbout(const Mat3& inertia, float mass, const Vec3& arm) {
     return std::max({inertia.cx.x, inertia.cy.y, inertia.cz.z}) + mass * lengthSquared(arm);
-}
-
-/// m (r² E − r rᵀ)
-Mat3 steiner(float mass, const Vec3& r) {
-    const float square = lengthSquared(r);
-    return {mass * (square * Vec3{1, 0, 0} - r.x * r), mass * (square * Vec3{0, 1, 0} - r.y * r),
-            mass * (square * Vec3{0, 0, 1} - r.z * r)};
 }
 
 Mat3 turned(const Mat3& inertia, const Quat& rotation) {
