@@ -18,7 +18,7 @@ constexpr float kPlanted = 0.02f;         ///< of the weight, that a foot bears 
 constexpr float kUpright = 0.56f;         ///< stiffness of knees and hips over weight times height
 constexpr float kUprightDamping = 0.28f;  ///< of knees and hips, over that by the rate of toppling
 constexpr float kRising = 1;              ///< 1/s, of the length of the legs, at which hips rise at most
-constexpr float kLifted = 0.04f;  ///< of the length of legs, up to which a foot is set down by what it is to bear
+constexpr float kLifted = 0.04f;          ///< of the length of legs, up to which a foot counts as if it stood
 constexpr float kAnkle = 0.42f, kAnkleDamping = 0.14f;
 constexpr float kSoleShare = 0.85f;  ///< of the soles, that pressure is kept within so that they stay flat
 constexpr float kMostLean = 0.16f;   ///< of the length of the legs
@@ -174,12 +174,18 @@ void Balance::measure(const Stand& stand) {
     margin_ = marginOf(stand.capture);
 }
 
+/// A foot that hardly left the ground counts, as it is on its way down.
+bool Balance::isNear(std::size_t side) const {
+    if (feet_[side].planted) return true;
+    return feet_[1 - side].planted && std::abs(feet_[side].height) < kLifted * legs_[0].length;
+}
+
 /// Of a point relative to the middle of the feet.
 float Balance::marginOf(const Vec3& point) const {
     std::array<Spot, 8> corners{};
     std::size_t count = 0;
     for (std::size_t side = 0; side < 2; ++side) {
-        if (!feet_[side].planted) continue;
+        if (!isNear(side)) continue;
         for (const Vec3& corner : soles_[side].corners) {
             const Vec3 at =
                 relative(feet_[side].middle, center_) + rotate(feet_[side].flat, corner - soles_[side].middle);
@@ -266,7 +272,8 @@ void Balance::bear(const Stand& stand) {
     const Vec3 left = level(relative(feet_[0].middle, stand.center)),
                right = level(relative(feet_[1].middle, stand.center)), apart = left - right;
     float share = feet_[0].planted ? 1.0f : 0.0f;
-    if (stand.both) share = std::clamp(dot(wanted - right, apart) / std::max(lengthSquared(apart), 1e-6f), 0.0f, 1.0f);
+    if (isNear(0) && isNear(1))
+        share = std::clamp(dot(wanted - right, apart) / std::max(lengthSquared(apart), 1e-6f), 0.0f, 1.0f);
     const Vec3 offset = wanted - (share * left + (1 - share) * right);
     Vec3 pressure;
     std::array<Vec3, 2> at{};

@@ -94,8 +94,7 @@ TEST(GetUp, TheAssistanceIsAllThatActs) {
         EXPECT_EQ(length(riser.push) > 0, help > 0);
         // N m s: a thousandth of what the weight would give at the length of a leg; a limb is turned from where the
         // step begins, while it moves on in it.
-        EXPECT_LT(length(riser.dynamics.angularMomentum() - spin - riser.twist), 0.02f * riser.wrung + 0.3f)
-            << help;
+        EXPECT_LT(length(riser.dynamics.angularMomentum() - spin - riser.twist), 0.02f * riser.wrung + 0.3f) << help;
     }
 }
 

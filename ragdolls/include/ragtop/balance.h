@@ -59,8 +59,8 @@ public:
     /// Where the body would have to be held up to come to rest over it, on the height of the feet [Pratt et al.,
     /// Capture Point, 2006].
     const DVec3& capturePoint() const { return capture_; }
-    /// m, from the capture point to the nearest edge of what the feet that bear something cover; negative beyond it.
-    /// Without help from arms or a step a body falls that has it below zero.
+    /// m, from the capture point to the nearest edge of what the feet on or hardly over the ground cover; negative
+    /// beyond it. Without help from arms or a step a body falls that has it below zero.
     float margin() const { return margin_; }
     /// m, from the centre of mass to the edge of what the feet cover, along a level direction: J = m d √(g/z) is what a
     /// body of that height z can be pushed by without a step. 0 where it has no foot on the ground.
@@ -90,6 +90,7 @@ private:
     Stand survey() const;
     void learn(const Stand& stand, float dt);
     void measure(const Stand& stand);
+    bool isNear(std::size_t side) const;
     float marginOf(const Vec3& point) const;
     void bend(const Stand& stand, float dt);
     void bear(const Stand& stand);
