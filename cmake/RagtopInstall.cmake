@@ -11,7 +11,7 @@ if(RAGTOP_WITH_QHULL)
 endif()
 if(RAGTOP_BUILD_ASSETS)
     # Dependants first, as a linker reading static archives in order wants them.
-    list(PREPEND modules assets vehicles ragdolls)
+    list(PREPEND modules assets vehicles cooked ragdolls)
     list(PREPEND libraries_private -lassimp -lurdfdom_model -lconsole_bridge -ltinyxml -ltinygltf -lmeshoptimizer -lfmt)
     install(DIRECTORY assets/data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/ragtop OPTIONAL)
     if(RAGTOP_BUILD_DEMOS)

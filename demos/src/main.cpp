@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cook_command.h"
 #include "drive.h"
 #include "fit_command.h"
 #include "inspect.h"
@@ -63,6 +64,7 @@ struct Command {
     demos::DriveOptions drive;
     demos::RagdollCommand ragdoll;
     demos::FitCommand fit;
+    demos::CookCommand cook;
     std::vector<std::string> settings;
     std::string asset;
     bool json = false;
@@ -170,6 +172,24 @@ CLI::App* addFit(CLI::App& app, Command& command) {
     return fit;
 }
 
+CLI::App* addCook(CLI::App& app, Command& command) {
+    demos::CookCommand& options = command.cook;
+    CLI::App* cook =
+        app.add_subcommand("cook", "Write a character, ragdoll or mesh as one file that games load at once");
+    cook->add_option("asset", options.asset, "Character, ragdoll file or mesh")->required();
+    cook->add_option("--out", options.out, "The file, NAME.ragtop")->required();
+    cook->add_option("--simplify", options.simplify, "Make a mesh simpler first, within this, m")
+        ->check(CLI::Range(0.0, 1e5));
+    CLI::Option* pieces =
+        cook->add_option("--pieces", options.limits.maxPieces, "Add convex pieces of a mesh, at most so many")
+            ->check(CLI::Range(1, 256));
+    cook->add_option("--error", options.limits.maxError, "From the solid to the farthest air in a piece, m")
+        ->needs(pieces)
+        ->check(CLI::Range(1e-6, 1e5))
+        ->capture_default_str();
+    return cook;
+}
+
 /// What is wrong with the arguments, in one line.
 std::string usageError(const CLI::App& app, const CLI::ParseError& error) {
     const auto unknown = app.remaining();
@@ -196,6 +216,7 @@ int execute(int argc, char** argv) {
     CLI::App* driven = addDrive(app, command);
     CLI::App* ragdoll = addRagdoll(app, command);
     CLI::App* fit = addFit(app, command);
+    CLI::App* cooked = addCook(app, command);
     CLI::App* inspect = app.add_subcommand("inspect", "Tell what a file has in it");
     inspect->add_option("asset", command.asset, "Vehicle, ragdoll, scene, character, robot or mesh")->required();
     inspect->add_flag("--json", command.json, "As JSON, with every element of a robot's file counted");
@@ -217,6 +238,10 @@ int execute(int argc, char** argv) {
     if (driven->parsed() && !demos::drive(command.drive)) return kFailed;
     if (ragdoll->parsed() && !demos::testRagdoll(command.ragdoll)) return kFailed;
     if (fit->parsed() && !demos::fit(command.fit)) return kFailed;
+    if (cooked->parsed()) {
+        command.cook.pieces = cooked->count("--pieces") > 0;
+        demos::cookAsset(command.cook);
+    }
     if (inspect->parsed())
         fmt::print("{}", command.json ? demos::inspectAsJson(command.asset) : demos::inspect(command.asset));
     return 0;

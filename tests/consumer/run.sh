@@ -2,10 +2,11 @@
 # run.sh <way> <source tree> <build tree> <C++ compiler> <build type>
 #
 # Uses Ragtop the way a stranger would. Against an installation that has been moved, and that the sources cannot help:
-#   install       makes that installation, which the next four use, and lists, runs and serves with its program
+#   install       makes that installation, which the next five use, and lists, runs and serves with its program
 #   remove        takes it away
 #   find_package  builds a program with CMake
 #   pkg_config    builds it with pkg-config and the compiler alone
+#   cooked        cooks a mesh with the program, and builds what loads it where there are no importers
 #   serve         builds the first C++ block of docs/serve.md; it must serve until it is ended
 # And without one:
 #   fetch_content builds the program with Ragtop's sources as a part of it
@@ -145,6 +146,15 @@ serve)
     start_serving "$program"
     cat "$work/output"
     end_serving
+    exit
+    ;;
+cooked)
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >"$work/corner.obj"
+    "$prefix/bin/ragtop" cook "$work/corner.obj" --out "$work/corner.ragtop" --pieces 4
+    build_consumer -DCMAKE_PREFIX_PATH="$prefix" -DCONSUMER_SOURCE="$source/tests/consumer/cooked.cpp" \
+        -DCONSUMER_LIBRARY=ragtop::cooked -DCONSUMER_COMPONENTS=cooked -DCMAKE_DISABLE_FIND_PACKAGE_assimp=ON
+    ! grep -i assimp "$work/build/build.ninja" || fail "links assimp"
+    "$program" "$work/corner.ragtop"
     exit
     ;;
 *)

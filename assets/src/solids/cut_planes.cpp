@@ -54,13 +54,15 @@ void add(std::vector<WeighedPlane>& planes, const DVec3& normal, const DVec3& at
 /// Along the faces beside concave edges, and between them. What bends most along the longest edges is worth most.
 std::vector<DPlane> concavePlanes(const CutSolid& solid, const std::vector<ConcaveEdge>& concave) {
     constexpr std::size_t kMost = 2000;  // of a rough surface any edges will do
+    constexpr double kBetween = 0.5;     // faces come first: of cuts that are as good, the first is taken
     std::vector<WeighedPlane> planes;
     for (const ConcaveEdge& edge : concave) {
         const DVec3 at = solid.vertices[edge.a];
         add(planes, edge.left, at, edge.weight);
         add(planes, edge.right, at, edge.weight);
         const DVec3 between = edge.left - edge.right;
-        if (const double size = length(between); size > kBend) add(planes, (1 / size) * between, at, edge.weight);
+        if (const double size = length(between); size > kBend)
+            add(planes, (1 / size) * between, at, kBetween * edge.weight);
         if (planes.size() > kMost) break;
     }
     std::sort(planes.begin(), planes.end(), [](const WeighedPlane& a, const WeighedPlane& b) {

@@ -57,34 +57,47 @@ struct alignas(64) MeshBranch {
 };
 static_assert(sizeof(MeshBranch) == 128);
 
-struct MeshData {
-    std::vector<Vec3> vertices;
-    std::vector<Triangle> triangles;         ///< in tree order
-    std::vector<std::uint32_t> sourceIndex;  ///< of each triangle in the caller's list
-    std::vector<Vec3> normals;               ///< per triangle
+/// The tables of a mesh, each a Table of its elements.
+template <template <class> class Table>
+struct MeshParts {
+    Table<Vec3> vertices;
+    Table<Triangle> triangles;         ///< in tree order
+    Table<std::uint32_t> sourceIndex;  ///< of each triangle in the caller's list
+    Table<Vec3> normals;               ///< per triangle
     /// Bit e (0..2): edge e (a→b, b→c, c→a) is convex, so a shape may touch it; flat and concave edges are inactive and
     /// yield to the faces beside them.
-    std::vector<std::uint8_t> activeEdges;
-    std::vector<std::uint8_t> materialOfTriangle;  ///< in the caller's order, empty or one per triangle
-    std::vector<Material> materials;
-    std::vector<MeshNode> nodes;
-    std::vector<MeshBranch> branches;
-    std::vector<Triangle> sourceTriangles;  ///< as the caller gave them
+    Table<std::uint8_t> activeEdges;
+    Table<std::uint8_t> materialOfTriangle;  ///< in the caller's order, empty or one per triangle
+    Table<Material> materials;
+    Table<MeshNode> nodes;
+    Table<MeshBranch> branches;
+    Table<Triangle> sourceTriangles;  ///< as the caller gave them
     int degenerateCount = 0;
     Bounds bounds;
 
     // What a mesh that moves is collided by.
     /// The triangle beyond each edge, kNoTriangle at a border.
-    std::vector<std::array<std::uint32_t, 3>> neighbours;
+    Table<std::array<std::uint32_t, 3>> neighbours;
     /// Per vertex the mean of the normals around it by their angles, unit; vertices at one place have the same.
-    std::vector<Vec3> vertexNormals;
+    Table<Vec3> vertexNormals;
     /// Bits 0–2 edges, 3–5 vertices: each of the surface is owned by one of its triangles.
-    std::vector<std::uint8_t> owned;
+    Table<std::uint8_t> owned;
     /// Empty when the surface is closed and its triangles are counter-clockwise seen from outside.
     std::string whyNotSolid;
     /// m, that stands for the size of the solid: twice volume over surface, which is the radius of a rod. Of a surface
     /// that is not solid a small part of its extent.
     float thickness = 0;
+};
+
+template <class T>
+using TableBeingBuilt = std::vector<T>;
+template <class T>
+using TableInPlace = std::span<const T>;
+
+struct MeshTables : MeshParts<TableBeingBuilt> {};
+/// A mesh to collide with: tables wherever they lie, a file that is mapped into memory included.
+struct MeshData : MeshParts<TableInPlace> {
+    std::shared_ptr<const void> owner;  ///< keeps the tables
 };
 
 inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;  ///< no index

@@ -54,7 +54,7 @@ void checkMaterials(std::span<const std::uint8_t> materialOfTriangle, std::span<
 }
 
 /// Those with area.
-void takeTriangles(MeshData& mesh) {
+void takeTriangles(MeshTables& mesh) {
     for (std::uint32_t i = 0; i < mesh.sourceTriangles.size(); ++i) {
         const Triangle& t = mesh.sourceTriangles[i];
         const Vec3 normal = triangleNormal(mesh.vertices[t.a], mesh.vertices[t.b], mesh.vertices[t.c]);
@@ -68,7 +68,7 @@ void takeTriangles(MeshData& mesh) {
     }
 }
 
-void finish(MeshData& mesh) {
+void finish(MeshTables& mesh) {
     findActiveEdges(mesh);
     buildTree(mesh);
     findSolid(mesh);
@@ -76,9 +76,26 @@ void finish(MeshData& mesh) {
 
 }  // namespace
 
-MeshData meshOf(const HullData& hull) {
+MeshData viewOf(const MeshTables& tables) {
     MeshData mesh;
-    mesh.vertices = hull.vertices;
+    static_cast<MeshParts<TableInPlace>&>(mesh) = {
+        tables.vertices,           tables.triangles, tables.sourceIndex, tables.normals,       tables.activeEdges,
+        tables.materialOfTriangle, tables.materials, tables.nodes,       tables.branches,      tables.sourceTriangles,
+        tables.degenerateCount,    tables.bounds,    tables.neighbours,  tables.vertexNormals, tables.owned,
+        tables.whyNotSolid,        tables.thickness};
+    return mesh;
+}
+
+MeshData meshOn(MeshTables&& tables) {
+    const auto kept = std::make_shared<const MeshTables>(std::move(tables));
+    MeshData mesh = viewOf(*kept);
+    mesh.owner = kept;
+    return mesh;
+}
+
+MeshData meshOf(const HullData& hull) {
+    MeshTables mesh;
+    mesh.vertices.assign(hull.vertices.begin(), hull.vertices.end());
     for (const HullData::Face& face : hull.faces) {
         const auto corner = [&](int i) {
             return static_cast<std::uint32_t>(hull.faceIndices[static_cast<std::size_t>(face.firstIndex + i)]);
@@ -87,7 +104,7 @@ MeshData meshOf(const HullData& hull) {
     }
     takeTriangles(mesh);
     finish(mesh);
-    return mesh;
+    return meshOn(std::move(mesh));
 }
 
 TriangleMesh::TriangleMesh(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
@@ -96,7 +113,7 @@ TriangleMesh::TriangleMesh(std::span<const Vec3> vertices, std::span<const Trian
     checkTriangles(triangles, vertices.size());
     checkMaterials(materialOfTriangle, materials, triangles.size());
 
-    MeshData mesh;
+    MeshTables mesh;
     mesh.vertices.assign(vertices.begin(), vertices.end());
     mesh.sourceTriangles.assign(triangles.begin(), triangles.end());
     mesh.materialOfTriangle.assign(materialOfTriangle.begin(), materialOfTriangle.end());
@@ -106,7 +123,7 @@ TriangleMesh::TriangleMesh(std::span<const Vec3> vertices, std::span<const Trian
         reject("triangles has " + std::to_string(triangles.size()) + " without area, must have at least 1 with area");
     }
     finish(mesh);
-    data_ = std::make_shared<const MeshData>(std::move(mesh));
+    data_ = std::make_shared<const MeshData>(meshOn(std::move(mesh)));
 }
 
 std::span<const Vec3> TriangleMesh::vertices() const { return data_->vertices; }

@@ -28,15 +28,20 @@ struct HalfEdge {
 std::vector<HalfEdge> sortedHalfEdges(std::span<const Triangle> triangles, std::span<const std::uint32_t> name);
 
 /// Fills activeEdges out of vertices, triangles and normals; vertices at the same place count as one.
-void findActiveEdges(MeshData& mesh);
+void findActiveEdges(MeshTables& mesh);
 
 /// Puts triangles, normals and sourceIndex in tree order and fills nodes.
-void buildTree(MeshData& mesh);
+void buildTree(MeshTables& mesh);
+
+/// The mesh of finished tables, which it keeps.
+MeshData meshOn(MeshTables&& tables);
+/// The same without keeping them.
+MeshData viewOf(const MeshTables& tables);
 
 /// The surface of a convex polyhedron.
 MeshData meshOf(const HullData& hull);
 
 /// Fills what a mesh that moves is collided by, after all else.
-void findSolid(MeshData& mesh);
+void findSolid(MeshTables& mesh);
 
 }  // namespace ragtop

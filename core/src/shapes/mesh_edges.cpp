@@ -63,7 +63,7 @@ Vec3 triangleNormal(const Vec3& a, const Vec3& b, const Vec3& c) {
     return toVec3((1 / area) * n);
 }
 
-void findActiveEdges(MeshData& mesh) {
+void findActiveEdges(MeshTables& mesh) {
     const std::vector<HalfEdge> halves = sortedHalfEdges(mesh.triangles, weld(mesh.vertices));
     mesh.activeEdges.assign(mesh.triangles.size(), 0);
     for (std::size_t first = 0, last = 0; first < halves.size(); first = last) {

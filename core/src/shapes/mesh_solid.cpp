@@ -21,7 +21,7 @@ void forEachEdge(const std::vector<HalfEdge>& halves, Visit&& visit) {
 }
 
 /// Of several neighbours the one met first in front of the face, as findActiveEdges has it.
-void findNeighbours(MeshData& mesh, const std::vector<HalfEdge>& halves) {
+void findNeighbours(MeshTables& mesh, const std::vector<HalfEdge>& halves) {
     mesh.neighbours.assign(mesh.triangles.size(), {kNoTriangle, kNoTriangle, kNoTriangle});
     mesh.owned.assign(mesh.triangles.size(), 0);
     forEachEdge(halves, [&](std::size_t first, std::size_t last) {
@@ -44,7 +44,7 @@ void findNeighbours(MeshData& mesh, const std::vector<HalfEdge>& halves) {
 
 /// The sum of normals by the angles of the faces tells inside from outside at a vertex, whatever the triangles
 /// [Bærentzen, Aanæs, Signed Distance Computation Using the Angle Weighted Pseudonormal, 2005].
-void findVertexNormals(MeshData& mesh, const std::vector<std::uint32_t>& name) {
+void findVertexNormals(MeshTables& mesh, const std::vector<std::uint32_t>& name) {
     std::vector<DVec3> sums(mesh.vertices.size());
     std::vector<std::uint8_t> taken(mesh.vertices.size(), 0);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -70,7 +70,7 @@ void findVertexNormals(MeshData& mesh, const std::vector<std::uint32_t>& name) {
 }
 
 /// As the caller gave the triangles, those without area included: they may be what closes the surface.
-std::string whyOpen(const MeshData& mesh, const std::vector<std::uint32_t>& name) {
+std::string whyOpen(const MeshTables& mesh, const std::vector<std::uint32_t>& name) {
     std::string why;
     const std::vector<HalfEdge> halves = sortedHalfEdges(mesh.sourceTriangles, name);
     forEachEdge(halves, [&](std::size_t first, std::size_t last) {
@@ -86,7 +86,7 @@ std::string whyOpen(const MeshData& mesh, const std::vector<std::uint32_t>& name
     return why;
 }
 
-double areaOf(const MeshData& mesh) {
+double areaOf(const MeshTables& mesh) {
     double sum = 0;
     for (const Triangle& t : mesh.triangles) {
         const DVec3 u = DVec3(mesh.vertices[t.b]) - DVec3(mesh.vertices[t.a]);
@@ -99,13 +99,13 @@ double areaOf(const MeshData& mesh) {
 
 }  // namespace
 
-void findSolid(MeshData& mesh) {
+void findSolid(MeshTables& mesh) {
     const std::vector<std::uint32_t> name = weld(mesh.vertices);
     findNeighbours(mesh, sortedHalfEdges(mesh.triangles, name));
     findVertexNormals(mesh, name);
     mesh.whyNotSolid = whyOpen(mesh, name);
     const double area = areaOf(mesh);
-    const double volume = mesh.whyNotSolid.empty() ? massOfMesh(mesh, 1).mass : 0;
+    const double volume = mesh.whyNotSolid.empty() ? massOfMesh(viewOf(mesh), 1).mass : 0;
     constexpr double kNoVolume = 1e-6;  // of the surface to the power of 3/2
     if (mesh.whyNotSolid.empty() && !(volume > kNoVolume * area * std::sqrt(area)))
         mesh.whyNotSolid = "has a volume of " + numberText(static_cast<float>(volume)) +

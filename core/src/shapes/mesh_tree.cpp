@@ -128,7 +128,7 @@ void addNode(std::vector<MeshNode>& nodes, const Items& items, std::uint32_t fir
 
 /// The branch of an inner node: its children, of which the largest give way to their own while there is room. A leaf
 /// that is the whole tree is the only child of its branch.
-void addBranch(MeshData& mesh, std::uint32_t node) {
+void addBranch(MeshTables& mesh, std::uint32_t node) {
     constexpr std::size_t kWidth = MeshBranch::kWidth;
     std::uint32_t child[kWidth] = {node};
     std::size_t count = 1;
@@ -171,7 +171,7 @@ void reorder(std::vector<T>& values, const std::vector<Item>& items) {
 
 }  // namespace
 
-void buildTree(MeshData& mesh) {
+void buildTree(MeshTables& mesh) {
     std::vector<Item> items(mesh.triangles.size());
     for (std::uint32_t i = 0; i < items.size(); ++i) {
         const Triangle& t = mesh.triangles[i];

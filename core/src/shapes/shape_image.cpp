@@ -1,0 +1,286 @@
+#include "ragtop/shape_image.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+
+#include "base/checksum.h"
+#include "shapes/geometry.h"
+
+namespace ragtop {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "images are little-endian, and read in place");
+
+[[noreturn]] void reject(const std::string& why) { throw std::invalid_argument("image of a shape " + why); }
+
+/// Where a table begins in the image, and how many elements it has.
+struct TablePlace {
+    std::uint64_t offset = 0, count = 0;
+};
+
+constexpr std::size_t aligned(std::size_t size) {
+    return (size + ShapeImage::kAlignment - 1) / ShapeImage::kAlignment * ShapeImage::kAlignment;
+}
+
+struct MeshHead {
+    static constexpr std::size_t kTables = 14;  ///< those of MeshData, and its text
+    TablePlace table[kTables];
+    Bounds bounds;
+    std::int32_t degenerateCount = 0;
+    float thickness = 0;
+};
+struct HullHead {
+    static constexpr std::size_t kTables = 5;  ///< those of HullData
+    TablePlace table[kTables];
+    Vec3 center;
+    float innerRadius = 0;
+    Bounds bounds;
+};
+
+/// The tables in the order of the image.
+template <class Mesh, class Visit>
+void forEachTable(Mesh& mesh, Visit&& visit) {
+    visit(mesh.vertices);
+    visit(mesh.triangles);
+    visit(mesh.sourceIndex);
+    visit(mesh.normals);
+    visit(mesh.activeEdges);
+    visit(mesh.materialOfTriangle);
+    visit(mesh.materials);
+    visit(mesh.nodes);
+    visit(mesh.branches);
+    visit(mesh.sourceTriangles);
+    visit(mesh.neighbours);
+    visit(mesh.vertexNormals);
+    visit(mesh.owned);
+}
+template <class Hull, class Visit>
+void forEachHullTable(Hull& hull, Visit&& visit) {
+    visit(hull.vertices);
+    visit(hull.planes);
+    visit(hull.faces);
+    visit(hull.faceIndices);
+    visit(hull.edges);
+}
+
+template <class Head>
+class Writer {
+public:
+    Writer() : bytes_(aligned(sizeof(Head))) {}
+
+    template <class T>
+    void add(const T* first, std::size_t count) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        head.table[next_++] = {bytes_.size(), count};
+        const std::size_t at = bytes_.size();
+        bytes_.resize(aligned(at + count * sizeof(T)));
+        if (count > 0) std::memcpy(bytes_.data() + at, first, count * sizeof(T));
+    }
+    std::vector<std::byte> finish() {
+        std::memcpy(bytes_.data(), &head, sizeof head);
+        return std::move(bytes_);
+    }
+
+    Head head{};
+
+private:
+    std::vector<std::byte> bytes_;
+    std::size_t next_ = 0;
+};
+
+template <class Head>
+class Reader {
+public:
+    explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {
+        if (reinterpret_cast<std::uintptr_t>(bytes.data()) % ShapeImage::kAlignment != 0)
+            reject("is not aligned to " + std::to_string(ShapeImage::kAlignment) + " bytes");
+        if (bytes.size() < sizeof(Head)) reject("has " + std::to_string(bytes.size()) + " bytes, too few for its head");
+        std::memcpy(&head, bytes.data(), sizeof head);
+    }
+
+    template <class T>
+    std::span<const T> next() {
+        const TablePlace& place = head.table[next_++];
+        if (place.offset % ShapeImage::kAlignment != 0 || place.offset > bytes_.size() ||
+            place.count > (bytes_.size() - place.offset) / sizeof(T))
+            reject("has table " + std::to_string(next_ - 1) + " beyond its end");
+        return {reinterpret_cast<const T*>(bytes_.data() + place.offset), place.count};
+    }
+
+    Head head;
+
+private:
+    std::span<const std::byte> bytes_;
+    std::size_t next_ = 0;
+};
+
+std::shared_ptr<const MeshData>& dataOf(TriangleMesh& shape);
+std::shared_ptr<const HullData>& dataOf(ConvexHull& shape);
+
+/// Names a private member, as only an explicit instantiation may: shapes have no constructor from data that is there.
+template <class Shape, class Data, std::shared_ptr<const Data> Shape::*Member>
+struct Naming {
+    friend std::shared_ptr<const Data>& dataOf(Shape& shape) { return shape.*Member; }
+};
+template struct Naming<TriangleMesh, MeshData, &TriangleMesh::data_>;
+template struct Naming<ConvexHull, HullData, &ConvexHull::data_>;
+
+/// The smallest of its kind, to be given other data.
+TriangleMesh anyMesh() {
+    static constexpr std::array<Vec3, 3> kCorners{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+    static constexpr std::array<Triangle, 1> kTriangle{{{0, 1, 2}}};
+    static const TriangleMesh mesh(kCorners, kTriangle);
+    return mesh;
+}
+ConvexHull anyHull() {
+    static constexpr std::array<Vec3, 4> kCorners{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    static const ConvexHull hull(kCorners);
+    return hull;
+}
+
+void require(bool holds, const char* what) {
+    if (!holds) reject(std::string("has ") + what);
+}
+
+/// Are numbers, each with `plus` added, all below `limit`, which is at most 2³¹? With 1, kNoTriangle counts as 0. Signs
+/// tell, without branches and on every target: a game waits for it.
+bool areBelow(std::size_t limit, const std::uint32_t* first, std::size_t count, std::uint32_t plus = 0) {
+    const auto last = static_cast<std::uint32_t>(limit - 1);
+    std::uint32_t signs = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t number = first[i] + plus;
+        signs |= number | (last - number);
+    }
+    return signs >> 31 == 0;
+}
+bool areBelow(std::size_t limit, std::span<const Triangle> triangles) {
+    static_assert(sizeof(Triangle) == 3 * sizeof(std::uint32_t));
+    return areBelow(limit, &triangles[0].a, 3 * triangles.size());
+}
+
+/// Leaves have triangles; children come after their parents, so that no walk goes round.
+void checkTree(const MeshData& mesh) {
+    const auto triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+    const auto isLeaf = [&](std::uint32_t first, std::uint32_t count) {
+        return static_cast<int>(first <= triangles) & static_cast<int>(count <= triangles - first);
+    };
+    int holds = !mesh.nodes.empty();
+    for (std::uint32_t i = 0; i < mesh.nodes.size(); ++i) {
+        const MeshNode& node = mesh.nodes[i];
+        const int inner = static_cast<int>(i + 1 < node.first) & static_cast<int>(node.first < mesh.nodes.size());
+        holds &= node.count > 0 ? isLeaf(node.first, node.count) : inner;
+    }
+    require(holds, "a node of the tree out of range");
+    holds = !mesh.branches.empty();
+    for (std::uint32_t i = 0; i < mesh.branches.size(); ++i) {
+        const MeshBranch& branch = mesh.branches[i];
+        for (std::size_t k = 0; k < MeshBranch::kWidth; ++k) {
+            const std::uint32_t first = branch.first[k], count = branch.count[k];
+            const int inner = static_cast<int>(first == 0) |
+                              (static_cast<int>(first > i) & static_cast<int>(first < mesh.branches.size()));
+            holds &= count > 0 ? isLeaf(first, count) : inner;
+        }
+    }
+    require(holds, "a branch of the tree out of range");
+}
+
+/// What a wrong value of would be read beyond the tables; a checksum of the file tells all else.
+void check(const MeshData& mesh) {
+    const std::size_t triangles = mesh.triangles.size(), given = mesh.sourceTriangles.size();
+    require(triangles > 0 && given >= triangles && !mesh.vertices.empty(), "no triangles");
+    require(mesh.sourceIndex.size() == triangles && mesh.normals.size() == triangles &&
+                mesh.activeEdges.size() == triangles && mesh.neighbours.size() == triangles &&
+                mesh.owned.size() == triangles && mesh.vertexNormals.size() == mesh.vertices.size() &&
+                (mesh.materialOfTriangle.empty() || mesh.materialOfTriangle.size() == given),
+            "tables of different lengths");
+    constexpr std::size_t kMost = 0x7fffffff;  // as TriangleMesh allows
+    require(triangles <= kMost && given <= kMost && mesh.vertices.size() <= kMost, "too many triangles");
+    require(areBelow(mesh.vertices.size(), mesh.triangles) && areBelow(mesh.vertices.size(), mesh.sourceTriangles),
+            "a triangle of a vertex that it does not have");
+    require(areBelow(given, mesh.sourceIndex.data(), triangles), "a source index out of range");
+    require(areBelow(triangles + 1, mesh.neighbours[0].data(), 3 * triangles, 1), "a neighbour out of range");
+    bool holds = true;
+    for (const std::uint8_t i : mesh.materialOfTriangle) holds = holds && i < mesh.materials.size();
+    require(holds, "a material out of range");
+    checkTree(mesh);
+}
+
+void check(const HullData& hull) {
+    const std::size_t vertices = hull.vertices.size(), faces = hull.faces.size();
+    require(vertices >= 4 && vertices <= 128 && faces >= 4 && hull.planes.size() == faces, "no volume");
+    bool holds = true;
+    for (const HullData::Face& face : hull.faces)
+        holds = holds && face.count >= 3 && face.firstIndex + face.count <= static_cast<int>(hull.faceIndices.size());
+    for (const std::uint8_t i : hull.faceIndices) holds = holds && i < vertices;
+    for (const HullData::Edge& e : hull.edges)
+        holds = holds && e.from < vertices && e.to < vertices && e.leftFace < faces && e.rightFace < faces;
+    require(holds, "an index out of range");
+    for (const Vec3& v : hull.vertices) holds = holds && isFinite(v);
+    require(holds && hull.innerRadius > 0, "a number that is not finite");
+}
+
+}  // namespace
+
+std::vector<std::byte> ShapeImage::of(const TriangleMesh& shape) {
+    const MeshData& mesh = shape.data();
+    Writer<MeshHead> writer;
+    writer.head.bounds = mesh.bounds;
+    writer.head.degenerateCount = mesh.degenerateCount;
+    writer.head.thickness = mesh.thickness;
+    forEachTable(mesh, [&](const auto& table) { writer.add(table.data(), table.size()); });
+    writer.add(mesh.whyNotSolid.data(), mesh.whyNotSolid.size());
+    return writer.finish();
+}
+
+std::vector<std::byte> ShapeImage::of(const ConvexHull& shape) {
+    const HullData& hull = shape.data();
+    Writer<HullHead> writer;
+    writer.head.center = hull.center;
+    writer.head.innerRadius = hull.innerRadius;
+    writer.head.bounds = hull.bounds;
+    forEachHullTable(hull, [&](const auto& table) { writer.add(table.data(), table.size()); });
+    return writer.finish();
+}
+
+TriangleMesh ShapeImage::mesh(std::span<const std::byte> image, std::shared_ptr<const void> owner) {
+    Reader<MeshHead> reader(image);
+    MeshData mesh;
+    forEachTable(
+        mesh, [&](auto& table) { table = reader.next<typename std::remove_cvref_t<decltype(table)>::value_type>(); });
+    const std::span<const char> why = reader.next<char>();
+    mesh.whyNotSolid.assign(why.begin(), why.end());
+    mesh.bounds = reader.head.bounds;
+    mesh.degenerateCount = reader.head.degenerateCount;
+    mesh.thickness = reader.head.thickness;
+    mesh.owner = std::move(owner);
+    check(mesh);
+    TriangleMesh shape = anyMesh();
+    dataOf(shape) = std::make_shared<const MeshData>(std::move(mesh));
+    return shape;
+}
+
+ConvexHull ShapeImage::hull(std::span<const std::byte> image) {
+    Reader<HullHead> reader(image);
+    HullData hull;
+    forEachHullTable(hull, [&](auto& table) {
+        const auto found = reader.next<typename std::remove_cvref_t<decltype(table)>::value_type>();
+        table.assign(found.begin(), found.end());
+    });
+    hull.center = reader.head.center;
+    hull.innerRadius = reader.head.innerRadius;
+    hull.bounds = reader.head.bounds;
+    check(hull);
+    ConvexHull shape = anyHull();
+    dataOf(shape) = std::make_shared<const HullData>(std::move(hull));
+    return shape;
+}
+
+std::uint64_t ShapeImage::checksum(std::span<const std::byte> bytes) { return ragtop::checksum(bytes); }
+
+}  // namespace ragtop

@@ -1,0 +1,90 @@
+#include "cook_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "ragtop/character.h"
+#include "ragtop/cooked.h"
+#include "ragtop/find_asset.h"
+#include "ragtop/mesh_file.h"
+#include "ragtop/ragdoll_file.h"
+#include "ragtop/simplification.h"
+
+namespace ragtop::demos {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::uint64_t hashOf(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    const std::vector<char> text{std::istreambuf_iterator<char>(file), {}};
+    if (!file) throw AssetError(path.string() + ": cannot be read");
+    return cookedHash(std::as_bytes(std::span(text)));
+}
+
+void addMesh(const CookCommand& command, const fs::path& path, Cooked& asset) {
+    const Shape shape = loadMesh(path);
+    asset.mesh = std::get<TriangleMesh>(shape);
+    if (command.simplify > 0) {
+        const SimplerSurface less = simplify(asset.mesh->vertices(), asset.mesh->triangles(), command.simplify);
+        asset.mesh = TriangleMesh(less.vertices, less.triangles);
+    }
+    if (command.pieces) asset.pieces = decompose(*asset.mesh, command.limits).pieces;
+}
+
+/// False where the file has no character in it.
+bool addCharacter(const fs::path& path, Cooked& asset) {
+    try {
+        Character character = loadCharacter(path);
+        asset.ragdoll = makeRagdoll(character);
+        asset.skeleton = std::move(character.skeleton);
+        asset.skeleton->skin.clear();
+        asset.clips = std::move(character.clips);
+        return true;
+    } catch (const AssetError& error) {
+        // What could not be imported once is not tried again, which would take as long.
+        if (std::string(error.what()).find("bone") == std::string::npos) throw;
+    } catch (const std::invalid_argument&) {  // bones that make no ragdoll
+    }
+    return false;
+}
+
+Cooked cooked(const CookCommand& command) {
+    const fs::path path = findAsset(command.asset);
+    if (path.extension() == ".urdf" || path.extension() == ".xml")
+        throw AssetError(path.string() + ": is a robot, must be a character, a ragdoll or a mesh to be cooked");
+    Cooked asset;
+    asset.sourceHash = hashOf(path);
+    try {
+        if (command.asset.ends_with(".ragdoll.json"))
+            asset.ragdoll = loadRagdoll(path);
+        else if (command.pieces || command.simplify > 0 || !addCharacter(path, asset))
+            addMesh(command, path, asset);
+    } catch (const std::invalid_argument& error) {
+        throw AssetError(path.string(), "", error.what());
+    }
+    return asset;
+}
+
+}  // namespace
+
+void cookAsset(const CookCommand& command) {
+    const Cooked asset = cooked(command);
+    try {
+        saveCooked(asset, command.out);
+    } catch (const CookedError& error) {
+        throw AssetError(error.what());
+    }
+    fmt::print("{}: {} bytes\n", command.out, fs::file_size(command.out));
+    if (asset.mesh) fmt::print("  mesh of {} triangles\n", asset.mesh->triangles().size());
+    if (!asset.pieces.empty()) fmt::print("  {} convex pieces\n", asset.pieces.size());
+    if (asset.skeleton)
+        fmt::print("  skeleton of {} bones, {} clips\n", asset.skeleton->bones.size(), asset.clips.size());
+    if (asset.ragdoll) fmt::print("  ragdoll of {} parts\n", asset.ragdoll->parts.size());
+}
+
+}  // namespace ragtop::demos
