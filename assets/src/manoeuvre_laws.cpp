@@ -84,7 +84,8 @@ Axles axlesOf(const VehicleDef& def) {
     double steered = 0, other = 0;
     for (std::size_t i = 0; i < def.wheels.size(); ++i) {
         const WheelDef& wheel = def.wheels[i];
-        const double stiffness = static_cast<double>(wheel.tire.corneringStiffness * car.staticLoads()[i]);
+        const double stiffness = static_cast<double>(tireNumbers(wheel.tire, car.staticLoads()[i]).corneringStiffness *
+                                                     car.staticLoads()[i]);
         const double ahead = static_cast<double>(wheel.position.z - mass.center.z);
         (wheel.steerFactor != 0 ? axles.front : axles.rear) += stiffness;
         (wheel.steerFactor != 0 ? axles.a : axles.b) += wheel.steerFactor != 0 ? ahead : -ahead;
@@ -109,7 +110,8 @@ double airResistance(const VehicleDef& def) {
 double lockedStop(const VehicleDef& def, double friction, double v) {
     const TireDef& tire = def.wheels[0].tire;
     const double ground = friction / static_cast<double>(tire.referenceSurface);
-    const double a = kGravity * ground * static_cast<double>(tire.longitudinalFriction * tire.slidingShare);
+    const float share = def.chassis.mass * static_cast<float>(kGravity) / static_cast<float>(def.wheels.size());
+    const double a = kGravity * ground * static_cast<double>(tireNumbers(tire, share).slidingFriction);
     const double c = airResistance(def) / static_cast<double>(def.chassis.mass);
     return c > 0 ? std::log1p(c * v * v / a) / (2 * c) : v * v / (2 * a);
 }

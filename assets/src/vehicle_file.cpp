@@ -2,6 +2,7 @@
 
 #include "asset_reference.h"
 #include "described_file.h"
+#include "ragtop/tire_file.h"
 
 namespace ragtop {
 
@@ -17,10 +18,26 @@ static void findModels(const JsonValue& at, VehicleVisualDef& visual) {
     if (!visual.wheel.empty()) find("wheel", visual.wheel);
 }
 
+/// What a tire property file says holds; the rest of the definition stays.
+static void readTire(const JsonValue& at, TireDef& tire) {
+    at.attempt("file", [&](const JsonValue& name) {
+        const TireDef read = loadTire(assetFile(name)).tire;
+        tire.magicFormula = read.magicFormula;
+        tire.radialStiffness = read.radialStiffness;
+        tire.relaxationLength = read.relaxationLength;
+        tire.rollingResistance = read.rollingResistance;
+        tire.file.clear();
+    });
+}
+
 VehicleDef readVehicle(const JsonDocument& document) {
     Faults faults(document);
     VehicleDef def = readDocument<VehicleDef>(document, faults);
     if (def.visual) findModels(JsonValue(document, &faults).at("visual"), *def.visual);
+    for (std::size_t i = 0; i < def.wheels.size(); ++i) {
+        if (def.wheels[i].tire.file.empty()) continue;
+        readTire(JsonValue(document, &faults).at("wheels").at(i).at("tire"), def.wheels[i].tire);
+    }
     faults.throwIfAny();
     if (const std::string wrong = whyInvalid(def); !wrong.empty()) failInvalid(document, wrong);
     return def;

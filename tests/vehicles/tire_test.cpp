@@ -27,15 +27,14 @@ struct Rig {
     /// A substep at a given slip velocity: the ground is immovable and so is the wheel.
     void step(const Vec2& slip, float h) {
         const TireLaw law = tireLaw(spec, ground, {{slip.x + tread, slip.y}, tread}, kLoad, transport);
-        float secant = brushSecant(law, u);
+        TireLine line = tireLine(law, u);
         TireVisit visit;
         for (int i = 0; i < 40; ++i) {
-            visit = solveTire(law, secant, u, transport, kLoad * h, h, {}, slip);
-            const Vec2 f{visit.impulse.x / h, visit.impulse.y / h};
-            secant = visit.sliding ? 1.0f / 3 : brushSecant(law, deflectionOf(law, secant, u, f, kLoad, h));
+            visit = solveTire(law, line, u, transport, kLoad * h, h, {}, slip);
+            line = lineAfter(law, line, u, visit, slip, transport, kLoad * h, h);
         }
         force = {visit.impulse.x / h, visit.impulse.y / h};
-        u = withinPatch(law, visit.sliding ? deflectionOf(law, secant, u, force, kLoad, h)
+        u = withinPatch(law, visit.sliding ? deflectionAfter(law, line, u, visit, slip, transport, kLoad * h, h)
                                            : rolledDeflection(law, u, slip, transport, h));
     }
 };
@@ -136,11 +135,11 @@ TEST(Tire, IsASpringAtStandstill) {
 TEST(Tire, GivesNothingWithoutLoadOrGrip) {
     const TireSpec spec = makeTireSpec(tireDef(), kLoad, kGravity);
     const TireLaw law = tireLaw(spec, {}, {}, 0, 1);
-    EXPECT_EQ(solveTire(law, 1, {0.01f, 0.01f}, 1, 0, 1.0f / 240, {}, {1, 1}).impulse, Vec2{});
+    EXPECT_EQ(solveTire(law, tireLine(law, {}), {0.01f, 0.01f}, 1, 0, 1.0f / 240, {}, {1, 1}).impulse, Vec2{});
     Rig rig;
     rig.spec.def.referenceSurface = 0.6f;
     const TireLaw ice = tireLaw(spec, tireGround(spec.def, 0, 0), {}, kLoad, 0);
-    const TireVisit visit = solveTire(ice, 1.0f / 3, {0, 0}, 0, kLoad, 1.0f / 240, {}, {1, 0});
+    const TireVisit visit = solveTire(ice, tireLine(ice, {}), {0, 0}, 0, kLoad, 1.0f / 240, {}, {1, 0});
     EXPECT_LT(std::abs(visit.impulse.x), 1e-5f * kLoad);
 }
 

@@ -32,6 +32,9 @@ Vec2 minimumInDisc(const Sym2& a, const Vec2& b, bool& onEdge) {
     return {s * y.x, s * y.y};
 }
 
+/// q in (3).
+float secantOver(float x) { return 1 - x + x * x * (1.0f / 3); }
+
 float slidingShare(const TireLaw& law, const Vec2& u) {
     const float x = law.stiffness.x * u.x / (3 * law.friction.x), y = law.stiffness.y * u.y / (3 * law.friction.y);
     return std::sqrt(x * x + y * y);
@@ -51,11 +54,28 @@ float lockedShare(const TireLaw& law, const TireMotion& motion, float slowest) {
     return std::min((z - 1) * size / (z - size), 1.0f);
 }
 
+SlipLaw slipLawOf(const TireDef& def, const TireStand& stand) {
+    if (def.magicFormula) return magicFactors(*def.magicFormula, stand);
+    if (def.slipCurves) return slipCurves(*def.slipCurves, stand);
+    return {};
+}
+
 }  // namespace
 
+TireNumbers tireNumbers(const TireDef& def, float load) {
+    const SlipLaw law = slipLawOf(def, {1, 1, load, 0});
+    if (std::holds_alternative<std::monostate>(law)) {
+        return {def.longitudinalFriction, def.lateralFriction, def.slidingShare * def.longitudinalFriction,
+                def.slipStiffness, def.corneringStiffness};
+    }
+    const Vec2 friction = peakFriction(law), slope = slopeAtRest(law);
+    return {friction.x, friction.y, -forceOverLoad(law, {-1, 0}).x, slope.x, slope.y};
+}
+
 TireSpec makeTireSpec(const TireDef& def, float staticLoad, float gravity) {
-    TireSpec spec{def, {}, 0, 1, 1, staticLoad};
-    spec.stiffness = {def.slipStiffness / def.relaxationLength, def.corneringStiffness / def.relaxationLength};
+    const TireNumbers numbers = tireNumbers(def, staticLoad);
+    TireSpec spec{def, {}, 0, 1, 1, staticLoad, {numbers.longitudinalFriction, numbers.lateralFriction}};
+    spec.stiffness = {numbers.slipStiffness / def.relaxationLength, numbers.corneringStiffness / def.relaxationLength};
     // The load swaying on its standing tire: ω² = N k / (N/g).
     const float sway = std::sqrt(spec.stiffness.y * gravity);
     spec.standingDamping = 2 * def.dampingRatio / sway;
@@ -72,26 +92,46 @@ TireGround tireGround(const TireDef& def, float friction, std::uint32_t surface)
 }
 
 TireLaw tireLaw(const TireSpec& spec, const TireGround& ground, const TireMotion& motion, float load, float transport) {
-    const float loadChange = load / spec.staticLoad - 1;
-    const float grip = ground.grip * std::max(1 - spec.def.loadSensitivity * loadChange, 0.5f);
     const float speed = transport / spec.swaySpeed;
     TireLaw law;
-    law.friction = {grip * spec.def.longitudinalFriction, grip * spec.def.lateralFriction};
-    law.stiffness = {ground.stiffness * spec.stiffness.x, ground.stiffness * spec.stiffness.y};
     law.relaxation = spec.def.relaxationLength;
     law.damping = spec.standingDamping / (1 + speed * speed);
+    law.slips = slipLawOf(spec.def, {ground.grip, ground.stiffness, load, ground.inclination});
+    if (!law.isBrush()) {
+        // Combined slip may have all of both.
+        const Vec2 peak = peakFriction(law.slips);
+        law.friction = {1.5f * peak.x, 1.5f * peak.y};
+        return law;
+    }
+    const float loadChange = load / spec.staticLoad - 1;
+    const float grip = ground.grip * std::max(1 - spec.def.loadSensitivity * loadChange, 0.5f);
+    law.friction = {grip * spec.def.longitudinalFriction, grip * spec.def.lateralFriction};
+    law.stiffness = {ground.stiffness * spec.stiffness.x, ground.stiffness * spec.stiffness.y};
     const float lost = (1 - spec.def.slidingShare) * lockedShare(law, motion, spec.slowest);
     law.friction = {(1 - lost) * law.friction.x, (1 - lost) * law.friction.y};
     return law;
 }
 
-float brushSecant(const TireLaw& law, const Vec2& u) {
-    const float x = std::min(slidingShare(law, u), 1.0f);
-    return 1 - x + x * x * (1.0f / 3);
+/// Without the slip of a direction the other one alone makes its offset; the least slip tells the slope there.
+TireLine tireLine(const TireLaw& law, const Vec2& u) {
+    if (law.isBrush()) {
+        const float q = secantOver(std::min(slidingShare(law, u), 1.0f));
+        return {{}, {q * law.stiffness.x, q * law.stiffness.y}};
+    }
+    constexpr float kLeast = 1e-4f, kFlattest = 1e-3f;
+    const auto apart = [](float slip) { return std::abs(slip) < kLeast ? (slip < 0 ? -kLeast : kLeast) : slip; };
+    const Vec2 slip{u.x / law.relaxation, u.y / law.relaxation};
+    const Vec2 tried{apart(slip.x), apart(slip.y)};
+    const Vec2 force = forceOverLoad(law.slips, tried);
+    const Vec2 offset{forceOverLoad(law.slips, {0, tried.y}).x, forceOverLoad(law.slips, {tried.x, 0}).y};
+    const float s = 1 / law.relaxation;
+    return {offset,
+            {s * std::max((force.x - offset.x) / tried.x, kFlattest),
+             s * std::max((force.y - offset.y) / tried.y, kFlattest)}};
 }
 
 Vec2 withinPatch(const TireLaw& law, const Vec2& u) {
-    const float x = slidingShare(law, u);
+    const float x = law.isBrush() ? slidingShare(law, u) : std::sqrt(lengthSquared(u)) / law.relaxation;
     if (!(x > 1)) return u;
     return {u.x / x, u.y / x};
 }
@@ -101,34 +141,55 @@ Vec2 rolledDeflection(const TireLaw& law, const Vec2& u, const Vec2& slip, float
     return {s * (u.x - h * slip.x), s * (u.y - h * slip.y)};
 }
 
-Vec2 deflectionOf(const TireLaw& law, float secant, const Vec2& before, const Vec2& force, float load, float h) {
-    const float s = 1.0f / (h + law.damping);
-    const float scale = h / (secant * load);
-    return {s * (scale * force.x / law.stiffness.x + law.damping * before.x),
-            s * (scale * force.y / law.stiffness.y + law.damping * before.y)};
-}
-
-/// Backward Euler of (1) into (2), per direction, with p = h + τ and d = 1 + h V/σ:
+/// Backward Euler of (1) into (2), per direction, with p = h + τ, d = 1 + h V/σ, a stiffness S over load and an offset
+/// o:
 ///
-///     λ = G ((1 − τ V/σ) u/p − s),   G = N h k q p/d
+///     λ = N h o + G ((1 − τ V/σ) u/p − s),   G = N h S p/d
 ///
-/// so with s = free + K λ: (K + G⁻¹) λ = (1 − τ V/σ) u/p − free. Forces are scaled by μ N h, which turns the ellipse
-/// into the unit disc.
-TireVisit solveTire(const TireLaw& law, float secant, const Vec2& u, float transport, float load, float h,
+/// so with s = free + K λ: (K + G⁻¹) λ = (1 − τ V/σ) u/p − free + G⁻¹ N h o. Forces are scaled by μ N h, which turns
+/// the ellipse into the unit disc.
+TireVisit solveTire(const TireLaw& law, const TireLine& line, const Vec2& u, float transport, float load, float h,
                     const Sym2& K, const Vec2& free) {
     const Vec2 scale{law.friction.x * load, law.friction.y * load};
     if (!(scale.x > 0) || !(scale.y > 0)) return {};
     const float p = h + law.damping;
     const float rolled = transport / law.relaxation;
     const float pull = (1 - law.damping * rolled) / p;
-    const float compliance = (1 + h * rolled) / (load * secant * p);
-    const Sym2 a{scale.x * scale.x * (K.xx + compliance / law.stiffness.x), scale.x * scale.y * K.xy,
-                 scale.y * scale.y * (K.yy + compliance / law.stiffness.y)};
-    const Vec2 b{scale.x * (pull * u.x - free.x), scale.y * (pull * u.y - free.y)};
+    const Vec2 compliance{(1 + h * rolled) / (load * line.stiffness.x * p),
+                          (1 + h * rolled) / (load * line.stiffness.y * p)};
+    const Sym2 a{scale.x * scale.x * (K.xx + compliance.x), scale.x * scale.y * K.xy,
+                 scale.y * scale.y * (K.yy + compliance.y)};
+    const Vec2 b{scale.x * (pull * u.x - free.x + compliance.x * load * line.offset.x),
+                 scale.y * (pull * u.y - free.y + compliance.y * load * line.offset.y)};
     TireVisit visit;
     const Vec2 y = minimumInDisc(a, b, visit.sliding);
     visit.impulse = {scale.x * y.x, scale.y * y.y};
     return visit;
+}
+
+/// By (2), F = N S (u + τ (u − u₀)/h), or by (1).
+Vec2 deflectionAfter(const TireLaw& law, const TireLine& line, const Vec2& u, const TireVisit& visit, const Vec2& slip,
+                     float transport, float load, float h) {
+    if (!law.isBrush()) return withinPatch(law, rolledDeflection(law, u, slip, transport, h));
+    const float q = secantOver(1);
+    const Vec2 stiffness = visit.sliding ? Vec2{q * law.stiffness.x, q * law.stiffness.y} : line.stiffness;
+    const float s = 1.0f / (h + law.damping);
+    return {s * (visit.impulse.x / (load * stiffness.x) * h + law.damping * u.x),
+            s * (visit.impulse.y / (load * stiffness.y) * h + law.damping * u.y)};
+}
+
+TireLine lineAfter(const TireLaw& law, const TireLine& line, const Vec2& u, const TireVisit& visit, const Vec2& slip,
+                   float transport, float load, float h) {
+    const float q = secantOver(1);
+    if (law.isBrush() && visit.sliding) return {{}, {q * law.stiffness.x, q * law.stiffness.y}};
+    return tireLine(law, deflectionAfter(law, line, u, visit, slip, transport, load, h));
+}
+
+float aligningMoment(const TireLaw& law, const Vec2& u, float load, float forward) {
+    if (law.isBrush()) return 0;
+    constexpr float kSlow = 0.5f;  // m/s, at which a wheel has hardly a way that it goes
+    return load * alignmentOverLoad(law.slips, {u.x / law.relaxation, u.y / law.relaxation},
+                                    std::clamp(forward / kSlow, -1.0f, 1.0f));
 }
 
 }  // namespace ragtop

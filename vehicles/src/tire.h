@@ -1,6 +1,8 @@
 #pragma once
 
 #include "ragtop/vehicle_def.h"
+#include "slip_law.h"
+#include "tire_axes.h"
 
 /// The tire as an implicit constraint. Tread bristles at the patch carry two deflections u (m): x along the wheel, y
 /// across. With s the slip velocity of the wheel's side of the patch over the ground, V the speed at which tread rolls
@@ -23,12 +25,12 @@
 ///     (z − 1)/(z/|ς| − 1)   in [0, 1]                                                                (5)
 ///
 /// so that friction is largest where the brush has just begun to slide, and falls on a line from there.
+///
+/// A tire whose law is a function of slip (slip_law.h) has the same (1), with the speed of travel for V, so that u/σ is
+/// the slip that the tire has come to: s/V where it stays, whichever way it goes, and at rest the law is a spring. For
+/// (2) to (5) it has F = N f(u/σ + τ/σ du/dt) on the line from f without the slip of that direction to f, which is
+/// never steeper than f is at its steepest, and with |u| ≤ σ.
 namespace ragtop {
-
-struct Vec2 {
-    float x = 0, y = 0;
-    bool operator==(const Vec2&) const = default;
-};
 
 /// A symmetric matrix.
 struct Sym2 {
@@ -41,6 +43,13 @@ struct TireLaw {
     Vec2 stiffness;        ///< k, force over load per m of deflection
     float relaxation = 1;  ///< σ, m
     float damping = 0;     ///< τ, s, faded
+    SlipLaw slips{};       ///< where it is no brush; friction is then the largest, and bounds what is tried
+    bool isBrush() const { return std::holds_alternative<std::monostate>(slips); }
+};
+
+/// F/N = offset + stiffness (u + τ du/dt), of a law near a deflection.
+struct TireLine {
+    Vec2 offset, stiffness;
 };
 
 /// Constants that do not change while driving.
@@ -51,12 +60,14 @@ struct TireSpec {
     float swaySpeed = 1;        ///< V at which half of the damping is left, m/s
     float slowest = 1;          ///< m/s, least speed over which slip is reckoned: what sways at rest does not travel
     float staticLoad = 0;       ///< N
+    Vec2 friction;              ///< largest, at the static load
 };
 TireSpec makeTireSpec(const TireDef& def, float staticLoad, float gravity);
 
 /// The ground as a tire sees it.
 struct TireGround {
     float grip = 1, stiffness = 1, drag = 0;  ///< as TireSurface
+    float inclination = 0;                    ///< rad, of the wheel over it, its top to the right
 };
 /// `friction` and `surface` of its material.
 TireGround tireGround(const TireDef& def, float friction, std::uint32_t surface);
@@ -70,17 +81,15 @@ struct TireMotion {
 /// `transport` is the tread's speed through the patch.
 TireLaw tireLaw(const TireSpec& spec, const TireGround& ground, const TireMotion& motion, float load, float transport);
 
-/// Secant stiffness of the brush over its first one, q in (3), for deflections u.
-float brushSecant(const TireLaw& law, const Vec2& u);
+/// Of a law at deflections u.
+TireLine tireLine(const TireLaw& law, const Vec2& u);
 
-/// The deflections scaled back to where all bristles slide, |x| = 1, when they are beyond.
+/// The deflections scaled back to where all bristles slide, |x| = 1, when they are beyond; |u| = σ where it is no
+/// brush.
 Vec2 withinPatch(const TireLaw& law, const Vec2& u);
 
 /// (1) over h by backward Euler.
 Vec2 rolledDeflection(const TireLaw& law, const Vec2& u, const Vec2& slip, float transport, float h);
-
-/// The deflection that a force has, by (2): F = N k q (u + τ (u − u₀)/h).
-Vec2 deflectionOf(const TireLaw& law, float secant, const Vec2& before, const Vec2& force, float load, float h);
 
 /// One implicit visit to a tire: the impulse λ that satisfies (1) to (4) at the end of a substep of h seconds, when
 /// the slip is free + K λ. `load` is the normal impulse, N h.
@@ -88,7 +97,20 @@ struct TireVisit {
     Vec2 impulse;
     bool sliding = false;  ///< (4) holds with equality
 };
-TireVisit solveTire(const TireLaw& law, float secant, const Vec2& u, float transport, float load, float h,
+TireVisit solveTire(const TireLaw& law, const TireLine& line, const Vec2& u, float transport, float load, float h,
                     const Sym2& K, const Vec2& free);
+
+/// The deflections at the end of a substep with that outcome, from u at its beginning; the slip is that at its end.
+/// What slides has those of its force.
+Vec2 deflectionAfter(const TireLaw& law, const TireLine& line, const Vec2& u, const TireVisit& visit, const Vec2& slip,
+                     float transport, float load, float h);
+
+/// The line for the next visit after such an outcome.
+TireLine lineAfter(const TireLaw& law, const TireLine& line, const Vec2& u, const TireVisit& visit, const Vec2& slip,
+                   float transport, float load, float h);
+
+/// N m about the ground's normal, to the left, by which a tire turns its wheel at deflections u; 0 of a brush.
+/// `forward` is the speed of travel along the wheel, m/s.
+float aligningMoment(const TireLaw& law, const Vec2& u, float load, float forward);
 
 }  // namespace ragtop

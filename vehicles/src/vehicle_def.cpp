@@ -211,6 +211,20 @@ std::string whyInvalid(const VehicleDef& def, const AntiRollBarDef& bar, std::si
     return std::any_of(def.antiRollBars.begin(), end, same) ? axle + ", must be that of no other" : std::string();
 }
 
+std::string whyInvalid(const TireDef& tire, const std::string& path) {
+    if (!tire.file.empty()) return path + "/file is " + tire.file + ", must be read before (loadVehicle)";
+    if (tire.magicFormula && tire.slipCurves)
+        return path + "/slipCurves is given, must be absent where magicFormula is given";
+    if (!tire.slipCurves) return {};
+    for (const auto& [curve, name] :
+         {std::pair{&tire.slipCurves->longitudinal, "longitudinal"}, std::pair{&tire.slipCurves->lateral, "lateral"}}) {
+        if (curve->slideSlip > curve->peakSlip) continue;
+        return path + "/slipCurves/" + name + "/slideSlip is " + text(static_cast<double>(curve->slideSlip)) +
+               ", must be above peakSlip, " + text(static_cast<double>(curve->peakSlip));
+    }
+    return {};
+}
+
 std::string whyInvalid(const WheelDef& wheel, std::size_t i) {
     const std::string suspension = "/wheels/" + std::to_string(i) + "/suspension";
     for (const auto& [curve, name] : {std::pair{&wheel.suspension.compressionCurve, "/compressionCurve"},
@@ -225,6 +239,7 @@ std::string whyInvalid(const WheelDef& wheel, std::size_t i) {
         return "/wheels/" + std::to_string(i) + "/tire/surfaces/" + std::to_string(k) + "/surface is " +
                std::to_string(surfaces[k].surface) + ", must be that of no other";
     }
+    if (std::string why = whyInvalid(wheel.tire, "/wheels/" + std::to_string(i) + "/tire"); !why.empty()) return why;
     const Vec3& axis = wheel.suspension.axis;
     if (axis.y > 0.5f * length(axis)) return {};
     return suspension + "/axis is (" + text(static_cast<double>(axis.x)) + ", " + text(static_cast<double>(axis.y)) +

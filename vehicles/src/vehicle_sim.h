@@ -33,12 +33,14 @@ struct WheelState {
     float rotation = 0;          ///< rad about the axle
     float hubSpeed = 0;          ///< m/s along the strut
     float below = 0;             ///< m of its course below the ground ahead, see CourseEnd
+    float inclination = 0;       ///< rad, as TireGround
+    float aligning = 0;          ///< N m about the ground's normal, to the left
     float sunk = 0;              ///< m by which the ground counts as lower, see VehicleSim::sinkGround
     std::uint32_t placed = kPut;
     static constexpr std::uint32_t kPut = 1;    ///< somebody put the car where it is, and it has not moved since
     static constexpr std::uint32_t kAbove = 2;  ///< in the last substep it was clear of the ground below it
 };
-static_assert(sizeof(WheelState) == 2 * 112 + 64);
+static_assert(sizeof(WheelState) == 2 * 112 + 72);
 
 /// What does not change while driving.
 struct WheelSpec {
@@ -67,7 +69,8 @@ struct WheelPatch {
     float share = 1;              ///< of the wheel's impulses that it gets
     LoadLag lag;
     TireLaw law;
-    float transport = 0, secant = 1, spinBefore = 0;
+    float transport = 0, spinBefore = 0;
+    TireLine line;
     float strutK = 0;  ///< inverse effective masses along the normal and of the patch
     Sym2 tireK;
     float way = 0;        ///< m that the strut is compressed in the substep
@@ -164,6 +167,7 @@ private:
     TireGround groundOf(std::size_t i) const;
     float resistanceOf(std::size_t i) const;
     void settleTire(std::size_t i, const PointBody& body);
+    Vec3 alignTires(float h);
     Vec3 airImpulse(const PointBody& body, const Quat& rotation, float h) const;
     void pushPatch(std::size_t i, PointBody& body, const Vec3& impulse);
     void solve(PointBody& body, float h);

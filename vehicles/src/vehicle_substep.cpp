@@ -27,6 +27,10 @@ Vec2 slipOf(const WheelPatch& patch, const PointBody& body, float hubSpeed, floa
     return {travel.x - treadSpeed, travel.y};
 }
 
+float lengthOf(const Vec2& a) { return std::sqrt(a.x * a.x + a.y * a.y); }
+
+bool isBrush(const TireDef& def) { return !def.magicFormula && !def.slipCurves; }
+
 Vec3 impulseOf(const WheelPatch& patch) {
     return patch.load * patch.normal + patch.tire.x * patch.forward + patch.tire.y * patch.side;
 }
@@ -60,6 +64,9 @@ void VehicleSim::beforeSubstep(float h) {
     const Vec3 airArm = rotate(pose.rotation, def.aerodynamics.center);
     Vec3 angular = cross(airArm, linear);
     push(body, airArm, linear);
+    const Vec3 turned = alignTires(h);
+    angular += turned;
+    body.w += body.inverseInertia * turned;
     const Vec3 fall = h * world->settings().gravity;
     body.v += fall;
     for (GroundBody& ground : grounds) pressGround(ground, fall);
@@ -131,6 +138,7 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
         letFall(i, h);
         wheel.load = wheel.settleTime = wheel.sunk = 0;
         wheel.force = wheel.deflection = wheel.travel = {};
+        wheel.inclination = wheel.aligning = 0;
         wheel.hubSpeed = 0;
         return;
     }
@@ -140,15 +148,21 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     patch.tireK = {inverseMassAt(patch, body, patch.forward, patch.forward) + radius * radius / inertia,
                    inverseMassAt(patch, body, patch.forward, patch.side),
                    inverseMassAt(patch, body, patch.side, patch.side)};
-    patch.transport = std::abs(radius * drivetrain.spin[i]);
+    const float lean = clampTo(dot(patch.axle, patch.normal), -1, 1);
+    wheel.inclination = arcTan2(lean, std::sqrt(1 - lean * lean));
     const TireMotion motion{travelOf(patch, body, wheel.hubSpeed), radius * drivetrain.spin[i]};
+    // Bristles leave with the tread; slip is over the speed of travel.
+    patch.transport = isBrush(specs[i].tire.def) ? std::abs(motion.tread) : lengthOf(motion.travel);
     patch.law = tireLaw(specs[i].tire, groundOf(i), motion, wheel.load, patch.transport);
     settleTire(i, body);
-    patch.secant = brushSecant(patch.law, wheel.deflection);
+    patch.line = tireLine(patch.law, wheel.deflection);
+    wheel.aligning = aligningMoment(patch.law, wheel.deflection, wheel.load, motion.travel.x);
 }
 
 TireGround VehicleSim::groundOf(std::size_t i) const {
-    return tireGround(specs[i].tire.def, wheels[i].ground.friction, wheels[i].ground.surface);
+    TireGround ground = tireGround(specs[i].tire.def, wheels[i].ground.friction, wheels[i].ground.surface);
+    ground.inclination = wheels[i].inclination;
+    return ground;
 }
 
 /// The torque by which tire and ground resist rolling.
@@ -249,6 +263,19 @@ void VehicleSim::settleTire(std::size_t i, const PointBody& body) {
     wheel.deflection = withinPatch(patch.law, wheel.deflection);
 }
 
+/// What tires turn their wheels by, and with them the car; the ground feels the other way.
+Vec3 VehicleSim::alignTires(float h) {
+    Vec3 sum;
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+        if (!patches[i].touching || wheels[i].aligning == 0) continue;
+        const Vec3 turned = h * wheels[i].aligning * patches[i].normal;
+        sum += turned;
+        if (patches[i].ground->inverseMass > 0)
+            world->applyAngularImpulse(wheels[i].ground.body, -patches[i].share * turned);
+    }
+    return sum;
+}
+
 /// One visit to a strut and its tire; the largest change of an impulse.
 float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     WheelPatch& patch = patches[i];
@@ -273,7 +300,7 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     const Vec2 slip = slipOf(patch, body, patch.way / h, radius * drivetrain.spin[i]);
     const Vec2 free{slip.x - K.xx * patch.tire.x - K.xy * patch.tire.y,
                     slip.y - K.xy * patch.tire.x - K.yy * patch.tire.y};
-    const TireVisit visit = solveTire(patch.law, patch.secant, wheel.deflection, patch.transport, load, h, K, free);
+    const TireVisit visit = solveTire(patch.law, patch.line, wheel.deflection, patch.transport, load, h, K, free);
     const Vec2 change{visit.impulse.x - patch.tire.x, visit.impulse.y - patch.tire.y};
     patch.tire = visit.impulse;
     patch.sliding = visit.sliding;
@@ -281,11 +308,9 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     pushPatch(i, body, change.x * patch.forward + change.y * patch.side);
     drivetrain.spin[i] -= radius * change.x / drivetrain.inertia()[i];
     if (load > 0) {
-        const Vec2 force{visit.impulse.x / h, visit.impulse.y / h};
-        patch.secant =
-            visit.sliding
-                ? 1.0f / 3
-                : brushSecant(patch.law, deflectionOf(patch.law, patch.secant, wheel.deflection, force, load / h, h));
+        const Vec2 end{free.x + K.xx * patch.tire.x + K.xy * patch.tire.y,
+                       free.y + K.xy * patch.tire.x + K.yy * patch.tire.y};
+        patch.line = lineAfter(patch.law, patch.line, wheel.deflection, visit, end, patch.transport, load, h);
     }
     return std::max({std::abs(loadChange), std::abs(change.x), std::abs(change.y)});
 }
@@ -315,9 +340,10 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     wheel.travel = travelOf(patch, body, wheel.hubSpeed);
     wheel.load = patch.load / h;
     wheel.force = {patch.tire.x / h, patch.tire.y / h};
-    if (patch.sliding) {
-        wheel.deflection =
-            withinPatch(patch.law, deflectionOf(patch.law, 1.0f / 3, wheel.deflection, wheel.force, wheel.load, h));
+    if (patch.sliding && patch.law.isBrush()) {
+        const TireVisit visit{patch.tire, true};
+        wheel.deflection = withinPatch(
+            patch.law, deflectionAfter(patch.law, patch.line, wheel.deflection, visit, {}, 0, patch.load, h));
         wheel.settleTime = 0;
     } else {
         wheel.settleTime = wheel.load > 0 ? h : 0;

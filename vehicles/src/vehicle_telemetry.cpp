@@ -15,8 +15,8 @@ float share(float part, float whole) { return whole > 0 ? part / whole : 0; }
 
 /// Share of the ellipse of (4) in tire.h, with the largest frictions.
 float gripUsed(const WheelState& wheel, const TireSpec& tire, const TireGround& ground) {
-    const float x = share(wheel.force.x, ground.grip * tire.def.longitudinalFriction * wheel.load);
-    const float y = share(wheel.force.y, ground.grip * tire.def.lateralFriction * wheel.load);
+    const float x = share(wheel.force.x, ground.grip * tire.friction.x * wheel.load);
+    const float y = share(wheel.force.y, ground.grip * tire.friction.y * wheel.load);
     return std::sqrt(x * x + y * y);
 }
 
@@ -80,6 +80,7 @@ void VehicleSim::tellWheel(std::size_t i, const Pose& pose) {
     out.load = wheel.load;
     out.longitudinalForce = wheel.force.x;
     out.lateralForce = wheel.force.y;
+    out.aligningMoment = wheel.aligning;
     out.gripUsed = gripUsed(wheel, spec.tire, groundOf(i));
     const float larger = std::max({std::abs(tread), along, kSlowest});
     out.slipRatio = out.grounded ? (tread - wheel.travel.x) / larger : 0;

@@ -21,6 +21,8 @@ void forEachChannel(const WheelTelemetry& wheel, Visit&& visit) {
     tell("load", "N", "normal to the ground", wheel.load);
     tell("longitudinalForce", "N", "of the tire on the car, forward", wheel.longitudinalForce);
     tell("lateralForce", "N", "of the tire on the car, to the left", wheel.lateralForce);
+    tell("aligningMoment", "N m", "of the tire on the car about the ground's normal, to the left",
+         wheel.aligningMoment);
     tell("gripUsed", "1", "share of the largest friction that the tire uses", wheel.gripUsed);
     tell("slipRatio", "1", "tread less travel speed, over the larger of them or 1 m/s", wheel.slipRatio);
     tell("slipAngle", "rad", "from the heading to the travel, to the left", wheel.slipAngle);

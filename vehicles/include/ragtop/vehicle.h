@@ -38,6 +38,7 @@ struct WheelTelemetry {
     float load = 0;               ///< N, normal to the ground
     float longitudinalForce = 0;  ///< N on the car, forward
     float lateralForce = 0;       ///< N on the car, to the left
+    float aligningMoment = 0;     ///< N m on the car about the ground's normal, to the left
     float slipRatio = 0;          ///< tread less travel speed, over the larger of them or 1 m/s; −1 is a locked wheel
     float slipAngle =
         0;  ///< rad from the heading to the travel, fading below 1 m/s; positive when it drifts to the left

@@ -9,6 +9,7 @@
 
 #include "ragtop/math.h"
 #include "ragtop/shape.h"
+#include "ragtop/tire_laws.h"
 #include "ragtop/tunables.h"
 
 /// What a car is made from. In the frame of the chassis z points forward, y up and x, to complete a right-handed
@@ -81,7 +82,20 @@ struct TireDef {
     float dampingRatio = 0.5f;            ///< of the car that sways on its standing tires
     float rollingResistance = 0.012f;     ///< resisting force over load
     std::optional<float> radialStiffness{};  ///< N/m; empty: the standing car squashes it by a twentieth of its radius
+    /// Laws that hold instead of frictions, slidingShare, loadSensitivity and stiffnesses above; one of them at most.
+    std::optional<MagicFormulaDef> magicFormula{};
+    std::optional<SlipCurvesDef> slipCurves{};
+    /// Of a tire property file (.tir), which loadVehicle reads; empty in a definition that is used.
+    std::string file{};
 };
+
+/// What a tire does at a load, whatever its law: over the load, on ground that is as the law's own.
+struct TireNumbers {
+    float longitudinalFriction = 0, lateralFriction = 0;  ///< largest
+    float slidingFriction = 0;                            ///< of a locked wheel, along it
+    float slipStiffness = 0, corneringStiffness = 0;      ///< per unit of slip; per rad
+};
+TireNumbers tireNumbers(const TireDef& def, float load);
 
 struct WheelDef {
     std::string name{};
@@ -279,6 +293,13 @@ void describe(Visitor& visit, Self& self, const TireDef*) {
     visit(Tunable{"radialStiffness", "N/m", 1, 1e12,
                   "of the tire; absent: the standing car squashes it by a twentieth of its radius"},
           self.radialStiffness);
+    visit(Tunable{"magicFormula", "", 0, 0, "coefficients of the Magic Formula, instead of frictions and stiffnesses"},
+          self.magicFormula);
+    visit(Tunable{"slipCurves", "", 0, 0, "curves of friction over slip, instead of frictions and stiffnesses"},
+          self.slipCurves);
+    visit(Tunable{"file", "", 0, 0,
+                  "a tire property file (.tir) that gives magicFormula, radial stiffness and relaxation"},
+          self.file);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const WheelDef*) {

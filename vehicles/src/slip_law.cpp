@@ -1,0 +1,269 @@
+#include "slip_law.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ragtop/math.h"
+
+namespace ragtop {
+namespace {
+
+float atanOf(float x) { return arcTan2(x, 1); }
+float sinOf(float x) { return sinCos(x).sin; }
+float cosOf(float x) { return sinCos(x).cos; }
+float cosOfAtan(float x) { return 1 / std::sqrt(1 + x * x); }
+float signOf(float x) { return x > 0 ? 1.0f : x < 0 ? -1.0f : 0.0f; }
+
+/// C atan(B x − E (B x − atan(B x)))
+float magicAngle(float B, float C, float E, float x) {
+    const float bx = B * x;
+    return C * atanOf(bx - E * (bx - atanOf(bx)));
+}
+
+float valueAt(const MagicCurve& curve, float slip) {
+    const float x = slip + curve.shift;
+    const float E = std::min(curve.E * (1 - curve.bend * signOf(x)), 1.0f);
+    return curve.D * sinOf(magicAngle(curve.B, curve.C, E, x)) + curve.lift;
+}
+
+/// 1 without the other slip.
+float valueAt(const MagicWeight& weight, float own, float other) {
+    const float B = weight.B * cosOfAtan(weight.fall * (own - weight.from));
+    const float whole = cosOf(magicAngle(B, weight.C, weight.E, weight.shift));
+    const float part = cosOf(magicAngle(B, weight.C, weight.E, other + weight.shift));
+    return whole > 0.1f ? std::max(part / whole, 0.0f) : 1;
+}
+
+/// Slip ratio and slip angle, as in .tir files: a wheel that drifts to the left has a positive one.
+struct Slips {
+    float kappa = 0, alpha = 0, cosine = 1;
+};
+
+/// Of a wheel that spins, slip over travel has no bound; there it counts as 1 over the part of travel along the wheel.
+Slips slipsOf(const Vec2& slip) {
+    const float across = std::clamp(-slip.y, -1.0f, 1.0f), along = std::sqrt(1 - across * across);
+    constexpr float kMost = 1, kLeastAlong = 0.1f;  // at right angles a slip ratio is over nothing
+    const float kappa = std::clamp(slip.x / std::max(along, kLeastAlong), -kMost, kMost);
+    return {kappa, arcTan2(across, along), along};
+}
+
+Vec2 forceOf(const MagicFactors& magic, const Slips& at) {
+    const float alongWeight = valueAt(magic.alongWeight, at.kappa, at.alpha);
+    const float acrossWeight = valueAt(magic.acrossWeight, at.alpha, at.kappa);
+    const float drift =
+        magic.drift * cosOfAtan(magic.driftFall * at.alpha) * sinOf(magic.driftShape * atanOf(magic.driftB * at.kappa));
+    return {alongWeight * valueAt(magic.along, at.kappa), acrossWeight * valueAt(magic.across, at.alpha) + drift};
+}
+
+/// Up to the peak, down to the slide, and on.
+float valueAt(const SlipCurve& curve, float slip) {
+    const float x = slip / curve.peakSlip;
+    if (x <= 1) return curve.peakFriction * x * (2 - x);
+    const float way = std::min((slip - curve.peakSlip) / (curve.slideSlip - curve.peakSlip), 1.0f);
+    const float fallen = way * way * (3 - 2 * way);
+    return curve.peakFriction + fallen * (curve.slideFriction - curve.peakFriction);
+}
+
+Vec2 forceOf(const SlipCurves& curves, const Vec2& slip) {
+    const Vec2 x{slip.x / curves.along.peakSlip, slip.y / curves.across.peakSlip};
+    const float size = std::sqrt(x.x * x.x + x.y * x.y);
+    if (!(size > 0)) return {};
+    const auto part = [&](const SlipCurve& curve, float own) {
+        return curves.grip * valueAt(curve, size * curve.peakSlip) * own / size;
+    };
+    return {part(curves.along, x.x), part(curves.across, x.y)};
+}
+
+/// Names a coefficient, which the compiler looks up.
+struct Name {
+    std::size_t index;
+    consteval Name(const char* name) : index(magicIndex(name)) {}
+};
+
+/// The coefficients at a load: of(a) + of(b) dfz.
+struct Numbers {
+    const MagicFormulaDef& def;
+    float dfz = 0, dpi = 0;  ///< of load and pressure from the nominal ones, over these
+    float operator()(Name name) const { return def.values[name.index]; }
+    float atLoad(Name a, Name b) const { return (*this)(a) + (*this)(b)*dfz; }
+    float pressed(Name a) const { return 1 + (*this)(a)*dpi; }
+    float pressed(Name a, Name b) const { return 1 + (*this)(a)*dpi + (*this)(b)*dpi * dpi; }
+    bool isNew() const { return (*this)("FITTYP") >= 60; }
+};
+
+Numbers numbersAt(const MagicFormulaDef& def, float& load) {
+    Numbers of{def};
+    const float nominal = of("LFZO") * of("FNOMIN");
+    load = std::clamp(load, std::max(of("FZMIN"), 0.01f * nominal), std::max(of("FZMAX"), 0.01f * nominal));
+    of.dfz = (load - nominal) / nominal;
+    of.dpi = (of("INFLPRES") - of("NOMPRES")) / of("NOMPRES");
+    return of;
+}
+
+constexpr float kLeast = 0.01f;  ///< friction, and share of what extrapolates to nothing or below
+
+/// (4.E9) to (4.E18), over load.
+MagicCurve alongAt(const Numbers& of, const TireStand& at, float camber2, float& stiffness) {
+    MagicCurve x;
+    x.C = of("PCX1") * of("LCX");
+    const float friction = of.atLoad("PDX1", "PDX2") * (1 - of("PDX3") * camber2) * of.pressed("PPX3", "PPX4");
+    x.D = std::max(friction * of("LMUX"), kLeast) * at.grip;
+    x.E = (of.atLoad("PEX1", "PEX2") + of("PEX3") * of.dfz * of.dfz) * of("LEX");
+    x.bend = of("PEX4");
+    const float slope = of.atLoad("PKX1", "PKX2") * exponential(of("PKX3") * of.dfz) * of.pressed("PPX1", "PPX2");
+    stiffness = std::max(slope, kLeast) * of("LKX") * at.stiffness;
+    x.B = stiffness / (x.C * x.D);
+    x.shift = of.atLoad("PHX1", "PHX2") * of("LHX");
+    x.lift = of.atLoad("PVX1", "PVX2") * of("LVX") * of("LMUX") * at.grip;
+    return x;
+}
+
+/// (4.E19) to (4.E30), over load; the shift of camber is of the version.
+MagicCurve acrossAt(const Numbers& of, const TireStand& at, float load, float& stiffness) {
+    const float camber = at.inclination, camber2 = camber * camber, nominal = of("LFZO") * of("FNOMIN");
+    MagicCurve y;
+    y.C = of("PCY1") * of("LCY");
+    const float friction = of.atLoad("PDY1", "PDY2") * (1 - of("PDY3") * camber2) * of.pressed("PPY3", "PPY4");
+    y.D = std::max(friction * of("LMUY"), kLeast) * at.grip;
+    const float softened = (of("PKY2") + of("PKY5") * camber2) * of.pressed("PPY2") * nominal;
+    const float turned = (of.isNew() ? of("PKY4") : 2) * atanOf(load / softened);
+    stiffness = of("PKY1") * nominal / load * of.pressed("PPY1") * sinOf(turned) * (1 - of("PKY3") * std::abs(camber)) *
+                of("LKY") * at.stiffness;
+    stiffness = std::min(stiffness, -kLeast);
+    y.B = stiffness / (y.C * y.D);
+    y.E = of.atLoad("PEY1", "PEY2") * (1 + of("PEY5") * camber2) * of("LEY");
+    const float even = 1 + of("PEY5") * camber2;
+    y.bend = even != 0 ? (of("PEY3") + of("PEY4") * camber) / even : 0;
+    const float leaned = of.atLoad("PVY3", "PVY4") * camber * of("LKYC") * of("LMUY") * at.grip;
+    y.lift = of.atLoad("PVY1", "PVY2") * of("LVY") * of("LMUY") * at.grip + leaned;
+    y.shift = of.atLoad("PHY1", "PHY2") * of("LHY");
+    if (of.isNew()) {
+        const float thrust = of.atLoad("PKY6", "PKY7") * of.pressed("PPY5") * of("LKYC");
+        y.shift += (thrust * camber - leaned) / stiffness;
+    } else {
+        y.shift += of("PHY3") * camber * of("LKYC");
+    }
+    return y;
+}
+
+/// (4.E31) to (4.E49).
+void addAlignment(const Numbers& of, const TireStand& at, MagicFactors& magic) {
+    const float camber = at.inclination, radius = of("UNLOADED_RADIUS");
+    const float stiffened = of("LKY") * at.stiffness / (of("LMUY") * at.grip);
+    const float dfz2 = of.dfz * of.dfz;
+    magic.trailB = (of.atLoad("QBZ1", "QBZ2") + of("QBZ3") * dfz2) *
+                   (1 + of("QBZ4") * camber + of("QBZ5") * std::abs(camber)) * stiffened;
+    magic.trailC = of("QCZ1");
+    magic.trailD = (1 + of.dfz) * radius * of.atLoad("QDZ1", "QDZ2") * (1 - of("PPZ1") * of.dpi) *
+                   (1 + of("QDZ3") * camber + of("QDZ4") * camber * camber) * of("LTR");
+    magic.trailE = of.atLoad("QEZ1", "QEZ2") + of("QEZ3") * dfz2;
+    magic.trailBend = of("QEZ4") + of("QEZ5") * camber;
+    magic.trailShift = of.atLoad("QHZ1", "QHZ2") + of.atLoad("QHZ3", "QHZ4") * camber;
+    magic.residualB = of("QBZ9") * stiffened + of("QBZ10") * magic.across.B * magic.across.C;
+    magic.residualD = radius *
+                      (of.atLoad("QDZ6", "QDZ7") * of("LRES") + (of.atLoad("QDZ8", "QDZ9") * (1 + of("PPZ2") * of.dpi) +
+                                                                 of.atLoad("QDZ10", "QDZ11") * std::abs(camber)) *
+                                                                    camber) *
+                      of("LMUY") * at.grip;
+    magic.residualShift = magic.across.shift + magic.across.lift / magic.corneringStiffness;
+    magic.arm = radius * (of("SSZ1") + of.atLoad("SSZ3", "SSZ4") * camber) * of("LS");
+    magic.armPerForce = radius * of("SSZ2") * (1 + of.dfz) * of("LS");
+}
+
+}  // namespace
+
+/// (4.E50) to (4.E67) for the weights.
+MagicFactors magicFactors(const MagicFormulaDef& def, const TireStand& stand) {
+    constexpr float kMostLean = 0.6f;  // rad, beyond which nothing is measured
+    TireStand at = stand;
+    at.inclination = std::clamp(at.inclination, -kMostLean, kMostLean);
+    float load = at.load;
+    const Numbers of = numbersAt(def, load);
+    const float camber = at.inclination, camber2 = camber * camber;
+    MagicFactors magic;
+    magic.along = alongAt(of, at, camber2, magic.slipStiffness);
+    magic.across = acrossAt(of, at, load, magic.corneringStiffness);
+    magic.alongWeight = {(of("RBX1") + of("RBX3") * camber2) * of("LXAL"),
+                         of("RCX1"),
+                         std::min(of.atLoad("REX1", "REX2"), 1.0f),
+                         of("RHX1"),
+                         of("RBX2"),
+                         0};
+    magic.acrossWeight = {(of("RBY1") + of("RBY4") * camber2) * of("LYKA"),
+                          of("RCY1"),
+                          std::min(of.atLoad("REY1", "REY2"), 1.0f),
+                          of.atLoad("RHY1", "RHY2"),
+                          of("RBY2"),
+                          of("RBY3")};
+    magic.drift = magic.across.D * (of.atLoad("RVY1", "RVY2") + of("RVY3") * camber) * of("LVYKA");
+    magic.driftFall = of("RVY4");
+    magic.driftShape = of("RVY5");
+    magic.driftB = of("RVY6");
+    addAlignment(of, at, magic);
+    return magic;
+}
+
+SlipCurves slipCurves(const SlipCurvesDef& def, const TireStand& stand) {
+    return {def.longitudinal, def.lateral, stand.grip};
+}
+
+Vec2 forceOverLoad(const SlipLaw& law, const Vec2& slip) {
+    if (const auto* magic = std::get_if<MagicFactors>(&law)) return forceOf(*magic, slipsOf(slip));
+    if (const auto* curves = std::get_if<SlipCurves>(&law)) return forceOf(*curves, slip);
+    return {};
+}
+
+/// Mz = −t F'y + Mzr + s Fx, (4.E71) to (4.E78).
+float alignmentOverLoad(const SlipLaw& law, const Vec2& slip, float forward) {
+    const auto* magic = std::get_if<MagicFactors>(&law);
+    if (!magic) return 0;
+    const Slips at = slipsOf(slip);
+    const Vec2 force = forceOf(*magic, at);
+    const float pure = valueAt(magic->acrossWeight, at.alpha, at.kappa) * valueAt(magic->across, at.alpha);
+    const float ratio = magic->slipStiffness / magic->corneringStiffness * at.kappa;
+    // tan² of the angle that has the same of both slips.
+    const auto equivalent = [&](float angle) {
+        const SinCos turn = sinCos(angle);
+        const float tangent = turn.sin / std::max(turn.cos, 1e-3f);
+        return atanOf(std::sqrt(tangent * tangent + ratio * ratio)) * (angle < 0 ? -1.0f : 1.0f);
+    };
+    const float trailing = at.alpha + magic->trailShift;
+    const float bent = 1 + magic->trailBend * (2 / kPi) * atanOf(magic->trailB * magic->trailC * trailing);
+    const float E = std::min(magic->trailE * bent, 1.0f);
+    const float trail =
+        forward * magic->trailD * at.cosine * cosOf(magicAngle(magic->trailB, magic->trailC, E, equivalent(trailing)));
+    const float residual =
+        magic->residualD * at.cosine * cosOfAtan(magic->residualB * equivalent(at.alpha + magic->residualShift));
+    return residual - trail * pure + (magic->arm + magic->armPerForce * force.y) * force.x;
+}
+
+Vec2 peakFriction(const SlipLaw& law) {
+    if (const auto* magic = std::get_if<MagicFactors>(&law))
+        return {magic->along.D + std::abs(magic->along.lift),
+                magic->across.D + std::abs(magic->across.lift) + std::abs(magic->drift)};
+    if (const auto* curves = std::get_if<SlipCurves>(&law))
+        return {curves->grip * curves->along.peakFriction, curves->grip * curves->across.peakFriction};
+    return {};
+}
+
+Vec2 slopeAtRest(const SlipLaw& law) {
+    if (const auto* magic = std::get_if<MagicFactors>(&law)) return {magic->slipStiffness, -magic->corneringStiffness};
+    if (const auto* curves = std::get_if<SlipCurves>(&law))
+        return {2 * curves->grip * curves->along.peakFriction / curves->along.peakSlip,
+                2 * curves->grip * curves->across.peakFriction / curves->across.peakSlip};
+    return {};
+}
+
+/// In double, by e^x = (e^(x/16))^16.
+float exponential(float x) {
+    const double y = static_cast<double>(std::clamp(x, -80.0f, 80.0f)) / 16;
+    double sum = 1, term = 1;
+    for (int i = 1; i <= 18; ++i) {
+        term *= y / i;
+        sum += term;
+    }
+    for (int i = 0; i < 4; ++i) sum *= sum;
+    return static_cast<float>(sum);
+}
+
+}  // namespace ragtop
