@@ -130,6 +130,7 @@ void VehicleSim::takeDef() {
     mass = properties.mass;
     inverseInertia = inverseSymmetric(properties.inertia);
     meanRadius = drivenRadius(def);
+    lifts = liftPoints(def, properties.center);
     std::vector<Vec3> positions;
     for (const WheelDef& wheel : def.wheels) positions.push_back(wheel.position - properties.center);
     loadsAtRest = staticLoads(positions, mass * gravity);

@@ -185,6 +185,17 @@ std::string whyUnbalanced(const VehicleDef& def) {
     return {};
 }
 
+std::string whyInvalid(const VehicleDef& def, const AxleLiftDef& lift, std::size_t i) {
+    const std::string axle = "/aerodynamics/axleLifts/" + std::to_string(i) + "/axle is " + std::to_string(lift.axle);
+    const auto has = [&](const WheelDef& wheel) { return wheel.axle == lift.axle; };
+    if (std::none_of(def.wheels.begin(), def.wheels.end(), has))
+        return axle + ", which has no wheels, must be one that has";
+    const auto& lifts = def.aerodynamics.axleLifts;
+    const auto same = [&](const AxleLiftDef& other) { return other.axle == lift.axle; };
+    const auto end = lifts.begin() + static_cast<std::ptrdiff_t>(i);
+    return std::any_of(lifts.begin(), end, same) ? axle + ", must be that of no other" : std::string();
+}
+
 std::string whyInvalid(const std::vector<DamperPoint>& curve, const std::string& path) {
     for (std::size_t i = 1; i < curve.size(); ++i) {
         const DamperPoint &before = curve[i - 1], &now = curve[i];
@@ -261,6 +272,9 @@ std::string whyInvalid(const VehicleDef& def) {
     }
     for (std::size_t i = 0; i < def.antiRollBars.size(); ++i) {
         if (std::string why = whyInvalid(def, def.antiRollBars[i], i); !why.empty()) return why;
+    }
+    for (std::size_t i = 0; i < def.aerodynamics.axleLifts.size(); ++i) {
+        if (std::string why = whyInvalid(def, def.aerodynamics.axleLifts[i], i); !why.empty()) return why;
     }
     if (std::string why = whyInvalid(def.engine); !why.empty()) return why;
     if (std::string why = whyInvalid(def.gearbox); !why.empty()) return why;

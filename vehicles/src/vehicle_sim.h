@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "air.h"
 #include "drivetrain.h"
 #include "ground_body.h"
 #include "point_body.h"
@@ -122,6 +123,7 @@ struct VehicleSim {
     std::vector<BodyId> touched;  ///< what this step may push: the chassis, and what moves under its wheels
     VehicleDef def;
     std::vector<WheelSpec> specs;
+    std::vector<LiftPoint> lifts;
     std::vector<float> loadsAtRest;
     float mass = 0, gravity = 0;  ///< kg; m/s², at creation
     Mat3 inverseInertia;          ///< chassis axes
@@ -168,7 +170,6 @@ private:
     float resistanceOf(std::size_t i) const;
     void settleTire(std::size_t i, const PointBody& body);
     Vec3 alignTires(float h);
-    Vec3 airImpulse(const PointBody& body, const Quat& rotation, float h) const;
     void pushPatch(std::size_t i, PointBody& body, const Vec3& impulse);
     void solve(PointBody& body, float h);
     float visitWheel(std::size_t i, PointBody& body, float h);

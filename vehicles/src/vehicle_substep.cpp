@@ -59,11 +59,10 @@ void VehicleSim::beforeSubstep(float h) {
         resistances[i] = resistanceOf(i);
     }
 
-    // Lift and drag act where the definition says; their arm is short, so drag stays implicit in the speed alone.
-    Vec3 linear = airImpulse(body, pose.rotation, h);
-    const Vec3 airArm = rotate(pose.rotation, def.aerodynamics.center);
-    Vec3 angular = cross(airArm, linear);
-    push(body, airArm, linear);
+    // Arms are short, so what the air does is implicit in the speed alone.
+    auto [linear, angular] = airImpulse(def.aerodynamics, lifts, {body.v, pose.rotation, body.inverseMass}, h);
+    body.v += body.inverseMass * linear;
+    body.w += body.inverseInertia * angular;
     const Vec3 turned = alignTires(h);
     angular += turned;
     body.w += body.inverseInertia * turned;
@@ -98,24 +97,6 @@ void VehicleSim::solve(PointBody& body, float h) {
         if (change <= enough) break;
     }
     drivetrain.end(h);
-}
-
-/// Drag ½ ρ A |v| v, implicit in v so that it never reverses the car, and lift ½ ρ A v² across the flow, which takes no
-/// power. With v̂ the direction of travel, u the car's up axis and a = h ½ ρ A |v|/m, lift turns v̂ to v̂ + a u,
-/// normalized: a (u − (u·v̂) v̂) where a is small, and u itself at most.
-Vec3 VehicleSim::airImpulse(const PointBody& body, const Quat& rotation, float h) const {
-    constexpr float kMostTurn = 1e6f;
-    const AerodynamicsDef& air = def.aerodynamics;
-    const float speed = length(body.v);
-    if (!(speed > 0)) return {};
-    const float pressure = 0.5f * air.airDensity * speed * h;
-    const float drag = pressure * air.dragArea;
-    const Vec3 up = rotate(rotation, {0, 1, 0}), along = (1 / speed) * body.v;
-    const float a = clampTo(pressure * air.liftArea * body.inverseMass, -kMostTurn, kMostTurn);
-    const float longer = a * (2 * dot(along, up) + a), turned = std::sqrt(std::max(1 + longer, 0.0f));
-    const Vec3 lift =
-        turned > 0 ? speed / (turned * body.inverseMass) * (a * up - longer / (1 + turned) * along) : Vec3{};
-    return (-drag / (1 + drag * body.inverseMass)) * body.v + lift;
 }
 
 void VehicleSim::pushPatch(std::size_t i, PointBody& body, const Vec3& impulse) {

@@ -65,7 +65,12 @@ void VehicleSim::tellMotion(const Pose& pose) {
     const MassProperties body = world->mass(chassis);
     const Vec3 spin = inverseRotate(pose.rotation, turning);
     telemetry.kineticEnergy = 0.5f * (body.mass * dot(velocity, velocity) + dot(spin, body.inertia * spin));
-    telemetry.drag = 0.5f * def.aerodynamics.airDensity * def.aerodynamics.dragArea * dot(velocity, velocity);
+    const AerodynamicsDef& air = def.aerodynamics;
+    const float speed = length(velocity), pressure = 0.5f * air.airDensity * speed * speed;
+    telemetry.drag = pressure * air.dragArea;
+    telemetry.sideForce = -0.5f * air.airDensity * air.sideArea * speed * telemetry.sideSpeed;
+    telemetry.lift = 0;
+    for (const LiftPoint& lift : lifts) telemetry.lift += pressure * lift.area;
 }
 
 void VehicleSim::tellWheel(std::size_t i, const Pose& pose) {

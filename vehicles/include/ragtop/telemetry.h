@@ -62,6 +62,8 @@ void forEachChannel(const VehicleTelemetry& car, Visit&& visit) {
     tell("roll", "rad", "to the right", car.roll);
     tell("kineticEnergy", "J", "of the chassis", car.kineticEnergy);
     tell("drag", "N", "of the air", car.drag);
+    tell("lift", "N", "of the air, across its flow", car.lift);
+    tell("sideForce", "N", "of the air, to the left", car.sideForce);
     tell("rpm", "rpm", "of the engine", car.engine.rpm);
     tell("engineTorque", "N m", "at the flywheel", car.engine.torque);
     tell("enginePower", "W", "at the flywheel", car.engine.power);

@@ -77,7 +77,7 @@ struct VehicleTelemetry {
     float yawRate = 0, pitchRate = 0, rollRate = 0;  ///< rad/s to the left, nose down, to the right; in the car's axes
     float heading = 0, pitch = 0, roll = 0;          ///< rad to the left of z, nose down, to the right
     float kineticEnergy = 0;                         ///< J of the chassis
-    float drag = 0;                                  ///< N of the air
+    float drag = 0, lift = 0, sideForce = 0;         ///< N of the air: against the way, up, to the left
     EngineTelemetry engine{};
     int gear = 0;  ///< −1 reverse, 0 neutral
     bool shifting = false;

@@ -167,11 +167,21 @@ struct DifferentialDef {
     float lockingRatio = 0.3f;  ///< limitedSlip only
 };
 
+/// Lift that acts at an axle, besides that of the whole car.
+struct AxleLiftDef {
+    unsigned axle = 0;   ///< WheelDef::axle
+    float liftArea = 0;  ///< m², lift coefficient times area; negative presses the axle down
+};
+
+/// Forces of the air that the car goes through: ½ ρ v² over areas, and over lengths of moments.
 struct AerodynamicsDef {
-    float dragArea = 0.65f;   ///< m², drag coefficient times frontal area
-    float liftArea = 0;       ///< m², lift coefficient times area; negative presses the car down
-    Vec3 center{0, 0, 0};     ///< m from the centre of mass, where lift and drag act
-    float airDensity = 1.2f;  ///< kg/m³
+    float dragArea = 0.65f;                ///< m², drag coefficient times frontal area
+    float liftArea = 0;                    ///< m², lift coefficient times area; negative presses the car down
+    std::vector<AxleLiftDef> axleLifts{};  ///< one to an axle at most
+    float sideArea = 0;                    ///< m², over the sine of the angle at which it drifts, and against that
+    float yawVolume = 0;                   ///< m³, likewise; positive turns the nose to where it drifts, as fins do
+    Vec3 center{0, 0, 0};                  ///< m from the centre of mass, where lift, drag and side force act
+    float airDensity = 1.2f;               ///< kg/m³
 };
 
 /// What the car looks like; nothing that moves depends on it.
@@ -205,6 +215,7 @@ constexpr std::array<const char*, 1> requiredFields(const ChassisShape*) { retur
 constexpr std::array<const char*, 2> requiredFields(const ChassisDef*) { return {"shapes", "mass"}; }
 constexpr std::array<const char*, 2> requiredFields(const DamperPoint*) { return {"speed", "force"}; }
 constexpr std::array<const char*, 2> requiredFields(const AntiRollBarDef*) { return {"axle", "stiffness"}; }
+constexpr std::array<const char*, 2> requiredFields(const AxleLiftDef*) { return {"axle", "liftArea"}; }
 constexpr std::array<const char*, 2> requiredFields(const TireSurface*) { return {"surface", "grip"}; }
 constexpr std::array<const char*, 2> requiredFields(const WheelDef*) { return {"position", "radius"}; }
 constexpr std::array<const char*, 2> requiredFields(const TorquePoint*) { return {"rpm", "torque"}; }
@@ -357,10 +368,21 @@ void describe(Visitor& visit, Self& self, const DifferentialDef*) {
     visit(Tunable{"lockingRatio", "1", 0, 1, "share of the torque by which torques may differ"}, self.lockingRatio);
 }
 template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const AxleLiftDef*) {
+    visit(Tunable{"axle", "", 0, 255, "at whose wheels it acts"}, self.axle);
+    visit(Tunable{"liftArea", "m²", -1e6, 1e6, "lift coefficient times area; negative presses down"}, self.liftArea);
+}
+template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const AerodynamicsDef*) {
     visit(Tunable{"dragArea", "m²", 0, 1e6, "drag coefficient times frontal area"}, self.dragArea);
     visit(Tunable{"liftArea", "m²", -1e6, 1e6, "lift coefficient times area; negative presses down"}, self.liftArea);
-    visit(Tunable{"center", "m", -1e4, 1e4, "where they act, from the centre of mass"}, self.center);
+    visit(Tunable{"axleLifts", "", 0, 0, "lift at axles, besides"}, self.axleLifts);
+    visit(Tunable{"sideArea", "m²", 0, 1e6, "side force coefficient times area, over the sine of the angle of drift"},
+          self.sideArea);
+    visit(Tunable{"yawVolume", "m³", -1e6, 1e6, "yaw moment likewise; positive turns the nose to where it drifts"},
+          self.yawVolume);
+    visit(Tunable{"center", "m", -1e4, 1e4, "where drag, lift and side force act, from the centre of mass"},
+          self.center);
     visit(Tunable{"airDensity", "kg/m³", 0, 1e4, "of the air"}, self.airDensity);
 }
 template <class Visitor, class Self>
