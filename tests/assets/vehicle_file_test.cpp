@@ -9,7 +9,7 @@
 namespace ragtop {
 namespace {
 
-VehicleDef hatchback() {
+VehicleDef shippedCar() {
     return loadVehicle(std::filesystem::path(RAGTOP_SOURCE_DIR) / "assets/data/vehicles/hatchback.car.json");
 }
 
@@ -23,7 +23,7 @@ VehicleDef copied(const VehicleDef& def) {
 }
 
 TEST(VehicleFile, KeepsCurvesStopsAndBars) {
-    VehicleDef def = hatchback();
+    VehicleDef def = shippedCar();
     SuspensionDef& suspension = def.wheels[2].suspension;
     suspension.compressionCurve = {{0.05f, 300}, {0.3f, 600}};
     suspension.reboundCurve = {{0.1f, 800}};
