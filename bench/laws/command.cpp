@@ -72,12 +72,19 @@ json numbers(const Watched& watched, const std::vector<std::string>& laws) {
     return values;
 }
 
+/// With lengths in metres of the scene, which is what bounds are of.
+Watched asInScene(Watched watched, double length) {
+    for (double* value : {&watched.gap, &watched.restGap, &watched.moved}) *value /= length;
+    return watched;
+}
+
 /// Views in which other laws hold than in the scene itself.
 std::vector<std::string> otherVerdicts(const Drawn& drawn, const stability::EngineKind& engine,
                                        const std::vector<std::string>& laws, bool holds) {
     std::vector<std::string> names;
     for (const Seen& view : allViews())
-        if (broken(watch(view.from(drawn), engine), laws).empty() != holds) names.push_back(view.name);
+        if (broken(asInScene(watch(view.from(drawn), engine), view.length), laws).empty() != holds)
+            names.push_back(view.name);
     return names;
 }
 

@@ -11,8 +11,13 @@ JointBodies& bodiesOf(SceneJoint& joint) {
     return std::visit([](auto& def) -> JointBodies& { return def.bodies; }, joint.def);
 }
 
-/// What joints hold to the world, held to a body instead: one that nothing touches, at the origin.
+/// What joints hold to the world, held to a body instead: one that nothing touches, at the origin. Where none does, a
+/// body more would be one that is left behind by those that it is compared with.
 void giveTheWorldABody(Scene& scene) {
+    const auto isHeld = [](const SceneJoint& joint) {
+        return joint.bodyA == stability::kWorld || joint.bodyB == stability::kWorld;
+    };
+    if (std::ranges::none_of(scene.joints, isHeld)) return;
     BodyDef def = stability::fixedBody(Sphere{0.01f}, {}, {});
     def.shapes[0].filter.mask = 0;
     const int world = stability::add(scene, std::move(def));
@@ -58,8 +63,8 @@ Shape scaled(const Shape& shape, float s) {
 }
 
 /// Gravity and densities as they are: lengths times 4 and times times 2; torques then times 4⁴.
+constexpr float kLength = 4, kTime = 2, kTorque = 256;
 Drawn larger(Drawn drawn) {
-    constexpr float kLength = 4, kTime = 2, kTorque = 256;
     for (SceneBody& body : drawn.scene.bodies) {
         for (ShapeDef& shape : body.def.shapes) shape.geometry = scaled(shape.geometry, kLength);
         body.def.pose.position = static_cast<double>(kLength) * body.def.pose.position;
@@ -95,7 +100,7 @@ Drawn reversed(Drawn drawn) {
 
 std::span<const Seen> allViews() {
     static const Seen kViews[] = {{"at 0.1 m/s", moving<1>}, {"at 10 m/s", moving<100>}, {"at 100 m/s", moving<1000>},
-                                  {"turned", turned},        {"9 km away", distant},     {"four times as large", larger},
+                                  {"turned", turned},        {"9 km away", distant},     {"four times as large", larger, static_cast<double>(kLength)},
                                   {"in reverse order", reversed}};
     return kViews;
 }

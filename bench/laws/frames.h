@@ -11,6 +11,7 @@ namespace ragtop::laws {
 struct Seen {
     std::string name;
     Drawn (*from)(Drawn drawn);
+    double length = 1;  ///< of a metre of the scene
 };
 
 /// Moving evenly, turned about the vertical, far away, four times as large with twice the step, made in reverse order.

@@ -23,7 +23,7 @@ constexpr double kRoom = 0.005;
 constexpr double kSpringRoom = 0.1;
 /// Share of its energy by which a group that nothing holds is moved as a whole by rounding alone.
 constexpr double kThrown = 0.1;
-/// Times what there was and what pushing out gives, beyond which impulses that made it are no estimate of any load.
+/// Times what there was and what pushing out gives, beyond which a step is undone.
 constexpr double kGarbage = 10;
 
 /// Motors, springs with moving targets, drives that push and couplings add what is not counted here; soft stops that
@@ -193,17 +193,6 @@ bool isThrown(const WorldImpl& world, std::span<const std::uint32_t> group) {
     return false;
 }
 
-/// A solver that failed has left no motion that numbers can hold.
-void stopGroup(WorldImpl& world, std::span<const std::uint32_t> group) {
-    for (const std::uint32_t b : group) {
-        world.bodies.states[b].v = world.bodies.states[b].w = {};
-        world.forgetImpulses(b);
-    }
-    stayPut(world, group);
-    barDirect(world, group);
-    ++world.energyGuard.caught;
-}
-
 /// Did some body go farther than so much energy, J, would take it? Four times as far is not what bodies of a group hand
 /// each other in a step.
 bool overran(const WorldImpl& world, std::span<const std::uint32_t> group, double energy) {
@@ -273,9 +262,33 @@ double givenAtOnce(const WorldImpl& world, std::span<const std::uint32_t> island
     return energy;
 }
 
-/// Joints keep what else they know, as their turns.
-void dropImpulses(WorldImpl& world, std::span<const std::uint32_t> island) {
-    for (const std::uint32_t b : island) world.forgetImpulses(b, false);
+/// Did a step give so much more than there was, or take bodies so far, that its velocities are no estimate of anything,
+/// nor the work of forces along its ways?
+bool isGarbage(const WorldImpl& world, std::span<const std::uint32_t> island, const GuardedIsland& look,
+               double beyond) {
+    const double most = look.lawful + look.pushed + givenAtOnce(world, island);
+    return beyond > kGarbage * most || (beyond > look.pushed && overran(world, island, most));
+}
+
+/// A step that left nothing which could be mended is as if it had not been: bodies are where and as fast as they were,
+/// and the next begins without impulses.
+void undoMotion(WorldImpl& world, std::span<const std::uint32_t> group) {
+    for (const std::uint32_t b : group) {
+        world.bodies.states[b].v = world.energyGuard.speeds[b].v;
+        world.bodies.states[b].w = world.energyGuard.speeds[b].w;
+        world.bodies.storeMomentum(b);
+    }
+    stayPut(world, group);
+    for (const std::uint32_t b : group) world.forgetImpulses(b, false);
+    barDirect(world, group);
+    ++world.energyGuard.caught;
+}
+
+void undoStep(WorldImpl& world, GuardedIsland& look) {
+    EnergyGuard& guard = world.energyGuard;
+    undoMotion(world, {guard.visited.data() + look.begin, look.end - look.begin});
+    guard.taken += look.excess;
+    look.excess = 0;
 }
 
 void guardGroup(WorldImpl& world, std::size_t g) {
@@ -285,7 +298,7 @@ void guardGroup(WorldImpl& world, std::size_t g) {
     EnergyAccount account = guard.accounts[g];
     if (!std::isfinite(account.excess)) {
         room = 0;
-        return isThrown(world, group) ? barDirect(world, group) : stopGroup(world, group);
+        return isThrown(world, group) ? barDirect(world, group) : undoMotion(world, group);
     }
     const double left = static_cast<double>(room) * account.room;
     GuardedIsland& look = islandOf(world, group.front());
@@ -293,15 +306,16 @@ void guardGroup(WorldImpl& world, std::size_t g) {
     if (look.isDriven || !(beyond > 0)) return;
     const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
     const bool isIsolated = !look.hangs && island.size() == group.size();
+    if (!(look.lawful >= 0)) look.lawful = accountOf(world, island).lawful;
+    if (isGarbage(world, island, look, beyond)) {
+        room = 0;
+        return undoStep(world, look);
+    }
     if (isIsolated) {
         turnToMomentum(world, group, guard.momentum[g]);
         const double turned = account.now;
         account.now = accountOf(world, group).now;
         beyond += account.now - turned;
-    }
-    if (!(look.lawful >= 0)) {
-        look.lawful = accountOf(world, island).lawful;
-        if (overran(world, island, look.lawful)) stayPut(world, island);
     }
     const double whole = beyond;
     // What overlaps is pushed, at a speed that is bounded.
@@ -316,12 +330,8 @@ void guardGroup(WorldImpl& world, std::size_t g) {
     // Springs have the rest, or heights of what is held: the way that led there is not gone.
     const bool isLeft = whole - look.pushed - taken > account.room;
     if (isLeft && (look.stores || !isIsolated)) stayPut(world, island);
-    if (isLeft && look.stores) {
+    if (isLeft && look.stores)
         for (const std::uint32_t b : island) world.forgetImpulses(b);
-    } else if (taken > kGarbage * (look.lawful + look.pushed + givenAtOnce(world, island))) {
-        // Impulses that made more than there was would do so again as the next step's first guess.
-        dropImpulses(world, island);
-    }
     look.excess -= taken;
     if (taken > 0) {
         ++guard.caught;
@@ -337,13 +347,14 @@ void guardFallenBack(WorldImpl& world, const DirectIsland& fallen) {
     const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
     if (look.isDriven || !std::isfinite(look.excess)) return;
     if (!(look.lawful >= 0)) look.lawful = accountOf(world, island).lawful;
-    const double taken = takeEnergy(world, island, look.excess - look.pushed - kRoom * look.lawful, false);
+    const double beyond = look.excess - look.pushed - kRoom * look.lawful;
+    if (isGarbage(world, island, look, beyond)) return undoStep(world, look);
+    const double taken = takeEnergy(world, island, beyond, false);
     if (!(taken > 0)) return;
     look.excess -= taken;
     ++guard.caught;
     guard.taken += taken;
-    if (overran(world, island, look.lawful)) stayPut(world, island);
-    dropImpulses(world, island);
+    for (const std::uint32_t b : island) world.forgetImpulses(b, false);  // joints keep their turns
 }
 
 /// Union-find over bodies that move and joints between them; false where there are no joints.
@@ -409,6 +420,7 @@ void findGroups(WorldImpl& world) {
 
 void recordKinetic(WorldImpl& world, std::uint32_t body) {
     world.energyGuard.kinetic[body] = static_cast<float>(kineticEnergy(world, body, world.bodies[body].rotation));
+    world.energyGuard.speeds[body] = {world.bodies.states[body].v, world.bodies.states[body].w};
 }
 
 void beginGuard(WorldImpl& world) {
@@ -416,6 +428,7 @@ void beginGuard(WorldImpl& world) {
     EnergyGuard& guard = world.energyGuard;
     if (guard.groupCount() == 0) return;
     guard.kinetic.resizeForOverwrite(world.bodies.size());
+    guard.speeds.resizeForOverwrite(world.bodies.size());
     world.runner.parallelFor(static_cast<int>(world.bodies.awake.size()), 64, [&](int begin, int end, int) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
             recordKinetic(world, world.bodies.awake[i]);

@@ -42,7 +42,7 @@ struct GuardedIsland {
 struct EnergyGuard {
     explicit EnergyGuard(std::pmr::memory_resource* memory)
         : parent(memory), starts(memory), bodies(memory), watched(memory), accounts(memory), suspects(memory),
-          momentum(memory), kinetic(memory), room(memory), visited(memory), islandOf(memory), islands(memory) {}
+          momentum(memory), kinetic(memory), speeds(memory), room(memory), visited(memory), islandOf(memory), islands(memory) {}
 
     AlignedArray<std::uint32_t> parent;  ///< union-find over bodies
     AlignedArray<std::uint32_t> starts, bodies;
@@ -51,6 +51,10 @@ struct EnergyGuard {
     AlignedArray<std::uint8_t> suspects;   ///< per group: has it gained more than it has room for?
     AlignedArray<Vec3> momentum;  ///< per group, kg m²/s, angular, about its centre of mass, when the step began
     AlignedArray<float> kinetic;  ///< per body, J, when the step began; of those awake, where there are joints
+    struct Speeds {
+        Vec3 v, w;  ///< m/s, rad/s
+    };
+    AlignedArray<Speeds> speeds;  ///< the same, of their velocities
     AlignedArray<float> room;     ///< per body, share of its group's room that is left; counts for the first of a group
     AlignedArray<std::uint32_t> visited;  ///< bodies of the islands that were looked at, one island after the other
     AlignedArray<std::uint32_t> islandOf;  ///< per body, which of these it is in

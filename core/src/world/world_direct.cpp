@@ -4,6 +4,7 @@
 
 #include "constraints/contact_layout.h"
 #include "direct/newton.h"
+#include "world/fallback.h"
 #include "world/multirate.h"
 #include "world/world_impl.h"
 #include "world/world_regions.h"
@@ -268,7 +269,7 @@ void WorldImpl::solveDirect(DirectPass pass) {
     if (directSet.islands.empty()) return;
     forEachDirectIsland(*this, [&](DirectIsland& island, int i) {
         if (island.fellBack)
-            iterateIsland(island, pass);
+            iterateIsland(*this, island, pass);
         else if (island.mechanism)
             solveMechanism(island, *directSet.mechanisms[static_cast<std::size_t>(i)], pass);
         else
@@ -291,8 +292,7 @@ void WorldImpl::solveSystem(DirectIsland& island, DirectPass pass) {
             if (island.jointCount > 0) island.factored = false;
             direct::solve(system, true, island.factored, island.report);
             if (isUnsolved(island)) {
-                island.fellBack = true;
-                iterateIsland(island, pass);
+                fallBack(*this, island, pass);
                 break;
             }
             system.writeVelocities(arrays);
@@ -306,8 +306,7 @@ void WorldImpl::solveSystem(DirectIsland& island, DirectPass pass) {
             if (system.aimAtVelocities(arrays, context)) {
                 direct::solve(system, false, island.factored, island.report);
                 if (isUnsolved(island)) {
-                    island.fellBack = true;
-                    iterateIsland(island, pass);
+                    fallBack(*this, island, pass);
                     break;
                 }
                 system.writeVelocities(arrays);

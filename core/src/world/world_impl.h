@@ -208,7 +208,6 @@ struct WorldImpl {
     void solveSystem(DirectIsland& island, DirectPass pass);
     void endDirect();
     void startCooldown(const DirectIsland& island, bool rests);
-    void iterateIsland(const DirectIsland& island, DirectPass pass);
 
     // world_trees.cpp: trees of joints, in lanes.
     static bool isTreeJoint(const JointSim& joint);

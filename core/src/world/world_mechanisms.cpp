@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "constraints/joint_types.h"
-#include "world/world_impl.h"
+#include "world/fallback.h"
 
 namespace ragtop {
 
@@ -189,16 +189,7 @@ void WorldImpl::solveMechanism(DirectIsland& island, Mechanism& mechanism, Direc
         return;
     }
     const auto h = static_cast<double>(context.h);
-    if (!mechanism.advance(h, h * static_cast<double>(jointContext.softness.biasRate))) {
-        // Loads that lead to no answer would throw the bodies about.
-        for (std::uint32_t j = 0; j < island.jointCount; ++j) {
-            RigidBlock& block = joints.sims[directSet.joints[island.firstJoint + j]].block;
-            block.impulseFirst = block.impulseSecond = {};
-        }
-        island.fellBack = true;
-        island.report.converged = false;
-        iterateIsland(island, pass);
-    }
+    if (!mechanism.advance(h, h * static_cast<double>(jointContext.softness.biasRate))) fallBack(*this, island, pass);
     island.report.iterations = mechanism.iterations();
     island.report.factorizations = mechanism.factorizations();
 }

@@ -1,8 +1,8 @@
 // Trees of joints: which there are, and their passes within the substep (direct/tree_kernels.inl).
 
 #include "constraints/joint_types.h"
+#include "world/fallback.h"
 #include "world/multirate.h"
-#include "world/world_impl.h"
 
 namespace ragtop {
 
@@ -203,13 +203,12 @@ void WorldImpl::solveGroup(direct::TreePlan::Group& group, DirectPass pass, int 
         island.ms += ms / group.lanes.used;
         island.open = has(group.lanes.open);
         island.notClosed = has(group.lanes.notClosed);
-        if (has(group.lanes.failed) && !island.fellBack) {
-            island.fellBack = true;
-            island.report.converged = false;
-            rescaleJoints(*this, island, substeps);
-        }
         if (island.fellBack) {
-            iterateIsland(island, pass);
+            iterateIsland(*this, island, pass);
+            continue;
+        }
+        if (has(group.lanes.failed)) {
+            fallBack(*this, island, pass);
             continue;
         }
         if (moves) {
