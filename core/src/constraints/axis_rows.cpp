@@ -342,8 +342,10 @@ RowAim aimAtStop(const StopSide& side, const Stop& stop, float inverseMass, cons
     } else if (moving && side.margin > 0) {
         aim.target = -side.margin * context.inverseH;
     } else if (moving) {
-        // It carries its whole load: with the leak of soft rows a limit under weight would stand passed by λ/(m h² ω²).
-        const float recovery = -context.softness.biasRate * side.margin, fastest = side.recovery * context.inverseH;
+        // With the leak of soft rows a limit under weight would stand passed by λ/(m h ω²).
+        aim.soft = !context.ofFreeTree;
+        const float rate = context.ofFreeTree ? kStopRate * context.softness.biasRate : context.softness.biasRate;
+        const float recovery = -rate * side.margin, fastest = side.recovery * context.inverseH;
         aim.target = recovery < fastest ? recovery : fastest;
     } else if (side.margin > 0 && !(side.impulse > 0)) {
         // What was not stopped while it moved has its speed still; the next substep stops it where it is to stop.

@@ -270,7 +270,8 @@ static void solveAxes(JointSim& joint, BodyPair& pair, const JointContext& conte
     const Softness whole = withoutLeak(context.softness);
     const bool isolated = joint.axes.isIsolated != 0;
     const Softness& rigid = isolated && joint.axes.isAbrupt == 0 ? whole : context.softness;
-    const JointContext own{context.h, context.inverseH, isolated && !isHeld(joint.axes) ? whole : context.softness};
+    JointContext own = context;
+    if (isolated && !isHeld(joint.axes)) own.softness = whole;
     solveAxes(joint.axes, pair, joint.arms, moving ? rigid : kRigid, own, moving);
 }
 
@@ -302,6 +303,12 @@ void solveRows(JointSim& joint, BodyPair& pair, const JointContext& context, boo
 
 }  // namespace
 
+static JointContext ownContext(const JointSim& joint, const JointContext& context) {
+    JointContext own = context;
+    own.ofFreeTree = joint.ofFreeTree != 0;
+    return own;
+}
+
 void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
                 bool useBias) {
     BodyPair pair(states, inertia, joint.stateA, joint.stateB);
@@ -310,7 +317,7 @@ void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, 
         refreshJoint(joint, pair, {context, false});
         closeJoint(joint, pair, context.h);
     }
-    solveRows(joint, pair, context, useBias);
+    solveRows(joint, pair, ownContext(joint, context), useBias);
     if (useBias)
         recordOwn(joint, pair, LedgerPass::moving);
     else
@@ -322,7 +329,7 @@ void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, 
 void solveJointAgain(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,
                      bool useBias) {
     BodyPair pair(states, inertia, joint.stateA, joint.stateB);
-    solveRows(joint, pair, context, useBias);
+    solveRows(joint, pair, ownContext(joint, context), useBias);
     pair.store();
 }
 

@@ -82,21 +82,27 @@ RAGTOP_INLINE Mask<N> beginStop(JointFields<N>& j, int side, int stop, Lanes<N> 
 /// What the row of a hard stop aims at, as aimAtStop, and where it may act, as mayAct.
 template <int N>
 struct WideStopAim {
-    Lanes<N> impulse, target, upper;
+    Lanes<N> impulse, target, massScale, impulseScale, upper;
     Mask<N> acts;
 
     RAGTOP_INLINE WideStopAim(const JointFields<N>& j, int side, Lanes<N> speed, const JointContext& context,
                               bool moving) {
-        const Lanes<N> zero(0.0f);
+        const Lanes<N> zero(0.0f), one(1.0f);
         impulse = j.at(side + RAGTOP_STOP_FIELD(impulse));
         const Lanes<N> margin = j.at(side + RAGTOP_STOP_FIELD(margin));
         const Mask<N> apart = margin > zero, loaded = impulse > zero;
         upper = Lanes<N>(kNoForceLimit);
-        target = zero;
+        massScale = one;
+        impulseScale = target = zero;
         if (moving) {
-            const Lanes<N> recovery = Lanes<N>(-context.softness.biasRate) * margin,
+            const Softness& soft = context.softness;
+            const Mask<N> carried = j.at(RAGTOP_JOINT_FIELD(ofFreeTree)) > zero, whole = apart | carried;
+            const Lanes<N> rate = select(carried, Lanes<N>(kStopRate * soft.biasRate), Lanes<N>(soft.biasRate));
+            const Lanes<N> recovery = -rate * margin,
                            fastest = j.at(side + RAGTOP_STOP_FIELD(recovery)) * Lanes<N>(context.inverseH);
             target = select(apart, -margin * Lanes<N>(context.inverseH), min(recovery, fastest));
+            massScale = select(whole, one, Lanes<N>(soft.massScale));
+            impulseScale = select(whole, zero, Lanes<N>(soft.impulseScale));
         } else {
             upper = select(apart & (!loaded), zero, upper);
         }
@@ -104,6 +110,8 @@ struct WideStopAim {
             const Mask<N> rebounds = j.at(side + RAGTOP_STOP_FIELD(rebound)) > zero;
             target = select(rebounds, j.at(side + (moving ? RAGTOP_STOP_FIELD(landing) : RAGTOP_STOP_FIELD(rebound))),
                             target);
+            massScale = select(rebounds, one, massScale);
+            impulseScale = select(rebounds, zero, impulseScale);
             upper = select(rebounds, Lanes<N>(kNoForceLimit), upper);
         }
         acts = loaded | ((upper > zero) & (speed < target));
@@ -111,7 +119,7 @@ struct WideStopAim {
     /// The impulse after the row was solved; stores it.
     RAGTOP_INLINE Lanes<N> solve(JointFields<N>& j, int side, Lanes<N> speed, Lanes<N> inverseMass,
                                  Mask<N> lanes) const {
-        const Lanes<N> solved = impulse - (speed - target) / inverseMass;
+        const Lanes<N> solved = impulse - massScale * (speed - target) / inverseMass - impulseScale * impulse;
         const Lanes<N> result = select(lanes, clamp(solved, Lanes<N>(0.0f), upper), impulse);
         j.set(side + RAGTOP_STOP_FIELD(impulse), result);
         return result;
