@@ -99,9 +99,11 @@ Drawn reversed(Drawn drawn) {
 }  // namespace
 
 std::span<const Seen> allViews() {
-    static const Seen kViews[] = {{"at 0.1 m/s", moving<1>}, {"at 10 m/s", moving<100>}, {"at 100 m/s", moving<1000>},
-                                  {"turned", turned},        {"9 km away", distant},     {"four times as large", larger, static_cast<double>(kLength)},
-                                  {"in reverse order", reversed}};
+    static const Seen kViews[] = {
+        {"at 0.1 m/s", moving<1>},     {"at 10 m/s", moving<100>},
+        {"at 100 m/s", moving<1000>},  {"turned", turned},
+        {"9 km away", distant},        {"four times as large", larger, static_cast<double>(kLength)},
+        {"in reverse order", reversed}};
     return kViews;
 }
 

@@ -82,7 +82,9 @@ struct Net {
         constexpr double kPitch = 0.25, kHeight = 8;
         const double middle = kPitch * (side - 1) / 2;
         addFloor(world);
-        const auto place = [&](int i) { return DVec3{i % side * kPitch - middle, kHeight, i / side * kPitch - middle}; };
+        const auto place = [&](int i) {
+            return DVec3{i % side * kPitch - middle, kHeight, i / side * kPitch - middle};
+        };
         for (int i = 0; i < side * side; ++i) {
             BodyDef def = bodyDef(Sphere{0.04f}, place(i));
             def.shapes[0].density = 3000;

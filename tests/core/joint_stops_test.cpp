@@ -169,9 +169,9 @@ TEST(JointStops, ThatAreHeldTogetherGiveNoEnergy) {
     });
 }
 
-/// A stop carries what presses on it: a limb of small moment under a heavy load stands at its stop, not beyond it by the
-/// load over a stiffness, where its joints are those of a free tree. Torques of α times the moment, to 10⁴ rad/s², are
-/// what 1,000 N do to a forearm of 3 kg.
+/// A stop carries what presses on it: a limb of small moment under a heavy load stands at its stop, not beyond it by
+/// the load over a stiffness, where its joints are those of a free tree. Torques of α times the moment, to 10⁴ rad/s²,
+/// are what 1,000 N do to a forearm of 3 kg.
 TEST(JointStops, UnderALoadStandWhereTheyAre) {
     constexpr float kStop = 0.2f;
     for (const float alpha : {10.0f, 1e3f, 1e4f})

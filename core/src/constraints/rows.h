@@ -23,9 +23,9 @@
 /// velocity of the rigid rows.
 namespace ragtop {
 
-/// The rate at which joints of free trees come back from beyond a limit, over that of errors of their rigid rows. Limits
-/// that carry their whole load need no more; at the whole rate limbs that lie on something chatter (of 100 dropped
-/// humans 10 are awake after 5 s, 2 to 3 at any share from 0.06 to 0.35).
+/// The rate at which joints of free trees come back from beyond a limit, over that of errors of their rigid rows.
+/// Limits that carry their whole load need no more; at the whole rate limbs that lie on something chatter (of 100
+/// dropped humans 10 are awake after 5 s, 2 to 3 at any share from 0.06 to 0.35).
 inline constexpr float kStopRate = 0.25f;
 
 /// What all joints share in a substep.

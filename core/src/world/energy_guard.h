@@ -41,8 +41,19 @@ struct GuardedIsland {
 /// Bodies in groups: those that joints hold together, through bodies that move. Found anew when articulations are.
 struct EnergyGuard {
     explicit EnergyGuard(std::pmr::memory_resource* memory)
-        : parent(memory), starts(memory), bodies(memory), watched(memory), accounts(memory), suspects(memory),
-          momentum(memory), kinetic(memory), speeds(memory), room(memory), visited(memory), islandOf(memory), islands(memory) {}
+        : parent(memory),
+          starts(memory),
+          bodies(memory),
+          watched(memory),
+          accounts(memory),
+          suspects(memory),
+          momentum(memory),
+          kinetic(memory),
+          speeds(memory),
+          room(memory),
+          visited(memory),
+          islandOf(memory),
+          islands(memory) {}
 
     AlignedArray<std::uint32_t> parent;  ///< union-find over bodies
     AlignedArray<std::uint32_t> starts, bodies;
