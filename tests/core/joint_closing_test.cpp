@@ -169,6 +169,7 @@ TEST(JointClosing, CutsAStepShortThatTearsALoop) {
         ASSERT_LE(length(now - momentum), 1e-3f * length(momentum)) << i;
         ASSERT_LE(sum, 1.005 * energy) << i;
     }
+    EXPECT_GT(world.stats().stepsCut, 0u);
 }
 
 /// Speeds that open joints are taken, none is given.

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -107,6 +108,7 @@ void describe(Visitor& visit, Self& self, const Box*) {
 
 struct HullData;
 struct MeshData;
+struct ShapeImage;
 struct HeightFieldData;
 
 /// The convex hull of points.
@@ -119,6 +121,8 @@ public:
     std::span<const Vec3> vertices() const;
 
 private:
+    friend struct ShapeImage;
+    explicit ConvexHull(std::shared_ptr<const HullData> data) : data_(std::move(data)) {}
     std::shared_ptr<const HullData> data_;
 };
 
@@ -142,6 +146,8 @@ public:
     int degenerateCount() const;  ///< triangles that were left out because they have no area
 
 private:
+    friend struct ShapeImage;
+    explicit TriangleMesh(std::shared_ptr<const MeshData> data) : data_(std::move(data)) {}
     std::shared_ptr<const MeshData> data_;
 };
 

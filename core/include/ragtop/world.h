@@ -89,6 +89,8 @@ struct StepStats {
     /// Since the world was made: times that a group of jointed bodies was moved because a step had left a joint open,
     /// or beyond a limit, by more than a fiftieth of its smaller body's size, or rad.
     std::uint64_t jointsClosed = 0;
+    /// Those of them whose step was cut short, because its end could not be closed.
+    std::uint64_t stepsCut = 0;
     /// Since the world was made: impulses of modules on bodies that they had not named, which were left out.
     std::uint64_t strayImpulses = 0;
     double totalMs = 0;  ///< of the last step

@@ -120,30 +120,6 @@ private:
     std::size_t next_ = 0;
 };
 
-std::shared_ptr<const MeshData>& dataOf(TriangleMesh& shape);
-std::shared_ptr<const HullData>& dataOf(ConvexHull& shape);
-
-/// Names a private member, as only an explicit instantiation may: shapes have no constructor from data that is there.
-template <class Shape, class Data, std::shared_ptr<const Data> Shape::*Member>
-struct Naming {
-    friend std::shared_ptr<const Data>& dataOf(Shape& shape) { return shape.*Member; }
-};
-template struct Naming<TriangleMesh, MeshData, &TriangleMesh::data_>;
-template struct Naming<ConvexHull, HullData, &ConvexHull::data_>;
-
-/// The smallest of its kind, to be given other data.
-TriangleMesh anyMesh() {
-    static constexpr std::array<Vec3, 3> kCorners{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
-    static constexpr std::array<Triangle, 1> kTriangle{{{0, 1, 2}}};
-    static const TriangleMesh mesh(kCorners, kTriangle);
-    return mesh;
-}
-ConvexHull anyHull() {
-    static constexpr std::array<Vec3, 4> kCorners{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    static const ConvexHull hull(kCorners);
-    return hull;
-}
-
 void require(bool holds, const char* what) {
     if (!holds) reject(std::string("has ") + what);
 }
@@ -260,9 +236,7 @@ TriangleMesh ShapeImage::mesh(std::span<const std::byte> image, std::shared_ptr<
     mesh.thickness = reader.head.thickness;
     mesh.owner = std::move(owner);
     check(mesh);
-    TriangleMesh shape = anyMesh();
-    dataOf(shape) = std::make_shared<const MeshData>(std::move(mesh));
-    return shape;
+    return TriangleMesh(std::make_shared<const MeshData>(std::move(mesh)));
 }
 
 ConvexHull ShapeImage::hull(std::span<const std::byte> image) {
@@ -276,9 +250,7 @@ ConvexHull ShapeImage::hull(std::span<const std::byte> image) {
     hull.innerRadius = reader.head.innerRadius;
     hull.bounds = reader.head.bounds;
     check(hull);
-    ConvexHull shape = anyHull();
-    dataOf(shape) = std::make_shared<const HullData>(std::move(hull));
-    return shape;
+    return ConvexHull(std::make_shared<const HullData>(std::move(hull)));
 }
 
 std::uint64_t ShapeImage::checksum(std::span<const std::byte> bytes) { return ragtop::checksum(bytes); }

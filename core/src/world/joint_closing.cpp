@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "constraints/initial_violation.h"
 #include "direct/choice.h"
@@ -339,6 +340,7 @@ void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClo
     bench.system.begin(parts, world.bodies.arrays(), world.context);
     float share = 1;
     if (closeByPlaces(world, group, joints, bench) > kTorn) share = closeEarlier(world, group, joints, bench);
+    bench.cut += share < 1;
     restJoints(world, bench.system);
     // Places that move beside velocities change what these make about the centre of mass.
     const bool isFree = !hangs(world, joints);
@@ -374,6 +376,8 @@ void closeOpenJoints(WorldImpl& world) {
             closeGroup(world, guard.membersOf(closing.groups[static_cast<std::size_t>(i)]),
                        *closing.benches[static_cast<std::size_t>(worker)]);
     });
+    for (const std::unique_ptr<JointClosing::Bench>& bench : closing.benches)
+        closing.cut += std::exchange(bench->cut, 0);
 }
 
 }  // namespace ragtop

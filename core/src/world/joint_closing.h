@@ -36,9 +36,10 @@ struct JointClosing {
         AlignedArray<Pose> best;        ///< where they were closed best
         AlignedArray<float> turns;      ///< rad², of the ways of a round
         direct::IslandSystem system;
+        std::uint64_t cut = 0;  ///< steps of groups that were cut short, in this step
     };
     std::vector<std::unique_ptr<Bench>> benches;
-    std::uint64_t closed = 0;  ///< groups, since the world was made
+    std::uint64_t closed = 0, cut = 0;  ///< groups, and those whose step was cut short, since the world was made
 };
 
 /// When bodies are where the step has taken them.

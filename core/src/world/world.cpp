@@ -103,6 +103,7 @@ StepStats World::stats() const {
     stats.energyGuarded = w.energyGuard.caught;
     stats.energyTaken = w.energyGuard.taken;
     stats.jointsClosed = w.jointClosing.closed;
+    stats.stepsCut = w.jointClosing.cut;
     stats.strayImpulses = w.moduleWork.strays;
     stats.solvedBodies = static_cast<int>(w.freezing.solved.size() - w.directSet.multirate.independentCount);
     stats.independentBodies = static_cast<int>(w.directSet.multirate.independentCount);
