@@ -163,7 +163,7 @@ const std::vector<Broken> kModels{
 };
 
 const std::vector<Broken> kUsage{
-    {"unknown_command", "fly", {"\"fly\" is unknown", "must be one of list, run, serve, drive, ragdoll, inspect"}},
+    {"unknown_command", "fly", {"\"fly\" is unknown", "must be one of list, run, serve, drive, ragdoll, fit, cook, inspect"}},
     {"unknown_option_of_none", "--fast", {"\"--fast\" is unknown"}},
     {"two_words", "list crash", {"crash"}},
     {"unknown_scene", "run towr", {"towr: no such scene", "did you mean \"tower\"?"}},

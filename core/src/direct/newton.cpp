@@ -9,7 +9,6 @@ namespace ragtop::direct {
 namespace {
 
 constexpr int kIterations = 12;        ///< Newton steps from loads of the substep before
-constexpr int kFewIterations = 6;      ///< of these where softer systems may be tried, which near loads do not need
 constexpr int kMoreIterations = 40;    ///< of each stage where those do not suffice
 constexpr int kLargeFactors = 6;       ///< in one step of a large island; it stays as it was
 constexpr double kMostProducts = 1e6;  ///< of blocks, in all factorizations of one step; some 0.1 s
@@ -147,7 +146,7 @@ void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveRepor
     }
     const double enough = kSlipChange * system.gravityStep();
     for (int round = 0; round < kSlipRounds; ++round) {
-        if (!minimize(system, isLarge(system) ? kIterations : kFewIterations, factored, report) &&
+        if (!minimize(system, kIterations, factored, report) &&
             (isLarge(system) || report.iterations > kBudget || !approach(system, factored, report))) {
             // Newton's steps descend, so that the velocity is sane; the impulses need not be. A large island goes on
             // from there in its next solve.
