@@ -149,6 +149,9 @@ TEST(VehicleChange, WhatCannotBeIsRefused) {
     refused([](VehicleDef& def) { def.wheels.pop_back(); });
     refused([](VehicleDef& def) { def.wheels.push_back(def.wheels[0]); });
     refused([](VehicleDef& def) { def.chassis.shapes.pop_back(); });
+    refused([](VehicleDef& def) { def.wheels[1].radius = 0.35f; });
+    refused([](VehicleDef& def) { def.wheels[3].width = 0.25f; });
+    refused([](VehicleDef& def) { def.wheels[0].suspension.axis = {0, 1, -0.1f}; });
     refused([](VehicleDef& def) { def.chassis.mass = -1; });
     refused([](VehicleDef& def) { def.wheels[0].suspension.springCompression = -1.0f; });
     refused([](VehicleDef& def) { def.engine.limiterRpm = 10; });
@@ -156,6 +159,21 @@ TEST(VehicleChange, WhatCannotBeIsRefused) {
     EXPECT_EQ(drive.car.def().wheels.size(), 4u);
     EXPECT_THROW(drive.car.place({.speed = NAN}), std::invalid_argument);
     EXPECT_EQ(drive.world.hash(), before);
+}
+
+/// A wheel collides as what the car was made with; another size would be one for the ground and another for walls.
+TEST(VehicleChange, SaysWhichWheelKeepsItsShape) {
+    Drive drive;
+    VehicleDef def = hatchback();
+    def.wheels[2].radius = 0.35f;
+    try {
+        drive.car.setDef(def);
+        FAIL();
+    } catch (const std::invalid_argument& error) {
+        EXPECT_STREQ(error.what(),
+                     "vehicle hatchback: /wheels/2/radius is 0.35, must stay 0.3, because its shape is made with the "
+                     "car");
+    }
 }
 
 /// A state means what it does under the definition that it was saved with: taken for another one's, it would go another

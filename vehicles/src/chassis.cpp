@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <tuple>
 #include <vector>
 
 namespace ragtop {
@@ -44,6 +46,23 @@ Material wheelMaterial(const VehicleDef& def, const WheelDef& wheel) {
 Frame wheelShapeFrame(const WheelDef& wheel, float risen, float angle) {
     return {wheel.position + risen * normalized(wheel.suspension.axis),
             normalized(strutRotation(wheel) * rotationAbout({0, 1, 0}, angle))};
+}
+
+std::string whyAnotherShape(const WheelDef& now, const WheelDef& next) {
+    const Vec3 axis = normalized(now.suspension.axis), nextAxis = normalized(next.suspension.axis);
+    const std::tuple<const char*, float, float> numbers[] = {{"/radius", now.radius, next.radius},
+                                                             {"/width", now.width, next.width},
+                                                             {"/suspension/axis/0", axis.x, nextAxis.x},
+                                                             {"/suspension/axis/1", axis.y, nextAxis.y},
+                                                             {"/suspension/axis/2", axis.z, nextAxis.z}};
+    for (const auto& [name, kept, given] : numbers) {
+        if (kept == given) continue;
+        char text[96];
+        std::snprintf(text, sizeof text, "%s is %.7g, must stay %.7g", name, static_cast<double>(given),
+                      static_cast<double>(kept));
+        return text;
+    }
+    return {};
 }
 
 MassProperties chassisMass(const ChassisDef& def) {

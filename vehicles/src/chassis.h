@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "ragtop/body.h"
 #include "ragtop/vehicle.h"
 
@@ -13,6 +15,10 @@ BodyDef chassisBody(const VehicleDef& def, const VehiclePlacement& placement);
 
 /// Of the sides of a wheel: the bodywork's, with what its rubber takes of rolling and rocking.
 Material wheelMaterial(const VehicleDef& def, const WheelDef& wheel);
+
+/// Names the first number, and the one to keep, by which the shape of `next` is another than that of `now`; empty where
+/// they are alike.
+std::string whyAnotherShape(const WheelDef& now, const WheelDef& next);
 
 /// Of a wheel's shape in the chassis, its hub risen along the strut and turned about it, to the left.
 Frame wheelShapeFrame(const WheelDef& wheel, float risen, float angle);

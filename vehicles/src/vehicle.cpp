@@ -85,13 +85,19 @@ void requireFinite(const VehicleDef& def, const VehiclePlacement& placement) {
 }
 
 void requireSameParts(const VehicleDef& now, const VehicleDef& next) {
+    const auto refuse = [&](const std::string& what) {
+        throw std::invalid_argument("vehicle " + next.name + ": " + what);
+    };
     const auto require = [&](const char* what, std::size_t has, std::size_t wants) {
         if (has == wants) return;
-        throw std::invalid_argument("vehicle " + next.name + ": " + what + " has " + std::to_string(wants) +
-                                    " elements, must keep " + std::to_string(has));
+        refuse(std::string(what) + " has " + std::to_string(wants) + " elements, must keep " + std::to_string(has));
     };
     require("/wheels", now.wheels.size(), next.wheels.size());
     require("/chassis/shapes", now.chassis.shapes.size(), next.chassis.shapes.size());
+    for (std::size_t i = 0; i < now.wheels.size(); ++i) {
+        const std::string what = whyAnotherShape(now.wheels[i], next.wheels[i]);
+        if (!what.empty()) refuse("/wheels/" + std::to_string(i) + what + ", because its shape is made with the car");
+    }
 }
 
 bool sameMass(const MassProperties& a, const MassProperties& b) {

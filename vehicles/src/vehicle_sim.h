@@ -67,7 +67,6 @@ struct WheelPatch {
     float squash = 0;             ///< m of the tire at the beginning of the substep
     PointBody* ground = nullptr;  ///< what it stands on, shared with the other wheels there
     Vec3 groundArm, belt;         ///< m from its centre of mass; m/s of its surface
-    float share = 1;              ///< of the wheel's impulses that it gets
     LoadLag lag;
     TireLaw law;
     float transport = 0, spinBefore = 0;
@@ -134,7 +133,8 @@ struct VehicleSim {
     float steerAngle = 0;  ///< rad, positive to the left
     Drivetrain drivetrain;
     std::vector<WheelState> wheels;
-    Pose endPose;  ///< of the chassis at the end of the last step
+    Pose endPose;          ///< of the chassis at the end of the last step
+    Quat substepRotation;  ///< of it at the beginning of the last substep
 
     // Working memory.
     std::mutex telling;  ///< of those that ask for it at once
@@ -156,7 +156,8 @@ private:
     Pose wheelFrame(std::size_t i, const Pose& pose) const;
     void placeShapes();
 
-    void preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body, float h);
+    void preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body,
+                      const PointBody& moved, float h);
     WheelWay wayOf(std::size_t i, const Pose& pose, float dt) const;
     bool placePatch(std::size_t i, const Pose& pose, const DVec3& center);
     void takePiece(std::size_t i);
@@ -168,7 +169,7 @@ private:
     BarPull barOf(std::size_t i) const;
     TireGround groundOf(std::size_t i) const;
     float resistanceOf(std::size_t i) const;
-    void settleTire(std::size_t i, const PointBody& body);
+    void settleTire(std::size_t i, const PointBody& moved);
     Vec3 alignTires(float h);
     void pushPatch(std::size_t i, PointBody& body, const Vec3& impulse);
     void solve(PointBody& body, float h);

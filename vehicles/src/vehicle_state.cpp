@@ -59,6 +59,7 @@ void VehicleSim::visitState(Self& self, Visit&& visit) {
     visit(self.drivetrain.differential);
     visit(self.wheels);
     visit(self.endPose);
+    visit(self.substepRotation);
 }
 
 std::size_t VehicleSim::saveSize() const {

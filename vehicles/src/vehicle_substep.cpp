@@ -8,7 +8,6 @@ namespace {
 
 constexpr int kMaxSweeps = 24;
 constexpr float kConverged = 1e-5f;  ///< largest change in a sweep, over the impulse of the weight
-constexpr float kMostPressed = 15;   ///< m/s that a substep of a wheel's load may give to a body that nothing holds
 constexpr float kMostFelt = 0.25f;   ///< of the way that a tire's load moves what it stands on in a substep, as squash
 
 Vec3 velocityOverGround(const WheelPatch& patch, const PointBody& body) {
@@ -37,8 +36,16 @@ Vec3 impulseOf(const WheelPatch& patch) {
 
 /// Inverse effective mass of the two bodies at the patch between directions d and e.
 float inverseMassAt(const WheelPatch& patch, const PointBody& body, const Vec3& d, const Vec3& e) {
-    return inverseMassBetween(body, patch.arm, d, e) +
-           patch.share * inverseMassBetween(*patch.ground, patch.groundArm, d, e);
+    return inverseMassBetween(body, patch.arm, d, e) + inverseMassBetween(*patch.ground, patch.groundArm, d, e);
+}
+
+/// What a rotation in single precision has turned beyond ω in h, rad/s, where that is no more than what it is rounded
+/// by: a car that leans by less than that a substep stays as it is, and bristles that followed ω would let it creep.
+Vec3 unturned(const Vec3& w, const Quat& before, const Quat& now, float h) {
+    constexpr float kRounding = 4e-7f;  // rad
+    const Quat turn = now * conjugate(before);
+    const Vec3 rest = (2 / h) * (turn.w < 0 ? -1.0f : 1.0f) * Vec3{turn.x, turn.y, turn.z} - w;
+    return h * length(rest) < kRounding ? rest : Vec3{};
 }
 
 }  // namespace
@@ -54,8 +61,11 @@ void VehicleSim::beforeSubstep(float h) {
     PointBody body{world->linearVelocity(chassis), world->angularVelocity(chassis), 1 / mass,
                    rotated(inverseInertia, pose.rotation)};
     beginGrounds();
+    PointBody moved = body;
+    moved.w += unturned(body.w, substepRotation, pose.rotation, h);
+    substepRotation = pose.rotation;
     for (std::size_t i = 0; i < wheels.size(); ++i) {
-        preparePatch(i, pose, center, body, h);
+        preparePatch(i, pose, center, body, moved, h);
         resistances[i] = resistanceOf(i);
     }
 
@@ -91,9 +101,12 @@ void VehicleSim::solve(PointBody& body, float h) {
     }
     const float enough = kConverged * h * mass * gravity;
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-        float change = drivetrain.sweep(def, h) / meanRadius;
+        float change = 0;
         for (std::size_t i = 0; i < wheels.size(); ++i) change = std::max(change, visitWheel(i, body, h));
         for (GroundBody& ground : grounds) change = std::max(change, visitSupports(ground));
+        // Last, because what is left of the tires' last change would turn a wheel that is held, and the car would
+        // creep.
+        change = std::max(change, drivetrain.sweep(def, h) / meanRadius);
         if (change <= enough) break;
     }
     drivetrain.end(h);
@@ -101,10 +114,12 @@ void VehicleSim::solve(PointBody& body, float h) {
 
 void VehicleSim::pushPatch(std::size_t i, PointBody& body, const Vec3& impulse) {
     push(body, patches[i].arm, impulse);
-    push(*patches[i].ground, patches[i].groundArm, -patches[i].share * impulse);
+    push(*patches[i].ground, patches[i].groundArm, -impulse);
 }
 
-void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body, float h) {
+/// `moved` has the velocities of the way that the body really went in the last substep.
+void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body,
+                              const PointBody& moved, float h) {
     WheelPatch& patch = patches[i];
     WheelState& wheel = wheels[i];
     patch.spinBefore = drivetrain.spin[i];
@@ -135,7 +150,7 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     // Bristles leave with the tread; slip is over the speed of travel.
     patch.transport = isBrush(specs[i].tire.def) ? std::abs(motion.tread) : lengthOf(motion.travel);
     patch.law = tireLaw(specs[i].tire, groundOf(i), motion, wheel.load, patch.transport);
-    settleTire(i, body);
+    settleTire(i, moved);
     patch.line = tireLine(patch.law, wheel.deflection);
     wheel.aligning = aligningMoment(patch.law, wheel.deflection, wheel.load, motion.travel.x);
 }
@@ -217,7 +232,6 @@ void VehicleSim::beginGrounds() {
     }
 }
 
-/// A body so light that the load of a substep would shoot it away if its supports gave way by a hair gets a share.
 void VehicleSim::takeGround(std::size_t i, float h) {
     WheelPatch& patch = patches[i];
     const GroundPlane& plane = wheels[i].ground;
@@ -225,19 +239,17 @@ void VehicleSim::takeGround(std::size_t i, float h) {
     patch.ground = &ground.body;
     patch.groundArm = plane.moves != 0 ? relative(patch.point, ground.center) : Vec3{};
     patch.belt = plane.surfaceVelocity;
-    const float pressed = h * specs[i].staticLoad * ground.body.inverseMass;
-    patch.share = pressed > kMostPressed ? kMostPressed / pressed : 1;
-    const float give = patch.share * inverseMassBetween(ground.body, patch.groundArm, patch.normal, patch.normal);
+    const float give = inverseMassBetween(ground.body, patch.groundArm, patch.normal, patch.normal);
     const float felt = h * h * specs[i].strut.tireStiffness * give;
     patch.lag = {felt > kMostFelt ? kMostFelt / felt : 1, wheels[i].load};
 }
 
 /// Brings the bristles up to now: (1) of tire.h with the slip that the last substep really had.
-void VehicleSim::settleTire(std::size_t i, const PointBody& body) {
+void VehicleSim::settleTire(std::size_t i, const PointBody& moved) {
     WheelState& wheel = wheels[i];
     const WheelPatch& patch = patches[i];
     if (wheel.settleTime > 0) {
-        const Vec2 slip = slipOf(patch, body, wheel.hubSpeed, specs[i].radius * drivetrain.spin[i]);
+        const Vec2 slip = slipOf(patch, moved, wheel.hubSpeed, specs[i].radius * drivetrain.spin[i]);
         wheel.deflection = rolledDeflection(patch.law, wheel.deflection, slip, wheel.transport, wheel.settleTime);
         wheel.settleTime = 0;
     }
@@ -251,8 +263,7 @@ Vec3 VehicleSim::alignTires(float h) {
         if (!patches[i].touching || wheels[i].aligning == 0) continue;
         const Vec3 turned = h * wheels[i].aligning * patches[i].normal;
         sum += turned;
-        if (patches[i].ground->inverseMass > 0)
-            world->applyAngularImpulse(wheels[i].ground.body, -patches[i].share * turned);
+        if (patches[i].ground->inverseMass > 0) world->applyAngularImpulse(wheels[i].ground.body, -turned);
     }
     return sum;
 }
@@ -313,7 +324,7 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     linear += impulse;
     angular += cross(patch.arm, impulse);
     if (patch.ground->inverseMass > 0) {
-        world->applyImpulse(wheel.ground.body, -patch.share * impulse, patch.point);
+        world->applyImpulse(wheel.ground.body, -impulse, patch.point);
     }
     wheel.compression += patch.way;
     wheel.hubSpeed = patch.way / h;

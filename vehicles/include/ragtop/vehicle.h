@@ -109,8 +109,8 @@ public:
     BodyId chassis() const;
     const VehicleDef& def() const;
     /// Changes what the car is made from while it drives: it keeps its motion, and its engine, wheels and tires theirs.
-    /// The number of wheels and the shapes of the chassis stay as they are. Throws std::invalid_argument that says
-    /// which field is wrong, and changes nothing then.
+    /// The number of wheels, their radii, widths and struts' axes, and the shapes of the chassis stay as they are.
+    /// Throws std::invalid_argument that says which field is wrong, and changes nothing then.
     void setDef(const VehicleDef& def);
     /// Puts the car somewhere, upright, as if it had been made there; the input stays. Throws std::invalid_argument.
     void place(const VehiclePlacement& placement);
