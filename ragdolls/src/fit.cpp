@@ -203,6 +203,51 @@ FittedShape fitShape(std::span<const Vec3> points, const Quat& rotation, float s
     return roundness * boxVolume < volumeOf(std::get<Capsule>(capsule.shape)) ? box : capsule;
 }
 
+float bottomOf(const FittedShape& fitted, const Vec3& up) {
+    return dot(fitted.frame.position, up) - halfWidth(coreOf(fitted, 0), up);
+}
+
+namespace {
+
+FittedShape keptAbove(const Capsule& capsule, const Frame& frame, const Vec3& up, float floor, float least) {
+    Vec3 axis = rotate(frame.rotation, {0, 1, 0});
+    float slope = dot(axis, up);
+    if (slope < 0) axis = -axis, slope = -slope;
+    const Vec3 top = frame.position + capsule.halfHeight * axis;
+    const float radius = std::clamp(dot(top, up) - floor, least, capsule.radius);
+    float whole = 2 * capsule.halfHeight;
+    if (slope > 0) whole = std::clamp((dot(top, up) - radius - floor) / slope, 0.0f, whole);
+    return {Capsule{radius, 0.5f * whole}, {top - 0.5f * whole * axis, frame.rotation}};
+}
+
+FittedShape keptAbove(Box box, Frame frame, const Vec3& up, float missing, float least) {
+    const Vec3 slopes = inverseRotate(frame.rotation, up);
+    std::array<int, 3> order{0, 1, 2};
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(slopes[a]) > std::abs(slopes[b]); });
+    for (const int axis : order) {
+        const float slope = slopes[axis], steep = std::abs(slope);
+        if (!(missing > 0 && steep > 0)) break;
+        const float cut = std::min(missing / steep, std::max(2 * (box.halfExtents[axis] - least), 0.0f));
+        missing -= steep * cut;
+        box.halfExtents[axis] -= 0.5f * cut;
+        Vec3 shift;
+        shift[axis] = slope > 0 ? 0.5f * cut : -0.5f * cut;
+        frame.position += rotate(frame.rotation, shift);
+    }
+    return {box, frame};
+}
+
+}  // namespace
+
+FittedShape keptAbove(FittedShape fitted, const Vec3& up, float floor, float least) {
+    const float missing = floor - bottomOf(fitted, up);
+    if (!(missing > 0)) return fitted;
+    if (const auto* capsule = std::get_if<Capsule>(&fitted.shape))
+        return keptAbove(*capsule, fitted.frame, up, floor, least);
+    if (const auto* box = std::get_if<Box>(&fitted.shape)) return keptAbove(*box, fitted.frame, up, missing, least);
+    return fitted;
+}
+
 int countInside(const FittedShape& fitted, std::span<const Vec3> points) {
     int count = 0;
     for (const Vec3& point : points) {

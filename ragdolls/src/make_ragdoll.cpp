@@ -14,6 +14,7 @@ namespace {
 constexpr std::size_t kFewVertices = 12;  ///< less skin than this says nothing about a shape
 constexpr double kBodyVolume = 0.0140;    ///< of a human over the cube of the height: 75 l at 1.75 m
 constexpr float kGravity = 9.81f;         ///< m/s², in the friction of joints
+constexpr float kAnkleShare = 0.75f;      ///< of its height, that a shank reaches beyond the ankle at most
 constexpr float kTouching = 0.005f;       ///< parts closer than this share of the height count as overlapping
 
 class Maker {
@@ -27,6 +28,7 @@ public:
         measure();
         assignBones();
         for (std::size_t i = 0; i < anatomy_.segments.size(); ++i) addPart(i);
+        liftOffGround();
         giveMass();
         for (std::size_t i = 1; i < anatomy_.segments.size(); ++i) addJoint(static_cast<int>(i));
         quieten();
@@ -140,11 +142,38 @@ private:
         if (auto* capsule = std::get_if<Capsule>(&fitted.shape)) capsule->radius = std::max(capsule->radius, least);
         if (auto* box = std::get_if<Box>(&fitted.shape))
             box->halfExtents = max(box->halfExtents, {least, least, least});
-        inModel_.push_back(fitted);
+        def_.parts.push_back(std::move(part));
+        inModel_.emplace_back();
+        place(index, std::move(fitted));
+    }
+
+    void place(std::size_t index, FittedShape fitted) {
+        RagdollPart& part = def_.parts[index];
         part.frame = inverse(part.bind) * fitted.frame;
         part.frame.rotation = normalized(part.frame.rotation);
-        part.shape = std::move(fitted.shape);
-        def_.parts.push_back(std::move(part));
+        part.shape = fitted.shape;
+        inModel_[index] = std::move(fitted);
+    }
+
+    /// What has feet stands on them: no other shape reaches below their soles, and those that feet hang on keep off
+    /// the ground also where the ankle bends.
+    void liftOffGround() {
+        const float least = 0.005f * height_;
+        float ground = std::numeric_limits<float>::infinity();
+        for (std::size_t i = 0; i < inModel_.size(); ++i)
+            if (def_.parts[i].role == BodyRole::foot) ground = std::min(ground, bottomOf(inModel_[i], anatomy_.up));
+        if (!std::isfinite(ground)) return;
+        for (std::size_t i = 0; i < inModel_.size(); ++i)
+            if (def_.parts[i].role != BodyRole::foot) place(i, keptAbove(inModel_[i], anatomy_.up, ground, least));
+        for (std::size_t i = 0; i < inModel_.size(); ++i) {
+            const Segment& s = segment(static_cast<int>(i));
+            if (s.role != BodyRole::foot || s.parent < 0) continue;
+            const auto shank = static_cast<std::size_t>(s.parent);
+            const Vec3 ankle = bindOf(s.bone).position;
+            const Vec3 along = normalized(bindOf(segment(s.parent).bone).position - ankle, anatomy_.up);
+            const float above = dot(ankle, anatomy_.up) - bottomOf(inModel_[i], anatomy_.up);
+            place(shank, keptAbove(inModel_[shank], along, dot(ankle, along) - kAnkleShare * above, least));
+        }
     }
 
     /// 0.152 of the height long, 0.055 wide, the ankle 0.039 above the sole [Winter 2009, fig. 4.1] and a quarter of

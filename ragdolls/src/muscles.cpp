@@ -29,6 +29,18 @@ void requireValid(const MuscleProfile& profile) {
         throw std::invalid_argument("muscles: " + problem);
 }
 
+/// kg m, mass of all beyond a joint times the way from there to its centre.
+float momentBeyond(const InverseDynamics& dynamics, int joint) {
+    const std::span<const InverseDynamics::Part> parts = dynamics.parts();
+    Vec3 moment;
+    for (const InverseDynamics::Part& part : parts) {
+        const InverseDynamics::Part* at = &part;
+        while (at->joint != joint && at->parent >= 0) at = &parts[static_cast<std::size_t>(at->parent)];
+        if (at->joint == joint) moment += part.mass * relative(part.center, at->anchor);
+    }
+    return length(moment);
+}
+
 /// What joints take at most of anything (joint.h): a body of any size and clips of any speed are within.
 float bounded(float value, float most) { return std::clamp(value, -most, most); }
 Vec3 bounded(const Vec3& v, float most) { return {bounded(v.x, most), bounded(v.y, most), bounded(v.z, most)}; }
@@ -53,6 +65,8 @@ Muscles::Muscles(World& world, const Ragdoll& ragdoll, const MuscleProfile& prof
         // Of what is no human nothing is known: three times what holds it out straight, by its own size.
         if (!(muscles_[i].most > 0))
             muscles_[i].most = 3 * 9.81f * std::sqrt(dynamics_.inertiaBeyond(static_cast<int>(i)) * mass);
+        // People's trunks have half as much again as holds them out straight, all else has more.
+        muscles_[i].most = std::max(muscles_[i].most, 1.5f * 9.81f * momentBeyond(dynamics_, static_cast<int>(i)));
         muscles_[i].target = muscles_[i].aim = turnNow(static_cast<int>(i));
     }
 }

@@ -97,5 +97,28 @@ TEST(Overlap, OfBoxesFindsTheGap) {
     EXPECT_FALSE(mayOverlap(a, beside(2.42f), 0));
 }
 
+/// Nothing is left below the floor, and nothing above it is lost that the cut need not take.
+TEST(KeptAbove, CutsWhatIsBelowAndNoMore) {
+    for (int i = 0; i < 50; ++i) {
+        const auto n = static_cast<float>(i);
+        const Frame frame{{0.1f * n, 1, -0.2f}, rotationAbout({1, 0.3f * n, -2}, 0.37f * n)};
+        const Vec3 up = normalized(Vec3{0.2f, 1, 0.05f * n});
+        for (const Shape& shape : {Shape{Capsule{0.1f, 0.3f}}, Shape{Box{{0.1f, 0.3f, 0.2f}}}}) {
+            const FittedShape whole{shape, frame};
+            const float bottom = bottomOf(whole, up), top = -bottomOf(whole, -up);
+            for (const float share : {-0.1f, 0.1f, 0.4f}) {
+                const float floor = bottom + share * (top - bottom);
+                const FittedShape cut = keptAbove(whole, up, floor, 0.01f);
+                EXPECT_NEAR(bottomOf(cut, up), std::max(floor, bottom), 2e-6f) << i << " " << share;
+                EXPECT_LE(-bottomOf(cut, -up), top + 1e-6f);
+            }
+        }
+    }
+    const FittedShape upright = keptAbove({Capsule{0.1f, 0.3f}, {}}, {0, 1, 0}, -0.2f, 0.01f);
+    EXPECT_FLOAT_EQ(std::get<Capsule>(upright.shape).radius, 0.1f);
+    EXPECT_FLOAT_EQ(std::get<Capsule>(upright.shape).halfHeight, 0.2f);
+    EXPECT_FLOAT_EQ(-bottomOf(upright, {0, -1, 0}), 0.4f);
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -115,6 +115,48 @@ TEST(MakeRagdoll, HipsReachForwardFartherThanBack) {
     EXPECT_FALSE(allowed(-16));
 }
 
+/// Along a unit vector.
+float lowestOf(const RagdollPart& each, const Vec3& up) {
+    const Frame frame = each.bind * each.frame;
+    const Vec3 local = inverseRotate(frame.rotation, up);
+    const float middle = dot(frame.position, up);
+    if (const auto* capsule = std::get_if<Capsule>(&each.shape))
+        return middle - std::abs(local.y) * capsule->halfHeight - capsule->radius;
+    return middle - dot(abs(local), std::get<Box>(each.shape).halfExtents);
+}
+
+/// Wide trousers that cover the shoes, and a coat to the ground: what the body stands on are its feet.
+TEST(MakeRagdoll, NothingReachesBelowTheSoles) {
+    HumanRig rig;
+    rig.skeleton.skin.resize(rig.skeleton.bones.size());
+    const auto tube = [&](int bone, const Vec3& middle, float radius, float lower, float upper) {
+        for (int i = 0; i < 64; ++i) {
+            const SinCos around = sinCos(2 * kPi * static_cast<float>(i) / 16);
+            const float share = static_cast<float>(i / 16) / 3;
+            rig.skeleton.skin[static_cast<std::size_t>(bone)].push_back(
+                {middle.x + radius * around.cos, lower + share * (upper - lower), middle.z + radius * around.sin});
+        }
+    };
+    for (int bone = 0; bone < static_cast<int>(rig.skeleton.bones.size()); ++bone)
+        tube(bone, rig.at(bone), 0.02f, rig.at(bone).y - 0.02f, rig.at(bone).y + 0.02f);
+    tube(rig.hips, rig.at(rig.hips), 0.35f, -0.05f, 1);
+    for (int side = 0; side < 2; ++side) {
+        tube(rig.shank[side], rig.at(rig.foot[side]), 0.09f, 0, 0.5f);
+        tube(rig.foot[side], rig.at(rig.toe[side]), 0.05f, 0, 0.08f);
+    }
+    const RagdollDef def = makeRagdoll(rig.skeleton);
+    const Vec3 up = recognise(rig.skeleton).up;
+    const float soles = std::min(lowestOf(part(def, BodyRole::foot, BodySide::left), up),
+                                 lowestOf(part(def, BodyRole::foot, BodySide::right), up));
+    for (const RagdollPart& each : def.parts) EXPECT_GE(lowestOf(each, up), soles - 1e-5f) << each.name;
+    for (const BodySide side : {BodySide::left, BodySide::right}) {
+        // Bent at the ankle, a shank still does not.
+        const RagdollPart &shank = part(def, BodyRole::shank, side), &foot = part(def, BodyRole::foot, side);
+        const Vec3 ankle = foot.bind.position, along = normalized(shank.bind.position - ankle);
+        EXPECT_GT(lowestOf(shank, along), dot(ankle, along) - (dot(ankle, up) - lowestOf(foot, up)));
+    }
+}
+
 TEST(MakeRagdoll, ScalesExactly) {
     const HumanRig small;
     HumanRig big;
