@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "fit.h"
 
 namespace ragtop {
 namespace {
@@ -18,6 +21,49 @@ PartAngles pointing(BodySide side, const Vec3& along) {
     arm.abduction = std::clamp(arcTan2(out, across), kLeastAbduction, kMostAbduction);
     arm.flexion = arcTan2(along.z, -along.y);
     return arm;
+}
+
+namespace {
+
+constexpr float kMostApart = 1.5f, kStep = 0.05f;  ///< rad
+
+bool isArm(BodyRole role) { return role == BodyRole::upperArm || role == BodyRole::forearm || role == BodyRole::hand; }
+
+bool meet(const RagdollDef& def, std::size_t a, std::size_t b) {
+    const RagdollPart &first = def.parts[a], &second = def.parts[b];
+    if (first.quiet >= 0 && first.quiet == second.quiet) return false;
+    return std::none_of(def.joints.begin(), def.joints.end(), [&](const RagdollJoint& joint) {
+        const auto parent = static_cast<std::size_t>(joint.parent), child = static_cast<std::size_t>(joint.child);
+        return (parent == a && child == b) || (parent == b && child == a);
+    });
+}
+
+/// Does any shape of an arm touch another?
+bool rubs(const BodyAxes& axes, std::span<const PartAngles> pose, float gap) {
+    const RagdollDef& def = axes.def();
+    const std::vector<Pose> bones = standing(axes, {}, pose);
+    std::vector<FittedShape> shapes;
+    for (const RagdollPart& part : def.parts) {
+        const Pose& bone = bones[static_cast<std::size_t>(part.bone)];
+        shapes.push_back({part.shape, Frame{relative(bone.position, {}), bone.rotation} * part.frame});
+    }
+    for (std::size_t i = 0; i < shapes.size(); ++i)
+        for (std::size_t j = 0; j < shapes.size(); ++j)
+            if (isArm(def.parts[i].role) && i != j && meet(def, i, j) && mayOverlap(shapes[i], shapes[j], gap))
+                return true;
+    return false;
+}
+
+}  // namespace
+
+float armsApart(const BodyAxes& axes, std::span<const PartAngles> arms, float least, float gap) {
+    std::vector<PartAngles> pose(arms.begin(), arms.end());
+    for (float apart = least; apart < kMostApart; apart += kStep) {
+        for (PartAngles& each : pose)
+            if (each.role == BodyRole::upperArm) each.abduction = apart;
+        if (!rubs(axes, pose, gap)) return apart;
+    }
+    return least;
 }
 
 }  // namespace ragtop

@@ -5,6 +5,7 @@
 #include <functional>
 #include <stdexcept>
 
+#include "arm.h"
 #include "leg.h"
 #include "ragtop/world.h"
 #include "range_check.h"
@@ -25,11 +26,14 @@ constexpr float kMostLean = 0.16f;   ///< of the length of the legs
 constexpr float kCalm = 0.01f;       ///< m, of what is left to fall, at which learning goes at half its rate
 constexpr float kFollow = 0.5f;      ///< share of a step by which the normal of the ground follows that of contacts
 
-/// How the arms of who balances are held: apart from the thighs, which they would rub on.
-constexpr PartAngles kArms[] = {{BodyRole::upperArm, BodySide::left, 0.05f, 0.3f},
-                                {BodyRole::upperArm, BodySide::right, 0.05f, 0.3f},
-                                {BodyRole::forearm, BodySide::left, 0.25f},
-                                {BodyRole::forearm, BodySide::right, 0.25f}};
+/// How the arms of who balances are held: apart from thighs and trunk, which they would rub on; farther where those are
+/// wide.
+constexpr std::array<PartAngles, 4> kArms{{{BodyRole::upperArm, BodySide::left, 0.05f},
+                                           {BodyRole::upperArm, BodySide::right, 0.05f},
+                                           {BodyRole::forearm, BodySide::left, 0.25f},
+                                           {BodyRole::forearm, BodySide::right, 0.25f}}};
+constexpr float kArmsApart = 0.3f;  ///< rad, at least
+constexpr float kArmsGap = 0.01f;   ///< of the length of the legs, between arms and what they would rub on
 
 Vec3 level(const Vec3& v) { return {v.x, 0, v.z}; }
 
@@ -70,7 +74,11 @@ Balance::Balance(World& world, const Ragdoll& ragdoll, Muscles& muscles, const B
     stance_.resize(ragdoll.def().joints.size());
     accelerations_.resize(ragdoll.def().parts.size());
     outside_.resize(ragdoll.def().parts.size());
-    turnsOf(axes_, kArms, stance_);
+    std::array<PartAngles, kArms.size()> arms = kArms;
+    const float apart = armsApart(axes_, arms, kArmsApart, kArmsGap * legs_[0].length);
+    for (PartAngles& each : arms)
+        if (each.role == BodyRole::upperArm) each.abduction = apart;
+    turnsOf(axes_, arms, stance_);
 }
 
 Balance::~Balance() = default;

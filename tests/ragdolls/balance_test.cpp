@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
@@ -115,6 +116,37 @@ TEST(Balance, TakesFourFifthsOfWhatFeetCanFromAnySide) {
         // As still as who was not pushed: the capture point comes back at 1.8 √(g/z), the lean is learnt at 0.5/s.
         EXPECT_LT(length(stander.dynamics.velocity()), 0.005f) << way;
     }
+}
+
+/// Whose trunk is wider than its shoulders holds its arms farther off, so that no two of its parts press on each other.
+TEST(Balance, StandsWithATrunkThatIsWiderThanTheShoulders) {
+    RagdollDef def = human();
+    for (RagdollPart& part : def.parts)
+        if (part.role == BodyRole::abdomen || part.role == BodyRole::chest)
+            std::get<Box>(part.shape).halfExtents.x = 0.3f;
+    World world(WorldSettings{.sleeping = false});
+    world.create(
+        BodyDef{.type = BodyType::fixed, .shapes = {{.geometry = Box{{100, 1, 100}}}}, .pose = {{0, -1, 0}, {}}});
+    const PartAngles arms[] = {{BodyRole::upperArm, BodySide::left, 0, 1}, {BodyRole::upperArm, BodySide::right, 0, 1}};
+    Ragdoll body(world, def, standing(BodyAxes(def), {}, arms));
+    Muscles muscles(world, body);
+    Balance balance(world, body, muscles);
+    InverseDynamics dynamics(world, body);
+    for (int i = 0; i < 600; ++i) {
+        balance.step(kDt);
+        muscles.step(kDt);
+        world.step(kDt);
+    }
+    dynamics.look();
+    EXPECT_GT(dynamics.centerOfMass().y, 0.85);
+    EXPECT_LT(length(dynamics.velocity()), 0.005f);
+    for (const BodyId part : body.bodies())
+        world.forEachContact(part, [&](const Contact& contact) {
+            const auto own = [&](BodyId id) {
+                return std::find(body.bodies().begin(), body.bodies().end(), id) != body.bodies().end();
+            };
+            EXPECT_FALSE(contact.normalForce > 0 && own(contact.bodyA) && own(contact.bodyB));
+        });
 }
 
 /// On what accelerates it leans by z a/g.
