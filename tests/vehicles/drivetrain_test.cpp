@@ -184,5 +184,35 @@ TEST(Brakes, HoldUpToTheirTorqueAndNoMore) {
     EXPECT_NEAR(stand.drivetrain.spin[0], 0.01 * capacity / stand.drivetrain.inertia()[0], 0.1);
 }
 
+/// Tires that grip by g of impulse per speed of slip hold light wheels harder than the engine turns them. Shafts that
+/// know of it agree with them at once, where visits in turn come nearer by g r²/(I + g r²) each.
+TEST(Drivetrain, AgreesWithItsTiresInAFewSweeps) {
+    constexpr float kGrip = 40, kTravel = 12;
+    VehicleDef def = withDifferential(DifferentialType::open);
+    def.gearbox.clutchTorque = 1e6f;
+    const auto swept = [&](int sweeps) {
+        Stand stand(def);
+        Drivetrain& drivetrain = stand.drivetrain;
+        const float radius = def.wheels[0].radius;
+        stand.turnAt(2, kTravel / radius);
+        drivetrain.engineSpeed += 30;
+        drivetrain.begin(def, {}, stand.resistances, kStep);
+        float tires[2] = {};
+        for (int sweep = 0; sweep < sweeps; ++sweep) {
+            for (std::size_t i = 0; i < 2; ++i) {
+                const float inertia = drivetrain.inertia()[i];
+                const float free = drivetrain.spin[i] + radius * tires[i] / inertia;
+                tires[i] = kGrip * (radius * free - kTravel) / (1 + kGrip * radius * radius / inertia);
+                drivetrain.spin[i] = free - radius * tires[i] / inertia;
+                drivetrain.grip(i, radius, kGrip);
+            }
+            drivetrain.sweep(def, kStep);
+        }
+        return tires[0];
+    };
+    EXPECT_GT(swept(200), 1);
+    EXPECT_NEAR(swept(4), swept(200), 1e-3f * swept(200));
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -62,14 +62,14 @@ std::vector<DifferentialRow> differentialRows(const VehicleDef& def) {
     return rows;
 }
 
-float solveDifferential(const DifferentialRow& row, std::span<const float> inertia, float torque, float h,
-                        float& impulse, std::span<float> spin) {
+float solveDifferential(const DifferentialRow& row, std::span<const float> inertia, std::span<const float> held,
+                        float torque, float h, float& impulse, std::span<float> spin) {
     float bound = std::numeric_limits<float>::infinity();
     if (row.def.type == DifferentialType::limitedSlip) {
         bound = h * row.def.preload + row.def.lockingRatio * row.share * std::abs(torque);
     }
     const float difference = meanSpeed(row.second, spin) - meanSpeed(row.first, spin);
-    const float K = inverseInertiaOf(row.first, inertia) + inverseInertiaOf(row.second, inertia);
+    const float K = inverseInertiaOf(row.first, held) + inverseInertiaOf(row.second, held);
     const float added = addBounded(impulse, difference / K, -bound, bound);
     applyDifferential(row, inertia, added, spin);
     return added;

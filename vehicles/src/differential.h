@@ -19,9 +19,9 @@ struct DifferentialRow {
 std::vector<DifferentialRow> differentialRows(const VehicleDef& def);
 
 /// One visit: moves both groups towards equal mean speed by an impulse (N m s) of at most what the type allows when
-/// `torque` (N m s) drives the car; returns the change of the impulse.
-float solveDifferential(const DifferentialRow& row, std::span<const float> inertia, float torque, float h,
-                        float& impulse, std::span<float> spin);
+/// `torque` (N m s) drives the car, as wheels that take `held` to turn; returns the change of the impulse.
+float solveDifferential(const DifferentialRow& row, std::span<const float> inertia, std::span<const float> held,
+                        float torque, float h, float& impulse, std::span<float> spin);
 
 /// Adds an impulse of a row to the wheels, without bounds.
 void applyDifferential(const DifferentialRow& row, std::span<const float> inertia, float impulse,

@@ -17,6 +17,7 @@ Drivetrain::Drivetrain(const VehicleDef& def)
         inertia_.push_back(0.75f * wheel.mass * wheel.radius * wheel.radius);
         share_.push_back(total > 0 ? wheel.driveShare / total : 0);
     }
+    held_ = inertia_;
     spin.assign(def.wheels.size(), 0);
     brake.assign(def.wheels.size(), 0);
     brakeBound_.assign(def.wheels.size(), 0);
@@ -79,12 +80,10 @@ void Drivetrain::begin(const VehicleDef& def, const DrivetrainInput& input, cons
     if (ratio_ != 0 && !shifting) {
         clutchBound_ = h * clutchCapacity(def, engineSpeed, shaft, input.throttle, input.clutch);
     }
-    float inverse = 1 / def.engine.inertia;
+    held_ = inertia_;
     for (std::size_t i = 0; i < spin.size(); ++i) {
-        inverse += ratio_ * ratio_ * share_[i] * share_[i] / inertia_[i];
         brakeBound_[i] = h * brakeCapacity(def.wheels[i], input.brake, input.handbrake, resistances[i]);
     }
-    clutchMass_ = 1 / inverse;
 
     // The last substep's torques, as a first guess.
     engine.friction = clampTo(h * engine.friction, -limits_.friction, limits_.friction);
@@ -94,7 +93,8 @@ void Drivetrain::begin(const VehicleDef& def, const DrivetrainInput& input, cons
     clutch = clampTo(h * clutch, -clutchBound_, clutchBound_);
     turnByClutch(clutch, 1 / def.engine.inertia);
     for (std::size_t i = 0; i < spin.size(); ++i) {
-        brake[i] = clampTo(h * brake[i], -brakeBound_[i], brakeBound_[i]);
+        const float bound = brakeBoundOf(i);
+        brake[i] = clampTo(h * brake[i], -bound, bound);
         spin[i] += brake[i] / inertia_[i];
     }
     for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -103,22 +103,36 @@ void Drivetrain::begin(const VehicleDef& def, const DrivetrainInput& input, cons
     }
 }
 
+float Drivetrain::clutchMass(float engineInertia) const {
+    float inverse = 1 / engineInertia;
+    for (std::size_t i = 0; i < spin.size(); ++i) inverse += ratio_ * ratio_ * share_[i] * share_[i] / held_[i];
+    return 1 / inverse;
+}
+
+/// With what gears lose.
+float Drivetrain::brakeBoundOf(std::size_t i) const { return brakeBound_[i] + loss_ * share_[i] * std::abs(clutch); }
+
 float Drivetrain::sweep(const VehicleDef& def, float h) {
     float largest = 0;
     const auto note = [&](float change) { largest = std::max(largest, std::abs(change)); };
     note(ratio_ * solveEngine(def.engine, limits_, engine, engineSpeed));
-    const float added =
-        addBounded(clutch, (engineSpeed - ratio_ * axleSpeed()) * clutchMass_, -clutchBound_, clutchBound_);
+    const float added = addBounded(clutch, (engineSpeed - ratio_ * axleSpeed()) * clutchMass(def.engine.inertia),
+                                   -clutchBound_, clutchBound_);
     turnByClutch(added, 1 / def.engine.inertia);
     note(ratio_ * added);
     for (std::size_t i = 0; i < rows_.size(); ++i) {
-        note(solveDifferential(rows_[i], inertia_, ratio_ * clutch, h, differential[i], spin));
+        note(solveDifferential(rows_[i], inertia_, held_, ratio_ * clutch, h, differential[i], spin));
     }
     for (std::size_t i = 0; i < spin.size(); ++i) {
-        const float bound = brakeBound_[i] + loss_ * share_[i] * std::abs(clutch);
-        note(solveBrake(inertia_[i], bound, brake[i], spin[i]));
+        note(solveBrake(inertia_[i], held_[i], brakeBoundOf(i), brake[i], spin[i]));
     }
     return largest;
+}
+
+void Drivetrain::holdWheels() {
+    for (std::size_t i = 0; i < spin.size(); ++i) {
+        solveBrake(inertia_[i], inertia_[i], brakeBoundOf(i), brake[i], spin[i]);
+    }
 }
 
 void Drivetrain::end(float h) {

@@ -56,16 +56,25 @@ public:
     std::vector<float> differential;
 
     const std::vector<float>& inertia() const { return inertia_; }
+    /// What a wheel takes to turn together with its tire, which grips by `impulse` per unit of speed of its tread: what
+    /// comes through the shafts is solved with that, as what the tires take of it comes off in their next visit.
+    void grip(std::size_t wheel, float radius, float impulse) {
+        held_[wheel] = inertia_[wheel] + radius * radius * impulse;
+    }
+    /// Holds what brakes hold, where tires have turned it since.
+    void holdWheels();
 
 private:
     float axleSpeed() const;
+    float brakeBoundOf(std::size_t i) const;
+    float clutchMass(float engineInertia) const;
     void turnByClutch(float impulse, float inverseEngineInertia);
 
-    std::vector<float> inertia_, share_;
+    std::vector<float> inertia_, held_, share_;
     std::vector<DifferentialRow> rows_;
 
     EngineLimits limits_;
-    float ratio_ = 0, clutchBound_ = 0, clutchMass_ = 0, loss_ = 0;
+    float ratio_ = 0, clutchBound_ = 0, loss_ = 0;
     std::vector<float> brakeBound_;
 };
 

@@ -3,35 +3,60 @@
 #include <algorithm>
 #include <cmath>
 
+#include "quick_angles.h"
 #include "ragtop/math.h"
 
 namespace ragtop {
 namespace {
 
-float atanOf(float x) { return arcTan2(x, 1); }
-float sinOf(float x) { return sinCos(x).sin; }
-float cosOf(float x) { return sinCos(x).cos; }
-float cosOfAtan(float x) { return 1 / std::sqrt(1 + x * x); }
+float cosOfArcTan(float x) { return 1 / std::sqrt(1 + x * x); }
 float signOf(float x) { return x > 0 ? 1.0f : x < 0 ? -1.0f : 0.0f; }
 
 /// C atan(B x − E (B x − atan(B x)))
 float magicAngle(float B, float C, float E, float x) {
     const float bx = B * x;
-    return C * atanOf(bx - E * (bx - atanOf(bx)));
+    return C * quickArcTan(bx - E * (bx - quickArcTan(bx)));
 }
 
 float valueAt(const MagicCurve& curve, float slip) {
     const float x = slip + curve.shift;
     const float E = std::min(curve.E * (1 - curve.bend * signOf(x)), 1.0f);
-    return curve.D * sinOf(magicAngle(curve.B, curve.C, E, x)) + curve.lift;
+    return curve.D * quickSin(magicAngle(curve.B, curve.C, E, x)) + curve.lift;
 }
 
-/// 1 without the other slip.
+/// Of the cosine that a weight is, over its value without the other slip.
+float weightAt(const MagicWeight& weight, float B, float whole, float other) {
+    if (other == 0 || !(whole > 0.1f)) return 1;
+    return std::max(quickCos(magicAngle(B, weight.C, weight.E, other + weight.shift)) / whole, 0.0f);
+}
+
+float steepnessAt(const MagicWeight& weight, float own) {
+    return weight.B * cosOfArcTan(weight.fall * (own - weight.from));
+}
+
+float wholeOf(const MagicWeight& weight, float B) {
+    return weight.shift == 0 ? 1 : quickCos(magicAngle(B, weight.C, weight.E, weight.shift));
+}
+
 float valueAt(const MagicWeight& weight, float own, float other) {
-    const float B = weight.B * cosOfAtan(weight.fall * (own - weight.from));
-    const float whole = cosOf(magicAngle(B, weight.C, weight.E, weight.shift));
-    const float part = cosOf(magicAngle(B, weight.C, weight.E, other + weight.shift));
-    return whole > 0.1f ? std::max(part / whole, 0.0f) : 1;
+    const float B = steepnessAt(weight, own);
+    return weightAt(weight, B, wholeOf(weight, B), other);
+}
+
+/// Of a direction in which nothing slips.
+float valueAtRest(const MagicWeight& weight, float other) {
+    return weightAt(weight, weight.restB, weight.restWhole, other);
+}
+
+void takeRest(MagicWeight& weight) {
+    weight.restB = steepnessAt(weight, 0);
+    weight.restWhole = wholeOf(weight, weight.restB);
+}
+
+float driftAt(const MagicFactors& magic, float kappa, float alpha) {
+    if (magic.drift == 0) return 0;
+    return magic.drift * cosOfArcTan(magic.driftFall * alpha) *
+           quickSin(magic.driftShape * quickArcTan(magic.driftB * kappa));
 }
 
 /// Slip ratio and slip angle, as in .tir files: a wheel that drifts to the left has a positive one.
@@ -44,15 +69,13 @@ Slips slipsOf(const Vec2& slip) {
     const float across = std::clamp(-slip.y, -1.0f, 1.0f), along = std::sqrt(1 - across * across);
     constexpr float kMost = 1, kLeastAlong = 0.1f;  // at right angles a slip ratio is over nothing
     const float kappa = std::clamp(slip.x / std::max(along, kLeastAlong), -kMost, kMost);
-    return {kappa, arcTan2(across, along), along};
+    return {kappa, quickArcSin(across, along), along};
 }
 
 Vec2 forceOf(const MagicFactors& magic, const Slips& at) {
-    const float alongWeight = valueAt(magic.alongWeight, at.kappa, at.alpha);
-    const float acrossWeight = valueAt(magic.acrossWeight, at.alpha, at.kappa);
-    const float drift =
-        magic.drift * cosOfAtan(magic.driftFall * at.alpha) * sinOf(magic.driftShape * atanOf(magic.driftB * at.kappa));
-    return {alongWeight * valueAt(magic.along, at.kappa), acrossWeight * valueAt(magic.across, at.alpha) + drift};
+    return {valueAt(magic.alongWeight, at.kappa, at.alpha) * valueAt(magic.along, at.kappa),
+            valueAt(magic.acrossWeight, at.alpha, at.kappa) * valueAt(magic.across, at.alpha) +
+                driftAt(magic, at.kappa, at.alpha)};
 }
 
 /// Up to the peak, down to the slide, and on.
@@ -126,9 +149,9 @@ MagicCurve acrossAt(const Numbers& of, const TireStand& at, float load, float& s
     const float friction = of.atLoad("PDY1", "PDY2") * (1 - of("PDY3") * camber2) * of.pressed("PPY3", "PPY4");
     y.D = std::max(friction * of("LMUY"), kLeast) * at.grip;
     const float softened = (of("PKY2") + of("PKY5") * camber2) * of.pressed("PPY2") * nominal;
-    const float turned = (of.isNew() ? of("PKY4") : 2) * atanOf(load / softened);
-    stiffness = of("PKY1") * nominal / load * of.pressed("PPY1") * sinOf(turned) * (1 - of("PKY3") * std::abs(camber)) *
-                of("LKY") * at.stiffness;
+    const float turned = (of.isNew() ? of("PKY4") : 2) * quickArcTan(load / softened);
+    stiffness = of("PKY1") * nominal / load * of.pressed("PPY1") * quickSin(turned) *
+                (1 - of("PKY3") * std::abs(camber)) * of("LKY") * at.stiffness;
     stiffness = std::min(stiffness, -kLeast);
     y.B = stiffness / (y.C * y.D);
     y.E = of.atLoad("PEY1", "PEY2") * (1 + of("PEY5") * camber2) * of("LEY");
@@ -200,6 +223,10 @@ MagicFactors magicFactors(const MagicFormulaDef& def, const TireStand& stand) {
     magic.driftShape = of("RVY5");
     magic.driftB = of("RVY6");
     addAlignment(of, at, magic);
+    takeRest(magic.alongWeight);
+    takeRest(magic.acrossWeight);
+    magic.alongRest = valueAt(magic.along, 0);
+    magic.acrossRest = valueAt(magic.across, 0);
     return magic;
 }
 
@@ -211,6 +238,16 @@ Vec2 forceOverLoad(const SlipLaw& law, const Vec2& slip) {
     if (const auto* magic = std::get_if<MagicFactors>(&law)) return forceOf(*magic, slipsOf(slip));
     if (const auto* curves = std::get_if<SlipCurves>(&law)) return forceOf(*curves, slip);
     return {};
+}
+
+Vec2 forceWithoutOwn(const SlipLaw& law, const Vec2& slip) {
+    const auto* magic = std::get_if<MagicFactors>(&law);
+    if (!magic) return {};
+    const Slips across = slipsOf({0, slip.y}), along = slipsOf({slip.x, 0});
+    Vec2 force{0, driftAt(*magic, along.kappa, 0)};
+    if (magic->alongRest != 0) force.x = valueAtRest(magic->alongWeight, across.alpha) * magic->alongRest;
+    if (magic->acrossRest != 0) force.y += valueAtRest(magic->acrossWeight, along.kappa) * magic->acrossRest;
+    return force;
 }
 
 /// Mz = −t F'y + Mzr + s Fx, (4.E71) to (4.E78).
@@ -225,15 +262,15 @@ float alignmentOverLoad(const SlipLaw& law, const Vec2& slip, float forward) {
     const auto equivalent = [&](float angle) {
         const SinCos turn = sinCos(angle);
         const float tangent = turn.sin / std::max(turn.cos, 1e-3f);
-        return atanOf(std::sqrt(tangent * tangent + ratio * ratio)) * (angle < 0 ? -1.0f : 1.0f);
+        return quickArcTan(std::sqrt(tangent * tangent + ratio * ratio)) * (angle < 0 ? -1.0f : 1.0f);
     };
     const float trailing = at.alpha + magic->trailShift;
-    const float bent = 1 + magic->trailBend * (2 / kPi) * atanOf(magic->trailB * magic->trailC * trailing);
+    const float bent = 1 + magic->trailBend * (2 / kPi) * quickArcTan(magic->trailB * magic->trailC * trailing);
     const float E = std::min(magic->trailE * bent, 1.0f);
-    const float trail =
-        forward * magic->trailD * at.cosine * cosOf(magicAngle(magic->trailB, magic->trailC, E, equivalent(trailing)));
+    const float trail = forward * magic->trailD * at.cosine *
+                        quickCos(magicAngle(magic->trailB, magic->trailC, E, equivalent(trailing)));
     const float residual =
-        magic->residualD * at.cosine * cosOfAtan(magic->residualB * equivalent(at.alpha + magic->residualShift));
+        magic->residualD * at.cosine * cosOfArcTan(magic->residualB * equivalent(at.alpha + magic->residualShift));
     return residual - trail * pure + (magic->arm + magic->armPerForce * force.y) * force.x;
 }
 

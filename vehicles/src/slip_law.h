@@ -25,12 +25,14 @@ struct MagicCurve {
 /// The weight of combined slip: cos of the same over its value at no slip; B falls by cos(atan(fall (y − from))).
 struct MagicWeight {
     float B = 0, C = 0, E = 0, shift = 0, fall = 0, from = 0;
+    float restB = 0, restWhole = 1;  ///< B, and the cosine that it is over, where nothing slips in its direction
 };
 
 /// A Magic Formula for one load, camber and ground; forces and moments over load.
 struct MagicFactors {
     MagicCurve along, across;
     MagicWeight alongWeight, acrossWeight;
+    float alongRest = 0, acrossRest = 0;                         ///< of the curves, without slip
     float slipStiffness = 0, corneringStiffness = 0;             ///< K over load; the second as in .tir files, below 0
     float drift = 0, driftFall = 0, driftShape = 0, driftB = 0;  ///< RVY1 to RVY6
     float trailB = 0, trailC = 0, trailD = 0, trailE = 0, trailBend = 0, trailShift = 0;  ///< pneumatic trail, m
@@ -51,6 +53,9 @@ SlipCurves slipCurves(const SlipCurvesDef& def, const TireStand& stand);
 
 /// Force over load on the wheel, forward and left. `slip` is against the slip velocity: forward where it drives.
 Vec2 forceOverLoad(const SlipLaw& law, const Vec2& slip);
+
+/// The force that each direction has without its own slip, from that of the other one and the shifts of the law.
+Vec2 forceWithoutOwn(const SlipLaw& law, const Vec2& slip);
 
 /// Moment over load about the ground's normal, m, to the left. `forward` is 1 where the wheel travels forward, -1
 /// backwards.

@@ -123,7 +123,7 @@ TireLine tireLine(const TireLaw& law, const Vec2& u) {
     const Vec2 slip{u.x / law.relaxation, u.y / law.relaxation};
     const Vec2 tried{apart(slip.x), apart(slip.y)};
     const Vec2 force = forceOverLoad(law.slips, tried);
-    const Vec2 offset{forceOverLoad(law.slips, {0, tried.y}).x, forceOverLoad(law.slips, {tried.x, 0}).y};
+    const Vec2 offset = forceWithoutOwn(law.slips, tried);
     const float s = 1 / law.relaxation;
     return {offset,
             {s * std::max((force.x - offset.x) / tried.x, kFlattest),
@@ -164,6 +164,7 @@ TireVisit solveTire(const TireLaw& law, const TireLine& line, const Vec2& u, flo
     TireVisit visit;
     const Vec2 y = minimumInDisc(a, b, visit.sliding);
     visit.impulse = {scale.x * y.x, scale.y * y.y};
+    if (!visit.sliding) visit.grip = 1 / compliance.x;
     return visit;
 }
 

@@ -96,6 +96,7 @@ Vec2 rolledDeflection(const TireLaw& law, const Vec2& u, const Vec2& slip, float
 struct TireVisit {
     Vec2 impulse;
     bool sliding = false;  ///< (4) holds with equality
+    float grip = 0;        ///< N s along the wheel by a m/s of slip, of a tread that nothing else moves
 };
 TireVisit solveTire(const TireLaw& law, const TireLine& line, const Vec2& u, float transport, float load, float h,
                     const Sym2& K, const Vec2& free);

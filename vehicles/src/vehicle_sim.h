@@ -9,6 +9,7 @@
 #include "air.h"
 #include "drivetrain.h"
 #include "ground_body.h"
+#include "patch_row.h"
 #include "point_body.h"
 #include "ragtop/module.h"
 #include "ragtop/vehicle.h"
@@ -58,15 +59,15 @@ struct WheelSpec {
 struct WheelPatch {
     bool touching = false, above = false;
     Vec3 normal, forward, side, axle;  ///< unit, world; axle to the left
-    Vec2 lean;                         ///< of the strut, along forward and side
-    Vec3 arm;                          ///< of the contact point from the chassis's centre of mass
+    PatchRow normalRow, forwardRow, sideRow;
+    Vec2 lean;  ///< of the strut, along forward and side
+    Vec3 arm;   ///< of the contact point from the chassis's centre of mass
     DVec3 point;
     Vec3 axis;                    ///< of the strut, unit, world
     float slant = 1;              ///< cosine of strut and normal
     float rise = 0;               ///< m that the hub would have risen on a tire that has its radius
     float squash = 0;             ///< m of the tire at the beginning of the substep
     PointBody* ground = nullptr;  ///< what it stands on, shared with the other wheels there
-    Vec3 groundArm, belt;         ///< m from its centre of mass; m/s of its surface
     LoadLag lag;
     TireLaw law;
     float transport = 0, spinBefore = 0;
@@ -163,7 +164,7 @@ private:
     void takePiece(std::size_t i);
     void findGrounds();
     void beginGrounds();
-    void takeGround(std::size_t i, float h);
+    void takeGround(std::size_t i, const PointBody& body, float h);
     bool sinkGround(std::size_t i, const PointBody& body, float h);
     void letFall(std::size_t i, float h);
     BarPull barOf(std::size_t i) const;
@@ -171,7 +172,7 @@ private:
     float resistanceOf(std::size_t i) const;
     void settleTire(std::size_t i, const PointBody& moved);
     Vec3 alignTires(float h);
-    void pushPatch(std::size_t i, PointBody& body, const Vec3& impulse);
+    void pushPatch(std::size_t i, PointBody& body, float load, const Vec2& tire);
     void solve(PointBody& body, float h);
     float visitWheel(std::size_t i, PointBody& body, float h);
     void finishWheel(std::size_t i, const PointBody& body, float h, Vec3& linear, Vec3& angular);

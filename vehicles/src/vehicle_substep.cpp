@@ -10,15 +10,10 @@ constexpr int kMaxSweeps = 24;
 constexpr float kConverged = 1e-5f;  ///< largest change in a sweep, over the impulse of the weight
 constexpr float kMostFelt = 0.25f;   ///< of the way that a tire's load moves what it stands on in a substep, as squash
 
-Vec3 velocityOverGround(const WheelPatch& patch, const PointBody& body) {
-    return velocityAt(body, patch.arm) - velocityAt(*patch.ground, patch.groundArm) - patch.belt;
-}
-
 /// Velocity of the wheel's side of the patch over the ground, its hub rising along the strut: forward, left.
 Vec2 travelOf(const WheelPatch& patch, const PointBody& body, float hubSpeed) {
-    const Vec3 velocity = velocityOverGround(patch, body);
-    return {dot(velocity, patch.forward) + patch.lean.x * hubSpeed,
-            dot(velocity, patch.side) + patch.lean.y * hubSpeed};
+    return {speedAlong(patch.forwardRow, body, *patch.ground) + patch.lean.x * hubSpeed,
+            speedAlong(patch.sideRow, body, *patch.ground) + patch.lean.y * hubSpeed};
 }
 
 Vec2 slipOf(const WheelPatch& patch, const PointBody& body, float hubSpeed, float treadSpeed) {
@@ -32,11 +27,6 @@ bool isBrush(const TireDef& def) { return !def.magicFormula && !def.slipCurves; 
 
 Vec3 impulseOf(const WheelPatch& patch) {
     return patch.load * patch.normal + patch.tire.x * patch.forward + patch.tire.y * patch.side;
-}
-
-/// Inverse effective mass of the two bodies at the patch between directions d and e.
-float inverseMassAt(const WheelPatch& patch, const PointBody& body, const Vec3& d, const Vec3& e) {
-    return inverseMassBetween(body, patch.arm, d, e) + inverseMassBetween(*patch.ground, patch.groundArm, d, e);
 }
 
 /// What a rotation in single precision has turned beyond ω in h, rad/s, where that is no more than what it is rounded
@@ -96,7 +86,7 @@ void VehicleSim::solve(PointBody& body, float h) {
         if (!patch.touching) continue;
         patch.load = h * wheels[i].load;
         patch.tire = {h * wheels[i].force.x, h * wheels[i].force.y};
-        pushPatch(i, body, impulseOf(patch));
+        pushPatch(i, body, patch.load, patch.tire);
         drivetrain.spin[i] -= specs[i].radius * patch.tire.x / drivetrain.inertia()[i];
     }
     const float enough = kConverged * h * mass * gravity;
@@ -109,12 +99,16 @@ void VehicleSim::solve(PointBody& body, float h) {
         change = std::max(change, drivetrain.sweep(def, h) / meanRadius);
         if (change <= enough) break;
     }
+    // What is left of the last change of a tire would turn a wheel that is held, and the car would creep.
+    drivetrain.holdWheels();
     drivetrain.end(h);
 }
 
-void VehicleSim::pushPatch(std::size_t i, PointBody& body, const Vec3& impulse) {
-    push(body, patches[i].arm, impulse);
-    push(*patches[i].ground, patches[i].groundArm, -impulse);
+void VehicleSim::pushPatch(std::size_t i, PointBody& body, float load, const Vec2& tire) {
+    const WheelPatch& patch = patches[i];
+    push(patch.normalRow, body, *patch.ground, load);
+    push(patch.forwardRow, body, *patch.ground, tire.x);
+    push(patch.sideRow, body, *patch.ground, tire.y);
 }
 
 /// `moved` has the velocities of the way that the body really went in the last substep.
@@ -140,10 +134,10 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     }
     patch.lean = {dot(patch.forward, patch.axis), dot(patch.side, patch.axis)};
     const float radius = specs[i].radius, inertia = drivetrain.inertia()[i];
-    patch.strutK = inverseMassAt(patch, body, patch.normal, patch.normal);
-    patch.tireK = {inverseMassAt(patch, body, patch.forward, patch.forward) + radius * radius / inertia,
-                   inverseMassAt(patch, body, patch.forward, patch.side),
-                   inverseMassAt(patch, body, patch.side, patch.side)};
+    patch.strutK = inverseMassBetween(patch.normalRow, patch.normalRow);
+    patch.tireK = {inverseMassBetween(patch.forwardRow, patch.forwardRow) + radius * radius / inertia,
+                   inverseMassBetween(patch.forwardRow, patch.sideRow),
+                   inverseMassBetween(patch.sideRow, patch.sideRow)};
     const float lean = clampTo(dot(patch.axle, patch.normal), -1, 1);
     wheel.inclination = arcTan2(lean, std::sqrt(1 - lean * lean));
     const TireMotion motion{travelOf(patch, body, wheel.hubSpeed), radius * drivetrain.spin[i]};
@@ -198,13 +192,13 @@ bool VehicleSim::sinkGround(std::size_t i, const PointBody& body, float h) {
     WheelPatch& patch = patches[i];
     WheelState& wheel = wheels[i];
     const StrutSpec& strut = specs[i].strut;
-    takeGround(i, h);
+    takeGround(i, body, h);
     if (wheel.placed == WheelState::kPut) wheel.compression = std::max(patch.rise, strut.travelLeast);
     patch.squash = patch.slant * (patch.rise - wheel.compression) + strut.tireSquash;
     const float deepest = std::max(patch.squash, 0.0f);
     if (wheel.touching == 0 && wheel.placed == 0) {
         const float fallen = -patch.slant * fallOfWheel(strut, wheel.compression, h);
-        const float come = fallen - h * dot(velocityOverGround(patch, body), patch.normal);
+        const float come = fallen - h * speedAlong(patch.normalRow, body, *patch.ground);
         wheel.sunk = deepest - clampTo(come, 0, deepest);
     } else {
         wheel.sunk = clampTo(wheel.sunk - h * kLiftSpeed, 0, deepest);
@@ -232,14 +226,20 @@ void VehicleSim::beginGrounds() {
     }
 }
 
-void VehicleSim::takeGround(std::size_t i, float h) {
+void VehicleSim::takeGround(std::size_t i, const PointBody& body, float h) {
     WheelPatch& patch = patches[i];
     const GroundPlane& plane = wheels[i].ground;
     GroundBody& ground = grounds[groundOfWheel[i]];
     patch.ground = &ground.body;
-    patch.groundArm = plane.moves != 0 ? relative(patch.point, ground.center) : Vec3{};
-    patch.belt = plane.surfaceVelocity;
-    const float give = inverseMassBetween(ground.body, patch.groundArm, patch.normal, patch.normal);
+    const Vec3 groundArm = plane.moves != 0 ? relative(patch.point, ground.center) : Vec3{};
+    const auto rowAlong = [&](const Vec3& along) {
+        return rowOf(along, body, patch.arm, ground.body, groundArm, plane.surfaceVelocity);
+    };
+    patch.normalRow = rowAlong(patch.normal);
+    patch.forwardRow = rowAlong(patch.forward);
+    patch.sideRow = rowAlong(patch.side);
+    const PatchRow& row = patch.normalRow;
+    const float give = row.groundInverse + dot(row.groundMoment, row.groundTurn);
     const float felt = h * h * specs[i].strut.tireStiffness * give;
     patch.lag = {felt > kMostFelt ? kMostFelt / felt : 1, wheels[i].load};
 }
@@ -275,7 +275,7 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     const WheelState& wheel = wheels[i];
     const float radius = specs[i].radius;
 
-    const float apart = dot(velocityOverGround(patch, body), patch.normal) - patch.strutK * patch.load;
+    const float apart = speedAlong(patch.normalRow, body, *patch.ground) - patch.strutK * patch.load;
     const float rub = (patch.lean.x * patch.tire.x + patch.lean.y * patch.tire.y) / h;
     const StrutVisit strut = solveStrut(specs[i].strut, wheel.compression, patch.squash, patch.slant, h, patch.strutK,
                                         apart, rub, patch.lag, barOf(i));
@@ -283,7 +283,7 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     patch.load = load;
     patch.way = strut.way;
     patch.strutGive = 1 / (h * h * strut.stiffness);
-    pushPatch(i, body, loadChange * patch.normal);
+    push(patch.normalRow, body, *patch.ground, loadChange);
 
     // Under a load that stays, what a tire's impulse has along the strut moves the hub.
     const Sym2 K{patch.tireK.xx + patch.strutGive * patch.lean.x * patch.lean.x,
@@ -296,8 +296,12 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     const Vec2 change{visit.impulse.x - patch.tire.x, visit.impulse.y - patch.tire.y};
     patch.tire = visit.impulse;
     patch.sliding = visit.sliding;
+    // The car gives way too, by what its wheel does not.
+    const float give = K.xx - radius * radius / drivetrain.inertia()[i];
+    drivetrain.grip(i, radius, visit.grip / (1 + visit.grip * give));
     patch.way += h * patch.strutGive * (patch.lean.x * change.x + patch.lean.y * change.y);
-    pushPatch(i, body, change.x * patch.forward + change.y * patch.side);
+    push(patch.forwardRow, body, *patch.ground, change.x);
+    push(patch.sideRow, body, *patch.ground, change.y);
     drivetrain.spin[i] -= radius * change.x / drivetrain.inertia()[i];
     if (load > 0) {
         const Vec2 end{free.x + K.xx * patch.tire.x + K.xy * patch.tire.y,
