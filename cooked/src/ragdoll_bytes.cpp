@@ -59,52 +59,50 @@ Shape getShape(FieldReader& from) {
     }
 }
 
-void putPart(FieldWriter& to, const RagdollPart& part) {
-    to.put(part.name);
-    to.put(part.role);
-    to.put(part.side);
-    to.put(part.bone);
-    to.put(part.bind);
-    to.put(part.frame);
-    to.put(part);
-    putShape(to, part.shape);
+/// What is written of each struct, in its order. Which bodies a joint joins is known by its parts.
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const Bone*) {
+    archive(self.name), archive(self.parent), archive(self.bind);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const Skeleton*) {
+    archive(self.bones);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const ClipTrack*) {
+    archive(self.bone), archive(self.times), archive(self.keys);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const Clip*) {
+    archive(self.name), archive(self.seconds), archive(self.tracks);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const RagdollPart*) {
+    archive(self.name), archive(self.role), archive(self.side), archive(self.bone), archive(self.bind);
+    archive(self.frame), archive.described(self), archive(self.shape);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const JointBodies*) {
+    archive(self.frameA), archive(self.frameB), archive(self.collide);
+    archive(self.breakForce), archive(self.breakTorque), archive(self.userData);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const RagdollJoint*) {
+    archive(self.parent), archive(self.child), archive(self.joint);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const RagdollBone*) {
+    archive(self.name), archive(self.parent), archive(self.part), archive(self.inPart);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const RagdollDef*) {
+    archive(self.parts), archive(self.joints), archive(self.bones), archive(self.note);
 }
 
-RagdollPart getPart(FieldReader& from) {
-    RagdollPart part;
-    from.get(part.name);
-    part.role = getEnum(from, BodyRole::wing);
-    part.side = getEnum(from, BodySide::right);
-    from.get(part.bone);
-    from.get(part.bind);
-    from.get(part.frame);
-    from.get(part);
-    part.shape = getShape(from);
-    return part;
-}
-
-/// Which bodies a joint joins is known by its parts.
-template <class Archive, class Bodies, class Visit>
-void forEachOf(Archive&, Bodies& bodies, Visit&& visit) {
-    visit(bodies.frameA);
-    visit(bodies.frameB);
-    visit(bodies.collide);
-    visit(bodies.breakForce);
-    visit(bodies.breakTorque);
-    visit(bodies.userData);
-}
-
-void putJoint(FieldWriter& to, const RagdollJoint& joint) {
-    to.put(joint.parent);
-    to.put(joint.child);
-    to.put(static_cast<std::uint8_t>(joint.joint.index()));
-    std::visit(
-        [&](const auto& kind) {
-            forEachOf(to, kind.bodies, [&](const auto& field) { to.put(field); });
-            to.put(kind);
-        },
-        joint.joint);
-}
+template <class T>
+concept HasFields = requires(T& self) {
+    fieldsOf(std::declval<struct Nobody&>(), self, &std::as_const(self));
+};
 
 template <std::size_t Kind = 0>
 JointDef jointOfKind(std::size_t kind) {
@@ -116,103 +114,74 @@ JointDef jointOfKind(std::size_t kind) {
     }
 }
 
-RagdollJoint getJoint(FieldReader& from) {
-    RagdollJoint joint;
-    from.get(joint.parent);
-    from.get(joint.child);
-    joint.joint = jointOfKind(from.take<std::uint8_t>());
-    std::visit(
-        [&](auto& kind) {
-            forEachOf(from, kind.bodies, [&](auto& field) { from.get(field); });
-            from.get(kind);
-        },
-        joint.joint);
-    return joint;
-}
+struct Putting {
+    FieldWriter& to;
 
-template <class All, class One>
-void putList(FieldWriter& to, const All& all, One&& one) {
-    to.put(static_cast<std::uint32_t>(all.size()));
-    for (const auto& each : all) one(to, each);
-}
-template <class T, class One>
-void getList(FieldReader& from, std::vector<T>& all, One&& one) {
-    all.resize(from.count(1));
-    for (T& each : all) each = one(from);
+    template <class T>
+    void operator()(const T& field) {
+        if constexpr (HasFields<T>)
+            fieldsOf(*this, field, &field);
+        else
+            to.put(field);
+    }
+    template <HasFields T>
+    void operator()(const std::vector<T>& all) {
+        to.put(static_cast<std::uint32_t>(all.size()));
+        for (const T& each : all) (*this)(each);
+    }
+    void operator()(const Shape& shape) { putShape(to, shape); }
+    void operator()(const JointDef& joint) {
+        to.put(static_cast<std::uint8_t>(joint.index()));
+        std::visit([&](const auto& kind) { (*this)(kind.bodies), described(kind); }, joint);
+    }
+    template <class T>
+    void described(const T& self) {
+        to.put(self);
+    }
+};
+
+struct Getting {
+    FieldReader& from;
+
+    template <class T>
+    void operator()(T& field) {
+        if constexpr (HasFields<T>)
+            fieldsOf(*this, field, &field);
+        else
+            from.get(field);
+    }
+    template <HasFields T>
+    void operator()(std::vector<T>& all) {
+        all.resize(from.count(1));
+        for (T& each : all) (*this)(each);
+    }
+    void operator()(BodyRole& role) { role = getEnum(from, BodyRole::wing); }
+    void operator()(BodySide& side) { side = getEnum(from, BodySide::right); }
+    void operator()(Shape& shape) { shape = getShape(from); }
+    void operator()(JointDef& joint) {
+        joint = jointOfKind(from.take<std::uint8_t>());
+        std::visit([&](auto& kind) { (*this)(kind.bodies), described(kind); }, joint);
+    }
+    template <class T>
+    void described(T& self) {
+        from.get(self);
+    }
+};
+
+template <class T>
+T getAll(FieldReader& from) {
+    T all;
+    Getting{from}(all);
+    return all;
 }
 
 }  // namespace
 
-void put(FieldWriter& to, const Skeleton& skeleton) {
-    putList(to, skeleton.bones, [](FieldWriter& into, const Bone& bone) {
-        into.put(bone.name);
-        into.put(bone.parent);
-        into.put(bone.bind);
-    });
-}
-
-Skeleton getSkeleton(FieldReader& from) {
-    Skeleton skeleton;
-    getList(from, skeleton.bones, [](FieldReader& source) {
-        Bone bone;
-        source.get(bone.name);
-        source.get(bone.parent);
-        source.get(bone.bind);
-        return bone;
-    });
-    return skeleton;
-}
-
-void put(FieldWriter& to, const Clip& clip) {
-    to.put(clip.name);
-    to.put(clip.seconds);
-    putList(to, clip.tracks, [](FieldWriter& into, const ClipTrack& track) {
-        into.put(track.bone);
-        into.put(track.times);
-        into.put(track.keys);
-    });
-}
-
-Clip getClip(FieldReader& from) {
-    Clip clip;
-    from.get(clip.name);
-    from.get(clip.seconds);
-    getList(from, clip.tracks, [](FieldReader& source) {
-        ClipTrack track;
-        source.get(track.bone);
-        source.get(track.times);
-        source.get(track.keys);
-        return track;
-    });
-    return clip;
-}
-
-void put(FieldWriter& to, const RagdollDef& ragdoll) {
-    putList(to, ragdoll.parts, putPart);
-    putList(to, ragdoll.joints, putJoint);
-    putList(to, ragdoll.bones, [](FieldWriter& into, const RagdollBone& bone) {
-        into.put(bone.name);
-        into.put(bone.parent);
-        into.put(bone.part);
-        into.put(bone.inPart);
-    });
-    to.put(ragdoll.note);
-}
-
-RagdollDef getRagdoll(FieldReader& from) {
-    RagdollDef ragdoll;
-    getList(from, ragdoll.parts, getPart);
-    getList(from, ragdoll.joints, getJoint);
-    getList(from, ragdoll.bones, [](FieldReader& source) {
-        RagdollBone bone;
-        source.get(bone.name);
-        source.get(bone.parent);
-        source.get(bone.part);
-        source.get(bone.inPart);
-        return bone;
-    });
-    from.get(ragdoll.note);
-    return ragdoll;
-}
+void put(FieldWriter& to, const Skeleton& skeleton) { Putting{to}(skeleton); }
+void put(FieldWriter& to, const Clip& clip) { Putting{to}(clip); }
+void put(FieldWriter& to, const RagdollDef& ragdoll) { Putting{to}(ragdoll); }
+Skeleton getSkeleton(FieldReader& from) { return getAll<Skeleton>(from); }
+Clip getClip(FieldReader& from) { return getAll<Clip>(from); }
+RagdollDef getRagdoll(FieldReader& from) { return getAll<RagdollDef>(from); }
 
 }  // namespace ragtop

@@ -49,7 +49,13 @@ void Air::add(const DVec3& from, const DVec3& direction) {
 
 double Air::depthIn(const PointHull& hull, double enough) const {
     double deepest = 0;
+    if (hull.points.empty()) return 0;
+    DVec3 lower = hull.points[0], upper = lower;
+    for (const DVec3& p : hull.points) lower = lowest(lower, p), upper = highest(upper, p);
     for (const Ray& ray : rays_) {
+        const DVec3& p = ray.from;
+        if (p.x < lower.x || p.y < lower.y || p.z < lower.z || p.x > upper.x || p.y > upper.y || p.z > upper.z)
+            continue;
         double exit = ray.open ? ray.length : ray.length / 2;
         for (const DPlane& plane : hull.planes) {
             const double height = plane.height(ray.from), speed = dot(plane.normal, ray.direction);

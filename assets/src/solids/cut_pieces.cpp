@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "solids/few_corners.h"
 #include "solids/pieces.h"
 
 namespace ragtop {
@@ -8,46 +9,45 @@ namespace {
 constexpr std::size_t kSpare = 2;      // cuts go on to so many times the pieces allowed: joining finds the better ones
 constexpr double kAirOfCutting = 0.3;  // of the air allowed: the rest is for joining
 
-struct Piece {
+struct Uncut {
     CutSolid solid;
     PointHull hull;
     double volume = 0;
     bool done = false;
 
-    explicit Piece(CutSolid s) : solid(std::move(s)), hull(hullOf(solid.vertices)), volume(volumeOf(solid)) {}
+    explicit Uncut(CutSolid s) : solid(std::move(s)), hull(hullOf(solid.vertices)), volume(volumeOf(solid)) {}
     double air() const { return std::max(0.0, hull.volume - volume); }
 };
 
 /// That with most air of those not done, by which of them exceed the error where there is little air.
-Piece* worst(std::vector<Piece>& pieces, const PieceLimits& limits, const Air& air) {
+Uncut* worst(std::vector<Uncut>& pieces, const PieceLimits& limits, const Air& air) {
     double total = 0;
-    for (const Piece& piece : pieces) total += piece.air();
-    Piece* found = nullptr;
-    for (Piece& piece : pieces) {
+    for (const Uncut& piece : pieces) total += piece.air();
+    Uncut* found = nullptr;
+    for (Uncut& piece : pieces) {
         if (piece.done || (found && piece.air() <= found->air())) continue;
         constexpr double kNoAir = 1e-6;  // of the piece
-        if (piece.air() <= kNoAir * piece.volume) {
-            piece.done = true;
-            continue;
+        const bool none = piece.air() <= kNoAir * piece.volume;
+        if (none || total <= kAirOfCutting * limits.air) {
+            const PointHull few = withFewCorners(piece.hull, limits.corners);
+            const bool exact = none && few.points.size() == piece.hull.points.size();
+            piece.done = exact || air.depthIn(few, limits.error) <= limits.error;
         }
-        if (total <= kAirOfCutting * limits.air && air.depthIn(piece.hull, limits.error) <= limits.error) {
-            piece.done = true;
-            continue;
-        }
+        if (piece.done) continue;
         found = &piece;
     }
     return found;
 }
 
-std::vector<PointHull> hullsOf(const std::vector<Piece>& pieces) {
-    std::vector<PointHull> hulls;
-    for (const Piece& piece : pieces) hulls.push_back(piece.hull);
-    return hulls;
+std::vector<Piece> copyOf(const std::vector<Uncut>& uncut) {
+    std::vector<Piece> pieces;
+    for (const Uncut& piece : uncut) pieces.push_back({{piece.solid}, piece.hull});
+    return pieces;
 }
 
 /// Replaces a piece by what a cut makes of it.
-void cut(std::vector<Piece>& pieces, std::size_t at, const DPlane& plane) {
-    const Piece whole = std::move(pieces[at]);
+void cut(std::vector<Uncut>& pieces, std::size_t at, const DPlane& plane) {
+    const Uncut whole = std::move(pieces[at]);
     pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(at));
     for (const DPlane& side : {plane, flipped(plane)})
         for (CutSolid& rest : separated(partBelow(whole.solid, side))) pieces.emplace_back(std::move(rest));
@@ -56,12 +56,12 @@ void cut(std::vector<Piece>& pieces, std::size_t at, const DPlane& plane) {
 }  // namespace
 
 void cutToPieces(CutSolid solid, const PieceLimits& limits, const Air& air, const TaskRunner& tasks,
-                 const std::function<bool(std::vector<PointHull>)>& isEnough) {
-    std::vector<Piece> pieces;
+                 const std::function<bool(std::vector<Piece>)>& isEnough) {
+    std::vector<Uncut> pieces;
     for (CutSolid& part : separated(std::move(solid))) pieces.emplace_back(std::move(part));
     std::size_t next = limits.pieces;
     while (pieces.size() < kSpare * limits.pieces) {
-        Piece* piece = worst(pieces, limits, air);
+        Uncut* piece = worst(pieces, limits, air);
         if (!piece) break;
         const std::optional<DPlane> plane = bestCut(piece->solid, tasks);
         if (!plane) {
@@ -69,12 +69,12 @@ void cutToPieces(CutSolid solid, const PieceLimits& limits, const Air& air, cons
             continue;
         }
         if (pieces.size() >= next) {
-            if (isEnough(hullsOf(pieces))) return;
+            if (isEnough(copyOf(pieces))) return;
             next = pieces.size() + (limits.pieces + 1) / 2;
         }
         cut(pieces, static_cast<std::size_t>(piece - pieces.data()), *plane);
     }
-    isEnough(hullsOf(pieces));
+    isEnough(copyOf(pieces));
 }
 
 }  // namespace ragtop

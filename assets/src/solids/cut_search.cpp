@@ -1,7 +1,9 @@
 #include "solids/cut_search.h"
-#include "ragtop/tunables.h"
 
 #include <algorithm>
+
+#include "ragtop/tunables.h"
+#include "solids/run_tasks.h"
 
 namespace ragtop {
 namespace {
@@ -9,9 +11,9 @@ namespace {
 constexpr double kNoVolume = 1e-9;
 
 /// The hulls of the parts together, beyond their volume; infinite where there is none.
-double airOf(Remainder& part) {
+double airOf(const Remainder& part) {
     double hulls = 0;
-    for (std::vector<DVec3>& corners : part.corners) hulls += hullOf(std::move(corners)).volume;
+    for (const std::vector<DVec3>& corners : part.corners) hulls += hullVolume(corners);
     return hulls < kNoVolume ? kUnbounded : std::max(0.0, hulls - part.volume);
 }
 
@@ -19,7 +21,7 @@ double airOf(Remainder& part) {
 /// end in many corners, or are small.
 double cost(const CutSolid& solid, const std::vector<ConcaveEdge>& concave, const DPlane& plane) {
     constexpr double kUneven = 0.3, kConcave = 0.6, kArea = 0.2;
-    Remainder below = remainderBelow(solid, plane), above = remainderBelow(solid, flipped(plane));
+    const Remainder below = remainderBelow(solid, plane), above = remainderBelow(solid, flipped(plane));
     const double parts = static_cast<double>(below.corners.size() + above.corners.size()) / 2;
     const double low = airOf(below), high = airOf(above), air = low + high;
     if (air == kUnbounded) return kUnbounded;
@@ -44,16 +46,7 @@ struct Costs {
 
     Costs(const CutSolid& s, const TaskRunner& tasks)
         : solid(s), concave(concaveEdges(s)), planes(planesToTry(s, concave)), costs(planes.size(), kUnbounded) {
-        const auto task = [](void* context, int index) {
-            auto& self = *static_cast<Costs*>(context);
-            const auto i = static_cast<std::size_t>(index);
-            self.costs[i] = cost(self.solid, self.concave, self.planes[i]);
-        };
-        const int count = static_cast<int>(planes.size());
-        if (tasks.run)
-            tasks.run(tasks.user, count, task, this);
-        else
-            for (int i = 0; i < count; ++i) task(this, i);
+        runTasks(tasks, planes.size(), [this](std::size_t i) { costs[i] = cost(solid, concave, planes[i]); });
     }
     std::size_t best() const {
         return static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());

@@ -36,14 +36,29 @@ void tidy(std::vector<std::array<std::uint32_t, 2>>& edges) {
     edges = std::move(rest);
 }
 
+/// Which of the vertices of a solid a part of it has so far, and as which of its own.
+class KeptVertices {
+public:
+    explicit KeptVertices(const CutSolid& solid) : from_(solid.vertices), name_(solid.vertices.size(), kNone) {}
+
+    std::uint32_t of(std::uint32_t i, std::vector<DVec3>& kept) {
+        if (name_[i] == kNone) {
+            name_[i] = static_cast<std::uint32_t>(kept.size());
+            kept.push_back(from_[i]);
+        }
+        return name_[i];
+    }
+
+private:
+    const std::vector<DVec3>& from_;
+    std::vector<std::uint32_t> name_;
+};
+
 /// Builds the part below a plane.
 class Below {
 public:
     Below(const CutSolid& solid, const DPlane& plane)
-        : solid_(solid),
-          plane_(plane),
-          heights_(heightsAbove(solid.vertices, plane)),
-          vertex_(solid.vertices.size(), kNone) {
+        : solid_(solid), plane_(plane), heights_(heightsAbove(solid.vertices, plane)), kept_(solid) {
         cap_.plane = plane;
     }
 
@@ -57,13 +72,7 @@ public:
     }
 
 private:
-    std::uint32_t kept(std::uint32_t i) {
-        if (vertex_[i] == kNone) {
-            vertex_[i] = static_cast<std::uint32_t>(part_.vertices.size());
-            part_.vertices.push_back(solid_.vertices[i]);
-        }
-        return vertex_[i];
-    }
+    std::uint32_t kept(std::uint32_t i) { return kept_.of(i, part_.vertices); }
     std::uint32_t cut(std::uint32_t i, std::uint32_t j) {
         const auto [at, fresh] = cuts_.try_emplace({std::min(i, j), std::max(i, j)}, 0u);
         if (fresh) {
@@ -133,7 +142,7 @@ private:
     const CutSolid& solid_;
     DPlane plane_;
     std::vector<double> heights_;
-    std::vector<std::uint32_t> vertex_;
+    KeptVertices kept_;
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> cuts_;
     CutSolid part_;
     Cap cap_;
@@ -143,7 +152,7 @@ private:
 class Extraction {
 public:
     Extraction(const CutSolid& solid, Groups& groups, std::uint32_t group)
-        : solid_(solid), groups_(groups), group_(group), vertex_(solid.vertices.size(), kNone) {}
+        : solid_(solid), groups_(groups), group_(group), kept_(solid) {}
 
     CutSolid make() {
         for (const Triangle& t : solid_.triangles)
@@ -158,18 +167,12 @@ public:
     }
 
 private:
-    std::uint32_t kept(std::uint32_t i) {
-        if (vertex_[i] == kNone) {
-            vertex_[i] = static_cast<std::uint32_t>(part_.vertices.size());
-            part_.vertices.push_back(solid_.vertices[i]);
-        }
-        return vertex_[i];
-    }
+    std::uint32_t kept(std::uint32_t i) { return kept_.of(i, part_.vertices); }
 
     const CutSolid& solid_;
     Groups& groups_;
     std::uint32_t group_;
-    std::vector<std::uint32_t> vertex_;
+    KeptVertices kept_;
     CutSolid part_;
 };
 

@@ -61,11 +61,11 @@ float volumeOf(const TriangleMesh& mesh) {
 }
 
 /// How far hulls are beyond the limits, 1 where they just keep to them.
-double excess(const std::vector<PointHull>& hulls, double volume, const PieceLimits& limits, const Air& air) {
+double excess(const std::vector<Piece>& pieces, double volume, const PieceLimits& limits, const Air& air) {
     double sum = 0, deepest = 0;
-    for (const PointHull& hull : hulls) {
-        sum += hull.volume;
-        deepest = std::max(deepest, air.depthIn(hull, kUnbounded));
+    for (const Piece& piece : pieces) {
+        sum += piece.hull.volume;
+        deepest = std::max(deepest, air.depthIn(piece.hull, kUnbounded));
     }
     return std::max((sum - volume) / limits.air, deepest / limits.error);
 }
@@ -73,15 +73,18 @@ double excess(const std::vector<PointHull>& hulls, double volume, const PieceLim
 /// The first that keep to the limits when they are joined, or else those that come closest.
 std::vector<PointHull> bestPieces(const CutSolid& solid, double volume, const PieceLimits& limits, const Air& air,
                                   const TaskRunner& tasks) {
-    std::vector<PointHull> best;
+    std::vector<Piece> best;
     double least = kUnbounded;
-    cutToPieces(solid, limits, air, tasks, [&](std::vector<PointHull> stage) {
-        std::vector<PointHull> joined = joinPieces(std::move(stage), volume, limits, air, tasks);
+    cutToPieces(solid, limits, air, tasks, [&](std::vector<Piece> stage) {
+        std::vector<Piece> joined = joinPieces(std::move(stage), volume, limits, air, tasks);
         const double beyond = excess(joined, volume, limits, air);
         if (best.empty() || beyond < least) best = std::move(joined), least = beyond;
         return least <= 1;
     });
-    return best;
+    if (least > 1) evenOut(best, volume, limits, air, tasks);
+    std::vector<PointHull> hulls;
+    for (Piece& piece : best) hulls.push_back(std::move(piece.hull));
+    return hulls;
 }
 
 /// Adds each of the points that is in no hull to the nearest one.
@@ -94,17 +97,14 @@ void hold(std::vector<PointHull>& hulls, const std::vector<DVec3>& points) {
             if (const double over = heightOver(hulls[i], p); over < least) least = over, nearest = i;
         if (least > 0) lacking[nearest].push_back(p);
     }
-    for (std::size_t i = 0; i < hulls.size(); ++i) {
-        if (lacking[i].empty()) continue;
-        lacking[i].insert(lacking[i].end(), hulls[i].points.begin(), hulls[i].points.end());
-        hulls[i] = hullOf(std::move(lacking[i]));
-    }
+    for (std::size_t i = 0; i < hulls.size(); ++i)
+        if (!lacking[i].empty()) hulls[i] = holding(std::move(hulls[i]), std::move(lacking[i]));
 }
 
 /// The same solid of few triangles, to a part of the error; itself where it has few, or nothing simpler is closed.
 CutSolid simpler(const WeldedSurface& surface, const Units& units, float maxError) {
     constexpr std::size_t kFew = 600;
-    constexpr float kShare = 0.5f;
+    constexpr float kShare = 0.25f;
     CutSolid solid = solidOf(surface, units);
     if (surface.triangles.size() <= kFew) return solid;
     CutSolid less = solidOf(collapsed(surface, kFew, kShare * maxError), units);
@@ -127,7 +127,8 @@ Decomposition decompose(const TriangleMesh& mesh, const DecompositionOptions& op
     constexpr double kShare = 0.9;  // of the air allowed: the rest is for leaving out corners
     const double allowed = kShare * (static_cast<double>(options.maxVolume) - 1) * wholeVolume;
     const PieceLimits limits{static_cast<std::size_t>(options.maxPieces),
-                             units.scale * static_cast<double>(options.maxError), allowed + wholeVolume - volume};
+                             units.scale * static_cast<double>(options.maxError), allowed + wholeVolume - volume,
+                             static_cast<std::size_t>(options.maxVertices)};
     std::vector<PointHull> hulls = bestPieces(solid, volume, limits, air, tasks);
     hold(hulls, whole.vertices);
     double deepest = 0;

@@ -57,7 +57,9 @@ std::vector<DVec3> outermost(const PointHull& hull, std::size_t most) {
         if (next.empty()) break;
         constexpr std::size_t kShare = 4;  // of those that are still to come, at a time
         const std::size_t until = kept.size() + 1 + (most - kept.size()) / kShare;
+        const std::size_t before = kept.size();
         for (std::size_t i = 0; i < next.size() && kept.size() < until; ++i) add(next[i]);
+        if (kept.size() == before) break;
         inner = hullOf(kept);
     }
     return kept;
@@ -103,6 +105,20 @@ void inflate(PointHull& hull, const std::vector<DVec3>& points) {
 }
 
 }  // namespace
+
+PointHull holding(PointHull hull, std::vector<DVec3> points) {
+    constexpr double kHeld = 2e-5;
+    constexpr int kRounds = 32;
+    for (int round = 0; round < kRounds && !hull.planes.empty(); ++round) {
+        std::erase_if(points, [&](const DVec3& p) { return heightOver(hull, p) <= kHeld; });
+        std::vector<DVec3> more = farthestOver(hull, points);
+        if (more.empty()) return hull;
+        more.insert(more.end(), hull.points.begin(), hull.points.end());
+        hull = hullOf(std::move(more));
+    }
+    points.insert(points.end(), hull.points.begin(), hull.points.end());
+    return hullOf(std::move(points));
+}
 
 PointHull withFewCorners(const PointHull& hull, std::size_t most) {
     if (hull.points.size() <= most || hull.planes.empty()) return hull;

@@ -2,17 +2,20 @@
 #include <limits>
 #include <tuple>
 
+#include "solids/few_corners.h"
 #include "solids/pieces.h"
+#include "solids/run_tasks.h"
 
 namespace ragtop {
 namespace {
 
 struct Pair {
     std::size_t a, b;
-    PointHull hull;
     double growth = 0;     ///< of the sum of volumes
     bool refused = false;  ///< exceeds the error
 };
+
+}  // namespace
 
 bool areNear(const PointHull& a, const PointHull& b) {
     constexpr double kGap = 1e-4;
@@ -25,45 +28,52 @@ bool areNear(const PointHull& a, const PointHull& b) {
     return !apart(&DVec3::x) && !apart(&DVec3::y) && !apart(&DVec3::z);
 }
 
+namespace {
+
+std::vector<DVec3> pointsOfBoth(const PointHull& a, const PointHull& b) {
+    std::vector<DVec3> points = a.points;
+    points.insert(points.end(), b.points.begin(), b.points.end());
+    return points;
+}
+
 class Joining {
 public:
-    Joining(std::vector<PointHull> hulls, const PieceLimits& limits, const Air& air, const TaskRunner& tasks)
-        : hulls_(std::move(hulls)), alive_(hulls_.size(), true), limits_(limits), air_(air), tasks_(tasks) {
-        count_ = hulls_.size();
-        for (const PointHull& hull : hulls_) volume_ += hull.volume;
-        std::vector<Pair> fresh;
-        for (std::size_t b = 1; b < hulls_.size(); ++b)
-            for (std::size_t a = 0; a < b; ++a) fresh.push_back({a, b, {}});
-        measure(std::move(fresh), true);
+    Joining(std::vector<Piece> pieces, const PieceLimits& limits, const Air& air, const TaskRunner& tasks)
+        : pieces_(std::move(pieces)), alive_(pieces_.size(), true), limits_(limits), air_(air), tasks_(tasks) {
+        count_ = pieces_.size();
+        for (const Piece& piece : pieces_) volume_ += piece.hull.volume;
+        measure(pairsOfAll(), true);
     }
 
-    std::vector<PointHull> run(double solidVolume) {
+    std::vector<Piece> run(double solidVolume) {
         while (count_ > 1) {
             Pair* best = cheapest();
             if (!best && !many()) break;
             if (!best) {  // what is left lies apart
-                measureApart();
+                measure(pairsOfAll(), false);
                 best = cheapest();
                 if (!best) break;
             }
             const bool spoils = volume_ + best->growth > solidVolume + limits_.air;
             if (!many() && !isEmpty(*best) && spoils) break;
-            if (!best->refused && !isEmpty(*best) && air_.depthIn(best->hull, limits_.error) > limits_.error) {
+            PointHull both = withFewCorners(hullOf(pointsOfBoth(hull(best->a), hull(best->b))), limits_.corners);
+            if (!best->refused && !isEmpty(*best) && air_.depthIn(both, limits_.error) > limits_.error) {
                 best->refused = true;
                 continue;
             }
-            join(*best);
+            join(*best, std::move(both));
         }
-        std::vector<PointHull> rest;
-        for (std::size_t i = 0; i < hulls_.size(); ++i)
-            if (alive_[i]) rest.push_back(std::move(hulls_[i]));
+        std::vector<Piece> rest;
+        for (std::size_t i = 0; i < pieces_.size(); ++i)
+            if (alive_[i]) rest.push_back(std::move(pieces_[i]));
         return rest;
     }
 
 private:
+    const PointHull& hull(std::size_t i) const { return pieces_[i].hull; }
     bool many() const { return count_ > limits_.pieces; }
     /// Does one of the two have no volume, and so has to go with another?
-    bool isEmpty(const Pair& pair) const { return !(hulls_[pair.a].volume > 0) || !(hulls_[pair.b].volume > 0); }
+    bool isEmpty(const Pair& pair) const { return !(hull(pair.a).volume > 0) || !(hull(pair.b).volume > 0); }
 
     Pair* cheapest() {
         Pair* best = nullptr;
@@ -75,50 +85,39 @@ private:
         return best;
     }
 
+    std::vector<Pair> pairsOfAll() const {
+        std::vector<Pair> all;
+        for (std::size_t b = 1; b < pieces_.size(); ++b)
+            for (std::size_t a = 0; a < b; ++a)
+                if (alive_[a] && alive_[b]) all.push_back({a, b});
+        return all;
+    }
+
     void measure(std::vector<Pair> fresh, bool nearOnly) {
-        if (nearOnly) std::erase_if(fresh, [&](const Pair& pair) { return !areNear(hulls_[pair.a], hulls_[pair.b]); });
-        struct Context {
-            const std::vector<PointHull>& hulls;
-            std::vector<Pair>& pairs;
-        } context{hulls_, fresh};
-        const auto task = [](void* user, int index) {
-            auto& [hulls, pairs] = *static_cast<Context*>(user);
-            Pair& pair = pairs[static_cast<std::size_t>(index)];
-            std::vector<DVec3> points = hulls[pair.a].points;
-            points.insert(points.end(), hulls[pair.b].points.begin(), hulls[pair.b].points.end());
-            pair.hull = hullOf(std::move(points));
-            pair.growth = pair.hull.volume - hulls[pair.a].volume - hulls[pair.b].volume;
-        };
-        const int count = static_cast<int>(fresh.size());
-        if (tasks_.run)
-            tasks_.run(tasks_.user, count, task, &context);
-        else
-            for (int i = 0; i < count; ++i) task(&context, i);
+        if (nearOnly) std::erase_if(fresh, [&](const Pair& pair) { return !areNear(hull(pair.a), hull(pair.b)); });
+        runTasks(tasks_, fresh.size(), [&](std::size_t i) {
+            Pair& pair = fresh[i];
+            const double both = hullVolume(pointsOfBoth(hull(pair.a), hull(pair.b)));
+            pair.growth = both - hull(pair.a).volume - hull(pair.b).volume;
+        });
         for (Pair& pair : fresh) pairs_.push_back(std::move(pair));
     }
 
-    void measureApart() {
-        std::vector<Pair> fresh;
-        for (std::size_t b = 1; b < hulls_.size(); ++b)
-            for (std::size_t a = 0; a < b; ++a)
-                if (alive_[a] && alive_[b]) fresh.push_back({a, b, {}});
-        measure(std::move(fresh), false);
-    }
-
-    void join(Pair& pair) {
+    void join(const Pair& pair, PointHull both) {
         const std::size_t a = pair.a, b = pair.b;
-        volume_ += pair.growth;
-        hulls_[a] = std::move(pair.hull);
+        volume_ += both.volume - hull(a).volume - hull(b).volume;
+        pieces_[a].hull = std::move(both);
+        for (CutSolid& solid : pieces_[b].solids) pieces_[a].solids.push_back(std::move(solid));
         alive_[b] = false;
         --count_;
         std::erase_if(pairs_, [&](const Pair& p) { return p.a == a || p.b == a || p.a == b || p.b == b; });
         std::vector<Pair> fresh;
-        for (std::size_t i = 0; i < hulls_.size(); ++i)
-            if (alive_[i] && i != a) fresh.push_back({std::min(a, i), std::max(a, i), {}});
+        for (std::size_t i = 0; i < pieces_.size(); ++i)
+            if (alive_[i] && i != a) fresh.push_back({std::min(a, i), std::max(a, i)});
         measure(std::move(fresh), true);
     }
 
-    std::vector<PointHull> hulls_;
+    std::vector<Piece> pieces_;
     std::vector<bool> alive_;
     std::vector<Pair> pairs_;
     const PieceLimits& limits_;
@@ -130,9 +129,9 @@ private:
 
 }  // namespace
 
-std::vector<PointHull> joinPieces(std::vector<PointHull> hulls, double solidVolume, const PieceLimits& limits,
-                                  const Air& air, const TaskRunner& tasks) {
-    return Joining(std::move(hulls), limits, air, tasks).run(solidVolume);
+std::vector<Piece> joinPieces(std::vector<Piece> pieces, double solidVolume, const PieceLimits& limits, const Air& air,
+                              const TaskRunner& tasks) {
+    return Joining(std::move(pieces), limits, air, tasks).run(solidVolume);
 }
 
 }  // namespace ragtop

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "solids/quick_hull.h"
+
 namespace ragtop {
 namespace {
 
@@ -26,6 +28,19 @@ double thicknessOf(const std::vector<DVec3>& points) {
     return std::abs(dot(n, farthest([&](const DVec3& p) { return std::abs(dot(n, p - a)); }) - a)) / area;
 }
 
+/// Of points by rising x those that are apart: triangles between others would face anywhere.
+std::vector<DVec3> withoutTwins(const std::vector<DVec3>& points) {
+    constexpr double kApart = 1e-7;
+    std::vector<DVec3> apart;
+    for (const DVec3& p : points) {
+        bool twin = false;
+        for (auto q = apart.rbegin(); q != apart.rend() && p.x - q->x < kApart && !twin; ++q)
+            twin = std::abs(p.y - q->y) < kApart && std::abs(p.z - q->z) < kApart;
+        if (!twin) apart.push_back(p);
+    }
+    return apart;
+}
+
 void keepCorners(PointHull& hull) {
     std::vector<int> place(hull.points.size(), -1);
     std::vector<DVec3> corners;
@@ -40,17 +55,32 @@ void keepCorners(PointHull& hull) {
     hull.points = std::move(corners);
 }
 
+double volumeWithin(const std::vector<DVec3>& points, const std::vector<HullTriangle>& triangles) {
+    const auto from = [&](int i) { return points[static_cast<std::size_t>(i)] - points[0]; };
+    double sixfold = 0;
+    for (const HullTriangle& t : triangles) sixfold += dot(from(t[0]), cross(from(t[1]), from(t[2])));
+    return sixfold / 6;
+}
+
+/// Through three corners; a triangle so thin that rounding turns it gets a plane that all points are behind.
+DPlane planeOver(const std::vector<DVec3>& points, const DVec3& a, const DVec3& b, const DVec3& c) {
+    constexpr double kNarrow = 1e-5;
+    const DVec3 n = cross(b - a, c - a);
+    const double area = length(n),
+                 longest = std::sqrt(std::max({dot(b - a, b - a), dot(c - a, c - a), dot(c - b, c - b)}));
+    const DVec3 normal = area > 0 ? (1 / area) * n : DVec3{1, 0, 0};
+    double offset = std::max({dot(normal, a), dot(normal, b), dot(normal, c)});
+    if (area < kNarrow * longest)
+        for (const DVec3& p : points) offset = std::max(offset, dot(normal, p));
+    return {normal, offset};
+}
+
 void addPlanes(PointHull& hull) {
-    const DVec3 origin = hull.points[0];
+    hull.volume = volumeWithin(hull.points, hull.triangles);
     for (const HullTriangle& t : hull.triangles) {
         const DVec3 a = hull.points[static_cast<std::size_t>(t[0])], b = hull.points[static_cast<std::size_t>(t[1])],
                     c = hull.points[static_cast<std::size_t>(t[2])];
-        hull.volume += dot(a - origin, cross(b - origin, c - origin)) / 6;
-        const DVec3 n = cross(b - a, c - a);
-        const double area = length(n);
-        if (!(area > 0)) continue;
-        const DVec3 normal = (1 / area) * n;
-        hull.planes.push_back({normal, std::max({dot(normal, a), dot(normal, b), dot(normal, c)})});
+        hull.planes.push_back(planeOver(hull.points, a, b, c));
     }
 }
 
@@ -60,9 +90,8 @@ PointHull hullOf(std::vector<DVec3> points) {
     constexpr double kFlat = 1e-6;  // half of kOnPlane: flatter parts are what a cut along a face leaves
     const auto place = [](const DVec3& p) { return std::tie(p.x, p.y, p.z); };
     std::sort(points.begin(), points.end(), [&](const DVec3& p, const DVec3& q) { return place(p) < place(q); });
-    points.erase(std::unique(points.begin(), points.end()), points.end());
     PointHull hull;
-    hull.points = std::move(points);
+    hull.points = withoutTwins(points);
     if (hull.points.size() < 4 || !(thicknessOf(hull.points) > kFlat)) return hull;
     try {
         hull.triangles = convexTriangles(hull.points);
@@ -72,6 +101,12 @@ PointHull hullOf(std::vector<DVec3> points) {
     keepCorners(hull);
     addPlanes(hull);
     return hull;
+}
+
+double hullVolume(const std::vector<DVec3>& points) {
+    const std::vector<HullTriangle> triangles = quickHull(points);
+    if (triangles.empty()) return hullOf(points).volume;
+    return volumeWithin(points, triangles);
 }
 
 double heightOver(const PointHull& hull, const DVec3& p) {

@@ -16,6 +16,8 @@ struct PointHull {
 };
 
 PointHull hullOf(std::vector<DVec3> points);
+/// Of the convex hull, in less time.
+double hullVolume(const std::vector<DVec3>& points);
 
 /// By how far a point is outside of the hull's planes; below zero inside.
 double heightOver(const PointHull& hull, const DVec3& p);

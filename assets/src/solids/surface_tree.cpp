@@ -6,9 +6,6 @@
 namespace ragtop {
 namespace {
 
-DVec3 lowest(const DVec3& a, const DVec3& b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
-DVec3 highest(const DVec3& a, const DVec3& b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
-
 double squaredDistance(const DVec3& p, const DVec3& lower, const DVec3& upper) {
     const DVec3 d = p - highest(lower, lowest(p, upper));
     return dot(d, d);

@@ -104,6 +104,16 @@ public:
         std::memcpy(&head, bytes.data(), sizeof head);
     }
 
+    /// Lets a table be where it lies.
+    template <class T>
+    void read(std::span<const T>& table) {
+        table = next<T>();
+    }
+    template <class T>
+    void read(std::vector<T>& table) {
+        const std::span<const T> found = next<T>();
+        table.assign(found.begin(), found.end());
+    }
     template <class T>
     std::span<const T> next() {
         const TablePlace& place = head.table[next_++];
@@ -227,8 +237,7 @@ std::vector<std::byte> ShapeImage::of(const ConvexHull& shape) {
 TriangleMesh ShapeImage::mesh(std::span<const std::byte> image, std::shared_ptr<const void> owner) {
     Reader<MeshHead> reader(image);
     MeshData mesh;
-    forEachTable(
-        mesh, [&](auto& table) { table = reader.next<typename std::remove_cvref_t<decltype(table)>::value_type>(); });
+    forEachTable(mesh, [&](auto& table) { reader.read(table); });
     const std::span<const char> why = reader.next<char>();
     mesh.whyNotSolid.assign(why.begin(), why.end());
     mesh.bounds = reader.head.bounds;
@@ -242,10 +251,7 @@ TriangleMesh ShapeImage::mesh(std::span<const std::byte> image, std::shared_ptr<
 ConvexHull ShapeImage::hull(std::span<const std::byte> image) {
     Reader<HullHead> reader(image);
     HullData hull;
-    forEachHullTable(hull, [&](auto& table) {
-        const auto found = reader.next<typename std::remove_cvref_t<decltype(table)>::value_type>();
-        table.assign(found.begin(), found.end());
-    });
+    forEachHullTable(hull, [&](auto& table) { reader.read(table); });
     hull.center = reader.head.center;
     hull.innerRadius = reader.head.innerRadius;
     hull.bounds = reader.head.bounds;
