@@ -115,7 +115,7 @@ private:
         for (std::size_t i = 0; i < seen.wheels.size(); ++i) {
             const WheelTelemetry& wheel = seen.wheels[i];
             load += static_cast<double>(wheel.load);
-            largestLoad = std::max(largestLoad, static_cast<double>(wheel.load));
+            largestLoad = std::max(largestLoad, static_cast<double>(wheel.peakLoad));
             slip = std::max(slip, static_cast<double>(std::abs(wheel.slipRatio)));
             if (def_.wheels[i].steerFactor == 0) continue;
             angle += static_cast<double>(wheel.steerAngle / def_.wheels[i].steerFactor);

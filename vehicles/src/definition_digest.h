@@ -7,8 +7,8 @@
 
 namespace ragtop {
 
-/// Differs, but for chance, where two cars of as many wheels go different ways from the same state. What a car looks like
-/// and is called does not matter, nor do the shapes beyond the `mass` that they give: they are the world's.
+/// Differs, but for chance, where two cars of as many wheels go different ways from the same state. What a car looks
+/// like and is called does not matter, nor do the shapes beyond the `mass` that they give: they are the world's.
 std::uint64_t definitionDigest(const VehicleDef& def, const MassProperties& mass, float gravity);
 
 }  // namespace ragtop

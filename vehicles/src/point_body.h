@@ -24,8 +24,8 @@ inline float inverseMassBetween(const PointBody& body, const Vec3& arm, const Ve
     return body.inverseMass * dot(d, e) + dot(cross(arm, d), body.inverseInertia * cross(arm, e));
 }
 
-/// The inverse of a symmetric positive matrix; zero when it has none. In doubles, whose range holds the products of three
-/// numbers of single precision.
+/// The inverse of a symmetric positive matrix; zero when it has none. In doubles, whose range holds the products of
+/// three numbers of single precision.
 inline Mat3 inverseSymmetric(const Mat3& m) {
     const double xx = m.cx.x, yy = m.cy.y, zz = m.cz.z, xy = m.cy.x, xz = m.cz.x, yz = m.cz.y;
     const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;

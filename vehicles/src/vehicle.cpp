@@ -168,6 +168,8 @@ void VehicleSim::start(float speed) {
     for (std::size_t i = 0; i < specs.size(); ++i) drivetrain.spin[i] = speed / specs[i].radius;
     drivetrain.startRolling(def, speed / meanRadius);
     wheels.assign(specs.size(), {});
+    peakLoads.assign(specs.size(), 0);
+    carried = {};
 }
 
 void VehicleSim::setDef(const VehicleDef& next) {

@@ -81,6 +81,11 @@ struct WheelPatch {
     bool sliding = false;
 };
 
+/// On the chassis, about its centre of mass.
+struct CarImpulse {
+    Vec3 linear, angular;  ///< N s, N m s
+};
+
 /// A car inside: definition, state, and the parts of the step. vehicle.cpp builds, saves and shows it,
 /// vehicle_step.cpp does what happens once per step, vehicle_substep.cpp the implicit solve.
 struct VehicleSim {
@@ -134,14 +139,17 @@ struct VehicleSim {
     float steerAngle = 0;  ///< rad, positive to the left
     Drivetrain drivetrain;
     std::vector<WheelState> wheels;
-    Pose endPose;          ///< of the chassis at the end of the last step
-    Quat substepRotation;  ///< of it at the beginning of the last substep
+    std::vector<float> peakLoads;  ///< N, of the last step
+    CarImpulse carried;            ///< of the last substep, which the chassis has not got yet
+    Pose endPose;                  ///< of the chassis at the end of the last step
+    Quat substepRotation;          ///< of it at the beginning of the last substep
 
     // Working memory.
     std::mutex telling;  ///< of those that ask for it at once
     std::vector<WheelPatch> patches;
     std::vector<WheelCourse> courses;
     int substep = 0;                         ///< of the step
+    int parts = 1, part = 0;                 ///< of a substep in which a wheel goes over an edge
     std::vector<GroundBody> grounds;         ///< of the first wheel that stands there
     std::vector<std::size_t> groundOfWheel;  ///< which of them
     std::vector<float> resistances;          ///< N m
@@ -157,11 +165,13 @@ private:
     Pose wheelFrame(std::size_t i, const Pose& pose) const;
     void placeShapes();
 
+    void act(const Pose& pose, const DVec3& center, PointBody body, float h, CarImpulse& sum);
+    int partsOfSubstep(float dt) const;
     void preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body,
                       const PointBody& moved, float h);
     WheelWay wayOf(std::size_t i, const Pose& pose, float dt) const;
     bool placePatch(std::size_t i, const Pose& pose, const DVec3& center);
-    void takePiece(std::size_t i);
+    void takePiece(std::size_t i, const DVec3& hub);
     void findGrounds();
     void beginGrounds();
     void takeGround(std::size_t i, const PointBody& body, float h);

@@ -58,6 +58,8 @@ void VehicleSim::visitState(Self& self, Visit&& visit) {
     visit(self.drivetrain.brake);
     visit(self.drivetrain.differential);
     visit(self.wheels);
+    visit(self.peakLoads);
+    visit(self.carried);
     visit(self.endPose);
     visit(self.substepRotation);
 }
@@ -118,6 +120,7 @@ bool VehicleSim::holds(const Vec3& linear, const Vec3& angular) const {
 /// Wheels that stand and an engine that idles; where the wheels are and what the driver does stays.
 void VehicleSim::forgetMotion() {
     drivetrain.stop(def);
+    carried = {};
     for (WheelState& wheel : wheels) {
         const GroundPlane ground = wheel.ground;
         wheel = {};

@@ -77,6 +77,7 @@ void VehicleSim::beforeStep(double dt) {
     const Pose pose = world->pose(chassis);
     if (isElsewhere(pose, endPose)) {
         for (WheelState& wheel : wheels) wheel.placed = WheelState::kPut;
+        carried = {};
     }
     const float forwardSpeed = dot(world->linearVelocity(chassis), rotate(pose.rotation, {0, 0, 1}));
     const auto step = static_cast<float>(dt);
@@ -106,6 +107,10 @@ std::span<const BodyId> VehicleSim::look(double dt) {
     if (!active) return touched;
     const Pose pose = world->pose(chassis);
     for (std::size_t i = 0; i < wheels.size(); ++i) seekGround(i, pose, static_cast<float>(dt));
+    parts = partsOfSubstep(static_cast<float>(dt));
+    substep = part = 0;
+    for (std::size_t i = 0; i < wheels.size(); ++i) takePiece(i, courses[i].from);
+    std::ranges::fill(peakLoads, 0.0f);
     findGrounds();
     touched.push_back(chassis);
     return touched;
@@ -126,6 +131,7 @@ WheelWay VehicleSim::wayOf(std::size_t i, const Pose& pose, float dt) const {
     // What the wheel may reach within the step counts as ground already.
     way.below = -spec.strut.travelLeast + 0.5f * spec.radius + length(went);
     way.seconds = dt;
+    way.tireSquash = spec.strut.tireSquash;
     way.stands = wheels[i].touching != 0;
     return way;
 }
@@ -136,15 +142,35 @@ void VehicleSim::seekGround(std::size_t i, const Pose& pose, float dt) {
     if (wheel.touching == 0) wheel.below = 0;
     findCourse(*world, chassis, def.chassis.filter, wayOf(i, pose, dt), world->settings().substeps,
                {wheel.ahead, wheel.below}, courses[i]);
-    substep = 0;
-    takePiece(i);
 }
 
-/// The piece of the ground that a wheel is on in a substep.
-void VehicleSim::takePiece(std::size_t i) {
-    const WheelCourse& course = courses[i];
-    const int all = world->settings().substeps, piece = substep * course.count / all;
-    if (substep > 0 && piece == (substep - 1) * course.count / all) return;
+/// As many as the finest course of a wheel has to a substep, or as it takes to follow a tire that springs back; what
+/// moves is solved with the car in whole ones.
+int VehicleSim::partsOfSubstep(float dt) const {
+    const int substeps = world->settings().substeps;
+    int most = 1;
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+        const WheelCourse& course = courses[i];
+        const GroundPlane& plane = course.pieces[0];
+        if (plane.found != 0 && plane.moves != 0) return 1;
+        most = std::max(most, course.count / substeps);
+        if (wheels[i].touching == 0 || plane.found == 0) continue;
+        const Vec3 axis = rotate(world->pose(chassis).rotation, specs[i].axis);
+        const float closing = -dot(world->velocityAt(chassis, plane.point), plane.normal);
+        const float squashed = closing - dot(axis, plane.normal) * wheels[i].hubSpeed;
+        if (std::abs(squashed) * dt > kThrown * specs[i].strut.tireSquash * static_cast<float>(substeps))
+            most = std::max(most, finePieces(dt, substeps));
+    }
+    return most;
+}
+
+/// The piece of the ground that a wheel is on.
+void VehicleSim::takePiece(std::size_t i, const DVec3& hub) {
+    WheelCourse& course = courses[i];
+    const auto all = static_cast<float>(world->settings().substeps * parts);
+    const int piece = pieceAt(course, static_cast<float>(substep * parts + part) / all, hub);
+    if (piece == course.taken) return;
+    course.taken = piece;
     wheels[i].ground = course.pieces[static_cast<std::size_t>(piece)];
 }
 

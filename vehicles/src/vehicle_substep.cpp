@@ -29,6 +29,13 @@ Vec3 impulseOf(const WheelPatch& patch) {
     return patch.load * patch.normal + patch.tire.x * patch.forward + patch.tire.y * patch.side;
 }
 
+/// Where a body is after h, by velocities that stay.
+Pose gone(const Pose& pose, const Vec3& center, const PointBody& body, float h) {
+    const float speed = length(body.w);
+    const Quat rotation = speed > 0 ? normalized(rotationAbout(body.w, h * speed) * pose.rotation) : pose.rotation;
+    return {transformPoint(pose, center) + (h * body.v - rotate(rotation, center)), rotation};
+}
+
 /// What a rotation in single precision has turned beyond ω in h, rad/s, where that is no more than what it is rounded
 /// by: a car that leans by less than that a substep stays as it is, and bristles that followed ω would let it creep.
 Vec3 unturned(const Vec3& w, const Quat& before, const Quat& now, float h) {
@@ -46,11 +53,40 @@ Vec3 unturned(const Vec3& w, const Quat& before, const Quat& now, float h) {
 /// follow the velocities that come out of that, so that a trailer or a rope cannot make a braked car creep.
 void VehicleSim::beforeSubstep(float h) {
     if (!active) return;
-    const Pose pose = world->pose(chassis);
+    Pose pose = world->pose(chassis);
     const DVec3 center = world->centerOfMass(chassis);
-    PointBody body{world->linearVelocity(chassis), world->angularVelocity(chassis), 1 / mass,
-                   rotated(inverseInertia, pose.rotation)};
+    const PointBody first{world->linearVelocity(chassis), world->angularVelocity(chassis), 1 / mass,
+                          rotated(inverseInertia, pose.rotation)};
+    const Vec3 centerInChassis = inverseRotate(pose.rotation, relative(center, pose.position));
+    const float each = h / static_cast<float>(parts), share = 1 / static_cast<float>(parts);
+    const Vec3 fall = each * world->settings().gravity;
+    PointBody body = first;
+    CarImpulse sum = carried, given;
+    const auto move = [&](float falls) {
+        body.v = first.v + falls * fall + first.inverseMass * sum.linear;
+        body.w = first.w + first.inverseInertia * sum.angular;
+    };
+    move(0);
     beginGrounds();
+    for (part = 0; part < parts; ++part) {
+        if (part > 0) pose = gone(pose, centerInChassis, body, each);
+        act(pose, transformPoint(pose, centerInChassis), body, each, sum);
+        move(static_cast<float>(part + 1));
+        // What is given moves the car as far in the substep as all of its parts do; the rest follows in the next one.
+        given.linear += share * sum.linear - (mass * share * static_cast<float>(parts - 1 - part)) * fall;
+        given.angular += share * sum.angular;
+    }
+    if (parts == 1) given = sum;
+    carried = {sum.linear - given.linear, sum.angular - given.angular};
+    // What is no number the world leaves out, and what is beyond all measure it stops.
+    world->applyImpulse(chassis, given.linear, center);
+    world->applyAngularImpulse(chassis, given.angular);
+    if (!holds(sum.linear, sum.angular)) forgetMotion();
+    ++substep;
+}
+
+/// Over h, from where the car is. Adds what it gives to the chassis, besides gravity.
+void VehicleSim::act(const Pose& pose, const DVec3& center, PointBody body, float h, CarImpulse& sum) {
     PointBody moved = body;
     moved.w += unturned(body.w, substepRotation, pose.rotation, h);
     substepRotation = pose.rotation;
@@ -72,11 +108,8 @@ void VehicleSim::beforeSubstep(float h) {
 
     solve(body, h);
     for (std::size_t i = 0; i < wheels.size(); ++i) finishWheel(i, body, h, linear, angular);
-    // What is no number the world leaves out, and what is beyond all measure it stops.
-    world->applyImpulse(chassis, linear, center);
-    world->applyAngularImpulse(chassis, angular);
-    if (!holds(linear, angular)) forgetMotion();
-    ++substep;
+    sum.linear += linear;
+    sum.angular += angular;
 }
 
 void VehicleSim::solve(PointBody& body, float h) {
@@ -94,8 +127,6 @@ void VehicleSim::solve(PointBody& body, float h) {
         float change = 0;
         for (std::size_t i = 0; i < wheels.size(); ++i) change = std::max(change, visitWheel(i, body, h));
         for (GroundBody& ground : grounds) change = std::max(change, visitSupports(ground));
-        // Last, because what is left of the tires' last change would turn a wheel that is held, and the car would
-        // creep.
         change = std::max(change, drivetrain.sweep(def, h) / meanRadius);
         if (change <= enough) break;
     }
@@ -118,7 +149,7 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     WheelState& wheel = wheels[i];
     patch.spinBefore = drivetrain.spin[i];
     patch.axle = rotate(wheelFrame(i, pose).rotation, {1, 0, 0});
-    if (substep > 0) takePiece(i);
+    if (substep > 0 || part > 0) takePiece(i, transformPoint(pose, specs[i].position));
     const bool known = placePatch(i, pose, center);
     patch.touching = known && sinkGround(i, body, h);
     patch.above = known && !patch.touching;
@@ -335,6 +366,7 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     patch.way = 0;
     wheel.travel = travelOf(patch, body, wheel.hubSpeed);
     wheel.load = patch.load / h;
+    peakLoads[i] = std::max(peakLoads[i], wheel.load);
     wheel.force = {patch.tire.x / h, patch.tire.y / h};
     if (patch.sliding && patch.law.isBrush()) {
         const TireVisit visit{patch.tire, true};

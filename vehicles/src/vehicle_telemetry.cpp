@@ -83,6 +83,7 @@ void VehicleSim::tellWheel(std::size_t i, const Pose& pose) {
     out.radius = spec.radius;
     out.grounded = wheel.touching != 0;
     out.load = wheel.load;
+    out.peakLoad = peakLoads[i];
     out.longitudinalForce = wheel.force.x;
     out.lateralForce = wheel.force.y;
     out.aligningMoment = wheel.aligning;

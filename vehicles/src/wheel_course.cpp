@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "ragtop/world.h"
 
@@ -11,6 +12,7 @@ namespace {
 constexpr float kFlattest = 0.2f;    ///< sine between axle and normal below which a wheel lies on its side
 constexpr float kSamePlane = 2e-3f;  ///< radii between planes that count as one, and rad between their normals
 constexpr float kSameTurn = 0.02f;
+constexpr float kFinest = 2.5e-4f;   ///< s, of a piece of the course of a wheel that is thrown
 constexpr float kSteepestClimb = 4;  ///< m risen per m travelled beyond which ground has come up by itself,
 constexpr float kCatchUp = 1;        ///< which is then climbed by so many m per m
 
@@ -109,6 +111,13 @@ struct Search {
         return sample;
     }
 
+    /// At the ends of so many equal parts; the first is known.
+    void lookAlong(std::span<Sample> samples, int count, const Sample& end) const {
+        for (int k = 1; k < count; ++k)
+            samples[static_cast<std::size_t>(k)] = look(static_cast<float>(k) / static_cast<float>(count));
+        samples[static_cast<std::size_t>(count)] = end;
+    }
+
     /// Is all of the way over one plane?
     bool isEven(const Sample& first, const Sample& end) const {
         if (!isOnePlane(first, end, way)) return false;
@@ -118,34 +127,87 @@ struct Search {
     }
 };
 
+/// Does the hub of a wheel that stands go up by much more in one part of the way than in the one before?
+bool isThrown(std::span<const Sample> samples, int count, const WheelWay& way) {
+    float before = 0;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+        const Sample &from = samples[k], &to = samples[k + 1];
+        if (from.plane.found == 0 || to.plane.found == 0) continue;
+        const float rise = to.rise - from.rise;
+        if (rise - before > kThrown * way.tireSquash) return true;
+        before = rise;
+    }
+    return false;
+}
+
 }  // namespace
 
-void findCourse(const World& world, BodyId chassis, const Filter& filter, const WheelWay& way, int substeps,
-                const CourseEnd& last, WheelCourse& course) {
-    const Search search{world, chassis, filter, way};
-    std::array<Sample, kMostPieces + 1> samples;
-    samples[0] = search.again(last.plane);
-    const Sample end = search.look(1);
-    course.count = search.isEven(samples[0], end) ? 1 : std::clamp(substeps, 1, kMostPieces);
-    const auto count = static_cast<std::size_t>(course.count);
-    samples[count] = end;
-    for (std::size_t k = 1; k < count; ++k) samples[k] = search.look(static_cast<float>(k) / static_cast<float>(count));
-    last.plane = end.plane;
+int finePieces(float seconds, int substeps) {
+    const float each = seconds / static_cast<float>(substeps);
+    return std::clamp(static_cast<int>(std::ceil(each / kFinest)), 1, std::max(kMostPieces / substeps, 1));
+}
+
+namespace {
+
+/// Samples at the ends of the pieces of a course, the first of which the wheel has come to.
+void takeCourse(const Search& search, std::span<Sample> samples, const CourseEnd& last, WheelCourse& course) {
+    const std::size_t count = samples.size() - 1;
+    course.count = static_cast<int>(count);
+    last.plane = samples.back().plane;
     // What moves is solved with the car as one body for the step, where it will be in its middle.
     const auto moves = [](const Sample& sample) { return sample.plane.found != 0 && sample.plane.moves != 0; };
-    if (std::any_of(samples.begin(), samples.begin() + course.count + 1, moves)) {
+    if (std::ranges::any_of(samples, moves)) {
         course.count = 1;
         course.pieces[0] = search.look(0.5f).plane;
         last.below = 0;
         return;
     }
     samples[0].rise -= last.below;
+    const float seconds = search.way.seconds / static_cast<float>(count);
     for (std::size_t k = 0; k < count; ++k) {
         Sample& next = samples[k + 1];
         const float found = next.rise;
-        course.pieces[k] = pieceBetween(samples[k], next, way, last.below, way.seconds / static_cast<float>(count));
+        course.pieces[k] = pieceBetween(samples[k], next, search.way, last.below, seconds);
         last.below = found - next.rise;
     }
+}
+
+void takeFineCourse(const Search& search, int count, const Sample& first, const Sample& end, const CourseEnd& last,
+                    WheelCourse& course) {
+    std::array<Sample, kMostPieces + 1> samples;
+    samples[0] = first;
+    search.lookAlong(samples, count, end);
+    takeCourse(search, std::span(samples).first(static_cast<std::size_t>(count) + 1), last, course);
+}
+
+}  // namespace
+
+int pieceAt(const WheelCourse& course, float share, const DVec3& hub) {
+    constexpr float kLag = 0.5f;  // of a piece, which is nothing
+    const auto count = static_cast<float>(course.count);
+    const int byTime = std::min(static_cast<int>(share * count + 1e-3f), course.count - 1);
+    const float squared = dot(course.went, course.went);
+    if (course.count == 1 || !(squared > 0)) return byTime;
+    const float come = dot(relative(hub, course.from), course.went) / squared;
+    return std::clamp(static_cast<int>(std::clamp(come, 0.0f, 1.0f) * count + kLag), 0, byTime);
+}
+
+void findCourse(const World& world, BodyId chassis, const Filter& filter, const WheelWay& way, int substeps,
+                const CourseEnd& last, WheelCourse& course) {
+    constexpr int kMostCoarse = 8;
+    const Search search{world, chassis, filter, way};
+    std::array<Sample, kMostCoarse + 1> samples;
+    samples[0] = search.again(last.plane);
+    const Sample end = search.look(1);
+    course.taken = -1;
+    course.from = way.from;
+    course.went = relative(way.to, way.from);
+    const int count = search.isEven(samples[0], end) ? 1 : std::clamp(substeps, 1, kMostCoarse);
+    search.lookAlong(samples, count, end);
+    const int fine = finePieces(way.seconds, count);
+    if (count > 1 && fine > 1 && isThrown(samples, count, way))
+        return takeFineCourse(search, count * fine, samples[0], end, last, course);
+    takeCourse(search, std::span(samples).first(static_cast<std::size_t>(count) + 1), last, course);
 }
 
 }  // namespace ragtop

@@ -8,13 +8,20 @@
 
 namespace ragtop {
 
-constexpr int kMostPieces = 8;
+constexpr int kMostPieces = 64;
 
 /// The ground along the way of a wheel through a step, as planes that follow each other in time.
 struct WheelCourse {
     std::array<GroundPlane, kMostPieces> pieces;
     int count = 0;  ///< of pieces, of equal times
+    int taken = 0;  ///< on which the wheel is
+    DVec3 from;     ///< of the hub
+    Vec3 went;      ///< m that it was expected to go
 };
+
+/// The piece on which a hub is after a share of the step: that of the time, or an earlier one where it has not come as
+/// far as was expected, because something stopped it.
+int pieceAt(const WheelCourse& course, float share, const DVec3& hub);
 
 /// What is known of the ground at the end of a way, kept with the wheel.
 struct CourseEnd {
@@ -30,6 +37,7 @@ struct WheelWay {
     float radius = 0, halfWidth = 0;
     float above = 0, below = 0;  ///< m along the axis between which the hub is sought
     float seconds = 0;           ///< of the step
+    float tireSquash = 0;        ///< m, of the standing car
     bool stands = false;         ///< it did in the last substep
 };
 
@@ -41,12 +49,19 @@ std::optional<float> riseOn(const GroundPlane& plane, const WheelWay& way, const
 /// where the wheel lies on its side.
 std::optional<Vec3> lowestPoint(const Vec3& normal, const Vec3& axle, float radius);
 
+/// Of the squash of a standing tire: what a substep may change it by, without being taken in parts.
+inline constexpr float kThrown = 0.1f;
+
+/// Into how many parts a substep is taken in which a wheel is thrown.
+int finePieces(float seconds, int substeps);
+
 /// Looks for the ground along a way. `last` is of the end of the way before, and becomes that of this one. The hub of a
 /// wheel that rolls over steps and bumps goes along a locus, from which samples are taken: where they are not all on
-/// one plane, `substeps` of them. Between two samples the ground is the plane along which the hub goes from the one to
-/// the other: what the wheel climbs in a time its car pays for with what it is slowed down, whatever the length of a
-/// step. Ground that comes up at once, as an edge that the tread meets from its side, is climbed at a slope. Over what
-/// moves there is one piece.
+/// one plane, `substeps` of them, and many more where the hub is thrown up at once, as at a kerb: what that does is
+/// over within a substep. Between two samples the ground is the plane along which the hub goes from the one to the
+/// other: what the wheel climbs in a time its car pays for with what it is slowed down, whatever the length of a step.
+/// Ground that comes up at once, as an edge that the tread meets from its side, is climbed at a slope. Over what moves
+/// there is one piece.
 void findCourse(const World& world, BodyId chassis, const Filter& filter, const WheelWay& way, int substeps,
                 const CourseEnd& last, WheelCourse& course);
 

@@ -19,6 +19,7 @@ void forEachChannel(const WheelTelemetry& wheel, Visit&& visit) {
     };
     tell("grounded", "1", "1 where it touches the ground", wheel.grounded);
     tell("load", "N", "normal to the ground", wheel.load);
+    tell("peakLoad", "N", "the largest within the last step", wheel.peakLoad);
     tell("longitudinalForce", "N", "of the tire on the car, forward", wheel.longitudinalForce);
     tell("lateralForce", "N", "of the tire on the car, to the left", wheel.lateralForce);
     tell("aligningMoment", "N m", "of the tire on the car about the ground's normal, to the left",

@@ -36,6 +36,7 @@ struct VehiclePlacement {
 struct WheelTelemetry {
     bool grounded = false;
     float load = 0;               ///< N, normal to the ground
+    float peakLoad = 0;           ///< N, largest within the last step
     float longitudinalForce = 0;  ///< N on the car, forward
     float lateralForce = 0;       ///< N on the car, to the left
     float aligningMoment = 0;     ///< N m on the car about the ground's normal, to the left
