@@ -2,6 +2,7 @@
 
 #include "import_support.h"
 #include "ragtop/character.h"
+#include "ragtop/compressed_clip.h"
 
 namespace ragtop {
 namespace {
@@ -49,6 +50,23 @@ TEST(Clips, TurnUpWithTheirSkeleton) {
     sample(character.clips[0], 1, pose);
     // The z of the file is up.
     EXPECT_NEAR(pose.root.position.y, 1.0, 1e-5);
+}
+
+TEST(Clips, OfRealFilesAreCompressedToASixthWithinAMillimetre) {
+    std::size_t before = 0, after = 0;
+    for (const char* name : {"characters/arnaud_walk.fbx", "characters/cesium_man.gltf", "characters/knight.glb"}) {
+        const std::filesystem::path file = std::filesystem::path(RAGTOP_SHARED_DIR) / "data" / name;
+        if (!std::filesystem::exists(file)) GTEST_SKIP() << "no sample " << file;
+        Character character = loadCharacter(file);
+        character.clips.resize(std::min<std::size_t>(character.clips.size(), 24));
+        for (const Clip& clip : character.clips) {
+            const CompressedClip made(clip, character.skeleton);
+            EXPECT_LE(made.error(), 0.001f) << name << " " << clip.name;
+            for (const ClipTrack& track : clip.tracks) before += track.times.size() * (sizeof(float) + sizeof(Frame));
+            after += made.bytes();
+        }
+    }
+    EXPECT_LE(6 * after, before);
 }
 
 TEST(Clips, OfRealFilesBeginNearTheBodyAndKeepItsBonesLong) {
