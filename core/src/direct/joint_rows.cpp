@@ -99,6 +99,7 @@ public:
     /// A row as the iteration has it; `bend` is the speed along it at which its coordinate does not change.
     void scalar(SystemRow row, RowKind kind, double load, const RowAim& moving, const RowAim& resting,
                 double inverseMass, double bend) const {
+        if (builder_.aims == RowAims::closing && moving.drag > 0) return hold(row, kind, moving.drag);
         if (builder_.aims != RowAims::substep) return;
         row.lower = moving.lower, row.upper = moving.upper;
         RestingAim rest{bend + resting.target, row.resistance, resting.lower, resting.upper};
@@ -115,6 +116,13 @@ public:
         // What the second pass pushes with beyond the first, as a speed.
         rest.target = static_cast<double>(resting.push - moving.push) * rest.resistance;
         push(row, kind, moving.push, 0, rest);
+    }
+    /// Springs and soft stops make ways that stretch them long ones.
+    void hold(SystemRow row, RowKind kind, float drag) const {
+        row.resistance = 1 / static_cast<double>(drag);
+        row.compliant = true;
+        row.lower = -kNoBound, row.upper = kNoBound;
+        push(row, kind, 0, 0, {});
     }
     /// The way that brings what is beyond a stop back to it, or that may be used up until it is met. A joint that was
     /// made beyond its stop comes back by itself.
@@ -230,6 +238,11 @@ RowAim restingAim(const StopSide& side, const Stop& stop, float inverseMass, con
     return aimAtStop(side, stop, inverseMass, context, within);
 }
 
+/// Does the row store energy?
+bool isElastic(const AxisRows& axis, AxisSlot slot) {
+    return slot == AxisSlot::spring || (axis.isStop(slot) && axis.stop.stiffness > 0);
+}
+
 /// The rows along a coordinate.
 void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis, const AxisRows& ahead,
              RowKind first = RowKind::axis) {
@@ -245,7 +258,7 @@ void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis
         const bool stop = stops && (axis.features & AxisRows::kLimit) != 0;
         if (writer.aims() == RowAims::closing) {
             if (stop && !(axis.stop.stiffness > 0)) writer.close(along, after(first, i), now);
-            continue;
+            if (!isElastic(axis, slot)) continue;
         }
         writer.scalar(along, after(first, i), axis.impulse(slot), aimOf(axis, slot, writer.context(), true),
                       stop ? restingAim(now, axis.stop, axis.inverseMass, writer.context())
@@ -274,7 +287,7 @@ void addTurnStop(const RowWriter& writer, RowKind kind, const Vec3& axis, const 
     const Stop& stop = joint.ball.stop;
     if (writer.aims() == RowAims::closing) {
         if (isThere && !(stop.stiffness > 0)) writer.close(row, kind, side);
-        return;
+        if (!(isThere && stop.stiffness > 0)) return;
     }
     writer.scalar(row, kind, side.impulse, aimAtStop(side, stop, w, writer.context(), true),
                   restingAim(side, stop, w, writer.context()), w, bend);
@@ -305,6 +318,7 @@ void addBall(const RowWriter& writer, const JointSim& joint, const BallRows& ahe
             writer.scalar(writer.angular(toDouble(columnOf(drives.basis, k))), after(RowKind::ballSpring, k), 0, moving,
                           resting, w, 0);
         }
+        if (writer.aims() == RowAims::closing) continue;
         if (ball.features & BallRows::kViscous) {
             moving = resting = {};
             moving.drag = ball.viscousDrag[0], resting.drag = ball.viscousDrag[1];

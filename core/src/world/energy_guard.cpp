@@ -26,18 +26,29 @@ constexpr double kThrown = 0.1;
 /// Times what there was and what pushing out gives, beyond which a step is undone.
 constexpr double kGarbage = 10;
 
-/// Motors, springs with moving targets, drives that push and couplings add what is not counted here; soft stops that
-/// turn by less than a radian per substep keep their own ledger (StopLedger); joints of more axes have any of them.
-bool isPassive(const WorldImpl& world, const JointSim& sim) {
-    if (hasAxes(sim.kind)) return false;
-    const bool isDriven = (sim.ball.features & BallRows::kDrives) != 0 &&
-                          !(sim.drives.targetSpeed == Vec3{} && sim.drives.feedForward == Vec3{});
-    const bool isMoved = (sim.axis.features & AxisRows::kSpring) != 0 &&
-                         !(sim.axis.springSpeed == 0 && sim.axis.feedForward == 0);
+/// How much is known of what a joint gives and takes. What couplings bring is not counted, what forces
+/// that a caller adds do not closely; soft stops that turn by less than a radian per substep keep their own ledger (StopLedger); on curves a
+/// substep trades more than there is room for.
+Watching watchingOf(const AxisRows& axis) {
+    if (axis.features & AxisRows::kCoupled) return Watching::none;
+    return (axis.features & AxisRows::kSpring) != 0 && axis.feedForward != 0 ? Watching::garbage : Watching::all;
+}
+Watching watchingOf(const WorldImpl& world, const JointSim& sim) {
+    if (hasAxes(sim.kind)) {
+        Watching least = sim.kind == JointKind::path ? Watching::garbage : Watching::all;
+        for (std::uint32_t i = 0; i < sim.axes.freeRows; ++i) {
+            const AxisRows& axis = sim.axes.axis[i];
+            // What these hold is not counted.
+            if ((axis.features & AxisRows::kSpring) != 0 || axis.stop.stiffness > 0) return Watching::none;
+            least = std::min(least, watchingOf(axis));
+        }
+        return least;
+    }
+    const bool isPushed = (sim.ball.features & BallRows::kDrives) != 0 && sim.drives.feedForward != Vec3{};
     const bool hasLedger =
         (sim.axis.stop.stiffness > 0 || sim.ball.stop.stiffness > 0) &&
         !(stiffnessOf(sim, world.bodies.states.data(), world.bodies.inertias.data(), world.context.h) > 1);
-    return (sim.axis.features & (AxisRows::kMotor | AxisRows::kCoupled)) == 0 && !isDriven && !isMoved && !hasLedger;
+    return isPushed || hasLedger ? Watching::garbage : watchingOf(sim.axis);
 }
 
 std::uint32_t rootOf(AlignedArray<std::uint32_t>& parent, std::uint32_t body) {
@@ -104,12 +115,6 @@ bool overlaps(const WorldImpl& world, const ContactRecord& contact) {
     return inside;
 }
 
-/// Does a surface move along itself?
-bool isBelt(const WorldImpl& world, const ContactRecord& contact) {
-    return world.shapes[contact.shapeA].material.surfaceVelocity != Vec3{} ||
-           world.shapes[contact.shapeB].material.surfaceVelocity != Vec3{};
-}
-
 /// J, of a body at the speed that overlaps push with.
 double pushEnergy(const WorldImpl& world, std::uint32_t index) {
     const double speed = static_cast<double>(world.context.pushOut * world.bodies[index].size);
@@ -128,7 +133,6 @@ void lookAround(const WorldImpl& world, std::uint32_t body, GuardedIsland& look,
         const ContactRecord& contact = world.contacts[key >> 1];
         if (contact.sensor || contact.firstManifold == kNone) continue;
         const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
-        look.isDriven |= world.bodies[other].type == BodyType::kinematic || isBelt(world, contact);
         look.isPushed |= overlaps(world, contact);
         reach(other);
     }
@@ -142,6 +146,7 @@ GuardedIsland& islandOf(WorldImpl& world, std::uint32_t first) {
     const auto number = static_cast<std::uint32_t>(guard.islands.size());
     GuardedIsland look;
     look.begin = static_cast<std::uint32_t>(guard.visited.size());
+    look.firstDriver = static_cast<std::uint32_t>(guard.drivers.size());
     const auto reach = [&](std::uint32_t body) {
         if (!world.bodies.moves(body)) {
             look.hangs = true;
@@ -155,7 +160,9 @@ GuardedIsland& islandOf(WorldImpl& world, std::uint32_t first) {
         const std::uint32_t body = guard.visited[i];
         look.excess += excessOf(world, body);
         lookAround(world, body, look, reach);
+        look.driven += addDrivers(world, body, guard.drivers);
     }
+    look.lastDriver = static_cast<std::uint32_t>(guard.drivers.size());
     look.end = static_cast<std::uint32_t>(guard.visited.size());
     for (std::size_t i = look.begin; i < look.end && look.isPushed; ++i) look.pushed += pushEnergy(world, guard.visited[i]);
     guard.islands.push(look);
@@ -262,6 +269,14 @@ double givenAtOnce(const WorldImpl& world, std::span<const std::uint32_t> island
     return energy;
 }
 
+/// J, at most.
+double givenByDrivers(const WorldImpl& world, const GuardedIsland& look) {
+    const EnergyGuard& guard = world.energyGuard;
+    return look.driven +
+           drivenEnergy(world, {guard.visited.data() + look.begin, look.end - look.begin},
+                          {guard.drivers.data() + look.firstDriver, look.lastDriver - look.firstDriver});
+}
+
 /// Did a step give so much more than there was, or take bodies so far, that its velocities are no estimate of anything,
 /// nor the work of forces along its ways?
 bool isGarbage(const WorldImpl& world, std::span<const std::uint32_t> island, const GuardedIsland& look,
@@ -303,14 +318,18 @@ void guardGroup(WorldImpl& world, std::size_t g) {
     const double left = static_cast<double>(room) * account.room;
     GuardedIsland& look = islandOf(world, group.front());
     double beyond = std::min(account.excess, look.excess) - left;
-    if (look.isDriven || !(beyond > 0)) return;
+    if (!(beyond > 0)) return;
     const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
-    const bool isIsolated = !look.hangs && island.size() == group.size();
+    const double driven = givenByDrivers(world, look);
+    beyond -= driven;
+    if (!(beyond > 0)) return;
+    const bool isIsolated = !look.hangs && driven == 0 && island.size() == group.size();
     if (!(look.lawful >= 0)) look.lawful = accountOf(world, island).lawful;
     if (isGarbage(world, island, look, beyond)) {
         room = 0;
         return undoStep(world, look);
     }
+    if (guard.watched[g] != Watching::all) return;
     if (isIsolated) {
         turnToMomentum(world, group, guard.momentum[g]);
         const double turned = account.now;
@@ -326,7 +345,7 @@ void guardGroup(WorldImpl& world, std::size_t g) {
     if (const double more = accountOf(world, group).now - lawful; more > kThrown * look.lawful)
         taken += takeEnergy(world, group, more, false);
     // What touches the group may have got some of it.
-    if (!isIsolated) taken += takeEnergy(world, island, look.excess - left - look.pushed - taken, false);
+    if (!isIsolated) taken += takeEnergy(world, island, look.excess - left - driven - look.pushed - taken, false);
     // Springs have the rest, or heights of what is held: the way that led there is not gone.
     const bool isLeft = whole - look.pushed - taken > account.room;
     if (isLeft && (look.stores || !isIsolated)) stayPut(world, island);
@@ -345,9 +364,9 @@ void guardFallenBack(WorldImpl& world, const DirectIsland& fallen) {
     EnergyGuard& guard = world.energyGuard;
     GuardedIsland& look = islandOf(world, world.directSet.bodies[fallen.firstBody]);
     const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
-    if (look.isDriven || !std::isfinite(look.excess)) return;
+    if (!std::isfinite(look.excess)) return;
     if (!(look.lawful >= 0)) look.lawful = accountOf(world, island).lawful;
-    const double beyond = look.excess - look.pushed - kRoom * look.lawful;
+    const double beyond = look.excess - givenByDrivers(world, look) - look.pushed - kRoom * look.lawful;
     if (isGarbage(world, island, look, beyond)) return undoStep(world, look);
     const double taken = takeEnergy(world, island, beyond, false);
     if (!(taken > 0)) return;
@@ -382,7 +401,7 @@ void listMembers(WorldImpl& world, AlignedArray<std::uint32_t>& groupOf) {
     std::uint32_t count = 0;
     for (const std::uint32_t body : world.bodies.awake)
         if (isMember(body) && rootOf(guard.parent, body) == body) groupOf[body] = count++;
-    guard.watched.resize(count, 1);
+    guard.watched.resize(count, Watching::all);
     // Counted two places on, so that filling moves each begin to where the group before ends.
     guard.starts.resize(count + 2, 0);
     for (const std::uint32_t body : world.bodies.awake)
@@ -408,11 +427,10 @@ void findGroups(WorldImpl& world) {
     groupOf.resizeForOverwrite(world.bodies.size());
     listMembers(world, groupOf);
     forEachJoint(world, [&](const JointRecord& joint, const JointSim& sim) {
-        const auto isMoved = [&](std::uint32_t body) { return world.bodies[body].type == BodyType::kinematic; };
         const std::uint32_t body = world.bodies.moves(joint.bodyA) ? joint.bodyA : joint.bodyB;
         const std::uint32_t group = groupOf[rootOf(guard.parent, body)];
         guard.stores |= storesEnergy(sim);
-        if (!isPassive(world, sim) || isMoved(joint.bodyA) || isMoved(joint.bodyB)) guard.watched[group] = 0;
+        guard.watched[group] = std::min(guard.watched[group], watchingOf(world, sim));
     });
 }
 
@@ -436,7 +454,7 @@ void beginGuard(WorldImpl& world) {
     guard.momentum.resizeForOverwrite(guard.groupCount());
     world.runner.parallelFor(static_cast<int>(guard.groupCount()), 4, [&](int begin, int end, int) {
         for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g)
-            if (guard.watched[g] != 0) guard.momentum[g] = angularMomentumAtStart(world, guard.membersOf(g));
+            if (guard.watched[g] != Watching::none) guard.momentum[g] = angularMomentumAtStart(world, guard.membersOf(g));
     });
 }
 
@@ -463,14 +481,16 @@ void guardEnergy(WorldImpl& world) {
     world.runner.parallelFor(static_cast<int>(groups), 4, [&](int begin, int end, int) {
         for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g) {
             guard.suspects[g] = 0;
-            if (guard.watched[g] == 0 || isFinished(g)) continue;
+            if (guard.watched[g] == Watching::none || isFinished(g)) continue;
             const std::span<const std::uint32_t> group = guard.membersOf(g);
             EnergyAccount& account = guard.accounts[g];
             account = accountOf(world, group);
-            guard.suspects[g] = fits(guard.room[group.front()], account) ? 0 : 1;
+            guard.suspects[g] = guard.watched[g] == Watching::all ? !fits(guard.room[group.front()], account)
+                                                                  : !(account.excess <= kGarbage * account.lawful);
         }
     });
     guard.islands.clear();
+    guard.drivers.clear();
     guard.islands.reserve(groups + world.directSet.islands.size());
     guard.visited.clear();
     guard.islandOf.resizeForOverwrite(world.bodies.size());

@@ -6,17 +6,22 @@
 
 #include "base/aligned_array.h"
 #include "ragtop/math.h"
+#include "world/energy_drivers.h"
 
 /// The last guard of the energy law. Whatever way an island is solved, bodies that joints hold together may not gain more
 /// energy, kinetic and of springs and soft stops, in a step than forces and gravity have given them along the way they
 /// went:
 ///   ΔK + ΔU ≤ Σ m a · dp + τ · dθ + room,
+/// and what moves on its own (energy_drivers.h),
 /// with a room of 0.5 %, a tenth where springs store, for what an integrator trades between places and speeds; refilled by what is
 /// dissipated only, so that no slow growth passes. What is beyond is taken from the motion of the bodies against each
 /// other, never below what they began the step with: momenta stay as they are.
 namespace ragtop {
 
 struct WorldImpl;
+
+/// Which of the gains of a group are looked at: none, those that are beyond all measure, or all.
+enum class Watching : std::uint8_t { none, garbage, all };
 
 /// What a group had and has, J.
 struct EnergyAccount {
@@ -34,7 +39,8 @@ struct GuardedIsland {
     double lawful = -1;       ///< J, kinetic at most; negative: not asked for yet
     bool isPushed = false;
     bool stores = false;      ///< some joint has springs or soft stops
-    bool isDriven = false;    ///< something in it is moved that no force moves
+    std::uint32_t firstDriver = 0, lastDriver = 0;  ///< what drives it by joints
+    double driven = 0;        ///< J, that all else which moves on its own gave at most
     bool hangs = false;       ///< on what does not move
 };
 
@@ -53,11 +59,12 @@ struct EnergyGuard {
           room(memory),
           visited(memory),
           islandOf(memory),
-          islands(memory) {}
+          islands(memory),
+          drivers(memory) {}
 
     AlignedArray<std::uint32_t> parent;  ///< union-find over bodies
     AlignedArray<std::uint32_t> starts, bodies;
-    AlignedArray<std::uint8_t> watched;  ///< per group: nothing in it does work that is not counted
+    AlignedArray<Watching> watched;      ///< per group
     AlignedArray<EnergyAccount> accounts;  ///< per group, of this step
     AlignedArray<std::uint8_t> suspects;   ///< per group: has it gained more than it has room for?
     AlignedArray<Vec3> momentum;  ///< per group, kg m²/s, angular, about its centre of mass, when the step began
@@ -70,6 +77,7 @@ struct EnergyGuard {
     AlignedArray<std::uint32_t> visited;  ///< bodies of the islands that were looked at, one island after the other
     AlignedArray<std::uint32_t> islandOf;  ///< per body, which of these it is in
     AlignedArray<GuardedIsland> islands;
+    AlignedArray<EnergyDriver> drivers;  ///< of these
     bool stores = false;                  ///< some joint of some group does
     std::uint64_t caught = 0;             ///< times that energy was taken, since the world was made
     double taken = 0;                     ///< J

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "constraints/initial_violation.h"
+#include "constraints/joint_types.h"
+#include "constraints/stored_energy.h"
 #include "direct/choice.h"
 #include "direct/newton.h"
 #include "world/group_motion.h"
@@ -30,28 +32,47 @@ constexpr float kStraight = 0.25f;     ///< least share of the ways of a round: 
 constexpr float kBetter = 0.9f;        ///< of an opening, that counts as closed further
 constexpr int kPatience = 6;           ///< rounds that close nothing further
 
-/// The gap between a joint's anchors over the size of the smaller of the bodies that it moves; 0 where these have none.
+/// m, between what a joint holds together.
+float gapOf(const WorldImpl& world, const JointSim& sim, const JointBodiesAtStep& at) {
+    if (sim.kind == JointKind::ball || sim.kind == JointKind::hinge || sim.kind == JointKind::fixed)
+        return length(at.centerOffset + rotate(at.rotationB, sim.localB.position) -
+                      rotate(at.rotationA, sim.localA.position));
+    if (sim.kind == JointKind::distance) return 0;  // beyond a stop, or beyond what it was made with
+    return jointState(sim, at, world.bodies.states.data(), 0).gap;
+}
+
+/// rad, by which axes or frames that a joint holds together are turned.
+float turnedApart(const JointSim& sim, const JointBodiesAtStep& at) {
+    const Quat a = at.rotationA * sim.localA.rotation, b = at.rotationB * sim.localB.rotation;
+    switch (sim.kind) {
+        case JointKind::hinge:
+            return length(axisX(b) - axisX(a));
+        case JointKind::fixed:
+        case JointKind::slider:
+            return length(turnVector(b * conjugate(a)));
+        default:
+            return 0;
+    }
+}
+
+/// The gap of a joint over the size of the smaller of the bodies that it moves, or what it is turned apart by, where that
+/// is torn; 0 where these have none.
 float opening(const WorldImpl& world, std::uint32_t index) {
     const JointRecord& joint = world.joints[index];
     const JointSim& sim = world.joints.sims[index];
-    if (sim.kind != JointKind::ball && sim.kind != JointKind::hinge && sim.kind != JointKind::fixed) return 0;
     const JointBodiesAtStep at = world.jointBodies(joint);
-    const Vec3 gap =
-        at.centerOffset + rotate(at.rotationB, sim.localB.position) - rotate(at.rotationA, sim.localA.position);
     const float sizeA = world.bodies[joint.bodyA].size, sizeB = world.bodies[joint.bodyB].size;
     const float size = !world.bodies.moves(joint.bodyA)   ? sizeB
                        : !world.bodies.moves(joint.bodyB) ? sizeA
                                                           : std::min(sizeA, sizeB);
-    return size > 0 ? length(gap) / size : 0;
+    const float angle = kTorn / kTornStop * turnedApart(sim, at);
+    return std::max(size > 0 ? gapOf(world, sim, at) / size : 0.0f, angle > kTorn ? angle : 0.0f);
 }
 
-bool hasAngularStops(JointKind kind) { return kind == JointKind::ball || kind == JointKind::hinge; }
-
-/// How far the joint is beyond its angular stops, rad; it is placed anew only where it may be.
+/// How far the joint is beyond its hard stops, rad or in its lengths; it is placed anew only where it may be.
 float overrunNow(WorldImpl& world, std::uint32_t index) {
     const JointRecord& joint = world.joints[index];
     JointSim& sim = world.joints.sims[index];
-    if (!hasAngularStops(sim.kind)) return 0;
     const Vec3 turning = world.bodies.states[sim.stateB].w - world.bodies.states[sim.stateA].w;
     // Margins are those of the last substep or the one before it.
     if (limitOverrun(sim) + 2 * world.context.h * length(turning) < kOpen) return 0;
@@ -92,35 +113,33 @@ void forEachJoint(const WorldImpl& world, std::span<const std::uint32_t> group, 
 float widestOpening(const WorldImpl& world, std::span<const std::uint32_t> joints) {
     float widest = 0;
     for (const std::uint32_t joint : joints) {
-        widest = std::max(widest, opening(world, joint));
-        if (hasAngularStops(world.joints.sims[joint].kind))
-            widest = std::max(widest, kTorn / kTornStop * limitOverrun(world.joints.sims[joint]));
+        widest = std::max({widest, opening(world, joint), kTorn / kTornStop * limitOverrun(world.joints.sims[joint])});
     }
     return widest;
 }
 
-/// Ways that close joints know nothing of what couplings hold, nor of what springs and soft stops store.
-bool isHeldOtherwise(const JointSim& sim) {
-    constexpr std::uint32_t kAxis = AxisRows::kSpring | AxisRows::kCoupled;
-    constexpr std::uint32_t kBall = BallRows::kSpring | BallRows::kDrives;
-    return (sim.axis.features & kAxis) != 0 || (sim.ball.features & kBall) != 0 || sim.axis.stop.stiffness > 0 ||
-           sim.ball.stop.stiffness > 0;
+/// Ways that close joints know nothing of what couplings hold.
+bool isCoupled(const JointSim& sim) {
+    bool coupled = (sim.axis.features & AxisRows::kCoupled) != 0;
+    for (std::uint32_t i = 0; hasAxes(sim.kind) && i < sim.axes.freeRows; ++i)
+        coupled = coupled || (sim.axes.axis[i].features & AxisRows::kCoupled) != 0;
+    return coupled;
 }
 
 bool isOpen(WorldImpl& world, std::span<const std::uint32_t> group) {
     if (group.size() > direct::kMostBodies) return false;
     for (const std::uint32_t body : group)
         if (!world.bodies.moves(body) || !world.bodies.isAwake(body)) return false;
-    bool open = false, otherwise = false;
+    bool open = false, coupled = false;
     const auto ofSubstep = [&](std::uint32_t body) {
         return world.context.h * world.context.h * lengthSquared(world.bodies.states[body].w);
     };
     forEachJoint(world, group, [&](std::uint32_t joint) {
         open = open || opening(world, joint) > std::min(kOpen + openingOfTurns(world, joint, ofSubstep), kTorn) ||
                overrunNow(world, joint) > kOpen;
-        otherwise = otherwise || isHeldOtherwise(world.joints.sims[joint]);
+        coupled = coupled || isCoupled(world.joints.sims[joint]);
     });
-    return open && !otherwise;
+    return open && !coupled;
 }
 
 void placeJoints(WorldImpl& world, std::span<const std::uint32_t> joints) {
@@ -324,6 +343,15 @@ double workOfClosing(const WorldImpl& world, std::span<const std::uint32_t> grou
     return work;
 }
 
+/// J, of springs and soft stops.
+double storedBy(const WorldImpl& world, std::span<const std::uint32_t> joints) {
+    double stored = 0;
+    for (const std::uint32_t joint : joints)
+        if (const JointSim& sim = world.joints.sims[joint]; storesEnergy(sim))
+            stored += storedEnergy(sim, world.jointBodies(world.joints[joint]));
+    return stored;
+}
+
 double kineticOf(const WorldImpl& world, std::span<const std::uint32_t> group) {
     double kinetic = 0;
     for (const std::uint32_t body : group) kinetic += kineticEnergy(world, body, world.bodies[body].rotation);
@@ -334,7 +362,7 @@ void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClo
     const direct::IslandParts parts = partsOf(world, group, bench);
     const std::span<const std::uint32_t> joints(bench.joints.data(), bench.joints.size());
     const Vec3 momentum = angularMomentumAtStart(world, group);
-    const double kinetic = kineticOf(world, group);
+    const double kinetic = kineticOf(world, group), stored = storedBy(world, joints);
     bench.paths.clear();
     for (const std::uint32_t body : group) bench.paths.push(world.pathOfStep(body));
     bench.system.begin(parts, world.bodies.arrays(), world.context);
@@ -345,7 +373,8 @@ void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClo
     // Places that move beside velocities change what these make about the centre of mass.
     const bool isFree = !hangs(world, joints);
     if (isFree) turnToMomentum(world, group, momentum);
-    const double work = workOfClosing(world, group, {bench.paths.data(), bench.paths.size()});
+    const double work =
+        workOfClosing(world, group, {bench.paths.data(), bench.paths.size()}) + stored - storedBy(world, joints);
     takeEnergy(world, group, kineticOf(world, group) - (share > 0 ? std::max(0.0, kinetic + std::min(0.0, work)) : 0.0),
                isFree);
     for (const std::uint32_t body : group) world.bodies.storeMomentum(body);

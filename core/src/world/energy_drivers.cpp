@@ -1,0 +1,117 @@
+#include "world/energy_drivers.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "constraints/lane_view.h"
+#include "world/world_impl.h"
+
+namespace ragtop {
+
+namespace {
+
+void add(AlignedArray<EnergyDriver>& drivers, const DVec3& center, float speed, float turn) {
+    if (speed > 0 || turn > 0) drivers.push({center, speed, turn});
+}
+
+void addKinematic(const WorldImpl& world, std::uint32_t body, AlignedArray<EnergyDriver>& drivers) {
+    if (world.bodies[body].type != BodyType::kinematic) return;
+    const BodyState& state = world.bodies.states[world.bodies[body].state];
+    add(drivers, world.bodies[body].center, length(state.v), length(state.w));
+}
+
+/// Motors and targets that move, about the place of the joint in the body. J, of those with a bound.
+double addJoint(const WorldImpl& world, const JointSim& sim, std::uint32_t body,
+                AlignedArray<EnergyDriver>& drivers) {
+    constexpr float kBounded = 1e12f;  // N or N m; more is no bound
+    double work = 0;
+    const float arm = std::max(length(sim.localA.position), length(sim.localB.position));
+    const auto give = [&](float speed, float force, bool turns) {
+        if (force < kBounded)
+            work += static_cast<double>(force) * static_cast<double>(std::fabs(speed)) * static_cast<double>(world.dt);
+        else
+            add(drivers, world.bodies[body].center, std::fabs(speed) * (turns ? arm : 1.0f), turns ? std::fabs(speed) : 0);
+    };
+    const auto giveAxis = [&](const AxisRows& axis, bool turns) {
+        if (axis.features & AxisRows::kMotor)
+            give(axis.targetSpeed, axis.targetSpeed < 0 ? axis.maxReverse : axis.maxForward, turns);
+        if (axis.features & AxisRows::kSpring) give(axis.springSpeed, axis.maxSpring, turns);
+    };
+    if (hasAxes(sim.kind))
+        for (std::uint32_t i = 0; i < sim.axes.freeRows; ++i) giveAxis(sim.axes.axis[i], true);
+    else
+        giveAxis(sim.axis, sim.kind == JointKind::hinge);
+    const BodyState &a = world.bodies.states[sim.stateA], &b = world.bodies.states[sim.stateB];
+    const float turn = length(a.w) + length(b.w), slide = length(b.v - a.v) + turn * arm;
+    if (sim.axis.features & AxisRows::kSpring)
+        give(sim.kind == JointKind::hinge ? turn : slide, std::fabs(sim.axis.feedForward), false);
+    if (sim.ball.features & BallRows::kDrives) give(turn, length(sim.drives.feedForward), false);
+    if (sim.ball.features & BallRows::kDrives) give(length(sim.drives.targetSpeed), sim.ball.maxSpring, true);
+    return work;
+}
+
+/// J, of surfaces that move on their own.
+double workOfContact(const WorldImpl& world, const ContactRecord& contact, std::uint32_t body, std::uint32_t other) {
+    float speed = length(world.shapes[contact.shapeA].material.surfaceVelocity) +
+                  length(world.shapes[contact.shapeB].material.surfaceVelocity);
+    if (world.bodies[other].type == BodyType::kinematic) {
+        const BodyState& state = world.bodies.states[world.bodies[other].state];
+        const float reach = length(toVec3(world.bodies[body].center - world.bodies[other].center));
+        speed += length(state.v) + length(state.w) * (reach + world.bodies[body].radius);
+    }
+    if (!(speed > 0)) return 0;
+    float impulse = 0;
+    for (const ManifoldRecord& manifold : world.manifolds.of(contact)) {
+        if (manifold.place.color == kNone) continue;
+        const LaneReader lane(world.graph.lane(manifold.place), world.graph.lanes());
+        for (int j = 0; j < manifold.pointCount; ++j)
+            impulse += (1 + lane.at(contact::kFriction)) * lane.at(j, contact::kPeak);
+    }
+    return static_cast<double>(impulse) * static_cast<double>(speed);
+}
+
+/// kg m²/s
+double spinOf(const WorldImpl& world, std::uint32_t body, const Vec3& w) {
+    return static_cast<double>(
+        length(scale(world.bodies[body].inertia, inverseRotate(world.bodies[body].rotation, w))));
+}
+
+}  // namespace
+
+double addDrivers(const WorldImpl& world, std::uint32_t body, AlignedArray<EnergyDriver>& drivers) {
+    double work = 0;
+    for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
+         key = world.joints[key >> 1].edges[key & 1].next) {
+        const JointRecord& joint = world.joints[key >> 1];
+        addKinematic(world, (key & 1) != 0 ? joint.bodyA : joint.bodyB, drivers);
+        work += addJoint(world, world.joints.sims[key >> 1], body, drivers);
+    }
+    for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.contacts.next(key)) {
+        const ContactRecord& contact = world.contacts[key >> 1];
+        if (contact.sensor || contact.firstManifold == kNone) continue;
+        work += workOfContact(world, contact, body, (key & 1) != 0 ? contact.bodyA : contact.bodyB);
+    }
+    return work;
+}
+
+double drivenEnergy(const WorldImpl& world, std::span<const std::uint32_t> bodies,
+                    std::span<const EnergyDriver> drivers) {
+    double energy = 0;
+    for (const std::uint32_t b : bodies) {
+        const BodyState& now = world.bodies.states[b];
+        const EnergyGuard::Speeds& before = world.energyGuard.speeds[b];
+        const double momentum =
+            static_cast<double>(world.bodies[b].mass * (length(before.v) + length(now.v)));
+        const double spin = spinOf(world, b, before.w) + spinOf(world, b, now.w);
+        double most = 0;
+        for (const EnergyDriver& driver : drivers) {
+            const double r = static_cast<double>(length(toVec3(world.bodies[b].center - driver.center)));
+            const double turn = static_cast<double>(driver.turn);
+            most = std::max(most, (static_cast<double>(driver.speed) + turn * r) * momentum + turn * spin);
+        }
+        energy += most;
+    }
+    return energy;
+}
+
+}  // namespace ragtop

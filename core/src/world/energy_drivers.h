@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "base/aligned_array.h"
+#include "ragtop/math.h"
+
+/// What moves on its own, whatever it meets, gives energy: kinematic bodies, belts, motors and targets of springs. By
+/// contacts, and by motors with a bound, it is no more than impulse times speed. By joints it is, seen from what moves
+/// evenly, with v and ω about a place, none at all, so that in the world it is at most
+///   ΔK ≤ v · Δp + ω · ΔL ≤ Σ (|v| + |ω| |r|) m (|v₀| + |v₁|) + |ω| (|I ω₀| + |I ω₁|)
+/// over the bodies that hang together, with r from that place and the speeds before and after.
+namespace ragtop {
+
+struct WorldImpl;
+
+/// What drives by joints.
+struct EnergyDriver {
+    DVec3 center;    ///< m, about which it turns
+    float speed = 0;  ///< m/s
+    float turn = 0;   ///< rad/s
+};
+
+/// Lists what drives a body by its joints; J, that all else gives it in this step at most.
+double addDrivers(const WorldImpl& world, std::uint32_t body, AlignedArray<EnergyDriver>& drivers);
+/// J, the most that drivers can have given such bodies in this step.
+double drivenEnergy(const WorldImpl& world, std::span<const std::uint32_t> bodies,
+                    std::span<const EnergyDriver> drivers);
+
+}  // namespace ragtop
