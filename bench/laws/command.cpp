@@ -13,6 +13,7 @@
 #include "../subcommands.h"
 #include "frames.h"
 #include "laws.h"
+#include "meddle.h"
 #include "shrink.h"
 
 namespace ragtop {
@@ -25,7 +26,7 @@ struct Arguments {
     std::vector<std::string> kinds{"all"}, engines{"ragtop"}, laws{"all"};
     std::string seeds = "1..20", out;
     double time = 0;  ///< s; 0: no bound
-    bool views = false, restore = false, each = false;
+    bool views = false, restore = false, meddle = false, each = false;
     int jobs = 1;
 };
 
@@ -98,6 +99,7 @@ std::string runJob(const Job& job, const Arguments& arguments) {
     }
     if (arguments.restore && job.engine->name == "ragtop")
         watched.restored = restoresAlike(drawn, job.seed);
+    if (arguments.meddle && job.engine->name == "ragtop") watched.meddled = meddle(drawn, job.seed);
     json found = numbers(watched, arguments.laws);
     if (arguments.views)
         found["views"] = otherVerdicts(drawn, *job.engine, arguments.laws, found["broken"].empty());
@@ -176,7 +178,7 @@ void keep(const Kind& kind, const Tally& tally, const stability::EngineKind& eng
 
 void checkLaws(const std::vector<std::string>& names) {
     for (const std::string& name : names) {
-        const bool known = name == "all" || name == kRestoredLaw ||
+        const bool known = name == "all" || name == kRestoredLaw || std::ranges::find(kMeddledLaws, name) != kMeddledLaws.end() ||
                            std::ranges::any_of(allLaws(), [&](const Law& law) { return law.name == name; });
         if (!known) throw CLI::ValidationError("--law", "\"" + name + "\" is no law");
     }
@@ -228,6 +230,7 @@ void addLaws(CLI::App& app) {
     command->add_option("--time", arguments->time, "Seconds after which no scene is begun");
     command->add_flag("--views", arguments->views, "Also from moving, turned, distant, larger and reversed frames");
     command->add_flag("--restore", arguments->restore, "Also saved and restored at random steps");
+    command->add_flag("--meddle", arguments->meddle, "Also with bodies and joints made, moved, changed and destroyed on the way");
     command->add_flag("--each", arguments->each, "Print what each scene showed");
     command->add_option("--out", arguments->out, "Write the first failing scene of each kind, made small, into this folder");
     command->add_option("--jobs", arguments->jobs, "Scenes that run at once; times are right for 1 only")

@@ -8,7 +8,7 @@ std::span<const Kind> allKinds() {
     static const Kind kKinds[] = {
         {"bridge", drawBridge},   {"net", drawNet},         {"contraption", drawContraption}, {"carried", drawCarried},
         {"drum", drawDrum},       {"figure", drawFigure},   {"beam", drawBeam},               {"heap", drawHeap},
-        {"pendulum", drawPendulum},
+        {"pendulum", drawPendulum}, {"mixture", drawMixture},
     };
     return kKinds;
 }

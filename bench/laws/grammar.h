@@ -26,6 +26,7 @@ struct Drawn {
     Scene scene;
     std::vector<Shaker> shakers;
     double seconds = 6;    ///< for which the laws are watched
+    bool isDriven = false;  ///< by motors and the like, whose work is not counted
     bool stands = false;  ///< statics says that nothing moves against body 0
 };
 

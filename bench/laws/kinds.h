@@ -21,6 +21,8 @@ Drawn drawFigure(Dice& dice);
 Drawn drawBeam(Dice& dice);
 /// Bodies of all convex shapes poured on the floor.
 Drawn drawHeap(Dice& dice);
+/// Groups of compounds on joints of all kinds, with limits, motors and springs, on a floor and a plate that moves.
+Drawn drawMixture(Dice& dice);
 /// Chains and rods with heavy ends, swung in and out of their plane.
 Drawn drawPendulum(Dice& dice);
 

@@ -35,6 +35,20 @@ struct Place {
     Pose a, b;
 };
 
+/// m, between what the joint holds together.
+double gapOf(const JointDef& def, const Place& place) {
+    const DVec3 apart = place.b.position - place.a.position;
+    const double along = dot(apart, DVec3{rotate(place.a.rotation, Vec3{1, 0, 0})});
+    const double across = std::sqrt(std::max(0.0, dot(apart, apart) - along * along));
+    if (std::holds_alternative<SliderDef>(def) || std::holds_alternative<CylindricalDef>(def) || std::holds_alternative<ScrewDef>(def))
+        return across;
+    if (std::holds_alternative<PlaneDef>(def)) return std::abs(along);
+    if (const auto* rope = std::get_if<DistanceDef>(&def))
+        return rope->limit ? std::max(0.0, length(apart) - static_cast<double>(rope->limit->upper)) : 0.0;
+    if (std::holds_alternative<SixDofDef>(def) || std::holds_alternative<PathDef>(def)) return 0;
+    return length(apart);
+}
+
 /// What the joint is beyond its limits, rad.
 double overLimit(const JointDef& def, const Place& place) {
     const Quat turn = conjugate(place.a.rotation) * place.b.rotation;
@@ -84,10 +98,7 @@ public:
     bool rests() const { return kinetic_ <= 0.5 * mass_ * 0.1 * 0.1; }
     double gap() const {
         double largest = 0;
-        for (const SceneJoint& joint : scene_.joints) {
-            const Place at = place(joint);
-            raise(largest, length(at.b.position - at.a.position));
-        }
+        for (const SceneJoint& joint : scene_.joints) raise(largest, gapOf(joint.def, place(joint)));
         return largest;
     }
     double over() const {
@@ -152,7 +163,7 @@ void shake(const Drawn& drawn, stability::Engine& engine, double time) {
 
 /// Bodies that are moved from outside, whose work is not counted.
 bool isDriven(const Drawn& drawn) {
-    return !drawn.shakers.empty() || std::ranges::any_of(drawn.scene.bodies, [](const SceneBody& body) {
+    return drawn.isDriven || !drawn.shakers.empty() || std::ranges::any_of(drawn.scene.bodies, [](const SceneBody& body) {
         return body.def.type == BodyType::kinematic && lengthSquared(body.def.linearVelocity) > 0;
     });
 }
@@ -179,6 +190,8 @@ std::vector<std::string> broken(const Watched& watched, const std::vector<std::s
     for (const Law& law : allLaws())
         if (counts(law.name) && !(watched.*law.value <= law.bound)) names.emplace_back(law.name);
     if (counts(kRestoredLaw) && !watched.restored) names.emplace_back(kRestoredLaw);
+    for (const std::string& law : watched.meddled)
+        if (counts(law)) names.push_back("meddled: " + law);
     return names;
 }
 

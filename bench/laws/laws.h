@@ -19,6 +19,7 @@ struct Watched {
     double restOverLimit = 0;
     double moved = 0;       ///< m, farthest against body 0 of what should stand
     double meanMs = 0, medianMs = 0, worstMs = 0;  ///< of a step
+    std::vector<std::string> meddled;  ///< laws that did not hold where it was meddled with
     bool restored = true;   ///< after a restore the same bits as without
 };
 

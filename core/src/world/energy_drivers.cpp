@@ -97,6 +97,7 @@ double addDrivers(const WorldImpl& world, std::uint32_t body, AlignedArray<Energ
 double drivenEnergy(const WorldImpl& world, std::span<const std::uint32_t> bodies,
                     std::span<const EnergyDriver> drivers) {
     double energy = 0;
+    if (drivers.empty()) return 0;
     for (const std::uint32_t b : bodies) {
         const BodyState& now = world.bodies.states[b];
         const EnergyGuard::Speeds& before = world.energyGuard.speeds[b];
@@ -110,6 +111,15 @@ double drivenEnergy(const WorldImpl& world, std::span<const std::uint32_t> bodie
             most = std::max(most, (static_cast<double>(driver.speed) + turn * r) * momentum + turn * spin);
         }
         energy += most;
+    }
+    return energy;
+}
+
+double givenAtOnce(const WorldImpl& world, std::span<const std::uint32_t> bodies) {
+    double energy = 0;
+    for (const std::uint32_t b : bodies) {
+        const Vec3 change = world.dt * world.bodies.dynamics[b].acceleration;
+        energy += 0.5 * static_cast<double>(world.bodies[b].mass * lengthSquared(change));
     }
     return energy;
 }

@@ -28,4 +28,7 @@ double addDrivers(const WorldImpl& world, std::uint32_t body, AlignedArray<Energ
 double drivenEnergy(const WorldImpl& world, std::span<const std::uint32_t> bodies,
                     std::span<const EnergyDriver> drivers);
 
+/// J, that forces give in a step to bodies at rest which nothing holds.
+double givenAtOnce(const WorldImpl& world, std::span<const std::uint32_t> bodies);
+
 }  // namespace ragtop

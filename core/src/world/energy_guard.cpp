@@ -129,13 +129,14 @@ void lookAround(const WorldImpl& world, std::uint32_t body, GuardedIsland& look,
         look.stores |= storesEnergy(world.joints.sims[key >> 1]);
         reach((key & 1) != 0 ? world.joints[key >> 1].bodyA : world.joints[key >> 1].bodyB);
     }
+    bool isPushed = false;
     for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.contacts.next(key)) {
         const ContactRecord& contact = world.contacts[key >> 1];
         if (contact.sensor || contact.firstManifold == kNone) continue;
-        const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
-        look.isPushed |= overlaps(world, contact);
-        reach(other);
+        isPushed = isPushed || overlaps(world, contact);
+        reach((key & 1) != 0 ? contact.bodyA : contact.bodyB);
     }
+    if (isPushed) look.pushed += pushEnergy(world, body);
 }
 
 /// All that a body touches or is joined to, and so on; each island is looked at once in a step, whatever asks for
@@ -164,7 +165,6 @@ GuardedIsland& islandOf(WorldImpl& world, std::uint32_t first) {
     }
     look.lastDriver = static_cast<std::uint32_t>(guard.drivers.size());
     look.end = static_cast<std::uint32_t>(guard.visited.size());
-    for (std::size_t i = look.begin; i < look.end && look.isPushed; ++i) look.pushed += pushEnergy(world, guard.visited[i]);
     guard.islands.push(look);
     return guard.islands[number];
 }
@@ -259,30 +259,23 @@ bool fits(float& room, const EnergyAccount& account) {
     return true;
 }
 
-/// J, that forces give in a step to bodies at rest which nothing holds.
-double givenAtOnce(const WorldImpl& world, std::span<const std::uint32_t> island) {
-    double energy = 0;
-    for (const std::uint32_t b : island) {
-        const Vec3 change = world.dt * world.bodies.dynamics[b].acceleration;
-        energy += 0.5 * static_cast<double>(world.bodies[b].mass * lengthSquared(change));
-    }
-    return energy;
-}
-
-/// J, at most.
-double givenByDrivers(const WorldImpl& world, const GuardedIsland& look) {
+/// What is known of an island once for all of its groups.
+void completeAccount(const WorldImpl& world, GuardedIsland& look) {
+    if (look.lawful >= 0) return;
     const EnergyGuard& guard = world.energyGuard;
-    return look.driven +
-           drivenEnergy(world, {guard.visited.data() + look.begin, look.end - look.begin},
-                          {guard.drivers.data() + look.firstDriver, look.lastDriver - look.firstDriver});
+    const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
+    look.lawful = accountOf(world, island).lawful;
+    look.atOnce = givenAtOnce(world, island);
+    look.driven +=
+        drivenEnergy(world, island, {guard.drivers.data() + look.firstDriver, look.lastDriver - look.firstDriver});
 }
 
 /// Did a step give so much more than there was, or take bodies so far, that its velocities are no estimate of anything,
 /// nor the work of forces along its ways?
 bool isGarbage(const WorldImpl& world, std::span<const std::uint32_t> island, const GuardedIsland& look,
                double beyond) {
-    const double most = look.lawful + look.pushed + givenAtOnce(world, island);
-    return beyond > kGarbage * most || (beyond > look.pushed && overran(world, island, most));
+    const double most = look.lawful + look.pushed + look.atOnce;
+    return beyond > kGarbage * most || (beyond > look.pushed && overran(world, island, most + look.driven));
 }
 
 /// A step that left nothing which could be mended is as if it had not been: bodies are where and as fast as they were,
@@ -320,11 +313,10 @@ void guardGroup(WorldImpl& world, std::size_t g) {
     double beyond = std::min(account.excess, look.excess) - left;
     if (!(beyond > 0)) return;
     const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
-    const double driven = givenByDrivers(world, look);
-    beyond -= driven;
+    completeAccount(world, look);
+    beyond -= look.driven;
     if (!(beyond > 0)) return;
-    const bool isIsolated = !look.hangs && driven == 0 && island.size() == group.size();
-    if (!(look.lawful >= 0)) look.lawful = accountOf(world, island).lawful;
+    const bool isIsolated = !look.hangs && look.driven == 0 && island.size() == group.size();
     if (isGarbage(world, island, look, beyond)) {
         room = 0;
         return undoStep(world, look);
@@ -345,7 +337,7 @@ void guardGroup(WorldImpl& world, std::size_t g) {
     if (const double more = accountOf(world, group).now - lawful; more > kThrown * look.lawful)
         taken += takeEnergy(world, group, more, false);
     // What touches the group may have got some of it.
-    if (!isIsolated) taken += takeEnergy(world, island, look.excess - left - driven - look.pushed - taken, false);
+    if (!isIsolated) taken += takeEnergy(world, island, look.excess - left - look.driven - look.pushed - taken, false);
     // Springs have the rest, or heights of what is held: the way that led there is not gone.
     const bool isLeft = whole - look.pushed - taken > account.room;
     if (isLeft && (look.stores || !isIsolated)) stayPut(world, island);
@@ -365,8 +357,8 @@ void guardFallenBack(WorldImpl& world, const DirectIsland& fallen) {
     GuardedIsland& look = islandOf(world, world.directSet.bodies[fallen.firstBody]);
     const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
     if (!std::isfinite(look.excess)) return;
-    if (!(look.lawful >= 0)) look.lawful = accountOf(world, island).lawful;
-    const double beyond = look.excess - givenByDrivers(world, look) - look.pushed - kRoom * look.lawful;
+    completeAccount(world, look);
+    const double beyond = look.excess - look.driven - look.pushed - kRoom * look.lawful;
     if (isGarbage(world, island, look, beyond)) return undoStep(world, look);
     const double taken = takeEnergy(world, island, beyond, false);
     if (!(taken > 0)) return;
