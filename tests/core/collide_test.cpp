@@ -4,7 +4,7 @@
 namespace ragtop {
 namespace {
 
-constexpr float kRounding = 1e-6f;  // of lengths near one metre
+constexpr float kMetreRounding = 1e-6f;  // of lengths near one metre
 
 Frame at(const Vec3& position) { return {position, {}}; }
 
@@ -28,9 +28,9 @@ void expectSanePoints(const Manifold& m, float margin) {
 TEST(SpherePair, TouchesHalfWayAlongTheCentres) {
     const Manifold m = collided(sphereView(1), sphereView(0.5f), at({0, 1.4f, 0}));
     ASSERT_EQ(m.pointCount, 1);
-    expectNear(m.normal, {0, 1, 0}, kRounding);
-    EXPECT_NEAR(m.points[0].separation, -0.1f, kRounding);
-    expectNear(m.points[0].position, {0, 0.95f, 0}, kRounding);
+    expectNear(m.normal, {0, 1, 0}, kMetreRounding);
+    EXPECT_NEAR(m.points[0].separation, -0.1f, kMetreRounding);
+    expectNear(m.points[0].position, {0, 0.95f, 0}, kMetreRounding);
     EXPECT_EQ(collided(sphereView(1), sphereView(0.5f), at({0, 1.6f, 0}), 0.09f).pointCount, 0);
     EXPECT_EQ(collided(sphereView(1), sphereView(0.5f), at({0, 1.6f, 0}), 0.11f).pointCount, 1);
 }
@@ -38,26 +38,26 @@ TEST(SpherePair, TouchesHalfWayAlongTheCentres) {
 TEST(SphereAndCapsule, TouchOnTheTubeAndOnTheCap) {
     const Manifold tube = collided(capsuleView(0.25f, 1), sphereView(0.5f), at({0.7f, 0.5f, 0}));
     ASSERT_EQ(tube.pointCount, 1);
-    expectNear(tube.normal, {1, 0, 0}, kRounding);
-    EXPECT_NEAR(tube.points[0].separation, -0.05f, kRounding);
-    expectNear(tube.points[0].position, {0.225f, 0.5f, 0}, kRounding);
+    expectNear(tube.normal, {1, 0, 0}, kMetreRounding);
+    EXPECT_NEAR(tube.points[0].separation, -0.05f, kMetreRounding);
+    expectNear(tube.points[0].position, {0.225f, 0.5f, 0}, kMetreRounding);
     const Manifold cap = collided(sphereView(0.5f), capsuleView(0.25f, 1), at({0, -1.7f, 0}));
     ASSERT_EQ(cap.pointCount, 1);
-    expectNear(cap.normal, {0, -1, 0}, kRounding);
-    EXPECT_NEAR(cap.points[0].separation, -0.05f, kRounding);
-    expectNear(cap.points[0].position, {0, -0.475f, 0}, kRounding);
+    expectNear(cap.normal, {0, -1, 0}, kMetreRounding);
+    EXPECT_NEAR(cap.points[0].separation, -0.05f, kMetreRounding);
+    expectNear(cap.points[0].position, {0, -0.475f, 0}, kMetreRounding);
 }
 
 TEST(CapsulePair, ParallelTouchesAtTheEndsOfTheCommonLength) {
     const Manifold m = collided(capsuleView(0.5f, 1), capsuleView(0.25f, 1), at({0.7f, 0.5f, 0}));
     ASSERT_EQ(m.pointCount, 2);
-    expectNear(m.normal, {1, 0, 0}, kRounding);
+    expectNear(m.normal, {1, 0, 0}, kMetreRounding);
     for (const ManifoldPoint& point : {m.points[0], m.points[1]}) {
-        EXPECT_NEAR(point.separation, -0.05f, kRounding);
-        EXPECT_NEAR(point.position.x, 0.475f, kRounding);
+        EXPECT_NEAR(point.separation, -0.05f, kMetreRounding);
+        EXPECT_NEAR(point.position.x, 0.475f, kMetreRounding);
     }
-    EXPECT_NEAR(std::min(m.points[0].position.y, m.points[1].position.y), -0.5f, kRounding);
-    EXPECT_NEAR(std::max(m.points[0].position.y, m.points[1].position.y), 1.0f, kRounding);
+    EXPECT_NEAR(std::min(m.points[0].position.y, m.points[1].position.y), -0.5f, kMetreRounding);
+    EXPECT_NEAR(std::max(m.points[0].position.y, m.points[1].position.y), 1.0f, kMetreRounding);
 }
 
 TEST(CapsulePair, CrossedTouchesAtOnePoint) {
@@ -66,7 +66,7 @@ TEST(CapsulePair, CrossedTouchesAtOnePoint) {
             collided(capsuleView(0.5f, 2), capsuleView(0.25f, 2), {{0.7f, 0.25f, 0}, rotationAbout({1, 0, 0}, angle)});
         ASSERT_EQ(m.pointCount, 1) << angle;
         expectNear(m.normal, {1, 0, 0}, 2e-5f);
-        EXPECT_NEAR(m.points[0].separation, -0.05f, 4 * kRounding);
+        EXPECT_NEAR(m.points[0].separation, -0.05f, 4 * kMetreRounding);
     }
 }
 
@@ -74,20 +74,20 @@ TEST(SphereAndBox, TouchFaceEdgeCornerAndInside) {
     const ConvexView box = boxView({1, 2, 3}), sphere = sphereView(0.5f);
     const Manifold face = collided(box, sphere, at({0.2f, 2.4f, 1}));
     ASSERT_EQ(face.pointCount, 1);
-    expectNear(face.normal, {0, 1, 0}, kRounding);
-    EXPECT_NEAR(face.points[0].separation, -0.1f, kRounding);
+    expectNear(face.normal, {0, 1, 0}, kMetreRounding);
+    EXPECT_NEAR(face.points[0].separation, -0.1f, kMetreRounding);
     const Manifold edge = collided(box, sphere, at({1.3f, 2.3f, 1}));
     ASSERT_EQ(edge.pointCount, 1);
-    expectNear(edge.normal, {std::sqrt(0.5f), std::sqrt(0.5f), 0}, kRounding);
-    EXPECT_NEAR(edge.points[0].separation, std::sqrt(0.18f) - 0.5f, kRounding);
+    expectNear(edge.normal, {std::sqrt(0.5f), std::sqrt(0.5f), 0}, kMetreRounding);
+    EXPECT_NEAR(edge.points[0].separation, std::sqrt(0.18f) - 0.5f, kMetreRounding);
     const Manifold corner = collided(sphere, box, at({-1.2f, -2.2f, -3.2f}));
     ASSERT_EQ(corner.pointCount, 1);
-    EXPECT_NEAR(corner.normal.x, -std::sqrt(1.0f / 3), 2 * kRounding);
-    EXPECT_NEAR(corner.points[0].separation, std::sqrt(0.12f) - 0.5f, 2 * kRounding);
+    EXPECT_NEAR(corner.normal.x, -std::sqrt(1.0f / 3), 2 * kMetreRounding);
+    EXPECT_NEAR(corner.points[0].separation, std::sqrt(0.12f) - 0.5f, 2 * kMetreRounding);
     const Manifold inside = collided(box, sphere, at({-0.9f, 0, 0}));
     ASSERT_EQ(inside.pointCount, 1);
-    expectNear(inside.normal, {-1, 0, 0}, kRounding);
-    EXPECT_NEAR(inside.points[0].separation, -0.6f, kRounding);
+    expectNear(inside.normal, {-1, 0, 0}, kMetreRounding);
+    EXPECT_NEAR(inside.points[0].separation, -0.6f, kMetreRounding);
 }
 
 TEST(SphereAndHull, AgreesWithTheBoxThatTheHullIs) {
@@ -111,12 +111,12 @@ TEST(CapsuleOnBox, LyingTouchesAtBothEndsOfTheLineCutToTheFace) {
     const Quat lying = rotationAbout({0, 0, 1}, kPi / 2);
     const Manifold m = collided(boxView({1, 0.5f, 1}), capsuleView(0.25f, 0.75f), {{0.5f, 0.7f, 0}, lying});
     ASSERT_EQ(m.pointCount, 2);
-    expectNear(m.normal, {0, 1, 0}, kRounding);
+    expectNear(m.normal, {0, 1, 0}, kMetreRounding);
     const float low = std::min(m.points[0].position.x, m.points[1].position.x);
     const float high = std::max(m.points[0].position.x, m.points[1].position.x);
-    EXPECT_NEAR(low, -0.25f, 2 * kRounding);
-    EXPECT_NEAR(high, 1, 2 * kRounding);
-    for (int i = 0; i < 2; ++i) EXPECT_NEAR(m.points[i].separation, -0.05f, 2 * kRounding);
+    EXPECT_NEAR(low, -0.25f, 2 * kMetreRounding);
+    EXPECT_NEAR(high, 1, 2 * kMetreRounding);
+    for (int i = 0; i < 2; ++i) EXPECT_NEAR(m.points[i].separation, -0.05f, 2 * kMetreRounding);
 }
 
 TEST(CapsuleOnBox, WithAnEndOverAFaceIsAsFarAsTheEndIsAboveIt) {
@@ -187,11 +187,11 @@ TEST(BoxOnBox, FaceOnFaceTouchesAtTheFourCorners) {
     ASSERT_EQ(m.pointCount, 4);
     expectNear(m.normal, {0, 1, 0}, 0);
     for (int i = 0; i < 4; ++i) {
-        EXPECT_NEAR(m.points[i].separation, -0.01f, kRounding);
+        EXPECT_NEAR(m.points[i].separation, -0.01f, kMetreRounding);
         const Vec3 p = m.points[i].position;
-        EXPECT_TRUE(std::abs(p.x - 0.25f) < kRounding || std::abs(p.x - 1) < kRounding) << p.x;
-        EXPECT_NEAR(std::abs(p.z), 0.25f, kRounding);
-        EXPECT_NEAR(p.y, 0.495f, kRounding);
+        EXPECT_TRUE(std::abs(p.x - 0.25f) < kMetreRounding || std::abs(p.x - 1) < kMetreRounding) << p.x;
+        EXPECT_NEAR(std::abs(p.z), 0.25f, kMetreRounding);
+        EXPECT_NEAR(p.y, 0.495f, kMetreRounding);
     }
 }
 

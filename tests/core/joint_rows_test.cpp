@@ -9,14 +9,14 @@ namespace ragtop::test {
 namespace {
 
 constexpr float kDegree = kPi / 180;
-const Quat kAlongZ = rotationBetween({1, 0, 0}, {0, 0, 1});
+const Quat kTurnedToZ = rotationBetween({1, 0, 0}, {0, 0, 1});
 
 /// One body on a hinge along z through its centre of mass, without gravity: I θ'' = torque.
 Rig flywheel(HingeDef def, float inertia) {
     Rig rig;
     rig.gravity = {};
     rig.add({{}, {}, {}, {}, 2, {inertia, inertia, inertia}, 0});
-    def.bodies = frames({}, {}, kAlongZ, kAlongZ);
+    def.bodies = frames({}, {}, kTurnedToZ, kTurnedToZ);
     rig.join(0, 1, def);
     return rig;
 }
@@ -29,7 +29,7 @@ Rig rod(float angle, const HingeDef& settings = {}) {
     body.position = DVec3(rotate(body.rotation, {0, -0.5f, 0}));
     rig.add(body);
     HingeDef def = settings;
-    def.bodies = frames({}, {0, 0.5f, 0}, kAlongZ, kAlongZ);
+    def.bodies = frames({}, {0, 0.5f, 0}, kTurnedToZ, kTurnedToZ);
     rig.join(0, 1, def);
     rig.begin();
     return rig;

@@ -34,10 +34,10 @@ double dot(const Six& a, const Six& b) {
     return sum;
 }
 /// v − M⁻¹ Jᵀ (J M⁻¹ Jᵀ)⁻¹ J v of some of the stops, with their impulses.
-struct Held {
+struct HeldStop {
     Six velocity{}, impulse{};
 
-    Held(const Six& before, unsigned stops) : velocity(before) {
+    HeldStop(const Six& before, unsigned stops) : velocity(before) {
         double k[kRows][kRows + 1] = {};
         for (std::size_t i = 0; i < kRows; ++i) {
             k[i][i] = 1;
@@ -69,13 +69,13 @@ struct Held {
 };
 Six allowed(const Six& before) {
     for (unsigned stops = 0; stops < 1u << kRows; ++stops)
-        if (const Held held(before, stops); held.isAllowed()) return held.velocity;
+        if (const HeldStop held(before, stops); held.isAllowed()) return held.velocity;
     ADD_FAILURE() << "no set of stops holds";
     return before;
 }
 
-/// The velocity that is left is the nearest, in the metric of the mass, to the one before [Moreau]; found here by trying
-/// all sets of stops. Directions turn by h |ω| < 1e-3 in the substep.
+/// The velocity that is left is the nearest, in the metric of the mass, to the one before [Moreau]; found here by
+/// trying all sets of stops. Directions turn by h |ω| < 1e-3 in the substep.
 TEST(JointStops, MetTogetherLeaveTheNearestVelocityThatTheyAllow) {
     std::mt19937 random(7);
     std::uniform_real_distribution<float> any(-5, 5);
@@ -84,8 +84,12 @@ TEST(JointStops, MetTogetherLeaveTheNearestVelocityThatTheyAllow) {
         rig.gravity = {};
         rig.dt = 1e-4;
         rig.substeps = 1;
-        RigBody body{{kArm, 0, 0}, {}, {any(random), any(random), any(random)}, {any(random), any(random), any(random)},
-                     static_cast<float>(kMass), {0.02f, 0.06f, 0.05f}};
+        RigBody body{{kArm, 0, 0},
+                     {},
+                     {any(random), any(random), any(random)},
+                     {any(random), any(random), any(random)},
+                     static_cast<float>(kMass),
+                     {0.02f, 0.06f, 0.05f}};
         SixDofDef def;
         def.bodies.frameB.position = {-static_cast<float>(kArm), 0, 0};
         for (AxisDef* axis : {&def.x, &def.y, &def.z, &def.twist, &def.swingY, &def.swingZ}) axis->limit = Range{-1, 0};

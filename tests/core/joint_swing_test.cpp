@@ -13,7 +13,7 @@
 namespace ragtop::test {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
+constexpr double kSwingDegree = 3.14159265358979323846 / 180;
 
 struct Directions {
     std::mt19937 engine{11};
@@ -59,7 +59,7 @@ TEST(SwingLimit, EllipseIsWithinATenthOfADegreeOfBruteForce) {
             const double sy = -angle * static_cast<double>(d.z) / across / static_cast<double>(y),
                          sz = angle * static_cast<double>(d.y) / across / static_cast<double>(z);
             const double exact = (sy * sy + sz * sz <= 1 ? 1 : -1) * nearest(edge, d);
-            if (std::abs(static_cast<double>(sides[0].margin) - exact) > 0.1 * kDegree) {
+            if (std::abs(static_cast<double>(sides[0].margin) - exact) > 0.1 * kSwingDegree) {
                 if (++wrong <= 3)
                     ADD_FAILURE() << y << " " << z << " at " << d.x << " " << d.y << " " << d.z << ": "
                                   << sides[0].margin << " for " << exact;
@@ -120,7 +120,7 @@ ReachPolygon polygonOf(const std::vector<Vec3>& corners) {
 ReachPolygon aroundX(const std::vector<std::pair<double, double>>& corners) {
     std::vector<Vec3> directions;
     for (const auto& [about, from] : corners) {
-        const double a = about * kDegree, f = from * kDegree;
+        const double a = about * kSwingDegree, f = from * kSwingDegree;
         directions.push_back(toVec3(DVec3{std::cos(f), std::sin(f) * std::cos(a), std::sin(f) * std::sin(a)}));
     }
     return polygonOf(directions);
@@ -170,7 +170,7 @@ TEST(SwingLimit, ReachPolygonIsWithinATenthOfADegreeOfBruteForce) {
             SwingMargin sides[SwingLimit::kSides];
             swingMargins(limit, d, sides);
             const double exact = (isInside(corners, d, {-1, 1e-3f, 2e-3f}) ? 1 : -1) * nearest(edge, d);
-            if (std::abs(static_cast<double>(sides[0].margin) - exact) > 0.1 * kDegree && ++wrong <= 3)
+            if (std::abs(static_cast<double>(sides[0].margin) - exact) > 0.1 * kSwingDegree && ++wrong <= 3)
                 ADD_FAILURE() << polygon.count << " corners at " << d.x << " " << d.y << " " << d.z << ": "
                               << sides[0].margin << " for " << exact;
             if (std::abs(exact) > 0.03 && std::abs(exact) < 0.1 && sides[1].margin > 0.2f)

@@ -12,7 +12,7 @@ namespace ragtop::test {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
-const Quat kAlongZ = rotationBetween({1, 0, 0}, {0, 0, 1});
+const Quat kZAxisTurn = rotationBetween({1, 0, 0}, {0, 0, 1});
 
 WorldSettings swept() {
     WorldSettings settings = withoutGravity();
@@ -58,8 +58,8 @@ TEST(SweptJoints, GiveWayToAWhirlingRodAsTheirSpringDoes) {
         const BodyId rod = world.create(def);
         JointBodies bodies;
         bodies.b = rod;
-        bodies.frameA = {{}, kAlongZ};
-        bodies.frameB = {{-0.5f, 0, 0}, kAlongZ};
+        bodies.frameA = {{}, kZAxisTurn};
+        bodies.frameB = {{-0.5f, 0, 0}, kZAxisTurn};
         const JointDef made = hinged ? JointDef(HingeDef{.bodies = bodies}) : JointDef(BallDef{.bodies = bodies});
         const JointId joint = world.create(made);
         run(world, 10);
@@ -96,7 +96,7 @@ double givesAsASpring() {
     return 0.5 * static_cast<double>(kCircle * kWhirl * kWhirl) / (rate * rate);
 }
 std::vector<JointDef> whirlers() {
-    SixDofDef locked{.bodies = {.frameA = {{}, kAlongZ}, .frameB = {{-kCircle, 0, 0}, kAlongZ}}};
+    SixDofDef locked{.bodies = {.frameA = {{}, kZAxisTurn}, .frameB = {{-kCircle, 0, 0}, kZAxisTurn}}};
     for (AxisDef* axis : {&locked.x, &locked.y, &locked.z, &locked.swingY, &locked.swingZ}) axis->limit = Range{};
     return {UniversalDef{.bodies = locked.bodies}, CylindricalDef{.bodies = locked.bodies}, locked};
 }

@@ -350,20 +350,20 @@ TEST(SoftStop, ATwistStopPushesAlongTheSlopeOfItsMargin) {
 /// A pendulum that swings against soft stops: its weight is a steady force, and what it gives and takes is no stop's.
 /// Its highest energy in each second, of a substep's error in time like its lowest, stays.
 TEST(SoftStop, APendulumKeepsItsEnergyUnderItsWeight) {
-    constexpr float kGravity = 9.81f, kArm = 0.3f, kMoment = 0.02f;
+    constexpr float kGravity = 9.81f, kReach = 0.3f, kMoment = 0.02f;
     World world;
     WorldSettings settings;
     settings.gravity = {0, -kGravity, 0};
     world.setSettings(settings);
     BodyDef def;
-    def.pose.position = {0, static_cast<double>(-kArm), 0};
+    def.pose.position = {0, static_cast<double>(-kReach), 0};
     def.shapes.push_back({.geometry = Sphere{0.1f}});
     def.mass = MassProperties{1, {}, {{kMoment, 0, 0}, {0, kMoment, 0}, {0, 0, kMoment}}};
     def.angularVelocity = {5, 0, 0};
-    def.linearVelocity = {0, 0, -5 * kArm};
+    def.linearVelocity = {0, 0, -5 * kReach};
     const BodyId body = world.create(def);
     HingeDef hinge;
-    hinge.bodies = {{}, body, {}, {{0, kArm, 0}, {}}};
+    hinge.bodies = {{}, body, {}, {{0, kReach, 0}, {}}};
     hinge.limit = Range{-0.3f, 0.5f};
     hinge.stop.stiffness = 200;
     const JointId joint = world.create(JointDef(hinge));
@@ -373,7 +373,7 @@ TEST(SoftStop, APendulumKeepsItsEnergyUnderItsWeight) {
             world.step(1.0f / 60);
             if (world.state(joint).limitMargin < 0) continue;
             const Vec3 v = world.linearVelocity(body), w = world.angularVelocity(body);
-            const double height = world.pose(body).position.y + static_cast<double>(kArm);
+            const double height = world.pose(body).position.y + static_cast<double>(kReach);
             most = std::max(most, 0.5 * static_cast<double>(dot(v, v) + kMoment * dot(w, w)) +
                                       static_cast<double>(kGravity) * height);
         }
@@ -386,13 +386,13 @@ TEST(SoftStop, APendulumKeepsItsEnergyUnderItsWeight) {
 /// The angular momentum about the axle, divided by the mass of 1 kg, after a ball met what hangs on a hinge, far from
 /// its stops.
 double momentumAfterABall(float stiffness) {
-    constexpr float kArm = 0.3f, kMoment = 0.02f, kBall = 0.004f;
+    constexpr float kReach = 0.3f, kMoment = 0.02f, kBall = 0.004f;
     WorldSettings settings = withoutGravity();
     settings.solver = SolverChoice::iterative;
     World world(settings);
     BodyDef def;
     def.shapes.push_back({.geometry = Sphere{0.1f}});
-    def.pose.position = {0, static_cast<double>(-kArm), -1};
+    def.pose.position = {0, static_cast<double>(-kReach), -1};
     def.mass = MassProperties{1, {}, {{kBall, 0, 0}, {0, kBall, 0}, {0, 0, kBall}}};
     def.linearVelocity = {0, 0, 3};
     const BodyId ball = world.create(def);
@@ -401,7 +401,7 @@ double momentumAfterABall(float stiffness) {
     def.linearVelocity = {};
     const BodyId bob = world.create(def);
     HingeDef hinge;
-    hinge.bodies = {{}, bob, {}, {{0, kArm, 0}, {}}};
+    hinge.bodies = {{}, bob, {}, {{0, kReach, 0}, {}}};
     hinge.limit = Range{-3, 3};
     hinge.stop.stiffness = stiffness;
     const JointId joint = world.create(JointDef(hinge));
@@ -410,7 +410,7 @@ double momentumAfterABall(float stiffness) {
         const Vec3 v = world.linearVelocity(ball);
         return x.y * static_cast<double>(v.z) - x.z * static_cast<double>(v.y) +
                static_cast<double>(kBall * world.angularVelocity(ball).x) +
-               static_cast<double>((kMoment + kArm * kArm) * world.angularVelocity(bob).x);
+               static_cast<double>((kMoment + kReach * kReach) * world.angularVelocity(bob).x);
     };
     for (int step = 0; step < 40; ++step) world.step(1.0f / 60);
     EXPECT_LT(world.angularVelocity(bob).x, -3);

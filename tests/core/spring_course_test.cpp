@@ -109,12 +109,12 @@ private:
     JointId joint_;
 };
 
-constexpr Sprung kKinds[] = {Sprung::slider, Sprung::distance, Sprung::hinge, Sprung::ball};
+constexpr Sprung kSprungKinds[] = {Sprung::slider, Sprung::distance, Sprung::hinge, Sprung::ball};
 
 /// Displaced, thrown, or dropped into its spring: places and speeds of each step are those of the closed form up to
 /// (ωh)²/12, by which speeds of rows differ from those of places, and single precision.
 TEST(SpringCourse, IsThatOfADampedOscillatorAtTheTimeOfTheStep) {
-    for (const Sprung kind : kKinds)
+    for (const Sprung kind : kSprungKinds)
         for (const bool two : {false, true})
             for (const double hertz : {2.0, 8.0})
                 for (const double zeta : {0.0, 0.3, 1.0, 3.0})
@@ -142,7 +142,7 @@ TEST(SpringCourse, IsThatOfADampedOscillatorAtTheTimeOfTheStep) {
 
 TEST(SpringCourse, IsTheSameWhereItIsSolvedDirectly) {
     const Oscillator law{2 * std::numbers::pi * 2, 0.3, 0};
-    for (const Sprung kind : kKinds) {
+    for (const Sprung kind : kSprungKinds) {
         SprungBodies bodies(kind, true, law, {0.4, 0}, SolverChoice::direct);
         for (int step = 1; step <= 60; ++step) {
             bodies.world.step(kDt);
@@ -157,7 +157,7 @@ TEST(SpringCourse, IsTheSameWhereItIsSolvedDirectly) {
 TEST(SpringCourse, KeepsItsEnergyAtEachStep) {
     const Oscillator law{2 * std::numbers::pi * 8, 0, 0};
     const double turn = law.omega * kDt / 4;
-    for (const Sprung kind : kKinds) {
+    for (const Sprung kind : kSprungKinds) {
         SprungBodies bodies(kind, true, law, {0.4, 0}, SolverChoice::automatic);
         const double start = law.omega * law.omega * 0.4 * 0.4;
         for (int step = 0; step < 1200; ++step) {

@@ -9,13 +9,14 @@
 namespace ragtop::test {
 namespace {
 
-enum class Sprung { ball, hinge };
+enum class StiffJoint { ball, hinge };
 
 /// A tree of boxes in space that hang on springs of z = h² k w, w the inverse inertia of a joint's bodies about the
 /// axis about which they turn most easily, and that spin at random.
 class Tree {
 public:
-    Tree(std::uint32_t seed, int count, Sprung kind, double z, double dampingRatio) : world_(inSpace()), random_(seed) {
+    Tree(std::uint32_t seed, int count, StiffJoint kind, double z, double dampingRatio)
+        : world_(inSpace()), random_(seed) {
         const double h = kDt / inSpace().substeps;
         for (int i = 0; i < count; ++i) {
             parents_.push_back(i == 0 ? 0 : i - 1 - pick(i < 3 ? 1 : 2));
@@ -27,13 +28,13 @@ public:
             bodies_.push_back(world_.create(def));
             if (i == 0) continue;
             JointBodies joined{.a = bodies_[parent(i)], .b = bodies_.back()};
-            const Quat axis = kind == Sprung::hinge ? rotationAbout({0, 0, 1}, 0.5f * kPi) : Quat{};
+            const Quat axis = kind == StiffJoint::hinge ? rotationAbout({0, 0, 1}, 0.5f * kPi) : Quat{};
             joined.frameA = {{0, -0.225f, 0}, axis}, joined.frameB = {{0, 0.225f, 0}, axis};
             const double w = 1 / easiest(joined.a) + 1 / easiest(joined.b), k = z / (h * h * w);
             const Spring spring{.stiffness = static_cast<float>(k),
                                 .damping = static_cast<float>(2 * dampingRatio * std::sqrt(k / w))};
             stiffness_.push_back(k);
-            if (kind == Sprung::hinge)
+            if (kind == StiffJoint::hinge)
                 world_.create(HingeDef{.bodies = joined, .spring = spring});
             else
                 world_.create(BallDef{.bodies = joined, .spring = spring});
@@ -88,7 +89,7 @@ private:
 /// more.
 TEST(StiffSprings, GiveTreesNoEnergyHoweverStiffTheyAre) {
     constexpr double kMost = 0.11;
-    for (const Sprung kind : {Sprung::ball, Sprung::hinge})
+    for (const StiffJoint kind : {StiffJoint::ball, StiffJoint::hinge})
         for (const int count : {2, 5, 12})
             for (const double dampingRatio : {0.0, 0.1, 1.0})
                 for (const double z : {0.01, 0.1, 1.0, 10.0, 1e3, 1e5})
@@ -99,7 +100,7 @@ TEST(StiffSprings, GiveTreesNoEnergyHoweverStiffTheyAre) {
 /// Each hinge of a beam turns by the moment of the weights beyond it over its stiffness.
 TEST(StiffSprings, BeamsSagAsTheirStiffnessSays) {
     constexpr int kCount = 6;
-    constexpr double kStiffness = 2e4, kLength = 0.5;
+    constexpr double kSpringStiffness = 2e4, kLength = 0.5;
     World world(withoutSleep());
     std::vector<JointId> hinges;
     double mass = 0;
@@ -113,7 +114,7 @@ TEST(StiffSprings, BeamsSagAsTheirStiffnessSays) {
         JointBodies joined{.a = last, .b = body};
         joined.frameA = {i == 0 ? Vec3{0, 5, 0} : Vec3{0.25f, 0, 0}, alongZ};
         joined.frameB = {{-0.25f, 0, 0}, alongZ};
-        const Spring spring{.stiffness = static_cast<float>(kStiffness), .damping = 300};
+        const Spring spring{.stiffness = static_cast<float>(kSpringStiffness), .damping = 300};
         hinges.push_back(world.create(HingeDef{.bodies = joined, .spring = spring}));
         last = body;
     }
@@ -122,7 +123,7 @@ TEST(StiffSprings, BeamsSagAsTheirStiffnessSays) {
         const int beyond = kCount - i;
         const double moment = mass * static_cast<double>(kGravity) * kLength * 0.5 * beyond * beyond;
         const double angle = static_cast<double>(world.state(hinges[static_cast<std::size_t>(i)]).coordinate);
-        EXPECT_NEAR(angle / (-moment / kStiffness), 1, 0.01) << i;
+        EXPECT_NEAR(angle / (-moment / kSpringStiffness), 1, 0.01) << i;
     }
 }
 

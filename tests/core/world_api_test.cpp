@@ -11,13 +11,13 @@ namespace {
 
 using namespace test;
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
 
 TEST(WorldApi, BadDefinitionsSayWhatIsWrong) {
     World world;
     BodyDef def = bodyDef(Sphere{-1}, {});
     expectMessage([&] { world.create(def); }, "radius");
-    def = bodyDef(Sphere{1}, {static_cast<double>(kNan), 0, 0});
+    def = bodyDef(Sphere{1}, {static_cast<double>(kNowhere), 0, 0});
     expectMessage([&] { world.create(def); }, "pose.position");
     def = bodyDef(Sphere{1}, {});
     def.pose.rotation = {0, 0, 0, 0};
@@ -36,7 +36,7 @@ TEST(WorldApi, BadDefinitionsSayWhatIsWrong) {
     def.mass = MassProperties{-2, {}, {}};
     expectMessage([&] { world.create(def); }, "mass");
     def = bodyDef(Sphere{1}, {});
-    def.linearVelocity.x = kNan;
+    def.linearVelocity.x = kNowhere;
     expectMessage([&] { world.create(def); }, "linearVelocity");
     const Vec3 corners[] = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}};
     const Triangle triangle[] = {{0, 1, 2}};
@@ -55,14 +55,14 @@ TEST(WorldApi, BadDefinitionsSayWhatIsWrong) {
 TEST(WorldApi, NumbersThatAreNotFiniteAreRefused) {
     World world;
     const BodyId body = world.create(bodyDef(Sphere{1}, {}));
-    EXPECT_THROW(world.applyImpulse(body, {kNan, 0, 0}, {}), std::invalid_argument);
-    EXPECT_THROW(world.applyForce(body, {kNan, 0, 0}, {}), std::invalid_argument);
-    EXPECT_THROW(world.applyTorque(body, {kNan, 0, 0}), std::invalid_argument);
-    EXPECT_THROW(world.applyAngularImpulse(body, {kNan, 0, 0}), std::invalid_argument);
-    EXPECT_THROW(world.setVelocity(body, {kNan, 0, 0}, {}), std::invalid_argument);
-    EXPECT_THROW(world.setPose(body, {{0, 0, 0}, {kNan, 0, 0, 1}}), std::invalid_argument);
+    EXPECT_THROW(world.applyImpulse(body, {kNowhere, 0, 0}, {}), std::invalid_argument);
+    EXPECT_THROW(world.applyForce(body, {kNowhere, 0, 0}, {}), std::invalid_argument);
+    EXPECT_THROW(world.applyTorque(body, {kNowhere, 0, 0}), std::invalid_argument);
+    EXPECT_THROW(world.applyAngularImpulse(body, {kNowhere, 0, 0}), std::invalid_argument);
+    EXPECT_THROW(world.setVelocity(body, {kNowhere, 0, 0}, {}), std::invalid_argument);
+    EXPECT_THROW(world.setPose(body, {{0, 0, 0}, {kNowhere, 0, 0, 1}}), std::invalid_argument);
     EXPECT_THROW(world.setPose(body, {{0, 0, 0}, {0, 0, 0, 0}}), std::invalid_argument);
-    EXPECT_THROW(world.setGravityScale(body, kNan), std::invalid_argument);
+    EXPECT_THROW(world.setGravityScale(body, kNowhere), std::invalid_argument);
     EXPECT_THROW(world.moveTo(body, {}, 0), std::invalid_argument);
     EXPECT_EQ(world.linearVelocity(body), Vec3{});
     run(world, 0.1);

@@ -13,11 +13,11 @@ namespace ragtop::test {
 namespace {
 
 /// A chain that hangs by balls and hinges in turn.
-struct Chain {
+struct DrivenChain {
     World world;
     std::vector<JointId> joints;
 
-    Chain() {
+    DrivenChain() {
         BodyId carrier{};
         for (int i = 0; i < 6; ++i) {
             const BodyId body = world.create(bodyDef(Box{{0.2f, 0.05f, 0.05f}}, {0.5 * i, 3, 0}));
@@ -32,7 +32,7 @@ struct Chain {
     bool isBall(std::size_t joint) const { return std::holds_alternative<BallDef>(world.def(joints[joint])); }
 };
 
-std::vector<JointDrive> drivesAt(const Chain& chain, int step) {
+std::vector<JointDrive> drivesAt(const DrivenChain& chain, int step) {
     std::mt19937 random(static_cast<unsigned>(step));
     const auto any = [&](float most) { return std::uniform_real_distribution<float>(-most, most)(random); };
     std::vector<JointDrive> drives;
@@ -69,7 +69,7 @@ JointDef withSpring(const JointDef& def, const JointDrive& drive) {
 }
 
 TEST(Drives, DoWhatDefinitionsWithTheirSpringsDo) {
-    Chain chain, other;
+    DrivenChain chain, other;
     for (int step = 1; step <= 120; ++step) {
         const std::vector<JointDrive> drives = drivesAt(chain, step);
         chain.world.setDrives(drives);
@@ -82,7 +82,7 @@ TEST(Drives, DoWhatDefinitionsWithTheirSpringsDo) {
 }
 
 TEST(Drives, AreSetWithoutMemory) {
-    Chain chain;
+    DrivenChain chain;
     for (int step = 0; step < 3; ++step) {
         const std::vector<JointDrive> drives = drivesAt(chain, 8 + step);
         const long before = heapCalls();
@@ -93,7 +93,7 @@ TEST(Drives, AreSetWithoutMemory) {
 }
 
 TEST(Drives, ThatStayLetSleepersSleep) {
-    Chain chain;
+    DrivenChain chain;
     const std::vector<JointDrive> drives = drivesAt(chain, 7);
     chain.world.setDrives(drives);
     const BodyId body = chain.world.bodies().back();
@@ -106,7 +106,7 @@ TEST(Drives, ThatStayLetSleepersSleep) {
 
 /// The rows of what is broken are listed one by one; the good drive before it is not set either.
 TEST(Drives, WhatIsWrongIsToldAndChangesNothing) {
-    Chain chain;
+    DrivenChain chain;
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const auto tells = [&](const char* what, auto&& spoil) {
         std::vector<JointDrive> drives = drivesAt(chain, 8);

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "base/double_vectors.h"
+
 // Everything here is evaluated in double with + - * / sqrt alone and rounded once, so that the results are the same
 // bits on every platform and within little more than half a unit in the last place.
 namespace ragtop {
@@ -12,7 +14,7 @@ constexpr double kPiDouble = 3.14159265358979323846;  ///< π, rounded to double
 /// [Cody, Waite, Software Manual for the Elementary Functions, 1980].
 constexpr double kHalfPiHigh = 1.57079632673412561417e+00;
 constexpr double kHalfPiLow = 6.07710050650619224932e-11;  ///< the rest of π/2
-constexpr double kLargestReduced = 1048576.0;  ///< 2²⁰, beyond which that product is rounded
+constexpr double kLargestReduced = 1048576.0;              ///< 2²⁰, beyond which that product is rounded
 
 /// Taylor polynomials on |x| ≤ π/4; the first omitted terms are below 7e-12 of the result.
 double sinNearZero(double x) {
@@ -86,8 +88,6 @@ Quat roundedUnit(double x, double y, double z, double w) {
     const double s = 1 / std::sqrt(x * x + y * y + z * z + w * w);
     return {static_cast<float>(s * x), static_cast<float>(s * y), static_cast<float>(s * z), static_cast<float>(s * w)};
 }
-
-constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 }  // namespace
 

@@ -9,8 +9,6 @@ namespace ragtop::direct {
 
 namespace {
 
-DVec3 toDouble(const Vec3& a) { return DVec3(a); }
-
 /// rotate(q, v) − v without cancellation.
 DVec3 turned(const Quat& q, const DVec3& v) {
     const DVec3 u{q.x, q.y, q.z};

@@ -49,8 +49,6 @@ void setMass(SystemBody& body, const BodyState& state, const BodyInertia& inerti
     body.inertia = inverse(full);
 }
 
-DVec3 toDouble(const Vec3& a) { return DVec3(a); }
-
 void tangents(const DVec3& n, DVec3& t1, DVec3& t2) {
     const double sign = n.z < 0 ? -1.0 : 1.0;
     const double a = -1 / (sign + n.z), b = n.x * n.y * a;

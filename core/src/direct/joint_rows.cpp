@@ -12,8 +12,6 @@ namespace {
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 constexpr float kFarAway = 1e9f;  ///< rad: no stop is there
 
-DVec3 toDouble(const Vec3& a) { return DVec3(a); }
-
 /// The larger part of ∂²/∂θ² of a force's work on an arm, (F · r) E − ½ (r Fᵀ + F rᵀ): what is not negative.
 DSym3 tautStiffness(const DVec3& force, const DVec3& arm) {
     const double f = length(force), r = length(arm);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/double_vectors.h"
 #include "ragtop/math.h"
 #include "solve/body_state.h"
 
@@ -9,10 +10,6 @@
 /// code in a fixed order, so that every compiler gives the same bits.
 namespace ragtop::direct {
 
-constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-constexpr DVec3 cross(const DVec3& a, const DVec3& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 inline double length(const DVec3& a) { return std::sqrt(dot(a, a)); }
 constexpr DVec3 load(const double* a) { return {a[0], a[1], a[2]}; }
 constexpr void store(const DVec3& a, double* to) { to[0] = a.x, to[1] = a.y, to[2] = a.z; }
@@ -32,6 +29,7 @@ constexpr DSym3 operator+(const DSym3& a, const DSym3& b) {
 constexpr DSym3 scaled(const DSym3& m, double s) {
     return {s * m.xx, s * m.xy, s * m.xz, s * m.yy, s * m.yz, s * m.zz};
 }
+constexpr DVec3 toDouble(const Vec3& a) { return DVec3(a); }
 constexpr DSym3 toDouble(const BodyInertia& m) { return {m.xx, m.xy, m.xz, m.yy, m.yz, m.zz}; }
 /// s a aᵀ
 constexpr DSym3 outer(double s, const DVec3& a) {

@@ -9,7 +9,7 @@
 namespace ragtop {
 namespace {
 
-constexpr float kParallelEdges = 1e-5f;  // sin² below which the face axes do as well
+constexpr float kAlongTriangle = 1e-5f;  // sin² below which the face axes do as well
 
 int after(int i) { return i == 2 ? 0 : i + 1; }
 FourFloats along(const FourVectors& v, const Vec3& axis) { return v.x * axis.x + v.y * axis.y + v.z * axis.z; }
@@ -68,7 +68,7 @@ struct EdgePairs {
                 const FourFloats length2 = e[p] * e[p] + e[q] * e[q], across = e[q] * v[p] - e[p] * v[q];
                 const FourFloats outwards = t.normal[i] > 0.0f ? across : -across;
                 const FourFloats gap = -outwards - (absolute(e[q]) * box.half[p] + absolute(e[p]) * box.half[q]);
-                const FourInts valid = length2 > kParallelEdges * square;
+                const FourInts valid = length2 > kAlongTriangle * square;
                 if (lanesWhere(valid & (squareWithSign(gap) > squareWithSign(separation) * length2)) == 0) continue;
                 const FourFloats s = gap / squareRoot(valid ? length2 : FourFloats{1, 1, 1, 1});
                 const FourInts better = valid & (s > separation);
@@ -230,8 +230,7 @@ int triangleOnBoxFace(const TurnedBox& box, const CornersAndNormal& t, int axis,
     for (int i = 0; i < count; ++i) {
         const pairs::Corner& corner = polygon[i];
         if (corner.w > margin) continue;
-        const Vec3 at = corner.u * box.axes[p] + corner.v * box.axes[q] +
-                        (box.half[face] + 0.5f * corner.w) * outward;
+        const Vec3 at = corner.u * box.axes[p] + corner.v * box.axes[q] + (box.half[face] + 0.5f * corner.w) * outward;
         out[kept++] = {at, corner.w, faceFeature({{}, 0, corner.in, corner.out}, axis - 1, 0, true)};
     }
     return kept;
@@ -247,8 +246,8 @@ int edgesOfBoxAndTriangle(const TurnedBox& box, const CornersAndNormal& t, int a
     // The edge of the box that lies farthest against the normal.
     const bool positiveP = dot(normal, box.axes[p]) < 0, positiveQ = dot(normal, box.axes[q]) < 0;
     const Vec3 alongBox = box.half[i] * box.axes[i];
-    const Vec3 middle = (positiveP ? box.half[p] : -box.half[p]) * box.axes[p] +
-                        (positiveQ ? box.half[q] : -box.half[q]) * box.axes[q];
+    const Vec3 middle =
+        (positiveP ? box.half[p] : -box.half[p]) * box.axes[p] + (positiveQ ? box.half[q] : -box.half[q]) * box.axes[q];
     const ClosestOnSegments near = closestOnSegments(t.v[k], e, middle - alongBox, 2 * alongBox);
     if (separation > 0 && lengthSquared(near.pointB - near.pointA) > margin * margin) return 0;
     out[0] = {0.5f * (near.pointA + near.pointB), separation,

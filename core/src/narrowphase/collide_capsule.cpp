@@ -110,7 +110,7 @@ void shallow(const HullView& a, const gjk::Closest& cores, const Rod& rod, Manif
 
 /// Faces, and edges whose arc of normals crosses the circle of directions perpendicular to the segment.
 void deep(const HullView& a, const Rod& rod, Manifold& out) {
-    constexpr float kParallelEdges = 1e-5f;
+    constexpr float kParallelSides = 1e-5f;
     const Vec3 d = rod.q - rod.p;
     int face = -1, edge = -1;
     float best = 0;
@@ -131,7 +131,7 @@ void deep(const HullView& a, const Rod& rod, Manifold& out) {
         const Vec3 from = a.vertices[candidate.from], e = a.vertices[candidate.to] - from;
         const Vec3 axis = cross(e, d);
         const float length2 = lengthSquared(axis);
-        if (length2 <= kParallelEdges * lengthSquared(e) * lengthSquared(d)) continue;
+        if (length2 <= kParallelSides * lengthSquared(e) * lengthSquared(d)) continue;
         const Vec3 normal = (r > 0 ? -1.0f : 1.0f) / std::sqrt(length2) * axis;
         const float separation = dot(normal, rod.p - from);
         if (separation > best) {

@@ -6,7 +6,7 @@ namespace ragtop::surface {
 namespace {
 
 constexpr float kSlack = 0.02f;          // sine of the angle by which a direction may leave the faces beside an edge
-constexpr float kParallelEdges = 1e-4f;  // sin² below which corners and faces tell more
+constexpr float kParallelLines = 1e-4f;  // sin² below which corners and faces tell more
 constexpr float kShown = 0.5f;           // of the overlap of two edges: what must be seen behind the faces
 
 /// Does an edge, where it crosses another one or farther along, lie behind both faces beside that one by a good part of
@@ -38,7 +38,7 @@ EdgeMeeting meet(const SharpEdge& a, const SharpEdge& b, float deepest) {
     EdgeMeeting out;
     const Vec3 axis = cross(a.along, b.along);
     const float square = lengthSquared(axis), aa = lengthSquared(a.along), bb = lengthSquared(b.along);
-    if (square <= kParallelEdges * aa * bb) return out;
+    if (square <= kParallelLines * aa * bb) return out;
     // Of the infinite lines; beyond the ends corners are nearer.
     const Vec3 r = a.from - b.from;
     const float ab = dot(a.along, b.along), ar = dot(a.along, r), br = dot(b.along, r);

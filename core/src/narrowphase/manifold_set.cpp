@@ -7,8 +7,8 @@
 namespace ragtop {
 namespace {
 
-constexpr float kSameDirection = 0.9998f;  // cosine of about one degree
-constexpr float kSamePoint = 0.02f;        // of the size
+constexpr float kSameFace = 0.9998f;  // cosine of about one degree
+constexpr float kSameCorner = 0.02f;  // of the size
 
 bool isCut(const ManifoldPoint& point) { return (point.feature & kNamedAfterTriangle) != 0; }
 
@@ -24,7 +24,7 @@ ManifoldSet::Cluster& ManifoldSet::clusterFor(const Vec3& normal) {
             nearest = i;
         }
     }
-    if (most >= kSameDirection || count_ == kMaxManifolds) return clusters_[nearest];
+    if (most >= kSameFace || count_ == kMaxManifolds) return clusters_[nearest];
     Cluster& fresh = *std::construct_at(&clusters_[count_++]);
     fresh.normal = normal;
     return fresh;
@@ -50,7 +50,7 @@ void ManifoldSet::makeRoom(Cluster& cluster) {
 }
 
 void ManifoldSet::addPoint(Cluster& cluster, const ManifoldPoint& point) const {
-    const float near2 = kSamePoint * kSamePoint * size_ * size_, noise = kDepthTolerance * size_;
+    const float near2 = kSameCorner * kSameCorner * size_ * size_, noise = kDepthTolerance * size_;
     for (int i = 0; i < cluster.count; ++i) {
         ManifoldPoint& known = cluster.points[i];
         if (lengthSquared(known.position - point.position) > near2) continue;

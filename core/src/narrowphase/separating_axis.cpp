@@ -8,8 +8,8 @@
 namespace ragtop {
 namespace {
 
-constexpr float kParallelEdges = 1e-5f;  // sin² below which the face axes do as well
-constexpr int kMaxEdges = 384;           // 3 · 128 − 6
+constexpr float kAlongFaces = 1e-5f;  // sin² below which the face axes do as well
+constexpr int kMaxEdges = 384;        // 3 · 128 − 6
 
 /// Four at a time, so that none waits for the one before.
 float lowest(const HullView& hull, const Vec3& direction) {
@@ -161,7 +161,7 @@ SeparatingAxis bestEdgePair(const HullView& a, const HullView& b, const CenterHe
             const Vec3 eB = edgeVector(b, edgeB);
             const Vec3 axis = cross(eA, eB);
             const float length2 = lengthSquared(axis);
-            if (length2 <= kParallelEdges * lengthSquared(eA) * lengthSquared(eB)) return;
+            if (length2 <= kAlongFaces * lengthSquared(eA) * lengthSquared(eB)) return;
             const float sense = -dot(a.planes[edgeA.rightFace].normal, eB);
             const Vec3 normal = (sense < 0 ? -1.0f : 1.0f) / std::sqrt(length2) * axis;
             const float separation = dot(normal, b.vertices[edgeB.from] - pA);
@@ -218,7 +218,7 @@ SeparatingAxis alongAxis(const HullView& a, const HullView& b, int kind, int ind
     if (!makesFace(a, edgeA, eA, b, edgeB, eB, sense)) return none;
     const Vec3 axis = cross(eA, eB);
     const float length2 = lengthSquared(axis);
-    if (length2 <= kParallelEdges * lengthSquared(eA) * lengthSquared(eB)) return none;
+    if (length2 <= kAlongFaces * lengthSquared(eA) * lengthSquared(eB)) return none;
     const Vec3 normal = (sense < 0 ? -1.0f : 1.0f) / std::sqrt(length2) * axis;
     return {3, indexA, indexB, dot(normal, b.vertices[edgeB.from] - a.vertices[edgeA.from]), normal};
 }

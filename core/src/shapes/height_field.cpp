@@ -9,24 +9,24 @@
 namespace ragtop {
 namespace {
 
-[[noreturn]] void reject(const std::string& why) { throw std::invalid_argument("HeightField: " + why); }
+[[noreturn]] void rejectField(const std::string& why) { throw std::invalid_argument("HeightField: " + why); }
 
 void checkGrid(int columns, int rows, float spacing, std::span<const float> heights) {
-    if (columns < 2) reject("columns is " + std::to_string(columns) + ", must be at least 2");
-    if (rows < 2) reject("rows is " + std::to_string(rows) + ", must be at least 2");
+    if (columns < 2) rejectField("columns is " + std::to_string(columns) + ", must be at least 2");
+    if (rows < 2) rejectField("rows is " + std::to_string(rows) + ", must be at least 2");
     if (!std::isfinite(spacing) || !(spacing > 0)) {
-        reject("spacing is " + numberText(spacing) + ", must be finite and above 0 m");
+        rejectField("spacing is " + numberText(spacing) + ", must be finite and above 0 m");
     }
     const std::size_t count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
     if (heights.size() != count) {
-        reject("heights has " + std::to_string(heights.size()) + " entries, must have columns x rows, " +
-               std::to_string(count));
+        rejectField("heights has " + std::to_string(heights.size()) + " entries, must have columns x rows, " +
+                    std::to_string(count));
     }
-    if (count > 0x7fffffffu) reject("columns x rows is " + std::to_string(count) + ", must be at most 2147483647");
+    if (count > 0x7fffffffu) rejectField("columns x rows is " + std::to_string(count) + ", must be at most 2147483647");
     for (std::size_t i = 0; i < count; ++i) {
         if (std::isinf(heights[i])) {
-            reject("heights[" + std::to_string(i) + "] is " + numberText(heights[i]) +
-                   ", must be finite, or NaN for a hole");
+            rejectField("heights[" + std::to_string(i) + "] is " + numberText(heights[i]) +
+                        ", must be finite, or NaN for a hole");
         }
     }
 }
@@ -90,7 +90,7 @@ HeightField::HeightField(int columns, int rows, float spacing, std::span<const f
     field.normals.resize(count);
     field.activeEdges.resize(count);
     findNormals(field);
-    if (field.lowest > field.highest) reject("heights leaves no triangle, must have one without NaN");
+    if (field.lowest > field.highest) rejectField("heights leaves no triangle, must have one without NaN");
     for (int row = 0; row + 1 < rows; ++row) {
         for (int column = 0; column + 1 < columns; ++column) {
             for (int half = 0; half < 2; ++half) {

@@ -6,30 +6,26 @@
 #include <tuple>
 
 #include "base/check_tunables.h"
+#include "base/double_vectors.h"
 #include "shapes/hull_build.h"
 #include "shapes/solid_mass.h"
 
 namespace ragtop {
 namespace {
 
-[[noreturn]] void reject(const std::string& why) { throw std::invalid_argument("ConvexHull: " + why); }
-
-constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-constexpr DVec3 cross(const DVec3& a, const DVec3& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+[[noreturn]] void rejectHull(const std::string& why) { throw std::invalid_argument("ConvexHull: " + why); }
 
 /// Without duplicates and in an order that is that of the places alone.
 std::vector<Vec3> sortedPoints(std::span<const Vec3> points) {
     constexpr std::size_t kMost = 65535;
     if (points.size() < 4 || points.size() > kMost) {
-        reject("points has " + std::to_string(points.size()) + " entries, must have 4 to 65535");
+        rejectHull("points has " + std::to_string(points.size()) + " entries, must have 4 to 65535");
     }
     std::vector<Vec3> sorted;
     sorted.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
         const std::string why = whyNotFinite("points[" + std::to_string(i) + "]", points[i]);
-        if (!why.empty()) reject(why);
+        if (!why.empty()) rejectHull(why);
         sorted.push_back(points[i] + Vec3{});  // −0 + 0 is 0
     }
     std::sort(sorted.begin(), sorted.end(),
@@ -48,7 +44,7 @@ std::vector<DVec3> normalizedPoints(const std::vector<Vec3>& points) {
     const DVec3 middle = 0.5 * (DVec3(lower) + DVec3(upper));
     const DVec3 half = DVec3(upper) - middle;
     const double size = std::max({half.x, half.y, half.z});
-    if (!(size > 0)) reject("points are all at one place, must span a volume");
+    if (!(size > 0)) rejectHull("points are all at one place, must span a volume");
     int exponent = 0;
     std::frexp(size, &exponent);
     const double scale = std::ldexp(1.0, -exponent);
@@ -233,8 +229,8 @@ ConvexHull::ConvexHull(std::span<const Vec3> points) {
     const double thick = thickness(normalized);
     constexpr double kFlat = 1e-5;  // of the size: eighty roundings of a float
     if (!(thick > kFlat)) {
-        reject("points all lie in a plane to within " + numberText(static_cast<float>(thick)) +
-               " of their size, must span a volume");
+        rejectHull("points all lie in a plane to within " + numberText(static_cast<float>(thick)) +
+                   " of their size, must span a volume");
     }
     std::vector<HullTriangle> triangles = convexTriangles(normalized);
     if (const std::vector<int> used = usedIndices(triangles); used.size() > kMaxHullVertices) {

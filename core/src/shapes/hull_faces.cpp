@@ -1,15 +1,11 @@
 #include <algorithm>
 #include <map>
 
+#include "base/double_vectors.h"
 #include "shapes/hull_build.h"
 
 namespace ragtop {
 namespace {
-
-constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-constexpr DVec3 cross(const DVec3& a, const DVec3& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 
 using Loop = std::vector<int>;
 

@@ -1,17 +1,12 @@
+#include <numbers>
 #include <stdexcept>
 #include <vector>
 
+#include "base/double_vectors.h"
 #include "shapes/solid_mass.h"
 
 namespace ragtop {
 namespace {
-
-constexpr double kPiDouble = 3.14159265358979323846;  ///< π, rounded to double
-
-constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-constexpr DVec3 cross(const DVec3& a, const DVec3& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 
 /// Adds mass · (d² E − d dᵀ), the inertia of a point mass at d.
 void addPoint(SolidMass& m, double mass, const DVec3& d) {
@@ -91,7 +86,7 @@ struct SolidOf {
 
     SolidMass operator()(const Sphere& s) const {
         const double r = s.radius;
-        const double mass = density * (4.0 / 3.0) * kPiDouble * r * r * r;
+        const double mass = density * (4.0 / 3.0) * std::numbers::pi * r * r * r;
         const double i = 0.4 * mass * r * r;
         return diagonal(mass, i, i, i);
     }
@@ -99,8 +94,8 @@ struct SolidOf {
     /// A cylinder and two half balls, whose centres are 3r/8 from their flat sides.
     SolidMass operator()(const Capsule& s) const {
         const double r = s.radius, h = s.halfHeight;
-        const double tube = density * kPiDouble * r * r * 2 * h;
-        const double caps = density * (4.0 / 3.0) * kPiDouble * r * r * r;
+        const double tube = density * std::numbers::pi * r * r * 2 * h;
+        const double caps = density * (4.0 / 3.0) * std::numbers::pi * r * r * r;
         const double along = 0.5 * tube * r * r + 0.4 * caps * r * r;
         const double across = tube * (0.25 * r * r + h * h / 3) + caps * (0.4 * r * r + h * h + 0.75 * r * h);
         return diagonal(tube + caps, across, along, across);
@@ -135,9 +130,9 @@ struct SolidOf {
 
 namespace {
 
-/// Sums tetrahedra from a point to triangles [Eberly, Polyhedral Mass Properties, 2002]. For one with edges a, b, c from
-/// that point, V = a · (b × c) / 6, ∫x dV = V (a + b + c) / 4 and ∫x xᵀ dV = V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ),
-/// s = a + b + c.
+/// Sums tetrahedra from a point to triangles [Eberly, Polyhedral Mass Properties, 2002]. For one with edges a, b, c
+/// from that point, V = a · (b × c) / 6, ∫x dV = V (a + b + c) / 4 and ∫x xᵀ dV = V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), s =
+/// a + b + c.
 struct Tetrahedra {
     DVec3 origin;
     double density;

@@ -8,27 +8,27 @@
 namespace ragtop {
 namespace {
 
-[[noreturn]] void reject(const std::string& why) { throw std::invalid_argument("TriangleMesh: " + why); }
+[[noreturn]] void rejectMesh(const std::string& why) { throw std::invalid_argument("TriangleMesh: " + why); }
 
 std::string item(const char* list, std::size_t i) { return std::string(list) + "[" + std::to_string(i) + "]"; }
 
 void checkVertices(std::span<const Vec3> vertices) {
-    if (vertices.empty()) reject("vertices is empty, must have at least 3");
+    if (vertices.empty()) rejectMesh("vertices is empty, must have at least 3");
     for (std::size_t i = 0; i < vertices.size(); ++i) {
-        if (const std::string why = whyNotFinite(item("vertices", i), vertices[i]); !why.empty()) reject(why);
+        if (const std::string why = whyNotFinite(item("vertices", i), vertices[i]); !why.empty()) rejectMesh(why);
     }
 }
 
 void checkTriangles(std::span<const Triangle> triangles, std::size_t vertexCount) {
-    if (triangles.empty()) reject("triangles is empty, must have at least 1");
+    if (triangles.empty()) rejectMesh("triangles is empty, must have at least 1");
     if (triangles.size() > 0x7fffffffu) {
-        reject("triangles has " + std::to_string(triangles.size()) + " entries, must have at most 2147483647");
+        rejectMesh("triangles has " + std::to_string(triangles.size()) + " entries, must have at most 2147483647");
     }
     for (std::size_t i = 0; i < triangles.size(); ++i) {
         const auto check = [&](const char* corner, std::uint32_t index) {
             if (index < vertexCount) return;
-            reject(item("triangles", i) + corner + " is " + std::to_string(index) + ", must be in [0, " +
-                   std::to_string(vertexCount - 1) + "]");
+            rejectMesh(item("triangles", i) + corner + " is " + std::to_string(index) + ", must be in [0, " +
+                       std::to_string(vertexCount - 1) + "]");
         };
         check(".a", triangles[i].a);
         check(".b", triangles[i].b);
@@ -39,17 +39,17 @@ void checkTriangles(std::span<const Triangle> triangles, std::size_t vertexCount
 void checkMaterials(std::span<const std::uint8_t> materialOfTriangle, std::span<const Material> materials,
                     std::size_t triangleCount) {
     if (!materialOfTriangle.empty() && materialOfTriangle.size() != triangleCount) {
-        reject("materialOfTriangle has " + std::to_string(materialOfTriangle.size()) +
-               " entries, must have none or one per triangle, " + std::to_string(triangleCount));
+        rejectMesh("materialOfTriangle has " + std::to_string(materialOfTriangle.size()) +
+                   " entries, must have none or one per triangle, " + std::to_string(triangleCount));
     }
     for (std::size_t i = 0; i < materialOfTriangle.size(); ++i) {
         if (materialOfTriangle[i] < materials.size()) continue;
-        reject(item("materialOfTriangle", i) + " is " + std::to_string(materialOfTriangle[i]) +
-               ", must be less than the number of materials, " + std::to_string(materials.size()));
+        rejectMesh(item("materialOfTriangle", i) + " is " + std::to_string(materialOfTriangle[i]) +
+                   ", must be less than the number of materials, " + std::to_string(materials.size()));
     }
     for (std::size_t i = 0; i < materials.size(); ++i) {
         const std::string why = whyInvalid(materials[i]);
-        if (!why.empty()) reject(item("materials", i) + "." + why);
+        if (!why.empty()) rejectMesh(item("materials", i) + "." + why);
     }
 }
 
@@ -120,7 +120,8 @@ TriangleMesh::TriangleMesh(std::span<const Vec3> vertices, std::span<const Trian
     mesh.materials.assign(materials.begin(), materials.end());
     takeTriangles(mesh);
     if (mesh.triangles.empty()) {
-        reject("triangles has " + std::to_string(triangles.size()) + " without area, must have at least 1 with area");
+        rejectMesh("triangles has " + std::to_string(triangles.size()) +
+                   " without area, must have at least 1 with area");
     }
     finish(mesh);
     data_ = std::make_shared<const MeshData>(meshOn(std::move(mesh)));

@@ -17,7 +17,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "images are little-endian, and read in place");
 
-[[noreturn]] void reject(const std::string& why) { throw std::invalid_argument("image of a shape " + why); }
+[[noreturn]] void rejectImage(const std::string& why) { throw std::invalid_argument("image of a shape " + why); }
 
 /// Where a table begins in the image, and how many elements it has.
 struct TablePlace {
@@ -99,8 +99,9 @@ class Reader {
 public:
     explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {
         if (reinterpret_cast<std::uintptr_t>(bytes.data()) % ShapeImage::kAlignment != 0)
-            reject("is not aligned to " + std::to_string(ShapeImage::kAlignment) + " bytes");
-        if (bytes.size() < sizeof(Head)) reject("has " + std::to_string(bytes.size()) + " bytes, too few for its head");
+            rejectImage("is not aligned to " + std::to_string(ShapeImage::kAlignment) + " bytes");
+        if (bytes.size() < sizeof(Head))
+            rejectImage("has " + std::to_string(bytes.size()) + " bytes, too few for its head");
         std::memcpy(&head, bytes.data(), sizeof head);
     }
 
@@ -119,7 +120,7 @@ public:
         const TablePlace& place = head.table[next_++];
         if (place.offset % ShapeImage::kAlignment != 0 || place.offset > bytes_.size() ||
             place.count > (bytes_.size() - place.offset) / sizeof(T))
-            reject("has table " + std::to_string(next_ - 1) + " beyond its end");
+            rejectImage("has table " + std::to_string(next_ - 1) + " beyond its end");
         return {reinterpret_cast<const T*>(bytes_.data() + place.offset), place.count};
     }
 
@@ -131,7 +132,7 @@ private:
 };
 
 void require(bool holds, const char* what) {
-    if (!holds) reject(std::string("has ") + what);
+    if (!holds) rejectImage(std::string("has ") + what);
 }
 
 /// Are numbers, each with `plus` added, all below `limit`, which is at most 2³¹? With 1, kNoTriangle counts as 0. Signs

@@ -4,11 +4,20 @@
 
 namespace ragtop {
 
+/// `pose` in the frame of `from`, its rotation a unit quaternion.
+inline Frame seenFrom(const Pose& from, const Pose& pose) {
+    Frame frame = relative(from, pose);
+    frame.rotation = normalized(frame.rotation);
+    return frame;
+}
+
 /// From one frame to another along a line, turning at a constant rate over the shorter way.
 class SweptMotion {
 public:
     SweptMotion(const Frame& from, const Frame& to)
-        : from_(from), way_(to.position - from.position), turn_(rotationVector(to.rotation * conjugate(from.rotation))),
+        : from_(from),
+          way_(to.position - from.position),
+          turn_(rotationVector(to.rotation * conjugate(from.rotation))),
           angle_(length(turn_)) {}
 
     Frame at(float share) const {

@@ -8,13 +8,6 @@ namespace ragtop {
 
 namespace {
 
-/// A frame of `pose` seen from `from`.
-Frame seenFrom(const Pose& from, const Pose& pose) {
-    Frame frame = relative(from, pose);
-    frame.rotation = normalized(frame.rotation);
-    return frame;
-}
-
 /// What no surface may get into, even of a shape that touches it already: the shape without half of its thickness.
 struct Core {
     ConvexView view;
@@ -152,7 +145,8 @@ static bool isAwayFrom(const BoundsTree& tree, const DVec3& from, const DVec3& t
     const Bounds& all = tree.bounds();
     const double reach = kMore * static_cast<double>(radius);
     const auto beside = [reach](double a, double b, float lower, float upper) {
-        return (a < b ? b : a) + reach < static_cast<double>(lower) || (a < b ? a : b) - reach > static_cast<double>(upper);
+        return (a < b ? b : a) + reach < static_cast<double>(lower) ||
+               (a < b ? a : b) - reach > static_cast<double>(upper);
     };
     return beside(from.x, to.x, all.lower.x, all.upper.x) || beside(from.y, to.y, all.lower.y, all.upper.y) ||
            beside(from.z, to.z, all.lower.z, all.upper.z);
@@ -188,8 +182,8 @@ void WorldImpl::sweepFastBodies() {
 
 void WorldImpl::recordSwept(std::uint32_t index) { sweptBodies.flags[bodies[index].awakeIndex] = kSwept; }
 
-/// What is swept past obstacles that stand still alone, and meets none, depends on nothing that other sweeps change; one
-/// that pushes it on lets it be swept after all.
+/// What is swept past obstacles that stand still alone, and meets none, depends on nothing that other sweeps change;
+/// one that pushes it on lets it be swept after all.
 void WorldImpl::clearPaths() {
     runner.parallelFor(static_cast<int>(bodies.awake.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {

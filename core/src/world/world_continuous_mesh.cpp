@@ -9,12 +9,6 @@ namespace ragtop {
 
 namespace {
 
-Frame seenFrom(const Pose& from, const Pose& pose) {
-    Frame frame = relative(from, pose);
-    frame.rotation = normalized(frame.rotation);
-    return frame;
-}
-
 MeshSweepHit hitOf(const GeometryEntry& solid, const MeshPath& path) {
     if (const MeshData* triangles = solid.triangles()) return timeOfImpact(*triangles, path);
     return solid.field ? timeOfImpact(*solid.field, path) : timeOfImpact(solid.convex, path);

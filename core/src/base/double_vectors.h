@@ -1,0 +1,13 @@
+#pragma once
+
+#include "ragtop/math.h"
+
+/// Products of vectors in double precision.
+namespace ragtop {
+
+constexpr double dot(const DVec3& a, const DVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr DVec3 cross(const DVec3& a, const DVec3& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+}  // namespace ragtop
