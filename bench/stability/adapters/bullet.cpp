@@ -161,8 +161,8 @@ private:
 
     void addJoint(const SceneJoint& joint) {
         const JointBodies& frames = bodiesOf(joint.def);
-        btRigidBody& a = joint.bodyA == kWorld ? btTypedConstraint::getFixedBody() : body(joint.bodyA);
-        btRigidBody& b = body(joint.bodyB);
+        const auto end = [&](int i) -> btRigidBody& { return i == kWorld ? btTypedConstraint::getFixedBody() : body(i); };
+        btRigidBody &a = end(joint.bodyA), &b = end(joint.bodyB);
         // Bullet's hinges turn about z, its sliders go along x.
         const Frame z{{}, rotationBetween({0, 0, 1}, {1, 0, 0})};
         const auto frame = [&](int side, const Frame& f, const Frame& turn) {

@@ -178,11 +178,13 @@ private:
     void addJoint(std::size_t i) {
         const SceneJoint& joint = scene_.joints[i];
         const JointBodies& frames = bodiesOf(joint.def);
-        const int a = joint.bodyA, b = joint.bodyB;
+        // A constraint is one of a body, with another or the world.
+        const bool isOfA = joint.bodyB == kWorld;
+        const int a = isOfA ? kWorld : joint.bodyA, b = isOfA ? joint.bodyA : joint.bodyB;
         if (a != kWorld && !frames.collide) excludes_ += fmt::format("<exclude body1='b{}' body2='b{}'/>", a, b);
         for (const Node& each : nodes_)
             if (each.joint == static_cast<int>(i)) return;
-        const Frame at = bodies_.local(b, frames.frameB);
+        const Frame at = bodies_.local(b, isOfA ? frames.frameA : frames.frameB);
         if (const auto* ball = std::get_if<BallDef>(&joint.def)) {
             if (!isFree(*ball)) refuse("MuJoCo: free balls only");
             addPoint(b, a, at.position);

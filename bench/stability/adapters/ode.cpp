@@ -239,10 +239,11 @@ private:
 
     void addJoint(const SceneJoint& scene) {
         const JointBodies& frames = bodiesOf(scene.def);
-        const Pose at = peers_.def(scene.bodyB).pose * frames.frameB;
+        const Pose own = scene.bodyB == kWorld ? Pose{} : peers_.def(scene.bodyB).pose, at = own * frames.frameB;
         const Vec3 axis = rotate(at.rotation, {1, 0, 0});
         const auto attach = [&](dJointID joint) {
-            dJointAttach(joint, scene.bodyA == kWorld ? nullptr : body(scene.bodyA), body(scene.bodyB));
+            const auto end = [&](int i) { return i == kWorld ? nullptr : body(i); };
+            dJointAttach(joint, end(scene.bodyA), end(scene.bodyB));
             return joint;
         };
         if (const auto* ball = std::get_if<BallDef>(&scene.def)) {
