@@ -137,6 +137,7 @@ CLI::App* addRagdoll(CLI::App& app, Command& command) {
     ragdoll->add_option("--seeds", options.trial.seeds, "Runs of drop, push and flight")
         ->check(CLI::Range(1, 1000000))
         ->capture_default_str();
+    ragdoll->add_option("--clip", options.trial.clip, "Clip that `track` follows; the first that walks");
     ragdoll->add_option("--hz", options.trial.hz, "Steps a second")->check(CLI::Range(10, 1000))->capture_default_str();
     ragdoll->add_option("--push", options.trial.push, "Impulse on the chest, N s")
         ->check(CLI::Range(0, 100000))

@@ -56,7 +56,8 @@ struct Rise {
     bool stood = false;
     double force = 0, torque = 0;  ///< N, N m, the most
     double weight = 0;             ///< N
-    Worst way, turn;
+    Worst way, turn;               ///< where the phase changes
+    Worst firstWay, firstTurn;     ///< where it is limp no more
 };
 
 Rise riseOf(const RagdollSubject& subject, const RagdollDef& def, int seed, const GetUpOptions& help, double dt) {
@@ -68,7 +69,7 @@ Rise riseOf(const RagdollSubject& subject, const RagdollDef& def, int seed, cons
     Muscles muscles(stage.world, *stage.ragdoll, muscleProfile("limp"));
     Balance balance(stage.world, *stage.ragdoll, muscles);
     GetUp getUp(stage.world, *stage.ragdoll, muscles, balance, help);
-    Jumps jumps(stage);
+    Jumps jumps(stage), first(stage);
     const std::string run = fmt::format("seed {}", seed);
     for (int i = 0; i < std::lround(kLiesFor / dt); ++i) {
         muscles.step(dt);
@@ -83,11 +84,12 @@ Rise riseOf(const RagdollSubject& subject, const RagdollDef& def, int seed, cons
             getUp.begin();
         }
         const GetUpPhase before = getUp.phase();
-        jumps.before();
+        (i == 0 ? first : jumps).before();
         getUp.step(dt);
         muscles.step(dt);
         stage.world.step(dt);
-        if (i == 0 || getUp.phase() != before) jumps.after(dt, run);
+        if (i == 0) first.after(dt, run);
+        if (i > 0 && getUp.phase() != before) jumps.after(dt, run);
         rise.force = std::max(rise.force, static_cast<double>(length(getUp.assistance().linear)));
         rise.torque = std::max(rise.torque, static_cast<double>(length(getUp.assistance().angular)));
         const bool stands = getUp.stands() && stage.centerOfMass().y > kRisen * upright;
@@ -97,6 +99,8 @@ Rise riseOf(const RagdollSubject& subject, const RagdollDef& def, int seed, cons
     rise.stood = since && *since <= kRisesWithin;
     rise.way = jumps.way();
     rise.turn = jumps.turn();
+    rise.firstWay = first.way();
+    rise.firstTurn = first.turn();
     return rise;
 }
 
@@ -108,7 +112,7 @@ std::vector<RagdollFigure> getUp(const RagdollSubject& subject, const RagdollTri
     if (!def) return {};
     const GetUpOptions help;
     int stood = 0, alone = 0;
-    Worst way, turn, force, torque;
+    Worst way, turn, firstWay, firstTurn, force, torque;
     std::string lay;
     double weight = 0;
     for (int seed = 1; seed <= options.seeds; ++seed) {
@@ -118,6 +122,8 @@ std::vector<RagdollFigure> getUp(const RagdollSubject& subject, const RagdollTri
         if (!rise.stood) lay += (lay.empty() ? "lay: " : ", ") + run;
         way.add(rise.way.value(), rise.way.where());
         turn.add(rise.turn.value(), rise.turn.where());
+        firstWay.add(rise.firstWay.value(), rise.firstWay.where());
+        firstTurn.add(rise.firstTurn.value(), rise.firstTurn.where());
         force.add(rise.force, run);
         torque.add(rise.torque, run);
         weight = rise.weight;
@@ -132,6 +138,8 @@ std::vector<RagdollFigure> getUp(const RagdollSubject& subject, const RagdollTri
             {"getup", "assistance_torque_max_n_m", torque.value(), static_cast<double>(help.torque) * weight * leg,
              false, torque.where()},
             {"getup", "stands_without_assistance_share", share(alone), 0, true, ""},
+            {"getup", "jump_from_limp_max_m", firstWay.value(), kJumpWay, false, firstWay.where()},
+            {"getup", "turn_from_limp_max_deg", firstTurn.value(), kJumpTurn, false, firstTurn.where()},
             {"getup", "jump_at_changes_max_m", way.value(), kJumpWay, false, way.where()},
             {"getup", "turn_at_changes_max_deg", turn.value(), kJumpTurn, false, turn.where()}};
 }

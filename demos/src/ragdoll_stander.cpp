@@ -11,7 +11,7 @@ namespace ragtop::demos {
 namespace {
 
 constexpr double kStill = 60, kAfter = 6;  ///< s
-constexpr float kShare = 0.8f;                           ///< of what a body without a step can take
+constexpr float kShare = 0.8f;             ///< of what a body without a step can take
 constexpr float kSlope = 5 * kPi / 180;
 constexpr float kAcceleration = 1;  ///< m/s²
 constexpr float kLoad = 5;          ///< kg

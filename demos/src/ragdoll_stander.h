@@ -58,4 +58,7 @@ std::vector<RagdollFigure> brace(const RagdollSubject& subject, const RagdollTri
 /// Gets up from how it lies after a drop, as many as seeds.
 std::vector<RagdollFigure> getUp(const RagdollSubject& subject, const RagdollTrialOptions& options);
 
+/// Follows a clip of its own, with and without help.
+std::vector<RagdollFigure> track(const RagdollSubject& subject, const RagdollTrialOptions& options);
+
 }  // namespace ragtop::demos

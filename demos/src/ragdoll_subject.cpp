@@ -38,6 +38,8 @@ RagdollSubject loadRagdollSubject(const std::string& asset) {
         RagdollDef def = makeRagdoll(character);
         subject.body = bodyJson(character, recognise(character.skeleton), def);
         subject.def = std::move(def);
+        subject.skeleton = character.skeleton;
+        subject.clips = character.clips;
     } catch (const std::invalid_argument& error) {
         throw AssetError(asset + ": " + error.what());
     }

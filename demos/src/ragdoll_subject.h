@@ -6,8 +6,10 @@
 #include <variant>
 #include <vector>
 
+#include "ragtop/clip.h"
 #include "ragtop/ragdoll.h"
 #include "ragtop/robot.h"
+#include "ragtop/skeleton.h"
 #include "ragtop/world.h"
 
 namespace ragtop::demos {
@@ -16,7 +18,9 @@ namespace ragtop::demos {
 struct RagdollSubject {
     std::string name;
     std::variant<RagdollDef, Robot> def;
-    std::string body{};    ///< of a character: what it was taken for, as JSON
+    std::string body{};   ///< of a character: what it was taken for, as JSON
+    Skeleton skeleton{};  ///< of a character, with its animations
+    std::vector<Clip> clips{};
     bool holding = false;  ///< a robot's motors hold every joint at rest
 };
 

@@ -259,6 +259,7 @@ const std::vector<RagdollTest>& ragdollTests() {
         {"balance", "a human on its own feet: still, pushed, on slopes, on what accelerates, with a load", balance},
         {"brace", "pushed so that it falls, 64 ways", brace},
         {"getup", "gets up from how it lies after a drop", getUp},
+        {"track", "follows a clip, 10 s", track},
     };
     return tests;
 }

@@ -25,6 +25,7 @@ struct RagdollTrialOptions {
     float push = 300;     ///< N s
     float stroke = 1;     ///< m, by which `shake` moves the hand up and down from the middle
     float shakeRate = 1;  ///< Hz
+    std::string clip{};   ///< that `track` follows; empty: the first that walks, else the first
 };
 
 struct RagdollTest {

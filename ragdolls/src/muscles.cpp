@@ -132,7 +132,8 @@ void Muscles::follow(std::span<const Pose> bones, double dt) {
             return static_cast<std::size_t>(def.parts[static_cast<std::size_t>(part)].bone);
         };
         const Quat a = bones[bone(joint.parent)].rotation * joined.frameA.rotation;
-        const Quat target = normalized(conjugate(a) * (bones[bone(joint.child)].rotation * joined.frameB.rotation));
+        const Quat turn = normalized(conjugate(a) * (bones[bone(joint.child)].rotation * joined.frameB.rotation));
+        const Quat target = withinLimits(joint.joint, turn, kMargin);
         muscles_[i].speed = {};
         if (told_ && dt > 0)
             muscles_[i].speed = bounded(rate * rotationVector(target * conjugate(muscles_[i].target)), kMostSpeed);
@@ -167,6 +168,8 @@ void Muscles::crossfade(float seconds) {
     for (Muscle& muscle : muscles_) {
         muscle.before = muscle.aim;
         muscle.had = muscle.has;
+        muscle.gave = muscle.gives;
+        muscle.went = muscle.goes;
     }
 }
 
@@ -229,8 +232,11 @@ void Muscles::drive(int joint, float dt) {
                       bounded(2 * profile_.dampingRatio * inertia * rate, kMostGain)};
     if (muscle.gains) gains = *muscle.gains;
     muscle.aim = muscle.target;
+    muscle.goes = muscle.speed;
+    float s = 1;
     if (fading_ < 1) {
-        const float s = fading_ * fading_ * (3 - 2 * fading_);
+        s = fading_ * fading_ * (3 - 2 * fading_);
+        muscle.goes = muscle.went + s * (muscle.speed - muscle.went);
         const Vec3 way = rotationVector(muscle.target * conjugate(muscle.before));
         muscle.aim = normalized(rotationAbout(way, s * length(way)) * muscle.before);
         gains = {muscle.had.stiffness + s * (gains.stiffness - muscle.had.stiffness),
@@ -243,7 +249,7 @@ void Muscles::drive(int joint, float dt) {
     const Quat axes = a.rotation * joined.frameA.rotation;
     const Quat turn = normalized(conjugate(axes) * (b.rotation * joined.frameB.rotation));
     Vec3 error = rotationVector(turn * conjugate(muscle.aim));
-    Vec3 lag = inverseRotate(axes, b.spin - a.spin) - muscle.speed;
+    Vec3 lag = inverseRotate(axes, b.spin - a.spin) - muscle.goes;
     Vec3 given = bounded(profile_.weight * inverseRotate(axes, torque_[at]), kMostTorque);
     const auto* hinge = std::get_if<HingeDef>(&def.joint);
     float angle = 0;
@@ -256,6 +262,7 @@ void Muscles::drive(int joint, float dt) {
         lag = {lag.x, 0, 0};
         given = {given.x, 0, 0};
     }
+    given = muscle.gives = muscle.gave + s * (given - muscle.gave);
     const Vec3 torque = given - gains.stiffness * error - gains.damping * lag;
     const float needed = std::max(length(torque), length(torque - (gains.stiffness * dt) * lag));
     const float share = needed > most ? most / needed : 1.0f;
@@ -263,7 +270,7 @@ void Muscles::drive(int joint, float dt) {
     drives_.push_back({.joint = ragdoll_->joints()[at],
                        .target = muscle.aim,
                        .angle = angle,
-                       .speed = muscle.speed,
+                       .speed = muscle.goes,
                        .feedForward = share * given,
                        .stiffness = share * gains.stiffness,
                        .damping = share * gains.damping});
@@ -290,6 +297,7 @@ void Muscles::step(double dt) {
         if (limp) {
             muscle.aim = turnNow(joint);
             muscle.has = {};
+            muscle.gives = muscle.goes = {};
         } else {
             drive(joint, seconds);
         }

@@ -80,7 +80,7 @@ public:
     /// Greatest torque of a joint by profile, role and strength now, N m.
     float bound(int joint) const;
 
-    /// The pose to take: world poses of the bones, of which turns to each other count. With the seconds since the pose
+    /// The pose to take: world poses of the bones, of which turns to each other count, as far as joints go. With the seconds since the pose
     /// before, muscles know how fast it moves; 0: it stands. Throws std::invalid_argument on another number of bones or
     /// a rotation that is none.
     void follow(std::span<const Pose> bones, double dt = 0);
@@ -94,7 +94,7 @@ public:
     /// Of one joint in the stead of what the profile makes of the inertia beyond it; nothing: the profile's again.
     /// Throws std::out_of_range, and std::invalid_argument on what is below zero or not finite.
     void setGains(int joint, std::optional<MuscleGains> gains);
-    /// Targets and gains that are set from now on are reached from those of now within `seconds`, so that who else
+    /// Targets, their speeds, gains and what is fed forward that are set from now on are reached from those of now within `seconds`, so that who else
     /// moves the body takes over without a jump. Throws std::invalid_argument on a duration that is none.
     void crossfade(float seconds);
     /// What inverse dynamics count in the next step: how parts are to accelerate, and what pushes them from outside
@@ -118,6 +118,8 @@ private:
         std::optional<MuscleGains> gains{};
         Quat aim{}, before{};      ///< target of the last step, and of where the crossfade began
         MuscleGains had{}, has{};  ///< gains there, and of the last step
+        Vec3 gave{}, gives{};      ///< N m that are fed forward, in the parent's joint frame, likewise
+        Vec3 went{}, goes{};       ///< rad/s, of the target, likewise
         Vec3 torque{};             ///< N m, world axes
     };
 
