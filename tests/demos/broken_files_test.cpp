@@ -142,6 +142,45 @@ const std::vector<Broken> kRobots{
     robot("safety", {"safety.urdf:4: joint 'j': safety_controller k_velocity is -1", "at least 0"}),
     robot("unclosed", {"unclosed.urdf", "is no XML"}),
     robot("box_size", {"box_size.urdf:3: link 'b': box size is 1 0 1, must be above 0 m"}),
+    robot("cylinder", {"cylinder.urdf:3: link 'b': cylinder radius is 0, must be above 0 m"}),
+    robot("damping", {"damping.urdf:4: joint 'j': dynamics damping is -3, must be at least 0 N m s/rad or N s/m"}),
+    robot("effort", {"effort.urdf:4: joint 'j': limit effort is -5, must be at least 0 N m or N"}),
+    robot("inertia", {"inertia.urdf:3: link 'b': inertia ixx is -1, must be at least 0 kg m2"}),
+    robot("itself", {"itself.urdf: 1 links do not hang on the root 'a': their joints form a loop"}),
+    robot("no_parent", {"no_parent.urdf:4: joint 'j': has no <parent>"}),
+    robot("unnamed", {"unnamed.urdf:4: joint has no name"}),
+};
+
+Broken mjcf(const std::string& name, std::vector<std::string> says) {
+    return {name, "inspect " + name + ".xml", std::move(says)};
+}
+
+const std::vector<Broken> kMjcf{
+    mjcf("actuator_joint", {"actuator_joint.xml:9: motor: joint is 'knee', must be the name of a joint"}),
+    mjcf("body_twice", {"body_twice.xml:6: body 'a': is there twice"}),
+    mjcf("class_absent", {"class_absent.xml:4: class 'foot' does not exist, must be one of the default classes"}),
+    mjcf("equality_joint", {"equality_joint.xml:9: joint: joint2 is 'knee', must be the name of a joint"}),
+    mjcf("free_twice", {"free_twice.xml:6: freejoint: is free, must be the only joint of a body of the world"}),
+    mjcf("geom_number", {"geom_number.xml:5: geom: size is 'big', must be 1 to 3 numbers"}),
+    mjcf("geom_size", {"geom_size.xml:4: geom: size is '0.1 -0.2 0.1', must be above 0 m"}),
+    mjcf("geom_type",
+         {"geom_type.xml:4: geom: type is 'torus', must be sphere, capsule, box, cylinder, ellipsoid, plane or mesh"}),
+    mjcf("include_itself", {"include_itself.xml:2: include file is 'include_itself.xml', must be one of at most 64 "
+                            "files that are included once"}),
+    mjcf("include_outside",
+         {"include_outside.xml:2: include file is '../../README.md', must be a file in the folder of the description"}),
+    mjcf("inertial_mass", {"inertial_mass.xml:5: inertial: mass is '-1', must be at least 0 kg"}),
+    mjcf("joint_axis", {"joint_axis.xml:5: joint 'j': axis is '0 0 0', must be a direction"}),
+    mjcf("joint_kind", {"joint_kind.xml:5: joint 'j': type is 'spiral', must be free, ball, hinge or slide"}),
+    mjcf("joint_limited", {"joint_limited.xml:5: joint 'j': is limited, must have a range"}),
+    mjcf("joint_range", {"joint_range.xml:5: joint 'j': range is '40 -40', must be two numbers that rise"}),
+    mjcf("joint_twice", {"joint_twice.xml:8: joint 'j': is there twice"}),
+    mjcf("keyframe", {"keyframe.xml:9: key 'up': qpos is '0 1 2', must be 1 number"}),
+    mjcf("mesh_absent", {"mesh_absent.xml:4: geom: mesh is 'cup', must be the name of a mesh of <asset>"}),
+    mjcf("moments", {"moments.xml:5: inertial: moments are below 0, must be at least 0 kg m²"}),
+    mjcf("tendon_empty", {"tendon_empty.xml:9: fixed 't': has 0 joints, must have 1 to 4"}),
+    mjcf("tendon_joint", {"tendon_joint.xml:10: joint: joint is 'knee', must be the name of a joint"}),
+    mjcf("zero_quaternion", {"zero_quaternion.xml:4: geom: quat is '0 0 0 0', must be a rotation w x y z"}),
 };
 
 const std::vector<Broken> kModels{
@@ -163,7 +202,9 @@ const std::vector<Broken> kModels{
 };
 
 const std::vector<Broken> kUsage{
-    {"unknown_command", "fly", {"\"fly\" is unknown", "must be one of list, run, serve, drive, ragdoll, fit, cook, inspect"}},
+    {"unknown_command",
+     "fly",
+     {"\"fly\" is unknown", "must be one of list, run, serve, drive, ragdoll, fit, cook, inspect"}},
     {"unknown_option_of_none", "--fast", {"\"--fast\" is unknown"}},
     {"two_words", "list crash", {"crash"}},
     {"unknown_scene", "run towr", {"towr: no such scene", "did you mean \"tower\"?"}},
@@ -187,6 +228,7 @@ INSTANTIATE_TEST_SUITE_P(Scene, BrokenFile, testing::ValuesIn(kScenes), nameOf);
 INSTANTIATE_TEST_SUITE_P(Vehicle, BrokenFile, testing::ValuesIn(kVehicles), nameOf);
 INSTANTIATE_TEST_SUITE_P(Ragdoll, BrokenFile, testing::ValuesIn(kRagdolls), nameOf);
 INSTANTIATE_TEST_SUITE_P(Robot, BrokenFile, testing::ValuesIn(kRobots), nameOf);
+INSTANTIATE_TEST_SUITE_P(Mjcf, BrokenFile, testing::ValuesIn(kMjcf), nameOf);
 INSTANTIATE_TEST_SUITE_P(Model, BrokenFile, testing::ValuesIn(kModels), nameOf);
 INSTANTIATE_TEST_SUITE_P(Usage, BrokenFile, testing::ValuesIn(kUsage), nameOf);
 
