@@ -161,14 +161,13 @@ void shake(const Drawn& drawn, stability::Engine& engine, double time) {
     }
 }
 
-/// Bodies that are moved from outside, whose work is not counted.
+}  // namespace
+
 bool isDriven(const Drawn& drawn) {
     return drawn.isDriven || !drawn.shakers.empty() || std::ranges::any_of(drawn.scene.bodies, [](const SceneBody& body) {
         return body.def.type == BodyType::kinematic && lengthSquared(body.def.linearVelocity) > 0;
     });
 }
-
-}  // namespace
 
 std::span<const Law> allLaws() {
     static constexpr Law kLaws[] = {

@@ -36,6 +36,8 @@ struct Law {
 /// moves by less than a hundredth of a box.
 std::span<const Law> allLaws();
 
+/// Is something moved from outside, whose work is not counted?
+bool isDriven(const Drawn& drawn);
 /// Runs the scene in an engine.
 Watched watch(const Drawn& drawn, const stability::EngineKind& engine);
 /// Whether a world that is restored now and then takes the same course to the bit.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "laws.h"
+
 namespace ragtop::laws {
 namespace {
 
@@ -13,7 +15,7 @@ constexpr double kGap = 0.05;    ///< m, as of the law
 
 class Meddler {
 public:
-    Meddler(const Drawn& drawn, std::uint64_t seed) : drawn_(drawn), dice_(seed), world_(settingsOf(drawn)) {
+    Meddler(const Drawn& drawn, std::uint64_t seed) : isWatched_(!isDriven(drawn) && !hasSprings(drawn.scene)), dice_(seed), world_(settingsOf(drawn)) {
         const SceneInstance instance(drawn.scene, world_);
         for (std::size_t i = 0; i < instance.bodies.size(); ++i)
             if (world_.type(instance.bodies[i]) == BodyType::dynamic) bodies_.push_back(instance.bodies[i]);
@@ -38,6 +40,13 @@ private:
         WorldSettings settings;
         settings.gravity = drawn.scene.settings.gravity;
         return settings;
+    }
+    /// What these hold is not counted.
+    static bool hasSprings(const Scene& scene) {
+        return std::ranges::any_of(scene.joints, [](const SceneJoint& joint) {
+            const auto* ball = std::get_if<BallDef>(&joint.def);
+            return ball != nullptr && ball->spring;
+        });
     }
     BodyId anyBody() { return bodies_[dice_.below(static_cast<std::uint32_t>(bodies_.size()))]; }
     Vec3 anyWay(float length) {
@@ -144,11 +153,11 @@ private:
             if (!step(kStep)) return;
             for (const JointId joint : joints_)
                 if (!(static_cast<double>(world_.state(joint).gap) <= kGap)) breaks("gap");
-            if (!drawn_.isDriven && !(energy() <= start + room)) breaks("energy");
+            if (isWatched_ && !(energy() <= start + room)) breaks("energy");
         }
     }
 
-    const Drawn& drawn_;
+    bool isWatched_;
     Dice dice_;
     World world_;
     std::vector<BodyId> bodies_;

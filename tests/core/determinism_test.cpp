@@ -40,7 +40,7 @@ constexpr Golden kGolden[] = {
     {0xf25ae72adfed6973u, 0xa86c74d34ac49ac4u},  // wall
     {0x586d94f2714e958cu, 0x40bfe01cf48bf615u},  // hills
     {0x10e6aa2d75dfb97au, 0xd92fda18b97f73edu},  // bowl
-    {0x04f8cb2114c71df9u, 0xe4bd73e580751e24u},  // joints
+    {0x1e1bc3fa944a3401u, 0x061d828e6a9e88b9u},  // joints
     {0x468f00cf1866291bu, 0xf187a37d4f316d2fu},  // spinners
     {0xefa6f2b1da44b200u, 0x55ed2cb1a38279b8u},  // chains
     {0xe3638fbdd590635eu, 0x3db844859cdddc5au},  // house

@@ -129,14 +129,12 @@ void lookAround(const WorldImpl& world, std::uint32_t body, GuardedIsland& look,
         look.stores |= storesEnergy(world.joints.sims[key >> 1]);
         reach((key & 1) != 0 ? world.joints[key >> 1].bodyA : world.joints[key >> 1].bodyB);
     }
-    bool isPushed = false;
     for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.contacts.next(key)) {
         const ContactRecord& contact = world.contacts[key >> 1];
         if (contact.sensor || contact.firstManifold == kNone) continue;
-        isPushed = isPushed || overlaps(world, contact);
+        look.isPushed = look.isPushed || overlaps(world, contact);
         reach((key & 1) != 0 ? contact.bodyA : contact.bodyB);
     }
-    if (isPushed) look.pushed += pushEnergy(world, body);
 }
 
 /// All that a body touches or is joined to, and so on; each island is looked at once in a step, whatever asks for
@@ -165,6 +163,8 @@ GuardedIsland& islandOf(WorldImpl& world, std::uint32_t first) {
     }
     look.lastDriver = static_cast<std::uint32_t>(guard.drivers.size());
     look.end = static_cast<std::uint32_t>(guard.visited.size());
+    for (std::size_t i = look.begin; i < look.end && look.isPushed; ++i)
+        look.pushed += pushEnergy(world, guard.visited[i]);
     guard.islands.push(look);
     return guard.islands[number];
 }
