@@ -155,24 +155,61 @@ private:
         inModel_[index] = std::move(fitted);
     }
 
-    /// What has feet stands on them: no other shape reaches below their soles, and those that feet hang on keep off
-    /// the ground also where the ankle bends.
-    void liftOffGround() {
+    /// A part's shape above a floor: a flat one where a round one would leave out too much of the skin that ends there,
+    /// as of wide trousers.
+    FittedShape lifted(std::size_t index, const Vec3& up, float floor) const {
         const float least = 0.005f * height_;
+        FittedShape kept = keptAbove(inModel_[index], up, floor, least);
+        const std::vector<Vec3> skin = skinOf(index);
+        const auto wanted = static_cast<int>(options_.containedShare * static_cast<float>(skin.size()));
+        if (skin.size() < kFewVertices || countInside(kept, skin) >= wanted) return kept;
+        const FittedShape flat =
+            keptAbove(fitBox(skin, basisOf(segment(static_cast<int>(index))), options_.containedShare), up, floor, least);
+        return countInside(flat, skin) > countInside(kept, skin) ? flat : kept;
+    }
+
+    /// Down to where a shank may reach along itself, so that it keeps off the ground also where the ankle bends.
+    struct ShankFloor {
+        Vec3 along;
+        float floor = 0;  ///< m
+    };
+    ShankFloor floorOver(std::size_t foot) const {
+        const Segment& s = segment(static_cast<int>(foot));
+        const Vec3 ankle = bindOf(s.bone).position;
+        const Vec3 along = normalized(bindOf(segment(s.parent).bone).position - ankle, anatomy_.up);
+        const float above = dot(ankle, anatomy_.up) - bottomOf(inModel_[foot], anatomy_.up);
+        return {along, dot(ankle, along) - kAnkleShare * above};
+    }
+
+    /// The skin of a shank that hangs over its foot, as of wide trousers, is held by the foot.
+    void coverHem(std::size_t foot) {
+        const ShankFloor over = floorOver(foot);
+        std::vector<Vec3> skin = skinOf(foot);
+        if (skin.size() < kFewVertices) return;
+        const std::size_t own = skin.size();
+        for (const Vec3& vertex : skinOf(static_cast<std::size_t>(segment(static_cast<int>(foot)).parent)))
+            if (dot(vertex, over.along) < over.floor) skin.push_back(vertex);
+        if (skin.size() > own)
+            place(foot, fitBox(skin, basisOf(segment(static_cast<int>(foot))), options_.containedShare));
+    }
+
+    /// What has feet stands on them: no other shape reaches below their soles.
+    void liftOffGround() {
+        std::vector<std::size_t> feet;
+        for (std::size_t i = 0; i < inModel_.size(); ++i)
+            if (def_.parts[i].role == BodyRole::foot && segment(static_cast<int>(i)).parent >= 0) feet.push_back(i);
+        if (feet.empty()) return;
         float ground = std::numeric_limits<float>::infinity();
+        for (const std::size_t foot : feet) {
+            coverHem(foot);
+            ground = std::min(ground, bottomOf(inModel_[foot], anatomy_.up));
+        }
         for (std::size_t i = 0; i < inModel_.size(); ++i)
-            if (def_.parts[i].role == BodyRole::foot) ground = std::min(ground, bottomOf(inModel_[i], anatomy_.up));
-        if (!std::isfinite(ground)) return;
-        for (std::size_t i = 0; i < inModel_.size(); ++i)
-            if (def_.parts[i].role != BodyRole::foot) place(i, keptAbove(inModel_[i], anatomy_.up, ground, least));
-        for (std::size_t i = 0; i < inModel_.size(); ++i) {
-            const Segment& s = segment(static_cast<int>(i));
-            if (s.role != BodyRole::foot || s.parent < 0) continue;
-            const auto shank = static_cast<std::size_t>(s.parent);
-            const Vec3 ankle = bindOf(s.bone).position;
-            const Vec3 along = normalized(bindOf(segment(s.parent).bone).position - ankle, anatomy_.up);
-            const float above = dot(ankle, anatomy_.up) - bottomOf(inModel_[i], anatomy_.up);
-            place(shank, keptAbove(inModel_[shank], along, dot(ankle, along) - kAnkleShare * above, least));
+            if (def_.parts[i].role != BodyRole::foot) place(i, lifted(i, anatomy_.up, ground));
+        for (const std::size_t foot : feet) {
+            const ShankFloor over = floorOver(foot);
+            const auto shank = static_cast<std::size_t>(segment(static_cast<int>(foot)).parent);
+            place(shank, lifted(shank, over.along, over.floor));
         }
     }
 

@@ -26,6 +26,15 @@ bool inside(const RagdollPart& part, const Vec3& point) {
 
 enum class Build { human, stylised };
 
+/// In the shape of the part, or of one joined to it: trousers end over shoes, and their shank above the ground.
+bool insideHereOrNext(const RagdollDef& def, std::size_t part, const Vec3& vertex) {
+    if (inside(def.parts[part], vertex)) return true;
+    return std::ranges::any_of(def.joints, [&](const RagdollJoint& joint) {
+        const auto a = static_cast<std::size_t>(joint.parent), b = static_cast<std::size_t>(joint.child);
+        return (a == part && inside(def.parts[b], vertex)) || (b == part && inside(def.parts[a], vertex));
+    });
+}
+
 /// What holds for the ragdoll of every human: parts, mass, fit, no limit violated at rest.
 void expectSoundHuman(const Character& character, Build build) {
     const RagdollDef def = build == Build::human ? makeRagdoll(character, {.bodyMass = 75}) : makeRagdoll(character);
@@ -52,7 +61,7 @@ void expectSoundHuman(const Character& character, Build build) {
         const auto part = static_cast<std::size_t>(def.bones[bone].part);
         for (const Vec3& vertex : character.skeleton.skin[bone]) {
             ++owned[part];
-            contained[part] += inside(def.parts[part], vertex);
+            contained[part] += insideHereOrNext(def, part, vertex);
         }
     }
     for (std::size_t i = 0; i < owned.size(); ++i)
