@@ -26,12 +26,12 @@ bool inside(const RagdollPart& part, const Vec3& point) {
 
 enum class Build { human, stylised };
 
-/// In the shape of the part, or of one joined to it: trousers end over shoes, and their shank above the ground.
-bool insideHereOrNext(const RagdollDef& def, std::size_t part, const Vec3& vertex) {
+/// In the shape of the part, or, of a shank, of its foot: trousers end over shoes, and shanks above the ground.
+bool insideOrInFoot(const RagdollDef& def, std::size_t part, const Vec3& vertex) {
     if (inside(def.parts[part], vertex)) return true;
     return std::ranges::any_of(def.joints, [&](const RagdollJoint& joint) {
-        const auto a = static_cast<std::size_t>(joint.parent), b = static_cast<std::size_t>(joint.child);
-        return (a == part && inside(def.parts[b], vertex)) || (b == part && inside(def.parts[a], vertex));
+        const RagdollPart& child = def.parts[static_cast<std::size_t>(joint.child)];
+        return static_cast<std::size_t>(joint.parent) == part && child.role == BodyRole::foot && inside(child, vertex);
     });
 }
 
@@ -61,7 +61,7 @@ void expectSoundHuman(const Character& character, Build build) {
         const auto part = static_cast<std::size_t>(def.bones[bone].part);
         for (const Vec3& vertex : character.skeleton.skin[bone]) {
             ++owned[part];
-            contained[part] += insideHereOrNext(def, part, vertex);
+            contained[part] += insideOrInFoot(def, part, vertex);
         }
     }
     for (std::size_t i = 0; i < owned.size(); ++i)

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -50,7 +51,8 @@ std::vector<std::vector<Vec3>> verticesOf(const Decomposition& made) {
 TEST(Decomposition, PiecesHoldAllVerticesOfTwentySolidsWithinTheirLimits) {
     // Of n sectors of a ring the chords are r (1 - cos(pi / n)) from its inside, and faces of a hollow ball as far as
     // r · 2 / n at least: 16 pieces leave 6 mm of a spring, 16 mm of a gear of ten teeth and a hole, 23 mm of a shell.
-    const std::vector<std::string> beyond{"gear", "shell", "spring", "bowl"};
+    // The search does not find these: what it leaves, m, instead of 5 mm, so that it gets no worse unseen.
+    const std::map<std::string, double> beyond{{"gear", 0.032}, {"shell", 0.056}, {"spring", 0.012}, {"bowl", 0.038}};
     for (const written::Solid& solid : written::twenty()) {
         const DecompositionOptions options;
         const Decomposition made = decompose(solid.mesh(), options);
@@ -58,8 +60,10 @@ TEST(Decomposition, PiecesHoldAllVerticesOfTwentySolidsWithinTheirLimits) {
         for (const ConvexHull& piece : made.pieces) EXPECT_LE(piece.vertices().size(), 64u) << solid.name;
         EXPECT_LE(farthestOutside(solid, made), 5e-5 * sizeOf(solid)) << solid.name;
         EXPECT_LT(made.volume, 1.3f * made.solidVolume) << solid.name;
-        const bool suffices = std::find(beyond.begin(), beyond.end(), solid.name) == beyond.end();
-        EXPECT_TRUE(!suffices || made.isWithin(options)) << solid.name << " " << made.error << " " << made.volume;
+        if (const auto left = beyond.find(solid.name); left != beyond.end())
+            EXPECT_LE(made.error, left->second) << solid.name;
+        else
+            EXPECT_TRUE(made.isWithin(options)) << solid.name << " " << made.error << " " << made.volume;
     }
 }
 
