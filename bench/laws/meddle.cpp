@@ -28,7 +28,11 @@ public:
             const double exponent = static_cast<double>(dice_.between(0, 1));
             if (!step(std::pow(16.0, exponent) / 240)) return broken_;
         }
-        for (const BodyId body : bodies_) world_.setGravityScale(body, 1);
+        for (const BodyId body : bodies_) {
+            world_.setGravityScale(body, 1);
+            world_.setEnabled(body, true);
+            world_.setType(body, BodyType::dynamic);
+        }
         for (int i = 0; i < kSettling; ++i)
             if (!step(kStep)) return broken_;
         watch();
@@ -56,7 +60,9 @@ private:
     void act() {
         if (bodies_.size() < 2) return;
         const BodyId body = anyBody();
-        switch (dice_.below(11)) {
+        if (!world_.isEnabled(body)) return world_.setEnabled(body, true);
+        if (world_.type(body) != BodyType::dynamic) return world_.setType(body, BodyType::dynamic);
+        switch (dice_.below(14)) {
             case 0:
                 return create();
             case 1:
@@ -78,6 +84,12 @@ private:
                 return goBack();
             case 9:
                 return world_.sleep(body);
+            case 10:
+                return world_.setType(body, BodyType::kinematic);
+            case 11:
+                return world_.setType(body, BodyType::fixed);
+            case 12:
+                return world_.setEnabled(body, false);
             default:
                 return world_.setGravityScale(body, dice_.below(3) == 0 ? 0.0f : 1.0f);
         }
@@ -103,7 +115,7 @@ private:
         if (mass.mass > 1e-2f && mass.mass < 1e6f) world_.setMass(body, mass);
     }
     void join(BodyId a, BodyId b) {
-        if (a == b) return;
+        if (a == b || world_.type(b) != BodyType::dynamic) return;
         const DVec3 point = 0.5 * (world_.pose(a).position + world_.pose(b).position);
         const auto frame = [&](BodyId body) {
             const Pose pose = world_.pose(body);

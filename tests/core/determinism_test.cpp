@@ -41,7 +41,7 @@ constexpr Golden kGolden[] = {
     {0x586d94f2714e958cu, 0x40bfe01cf48bf615u},  // hills
     {0x10e6aa2d75dfb97au, 0xd92fda18b97f73edu},  // bowl
     {0x1e1bc3fa944a3401u, 0x061d828e6a9e88b9u},  // joints
-    {0x468f00cf1866291bu, 0xf187a37d4f316d2fu},  // spinners
+    {0xc0728f2ccc7c5268u, 0x6cd3b3bb652c3ab7u},  // spinners
     {0xefa6f2b1da44b200u, 0x55ed2cb1a38279b8u},  // chains
     {0xe3638fbdd590635eu, 0x3db844859cdddc5au},  // house
 };

@@ -156,6 +156,17 @@ public:
     Vec3 angularVelocity(BodyId body) const;
     Vec3 velocityAt(BodyId body, const DVec3& point) const;  ///< m/s, of a point of the body in the world
     BodyType type(BodyId body) const;
+    /// Changes what moves a body, which keeps its id, shapes, joints and place. From dynamic to kinematic and back it keeps
+    /// its velocity; fixed, it has none. What becomes dynamic has the mass that it had as such, else that of its shapes
+    /// and their densities. What touches it or is joined to it wakes; joints of two bodies that no force moves rest.
+    /// Throws std::invalid_argument and changes nothing where a dynamic body cannot have such shapes, and
+    /// std::logic_error within a step.
+    void setType(BodyId body, BodyType type);
+    /// Takes a body out of the world: it stays where it is, meets nothing, is found by no query, and its joints hold
+    /// nothing; and puts it back with the velocity that it had, its joints as if they were made then. What touches it or
+    /// is joined to it wakes. Throws std::logic_error within a step.
+    void setEnabled(BodyId body, bool enabled);
+    bool isEnabled(BodyId body) const;
     MassProperties mass(BodyId body) const;  ///< in the body's frame
     bool isAwake(BodyId body) const;
     /// The number of groups of awake dynamic bodies that touch or are joined. The call searches for them.
@@ -169,8 +180,8 @@ public:
     void setVelocity(BodyId body, const Vec3& linear, const Vec3& angular);  ///< m/s, rad/s
     void setGravityScale(BodyId body, float scale);
     float gravityScale(BodyId body) const;
-    /// Changes mass, centre and inertia of a dynamic body (fuel, freight). Its pose and the motion of its points stay.
-    /// Throws std::invalid_argument and changes nothing when a value is not allowed.
+    /// Changes mass, centre and inertia of a body (fuel, freight). Its pose and the motion of its points stay. A kinematic
+    /// one has them once it is dynamic. Throws std::invalid_argument and changes nothing when a value is not allowed.
     void setMass(BodyId body, const MassProperties& mass);
     /// Gives a kinematic body the velocity that takes it to `target` in the next step of dt seconds.
     void moveTo(BodyId body, const Pose& target, double dt);
@@ -258,7 +269,8 @@ public:
     std::string validate() const;
     /// Vehicles, ragdolls and games take part in steps and saves as modules; see module.h.
     void add(StepModule* module);
-    /// Changes whenever a fixed body is moved or destroyed, and when a state is restored. While it stays the same, a
+    /// Changes whenever a fixed body is moved, destroyed, made or unmade by setType, or taken out or put back by setEnabled,
+    /// and when a state is restored. While it stays the same, a
     /// module that sleeps on fixed ground need not look at it again.
     std::uint64_t fixedVersion() const;
     void remove(StepModule* module);

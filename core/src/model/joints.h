@@ -35,11 +35,17 @@ public:
     }
     /// Of a joint that hangs on no body and has no place in the graph.
     void release(std::uint32_t joint) {
+        unlist(joint);
+        slots.release(joint);
+    }
+    /// It is no longer one that was just made, or made beyond its limits.
+    void unlist(std::uint32_t joint) {
         for (AlignedArray<std::uint32_t>* list : {&created, &violated})
             for (std::uint32_t& listed : *list)
                 if (listed == joint) listed = kNone;
-        slots.release(joint);
     }
+    /// Is it in the graph, as joints are between bodies that take part, of which one is awake and moved by forces?
+    bool isHolding(std::uint32_t joint) const { return records_[joint].place.color != kNone; }
 
     std::size_t size() const { return records_.size(); }
     std::size_t bytes() const { return records_.bytes() + sims.bytes() + bundles.bytes(); }

@@ -9,7 +9,7 @@ namespace ragtop {
 
 std::uint32_t Shapes::acquire() {
     const std::uint32_t shape = slots.acquire();
-    if (shape >= records_.size()) records_.resize(shape + 1, ShapeRecord{});
+    if (shape >= records_.size()) records_.resize(shape + 1, ShapeRecord{}), densities.resize(shape + 1, 0.0f);
     records_[shape] = ShapeRecord{};
     return shape;
 }

@@ -28,15 +28,16 @@ struct GeometryEntry {
 /// The shapes of a world, each of one body, and the geometries that they share.
 class Shapes {
 public:
-    explicit Shapes(std::pmr::memory_resource* memory) : slots(memory), geometries(memory), records_(memory) {}
-    void reserve(std::size_t count) { records_.reserve(count); }
+    explicit Shapes(std::pmr::memory_resource* memory)
+        : slots(memory), geometries(memory), densities(memory), records_(memory) {}
+    void reserve(std::size_t count) { records_.reserve(count), densities.reserve(count); }
 
     /// A shape with all values as they are declared; those that were released are used first.
     std::uint32_t acquire();
     void release(std::uint32_t shape) { slots.release(shape); }
 
     std::size_t size() const { return records_.size(); }
-    std::size_t bytes() const { return records_.bytes(); }
+    std::size_t bytes() const { return records_.bytes() + densities.bytes(); }
     ShapeRecord& operator[](std::size_t shape) { return records_[shape]; }
     const ShapeRecord& operator[](std::size_t shape) const { return records_[shape]; }
     const ShapeRecord* begin() const { return records_.begin(); }
@@ -56,10 +57,12 @@ public:
     void archive(Archive& archive) {
         slots.archive(archive);
         archive(records_);
+        archive(densities);
     }
 
     Slots slots;
     std::pmr::vector<GeometryEntry> geometries;
+    AlignedArray<float> densities;  ///< kg/m³, of each shape
 
 private:
     AlignedArray<ShapeRecord> records_;

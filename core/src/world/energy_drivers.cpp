@@ -82,6 +82,7 @@ double addDrivers(const WorldImpl& world, std::uint32_t body, AlignedArray<Energ
     double work = 0;
     for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
          key = world.joints[key >> 1].edges[key & 1].next) {
+        if (!world.joints.isHolding(key >> 1)) continue;
         const JointRecord& joint = world.joints[key >> 1];
         addKinematic(world, (key & 1) != 0 ? joint.bodyA : joint.bodyB, drivers);
         work += addJoint(world, world.joints.sims[key >> 1], body, drivers);

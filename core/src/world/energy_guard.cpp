@@ -86,6 +86,7 @@ Stored storedBy(const WorldImpl& world, std::uint32_t index) {
     if (!world.energyGuard.stores) return stored;
     for (std::uint32_t key = world.bodies[index].firstJoint; key != kNone;
          key = world.joints[key >> 1].edges[key & 1].next) {
+        if (!world.joints.isHolding(key >> 1)) continue;
         const JointRecord& joint = world.joints[key >> 1];
         const JointSim& sim = world.joints.sims[key >> 1];
         const bool isCounted = (key & 1) == 0 || !world.bodies.moves(joint.bodyA);
@@ -126,6 +127,7 @@ template <class Reach>
 void lookAround(const WorldImpl& world, std::uint32_t body, GuardedIsland& look, Reach&& reach) {
     for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
          key = world.joints[key >> 1].edges[key & 1].next) {
+        if (!world.joints.isHolding(key >> 1)) continue;
         look.stores |= storesEnergy(world.joints.sims[key >> 1]);
         reach((key & 1) != 0 ? world.joints[key >> 1].bodyA : world.joints[key >> 1].bodyB);
     }

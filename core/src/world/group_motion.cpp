@@ -97,6 +97,7 @@ void setVelocity(WorldImpl& world, std::uint32_t body, const Vec3& v, const Vec3
 void scaleLeads(WorldImpl& world, std::uint32_t body, float share) {
     for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
          key = world.joints[key >> 1].edges[key & 1].next) {
+        if (!world.joints.isHolding(key >> 1)) continue;
         if ((key & 1) != 0 && world.bodies.moves(world.joints[key >> 1].bodyA)) continue;
         PairVector& lead = world.joints.sims[key >> 1].lead;
         lead = {share * lead.linear, share * lead.angular};

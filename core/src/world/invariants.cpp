@@ -108,6 +108,10 @@ void checkShapes(Findings& found, const WorldImpl& world) {
             found.expect(++listed <= world.shapes.slots.used(), "each shape is in the list of one body", s);
             found.expect(world.shapes.slots.isUsed(s) && shape.body == i, "a body's list has its shapes", s);
             found.expect(shape.geometry < world.shapes.geometries.size(), "a shape has a geometry", s);
+            if (!world.bodies.isEnabled(i)) {
+                found.expect(shape.proxy == kNone, "shapes of what is disabled have no proxy", s);
+                continue;
+            }
             found.expect(shape.isStaticTree == (world.bodies[i].type == BodyType::fixed),
                          "shapes of fixed bodies are in the tree of these", s);
             found.expect(shape.proxy != kNone && world.broadphase.tree(shape.isStaticTree).value(shape.proxy) == s,
@@ -188,10 +192,10 @@ void checkJoints(Findings& found, const WorldImpl& world) {
         const JointRecord& joint = joints[j];
         const bool movesA = world.bodies.moves(joint.bodyA), movesB = world.bodies.moves(joint.bodyB);
         const bool awakeA = world.bodies.isAwake(joint.bodyA), awakeB = world.bodies.isAwake(joint.bodyB);
-        found.expect(movesA || movesB, "a joint holds something that moves", j);
         found.expect(!movesA || !movesB || awakeA == awakeB, "what is joined sleeps together", j);
-        found.expect((joint.place.color != kNone) == (movesA ? awakeA : awakeB),
-                     "joints of what is awake are in the graph, and no others", j);
+        const bool isAwake = movesA ? awakeA : movesB && awakeB;
+        found.expect(world.joints.isHolding(j) == (world.mayHold(joint) && isAwake),
+                     "joints that hold what is awake are in the graph, and no others", j);
         found.expect(joints.sims[j].stateA == world.bodies[joint.bodyA].state &&
                          joints.sims[j].stateB == world.bodies[joint.bodyB].state,
                      "a joint solves the states of its bodies", j);

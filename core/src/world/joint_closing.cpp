@@ -105,7 +105,7 @@ void forEachJoint(const WorldImpl& world, std::span<const std::uint32_t> group, 
              key = world.joints[key >> 1].edges[key & 1].next) {
             const JointRecord& joint = world.joints[key >> 1];
             const bool first = (key & 1) == 0 || !world.bodies.moves(joint.bodyA);
-            if (first) visit(key >> 1);
+            if (first && world.joints.isHolding(key >> 1)) visit(key >> 1);
         }
 }
 

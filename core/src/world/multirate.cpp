@@ -99,7 +99,7 @@ void setStepFactor(WorldImpl& world, std::uint32_t index, int stepFactor) {
     if (stepFactor == 0 || stepFactor == body.stepFactor) return;
     BodyState& state = world.bodies.states[index];
     const float early = 0.5f * world.context.h * static_cast<float>(stepFactor - static_cast<int>(body.stepFactor));
-    body.stepFactor = static_cast<std::uint8_t>(stepFactor) & 15u;
+    body.stepFactor = static_cast<std::uint8_t>(stepFactor) & 7u;
     state.v -= early * (body.gravityScale * world.settings.gravity + state.invMass * body.force);
     state.w -= early * (world.bodies.inertias[index] * body.torque);
 }
@@ -135,7 +135,7 @@ void recordGaps(WorldImpl& world, const DirectIsland& island) {
     }
     if (island.fellBack) rescaleJoints(world, island, 1 / static_cast<float>(first.stepFactor));
     forMembers(world, island, [&](std::uint32_t body) {
-        world.bodies[body].allowedFactor = static_cast<std::uint8_t>(stepFactor) & 15u;
+        world.bodies[body].allowedFactor = static_cast<std::uint8_t>(stepFactor) & 7u;
         world.bodies[body].hysteresisSteps = static_cast<std::uint8_t>(calm);
     });
 }

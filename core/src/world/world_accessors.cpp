@@ -86,17 +86,12 @@ Vec3 World::velocityAt(BodyId body, const DVec3& point) const {
     return impl_->bodies.states[i].v +
            cross(impl_->bodies.states[i].w, relative(point, impl_->bodies[i].center + impl_->bodies.states[i].dp));
 }
-BodyType World::type(BodyId body) const { return impl_->bodies[impl_->index(body)].type; }
+BodyType World::type(BodyId body) const { return impl_->bodies.typeOf(impl_->index(body)); }
+bool World::isEnabled(BodyId body) const { return impl_->bodies.isEnabled(impl_->index(body)); }
 bool World::isAwake(BodyId body) const { return impl_->bodies.isAwake(impl_->index(body)); }
 std::uint64_t World::userData(BodyId body) const { return impl_->bodies.userData[impl_->index(body)]; }
 
-MassProperties World::mass(BodyId id) const {
-    const BodyRecord& body = impl_->bodies[impl_->index(id)];
-    const Mat3 r = toMat3(body.local.rotation);
-    const Mat3 principal{body.inertia.x * Vec3{1, 0, 0}, body.inertia.y * Vec3{0, 1, 0},
-                         body.inertia.z * Vec3{0, 0, 1}};
-    return {body.mass, body.local.position, r * principal * transpose(r)};
-}
+MassProperties World::mass(BodyId body) const { return impl_->massOf(impl_->index(body)); }
 
 void World::setPose(BodyId body, const Pose& pose) {
     requireFinite(isFinite(pose.position), "pose.position");
@@ -107,7 +102,7 @@ void World::setPose(BodyId body, const Pose& pose) {
 void World::setVelocity(BodyId body, const Vec3& linear, const Vec3& angular) {
     if (!impl_->takes(isFinite(linear) && isFinite(angular), "velocity")) return;
     const std::uint32_t i = impl_->index(body);
-    if (impl_->bodies[i].type == BodyType::fixed) throw std::invalid_argument("a fixed body has no velocity");
+    if (impl_->bodies.typeOf(i) == BodyType::fixed) throw std::invalid_argument("a fixed body has no velocity");
     impl_->setVelocity(i, linear, angular);
     impl_->wakeBody(i);
 }
@@ -124,7 +119,7 @@ float World::gravityScale(BodyId body) const { return impl_->bodies[impl_->index
 void World::setMass(BodyId id, const MassProperties& mass) {
     const std::uint32_t i = impl_->index(id);
     const BodyRecord& body = impl_->bodies[i];
-    if (body.type != BodyType::dynamic) throw std::invalid_argument("only a dynamic body has a mass");
+    if (impl_->bodies.typeOf(i) == BodyType::fixed) throw std::invalid_argument("a fixed body has no mass");
     BodyDef def;
     def.locks = body.locks;
     def.mass = mass;
@@ -264,7 +259,7 @@ void World::setFilter(ShapeId shape, const Filter& filter) {
         if (contact.shapeA == i || contact.shapeB == i) impl_->destroyContact(key >> 1);
         key = next;
     }
-    impl_->broadphase.tree(record.isStaticTree).setCategory(record.proxy, filter.category);
+    if (record.proxy != kNone) impl_->broadphase.tree(record.isStaticTree).setCategory(record.proxy, filter.category);
     impl_->markMoved(i);
 }
 std::uint64_t World::userData(ShapeId shape) const { return impl_->shapes[impl_->index(shape)].userData; }

@@ -40,16 +40,20 @@ Pose WorldImpl::shapePose(const ShapeRecord& shape) const {
 void WorldImpl::setMass(std::uint32_t index, const BodyDef& def) {
     BodyRecord& body = bodies[index];
     if (body.type != BodyType::dynamic) return;
-    MassProperties mass;
-    if (def.mass) {
-        mass = *def.mass;
-    } else {
-        std::vector<MassProperties> parts;
-        for (const ShapeDef& shape : def.shapes)
-            if (!shape.sensor) parts.push_back(transformed(massOf(shape.geometry, shape.density), shape.frame));
-        mass = combined(parts);
-    }
-    takeMass(index, mass);
+    if (def.mass) return takeMass(index, *def.mass);
+    std::vector<MassProperties> parts;
+    for (const ShapeDef& shape : def.shapes)
+        if (!shape.sensor) parts.push_back(transformed(ragtop::massOf(shape.geometry, shape.density), shape.frame));
+    takeMass(index, combined(parts));
+}
+
+/// In the frame of the definition.
+MassProperties WorldImpl::massOf(std::uint32_t index) const {
+    const BodyRecord& body = bodies[index];
+    const Mat3 r = toMat3(body.local.rotation);
+    const Mat3 principal{body.inertia.x * Vec3{1, 0, 0}, body.inertia.y * Vec3{0, 1, 0},
+                         body.inertia.z * Vec3{0, 0, 1}};
+    return {body.mass, body.local.position, r * principal * transpose(r)};
 }
 
 void WorldImpl::takeMass(std::uint32_t index, const MassProperties& mass) {
@@ -135,6 +139,7 @@ std::uint32_t WorldImpl::createBody(const BodyDef& def) {
     // In reverse, because the list is built from its end.
     for (std::size_t i = flat.size(); i-- > 0;)
         addShape(index, *flat[i].def, flat[i].frame, *flat[i].geometry, toInternal);
+    if (def.type == BodyType::dynamic) becomeSolid(index);
     if (flat.empty()) {
         body.size = body.coreRadius = 0;
         body.radius = radiusOfGyration(body);
@@ -156,15 +161,12 @@ void WorldImpl::addShape(std::uint32_t bodyIndex, const ShapeDef& def, const Fra
     BodyRecord& body = bodies[bodyIndex];
     shape.frame = toInternal * frame;
     shape.frame.rotation = normalized(shape.frame.rotation);
+    shapes.densities[index] = def.density;
     shape.filter = def.filter;
     shape.material = def.material;
     shape.body = bodyIndex;
     shape.geometry = shapes.geometryIndex(geometry);
     shape.size = shapes.geometries[shape.geometry].size;
-    if (body.type == BodyType::dynamic && shapes.geometries[shape.geometry].mesh) {
-        shape.size = shapes.geometries[shape.geometry].mesh->thickness;
-        if (!shapes.meshesMove()) shapes.letMeshesMove();
-    }
     shape.sensor = def.sensor;
     shape.reportsMotion = def.reportsMotion;
     contactFinds.motionReported |= def.reportsMotion;
@@ -224,6 +226,7 @@ void WorldImpl::forgetGaps(std::uint32_t index) {
 void WorldImpl::refreshBounds(std::uint32_t index) {
     forgetGaps(index);
     giveRoom(index);
+    if (!bodies.isEnabled(index)) return;
     for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next) {
         if (shapes[s].proxy != kNone) removeProxy(s);
         insertProxy(s);
@@ -237,7 +240,7 @@ void WorldImpl::destroyBody(std::uint32_t index) {
     while (body.firstContact != kNone) destroyContact(body.firstContact >> 1);
     for (std::uint32_t s = body.firstShape; s != kNone;) {
         const std::uint32_t next = shapes[s].next;
-        removeProxy(s);
+        if (shapes[s].proxy != kNone) removeProxy(s);
         shapes.release(s);
         s = next;
     }
@@ -267,6 +270,7 @@ void WorldImpl::setPose(std::uint32_t index, const Pose& pose) {
 
 /// Sleepers look for no partners themselves: what is put into one wakes it.
 void WorldImpl::wakeOverlapped(std::uint32_t index) {
+    if (!bodies.isEnabled(index)) return;
     std::vector<std::uint32_t> met;
     for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next)
         broadphase.movingTree.query(

@@ -106,6 +106,7 @@ void World::draw(DebugDraw& draw) const {
     for (std::uint32_t s = 0; s < impl.shapes.slots.count(); ++s) {
         if (!impl.shapes.slots.isUsed(s)) continue;
         const ShapeRecord& shape = impl.shapes[s];
+        if (!impl.bodies.isEnabled(shape.body)) continue;
         const BodyRecord& body = impl.bodies[shape.body];
         const Color color = body.type == BodyType::fixed       ? kFixedColor
                             : body.type == BodyType::kinematic ? kKinematicColor

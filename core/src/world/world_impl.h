@@ -236,6 +236,9 @@ struct WorldImpl {
     // world_sleep.cpp; of bodies that rest on what does not move: world_freezing.cpp
     void sleepQuietIslands();
     void wakeBody(std::uint32_t body);
+    void wakeStack();
+    void enterAwake(std::uint32_t body);
+    void leaveAwake(std::uint32_t body);
     void restoreContacts(std::uint32_t body);
     void wakeTouching(std::uint32_t body);
     void sleepBody(std::uint32_t body);
@@ -274,7 +277,17 @@ struct WorldImpl {
     void beginCouplings();
     void solveCouplings(bool moving);
 
+    // world_types.cpp
+    void setType(std::uint32_t body, BodyType type);
+    void setEnabled(std::uint32_t body, bool enabled);
+    void takePart(std::uint32_t body, BodyType type, bool enabled);
+    void withdraw(std::uint32_t body);
+    void settleRole(std::uint32_t body);
+    void becomeSolid(std::uint32_t body);
+    bool mayHold(const JointRecord& joint) const;
+
     void setMass(std::uint32_t body, const BodyDef& def);
+    MassProperties massOf(std::uint32_t body) const;
     void takeMass(std::uint32_t body, const MassProperties& mass);
     void changeMass(std::uint32_t body, const MassProperties& mass);
     void moveAnchors(std::uint32_t body, const Frame& move);

@@ -46,7 +46,7 @@ std::uint32_t WorldImpl::createJoint(const JointDef& def) {
         return id.index;
     };
     const std::uint32_t a = bodyIndex(joined.a, "a"), b = bodyIndex(joined.b, "b");
-    if (!bodies.moves(a) && !bodies.moves(b))
+    if (bodies.typeOf(a) != BodyType::dynamic && bodies.typeOf(b) != BodyType::dynamic)
         throw std::invalid_argument("bodies.a and bodies.b: at least one must be dynamic");
 
     const std::uint32_t index = joints.acquire();
@@ -73,7 +73,7 @@ std::uint32_t WorldImpl::createJoint(const JointDef& def) {
     if (bodies.moves(a) && !awakeA) wakeBody(a);
     if (bodies.moves(b) && !awakeB) wakeBody(b);
     addJointToGraph(index);
-    joints.created.push(index);
+    if (mayHold(joint)) joints.created.push(index);
     islands.structureChanged = true;
     return index;
 }
@@ -128,7 +128,7 @@ void WorldImpl::breakJoints() {
 void WorldImpl::addJointToGraph(std::uint32_t index) {
     JointRecord& joint = joints[index];
     const bool movesA = bodies.moves(joint.bodyA), movesB = bodies.moves(joint.bodyB);
-    if (joint.place.color != kNone) return;
+    if (joint.place.color != kNone || !mayHold(joint)) return;
     if ((movesA && !bodies.isAwake(joint.bodyA)) || (movesB && !bodies.isAwake(joint.bodyB))) return;
     joint.place = graph.insertJoint(index, bodies[joint.bodyA].state, movesA, bodies[joint.bodyB].state, movesB,
                                     bodies.isDirect(joint.bodyA) || bodies.isDirect(joint.bodyB));

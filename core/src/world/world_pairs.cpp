@@ -65,7 +65,7 @@ void WorldImpl::removeProxy(std::uint32_t index) {
 }
 
 void WorldImpl::markMoved(std::uint32_t shape) {
-    if (shapes[shape].inMoveBuffer) return;
+    if (shapes[shape].inMoveBuffer || shapes[shape].proxy == kNone) return;
     shapes[shape].inMoveBuffer = true;
     broadphase.moved.push(shape);
 }

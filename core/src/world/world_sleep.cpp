@@ -23,11 +23,16 @@ void WorldImpl::recordSleep(std::uint32_t index, bool asleep) { events.sleep({bo
 
 /// Takes a body out of all awake lists; its constraints keep their impulses for the day it wakes.
 void WorldImpl::sleepBody(std::uint32_t index) {
-    BodyRecord& body = bodies[index];
-    if (body.awakeIndex == kNone) return;
+    if (!bodies.isAwake(index)) return;
+    bodies.stop(index);
+    leaveAwake(index);
+    recordSleep(index, true);
+}
+
+void WorldImpl::leaveAwake(std::uint32_t index) {
+    const BodyRecord& body = bodies[index];
     bodies.removeAwake(index);
     articulations.forget();
-    bodies.stop(index);
     for (std::uint32_t key = body.firstContact; key != kNone; key = contacts.next(key)) {
         const std::uint32_t c = key >> 1;
         const ContactRecord& contact = contacts[c];
@@ -39,13 +44,16 @@ void WorldImpl::sleepBody(std::uint32_t index) {
     const auto sleeps = [&](std::uint32_t other) { return bodies.moves(other) && !bodies.isAwake(other); };
     for (std::uint32_t key = body.firstJoint; key != kNone; key = joints.next(key))
         if (sleeps(joints[key >> 1].bodyA) || sleeps(joints[key >> 1].bodyB)) removeJointFromGraph(key >> 1);
-    recordSleep(index, true);
 }
 
 /// Wakes a body and all sleeping ones that it touches or is joined to, directly or through others.
 void WorldImpl::wakeBody(std::uint32_t first) {
     islands.stack.clear();
     islands.stack.push(first);
+    wakeStack();
+}
+
+void WorldImpl::wakeStack() {
     while (!islands.stack.empty()) {
         const std::uint32_t index = islands.stack.back();
         islands.stack.pop();
@@ -54,27 +62,31 @@ void WorldImpl::wakeBody(std::uint32_t first) {
         body.sleepTimer = 0;
         unfreeze(index);
         if (body.awakeIndex != kNone) continue;
-        bodies.addAwake(index);
-        articulations.forget();
-        islands.structureChangedAt();
         recordSleep(index, false);
-        for (std::uint32_t key = body.firstContact; key != kNone; key = contacts.next(key)) {
-            const ContactRecord& contact = contacts[key >> 1];
-            if (contact.awakeIndex == kNone) addAwakeContact(key >> 1);
-            const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
-            if (contact.touching && !contact.sensor && bodies.moves(other) && bodies.moves(index) &&
-                !bodies.isAwake(other))
-                islands.stack.push(other);
-        }
-        for (std::uint32_t key = body.firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
-            const JointRecord& joint = joints[key >> 1];
-            const std::uint32_t other = (key & 1) != 0 ? joint.bodyA : joint.bodyB;
-            if (bodies.moves(other) && !bodies.isAwake(other)) islands.stack.push(other);
-            addJointToGraph(key >> 1);
-            if (joint.firstCoupling != kNone) pushCoupledBodies(key >> 1);
-        }
-        restoreContacts(index);
+        enterAwake(index);
     }
+}
+
+/// Puts a body into the lists of what is awake, with its constraints; what wakes with it is put on the stack.
+void WorldImpl::enterAwake(std::uint32_t index) {
+    bodies.addAwake(index);
+    articulations.forget();
+    islands.structureChangedAt();
+    for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts.next(key)) {
+        const ContactRecord& contact = contacts[key >> 1];
+        if (contact.awakeIndex == kNone) addAwakeContact(key >> 1);
+        const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
+        if (contact.touching && !contact.sensor && bodies.moves(other) && bodies.moves(index) && !bodies.isAwake(other))
+            islands.stack.push(other);
+    }
+    for (std::uint32_t key = bodies[index].firstJoint; key != kNone; key = joints.next(key)) {
+        const JointRecord& joint = joints[key >> 1];
+        const std::uint32_t other = (key & 1) != 0 ? joint.bodyA : joint.bodyB;
+        if (bodies.moves(other) && !bodies.isAwake(other)) islands.stack.push(other);
+        addJointToGraph(key >> 1);
+        if (joint.firstCoupling != kNone) pushCoupledBodies(key >> 1);
+    }
+    restoreContacts(index);
 }
 
 /// Puts the contacts of a body that woke back into the graph, those with bodies that still sleep excepted.

@@ -255,6 +255,11 @@ std::uint64_t WorldImpl::hash() const {
         digest.add(body.torque);
         digest.add(body.sleepTimer);
         digest.add(body.awakeIndex != kNone);
+        const bool wasMadeSo = body.type == BodyType::dynamic || (body.type == BodyType::fixed && !(body.mass > 0));
+        if (!bodies.isEnabled(i) || !wasMadeSo) {
+            digest.add(static_cast<std::uint32_t>(bodies.typeOf(i)));
+            digest.add(bodies.isEnabled(i));
+        }
     }
     for (std::uint32_t i = 0; i < contacts.slots.count(); ++i) {
         if (!contacts.slots.isUsed(i)) continue;

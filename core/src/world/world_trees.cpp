@@ -69,7 +69,8 @@ bool WorldImpl::buildTree(std::uint32_t start, BuiltTree& built) {
         const std::uint32_t body = directSet.treeBodies[i];
         known &= turnsFreely(body) && bodies.isAwake(body);
         if (built.anchor == kNone && body < root) root = body;
-        for (std::uint32_t key = bodies[body].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
+        for (std::uint32_t key = bodies[body].firstJoint; key != kNone; key = joints.next(key)) {
+            if (!joints.isHolding(key >> 1)) continue;
             const JointRecord& joint = joints[key >> 1];
             const std::uint32_t other = (key & 1) != 0 ? joint.bodyA : joint.bodyB;
             const JointSim& sim = joints.sims[key >> 1];
@@ -116,7 +117,7 @@ void WorldImpl::layLinks(std::uint32_t root, BuiltTree& built) {
     const auto next = [&](std::uint32_t key) { return joints[key >> 1].edges[key & 1].next; };
     std::uint32_t held = kNone;
     for (std::uint32_t key = bodies[root].firstJoint; key != kNone; key = next(key))
-        if (!bodies.moves(otherOf(key))) held = key;
+        if (joints.isHolding(key >> 1) && !bodies.moves(otherOf(key))) held = key;
     push(root, -1, held);
     for (std::size_t i = 0; i < directSet.treeBodies.size(); ++i) {
         const std::uint32_t body = directSet.treeBodies[i], above = directSet.trees.builtJoint(i);
