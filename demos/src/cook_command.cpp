@@ -6,7 +6,9 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <utility>
 
+#include "borrowed_clips.h"
 #include "ragtop/character.h"
 #include "ragtop/cooked.h"
 #include "ragtop/find_asset.h"
@@ -53,6 +55,14 @@ bool addCharacter(const fs::path& path, Cooked& asset) {
     return false;
 }
 
+void addClips(const CookCommand& command, Cooked& asset) {
+    if (command.clips.empty()) return;
+    if (!asset.skeleton || !asset.ragdoll)
+        throw AssetError(command.asset + ": has no bones, must be a character to borrow clips");
+    for (const std::string& other : command.clips)
+        for (Clip& clip : borrowClips(other, *asset.ragdoll)) asset.clips.push_back(std::move(clip));
+}
+
 Cooked cooked(const CookCommand& command) {
     const fs::path path = findAsset(command.asset);
     if (path.extension() == ".urdf" || path.extension() == ".xml")
@@ -67,6 +77,7 @@ Cooked cooked(const CookCommand& command) {
     } catch (const std::invalid_argument& error) {
         throw AssetError(path.string(), "", error.what());
     }
+    addClips(command, asset);
     return asset;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "ragtop/decomposition.h"
 
@@ -8,9 +9,10 @@ namespace ragtop::demos {
 
 struct CookCommand {
     std::string asset, out;
-    float simplify = 0;           ///< m; above zero a mesh is made simpler first
-    bool pieces = false;          ///< a mesh gets convex pieces as well
-    DecompositionOptions limits;  ///< of those
+    std::vector<std::string> clips;  ///< other characters whose clips it gets as well
+    float simplify = 0;              ///< m; above zero a mesh is made simpler first
+    bool pieces = false;             ///< a mesh gets convex pieces as well
+    DecompositionOptions limits;     ///< of those
 };
 
 /// Writes the cooked file of a character with its clips and ragdoll, of a ragdoll file, or of a mesh, and tells what is

@@ -137,6 +137,7 @@ CLI::App* addRagdoll(CLI::App& app, Command& command) {
     ragdoll->add_option("--seeds", options.trial.seeds, "Runs of drop, push and flight")
         ->check(CLI::Range(1, 1000000))
         ->capture_default_str();
+    ragdoll->add_option("--clips", options.clips, "Another character, whose clips are carried over to its bones");
     ragdoll->add_option("--clip", options.trial.clip, "Clip that `track` follows; the first that walks");
     ragdoll->add_option("--hz", options.trial.hz, "Steps a second")->check(CLI::Range(10, 1000))->capture_default_str();
     ragdoll->add_option("--push", options.trial.push, "Impulse on the chest, N s")
@@ -179,6 +180,7 @@ CLI::App* addCook(CLI::App& app, Command& command) {
         app.add_subcommand("cook", "Write a character, ragdoll or mesh as one file that games load at once");
     cook->add_option("asset", options.asset, "Character, ragdoll file or mesh")->required();
     cook->add_option("--out", options.out, "The file, NAME.ragtop")->required();
+    cook->add_option("--clips", options.clips, "Other characters, whose clips are carried over to its bones");
     cook->add_option("--simplify", options.simplify, "Make a mesh simpler first, within this, m")
         ->check(CLI::Range(0.0, 1e5));
     CLI::Option* pieces =

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 
+#include "borrowed_clips.h"
 #include "json_text.h"
 #include "ragtop/asset_error.h"
+#include "ragtop/pose.h"
 #include "ragtop/ragdoll_file.h"
 
 namespace ragtop::demos {
@@ -39,11 +42,21 @@ void write(RagdollSubject& subject, const std::string& out) {
     fmt::print("{}: {} parts\n", out, std::get<RagdollDef>(subject.def).parts.size());
 }
 
+void borrow(RagdollSubject& subject, const std::string& other) {
+    const auto* def = std::get_if<RagdollDef>(&subject.def);
+    if (!def) throw AssetError(subject.name + ": is a robot, must be a character or a ragdoll to borrow clips");
+    if (subject.skeleton.bones.empty()) subject.skeleton = skeletonOf(*def);
+    std::vector<Clip> clips = borrowClips(other, *def);
+    subject.clips.insert(subject.clips.begin(), std::make_move_iterator(clips.begin()),
+                         std::make_move_iterator(clips.end()));
+}
+
 }  // namespace
 
 bool testRagdoll(const RagdollCommand& command) {
     RagdollSubject subject = loadRagdollSubject(command.asset);
     subject.holding = command.holding;
+    if (!command.clips.empty()) borrow(subject, command.clips);
     if (command.out) write(subject, *command.out);
     std::vector<RagdollFigure> figures;
     for (const RagdollTest& test : ragdollTests()) {

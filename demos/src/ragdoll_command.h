@@ -11,6 +11,7 @@ namespace ragtop::demos {
 struct RagdollCommand {
     std::string asset;
     std::vector<std::string> tests;  ///< names of ragdollTests(); empty: all
+    std::string clips;               ///< another character, whose clips come first; empty: none
     bool holding = false;            ///< motors of a robot hold every joint
     RagdollTrialOptions trial;
     std::optional<std::string> json;  ///< file of the figures

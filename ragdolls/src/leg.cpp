@@ -57,9 +57,8 @@ std::optional<Leg> legOf(const BodyAxes& axes, BodySide side) {
 
 /// |u + R(a, q) v|² = |u|² + |v|² + 2 (u·a)(v·a) + 2 |u⊥| |v⊥| cos(q + φ), with u from hip to knee and v from knee to
 /// ankle at q = 0, both in the thigh, and φ the angle from u⊥ to v⊥ about the knee's axis a.
-Leg::Bent Leg::reach(const BodyAxes& axes, const Quat& pelvis, const Vec3& hipPoint, const Quat& footTurn,
-                     const Vec3& anklePoint) const {
-    const RagdollDef& def = axes.def();
+Leg::Bent Leg::reachFrom(const RagdollDef& def, const Quat& from, const Vec3& hipPoint, const Quat& footTurn,
+                         const Vec3& anklePoint) const {
     const JointBodies& bound = at(def, knee);
     const Quat straight = bound.frameA.rotation * conjugate(bound.frameB.rotation);
     const Vec3 u = kneeInThigh - hipInThigh, v = rotate(straight, ankleInShank - kneeInShank);
@@ -75,15 +74,20 @@ Leg::Bent Leg::reach(const BodyAxes& axes, const Quat& pelvis, const Vec3& hipPo
     const float one = bend - phase, other = -bend - phase;
     const float angle = std::clamp(beyond(one) < beyond(other) ? one : other, kneeRange.lower, kneeRange.upper);
     const Quat shankInThigh = rotationAbout(kneeAxis, angle) * straight;
-    // The thigh hangs as in who stands with this pelvis, and from there turns the shortest way.
-    const Quat hanging =
-        pelvis * conjugate(axes.zero(axes.find(BodyRole::pelvis, BodySide::middle))) * axes.zero(thigh);
     const Vec3 reached = u + rotate(rotationAbout(kneeAxis, angle), v);
     Bent bent;
-    bent.thigh = normalized(rotationBetween(normalized(rotate(hanging, reached)), normalized(to)) * hanging);
+    bent.thigh = normalized(rotationBetween(normalized(rotate(from, reached)), normalized(to)) * from);
     bent.shank = normalized(bent.thigh * shankInThigh);
     bent.foot = footTurn;
     return bent;
+}
+
+/// The thigh hangs as in who stands with this pelvis, and from there turns the shortest way.
+Leg::Bent Leg::reach(const BodyAxes& axes, const Quat& pelvis, const Vec3& hipPoint, const Quat& footTurn,
+                     const Vec3& anklePoint) const {
+    const Quat hanging =
+        pelvis * conjugate(axes.zero(axes.find(BodyRole::pelvis, BodySide::middle))) * axes.zero(thigh);
+    return reachFrom(axes.def(), hanging, hipPoint, footTurn, anklePoint);
 }
 
 }  // namespace ragtop

@@ -21,6 +21,8 @@ struct Leg {
         Quat thigh{}, shank{}, foot{};
     };
     Bent reach(const BodyAxes& axes, const Quat& pelvis, const Vec3& hip, const Quat& foot, const Vec3& ankle) const;
+    /// The same, the thigh turning the shortest way from where it is, `from`.
+    Bent reachFrom(const RagdollDef& def, const Quat& from, const Vec3& hip, const Quat& foot, const Vec3& ankle) const;
 };
 
 /// None where a part or joint of it is missing or the knee is no hinge.

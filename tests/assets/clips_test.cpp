@@ -1,8 +1,12 @@
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "import_support.h"
 #include "ragtop/character.h"
 #include "ragtop/compressed_clip.h"
+#include "ragtop/retarget.h"
+#include "ragtop/world.h"
 
 namespace ragtop {
 namespace {
@@ -106,6 +110,99 @@ TEST(Clips, OfARigAtRestKeepItWhereItIs) {
     for (std::size_t i = 0; i < world.size(); ++i)
         EXPECT_LT(length(toVec3(world[i].position) - character.skeleton.bones[i].bind.position), 1e-4f)
             << character.skeleton.bones[i].name;
+}
+
+/// How far points of a foot that are on the ground move along it until they leave it, at most, m.
+class Slide {
+public:
+    explicit Slide(float ground) : ground_(ground) {}
+    void see(const Vec3& point) {
+        const bool stands = point.y < ground_;
+        if (stands && !stood_) first_ = point;
+        if (stands) most_ = std::max(most_, length(Vec3{point.x - first_.x, 0, point.z - first_.z}));
+        stood_ = stands;
+    }
+    float most() const { return most_; }
+
+private:
+    float ground_, most_ = 0;
+    bool stood_ = false;
+    Vec3 first_;
+};
+
+struct FootPoint {
+    int bone;
+    Vec3 inBone, atRest;
+};
+
+/// Of feet that are boxes, on the middle of the sole: its heel, and where toes begin or, without any, its tip.
+std::vector<FootPoint> solesOf(const RagdollDef& def) {
+    std::vector<FootPoint> points;
+    for (std::size_t k = 0; k < def.parts.size(); ++k) {
+        const RagdollPart& part = def.parts[k];
+        if (part.role != BodyRole::foot) continue;
+        const Box& box = std::get<Box>(part.shape);
+        const Vec3 ankle = part.bind.position;
+        std::vector<Vec3> corners;
+        for (int i = 0; i < 8; ++i)
+            corners.push_back(transformPoint(
+                part.bind * part.frame,
+                scale(box.halfExtents, {i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f})));
+        std::sort(corners.begin(), corners.end(), [](const Vec3& a, const Vec3& b) { return a.y < b.y; });
+        corners.resize(4);
+        const auto away = [&](const Vec3& a) { return length(Vec3{a.x - ankle.x, 0, a.z - ankle.z}); };
+        std::sort(corners.begin(), corners.end(), [&](const Vec3& a, const Vec3& b) { return away(a) < away(b); });
+        const Vec3 heel = 0.5f * (corners[0] + corners[1]), tip = 0.5f * (corners[2] + corners[3]);
+        Vec3 front = tip;
+        for (const RagdollBone& bone : def.bones) {
+            if (bone.parent != part.bone || bone.part != static_cast<int>(k)) continue;
+            const Vec3 toe = transformPoint(part.bind, bone.inPart.position);
+            const float share = dot(toe - heel, tip - heel) / lengthSquared(tip - heel);
+            front = tip + (1 - share) * (heel - tip);
+            break;
+        }
+        for (const Vec3& point : {heel, front})
+            points.push_back({part.bone, inverseTransformPoint(part.bind, point), point});
+    }
+    return points;
+}
+
+TEST(Clips, OfAWalkAreWalkedByOtherBodiesOnFeetThatStand) {
+    const std::filesystem::path folder = std::filesystem::path(RAGTOP_SHARED_DIR) / "data" / "characters";
+    const std::filesystem::path models = "/usr/share/assimp/models/X/BCN_Epileptic.X";
+    if (!std::filesystem::exists(folder / "arnaud_walk.fbx")) GTEST_SKIP() << "no samples in " << folder;
+    const Character walker = loadCharacter(folder / "arnaud_walk.fbx");
+    const RagdollDef from = makeRagdoll(walker);
+    for (const auto& file : {folder / "arnaud.fbx", folder / "cesium_man.gltf", folder / "knight.glb", models}) {
+        if (!std::filesystem::exists(file)) continue;
+        const Character other = loadCharacter(file);
+        const RagdollDef to = makeRagdoll(other);
+        const Retargeted made = retarget(walker.clips[0], from, to);
+        EXPECT_EQ(made.stances, 3) << file;
+        const std::vector<FootPoint> points = solesOf(to);
+        float ground = std::numeric_limits<float>::infinity();
+        for (const FootPoint& point : points) ground = std::min(ground, point.atRest.y);
+        std::vector<Slide> slides(points.size(), Slide(ground + 0.002f));
+        World world;
+        LocalPose pose = restPose(other.skeleton);
+        for (float time = 0; time <= made.clip.seconds; time += 1.0f / 240) {
+            sample(made.clip, time, pose);
+            const std::vector<Pose> bones = writePose(other.skeleton, pose);
+            const Ragdoll body(world, to, bones);
+            EXPECT_TRUE(body.beyondLimits(2e-3f).empty()) << file << " at " << time;
+            for (std::size_t k = 0; k < points.size(); ++k)
+                slides[k].see(
+                    toVec3(transformPoint(bones[static_cast<std::size_t>(points[k].bone)], points[k].inBone)));
+        }
+        for (const Slide& slide : slides) EXPECT_LT(slide.most(), 0.01f) << file;
+        // It goes on where it began.
+        sample(made.clip, 0, pose);
+        LocalPose last = restPose(other.skeleton);
+        sample(made.clip, made.clip.seconds, last);
+        for (std::size_t i = 1; i < pose.bones.size(); ++i)
+            EXPECT_LT(length(rotationVector(conjugate(pose.bones[i].rotation) * last.bones[i].rotation)), 0.03f)
+                << file << " " << i;
+    }
 }
 
 }  // namespace

@@ -25,6 +25,7 @@
 #include "ragtop/ragdoll.h"
 #include "ragtop/ragdoll_file.h"
 #include "ragtop/recording.h"
+#include "ragtop/retarget.h"
 #include "ragtop/robot.h"
 #include "ragtop/scene.h"
 #include "ragtop/scene_tuning.h"
