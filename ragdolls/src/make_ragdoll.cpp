@@ -2,7 +2,10 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
+#include "alike_sides.h"
 #include "fit.h"
 #include "joint_limits.h"
 #include "masses.h"
@@ -15,6 +18,8 @@ constexpr std::size_t kFewVertices = 12;  ///< less skin than this says nothing 
 constexpr double kBodyVolume = 0.0140;    ///< of a human over the cube of the height: 75 l at 1.75 m
 constexpr float kGravity = 9.81f;         ///< m/s², in the friction of joints
 constexpr float kAnkleShare = 0.75f;      ///< of its height, that a shank reaches beyond the ankle at most
+constexpr float kAlikeSlack = 0.015f;     ///< of its skin, that a shape may leave out more to be that of the other side
+constexpr float kLeast = 0.005f;          ///< of the height, that a shape is thick
 constexpr float kTouching = 0.005f;       ///< parts closer than this share of the height count as overlapping
 
 class Maker {
@@ -29,6 +34,7 @@ public:
         assignBones();
         for (std::size_t i = 0; i < anatomy_.segments.size(); ++i) addPart(i);
         liftOffGround();
+        likenSides();
         giveMass();
         for (std::size_t i = 1; i < anatomy_.segments.size(); ++i) addJoint(static_cast<int>(i));
         quieten();
@@ -138,7 +144,7 @@ private:
         FittedShape fitted = skin.size() < kFewVertices ? fromTables(s)
                              : sole                     ? fitBox(skin, basisOf(s), share)
                                                         : fitShape(skin, basisOf(s), share, roundness);
-        const float least = 0.005f * height_;
+        const float least = kLeast * height_;
         if (auto* capsule = std::get_if<Capsule>(&fitted.shape)) capsule->radius = std::max(capsule->radius, least);
         if (auto* box = std::get_if<Box>(&fitted.shape))
             box->halfExtents = max(box->halfExtents, {least, least, least});
@@ -158,13 +164,13 @@ private:
     /// A part's shape above a floor: a flat one where a round one would leave out too much of the skin that ends there,
     /// as of wide trousers.
     FittedShape lifted(std::size_t index, const Vec3& up, float floor) const {
-        const float least = 0.005f * height_;
+        const float least = kLeast * height_;
         FittedShape kept = keptAbove(inModel_[index], up, floor, least);
         const std::vector<Vec3> skin = skinOf(index);
         const auto wanted = static_cast<int>(options_.containedShare * static_cast<float>(skin.size()));
         if (skin.size() < kFewVertices || countInside(kept, skin) >= wanted) return kept;
-        const FittedShape flat =
-            keptAbove(fitBox(skin, basisOf(segment(static_cast<int>(index))), options_.containedShare), up, floor, least);
+        const FittedShape flat = keptAbove(
+            fitBox(skin, basisOf(segment(static_cast<int>(index))), options_.containedShare), up, floor, least);
         return countInside(flat, skin) > countInside(kept, skin) ? flat : kept;
     }
 
@@ -199,17 +205,76 @@ private:
         for (std::size_t i = 0; i < inModel_.size(); ++i)
             if (def_.parts[i].role == BodyRole::foot && segment(static_cast<int>(i)).parent >= 0) feet.push_back(i);
         if (feet.empty()) return;
-        float ground = std::numeric_limits<float>::infinity();
+        ground_ = std::numeric_limits<float>::infinity();
         for (const std::size_t foot : feet) {
             coverHem(foot);
-            ground = std::min(ground, bottomOf(inModel_[foot], anatomy_.up));
+            ground_ = std::min(ground_, bottomOf(inModel_[foot], anatomy_.up));
         }
         for (std::size_t i = 0; i < inModel_.size(); ++i)
-            if (def_.parts[i].role != BodyRole::foot) place(i, lifted(i, anatomy_.up, ground));
+            if (def_.parts[i].role != BodyRole::foot) place(i, lifted(i, anatomy_.up, ground_));
         for (const std::size_t foot : feet) {
             const ShankFloor over = floorOver(foot);
             const auto shank = static_cast<std::size_t>(segment(static_cast<int>(foot)).parent);
             place(shank, lifted(shank, over.along, over.floor));
+        }
+    }
+
+    /// Parts with skin that are on both sides.
+    std::vector<std::pair<std::size_t, std::size_t>> pairsOfSides() const {
+        std::vector<std::pair<std::size_t, std::size_t>> pairs;
+        std::vector<bool> paired(inModel_.size(), false);
+        const auto isOf = [&](std::size_t part, BodySide side) {
+            return def_.parts[part].side == side && !paired[part] && skinOf(part).size() >= kFewVertices;
+        };
+        for (std::size_t i = 0; i < inModel_.size(); ++i)
+            for (std::size_t k = 0; k < inModel_.size(); ++k) {
+                if (def_.parts[k].role != def_.parts[i].role || !isOf(i, BodySide::left) || !isOf(k, BodySide::right))
+                    continue;
+                pairs.emplace_back(i, k);
+                paired[i] = paired[k] = true;
+            }
+        return pairs;
+    }
+
+    /// The plane that most pairs lie evenly about, as axes with x across it.
+    Frame planeOfSymmetry(const std::vector<std::pair<std::size_t, std::size_t>>& pairs) const {
+        std::vector<float> middles;
+        for (const auto& [left, right] : pairs) {
+            float lower = std::numeric_limits<float>::infinity(), upper = -lower;
+            for (const std::size_t part : {left, right})
+                for (const Vec3& vertex : skinOf(part)) {
+                    lower = std::min(lower, dot(vertex, anatomy_.left));
+                    upper = std::max(upper, dot(vertex, anatomy_.left));
+                }
+            middles.push_back(0.5f * (lower + upper));
+        }
+        const auto middle = middles.begin() + static_cast<std::ptrdiff_t>(middles.size() / 2);
+        std::nth_element(middles.begin(), middle, middles.end());
+        return {*middle * anatomy_.left, rotationFromAxes(anatomy_.left, anatomy_.up, anatomy_.forward)};
+    }
+
+    /// What is nearly the same on both sides is the same: across the middle of the body, or limb by limb where the rest
+    /// pose is not symmetric.
+    void likenSides() {
+        const std::vector<std::pair<std::size_t, std::size_t>> pairs = pairsOfSides();
+        if (pairs.empty()) return;
+        const Frame plane = planeOfSymmetry(pairs);
+        const float share = options_.containedShare - kAlikeSlack;
+        const auto limb = [&](std::size_t part) {
+            const Segment& s = segment(static_cast<int>(part));
+            return Frame{bindOf(s.bone).position, basisOf(s)};
+        };
+        for (const auto& [i, k] : pairs) {
+            SidePart left{plane, inModel_[i], skinOf(i)}, right{plane, inModel_[k], skinOf(k)};
+            bool alike = makeAlike(left, right, share);
+            if (!alike) {
+                left.axes = limb(i);
+                right.axes = limb(k);
+                alike = makeAlike(left, right, share);
+            }
+            if (!alike) continue;
+            place(i, keptAbove(left.fitted, anatomy_.up, ground_, kLeast * height_));
+            place(k, keptAbove(right.fitted, anatomy_.up, ground_, kLeast * height_));
         }
     }
 
@@ -327,6 +392,7 @@ private:
     RagdollDef def_;
     std::vector<FittedShape> inModel_;
     float height_ = 0;
+    float ground_ = -std::numeric_limits<float>::infinity();  ///< m along up, of the soles where it has feet
 };
 
 }  // namespace

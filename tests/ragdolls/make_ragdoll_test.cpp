@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 #include <stdexcept>
+#include <utility>
 
 #include "human.h"
 #include "ragtop/ragdoll.h"
@@ -154,6 +156,51 @@ TEST(MakeRagdoll, NothingReachesBelowTheSoles) {
         const RagdollPart &shank = part(def, BodyRole::shank, side), &foot = part(def, BodyRole::foot, side);
         const Vec3 ankle = foot.bind.position, along = normalized(shank.bind.position - ankle);
         EXPECT_GT(lowestOf(shank, along), dot(ankle, along) - (dot(ankle, up) - lowestOf(foot, up)));
+    }
+}
+
+/// Skin about the bones of arms and legs, points that no other side has exactly; the right ones `thicker`.
+Skeleton skinned(const HumanRig& rig, float thicker) {
+    Skeleton skeleton = rig.skeleton;
+    skeleton.skin.resize(skeleton.bones.size());
+    std::mt19937 random(3);
+    const auto any = [&] { return static_cast<float>(random()) / 4294967296.0f; };
+    for (int side = 0; side < 2; ++side) {
+        const std::pair<int, int> limbs[] = {{rig.thigh[side], rig.shank[side]},
+                                             {rig.shank[side], rig.foot[side]},
+                                             {rig.upperArm[side], rig.forearm[side]},
+                                             {rig.forearm[side], rig.hand[side]}};
+        for (const auto& [from, to] : limbs) {
+            const Vec3 start = rig.at(from), way = rig.at(to) - start, along = normalized(way);
+            const Vec3 x = perpendicular(along), y = cross(along, x);
+            const float radius = 0.05f * (side == 1 ? thicker : 1.0f);
+            for (int i = 0; i < 400; ++i) {
+                const float angle = 2 * kPi * any(), round = radius * (1.2f - 0.4f * any());
+                skeleton.skin[static_cast<std::size_t>(from)].push_back(
+                    start + any() * way + round * std::cos(angle) * x + round * std::sin(angle) * y);
+            }
+        }
+    }
+    return skeleton;
+}
+
+TEST(MakeRagdoll, SidesAreAlikeWhereTheSkinIs) {
+    const HumanRig rig;
+    for (const float thicker : {1.0f, 1.5f}) {
+        const RagdollDef def = makeRagdoll(skinned(rig, thicker));
+        for (const BodyRole role : {BodyRole::thigh, BodyRole::shank, BodyRole::upperArm, BodyRole::forearm}) {
+            const RagdollPart &left = part(def, role, BodySide::left), &right = part(def, role, BodySide::right);
+            ASSERT_EQ(left.shape.index(), right.shape.index());
+            const MassProperties one = massOf(left.shape, 1), other = massOf(right.shape, 1);
+            if (thicker > 1) {
+                EXPECT_GT(other.mass, 1.8f * one.mass) << nameOf(role);
+                continue;
+            }
+            EXPECT_NEAR(other.mass, one.mass, 1e-6f * one.mass) << nameOf(role);
+            const Vec3 a = transformPoint(left.bind, left.frame.position),
+                       b = transformPoint(right.bind, right.frame.position);
+            EXPECT_LT(length(a - Vec3{-b.x, b.y, b.z}), 1e-3f) << nameOf(role);
+        }
     }
 }
 

@@ -1,0 +1,44 @@
+#include "alike_sides.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace ragtop {
+namespace {
+
+constexpr float kAsLarge = 1.3f;  ///< fits of one shape to alike skins differ by less in volume
+
+float volumeOf(const Shape& shape) { return massOf(shape, 1.0f).mass; }
+
+/// Across x of the axes. Capsules and boxes are their own mirror images, so turning them is enough.
+FittedShape mirrored(const FittedShape& fitted, const Frame& from, const Frame& to) {
+    Frame local = inverse(from) * fitted.frame;
+    local.position.x = -local.position.x;
+    local.rotation = {local.rotation.x, -local.rotation.y, -local.rotation.z, local.rotation.w};
+    Frame frame = to * local;
+    frame.rotation = normalized(frame.rotation);
+    return {fitted.shape, frame};
+}
+
+bool doesFor(const FittedShape& fitted, const SidePart& part, float share) {
+    return static_cast<float>(countInside(fitted, part.skin)) >= share * static_cast<float>(part.skin.size());
+}
+
+}  // namespace
+
+bool makeAlike(SidePart& left, SidePart& right, float share) {
+    const float ofLeft = volumeOf(left.fitted.shape), ofRight = volumeOf(right.fitted.shape);
+    if (std::max(ofLeft, ofRight) > kAsLarge * std::min(ofLeft, ofRight)) return false;
+    const std::pair byLeft{left.fitted, mirrored(left.fitted, left.axes, right.axes)};
+    const std::pair byRight{mirrored(right.fitted, right.axes, left.axes), right.fitted};
+    for (const bool first : {true, false}) {
+        const auto& [one, other] = (ofLeft <= ofRight) == first ? byLeft : byRight;
+        if (!doesFor(one, left, share) || !doesFor(other, right, share)) continue;
+        left.fitted = one;
+        right.fitted = other;
+        return true;
+    }
+    return false;
+}
+
+}  // namespace ragtop
