@@ -2,21 +2,22 @@
 
 namespace ragtop::laws {
 
-/// Statics holds the heavier end while the ratio of the weights is below e^{μφ} [Euler, Eytelwein].
+/// Statics holds the heavier end while the ratio of the weights is below e^{μφ} [Euler, Eytelwein]; where friction
+/// bites by half the thickness below the middle of the rope, e^{μφ R/(R + t)}.
 Drawn drawDrum(Dice& dice) {
     constexpr double kPi2 = 1.5707963267948966, kRadius = 1, kThick = 0.05;
     Drawn drawn;
     Scene& scene = drawn.scene;
     const float friction = oneOf(dice, {0.1f, 0.3f, 0.5f});
     const Material hemp = surface(friction);
-    const double y = 12, r = kRadius + kThick, length = oneOf(dice, {0.2, 0.3});
+    const double y = 12, length = oneOf(dice, {0.2, 0.3});
     addFloor(scene, hemp, {0, -20, 0});
     BodyDef drum = fixedBody(Capsule{static_cast<float>(kRadius), 1}, {0, y, 0}, hemp);
     drum.pose.rotation = rotationBetween({0, 1, 0}, {0, 0, 1});
     add(scene, std::move(drum));
     // Half a turn over the top, and some links down on each side.
-    const int around = static_cast<int>(std::ceil(2 * kPi2 * r / length)), hanging = 4;
-    const double step = 2 * kPi2 / around;
+    const int around = static_cast<int>(std::ceil(2 * kPi2 * (kRadius + kThick) / length)), hanging = 4;
+    const double step = 2 * kPi2 / around, r = (kRadius + kThick) / std::cos(0.5 * step);  // links touch half way
     std::vector<DVec3> knots;
     for (int i = hanging; i > 0; --i) knots.push_back({-r, y - i * length, 0});
     for (int i = 0; i <= around; ++i) knots.push_back({-r * std::cos(step * i), y + r * std::sin(step * i), 0});
@@ -39,6 +40,8 @@ Drawn drawDrum(Dice& dice) {
         before = body;
     }
     addBall(scene, before, weigh(knots.back(), lighter * ratio), knots.back());
+    constexpr double kSafe = 0.9;  // of that: the last tenth depends on how links lie
+    drawn.stands = ratio <= kSafe * std::exp(static_cast<double>(friction) * 2 * kPi2 * kRadius / (kRadius + kThick));
     drawn.seconds = 5;
     return drawn;
 }

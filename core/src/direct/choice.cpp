@@ -12,6 +12,8 @@ constexpr float kQuiet = 0.125f;      ///< share of bodies that move up to which
 constexpr float kUnequal = 4;         ///< mass ratio from which bodies are unequal
 constexpr float kColumnPairs = 1.5f;  ///< pairs per body up to which nothing beside a column holds it
 constexpr float kHanging = 6;         ///< load number of joints that hang, whose every gap adds up
+constexpr float kHungShare = 0.0625f;     ///< share of bodies that hang from what contacts bear, as a rope over a drum
+constexpr std::uint32_t kHungBodies = 3;  ///< of these; fewer are a limb under a heap
 constexpr float kJointed = 100;       ///< load number of other joints, as ankles of a ragdoll that stands
 constexpr float kStiff = 1;           ///< as stiffnessOf has it
 constexpr float kBuckling = 0.5f;     ///< share of the buckling load
@@ -46,6 +48,8 @@ Reason chooseDirect(const IslandFeatures& island) {
     const bool jointed = island.jointLoad > 0, quiet = limit * static_cast<float>(island.moving) <= kQuiet * bodies;
     if (island.bodies <= kMostBodies && island.stiffness > limit * kStiff) return Reason::stiff;
     if (island.hangs && island.jointLoad > limit * kHanging) return Reason::taut;
+    if (island.hung >= kHungBodies && static_cast<float>(island.hung) > limit * kHungShare * bodies)
+        return Reason::taut;
     if (quiet && island.jointLoad > limit * kJointed) return Reason::taut;
     if ((quiet || !jointed) && island.contactLoad > limit * kCrushing && island.massRatio > limit * kUnequal)
         return Reason::heavy;

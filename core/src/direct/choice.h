@@ -20,6 +20,7 @@ struct IslandFeatures {
     std::uint32_t restless = 0;            ///< bodies that have neither just been made nor been at rest for long
     std::uint32_t leaning = 0;             ///< bodies at rest that nothing level holds up
     std::uint32_t joints = 0;
+    std::uint32_t hung = 0;  ///< joints by which a body hangs from one above, loaded by more than kHung
     float spin = 0;  ///< rad, the largest turn in a substep
     float contactLoad = 0, jointLoad = 0;  ///< largest load numbers
     float massRatio = 1;                   ///< largest of a loaded pair
@@ -35,6 +36,7 @@ struct IslandFeatures {
     Reason last = Reason::none, reason = Reason::none;
 };
 
+inline constexpr float kHung = 20;  ///< load number of a joint whose body hangs from one that contacts bear
 inline constexpr std::uint32_t kMostBodies = 512;   ///< of an island that is solved directly whatever it does
 inline constexpr std::uint32_t kMostAtRest = 4096;  ///< of one that is so only as long as nothing in it moves
 inline constexpr std::uint32_t kMostLooped = 64;    ///< of a mechanism, whose factor costs more than iterating it

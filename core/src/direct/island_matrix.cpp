@@ -107,10 +107,8 @@ void IslandSystem::addContact(const SystemContact& c) {
         p.factored = p.region;
         if (p.region == ConeRegion::apart) continue;
         any = true;
-        const double y[3] = {p.load[0] - (p.speed[0] + c.friction * p.slip - p.target) / p.resistance,
-                             p.load[1] - p.speed[1] / p.resistance, p.load[2] - p.speed[2] / p.resistance};
         double slope[6], g[6];
-        projectionSlope(y, c.friction, p.region, slope);
+        projectionSlope(p.asked, c.friction, p.region, slope);
         inWorld(c, slope, 1 / p.resistance, g);
         for (int k = 0; k < 6; ++k) sums.g[k] += g[k];
         const DMat3 pA = timesCross(g, p.armA), pB = timesCross(g, p.armB);

@@ -33,8 +33,8 @@ double rowSpeed(const SystemRow& row, const double* v) {
 
 /// λ of a point at the speed u.
 ConePoint respond(const SystemPoint& p, double friction, const double u[3]) {
-    const double y[3] = {p.load[0] - (u[0] + friction * p.slip - p.target) / p.resistance,
-                         p.load[1] - u[1] / p.resistance, p.load[2] - u[2] / p.resistance};
+    double y[3];
+    unbounded(p, friction, u, y);
     return project(y, friction);
 }
 
@@ -47,6 +47,17 @@ Side sideOf(const SystemRow& row, double y) {
 
 double atSide(const SystemRow& row, Side side, double y) {
     return side == Side::lower ? row.lower : side == Side::upper ? row.upper : y;
+}
+
+double impulseNorm(const AlignedArray<SystemBody>& bodies, const double* x) {
+    double sum = 0;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const double* at = x + 6 * i;
+        for (int k = 0; k < 3; ++k) sum += bodies[i].inverseMass[k] * at[k] * at[k];
+        const DVec3 l = load(at + 3);
+        sum += dot(l, bodies[i].inverseInertia * l);
+    }
+    return std::sqrt(sum);
 }
 
 }  // namespace
@@ -202,7 +213,8 @@ Residual IslandSystem::evaluate(const double* v, double* gradient) {
     for (const SystemContact& c : contacts_)
         for (std::uint32_t j = 0; j < c.count; ++j) {
             SystemPoint& p = points_[c.first + j];
-            const ConePoint found = respond(p, c.friction, p.speed);
+            unbounded(p, c.friction, p.speed, p.asked);
+            const ConePoint found = project(p.asked, c.friction);
             for (int k = 0; k < 3; ++k) p.impulse[k] = found.impulse[k];
             p.region = found.region;
         }
@@ -214,11 +226,27 @@ Residual IslandSystem::evaluate(const double* v, double* gradient) {
     return gradientAt(v, gradient);
 }
 
+/// A load on the cone, of a point that slides by s along −t, is the projection of λ̂ + (s/R) (−μ, t).
+void IslandSystem::askForLoads() {
+    constexpr double kOnCone = 1 - 1e-6;  // loads are rounded to floats between steps
+    for (const SystemContact& c : contacts_)
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            SystemPoint& p = points_[c.first + j];
+            const double held = std::sqrt(p.load[1] * p.load[1] + p.load[2] * p.load[2]);
+            const bool slides = held > 0 && held >= kOnCone * c.friction * p.load[0];
+            p.region = !(p.load[0] > 0) ? ConeRegion::apart : slides ? ConeRegion::slide : ConeRegion::stick;
+            const double further = slides ? p.slip / p.resistance : 0;
+            for (int k = 0; k < 3; ++k) p.asked[k] = p.impulse[k] = p.load[k];
+            p.asked[0] -= c.friction * further;
+            for (int k = 1; k < 3; ++k) p.asked[k] += slides ? further * p.load[k] / held : 0;
+        }
+}
+
 Residual IslandSystem::gradientAt(const double* v, double* gradient) const {
     for (std::size_t i = 0; i < unknowns(); ++i) gradient[i] = 0;
     applyImpulses(gradient, false);
     Residual residual;
-    residual.scale = impulseNorm(gradient);
+    residual.scale = impulseNorm(bodies_, gradient);
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         const SystemBody& body = bodies_[i];
         double* g = gradient + 6 * i;
@@ -227,19 +255,8 @@ Residual IslandSystem::gradientAt(const double* v, double* gradient) const {
         const DVec3 turn = load(v + 6 * i + 3) - load(from + 3);
         store((body.inertia + body.stiffness) * turn - load(g + 3), g + 3);
     }
-    residual.norm = impulseNorm(gradient);
+    residual.norm = impulseNorm(bodies_, gradient);
     return residual;
-}
-
-double IslandSystem::impulseNorm(const double* x) const {
-    double sum = 0;
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        const double* at = x + 6 * i;
-        for (int k = 0; k < 3; ++k) sum += bodies_[i].inverseMass[k] * at[k] * at[k];
-        const DVec3 l = load(at + 3);
-        sum += dot(l, bodies_[i].inverseInertia * l);
-    }
-    return std::sqrt(sum);
 }
 
 /// Rounding changes each load, and its arm, by parts of it: what that does to a body grows with all that it bears, and
@@ -378,18 +395,27 @@ double IslandSystem::slopeAlong(const double* v, const double* d, double alpha) 
 
 /// The convex cone lifts what slides: its normal row obeys u_n = μ |u_t|. Adding the slip to the row takes that back
 /// [De Saxcé, Feng, 1998], also where nothing bears yet, or such points would come and go with each round.
-double IslandSystem::updateSlips() {
-    double largest = 0;
-    for (const SystemContact& c : contacts_)
+template <class Visit>
+static void visitSlips(SystemPoint* points, const AlignedArray<SystemContact>& contacts, Visit&& visit) {
+    for (const SystemContact& c : contacts)
         for (std::uint32_t j = 0; j < c.count; ++j) {
-            SystemPoint& p = points_[c.first + j];
+            SystemPoint& p = points[c.first + j];
             const bool sticks = p.region == ConeRegion::stick;
-            const double slip = sticks ? 0.0 : std::sqrt(p.speed[1] * p.speed[1] + p.speed[2] * p.speed[2]);
-            const double change = c.friction * std::fabs(slip - p.slip);
-            if (change > largest) largest = change;
-            p.slip = slip;
+            visit(c, p, sticks ? 0.0 : std::sqrt(p.speed[1] * p.speed[1] + p.speed[2] * p.speed[2]));
         }
+}
+
+double IslandSystem::slipsChange() {
+    double largest = 0;
+    visitSlips(points_.data(), contacts_, [&](const SystemContact& c, const SystemPoint& p, double slip) {
+        const double change = c.friction * std::fabs(slip - p.slip);
+        if (change > largest) largest = change;
+    });
     return largest;
+}
+
+void IslandSystem::updateSlips() {
+    visitSlips(points_.data(), contacts_, [](const SystemContact&, SystemPoint& p, double slip) { p.slip = slip; });
 }
 
 }  // namespace ragtop::direct

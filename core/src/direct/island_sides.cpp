@@ -45,6 +45,17 @@ void IslandSystem::takeSidesOfLoads() {
 /// that side, but for the rounding of what y sums up.
 Residual IslandSystem::evaluateSides(const double* v, double* gradient) {
     speedsAt(v);
+    for (const SystemContact& c : contacts_)
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            SystemPoint& p = points_[c.first + j];
+            double y[3], slope[6];
+            unbounded(p, c.friction, p.speed, y);
+            for (int k = 0; k < 3; ++k) y[k] -= p.asked[k];
+            projectionSlope(p.asked, c.friction, p.region, slope);
+            p.impulse[0] += slope[0] * y[0] + slope[1] * y[1] + slope[2] * y[2];
+            p.impulse[1] += slope[1] * y[0] + slope[3] * y[1] + slope[4] * y[2];
+            p.impulse[2] += slope[2] * y[0] + slope[4] * y[1] + slope[5] * y[2];
+        }
     for (SystemRow& row : rows_) {
         const double y = row.load - (row.speed - row.target) / row.resistance;
         row.impulse = row.side == Side::lower ? row.lower : row.side == Side::upper ? row.upper : y;

@@ -155,6 +155,7 @@ static void guessSlips(SystemPoint* points, const SystemContact& contact, const 
 }
 
 void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arrays) {
+    const double resistance = parts.jointCount > 0 ? tuning::kJointedResistance : tuning::kContactResistance;
     contacts_.clear();
     points_.clear();
     for (std::size_t i = 0; i < parts.contactCount; ++i) {
@@ -195,7 +196,7 @@ void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arra
             p.armB = p.armA - offset;
             p.startGap = p.gap = field(c, at + contact::kSeparation);
             const double mass = field(c, at + contact::kMass);
-            p.resistance = tuning::kContactResistance / (mass > 0 ? mass : 1);
+            p.resistance = resistance / (mass > 0 ? mass : 1);
             const DVec3 drift = fixedVelocity(stateB, p.armB) - fixedVelocity(stateA, p.armA);
             p.drift[0] = dot(drift, c.normal);
             p.drift[1] = dot(drift + surface, c.tangent1);
@@ -349,15 +350,11 @@ void IslandSystem::takeLoads() {
         if (!row.compliant) row.load = row.impulse;
 }
 
-/// What the substeps have borne through which it rested.
-void IslandSystem::addPeaks() const {
+void IslandSystem::end() {
+    // What the substeps have borne through which it rested.
     for (const SystemContact& c : contacts_)
         for (std::uint32_t j = 0; j < c.count; ++j)
             pointField(c, j, contact::kPeak) += static_cast<float>(restedSubsteps_ * points_[c.first + j].load[0]);
-}
-
-void IslandSystem::end() {
-    addPeaks();
     for (const SystemContact& c : contacts_) {
         const DVec3 center{field(c, contact::kCenter), field(c, contact::kCenter + 1), field(c, contact::kCenter + 2)};
         DVec3 friction;

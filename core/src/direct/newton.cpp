@@ -12,13 +12,14 @@ constexpr int kIterations = 12;        ///< Newton steps from loads of the subst
 constexpr int kMoreIterations = 40;    ///< of each stage where those do not suffice
 constexpr int kLargeFactors = 6;       ///< in one step of a large island; it stays as it was
 constexpr double kMostProducts = 1e6;  ///< of blocks, in all factorizations of one step; some 0.1 s
-constexpr int kBudget = 320;           ///< Newton steps in one step of the world, after which no stages are tried
+constexpr int kBudget = 160;           ///< Newton steps in one step of the world, after which no stages are tried
 constexpr int kStages = 2;             ///< softer systems that lead to the one that was asked for
 constexpr double kStage = 128;         ///< resistance of a stage over that of the next
-constexpr int kSlipRounds = 4;         ///< of the De Saxcé loop
+constexpr int kSlipRounds = 4;         ///< of the De Saxcé loop, where no joints pull
 constexpr int kRefining = 4;           ///< rounds of the method of multipliers of a large island
 constexpr double kRefined = 0.1;       ///< of the speeds that may be left alone, where those rounds end
 constexpr int kLineSteps = 30;
+constexpr double kSlipResidual = 1e-4;  ///< of a system whose slips may still change
 constexpr double kSlipChange = 1e-3;  ///< of a row by which slips may still change, in g h
 constexpr double kLineSlope = 0.1;    ///< share of the slope that the line search leaves
 constexpr double kStale = 0.25;       ///< share of the residual that an old factor may leave
@@ -57,8 +58,24 @@ double dot(const double* a, const double* b, std::size_t n) {
 
 bool isLarge(const IslandSystem& system) { return system.bodyCount() > kMostBodies; }
 
+/// A step of Newton's method to where points and rows would be if none changed its region: loads answer to small
+/// changes of what they are asked for as they did, while the speeds of light bodies under great loads tell nothing.
+void predict(IslandSystem& system, bool& factored, SolveReport& report) {
+    double *v = system.velocity(), *direction = system.scratch().direction.data();
+    system.evaluateSides(v, direction);
+    if (!factored || system.regionsChanged()) {
+        if (!mayFactor(system, report) || !system.factorize()) return;
+        factored = true;
+        ++report.factorizations;
+    }
+    for (std::size_t k = 0; k < system.unknowns(); ++k) direction[k] = -direction[k];
+    system.solve(direction);
+    for (std::size_t k = 0; k < system.unknowns(); ++k) v[k] += direction[k];
+    ++report.iterations;
+}
+
 /// One convex problem. False when it did not converge.
-bool minimize(IslandSystem& system, int iterations, bool& factored, SolveReport& report) {
+bool minimize(IslandSystem& system, int iterations, double enough, bool& factored, SolveReport& report) {
     const std::size_t n = system.unknowns();
     double* v = system.velocity();
     double* gradient = system.scratch().gradient.data();
@@ -69,7 +86,7 @@ bool minimize(IslandSystem& system, int iterations, bool& factored, SolveReport&
         const Residual residual = system.evaluate(v, gradient);
         report.residual = residual.scale > 0 ? residual.norm / residual.scale : 0;
         if (!std::isfinite(residual.norm)) return false;
-        if (residual.norm <= tuning::kResidual * residual.scale || residual.norm == 0) return true;
+        if (residual.norm <= enough * residual.scale || residual.norm == 0) return true;
         const bool slow = i > 0 && residual.norm > kStale * last;
         if (slow && !stale && residual.norm <= kRounding * residual.scale) return true;
         last = residual.norm;
@@ -103,7 +120,7 @@ bool approach(IslandSystem& system, bool& factored, SolveReport& report) {
     bool found = false;
     for (int stage = 0; stage <= kStages; ++stage) {
         factored = false;
-        found = minimize(system, kMoreIterations, factored, report);
+        found = minimize(system, kMoreIterations, tuning::kResidual, factored, report);
         if (stage == kStages) break;
         if (found) system.takeLoads();
         system.scaleResistance(1 / kStage);
@@ -117,7 +134,7 @@ bool approach(IslandSystem& system, bool& factored, SolveReport& report) {
 void refine(IslandSystem& system, bool& factored, SolveReport& report) {
     for (int round = 0; round < kRefining && !system.loadsHold(kRefined); ++round) {
         system.takeLoads();
-        if (!minimize(system, kIterations, factored, report)) return;
+        if (!minimize(system, kIterations, tuning::kResidual, factored, report)) return;
     }
 }
 
@@ -140,21 +157,28 @@ void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveRepor
             return;
         }
     }
-    if (system.pointCount() == 0) {
-        if (startFromLoads) system.takeSidesOfLoads();
-        if (pivot(system, factored, report)) return;
-    }
+    if (startFromLoads) system.takeSidesOfLoads();
+    if (system.pointCount() == 0 && pivot(system, factored, report)) return;
+    if (startFromLoads) system.askForLoads();
     const double enough = kSlipChange * system.gravityStep();
-    for (int round = 0; round < kSlipRounds; ++round) {
-        if (!minimize(system, kIterations, factored, report) &&
-            (isLarge(system) || report.iterations > kBudget || !approach(system, factored, report))) {
+    // Where joints pull, slips go round in circles of speeds that do not matter: those of the solve before do.
+    const int rounds = system.rowCount() > 0 ? 1 : kSlipRounds;
+    bool last = false;
+    for (int round = 0; !last; ++round) {
+        if (system.pointCount() > 0 && !isLarge(system)) predict(system, factored, report);
+        bool found = minimize(system, kIterations, kSlipResidual, factored, report);
+        if (found) {
+            last = system.slipsChange() <= enough || round + 1 >= rounds;
+            if (last) found = minimize(system, kIterations, tuning::kResidual, factored, report);
+        }
+        if (!found && (isLarge(system) || report.iterations > kBudget || !approach(system, factored, report))) {
             // Newton's steps descend, so that the velocity is sane; the impulses need not be. A large island goes on
             // from there in its next solve.
             if (!isLarge(system)) system.keepLoads();
             report.converged = false;
             return;
         }
-        if (system.updateSlips() <= enough) break;
+        system.updateSlips();
     }
     if (startFromLoads && isLarge(system)) refine(system, factored, report);
 }

@@ -107,6 +107,11 @@ static void prefetchSupportEdge(const WorldImpl& world, std::size_t place) {
     }
 }
 
+/// Does a body hang from another that is joined to it, and bears it?
+static bool hangsFrom(const WorldImpl& world, std::uint32_t body, std::uint32_t bearer, const Vec3& up) {
+    return world.bodies.moves(bearer) && dot(toVec3(world.bodies[bearer].center - world.bodies[body].center), up) > 0;
+}
+
 void WorldImpl::measureIslands() {
     beginMeasuring();
     LoadPaths& paths = islands.paths;
@@ -151,6 +156,7 @@ void WorldImpl::measureIslands() {
         const float lighter = std::min(massA, massB), number = load / lighter;
         float& largest = edge.joint ? island.jointLoad : island.contactLoad;
         largest = std::max(largest, number);
+        island.hung += edge.joint && number > direct::kHung && hangsFrom(*this, upper, aBears ? edge.a : edge.b, up);
         island.massRatio = std::max(island.massRatio, std::max(massA, massB) / lighter);
         if (!edge.joint) island.buckling = std::max(island.buckling, bucklingShare(edge, load, number));
     }
