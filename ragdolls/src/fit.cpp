@@ -50,6 +50,8 @@ Quat alongY(const Vec3& axis) { return rotationBetween({0, 1, 0}, axis); }
 std::optional<UprightCapsule> capsuleOfRadius(std::span<const Vec3> local, const Vec3& center, float radius,
                                               std::size_t spare) {
     std::vector<float> lower, upper;
+    lower.reserve(local.size());
+    upper.reserve(local.size());
     for (const Vec3& point : local) {
         const float x = point.x - center.x, z = point.z - center.z;
         const float left = radius * radius - x * x - z * z;
@@ -72,6 +74,17 @@ struct Extent {
 
 Extent trimmed(std::vector<float> values, std::size_t each) {
     return {ranked(values, each), ranked(values, values.size() - 1 - each)};
+}
+
+/// The first and the last `each` + 1 values become those of a sorted list.
+void sortEnds(std::vector<float>& values, std::size_t each) {
+    const auto ends = static_cast<std::ptrdiff_t>(std::min(each + 1, values.size()));
+    std::nth_element(values.begin(), values.begin() + (ends - 1), values.end());
+    std::sort(values.begin(), values.begin() + ends);
+    const auto rest = std::max(values.begin() + ends, values.end() - ends);
+    if (rest == values.end()) return;
+    std::nth_element(values.begin() + ends, rest, values.end());
+    std::sort(rest, values.end());
 }
 
 std::vector<Vec3> inAxes(std::span<const Vec3> points, const Quat& rotation) {
@@ -154,10 +167,11 @@ FittedShape fitCapsule(std::span<const Vec3> points, const Vec3& axis, float sha
         const auto fitted = capsuleOfRadius(local, center, radius, spare);
         if (!fitted) return;
         const float volume = volumeOf(fitted->capsule);
+        if (volume >= least) return;
         const auto inside = std::count_if(local.begin(), local.end(), [&](const Vec3& point) {
             return holds(fitted->capsule, point - fitted->center);
         });
-        if (volume >= least || local.size() - static_cast<std::size_t>(inside) > spare) return;
+        if (local.size() - static_cast<std::size_t>(inside) > spare) return;
         least = volume;
         best = *fitted;
     };
@@ -173,26 +187,38 @@ FittedShape fitCapsule(std::span<const Vec3> points, const Vec3& axis, float sha
     return {best.capsule, {rotate(rotation, best.center), rotation}};
 }
 
+/// The more of the outermost points are left out on each side, the less the box holds, so the most is found by halving.
 FittedShape fitBox(std::span<const Vec3> points, const Quat& rotation, float share) {
     const std::vector<Vec3> local = inAxes(points, rotation);
     const std::size_t spare = spareOf(local.size(), share);
+    std::array<std::vector<float>, 3> values;
+    for (int axis = 0; axis < 3; ++axis) {
+        std::vector<float>& along = values[static_cast<std::size_t>(axis)];
+        along.reserve(local.size());
+        for (const Vec3& point : local) along.push_back(point[axis]);
+        sortEnds(along, spare / 2);
+    }
     Box box;
     Vec3 center;
-    for (std::size_t each = spare / 2;; --each) {
-        std::array<Extent, 3> extent{};
+    const auto leavingOut = [&](std::size_t each) {
+        Vec3 lower, upper;
         for (int axis = 0; axis < 3; ++axis) {
-            std::vector<float> values;
-            for (const Vec3& point : local) values.push_back(point[axis]);
-            extent[static_cast<std::size_t>(axis)] = trimmed(std::move(values), each);
+            const std::vector<float>& along = values[static_cast<std::size_t>(axis)];
+            lower[axis] = along[each];
+            upper[axis] = along[along.size() - 1 - each];
         }
-        const Vec3 lower{extent[0].lower, extent[1].lower, extent[2].lower};
-        const Vec3 upper{extent[0].upper, extent[1].upper, extent[2].upper};
         box.halfExtents = 0.5f * (upper - lower);
         center = 0.5f * (upper + lower);
         const auto inside =
             std::count_if(local.begin(), local.end(), [&](const Vec3& point) { return holds(box, point - center); });
-        if (each == 0 || local.size() - static_cast<std::size_t>(inside) <= spare) break;
+        return local.size() - static_cast<std::size_t>(inside) <= spare;
+    };
+    std::size_t most = 0, tooMany = spare / 2 + 1;
+    while (tooMany - most > 1) {
+        const std::size_t middle = most + (tooMany - most) / 2;
+        (leavingOut(middle) ? most : tooMany) = middle;
     }
+    leavingOut(most);
     return {box, {rotate(rotation, center), rotation}};
 }
 

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 #include <vector>
 
 namespace ragtop {
@@ -60,6 +62,38 @@ TEST(FitBox, HoldsTheShareAskedFor) {
         EXPECT_GE(countInside(fitted, points), static_cast<int>(share * 1000));
     }
     EXPECT_NEAR(std::get<Box>(fitBox(points, rotation, 1.0f).shape).halfExtents.z, 1.0f, 1e-3f);
+}
+
+TEST(FitBox, LeavesOutAsMuchAsTheShareAllowsHoweverManyPointsThereAre) {
+    std::mt19937 random(11);
+    const auto any = [&] { return static_cast<float>(random()) / 4294967296.0f - 0.5f; };
+    for (const std::size_t count : {1u, 7u, 50u, 500u}) {
+        std::vector<Vec3> points;
+        for (std::size_t i = 0; i < count; ++i) {
+            const float far = i % 5 == 0 ? 4.0f : 1.0f;
+            points.push_back(far * Vec3{any(), 2 * any(), i % 3 == 0 ? 0.25f : any()});
+        }
+        std::vector<float> along[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            for (const Vec3& point : points) along[axis].push_back(point[axis]);
+            std::sort(along[axis].begin(), along[axis].end());
+        }
+        const std::size_t spare = count - static_cast<std::size_t>(std::ceil(0.8f * static_cast<float>(count)));
+        Vec3 half;
+        // Of as many left out on each side of each axis the most that holds the share.
+        for (std::size_t each = spare / 2 + 1; each-- > 0;) {
+            Vec3 lower, upper;
+            for (int axis = 0; axis < 3; ++axis) {
+                lower[axis] = along[axis][each];
+                upper[axis] = along[axis][count - 1 - each];
+            }
+            half = 0.5f * (upper - lower);
+            if (count - static_cast<std::size_t>(countInside({Box{half}, {0.5f * (upper + lower), {}}}, points)) <=
+                spare)
+                break;
+        }
+        EXPECT_EQ(std::get<Box>(fitBox(points, {}, 0.8f).shape).halfExtents, half) << count;
+    }
 }
 
 TEST(FitCapsule, OnePointStillGivesAShape) {
