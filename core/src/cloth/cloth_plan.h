@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "ragtop/cloth.h"
+
+/// What follows from a definition alone: masses, links with their stiffness, and the lines that these are solved along.
+namespace ragtop::cloth {
+
+inline constexpr int kNoPoint = -1;  ///< no index
+
+struct Link {
+    int a = 0, b = 0;
+    float rest = 0;       ///< m
+    float stiffness = 0;  ///< N/m
+    bool shears = false;
+};
+
+/// Points in a row, each linked to the next.
+struct Chain {
+    std::vector<int> points;
+    std::vector<int> links;  ///< one fewer
+    bool shears = false;
+};
+
+/// Chains that share no point, so that all of them are solved at once.
+struct Layer {
+    std::vector<Chain> chains;  ///< longest first
+    bool shears = false;
+};
+
+struct Plan {
+    std::vector<float> masses;      ///< kg, of each point
+    std::vector<float> areas;       ///< m², of faces about each point
+    std::vector<Link> links;
+    std::vector<Layer> layers;      ///< in the order in which they are solved
+    std::vector<int> anchors;       ///< of each point the nearest attached one; kNoPoint: none
+    std::vector<float> tethers;     ///< m, along links to it
+};
+
+Plan makePlan(const ClothDef& def);
+
+/// kNoPoint where a point is not attached; else the index of its attachment.
+std::vector<int> attachmentOfPoints(const ClothDef& def);
+
+}  // namespace ragtop::cloth
