@@ -83,15 +83,25 @@ private:
             shape = fresh;
         };
         switch (index(3)) {
-            case 0: return drawn(Box{});
-            case 1: return drawn(Sphere{});
-            default: return drawn(Capsule{});
+            case 0:
+                return drawn(Box{});
+            case 1:
+                return drawn(Sphere{});
+            default:
+                return drawn(Capsule{});
         }
     }
     /// What has to rise or fall does.
     static void makeOrdered(VehicleDef& def) {
         std::ranges::sort(def.engine.torqueCurve, {}, &TorquePoint::rpm);
         std::ranges::sort(def.gearbox.ratios, std::greater{});
+        auto& map = def.gearbox.converterMap;
+        std::ranges::sort(map, {}, &ConverterPoint::speedRatio);
+        map.front().speedRatio = 0;
+        map.back() = {1, 1, 0};
+        for (ConverterPoint& p : map) {
+            if (p.speedRatio > 0) p.torqueRatio = std::min(p.torqueRatio, 1 / p.speedRatio);
+        }
         if (def.engine.limiterRpm < def.engine.idleRpm) std::swap(def.engine.limiterRpm, def.engine.idleRpm);
         if (def.gearbox.shiftUpRpm < def.gearbox.shiftDownRpm)
             std::swap(def.gearbox.shiftUpRpm, def.gearbox.shiftDownRpm);

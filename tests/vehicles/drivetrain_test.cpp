@@ -1,51 +1,14 @@
-#include "drivetrain.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "drive_stand.h"
 #include "engine.h"
 #include "gearbox.h"
-#include "hatchback.h"
 
 namespace ragtop {
 namespace {
-
-constexpr float kStep = 1.0f / 240;
-
-/// A drivetrain on a stand: rolls that turn freely, each held back by a torque.
-struct Stand {
-    VehicleDef def;
-    Drivetrain drivetrain;
-    std::vector<float> resistances;
-
-    explicit Stand(const VehicleDef& d) : def(d), drivetrain(d), resistances(d.wheels.size(), 0.0f) {}
-
-    void step(const DrivetrainInput& input, const std::vector<float>& torque) {
-        for (std::size_t i = 0; i < torque.size(); ++i) {
-            drivetrain.spin[i] += kStep * torque[i] / drivetrain.inertia()[i];
-        }
-        drivetrain.begin(def, input, resistances, kStep);
-        for (int i = 0; i < 200; ++i) {
-            if (drivetrain.sweep(def, kStep) <= 1e-6f * kStep) break;
-        }
-        drivetrain.end(kStep);
-    }
-    void turnAt(int gear, float axleSpeed) {
-        drivetrain.gearbox.gear = gear;
-        drivetrain.engineSpeed = gearing(def.gearbox, gear) * axleSpeed;
-        for (float& spin : drivetrain.spin) spin = axleSpeed;
-    }
-};
-
-VehicleDef withDifferential(DifferentialType type) {
-    VehicleDef def = hatchback();
-    def.differential.type = type;
-    def.gearbox.automatic = false;
-    def.gearbox.efficiency = 1;
-    return def;
-}
 
 TEST(Engine, FollowsItsTorqueCurve) {
     EngineDef def;
@@ -122,48 +85,6 @@ TEST(Gearbox, ObeysTheDriver) {
     EXPECT_EQ(gearing(def, state.gear), 0);
 }
 
-/// Torque at a wheel: what it does to a freely turning one plus what the stand takes.
-TEST(Differential, OpenGivesEqualTorques) {
-    Stand stand(withDifferential(DifferentialType::open));
-    stand.turnAt(2, 40);
-    const std::vector<float> road{-30, -300};
-    const std::vector<float> before = stand.drivetrain.spin;
-    for (int i = 0; i < 24; ++i) stand.step({.throttle = 1}, road);
-    std::vector<double> torque;
-    for (std::size_t i = 0; i < 2; ++i) {
-        const double change = stand.drivetrain.spin[i] - before[i];
-        torque.push_back(change * stand.drivetrain.inertia()[i] / (24 * kStep) - road[i]);
-    }
-    EXPECT_GT(torque[0], 100);
-    EXPECT_NEAR(torque[0], torque[1], 1e-3 * torque[0]);
-    EXPECT_GT(stand.drivetrain.spin[0], stand.drivetrain.spin[1] + 1);
-}
-
-TEST(Differential, LockedGivesEqualSpeeds) {
-    Stand stand(withDifferential(DifferentialType::locked));
-    stand.turnAt(2, 40);
-    for (int i = 0; i < 24; ++i) {
-        stand.step({.throttle = 1}, {-30, -300});
-        ASSERT_NEAR(stand.drivetrain.spin[0], stand.drivetrain.spin[1], 1e-3f);
-    }
-}
-
-/// A clutch pack that slips passes exactly preload + ratio · torque of the axle.
-TEST(Differential, LimitedSlipSharesTorqueByPreloadAndRatio) {
-    Stand stand(withDifferential(DifferentialType::limitedSlip));
-    stand.turnAt(2, 40);
-    for (int i = 0; i < 12; ++i) stand.step({.throttle = 1}, {0, -600});
-    const float axleTorque = gearing(stand.def.gearbox, 2) * stand.drivetrain.clutch;
-    const DifferentialDef& d = stand.def.differential;
-    EXPECT_GT(stand.drivetrain.spin[0], stand.drivetrain.spin[1] + 1);
-    EXPECT_NEAR(-stand.drivetrain.differential[0], d.preload + d.lockingRatio * axleTorque, 0.01f * axleTorque);
-
-    Stand gripping(withDifferential(DifferentialType::limitedSlip));
-    gripping.turnAt(2, 40);
-    for (int i = 0; i < 24; ++i) gripping.step({.throttle = 1}, {-180, -220});
-    EXPECT_NEAR(gripping.drivetrain.spin[0], gripping.drivetrain.spin[1], 1e-3f);
-}
-
 TEST(Clutch, LeavesTheStandingCarAloneAtIdle) {
     const VehicleDef def = hatchback();
     EXPECT_EQ(clutchCapacity(def, radiansPerSecond(def.engine.idleRpm), 0, 0, 0), 0);
@@ -196,7 +117,7 @@ TEST(Drivetrain, AgreesWithItsTiresInAFewSweeps) {
         const float radius = def.wheels[0].radius;
         stand.turnAt(2, kTravel / radius);
         drivetrain.engineSpeed += 30;
-        drivetrain.begin(def, {}, stand.resistances, kStep);
+        drivetrain.begin(def, {}, stand.resistances, kSubstep);
         float tires[2] = {};
         for (int sweep = 0; sweep < sweeps; ++sweep) {
             for (std::size_t i = 0; i < 2; ++i) {
@@ -206,7 +127,7 @@ TEST(Drivetrain, AgreesWithItsTiresInAFewSweeps) {
                 drivetrain.spin[i] = free - radius * tires[i] / inertia;
                 drivetrain.grip(i, radius, kGrip);
             }
-            drivetrain.sweep(def, kStep);
+            drivetrain.sweep(def, kSubstep);
         }
         return tires[0];
     };

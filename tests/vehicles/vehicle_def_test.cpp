@@ -31,6 +31,27 @@ TEST(VehicleDef, NamesFieldValueAndWhatIsAllowed) {
         {"/wheels has 2 wheels, must have 3 or more", [](VehicleDef& d) { d.wheels.resize(2); }},
         {"/wheels/0/suspension/travelUp is 0 m", [](VehicleDef& d) { d.wheels[0].suspension.travelUp = 0; }},
         {"/wheels/0/suspension/stiffness is 0 N/m", [](VehicleDef& d) { d.wheels[0].suspension.stiffness = 0.0f; }},
+        {"/gearbox/ratios has 1 ratio, must have 2 or more where continuous is true",
+         [](VehicleDef& d) {
+             d.gearbox.ratios = {3};
+             d.gearbox.continuous = true;
+         }},
+        {"/gearbox/converterMap has 1 points, must have 2 or more",
+         [](VehicleDef& d) { d.gearbox.converterMap.resize(1); }},
+        {"/gearbox/converterMap/0/speedRatio is 0.1, must be 0 in the first point",
+         [](VehicleDef& d) { d.gearbox.converterMap[0].speedRatio = 0.1f; }},
+        {"/gearbox/converterMap/2/speedRatio is 0.5, must be above the point before, 0.6",
+         [](VehicleDef& d) { d.gearbox.converterMap[2].speedRatio = 0.5f; }},
+        {"/gearbox/converterMap/3/speedRatio is 0.9, must be 1 in the last point",
+         [](VehicleDef& d) { d.gearbox.converterMap[3].speedRatio = 0.9f; }},
+        {"/gearbox/converterMap/1/torqueRatio is 1.8, must be at most 1 over speedRatio, 1.6",
+         [](VehicleDef& d) { d.gearbox.converterMap[1].torqueRatio = 1.8f; }},
+        {"/gearbox/converterMap/3/capacity is 0.001, must be 0 where speeds are equal",
+         [](VehicleDef& d) { d.gearbox.converterMap[3].capacity = 0.001f; }},
+        {"/engine/electric/power is 0 W", [](VehicleDef& d) { d.engine.electric = ElectricMotorDef{.power = 0}; }},
+        {"/engine/turbo/share is 2, must be in [0, 1]", [](VehicleDef& d) { d.engine.turbo = TurboDef{.share = 2}; }},
+        {"/differential/torqueBias is 0.5, must be in [1, 1000]",
+         [](VehicleDef& d) { d.differential.torqueBias = 0.5f; }},
         {"/wheels/2/suspension/axis is (1, 0, 0), must be within",
          [](VehicleDef& d) {
              d.wheels[2].suspension.axis = {1, 0, 0};

@@ -18,7 +18,7 @@ std::vector<LiftPoint> liftPoints(const VehicleDef& def, const Vec3& centerOfMas
 
 /// How a body goes through the air.
 struct AirMotion {
-    Vec3 velocity;          ///< m/s, world
+    Vec3 velocity;          ///< m/s through the air, world axes
     Quat rotation;          ///< of the chassis
     float inverseMass = 0;  ///< 1/kg
 };

@@ -31,6 +31,25 @@ void turn(const std::vector<int>& wheels, std::span<const float> inertia, float 
     }
 }
 
+constexpr float kAll = std::numeric_limits<float>::infinity();
+
+float boundOf(const DifferentialRow& row, const DifferentialLoad& load) {
+    const DifferentialDef& def = row.def;
+    const float through = 0.5f * row.share * std::abs(load.torque);
+    switch (def.type) {
+        case DifferentialType::limitedSlip: {
+            const float ratio = load.driven ? def.lockingRatio : def.coastLockingRatio.value_or(def.lockingRatio);
+            return 0.5f * load.h * def.preload + ratio * through;
+        }
+        case DifferentialType::helical:
+            return (def.torqueBias - 1) / (def.torqueBias + 1) * through;
+        case DifferentialType::active:
+            return load.h * load.lock * def.activeTorque;
+        default:
+            return kAll;
+    }
+}
+
 }  // namespace
 
 std::vector<DifferentialRow> differentialRows(const VehicleDef& def) {
@@ -63,16 +82,20 @@ std::vector<DifferentialRow> differentialRows(const VehicleDef& def) {
 }
 
 float solveDifferential(const DifferentialRow& row, std::span<const float> inertia, std::span<const float> held,
-                        float torque, float h, float& impulse, std::span<float> spin) {
-    float bound = std::numeric_limits<float>::infinity();
-    if (row.def.type == DifferentialType::limitedSlip) {
-        bound = h * row.def.preload + row.def.lockingRatio * row.share * std::abs(torque);
-    }
+                        const DifferentialLoad& load, float& impulse, std::span<float> spin) {
+    const float bound = boundOf(row, load);
+    float give = 0;  // of the speeds, per impulse
+    if (row.def.type == DifferentialType::viscous) give = 1 / std::max(load.h * row.def.viscosity, 1e-12f);
     const float difference = meanSpeed(row.second, spin) - meanSpeed(row.first, spin);
-    const float K = inverseInertiaOf(row.first, held) + inverseInertiaOf(row.second, held);
-    const float added = addBounded(impulse, difference / K, -bound, bound);
+    const float K = inverseInertiaOf(row.first, held) + inverseInertiaOf(row.second, held) + give;
+    const float added = addBounded(impulse, (difference - give * impulse) / K, -bound, bound);
     applyDifferential(row, inertia, added, spin);
     return added;
+}
+
+double lossOf(const DifferentialRow& row, float impulse, std::span<const float> meanSpin) {
+    return static_cast<double>(impulse) *
+           static_cast<double>(meanSpeed(row.second, meanSpin) - meanSpeed(row.first, meanSpin));
 }
 
 void applyDifferential(const DifferentialRow& row, std::span<const float> inertia, float impulse,

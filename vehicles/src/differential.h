@@ -18,10 +18,26 @@ struct DifferentialRow {
 /// The rows of a car: one per neighbouring pair of driven wheels of an axle, one per neighbouring pair of driven axles.
 std::vector<DifferentialRow> differentialRows(const VehicleDef& def);
 
-/// One visit: moves both groups towards equal mean speed by an impulse (N m s) of at most what the type allows when
-/// `torque` (N m s) drives the car, as wheels that take `held` to turn; returns the change of the impulse.
+/// What a differential is under in a substep.
+struct DifferentialLoad {
+    float torque = 0;    ///< N m s into all driven wheels
+    bool driven = true;  ///< by the engine; else it is driven by the wheels
+    float lock = 0;      ///< 0 to 1, what the driver asks of active ones
+    float h = 0;         ///< s
+};
+
+/// One visit: moves both groups towards equal mean speed by an impulse (N m s), as wheels that take `held` to turn;
+/// returns the change of the impulse. With T what comes through the row and each side at T/2 but for what passes P from
+/// the second to the first, torques differ by 2 P, and
+///
+///     limitedSlip  P ≤ (preload + lockingRatio |T|)/2
+///     helical      P ≤ (B − 1)/(B + 1) |T|/2, so that (T/2 + P)/(T/2 − P) ≤ B
+///     viscous      P = c Δω at the substep's end
+///     active       P ≤ lock · activeTorque
 float solveDifferential(const DifferentialRow& row, std::span<const float> inertia, std::span<const float> held,
-                        float torque, float h, float& impulse, std::span<float> spin);
+                        const DifferentialLoad& load, float& impulse, std::span<float> spin);
+/// J that the impulse of a row takes from wheels that turn at these speeds on average.
+double lossOf(const DifferentialRow& row, float impulse, std::span<const float> meanSpin);
 
 /// Adds an impulse of a row to the wheels, without bounds.
 void applyDifferential(const DifferentialRow& row, std::span<const float> inertia, float impulse,

@@ -8,8 +8,7 @@
 
 namespace ragtop {
 
-Drivetrain::Drivetrain(const VehicleDef& def)
-    : engineSpeed(radiansPerSecond(def.engine.idleRpm)), rows_(differentialRows(def)) {
+Drivetrain::Drivetrain(const VehicleDef& def) : engineSpeed(idleSpeed(def.engine)), rows_(differentialRows(def)) {
     float total = 0;
     for (const WheelDef& wheel : def.wheels) total += wheel.driveShare;
     for (const WheelDef& wheel : def.wheels) {
@@ -20,7 +19,8 @@ Drivetrain::Drivetrain(const VehicleDef& def)
     held_ = inertia_;
     spin.assign(def.wheels.size(), 0);
     brake.assign(def.wheels.size(), 0);
-    brakeBound_.assign(def.wheels.size(), 0);
+    for (std::vector<float>* each : {&brakeBound_, &rollBound_, &spinBefore_, &meanSpin_, &given_})
+        each->assign(def.wheels.size(), 0);
     differential.assign(rows_.size(), 0);
 }
 
@@ -28,8 +28,11 @@ Drivetrain::Drivetrain(const VehicleDef& def, Drivetrain&& before) : Drivetrain(
     engineSpeed = before.engineSpeed;
     engine = before.engine;
     clutch = before.clutch;
+    boost = before.boost;
+    work = before.work;
     gearbox = before.gearbox;
-    gearbox.gear = std::min(gearbox.gear, static_cast<std::int32_t>(def.gearbox.ratios.size()));
+    gearbox.gear = std::min(gearbox.gear, static_cast<std::int32_t>(highestGear(def.gearbox)));
+    if (!def.gearbox.continuous) gearbox.ratio = 0;
     spin = std::move(before.spin);
     brake = std::move(before.brake);
     if (before.differential.size() == differential.size()) differential = std::move(before.differential);
@@ -41,13 +44,13 @@ void Drivetrain::startRolling(const VehicleDef& def, float axleSpeed) {
         shift(def.gearbox, gearbox, {}, axleSpeed, 0, 0);
     }
     gearbox.shiftTimer = 0;
-    engineSpeed = std::max(engineSpeed, gearing(def.gearbox, gearbox.gear) * axleSpeed);
+    engineSpeed = std::max(engineSpeed, gearing(def.gearbox, gearbox) * axleSpeed);
 }
 
 void Drivetrain::stop(const VehicleDef& def) {
-    engineSpeed = radiansPerSecond(def.engine.idleRpm);
+    engineSpeed = idleSpeed(def.engine);
     engine = {};
-    clutch = 0;
+    clutch = boost = 0;
     for (std::vector<float>* each : {&spin, &brake, &differential}) std::ranges::fill(*each, 0.0f);
 }
 
@@ -57,32 +60,49 @@ float Drivetrain::axleSpeed() const {
     return speed;
 }
 
-float Drivetrain::shaftSpeed(const GearboxDef& def) const { return gearing(def, gearbox.gear) * axleSpeed(); }
+float Drivetrain::shaftSpeed(const GearboxDef& def) const { return gearing(def, gearbox) * axleSpeed(); }
 
 void Drivetrain::turnByClutch(float impulse, float inverseEngineInertia) {
     engineSpeed -= impulse * inverseEngineInertia;
-    for (std::size_t i = 0; i < spin.size(); ++i) spin[i] += impulse * ratio_ * share_[i] / inertia_[i];
+    for (std::size_t i = 0; i < spin.size(); ++i) spin[i] += impulse * driveRatio_ * share_[i] / inertia_[i];
+}
+
+void Drivetrain::takeCoupling(const VehicleDef& def, const DrivetrainInput& input, float h) {
+    const bool driven = std::any_of(share_.begin(), share_.end(), [](float s) { return s > 0; });
+    ratio_ = driven ? gearing(def.gearbox, gearbox) : 0;
+    const float shaft = ratio_ * axleSpeed();
+    // While the clutch is out for a shift the engine goes to the speed at which the new gear meets it.
+    const bool apart = gearbox.shiftTimer > 0 && def.gearbox.coupling == CouplingType::clutch;
+    const float limiter = radiansPerSecond(def.engine.limiterRpm);
+    const float target = apart ? clampTo(shaft, 0, limiter) : limiter;
+    boost = boostAfter(def.engine, boost, input.throttle, h);
+    limits_ = engineLimits(def.engine, engineSpeed, input.throttle, boost, target, h);
+    CouplingLaw law;
+    if (ratio_ != 0) {
+        law = couplingLaw(def, {engineSpeed, shaft, input.throttle, input.clutch,
+                                (limits_.throttle - limits_.friction) / h, gearbox.shiftTimer});
+    }
+    clutchBound_ = h * law.bound;
+    clutchGive_ = law.give / h;
+    driveRatio_ = law.torqueRatio * ratio_;
+    loss_ = (1 - def.gearbox.efficiency) * std::abs(driveRatio_);
 }
 
 void Drivetrain::begin(const VehicleDef& def, const DrivetrainInput& input, const std::vector<float>& resistances,
                        float h) {
-    const bool shifting = gearbox.shiftTimer > 0;
-    const bool driven = std::any_of(share_.begin(), share_.end(), [](float s) { return s > 0; });
-    ratio_ = driven ? gearing(def.gearbox, gearbox.gear) : 0;
-    loss_ = (1 - def.gearbox.efficiency) * std::abs(ratio_);
-    const float shaft = ratio_ * axleSpeed();
-
-    // While the clutch is out for a shift the engine goes to the speed at which the new gear meets it.
-    const float limiter = radiansPerSecond(def.engine.limiterRpm);
-    const float target = shifting ? clampTo(shaft, 0, limiter) : limiter;
-    limits_ = engineLimits(def.engine, engineSpeed, input.throttle, target, h);
-    clutchBound_ = 0;
-    if (ratio_ != 0 && !shifting) {
-        clutchBound_ = h * clutchCapacity(def, engineSpeed, shaft, input.throttle, input.clutch);
+    engineBefore_ = engineSpeed;
+    spinBefore_ = spin;
+    std::ranges::fill(given_, 0.0f);
+    for (std::size_t i = 0; i < std::min(spin.size(), input.wheelTorques.size()); ++i) {
+        given_[i] = h * input.wheelTorques[i];
+        spin[i] += given_[i] / inertia_[i];
     }
+    takeCoupling(def, input, h);
+    lock_ = input.lock;
     held_ = inertia_;
     for (std::size_t i = 0; i < spin.size(); ++i) {
         brakeBound_[i] = h * brakeCapacity(def.wheels[i], input.brake, input.handbrake, resistances[i]);
+        rollBound_[i] = h * resistances[i];
     }
 
     // The last substep's torques, as a first guess.
@@ -105,8 +125,8 @@ void Drivetrain::begin(const VehicleDef& def, const DrivetrainInput& input, cons
 
 float Drivetrain::clutchMass(float engineInertia) const {
     float inverse = 1 / engineInertia;
-    for (std::size_t i = 0; i < spin.size(); ++i) inverse += ratio_ * ratio_ * share_[i] * share_[i] / held_[i];
-    return 1 / inverse;
+    for (std::size_t i = 0; i < spin.size(); ++i) inverse += ratio_ * driveRatio_ * share_[i] * share_[i] / held_[i];
+    return 1 / (inverse + clutchGive_);
 }
 
 /// With what gears lose.
@@ -116,12 +136,13 @@ float Drivetrain::sweep(const VehicleDef& def, float h) {
     float largest = 0;
     const auto note = [&](float change) { largest = std::max(largest, std::abs(change)); };
     note(ratio_ * solveEngine(def.engine, limits_, engine, engineSpeed));
-    const float added = addBounded(clutch, (engineSpeed - ratio_ * axleSpeed()) * clutchMass(def.engine.inertia),
-                                   -clutchBound_, clutchBound_);
+    const float slip = engineSpeed - ratio_ * axleSpeed() - clutchGive_ * clutch;
+    const float added = addBounded(clutch, slip * clutchMass(def.engine.inertia), -clutchBound_, clutchBound_);
     turnByClutch(added, 1 / def.engine.inertia);
-    note(ratio_ * added);
+    note(driveRatio_ * added);
+    const DifferentialLoad load{driveRatio_ * clutch, clutch >= 0, lock_, h};
     for (std::size_t i = 0; i < rows_.size(); ++i) {
-        note(solveDifferential(rows_[i], inertia_, held_, ratio_ * clutch, h, differential[i], spin));
+        note(solveDifferential(rows_[i], inertia_, held_, load, differential[i], spin));
     }
     for (std::size_t i = 0; i < spin.size(); ++i) {
         note(solveBrake(inertia_[i], held_[i], brakeBoundOf(i), brake[i], spin[i]));
@@ -135,7 +156,37 @@ void Drivetrain::holdWheels() {
     }
 }
 
+/// What the impulses of this substep have done, each at the mean of the speeds before and after all of them.
+void Drivetrain::count() {
+    const auto wide = [](float x) { return static_cast<double>(x); };
+    double axle = 0;
+    for (std::size_t i = 0; i < spin.size(); ++i) {
+        meanSpin_[i] = 0.5f * (spinBefore_[i] + spin[i]);
+        axle += wide(share_[i]) * wide(meanSpin_[i]);
+        work.engine += wide(given_[i]) * wide(meanSpin_[i]);
+        const double lost = -wide(brake[i]) * wide(meanSpin_[i]), bound = wide(brakeBoundOf(i));
+        if (!(bound > 0)) continue;
+        work.rolling += lost * wide(rollBound_[i]) / bound;
+        work.brakes += lost * wide(brakeBound_[i] - rollBound_[i]) / bound;
+        work.gears += lost * (bound - wide(brakeBound_[i])) / bound;
+    }
+    const double turning = 0.5 * wide(engineBefore_ + engineSpeed);
+    work.engine += wide(engine.throttle + engine.idle + engine.friction) * turning;
+    work.clutch += wide(clutch) * (turning - wide(driveRatio_) * axle);
+    for (std::size_t i = 0; i < rows_.size(); ++i) work.differentials += lossOf(rows_[i], differential[i], meanSpin_);
+}
+
+double Drivetrain::rotatingEnergy(const EngineDef& def) const {
+    const auto energy = [](float inertia, float speed) {
+        return 0.5 * static_cast<double>(inertia) * static_cast<double>(speed) * static_cast<double>(speed);
+    };
+    double sum = energy(def.inertia, engineSpeed);
+    for (std::size_t i = 0; i < spin.size(); ++i) sum += energy(inertia_[i], spin[i]);
+    return sum;
+}
+
 void Drivetrain::end(float h) {
+    count();
     const float s = 1 / h;
     engine = {s * engine.throttle, s * engine.idle, s * engine.friction};
     clutch *= s;

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
+#include "coupling.h"
 #include "differential.h"
+#include "drive_work.h"
 #include "engine.h"
 #include "gearbox.h"
 #include "ragtop/vehicle_def.h"
@@ -11,19 +14,20 @@ namespace ragtop {
 
 /// What the driver and the road ask of the drivetrain in a substep.
 struct DrivetrainInput {
-    float throttle = 0, brake = 0, handbrake = 0, clutch = 0;
+    float throttle = 0, brake = 0, handbrake = 0, clutch = 0, lock = 0;
+    std::span<const float> wheelTorques{};  ///< N m, of the first wheels
 };
 
 /// Everything that turns: the engine, and the wheels with what brakes and couples them. All of it is impulses that
 /// stay within bounds while they remove a difference of speeds, swept together with the tires until they agree:
 ///
 ///     engine     friction, mixture, idle                  engine.h
-///     clutch     ω_e = i Σ sⱼ ωⱼ, within its capacity     i: gearing, sⱼ: shares, Σ sⱼ = 1
+///     coupling   ω_e = i Σ sⱼ ωⱼ + give · T, in bounds    i: gearing, sⱼ: shares, Σ sⱼ = 1     coupling.h
 ///     axles      equal speeds, within what they lock      differential.h
 ///     brakes     ωⱼ = 0, within pads and losses           brakes.h
 ///
-/// The clutch drives wheel j with i sⱼ of its torque, so an open differential is what is left when nothing else
-/// couples its wheels.
+/// The coupling drives wheel j with R i sⱼ of its torque, R its torque ratio, so an open differential is what is left
+/// when nothing else couples its wheels.
 class Drivetrain {
 public:
     Drivetrain() = default;
@@ -49,12 +53,16 @@ public:
     // State: saved and restored.
     float engineSpeed = 0;  ///< rad/s
     EngineRows engine;      ///< N m; N m s between begin and end, as all below
-    float clutch = 0;       ///< from engine to gearbox
+    float clutch = 0;       ///< from engine to coupling
+    float boost = 0;        ///< 0 to 1, of a turbo
     GearboxState gearbox;
     std::vector<float> spin;  ///< rad/s, per wheel
     std::vector<float> brake;
     std::vector<float> differential;
+    DriveWork work;
 
+    /// ½ Σ I ω² of engine and wheels, J.
+    double rotatingEnergy(const EngineDef& def) const;
     const std::vector<float>& inertia() const { return inertia_; }
     /// What a wheel takes to turn together with its tire, which grips by `impulse` per unit of speed of its tread: what
     /// comes through the shafts is solved with that, as what the tires take of it comes off in their next visit.
@@ -68,14 +76,19 @@ private:
     float axleSpeed() const;
     float brakeBoundOf(std::size_t i) const;
     float clutchMass(float engineInertia) const;
+    void takeCoupling(const VehicleDef& def, const DrivetrainInput& input, float h);
     void turnByClutch(float impulse, float inverseEngineInertia);
+    void count();
 
     std::vector<float> inertia_, held_, share_;
     std::vector<DifferentialRow> rows_;
 
     EngineLimits limits_;
-    float ratio_ = 0, clutchBound_ = 0, loss_ = 0;
-    std::vector<float> brakeBound_;
+    float ratio_ = 0, driveRatio_ = 0;  ///< of speeds; of torques
+    float clutchBound_ = 0, clutchGive_ = 0, loss_ = 0, lock_ = 0;
+    std::vector<float> brakeBound_, rollBound_;  ///< all but what gears lose; of it, what tires and ground resist by
+    float engineBefore_ = 0;
+    std::vector<float> spinBefore_, meanSpin_, given_;  ///< rad/s; N m s
 };
 
 }  // namespace ragtop

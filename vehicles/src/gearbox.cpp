@@ -1,6 +1,7 @@
 #include "gearbox.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine.h"
 #include "point_body.h"
@@ -23,7 +24,26 @@ int automaticGear(const GearboxDef& def, int gear, float axleSpeed, float thrott
     return gear;
 }
 
+/// Towards the ratio that has the engine at the speed for its throttle; the way from end to end takes shiftTime.
+float continuousRatio(const GearboxDef& def, float ratio, float axleSpeed, float throttle, float dt) {
+    const float least = def.ratios.back(), most = def.ratios.front();
+    const float rpm = def.shiftDownRpm + (def.shiftUpRpm - def.shiftDownRpm) * throttle;
+    const float turning = std::max(axleSpeed, 0.0f) * def.finalDrive;
+    const float wanted =
+        turning * most > radiansPerSecond(rpm) ? std::max(radiansPerSecond(rpm) / turning, least) : most;
+    if (ratio == 0 || def.shiftTime <= dt) return wanted;
+    const float change = (most - least) * dt / def.shiftTime;
+    return clampTo(wanted, std::max(ratio - change, least), std::min(ratio + change, most));
+}
+
 }  // namespace
+
+int highestGear(const GearboxDef& def) { return def.continuous ? 1 : static_cast<int>(def.ratios.size()); }
+
+float gearing(const GearboxDef& def, const GearboxState& state) {
+    if (!def.continuous || state.gear < 1) return gearing(def, state.gear);
+    return (state.ratio > 0 ? state.ratio : def.ratios.front()) * def.finalDrive;
+}
 
 float gearing(const GearboxDef& def, int gear) {
     if (gear == 0) return 0;
@@ -36,22 +56,26 @@ void shift(const GearboxDef& def, GearboxState& state, std::optional<int> wanted
     state.shiftTimer = std::max(state.shiftTimer - dt, 0.0f);
     int gear = state.gear;
     if (wanted) {
-        gear = std::clamp(*wanted, -1, static_cast<int>(def.ratios.size()));
+        gear = std::clamp(*wanted, -1, highestGear(def));
+    } else if (def.continuous) {
+        gear = def.automatic ? 1 : gear;
     } else if (def.automatic && state.shiftTimer == 0) {
         gear = automaticGear(def, gear, axleSpeed, throttle);
     }
+    state.ratio = def.continuous ? continuousRatio(def, state.ratio, axleSpeed, throttle, dt) : 0;
     if (gear == state.gear) return;
     state.gear = gear;
     state.shiftTimer = def.shiftTime;
 }
 
 float clutchCapacity(const VehicleDef& def, float engineSpeed, float shaftSpeed, float throttle, float pedal) {
+    const float most = (1 - pedal) * def.gearbox.clutchTorque.value_or(2 * peakTorque(def.engine));
+    if (def.engine.electric) return most;
     const float idle = radiansPerSecond(def.engine.idleRpm), limiter = radiansPerSecond(def.engine.limiterRpm);
     const float from = kAboveIdle * idle, to = kLocked * idle;
     const auto ramp = [&](float speed, float end) { return clampTo((speed - from) / (end - from), 0, 1); };
     const float share = std::max(ramp(engineSpeed, to + kLaunch * throttle * (limiter - idle)), ramp(shaftSpeed, to));
-    const float most = def.gearbox.clutchTorque.value_or(2 * peakTorque(def.engine));
-    return (1 - pedal) * share * most;
+    return share * most;
 }
 
 }  // namespace ragtop

@@ -170,6 +170,7 @@ void VehicleSim::start(float speed) {
     wheels.assign(specs.size(), {});
     peakLoads.assign(specs.size(), 0);
     carried = {};
+    lost = {};
 }
 
 void VehicleSim::setDef(const VehicleDef& next) {

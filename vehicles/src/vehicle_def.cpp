@@ -124,6 +124,27 @@ std::string whyInvalid(const EngineDef& engine) {
     return {};
 }
 
+std::string whyInvalid(const std::vector<ConverterPoint>& map) {
+    if (map.size() < 2) return " has " + std::to_string(map.size()) + " points, must have 2 or more";
+    const auto number = [](float value) { return text(static_cast<double>(value)); };
+    for (std::size_t i = 0; i < map.size(); ++i) {
+        const std::string point = "/" + std::to_string(i),
+                          ratio = point + "/speedRatio is " + number(map[i].speedRatio);
+        if (i == 0 && map[i].speedRatio != 0) return ratio + ", must be 0 in the first point";
+        if (i > 0 && !(map[i].speedRatio > map[i - 1].speedRatio))
+            return ratio + ", must be above the point before, " + number(map[i - 1].speedRatio);
+        if (i + 1 == map.size() && map[i].speedRatio != 1) return ratio + ", must be 1 in the last point";
+        const float most = map[i].speedRatio > 0 ? 1 / map[i].speedRatio : 100;
+        if (map[i].torqueRatio > (1 + 1e-6f) * most) {
+            return point + "/torqueRatio is " + number(map[i].torqueRatio) + ", must be at most 1 over speedRatio, " +
+                   number(most) + ", as power does not grow";
+        }
+    }
+    if (map.back().capacity == 0) return {};
+    return "/" + std::to_string(map.size() - 1) + "/capacity is " + number(map.back().capacity) +
+           ", must be 0 where speeds are equal";
+}
+
 std::string whyInvalid(const GearboxDef& gearbox) {
     if (gearbox.ratios.empty()) return "/gearbox/ratios is empty, must have a gear";
     for (std::size_t i = 1; i < gearbox.ratios.size(); ++i) {
@@ -131,6 +152,9 @@ std::string whyInvalid(const GearboxDef& gearbox) {
         return "/gearbox/ratios/" + std::to_string(i) + " is " + text(static_cast<double>(gearbox.ratios[i])) +
                ", must be below the gear before, " + text(static_cast<double>(gearbox.ratios[i - 1]));
     }
+    if (gearbox.continuous && gearbox.ratios.size() < 2)
+        return "/gearbox/ratios has 1 ratio, must have 2 or more where continuous is true";
+    if (std::string why = whyInvalid(gearbox.converterMap); !why.empty()) return "/gearbox/converterMap" + why;
     if (!(gearbox.shiftUpRpm > gearbox.shiftDownRpm)) {
         return "/gearbox/shiftUpRpm is " + text(static_cast<double>(gearbox.shiftUpRpm)) +
                ", must be above shiftDownRpm, " + text(static_cast<double>(gearbox.shiftDownRpm));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <mutex>
@@ -71,6 +72,7 @@ struct WheelPatch {
     LoadLag lag;
     TireLaw law;
     float transport = 0, spinBefore = 0;
+    Vec3 speedBefore;  ///< of the chassis there over the ground: forward, left, along the normal
     TireLine line;
     float strutK = 0;  ///< inverse effective masses along the normal and of the patch
     Sym2 tireK;
@@ -86,8 +88,14 @@ struct CarImpulse {
     Vec3 linear, angular;  ///< N s, N m s
 };
 
+/// Energy that is not the drivetrain's, since the start, J.
+struct CarLosses {
+    double slip = 0, struts = 0, air = 0;
+};
+
 /// A car inside: definition, state, and the parts of the step. vehicle.cpp builds, saves and shows it,
-/// vehicle_step.cpp does what happens once per step, vehicle_substep.cpp the implicit solve.
+/// vehicle_step.cpp does what happens once per step, vehicle_substep.cpp the implicit solve, vehicle_energy.cpp
+/// counts what it takes.
 struct VehicleSim {
     VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePlacement& placement);
 
@@ -116,8 +124,12 @@ struct VehicleSim {
     std::atomic<bool> stale{false};             ///< telemetry is of an earlier state
     std::optional<std::uint64_t> restsOnFixed;  ///< World::fixedVersion of when it was seen to stand where it stood
     struct Driver {
-        float throttle = 0, brake = 0, steer = 0, handbrake = 0, clutch = 0;
+        float throttle = 0, brake = 0, steer = 0, handbrake = 0, clutch = 0, differentialLock = 0;
         std::int32_t gear = 0, gearGiven = 0;
+        std::array<float, 16> wheelTorques{};
+        Vec3 wind;
+        /// Whether it keeps a car in the gear that it is in from resting.
+        bool drives(std::int32_t inGear) const;
         bool operator==(const Driver&) const = default;
     };
     static Driver driverOf(const VehicleInput& input);
@@ -140,9 +152,10 @@ struct VehicleSim {
     Drivetrain drivetrain;
     std::vector<WheelState> wheels;
     std::vector<float> peakLoads;  ///< N, of the last step
-    CarImpulse carried;            ///< of the last substep, which the chassis has not got yet
-    Pose endPose;                  ///< of the chassis at the end of the last step
-    Quat substepRotation;          ///< of it at the beginning of the last substep
+    CarLosses lost;
+    CarImpulse carried;    ///< of the last substep, which the chassis has not got yet
+    Pose endPose;          ///< of the chassis at the end of the last step
+    Quat substepRotation;  ///< of it at the beginning of the last substep
 
     // Working memory.
     std::mutex telling;  ///< of those that ask for it at once
@@ -186,6 +199,10 @@ private:
     void solve(PointBody& body, float h);
     float visitWheel(std::size_t i, PointBody& body, float h);
     void finishWheel(std::size_t i, const PointBody& body, float h, Vec3& linear, Vec3& angular);
+    Vec3 patchSpeed(std::size_t i, const PointBody& body) const;
+    void countPatch(std::size_t i, const PointBody& body, float hubSpeed);
+    void countBody(const PointBody& before, const PointBody& after, const CarImpulse& air, const Vec3& turned);
+    void tellEnergy();
     bool holds(const Vec3& linear, const Vec3& angular) const;
     void forgetMotion();
     /// Calls visit(value) for every part of the state, each free of padding.

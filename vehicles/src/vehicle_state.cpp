@@ -53,10 +53,13 @@ void VehicleSim::visitState(Self& self, Visit&& visit) {
     visit(self.drivetrain.engineSpeed);
     visit(self.drivetrain.engine);
     visit(self.drivetrain.clutch);
+    visit(self.drivetrain.boost);
     visit(self.drivetrain.gearbox);
     visit(self.drivetrain.spin);
     visit(self.drivetrain.brake);
     visit(self.drivetrain.differential);
+    visit(self.drivetrain.work);
+    visit(self.lost);
     visit(self.wheels);
     visit(self.peakLoads);
     visit(self.carried);
@@ -98,7 +101,8 @@ void VehicleSim::restore(std::span<const std::byte> from) {
     visitState(*this, get);
     Driver set;
     get(set);
-    input = {set.throttle, set.brake, set.steer, set.handbrake, set.clutch, {}};
+    input = {set.throttle,         set.brake,        set.steer, set.handbrake, set.clutch, {},
+             set.differentialLock, set.wheelTorques, set.wind};
     if (set.gearGiven != 0) input.gear = set.gear;
     stale = true;
 }

@@ -31,15 +31,23 @@ VehicleSim::Driver VehicleSim::driverOf(const VehicleInput& input) {
     driver.steer = within(input.steer, -1);
     driver.handbrake = within(input.handbrake, 0);
     driver.clutch = within(input.clutch, 0);
+    driver.differentialLock = within(input.differentialLock, 0);
+    for (std::size_t i = 0; i < input.wheelTorques.size(); ++i)
+        driver.wheelTorques[i] = std::isfinite(input.wheelTorques[i]) ? input.wheelTorques[i] : 0;
+    driver.wind = isFinite(input.wind) ? input.wind : Vec3{};
     driver.gear = input.gear.value_or(0);
     driver.gearGiven = input.gear ? 1 : 0;
     return driver;
 }
 
+bool VehicleSim::Driver::drives(std::int32_t inGear) const {
+    return (throttle > 0 && inGear != 0) || std::ranges::any_of(wheelTorques, [](float t) { return t != 0; });
+}
+
 /// A sleeping car goes on sleeping while nobody touches the controls and what it stands on stays where it was. Where
 /// that is fixed it is asked for only when something fixed has been moved.
 bool VehicleSim::mayRest(const Driver& wanted) {
-    if (!(wanted == driver) || (wanted.throttle > 0 && drivetrain.gearbox.gear != 0)) return false;
+    if (!(wanted == driver) || wanted.drives(drivetrain.gearbox.gear)) return false;
     const std::uint64_t version = world->fixedVersion();
     bool moves = false;
     for (std::size_t i = 0; i < wheels.size(); ++i) {
@@ -72,7 +80,7 @@ void VehicleSim::beforeStep(double dt) {
     if (!active) return;
     restsOnFixed.reset();
     driver = wanted;
-    if (!world->isAwake(chassis) || (driver.throttle > 0 && drivetrain.gearbox.gear != 0)) world->wake(chassis);
+    if (!world->isAwake(chassis) || driver.drives(drivetrain.gearbox.gear)) world->wake(chassis);
 
     const Pose pose = world->pose(chassis);
     if (isElsewhere(pose, endPose)) {

@@ -96,7 +96,10 @@ void VehicleSim::act(const Pose& pose, const DVec3& center, PointBody body, floa
     }
 
     // Arms are short, so what the air does is implicit in the speed alone.
-    auto [linear, angular] = airImpulse(def.aerodynamics, lifts, {body.v, pose.rotation, body.inverseMass}, h);
+    const PointBody start = body;
+    const auto [airLinear, airAngular] =
+        airImpulse(def.aerodynamics, lifts, {body.v - driver.wind, pose.rotation, body.inverseMass}, h);
+    Vec3 linear = airLinear, angular = airAngular;
     body.v += body.inverseMass * linear;
     body.w += body.inverseInertia * angular;
     const Vec3 turned = alignTires(h);
@@ -108,12 +111,16 @@ void VehicleSim::act(const Pose& pose, const DVec3& center, PointBody body, floa
 
     solve(body, h);
     for (std::size_t i = 0; i < wheels.size(); ++i) finishWheel(i, body, h, linear, angular);
+    countBody(start, body, {airLinear, airAngular}, turned);
     sum.linear += linear;
     sum.angular += angular;
 }
 
 void VehicleSim::solve(PointBody& body, float h) {
-    drivetrain.begin(def, {driver.throttle, driver.brake, driver.handbrake, driver.clutch}, resistances, h);
+    drivetrain.begin(
+        def,
+        {driver.throttle, driver.brake, driver.handbrake, driver.clutch, driver.differentialLock, driver.wheelTorques},
+        resistances, h);
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         WheelPatch& patch = patches[i];
         if (!patch.touching) continue;
@@ -171,6 +178,7 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
                    inverseMassBetween(patch.sideRow, patch.sideRow)};
     const float lean = clampTo(dot(patch.axle, patch.normal), -1, 1);
     wheel.inclination = arcTan2(lean, std::sqrt(1 - lean * lean));
+    patch.speedBefore = patchSpeed(i, body);
     const TireMotion motion{travelOf(patch, body, wheel.hubSpeed), radius * drivetrain.spin[i]};
     // Bristles leave with the tread; slip is over the speed of travel.
     patch.transport = isBrush(specs[i].tire.def) ? std::abs(motion.tread) : lengthOf(motion.travel);
@@ -363,6 +371,7 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     }
     wheel.compression += patch.way;
     wheel.hubSpeed = patch.way / h;
+    countPatch(i, body, wheel.hubSpeed);
     patch.way = 0;
     wheel.travel = travelOf(patch, body, wheel.hubSpeed);
     wheel.load = patch.load / h;

@@ -41,6 +41,7 @@ void VehicleSim::refreshTelemetry() {
     telemetry.gear = drivetrain.gearbox.gear;
     telemetry.shifting = drivetrain.gearbox.shiftTimer > 0;
     telemetry.clutchTorque = drivetrain.clutch;
+    tellEnergy();
     telemetry.throttle = driver.throttle;
     telemetry.brake = driver.brake;
     telemetry.handbrake = driver.handbrake;
@@ -66,9 +67,10 @@ void VehicleSim::tellMotion(const Pose& pose) {
     const Vec3 spin = inverseRotate(pose.rotation, turning);
     telemetry.kineticEnergy = 0.5f * (body.mass * dot(velocity, velocity) + dot(spin, body.inertia * spin));
     const AerodynamicsDef& air = def.aerodynamics;
-    const float speed = length(velocity), pressure = 0.5f * air.airDensity * speed * speed;
+    const Vec3 flow = velocity - driver.wind;
+    const float speed = length(flow), pressure = 0.5f * air.airDensity * speed * speed;
     telemetry.drag = pressure * air.dragArea;
-    telemetry.sideForce = -0.5f * air.airDensity * air.sideArea * speed * telemetry.sideSpeed;
+    telemetry.sideForce = -0.5f * air.airDensity * air.sideArea * speed * dot(flow, left);
     telemetry.lift = 0;
     for (const LiftPoint& lift : lifts) telemetry.lift += pressure * lift.area;
 }

@@ -71,6 +71,16 @@ void forEachChannel(const VehicleTelemetry& car, Visit&& visit) {
     tell("clutchTorque", "N m", "from the engine into the gearbox", car.clutchTorque);
     tell("gear", "1", "-1 reverse, 0 neutral", car.gear);
     tell("shifting", "1", "1 between two gears", car.shifting);
+    tell("engineWork", "J", "since the start, net", car.energy.engine);
+    tell("clutchLoss", "J", "since the start", car.energy.clutch);
+    tell("gearLoss", "J", "since the start", car.energy.gears);
+    tell("differentialLoss", "J", "since the start", car.energy.differentials);
+    tell("brakeLoss", "J", "of pads, since the start", car.energy.brakes);
+    tell("rollingLoss", "J", "of tires and ground, since the start", car.energy.rolling);
+    tell("slipLoss", "J", "of patches, since the start", car.energy.slip);
+    tell("strutLoss", "J", "into struts and squashed tires, since the start", car.energy.struts);
+    tell("airLoss", "J", "since the start", car.energy.air);
+    tell("rotatingEnergy", "J", "of engine and wheels", car.energy.rotating);
     tell("throttle", "1", "pedal in the last step", car.throttle);
     tell("brake", "1", "pedal in the last step", car.brake);
     tell("handbrake", "1", "lever in the last step", car.handbrake);

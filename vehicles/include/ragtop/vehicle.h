@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -15,12 +16,15 @@ class World;
 
 /// What the driver does. Values beyond their range count as its end, values that are no number as zero.
 struct VehicleInput {
-    float throttle = 0;         ///< 0 to 1
-    float brake = 0;            ///< 0 to 1
-    float steer = 0;            ///< −1 full left to 1 full right
-    float handbrake = 0;        ///< 0 to 1
-    float clutch = 0;           ///< 0 automatic to 1 pedal fully down
-    std::optional<int> gear{};  ///< −1 reverse, 0 neutral, 1 and up; empty: the gearbox decides, or keeps its gear
+    float throttle = 0;          ///< 0 to 1
+    float brake = 0;             ///< 0 to 1
+    float steer = 0;             ///< −1 full left to 1 full right
+    float handbrake = 0;         ///< 0 to 1
+    float clutch = 0;            ///< 0 automatic to 1 pedal fully down
+    std::optional<int> gear{};   ///< −1 reverse, 0 neutral, 1 and up; empty: the gearbox decides, or keeps its gear
+    float differentialLock = 0;  ///< 0 to 1, of active differentials
+    std::array<float, 16> wheelTorques{};  ///< N m forward on the first wheels, beside engine and brakes
+    Vec3 wind{};                           ///< m/s of the air about the car, in the world
 
     bool operator==(const VehicleInput&) const = default;
 };
@@ -71,6 +75,19 @@ struct EngineTelemetry {
     float power = 0;   ///< W there
 };
 
+/// Where the engine's work has gone since the car was put where it started, J:
+///
+///     engine = Δ(kinetic + potential energy of the chassis) + Δrotating + all that follows
+struct EnergyTelemetry {
+    double engine = 0;                                ///< net of what resists; and of wheelTorques
+    double clutch = 0, gears = 0, differentials = 0;  ///< lost
+    double brakes = 0, rolling = 0;                   ///< lost to pads; to tires and ground that roll
+    double slip = 0;                                  ///< into patches: heat, and what bends treads
+    double struts = 0;                                ///< into dampers, springs and squashed tires
+    double air = 0;                                   ///< lost
+    double rotating = 0;                              ///< of engine and wheels about their axles, now
+};
+
 /// What the car does, at the end of the last step.
 struct VehicleTelemetry {
     float speed = 0;                                 ///< m/s forward, negative backwards
@@ -82,6 +99,7 @@ struct VehicleTelemetry {
     EngineTelemetry engine{};
     int gear = 0;  ///< −1 reverse, 0 neutral
     bool shifting = false;
+    EnergyTelemetry energy{};
     float clutchTorque = 0;                                    ///< N m from the engine into the gearbox
     float throttle = 0, brake = 0, handbrake = 0, clutch = 0;  ///< 0 to 1, of the last step
     float steerAngle = 0;                                      ///< rad of a wheel in the middle of the front axle, left

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "ragtop/drivetrain_def.h"
 #include "ragtop/math.h"
 #include "ragtop/shape.h"
 #include "ragtop/tire_laws.h"
@@ -126,47 +127,6 @@ struct SteeringDef {
     float ackermann = 1;                    ///< 1: all wheels turn about one point; 0: all turn by the same angle
 };
 
-/// A point of the full-throttle torque curve.
-struct TorquePoint {
-    float rpm = 0;
-    float torque = 0;  ///< N m at the flywheel
-};
-
-struct EngineDef {
-    std::vector<TorquePoint> torqueCurve{{800, 80}, {1500, 105}, {3500, 135}, {4500, 132}, {6000, 112}, {6600, 90}};
-    float inertia = 0.15f;  ///< kg m², with flywheel and clutch
-    float idleRpm = 850;
-    float limiterRpm = 6400;
-    float brakeTorque = 25;  ///< N m that resist at closed throttle
-};
-
-struct GearboxDef {
-    std::vector<float> ratios{3.6f, 2.0f, 1.35f, 1.0f, 0.8f};
-    float reverseRatio = 3.4f;
-    float finalDrive = 4.0f;
-    bool automatic = true;    ///< picks the forward gears itself
-    float shiftUpRpm = 5800;  ///< at full throttle; half as far above shiftDownRpm at none
-    float shiftDownRpm = 1800;
-    float shiftTime = 0.25f;              ///< s without drive
-    float efficiency = 0.92f;             ///< of all gears together
-    std::optional<float> clutchTorque{};  ///< N m; empty: twice the engine's largest
-};
-
-enum class DifferentialType : unsigned char {
-    open,         ///< equal torques
-    locked,       ///< equal speeds
-    limitedSlip,  ///< torques that differ by at most preload + lockingRatio · torque
-};
-
-/// Names in files, in the order of the values.
-constexpr std::array<std::string_view, 3> enumNames(DifferentialType) { return {"open", "locked", "limitedSlip"}; }
-
-struct DifferentialDef {
-    DifferentialType type = DifferentialType::open;
-    float preload = 40;         ///< N m, limitedSlip only
-    float lockingRatio = 0.3f;  ///< limitedSlip only
-};
-
 /// Lift that acts at an axle, besides that of the whole car.
 struct AxleLiftDef {
     unsigned axle = 0;   ///< WheelDef::axle
@@ -218,7 +178,6 @@ constexpr std::array<const char*, 2> requiredFields(const AntiRollBarDef*) { ret
 constexpr std::array<const char*, 2> requiredFields(const AxleLiftDef*) { return {"axle", "liftArea"}; }
 constexpr std::array<const char*, 2> requiredFields(const TireSurface*) { return {"surface", "grip"}; }
 constexpr std::array<const char*, 2> requiredFields(const WheelDef*) { return {"position", "radius"}; }
-constexpr std::array<const char*, 2> requiredFields(const TorquePoint*) { return {"rpm", "torque"}; }
 constexpr std::array<const char*, 1> requiredFields(const VehicleVisualDef*) { return {"chassis"}; }
 constexpr std::array<const char*, 2> requiredFields(const VehicleDef*) { return {"chassis", "wheels"}; }
 
@@ -334,38 +293,6 @@ void describe(Visitor& visit, Self& self, const SteeringDef*) {
     visit(Tunable{"halfAngleSpeed", "m/s", 1e-3, 1e5, "at which half of the angle is left; absent: all at any speed"},
           self.halfAngleSpeed);
     visit(Tunable{"ackermann", "1", 0, 1, "1: all wheels turn about one point; 0: by the same angle"}, self.ackermann);
-}
-template <class Visitor, class Self>
-void describe(Visitor& visit, Self& self, const TorquePoint*) {
-    visit(Tunable{"rpm", "rpm", 0, 1e6, "engine speed"}, self.rpm);
-    visit(Tunable{"torque", "N m", 0, 1e12, "at the flywheel, full throttle"}, self.torque);
-}
-template <class Visitor, class Self>
-void describe(Visitor& visit, Self& self, const EngineDef*) {
-    visit(Tunable{"torqueCurve", "", 0, 0, "full throttle, by rising speed"}, self.torqueCurve);
-    visit(Tunable{"inertia", "kg m²", 1e-9, 1e12, "with flywheel and clutch"}, self.inertia);
-    visit(Tunable{"idleRpm", "rpm", 1, 1e6, "speed at closed throttle"}, self.idleRpm);
-    visit(Tunable{"limiterRpm", "rpm", 1, 1e6, "speed that the engine does not pass by itself"}, self.limiterRpm);
-    visit(Tunable{"brakeTorque", "N m", 0, 1e12, "that resists at closed throttle"}, self.brakeTorque);
-}
-template <class Visitor, class Self>
-void describe(Visitor& visit, Self& self, const GearboxDef*) {
-    visit(Tunable{"ratios", "1", 0.01, 100, "forward gears, falling"}, self.ratios);
-    visit(Tunable{"reverseRatio", "1", 0.01, 100, "of the reverse gear"}, self.reverseRatio);
-    visit(Tunable{"finalDrive", "1", 0.01, 100, "that follows every gear"}, self.finalDrive);
-    visit(Tunable{"automatic", "", 0, 1, "picks the forward gears itself"}, self.automatic);
-    visit(Tunable{"shiftUpRpm", "rpm", 1, 1e6, "to the next gear, at full throttle"}, self.shiftUpRpm);
-    visit(Tunable{"shiftDownRpm", "rpm", 1, 1e6, "to the gear before"}, self.shiftDownRpm);
-    visit(Tunable{"shiftTime", "s", 0, 10, "without drive"}, self.shiftTime);
-    visit(Tunable{"efficiency", "1", 0.1, 1, "of all gears together"}, self.efficiency);
-    visit(Tunable{"clutchTorque", "N m", 0, 1e12, "that it passes on; absent: twice the engine's largest"},
-          self.clutchTorque);
-}
-template <class Visitor, class Self>
-void describe(Visitor& visit, Self& self, const DifferentialDef*) {
-    visit(Tunable{"type", "", 0, 0, "open, locked or limitedSlip"}, self.type);
-    visit(Tunable{"preload", "N m", 0, 1e12, "by which torques may differ without load"}, self.preload);
-    visit(Tunable{"lockingRatio", "1", 0, 1, "share of the torque by which torques may differ"}, self.lockingRatio);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const AxleLiftDef*) {
