@@ -1,6 +1,7 @@
 #include "bone_chains.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace ragtop {
 namespace {
