@@ -109,6 +109,36 @@ TEST(BodyTypes, KinematicBodiesTakeAMass) {
                  std::invalid_argument);
 }
 
+/// A ball whose centre of mass leaves its middle rolls on to the same bits after its state was restored.
+TEST(BodyTypes, RestoredAfterANewMassGoOnAlike) {
+    World world;
+    scenes::addFloor(world);
+    const BodyId ball = world.create(DynamicBody{.shape = Sphere{0.5f}, .position = {0, 0.5, 0}});
+    world.setVelocity(ball, {1, 0, 0}, {0, 0, -2});
+    for (int i = 0; i < 20; ++i) world.step(kStep);
+    MassProperties mass = world.mass(ball);
+    mass.center.x += 0.1f;
+    world.setMass(ball, mass);
+    std::vector<std::byte> saved(world.saveSize());
+    world.save(saved);
+    for (int i = 0; i < 20; ++i) world.step(kStep);
+    const std::uint64_t hash = world.hash();
+    world.restore(saved);
+    for (int i = 0; i < 20; ++i) world.step(kStep);
+    EXPECT_EQ(world.hash(), hash);
+}
+
+/// What rests frozen on the ground is solved again once it has a joint.
+TEST(BodyTypes, FrozenBodiesTakeJoints) {
+    World world({.sleeping = false});
+    scenes::addFloor(world);
+    const BodyId box = addBody(world, BodyType::dynamic, {0, 0.5, 0});
+    steps(world, 120);
+    world.create(BallDef{.bodies = {.b = box, .frameA = {toVec3(world.pose(box).position), {}}}});
+    EXPECT_TRUE(isSound(world));
+    steps(world, 10);
+}
+
 /// Nothing of a stack moves when one of its boxes, at whatever height, becomes fixed, and nothing when it is freed
 /// again.
 TEST(BodyTypes, StacksStandOnWhatBecomesFixed) {

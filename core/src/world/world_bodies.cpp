@@ -98,7 +98,8 @@ void WorldImpl::changeMass(std::uint32_t index, const MassProperties& mass) {
 
 void WorldImpl::moveAnchors(std::uint32_t index, const Frame& move) {
     for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts.next(key)) {
-        const ContactRecord& contact = contacts[key >> 1];
+        ContactRecord& contact = contacts[key >> 1];
+        contact.surfaceOpen = true;  // a ball about the centre may be none now
         const bool isA = contact.bodyA == index;
         for (ManifoldRecord& manifold : manifolds.of(contact)) {
             if (isA) manifold.normal = rotate(move.rotation, manifold.normal);

@@ -72,6 +72,7 @@ std::uint32_t WorldImpl::createJoint(const JointDef& def) {
     const bool awakeA = bodies.moves(a) && bodies.isAwake(a), awakeB = bodies.moves(b) && bodies.isAwake(b);
     if (bodies.moves(a) && !awakeA) wakeBody(a);
     if (bodies.moves(b) && !awakeB) wakeBody(b);
+    unfreeze(a), unfreeze(b);
     addJointToGraph(index);
     if (mayHold(joint)) joints.created.push(index);
     islands.structureChanged = true;
