@@ -96,6 +96,7 @@ void Muscles::setStrength(int joint, float share, float seconds) {
     if (!(share >= 0 && share <= 1))
         throw std::invalid_argument("muscles: strength is " + std::to_string(share) + ", must be in [0, 1]");
     requireDuration(seconds);
+    if (!(muscle.share > 0) && share > 0) fade(muscle, seconds);
     muscle.wanted = share;
     muscle.rate = seconds > 0 ? std::abs(share - muscle.share) / seconds : 0;
     if (!(seconds > 0)) muscle.share = share;
@@ -163,14 +164,16 @@ void Muscles::setGains(int joint, std::optional<MuscleGains> gains) {
 
 void Muscles::crossfade(float seconds) {
     requireDuration(seconds);
-    fading_ = seconds > 0 ? 0.0f : 1.0f;
-    fadingRate_ = seconds > 0 ? 1 / seconds : 0;
-    for (Muscle& muscle : muscles_) {
-        muscle.before = muscle.aim;
-        muscle.had = muscle.has;
-        muscle.gave = muscle.gives;
-        muscle.went = muscle.goes;
-    }
+    for (Muscle& muscle : muscles_) fade(muscle, seconds);
+}
+
+void Muscles::fade(Muscle& muscle, float seconds) {
+    muscle.fading = seconds > 0 ? 0.0f : 1.0f;
+    muscle.fadingRate = seconds > 0 ? 1 / seconds : 0;
+    muscle.before = muscle.aim;
+    muscle.had = muscle.has;
+    muscle.gave = muscle.gives;
+    muscle.went = muscle.goes;
 }
 
 void Muscles::expect(std::span<const PartMotion> accelerations, std::span<const PartMotion> outside) {
@@ -203,8 +206,8 @@ void Muscles::ease(float dt) {
         easing_ = std::min(easing_ + easingRate_ * dt, 1.0f);
         profile_ = between(from_, to_, easing_);
     }
-    fading_ = std::min(fading_ + fadingRate_ * dt, 1.0f);
     for (Muscle& muscle : muscles_) {
+        muscle.fading = std::min(muscle.fading + muscle.fadingRate * dt, 1.0f);
         const float left = muscle.wanted - muscle.share, way = muscle.rate * dt;
         muscle.share = std::abs(left) <= way ? muscle.wanted : muscle.share + (left > 0 ? way : -way);
     }
@@ -234,8 +237,8 @@ void Muscles::drive(int joint, float dt) {
     muscle.aim = muscle.target;
     muscle.goes = muscle.speed;
     float s = 1;
-    if (fading_ < 1) {
-        s = fading_ * fading_ * (3 - 2 * fading_);
+    if (muscle.fading < 1) {
+        s = muscle.fading * muscle.fading * (3 - 2 * muscle.fading);
         muscle.goes = muscle.went + s * (muscle.speed - muscle.went);
         const Vec3 way = rotationVector(muscle.target * conjugate(muscle.before));
         muscle.aim = normalized(rotationAbout(way, s * length(way)) * muscle.before);
@@ -289,9 +292,10 @@ void Muscles::step(double dt) {
         muscle.torque = {};
         if (!world_->isValid(ragdoll_->joints()[i]) || !powers(joint)) continue;
         const bool limp = !(bound(joint) > 0);
-        const float friction = limp ? -1.0f - profile_.friction : profile_.friction;
+        const float rubbing = muscle.share > 0 ? profile_.friction : std::max(profile_.friction, 1.0f);
+        const float friction = limp ? -1.0f - rubbing : rubbing;
         if (muscle.friction != friction) {
-            rub(joint, profile_.friction);
+            rub(joint, rubbing);
             muscle.friction = friction;
         }
         if (limp) {

@@ -58,8 +58,8 @@ struct MuscleGains {
 ///
 ///     muscles.follow(clip.pose(t), dt);  muscles.step(dt);  world.step(dt);
 ///
-/// A bone is limp at strength 0. How much of a bone is drawn from physics is `blend` with a share for each bone
-/// (pose.h).
+/// A bone is limp at strength 0, with the dry friction of its tissue. How much of a bone is drawn from physics is
+/// `blend` with a share for each bone (pose.h).
 class Muscles {
 public:
     /// Throws std::invalid_argument on a bad profile.
@@ -73,16 +73,17 @@ public:
     /// std::invalid_argument on a bad profile or duration.
     void setProfile(const MuscleProfile& profile, float seconds = 0.2f);
     /// Strength of one joint of the definition beside the profile's, 0 (limp) to 1, as an injury leaves it; gets there
-    /// within `seconds`. Throws std::out_of_range, and std::invalid_argument on a number that is none of these.
+    /// within `seconds`, one that was limp by a crossfade. Throws std::out_of_range, and std::invalid_argument on a
+    /// number that is none of these.
     void setStrength(int joint, float share, float seconds = 0.2f);
     /// What setStrength has reached by now.
     float strength(int joint) const { return muscles_.at(static_cast<std::size_t>(joint)).share; }
     /// Greatest torque of a joint by profile, role and strength now, N m.
     float bound(int joint) const;
 
-    /// The pose to take: world poses of the bones, of which turns to each other count, as far as joints go. With the seconds since the pose
-    /// before, muscles know how fast it moves; 0: it stands. Throws std::invalid_argument on another number of bones or
-    /// a rotation that is none.
+    /// The pose to take: world poses of the bones, of which turns to each other count, as far as joints go. With the
+    /// seconds since the pose before, muscles know how fast it moves; 0: it stands. Throws std::invalid_argument on
+    /// another number of bones or a rotation that is none.
     void follow(std::span<const Pose> bones, double dt = 0);
     /// Root mean square over the muscles of the angle to their targets, rad; and of one joint.
     float error() const;
@@ -94,8 +95,9 @@ public:
     /// Of one joint in the stead of what the profile makes of the inertia beyond it; nothing: the profile's again.
     /// Throws std::out_of_range, and std::invalid_argument on what is below zero or not finite.
     void setGains(int joint, std::optional<MuscleGains> gains);
-    /// Targets, their speeds, gains and what is fed forward that are set from now on are reached from those of now within `seconds`, so that who else
-    /// moves the body takes over without a jump. Throws std::invalid_argument on a duration that is none.
+    /// Targets, their speeds, gains and what is fed forward that are set from now on are reached from those of now
+    /// within `seconds`, so that who else moves the body takes over without a jump. Throws std::invalid_argument on a
+    /// duration that is none.
     void crossfade(float seconds);
     /// What inverse dynamics count in the next step: how parts are to accelerate, and what pushes them from outside
     /// beside gravity, one entry per part. Throws std::invalid_argument on another number of entries.
@@ -109,12 +111,13 @@ public:
 
 private:
     struct Muscle {
-        float most = 0;               ///< N m, of a healthy human
-        float share = 1, wanted = 1;  ///< of the strength; and where it is going
-        float rate = 0;               ///< 1/s
-        float friction = -3e38f;      ///< share that the joint has now; −1 minus it without a spring
-        Quat target{};                ///< of the child's joint frame in the parent's
-        Vec3 speed{};                 ///< rad/s, of the target, in the parent's joint frame
+        float most = 0;                    ///< N m, of a healthy human
+        float share = 1, wanted = 1;       ///< of the strength; and where it is going
+        float rate = 0;                    ///< 1/s
+        float fading = 1, fadingRate = 0;  ///< of the crossfade
+        float friction = -3e38f;           ///< share that the joint has now; −1 minus it without a spring
+        Quat target{};                     ///< of the child's joint frame in the parent's
+        Vec3 speed{};                      ///< rad/s, of the target, in the parent's joint frame
         std::optional<MuscleGains> gains{};
         Quat aim{}, before{};      ///< target of the last step, and of where the crossfade began
         MuscleGains had{}, has{};  ///< gains there, and of the last step
@@ -123,6 +126,7 @@ private:
         Vec3 torque{};             ///< N m, world axes
     };
 
+    static void fade(Muscle& muscle, float seconds);
     bool powers(int joint) const;
     Quat turnNow(int joint) const;
     void ease(float dt);
@@ -133,7 +137,6 @@ private:
     const Ragdoll* ragdoll_;
     MuscleProfile profile_, from_, to_;
     float easing_ = 1, easingRate_ = 0;
-    float fading_ = 1, fadingRate_ = 0;  ///< of the crossfade
     InverseDynamics dynamics_;
     std::vector<Muscle> muscles_;                      ///< one per joint
     std::vector<Vec3> torque_;                         ///< N m, world axes, that inverse dynamics ask for
