@@ -64,7 +64,7 @@ void WorldImpl::forgetTouches() {
 void WorldImpl::findTouches() {
     const auto lanes = static_cast<std::size_t>(graph.lanes());
     for (int c = 0; c < graph.listCount(); ++c) {
-        if (c == ConstraintGraph::kFrozen) continue;
+        if (c == ConstraintGraph::kFrozen || graph.color(c).manifolds.empty()) continue;
         const std::size_t perBundle = ConstraintGraph::isSerial(c) ? 1 : lanes;
         contactFinds.laneTouches.resizeForOverwrite(static_cast<std::size_t>(graph.bundleCount(c)) * lanes);
         runner.parallelFor(graph.bundleCount(c), 32,

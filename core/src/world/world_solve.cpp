@@ -122,6 +122,7 @@ static void passOverRegion(WorldImpl& world, int region, SolvePass which, const 
 }
 
 static void passOverAll(WorldImpl& world, SolvePass which, const SolverContext& own) {
+    if (world.regions.usedLists[0] == 0 && world.graph.regionCount() == 0) return;
     visitPass(world, which, own,
               [&](auto&& single, auto&& wide, auto&& contact) { forUndivided(world, single, wide, contact); });
     world.runner.parallelFor(world.graph.regionCount(), 1, [&](int begin, int end, int) {

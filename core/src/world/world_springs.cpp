@@ -29,6 +29,7 @@ static BodyKicks kicksOf(const WorldImpl& world, const JointSim& joint) {
 void leadSprings(WorldImpl& world, Lead when) {
     constexpr int kAtOnce = 16;  // springs of a task
     const Springs& springs = world.springs;
+    if (springs.joints.empty()) return;
     const auto visit = [&](std::uint32_t joint) {
         JointSim& sim = world.joints.sims[joint];
         const auto lead = when == Lead::begin ? beginLead : endLead;
