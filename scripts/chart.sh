@@ -32,3 +32,4 @@ between() {
 between losses "$("$bench" chart --losses bench/results/chart.csv)"
 between cheapest "$("$bench" chart --cheapest bench/results/chart.csv)"
 between scenes "$("$bench" chart --scene-table)"
+between economy "$("$bench" economy --table bench/results/economy.json)"

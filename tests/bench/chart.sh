@@ -107,7 +107,16 @@ if command -v node >/dev/null; then
     done
 fi
 
-# The documentation has what its points say.
-awk '/^<!-- losses -->$/ { on = 1; next } /^<!-- end -->$/ { on = 0 } on' "$tree/docs/chart.md" >"$folder/told"
-{ echo; "$program" chart --losses "$tree/bench/results/chart.csv"; echo; } >"$folder/losses"
-cmp "$folder/told" "$folder/losses" || fail "docs/chart.md: what stands between its marks is not of bench/results/chart.csv; scripts/chart.sh renews it"
+# keeps <mark> <source> <command>...: the documentation has at a mark what a command tells of a source.
+keeps() {
+    awk -v mark="<!-- $1 -->" '$0 == mark { on = 1; next } /^<!-- end -->$/ { on = 0 } on' "$tree/docs/chart.md" >"$folder/told"
+    source=$2
+    shift 2
+    { echo; "$program" "$@" "$tree/$source"; echo; } >"$folder/table"
+    cmp "$folder/told" "$folder/table" ||
+        fail "docs/chart.md: what stands between its marks is not of $source; scripts/chart.sh --tables renews it"
+}
+keeps losses bench/results/chart.csv chart --losses
+keeps economy bench/results/economy.json economy --table
+if "$program" economy --table "$tree/LICENSE" >"$folder/out" 2>&1; then fail "economy: takes a licence for a result"; fi
+grep -q "LICENSE: " "$folder/out" || fail "economy: does not say which file is wrong: $(cat "$folder/out")"

@@ -21,11 +21,12 @@ public:
 
     const World& world() const { return world_; }
 
-private:
-    BodyId idOf(int body) const { return instance_.bodies[static_cast<std::size_t>(body)]; }
-
+protected:
     World world_;
     SceneInstance instance_;
+
+private:
+    BodyId idOf(int body) const { return instance_.bodies[static_cast<std::size_t>(body)]; }
 };
 
 }  // namespace ragtop::stability

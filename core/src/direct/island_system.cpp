@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "base/economy.h"
 #include "constraints/contact_layout.h"
 #include "direct/friction_share.h"
 #include "direct/joint_rows.h"
@@ -241,7 +242,7 @@ void IslandSystem::refreshMasses(const BodyArrays& arrays) {
 }
 
 void IslandSystem::beginSubstep(const BodyArrays& arrays, const JointContext& joints) {
-    rests_ = stopped_;
+    rests_ = stopped_ && economy.zeroIterations;
     for (std::size_t i = 0; i < states_.size(); ++i) {
         const BodyState& state = arrays.states[states_[i]];
         double* free = free_.data() + 6 * i;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/economy.h"
 #include "direct/choice.h"
 
 namespace ragtop::direct {
@@ -86,7 +87,8 @@ bool minimize(IslandSystem& system, int iterations, double enough, bool& factore
         const Residual residual = system.evaluate(v, gradient);
         report.residual = residual.scale > 0 ? residual.norm / residual.scale : 0;
         if (!std::isfinite(residual.norm)) return false;
-        if (residual.norm <= enough * residual.scale || residual.norm == 0) return true;
+        const bool mayEnd = i > 0 || economy.zeroIterations;
+        if ((residual.norm <= enough * residual.scale && mayEnd) || residual.norm == 0) return true;
         const bool slow = i > 0 && residual.norm > kStale * last;
         if (slow && !stale && residual.norm <= kRounding * residual.scale) return true;
         last = residual.norm;
@@ -151,7 +153,7 @@ void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveRepor
     if (startFromLoads) {
         system.velocityOfLoads(v);
         system.evaluate(v, system.scratch().gradient.data());
-        if (system.loadsHold()) {
+        if (economy.zeroIterations && system.loadsHold()) {
             system.keepLoads();
             system.stopRounding();
             return;

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "base/economy.h"
+
 namespace ragtop {
 
 void Islands::begin(const Bodies& bodies) {
@@ -27,6 +29,15 @@ void Islands::unite(const Bodies& bodies, std::uint32_t a, std::uint32_t b) {
         parent[rootA] = rootB;
 }
 
+static void uniteAll(const Bodies& bodies, Islands& islands) {
+    std::uint32_t last = kNone;
+    for (const std::uint32_t body : bodies.awake) {
+        if (!bodies.moves(body)) continue;
+        if (last != kNone) islands.unite(bodies, last, body);
+        last = body;
+    }
+}
+
 void Islands::uniteConstraints(const ConstTables& t, bool touchingOnly) {
     begin(t.bodies);
     for (int c = 0; c < t.graph.listCount(); ++c) {
@@ -37,6 +48,7 @@ void Islands::uniteConstraints(const ConstTables& t, bool touchingOnly) {
         for (const std::uint32_t j : t.graph.color(c).joints) unite(t.bodies, t.joints[j].bodyA, t.joints[j].bodyB);
     }
     forEachCoupledPair(t, [&](std::uint32_t a, std::uint32_t b) { unite(t.bodies, a, b); });
+    if (!economy.islands) uniteAll(t.bodies, *this);
 }
 
 void Islands::findQuiet(const ConstTables& t) {

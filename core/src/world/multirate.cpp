@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 
+#include "base/economy.h"
 #include "direct/joint_tuning.h"
 
 namespace ragtop {
@@ -47,7 +48,7 @@ Pace paceOf(const WorldImpl& world, const direct::TreePlan::Tree& tree, bool may
     });
     const float longest = static_cast<float>(direct::tuning::kLongTurn) / world.context.h;
     int stepFactor = 1;
-    while (2 * stepFactor <= most && world.settings.substeps % (2 * stepFactor) == 0 &&
+    while (economy.calmTrees && 2 * stepFactor <= most && world.settings.substeps % (2 * stepFactor) == 0 &&
            square * static_cast<float>(4 * stepFactor * stepFactor) < longest * longest)
         stepFactor *= 2;
     return {stepFactor, mayBeIndependent};
@@ -109,7 +110,8 @@ void chooseStepFactors(WorldImpl& world) {
     if (chains.treeCount() == 0 && !world.directSet.multirate.any) return;
     std::atomic<bool> changed{!chains.isGrouped()};
     // What was just made is settled among all bodies, before the step or within its first substep.
-    const bool mayBeIndependent = world.joints.created.empty() && world.contactFinds.fresh.empty();
+    const bool mayBeIndependent =
+        economy.independentTrees && world.joints.created.empty() && world.contactFinds.fresh.empty();
     world.runner.parallelFor(static_cast<int>(chains.treeCount()), 8, [&](int begin, int end, int) {
         for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) {
             const Pace pace = paceOf(world, chains.treeAt(t), mayBeIndependent);

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <memory>
 
+#include "base/economy.h"
 #include "base/nonzero_bytes.h"
 #include "base/prefetch.h"
 #include "constraints/lane_view.h"
@@ -43,7 +44,7 @@ bool keepsGeometry(const ContactRecord& record, const BodyRecord& a, const BodyR
     const double way = record.hasPoints ? travel : travel + ahead;
     const bool inTime = ahead < static_cast<double>(record.aheadMost), near = way < record.until;
     const bool mayKeep = !record.hasPoints || (inTime & sameSubstep);
-    return near & mayKeep;
+    return near & mayKeep & economy.manifoldReuse;
 }
 
 bool stays(const ContactRecord& record, const BodyRecord& a, const BodyRecord& b, bool sameSubstep) {
@@ -81,7 +82,8 @@ void askSome(WorldImpl& world, int begin, int end, int last, AskedContacts& aske
 
 }  // namespace
 
-/// Contacts come and go in any order, and records are found faster in that of memory. Seldom: a few in disorder do little.
+/// Contacts come and go in any order, and records are found faster in that of memory. Seldom: a few in disorder do
+/// little.
 void WorldImpl::sortAwakeContacts() {
     constexpr std::uint64_t kSteps = 64;  // between two sorts, a second at 60 Hz
     if (stepCount % kSteps != 0) return;
@@ -200,7 +202,9 @@ void WorldImpl::updateContact(std::uint32_t index, const PairPlace& place, int w
         change = keepManifolds(record);
         return;
     }
-    change = reuseManifolds(record, place, travel) ? keepManifolds(record) : collideAnew(record, place, travel, worker);
+    change = economy.manifoldReuse && reuseManifolds(record, place, travel)
+                 ? keepManifolds(record)
+                 : collideAnew(record, place, travel, worker);
 }
 
 /// Manifolds that are kept are brought to where the bodies are when constraints are prepared.

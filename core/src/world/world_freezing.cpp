@@ -1,6 +1,7 @@
 // Bodies that rest on what does not move are frozen. The iteration would find the same impulses for them in every step;
 // they are left out of the solver, with the impulses that hold them, until anything changes.
 
+#include "base/economy.h"
 #include "constraints/lane_view.h"
 #include "world/world_impl.h"
 
@@ -15,7 +16,7 @@ constexpr float kStill = 1e-3f;
 constexpr int kStillSteps = 16;
 
 /// What is told of every contact expects all of them.
-bool mayFreeze(const WorldImpl& world) { return !world.callbacks.modify; }
+bool mayFreeze(const WorldImpl& world) { return economy.freezing && !world.callbacks.modify; }
 
 /// Does anything but its contacts move the body?
 bool isDisturbed(const WorldImpl& world, std::uint32_t index) {

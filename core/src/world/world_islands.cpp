@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/economy.h"
 #include "base/prefetch.h"
 #include "constraints/contact_layout.h"
 #include "constraints/stiffness.h"
@@ -12,8 +13,8 @@ namespace ragtop {
 
 namespace {
 
-constexpr float kPressed = 4;         ///< force on a body that counts as a load, in weights
-constexpr float kSlow = 0.05f;        ///< speed of a body at rest, in √(gravity · size)
+constexpr float kPressed = 4;   ///< force on a body that counts as a load, in weights
+constexpr float kSlow = 0.05f;  ///< speed of a body at rest, in √(gravity · size)
 
 }  // namespace
 
@@ -250,7 +251,7 @@ void WorldImpl::chooseSolvers() {
     constexpr std::uint64_t kPeriod = 16;  // steps between choices that nothing hurries: a quarter of a second at 60 Hz
     const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
     const bool atOnce = islands.structureChanged || islands.directChanged;
-    if (islands.graphChanged && (atOnce || stepCount % kPeriod == 0)) {
+    if (!economy.seldomChoices || (islands.graphChanged && (atOnce || stepCount % kPeriod == 0))) {
         islands.uniteConstraints(tables(), false);
         measureIslands();
         islands.graphChanged =
