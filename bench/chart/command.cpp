@@ -134,6 +134,12 @@ Points measureOne(const Arguments& arguments) {
                                fmt::format("\"{}\" is no point, must be like stopping/ragtop@60x4i0", arguments.point));
 }
 
+/// Others are not left waiting, however this ends.
+struct Dismissal {
+    const Ranks& ranks;
+    ~Dismissal() { ranks.dismiss(); }
+};
+
 int runChart(const Arguments& arguments) {
     if (!arguments.losses.empty()) return fmt::print("{}", lossTable(readCsv(arguments.losses))), 0;
     if (!arguments.cheapest.empty()) return fmt::print("{}", cheapestTable(readCsv(arguments.cheapest))), 0;
@@ -155,6 +161,13 @@ int runChart(const Arguments& arguments) {
         for (const Task& task : tasks) fmt::print("{}\n", task.point.key());
         return 0;
     }
+    const Ranks ranks;
+    if (!ranks.isFirst()) {
+        ranks.serve([&](std::size_t i) { return measureTask(tasks[i], options.measure); }, options.limit);
+        return 0;
+    }
+    if (ranks.count() > 1) options.ranks = &ranks;
+    const Dismissal dismissal{ranks};
     makeFolder(arguments.out);
     options.journal = std::filesystem::path(arguments.out) / "journal";
     Points points = sweep(tasks, options, print);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 #include <tuple>
@@ -35,51 +36,96 @@ public:
     Sweep(const std::vector<Task>& tasks, const SweepOptions& options, const std::function<void(const Point&)>& report)
         : tasks_(tasks), options_(options), report_(report) {
         if (options.journal) journal_.emplace(*options.journal, digestOf(tasks, options), options.resume);
+        for (const Task& task : tasks) points_.push_back(task.point);
+        findGroups();
     }
 
     Points run() {
-        Points points;
-        // A group is a scene in one variant. Its first point, the standard one, tells whether it can be represented.
-        for (std::size_t begin = 0, end = 0; begin < tasks_.size(); begin = end) {
-            while (end < tasks_.size() && groupOf(tasks_[end]) == groupOf(tasks_[begin])) ++end;
-            runGroup(begin, end, points);
+        for (const Group& group : groups_) {
+            if (options_.ranks) break;
+            measureAll({group.begin});
+            measureAll(othersOf(group));
         }
-        return points;
+        if (options_.ranks) runOnRanks();
+        return std::move(points_);
     }
 
 private:
-    void runGroup(std::size_t begin, std::size_t end, Points& points) {
-        measureAll(begin, begin + 1, points);
-        if (points.back().outcome != Outcome::unsupported) return measureAll(begin + 1, end, points);
-        for (std::size_t i = begin + 1; i < end; ++i) {
-            Point point = tasks_[i].point;
-            point.outcome = Outcome::unsupported;
-            point.reason = points[begin].reason;
-            points.push_back(std::move(point));
+    /// A scene in one variant. Its first point, the standard one, tells whether it can be represented.
+    struct Group {
+        std::size_t begin, end;
+    };
+
+    void findGroups() {
+        for (std::size_t begin = 0, end = 0; begin < tasks_.size(); begin = end) {
+            while (end < tasks_.size() && groupOf(tasks_[end]) == groupOf(tasks_[begin])) ++end;
+            groups_.push_back({begin, end});
         }
     }
 
-    void measureAll(std::size_t begin, std::size_t end, Points& points) {
-        std::vector<std::function<std::string()>> works;
-        std::vector<std::size_t> open;
-        const std::size_t first = points.size();
-        for (std::size_t i = begin; i < end; ++i) {
-            const Point* known = journal_ ? journal_->find(tasks_[i].point.key()) : nullptr;
-            points.push_back(known ? *known : tasks_[i].point);
-            if (known) continue;
-            open.push_back(i);
-            works.push_back([this, &task = tasks_[i]] {
-                return csvLine(measure(*task.scene, *task.test, *task.variant, task.point, options_.measure), 0, 0);
-            });
+    void runOnRanks() {
+        std::vector<std::size_t> standard, others;
+        std::vector<double> estimates(tasks_.size());
+        for (const Group& group : groups_) standard.push_back(group.begin);
+        measureAll(standard);
+        for (const Group& group : groups_)
+            for (const std::size_t i : othersOf(group)) {
+                others.push_back(i);
+                estimates[i] = estimateOf(points_[i], points_[group.begin]);
+            }
+        std::ranges::stable_sort(others, std::greater{}, [&](std::size_t i) { return estimates[i]; });
+        measureAll(others);
+    }
+
+    /// What is to be measured of a group beside its standard point: nothing where that is unsupported.
+    std::vector<std::size_t> othersOf(const Group& group) {
+        std::vector<std::size_t> others;
+        const Point& standard = points_[group.begin];
+        for (std::size_t i = group.begin + 1; i < group.end; ++i) {
+            if (standard.outcome != Outcome::unsupported) {
+                others.push_back(i);
+                continue;
+            }
+            points_[i].outcome = Outcome::unsupported;
+            points_[i].reason = standard.reason;
         }
-        const auto done = [&](std::size_t work, const stability::Outcome& outcome) {
-            Point& point = points[first + open[work] - begin];
+        return others;
+    }
+
+    /// ms that a point should take, by what the standard one took; 0 where that failed.
+    static double estimateOf(const Point& point, const Point& standard) {
+        const double took = standard.cpuMs * standard.simulated;
+        if (!std::isfinite(took)) return 0;
+        const auto sizeOf = [](const Setting& setting) {
+            return setting.substeps * std::max(setting.iterations, 1) / setting.step;
+        };
+        return took * sizeOf(point.setting) / sizeOf(standard.setting);
+    }
+
+    void measureAll(const std::vector<std::size_t>& asked) {
+        std::vector<std::size_t> open;
+        for (const std::size_t i : asked) {
+            const Point* known = journal_ ? journal_->find(tasks_[i].point.key()) : nullptr;
+            if (known)
+                points_[i] = *known;
+            else
+                open.push_back(i);
+        }
+        const auto done = [&](std::size_t i, const stability::Outcome& outcome) {
+            Point& point = points_[i];
             take(point, outcome);
-            if (options_.jobs > 1) point.alone = false;
+            // Cores that others measure on share their caches and memory.
+            if (options_.jobs > 1 || (options_.ranks && options_.ranks->count() > 2)) point.alone = false;
             if (journal_) journal_->add(point);
             report_(point);
         };
-        stability::runIsolated(works, options_.jobs, done, options_.limit);
+        if (options_.ranks) return options_.ranks->handOut(open, done);
+        std::vector<std::function<std::string()>> works;
+        for (const std::size_t i : open)
+            works.push_back([this, i] { return measureTask(tasks_[i], options_.measure); });
+        stability::runIsolated(
+            works, options_.jobs,
+            [&](std::size_t work, const stability::Outcome& outcome) { done(open[work], outcome); }, options_.limit);
     }
 
     static void take(Point& point, const stability::Outcome& outcome) {
@@ -98,6 +144,8 @@ private:
     const SweepOptions& options_;
     const std::function<void(const Point&)>& report_;
     std::optional<Journal> journal_;
+    Points points_;
+    std::vector<Group> groups_;
 };
 
 auto fineness(const Point& point) {
@@ -109,6 +157,10 @@ auto fineness(const Point& point) {
 Points sweep(const std::vector<Task>& tasks, const SweepOptions& options,
              const std::function<void(const Point&)>& report) {
     return Sweep(tasks, options, report).run();
+}
+
+std::string measureTask(const Task& task, const MeasureOptions& options) {
+    return csvLine(measure(*task.scene, *task.test, *task.variant, task.point, options), 0, 0);
 }
 
 void addSelfConsistency(Points& points) {

@@ -52,6 +52,29 @@ without_times "$folder/second/chart.csv" >"$folder/b"
 cmp "$folder/a" "$folder/b" || fail "a resumed sweep ends otherwise"
 [ "$(grep -c error "$folder/out")" -lt "$(sed 1d "$csv" | wc -l)" ] || fail "nothing was taken from the journal"
 
+# So do runs that are killed at random moments, one after the other.
+for run in $(seq 20); do
+    "$program" chart --quick --scenes stopping --repeats 1 --resume --out "$folder/killed" >"$folder/out" 2>&1 &
+    sleep "$(awk -v seed="$$$run" 'BEGIN { srand(seed); print 0.01 + 0.2 * rand() }')"
+    kill -KILL $! 2>/dev/null || true
+    wait $! 2>/dev/null || true
+done
+"$program" chart --quick --scenes stopping --repeats 1 --resume --out "$folder/killed" >"$folder/out" 2>&1 || true
+without_times "$folder/killed/chart.csv" >"$folder/b"
+cmp "$folder/a" "$folder/b" || fail "a sweep that was killed ends otherwise"
+
+# Nor does it matter how many processes measure.
+if command -v mpirun >/dev/null; then
+    export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+    for ranks in 1 2 4; do
+        TMPDIR=$folder mpirun --oversubscribe -n $ranks "$program" chart --quick --scenes stopping --repeats 1 \
+            --out "$folder/ranks$ranks" >"$folder/out" 2>&1 </dev/null || true
+        if grep -q 'built without Open MPI' "$folder/out"; then break; fi
+        without_times "$folder/ranks$ranks/chart.csv" >"$folder/b"
+        cmp "$folder/a" "$folder/b" || fail "$ranks ranks end otherwise"
+    done
+fi
+
 head -n 5 "$csv" >"$folder/short.csv"
 refuses "is cut off after 4 of" --draw "$folder/short.csv"
 "$program" chart --losses "$csv" | grep -q '^| Scene | Engine |' || fail "no table of losses"
