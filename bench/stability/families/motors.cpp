@@ -140,7 +140,8 @@ void sag(Trial& trial, int rate, double stiffness) {
     trial.expectNear("sag", -angleOf(run, rod), exact, 0.01 * exact, "rad");
 }
 
-/// A wheel on a spring against x'' + 2 ζ ω x' + ω² x = 0, at the time of each step.
+/// A wheel on a spring against x'' + 2 ζ ω x' + ω² x = 0, at the time of each step. A course that lags by δ is
+/// x(t − δ) ≈ x − δ x', which has the least squares δ = Σ (x − x_lagging) x' / Σ x'².
 void response(Trial& trial, int rate, double zeta) {
     trial.setStep(1.0 / rate);
     const double omega = 2 * std::numbers::pi * 2, w = omega * std::sqrt(1 - zeta * zeta), decay = zeta * omega;
@@ -152,17 +153,21 @@ void response(Trial& trial, int rate, double zeta) {
     hinge.spring = Spring{static_cast<float>(inertia * omega * omega), static_cast<float>(2 * inertia * decay)};
     hinge.target = static_cast<float>(kTarget);
     Run run = trial.start(scene);
-    double place = 0, speed = 0;
+    double place = 0, speed = 0, late = 0, squares = 0;
     run.advance(2, [&] {
         const double t = run.time(), left = kTarget * std::exp(-decay * t);
         const double angle = kTarget - left * (std::cos(w * t) + decay / w * std::sin(w * t));
         const double turning = left * omega * omega / w * std::sin(w * t);
         place = larger(place, std::abs(angleOf(run, wheel) - angle) / kTarget);
+        late += (angle - angleOf(run, wheel)) * turning;
+        squares += turning * turning;
         speed = larger(speed, std::abs(static_cast<double>(run.motion(wheel).w.z) - turning) / (kTarget * omega));
         return true;
     });
     trial.expectAtMost("off its closed form", place, 0.01, "1");
     trial.expectAtMost("speed off its closed form", speed, 0.01, "1");
+    const double substep = 1.0 / (rate * WorldSettings{}.substeps);
+    trial.expectNear("lag", late / squares / substep, 0, 0.01, "substeps");
 }
 
 /// An undamped spring lets a wheel of 0.1 kg m² swing to twice its target at most; where the speed stands half a
