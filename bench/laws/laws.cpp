@@ -90,8 +90,11 @@ public:
         if (std::isnan(highest_)) watched.energyGain = highest_;
         raise(watched.gap, gap());
         raise(watched.overLimit, over());
+        std::vector<DVec3> now = relativePlaces();
+        stuck_ = now == last_ && !rests() ? stuck_ + scene_.step : 0;
+        raise(watched.stuck, stuck_);
+        last_ = now;
         if (!stands) return;
-        const std::vector<DVec3> now = relativePlaces();
         for (std::size_t i = 0; i < now.size(); ++i) raise(watched.moved, length(now[i] - from_[i]));
     }
     /// Near rest: slower than a body falls in a hundredth of a second.
@@ -148,7 +151,8 @@ private:
     const Scene& scene_;
     stability::Engine& engine_;
     std::vector<MassProperties> masses_;
-    std::vector<DVec3> from_;
+    std::vector<DVec3> from_, last_;
+    double stuck_ = 0;
     double start_ = 0, highest_ = -1e300, lowest_ = 0;
     double kinetic_ = 0, potential_ = 0, mass_ = 0, weightTimesSize_ = 0;
 };
@@ -177,6 +181,7 @@ std::span<const Law> allLaws() {
         {"limit", &Watched::overLimit, 5 * kDegree, "rad"},
         {"limit at rest", &Watched::restOverLimit, 1 * kDegree, "rad"},
         {"stands", &Watched::moved, 0.01, "m"},
+        {"goes on", &Watched::stuck, 0.1, "s"},
     };
     return kLaws;
 }

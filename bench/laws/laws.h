@@ -18,6 +18,7 @@ struct Watched {
     double overLimit = 0;   ///< rad, farthest beyond a limit
     double restOverLimit = 0;
     double moved = 0;       ///< m, farthest against body 0 of what should stand
+    double stuck = 0;       ///< s, longest in which no place changed though there were speeds
     double meanMs = 0, medianMs = 0, worstMs = 0;  ///< of a step
     std::vector<std::string> meddled;  ///< laws that did not hold where it was meddled with
     bool restored = true;   ///< after a restore the same bits as without
@@ -31,9 +32,10 @@ struct Law {
     const char* unit;
 };
 
-/// Gaps and angles are what users see: 5 cm and 5° in motion, 2 mm and 1° at rest. Energy: a hundredth of what the scene
-/// can release, which is what rows of an implicit first-order method may trade between places and speeds. What stands
-/// moves by less than a hundredth of a box.
+/// Gaps and angles are what users see: 5 cm and 5° in motion, 2 mm and 1° at rest. Energy: a hundredth of what the
+/// scene can release, which is what rows of an implicit first-order method may trade between places and speeds. What
+/// stands moves by less than a hundredth of a box. A step that cannot be had is undone, once or twice; no scene stands
+/// still in its motion.
 std::span<const Law> allLaws();
 
 /// Is something moved from outside, whose work is not counted?

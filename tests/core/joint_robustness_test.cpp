@@ -432,5 +432,25 @@ TEST(Joint, NewSettingsKeepTheImpulsesOfTheSameTypeOnly) {
     EXPECT_EQ(rig.joints[0].stateB, 1u);
 }
 
+/// A step that went beyond all numbers is undone; the next begins without its impulses.
+TEST(JointRobustness, TimesNothingNothingIsLeftOfImpulsesBeyondAllNumbers) {
+    for (const float beyond : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+        JointSim joint{};
+        joint.block.impulseFirst = joint.block.impulseSecond = joint.lead.linear = {beyond, 0, beyond};
+        joint.ball.springImpulse = {0, beyond, 0};
+        joint.ball.twistLower.impulse = joint.axis.dry.bound = joint.axes.impulse[0] = beyond;
+        joint.axis.impulse(AxisSlot::lower) = beyond;
+        rescaleJoint(joint, 0);
+        EXPECT_EQ(joint.block.impulseFirst, Vec3{});
+        EXPECT_EQ(joint.block.impulseSecond, Vec3{});
+        EXPECT_EQ(joint.lead.linear, Vec3{});
+        EXPECT_EQ(joint.ball.springImpulse, Vec3{});
+        EXPECT_EQ(joint.ball.twistLower.impulse, 0);
+        EXPECT_EQ(joint.axis.impulse(AxisSlot::lower), 0);
+        EXPECT_EQ(joint.axis.dry.bound, 0);
+        EXPECT_EQ(joint.axes.impulse[0], 0);
+    }
+}
+
 }  // namespace
 }  // namespace ragtop::test

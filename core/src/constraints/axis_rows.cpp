@@ -122,9 +122,9 @@ float axisImpulse(const AxisRows& rows) {
 }
 
 void rescale(AxisRows& rows, float ratio) {
-    for (int slot = 0; slot < kAxisSlots; ++slot) rows.impulse(static_cast<AxisSlot>(slot)) *= ratio;
-    rows.dry.bound *= ratio;
-    rows.coupledImpulse *= ratio;
+    for (int slot = 0; slot < kAxisSlots; ++slot) rescale(rows.impulse(static_cast<AxisSlot>(slot)), ratio);
+    rescale(rows.dry.bound, ratio);
+    rescale(rows.coupledImpulse, ratio);
 }
 
 /// The turns that bring an angle nearest to its range, none where it is within.

@@ -67,6 +67,10 @@ bool beginStop(StopSide& side, const Stop& stop, float speed, const StopTrajecto
 bool mayAct(const StopSide& side, const Stop& stop, float speed, const JointContext& context, bool moving);
 RowAim aimAtStop(const StopSide& side, const Stop& stop, float inverseMass, const JointContext& context, bool moving);
 
+/// An impulse over another substep. Times 0 nothing is left of it, be it a number or not.
+inline void rescale(float& impulse, float ratio) { impulse = ratio == 0 ? 0.0f : ratio * impulse; }
+inline void rescale(Vec3& impulse, float ratio) { impulse = ratio == 0 ? Vec3{} : ratio * impulse; }
+
 /// Dry friction that knows whether it slides. What slides through a whole substep acts half before the motion and half
 /// after it, as a constant force should: then its path is exact.
 struct DryFriction {

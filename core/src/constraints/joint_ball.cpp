@@ -140,9 +140,10 @@ void compile(BallRows& rows, const BallDef& def) {
 }
 
 void rescale(BallRows& rows, float ratio) {
-    for (Vec3* impulse : {&rows.springImpulse, &rows.viscousImpulse, &rows.frictionImpulse}) *impulse *= ratio;
-    for (StopSide* side : {&rows.swing[0], &rows.swing[1], &rows.twistLower, &rows.twistUpper}) side->impulse *= ratio;
-    rows.dry.bound *= ratio;
+    for (Vec3* impulse : {&rows.springImpulse, &rows.viscousImpulse, &rows.frictionImpulse}) rescale(*impulse, ratio);
+    for (StopSide* side : {&rows.swing[0], &rows.swing[1], &rows.twistLower, &rows.twistUpper})
+        rescale(side->impulse, ratio);
+    rescale(rows.dry.bound, ratio);
 }
 
 Range twistRange(const BallRows& rows, const Vec3& d) {

@@ -367,10 +367,9 @@ bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inerti
 }
 
 void rescaleJoint(JointSim& joint, float ratio) {
-    joint.lead.linear *= ratio;
-    joint.lead.angular *= ratio;
-    joint.block.impulseFirst *= ratio;
-    joint.block.impulseSecond *= ratio;
+    for (Vec3* impulse :
+         {&joint.lead.linear, &joint.lead.angular, &joint.block.impulseFirst, &joint.block.impulseSecond})
+        rescale(*impulse, ratio);
     rescale(joint.axis, ratio);
     rescale(joint.ball, ratio);
     rescale(joint.axes, ratio);
