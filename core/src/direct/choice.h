@@ -46,6 +46,12 @@ inline constexpr std::int32_t kFactorSteps = 10;    ///< of its stay that each s
 inline constexpr std::int32_t kCooldownSteps = 60;  ///< of iteration after a direct solve that failed
 inline constexpr std::uint8_t kMostDoublings = 5;   ///< of those steps, one for each further failure
 
+/// How finely what a body is part of divides a substep.
+struct SubstepPace {
+    std::uint8_t inner = 1;  ///< steps of each substep, as part of a mechanism
+    std::uint8_t calm = 0;   ///< steps for which half as many would have done
+};
+
 /// Limits fall by a third for an island that is solved directly already, so that none goes to and fro.
 const char* nameOf(Reason reason);
 Reason chooseDirect(const IslandFeatures& island);

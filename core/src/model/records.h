@@ -47,8 +47,7 @@ struct alignas(64) BodyRecord {
     AxisLocks locks;
     direct::Reason directReason = direct::Reason::none;
     std::uint8_t directFailures = 0;     ///< direct solves of its island that failed since one came to rest
-    std::uint8_t innerSteps = 1;         ///< of each substep, as part of a mechanism
-    std::uint8_t hysteresisSteps = 0;    ///< for which half as many would have done
+    direct::SubstepPace pace;
     std::uint8_t stepFactor : 3 = 1;     ///< substeps that it took at once last, as part of a tree: 1, 2 or 4
     std::uint8_t allowedFactor : 3 = 1;  ///< the same, as far as its joints' gaps tell
     /// 0: takes part. Else it is disabled, fixed and without proxies for the time, and has the type of one less.

@@ -128,7 +128,7 @@ void chooseStepFactors(WorldImpl& world) {
 void recordGaps(WorldImpl& world, const DirectIsland& island) {
     constexpr std::uint8_t kHysteresisSteps = 16;  // a quarter of a second at 60 Hz
     const BodyRecord& first = world.bodies[world.directSet.bodies[island.firstBody]];
-    int stepFactor = first.allowedFactor, calm = island.notClosed ? 0 : first.hysteresisSteps;
+    int stepFactor = first.allowedFactor, calm = island.notClosed ? 0 : first.pace.calm;
     if (island.open || island.fellBack) {
         stepFactor = std::max(stepFactor / 2, 1);
     } else if (!island.notClosed && ++calm >= kHysteresisSteps) {
@@ -138,7 +138,7 @@ void recordGaps(WorldImpl& world, const DirectIsland& island) {
     if (island.fellBack) rescaleJoints(world, island, 1 / static_cast<float>(first.stepFactor));
     forMembers(world, island, [&](std::uint32_t body) {
         world.bodies[body].allowedFactor = static_cast<std::uint8_t>(stepFactor) & 7u;
-        world.bodies[body].hysteresisSteps = static_cast<std::uint8_t>(calm);
+        world.bodies[body].pace.calm = static_cast<std::uint8_t>(calm);
     });
 }
 

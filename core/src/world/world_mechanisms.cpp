@@ -102,7 +102,7 @@ void WorldImpl::beginMechanism(const DirectIsland& island, Mechanism& mechanism)
     }
     int pace = 1;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i)
-        pace = std::max(pace, static_cast<int>(bodies[members[i]].innerSteps));
+        pace = std::max(pace, static_cast<int>(bodies[members[i]].pace.inner));
     mechanism.setPace(pace);
     mechanism.begin();
 }
@@ -113,12 +113,12 @@ void WorldImpl::keepPace(const DirectIsland& island, const Mechanism& mechanism)
     int pace = mechanism.pace();
     const bool calm = pace > 1 && mechanism.largestNeed() <= 0.5 * pace;
     const BodyRecord& first = bodies[directSet.bodies[island.firstBody]];
-    std::uint8_t steps = calm ? static_cast<std::uint8_t>(first.hysteresisSteps + 1) : std::uint8_t{0};
+    std::uint8_t steps = calm ? static_cast<std::uint8_t>(first.pace.calm + 1) : std::uint8_t{0};
     if (steps >= kHysteresisSteps) pace /= 2, steps = 0;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
         BodyRecord& body = bodies[directSet.bodies[island.firstBody + i]];
-        body.innerSteps = static_cast<std::uint8_t>(pace);
-        body.hysteresisSteps = steps;
+        body.pace.inner = static_cast<std::uint8_t>(pace);
+        body.pace.calm = steps;
     }
 }
 

@@ -108,8 +108,8 @@ void WorldImpl::takePart(std::uint32_t index, BodyType type, bool enabled) {
     body.force = body.torque = {};
     body.sleepTimer = 0;
     body.directSteps = 0;
-    body.innerSteps = body.stepFactor = body.allowedFactor = 1;
-    body.hysteresisSteps = 0;
+    body.stepFactor = body.allowedFactor = 1;
+    body.pace = {};
     body.stillSteps = 0;
     if (type == BodyType::fixed) bodies.states[index].v = bodies.states[index].w = {};
     auto was = held.begin();
