@@ -8,7 +8,7 @@
 
 namespace ragtop {
 
-/// What a step finds of an awake contact; the last three come beside the others: that it may be a seam, that other
+/// What a step finds of an awake contact; the last three come beside the others: that it may be a ghost, that other
 /// points hold a body on what does not move, and that it had no manifold before.
 enum ContactChange : std::uint8_t { kUnchanged = 0, kApart = 1, kGraph = 2, kCloses = 4, kPoints = 8, kFound = 16 };
 
@@ -32,7 +32,7 @@ struct ContactFinds {
     AlignedArray<std::uint8_t> change;  ///< per awake contact: a ContactChange, and later whether it is to be asked
     AlignedArray<ChangedContact> changed;
     AlignedArray<std::uint32_t> shiftedBodies;  ///< that other points of the ground hold than before
-    AlignedArray<std::uint32_t> closing;        ///< that may be seams, or woke in this step
+    AlignedArray<std::uint32_t> closing;        ///< that may be ghosts, or woke in this step
     AlignedArray<std::uint32_t> fresh;          ///< manifolds made in this step, of bodies that have not moved yet
     AlignedArray<std::uint8_t> laneTouches;     ///< per lane of a colour, a ManifoldTouch
     AlignedArray<std::uint32_t> dirty;          ///< that came since events were told, or were struck before

@@ -2,16 +2,18 @@
 
 #include <cstdint>
 #include <memory_resource>
+#include <span>
 
 #include "base/aligned_array.h"
 #include "base/stage_memory.h"
+#include "model/bodies.h"
 #include "narrowphase/manifold.h"
 #include "ragtop/math.h"
 
 /// Continuous collision: what a step knows of bodies that went far for their size.
 namespace ragtop {
 
-/// What a fast body meets first on its way (world_continuous.cpp).
+/// What a fast body meets first on its way (meetings.h).
 struct Meeting {
     bool hit = false;
     float fraction = 1;  ///< of the path that was swept
@@ -28,12 +30,6 @@ enum BodyFlag : std::uint8_t {
     kOutOfRange
 };
 
-/// Where a body was when a step began.
-struct StartPose {
-    DVec3 center;
-    Quat rotation;
-};
-
 /// An impact of a swept body, for the step's events.
 struct SweptImpact {
     std::uint32_t contact, triangle;
@@ -46,10 +42,11 @@ struct SweptImpact {
 struct SweptBodies {
     explicit SweptBodies(std::pmr::memory_resource* memory) : flags(memory), impacts(memory) {}
 
+    std::span<const StartPose> startPoses() const { return {starts.begin(), starts.end()}; }
+
     AlignedArray<BodyFlag> flags;       ///< per awake body
     StageArray<StartPose> starts;       ///< per awake body, in memory of the stage that finishes bodies
     AlignedArray<SweptImpact> impacts;  ///< of this step, for its events
-    bool posesMoved = false;            ///< poses are those of the end of the step, `starts` of its beginning
 };
 
 }  // namespace ragtop

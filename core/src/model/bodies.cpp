@@ -132,6 +132,10 @@ void Bodies::storeMomentum(std::uint32_t body, const Quat& q) {
     inertias[body].excess = excessOfSpin(momentum, dynamics[body].inverseInertia);
 }
 
+void Bodies::turnVelocity(std::uint32_t body, const Quat& from, const Quat& to) {
+    if (dynamics[body].spins != 0) states[body].w = rotate(to, inverseRotate(from, states[body].w));
+}
+
 void Bodies::stop(std::uint32_t body) {
     states[body].v = states[body].w = {};
     histories[body].velocityBefore = histories[body].lastChange = {};

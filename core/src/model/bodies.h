@@ -10,6 +10,12 @@
 
 namespace ragtop {
 
+/// Where a body was when a step began.
+struct StartPose {
+    DVec3 center;
+    Quat rotation;
+};
+
 /// The bodies of a world: a record of each, beside it what the solver streams through, in arrays of their own by the
 /// same index, and the list of those that are awake. Body 0 is the world: fixed, without shapes, the other end of
 /// joints to nowhere.
@@ -32,8 +38,6 @@ public:
     std::size_t room() const { return records_.bytes() / sizeof(BodyRecord); }
     BodyRecord& operator[](std::size_t body) { return records_[body]; }
     const BodyRecord& operator[](std::size_t body) const { return records_[body]; }
-    BodyRecord* data() { return records_.data(); }
-    const BodyRecord* data() const { return records_.data(); }
     BodyRecord* begin() { return records_.begin(); }
     BodyRecord* end() { return records_.end(); }
     BodyArrays arrays() { return {states.data(), inertias.data(), dynamics.data(), histories.data()}; }
@@ -66,6 +70,8 @@ public:
     /// Keeps the angular momentum that belongs to the velocity of now and to a rotation, or to that of now.
     void storeMomentum(std::uint32_t body, const Quat& rotation);
     void storeMomentum(std::uint32_t body) { storeMomentum(body, records_[body].rotation); }
+    /// Gives a body that is turned the angular velocity that it had, as seen from the body, so that it keeps its energy.
+    void turnVelocity(std::uint32_t body, const Quat& from, const Quat& to);
     /// No velocity, and none that was.
     void stop(std::uint32_t body);
 

@@ -183,7 +183,7 @@ bool hangs(const WorldImpl& world, std::span<const std::uint32_t> joints) {
 /// Speeds stay as they are seen from the body.
 void moveTo(WorldImpl& world, std::uint32_t index, const Pose& pose) {
     BodyRecord& body = world.bodies[index];
-    world.turnVelocity(index, body.rotation, pose.rotation);
+    world.bodies.turnVelocity(index, body.rotation, pose.rotation);
     body.center = pose.position;
     body.rotation = pose.rotation;
     world.bodies.refreshInertia(index);
@@ -364,7 +364,7 @@ void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClo
     const Vec3 momentum = angularMomentumAtStart(world, group);
     const double kinetic = kineticOf(world, group), stored = storedBy(world, joints);
     bench.paths.clear();
-    for (const std::uint32_t body : group) bench.paths.push(world.pathOfStep(body));
+    for (const std::uint32_t body : group) bench.paths.push(pathOfStep(world.bodies, world.sweptBodies.startPoses(), world.dt, body));
     bench.system.begin(parts, world.bodies.arrays(), world.context);
     float share = 1;
     if (closeByPlaces(world, group, joints, bench) > kTorn) share = closeEarlier(world, group, joints, bench);

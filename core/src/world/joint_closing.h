@@ -8,7 +8,7 @@
 #include "base/aligned_array.h"
 #include "constraints/joint_sim.h"
 #include "direct/island_system.h"
-#include "world/swept_motion.h"
+#include "continuous/swept_motion.h"
 
 /// Closes joints by places where a step has left them open (docs/adr/0039). Whatever way its island
 /// is solved, a group of bodies that joints hold together ends no step with its anchors further apart than a small part

@@ -15,14 +15,6 @@
 /// What stages of a step find, for a moment.
 namespace ragtop {
 
-/// Where a body touches a side of another one (world_seams.cpp).
-struct TouchedPlane {
-    bool touches = false;
-    DVec3 at;
-    Vec3 normal;      ///< towards the body that touches it
-    float depth = 0;  ///< m, of the overlap
-};
-
 /// What a pass over constraints does.
 enum class SolvePass { warmStart, solve, relax };
 

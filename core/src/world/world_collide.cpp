@@ -32,7 +32,7 @@ constexpr int kAskedAtOnce = 32;
 
 struct AskedContacts {
     std::uint32_t moving[kAskedAtOnce];  ///< that may have come nearer, or moved against each other
-    std::uint32_t open[kAskedAtOnce];    ///< that stay, and may be seams or have other surfaces
+    std::uint32_t open[kAskedAtOnce];    ///< that stay, and may be ghosts or have other surfaces
     int movingCount = 0, openCount = 0;
 };
 
@@ -58,7 +58,7 @@ void askSome(WorldImpl& world, int begin, int end, int last, AskedContacts& aske
     constexpr int kRecord = 32, kRest = 16;  // places ahead, by trial
     const auto records = world.contacts.records().view();
     const std::uint32_t* awake = world.contacts.awake.data();
-    const BodyRecord* of = world.bodies.data();
+    const BodyRecord* of = &world.bodies[0];
     const bool allOpen = world.contactFinds.surfacesForgotten || world.callbacks.modify;
     const bool sameSubstep = world.lastSubstep == world.context.h;
     int moving = 0, open = 0;
@@ -73,7 +73,7 @@ void askSome(WorldImpl& world, int begin, int end, int last, AskedContacts& aske
         const bool stay = stays(record, of[record.bodyA], of[record.bodyB], sameSubstep);
         asked.moving[moving] = asked.open[open] = awake[i];
         moving += stay ? 0 : 1;
-        // What bears a load is no seam.
+        // What bears a load is no ghost.
         const bool loaded = record.bearsLoad, looked = loaded ? record.surfaceOpen | allOpen : true;
         open += (stay & record.hasPoints & looked) ? 1 : 0;
     }
@@ -211,7 +211,7 @@ void WorldImpl::updateContact(std::uint32_t index, const PairPlace& place, int w
 std::uint8_t WorldImpl::keepManifolds(ContactRecord& record) {
     if (!record.hasPoints) return kUnchanged;
     refreshSurfaces(record);
-    return !record.bearsLoad && mayBeSeam(record, manifolds[record.firstManifold]) ? kCloses : kUnchanged;
+    return !record.bearsLoad && mayBeGhost(ghostView(), record, manifolds[record.firstManifold]) ? kCloses : kUnchanged;
 }
 
 std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const PairPlace& place, double travel, int worker) {
@@ -244,7 +244,7 @@ std::uint8_t WorldImpl::collideAnew(ContactRecord& record, const PairPlace& plac
     if (!turnsUnderContact(record))
         record.until = travel + static_cast<double>(tuning::kReuse * record.size / place.perTravel);
     record.aheadMost = place.margin + (tuning::kReuse - tuning::kSpeculative) * record.size;
-    if (mayBeSeam(record, manifold)) change |= kCloses;
+    if (mayBeGhost(ghostView(), record, manifold)) change |= kCloses;
     return static_cast<std::uint8_t>(change);
 }
 
@@ -297,7 +297,7 @@ void WorldImpl::applyContactChange(std::uint32_t index) {
     Manifolds::forEach(record, [&](std::uint32_t k) {
         const ManifoldRecord& manifold = manifolds[k];
         if (manifold.pointCount == 0) removeFromGraph(k);
-        for (int j = 0; j < manifold.pointCount; ++j) meets |= willMeet(record, manifold, j);
+        for (int j = 0; j < manifold.pointCount; ++j) meets |= willMeet(ghostView(), record, manifold, j);
     });
     if (!record.hasPoints) return manifolds.release(record);
     const bool sleepsA = bodies.moves(record.bodyA) && !bodies.isAwake(record.bodyA);

@@ -35,7 +35,7 @@ void WorldImpl::finishBody(std::size_t place) {
     if (state.dq != Quat{}) body.rotation = normalized(state.dq * body.rotation);
     sweptBodies.flags[place] = lost                                               ? kOutOfRange
                                : !fast                                            ? kNotFast
-                               : mayMeet(index, sweptBodies.starts[place].center) ? kToSweep
+                               : mayMeet(bodies, shapes, broadphase, index, sweptBodies.starts[place].center) ? kToSweep
                                                                                   : kFastClear;
     state.dp = {};
     state.dq = {};

@@ -13,9 +13,10 @@
 #include "constraints/constraint_graph.h"
 #include "constraints/initial_violation.h"
 #include "contacts/contacts.h"
+#include "contacts/ghost_contacts.h"
 #include "contacts/manifolds.h"
 #include "contacts/touch_finds.h"
-#include "continuous/swept_bodies.h"
+#include "continuous/meetings.h"
 #include "events/event_log.h"
 #include "islands/articulations.h"
 #include "islands/direct_set.h"
@@ -33,7 +34,6 @@
 #include "world/joint_closing.h"
 #include "world/step_finds.h"
 #include "world/step_profile.h"
-#include "world/swept_motion.h"
 #include "world/world_parts.h"
 #include "world/world_springs.h"
 
@@ -118,8 +118,6 @@ struct WorldImpl {
     void forgetGaps(std::uint32_t body);
     void giveRoom(std::uint32_t body);
     Frame shapeBInA(const ContactRecord& contact) const;
-    Vec3 motionAtPoint(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
-    bool willMeet(const ContactRecord& contact, const ManifoldRecord& manifold, int point) const;
     bool reuseManifolds(ContactRecord& contact, const PairPlace& place, double travel) const;
     bool turnsUnderContact(const ContactRecord& contact) const;
     PlacedManifold placed(const ContactRecord& contact, const ManifoldRecord& manifold) const;
@@ -135,42 +133,10 @@ struct WorldImpl {
     ContactSurface surfaceOfPair(std::uint32_t shapeA, std::uint32_t shapeB, std::uint32_t triangle) const;
     PairInfo pairInfo(const ContactRecord& contact) const;
 
-    // world_seams.cpp: side contacts between neighbouring obstacles.
-    void hideSeams();
-    void hideSeam(ContactRecord& contact);
-    bool mayBeSeam(const ContactRecord& contact, const ManifoldRecord& manifold) const;
-    bool bearsLoad(const ManifoldRecord& manifold) const;
-    bool closes(const ContactRecord& record, const ManifoldRecord& manifold, float least) const;
-    bool slidesInto(const ManifoldRecord& manifold, const Vec3& plane, float least) const;
-    Pose startOfStep(std::uint32_t body) const;
-    TouchedPlane touchedPlane(const ManifoldRecord& manifold, int side, float within) const;
-    bool separates(const TouchedPlane& plane, std::uint32_t front, std::uint32_t behind, float slack) const;
-    template <class Visit>
-    bool anyTouchedPlane(std::uint32_t body, float within, std::uint32_t except, Visit&& visit) const;
-    bool isSeam(const ManifoldRecord& manifold, int side) const;
-    bool keptApart(std::uint32_t shape, std::uint32_t obstacle, const Pose& start, const Pose& end, float bulge) const;
-    float slackOf(std::uint32_t shapeA, std::uint32_t shapeB) const;
-
     // world_continuous.cpp
-    bool mayMeet(std::uint32_t body, const DVec3& start) const;
-    void sweepFastBodies();
-    void recordSwept(std::uint32_t index);
-    void sweepBody(std::uint32_t body);
-    void clearPaths();
-    bool meetsAnything(std::uint32_t body) const;
-    SweptPath pathOfStep(std::uint32_t body) const;
-    void rideAlong(std::uint32_t obstacle, float done, Pose& pose) const;
-    Meeting firstMeeting(std::uint32_t body, const Pose& start, const Pose& end, float done, float until) const;
-    void sweepMesh(std::uint32_t body, std::uint32_t shape, const Pose& start, const Pose& end, float done, float until,
-                   Meeting& first) const;
-    bool maySweepInto(std::uint32_t shape, std::uint32_t obstacle) const;
-
-    // world_impacts.cpp
-    bool solveMeeting(std::uint32_t body, const Meeting& meeting, float done, Quat& velocityAt, SweptPath& path);
+    bool mayCollide(std::uint32_t shape, std::uint32_t obstacle) const;
     ContactSurface surfaceOfMeeting(const Meeting& meeting) const;
-    void changeVelocity(std::uint32_t body, const Vec3& linear, const Vec3& angular);
-    void turnVelocity(std::uint32_t body, const Quat& from, const Quat& to);
-    void recordImpact(const Meeting& meeting, const Vec3& normal, const Pose& place, float speed, float impulse);
+    void sweepFast();
 
     // world_islands.cpp: what bears on what, and the choice of solvers.
     void recordForce(std::uint32_t body);
@@ -321,6 +287,8 @@ struct WorldImpl {
     std::uint64_t hash() const;
 
     ConstTables tables() const { return {bodies, shapes, contacts, manifolds, joints, couplings, graph}; }
+    /// Of the stages before poses move; those after them give the poses of the beginning.
+    GhostView ghostView(std::span<const StartPose> starts = {}) const { return {tables(), starts, dt, context.h}; }
     ContactPlaces contactPlaces() const;
 
     WorldSettings settings;

@@ -18,7 +18,7 @@ void WorldImpl::shiftBody(std::uint32_t index, const Shift& shift) {
     body.center = after.position;
     body.rotation = after.rotation;
     body.sleepTimer = 0;
-    turnVelocity(index, before, after.rotation);
+    bodies.turnVelocity(index, before, after.rotation);
     bodies.refreshInertia(index);
 }
 

@@ -96,7 +96,8 @@ void WorldImpl::step(World& world, double stepSeconds) {
         updateContacts();
         profile.beginStage("contacts", callbacks);
         applyContactChanges();
-        hideSeams();
+        leaveOutGhosts(ghostView(), {contactFinds.closing.begin(), contactFinds.closing.end()}, contacts, graph,
+                       runner);
         profile.beginStage("islands", callbacks);
         chooseSolvers();
         collectSolved();
@@ -117,7 +118,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         finishBodies();
         stopOutOfRange();
         correctInitialViolations();
-        sweepFastBodies();
+        sweepFast();
         closeOpenJoints(*this);
         refitBounds();
         profile.beginStage("events", callbacks);
@@ -221,12 +222,14 @@ void WorldImpl::prepareConstraints() {
     collectRegions(*this);
 }
 
-/// Puts contacts with equally many points side by side, so that bundles solve few that are not there; numbers the lanes.
+/// Puts contacts with equally many points side by side, so that bundles solve few that are not there; numbers the
+/// lanes.
 void WorldImpl::groupContacts() {
     constexpr std::size_t kNear = std::size_t{1} << 21;  // bytes that passes find in a cache
     const auto group = [&](int c) {
         if (ConstraintGraph::isSerial(c) || !ConstraintGraph::isIterated(c)) return;
-        graph.groupByPoints(c, [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
+        graph.groupByPoints(c,
+                            [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
     };
     if (graph.regionCount() > 0)
         forEachRegionsLists(*this, group);
@@ -241,8 +244,8 @@ void WorldImpl::groupContacts() {
 }
 
 ContactPlaces WorldImpl::contactPlaces() const {
-    return {&bodies.data()->center,
-            &bodies.data()->rotation,
+    return {&bodies[0].center,
+            &bodies[0].rotation,
             sizeof(BodyRecord),
             manifolds.records().pages(),
             PagedArray<ManifoldRecord>::kPageBits,

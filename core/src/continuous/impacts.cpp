@@ -1,6 +1,7 @@
 #include <cmath>
 
-#include "world/world_impl.h"
+#include "contacts/tuning.h"
+#include "continuous/continuous.h"
 
 /// Impacts that a sweep finds, solved on their own: two bodies, the points at which they touch, Coulomb friction.
 namespace ragtop {
@@ -88,32 +89,48 @@ float Impact::solve(Velocity& ofA, Velocity& ofB) const {
     return total;
 }
 
-}  // namespace
-
-/// An angular velocity of the end of the step, or of an earlier impact, as it is when the body is turned otherwise: the
-/// same seen from the body, so that a path of constant rate keeps the energy.
-void WorldImpl::turnVelocity(std::uint32_t index, const Quat& from, const Quat& to) {
-    if (bodies.dynamics[index].spins != 0)
-        bodies.states[index].w = rotate(to, inverseRotate(from, bodies.states[index].w));
+/// A velocity that an impact gives at the end of a step; locks hold, and the position map does not take it for smooth.
+void changeVelocity(Bodies& bodies, std::uint32_t index, const Vec3& linear, const Vec3& angular) {
+    BodyState& state = bodies.states[index];
+    const Vec3 before = state.v;
+    state.v = linear;
+    state.w = angular;
+    bodies.obeyLocks(index);
+    bodies.histories[index].velocityBefore += state.v - before;
 }
 
-/// Solves the impact of a body that a sweep has brought to path.from: for the velocities with which it moves in this
-/// step, which give the rest of its path, and for those with which it leaves it. False if the rest is to be lost.
-bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float done, Quat& velocityAt,
-                             SweptPath& path) {
+/// Kept for the events of this step: the contact itself may be over by its end.
+void recordImpact(const PairSet& pairs, SweepTarget target, const Meeting& meeting, const Vec3& normal,
+                  const Pose& place, float speed, float impulse) {
+    const std::uint32_t* contact = pairs.find(pairKey(meeting.obstacle, meeting.shape));
+    if (!contact || impulse <= 0) return;
+    ContactRecord& record = target.contacts[*contact];
+    record.struck = true;
+    const bool inOrder = record.shapeA == meeting.obstacle;
+    target.swept.impacts.push({*contact, meeting.touch.triangle,
+                               transformPoint(place, meeting.touch.points[0].position), inOrder ? normal : -normal,
+                               speed, impulse});
+}
+
+}  // namespace
+
+bool solveMeeting(const SweepView& view, const ImpactRules& rules, SweepTarget target, std::uint32_t index,
+                  const Meeting& meeting, float done, Quat& velocityAt, SweptPath& path) {
+    const Shapes& shapes = view.tables.shapes;
+    Bodies& bodies = target.bodies;
     const ShapeRecord &shape = shapes[meeting.shape], &obstacle = shapes[meeting.obstacle];
     const std::uint32_t other = obstacle.body;
     const bool pushes = bodies.moves(other);
     // A sleeper is woken by its contact in the next step, which then has the whole impact.
     if (pushes && !bodies.isAwake(other)) return false;
-    turnVelocity(index, velocityAt, path.from.rotation);
+    bodies.turnVelocity(index, velocityAt, path.from.rotation);
     velocityAt = path.from.rotation;
 
-    const SweptPath others = pathOfStep(other);
+    const SweptPath others = pathOfStep(view, other);
     const Pose otherNow = others.at(done), place = otherNow * obstacle.frame;
     Impact impact;
-    impact.surface = surfaceOfMeeting(meeting);
-    impact.threshold = context.restitutionSpeed;
+    impact.surface = rules.surfaceOf(meeting);
+    impact.threshold = rules.restitutionSpeed;
     impact.normal = rotate(place.rotation, meeting.touch.normal);
     impact.points = meeting.touch.pointCount;
     impact.b.inverseMass = inverseMassOf(bodies.states[index]);
@@ -122,7 +139,7 @@ bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float 
         impact.a.inverseMass = inverseMassOf(bodies.states[other]);
         impact.a.inertia = bodies.inverseInertiaAt(other, otherNow.rotation);
     }
-    const float left = (1 - done) * dt, rate = left > 0 ? 1 / left : 0.0f;
+    const float left = (1 - done) * view.dt, rate = left > 0 ? 1 / left : 0.0f;
     const float apart = 0.5f * tuning::kSpeculative * shape.size;  // more than the distance that a sweep keeps
     for (int j = 0; j < impact.points; ++j) {
         const ManifoldPoint& point = meeting.touch.points[j];
@@ -132,7 +149,7 @@ bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float 
         impact.room[j] = point.separation > apart ? rate * point.separation : 0.0f;
     }
 
-    const float whole = 1 / dt;
+    const float whole = 1 / view.dt;
     Velocity meanA{whole * others.way, whole * others.turn}, meanB{rate * path.way, rate * path.turn};
     const Velocity beforeA = meanA;
     float approach = 0;
@@ -147,51 +164,20 @@ bool WorldImpl::solveMeeting(std::uint32_t index, const Meeting& meeting, float 
         bodies[other].type == BodyType::fixed ? Velocity{} : Velocity{bodies.states[other].v, bodies.states[other].w};
     Velocity lastB{bodies.states[index].v, bodies.states[index].w};
     const float impulse = impact.solve(lastA, lastB);
-    changeVelocity(index, lastB.v, lastB.w);
-    recordImpact(meeting, impact.normal, place, approach, impulse);
+    changeVelocity(bodies, index, lastB.v, lastB.w);
+    recordImpact(view.broadphase.pairs, target, meeting, impact.normal, place, approach, impulse);
     if (pushes) {
-        changeVelocity(other, lastA.v, lastA.w);
+        changeVelocity(bodies, other, lastA.v, lastA.w);
         const SweptPath gained{
             {bodies[other].center, bodies[other].rotation}, left * (meanA.v - beforeA.v), left * (meanA.w - beforeA.w)};
         const Pose end = gained.at(1);
         bodies[other].center = end.position;
         bodies[other].rotation = end.rotation;
         bodies.refreshInertia(other);
-        BodyFlag& flag = sweptBodies.flags[bodies[other].awakeIndex];
+        BodyFlag& flag = target.swept.flags[bodies[other].awakeIndex];
         if (flag == kFastClear) flag = kToSweep;  // it goes another way now
     }
     return true;
-}
-
-/// As their contact has it, seen from the obstacle.
-ContactSurface WorldImpl::surfaceOfMeeting(const Meeting& meeting) const {
-    const std::uint32_t* contact = broadphase.pairs.find(pairKey(meeting.obstacle, meeting.shape));
-    if (!contact) return surfaceOfPair(meeting.obstacle, meeting.shape, meeting.touch.triangle);
-    ContactSurface surface = surfaceOf(contacts[*contact], meeting.touch.triangle);
-    if (contacts[*contact].shapeA != meeting.obstacle) surface.surfaceVelocity = -surface.surfaceVelocity;
-    return surface;
-}
-
-/// A velocity that an impact gives at the end of a step; locks hold, and the position map does not take it for smooth.
-void WorldImpl::changeVelocity(std::uint32_t index, const Vec3& linear, const Vec3& angular) {
-    BodyState& state = bodies.states[index];
-    const Vec3 before = state.v;
-    state.v = linear;
-    state.w = angular;
-    bodies.obeyLocks(index);
-    bodies.histories[index].velocityBefore += state.v - before;
-}
-
-/// Kept for the events of this step: the contact itself may be over by its end.
-void WorldImpl::recordImpact(const Meeting& meeting, const Vec3& normal, const Pose& place, float speed,
-                             float impulse) {
-    const std::uint32_t* contact = broadphase.pairs.find(pairKey(meeting.obstacle, meeting.shape));
-    if (!contact || impulse <= 0) return;
-    ContactRecord& record = contacts[*contact];
-    record.struck = true;
-    const bool inOrder = record.shapeA == meeting.obstacle;
-    sweptBodies.impacts.push({*contact, meeting.touch.triangle, transformPoint(place, meeting.touch.points[0].position),
-                              inOrder ? normal : -normal, speed, impulse});
 }
 
 }  // namespace ragtop

@@ -2,8 +2,10 @@
 
 #include <cmath>
 
+#include "contacts/tuning.h"
+#include "continuous/meetings.h"
+#include "narrowphase/collide_surfaces.h"
 #include "narrowphase/mesh_sweep.h"
-#include "world/world_impl.h"
 
 namespace ragtop {
 
@@ -35,25 +37,25 @@ Manifold touchAt(const GeometryEntry& solid, const MeshPath& path, const MeshSwe
 
 }  // namespace
 
-/// The first surface that a mesh would go into on its way, if it comes before `first`.
-void WorldImpl::sweepMesh(std::uint32_t index, std::uint32_t s, const Pose& start, const Pose& end, float done,
-                          float until, Meeting& first) const {
-    const BodyRecord& body = bodies[index];
-    const ShapeRecord& shape = shapes[s];
-    const GeometryEntry& geometry = shapes.geometries[shape.geometry];
+void sweepMesh(const SweepView& view, std::uint32_t index, std::uint32_t s, const Pose& start, const Pose& end,
+               float done, float until, Meeting& first) {
+    const ConstTables& t = view.tables;
+    const BodyRecord& body = t.bodies[index];
+    const ShapeRecord& shape = t.shapes[s];
+    const GeometryEntry& geometry = t.shapes.geometries[shape.geometry];
     const Pose shapeStart = start * shape.frame, shapeEnd = end * shape.frame;
     const float bulge = body.radius * (1 - std::abs((end.rotation * conjugate(start.rotation)).w));
     const Bounds swept =
         enlarged(merge(boundsOf(geometry.shape, shapeStart), boundsOf(geometry.shape, shapeEnd)), bulge);
     const float target = 0.25f * tuning::kSpeculative * shape.size;
     const auto meet = [&](std::uint32_t other) {
-        const ShapeRecord& obstacle = shapes[other];
-        if (obstacle.body == index || obstacle.sensor || !maySweepInto(s, other)) return true;
-        const bool still = bodies[obstacle.body].type == BodyType::fixed;
-        const SweptPath others = still
-                                     ? SweptPath{{bodies[obstacle.body].center, bodies[obstacle.body].rotation}, {}, {}}
-                                     : pathOfStep(obstacle.body);
-        const GeometryEntry& solid = shapes.geometries[obstacle.geometry];
+        const ShapeRecord& obstacle = t.shapes[other];
+        if (obstacle.body == index || obstacle.sensor || !view.mayCollide(s, other)) return true;
+        const bool still = t.bodies[obstacle.body].type == BodyType::fixed;
+        const SweptPath others =
+            still ? SweptPath{{t.bodies[obstacle.body].center, t.bodies[obstacle.body].rotation}, {}, {}}
+                  : pathOfStep(view, obstacle.body);
+        const GeometryEntry& solid = t.shapes.geometries[obstacle.geometry];
         const Pose otherStart = others.at(done), place = otherStart * obstacle.frame;
         const float share = until - done;
         const auto inPlace = [&](const Vec3& v) { return inverseRotate(place.rotation, v); };
@@ -71,8 +73,8 @@ void WorldImpl::sweepMesh(std::uint32_t index, std::uint32_t s, const Pose& star
         first = {true, hit.fraction, s, other, touchAt(solid, path, hit, shape.size)};
         return true;
     };
-    broadphase.fixedTree.query(swept, meet);
-    if (body.bullet) broadphase.movingTree.query(swept, meet);
+    view.broadphase.fixedTree.query(swept, meet);
+    if (body.bullet) view.broadphase.movingTree.query(swept, meet);
 }
 
 }  // namespace ragtop
