@@ -184,15 +184,15 @@ bool bearsLoad(const GhostView& view, const ManifoldRecord& manifold) {
 /// Asks for the contacts of the bodies of some that close, and then for their manifolds: the lists of all these bodies
 /// are walked side by side, since each tells only from its memory where it goes on.
 void prefetchTouched(const ConstTables& t, const std::uint32_t* closing, int count) {
-    constexpr int kMost = 256;
-    std::uint32_t keys[2 * kGhostsAtOnce], found[kMost];
+    constexpr int kMostTouched = 256;
+    std::uint32_t keys[2 * kGhostsAtOnce], found[kMostTouched];
     int lists = 0, seen = 0;
     for (int i = 0; i < count; ++i) {
         const ContactRecord& record = t.contacts[closing[i]];
         for (const std::uint32_t body : {record.bodyA, record.bodyB})
             if (t.bodies.moves(body)) keys[lists++] = t.bodies[body].firstContact;
     }
-    for (bool more = true; more && seen < kMost - 2 * kGhostsAtOnce;) {
+    for (bool more = true; more && seen < kMostTouched - 2 * kGhostsAtOnce;) {
         more = false;
         for (int k = 0; k < lists; ++k) {
             if (keys[k] == kNone) continue;

@@ -7,7 +7,7 @@ namespace ragtop {
 namespace {
 
 constexpr int kMaxSteps = 64;  ///< a bound of conservative advancement
-constexpr float kTouch = 0.1f;  // of the target: tolerance of the distance met
+constexpr float kMeshTouch = 0.1f;  // of the target: tolerance of the distance met
 /// rad. Up to such a turn triangles that look back from the motion are left out.
 constexpr float kSmallTurn = 0.3f;
 
@@ -64,7 +64,7 @@ public:
     template <class Support>
     void meet(std::uint32_t triangle, const Support& obstacle, const Vec3& origin, float radius, const Vec3& face,
               float extent, std::uint32_t name) {
-        const float reach = reachOf(triangle), tolerance = kTouch * path_.target;
+        const float reach = reachOf(triangle), tolerance = kMeshTouch * path_.target;
         if (face != Vec3{} && axisTurn_ == 0 && -dot(face, path_.way) + turn_ * reach <= 0) return;
         float t = 0, safe = 0;
         for (int step = 0; step < kMaxSteps; ++step) {
