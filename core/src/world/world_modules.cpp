@@ -10,7 +10,7 @@ namespace ragtop {
 
 namespace {
 
-constexpr int kAtOnce = 4;  ///< modules that look one after the other: those that sleep are done at once
+constexpr int kModulesAtOnce = 4;  ///< modules that look one after the other: those that sleep are done at once
 
 std::uint32_t rootOf(ModuleWork& work, std::uint32_t place) {
     while (work.parent[place] != place) {
@@ -42,7 +42,7 @@ void look(WorldImpl& world, const World& face, double dt) {
     ModuleWork& work = world.moduleWork;
     work.spans.resizeForOverwrite(world.modules.size());
     std::atomic<bool> onAll{false};
-    world.runner.parallelFor(static_cast<int>(world.modules.size()), kAtOnce, [&](int begin, int end, int) {
+    world.runner.parallelFor(static_cast<int>(world.modules.size()), kModulesAtOnce, [&](int begin, int end, int) {
         for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m) {
             const StepModule& module = *world.modules[m];
             work.spans[m] = module.look ? module.look(module.user, face, dt) : std::span<const BodyId>{};
