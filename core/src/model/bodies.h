@@ -70,7 +70,8 @@ public:
     /// Keeps the angular momentum that belongs to the velocity of now and to a rotation, or to that of now.
     void storeMomentum(std::uint32_t body, const Quat& rotation);
     void storeMomentum(std::uint32_t body) { storeMomentum(body, records_[body].rotation); }
-    /// Gives a body that is turned the angular velocity that it had, as seen from the body, so that it keeps its energy.
+    /// Gives a body that is turned the angular velocity that it had, as seen from the body, so that it keeps its
+    /// energy.
     void turnVelocity(std::uint32_t body, const Quat& from, const Quat& to);
     /// No velocity, and none that was.
     void stop(std::uint32_t body);

@@ -364,7 +364,8 @@ void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClo
     const Vec3 momentum = angularMomentumAtStart(world, group);
     const double kinetic = kineticOf(world, group), stored = storedBy(world, joints);
     bench.paths.clear();
-    for (const std::uint32_t body : group) bench.paths.push(pathOfStep(world.bodies, world.sweptBodies.startPoses(), world.dt, body));
+    for (const std::uint32_t body : group)
+        bench.paths.push(pathOfStep(world.bodies, world.sweptBodies.startPoses(), world.dt, body));
     bench.system.begin(parts, world.bodies.arrays(), world.context);
     float share = 1;
     if (closeByPlaces(world, group, joints, bench) > kTorn) share = closeEarlier(world, group, joints, bench);
@@ -381,6 +382,22 @@ void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClo
 }
 
 }  // namespace
+
+/// Which worker takes a group is chance: each has room for any that was closed so far.
+static void makeRoomToClose(WorldImpl& world, std::span<const std::uint32_t> group) {
+    JointClosing& closing = world.jointClosing;
+    std::size_t joints = 0;
+    forEachJoint(world, group, [&](std::uint32_t) { ++joints; });
+    if (group.size() <= closing.mostBodies && joints <= closing.mostJoints) return;
+    closing.mostBodies = std::max(closing.mostBodies, group.size());
+    closing.mostJoints = std::max(closing.mostJoints, joints);
+    for (const std::unique_ptr<JointClosing::Bench>& bench : closing.benches) {
+        bench->system.begin(partsOf(world, group, *bench), world.bodies.arrays(), world.context);
+        bench->paths.reserve(group.size());
+        bench->best.reserve(group.size());
+        bench->turns.reserve(group.size());
+    }
+}
 
 void closeOpenJoints(WorldImpl& world) {
     const EnergyGuard& guard = world.energyGuard;
@@ -399,6 +416,7 @@ void closeOpenJoints(WorldImpl& world) {
     closing.localOf.resizeForOverwrite(world.bodies.size());
     while (closing.benches.size() < static_cast<std::size_t>(world.runner.workers()))
         closing.benches.push_back(std::make_unique<JointClosing::Bench>(world.memory));
+    for (const std::uint32_t g : closing.groups) makeRoomToClose(world, guard.membersOf(g));
     closing.closed += closing.groups.size();
     world.runner.parallelFor(static_cast<int>(closing.groups.size()), 1, [&](int begin, int end, int worker) {
         for (int i = begin; i < end; ++i)

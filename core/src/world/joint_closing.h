@@ -7,8 +7,8 @@
 
 #include "base/aligned_array.h"
 #include "constraints/joint_sim.h"
-#include "direct/island_system.h"
 #include "continuous/swept_motion.h"
+#include "direct/island_system.h"
 
 /// Closes joints by places where a step has left them open (docs/adr/0039). Whatever way its island
 /// is solved, a group of bodies that joints hold together ends no step with its anchors further apart than a small part
@@ -39,6 +39,7 @@ struct JointClosing {
         std::uint64_t cut = 0;  ///< steps of groups that were cut short, in this step
     };
     std::vector<std::unique_ptr<Bench>> benches;
+    std::size_t mostBodies = 0, mostJoints = 0;  ///< of a group that was closed
     std::uint64_t closed = 0, cut = 0;  ///< groups, and those whose step was cut short, since the world was made
 };
 

@@ -33,10 +33,11 @@ void WorldImpl::finishBody(std::size_t place) {
     const bool fast = body.continuous && motion > tuning::kContinuousMotion * body.size;
     body.center = body.center + state.dp;
     if (state.dq != Quat{}) body.rotation = normalized(state.dq * body.rotation);
-    sweptBodies.flags[place] = lost                                               ? kOutOfRange
-                               : !fast                                            ? kNotFast
-                               : mayMeet(bodies, shapes, broadphase, index, sweptBodies.starts[place].center) ? kToSweep
-                                                                                  : kFastClear;
+    sweptBodies.flags[place] = lost    ? kOutOfRange
+                               : !fast ? kNotFast
+                               : mayMeet(bodies, shapes, broadphase, index, sweptBodies.starts[place].center)
+                                   ? kToSweep
+                                   : kFastClear;
     state.dp = {};
     state.dq = {};
     stopVanishing(*this, index, gravity);
