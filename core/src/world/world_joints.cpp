@@ -15,7 +15,8 @@ const JointBodies& bodiesOf(const JointDef& def) {
 
 }  // namespace
 
-/// Of one of a joint's bodies. The world as a body has its centre at the joint's frame, so that nothing large is rounded.
+/// Of one of a joint's bodies. The world as a body has its centre at the joint's frame, so that nothing large is
+/// rounded.
 DVec3 WorldImpl::jointCenter(const JointRecord& joint, std::uint32_t body) const {
     if (body != 0) return bodies[body].center;
     const JointBodies& def = bodiesOf(joint.def);
@@ -99,6 +100,7 @@ void WorldImpl::destroyJoint(std::uint32_t index) {
     const bool collided = bodiesOf(joint.def).collide;
     joints.release(index);
     ++structureVersion;
+    articulations.forget();  // also where the joint held nothing, and was in no list of the graph
     if (collided) return;
     // The bodies may collide from now on: their shapes look for partners again.
     for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
