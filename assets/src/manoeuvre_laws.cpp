@@ -106,13 +106,41 @@ double airResistance(const VehicleDef& def) {
     return 0.5 * static_cast<double>(def.aerodynamics.airDensity * def.aerodynamics.dragArea);
 }
 
-/// From v to rest at v̇ = −(a + c v²), a = μ g and c of the air: ln(1 + c v²/a)/(2 c).
+/// m/s², of a car whose wheels are locked: a = Σ Nᵢ μ(Nᵢ)/m under the loads that it presses them down with,
+///   Nᵢ = Nᵢ₀ + m a h (zᵢ − z̄)/Σ (zⱼ − z̄)²,   h: of the centre of mass above the ground.
+double lockedDeceleration(const VehicleDef& def, double friction) {
+    World world;
+    const Vehicle car(world, def);
+    const DVec3 center{world.mass(car.chassis()).center};
+    const double m = static_cast<double>(def.chassis.mass), count = static_cast<double>(def.wheels.size());
+    double middle = 0, ground = 0, spread = 0, decelerates = 0;
+    for (const WheelDef& wheel : def.wheels) {
+        middle += static_cast<double>(wheel.position.z) / count;
+        ground += static_cast<double>(wheel.position.y - wheel.radius) / count;
+    }
+    const auto ahead = [&](const WheelDef& wheel) { return static_cast<double>(wheel.position.z) - middle; };
+    for (const WheelDef& wheel : def.wheels) spread += ahead(wheel) * ahead(wheel);
+    // Grip falls slowly with load: each round leaves a small share of what was missing.
+    for (int round = 0; round < 16; ++round) {
+        double force = 0;
+        for (std::size_t i = 0; i < def.wheels.size(); ++i) {
+            const WheelDef& wheel = def.wheels[i];
+            const double shifted = spread > 0 ? m * decelerates * (center.y - ground) * ahead(wheel) / spread : 0;
+            const double rest = static_cast<double>(car.staticLoads()[i]), load = std::max(0.0, rest + shifted);
+            const double surface = friction / static_cast<double>(wheel.tire.referenceSurface);
+            const bool ownLaw = wheel.tire.magicFormula || wheel.tire.slipCurves;  // which knows loads
+            const double lost = ownLaw ? 0 : static_cast<double>(wheel.tire.loadSensitivity) * (load / rest - 1);
+            const auto grip = tireNumbers(wheel.tire, static_cast<float>(load)).slidingFriction;
+            force += load * surface * std::max(1 - lost, 0.5) * static_cast<double>(grip);
+        }
+        decelerates = force / m;
+    }
+    return decelerates;
+}
+
+/// From v to rest at v̇ = −(a + c v²), a by locked wheels and c of the air: ln(1 + c v²/a)/(2 c).
 double lockedStop(const VehicleDef& def, double friction, double v) {
-    const TireDef& tire = def.wheels[0].tire;
-    const double ground = friction / static_cast<double>(tire.referenceSurface);
-    const float share = def.chassis.mass * static_cast<float>(kGravity) / static_cast<float>(def.wheels.size());
-    const double a = kGravity * ground * static_cast<double>(tireNumbers(tire, share).slidingFriction);
-    const double c = airResistance(def) / static_cast<double>(def.chassis.mass);
+    const double a = lockedDeceleration(def, friction), c = airResistance(def) / static_cast<double>(def.chassis.mass);
     return c > 0 ? std::log1p(c * v * v / a) / (2 * c) : v * v / (2 * a);
 }
 

@@ -147,8 +147,8 @@ constexpr std::array<std::string_view, 10> enumNames(TrackTake) {
 /// What a value is compared with, computed from the car.
 enum class TrackLaw : unsigned char {
     none,
-    lockedStop,  ///< m: ln(1 + c v²/(μ g))/(2 c) from the speed at `from`, of locked wheels in air; c v² is its
-                 ///< deceleration
+    lockedStop,  ///< m: ln(1 + c v²/a)/(2 c) from the speed at `from`; locked wheels decelerate by a under the loads
+                 ///< that a presses them down with, air by c v²
     coastDown,  ///< s: (m/√(AC)) (atan(v₀√(C/A)) − atan(v√(C/A))) from the speed at `from` to `level`; resistance A + C
                 ///< v²
     bicycleYaw,  ///< rad/s: v δ/(L + K v²) of the bicycle with the tires' cornering stiffnesses, of speed and angle at
