@@ -84,8 +84,9 @@ private:
                 return goBack();
             case 9:
                 return world_.sleep(body);
-            case 10:
-                return world_.setType(body, BodyType::kinematic);
+            case 10:  // what goes on for ever may pull at others without a bound
+                world_.setType(body, BodyType::kinematic);
+                return world_.setVelocity(body, {}, {});
             case 11:
                 return world_.setType(body, BodyType::fixed);
             case 12:

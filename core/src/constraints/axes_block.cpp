@@ -89,6 +89,7 @@ void beginAxes(AxesBlock& block, const BodyPair& pair, const Arms& arms, float r
 
 void rescale(AxesBlock& block, float ratio) {
     for (float& impulse : block.impulse) rescale(impulse, ratio);
+    for (float& impulse : block.startImpulse) rescale(impulse, ratio);
     for (AxisRows& axis : block.axis) rescale(axis, ratio);
 }
 

@@ -32,6 +32,8 @@ void WorldImpl::correctInitialViolations() {
         const bool awake = (bodies.moves(joint.bodyA) && bodies.isAwake(joint.bodyA)) ||
                            (bodies.moves(joint.bodyB) && bodies.isAwake(joint.bodyB));
         if (awake) {
+            // Where a step that led beyond all numbers was undone, joints are still placed where it led.
+            placeJoint(joints.sims[j], jointBodies(joint), bodies.states.data(), bodies.inertias.data());
             // What the first shift leaves open, as it is of first order, the second closes: rows would feed energy.
             for (const float most : {kTurnRecovery, 0.0f}) {
                 const PairShift shift =
