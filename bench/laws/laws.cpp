@@ -90,11 +90,12 @@ public:
         if (std::isnan(highest_)) watched.energyGain = highest_;
         raise(watched.gap, gap());
         raise(watched.overLimit, over());
-        std::vector<DVec3> now = relativePlaces();
-        stuck_ = now == last_ && !rests() ? stuck_ + scene_.step : 0;
+        std::vector<DVec3> places = placesFrom({});
+        stuck_ = places == last_ && !rests() ? stuck_ + scene_.step : 0;
         raise(watched.stuck, stuck_);
-        last_ = now;
+        last_ = std::move(places);
         if (!stands) return;
+        const std::vector<DVec3> now = relativePlaces();
         for (std::size_t i = 0; i < now.size(); ++i) raise(watched.moved, length(now[i] - from_[i]));
     }
     /// Near rest: slower than a body falls in a hundredth of a second.
@@ -141,9 +142,9 @@ private:
         potential_ += springs;
         return kinetic_ + potential_;
     }
-    std::vector<DVec3> relativePlaces() const {
+    std::vector<DVec3> relativePlaces() const { return placesFrom(engine_.motion(0).pose.position); }
+    std::vector<DVec3> placesFrom(const DVec3& origin) const {
         std::vector<DVec3> places;
-        const DVec3 origin = engine_.motion(0).pose.position;
         for (std::size_t i = 1; i < masses_.size(); ++i) places.push_back(engine_.motion(static_cast<int>(i)).pose.position - origin);
         return places;
     }

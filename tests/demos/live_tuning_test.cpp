@@ -133,7 +133,8 @@ TEST_F(LiveTuning, WhatCannotBeIsRefusedAndChangesNothing) {
     EXPECT_EQ(refused("vehicles.car.chassis.mass", nullptr),
               "tune: vehicles.car.chassis.mass is null, must be a number in [0.001, 1e+09] kg");
     EXPECT_EQ(refused("vehicles.car.differential.type", "none"),
-              "tune: vehicles.car.differential.type is \"none\", must be one of \"open\", \"locked\", \"limitedSlip\"");
+              "tune: vehicles.car.differential.type is \"none\", must be one of \"open\", \"locked\", \"limitedSlip\", "
+              "\"helical\", \"viscous\", \"active\"");
     // Good by itself, but not with the others.
     EXPECT_NE(refused("vehicles.car.engine.limiterRpm", 100).find("must be above idleRpm"), std::string::npos);
     EXPECT_NE(refused("vehicles.car.wheels.front left.position", {0, 0.3, -5}).find("carry"), std::string::npos);
