@@ -20,6 +20,7 @@ inline constexpr std::string_view kRedRows[] = {
     "restitution/cradle, touching, k=2: the last one's reach",
     "restitution/cradle, touching, k=3: the others move",
     "restitution/cradle, touching, k=4: the others move",
+    "wall/10 x 20 bricks, unhit: largest move",
     "wall/hit, 8 runs: energy gained at any time",
     "chain/20 links, 10000:1, swings out of the plane: stay closed, of 8",
     "chain/20 links, 10000:1, swings out of the plane: gap",
