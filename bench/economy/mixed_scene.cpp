@@ -35,20 +35,9 @@ struct MixedScene {
 
 /// Four walls laid dry, each corner in bond, and a ball of 5 t that waits beside them.
 void addHouse(MixedScene& scene) {
-    constexpr int kCourses = 12, kBricks = 20;
-    constexpr double kPitch = 0.402, kSide = (kBricks - 1) * kPitch + 0.4 + 0.202;
     Builder& b = scene.builder;
     scene.firstBrick = static_cast<int>(b.scene.bodies.size());
-    for (int c = 0; c < kCourses; ++c)
-        for (int i = 0; i < kBricks; ++i) {
-            const double y = 0.1 + 0.2 * c;
-            const double along = 0.2 + i * kPitch + (c % 2 == 1 ? 0.202 : 0) - kSide / 2, face = kSide / 2 - 0.1;
-            const Box alongX{{0.2f, 0.1f, 0.1f}}, alongZ{{0.1f, 0.1f, 0.2f}};
-            b.moving(alongX, 2000, {.position = {along, y, -face}});
-            b.moving(alongZ, 2000, {.position = {face, y, along}});
-            b.moving(alongX, 2000, {.position = {-along, y, face}});
-            b.moving(alongZ, 2000, {.position = {-face, y, -along}});
-        }
+    b.brickHouse(12);
     scene.endBrick = static_cast<int>(b.scene.bodies.size());
     scene.ball = b.moving(Sphere{0.8f}, 2331.4f, {.position = {0, 0.8, -12}});
 }

@@ -51,6 +51,21 @@ int Builder::pusher(Shape shape, const Placing& at) {
 
 void Builder::ground(float half) { fixed(Box{{half, 1, half}}, {.position = {0, -1, 0}}); }
 
+void Builder::brickHouse(int courses) {
+    constexpr int kBricks = 20;
+    constexpr double kPitch = 0.402, kSide = (kBricks - 1) * kPitch + 0.4 + 0.202;
+    const Box alongX{{0.2f, 0.1f, 0.1f}}, alongZ{{0.1f, 0.1f, 0.2f}};
+    for (int c = 0; c < courses; ++c)
+        for (int i = 0; i < kBricks; ++i) {
+            const double y = 0.1 + 0.2 * c;
+            const double along = 0.2 + i * kPitch + (c % 2 == 1 ? 0.202 : 0) - kSide / 2, face = kSide / 2 - 0.1;
+            moving(alongX, 2000, {.position = {along, y, -face}});
+            moving(alongZ, 2000, {.position = {face, y, along}});
+            moving(alongX, 2000, {.position = {-along, y, face}});
+            moving(alongZ, 2000, {.position = {-face, y, -along}});
+        }
+}
+
 void Builder::pit(float side) {
     constexpr float kThickness = 1, kHeight = 40;  // half extents
     ground(std::max(30.0f, side / 2 + 18));

@@ -53,6 +53,8 @@ public:
     int pusher(Shape shape, const Placing& at);
     /// A slab with its top at y = 0.
     void ground(float half);
+    /// Four walls of 20 bricks of 0.4 m × 0.2 m × 0.2 m a course, laid dry with gaps of 2 mm, each corner in bond.
+    void brickHouse(int courses);
     /// A square pit of that inner side (m) on the ground.
     void pit(float side);
 

@@ -16,18 +16,7 @@ Course makePyramid() {
 Course makeBrickHouse() {
     Builder b("brick_house");
     b.ground(100);
-    constexpr double kPitch = 0.402, kSide = 19 * kPitch + 0.4 + 0.202;
-    for (int c = 0; c < 25; ++c) {
-        const double y = 0.1 + 0.2 * c;
-        for (int i = 0; i < 20; ++i) {
-            const double along = 0.2 + i * kPitch + (c % 2 == 1 ? 0.202 : 0) - kSide / 2, face = kSide / 2 - 0.1;
-            const Box alongX{{0.2f, 0.1f, 0.1f}}, alongZ{{0.1f, 0.1f, 0.2f}};
-            b.moving(alongX, 2000, {.position = {along, y, -face}});
-            b.moving(alongZ, 2000, {.position = {face, y, along}});
-            b.moving(alongX, 2000, {.position = {-along, y, face}});
-            b.moving(alongZ, 2000, {.position = {-face, y, -along}});
-        }
-    }
+    b.brickHouse(25);
     Builder ball("ball");
     ball.moving(Sphere{0.8f}, 2331.4f, {.position = {0, 2.5, -(8.24 / 2 + 2.5)}, .velocity = {0, 0, 25}});
     return {std::move(b.scene), {{"brick_house_settle", 120}, {"brick_house_smash", 240, {ball.scene.bodies[0].def}}}};

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "ragtop/pose.h"
 #include "ragtop/ragdoll.h"
 #include "ragtop/skeleton.h"
 
@@ -54,9 +55,20 @@ struct HumanRig {
     Vec3 at(int bone) const { return skeleton.bones[static_cast<std::size_t>(bone)].bind.position; }
 };
 
+inline const HumanRig& humanRig() {
+    static const HumanRig rig;
+    return rig;
+}
+
+/// Turns a bone against its parent, about an axis of its own.
+inline void bend(LocalPose& pose, int bone, const Vec3& axis, float angle) {
+    Frame& frame = pose.bones[static_cast<std::size_t>(bone)];
+    frame.rotation = normalized(frame.rotation * rotationAbout(axis, angle));
+}
+
 /// That person as a ragdoll of 75 kg.
 inline const RagdollDef& human() {
-    static const RagdollDef def = makeRagdoll(HumanRig().skeleton, {.bodyMass = 75});
+    static const RagdollDef def = makeRagdoll(humanRig().skeleton, {.bodyMass = 75});
     return def;
 }
 

@@ -17,28 +17,18 @@ namespace {
 
 constexpr float kDegree = kPi / 180;
 
-const HumanRig& rig() {
-    static const HumanRig human;
-    return human;
-}
-
-void bend(LocalPose& pose, int bone, const Vec3& axis, float angle) {
-    Frame& frame = pose.bones[static_cast<std::size_t>(bone)];
-    frame.rotation = normalized(frame.rotation * rotationAbout(axis, angle));
-}
-
 /// Of a march on the spot: legs and arms swing, elbows and knees bend.
 std::vector<Pose> marching(double time) {
     const float swing = std::sin(2 * kPi * 0.8f * static_cast<float>(time));
-    LocalPose pose = restPose(rig().skeleton, {{0, 2, 0}, {}});
+    LocalPose pose = restPose(humanRig().skeleton, {{0, 2, 0}, {}});
     for (int side = 0; side < 2; ++side) {
         const float s = side == 0 ? swing : -swing, out = side == 0 ? 1.0f : -1.0f;
-        bend(pose, rig().thigh[side], {1, 0, 0}, -0.4f - 0.4f * s);
-        bend(pose, rig().shank[side], {1, 0, 0}, 0.6f + 0.3f * s);
-        bend(pose, rig().upperArm[side], {0, 0, 1}, -1.0f * out);
-        bend(pose, rig().forearm[side], {0, 1, 0}, -out * (0.8f + 0.3f * s));
+        bend(pose, humanRig().thigh[side], {1, 0, 0}, -0.4f - 0.4f * s);
+        bend(pose, humanRig().shank[side], {1, 0, 0}, 0.6f + 0.3f * s);
+        bend(pose, humanRig().upperArm[side], {0, 0, 1}, -1.0f * out);
+        bend(pose, humanRig().forearm[side], {0, 1, 0}, -out * (0.8f + 0.3f * s));
     }
-    return writePose(rig().skeleton, pose);
+    return writePose(humanRig().skeleton, pose);
 }
 
 /// Hung up by its pelvis, as a puppet.
@@ -249,7 +239,7 @@ TEST(Muscles, GiveNoMomentum) {
 TEST(Muscles, StepThroughAnything) {
     for (const float mass : {1e-3f, 1e6f}) {
         World world;
-        const RagdollDef def = makeRagdoll(rig().skeleton, {.bodyMass = mass});
+        const RagdollDef def = makeRagdoll(humanRig().skeleton, {.bodyMass = mass});
         Ragdoll body(world, def, marching(0));
         Muscles muscles(world, body, {.frequency = 20, .strength = 100, .friction = 100});
         for (int i = 0; i < 60; ++i) {

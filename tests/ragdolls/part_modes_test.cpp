@@ -20,28 +20,18 @@ constexpr double kStep = 1.0 / 60;
 constexpr float kDegree = kPi / 180;
 constexpr PartState kLed{.mode = PartMode::kinematic}, kLimp{.mode = PartMode::limp}, kPowered{};
 
-const HumanRig& rig() {
-    static const HumanRig human;
-    return human;
-}
-
-void bend(LocalPose& pose, int bone, const Vec3& axis, float angle) {
-    Frame& frame = pose.bones[static_cast<std::size_t>(bone)];
-    frame.rotation = normalized(frame.rotation * rotationAbout(axis, angle));
-}
-
 /// Of a walk at 1.2 m/s, in the air: legs swing, arms are held out with bent elbows.
 std::vector<Pose> walking(double time) {
     const auto swing = static_cast<float>(std::sin(2 * 3.14159265 * 0.9 * time));
-    LocalPose pose = restPose(rig().skeleton, {{0, 2, 1.2 * time}, {}});
+    LocalPose pose = restPose(humanRig().skeleton, {{0, 2, 1.2 * time}, {}});
     for (int side = 0; side < 2; ++side) {
         const float s = side == 0 ? swing : -swing, out = side == 0 ? 1.0f : -1.0f;
-        bend(pose, rig().thigh[side], {1, 0, 0}, -0.2f - 0.3f * s);
-        bend(pose, rig().shank[side], {1, 0, 0}, 0.5f + 0.2f * s);
-        bend(pose, rig().upperArm[side], {0, 0, 1}, -0.3f * out);
-        bend(pose, rig().forearm[side], {0, 1, 0}, -out * (0.6f + 0.2f * s));
+        bend(pose, humanRig().thigh[side], {1, 0, 0}, -0.2f - 0.3f * s);
+        bend(pose, humanRig().shank[side], {1, 0, 0}, 0.5f + 0.2f * s);
+        bend(pose, humanRig().upperArm[side], {0, 0, 1}, -0.3f * out);
+        bend(pose, humanRig().forearm[side], {0, 1, 0}, -out * (0.6f + 0.2f * s));
     }
-    return writePose(rig().skeleton, pose);
+    return writePose(humanRig().skeleton, pose);
 }
 
 int partOf(int bone) { return human().bones[static_cast<std::size_t>(bone)].part; }
@@ -114,7 +104,7 @@ TEST(PartModes, KinematicPartsAreWhereTheAnimationHasThem) {
 TEST(PartModes, AnArmHangsLimpOnABodyThatWalks) {
     Walker walker;
     walker.run(0.5);
-    const int arm = partOf(rig().upperArm[0]), hand = partOf(rig().hand[0]);
+    const int arm = partOf(humanRig().upperArm[0]), hand = partOf(humanRig().hand[0]);
     walker.modes.setBranch(arm, kLimp);
     walker.run(4);
     const Pose upper = walker.world.pose(walker.body.bodies()[static_cast<std::size_t>(arm)]);
@@ -122,8 +112,8 @@ TEST(PartModes, AnArmHangsLimpOnABodyThatWalks) {
     const Vec3 way = relative(end.position, upper.position);
     EXPECT_LT(way.y, -0.8f * length(way));
     EXPECT_LT(walker.gap, 2e-3f);
-    EXPECT_LT(walker.farthest(partOf(rig().thigh[0])), 1e-4f);
-    EXPECT_LT(walker.farthest(partOf(rig().upperArm[1])), 1e-4f);
+    EXPECT_LT(walker.farthest(partOf(humanRig().thigh[0])), 1e-4f);
+    EXPECT_LT(walker.farthest(partOf(humanRig().upperArm[1])), 1e-4f);
 }
 
 /// In the step in which parts go over no part moves by more than a centimetre or two degrees beside its velocity, and
@@ -131,7 +121,7 @@ TEST(PartModes, AnArmHangsLimpOnABodyThatWalks) {
 TEST(PartModes, NoChangeIsAJump) {
     Walker walker;
     walker.run(0.5);
-    const int arm = partOf(rig().upperArm[0]), leg = partOf(rig().thigh[1]), chest = partOf(rig().chest);
+    const int arm = partOf(humanRig().upperArm[0]), leg = partOf(humanRig().thigh[1]), chest = partOf(humanRig().chest);
     const PartState states[] = {kLimp, kLed, kPowered, kLed, kLimp, kPowered, kLed};
     for (const int root : {arm, leg, chest})
         for (const PartState& state : states) {
@@ -172,7 +162,7 @@ TEST(PartModes, WhatIsLetGoKeepsItsMomentum) {
 /// A powered arm takes the pose of the animation by its muscles.
 TEST(PartModes, APoweredArmFollows) {
     Walker walker;
-    const int arm = partOf(rig().upperArm[0]);
+    const int arm = partOf(humanRig().upperArm[0]);
     walker.modes.setBranch(arm, kPowered, 0);
     walker.run(2);
     for (std::size_t j = 0; j < human().joints.size(); ++j)
@@ -184,17 +174,17 @@ TEST(PartModes, APoweredArmFollows) {
 
 TEST(PartModes, SharesOfTheDrawnPoseAreEased) {
     Walker walker;
-    const int arm = partOf(rig().upperArm[0]);
+    const int arm = partOf(humanRig().upperArm[0]);
     walker.modes.set(arm, {.mode = PartMode::kinematic, .physics = 0}, 0.5f);
     float before = 1;
     for (int i = 0; i < 30; ++i) {
         walker.step();
-        const float now = walker.modes.shares()[static_cast<std::size_t>(rig().upperArm[0])];
+        const float now = walker.modes.shares()[static_cast<std::size_t>(humanRig().upperArm[0])];
         EXPECT_NEAR(before - now, 1.0f / 30, 1e-3f);
         before = now;
     }
     EXPECT_NEAR(before, 0, 1e-5f);
-    EXPECT_EQ(walker.modes.shares()[static_cast<std::size_t>(rig().thigh[0])], 1);
+    EXPECT_EQ(walker.modes.shares()[static_cast<std::size_t>(humanRig().thigh[0])], 1);
 }
 
 TEST(PartModes, WrongCallsAreToldAndChangeNothing) {

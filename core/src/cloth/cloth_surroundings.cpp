@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "cloth/cloth_sim.h"
+#include "ragtop/symmetric.h"
 #include "shapes/geometry.h"
 
 namespace ragtop::cloth {
@@ -22,18 +23,6 @@ Bounds boundsOfAll(const ClothSim& sim) {
     Bounds all = sim.around.blocks.front();
     for (const Bounds& block : sim.around.blocks) all = merge(all, block);
     return all;
-}
-
-/// The inverse of a symmetric positive matrix; zero when it has none.
-Mat3 inverseSymmetric(const Mat3& m) {
-    const double xx = m.cx.x, yy = m.cy.y, zz = m.cz.z, xy = m.cy.x, xz = m.cz.x, yz = m.cz.y;
-    const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
-    const double determinant = xx * a + xy * b + xz * c;
-    if (!(determinant > 0)) return {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-    const double s = 1 / determinant;
-    const auto part = [s](double minor) { return static_cast<float>(s * minor); };
-    const float ixy = part(b), ixz = part(c), iyz = part(xy * xz - xx * yz);
-    return {{part(a), ixy, ixz}, {ixy, part(xx * zz - xz * xz), iyz}, {ixz, iyz, part(xx * yy - xy * xy)}};
 }
 
 std::uint32_t nearBody(ClothSim& sim, BodyId id) {

@@ -85,5 +85,12 @@ inline void subtractTransposedTimes(const Block6& a, const double* x, double* y)
         y[j] = s;
     }
 }
+/// A ← A + weight rows columnsᵀ
+inline void addOuter(Block6& a, double weight, const double rows[6], const double columns[6]) {
+    for (int c = 0; c < 6; ++c) {
+        const double s = weight * columns[c];
+        for (int r = 0; r < 6; ++r) a.at[6 * c + r] += s * rows[r];
+    }
+}
 
 }  // namespace ragtop::direct

@@ -78,13 +78,6 @@ void addBlock(Block6& block, double sign, const double g[6], const DMat3& p, con
         }
 }
 
-void addOuter(Block6& block, double weight, const double rows[6], const double columns[6]) {
-    for (int c = 0; c < 6; ++c) {
-        const double s = weight * columns[c];
-        for (int r = 0; r < 6; ++r) block.at[6 * c + r] += s * rows[r];
-    }
-}
-
 }  // namespace
 
 void IslandSystem::addMasses() {

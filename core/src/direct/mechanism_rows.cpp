@@ -20,12 +20,6 @@ void addSquare(Block6& block, double weight, const double a[6]) {
         for (int r = c; r < 6; ++r) block.at[6 * c + r] += s * a[r];
     }
 }
-void addRowProduct(Block6& block, double weight, const double rows[6], const double columns[6]) {
-    for (int c = 0; c < 6; ++c) {
-        const double s = weight * columns[c];
-        for (int r = 0; r < 6; ++r) block.at[6 * c + r] += s * rows[r];
-    }
-}
 
 double dot6(const double a[6], const double b[6]) {
     double s = 0;
@@ -120,7 +114,7 @@ void Mechanism::addJoint(std::size_t index) {
         if (place.movesA) addSquare(factor_.diagonal(a), weight, row.ja);
         if (place.movesB) addSquare(factor_.diagonal(b), weight, row.jb);
         if (!couples) continue;
-        addRowProduct(factor_.coupling(place.block), weight, rowsOfB ? row.jb : row.ja, rowsOfB ? row.ja : row.jb);
+        addOuter(factor_.coupling(place.block), weight, rowsOfB ? row.jb : row.ja, rowsOfB ? row.ja : row.jb);
     }
 }
 
