@@ -159,7 +159,8 @@ void Muscles::setGains(int joint, std::optional<MuscleGains> gains) {
     if (gains && !(allowed(gains->stiffness) && allowed(gains->damping)))
         throw std::invalid_argument("muscles: stiffness and damping are " + std::to_string(gains->stiffness) + " and " +
                                     std::to_string(gains->damping) + ", must be in [0, 1e12]");
-    muscle.gains = gains;
+    muscle.given = gains.has_value();
+    muscle.gains = gains.value_or(MuscleGains{});
 }
 
 void Muscles::crossfade(float seconds) {
@@ -233,7 +234,7 @@ void Muscles::drive(int joint, float dt) {
     const float most = bound(joint), rate = 2 * kPi * profile_.frequency, inertia = dynamics_.inertiaBeyond(joint);
     MuscleGains gains{bounded(inertia * rate * rate, kMostGain),
                       bounded(2 * profile_.dampingRatio * inertia * rate, kMostGain)};
-    if (muscle.gains) gains = *muscle.gains;
+    if (muscle.given) gains = muscle.gains;
     muscle.aim = muscle.target;
     muscle.goes = muscle.speed;
     float s = 1;

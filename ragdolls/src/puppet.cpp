@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <span>
 #include <stdexcept>
 
 #include "ragtop/world.h"
@@ -45,6 +48,55 @@ Puppet::Puppet(World& world, const Ragdoll& ragdoll, const PuppetOptions& option
     loss_.resize(ragdoll.def().parts.size());
     balance_.look();
     height_ = dynamics_.centerOfMass().y - balance_.center().y;
+    belong();
+}
+
+Puppet::~Puppet() { world_->remove(&module_); }
+
+template <class Self, class Visit>
+void Puppet::visitState(Self& self, Visit&& visit) {
+    Muscles::visitState(self.muscles_, visit);
+    Balance::visitState(self.balance_, visit);
+    GetUp::visitState(self.getUp_, visit);
+    visit(self.state_);
+    visit(self.age_);
+    visit(self.air_);
+    for (auto& hurt : self.hurt_) visit(hurt);
+    visit(self.assistance_.linear);
+    visit(self.assistance_.angular);
+}
+
+void Puppet::belong() {
+    module_.user = this;
+    module_.name = "puppet";
+    module_.saveSize = [](const void* user) {
+        std::size_t size = 0;
+        visitState(*static_cast<const Puppet*>(user), [&](const auto& value) { size += sizeof value; });
+        return size;
+    };
+    module_.save = [](const void* user, std::span<std::byte> into) {
+        std::byte* to = into.data();
+        visitState(*static_cast<const Puppet*>(user), [&](const auto& value) {
+            std::memcpy(to, &value, sizeof value);
+            to += sizeof value;
+        });
+    };
+    module_.restore = [](void* user, std::span<const std::byte> from) {
+        const std::byte* at = from.data();
+        visitState(*static_cast<Puppet*>(user), [&](auto& value) {
+            std::memcpy(&value, at, sizeof value);
+            at += sizeof value;
+        });
+    };
+    module_.hash = [](const void* user) {
+        std::uint64_t hash = 14695981039346656037u;  // [Fowler, Noll, Vo, FNV-1a]
+        visitState(*static_cast<const Puppet*>(user), [&](const auto& value) {
+            for (const std::byte byte : std::as_bytes(std::span(&value, 1)))
+                hash = (hash ^ std::to_integer<std::uint64_t>(byte)) * 1099511628211u;
+        });
+        return hash;
+    };
+    world_->add(&module_);
 }
 
 void Puppet::enter(PuppetState state) {
@@ -89,7 +141,7 @@ void Puppet::heal() {
     for (std::size_t joint = 0; joint < hurt_.size(); ++joint)
         if (hurt_[joint]) {
             muscles_.setStrength(static_cast<int>(joint), 1, options_.recovery);
-            hurt_[joint] = false;
+            hurt_[joint] = 0;
         }
 }
 
@@ -114,7 +166,7 @@ void Puppet::strike(int part, const Vec3& impulse, const DVec3& point) {
         if (loss < kFelt) continue;
         const auto index = static_cast<int>(i);
         muscles_.setStrength(index, std::min(muscles_.strength(index), std::max(1 - loss, kLeastStrength)), 0);
-        hurt_[i] = true;
+        hurt_[i] = 1;
     }
 }
 

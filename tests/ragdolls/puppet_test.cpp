@@ -114,5 +114,25 @@ TEST(Puppet, StepsWithoutMemoryAndTellsWhatIsWrong) {
     EXPECT_THROW(show.puppet.strike(0, {std::numeric_limits<float>::infinity(), 0, 0}, {}), std::invalid_argument);
 }
 
+/// What is saved while it staggers, falls, lies or gets up goes on from there with the same bits.
+TEST(Puppet, GoesOnFromASavedStateWithTheSameBits) {
+    Show show;
+    show.run(1);
+    show.strike(BodyRole::chest, {0, 0, 120});
+    for (int part = 0; part < 8; ++part) {
+        std::vector<std::byte> saved(show.world.saveSize());
+        show.world.save(saved);
+        const std::uint64_t then = show.world.hash();
+        show.run(0.7);
+        const std::uint64_t after = show.world.hash();
+        show.world.restore(saved);
+        EXPECT_EQ(show.world.hash(), then) << part;
+        show.run(0.7);
+        EXPECT_EQ(show.world.hash(), after) << part << " " << nameOf(show.puppet.state());
+    }
+    EXPECT_TRUE(show.has(PuppetState::lies));
+    EXPECT_TRUE(show.has(PuppetState::getsUp));
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -72,6 +72,29 @@ public:
     void setOptions(const BalanceOptions& options);
     bool onFeet() const { return feet_[0].planted || feet_[1].planted; }
 
+    /// As Muscles::visitState.
+    template <class Self, class Visit>
+    static void visitState(Self& self, Visit&& visit) {
+        visit(self.options_.gain);
+        visit(self.options_.crouch);
+        visit(self.options_.learning);
+        for (auto& foot : self.feet_) {
+            visit(foot.planted);
+            visit(foot.load);
+            visit(foot.pressure);
+            visit(foot.normal);
+            visit(foot.ground);
+            visit(foot.height);
+            visit(foot.middle);
+            visit(foot.flat);
+        }
+        visit(self.lean_);
+        visit(self.center_);
+        visit(self.capture_);
+        visit(self.margin_);
+        visit(self.height_);
+    }
+
 private:
     struct Foot {
         bool planted = false;

@@ -62,6 +62,15 @@ public:
     /// N, and N m about the centre of mass, world axes, in the next step of the world.
     const PartMotion& assistance() const { return assistance_; }
 
+    /// As Muscles::visitState.
+    template <class Self, class Visit>
+    static void visitState(Self& self, Visit&& visit) {
+        visit(self.phase_);
+        visit(self.age_);
+        visit(self.assistance_.linear);
+        visit(self.assistance_.angular);
+    }
+
 private:
     void enter(GetUpPhase phase);
     void advance();

@@ -49,12 +49,19 @@ struct MuscleGains {
     float stiffness = 0, damping = 0;
 };
 
+/// Visits the values of `from` one by one, as those that are saved (Muscles::visitState).
+template <class Gains, class Visit>
+void visitGains(Gains& from, Visit&& visit) {
+    visit(from.stiffness);
+    visit(from.damping);
+}
+
 /// The muscles of one ragdoll: a damped spring on each ball and hinge, to whose torque that is added which inverse
 /// dynamics ask for (inverse_dynamics.h), and all of it bounded by what the muscle can give where each step begins. At
 /// first they hold the pose that the ragdoll is in. They act between parts only, so that nothing holds the body up but
 /// what it touches. World and ragdoll must outlive them and stay where they are; the joints are as defined again once
-/// they are gone. Strengths and targets are not part of a world's saved state. Steps do not allocate but where the
-/// friction of a profile changes or a joint becomes limp.
+/// they are gone. Strengths and targets are not part of a world's saved state; who saves them goes by visitState().
+/// Steps do not allocate but where the friction of a profile changes or a joint becomes limp.
 ///
 ///     muscles.follow(clip.pose(t), dt);  muscles.step(dt);  world.step(dt);
 ///
@@ -109,6 +116,10 @@ public:
     const Vec3& torque(int joint) const { return muscles_.at(static_cast<std::size_t>(joint)).torque; }
     const InverseDynamics& dynamics() const { return dynamics_; }
 
+    /// Calls visit(value) for all that later steps depend on, between steps: numbers, flags and rotations one by one.
+    template <class Self, class Visit>
+    static void visitState(Self& self, Visit&& visit);
+
 private:
     struct Muscle {
         float most = 0;                    ///< N m, of a healthy human
@@ -118,7 +129,8 @@ private:
         float friction = -3e38f;           ///< share that the joint has now; −1 minus it without a spring
         Quat target{};                     ///< of the child's joint frame in the parent's
         Vec3 speed{};                      ///< rad/s, of the target, in the parent's joint frame
-        std::optional<MuscleGains> gains{};
+        bool given = false;        ///< has gains of its own?
+        MuscleGains gains{};
         Quat aim{}, before{};      ///< target of the last step, and of where the crossfade began
         MuscleGains had{}, has{};  ///< gains there, and of the last step
         Vec3 gave{}, gives{};      ///< N m that are fed forward, in the parent's joint frame, likewise
@@ -144,5 +156,29 @@ private:
     std::vector<JointDrive> drives_;
     bool told_ = false;  ///< was there a target before?
 };
+
+template <class Self, class Visit>
+void Muscles::visitState(Self& self, Visit&& visit) {
+    for (auto* profile : {&self.profile_, &self.from_, &self.to_}) {
+        visit(profile->frequency);
+        visit(profile->dampingRatio);
+        visit(profile->strength);
+        visit(profile->friction);
+        visit(profile->weight);
+    }
+    visit(self.easing_);
+    visit(self.easingRate_);
+    visit(self.told_);
+    for (auto& muscle : self.muscles_) {
+        for (auto* number : {&muscle.share, &muscle.wanted, &muscle.rate, &muscle.fading, &muscle.fadingRate,
+                             &muscle.friction})
+            visit(*number);
+        visit(muscle.given);
+        for (auto* gains : {&muscle.gains, &muscle.had, &muscle.has}) visitGains(*gains, visit);
+        for (auto* turn : {&muscle.target, &muscle.aim, &muscle.before}) visit(*turn);
+        for (auto* vector : {&muscle.speed, &muscle.gave, &muscle.gives, &muscle.went, &muscle.goes, &muscle.torque})
+            visit(*vector);
+    }
+}
 
 }  // namespace ragtop

@@ -7,6 +7,7 @@
 #include "ragtop/balance.h"
 #include "ragtop/brace.h"
 #include "ragtop/get_up.h"
+#include "ragtop/module.h"
 #include "ragtop/muscles.h"
 #include "ragtop/tunables.h"
 
@@ -42,14 +43,17 @@ enum class PuppetState : std::uint8_t { stands, staggers, falls, lies, getsUp };
 std::string_view nameOf(PuppetState state);
 
 /// Goes from one behaviour to the next as physics has it; a game calls step() once a step and may strike it. Changes
-/// are eased by Muscles::crossfade. World and ragdoll must outlive it and stay where they are. Steps neither throw nor
-/// allocate.
+/// are eased by Muscles::crossfade. What it is about is saved, restored and hashed with the world, to which it belongs as
+/// a module. World and ragdoll must outlive it and stay where they are. Steps neither throw nor allocate.
 ///
 ///     puppet.step(dt);  world.step(dt);
 class Puppet {
 public:
     /// Standing. Throws std::invalid_argument on bad options, and where Balance, Brace or GetUp would.
     Puppet(World& world, const Ragdoll& ragdoll, const PuppetOptions& options = {}, const GetUpOptions& help = {});
+    ~Puppet();
+    Puppet(const Puppet&) = delete;
+    Puppet& operator=(const Puppet&) = delete;
 
     /// Decides what to do, and sets the joints for the next step of the world, of dt seconds.
     void step(double dt);
@@ -66,6 +70,9 @@ public:
     const PartMotion& assistance() const { return assistance_; }
 
 private:
+    template <class Self, class Visit>
+    static void visitState(Self& self, Visit&& visit);
+    void belong();
     void enter(PuppetState state);
     void decide();
     void heal();
@@ -82,9 +89,10 @@ private:
     double age_ = 0;           ///< s, of the state
     double air_ = 0;           ///< s, without a foot on the ground
     double height_ = 0;        ///< m, of the centre of mass over the feet of who stands
-    std::vector<bool> hurt_;   ///< by joint: has just lost strength
+    std::vector<std::uint8_t> hurt_;  ///< by joint: has it just lost strength?
     std::vector<float> loss_;  ///< by part, of one blow
     PartMotion assistance_;
+    StepModule module_;
 };
 
 }  // namespace ragtop
