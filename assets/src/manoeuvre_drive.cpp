@@ -162,11 +162,18 @@ private:
 
 }  // namespace
 
-TrackRun drive(const Manoeuvre& manoeuvre, const VehicleDef& def, const TrackOptions& options) {
+TrackRun drive(const Manoeuvre& manoeuvre, const VehicleDef& car, const TrackOptions& options) {
+    VehicleDef def = car;
+    def.level = options.level.value_or(car.level);
     if (const std::string wrong = whyInvalid(manoeuvre); !wrong.empty()) throw std::invalid_argument(wrong);
     if (!(options.hz >= 10 && options.hz <= 10000)) throw std::invalid_argument("hz must be in [10, 10000]");
     const float seconds = options.seconds.value_or(manoeuvre.duration);
     if (!(seconds > 0 && seconds <= 1e4f)) throw std::invalid_argument("seconds must be in (0, 1e4]");
+    if (def.level < manoeuvre.leastLevel) {
+        throw std::invalid_argument(manoeuvre.name + ": level is " + std::to_string(static_cast<int>(def.level)) +
+                                    ", must be " + std::to_string(static_cast<int>(manoeuvre.leastLevel)) +
+                                    " or more, to have what is measured");
+    }
     TrackRun run = Drive(manoeuvre, def, options).run(seconds, 1.0 / static_cast<double>(options.hz));
     const float friction = options.friction.value_or(manoeuvre.ground.friction);
     for (const TrackMeasurement& one : manoeuvre.measure)

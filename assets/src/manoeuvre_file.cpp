@@ -95,6 +95,7 @@ static void describe(Visitor& visit, Self& self, const Manoeuvre*) {
     visit(Tunable{"input", "", 0, 0, "what the driver does, by rising time"}, self.input);
     visit(Tunable{"cruise", "", 0, 0, "a driver who keeps a speed"}, self.cruise);
     visit(Tunable{"sleeping", "", 0, 1, "the car may fall asleep"}, self.sleeping);
+    visit(Tunable{"leastLevel", "", 0, 0, "of the car's model, that has what is measured"}, self.leastLevel);
     visit(Tunable{"plot", "", 0, 0, "channels"}, self.plot);
     visit(Tunable{"measure", "", 0, 0, "values and when they are good"}, self.measure);
 }

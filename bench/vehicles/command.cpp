@@ -67,6 +67,7 @@ Json toJson(const Course& course, const char* engine, const Result& result) {
     Json row{{"engine", engine},
              {"cars", course.cars},
              {"ground", course.ground},
+             {"level", static_cast<int>(course.level)},
              {"threads", course.threads},
              {"asleep", course.asleep},
              {"clock", course.processorTime ? "processor" : "wall"},
@@ -81,9 +82,9 @@ Json toJson(const Course& course, const char* engine, const Result& result) {
 }
 
 void print(const char* engine, const Course& course, const Result& result) {
-    fmt::print("{:<7} {:>4} cars, {:<5} {} thread{}  {:7.2f} us per car-step   {:4.1f} m/s, {} driving\n", engine,
-               course.cars, course.ground, course.threads, course.threads == 1 ? " " : "s", result.microseconds,
-               result.speed, result.driving);
+    fmt::print("{:<7} {:>4} cars, level {}, {:<5} {} thread{}  {:7.2f} us per car-step   {:4.1f} m/s, {} driving\n",
+               engine, course.cars, static_cast<int>(course.level), course.ground, course.threads,
+               course.threads == 1 ? " " : "s", result.microseconds, result.speed, result.driving);
     if (result.parts.empty()) return;
     for (const auto& [name, time] : result.parts) fmt::print("    {:<18} {:7.3f} us\n", name, time);
     fmt::print("    {:.0f} bytes of state per car, {:.2f} allocations per step\n", result.stateBytes,
@@ -109,7 +110,8 @@ void printTaxes(const Arguments& arguments, const VehicleDef& def) {
 
 void runVehicles(const Arguments& arguments) {
     const Course& course = arguments.course;
-    const VehicleDef def = loadVehicle(dataFolder() / "vehicles" / "hatchback.car.json");
+    VehicleDef def = loadVehicle(dataFolder() / "vehicles" / "hatchback.car.json");
+    def.level = course.level;
     if (arguments.tax) return printTaxes(arguments, def);
     const fleet::Terrain terrain = fleet::makeTerrain(course.ground, course.reach());
     Course peerCourse = course;
@@ -142,6 +144,11 @@ void addVehicles(CLI::App& app) {
     command->add_option("--ground", arguments->course.ground, "What they drive on")
         ->check(CLI::IsMember({"flat", "hills", "mesh", "city"}))
         ->capture_default_str();
+    command
+        ->add_option_function<int>(
+            "--level", [arguments](int level) { arguments->course.level = static_cast<VehicleLevel>(level); },
+            "Of the model of Ragtop's cars; 2 where absent")
+        ->check(CLI::Range(0, 2));
     command->add_option("--threads", arguments->course.threads, "Of Ragtop; Bullet has one")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();

@@ -16,6 +16,7 @@ struct Course {
     int cars = 100;
     std::string ground = "hills";
     int threads = 1;
+    VehicleLevel level = VehicleLevel::full;
     bool asleep = false;         ///< braked, from when all sleep
     bool processorTime = false;  ///< of all processors together, instead of what passes
     static constexpr double kStep = 1.0 / 60;

@@ -18,8 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kLevel = 1;  ///< of the vehicle model: rays and balls for wheels
-
 fs::path findCar(const std::string& nameOrPath) {
     std::error_code ignored;
     if (fs::is_regular_file(nameOrPath, ignored)) return nameOrPath;
@@ -35,12 +33,13 @@ std::ofstream openFile(const std::string& path) {
     return file;
 }
 
-nlohmann::ordered_json rowOf(const Manoeuvre& manoeuvre, const VehicleDef& def, float hz, const TrackValue& value) {
+nlohmann::ordered_json rowOf(const Manoeuvre& manoeuvre, const VehicleDef& def, float hz, VehicleLevel level,
+                             const TrackValue& value) {
     nlohmann::ordered_json row;
     row["manoeuvre"] = manoeuvre.name;
     row["car"] = def.name;
     row["hz"] = hz;
-    row["level"] = kLevel;
+    row["level"] = static_cast<int>(level);
     row["name"] = value.name;
     row["value"] = value.value;
     row["unit"] = value.unit;
@@ -78,11 +77,19 @@ bool drive(const DriveOptions& options) {
     if (manoeuvres.empty()) throw AssetError((dataFolder() / "manoeuvres").string() + ": has no manoeuvres");
     auto rows = nlohmann::ordered_json::array();
     bool good = true;
+    const VehicleLevel level = options.level ? static_cast<VehicleLevel>(*options.level) : def.level;
     for (const Manoeuvre& manoeuvre : manoeuvres) {
-        const TrackRun run = ragtop::drive(manoeuvre, def, {options.hz, options.seconds, options.friction});
+        if (level < manoeuvre.leastLevel) {
+            const std::string needs =
+                fmt::format("{:<18} is of level {} and above", manoeuvre.name, static_cast<int>(manoeuvre.leastLevel));
+            if (options.manoeuvre != "all") throw AssetError(needs);
+            fmt::print("----  {}\n", needs);
+            continue;
+        }
+        const TrackRun run = ragtop::drive(manoeuvre, def, {options.hz, options.seconds, options.friction, level});
         for (const TrackValue& value : run.values) {
             print(manoeuvre, value);
-            rows.push_back(rowOf(manoeuvre, def, options.hz, value));
+            rows.push_back(rowOf(manoeuvre, def, options.hz, level, value));
             good = good && value.pass;
         }
         if (&manoeuvre != &manoeuvres.back()) continue;

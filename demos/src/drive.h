@@ -9,6 +9,7 @@ struct DriveOptions {
     std::string car;                ///< name or file
     std::string manoeuvre = "all";  ///< name, file or all
     float hz = 60;
+    std::optional<int> level;         ///< of the model, instead of the car's
     std::optional<float> seconds;     ///< instead of the manoeuvre's duration
     std::optional<float> friction;    ///< of the ground, instead of the manoeuvre's
     std::optional<std::string> json;  ///< file of the rows

@@ -86,6 +86,21 @@ TEST(Manoeuvre, MeasuresFailBeyondTheirLimitsAndWhereThereIsNoValue) {
     EXPECT_THROW(drive(still, hatchbackFile(), {.hz = 0}), std::invalid_argument);
 }
 
+TEST(Manoeuvre, TheHatchbackPassesWhatItsLevelModels) {
+    const VehicleDef car = hatchbackFile();
+    for (const VehicleLevel level : {VehicleLevel::bicycle, VehicleLevel::rays})
+        for (const std::string& name : shippedManoeuvres()) {
+            const Manoeuvre manoeuvre = loadManoeuvre(findManoeuvre(name));
+            if (level < manoeuvre.leastLevel) {
+                EXPECT_THROW(drive(manoeuvre, car, {.level = level}), std::invalid_argument) << name;
+                continue;
+            }
+            for (const TrackValue& value : drive(manoeuvre, car, {.level = level}).values)
+                EXPECT_TRUE(value.pass) << name << ", " << value.name << " is " << value.value << " at level "
+                                        << static_cast<int>(level);
+        }
+}
+
 TEST(Manoeuvre, TheHatchbackPassesTheShippedOnes) {
     for (const std::string& name : shippedManoeuvres()) {
         const TrackRun run = drive(loadManoeuvre(findManoeuvre(name)), hatchbackFile());

@@ -55,8 +55,8 @@ TEST(Drive, EndsWithOneWhereAValueFailsAndWithTwoOnBadInput) {
     std::ofstream(file) << R"({"duration": 1, "measure": [{"name": "speed", "channel": "speed", "least": 50}]})";
     EXPECT_EQ(ragtopDrive("hatchback --manoeuvre '" + file.string() + "'").status, 1);
     std::filesystem::remove(file);
-    for (const char* bad :
-         {"no_such_car", "hatchback --manoeuvre no_such", "hatchback --hz 1", "hatchback --surface -1"}) {
+    for (const char* bad : {"no_such_car", "hatchback --manoeuvre no_such", "hatchback --hz 1",
+                            "hatchback --surface -1", "hatchback --level 3", "hatchback --manoeuvre kerb --level 1"}) {
         const Ended ended = ragtopDrive(bad);
         EXPECT_EQ(ended.status, 2) << ended.text;
         EXPECT_EQ(std::count(ended.text.begin(), ended.text.end(), '\n'), 1) << ended.text;

@@ -18,7 +18,9 @@ public:
     }
     template <class T>
     void add(const T& value) {
-        if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) {
+        if constexpr (std::is_same_v<T, VehicleLevel>) {
+            return;  // which is state
+        } else if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) {
             hash_.add(std::as_bytes(std::span<const T>(&value, 1)));
         } else if constexpr (std::is_same_v<T, Vec3>) {
             for (const float part : {value.x, value.y, value.z}) add(part);

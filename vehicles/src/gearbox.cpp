@@ -68,13 +68,19 @@ void shift(const GearboxDef& def, GearboxState& state, std::optional<int> wanted
     state.shiftTimer = def.shiftTime;
 }
 
+float launchSpeed(const EngineDef& def, float throttle) {
+    if (def.electric) return 0;
+    const float idle = radiansPerSecond(def.idleRpm), limiter = radiansPerSecond(def.limiterRpm);
+    return kLocked * idle + kLaunch * throttle * (limiter - idle);
+}
+
 float clutchCapacity(const VehicleDef& def, float engineSpeed, float shaftSpeed, float throttle, float pedal) {
     const float most = (1 - pedal) * def.gearbox.clutchTorque.value_or(2 * peakTorque(def.engine));
     if (def.engine.electric) return most;
-    const float idle = radiansPerSecond(def.engine.idleRpm), limiter = radiansPerSecond(def.engine.limiterRpm);
-    const float from = kAboveIdle * idle, to = kLocked * idle;
+    const float from = kAboveIdle * idleSpeed(def.engine);
     const auto ramp = [&](float speed, float end) { return clampTo((speed - from) / (end - from), 0, 1); };
-    const float share = std::max(ramp(engineSpeed, to + kLaunch * throttle * (limiter - idle)), ramp(shaftSpeed, to));
+    const float share =
+        std::max(ramp(engineSpeed, launchSpeed(def.engine, throttle)), ramp(shaftSpeed, launchSpeed(def.engine, 0)));
     return share * most;
 }
 

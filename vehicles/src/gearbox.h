@@ -26,6 +26,9 @@ int highestGear(const GearboxDef& def);
 void shift(const GearboxDef& def, GearboxState& state, std::optional<int> wanted, float axleSpeed, float throttle,
            float dt);
 
+/// rad/s of the engine at which the clutch holds fully: the higher the more throttle there is.
+float launchSpeed(const EngineDef& def, float throttle);
+
 /// The torque that the clutch passes on at most. It takes hold as the engine rises above idle, later the more
 /// throttle there is, and whatever the engine does once the gearbox turns fast enough to carry it.
 /// Speeds in rad/s; `pedal` 0 to 1.

@@ -72,6 +72,25 @@ TireNumbers tireNumbers(const TireDef& def, float load) {
     return {friction.x, friction.y, -forceOverLoad(law, {-1, 0}).x, slope.x, slope.y};
 }
 
+TireDef asBrush(const TireDef& def, float load) {
+    TireDef brush = def;
+    if (!def.magicFormula && !def.slipCurves) return brush;
+    const TireNumbers at = tireNumbers(def, load), doubled = tireNumbers(def, 2 * load);
+    const auto lost = [](float now, float later) { return now > 0 ? 1 - later / now : 0; };
+    brush.magicFormula.reset();
+    brush.slipCurves.reset();
+    brush.longitudinalFriction = at.longitudinalFriction;
+    brush.lateralFriction = at.lateralFriction;
+    brush.slidingShare = at.longitudinalFriction > 0 ? at.slidingFriction / at.longitudinalFriction : 1;
+    brush.slidingShare = std::clamp(brush.slidingShare, 0.1f, 1.0f);
+    brush.loadSensitivity = std::clamp(0.5f * (lost(at.longitudinalFriction, doubled.longitudinalFriction) +
+                                               lost(at.lateralFriction, doubled.lateralFriction)),
+                                       0.0f, 0.5f);
+    brush.slipStiffness = at.slipStiffness;
+    brush.corneringStiffness = at.corneringStiffness;
+    return brush;
+}
+
 TireSpec makeTireSpec(const TireDef& def, float staticLoad, float gravity) {
     const TireNumbers numbers = tireNumbers(def, staticLoad);
     TireSpec spec{def, {}, 0, 1, 1, staticLoad, {numbers.longitudinalFriction, numbers.lateralFriction}};

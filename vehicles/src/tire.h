@@ -37,6 +37,9 @@ struct Sym2 {
     float xx = 0, xy = 0, yy = 0;
 };
 
+/// The brush that has the frictions and stiffnesses of a tire of another law under a load; a brush is what it is.
+TireDef asBrush(const TireDef& def, float load);
+
 /// What equations (1) to (5) need, for one tire on one ground under one load.
 struct TireLaw {
     Vec2 friction;         ///< μ

@@ -5,6 +5,7 @@
 
 #include "chassis.h"
 #include "definition_digest.h"
+#include "vehicle_level.h"
 #include "vehicle_sim.h"
 
 namespace ragtop {
@@ -60,7 +61,7 @@ StepModule moduleOf(VehicleSim& sim) {
     return module;
 }
 
-WheelSpec wheelSpec(const WheelDef& wheel, const Vec3& steeringCenter, float load, float gravity) {
+WheelSpec wheelSpec(const WheelDef& wheel, const Vec3& steeringCenter, float load, float gravity, VehicleLevel level) {
     WheelSpec spec;
     spec.position = wheel.position;
     spec.axis = normalized(wheel.suspension.axis);
@@ -69,7 +70,7 @@ WheelSpec wheelSpec(const WheelDef& wheel, const Vec3& steeringCenter, float loa
     spec.halfWidth = 0.5f * wheel.width;
     spec.staticLoad = load;
     spec.strut = makeStrut(wheel, load, gravity);
-    spec.tire = makeTireSpec(wheel.tire, load, gravity);
+    spec.tire = makeTireSpec(level == VehicleLevel::full ? wheel.tire : asBrush(wheel.tire, load), load, gravity);
     return spec;
 }
 
@@ -125,6 +126,7 @@ VehicleSim::VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePla
     telemetry.wheels = wheelTelemetry;
 
     chassis = world->create(chassisBody(def, placement));
+    takeLevel();
     module = moduleOf(*this);
     world->add(&module);
     refreshTelemetry();
@@ -143,9 +145,10 @@ void VehicleSim::takeDef() {
     const Vec3 center = steeringCenter(def);
     specs.clear();
     for (std::size_t i = 0; i < def.wheels.size(); ++i) {
-        specs.push_back(wheelSpec(def.wheels[i], center, loadsAtRest[i], gravity));
+        specs.push_back(wheelSpec(def.wheels[i], center, loadsAtRest[i], gravity, def.level));
     }
     for (const AntiRollBarDef& bar : def.antiRollBars) takeBar(bar);
+    ride = makeRide(def, properties, specs);
     digest = definitionDigest(def, properties, gravity);
 }
 
@@ -171,6 +174,7 @@ void VehicleSim::start(float speed) {
     peakLoads.assign(specs.size(), 0);
     carried = {};
     lost = {};
+    unseen = 0;
 }
 
 void VehicleSim::setDef(const VehicleDef& next) {
@@ -183,13 +187,15 @@ void VehicleSim::setDef(const VehicleDef& next) {
         const Material material = i < bodywork ? next.chassis.material : wheelMaterial(next, next.wheels[i - bodywork]);
         if (material != world->material(shapes[i])) world->setMaterial(shapes[i], material);
     }
-    if (next.chassis.filter != def.chassis.filter) {
-        for (const ShapeId shape : world->shapes(chassis)) world->setFilter(shape, next.chassis.filter);
-    }
+    const bool meetsOthers = next.chassis.filter != def.chassis.filter;
+    const VehicleLevel level = def.level;
     def = next;
+    def.level = level;
+    if (meetsOthers) takeFilters();
     takeDef();
     drivetrain = Drivetrain(def, std::move(drivetrain));
     if (heavier) world->setMass(chassis, chassisMass(def.chassis));
+    setLevel(next.level);
     world->wake(chassis);
     stale = true;
 }
@@ -217,6 +223,7 @@ Vehicle::~Vehicle() {
 BodyId Vehicle::chassis() const { return sim_->chassis; }
 const VehicleDef& Vehicle::def() const { return sim_->def; }
 void Vehicle::setDef(const VehicleDef& def) { sim_->setDef(def); }
+void Vehicle::setLevel(VehicleLevel level) { sim_->setLevel(level); }
 void Vehicle::place(const VehiclePlacement& placement) { sim_->place(placement); }
 const VehicleTelemetry& Vehicle::telemetry() const { return sim_->tell(); }
 std::span<const float> Vehicle::staticLoads() const { return sim_->loadsAtRest; }

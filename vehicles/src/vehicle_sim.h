@@ -17,6 +17,7 @@
 #include "ragtop/world.h"
 #include "suspension.h"
 #include "tire.h"
+#include "vehicle_level.h"
 #include "wheel_course.h"
 
 namespace ragtop {
@@ -61,8 +62,9 @@ struct WheelPatch {
     bool touching = false, above = false;
     Vec3 normal, forward, side, axle;  ///< unit, world; axle to the left
     PatchRow normalRow, forwardRow, sideRow;
-    Vec2 lean;  ///< of the strut, along forward and side
-    Vec3 arm;   ///< of the contact point from the chassis's centre of mass
+    Vec2 lean;           ///< of the strut, along forward and side
+    Vec3 arm;            ///< of the contact point from the chassis's centre of mass
+    Vec3 given, turned;  ///< N s, N m s of the solve on the car, whose opposite the ground gets
     DVec3 point;
     Vec3 axis;                    ///< of the strut, unit, world
     float slant = 1;              ///< cosine of strut and normal
@@ -95,11 +97,12 @@ struct CarLosses {
 
 /// A car inside: definition, state, and the parts of the step. vehicle.cpp builds, saves and shows it,
 /// vehicle_step.cpp does what happens once per step, vehicle_substep.cpp the implicit solve, vehicle_energy.cpp
-/// counts what it takes.
+/// counts what it takes; vehicle_level.cpp goes from one level to another, vehicle_bicycle.cpp drives level 0.
 struct VehicleSim {
     VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePlacement& placement);
 
     void setDef(const VehicleDef& next);
+    void setLevel(VehicleLevel level);
     void place(const VehiclePlacement& placement);
 
     void beforeStep(double dt);
@@ -144,6 +147,7 @@ struct VehicleSim {
     std::vector<float> loadsAtRest;
     float mass = 0, gravity = 0;  ///< kg; m/s², at creation
     Mat3 inverseInertia;          ///< chassis axes
+    BicycleSpec ride;             ///< of level 0
     float meanRadius = 0;         ///< of the driven wheels
     std::uint64_t digest = 0;     ///< of the definition, and of the gravity of its springs
 
@@ -156,6 +160,7 @@ struct VehicleSim {
     CarImpulse carried;    ///< of the last substep, which the chassis has not got yet
     Pose endPose;          ///< of the chassis at the end of the last step
     Quat substepRotation;  ///< of it at the beginning of the last substep
+    float unseen = 0;      ///< m that level 0 has gone since it looked for the ground
 
     // Working memory.
     std::mutex telling;  ///< of those that ask for it at once
@@ -163,6 +168,8 @@ struct VehicleSim {
     std::vector<WheelCourse> courses;
     int substep = 0;                         ///< of the step
     int parts = 1, part = 0;                 ///< of a substep in which a wheel goes over an edge
+    CarImpulse whole;                        ///< of a step, at level 1
+    Vec3 endVelocity, endTurning;            ///< of a step, at level 0
     std::vector<GroundBody> grounds;         ///< of the first wheel that stands there
     std::vector<std::size_t> groundOfWheel;  ///< which of them
     std::vector<float> resistances;          ///< N m
@@ -175,9 +182,26 @@ private:
     void start(float speed);
     bool mayRest(const Driver& wanted);
     void seekGround(std::size_t i, const Pose& pose, float dt);
+    void seekPoint(std::size_t i, const Pose& pose, float dt);
     Pose wheelFrame(std::size_t i, const Pose& pose) const;
     void placeShapes();
 
+    Filter filterOf(std::size_t shape) const;
+    void takeFilters();
+    void takeLevel();
+    void leaveBicycle();
+    void seekBelow(const Pose& pose);
+    void rideBicycle(float h);
+    BicycleRoad roadBelow(const Pose& pose, const Vec3& velocity, float h) const;
+    float pushAlong(const BicycleRoad& road, float speed, float h);
+    LateralMotion<float> steerAlong(const BicycleRoad& road, const LateralMotion<float>& from, float speed,
+                                    float acceleration, float h) const;
+    void leadTo(const Vec3& velocity, const Vec3& turning);
+    void rollWheels(float speed, float h);
+
+    PointBody bodyAt(const Pose& pose) const;
+    void actOnce(float h);
+    void pushGrounds(float share);
     void act(const Pose& pose, const DVec3& center, PointBody body, float h, CarImpulse& sum);
     int partsOfSubstep(float dt) const;
     void preparePatch(std::size_t i, const Pose& pose, const DVec3& center, const PointBody& body,

@@ -48,6 +48,7 @@ bool holdsNumbers(const WheelState& w) {
 
 template <class Self, class Visit>
 void VehicleSim::visitState(Self& self, Visit&& visit) {
+    visit(self.def.level);
     visit(self.driver);
     visit(self.steerAngle);
     visit(self.drivetrain.engineSpeed);
@@ -65,6 +66,7 @@ void VehicleSim::visitState(Self& self, Visit&& visit) {
     visit(self.carried);
     visit(self.endPose);
     visit(self.substepRotation);
+    visit(self.unseen);
 }
 
 std::size_t VehicleSim::saveSize() const {
@@ -98,7 +100,9 @@ void VehicleSim::restore(std::span<const std::byte> from) {
         std::copy_n(from.begin(), bytes.size(), bytes.begin());
         from = from.subspan(bytes.size());
     };
+    const VehicleLevel before = def.level;
     visitState(*this, get);
+    if (def.level != before) takeDef();
     Driver set;
     get(set);
     input = {set.throttle,         set.brake,        set.steer, set.handbrake, set.clutch, {},

@@ -92,7 +92,8 @@ void VehicleSim::beforeStep(double dt) {
     steerAngle = steeredAngle(def.steering, steerAngle, driver.steer, forwardSpeed, step);
     const std::optional<int> gear = driver.gearGiven != 0 ? std::optional<int>(driver.gear) : std::nullopt;
     shift(def.gearbox, drivetrain.gearbox, gear, forwardSpeed / meanRadius, driver.throttle, step);
-    placeShapes();
+    if (def.level == VehicleLevel::full) placeShapes();
+    if (def.level == VehicleLevel::bicycle) rideBicycle(step);
 }
 
 /// What meets wheels from the side finds them where their struts and the steering have them.
@@ -114,10 +115,16 @@ std::span<const BodyId> VehicleSim::look(double dt) {
     touched.clear();
     if (!active) return touched;
     const Pose pose = world->pose(chassis);
-    for (std::size_t i = 0; i < wheels.size(); ++i) seekGround(i, pose, static_cast<float>(dt));
-    parts = partsOfSubstep(static_cast<float>(dt));
+    if (def.level == VehicleLevel::bicycle) {
+        seekBelow(pose);
+        return touched;
+    }
+    const auto step = static_cast<float>(dt);
+    const bool full = def.level == VehicleLevel::full;
+    for (std::size_t i = 0; i < wheels.size(); ++i) full ? seekGround(i, pose, step) : seekPoint(i, pose, step);
+    parts = full ? partsOfSubstep(step) : 1;
     substep = part = 0;
-    for (std::size_t i = 0; i < wheels.size(); ++i) takePiece(i, courses[i].from);
+    for (std::size_t i = 0; full && i < wheels.size(); ++i) takePiece(i, courses[i].from);
     std::ranges::fill(peakLoads, 0.0f);
     findGrounds();
     touched.push_back(chassis);
@@ -150,6 +157,15 @@ void VehicleSim::seekGround(std::size_t i, const Pose& pose, float dt) {
     if (wheel.touching == 0) wheel.below = 0;
     findCourse(*world, chassis, def.chassis.filter, wayOf(i, pose, dt), world->settings().substeps,
                {wheel.ahead, wheel.below}, courses[i]);
+}
+
+/// At level 1: one plane, where a ray along the strut through the hub meets the ground at the end of the step.
+void VehicleSim::seekPoint(std::size_t i, const Pose& pose, float dt) {
+    const WheelWay way = wayOf(i, pose, dt);
+    const DVec3 start = way.to + way.above * way.axis;
+    const Vec3 reach = -(way.above + way.below + way.radius) * way.axis;
+    findPoint(*world, chassis, def.chassis.filter, {start, reach, way.axis, way.axle, way.radius, way.halfWidth},
+              wheels[i].ground);
 }
 
 /// As many as the finest course of a wheel has to a substep, or as it takes to follow a tire that springs back; what
@@ -201,6 +217,7 @@ void VehicleSim::findGrounds() {
 
 void VehicleSim::afterStep() {
     if (!active) return;
+    if (def.level == VehicleLevel::bicycle) leadTo(endVelocity, endTurning);
     endPose = world->pose(chassis);
     // Rest is judged by whether the ground has moved since the end of the last step that the car was awake.
     for (WheelState& wheel : wheels) {

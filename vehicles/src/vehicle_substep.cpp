@@ -6,8 +6,12 @@
 namespace ragtop {
 namespace {
 
-constexpr int kMaxSweeps = 24;
-constexpr float kConverged = 1e-5f;  ///< largest change in a sweep, over the impulse of the weight
+/// When sweeps end.
+struct Patience {
+    int sweeps = 0;
+    float converged = 0;  ///< largest change in a sweep, over the impulse of the weight
+};
+constexpr Patience kFull{24, 1e-5f}, kRays{12, 1e-4f};
 constexpr float kMostFelt = 0.25f;   ///< of the way that a tire's load moves what it stands on in a substep, as squash
 
 /// Velocity of the wheel's side of the patch over the ground, its hub rising along the strut: forward, left.
@@ -53,10 +57,10 @@ Vec3 unturned(const Vec3& w, const Quat& before, const Quat& now, float h) {
 /// follow the velocities that come out of that, so that a trailer or a rope cannot make a braked car creep.
 void VehicleSim::beforeSubstep(float h) {
     if (!active) return;
+    if (def.level == VehicleLevel::rays) return actOnce(h);
     Pose pose = world->pose(chassis);
     const DVec3 center = world->centerOfMass(chassis);
-    const PointBody first{world->linearVelocity(chassis), world->angularVelocity(chassis), 1 / mass,
-                          rotated(inverseInertia, pose.rotation)};
+    const PointBody first = bodyAt(pose);
     const Vec3 centerInChassis = inverseRotate(pose.rotation, relative(center, pose.position));
     const float each = h / static_cast<float>(parts), share = 1 / static_cast<float>(parts);
     const Vec3 fall = each * world->settings().gravity;
@@ -71,6 +75,7 @@ void VehicleSim::beforeSubstep(float h) {
     for (part = 0; part < parts; ++part) {
         if (part > 0) pose = gone(pose, centerInChassis, body, each);
         act(pose, transformPoint(pose, centerInChassis), body, each, sum);
+        pushGrounds(1);
         move(static_cast<float>(part + 1));
         // What is given moves the car as far in the substep as all of its parts do; the rest follows in the next one.
         given.linear += share * sum.linear - (mass * share * static_cast<float>(parts - 1 - part)) * fall;
@@ -83,6 +88,39 @@ void VehicleSim::beforeSubstep(float h) {
     world->applyAngularImpulse(chassis, given.angular);
     if (!holds(sum.linear, sum.angular)) forgetMotion();
     ++substep;
+}
+
+/// Level 1: one solve for the whole step, of which each substep gets its share. Struts and tires are implicit, so that
+/// they hold at its length too.
+void VehicleSim::actOnce(float h) {
+    const DVec3 center = world->centerOfMass(chassis);
+    const float share = 1 / static_cast<float>(world->settings().substeps);
+    if (substep == 0) {
+        const Pose pose = world->pose(chassis);
+        whole = {};
+        beginGrounds();
+        act(pose, center, bodyAt(pose), h / share, whole);
+    }
+    world->applyImpulse(chassis, share * whole.linear, center);
+    world->applyAngularImpulse(chassis, share * whole.angular);
+    pushGrounds(share);
+    if (substep == 0 && !holds(whole.linear, whole.angular)) forgetMotion();
+    ++substep;
+}
+
+PointBody VehicleSim::bodyAt(const Pose& pose) const {
+    return {world->linearVelocity(chassis), world->angularVelocity(chassis), 1 / mass,
+            rotated(inverseInertia, pose.rotation)};
+}
+
+/// What the car has got of bodies under its wheels they get the other way.
+void VehicleSim::pushGrounds(float share) {
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+        const WheelPatch& patch = patches[i];
+        if (!patch.touching || !(patch.ground->inverseMass > 0)) continue;
+        world->applyAngularImpulse(wheels[i].ground.body, -share * patch.turned);
+        world->applyImpulse(wheels[i].ground.body, -share * patch.given, patch.point);
+    }
 }
 
 /// Over h, from where the car is. Adds what it gives to the chassis, besides gravity.
@@ -129,8 +167,9 @@ void VehicleSim::solve(PointBody& body, float h) {
         pushPatch(i, body, patch.load, patch.tire);
         drivetrain.spin[i] -= specs[i].radius * patch.tire.x / drivetrain.inertia()[i];
     }
-    const float enough = kConverged * h * mass * gravity;
-    for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+    const Patience patience = def.level == VehicleLevel::full ? kFull : kRays;
+    const float enough = patience.converged * h * mass * gravity;
+    for (int sweep = 0; sweep < patience.sweeps; ++sweep) {
         float change = 0;
         for (std::size_t i = 0; i < wheels.size(); ++i) change = std::max(change, visitWheel(i, body, h));
         for (GroundBody& ground : grounds) change = std::max(change, visitSupports(ground));
@@ -162,6 +201,7 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     patch.above = known && !patch.touching;
     patch.load = patch.way = patch.strutGive = 0;
     patch.tire = {};
+    patch.given = patch.turned = {};
     if (!patch.touching) {
         letFall(i, h);
         wheel.load = wheel.settleTime = wheel.sunk = 0;
@@ -295,14 +335,13 @@ void VehicleSim::settleTire(std::size_t i, const PointBody& moved) {
     wheel.deflection = withinPatch(patch.law, wheel.deflection);
 }
 
-/// What tires turn their wheels by, and with them the car; the ground feels the other way.
+/// What tires turn their wheels by, and with them the car.
 Vec3 VehicleSim::alignTires(float h) {
     Vec3 sum;
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         if (!patches[i].touching || wheels[i].aligning == 0) continue;
-        const Vec3 turned = h * wheels[i].aligning * patches[i].normal;
-        sum += turned;
-        if (patches[i].ground->inverseMass > 0) world->applyAngularImpulse(wheels[i].ground.body, -turned);
+        patches[i].turned = h * wheels[i].aligning * patches[i].normal;
+        sum += patches[i].turned;
     }
     return sum;
 }
@@ -366,9 +405,7 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     const Vec3 impulse = impulseOf(patch);
     linear += impulse;
     angular += cross(patch.arm, impulse);
-    if (patch.ground->inverseMass > 0) {
-        world->applyImpulse(wheel.ground.body, -impulse, patch.point);
-    }
+    patch.given = impulse;
     wheel.compression += patch.way;
     wheel.hubSpeed = patch.way / h;
     countPatch(i, body, wheel.hubSpeed);

@@ -44,12 +44,7 @@ Hit castRays(const World& world, const QueryFilter& filter, const WheelPath& pat
     return highest;
 }
 
-}  // namespace
-
-void findGround(const World& world, BodyId chassis, const Filter& filter, const WheelPath& path, GroundPlane& plane) {
-    const QueryFilter query{.category = filter.category, .mask = filter.mask, .ignore = chassis};
-    Hit hit = castBall(world, query, path);
-    if (!hit) hit = castRays(world, query, path);
+void take(const World& world, const Hit& hit, GroundPlane& plane) {
     plane.found = hit ? 1 : 0;
     if (!hit) return;
     const Material material = world.material(hit.shape);
@@ -61,6 +56,24 @@ void findGround(const World& world, BodyId chassis, const Filter& filter, const 
     plane.friction = material.friction;
     plane.surface = hit.surface;
     plane.moves = world.type(hit.body) == BodyType::fixed ? 0 : 1;
+}
+
+QueryFilter queryOf(const Filter& filter, BodyId chassis) {
+    return {.category = filter.category, .mask = filter.mask, .ignore = chassis};
+}
+
+}  // namespace
+
+void findGround(const World& world, BodyId chassis, const Filter& filter, const WheelPath& path, GroundPlane& plane) {
+    const QueryFilter query = queryOf(filter, chassis);
+    Hit hit = castBall(world, query, path);
+    if (!hit) hit = castRays(world, query, path);
+    take(world, hit, plane);
+}
+
+void findPoint(const World& world, BodyId chassis, const Filter& filter, const WheelPath& path, GroundPlane& plane) {
+    const Hit hit = world.castRay({path.start, path.translation}, queryOf(filter, chassis));
+    take(world, isGround(hit, path) ? hit : Hit{}, plane);
 }
 
 void movePlane(const GroundPlane& plane, const Pose& now, DVec3& point, Vec3& normal) {

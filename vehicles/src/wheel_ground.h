@@ -42,6 +42,9 @@ struct WheelPath {
 /// the narrower wheel passes by, three rays across the width decide.
 void findGround(const World& world, BodyId chassis, const Filter& filter, const WheelPath& path, GroundPlane& plane);
 
+/// The same by a ray alone, along the path through the middle of the wheel.
+void findPoint(const World& world, BodyId chassis, const Filter& filter, const WheelPath& path, GroundPlane& plane);
+
 /// The plane's point and normal when the ground has moved from `plane.pose` to `now`.
 void movePlane(const GroundPlane& plane, const Pose& now, DVec3& point, Vec3& normal);
 

@@ -55,11 +55,11 @@ struct TrackGround {
 
 /// How the car is put there.
 struct TrackStart {
-    float height = 0;   ///< m of its origin above where it stands
-    float pitch = 0;    ///< rad about x, nose down
-    float heading = 0;  ///< rad about y, to the left
-    float roll = 0;     ///< rad about z, to the right
-    float speed = 0;    ///< m/s forward, wheels rolling
+    float height = 0;     ///< m of its origin above where it stands
+    float pitch = 0;      ///< rad about x, nose down
+    float heading = 0;    ///< rad about y, to the left
+    float roll = 0;       ///< rad about z, to the right
+    float speed = 0;      ///< m/s forward, wheels rolling
     float sideSpeed = 0;  ///< m/s to the left
 };
 
@@ -180,6 +180,7 @@ struct Manoeuvre {
     std::vector<TrackInput> input{};
     std::optional<TrackCruise> cruise{};
     bool sleeping = true;
+    VehicleLevel leastLevel = VehicleLevel::full;  ///< that models what is measured
     std::vector<TrackChannel> plot{TrackChannel::speed};
     std::vector<TrackMeasurement> measure{};
 };
@@ -195,8 +196,9 @@ std::filesystem::path findManoeuvre(std::string_view nameOrPath);
 
 struct TrackOptions {
     float hz = 60;
-    std::optional<float> seconds{};   ///< instead of the manoeuvre's duration
-    std::optional<float> friction{};  ///< instead of the ground's
+    std::optional<float> seconds{};       ///< instead of the manoeuvre's duration
+    std::optional<float> friction{};      ///< instead of the ground's
+    std::optional<VehicleLevel> level{};  ///< instead of the car's
 };
 struct TrackValue {
     std::string name, unit;
@@ -208,7 +210,7 @@ struct TrackRun {
     std::vector<std::array<double, kTrackChannels.size()>> samples;  ///< a row per step
     std::vector<TrackValue> values;
 };
-/// Drives it. Throws std::invalid_argument on a vehicle or options that cannot be used.
+/// Drives it. Throws std::invalid_argument on a vehicle or options that cannot be used, as a level below the least.
 TrackRun drive(const Manoeuvre& manoeuvre, const VehicleDef& def, const TrackOptions& options = {});
 
 }  // namespace ragtop

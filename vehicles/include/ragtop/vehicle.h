@@ -131,6 +131,10 @@ public:
     /// The number of wheels, their radii, widths and struts' axes, and the shapes of the chassis stay as they are.
     /// Throws std::invalid_argument that says which field is wrong, and changes nothing then.
     void setDef(const VehicleDef& def);
+    /// Changes how much of the car is modelled, as it drives: it keeps place and velocity, and its wheels, tires and
+    /// engine what both levels know of them. Saved and restored with the car. At VehicleLevel::bicycle the chassis is
+    /// kinematic. Between steps only: throws std::logic_error within one.
+    void setLevel(VehicleLevel level);
     /// Puts the car somewhere, upright, as if it had been made there; the input stays. Throws std::invalid_argument.
     void place(const VehiclePlacement& placement);
     /// Of now; what it returned before is brought up to date by the next call. Costs nothing where nobody asks.

@@ -153,8 +153,18 @@ struct VehicleVisualDef {
     std::vector<std::string> wheelNodes{};  ///< or the nodes of the model that are its wheels, in the order of those
 };
 
+/// How much of a car is modelled; all levels have the same controls, telemetry and state. What a level leaves out is
+/// told as zero, and listed in docs/vehicles.md.
+enum class VehicleLevel : unsigned char {
+    bicycle,  ///< 0: kinematic, on the ground as a single-track model with linear tires
+    rays,     ///< 1: wheels are rays, one solve for the whole step, brush tires; no sides of wheels
+    full,     ///< 2: all there is
+};
+constexpr std::array<std::string_view, 3> enumNames(VehicleLevel) { return {"bicycle", "rays", "full"}; }
+
 struct VehicleDef {
     std::string name{};
+    VehicleLevel level = VehicleLevel::full;  ///< Vehicle::setLevel changes it
     ChassisDef chassis{};
     std::vector<WheelDef> wheels{};              ///< three or more
     std::vector<AntiRollBarDef> antiRollBars{};  ///< one to an axle at most
@@ -324,6 +334,7 @@ void describe(Visitor& visit, Self& self, const VehicleVisualDef*) {
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const VehicleDef*) {
     visit(Tunable{"name"}, self.name);
+    visit(Tunable{"level", "", 0, 0, "how much of it is modelled"}, self.level);
     visit(Tunable{"chassis", "", 0, 0, "the rigid body"}, self.chassis);
     visit(Tunable{"wheels", "", 0, 0, "three or more"}, self.wheels);
     visit(Tunable{"antiRollBars", "", 0, 0, "between the wheels of an axle"}, self.antiRollBars);
