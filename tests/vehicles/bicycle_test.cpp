@@ -65,7 +65,8 @@ TEST(Bicycle, HasThePublishedDerivativesOfAnyCar) {
         const double angle = between(-0.5, 0.5), acc = between(-3, 3);
         const auto own = ownRates(bicycleOf(p), v, drift, yaw, angle, acc);
         const auto published = publishedRates(p, v, drift, yaw, angle, acc);
-        for (int k : {0, 1}) EXPECT_NEAR(own[k], published[k], 1e-9 * (1 + std::abs(published[k]) + 1000 / v)) << i;
+        for (const std::size_t k : {std::size_t{0}, std::size_t{1}})
+            EXPECT_NEAR(own[k], published[k], 1e-9 * (1 + std::abs(published[k]) + 1000 / v)) << i;
     }
 }
 
