@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "gltf/springs.h"
 #include "json_document.h"
 
 namespace ragtop {
@@ -120,6 +121,32 @@ void findBoneNodes(const aiScene& from, const std::string& file, const NodePlace
             if (node) bone.node = places.at(node);
         }
     }
+}
+
+void findSprings(const aiScene& from, const std::string& file, const NodePlaces& places, ImportedScene& to) {
+    if (to.format.find("glTF") == std::string::npos) return;
+    const std::string text = gltfText(file);
+    if (text.find("VRMC_springBone") == std::string::npos) return;
+    const JsonDocument gltf = JsonDocument::parse(text, file);
+    ImportedSprings springs = readGltfSprings(gltf);
+    if (springs.bones.empty()) return;
+    Nodes nodes;
+    try {
+        nodes = nodesOf(gltf.root(), *from.mRootNode);
+    } catch (const std::exception&) {  // a tree that assimp has understood in another way
+    }
+    const auto place = [&](std::int32_t node) {
+        const auto index = static_cast<std::size_t>(node);
+        return index < nodes.size() && nodes[index] ? places.at(nodes[index]) : -1;
+    };
+    const auto count = springs.bones.size() + springs.colliders.size();
+    for (ImportedSpring& spring : springs.bones) spring.node = place(spring.node), spring.end = place(spring.end);
+    for (ImportedSpringCollider& collider : springs.colliders) collider.node = place(collider.node);
+    std::erase_if(springs.bones, [](const ImportedSpring& spring) { return spring.node < 0 || spring.end < 0; });
+    std::erase_if(springs.colliders, [](const ImportedSpringCollider& collider) { return collider.node < 0; });
+    if (const auto lost = count - springs.bones.size() - springs.colliders.size(); lost > 0)
+        to.warnings.push_back(std::to_string(lost) + " springs of nodes outside of the scene are left out");
+    to.springs = std::move(springs);
 }
 
 }  // namespace ragtop

@@ -18,6 +18,9 @@ using NodePlaces = std::map<const aiNode*, std::int32_t>;
 /// of glTF the joints of the skin are read from the file, of other formats a node that carries no mesh is preferred.
 void findBoneNodes(const aiScene& from, const std::string& file, const NodePlaces& places, ImportedScene& to);
 
+/// Reads the springs of a glTF file, which assimp passes over.
+void findSprings(const aiScene& from, const std::string& file, const NodePlaces& places, ImportedScene& to);
+
 /// The JSON of a text or binary glTF file.
 std::string gltfText(const std::string& file);
 

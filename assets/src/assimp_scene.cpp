@@ -112,6 +112,9 @@ void sceneFields(Stream& stream, Scene& scene) {
     stream(scene.clips);
     stream(scene.materials);
     stream(scene.images);
+    stream(scene.springs.bones);
+    stream(scene.springs.colliders);
+    stream(scene.springs.grouped);
     stream(scene.warnings);
 }
 
@@ -195,7 +198,11 @@ ImportedScene toScene(const aiScene& from, const std::string& file) {
     ImportedScene scene;
     readUnits(from, scene);
     for (unsigned i = 0; i < from.mNumMeshes; ++i) scene.meshes.push_back(toMesh(*from.mMeshes[i]));
-    if (from.mRootNode) findBoneNodes(from, file, addNodes(*from.mRootNode, scene), scene);
+    if (from.mRootNode) {
+        const NodePlaces places = addNodes(*from.mRootNode, scene);
+        findBoneNodes(from, file, places, scene);
+        findSprings(from, file, places, scene);
+    }
     markDevices(from, scene);
     return scene;
 }
@@ -283,6 +290,13 @@ void check(const ImportedScene& scene, const std::string& file) {
     for (const ImportedClip& clip : scene.clips)
         if (const std::string problem = whyInvalid(clip, scene.nodes.size()); !problem.empty())
             throw AssetError(file, "", "clip '" + clip.name + "' " + problem);
+    const auto isNode = [&](std::int32_t node) {
+        return node >= 0 && node < static_cast<std::int32_t>(scene.nodes.size());
+    };
+    for (const ImportedSpring& spring : scene.springs.bones)
+        if (!isNode(spring.node) || !isNode(spring.end)) throw AssetError(file, "", "has a spring of no node");
+    for (const ImportedSpringCollider& collider : scene.springs.colliders)
+        if (!isNode(collider.node)) throw AssetError(file, "", "has a collider of springs of no node");
     for (const ImportedMesh& mesh : scene.meshes) {
         const std::string name = "mesh '" + mesh.name + "' ";
         for (const Vec3& vertex : mesh.vertices)

@@ -91,6 +91,27 @@ struct ImportedMaterial {
     std::int32_t image = -1;  ///< of the colour, which it multiplies
 };
 
+/// A bone that swings as VRMC_springBone has it, and the node where it ends.
+struct ImportedSpring {
+    std::int32_t node = -1, end = -1;
+    float stiffness = 0, gravityPower = 0;  ///< m/s: by which it goes on in a frame, over the frame's time
+    float drag = 0;                         ///< share of its motion that it loses in a frame
+    float hitRadius = 0;
+    Vec3 gravity{0, -1, 0};     ///< direction
+    std::int32_t centered = 0;  ///< 1: what carries the character does not shake it
+};
+/// A ball, or a capsule between two points, in a node.
+struct ImportedSpringCollider {
+    std::int32_t node = -1;
+    Vec3 from{}, to{};
+    float radius = 0;
+};
+struct ImportedSprings {
+    std::vector<ImportedSpring> bones;
+    std::vector<ImportedSpringCollider> colliders;
+    bool grouped = false;  ///< colliders are not the same for all
+};
+
 /// What a file says, in its own units and axes; nodes have parents before children.
 struct ImportedScene {
     std::string format;
@@ -101,6 +122,7 @@ struct ImportedScene {
     std::vector<ImportedClip> clips;
     std::vector<ImportedMaterial> materials;
     std::vector<ImportedImage> images;
+    ImportedSprings springs;
     std::vector<std::string> warnings;
 };
 

@@ -9,6 +9,7 @@
 
 #include "axes.h"
 #include "character_clips.h"
+#include "character_springs.h"
 #include "import_text.h"
 #include "moving_nodes.h"
 
@@ -368,6 +369,7 @@ ImportedCharacter importCharacter(const std::filesystem::path& path, const Chara
     transform(character.skeleton, character.upAxis, character.metersPerUnit);
     imported.toModel = uprightScaling(character.upAxis, character.metersPerUnit);
     character.clips = makeClips(imported);
+    character.springs = makeSprings(imported);
     const Bounds bounds = boundsOf(character.skeleton);
     character.height = bounds.upper.y - bounds.lower.y;
     const bool likely = character.height >= 0.3f && character.height <= 4.0f;

@@ -63,6 +63,9 @@ std::string describeAsset(const Character& character) {
         "  skin      {} vertices, {} triangles in {} meshes, at most {} bones each\n  clips     {}\n",
         character.height, character.skeleton.bones.size(), character.droppedBones.size(), skin.vertices, skin.triangles,
         skin.meshes, skin.influences, character.clips.size());
+    if (!character.springs.chains.empty())
+        text += fmt::format("  springs   {} bones, {} colliders\n", character.springs.chains.size(),
+                            character.springs.colliders.size());
     text += describeBody(recognise(character.skeleton), character.skeleton);
     for (const std::string& warning : character.warnings) text += "  warning   " + warning + "\n";
     return text;

@@ -33,6 +33,14 @@ Json writeRagdoll(const RagdollDef& def);
 
 void writeJson(const Json& json, const std::filesystem::path& path);
 
+/// The schema of an object in a file of which only some members are described; others are passed over.
+template <Described T>
+Json openObjectSchema(const T& initial) {
+    Json schema = objectSchema(initial);
+    allowUnknown(schema);
+    return schema;
+}
+
 /// Reads a described struct from a file. `T`'s own whyInvalid has the last word.
 template <Described T>
 T readDocument(const JsonDocument& document, Faults& faults) {

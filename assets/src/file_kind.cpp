@@ -10,6 +10,9 @@ struct Signature {
     std::string_view bytes, format;
 };
 
+constexpr std::string_view kUsd =
+    "USD, which is not read, nor is its UsdPhysics; glTF with KHR_physics_rigid_bodies is";
+
 /// Of formats that people try, whether or not they are read.
 constexpr std::array kBinary{
     Signature{"glTF", "binary glTF"},
@@ -24,8 +27,8 @@ constexpr std::array kBinary{
               "ELF",
               "a program"},
     Signature{"#VRML", "VRML"},
-    Signature{"#usda", "USD"},
-    Signature{"PXR-USDC", "USD"},
+    Signature{"#usda", kUsd},
+    Signature{"PXR-USDC", kUsd},
     Signature{"HIERARCHY", "BVH"},
     Signature{"ply", "PLY"},
     Signature{"solid ", "STL"},
@@ -60,6 +63,8 @@ std::string_view firstElement(std::string_view text) {
 
 std::string looksLike(std::string_view file) {
     const auto is = [](std::string_view format) { return "; it looks like " + std::string(format); };
+    // The first file of a USD package has its name after the 30 bytes of the archive's header.
+    if (file.starts_with("PK\x03\x04") && file.substr(0, 512).find(".usd") != std::string_view::npos) return is(kUsd);
     for (const Signature& one : kBinary)
         if (file.starts_with(one.bytes)) return is(one.format);
     const std::size_t first = file.find_first_not_of("\xef\xbb\xbf \t\r\n");

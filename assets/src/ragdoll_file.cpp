@@ -27,6 +27,7 @@ struct JointInFile {
     std::string parent, child;
     Frame frameA, frameB;
     bool collide = false;
+    std::optional<float> breakForce, breakTorque;
 };
 struct RagdollInFile {
     int version = 1;
@@ -62,6 +63,8 @@ void describe(Visitor& visit, Self& self, const JointInFile*) {
           self.frameA);
     visit(Tunable{.name = "frameB", .meaning = "the joint in the child's bone"}, self.frameB);
     visit(Tunable{.name = "collide", .meaning = "do the two parts collide with each other?"}, self.collide);
+    visit(Tunable{"breakForce", "N", 1e-6, 1e12, "force beyond which it breaks"}, self.breakForce);
+    visit(Tunable{"breakTorque", "N m", 1e-6, 1e12, "torque beyond which it breaks"}, self.breakTorque);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const RagdollInFile*) {
@@ -148,6 +151,8 @@ private:
                 kind.bodies.frameA = in.frameA;
                 kind.bodies.frameB = in.frameB;
                 kind.bodies.collide = in.collide;
+                kind.bodies.breakForce = in.breakForce.value_or(kNoForceLimit);
+                kind.bodies.breakTorque = in.breakTorque.value_or(kNoForceLimit);
             },
             joint.joint);
         def_.joints.push_back(std::move(joint));
@@ -201,7 +206,9 @@ Json writeRagdoll(const RagdollDef& def) {
     for (const RagdollJoint& j : def.joints) {
         const JointBodies& bodies =
             std::visit([](const auto& kind) -> const JointBodies& { return kind.bodies; }, j.joint);
-        out.joints.push_back({part(j.parent), part(j.child), bodies.frameA, bodies.frameB, bodies.collide});
+        const auto bound = [](float most) { return most < kNoForceLimit ? std::optional(most) : std::nullopt; };
+        out.joints.push_back({part(j.parent), part(j.child), bodies.frameA, bodies.frameB, bodies.collide,
+                              bound(bodies.breakForce), bound(bodies.breakTorque)});
     }
     Json json = writeValue(out);
     for (std::size_t i = 0; i < def.joints.size(); ++i) writeJointKind(def.joints[i].joint, json["joints"][i]);

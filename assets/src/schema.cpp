@@ -87,8 +87,9 @@ bool addWrongMembers(const Json& schema, const Json& value, const std::string& p
     bool any = false;
     std::set<std::string> meant;
     const auto names = namesOf(schema);
+    const bool open = !schema.contains("additionalProperties");
     for (const auto& item : value.items()) {
-        if (names.empty() || std::find(names.begin(), names.end(), item.key()) != names.end()) continue;
+        if (open || names.empty() || std::find(names.begin(), names.end(), item.key()) != names.end()) continue;
         any = true;
         meant.insert(nearestName(item.key(), names));
         faults.addUnknown(
@@ -192,6 +193,13 @@ std::string nearestName(const std::string& given, const std::vector<std::string>
         }
     }
     return best;
+}
+
+void allowUnknown(Json& schema) {
+    if (schema.is_object() && schema.value("additionalProperties", Json()) == false)
+        schema.erase("additionalProperties");
+    for (Json& inner : schema)
+        if (inner.is_structured()) allowUnknown(inner);
 }
 
 }  // namespace ragtop

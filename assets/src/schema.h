@@ -9,6 +9,9 @@ namespace ragtop {
 /// places and what is allowed there.
 void findFaults(const JsonDocument& document, const Json& schema, Faults& faults);
 
+/// Lets objects of a schema have members that it does not name.
+void allowUnknown(Json& schema);
+
 /// The name that `given` is most likely a slip of, or empty when none is near.
 std::string nearestName(const std::string& given, const std::vector<std::string>& names);
 

@@ -13,6 +13,7 @@
 #include "json_text.h"
 #include "ragtop/character.h"
 #include "ragtop/find_asset.h"
+#include "ragtop/gltf_ragdoll.h"
 #include "ragtop/mesh_file.h"
 #include "ragtop/ragdoll_file.h"
 #include "ragtop/robot.h"
@@ -116,8 +117,14 @@ Inspected inspectRobot(const fs::path& path) {
     return {describeAsset(robot), "\"robot\": " + robotJson(robot)};
 }
 
-/// A model with bones is a character, one without is a mesh.
+/// A model whose nodes move by physics is a ragdoll, one with bones a character, one without a mesh.
 Inspected inspectModel(const fs::path& path) {
+    if (hasGltfRagdoll(path)) {
+        const GltfRagdoll read = loadGltfRagdoll(path);
+        std::string text = path.string() + "\n" + describeAsset(read.ragdoll);
+        for (const std::string& warning : read.warnings) text += "  warning   " + warning + "\n";
+        return {text, {}};
+    }
     try {
         const Character character = loadCharacter(path);
         const RagdollDef ragdoll = makeRagdoll(character);

@@ -9,6 +9,7 @@
 #include "borrowed_clips.h"
 #include "json_text.h"
 #include "ragtop/asset_error.h"
+#include "ragtop/gltf_ragdoll.h"
 #include "ragtop/pose.h"
 #include "ragtop/ragdoll_file.h"
 
@@ -38,7 +39,10 @@ std::string toJson(const RagdollCommand& command, const RagdollSubject& subject,
 void write(RagdollSubject& subject, const std::string& out) {
     const auto* fitted = std::get_if<RagdollDef>(&subject.def);
     if (!fitted) throw AssetError(out + ": is not written: " + subject.name + " is a robot, must be a character");
-    subject.def = saveEditableRagdoll(*fitted, out);
+    if (out.ends_with(".gltf") || out.ends_with(".glb"))
+        saveGltfRagdoll(*fitted, out);
+    else
+        subject.def = saveEditableRagdoll(*fitted, out);
     fmt::print("{}: {} parts\n", out, std::get<RagdollDef>(subject.def).parts.size());
 }
 

@@ -8,6 +8,7 @@
 #include "body_json.h"
 #include "ragtop/character.h"
 #include "ragtop/find_asset.h"
+#include "ragtop/gltf_ragdoll.h"
 #include "ragtop/ragdoll_file.h"
 
 namespace ragtop::demos {
@@ -31,6 +32,10 @@ RagdollSubject loadRagdollSubject(const std::string& asset) {
     const std::filesystem::path path = findAsset(asset);
     if (path.extension() == ".urdf" || path.extension() == ".xml") {
         subject.def = loadRobot(path);
+        return subject;
+    }
+    if (hasGltfRagdoll(path)) {
+        subject.def = loadGltfRagdoll(path).ragdoll;
         return subject;
     }
     try {

@@ -11,6 +11,7 @@
 #include "ragtop/mesh_file.h"
 #include "ragtop/ragdoll.h"
 #include "ragtop/skeleton.h"
+#include "ragtop/spring_bones.h"
 
 namespace ragtop {
 
@@ -35,6 +36,7 @@ struct Character {
     std::string format{};       ///< of the file, as its importer calls it
     Skeleton skeleton{};        ///< bones that move skin, and what joins them; with their vertices
     std::vector<Clip> clips{};  ///< of the bones of the skeleton
+    SpringBonesDef springs{};   ///< hair, ears, clothes that swing, of VRMC_springBone
     SkinInfo skin{};
     std::vector<std::string> droppedBones{};  ///< controls, slots and others that move no vertex
     float metersPerUnit = 1;                  ///< m per unit of the file
