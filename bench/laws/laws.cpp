@@ -90,10 +90,10 @@ public:
         if (std::isnan(highest_)) watched.energyGain = highest_;
         raise(watched.gap, gap());
         raise(watched.overLimit, over());
-        std::vector<DVec3> places = placesFrom({});
-        stuck_ = places == last_ && !rests() ? stuck_ + scene_.step : 0;
+        std::vector<Pose> poses = allPoses();
+        stuck_ = std::ranges::equal(poses, last_, isSame) && !rests() ? stuck_ + scene_.step : 0;
         raise(watched.stuck, stuck_);
-        last_ = std::move(places);
+        last_ = std::move(poses);
         if (!stands) return;
         const std::vector<DVec3> now = relativePlaces();
         for (std::size_t i = 0; i < now.size(); ++i) raise(watched.moved, length(now[i] - from_[i]));
@@ -142,17 +142,25 @@ private:
         potential_ += springs;
         return kinetic_ + potential_;
     }
-    std::vector<DVec3> relativePlaces() const { return placesFrom(engine_.motion(0).pose.position); }
-    std::vector<DVec3> placesFrom(const DVec3& origin) const {
+    /// Of all bodies but the first, from it.
+    std::vector<DVec3> relativePlaces() const {
         std::vector<DVec3> places;
+        const DVec3 origin = engine_.motion(0).pose.position;
         for (std::size_t i = 1; i < masses_.size(); ++i) places.push_back(engine_.motion(static_cast<int>(i)).pose.position - origin);
         return places;
     }
+    std::vector<Pose> allPoses() const {
+        std::vector<Pose> poses;
+        for (std::size_t i = 0; i < masses_.size(); ++i) poses.push_back(engine_.motion(static_cast<int>(i)).pose);
+        return poses;
+    }
+    static bool isSame(const Pose& a, const Pose& b) { return a.position == b.position && a.rotation == b.rotation; }
 
     const Scene& scene_;
     stability::Engine& engine_;
     std::vector<MassProperties> masses_;
-    std::vector<DVec3> from_, last_;
+    std::vector<DVec3> from_;
+    std::vector<Pose> last_;
     double stuck_ = 0;
     double start_ = 0, highest_ = -1e300, lowest_ = 0;
     double kinetic_ = 0, potential_ = 0, mass_ = 0, weightTimesSize_ = 0;

@@ -37,7 +37,7 @@ struct SteadyScene {
 const SteadyScene kSteady[] = {
     {"tower", [](World& world, const scenes::Scale& scale) { scenes::addTower(world, scale); }, 60},
     {"slope", addSlope, 120},
-    {"joints", [](World& world, const scenes::Scale& scale) { scenes::addJoints(world, scale); }, 600},
+    {"joints", [](World& world, const scenes::Scale& scale) { scenes::addJoints(world, scale); }, 900},
     {"house", [](World& world, const scenes::Scale& scale) { scenes::addHouse(world, scale); }, 120},
     {"hills",
      [](World& world, const scenes::Scale& scale) {

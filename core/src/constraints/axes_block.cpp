@@ -90,6 +90,9 @@ void beginAxes(AxesBlock& block, const BodyPair& pair, const Arms& arms, float r
 void rescale(AxesBlock& block, float ratio) {
     for (float& impulse : block.impulse) rescale(impulse, ratio);
     for (float& impulse : block.startImpulse) rescale(impulse, ratio);
+    // What a rate changes by within a substep grows with it.
+    for (float& bend : block.rigidBend) rescale(bend, ratio);
+    for (float& bend : block.freeBend) rescale(bend, ratio);
     for (AxisRows& axis : block.axis) rescale(axis, ratio);
 }
 

@@ -5,6 +5,7 @@
 
 #include "constraints/axes_block.h"
 #include "constraints/joint_ball_drives.h"
+#include "constraints/joint_counts.h"
 #include "constraints/joint_path.h"
 #include "constraints/joint_swing.h"
 #include "constraints/rows.h"
@@ -105,6 +106,7 @@ struct JointSim {
     StopLedger ledger;
     PairVector lead;          ///< N s and N m s, given when the last step ended: see spring_lead.h
     std::uint32_t leads = 0;  ///< 1: `lead` was given, and is to be taken back
+    JointCounts countsAtStep;
 };
 static_assert(std::is_trivially_copyable_v<JointSim> && std::is_standard_layout_v<JointSim>);
 

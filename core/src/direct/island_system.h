@@ -200,9 +200,13 @@ public:
         buildRows(arrays, joints, false, RowAims::closing);
         for (std::size_t i = 0; i < unknowns(); ++i) free_[i] = velocity_[i] = 0;
     }
-    /// Rows that give way more are followed less far where they can hardly be closed.
-    void soften(double factor) {
-        for (SystemRow& row : rows_) row.resistance *= factor;
+    /// Makes turns dearer than ways by a factor, and rows give way more by another: both shorten what leads too far.
+    void dampClosing(double turns, double rows) {
+        for (SystemBody& body : bodies_) {
+            body.inertia = scaled(body.inertia, turns);
+            body.inverseInertia = body.inverseTaut = scaled(body.inverseInertia, 1 / turns);
+        }
+        for (SystemRow& row : rows_) row.resistance *= rows;
         for (double& x : velocity_) x = 0;
     }
     /// What was found, as ways over h: the largest turn, rad, and that of each body.

@@ -5,18 +5,18 @@
 #include <limits>
 
 #include "constraints/contact_layout.h"
-#include "constraints/stiffness.h"
 #include "constraints/stored_energy.h"
 #include "direct/choice.h"
 #include "world/group_motion.h"
+#include "world/jointed_groups.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
 
 namespace {
 
-/// Of the kinetic energy and of the weight times the size: what a first-order integrator trades in a swing and gets back.
-/// Chosen, not derived: with it the chains of tests/core/energy_guard_test.cpp are left alone.
+/// Of the kinetic energy and of the weight times the size: what a first-order integrator trades in a swing and gets
+/// back. Chosen, not derived: with it the chains of tests/core/energy_guard_test.cpp are left alone.
 constexpr double kRoom = 0.005;
 
 /// The same of what springs hold: they trade more of it within a period, the stiffer they are for a substep.
@@ -25,46 +25,6 @@ constexpr double kSpringRoom = 0.1;
 constexpr double kThrown = 0.1;
 /// Times what there was and what pushing out gives, beyond which a step is undone.
 constexpr double kGarbage = 10;
-
-/// How much is known of what a joint gives and takes. What couplings bring is not counted, what forces
-/// that a caller adds do not closely; soft stops that turn by less than a radian per substep keep their own ledger (StopLedger); on curves a
-/// substep trades more than there is room for.
-Watching watchingOf(const AxisRows& axis) {
-    if (axis.features & AxisRows::kCoupled) return Watching::none;
-    return (axis.features & AxisRows::kSpring) != 0 && axis.feedForward != 0 ? Watching::garbage : Watching::all;
-}
-Watching watchingOf(const WorldImpl& world, const JointSim& sim) {
-    if (hasAxes(sim.kind)) {
-        Watching least = sim.kind == JointKind::path ? Watching::garbage : Watching::all;
-        for (std::uint32_t i = 0; i < sim.axes.freeRows; ++i) {
-            const AxisRows& axis = sim.axes.axis[i];
-            // What these hold is not counted.
-            if ((axis.features & AxisRows::kSpring) != 0 || axis.stop.stiffness > 0) return Watching::none;
-            least = std::min(least, watchingOf(axis));
-        }
-        return least;
-    }
-    const bool isPushed = (sim.ball.features & BallRows::kDrives) != 0 && sim.drives.feedForward != Vec3{};
-    const bool hasLedger =
-        (sim.axis.stop.stiffness > 0 || sim.ball.stop.stiffness > 0) &&
-        !(stiffnessOf(sim, world.bodies.states.data(), world.bodies.inertias.data(), world.context.h) > 1);
-    return isPushed || hasLedger ? Watching::garbage : watchingOf(sim.axis);
-}
-
-std::uint32_t rootOf(AlignedArray<std::uint32_t>& parent, std::uint32_t body) {
-    while (parent[body] != body) {
-        parent[body] = parent[parent[body]];
-        body = parent[body];
-    }
-    return body;
-}
-
-template <class Visit>
-void forEachJoint(const WorldImpl& world, Visit&& visit) {
-    for (int c = 0; c < world.graph.listCount(); ++c)
-        for (const std::uint32_t joint : world.graph.color(c).joints)
-            visit(world.joints[joint], world.joints.sims[joint]);
-}
 
 /// J, that forces gave a body along its way.
 double workOn(const WorldImpl& world, std::uint32_t index) {
@@ -103,16 +63,15 @@ Stored storedBy(const WorldImpl& world, std::uint32_t index) {
 }
 
 double excessOf(const WorldImpl& world, std::uint32_t index) {
-    return kineticEnergy(world, index, rotationNow(world, index)) - static_cast<double>(world.energyGuard.kinetic[index]) +
-           storedBy(world, index).gained - workOn(world, index);
+    return kineticEnergy(world, index, rotationNow(world, index)) -
+           static_cast<double>(world.energyGuard.kinetic[index]) + storedBy(world, index).gained - workOn(world, index);
 }
 
 /// By more than a load presses surfaces into each other.
 bool overlaps(const WorldImpl& world, const ContactRecord& contact) {
     bool inside = false;
     for (const ManifoldRecord& manifold : world.manifolds.of(contact))
-        for (int j = 0; j < manifold.pointCount; ++j)
-            inside |= manifold.separation[j] < -contact::kDeep * contact.size;
+        for (int j = 0; j < manifold.pointCount; ++j) inside |= manifold.separation[j] < -contact::kDeep * contact.size;
     return inside;
 }
 
@@ -176,6 +135,9 @@ void stayPut(WorldImpl& world, std::span<const std::uint32_t> group) {
         world.bodies.states[b].dp = {};
         world.bodies.states[b].dq = {};
         world.bodies.refreshInertia(b);
+        for (std::uint32_t key = world.bodies[b].firstJoint; key != kNone;
+             key = world.joints[key >> 1].edges[key & 1].next)
+            restoreCounts(world.joints.sims[key >> 1]);
     }
 }
 
@@ -213,8 +175,8 @@ bool overran(const WorldImpl& world, std::span<const std::uint32_t> group, doubl
     return false;
 }
 
-/// J, by which the kinetic energy of a link may differ from that of its place: speeds of trees are those of the middle of
-/// a substep, half of one earlier, and so were those that the step began with.
+/// J, by which the kinetic energy of a link may differ from that of its place: speeds of trees are those of the middle
+/// of a substep, half of one earlier, and so were those that the step began with.
 double earlyEnergy(const WorldImpl& world, std::uint32_t index) {
     const BodyRecord& body = world.bodies[index];
     if (body.directReason != direct::Reason::tree) return 0;
@@ -249,7 +211,8 @@ void keepRoom(float& room, double left, double most) {
     room = most > 0 ? static_cast<float>(std::clamp(left / most, 0.0, 1.0)) : 1.0f;
 }
 
-/// True where a group has gained no more than it has room for, which is noted. What a module has pushed is not looked at.
+/// True where a group has gained no more than it has room for, which is noted. What a module has pushed is not looked
+/// at.
 bool fits(float& room, const EnergyAccount& account) {
     if (account.before == std::numeric_limits<double>::infinity()) {
         room = 1;
@@ -370,64 +333,6 @@ void guardFallenBack(WorldImpl& world, const DirectIsland& fallen) {
     for (const std::uint32_t b : island) world.forgetImpulses(b, false);  // joints keep their turns
 }
 
-/// Union-find over bodies that move and joints between them; false where there are no joints.
-bool uniteJoined(WorldImpl& world) {
-    EnergyGuard& guard = world.energyGuard;
-    bool joined = false;
-    guard.parent.resizeForOverwrite(world.bodies.size());
-    for (const std::uint32_t body : world.bodies.awake) guard.parent[body] = body;
-    forEachJoint(world, [&](const JointRecord& joint, const JointSim&) {
-        joined = true;
-        if (!world.bodies.moves(joint.bodyA) || !world.bodies.moves(joint.bodyB)) return;
-        const std::uint32_t a = rootOf(guard.parent, joint.bodyA), b = rootOf(guard.parent, joint.bodyB);
-        guard.parent[a < b ? b : a] = a < b ? a : b;
-    });
-    return joined;
-}
-
-/// Lists the members of each group in the order of awake bodies.
-void listMembers(WorldImpl& world, AlignedArray<std::uint32_t>& groupOf) {
-    EnergyGuard& guard = world.energyGuard;
-    const auto isMember = [&](std::uint32_t body) {
-        return world.bodies.moves(body) && world.bodies[body].firstJoint != kNone;
-    };
-    const auto group = [&](std::uint32_t body) { return groupOf[rootOf(guard.parent, body)]; };
-    std::uint32_t count = 0;
-    for (const std::uint32_t body : world.bodies.awake)
-        if (isMember(body) && rootOf(guard.parent, body) == body) groupOf[body] = count++;
-    guard.watched.resize(count, Watching::all);
-    // Counted two places on, so that filling moves each begin to where the group before ends.
-    guard.starts.resize(count + 2, 0);
-    for (const std::uint32_t body : world.bodies.awake)
-        if (isMember(body)) ++guard.starts[group(body) + 2];
-    for (std::size_t g = 2; g < guard.starts.size(); ++g) guard.starts[g] += guard.starts[g - 1];
-    guard.bodies.resizeForOverwrite(guard.starts[count + 1]);
-    for (const std::uint32_t body : world.bodies.awake)
-        if (isMember(body)) guard.bodies[guard.starts[group(body) + 1]++] = body;
-    guard.starts.pop();
-}
-
-/// Where joints, the bodies that are awake or direct islands have changed.
-void findGroups(WorldImpl& world) {
-    if (!world.articulations.areFresh()) return;
-    EnergyGuard& guard = world.energyGuard;
-    guard.starts.clear();
-    guard.bodies.clear();
-    guard.watched.clear();
-    guard.stores = false;
-    if (!uniteJoined(world)) return;
-    guard.room.resize(world.bodies.size(), 1.0f);
-    AlignedArray<std::uint32_t>& groupOf = guard.visited;  // of roots; it has room for all bodies from then on
-    groupOf.resizeForOverwrite(world.bodies.size());
-    listMembers(world, groupOf);
-    forEachJoint(world, [&](const JointRecord& joint, const JointSim& sim) {
-        const std::uint32_t body = world.bodies.moves(joint.bodyA) ? joint.bodyA : joint.bodyB;
-        const std::uint32_t group = groupOf[rootOf(guard.parent, body)];
-        guard.stores |= storesEnergy(sim);
-        guard.watched[group] = std::min(guard.watched[group], watchingOf(world, sim));
-    });
-}
-
 }  // namespace
 
 void recordKinetic(WorldImpl& world, std::uint32_t body) {
@@ -448,7 +353,8 @@ void beginGuard(WorldImpl& world) {
     guard.momentum.resizeForOverwrite(guard.groupCount());
     world.runner.parallelFor(static_cast<int>(guard.groupCount()), 4, [&](int begin, int end, int) {
         for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g)
-            if (guard.watched[g] != Watching::none) guard.momentum[g] = angularMomentumAtStart(world, guard.membersOf(g));
+            if (guard.watched[g] != Watching::none)
+                guard.momentum[g] = angularMomentumAtStart(world, guard.membersOf(g));
     });
 }
 

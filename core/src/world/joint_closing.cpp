@@ -19,18 +19,21 @@ namespace {
 /// Gap between anchors, in sizes of the smaller body and beyond what turning leaves, or angle beyond a hard stop, rad,
 /// that is closed.
 constexpr float kOpen = 0.02f;
-constexpr float kTorn = 0.1f;          ///< the same, which no step may leave of joints that were closed
-constexpr float kTornStop = 0.05f;     ///< rad beyond a hard stop, likewise
-constexpr float kClosed = 0.01f;       ///< the same, at which it is closed enough
-constexpr int kRounds = 24;            ///< of closing: errors are not linear in ways
-constexpr int kSofter = 6;             ///< softer systems that are tried where ways would be longer than kLargestTurn
-constexpr double kSoftening = 10;      ///< resistance of each over that of the one before
+constexpr float kTorn = 0.1f;       ///< the same, which no step may leave of joints that were closed
+constexpr float kTornStop = 0.05f;  ///< rad beyond a hard stop, likewise
+constexpr float kClosed = 0.01f;    ///< the same, at which it is closed enough
+constexpr int kRounds = 24;         ///< of closing: errors are not linear in ways
+constexpr int kDamped = 6;          ///< damped systems that are tried where bodies would turn by more than kLargestTurn
+constexpr double kDamping = 10;     ///< of each over that of the one before
+constexpr double kTurnsAlone = 1000;   ///< damping up to which turns become dearer alone; rows give way beyond
 constexpr double kHeld = 30;           ///< times as heavy is what a sweep of continuous collision holds up
 constexpr float kLeastShare = 0.125f;  ///< of a step that is cut short, below which none of it is left
 constexpr float kLargestTurn = 0.25f;  ///< rad, of a round
 constexpr float kStraight = 0.25f;     ///< least share of the ways of a round: they are damped more instead
-constexpr float kBetter = 0.9f;        ///< of an opening, that counts as closed further
-constexpr int kPatience = 6;           ///< rounds that close nothing further
+constexpr double kGained =
+    0.005;                       ///< of the kinetic energy, which closing may leave beyond it: the energy guard's room
+constexpr float kBetter = 0.9f;  ///< of an opening, that counts as closed further
+constexpr int kPatience = 6;     ///< rounds that close nothing further
 
 /// m, between what a joint holds together.
 float gapOf(const WorldImpl& world, const JointSim& sim, const JointBodiesAtStep& at) {
@@ -55,8 +58,8 @@ float turnedApart(const JointSim& sim, const JointBodiesAtStep& at) {
     }
 }
 
-/// The gap of a joint over the size of the smaller of the bodies that it moves, or what it is turned apart by, where that
-/// is torn; 0 where these have none.
+/// The gap of a joint over the size of the smaller of the bodies that it moves, or what it is turned apart by, where
+/// that is torn; 0 where these have none.
 float opening(const WorldImpl& world, std::uint32_t index) {
     const JointRecord& joint = world.joints[index];
     const JointSim& sim = world.joints.sims[index];
@@ -209,20 +212,24 @@ float shareOfWays(const WorldImpl& world, std::span<const std::uint32_t> joints,
     return std::min({1.0f, 0.5f * open / std::max(bend, 0.5f * open), kLargestTurn / std::max(turn, kLargestTurn)});
 }
 
-/// The ways over a substep that close the joints, by Newton's method on errors of places, with Levenberg's damping
-/// where these can hardly be closed: `softness` is that of the round before. Returns the share of them to go.
+/// The ways over a substep that close the joints, by Newton's method on errors of places. `damping` is that of the
+/// round before. Where links lie nearly along the line by which they were torn apart, the metric of the masses turns
+/// them by many radians to first order, sooner than it lifts what is heavy; and near a dead point of a loop any way is
+/// long. So turns become dearer first, whereupon bodies go straight; then rows give way, after Levenberg. Returns the
+/// share of the ways to go.
 float findWays(const WorldImpl& world, std::span<const std::uint32_t> joints, JointClosing::Bench& bench, float open,
-               float least, double& softness) {
+               float least, double& damping) {
     direct::SolveReport report;
-    softness = std::max(1.0, softness / (kSoftening * kSoftening));
-    bench.system.soften(softness);
+    const auto ofRows = [](double x) { return std::max(1.0, x / kTurnsAlone); };
+    damping = std::max(1.0, damping / (kDamping * kDamping));
+    bench.system.dampClosing(damping, ofRows(damping));
     for (int i = 0;; ++i) {
         bool factored = false;
         direct::pivot(bench.system, factored, report);
         const float share = shareOfWays(world, joints, bench, open);
-        if (share >= least || i == kSofter) return share;
-        bench.system.soften(kSoftening);
-        softness *= kSoftening;
+        if (share >= least || i == kDamped) return share;
+        bench.system.dampClosing(kDamping, ofRows(kDamping * damping) / ofRows(damping));
+        damping *= kDamping;
     }
 }
 
@@ -240,7 +247,7 @@ float closeByPlaces(WorldImpl& world, std::span<const std::uint32_t> group, std:
     const auto weightOf = [&](std::uint32_t body) {
         return world.sweptBodies.flags[world.bodies[body].awakeIndex] == kSwept ? kHeld : 1.0;
     };
-    double softness = 1;
+    double damping = 1;
     placeJoints(world, joints);
     float open = widestOpening(world, joints), least = open;
     bench.turns.resizeForOverwrite(group.size());
@@ -254,7 +261,7 @@ float closeByPlaces(WorldImpl& world, std::span<const std::uint32_t> group, std:
             open = least;
         }
         bench.system.aimAtClosing(world.bodies.arrays(), world.jointContext, weightOf);
-        const float share = findWays(world, joints, bench, open, damped ? kStraight : 0.0f, softness);
+        const float share = findWays(world, joints, bench, open, damped ? kStraight : 0.0f, damping);
         bench.system.visitWays(static_cast<double>(share * world.context.h),
                                [&](std::uint32_t body, const DVec3& way, const DVec3& turning) {
                                    world.shiftBody(body, {toVec3(way), toVec3(turning)});
@@ -304,15 +311,6 @@ float widestOfOwn(const WorldImpl& world, std::span<const std::uint32_t> joints)
     return widest;
 }
 
-/// Hinges that have been thrown about have counted turns that they have not made: those within a turn have the one that
-/// leads into their range.
-void countTurnsAnew(WorldImpl& world, std::span<const std::uint32_t> joints) {
-    for (const std::uint32_t joint : joints) {
-        AxisRows& axis = world.joints.sims[joint].axis;
-        if ((axis.features & AxisRows::kLimit) != 0 && axis.upper - axis.lower < 2 * kPi) axis.tracked = 0;
-    }
-}
-
 /// A step that ends where joints cannot be closed is cut short: the joints were closed where it began, so that they are
 /// nearly so a little further on. A group that nothing holds goes on as a whole. One that began open has no such place.
 float closeEarlier(WorldImpl& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
@@ -320,7 +318,7 @@ float closeEarlier(WorldImpl& world, std::span<const std::uint32_t> group, std::
     const std::span<const SweptPath> paths(bench.paths.data(), bench.paths.size());
     const Vec3 common = hangs(world, joints) ? Vec3{} : commonWay(world, group, paths);
     moveAlong(world, group, paths, common, 0);
-    countTurnsAnew(world, joints);
+    for (const std::uint32_t joint : joints) restoreCounts(world.joints.sims[joint]);
     placeJoints(world, joints);
     const bool beganOpen = widestOfOwn(world, joints) > kTorn;
     float share = beganOpen ? 1.0f : 0.5f;
@@ -358,26 +356,56 @@ double kineticOf(const WorldImpl& world, std::span<const std::uint32_t> group) {
     return kinetic;
 }
 
-void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClosing::Bench& bench) {
-    const direct::IslandParts parts = partsOf(world, group, bench);
-    const std::span<const std::uint32_t> joints(bench.joints.data(), bench.joints.size());
-    const Vec3 momentum = angularMomentumAtStart(world, group);
-    const double kinetic = kineticOf(world, group), stored = storedBy(world, joints);
-    bench.paths.clear();
-    for (const std::uint32_t body : group)
-        bench.paths.push(pathOfStep(world.bodies, world.sweptBodies.startPoses(), world.dt, body));
-    bench.system.begin(parts, world.bodies.arrays(), world.context);
-    float share = 1;
-    if (closeByPlaces(world, group, joints, bench) > kTorn) share = closeEarlier(world, group, joints, bench);
-    bench.cut += share < 1;
+/// Of a group when its step is done.
+struct BeforeClosing {
+    Vec3 momentum;                   ///< kg m²/s, angular, that it is to have
+    double kinetic = 0, stored = 0;  ///< J
+};
+
+/// Speeds that open no joint, with the group's angular momentum and no more than its energy. Returns what is left of
+/// what there is too much, J: less than bodies so close to each other have at that momentum cannot be had.
+double fitSpeeds(WorldImpl& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
+                 JointClosing::Bench& bench, const BeforeClosing& before, float share) {
     restJoints(world, bench.system);
     // Places that move beside velocities change what these make about the centre of mass.
     const bool isFree = !hangs(world, joints);
-    if (isFree) turnToMomentum(world, group, momentum);
+    if (isFree) turnToMomentum(world, group, before.momentum);
     const double work =
-        workOfClosing(world, group, {bench.paths.data(), bench.paths.size()}) + stored - storedBy(world, joints);
-    takeEnergy(world, group, kineticOf(world, group) - (share > 0 ? std::max(0.0, kinetic + std::min(0.0, work)) : 0.0),
-               isFree);
+        workOfClosing(world, group, {bench.paths.data(), bench.paths.size()}) + before.stored - storedBy(world, joints);
+    const double most = share > 0 ? std::max(0.0, before.kinetic + std::min(0.0, work)) : 0.0;
+    const double excess = kineticOf(world, group) - most;
+    return excess - takeEnergy(world, group, excess, isFree);
+}
+
+/// To where the step has led, as fast as there.
+void moveToEnd(WorldImpl& world, std::span<const std::uint32_t> group, const JointClosing::Bench& bench) {
+    for (std::size_t i = 0; i < group.size(); ++i) {
+        moveTo(world, group[i], bench.paths[i].at(1));
+        world.bodies.states[group[i]].v = bench.speeds[i].linear;
+        world.bodies.states[group[i]].w = bench.speeds[i].angular;
+    }
+}
+
+void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClosing::Bench& bench) {
+    const direct::IslandParts parts = partsOf(world, group, bench);
+    const std::span<const std::uint32_t> joints(bench.joints.data(), bench.joints.size());
+    const BeforeClosing before{angularMomentumAtStart(world, group), kineticOf(world, group), storedBy(world, joints)};
+    bench.paths.clear();
+    bench.speeds.clear();
+    for (const std::uint32_t body : group) {
+        bench.paths.push(pathOfStep(world.bodies, world.sweptBodies.startPoses(), world.dt, body));
+        bench.speeds.push({world.bodies.states[body].v, world.bodies.states[body].w});
+    }
+    bench.system.begin(parts, world.bodies.arrays(), world.context);
+    float share = 1;
+    if (closeByPlaces(world, group, joints, bench) > kTorn) share = closeEarlier(world, group, joints, bench);
+    const double excess = fitSpeeds(world, group, joints, bench, before, share);
+    if (share == 1 && excess > kGained * before.kinetic) {
+        moveToEnd(world, group, bench);
+        share = closeEarlier(world, group, joints, bench);
+        fitSpeeds(world, group, joints, bench, before, share);
+    }
+    bench.cut += share < 1;
     for (const std::uint32_t body : group) world.bodies.storeMomentum(body);
 }
 
@@ -394,6 +422,7 @@ static void makeRoomToClose(WorldImpl& world, std::span<const std::uint32_t> gro
     for (const std::unique_ptr<JointClosing::Bench>& bench : closing.benches) {
         bench->system.begin(partsOf(world, group, *bench), world.bodies.arrays(), world.context);
         bench->paths.reserve(group.size());
+        bench->speeds.reserve(group.size());
         bench->best.reserve(group.size());
         bench->turns.reserve(group.size());
     }

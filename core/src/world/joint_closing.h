@@ -29,12 +29,19 @@ struct JointClosing {
     /// Of each worker.
     struct Bench {
         explicit Bench(std::pmr::memory_resource* memory)
-            : joints(memory), sims(memory), paths(memory), best(memory), turns(memory), system(memory) {}
+            : joints(memory),
+              sims(memory),
+              paths(memory),
+              speeds(memory),
+              best(memory),
+              turns(memory),
+              system(memory) {}
         AlignedArray<std::uint32_t> joints;
         AlignedArray<JointSim*> sims;
-        AlignedArray<SweptPath> paths;  ///< of the group's bodies in this step
-        AlignedArray<Pose> best;        ///< where they were closed best
-        AlignedArray<float> turns;      ///< rad², of the ways of a round
+        AlignedArray<SweptPath> paths;    ///< of the group's bodies in this step
+        AlignedArray<PairVector> speeds;  ///< of these when it was done: m/s and rad/s
+        AlignedArray<Pose> best;          ///< where they were closed best
+        AlignedArray<float> turns;        ///< rad², of the ways of a round
         direct::IslandSystem system;
         std::uint64_t cut = 0;  ///< steps of groups that were cut short, in this step
     };

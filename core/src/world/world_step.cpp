@@ -271,6 +271,7 @@ bool WorldImpl::placeAndPrepare(int c, int begin, int end) {
 void WorldImpl::prepareJointOf(std::uint32_t joint) {
     if (articulations.areFresh()) articulations.classify(tables(), joint, joints.sims[joint]);
     prepareJoint(joints.sims[joint], jointBodies(joint), bodies.states.data(), bodies.inertias.data(), jointContext);
+    keepCounts(joints.sims[joint]);
 }
 
 void WorldImpl::prepareJoints() {
