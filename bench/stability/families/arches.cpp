@@ -7,6 +7,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace arches_cases {
 
 constexpr double kSeconds = 60;
 constexpr double kRadius = 10;  ///< m, of the middle line
@@ -96,9 +97,11 @@ void pointed(Trial& trial) {
     trial.expectAtMost("largest move", result.moved, kTop / 10, "m");
 }
 
+}  // namespace arches_cases
 }  // namespace
 
 void addArchCases(Family& family) {
+    using namespace arches_cases;
     family.cases.push_back(
         {"limit analysis of the arch",
          [](Trial& trial) { trial.expectNear("critical t/R", limitThickness(), 0.106, 0.0005, "1"); },

@@ -10,6 +10,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace balls_cases {
 
 constexpr float kRadius = 0.1f;
 
@@ -127,11 +128,12 @@ void cube(Trial& trial) {
     trial.expectAtMost("energy gained", gained, 0.001, "1");
 }
 
+}  // namespace balls_cases
 }  // namespace
 
 Family balls() {
-    return {"balls",
-            {{"666 in a pit", pile, Kind::swept, false}, {"6 x 6 x 6 without friction", cube, Kind::swept}}};
+    using namespace balls_cases;
+    return {"balls", {{"666 in a pit", pile, Kind::swept, false}, {"6 x 6 x 6 without friction", cube, Kind::swept}}};
 }
 
 }  // namespace ragtop::stability

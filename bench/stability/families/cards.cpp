@@ -9,6 +9,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace cards_cases {
 
 constexpr double kSeconds = 60;
 constexpr double kLength = 0.4, kThickness = 0.002, kWidth = 0.25;  ///< m
@@ -134,9 +135,11 @@ void criticalFriction(Trial& trial) {
     trial.expectNear("critical mu", bisect(0.3, 0.15, 5e-3, stands), exact, 0.02 * exact, "1");
 }
 
+}  // namespace cards_cases
 }  // namespace
 
 void addCardCases(Family& family) {
+    using namespace cards_cases;
     family.cases.push_back({"limit analysis of cards",
                             [](Trial& trial) {
                                 const double exact = (std::tan(kLean) - kThickness / kLength) / 2;

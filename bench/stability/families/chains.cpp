@@ -8,6 +8,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace chains_cases {
 
 constexpr double kLink = 0.5;  ///< m
 constexpr double kRadius = 0.5;
@@ -130,9 +131,11 @@ void cost(Trial& trial, const Chain& chain) {
     trial.expectAtMost("cost over that of 1:1", trial.cpuMs() / other.cpuMs(), 2, "1");
 }
 
+}  // namespace chains_cases
 }  // namespace
 
 Family chains() {
+    using namespace chains_cases;
     Family family{"chain", {}};
     const auto addCase = [&family](const std::string& name, auto&& test, const Chain& chain, Kind kind = Kind::swept,
                                    bool brief = true) {

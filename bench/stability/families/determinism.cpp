@@ -9,6 +9,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace determinism_cases {
 
 constexpr int kSteps = 600;
 
@@ -47,9 +48,11 @@ void sameBits(Trial& trial, const scenes::Scenario& scenario) {
     trial.expectNear("different hashes", static_cast<double>(hashes.size()), 1, 0, "1");
 }
 
+}  // namespace determinism_cases
 }  // namespace
 
 Family determinism() {
+    using namespace determinism_cases;
     Family family{"determinism", {}};
     for (const scenes::Scenario& scenario : scenes::kScenarios)
         family.cases.push_back(

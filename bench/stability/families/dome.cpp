@@ -8,6 +8,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace dome_cases {
 
 constexpr double kSeconds = 60;
 constexpr double kRadius = 10;  ///< m, of the middle surface
@@ -130,9 +131,11 @@ void critical(Trial& trial) {
     trial.expectNear("critical t/R", measured, exact, 0.02 * exact, "1");
 }
 
+}  // namespace dome_cases
 }  // namespace
 
 void addDomeCases(Family& family) {
+    using namespace dome_cases;
     // Without bond and eye a dome is a ring of lunes, whose limit is known as 0.042 [Heyman, The Stone Skeleton, 1995].
     family.cases.push_back({"limit analysis of a dome",
                             [](Trial& trial) {

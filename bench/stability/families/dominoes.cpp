@@ -9,6 +9,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace dominoes_cases {
 
 constexpr int kCount = 100;
 
@@ -78,9 +79,11 @@ void scaling(Trial& trial, double friction) {
     trial.expectAtMost("scaling defect", worst, 0, "m");
 }
 
+}  // namespace dominoes_cases
 }  // namespace
 
 Family dominoes() {
+    using namespace dominoes_cases;
     Family family{"dominoes", {}};
     for (const double friction : {0.0, 0.2, 0.6}) {
         family.cases.push_back(

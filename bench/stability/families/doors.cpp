@@ -8,6 +8,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace doors_cases {
 
 constexpr float kBudget = 300;  ///< N
 
@@ -87,9 +88,11 @@ void breaks(Trial& trial) {
     trial.expectNear("closes", doorway.travel(), 1.5, 1e-3, "m");
 }
 
+}  // namespace doors_cases
 }  // namespace
 
 Family doors() {
+    using namespace doors_cases;
     return {"doors",
             {{"stalls", stalls, Kind::ragtopOnly},
              {"yields", yields, Kind::ragtopOnly},

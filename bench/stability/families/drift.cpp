@@ -7,6 +7,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace drift_cases {
 
 /// A rod on a hinge, let go at half a radian, for an hour: period by the complete elliptic integral, energy by its
 /// drop.
@@ -98,9 +99,11 @@ void momenta(Trial& trial) {
     trial.expectAtMost("angular momentum", std::hypot(dl.x, dl.y, dl.z) / before.arms, 1e-4, "1");
 }
 
+}  // namespace drift_cases
 }  // namespace
 
 Family drift() {
+    using namespace drift_cases;
     return {"drift",
             {
                 {"pendulum, one hour", pendulum, Kind::oneStep, false},

@@ -8,6 +8,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace inclines_cases {
 
 const double kTheta = std::atan(0.5);
 
@@ -62,9 +63,11 @@ void slides(Trial& trial, const Ramp& ramp) {
     trial.expectNear("acceleration", a, exact, 0.01 * exact, "m/s2");
 }
 
+}  // namespace inclines_cases
 }  // namespace
 
 Family inclines() {
+    using namespace inclines_cases;
     Family family{"incline", {}};
     const DVec3 away{1000, 0, 1000};
     for (const double heading : {0.0, 22.5, 45.0}) {

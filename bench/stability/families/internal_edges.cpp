@@ -10,6 +10,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace internal_edges_cases {
 
 constexpr int kCells = 20;
 
@@ -63,9 +64,11 @@ void slides(Trial& trial, const std::string& ground, const Shape& shape, double 
     trial.expectNear("slowest", slowest, kSpeed, 0.001 * kSpeed, "m/s");
 }
 
+}  // namespace internal_edges_cases
 }  // namespace
 
 Family internalEdges() {
+    using namespace internal_edges_cases;
     struct Slider {
         const char* name;
         Shape shape;

@@ -9,6 +9,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace isotropy_cases {
 
 struct Slide {
     double forward = 0, sideways = 0;  ///< m, along and across the heading
@@ -113,9 +114,11 @@ void pushedBox(Trial& trial, double heading) {
     trial.expectNear("fastest ball", fastest, exact * 2 / 7, 0.005 * exact * 2 / 7, "m/s");
 }
 
+}  // namespace isotropy_cases
 }  // namespace
 
 Family isotropy() {
+    using namespace isotropy_cases;
     Family family{"isotropy", {{"5 m/s, 16 headings", headings}}};
     for (const double degrees : {0.0, 45.0})
         family.cases.push_back({fmt::format("board on balls, {} deg", degrees),

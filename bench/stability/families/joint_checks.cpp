@@ -17,6 +17,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace joint_checks_cases {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -339,9 +340,11 @@ void restored(Trial& trial) {
     trial.expectNear("different hashes", static_cast<double>(hashes.size()), 1, 0, "1");
 }
 
+}  // namespace joint_checks_cases
 }  // namespace
 
 Family jointChecks() {
+    using namespace joint_checks_cases;
     return {"joint_checks",
             {
                 {"elliptic cone", ellipse, Kind::ragtopOnly},

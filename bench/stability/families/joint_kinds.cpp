@@ -7,6 +7,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace joint_kinds_cases {
 
 constexpr float kSpring = 200;  ///< N m/rad or N/m of soft stops
 
@@ -231,11 +232,13 @@ int addBody(Scene& scene, Dice& dice, const Pose& joint, float side, bool moves)
     return add(scene, def);
 }
 
+}  // namespace joint_kinds_cases
 }  // namespace
 
-std::span<const JointType> jointTypes() { return kTypes; }
+std::span<const JointType> jointTypes() { return joint_kinds_cases::kTypes; }
 
 void addJoint(Scene& scene, Dice& dice, const Drawn& drawn, const DVec3& place, bool twoBodies) {
+    using namespace joint_kinds_cases;
     const Quat frameA = twoBodies ? anyRotation(dice) : Quat{};
     const Pose jointA{place, frameA};
     const Pose jointB{place + DVec3(rotate(frameA, drawn.offset)), frameA * drawn.rotation};

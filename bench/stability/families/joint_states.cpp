@@ -11,6 +11,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace joint_states_cases {
 
 /// Kinetic energy of a body whose moments are along its axes.
 double energyOf(const Quat& rotation, const Vec3& linear, const Vec3& angular) {
@@ -180,9 +181,11 @@ struct States {
     }
 };
 
+}  // namespace joint_states_cases
 }  // namespace
 
 Family jointStates() {
+    using namespace joint_states_cases;
     Family family{"joint_states", {}};
     const auto add = [&](const States& states, Kind kind) {
         family.cases.push_back({states.name(), [states](Trial& trial) { states.run(trial); }, kind});

@@ -10,6 +10,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace joint_turns_cases {
 
 constexpr int kCount = 100;
 constexpr Vec3 kX{1, 0, 0};
@@ -186,9 +187,11 @@ void gives(Trial& trial, const Driven& driven) {
     trial.expectNear("most that it gives, over its limit", most, 1, 0.001, "1");
 }
 
+}  // namespace joint_turns_cases
 }  // namespace
 
 void addTurnCases(Family& family) {
+    using namespace joint_turns_cases;
     for (const Turning& turning : kTurnings)
         for (const bool two : {false, true})
             family.cases.push_back(
@@ -197,6 +200,7 @@ void addTurnCases(Family& family) {
 }
 
 void addTorqueCases(Family& family) {
+    using namespace joint_turns_cases;
     for (const Driven& driven : kDriven)
         family.cases.push_back({fmt::format("limit of a {}", driven.name),
                                 [&driven](Trial& trial) { gives(trial, driven); }, Kind::oneStep});

@@ -9,6 +9,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace limits_cases {
 
 /// A rod of 1 m on a hinge runs into its stop at 1 rad: it may neither pass it nor come back faster.
 void stop(Trial& trial, float speed) {
@@ -105,9 +106,11 @@ void soft(Trial& trial, int rate, double zeta) {
     trial.expectNear("speed after", static_cast<double>(run.motion(body).w.z), exact, 0.02 * std::abs(exact), "rad/s");
 }
 
+}  // namespace limits_cases
 }  // namespace
 
 Family limits() {
+    using namespace limits_cases;
     Family family{"limits", {}};
     for (const int speed : {20, 200})
         family.cases.push_back(

@@ -12,6 +12,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace loops_cases {
 
 /// A thin bar of 1 kg between two points; it collides with nothing.
 int addBar(Scene& scene, const DVec3& from, const DVec3& to) {
@@ -201,9 +202,11 @@ void hangs(Trial& trial, const Door& door) {
     trial.expectAtMost("a hinge off its share", unequal, 0.01 * share, "N");
 }
 
+}  // namespace loops_cases
 }  // namespace
 
 Family loops() {
+    using namespace loops_cases;
     Family family{"loops", {}};
     for (const int windows : {1, 4, 10})
         family.cases.push_back(

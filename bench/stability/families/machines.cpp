@@ -10,6 +10,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace machines_cases {
 
 constexpr float kFriction = 0.5f;
 
@@ -150,9 +151,11 @@ void stickSlip(Trial& trial) {
     trial.expectNear("stroke", highest - lowest, exact, 0.02 * exact, "m");
 }
 
+}  // namespace machines_cases
 }  // namespace
 
 Family machines() {
+    using namespace machines_cases;
     Family family{"machines", {}};
     for (const double degrees : {0.0, 30.0})
         for (const bool belt : {true, false})

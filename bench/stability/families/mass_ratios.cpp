@@ -8,6 +8,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace mass_ratios_cases {
 
 const Material kMaterial = surface(0.5f);
 
@@ -69,9 +70,11 @@ void stands(Trial& trial, const Scene& scene) {
     trial.expectAtMost("sinks", result.depth, 0.005, "m");
 }
 
+}  // namespace mass_ratios_cases
 }  // namespace
 
 Family massRatios() {
+    using namespace mass_ratios_cases;
     Family family{"mass_ratio", {}};
     for (const int ratio : {10, 100, 1000, 10000})
         family.cases.push_back({fmt::format("{} kg on 1 kg", ratio),

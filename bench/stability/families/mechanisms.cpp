@@ -7,6 +7,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace mechanisms_cases {
 
 /// Fifteen parts on balls and hinges, thrown: nothing from outside but gravity.
 void thrown(Trial& trial) {
@@ -251,9 +252,11 @@ void worm(Trial& trial, float friction) {
         trial.expectAtLeast("sinks", sunk, 1e-2, "m");
 }
 
+}  // namespace mechanisms_cases
 }  // namespace
 
 Family mechanisms() {
+    using namespace mechanisms_cases;
     return {"mechanisms",
             {
                 {"fifteen parts thrown", thrown},

@@ -10,6 +10,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace motors_cases {
 
 constexpr int kLinks = 30;
 constexpr double kLength = 0.1;                     ///< m; with 1 kg about 1e-3 kg m²
@@ -205,9 +206,11 @@ void stall(Trial& trial, double load) {
         trial.expectAtLeast("speed", speed, 1e-3, "rad/s");
 }
 
+}  // namespace motors_cases
 }  // namespace
 
 Family motors() {
+    using namespace motors_cases;
     Family family{"motors", {{"30 links on springs", holds}}};
     for (const int rate : {30, 60, 120, 240}) {
         const auto name = [rate](const char* what) { return fmt::format("{}, {} Hz", what, rate); };

@@ -12,6 +12,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace nonconvex_cases {
 
 constexpr double kLong = 60;  ///< s
 const Material kMaterial = surface(0.5f);
@@ -235,9 +236,11 @@ void shots(Trial& trial, float speed, bool sheetsMove, bool compounds) {
     trial.expectAtMost(fmt::format("passes of {}", kShots), static_cast<double>(passed), 0, "shots");
 }
 
+}  // namespace nonconvex_cases
 }  // namespace
 
 Family nonconvex() {
+    using namespace nonconvex_cases;
     return {"nonconvex",
             {
                 {"chain of 12 tori", [](Trial& trial) { tori(trial, 12, 1); }, Kind::ragtopOnly, false},

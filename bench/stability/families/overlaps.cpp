@@ -8,6 +8,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace overlaps_cases {
 
 const Material kMaterial = surface(0.5f);
 
@@ -84,9 +85,11 @@ void capGone(Trial& trial) {
     trial.expectAtMost("speed upwards", fastest, 1, "m/s");
 }
 
+}  // namespace overlaps_cases
 }  // namespace
 
 Family overlaps() {
+    using namespace overlaps_cases;
     Family family{"overlap", {}};
     for (const double depth : {0.1, 0.5, 0.9}) {
         family.cases.push_back(

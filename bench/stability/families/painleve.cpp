@@ -9,6 +9,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace painleve_cases {
 
 constexpr double kHalf = 0.5;      ///< m, half the rod's length
 constexpr double kRadius = 0.002;  ///< m, of its round end
@@ -83,9 +84,11 @@ void slides(Trial& trial, double friction) {
     trial.expectNear("spin after 1/30 s", spin, exact, 0.1 * std::abs(exact), "rad/s");
 }
 
+}  // namespace painleve_cases
 }  // namespace
 
 Family painleve() {
+    using namespace painleve_cases;
     Family family{"painleve", {}};
     for (const double friction : {1.0, 1.3, 1.4, 2.0})
         family.cases.push_back({fmt::format("mu={}", friction), [friction](Trial& trial) { slides(trial, friction); }});

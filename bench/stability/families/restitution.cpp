@@ -11,6 +11,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace restitution_cases {
 
 constexpr double kHeight = 5;  ///< m, of the drop
 constexpr float kRadius = 0.5f;
@@ -133,9 +134,11 @@ void cradle(Trial& trial, int lifted, double gap) {
     trial.expectNear("the last one's reach", reached / whole, 1, 0.02, "1");
 }
 
+}  // namespace restitution_cases
 }  // namespace
 
 Family restitution() {
+    using namespace restitution_cases;
     Family family{"restitution", {{"e=0", staysDown}}};
     const auto addBounces = [&family](float e, std::size_t count) {
         family.cases.push_back({fmt::format("e={}", e), [=](Trial& trial) { bounces(trial, e, count); }});

@@ -11,6 +11,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace rolling_cases {
 
 constexpr float kRadius = 0.25f;
 
@@ -202,9 +203,11 @@ void turntable(Trial& trial) {
     trial.expectAtMost("off the circle", off, 0.005 * radius, "m");
 }
 
+}  // namespace rolling_cases
 }  // namespace
 
 Family rolling() {
+    using namespace rolling_cases;
     Family family{"rolling", {{"sliding to rolling", slidesThenRolls}}};
     for (const double friction : {0.3, 0.1})
         for (const Roller& roller : {ball(friction), trunk(friction, false), trunk(friction, true),

@@ -11,6 +11,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace rotation_cases {
 
 constexpr double kSeconds = 60;
 
@@ -146,9 +147,11 @@ void tippeTop(Trial& trial) {
     trial.expectNear("cosine of the tilt, turned over", up, -1, 0.1, "1");
 }
 
+}  // namespace rotation_cases
 }  // namespace
 
 Family rotation() {
+    using namespace rotation_cases;
     Family family{"rotation", {}};
     const char* axes[] = {"least", "middle", "greatest"};
     for (int axis = 0; axis < 3; ++axis)

@@ -11,6 +11,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace shots_cases {
 
 /// Shots at walls that stand side by side without meeting, flying along x at x = 0.
 constexpr double kLane = 8;  ///< m between the middles of two walls
@@ -160,9 +161,11 @@ void random(Trial& trial, int shots) {
     trial.expectAtMost(fmt::format("passes of {}", shots), passed, 0, "shots");
 }
 
+}  // namespace shots_cases
 }  // namespace
 
 Family shots() {
+    using namespace shots_cases;
     return {"ccd",
             {
                 {"ball at 100 m/s, wall of 0.1 m", [](Trial& trial) { phases(trial, 0.1); }},

@@ -9,6 +9,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace squeezer_cases {
 
 /// The squeezer mechanism of Andrews and Manning as published: seven bodies, ten hinges, three loops, one degree of
 /// freedom, a spring and a constant torque at the crank, in the plane and without gravity [Hairer, Wanner, Solving ODEs
@@ -114,9 +115,11 @@ void published(Trial& trial, const Units& units) {
     trial.expectAtMost("gap", gap, 1e-4, "m");
 }
 
+}  // namespace squeezer_cases
 }  // namespace
 
 void addSqueezerCases(Family& family) {
+    using namespace squeezer_cases;
     // Three seconds instead of 0.03, in decimetres and tonnes: 60 steps a second see the crank turn.
     family.cases.push_back({"Andrews as published, slowed", [](Trial& trial) { published(trial, {10, 100, 1000}); }});
     family.cases.push_back({"Andrews as published", [](Trial& trial) {

@@ -9,6 +9,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace stacks_cases {
 
 constexpr double kLong = 60;  ///< s
 
@@ -157,9 +158,11 @@ void houseCost(Trial& trial) {
     trial.expectAtMost("cost over Bullet's", trial.cpuMs() / peer.cpuMs(), 5.5 / 10.1, "1");
 }
 
+}  // namespace stacks_cases
 }  // namespace
 
 Family stacks() {
+    using namespace stacks_cases;
     Family family{"stack", {}};
     for (const int n : {10, 20, 40})
         family.cases.push_back({fmt::format("n={}", n), [n](Trial& trial) { stands(trial, {n}); }});

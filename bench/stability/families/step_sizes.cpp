@@ -6,6 +6,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace step_sizes_cases {
 
 /// Ten unit boxes at a step of 1/rate, whatever the suite's own step is.
 void stack(Trial& trial, int rate) {
@@ -28,9 +29,11 @@ void stack(Trial& trial, int rate) {
     trial.expectAtMost("height lost", loss, 0.005, "m");
 }
 
+}  // namespace step_sizes_cases
 }  // namespace
 
 Family stepSizes() {
+    using namespace step_sizes_cases;
     Family family{"step_size", {}};
     for (const int rate : {15, 30, 120, 240})
         family.cases.push_back(

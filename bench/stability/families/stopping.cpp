@@ -7,6 +7,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace stopping_cases {
 
 constexpr float kSpeed = 5;  ///< m/s
 
@@ -38,9 +39,11 @@ void stops(Trial& trial, float friction) {
     trial.expectNear("time", stopped, time, 0.005 * time, "s");
 }
 
+}  // namespace stopping_cases
 }  // namespace
 
 Family stopping() {
+    using namespace stopping_cases;
     Family family{"stopping", {}};
     for (const float friction : {0.2f, 0.5f, 0.8f})
         family.cases.push_back(

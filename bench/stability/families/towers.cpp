@@ -9,6 +9,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace towers_cases {
 
 constexpr int kLevels = 18;
 constexpr double kLong = 0.075, kWide = 0.025, kHigh = 0.015;  ///< m
@@ -84,9 +85,11 @@ void push(Trial& trial, int level) {
     trial.expectAtMost("largest move of the others", largestMove(run, scene, block), kHigh / 10, "m");
 }
 
+}  // namespace towers_cases
 }  // namespace
 
 Family towers() {
+    using namespace towers_cases;
     Family family{"tower", {{"18 levels", stands}}};
     for (int level = 0; level < kLevels; ++level)
         family.cases.push_back(

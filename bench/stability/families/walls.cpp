@@ -9,6 +9,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace walls_cases {
 
 constexpr int kCourses = 10, kBricks = 20;
 constexpr double kLength = 0.4, kHeight = 0.2, kThickness = 0.2;  ///< m
@@ -107,9 +108,11 @@ void ensemble(Trial& trial, int runs) {
     trial.expectAtMost("energy gained at any time", gained, 0.001, "1");
 }
 
+}  // namespace walls_cases
 }  // namespace
 
 Family walls() {
+    using namespace walls_cases;
     return {"wall",
             {
                 {"10 x 20 bricks, unhit", unhit, Kind::swept, false},

@@ -10,6 +10,7 @@
 
 namespace ragtop::stability {
 namespace {
+namespace wedges_cases {
 
 constexpr double kDepth = 0.4;  ///< m, of everything along z
 
@@ -141,9 +142,11 @@ void driven(Trial& trial, const Taper& taper, float friction) {
     trial.expectAtMost("comes out", larger(0.0, highest - deepest), 0.002, "m");
 }
 
+}  // namespace wedges_cases
 }  // namespace
 
 Family wedges() {
+    using namespace wedges_cases;
     const Taper symmetric{0.25, 0.25}, threeFourFive{0, std::atan(0.75)};
     return {"wedge",
             {
