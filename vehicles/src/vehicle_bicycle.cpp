@@ -13,7 +13,7 @@ namespace {
 constexpr float kRide = 9;          ///< rad/s, of that spring
 constexpr float kRolls = 3;         ///< m/s, below which tires roll without slip
 constexpr float kSeen = 0.25f;      ///< of a wheelbase, after which the ground is looked for again
-constexpr float kStill = 1e-3f;     ///< m/s, below which a car that does not roll has come to rest
+constexpr float kStopped = 1e-3f;   ///< m/s, below which a car that does not roll has come to rest
 constexpr float kMostSlide = 0.5f;  ///< of the speed, sideways: far beyond what linear tires know
 
 /// A spring of rate kRide to where it is `off`, after h by backward Euler; its rate of change.
@@ -171,7 +171,7 @@ void VehicleSim::rideBicycle(float h) {
     endTurning = tilting + after.yaw * road.normal;
     unseen += h * std::abs(mean);
     rollWheels(next, h);
-    const bool still = next == 0 && length(endVelocity) + ride.wheelbase * length(endTurning) < kStill;
+    const bool still = next == 0 && length(endVelocity) + ride.wheelbase * length(endTurning) < kStopped;
     if (still || !holds(endVelocity, endTurning)) {
         if (!still) forgetMotion();
         endVelocity = endTurning = {};
