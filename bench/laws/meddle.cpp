@@ -156,12 +156,20 @@ private:
         }
         return sum;
     }
+    double deepestOverlap() const {
+        float deepest = 0;
+        world_.forEachContact([&](const Contact& contact) {
+            for (int i = 0; i < contact.pointCount; ++i) deepest = std::max(deepest, -contact.points[i].separation);
+        });
+        return static_cast<double>(deepest);
+    }
     void watch() {
         double mass = 0;
         for (const BodyId body : bodies_) mass += static_cast<double>(world_.mass(body).mass);
-        // What a scene at rest may gain: its weight times a tenth of a metre, by which overlaps are pushed apart.
+        // What a scene at rest may gain: all of its weight is lifted by a tenth of a metre, and by as much as what was
+        // put into each other overlaps, which is pushed apart.
         const double gravity = static_cast<double>(length(world_.settings().gravity));
-        const double start = energy(), room = 0.01 * std::abs(start) + 0.1 * mass * gravity;
+        const double start = energy(), room = 0.01 * std::abs(start) + (0.1 + deepestOverlap()) * mass * gravity;
         for (int i = 0; i < kWatched; ++i) {
             if (!step(kStep)) return;
             for (const JointId joint : joints_)
