@@ -33,20 +33,29 @@ Json writeRagdoll(const RagdollDef& def);
 
 void writeJson(const Json& json, const std::filesystem::path& path);
 
-/// The schema of an object in a file of which only some members are described; others are passed over.
-template <Described T>
-Json openObjectSchema(const T& initial) {
-    Json schema = objectSchema(initial);
-    allowUnknown(schema);
-    return schema;
-}
-
 /// Reads a described struct from a file. `T`'s own whyInvalid has the last word.
 template <Described T>
 T readDocument(const JsonDocument& document, Faults& faults) {
     T value{};
     findFaults(document, objectSchema(value), faults);
     readValue(JsonValue(document, &faults), value);
+    return value;
+}
+
+/// The same of somebody else's document, whose members that `T` does not have are passed over. Throws AssetError that
+/// names all faults.
+template <Described T>
+T readOpenDocument(const JsonDocument& document) {
+    static const Json schema = [] {
+        Json open = objectSchema(T{});
+        allowUnknown(open);
+        return open;
+    }();
+    T value{};
+    Faults faults(document);
+    findFaults(document, schema, faults);
+    readValue(JsonValue(document, &faults), value);
+    faults.throwIfAny();
     return value;
 }
 

@@ -8,11 +8,6 @@
 namespace ragtop {
 namespace {
 
-bool warns(const Character& character, const std::string& word) {
-    return std::any_of(character.warnings.begin(), character.warnings.end(),
-                       [&](const std::string& warning) { return warning.find(word) != std::string::npos; });
-}
-
 bool inside(const RagdollPart& part, const Vec3& point) {
     const Vec3 local = inverseTransformPoint(part.bind * part.frame, point);
     constexpr float kSlack = 1e-4f;

@@ -22,10 +22,6 @@ std::string failureOf(const std::string& text) {
     const TemporaryFile file("broken.xml", text);
     return importError(file.path(), [&] { loadRobot(file.path()); });
 }
-bool warns(const Robot& robot, const std::string& word) {
-    return std::any_of(robot.warnings.begin(), robot.warnings.end(),
-                       [&](const std::string& warning) { return warning.find(word) != std::string::npos; });
-}
 const HingeDef& hinge(const Robot& robot, const std::string& name) {
     return std::get<HingeDef>(robot.joints.at(static_cast<std::size_t>(robot.findJoint(name))).joint);
 }

@@ -7,11 +7,6 @@
 namespace ragtop {
 namespace {
 
-bool warns(const Robot& robot, const std::string& word) {
-    return std::any_of(robot.warnings.begin(), robot.warnings.end(),
-                       [&](const std::string& warning) { return warning.find(word) != std::string::npos; });
-}
-
 const RobotJoint& joint(const Robot& robot, const std::string& name) {
     for (const RobotJoint& each : robot.joints)
         if (each.name == name) return each;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -28,6 +29,13 @@ namespace ragtop {
         GTEST_SKIP() << missing.what();                  \
     }                                                    \
     static_assert(true)
+
+/// Does what was read, which has a list of warnings, warn with the word in some of them?
+template <class Read>
+bool warns(const Read& read, const std::string& word) {
+    return std::any_of(read.warnings.begin(), read.warnings.end(),
+                       [&](const std::string& warning) { return warning.find(word) != std::string::npos; });
+}
 
 /// What an AssetError says; empty when there was none. It has to be one line that begins with the file.
 inline std::string importError(const std::filesystem::path& file, const std::function<void()>& load) {

@@ -1,17 +1,15 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "import_support.h"
+#include "json_document.h"
 #include "ragtop/character.h"
 #include "role_names.h"
 
 namespace ragtop {
 namespace {
-
-using Json = nlohmann::json;
 
 std::filesystem::path rigFile(const std::string& name) {
     return std::filesystem::path(RAGTOP_SOURCE_DIR) / "tests" / "data" / "rigs" / name;

@@ -148,30 +148,6 @@ TEST(VehicleLevels, BicycleFollowsHillsAndFallsOffEdges) {
     EXPECT_NEAR(world.pose(car.chassis()).position.y, -0.5 * 9.81 * time * time, 0.7);  // from where its ray ends
 }
 
-/// A plate on ice gets what a car at level 1 pushes off with, the other way.
-TEST(VehicleLevels, RaysPushWhatTheyStandOn) {
-    for (const double mass : {100.0, 2000.0, 10000.0}) {
-        World world(awake());
-        world.create(StaticBody{.shape = Box{{50, 1, 80}}, .position = {0, -1.1, 0}, .material = {.friction = 0}});
-        const double volume = 8 * 5 * 0.05 * 60;
-        const auto plate = world.create(DynamicBody{.shape = Box{{5, 0.05f, 60}},
-                                                    .density = static_cast<float>(mass / volume),
-                                                    .position = {0, -0.05, 0},
-                                                    .material = {.friction = 0.6f}});
-        Vehicle car(world, Drive::at(plainTires(1), VehicleLevel::rays));
-        car.input = {.clutch = 1, .gear = 1};
-        const auto momentum = [&](BodyId body) {
-            return static_cast<double>(world.mass(body).mass * world.linearVelocity(body).z);
-        };
-        run(world, 2);
-        const double before = momentum(car.chassis()) + momentum(plate);
-        car.input = {.throttle = 0.5f, .gear = 1};
-        run(world, 2);
-        EXPECT_GT(momentum(car.chassis()), 1000);
-        EXPECT_NEAR(momentum(car.chassis()) + momentum(plate), before, 1e-3 * momentum(car.chassis())) << mass;
-    }
-}
-
 TEST(VehicleLevels, ComeBackWithASavedWorld) {
     Drive drive(hatchback(), VehicleLevel::full, 15);
     drive.car.input.throttle = 0.5f;

@@ -304,13 +304,8 @@ bool hasGltfPhysics(const JsonDocument& gltf) {
 }
 
 RagdollFromGltf readGltfPhysics(const JsonDocument& gltf, const MeshPoints& points) {
-    static const Json schema = openObjectSchema(GltfFile{});
-    Faults faults(gltf);
-    findFaults(gltf, schema, faults);
-    const JsonValue json(gltf, &faults);
-    GltfFile file;
-    readValue(json, file);
-    faults.throwIfAny();
+    const JsonValue json(gltf);
+    const auto file = readOpenDocument<GltfFile>(gltf);
     RagdollFromGltf read = PhysicsReader(json, file, points).read();
     if (const std::string wrong = whyInvalid(read.def); !wrong.empty())
         throw AssetError(json.place().file, "", "makes no ragdoll: " + wrong);

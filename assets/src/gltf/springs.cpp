@@ -126,13 +126,8 @@ void addCollider(const VrmCollider& collider, const JsonValue& at, std::size_t n
 
 ImportedSprings readGltfSprings(const JsonDocument& gltf) {
     ImportedSprings springs;
-    static const Json schema = openObjectSchema(VrmGltf{});
-    Faults faults(gltf);
-    findFaults(gltf, schema, faults);
-    const JsonValue json(gltf, &faults);
-    VrmGltf file;
-    readValue(json, file);
-    faults.throwIfAny();
+    const JsonValue json(gltf);
+    const auto file = readOpenDocument<VrmGltf>(gltf);
     if (!file.extensions.springs) return springs;
     const std::size_t nodes = json.has("nodes") ? json.at("nodes").size() : 0;
     const VrmFile& vrm = *file.extensions.springs;
