@@ -21,6 +21,11 @@ struct ConstTables {
     const ConstraintGraph& graph;
 };
 
+/// Is one of the two held by the other, which does not move?
+inline bool holds(const Bodies& bodies, const ContactRecord& contact) {
+    return bodies.moves(contact.bodyA) != bodies.moves(contact.bodyB);
+}
+
 /// Calls contact(manifold), then joint(joint), for all that is in the graph, in an order that depends on the scene
 /// alone.
 template <class Contact, class Joint>

@@ -105,4 +105,9 @@ inline Pose poseOf(const BodyRecord& body) { return Pose{body.center, body.rotat
 /// The same, of its rotation.
 inline Quat definitionRotation(const BodyRecord& body) { return body.rotation * conjugate(body.local.rotation); }
 
+/// Of a shape in the world.
+inline Pose shapePose(const BodyRecord& body, const ShapeRecord& shape) {
+    return Pose{body.center, body.rotation} * shape.frame;
+}
+
 }  // namespace ragtop

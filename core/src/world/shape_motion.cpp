@@ -9,12 +9,13 @@ namespace {
 /// How much room is left in the bounds of the body's other shapes is not known then.
 void refit(WorldImpl& world, std::uint32_t index) {
     const ShapeRecord& shape = world.shapes[index];
-    world.giveRoom(shape.body);
+    const ShapeBounds bounds = world.shapeBounds();
+    bounds.giveRoom(shape.body);
     if (shape.proxy == kNone) return;
-    const Bounds tight = world.tightBounds(shape, world.dt);
+    const Bounds tight = bounds.tightBounds(shape, world.dt);
     if (contains(world.broadphase.tree(shape.isStaticTree).bounds(shape.proxy), tight)) return;
-    world.removeProxy(index);
-    world.insertProxy(index);
+    bounds.removeProxy(index);
+    bounds.insertProxy(index);
 }
 
 }  // namespace

@@ -260,12 +260,12 @@ void World::setFilter(ShapeId shape, const Filter& filter) {
         key = next;
     }
     if (record.proxy != kNone) impl_->broadphase.tree(record.isStaticTree).setCategory(record.proxy, filter.category);
-    impl_->markMoved(i);
+    impl_->shapeBounds().markMoved(i);
 }
 std::uint64_t World::userData(ShapeId shape) const { return impl_->shapes[impl_->index(shape)].userData; }
 Bounds World::bounds(ShapeId shape) const {
     const ShapeRecord& record = impl_->shapes[impl_->index(shape)];
-    return boundsOf(impl_->shapes.geometries[record.geometry].shape, impl_->shapePose(record));
+    return boundsOf(impl_->shapes.geometries[record.geometry].shape, shapePose(impl_->bodies[record.body], record));
 }
 
 const JointDef& World::def(JointId joint) const { return impl_->joints[impl_->index(joint)].def; }
@@ -313,7 +313,7 @@ void WorldImpl::visitContact(std::uint32_t index, const std::function<void(const
     const ContactRecord& record = contacts[index];
     if (!record.touching || record.sensor) return;
     for (const ManifoldRecord& manifold : manifolds.of(record))
-        if (manifold.pointCount > 0) visit(describe(record, manifold));
+        if (manifold.pointCount > 0) visit(describe(tables(), lastSubstep, record, manifold));
 }
 
 double World::energy() const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/symmetric_eigen.h"
+#include "contacts/may_collide.h"
 #include "shapes/hull.h"
 #include "shapes/mesh_build.h"
 #include "world/world_impl.h"
@@ -30,11 +31,6 @@ void flatten(const ShapeDef& def, const Shape& geometry, const Frame& frame, std
 }
 
 }  // namespace
-
-Pose WorldImpl::shapePose(const ShapeRecord& shape) const {
-    const BodyRecord& body = bodies[shape.body];
-    return Pose{body.center, body.rotation} * shape.frame;
-}
 
 /// Mass, centre and principal axes, from the definition or from shapes and densities.
 void WorldImpl::setMass(std::uint32_t index, const BodyDef& def) {
@@ -215,7 +211,7 @@ void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3&
     if (!stepping) bodies.histories[index].velocityBefore += state.v - before;
     if (stepping) recordDriven(*this, index);
     // Bounds that are made when the step ends count what modules did within it.
-    if (!moduleWork.inSubsteps) recordNewVelocity(index);
+    if (!moduleWork.inSubsteps) shapeBounds().recordNewVelocity(index);
 }
 
 /// What was put somewhere did not travel there.
@@ -226,11 +222,11 @@ void WorldImpl::forgetGaps(std::uint32_t index) {
 
 void WorldImpl::refreshBounds(std::uint32_t index) {
     forgetGaps(index);
-    giveRoom(index);
+    shapeBounds().giveRoom(index);
     if (!bodies.isEnabled(index)) return;
     for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next) {
-        if (shapes[s].proxy != kNone) removeProxy(s);
-        insertProxy(s);
+        if (shapes[s].proxy != kNone) shapeBounds().removeProxy(s);
+        shapeBounds().insertProxy(s);
     }
 }
 
@@ -241,7 +237,7 @@ void WorldImpl::destroyBody(std::uint32_t index) {
     while (body.firstContact != kNone) destroyContact(body.firstContact >> 1);
     for (std::uint32_t s = body.firstShape; s != kNone;) {
         const std::uint32_t next = shapes[s].next;
-        if (shapes[s].proxy != kNone) removeProxy(s);
+        if (shapes[s].proxy != kNone) shapeBounds().removeProxy(s);
         shapes.release(s);
         s = next;
     }
@@ -274,12 +270,13 @@ void WorldImpl::wakeOverlapped(std::uint32_t index) {
     if (!bodies.isEnabled(index)) return;
     std::vector<std::uint32_t> met;
     for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next)
-        broadphase.movingTree.query(
-            broadphase.tree(shapes[s].isStaticTree).bounds(shapes[s].proxy), [&](std::uint32_t other) {
-                if (!bodies.isAwake(shapes[other].body) && shouldCollide(shapes[s], shapes[other]))
-                    met.push_back(shapes[other].body);
-                return true;
-            });
+        broadphase.movingTree.query(broadphase.tree(shapes[s].isStaticTree).bounds(shapes[s].proxy),
+                                    [&](std::uint32_t other) {
+                                        if (!bodies.isAwake(shapes[other].body) &&
+                                            shouldCollide(bodies, shapes, joints, shapes[s], shapes[other]))
+                                            met.push_back(shapes[other].body);
+                                        return true;
+                                    });
     for (const std::uint32_t body : met) wakeBody(body);
 }
 

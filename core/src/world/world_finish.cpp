@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "contacts/tuning.h"
 #include "world/world_impl.h"
 
 namespace ragtop {

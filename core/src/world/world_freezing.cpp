@@ -3,6 +3,7 @@
 
 #include "base/economy.h"
 #include "constraints/lane_view.h"
+#include "contacts/surfaces.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -35,7 +36,7 @@ bool restsOnFixed(const WorldImpl& world, std::uint32_t index) {
         const ContactRecord& record = world.contacts[key >> 1];
         if (!record.hasPoints || record.sensor) continue;
         const std::uint32_t other = (key & 1) != 0 ? record.bodyA : record.bodyB;
-        if (world.bodies[other].type != BodyType::fixed || world.turnsUnderContact(record)) return false;
+        if (world.bodies[other].type != BodyType::fixed || turnsUnderContact(world.shapes, record)) return false;
         for (const ManifoldRecord& manifold : world.manifolds.of(record)) {
             if (manifold.pointCount == 0) continue;
             if (!ConstraintGraph::isIterated(manifold.place)) return false;

@@ -12,20 +12,16 @@
 #include "broadphase/broadphase.h"
 #include "constraints/constraint_graph.h"
 #include "constraints/initial_violation.h"
-#include "contacts/contacts.h"
-#include "contacts/ghost_contacts.h"
-#include "contacts/manifolds.h"
-#include "contacts/touch_finds.h"
+#include "contacts/narrow_phase.h"
+#include "contacts/shape_bounds.h"
 #include "continuous/meetings.h"
-#include "events/event_log.h"
+#include "events/contact_events.h"
 #include "islands/articulations.h"
 #include "islands/direct_set.h"
 #include "islands/islands.h"
 #include "model/bodies.h"
 #include "model/joints.h"
 #include "model/shapes.h"
-#include "narrowphase/collide.h"
-#include "narrowphase/collide_surfaces.h"
 #include "ragtop/world.h"
 #include "solve/joint_kernels.h"
 #include "solve/kernel_table.h"
@@ -34,13 +30,12 @@
 #include "world/joint_closing.h"
 #include "world/step_finds.h"
 #include "world/step_profile.h"
-#include "world/world_parts.h"
 #include "world/world_springs.h"
 
 namespace ragtop {
 
-/// A world: its tables, what stages find in the course of a step, and the step itself. It alone knows all systems; these know
-/// what the step hands them. Between two calls every fact of World::validate holds.
+/// A world: its tables, what stages find in the course of a step, and the step itself. It alone knows all systems;
+/// these know what the step hands them. Between two calls every fact of World::validate holds.
 struct WorldImpl {
     WorldImpl(const WorldSettings& worldSettings, const WorldConfig& config);
 
@@ -71,71 +66,28 @@ struct WorldImpl {
     void stopOutOfRange();
     bool takes(bool finite, const char* what);
 
-    // world_pairs.cpp: broad phase.
-    void findPairs();
-    class PairsMet;
-    void findPairsOfMoved(bool obstaclesToo);
-    void recordNewVelocity(std::uint32_t body);
-    void coverMotion(std::uint32_t body);
-    void coverNewVelocities(bool all);
-    void refitBounds();
+    // world_pairs.cpp: pairs of shapes whose bounds have met.
+    void createPairs(bool obstaclesToo);
+    void updatePairs(bool longer);
     void createContact(std::uint32_t shapeA, std::uint32_t shapeB);
     void destroyContact(std::uint32_t contact);
-    bool shouldCollide(const ShapeRecord& a, const ShapeRecord& b) const;
-    void insertProxy(std::uint32_t shape);
-    void removeProxy(std::uint32_t shape);
-    void markMoved(std::uint32_t shape);
-    Bounds tightBounds(const ShapeRecord& shape, float dt) const;
 
     // world_collide.cpp: narrow phase.
     void sortAwakeContacts();
-    void prefetchCollision(const ContactRecord& contact) const;
-    void prefetchShapes(const ContactRecord& contact) const;
     void updateContacts();
-    void placePairs(const std::uint32_t* asked, int count, PairPlace* out) const;  // world_pair_places.cpp
-    void updateContact(std::uint32_t contact, const PairPlace& place, int worker);
-    std::uint8_t keepManifolds(ContactRecord& contact);
-    std::uint8_t collideAnew(ContactRecord& contact, const PairPlace& place, double travel, int worker);
-    void lookAhead();
-    void updateSensors();
     void applyContactChanges();
     void applyContactChange(std::uint32_t contact);
     void recordShiftedLoads();
 
     // world_contacts.cpp: manifolds and their lanes.
-    ManifoldImpulses impulsesOf(const ManifoldRecord& manifold) const {
-        return manifolds.impulsesOf(manifold, graph, lastSubstep);
-    }
-    void writeImpulses(const ContactRecord& contact, const ManifoldRecord& manifold, const ManifoldImpulses& impulses);
-    bool meetAsSurfaces(const ContactRecord& contact) const;
-    int findSurfaceManifolds(const ContactRecord& contact, const Frame& bInA, float margin,
-                             std::span<Manifold> found) const;
-    int findManifolds(ContactRecord& contact, const Frame& bInA, float margin, std::span<Manifold> found);
-    std::uint8_t takeSurfaceManifolds(ContactRecord& contact, std::span<const Manifold> found);
-    std::uint8_t takeManifolds(ContactRecord& contact, std::span<const Manifold> found);
-    ManifoldRecord& takeFirstManifolds(ContactRecord& contact, std::span<const Manifold> found, int worker);
-    void placePoints(const ContactRecord& contact, const Manifold& found, ManifoldRecord& manifold) const;
     void forgetGaps(std::uint32_t body);
-    void giveRoom(std::uint32_t body);
-    Frame shapeBInA(const ContactRecord& contact) const;
-    bool reuseManifolds(ContactRecord& contact, const PairPlace& place, double travel) const;
-    bool turnsUnderContact(const ContactRecord& contact) const;
-    PlacedManifold placed(const ContactRecord& contact, const ManifoldRecord& manifold) const;
-    void writeSurface(const ContactRecord& contact, const ManifoldRecord& manifold);
-    void refreshSurfaces(ContactRecord& contact);
-    void writeLane(const ContactRecord& contact, const ManifoldRecord& manifold, const ManifoldImpulses& impulses);
     void recordGraphChange(GraphPlace place);
     void addToGraph(std::uint32_t manifold);
     void removeFromGraph(std::uint32_t manifold);
     void addJointToGraph(std::uint32_t joint);
     void removeJointFromGraph(std::uint32_t joint);
-    ContactSurface surfaceOf(const ContactRecord& contact, std::uint32_t triangle) const;
-    ContactSurface surfaceOfPair(std::uint32_t shapeA, std::uint32_t shapeB, std::uint32_t triangle) const;
-    PairInfo pairInfo(const ContactRecord& contact) const;
 
     // world_continuous.cpp
-    bool mayCollide(std::uint32_t shape, std::uint32_t obstacle) const;
-    ContactSurface surfaceOfMeeting(const Meeting& meeting) const;
     void sweepFast();
 
     // world_islands.cpp: what bears on what, and the choice of solvers.
@@ -213,16 +165,6 @@ struct WorldImpl {
     void unfreeze(std::uint32_t body);
     void collectSolved();
 
-    // world_events.cpp
-    void publishEvents();
-    void findTouches();
-    void forgetTouches();
-    bool isTouching(ContactRecord& contact);
-    void publishContact(std::uint32_t contact);
-    void publishSurface(const ContactRecord& contact, const ManifoldRecord& manifold, bool wasLoaded);
-    void publishSweptImpacts();
-    Contact describe(const ContactRecord& contact, const ManifoldRecord& manifold) const;
-
     // world_bodies.cpp, world_joints.cpp
     std::uint32_t createBody(const BodyDef& def);
     void addShape(std::uint32_t body, const ShapeDef& def, const Frame& frame, const Shape& geometry,
@@ -263,17 +205,12 @@ struct WorldImpl {
     void refreshBounds(std::uint32_t body);
     void setPose(std::uint32_t body, const Pose& pose);
     void wakeOverlapped(std::uint32_t body);
-    Pose shapePose(const ShapeRecord& shape) const;
     void rebuildLists(IdLists& to) const;
     const IdLists& lists() const;
     void visitContact(std::uint32_t contact, const std::function<void(const Contact&)>& visit) const;
     DVec3 jointCenter(const JointRecord& joint, std::uint32_t body) const;
     JointBodiesAtStep jointBodies(const JointRecord& joint) const;
     JointBodiesAtStep jointBodies(std::uint32_t joint) const;
-    /// Is one of the two held by the other, which does not move?
-    bool holds(const ContactRecord& contact) const {
-        return bodies.moves(contact.bodyA) != bodies.moves(contact.bodyB);
-    }
     std::uint32_t index(BodyId id) const;
     std::uint32_t index(ShapeId id) const;
     std::uint32_t index(JointId id) const;
@@ -290,6 +227,28 @@ struct WorldImpl {
     /// Of the stages before poses move; those after them give the poses of the beginning.
     GhostView ghostView(std::span<const StartPose> starts = {}) const { return {tables(), starts, dt, context.h}; }
     ContactPlaces contactPlaces() const;
+    // What systems are handed that read and write several tables.
+    ShapeBounds shapeBounds() { return {bodies, shapes, broadphase, dt}; }
+    ContactWriter contactWriter() {
+        return {bodies,    shapes,     contacts, manifolds, graph, callbacks, contactFinds.surfacesForgotten,
+                context.h, lastSubstep};
+    }
+    NarrowPhase narrowPhase() {
+        return {bodies, shapes, contacts, manifolds, broadphase, contactFinds, contactWriter(), ghostView(), dt};
+    }
+    ContactEvents contactEvents() {
+        return {bodies,
+                shapes,
+                contacts,
+                manifolds,
+                graph,
+                sweptBodies,
+                *kernels,
+                contactFinds,
+                events,
+                length(settings.gravity),
+                context.restitutionSpeed};
+    }
 
     WorldSettings settings;
     WorldCallbacks callbacks;

@@ -104,7 +104,7 @@ void WorldImpl::destroyJoint(std::uint32_t index) {
     if (collided) return;
     // The bodies may collide from now on: their shapes look for partners again.
     for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
-        for (std::uint32_t s = bodies[body].firstShape; s != kNone; s = shapes[s].next) markMoved(s);
+        for (std::uint32_t s = bodies[body].firstShape; s != kNone; s = shapes[s].next) shapeBounds().markMoved(s);
 }
 
 /// In the order of their ids, so that events depend on the scene alone.

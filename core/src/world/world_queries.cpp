@@ -32,7 +32,7 @@ Hit castThroughTrees(const WorldImpl& impl, const Bounds& start, const Vec3& tra
             if (best && best.fraction < closer) closer = best.fraction;
             const ShapeRecord& shape = impl.shapes[index];
             if (!sees(filter, shape, impl.bodies.id(shape.body))) return closer;
-            const Pose pose = impl.shapePose(shape);
+            const Pose pose = shapePose(impl.bodies[shape.body], shape);
             std::uint32_t triangle = 0;
             const SweepHit hit =
                 test(impl.shapes.geometries[shape.geometry].shape, pose, best ? best.fraction : 1.0f, triangle);
@@ -91,7 +91,7 @@ void World::overlap(const Shape& shape, const Pose& pose, const std::function<bo
         boundsOf(shape, pose),
         [&](ShapeId id) {
             const ShapeRecord& target = impl_->shapes[id.index];
-            if (!overlapsShape(shape, pose, impl_->shapes.geometries[target.geometry].shape, impl_->shapePose(target)))
+            if (!overlapsShape(shape, pose, impl_->shapes.geometries[target.geometry].shape, shapePose(impl_->bodies[target.body], target)))
                 return true;
             return visit(id);
         },
@@ -106,7 +106,7 @@ void World::overlap(const Bounds& bounds, const std::function<bool(ShapeId)>& vi
             const ShapeRecord& shape = impl_->shapes[index];
             if (!sees(filter, shape, impl_->bodies.id(shape.body))) return true;
             // Tree bounds are enlarged; the answer is about the shape's own.
-            if (!overlaps(bounds, boundsOf(impl_->shapes.geometries[shape.geometry].shape, impl_->shapePose(shape))))
+            if (!overlaps(bounds, boundsOf(impl_->shapes.geometries[shape.geometry].shape, shapePose(impl_->bodies[shape.body], shape))))
                 return true;
             goOn = visit(impl_->shapes.id(index));
             return goOn;

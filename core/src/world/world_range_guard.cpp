@@ -45,7 +45,7 @@ void WorldImpl::forgetImpulses(std::uint32_t index, bool anew) {
     for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts.next(key)) {
         ContactRecord& record = contacts[key >> 1];
         record.bearsLoad = false;
-        for (const ManifoldRecord& manifold : manifolds.of(record)) writeImpulses(record, manifold, {});
+        for (const ManifoldRecord& manifold : manifolds.of(record)) contactWriter().writeImpulses(record, manifold, {});
     }
     for (std::uint32_t key = bodies[index].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
         JointSim& joint = joints.sims[key >> 1];

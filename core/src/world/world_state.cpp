@@ -194,7 +194,7 @@ void WorldImpl::forgetDerived() {
     // No such field of a lane is saved.
     contactFinds.surfacesForgotten = true;
     contactFinds.dirty.clear();
-    forgetTouches();
+    forgetTouches(manifolds, contactFinds);
     ++structureVersion;
     ++fixedVersion;
     for (const ShapeRecord& shape : shapes) {
@@ -223,7 +223,7 @@ void addJoint(StateHash& digest, const JointSim& joint) {
 }
 
 void addManifold(StateHash& digest, const WorldImpl& world, const ManifoldRecord& manifold) {
-    const ManifoldImpulses impulses = world.impulsesOf(manifold);
+    const ManifoldImpulses impulses = world.manifolds.impulsesOf(manifold, world.graph, world.lastSubstep);
     for (int j = 0; j < manifold.pointCount; ++j) {
         digest.add(impulses.impulse[j]);
         digest.add(impulses.load[j]);

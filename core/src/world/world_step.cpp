@@ -90,8 +90,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
     shareStep(*this, [&](bool shareSolve) {
         askModules(*this, world, stepSeconds);
         profile.beginStage("pairs", callbacks);
-        findPairs();  // may grow arrays, as may the changes of contacts; nothing else below does
-        coverNewVelocities(longer);
+        updatePairs(longer);  // may grow arrays, as may the changes of contacts; nothing else below does
         profile.beginStage("collide", callbacks);
         updateContacts();
         profile.beginStage("contacts", callbacks);
@@ -120,10 +119,10 @@ void WorldImpl::step(World& world, double stepSeconds) {
         correctInitialViolations();
         sweepFast();
         closeOpenJoints(*this);
-        refitBounds();
+        shapeBounds().refit(sweptBodies.startPoses(), runner);
         profile.beginStage("events", callbacks);
-        updateSensors();
-        publishEvents();
+        narrowPhase().updateSensors(runner);
+        contactEvents().publish(runner);
         profile.beginStage("sleep", callbacks);
         freezeStillBodies();
         sleepQuietIslands();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "contacts/may_collide.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -91,7 +92,7 @@ void WorldImpl::withdraw(std::uint32_t index) {
         removeJointFromGraph(key >> 1);
     if (bodies.isAwake(index)) leaveAwake(index);
     for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next)
-        if (shapes[s].proxy != kNone) removeProxy(s);
+        if (shapes[s].proxy != kNone) shapeBounds().removeProxy(s);
 }
 
 void WorldImpl::takePart(std::uint32_t index, BodyType type, bool enabled) {
@@ -131,8 +132,8 @@ void WorldImpl::settleRole(std::uint32_t index) {
     for (std::uint32_t key = body.firstContact; key != kNone;) {
         const std::uint32_t next = contacts.next(key);
         const ContactRecord& contact = contacts[key >> 1];
-        const bool stays =
-            bodies.isEnabled(index) && !contact.isMesh && shouldCollide(shapes[contact.shapeA], shapes[contact.shapeB]);
+        const bool stays = bodies.isEnabled(index) && !contact.isMesh &&
+                           shouldCollide(bodies, shapes, joints, shapes[contact.shapeA], shapes[contact.shapeB]);
         if (!stays) destroyContact(key >> 1);
         key = next;
     }

@@ -1,10 +1,12 @@
+#include "events/contact_events.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
 #include "base/nonzero_bytes.h"
 #include "constraints/lane_view.h"
-#include "world/world_impl.h"
+#include "contacts/tuning.h"
 
 namespace ragtop {
 
@@ -28,31 +30,78 @@ bool isLoaded(const ConstraintGraph& graph, const ManifoldRecord& manifold) {
 }
 
 /// Threads may say so of one contact at once.
-void markDirty(WorldImpl& world, std::uint32_t contact) {
-    const std::uint32_t place = world.contacts[contact].awakeIndex;
-    if (place != kNone) std::atomic_ref(world.contactFinds.change[place]).store(1, std::memory_order_relaxed);
+void markDirty(const ContactEvents& v, std::uint32_t contact) {
+    const std::uint32_t place = v.contacts[contact].awakeIndex;
+    if (place != kNone) std::atomic_ref(v.contactFinds.change[place]).store(1, std::memory_order_relaxed);
 }
 
 /// What the lanes of some bundles say of their manifolds. Contacts of which they say the same as in the step before
 /// touch as they did.
-void takeTouches(WorldImpl& world, const ConstraintGraph::Color& color, std::size_t perBundle, int begin, int end) {
-    const auto lanes = static_cast<std::size_t>(world.graph.lanes());
-    world.kernels->readTouches(color.bundles.data(), begin, end, world.contactFinds.laneTouches.data());
+void takeTouches(const ContactEvents& v, const ConstraintGraph::Color& color, std::size_t perBundle, int begin,
+                 int end) {
+    const auto lanes = static_cast<std::size_t>(v.graph.lanes());
+    v.kernels.readTouches(color.bundles.data(), begin, end, v.contactFinds.laneTouches.data());
     for (auto bundle = static_cast<std::size_t>(begin); bundle < static_cast<std::size_t>(end); ++bundle)
         for (std::size_t lane = 0; lane < perBundle && bundle * perBundle + lane < color.manifolds.size(); ++lane) {
             const std::uint32_t manifold = color.manifolds[bundle * perBundle + lane];
-            const std::uint8_t touch = world.contactFinds.laneTouches[bundle * lanes + lane];
-            std::uint8_t& known = world.manifolds.touches[manifold];
+            const std::uint8_t touch = v.contactFinds.laneTouches[bundle * lanes + lane];
+            std::uint8_t& known = v.manifolds.touches[manifold];
             if (known == touch && touch != kUnknownTouch) continue;
             known = touch;
-            markDirty(world, world.manifolds[manifold].contact);
+            markDirty(v, v.manifolds[manifold].contact);
         }
+}
+
+/// What the lanes say of all manifolds in the v.graph.
+void findTouches(const ContactEvents& v, StageRunner& runner) {
+    const auto lanes = static_cast<std::size_t>(v.graph.lanes());
+    for (int c = 0; c < v.graph.listCount(); ++c) {
+        if (c == ConstraintGraph::kFrozen || v.graph.color(c).manifolds.empty()) continue;
+        const std::size_t perBundle = ConstraintGraph::isSerial(c) ? 1 : lanes;
+        v.contactFinds.laneTouches.resizeForOverwrite(static_cast<std::size_t>(v.graph.bundleCount(c)) * lanes);
+        runner.parallelFor(v.graph.bundleCount(c), 32,
+                           [&](int begin, int end, int) { takeTouches(v, v.graph.color(c), perBundle, begin, end); });
+    }
+}
+
+/// Contacts that may touch otherwise than before: where lanes say otherwise, what came, changed, or was struck in this
+/// step or the last. Sensors have no lanes; what tells of motion does so in every step.
+void findDirty(const ContactEvents& v, StageRunner& runner) {
+    const bool all = v.contactFinds.allDirty || v.contactFinds.motionReported ||
+                     v.contactFinds.anySensor.load(std::memory_order_relaxed);
+    v.contactFinds.change.resizeForOverwrite(v.contacts.awake.size());
+    std::fill(v.contactFinds.change.begin(), v.contactFinds.change.end(), all ? 1 : 0);
+    v.contactFinds.allDirty = false;
+    findTouches(v, runner);
+    for (const ChangedContact changed : v.contactFinds.changed)
+        if ((changed.change & kApart) == 0) markDirty(v, changed.contact);
+    for (const std::uint32_t contact : v.contactFinds.dirty) markDirty(v, contact);
+    for (const SweptImpact& impact : v.sweptBodies.impacts) markDirty(v, impact.contact);
+    v.contactFinds.dirty.clear();
+}
+
+/// A manifold found some steps ago, where its anchors are now.
+PlacedManifold placed(const Bodies& bodies, const ContactRecord& record, const ManifoldRecord& manifold) {
+    const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
+    const Vec3 offset = relative(b.center, a.center);
+    // A A has no reference point of its own: anchors are then from the centre of B.
+    const Vec3 reference = a.state == 0 ? offset : Vec3{};
+    PlacedManifold now;
+    now.normal = rotate(a.rotation, manifold.normal);
+    now.offset = a.state == 0 ? Vec3{} : offset;
+    for (int j = 0; j < manifold.pointCount; ++j) {
+        const Vec3 onA = rotate(a.rotation, manifold.anchorA[j]) - reference;
+        const Vec3 onB = rotate(b.rotation, manifold.anchorB[j]) + now.offset;
+        now.anchor[j] = 0.5f * (onA + onB);
+        now.separation[j] = manifold.separation[j] + dot(now.normal, onB - onA);
+    }
+    return now;
 }
 
 }  // namespace
 
-void WorldImpl::forgetTouches() {
-    contactFinds.allDirty = true;
+void forgetTouches(Manifolds& manifolds, ContactFinds& finds) {
+    finds.allDirty = true;
     manifolds.touches.resizeForOverwrite(manifolds.size());
     for (std::size_t i = 0; i < manifolds.size(); ++i)
         manifolds.touches[i] = manifolds[i].place.color == ConstraintGraph::kFrozen ? kFrozenTouch
@@ -60,51 +109,8 @@ void WorldImpl::forgetTouches() {
                                                                                     : 0;
 }
 
-/// What the lanes say of all manifolds in the graph.
-void WorldImpl::findTouches() {
-    const auto lanes = static_cast<std::size_t>(graph.lanes());
-    for (int c = 0; c < graph.listCount(); ++c) {
-        if (c == ConstraintGraph::kFrozen || graph.color(c).manifolds.empty()) continue;
-        const std::size_t perBundle = ConstraintGraph::isSerial(c) ? 1 : lanes;
-        contactFinds.laneTouches.resizeForOverwrite(static_cast<std::size_t>(graph.bundleCount(c)) * lanes);
-        runner.parallelFor(graph.bundleCount(c), 32,
-                           [&](int begin, int end, int) { takeTouches(*this, graph.color(c), perBundle, begin, end); });
-    }
-}
-
-/// Contacts that may touch otherwise than before: where lanes say otherwise, what came, changed, or was struck in this
-/// step or the last. Sensors have no lanes; what tells of motion does so in every step.
-static void findDirty(WorldImpl& world) {
-    const bool all = world.contactFinds.allDirty || world.contactFinds.motionReported ||
-                     world.contactFinds.anySensor.load(std::memory_order_relaxed);
-    world.contactFinds.change.resizeForOverwrite(world.contacts.awake.size());
-    std::fill(world.contactFinds.change.begin(), world.contactFinds.change.end(), all ? 1 : 0);
-    world.contactFinds.allDirty = false;
-    world.findTouches();
-    for (const ChangedContact changed : world.contactFinds.changed)
-        if ((changed.change & kApart) == 0) markDirty(world, changed.contact);
-    for (const std::uint32_t contact : world.contactFinds.dirty) markDirty(world, contact);
-    for (const SweptImpact& impact : world.sweptBodies.impacts) markDirty(world, impact.contact);
-    world.contactFinds.dirty.clear();
-}
-
-/// Does a contact touch after the step? Notes whether it bears a load.
-bool WorldImpl::isTouching(ContactRecord& record) {
-    bool touching = record.struck;
-    for (std::uint32_t k = 0; record.hasPoints && k < record.manifoldCapacity; ++k) {
-        const std::uint8_t touch = manifolds.touches[record.firstManifold + k];
-        if (touch == kFrozenTouch) return record.touching;
-        const bool unknown = touch == kUnknownTouch || record.sensor;
-        touching |= unknown ? isLoaded(graph, manifolds[record.firstManifold + k]) : (touch & kTouches) != 0;
-        const bool bears = !unknown && (touch & kBearsLoad) != 0;
-        if (k == 0 && record.bearsLoad != bears) record.bearsLoad = bears;
-    }
-    return touching;
-}
-
-/// Contacts touch when a point carries load or overlaps; begin and end are reported in the order of the list.
-void WorldImpl::publishEvents() {
-    findDirty(*this);
+void ContactEvents::publish(StageRunner& runner) const {
+    findDirty(*this, runner);
     runner.parallelFor(static_cast<int>(contacts.awake.size()), 256, [&](int begin, int end, int) {
         std::uint8_t* doubtful = contactFinds.change.data() + begin;
         const std::uint32_t* awake = contacts.awake.data() + begin;
@@ -119,13 +125,27 @@ void WorldImpl::publishEvents() {
     publishSweptImpacts();
 }
 
+/// Does a contact touch after the step? Notes whether it bears a load.
+bool ContactEvents::isTouching(ContactRecord& record) const {
+    bool touching = record.struck;
+    for (std::uint32_t k = 0; record.hasPoints && k < record.manifoldCapacity; ++k) {
+        const std::uint8_t touch = manifolds.touches[record.firstManifold + k];
+        if (touch == kFrozenTouch) return record.touching;
+        const bool unknown = touch == kUnknownTouch || record.sensor;
+        touching |= unknown ? isLoaded(graph, manifolds[record.firstManifold + k]) : (touch & kTouches) != 0;
+        const bool bears = !unknown && (touch & kBearsLoad) != 0;
+        if (k == 0 && record.bearsLoad != bears) record.bearsLoad = bears;
+    }
+    return touching;
+}
+
 /// Impacts that continuous collision has played are over; the next step may find nothing of them.
-void WorldImpl::publishSweptImpacts() {
+void ContactEvents::publishSweptImpacts() const {
     for (const SweptImpact& impact : sweptBodies.impacts) {
         ContactRecord& record = contacts[impact.contact];
         record.struck = false;
         contactFinds.dirty.push(impact.contact);
-        if (!record.reportsMotion || impact.speed <= context.restitutionSpeed) continue;
+        if (!record.reportsMotion || impact.speed <= restitutionSpeed) continue;
         SurfaceEvent event;
         event.kind = SurfaceEvent::Kind::impact;
         event.shapeA = shapes.id(record.shapeA), event.shapeB = shapes.id(record.shapeB);
@@ -140,7 +160,7 @@ void WorldImpl::publishSweptImpacts() {
     }
 }
 
-void WorldImpl::publishContact(std::uint32_t index) {
+void ContactEvents::publishContact(std::uint32_t index) const {
     ContactRecord& record = contacts[index];
     for (const ManifoldRecord& manifold : manifolds.of(record))
         if (manifold.place.color == ConstraintGraph::kFrozen) return;
@@ -165,7 +185,7 @@ void WorldImpl::publishContact(std::uint32_t index) {
     record.touching = touching;
 }
 
-void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord& manifold, bool wasLoaded) {
+void ContactEvents::publishSurface(const ContactRecord& record, const ManifoldRecord& manifold, bool wasLoaded) const {
     const LaneReader lane = reader(graph, manifold);
     SurfaceEvent event;
     float approach = 0;
@@ -183,7 +203,7 @@ void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord
     const Vec3 normal = lane.vector(contact::kNormal);
     const Vec3 tangential = slip - dot(slip, normal) * normal;
     const float size = lane.at(contact::kSize);
-    const float slowest = tuning::kSlideSpeed * std::sqrt(length(settings.gravity) * size);
+    const float slowest = tuning::kSlideSpeed * std::sqrt(gravity * size);
     event.shapeA = shapes.id(record.shapeA), event.shapeB = shapes.id(record.shapeB);
     event.bodyA = bodies.id(record.bodyA), event.bodyB = bodies.id(record.bodyB);
     event.surfaceA = shapes.materialAt(shapes[record.shapeA], manifold.triangle).surface;
@@ -191,7 +211,7 @@ void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord
     event.point = (a.state == 0 ? b.center : a.center) + rA;
     event.normal = normal;
     // An impact is over in the step that it begins in; what it leaves for the next is no other one.
-    if (approach < -context.restitutionSpeed && !wasLoaded) {
+    if (approach < -restitutionSpeed && !wasLoaded) {
         event.kind = SurfaceEvent::Kind::impact;
         event.speed = -approach;
         events.surface(event);
@@ -207,14 +227,17 @@ void WorldImpl::publishSurface(const ContactRecord& record, const ManifoldRecord
     if (event.speed > slowest) events.surface(event);
 }
 
-Contact WorldImpl::describe(const ContactRecord& record, const ManifoldRecord& manifold) const {
+Contact describe(const ConstTables& tables, float lastSubstep, const ContactRecord& record,
+                 const ManifoldRecord& manifold) {
+    const Bodies& bodies = tables.bodies;
+    const Shapes& shapes = tables.shapes;
     Contact result;
     result.shapeA = shapes.id(record.shapeA), result.shapeB = shapes.id(record.shapeB);
     result.bodyA = bodies.id(record.bodyA), result.bodyB = bodies.id(record.bodyB);
-    const PlacedManifold now = placed(record, manifold);
+    const PlacedManifold now = placed(bodies, record, manifold);
     result.normal = now.normal;
     result.pointCount = manifold.pointCount;
-    const ManifoldImpulses impulses = impulsesOf(manifold);
+    const ManifoldImpulses impulses = tables.manifolds.impulsesOf(manifold, tables.graph, lastSubstep);
     const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
     const float rate = lastSubstep > 0 ? 1 / lastSubstep : 0;
     for (int j = 0; j < manifold.pointCount; ++j) {

@@ -1,9 +1,11 @@
 // Where pairs that are asked for their contacts are, four at a time.
 
+#include "contacts/pair_places.h"
+
 #include <cstddef>
 
 #include "base/four_floats.h"
-#include "world/world_impl.h"
+#include "contacts/tuning.h"
 
 namespace ragtop {
 
@@ -94,16 +96,18 @@ FourFloats motionPerTravel(const PairRows& rows, const FourVectors& inA, const F
 }  // namespace
 
 /// A pair moves against each other by its translation and by the arc that it turns at the radius of the smaller body.
-void WorldImpl::placePairs(const std::uint32_t* asked, int count, PairPlace* out) const {
+void placePairs(const ConstTables& tables, float dt, const std::uint32_t* asked, int count, PairPlace* out) {
+    const Bodies& bodies = tables.bodies;
+    const Shapes& shapes = tables.shapes;
     PairRows rows;
     bool anyCapsules = false;
     for (int i = 0; i < 4; ++i) {
-        const ContactRecord& record = contacts[asked[i < count ? i : 0]];
+        const ContactRecord& record = tables.contacts[asked[i < count ? i : 0]];
         const BodyRecord &a = bodies[record.bodyA], &b = bodies[record.bodyB];
         rows.shapeA[i] = &shapes[record.shapeA].frame, rows.shapeB[i] = &shapes[record.shapeB].frame;
         // Pairs without a manifold are not asked how far they moved.
         const bool found = record.firstManifold != kNone;
-        rows.collidedAt[i] = found ? &manifolds[record.firstManifold].collidedAt : rows.shapeA[i];
+        rows.collidedAt[i] = found ? &tables.manifolds[record.firstManifold].collidedAt : rows.shapeA[i];
         rows.rotationA[i] = &a.rotation, rows.rotationB[i] = &b.rotation;
         rows.vA[i] = &bodies.states[record.bodyA].v, rows.wA[i] = &bodies.states[record.bodyA].w;
         rows.vB[i] = &bodies.states[record.bodyB].v, rows.wB[i] = &bodies.states[record.bodyB].w;
@@ -134,7 +138,10 @@ void WorldImpl::placePairs(const std::uint32_t* asked, int count, PairPlace* out
     for (int i = 0; i < count; ++i)
         out[i] = {{{position.x[i], position.y[i], position.z[i]},
                    {rotation.x[i], rotation.y[i], rotation.z[i], rotation.w[i]}},
-                  margin[i], moved[i], perTravel[i], {}};
+                  margin[i],
+                  moved[i],
+                  perTravel[i],
+                  {}};
     if (anyCapsules) touchCapsules(rows, position, rotation, count, out);
 }
 
