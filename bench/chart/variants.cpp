@@ -2,19 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace ragtop::chart {
 namespace {
 
 using namespace stability;
 
-Variant ragtop(const char* name, SolverChoice solver, const char* what) {
+/// What sweeps vary: games choose substeps of Ragtop from one on.
+Variant ragtop(const char* name, SolverChoice solver, std::vector<int> substeps, const char* what) {
     return {"ragtop",
             name,
             RAGTOP_VERSION,
             what,
             {1.0 / 60, 4, 0},
-            {1, 2, 4, 8, 16},
+            std::move(substeps),
             {0},
             solver == SolverChoice::automatic,
             [solver](const Scene& scene, const Setting& setting) {
@@ -22,68 +24,62 @@ Variant ragtop(const char* name, SolverChoice solver, const char* what) {
             }};
 }
 
-#ifdef RAGTOP_WITH_BULLET
-Variant bullet(const char* name, BulletSolver solver, const char* what) {
-    return {"bullet",
+/// The first number of iterations is the variant's own.
+template <class Options>
+Variant peer(const char* engine, const char* name, const std::string& version, std::vector<int> iterations, bool quick,
+             const char* what, std::unique_ptr<Engine> (*make)(const Scene&, const Options&), Options options) {
+    const int standard = iterations.front();
+    std::ranges::sort(iterations);
+    return {engine,
             name,
-            bulletVersion(),
+            version,
             what,
-            {1.0 / 60, 1, 10},
+            {1.0 / 60, 1, standard},
             {1},
-            {4, 10, 20, 50, 100},
-            true,
-            [solver](const Scene& scene, const Setting& setting) {
-                return makeBullet(scene,
-                                  {.substeps = setting.substeps, .iterations = setting.iterations, .solver = solver});
+            std::move(iterations),
+            quick,
+            [make, options](const Scene& scene, const Setting& setting) {
+                Options own = options;
+                if constexpr (requires { own.substeps; }) own.substeps = setting.substeps;
+                if constexpr (requires { own.digits; })
+                    own.digits = setting.iterations;
+                else
+                    own.iterations = setting.iterations;
+                return make(scene, own);
             }};
+}
+
+#ifdef RAGTOP_WITH_BULLET
+Variant bullet(const char* name, std::vector<int> iterations, bool quick, const char* what,
+               BulletSolver solver = BulletSolver::sequential, decltype(&makeBullet) make = makeBullet) {
+    return peer("bullet", name, bulletVersion(), std::move(iterations), quick, what, make,
+                BulletOptions{.solver = solver});
 }
 #endif
 
 #ifdef RAGTOP_WITH_MUJOCO
 Variant mujoco(const char* name, const MujocoOptions& options, bool quick, const char* what) {
-    return {"mujoco",
-            name,
-            mujocoVersion(),
-            what,
-            {1.0 / 60, 8, 100},
-            {1},
-            {10, 100},
-            quick,
-            [options](const Scene& scene, const Setting& setting) {
-                MujocoOptions own = options;
-                own.substeps = setting.substeps;
-                own.iterations = setting.iterations;
-                return makeMujoco(scene, own);
-            }};
-}
-#endif
-
-#ifdef RAGTOP_WITH_ODE
-Variant ode(const char* name, bool exact, const char* what) {
-    return {"ode",
-            name,
-            odeVersion(),
-            what,
-            {1.0 / 60, 1, exact ? 0 : 20},
-            {1},
-            exact ? std::vector{0} : std::vector{10, 20, 50, 100},
-            true,
-            [exact](const Scene& scene, const Setting& setting) {
-                return makeOde(scene, {.exact = exact, .substeps = setting.substeps, .iterations = setting.iterations});
-            }};
+    Variant variant = peer("mujoco", name, mujocoVersion(), {100}, quick, what, makeMujoco, options);
+    variant.standard.substeps = 8;
+    return variant;
 }
 #endif
 
 std::vector<Variant> make() {
     std::vector<Variant> variants{
-        ragtop("ragtop", SolverChoice::automatic, "default settings"),
-        ragtop("ragtop-sweeps", SolverChoice::iterative, "sweeps in every island"),
-        ragtop("ragtop-direct", SolverChoice::direct, "the direct solver wherever it fits"),
+        ragtop("ragtop", SolverChoice::automatic, {1, 2, 4, 8, 16}, "default settings"),
+        ragtop("ragtop-sweeps", SolverChoice::iterative, {1, 4, 16}, "sweeps in every island"),
+        ragtop("ragtop-direct", SolverChoice::direct, {1, 4, 16}, "the direct solver wherever it fits"),
     };
     const auto add = [&variants](Variant variant) { variants.push_back(std::move(variant)); };
 #ifdef RAGTOP_WITH_BULLET
-    add(bullet("bullet", BulletSolver::sequential, "sequential impulses, single precision"));
-    add(bullet("bullet-nncg", BulletSolver::nncg, "nonlinear conjugate gradients"));
+    add(bullet("bullet", {10, 4, 20}, true, "sequential impulses, single precision"));
+    add(bullet("bullet-50", {50, 100}, false, "the same with 50 iterations, which games choose for stacks"));
+    add(bullet("bullet-nncg", {10, 20}, true, "nonlinear conjugate gradients", BulletSolver::nncg));
+    add(bullet("bullet-multibody", {10, 50}, false, "joints in reduced coordinates", {}, makeBulletMultibody));
+#endif
+#ifdef RAGTOP_WITH_BULLET_DOUBLE
+    add(bullet("bullet-double", {10, 50}, false, "sequential impulses, double precision", {}, makeBulletDouble));
 #endif
 #ifdef RAGTOP_WITH_MUJOCO
     using enum MujocoIntegrator;
@@ -97,8 +93,21 @@ std::vector<Variant> make() {
     add(mujoco("mujoco-trees-implicit", {.joints = kTrees, .integrator = implicit}, false, "its own trees, implicit"));
 #endif
 #ifdef RAGTOP_WITH_ODE
-    add(ode("ode", false, "quick step: sweeps in random order"));
-    add(ode("ode-exact", true, "Dantzig's pivoting"));
+    add(peer("ode", "ode", odeVersion(), {20, 10, 100}, true, "quick step: sweeps in random order", makeOde,
+             OdeOptions{}));
+    add(peer("ode", "ode-exact", odeVersion(), {0}, true, "Dantzig's pivoting", makeOde, OdeOptions{.exact = true}));
+#endif
+#ifdef RAGTOP_WITH_DART
+    add(peer("dart", "dart", dartVersion(), {0}, true, "reduced coordinates, Dantzig's pivoting", makeDart,
+             DartOptions{}));
+    add(peer("dart", "dart-sweeps", dartVersion(), {30, 100}, true, "reduced coordinates, projected Gauss–Seidel",
+             makeDart, DartOptions{.sweeps = true}));
+#endif
+#ifdef RAGTOP_WITH_SIMBODY
+    add(peer(
+        "simbody", "simbody", simbodyVersion(), {3, 1, 6}, false,
+        "reduced coordinates, Runge–Kutta–Merson; iterations are the digits that its control of errors is asked for",
+        makeSimbody, SimbodyOptions{}));
 #endif
     return variants;
 }
@@ -114,12 +123,14 @@ std::vector<int> ratesOf(Effort effort) {
     }
 }
 
-/// Quick sweeps have the standard number and the one after it.
+/// Quick sweeps have the least number, the standard one and the one after it.
 std::vector<int> thinned(const std::vector<int>& all, int standard, Effort effort) {
     if (effort != Effort::quick) return all;
     const auto at = std::ranges::find(all, standard);
-    if (at == all.end()) return {all.back()};
-    return {at, at + std::min<std::ptrdiff_t>(2, all.end() - at)};
+    if (at == all.end()) return {all.front(), all.back()};
+    std::vector<int> some{at, at + std::min<std::ptrdiff_t>(2, all.end() - at)};
+    if (some.front() != all.front()) some.insert(some.begin(), all.front());
+    return some;
 }
 
 }  // namespace

@@ -96,6 +96,9 @@ struct BulletOptions {
     bool yardstick = false;
 };
 std::unique_ptr<Engine> makeBullet(const Scene& scene, const BulletOptions& options = {});
+std::unique_ptr<Engine> makeBulletDouble(const Scene& scene, const BulletOptions& options = {});
+/// Joints in reduced coordinates; of the options the solver and the yardstick do not count.
+std::unique_ptr<Engine> makeBulletMultibody(const Scene& scene, const BulletOptions& options = {});
 std::string bulletVersion();
 
 enum class MujocoJoints {
@@ -120,6 +123,19 @@ struct OdeOptions {
 };
 std::unique_ptr<Engine> makeOde(const Scene& scene, const OdeOptions& options = {});
 std::string odeVersion();
+
+struct DartOptions {
+    bool sweeps = false;  ///< projected Gauss-Seidel instead of Dantzig's pivoting
+    int iterations = 30;  ///< sweeps
+};
+std::unique_ptr<Engine> makeDart(const Scene& scene, const DartOptions& options = {});
+std::string dartVersion();
+
+struct SimbodyOptions {
+    int digits = 3;  ///< of accuracy, that its control of errors is asked for
+};
+std::unique_ptr<Engine> makeSimbody(const Scene& scene, const SimbodyOptions& options = {});
+std::string simbodyVersion();
 
 /// A program that speaks the protocol of docs/chart.md.
 struct ProgramOptions {

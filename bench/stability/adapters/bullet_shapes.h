@@ -13,8 +13,11 @@ inline btVector3 toBullet(const Vec3& v) { return {v.x, v.y, v.z}; }
 inline btQuaternion toBullet(const Quat& q) { return {q.x, q.y, q.z, q.w}; }
 inline btTransform toBullet(const Frame& f) { return btTransform(toBullet(f.rotation), toBullet(f.position)); }
 inline btTransform toBullet(const Pose& p) { return btTransform(toBullet(p.rotation), toBullet(toVec3(p.position))); }
-inline Vec3 fromBullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
-inline Quat fromBullet(const btQuaternion& q) { return {q.x(), q.y(), q.z(), q.w()}; }
+inline float fromBullet(btScalar s) { return static_cast<float>(s); }
+inline Vec3 fromBullet(const btVector3& v) { return {fromBullet(v.x()), fromBullet(v.y()), fromBullet(v.z())}; }
+inline Quat fromBullet(const btQuaternion& q) {
+    return {fromBullet(q.x()), fromBullet(q.y()), fromBullet(q.z()), fromBullet(q.w())};
+}
 
 /// Makes Bullet's shapes and keeps them.
 class BulletShapes {

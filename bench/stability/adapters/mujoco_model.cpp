@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "../scenery.h"
+#include "trees.h"
 
 namespace ragtop::stability {
 namespace {
@@ -34,15 +34,17 @@ const char* nameOf(MujocoIntegrator integrator) {
 class Writer {
 public:
     Writer(const Scene& scene, const PeerBodies& bodies, const MujocoOptions& options)
-        : scene_(scene), bodies_(bodies), options_(options), nodes_(scene.bodies.size()) {}
+        : scene_(scene),
+          bodies_(bodies),
+          options_(options),
+          trees_(options.joints == MujocoJoints::trees ? Trees(scene, bodies) : Trees(bodies)) {}
 
     std::string write() {
         int moving = 0;
         for (int i = 0; i < bodies_.count(); ++i) moving += bodies_.def(i).type == BodyType::dynamic ? 1 : 0;
         if (moving > kMostBodies) refuse("MuJoCo: too many bodies");
-        if (options_.joints == MujocoJoints::trees) growTrees();
         for (int i = 0; i < bodies_.count(); ++i)
-            if (node(i).parent == kWorld) addBody(i);
+            if (trees_.node(i).parent == kWorld) addBody(i);
         for (std::size_t i = 0; i < scene_.joints.size(); ++i) addJoint(i);
         const int contacts = 100 + 20 * moving;
         return fmt::format(
@@ -56,47 +58,11 @@ public:
     }
 
 private:
-    static constexpr int kNone = -1;
-    /// How a body hangs in the tree of bodies.
-    struct Node {
-        int parent = kWorld;
-        int joint = kNone;  ///< of the scene, to the parent
-        bool reached = false;
-        std::vector<int> children{};
-    };
-    Node& node(int body) { return nodes_[static_cast<std::size_t>(body)]; }
-    const SceneJoint& joint(int i) const { return scene_.joints[static_cast<std::size_t>(i)]; }
-    bool isFixed(int body) const { return body == kWorld || bodies_.def(body).type == BodyType::fixed; }
-
-    /// From what is fixed, then from the first body of whatever hangs on nothing.
-    void growTrees() {
-        std::vector<int> front{kWorld};
-        for (int i = 0; i < bodies_.count(); ++i)
-            if (isFixed(i)) front.push_back(i);
-        grow(std::move(front));
-        for (int i = 0; i < bodies_.count(); ++i)
-            if (!isFixed(i) && !node(i).reached) grow({i});
-    }
-    void grow(std::vector<int> front) {
-        for (const int body : front)
-            if (body != kWorld) node(body).reached = true;
-        for (std::size_t k = 0; k < front.size(); ++k)
-            for (int i = 0; i < static_cast<int>(scene_.joints.size()); ++i) {
-                const SceneJoint& each = joint(i);
-                if (each.bodyA != front[k] && each.bodyB != front[k]) continue;
-                const int other = each.bodyA == front[k] ? each.bodyB : each.bodyA;
-                if (isFixed(other) || node(other).reached) continue;
-                node(other) = {front[k], i, true, {}};
-                if (front[k] != kWorld) node(front[k]).children.push_back(other);
-                front.push_back(other);
-            }
-    }
-
     void addBody(int i) {
         const BodyDef& def = bodies_.def(i);
         if (def.type == BodyType::kinematic) refuse("MuJoCo: body moved by its speed");
         const Pose pose = bodies_.startPose(i);
-        if (const int parent = node(i).parent; parent == kWorld) {
+        if (const int parent = trees_.node(i).parent; parent == kWorld) {
             world_ += fmt::format("<body name='b{}' pos='{}' quat='{}'>", i, text(pose.position), text(pose.rotation));
         } else {
             const Frame place = relative(bodies_.startPose(parent), pose);
@@ -105,12 +71,14 @@ private:
         }
         if (def.type == BodyType::dynamic) {
             const Inertial& inertial = bodies_.inertial(i);
-            world_ += node(i).joint == kNone ? "<freejoint/>" : ownJoint(i, joint(node(i).joint));
+            const int joint = trees_.node(i).joint;
+            world_ +=
+                joint == TreeNode::kFree ? "<freejoint/>" : ownJoint(i, scene_.joints[static_cast<std::size_t>(joint)]);
             world_ += fmt::format("<inertial pos='0 0 0' mass='{:.9g}' diaginertia='{}'/>", inertial.mass,
                                   text(inertial.moments));
         }
         for (const ShapeDef& shape : def.shapes) addGeom(i, shape);
-        for (const int child : node(i).children) addBody(child);
+        for (const int child : trees_.node(i).children) addBody(child);
         world_ += "</body>";
     }
     /// The joint by which a body hangs on its parent. Its coordinate is the scene's: of the second body against the
@@ -182,15 +150,13 @@ private:
         const bool isOfA = joint.bodyB == kWorld;
         const int a = isOfA ? kWorld : joint.bodyA, b = isOfA ? joint.bodyA : joint.bodyB;
         if (a != kWorld && !frames.collide) excludes_ += fmt::format("<exclude body1='b{}' body2='b{}'/>", a, b);
-        for (const Node& each : nodes_)
-            if (each.joint == static_cast<int>(i)) return;
+        if (trees_.has(static_cast<int>(i))) return;
         const Frame at = bodies_.local(b, isOfA ? frames.frameA : frames.frameB);
         if (const auto* ball = std::get_if<BallDef>(&joint.def)) {
             if (!isFree(*ball)) refuse("MuJoCo: free balls only");
             addPoint(b, a, at.position);
         } else if (const auto* hinge = std::get_if<HingeDef>(&joint.def)) {
-            if (hinge->limit || hinge->spring || hinge->motor || hinge->friction != 0 || !isPlain(*hinge))
-                refuse("MuJoCo: free hinges only");
+            if (!isFree(*hinge)) refuse("MuJoCo: free hinges only");
             // Two points of the axis, a decimetre to each side.
             const Vec3 axis = 0.1f * rotate(at.rotation, {1, 0, 0});
             addPoint(b, a, at.position - axis);
@@ -198,10 +164,6 @@ private:
         } else {
             refuse("MuJoCo: this joint");
         }
-    }
-    static bool isFree(const BallDef& ball) {
-        return !ball.swingLimit && !ball.swingEllipse && !ball.swingPyramid && !ball.reach && !ball.twistLimit &&
-               !ball.spring && ball.friction == 0 && !ball.bearing;
     }
     void addPoint(int body, int other, const Vec3& at) {
         equalities_ += fmt::format("<connect body1='b{}' anchor='{}'{}/>", body, text(at),
@@ -211,7 +173,7 @@ private:
     const Scene& scene_;
     const PeerBodies& bodies_;
     MujocoOptions options_;
-    std::vector<Node> nodes_;
+    Trees trees_;
     std::string assets_, world_, excludes_, equalities_;
     float friction_ = -1;
     int meshes_ = 0;
