@@ -52,9 +52,10 @@ const Point* cheapest(const std::vector<const Point*>& front, double error) {
     return at == front.end() ? nullptr : *at;
 }
 
-Loss worstOf(const Front& own, const Front& peer) {
+Loss worstOf(const Front& own, const Front& peer, double largest) {
     Loss worst{peer.scene, peer.engine};
     for (const Point* point : peer.points) {
+        if (errorOf(*point) > largest) continue;
         const Point* reached = cheapest(own.points, errorOf(*point));
         const double ratio = reached ? reached->cpuMs / point->cpuMs : std::numeric_limits<double>::infinity();
         if (ratio <= worst.ratio) continue;
@@ -78,7 +79,7 @@ bool failsAlways(const Points& points, const std::string& scene, const std::stri
 }
 
 /// Of each scene each other engine that has a front, or could have none.
-std::vector<Loss> comparisons(const Points& points) {
+std::vector<Loss> comparisons(const Points& points, double largest) {
     std::vector<Loss> result;
     const std::vector<Front> fronts = frontsOf(points);
     for (const Front& own : fronts) {
@@ -86,7 +87,7 @@ std::vector<Loss> comparisons(const Points& points) {
         for (const Front& peer : fronts)
             if (peer.scene == own.scene && peer.engine != kRagtop &&
                 (!peer.points.empty() || failsAlways(points, peer.scene, peer.engine)))
-                result.push_back(worstOf(own, peer));
+                result.push_back(worstOf(own, peer, largest));
     }
     return result;
 }
@@ -118,7 +119,7 @@ CheapestTable cheapestOf(const Points& points) {
 }
 
 std::vector<Loss> lossesOf(const Points& points) {
-    std::vector<Loss> losses = comparisons(points);
+    std::vector<Loss> losses = comparisons(points, kLargestError);
     std::erase_if(losses, [](const Loss& loss) { return loss.ratio <= 1; });
     std::ranges::sort(losses, [](const Loss& a, const Loss& b) {
         if (a.ratio != b.ratio) return a.ratio > b.ratio;
@@ -129,11 +130,16 @@ std::vector<Loss> lossesOf(const Points& points) {
 
 std::vector<Dominance> dominancesOf(const Points& points) {
     std::vector<Dominance> result;
-    for (const Loss& each : comparisons(points)) {
+    const std::vector<Loss> counted = comparisons(points, kLargestError);
+    const std::vector<Loss> all = comparisons(points, std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < counted.size(); ++i) {
+        const Loss& each = counted[i];
         auto at = std::ranges::find(result, each.engine, &Dominance::engine);
         if (at == result.end()) at = result.insert(at, {each.engine});
         ++at->scenes;
         if (each.ratio <= 1) ++at->dominated;
+        if (each.ratio <= 1.5) ++at->nearly;
+        if (all[i].ratio <= 1) ++at->dominatedOverall;
     }
     return result;
 }

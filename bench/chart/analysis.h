@@ -30,6 +30,9 @@ struct CheapestTable {
 /// At errors of 10 %, 1 %, 0.1 % and 0.01 % of what the scene's errors are shares of, where any engine gets there.
 CheapestTable cheapestOf(const Points& points);
 
+/// Answers that are a tenth off and more are none that engines are chosen for: fronts are compared below.
+inline constexpr double kLargestError = 0.1;
+
 /// Where Ragtop takes longer than another engine to err as little, or never errs as little.
 struct Loss {
     std::string scene, engine;
@@ -46,6 +49,8 @@ std::vector<Loss> lossesOf(const Points& points);
 struct Dominance {
     std::string engine;
     int scenes = 0, dominated = 0;
+    int nearly = 0;            ///< where Ragtop takes at most 1.5 times as long at the same error
+    int dominatedOverall = 0;  ///< at errors beyond kLargestError too
 };
 std::vector<Dominance> dominancesOf(const Points& points);
 

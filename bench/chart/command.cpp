@@ -8,6 +8,7 @@
 #include "../subcommands.h"
 #include "csv.h"
 #include "draw.h"
+#include "findings.h"
 #include "plan.h"
 #include "programs.h"
 
@@ -18,8 +19,8 @@ using namespace chart;
 
 struct Arguments {
     std::vector<std::string> scenes, engines, programs;
-    std::string out = "out/chart", point, draw, losses, cheapest;
-    bool quick = false, longer = false, resume = false, list = false, sceneTable = false;
+    std::string out = "out/chart", point, draw, losses, cheapest, findings;
+    bool quick = false, longer = false, resume = false, again = false, list = false, sceneTable = false;
     int jobs = 1, repeats = 0;
     double limit = 0, patience = 10;
     std::uint64_t seed = 1;
@@ -80,13 +81,14 @@ std::vector<const Variant*> variantsOf(const Arguments& arguments) {
 
 SweepOptions optionsOf(const Arguments& arguments) {
     constexpr int kRepeats[] = {3, 3, 9};
-    constexpr double kLimits[] = {20, 60, 300};
+    constexpr double kLimits[] = {20, 20, 300};
     const auto effort = static_cast<std::size_t>(effortOf(arguments));
     SweepOptions options;
     options.measure = {arguments.seed, arguments.repeats > 0 ? arguments.repeats : kRepeats[effort]};
     options.limit = arguments.limit > 0 ? arguments.limit : kLimits[effort];
     options.jobs = arguments.jobs;
     options.resume = arguments.resume;
+    options.again = arguments.again;
     return options;
 }
 
@@ -143,9 +145,16 @@ struct Dismissal {
 int runChart(const Arguments& arguments) {
     if (!arguments.losses.empty()) return fmt::print("{}", lossTable(readCsv(arguments.losses))), 0;
     if (!arguments.cheapest.empty()) return fmt::print("{}", cheapestTable(readCsv(arguments.cheapest))), 0;
+    if (!arguments.findings.empty()) return fmt::print("{}", findingsTable(readCsv(arguments.findings))), 0;
     if (arguments.sceneTable) return fmt::print("{}", sceneTable()), 0;
     if (!arguments.draw.empty()) {
-        const Points points = readCsv(arguments.draw);
+        Points points = readCsv(arguments.draw);
+        if (!arguments.scenes.empty()) {
+            const std::vector<const ChartScene*> drawn = scenesOf(arguments);
+            std::erase_if(points, [&](const Point& point) {
+                return std::ranges::none_of(drawn, [&](const ChartScene* scene) { return scene->name == point.scene; });
+            });
+        }
         makeFolder(arguments.out);
         write(points, arguments.out);
         return 0;
@@ -190,6 +199,8 @@ void addChart(CLI::App& app) {
     command->add_option("--patience", a->patience, "Seconds that an answer of such a program may take")
         ->check(CLI::Range(0.1, 3600.0));
     command->add_flag("--resume", a->resume, "Go on with the journal of a sweep that ended early");
+    command->add_flag("--again", a->again, "With --resume, measure anew what other processes disturbed")
+        ->needs("--resume");
     command->add_option("--out", a->out, "Folder for chart.csv, chart.html, chart.svg and the journal")
         ->capture_default_str();
     command->add_option("--jobs", a->jobs, "Points measured at once; none of them is timed then")
@@ -199,9 +210,10 @@ void addChart(CLI::App& app) {
     command->add_option("--seed", a->seed, "Of the perturbations of repeats");
     command->add_option("--point", a->point, "Measure this point alone and print it");
     command->add_flag("--list", a->list, "Print the points and measure nothing");
-    command->add_option("--draw", a->draw, "Draw this CSV and measure nothing");
+    command->add_option("--draw", a->draw, "Draw this CSV, or the scenes named of it, and measure nothing");
     command->add_flag("--scene-table", a->sceneTable, "Print the table of scenes");
     command->add_option("--losses", a->losses, "Print the table of where Ragtop loses in this CSV");
+    command->add_option("--findings", a->findings, "Print the table of what others have published, seen in this CSV");
     command->add_option("--cheapest", a->cheapest, "Print the table of cheapest settings of this CSV");
     command->callback([a] {
         if (const int code = runChart(*a); code != 0) throw CLI::RuntimeError(code);

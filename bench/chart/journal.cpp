@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -11,12 +12,18 @@
 #include "csv.h"
 
 namespace ragtop::chart {
+namespace {
 
-Journal::Journal(const std::filesystem::path& file, const std::string& plan, bool resume) : path_(file) {
+bool isDisturbed(const Point& point) { return !point.alone && std::isfinite(point.cpuMs); }
+
+}  // namespace
+
+Journal::Journal(const std::filesystem::path& file, const std::string& plan, bool resume, bool again) : path_(file) {
     const std::string head = fmt::format("ragtop-chart-journal-1 {}\n", plan);
     if (resume) {
         std::ifstream stream(file, std::ios::binary);
         load({std::istreambuf_iterator<char>(stream), {}}, head);
+        if (again) std::erase_if(known_, [](const auto& each) { return isDisturbed(each.second); });
     }
     // What was whole is written anew, so that a line that was cut off is gone.
     std::string text = head;

@@ -13,9 +13,9 @@ namespace ragtop::chart {
 /// The points of a sweep as they come, each written out at once; a line that is cut off counts for nothing.
 class Journal {
 public:
-    /// `plan` tells sweeps apart. Begins anew, or goes on with what the file has. Throws std::runtime_error for a
-    /// journal of another sweep or one that cannot be written.
-    Journal(const std::filesystem::path& file, const std::string& plan, bool resume);
+    /// `plan` tells sweeps apart. Begins anew, or goes on with what the file has, `again` without the points that other
+    /// processes disturbed. Throws std::runtime_error for a journal of another sweep or one that cannot be written.
+    Journal(const std::filesystem::path& file, const std::string& plan, bool resume, bool again);
 
     /// Null where it has none of that key.
     const Point* find(const std::string& key) const;

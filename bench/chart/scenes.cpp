@@ -253,6 +253,59 @@ std::vector<ChartScene> jointScenes() {
     };
 }
 
+std::vector<ChartScene> loopAndMeshScenes() {
+    return {
+        {"four-bar",
+         "A four-bar of equal bars",
+         "loops",
+         "four-bar, 1 windows",
+         {"energy"},
+         invariant,
+         1,
+         1e-6,
+         1,
+         60,
+         false,
+         "energy for a minute, in that of the whole drop"},
+        {"bricard",
+         "Bricard's six bars, seven constraints too many",
+         "loops",
+         "Bricard",
+         {"gap"},
+         invariant,
+         1,
+         1e-6,
+         1,
+         60,
+         false,
+         "joints closed: widest gap, in bars"},
+        {"mesh-ball",
+         "A ball slides over a mesh, 30° aslant",
+         "internal_edges",
+         "ball on mesh, 30 deg",
+         {"vertical speed"},
+         threshold,
+         10,
+         1e-7,
+         0.5,
+         10,
+         false,
+         "a plane: no vertical speed, in that of the ball"},
+        {"mesh-box",
+         "A box slides over a mesh, 30° aslant",
+         "internal_edges",
+         "box on mesh, 30 deg",
+         {"vertical speed"},
+         threshold,
+         10,
+         1e-6,
+         0.5,
+         10,
+         false,
+         "a plane: no vertical speed, in that of the box"},
+    };
+}
+
 std::vector<ChartScene> motionScenes() {
     return {
         {"free-spin",
@@ -312,7 +365,7 @@ std::vector<ChartScene> motionScenes() {
 const std::vector<ChartScene>& allScenes() {
     static const std::vector<ChartScene> scenes = [] {
         std::vector<ChartScene> all;
-        for (auto& part : {frictionScenes(), stackScenes(), jointScenes(), motionScenes()})
+        for (auto& part : {frictionScenes(), stackScenes(), jointScenes(), loopAndMeshScenes(), motionScenes()})
             all.insert(all.end(), part.begin(), part.end());
         return all;
     }();

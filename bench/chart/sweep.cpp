@@ -35,7 +35,8 @@ class Sweep {
 public:
     Sweep(const std::vector<Task>& tasks, const SweepOptions& options, const std::function<void(const Point&)>& report)
         : tasks_(tasks), options_(options), report_(report) {
-        if (options.journal) journal_.emplace(*options.journal, digestOf(tasks, options), options.resume);
+        if (options.journal)
+            journal_.emplace(*options.journal, digestOf(tasks, options), options.resume, options.again);
         for (const Task& task : tasks) points_.push_back(task.point);
         findGroups();
     }

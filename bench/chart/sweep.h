@@ -24,6 +24,7 @@ struct SweepOptions {
     /// Where each point is kept as soon as it is measured.
     std::optional<std::filesystem::path> journal;
     bool resume = false;  ///< takes what the journal has
+    bool again = false;   ///< but for points that other processes disturbed
     /// Others that measure; null: this process does.
     const Ranks* ranks = nullptr;
 };

@@ -1,8 +1,8 @@
 // The page of a chart: panels of scenes that are filtered together, and what is under the pointer.
 import { init } from './echarts.js';
-import { looksOf, panelOption, placesOf, profileOption } from './options.js';
+import { documentOf, looksOf, panelOption, placesOf, profileOption } from './options.js';
 
-const document_ = JSON.parse(document.getElementById('data').textContent);
+const document_ = documentOf(document.getElementById('data').textContent);
 const filters = document.getElementById('filters');
 const card = document.getElementById('card');
 const looks = looksOf(document_);

@@ -1,6 +1,19 @@
 // What ECharts draws of a chart's document: the same for the page and for the picture.
 
-/** Colours that the colour-blind tell apart [Okabe, Ito, Color Universal Design, 2008], and shapes for print. */
+/** A chart's document from its text: points come by columns, and texts once each. */
+export function documentOf(text) {
+  const document = JSON.parse(text);
+  const { numbers, texts } = document.points;
+  const columns = { ...numbers };
+  for (const [name, { each, at }] of Object.entries(texts)) columns[name] = at.map((i) => each[i]);
+  const names = Object.keys(columns);
+  const count = columns.scene?.length ?? 0;
+  document.points = Array.from({ length: count }, (_, i) => Object.fromEntries(names.map((name) => [name, columns[name][i]])));
+  return document;
+}
+
+/** Colours that the colour-blind tell apart [Okabe, Ito, Color Universal Design, 2008], two more from [Tol, Colour
+ * schemes, 2021], and shapes for print. */
 const LOOKS = [
   { color: '#0072b2', symbol: 'circle' },
   { color: '#d55e00', symbol: 'rect' },
@@ -8,6 +21,8 @@ const LOOKS = [
   { color: '#cc79a7', symbol: 'diamond' },
   { color: '#e69f00', symbol: 'path://M0 0L8 0L4 8Z' },
   { color: '#56b4e9', symbol: 'path://M3 0H5V3H8V5H5V8H3V5H0V3H3Z' },
+  { color: '#882255', symbol: 'path://M0 2H8V6H0Z' },
+  { color: '#777777', symbol: 'path://M2 0H6V8H2Z' },
 ];
 const CROSS = 'path://M0 1L1 0L4 3L7 0L8 1L5 4L8 7L7 8L4 5L1 8L0 7L3 4Z';
 

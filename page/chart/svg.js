@@ -1,14 +1,14 @@
 // chart_svg.cjs <chart.html> <picture.svg>: draws the panels of a chart's page as one picture.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { init } from './echarts.js';
-import { looksOf, panelOption } from './options.js';
+import { documentOf, looksOf, panelOption } from './options.js';
 
 const WIDTH = 430, HEIGHT = 320, LEGEND = 34, MOST_COLUMNS = 3;
 
-function documentOf(page) {
+function documentIn(page) {
   const data = /<script id="data" type="application\/json">(.*?)<\/script>/s.exec(page);
   if (!data) throw new Error(`${process.argv[2]}: has no data`);
-  return JSON.parse(data[1]);
+  return documentOf(data[1]);
 }
 
 function panel(document, scene, view, x, y) {
@@ -29,9 +29,9 @@ function legend(looks) {
 }
 
 const [, , from, to] = process.argv;
-const document = documentOf(readFileSync(from, 'utf8'));
+const document = documentIn(readFileSync(from, 'utf8'));
 const looks = looksOf(document);
-const view = { engines: new Set(looks.keys()), axis: 'error', failures: true, intervals: true, fronts: false, theme: 'light', linked: null };
+const view = { engines: new Set(looks.keys()), axis: 'error', failures: true, intervals: false, fronts: false, theme: 'light', linked: null };
 const columns = Math.min(MOST_COLUMNS, document.scenes.length);
 const rows = Math.ceil(document.scenes.length / columns);
 const [width, height] = [columns * WIDTH, LEGEND + rows * HEIGHT];

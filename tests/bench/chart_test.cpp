@@ -150,6 +150,17 @@ TEST(ChartSweep, EndsAnEngineThatTakesTooLong) {
     EXPECT_EQ(points[1].outcome, Outcome::measured);
 }
 
+TEST(ChartSweep, EndsAnEngineThatSleepsForEver) {
+    const std::vector<Variant> variants{variantOf(Falling::Way::sleeps, "sleeps"),
+                                        variantOf(Falling::Way::well, "well")};
+    SweepOptions options;
+    options.limit = 0.1;
+    const Points points = sweep(tasksOf(variants, {64}), options, [](const Point&) {});
+    EXPECT_EQ(points[0].outcome, Outcome::failed);
+    EXPECT_EQ(points[0].reason, "took longer than its 1 s");
+    EXPECT_EQ(points[1].outcome, Outcome::measured);
+}
+
 TEST(ChartJournal, GoesOnToTheSamePointsWhereverItWasCutOff) {
     const std::filesystem::path file = temporaryPath("journal");
     const std::vector<Variant> variants{variantOf(Falling::Way::well, "well"), variantOf(Falling::Way::isLost, "lost")};
@@ -178,6 +189,35 @@ TEST(ChartJournal, SaysWhereItCannotBeWritten) {
     options.journal = "/dev/null/journal";
     EXPECT_EQ(messageOf([&] { swept({variantOf(Falling::Way::well, "well")}, options); }),
               "/dev/null/journal: cannot be written: Not a directory");
+}
+
+TEST(ChartJournal, MeasuresAnewWhatOthersDisturbedWhereItIsAsked) {
+    const std::filesystem::path file = temporaryPath("journal");
+    const std::vector<Variant> variants{variantOf(Falling::Way::well, "well")};
+    SweepOptions options;
+    options.journal = file;
+    options.jobs = 2;  // which marks all points as disturbed
+    swept(variants, options);
+    options.jobs = 1;
+    options.resume = true;
+    const auto measured = [&] {
+        int count = 0;
+        sweep(tasksOf(variants), options, [&](const Point&) { ++count; });
+        return count;
+    };
+    EXPECT_EQ(measured(), 0);
+    options.again = true;
+    EXPECT_EQ(measured(), 2);
+}
+
+TEST(ChartJournal, SaysThatTheDiskIsFull) {
+    SweepOptions options;
+    options.journal = temporaryPath("journal");
+    const std::filesystem::path draft = options.journal->string() + ".part";
+    std::filesystem::create_symlink("/dev/full", draft);
+    EXPECT_EQ(messageOf([&] { swept({variantOf(Falling::Way::well, "well")}, options); }),
+              options.journal->string() + ": cannot be written: No space left on device");
+    EXPECT_FALSE(std::filesystem::is_symlink(draft));
 }
 
 TEST(ChartCsv, KeepsEveryBitOfAPoint) {
