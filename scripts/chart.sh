@@ -19,7 +19,8 @@ bench=build/release/ragtop_bench
 if [ "${1:-}" != --tables ]; then
     "$bench" chart "$@" --out out/chart
     cp out/chart/chart.csv bench/results/chart.csv
-    cp out/chart/chart.svg docs/pictures/chart.svg
+    "$bench" chart --draw out/chart/chart.csv --scenes stopping,heavy-100,chain-planar --out out/chart/picture
+    cp out/chart/picture/chart.svg docs/pictures/chart.svg
 fi
 # between(<mark> <text>): what stands in docs/chart.md from the mark to the next end.
 between() {
@@ -30,6 +31,7 @@ between() {
     mv docs/chart.md.new docs/chart.md
 }
 between losses "$("$bench" chart --losses bench/results/chart.csv)"
+between findings "$("$bench" chart --findings bench/results/chart.csv)"
 between cheapest "$("$bench" chart --cheapest bench/results/chart.csv)"
 between scenes "$("$bench" chart --scene-table)"
 between economy "$("$bench" economy --table bench/results/economy.json)"

@@ -52,14 +52,23 @@ without_times "$folder/second/chart.csv" >"$folder/b"
 cmp "$folder/a" "$folder/b" || fail "a resumed sweep ends otherwise"
 [ "$(grep -c error "$folder/out")" -lt "$(sed 1d "$csv" | wc -l)" ] || fail "nothing was taken from the journal"
 
-# So do runs that are killed at random moments, one after the other.
+# A disk that fills up on the way ends the sweep with a line; a file that may not grow fills up alike.
+if (trap '' XFSZ; ulimit -f 8; exec "$program" chart --quick --scenes stopping --repeats 1 --out "$folder/full" \
+    >/dev/null 2>"$folder/full.txt"); then fail "a full disk is not noticed"; fi
+[ "$(cat "$folder/full.txt")" = "ragtop_bench: $folder/full/journal: cannot be written: File too large" ] ||
+    fail "a full disk: says $(cat "$folder/full.txt")"
+
+# So do runs that are killed at random moments, one after the other, over scenes that slide, roll and spin.
+set -- chart --quick --scenes stopping,rolling,handle --repeats 1
+"$program" "$@" --out "$folder/whole" >"$folder/out" 2>&1 || true
+without_times "$folder/whole/chart.csv" >"$folder/a"
 for run in $(seq 20); do
-    "$program" chart --quick --scenes stopping --repeats 1 --resume --out "$folder/killed" >"$folder/out" 2>&1 &
-    sleep "$(awk -v seed="$$$run" 'BEGIN { srand(seed); print 0.01 + 0.2 * rand() }')"
+    "$program" "$@" --resume --out "$folder/killed" >"$folder/out" 2>&1 &
+    sleep "$(awk -v seed="$$$run" 'BEGIN { srand(seed); print 0.01 + 0.4 * rand() }')"
     kill -KILL $! 2>/dev/null || true
     wait $! 2>/dev/null || true
 done
-"$program" chart --quick --scenes stopping --repeats 1 --resume --out "$folder/killed" >"$folder/out" 2>&1 || true
+"$program" "$@" --resume --out "$folder/killed" >"$folder/out" 2>&1 || true
 without_times "$folder/killed/chart.csv" >"$folder/b"
 cmp "$folder/a" "$folder/b" || fail "a sweep that was killed ends otherwise"
 
@@ -67,8 +76,7 @@ cmp "$folder/a" "$folder/b" || fail "a sweep that was killed ends otherwise"
 if command -v mpirun >/dev/null; then
     export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
     for ranks in 1 2 4; do
-        TMPDIR=$folder mpirun --oversubscribe -n $ranks "$program" chart --quick --scenes stopping --repeats 1 \
-            --out "$folder/ranks$ranks" >"$folder/out" 2>&1 </dev/null || true
+        TMPDIR=$folder mpirun --oversubscribe -n $ranks "$program" "$@" --out "$folder/ranks$ranks" >"$folder/out" 2>&1 </dev/null || true
         if grep -q 'built without Open MPI' "$folder/out"; then break; fi
         without_times "$folder/ranks$ranks/chart.csv" >"$folder/b"
         cmp "$folder/a" "$folder/b" || fail "$ranks ranks end otherwise"
@@ -140,6 +148,10 @@ keeps() {
         fail "docs/chart.md: what stands between its marks is not of $source; scripts/chart.sh --tables renews it"
 }
 keeps losses bench/results/chart.csv chart --losses
+keeps findings bench/results/chart.csv chart --findings
+if grep -q '| *|$' "$folder/told"; then fail "docs/chart.md: a cell of the findings is empty"; fi
+"$program" chart --losses "$tree/bench/results/chart.csv" >"$folder/table"
+if grep -q '|  |$' "$folder/table"; then fail "a loss has no reason: $(grep '|  |$' "$folder/table")"; fi
 keeps economy bench/results/economy.json economy --table
 if "$program" economy --table "$tree/LICENSE" >"$folder/out" 2>&1; then fail "economy: takes a licence for a result"; fi
 grep -q "LICENSE: " "$folder/out" || fail "economy: does not say which file is wrong: $(cat "$folder/out")"
