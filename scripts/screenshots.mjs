@@ -2,7 +2,7 @@
 import { mkdir } from 'node:fs/promises';
 import path from 'node:path';
 import { acceptance, EVERYTHING, root, say } from '../tests/page/support/acceptance.mjs';
-import { ask, Browser, look, pause, step } from '../tests/page/support/browser.mjs';
+import { advance, ask, Browser, look, pause } from '../tests/page/support/browser.mjs';
 import { finished } from '../tests/page/support/picture.mjs';
 import { Program } from '../tests/page/support/program.mjs';
 
@@ -51,7 +51,7 @@ const JOINTS = {
 
 /** A heavy ball hits the tower in the middle. */
 async function topple(page) {
-  await step(page, 30);
+  await advance(page, 30);
   await ask(page, 'shoot', { origin: [-9, 6.3, 2.5], direction: [9, 0.35, -2.5], speed: 25, radius: 0.6 });
 }
 
@@ -61,8 +61,9 @@ async function takePicture(page, { steps, eye, target, chase = false, shown = []
   await ask(page, 'show', Object.fromEntries(LIT.map((name) => [name, shown.includes(name)])));
   if (!panels) await page.keyboard.press('h');
   await before?.(page);
-  // A few at a time, so that the plots have something to show.
-  for (let left = steps; left > 0; left -= 6) await step(page, Math.min(left, 6));
+  // A few at a time where there are plots, so that they have something to show.
+  const some = panels ? 6 : steps;
+  for (let left = steps; left > 0; left -= some) await advance(page, Math.min(left, some));
   if (chase) await page.click('#cameras [data-camera=chase]');
   else await look(page, eye, target);
   await finished(page);

@@ -63,6 +63,10 @@ export function publishApi({ session, showing, rig, stage, ready }) {
     get draws() {
       return stage.draws;
     },
+    /** Whether the picture is of what has been received, as finely as it will be drawn. */
+    get settled() {
+      return stage.settled;
+    },
     get quality() {
       return stage.level;
     },

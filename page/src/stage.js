@@ -100,6 +100,11 @@ export class Stage {
     return this.#quality.level;
   }
 
+  /** Nothing is asked for that is not drawn, as finely as it will be. */
+  get settled() {
+    return this.#sharp && !this.#dirty;
+  }
+
   #frame(now) {
     this.beforeFrame(now);
     if (!this.#dirty) {

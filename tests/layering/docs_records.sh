@@ -35,7 +35,8 @@ for record in docs/adr/[0-9]*.md; do
     done
 done
 # Files that pages name in code marks, by the end of their path.
-sources=$(find core vehicles ragdolls assets demos bench tests scripts page -type f 2>/dev/null | sed 's|^|/|')
+sources=$(find core vehicles ragdolls assets demos bench tests scripts page -name node_modules -prune -o -type f -print 2>/dev/null |
+    sed 's|^|/|')
 for page in docs/adr/*.md docs/measurements/*.md docs/step.md docs/architecture.md docs/reading.md docs/threading.md docs/joints.md; do
     for name in $(grep -oE '`[A-Za-z0-9_./]+\.(h|cpp|inl|sh|py)`' "$page" | tr -d '`' | sort -u); do
         echo "$sources" | grep -qF "/$name" || complain "$page: no file $name"
@@ -44,7 +45,7 @@ done
 # Names in camel case that pages name in code marks occur in the sources.
 words=$(mktemp)
 trap 'rm -f "$words"' EXIT
-find core vehicles ragdolls assets demos bench tests page -type f \( -name '*.h' -o -name '*.cpp' -o -name '*.inl' -o -name '*.mjs' \
+find core vehicles ragdolls assets demos bench tests page -name node_modules -prune -o -type f \( -name '*.h' -o -name '*.cpp' -o -name '*.inl' -o -name '*.mjs' \
     -o -name '*.js' \) -exec cat {} + | grep -oE '[A-Za-z_][A-Za-z0-9_]*' | sort -u >"$words"
 for page in docs/adr/*.md docs/step.md docs/architecture.md docs/reading.md docs/notation.md docs/threading.md docs/state.md docs/joints.md; do
     named=$(sed '/^## Words/,/^## /d' "$page" | grep -oE '`[A-Za-z_][A-Za-z0-9_:]*(\(\))?`' | tr -d '`()' | sed 's/.*:://' | grep -E '[a-z][A-Z]' | sort -u)

@@ -76,10 +76,17 @@ export async function pause(page) {
   return step;
 }
 
-/** Makes so many steps, back or on; the step at which the simulation stands then. */
-export async function step(page, count) {
+/** Makes so many steps, back or on, and does not wait for them to be drawn; the step at which the simulation stands then. */
+export async function advance(page, count) {
   const { step: now } = await ask(page, 'step', { count });
-  await until(`step ${now}`, async () => (await status(page)).step === now);
+  await until(`step ${now}`, () =>
+    page.evaluate((s) => window.ragtop.status.step === s && window.ragtop.step === s, now));
+  return now;
+}
+
+/** Makes so many steps, back or on, and waits for the picture; the step at which the simulation stands then. */
+export async function step(page, count) {
+  const now = await advance(page, count);
   await shown(page, now);
   return now;
 }

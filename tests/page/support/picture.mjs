@@ -1,18 +1,14 @@
 // Pictures of the page, as numbers.
 import { until } from './acceptance.mjs';
 
-const REST = 800;  // ms, more than the page waits before it refines a picture that stands still
-
-/** Waits until the page has drawn what it shows as finely as it will. */
+/** Waits until the page has drawn what it shows as finely as it will, and nothing more comes in the next frame. */
 export async function finished(page) {
-  let drawn = -1;
-  await until('the picture stands still', async () => {
-    const before = drawn;
-    drawn = await page.evaluate(() => window.ragtop.draws);
-    if (drawn === before) return true;
-    await page.waitForTimeout(REST);
-    return false;
-  });
+  await until('the picture stands still', () => page.evaluate(async () => {
+    const { draws } = window.ragtop;
+    // The frame that is under way, and a whole one.
+    for (let i = 0; i < 2; ++i) await new Promise((resolve) => requestAnimationFrame(resolve));
+    return window.ragtop.settled && window.ragtop.draws === draws;
+  }));
 }
 
 /** The canvas without what lies over it, as a PNG. */
