@@ -9,7 +9,6 @@
 namespace ragtop {
 namespace {
 
-constexpr float kFlattest = 0.2f;    ///< sine between axle and normal below which a wheel lies on its side
 constexpr float kSamePlane = 2e-3f;  ///< radii between planes that count as one, and rad between their normals
 constexpr float kSameTurn = 0.02f;
 constexpr float kFinest = 2.5e-4f;   ///< s, of a piece of the course of a wheel that is thrown
@@ -54,13 +53,6 @@ GroundPlane pieceBetween(const Sample& a, Sample& b, const WheelWay& way, float 
 }
 
 }  // namespace
-
-std::optional<Vec3> lowestPoint(const Vec3& normal, const Vec3& axle, float radius) {
-    const Vec3 inWheel = normal - dot(normal, axle) * axle;
-    const float across = length(inWheel);
-    if (!(across > kFlattest)) return {};
-    return (-radius / across) * inWheel;
-}
 
 /// (hub + down + x a − point)·n = 0
 std::optional<float> riseOn(const GroundPlane& plane, const WheelWay& way, const DVec3& hub) {

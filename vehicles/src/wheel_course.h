@@ -45,10 +45,6 @@ struct WheelWay {
 /// because it lies on its side or the plane is a wall to it.
 std::optional<float> riseOn(const GroundPlane& plane, const WheelWay& way, const DVec3& hub);
 
-/// The lowest point of a wheel from its hub, over a plane of normal n: straight down in the wheel's own plane. Empty
-/// where the wheel lies on its side.
-std::optional<Vec3> lowestPoint(const Vec3& normal, const Vec3& axle, float radius);
-
 /// Of the squash of a standing tire: what a substep may change it by, without being taken in parts.
 inline constexpr float kThrown = 0.1f;
 

@@ -14,34 +14,108 @@ bool isGround(const Hit& hit, const WheelPath& path) {
 
 /// A cast of a ball ends within its tolerance, which a stiff tire feels: where the ball lies on a face, a ray tells
 /// where that is.
-void polish(const World& world, const QueryFilter& filter, const WheelPath& path, Hit& hit) {
+bool lieOnFace(const World& world, const QueryFilter& filter, const WheelPath& path, Hit& hit) {
     constexpr float kOneFace = 0.995f, kReach = 1.1f;
     const DVec3 center = path.start + hit.fraction * path.translation;
     const Hit face = world.castRay({center, -kReach * path.radius * hit.normal}, filter);
-    if (!face || !(face.body == hit.body) || !(dot(face.normal, hit.normal) > kOneFace)) return;
+    if (!face || !(face.body == hit.body) || !(dot(face.normal, hit.normal) > kOneFace)) return false;
     hit.point = face.point;
     hit.normal = face.normal;
+    return true;
 }
 
-Hit castBall(const World& world, const QueryFilter& filter, const WheelPath& path) {
-    Hit hit = world.castShape(Sphere{path.radius}, Quat{}, {path.start, path.translation}, filter);
-    if (!isGround(hit, path)) return {};
+/// Does the wheel lie as the ball does? Beyond the tread the shoulder of the tire passes by, and what the side meets is
+/// none of this.
+bool liesAsWheel(const World& world, const QueryFilter& filter, const WheelPath& path, Hit& hit) {
+    constexpr float kMostDeeper = 2e-3f;  // of the radius, by which a rim may be deeper than the ball
     const float beside = dot(relative(hit.point, path.start) - hit.fraction * path.translation, path.axle);
-    // Beyond it the shoulder of the tire passes by, and what the side meets is none of this.
-    constexpr float kTread = 0.8f;
-    if (!(std::abs(beside) <= kTread * path.halfWidth)) return {};
-    polish(world, filter, path, hit);
-    return hit;
+    if (!(std::abs(beside) <= kTread * path.halfWidth)) return false;
+    const float deeper = std::abs(dot(hit.normal, path.axle)) * kTread * path.halfWidth;
+    return lieOnFace(world, filter, path, hit) || deeper < kMostDeeper * path.radius;
 }
 
-Hit castRays(const World& world, const QueryFilter& filter, const WheelPath& path) {
-    Hit highest;
-    const Vec3 reach = path.translation - path.radius * path.axis;
-    for (const float side : {0.0f, -0.8f, 0.8f}) {
-        const Hit hit = world.castRay({path.start + side * path.halfWidth * path.axle, reach}, filter);
-        if (isGround(hit, path) && (!highest || hit.fraction < highest.fraction)) highest = hit;
+/// The highest that circles across a wheel lie on, as where the middle of the wheel does.
+struct Highest {
+    Hit hit;
+    float rise = 0;  ///< m along the axis, of the hub from the path's start
+
+    void offer(const Hit& found, float rises) {
+        if (hit && !(rises > rise)) return;
+        hit = found;
+        rise = rises;
     }
-    return highest;
+};
+
+/// Straight down.
+void offerFloor(const World& world, const QueryFilter& filter, const WheelPath& path, float aside, Highest& highest) {
+    const Vec3 reach = path.translation - path.radius * path.axis;
+    const Hit hit = world.castRay({path.start + aside * path.axle, reach}, filter);
+    if (!isGround(hit, path)) return;
+    const std::optional<Vec3> lowest = lowestPoint(hit.normal, path.axle, path.radius);
+    if (!lowest) return;
+    highest.offer(hit, dot(relative(hit.point, path.start) - *lowest, hit.normal) / dot(path.axis, hit.normal));
+}
+
+/// An edge that a ball lies on: the line between what is before it and what is on top.
+struct Edge {
+    Vec3 along, inward;  ///< unit; inward from the hub, across the axis
+    Hit ball;
+};
+
+constexpr float kNear = 5e-3f;  ///< of the radius: how far beside an edge its faces are looked for
+
+/// What a ray at an edge meets a little below it, from before.
+Hit faceBelow(const World& world, const QueryFilter& filter, const WheelPath& path, const Edge& edge,
+              const DVec3& point) {
+    const float near = kNear * path.radius;
+    return world.castRay({point - near * (path.axis + edge.inward), 2 * near * edge.inward}, filter);
+}
+
+std::optional<Edge> edgeUnder(const World& world, const QueryFilter& filter, const WheelPath& path, const Hit& ball) {
+    const Vec3 inward = normalized(dot(ball.normal, path.axis) * path.axis - ball.normal);
+    Edge edge{{}, inward, ball};
+    const float near = kNear * path.radius;
+    const Hit face = faceBelow(world, filter, path, edge, ball.point);
+    const Hit top = world.castRay({ball.point + near * (path.axis + inward), -2 * near * path.axis}, filter);
+    if (!face || !top || !(face.body == ball.body) || !(top.body == ball.body)) return {};
+    edge.along = cross(face.normal, top.normal);
+    if (!(length(edge.along) > 0.1f)) return {};
+    edge.along = normalized(edge.along);
+    return edge;
+}
+
+/// Where a circle meets it: at q from where the hub starts, and |q − x a| = R in the plane of the circle.
+void offerEdge(const World& world, const QueryFilter& filter, const WheelPath& path, const Edge& edge, float aside,
+               Highest& highest) {
+    constexpr float kLeast = 0.05f;  // sine between edge and circle
+    const Vec3 left = path.axle, at = relative(edge.ball.point, path.start);
+    const float across = dot(edge.along, left);
+    if (!(std::abs(across) > kLeast)) return;
+    const Vec3 met = at + ((aside - dot(at, left)) / across) * edge.along;
+    const Vec3 q = met - dot(met, left) * left, up = path.axis - dot(path.axis, left) * left;
+    const float squared = dot(up, up), b = dot(q, up) / squared;
+    const float c = (dot(q, q) - path.radius * path.radius) / squared;
+    if (!(b * b > c)) return;
+    const float rise = b + std::sqrt(b * b - c);
+    Vec3 normal = normalized(cross(cross(left, q - rise * up), edge.along));
+    if (dot(normal, path.axis) < 0) normal = -normal;
+    Hit hit = edge.ball;
+    hit.normal = normal;
+    const std::optional<Vec3> lowest = lowestPoint(normal, left, path.radius);
+    if (!lowest || !isGround(hit, path)) return;
+    if (!(faceBelow(world, filter, path, edge, path.start + met).body == hit.body)) return;
+    hit.point = path.start + (rise * path.axis + *lowest);
+    highest.offer(hit, rise);
+}
+
+Hit castCircles(const World& world, const QueryFilter& filter, const WheelPath& path, const Hit& ball) {
+    Highest highest;
+    const std::optional<Edge> edge = isGround(ball, path) ? edgeUnder(world, filter, path, ball) : std::nullopt;
+    for (const float side : {0.0f, -kTread, kTread}) {
+        offerFloor(world, filter, path, side * path.halfWidth, highest);
+        if (edge) offerEdge(world, filter, path, *edge, side * path.halfWidth, highest);
+    }
+    return highest.hit;
 }
 
 void take(const World& world, const Hit& hit, GroundPlane& plane) {
@@ -64,10 +138,18 @@ QueryFilter queryOf(const Filter& filter, BodyId chassis) {
 
 }  // namespace
 
+std::optional<Vec3> lowestPoint(const Vec3& normal, const Vec3& axle, float radius) {
+    constexpr float kFlattest = 0.2f;  // sine between axle and normal below which it lies on its side
+    const Vec3 inWheel = normal - dot(normal, axle) * axle;
+    const float across = length(inWheel);
+    if (!(across > kFlattest)) return {};
+    return (-radius / across) * inWheel;
+}
+
 void findGround(const World& world, BodyId chassis, const Filter& filter, const WheelPath& path, GroundPlane& plane) {
     const QueryFilter query = queryOf(filter, chassis);
-    Hit hit = castBall(world, query, path);
-    if (!hit) hit = castRays(world, query, path);
+    Hit hit = world.castShape(Sphere{path.radius}, Quat{}, {path.start, path.translation}, query);
+    if (!isGround(hit, path) || !liesAsWheel(world, query, path, hit)) hit = castCircles(world, query, path, hit);
     take(world, hit, plane);
 }
 

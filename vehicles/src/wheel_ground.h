@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "ragtop/id.h"
 #include "ragtop/math.h"
@@ -12,6 +13,8 @@ struct Filter;
 
 /// Cosine between strut and normal beyond which a surface is a wall to a wheel.
 inline constexpr float kSteepest = 0.2f;
+/// Of half of a wheel's width: its tread, beyond which the shoulder of the tire passes by.
+inline constexpr float kTread = 0.8f;
 /// m/s at which a wheel comes out of ground that it has not come into.
 inline constexpr float kLiftSpeed = 0.1f;
 
@@ -29,6 +32,10 @@ struct GroundPlane {
 };
 static_assert(sizeof(GroundPlane) == 112);
 
+/// The lowest point of a wheel from its hub, over a plane of normal n: straight down in the wheel's own plane. Empty
+/// where the wheel lies on its side.
+std::optional<Vec3> lowestPoint(const Vec3& normal, const Vec3& axle, float radius);
+
 /// Where to look: a wheel of `radius` moves from `start`, clear above its highest place, by `translation`.
 struct WheelPath {
     DVec3 start;
@@ -38,8 +45,9 @@ struct WheelPath {
     float radius = 0, halfWidth = 0;
 };
 
-/// Finds the ground. A ball of the wheel's radius rolls smoothly over curbs and seams; where it touches something that
-/// the narrower wheel passes by, three rays across the width decide.
+/// Finds the ground. A ball of the wheel's radius lies on faces, and on edges that its wheel meets from ahead, as the
+/// wheel does. What is beside the wheel's plane meets the rims of the tread before the ball, or not at all: there three
+/// circles across the width decide, by rays down and ahead.
 void findGround(const World& world, BodyId chassis, const Filter& filter, const WheelPath& path, GroundPlane& plane);
 
 /// The same by a ray alone, along the path through the middle of the wheel.
