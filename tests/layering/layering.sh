@@ -58,7 +58,7 @@ if [ -n "$sources" ]; then
         status=1
     fi
     # They take their memory from std::get_temporary_buffer, which C++17 deprecates.
-    if grep -nE 'std::(stable_sort|stable_partition|inplace_merge)' $(echo "$sources" | grep -vE '^(tests|bench)/'); then
+    if grep -nE 'std::(ranges::)?(stable_sort|stable_partition|inplace_merge)' $(echo "$sources" | grep -vE '^(tests|bench)/'); then
         echo "algorithms with a temporary buffer (above): sort by a total order instead"
         status=1
     fi
