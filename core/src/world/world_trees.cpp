@@ -1,5 +1,7 @@
 // Trees of joints: which there are, and their passes within the substep (direct/tree_kernels.inl).
 
+#include <algorithm>
+
 #include "constraints/joint_types.h"
 #include "world/fallback.h"
 #include "world/multirate.h"
@@ -128,7 +130,16 @@ void WorldImpl::layLinks(std::uint32_t root, BuiltTree& built) {
     built.doublePrecision = heaviest > kSingleRatio * lightest;
 }
 
-/// Direct islands that are trees of rigid rows and touch nothing; chooseStepFactors groups them.
+/// Does a module name bodies of it, to push them? What watches all bodies names none, and changes nothing.
+static bool isNamed(const WorldImpl& world, const DirectIsland& island) {
+    const ModuleWork& work = world.moduleWork;
+    const std::uint32_t* first = world.directSet.bodies.data() + island.firstBody;
+    return std::any_of(first, first + island.bodyCount,
+                       [&](std::uint32_t body) { return body < work.namer.size() && work.namer[body] != 0; });
+}
+
+/// Direct islands that are trees of rigid rows and touch nothing; chooseStepFactors groups them. Leapfrog trees have
+/// half of their forces in a step's first substep: a module that holds them against all of them would move them.
 void WorldImpl::planChains() {
     directSet.trees.clear();
     if (directSet.islands.empty()) return;
@@ -142,6 +153,7 @@ void WorldImpl::planChains() {
         if (!buildTree(directSet.bodies[island.firstBody], tree)) continue;
         island.tree = tree.joints == island.jointCount && tree.bodies == island.bodyCount;
         island.watched = tree.watched;
+        tree.doublePrecision |= isNamed(*this, island);
         island.leapfrog = island.tree && !tree.doublePrecision;
         island.multirate = island.tree && tree.doublePrecision && tree.anchor != kNone && !tree.watched;
         if (island.tree)
