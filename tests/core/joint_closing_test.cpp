@@ -92,6 +92,30 @@ TEST(JointClosing, MovesNoCentreOfMassAndKeepsAngularMomentum) {
     EXPECT_LE(length(toVec3(momentOf(world, row.bodies) - moment)), 1e-3 * length(toVec3(moment)));
 }
 
+/// Rows give way by 10⁻⁶ of the inverse mass of what is lightest: where that is a link between bodies of 10⁸ times its
+/// mass, they would give way to all that is open, round by round.
+TEST(JointClosing, ClosesALightLinkBetweenBodiesOfAHundredMillionTimesItsMass) {
+    World world{inSpace()};
+    std::vector<BodyId> bodies;
+    std::vector<JointId> joints;
+    constexpr float kHalf[] = {0.5f, 0.1f, 0.5f};
+    constexpr float kDensity[] = {1e6f, 1.25f, 1e6f};  // 10⁶ kg, 0.01 kg
+    for (std::size_t i = 0; i < 3; ++i) {
+        BodyDef def = bodyDef(Box{{kHalf[i], kHalf[i], kHalf[i]}}, {0.6 * static_cast<double>(i), 5, 0});
+        def.shapes[0].density = kDensity[i];
+        bodies.push_back(world.create(def));
+        if (i == 0) continue;
+        JointBodies joined{.a = bodies[i - 1], .b = bodies[i]};
+        joined.frameA.position = {kHalf[i - 1], 0, 0}, joined.frameB.position = {-kHalf[i], 0, 0};
+        joints.push_back(world.create(BallDef{.bodies = joined}));
+    }
+    world.setPose(bodies[2], {{1.25, 5, 0}, {}});
+    const DVec3 before = centerOf(world, bodies);
+    world.step(kDt);
+    for (const JointId joint : joints) EXPECT_LE(world.state(joint).gap, 0.02f * 2 * kHalf[1]);
+    EXPECT_LE(length(toVec3(centerOf(world, bodies) - before)), 1e-6f);
+}
+
 /// Links that lie nearly along the line by which they were torn apart would have to turn by many radians to close it to
 /// first order, which the metric of the masses prefers to lifting what hangs from them. They go straight instead.
 TEST(JointClosing, LiftsAHeavyBallRatherThanTurningTheTornLinksThatHoldIt) {
@@ -178,7 +202,7 @@ TEST(JointClosing, NoStepLeavesALimitPassed) {
 /// What a step has thrown about ends it no more torn than it began, keeps its momentum and gains no energy.
 TEST(JointClosing, CutsAStepShortThatTearsALoop) {
     std::uint64_t cut = 0;
-    for (const float speed : {200.0f, 300.0f, 350.0f, 400.0f, 500.0f}) {
+    for (const float speed : {200.0f, 300.0f, 400.0f, 500.0f, 600.0f, 700.0f}) {
         World world{inSpace()};
         Row row(world, 8, 200);
         JointBodies across{.a = row.bodies[1], .b = row.bodies[6]};

@@ -22,18 +22,20 @@ constexpr float kOpen = 0.02f;
 constexpr float kTorn = 0.1f;       ///< the same, which no step may leave of joints that were closed
 constexpr float kTornStop = 0.05f;  ///< rad beyond a hard stop, likewise
 constexpr float kClosed = 0.01f;    ///< the same, at which it is closed enough
-constexpr int kRounds = 24;         ///< of closing: errors are not linear in ways
+constexpr int kRounds = 60;         ///< of closing: errors are not linear in ways
 constexpr int kDamped = 6;          ///< damped systems that are tried where bodies would turn by more than kLargestTurn
 constexpr double kDamping = 10;     ///< of each over that of the one before
 constexpr double kTurnsAlone = 1000;   ///< damping up to which turns become dearer alone; rows give way beyond
+constexpr double kFirmer = 0.01;       ///< times what rows give way, where they give way to most of what is open
+constexpr double kFirmest = 1e-6;      ///< the least of it
 constexpr double kHeld = 30;           ///< times as heavy is what a sweep of continuous collision holds up
 constexpr float kLeastShare = 0.125f;  ///< of a step that is cut short, below which none of it is left
 constexpr float kLargestTurn = 0.25f;  ///< rad, of a round
 constexpr float kStraight = 0.25f;     ///< least share of the ways of a round: they are damped more instead
 constexpr double kGained =
     0.005;                       ///< of the kinetic energy, which closing may leave beyond it: the energy guard's room
-constexpr float kBetter = 0.9f;  ///< of an opening, that counts as closed further
-constexpr int kPatience = 6;     ///< rounds that close nothing further
+constexpr float kBetter = 0.95f;  ///< of an opening, that counts as closed further
+constexpr int kPatience = 10;     ///< rounds that close nothing further
 
 /// m, between what a joint holds together.
 float gapOf(const WorldImpl& world, const JointSim& sim, const JointBodiesAtStep& at) {
@@ -215,21 +217,24 @@ float shareOfWays(const WorldImpl& world, std::span<const std::uint32_t> joints,
 /// The ways over a substep that close the joints, by Newton's method on errors of places. `damping` is that of the
 /// round before. Where links lie nearly along the line by which they were torn apart, the metric of the masses turns
 /// them by many radians to first order, sooner than it lifts what is heavy; and near a dead point of a loop any way is
-/// long. So turns become dearer first, whereupon bodies go straight; then rows give way, after Levenberg. Returns the
-/// share of the ways to go.
+/// long. So turns become dearer first, whereupon bodies go straight; then rows give way, after Levenberg. Below 1 the
+/// damping makes rows firmer: a loop between heavy bodies with a light link takes loads that rows otherwise give way
+/// to. Returns the share of the ways to go.
 float findWays(const WorldImpl& world, std::span<const std::uint32_t> joints, JointClosing::Bench& bench, float open,
-               float least, double& damping) {
+               float least, double leastDamping, double& damping) {
     direct::SolveReport report;
-    const auto ofRows = [](double x) { return std::max(1.0, x / kTurnsAlone); };
-    damping = std::max(1.0, damping / (kDamping * kDamping));
-    bench.system.dampClosing(damping, ofRows(damping));
+    const auto ofTurns = [](double x) { return std::max(1.0, x); };
+    const auto ofRows = [](double x) { return std::max(std::min(1.0, x), x / kTurnsAlone); };
+    damping = std::max(leastDamping, damping / (kDamping * kDamping));
+    bench.system.dampClosing(ofTurns(damping), ofRows(damping));
     for (int i = 0;; ++i) {
         bool factored = false;
         direct::pivot(bench.system, factored, report);
         const float share = shareOfWays(world, joints, bench, open);
         if (share >= least || i == kDamped) return share;
-        bench.system.dampClosing(kDamping, ofRows(kDamping * damping) / ofRows(damping));
-        damping *= kDamping;
+        const double more = kDamping * damping;
+        bench.system.dampClosing(ofTurns(more) / ofTurns(damping), ofRows(more) / ofRows(damping));
+        damping = more;
     }
 }
 
@@ -247,7 +252,7 @@ float closeByPlaces(WorldImpl& world, std::span<const std::uint32_t> group, std:
     const auto weightOf = [&](std::uint32_t body) {
         return world.sweptBodies.flags[world.bodies[body].awakeIndex] == kSwept ? kHeld : 1.0;
     };
-    double damping = 1;
+    double damping = 1, leastDamping = 1;
     placeJoints(world, joints);
     float open = widestOpening(world, joints), least = open;
     bench.turns.resizeForOverwrite(group.size());
@@ -261,13 +266,14 @@ float closeByPlaces(WorldImpl& world, std::span<const std::uint32_t> group, std:
             open = least;
         }
         bench.system.aimAtClosing(world.bodies.arrays(), world.jointContext, weightOf);
-        const float share = findWays(world, joints, bench, open, damped ? kStraight : 0.0f, damping);
+        const float share = findWays(world, joints, bench, open, damped ? kStraight : 0.0f, leastDamping, damping);
         bench.system.visitWays(static_cast<double>(share * world.context.h),
                                [&](std::uint32_t body, const DVec3& way, const DVec3& turning) {
                                    world.shiftBody(body, {toVec3(way), toVec3(turning)});
                                });
         placeJoints(world, joints);
-        open = widestOpening(world, joints);
+        const float had = std::exchange(open, widestOpening(world, joints));
+        if (share == 1 && open > 0.5f * had) leastDamping = std::max(kFirmest, kFirmer * leastDamping);
         ++tried;
         if (!(open < least)) continue;
         if (open < kBetter * least) tried = 0;
@@ -313,15 +319,16 @@ float widestOfOwn(const WorldImpl& world, std::span<const std::uint32_t> joints)
 
 /// A step that ends where joints cannot be closed is cut short: the joints were closed where it began, so that they are
 /// nearly so a little further on. A group that nothing holds goes on as a whole. One that began open has no such place.
+/// Returns the share of the step that it goes, at most the one given.
 float closeEarlier(WorldImpl& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
-                   JointClosing::Bench& bench) {
+                   JointClosing::Bench& bench, float share) {
     const std::span<const SweptPath> paths(bench.paths.data(), bench.paths.size());
     const Vec3 common = hangs(world, joints) ? Vec3{} : commonWay(world, group, paths);
     moveAlong(world, group, paths, common, 0);
     for (const std::uint32_t joint : joints) restoreCounts(world.joints.sims[joint]);
     placeJoints(world, joints);
     const bool beganOpen = widestOfOwn(world, joints) > kTorn;
-    float share = beganOpen ? 1.0f : 0.5f;
+    if (!beganOpen) share = std::min(share, 0.5f);
     for (;; share *= 0.5f) {
         if (share < kLeastShare) share = 0;
         moveAlong(world, group, paths, common, share);
@@ -398,12 +405,12 @@ void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClo
     }
     bench.system.begin(parts, world.bodies.arrays(), world.context);
     float share = 1;
-    if (closeByPlaces(world, group, joints, bench) > kTorn) share = closeEarlier(world, group, joints, bench);
-    const double excess = fitSpeeds(world, group, joints, bench, before, share);
-    if (share == 1 && excess > kGained * before.kinetic) {
+    if (closeByPlaces(world, group, joints, bench) > kTorn) share = closeEarlier(world, group, joints, bench, 1);
+    double excess = fitSpeeds(world, group, joints, bench, before, share);
+    while (share > 0 && excess > kGained * before.kinetic) {
         moveToEnd(world, group, bench);
-        share = closeEarlier(world, group, joints, bench);
-        fitSpeeds(world, group, joints, bench, before, share);
+        share = closeEarlier(world, group, joints, bench, 0.5f * share);
+        excess = fitSpeeds(world, group, joints, bench, before, share);
     }
     bench.cut += share < 1;
     for (const std::uint32_t body : group) world.bodies.storeMomentum(body);
