@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/nonzero_bytes.h"
+#include "contacts/meets_nothing.h"
 #include "contacts/tuning.h"
 
 namespace ragtop {
@@ -36,6 +37,7 @@ void ShapeBounds::insertProxy(std::uint32_t index) const {
     ShapeRecord& shape = shapes[index];
     const BodyRecord& body = bodies[shape.body];
     shape.isStaticTree = body.type == BodyType::fixed;
+    if (meetsNothing(shape.filter)) return;
     const Bounds tight = tightBounds(shape, dt);
     const Bounds fat = shape.isStaticTree ? tight : enlarged(tight, enlargement(shape));
     shape.proxy = broadphase.tree(shape.isStaticTree).insert(fat, shape.filter.category, index);
@@ -139,6 +141,7 @@ static std::uint32_t refitBody(const ShapeBounds& view, std::uint32_t index) {
     Bounds now, given;
     for (std::uint32_t s = body.firstShape; s != kNone; s = view.shapes[s].next) {
         const ShapeRecord& shape = view.shapes[s];
+        if (shape.proxy == kNone) continue;
         now = boundsNow(view, shape);
         if (!contains(view.broadphase.movingTree.bounds(shape.proxy), boundsAlong(now, coming))) {
             given = newBounds(view, shape, now, isFree);
@@ -208,7 +211,7 @@ void ShapeBounds::refit(std::span<const StartPose> starts, StageRunner& runner) 
         std::uint32_t next = firsts[block];
         forEachNonzero(broadphase.left.bodies.data() + begin, end - begin, [&](std::size_t i) {
             for (std::uint32_t s = bodies[bodies.awake[begin + i]].firstShape; s != kNone; s = shapes[s].next) {
-                if (!broadphase.movingTree.wasGiven(shapes[s].proxy)) continue;
+                if (shapes[s].proxy == kNone || !broadphase.movingTree.wasGiven(shapes[s].proxy)) continue;
                 broadphase.movingTree.tellGiven(shapes[s].proxy);
                 if (!shapes[s].inMoveBuffer) broadphase.moved[next++] = s;
                 shapes[s].inMoveBuffer = true;

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <vector>
 
+#include "contacts/meets_nothing.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -114,6 +115,10 @@ void checkShapes(Findings& found, const WorldImpl& world) {
             }
             found.expect(shape.isStaticTree == (world.bodies[i].type == BodyType::fixed),
                          "shapes of fixed bodies are in the tree of these", s);
+            if (meetsNothing(shape.filter)) {
+                found.expect(shape.proxy == kNone, "shapes that meet nothing have no proxy", s);
+                continue;
+            }
             found.expect(shape.proxy != kNone && world.broadphase.tree(shape.isStaticTree).value(shape.proxy) == s,
                          "a shape's proxy names it", s);
             moved += shape.inMoveBuffer;

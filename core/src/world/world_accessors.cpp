@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/check_tunables.h"
+#include "contacts/meets_nothing.h"
 #include "world/shape_motion.h"
 #include "world/world_modules.h"
 
@@ -259,8 +260,14 @@ void World::setFilter(ShapeId shape, const Filter& filter) {
         if (contact.shapeA == i || contact.shapeB == i) impl_->destroyContact(key >> 1);
         key = next;
     }
+    const ShapeBounds bounds = impl_->shapeBounds();
+    if (record.proxy != kNone && meetsNothing(filter)) bounds.removeProxy(i);
+    if (record.proxy == kNone && !meetsNothing(filter) && impl_->bodies.isEnabled(record.body)) {
+        bounds.giveRoom(record.body);
+        bounds.insertProxy(i);
+    }
     if (record.proxy != kNone) impl_->broadphase.tree(record.isStaticTree).setCategory(record.proxy, filter.category);
-    impl_->shapeBounds().markMoved(i);
+    bounds.markMoved(i);
 }
 std::uint64_t World::userData(ShapeId shape) const { return impl_->shapes[impl_->index(shape)].userData; }
 Bounds World::bounds(ShapeId shape) const {

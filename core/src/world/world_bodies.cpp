@@ -269,7 +269,8 @@ void WorldImpl::setPose(std::uint32_t index, const Pose& pose) {
 void WorldImpl::wakeOverlapped(std::uint32_t index) {
     if (!bodies.isEnabled(index)) return;
     std::vector<std::uint32_t> met;
-    for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next)
+    for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next) {
+        if (shapes[s].proxy == kNone) continue;
         broadphase.movingTree.query(broadphase.tree(shapes[s].isStaticTree).bounds(shapes[s].proxy),
                                     [&](std::uint32_t other) {
                                         if (!bodies.isAwake(shapes[other].body) &&
@@ -277,6 +278,7 @@ void WorldImpl::wakeOverlapped(std::uint32_t index) {
                                             met.push_back(shapes[other].body);
                                         return true;
                                     });
+    }
     for (const std::uint32_t body : met) wakeBody(body);
 }
 

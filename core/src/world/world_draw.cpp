@@ -114,8 +114,10 @@ void World::draw(DebugDraw& draw) const {
                             : body.awakeIndex != kNone         ? kAwakeColor
                                                                : kAsleepColor;
         if (draw.options.shapes)
-            std::visit(ShapePainter{draw, shapePose(impl.bodies[shape.body], shape), color}, impl.shapes.geometries[shape.geometry].shape);
-        if (draw.options.bounds) drawBounds(draw, impl.broadphase.tree(shape.isStaticTree).bounds(shape.proxy));
+            std::visit(ShapePainter{draw, shapePose(impl.bodies[shape.body], shape), color},
+                       impl.shapes.geometries[shape.geometry].shape);
+        if (draw.options.bounds && shape.proxy != kNone)
+            drawBounds(draw, impl.broadphase.tree(shape.isStaticTree).bounds(shape.proxy));
     }
     if (draw.options.centers)
         for (const BodyId id : bodies())
