@@ -41,4 +41,24 @@ bool makeAlike(SidePart& left, SidePart& right, float share) {
     return false;
 }
 
+bool makeAlike(SidePart& left, SidePart& right, const FittedShape& fitted, float share) {
+    const float most = kAsLarge * std::min(volumeOf(left.fitted.shape), volumeOf(right.fitted.shape));
+    const FittedShape other = mirrored(fitted, left.axes, right.axes);
+    if (volumeOf(fitted.shape) > most || !doesFor(fitted, left, share) || !doesFor(other, right, share)) return false;
+    left.fitted = fitted;
+    right.fitted = other;
+    return true;
+}
+
+std::vector<Vec3> mirrored(std::span<const Vec3> points, const Frame& from, const Frame& to) {
+    std::vector<Vec3> result;
+    result.reserve(points.size());
+    for (const Vec3& point : points) {
+        Vec3 local = inverseTransformPoint(from, point);
+        local.x = -local.x;
+        result.push_back(transformPoint(to, local));
+    }
+    return result;
+}
+
 }  // namespace ragtop

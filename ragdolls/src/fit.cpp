@@ -10,7 +10,8 @@
 namespace ragtop {
 namespace {
 
-constexpr float kRounding = 1e-5f;  ///< of the size of a shape
+constexpr float kRounding = 1e-5f;         ///< of the size of a shape
+constexpr std::size_t kManyPoints = 1024;  ///< from which a radius is sought on
 
 float volumeOf(const Capsule& capsule) {
     return kPi * capsule.radius * capsule.radius * (2.0f * capsule.halfHeight + 4.0f / 3.0f * capsule.radius);
@@ -67,6 +68,50 @@ std::optional<UprightCapsule> capsuleOfRadius(std::span<const Vec3> local, const
     if (bottom > top) bottom = top = 0.5f * (bottom + top);
     return UprightCapsule{{radius, 0.5f * (top - bottom)}, {center.x, 0.5f * (top + bottom), center.z}};
 }
+
+/// The least capsule of a few radii about a line.
+struct CapsuleSearch {
+    std::span<const Vec3> local;
+    Vec3 center;  ///< of the line along y
+    std::size_t spare;
+    UprightCapsule best{};
+    float least = std::numeric_limits<float>::infinity();  ///< m³
+
+    bool found() const { return least < std::numeric_limits<float>::infinity(); }
+
+    void consider(float radius) {
+        if (!(radius > 0)) return;
+        const auto fitted = capsuleOfRadius(local, center, radius, spare);
+        if (!fitted) return;
+        const float volume = volumeOf(fitted->capsule);
+        if (volume >= least) return;
+        const auto inside = std::count_if(local.begin(), local.end(), [&](const Vec3& point) {
+            return holds(fitted->capsule, point - fitted->center);
+        });
+        if (local.size() - static_cast<std::size_t>(inside) > spare) return;
+        least = volume;
+        best = *fitted;
+    }
+
+    const UprightCapsule& run() {
+        std::vector<float> distance;
+        distance.reserve(local.size());
+        for (const Vec3& point : local) {
+            const float dx = point.x - center.x, dz = point.z - center.z;
+            distance.push_back(std::sqrt(dx * dx + dz * dz));
+        }
+        constexpr std::size_t kTries = 12;
+        for (std::size_t i = 0; i < kTries; ++i)
+            consider(ranked(distance, distance.size() - 1 - spare + spare * i / kTries) * (1.0f + kRounding));
+        consider(ranked(distance, distance.size() - 1) * (1.0f + kRounding));
+        // A cloud flatter than it is wide may fit no tube's caps; a ball about all of it always does.
+        for (float radius = ranked(distance, distance.size() - 1); !found();) {
+            radius = std::max(1.2f * radius, std::numeric_limits<float>::min());
+            consider(radius);
+        }
+        return best;
+    }
+};
 
 struct Extent {
     float lower, upper;
@@ -149,41 +194,20 @@ FittedShape fitCapsule(std::span<const Vec3> points, const Vec3& axis, float sha
     const Quat rotation = alongY(axis);
     const std::vector<Vec3> local = inAxes(points, rotation);
     const std::size_t spare = spareOf(local.size(), share);
-    std::vector<float> x, z, distance;
+    std::vector<float> x, z;
     for (const Vec3& point : local) {
         x.push_back(point.x);
         z.push_back(point.z);
     }
     const Extent alongX = trimmed(std::move(x), spare / 2), alongZ = trimmed(std::move(z), spare / 2);
     const Vec3 center{0.5f * (alongX.lower + alongX.upper), 0, 0.5f * (alongZ.lower + alongZ.upper)};
-    for (const Vec3& point : local) {
-        const float dx = point.x - center.x, dz = point.z - center.z;
-        distance.push_back(std::sqrt(dx * dx + dz * dz));
-    }
-    UprightCapsule best;
-    float least = std::numeric_limits<float>::infinity();
-    const auto consider = [&](float radius) {
-        if (!(radius > 0)) return;
-        const auto fitted = capsuleOfRadius(local, center, radius, spare);
-        if (!fitted) return;
-        const float volume = volumeOf(fitted->capsule);
-        if (volume >= least) return;
-        const auto inside = std::count_if(local.begin(), local.end(), [&](const Vec3& point) {
-            return holds(fitted->capsule, point - fitted->center);
-        });
-        if (local.size() - static_cast<std::size_t>(inside) > spare) return;
-        least = volume;
-        best = *fitted;
-    };
-    constexpr std::size_t kTries = 12;
-    for (std::size_t i = 0; i < kTries; ++i)
-        consider(ranked(distance, distance.size() - 1 - spare + spare * i / kTries) * (1.0f + kRounding));
-    consider(ranked(distance, distance.size() - 1) * (1.0f + kRounding));
-    // A cloud flatter than it is wide may fit no tube's caps; a ball about all of it always does.
-    for (float radius = ranked(distance, distance.size() - 1); least == std::numeric_limits<float>::infinity();) {
-        radius = std::max(1.2f * radius, std::numeric_limits<float>::min());
-        consider(radius);
-    }
+    CapsuleSearch search{local, center, spare};
+    // Of many points every so manieth tells the radius.
+    std::vector<Vec3> some;
+    const std::size_t stride = (local.size() + kManyPoints - 1) / kManyPoints;
+    for (std::size_t i = 0; stride > 1 && i < local.size(); i += stride) some.push_back(local[i]);
+    if (stride > 1) search.consider(CapsuleSearch{some, center, spareOf(some.size(), share)}.run().capsule.radius);
+    const UprightCapsule best = search.found() ? search.best : search.run();
     return {best.capsule, {rotate(rotation, best.center), rotation}};
 }
 
@@ -200,6 +224,8 @@ FittedShape fitBox(std::span<const Vec3> points, const Quat& rotation, float sha
     }
     Box box;
     Vec3 center;
+    std::span<const Vec3> doubtful = local;
+    std::vector<Vec3> outermost;
     const auto leavingOut = [&](std::size_t each) {
         Vec3 lower, upper;
         for (int axis = 0; axis < 3; ++axis) {
@@ -209,10 +235,15 @@ FittedShape fitBox(std::span<const Vec3> points, const Quat& rotation, float sha
         }
         box.halfExtents = 0.5f * (upper - lower);
         center = 0.5f * (upper + lower);
-        const auto inside =
-            std::count_if(local.begin(), local.end(), [&](const Vec3& point) { return holds(box, point - center); });
-        return local.size() - static_cast<std::size_t>(inside) <= spare;
+        const auto inside = std::count_if(doubtful.begin(), doubtful.end(),
+                                          [&](const Vec3& point) { return holds(box, point - center); });
+        return doubtful.size() - static_cast<std::size_t>(inside) <= spare;
     };
+    // What the smallest of the boxes holds, all hold.
+    leavingOut(spare / 2);
+    for (const Vec3& point : local)
+        if (!holds(box, point - center)) outermost.push_back(point);
+    doubtful = outermost;
     std::size_t most = 0, tooMany = spare / 2 + 1;
     while (tooMany - most > 1) {
         const std::size_t middle = most + (tooMany - most) / 2;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -32,6 +33,7 @@ public:
     RagdollDef run() {
         measure();
         assignBones();
+        assignSkin();
         for (std::size_t i = 0; i < anatomy_.segments.size(); ++i) addPart(i);
         liftOffGround();
         likenSides();
@@ -85,12 +87,12 @@ private:
         }
     }
 
-    std::vector<Vec3> skinOf(std::size_t part) const {
-        std::vector<Vec3> result;
-        for (std::size_t i = 0; i < skeleton_.skin.size(); ++i)
-            if (def_.bones[i].part == static_cast<int>(part))
-                result.insert(result.end(), skeleton_.skin[i].begin(), skeleton_.skin[i].end());
-        return result;
+    void assignSkin() {
+        skin_.resize(anatomy_.segments.size());
+        for (std::size_t i = 0; i < skeleton_.skin.size(); ++i) {
+            std::vector<Vec3>& of = skin_[static_cast<std::size_t>(def_.bones[i].part)];
+            of.insert(of.end(), skeleton_.skin[i].begin(), skeleton_.skin[i].end());
+        }
     }
 
     bool isTrunk(BodyRole role) const {
@@ -124,6 +126,16 @@ private:
         return rotationFromAxes(cross(y, z), y, z);
     }
 
+    FittedShape around(const Segment& s, std::span<const Vec3> skin, float share) const {
+        // Limbs and heads are round unless that wastes much; trunk and hands are flat, and a sole is what one stands
+        // on.
+        const bool flat = isTrunk(s.role) || s.role == BodyRole::foot || s.role == BodyRole::hand;
+        const float roundness = flat ? 1.0f : 1.6f;
+        // What stands has a sole: a capsule would roll.
+        const bool sole = anatomy_.isHuman() && s.role == BodyRole::foot;
+        return sole ? fitBox(skin, basisOf(s), share) : fitShape(skin, basisOf(s), share, roundness);
+    }
+
     void addPart(std::size_t index) {
         const Segment& s = anatomy_.segments[index];
         RagdollPart part;
@@ -133,17 +145,8 @@ private:
         part.bind = bindOf(s.bone);
         part.name = skeleton_.bones[static_cast<std::size_t>(s.bone)].name;
         part.material = options_.material;
-        const std::vector<Vec3> skin = skinOf(index);
-        // Limbs and heads are round unless that wastes much; trunk and hands are flat, and a sole is what one stands
-        // on.
-        const bool flat = isTrunk(s.role) || s.role == BodyRole::foot || s.role == BodyRole::hand;
-        const float roundness = flat ? 1.0f : 1.6f;
-        // What stands has a sole: a capsule would roll.
-        const bool sole = anatomy_.isHuman() && s.role == BodyRole::foot;
-        const float share = options_.containedShare;
-        FittedShape fitted = skin.size() < kFewVertices ? fromTables(s)
-                             : sole                     ? fitBox(skin, basisOf(s), share)
-                                                        : fitShape(skin, basisOf(s), share, roundness);
+        const std::vector<Vec3>& skin = skin_[index];
+        FittedShape fitted = skin.size() < kFewVertices ? fromTables(s) : around(s, skin, options_.containedShare);
         const float least = kLeast * height_;
         if (auto* capsule = std::get_if<Capsule>(&fitted.shape)) capsule->radius = std::max(capsule->radius, least);
         if (auto* box = std::get_if<Box>(&fitted.shape))
@@ -166,7 +169,7 @@ private:
     FittedShape lifted(std::size_t index, const Vec3& up, float floor) const {
         const float least = kLeast * height_;
         FittedShape kept = keptAbove(inModel_[index], up, floor, least);
-        const std::vector<Vec3> skin = skinOf(index);
+        const std::vector<Vec3>& skin = skin_[index];
         const auto wanted = static_cast<int>(options_.containedShare * static_cast<float>(skin.size()));
         if (skin.size() < kFewVertices || countInside(kept, skin) >= wanted) return kept;
         const FittedShape flat = keptAbove(
@@ -190,10 +193,10 @@ private:
     /// The skin of a shank that hangs over its foot, as of wide trousers, is held by the foot.
     void coverHem(std::size_t foot) {
         const ShankFloor over = floorOver(foot);
-        std::vector<Vec3> skin = skinOf(foot);
+        std::vector<Vec3> skin = skin_[foot];
         if (skin.size() < kFewVertices) return;
         const std::size_t own = skin.size();
-        for (const Vec3& vertex : skinOf(static_cast<std::size_t>(segment(static_cast<int>(foot)).parent)))
+        for (const Vec3& vertex : skin_[shankOf(foot)])
             if (dot(vertex, over.along) < over.floor) skin.push_back(vertex);
         if (skin.size() > own)
             place(foot, fitBox(skin, basisOf(segment(static_cast<int>(foot))), options_.containedShare));
@@ -201,22 +204,24 @@ private:
 
     /// What has feet stands on them: no other shape reaches below their soles.
     void liftOffGround() {
-        std::vector<std::size_t> feet;
         for (std::size_t i = 0; i < inModel_.size(); ++i)
-            if (def_.parts[i].role == BodyRole::foot && segment(static_cast<int>(i)).parent >= 0) feet.push_back(i);
-        if (feet.empty()) return;
+            if (def_.parts[i].role == BodyRole::foot && segment(static_cast<int>(i)).parent >= 0)
+                standing_.push_back(i);
+        if (standing_.empty()) return;
         ground_ = std::numeric_limits<float>::infinity();
-        for (const std::size_t foot : feet) {
+        for (const std::size_t foot : standing_) {
             coverHem(foot);
             ground_ = std::min(ground_, bottomOf(inModel_[foot], anatomy_.up));
         }
         for (std::size_t i = 0; i < inModel_.size(); ++i)
             if (def_.parts[i].role != BodyRole::foot) place(i, lifted(i, anatomy_.up, ground_));
-        for (const std::size_t foot : feet) {
+        for (const std::size_t foot : standing_) {
             const ShankFloor over = floorOver(foot);
-            const auto shank = static_cast<std::size_t>(segment(static_cast<int>(foot)).parent);
-            place(shank, lifted(shank, over.along, over.floor));
+            place(shankOf(foot), lifted(shankOf(foot), over.along, over.floor));
         }
+    }
+    std::size_t shankOf(std::size_t foot) const {
+        return static_cast<std::size_t>(segment(static_cast<int>(foot)).parent);
     }
 
     /// Parts with skin that are on both sides.
@@ -224,7 +229,7 @@ private:
         std::vector<std::pair<std::size_t, std::size_t>> pairs;
         std::vector<bool> paired(inModel_.size(), false);
         const auto isOf = [&](std::size_t part, BodySide side) {
-            return def_.parts[part].side == side && !paired[part] && skinOf(part).size() >= kFewVertices;
+            return def_.parts[part].side == side && !paired[part] && skin_[part].size() >= kFewVertices;
         };
         for (std::size_t i = 0; i < inModel_.size(); ++i)
             for (std::size_t k = 0; k < inModel_.size(); ++k) {
@@ -242,7 +247,7 @@ private:
         for (const auto& [left, right] : pairs) {
             float lower = std::numeric_limits<float>::infinity(), upper = -lower;
             for (const std::size_t part : {left, right})
-                for (const Vec3& vertex : skinOf(part)) {
+                for (const Vec3& vertex : skin_[part]) {
                     lower = std::min(lower, dot(vertex, anatomy_.left));
                     upper = std::max(upper, dot(vertex, anatomy_.left));
                 }
@@ -251,6 +256,15 @@ private:
         const auto middle = middles.begin() + static_cast<std::ptrdiff_t>(middles.size() / 2);
         std::nth_element(middles.begin(), middle, middles.end());
         return {*middle * anatomy_.left, rotationFromAxes(anatomy_.left, anatomy_.up, anatomy_.forward)};
+    }
+
+    /// One shape about the skins of both sides, laid over each other; it leaves out no more than one of them may.
+    bool coverBoth(std::size_t index, SidePart& left, SidePart& right, float share) const {
+        std::vector<Vec3> both = mirrored(right.skin, right.axes, left.axes);
+        both.insert(both.end(), left.skin.begin(), left.skin.end());
+        const auto least = static_cast<float>(std::min(left.skin.size(), right.skin.size()));
+        const float covered = 1 - (1 - share) * least / static_cast<float>(both.size());
+        return makeAlike(left, right, around(segment(static_cast<int>(index)), both, covered), share);
     }
 
     /// What is nearly the same on both sides is the same: across the middle of the body, or limb by limb where the rest
@@ -265,16 +279,20 @@ private:
             return Frame{bindOf(s.bone).position, basisOf(s)};
         };
         for (const auto& [i, k] : pairs) {
-            SidePart left{plane, inModel_[i], skinOf(i)}, right{plane, inModel_[k], skinOf(k)};
+            SidePart left{plane, inModel_[i], skin_[i]}, right{plane, inModel_[k], skin_[k]};
             bool alike = makeAlike(left, right, share);
             if (!alike) {
                 left.axes = limb(i);
                 right.axes = limb(k);
-                alike = makeAlike(left, right, share);
+                alike = makeAlike(left, right, share) || coverBoth(i, left, right, share);
             }
             if (!alike) continue;
             place(i, keptAbove(left.fitted, anatomy_.up, ground_, kLeast * height_));
             place(k, keptAbove(right.fitted, anatomy_.up, ground_, kLeast * height_));
+        }
+        for (const std::size_t foot : standing_) {
+            const ShankFloor over = floorOver(foot);
+            place(shankOf(foot), keptAbove(inModel_[shankOf(foot)], over.along, over.floor, kLeast * height_));
         }
     }
 
@@ -390,7 +408,9 @@ private:
     const RagdollOptions& options_;
     Anatomy anatomy_;
     RagdollDef def_;
+    std::vector<std::vector<Vec3>> skin_;  ///< of each part
     std::vector<FittedShape> inModel_;
+    std::vector<std::size_t> standing_;  ///< feet
     float height_ = 0;
     float ground_ = -std::numeric_limits<float>::infinity();  ///< m along up, of the soles where it has feet
 };

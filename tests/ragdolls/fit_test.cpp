@@ -49,6 +49,24 @@ TEST(FitCapsule, LeavesOutFarPoints) {
     EXPECT_GE(countInside(fitted, points), static_cast<int>(std::ceil(0.95f * static_cast<float>(sound + 10))));
 }
 
+TEST(FitCapsule, OfManyPointsIsNearlyThatOfFew) {
+    // Points in a rod whose ends are thinner than its middle.
+    std::mt19937 random(5);
+    const auto any = [&] { return static_cast<float>(random()) / 4294967296.0f; };
+    std::vector<Vec3> many;
+    for (int i = 0; i < 20'000; ++i) {
+        const float y = any() - 0.5f, radius = (0.1f - 0.15f * y * y) * any();
+        const SinCos around = sinCos(2 * kPi * any());
+        many.push_back({radius * around.cos, y, radius * around.sin});
+    }
+    for (const float share : {0.9f, 1.0f}) {
+        const FittedShape of = fitCapsule(many, {0, 1, 0}, share);
+        EXPECT_GE(countInside(of, many), static_cast<int>(std::ceil(share * 20'000)));
+        const FittedShape ofFew = fitCapsule(std::span(many).first(1000), {0, 1, 0}, share);
+        EXPECT_NEAR(massOf(of.shape, 1).mass, massOf(ofFew.shape, 1).mass, 0.1f * massOf(of.shape, 1).mass) << share;
+    }
+}
+
 TEST(FitBox, HoldsTheShareAskedFor) {
     std::vector<Vec3> points;
     for (int i = 0; i < 1000; ++i) {

@@ -204,6 +204,25 @@ TEST(MakeRagdoll, SidesAreAlikeWhereTheSkinIs) {
     }
 }
 
+TEST(MakeRagdoll, SidesAreAlikeWhereSkinThatIsAlikeFollowsOtherBones) {
+    // A fifth of the right upper arm's skin, at the elbow, follows the forearm.
+    const HumanRig rig;
+    Skeleton skeleton = skinned(rig, 1);
+    auto& upper = skeleton.skin[static_cast<std::size_t>(rig.upperArm[1])];
+    auto& lower = skeleton.skin[static_cast<std::size_t>(rig.forearm[1])];
+    const Vec3 elbow = rig.at(rig.forearm[1]);
+    std::sort(upper.begin(), upper.end(),
+              [&](const Vec3& a, const Vec3& b) { return length(a - elbow) > length(b - elbow); });
+    lower.insert(lower.end(), upper.end() - 80, upper.end());
+    upper.resize(upper.size() - 80);
+    const RagdollDef def = makeRagdoll(skeleton);
+    for (const BodyRole role : {BodyRole::upperArm, BodyRole::forearm}) {
+        const RagdollPart &left = part(def, role, BodySide::left), &right = part(def, role, BodySide::right);
+        ASSERT_EQ(left.shape.index(), right.shape.index());
+        EXPECT_NEAR(massOf(left.shape, 1).mass, massOf(right.shape, 1).mass, 1e-6f) << nameOf(role);
+    }
+}
+
 TEST(MakeRagdoll, ScalesExactly) {
     const HumanRig small;
     HumanRig big;
