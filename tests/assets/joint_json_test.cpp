@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <string>
+#include <variant>
+#include <vector>
 
+#include "describe_json.h"
 #include "json_document.h"
 #include "ragtop/asset_error.h"
 
@@ -44,6 +49,11 @@ TEST(JointJson, EveryKindComesBackTheSame) {
     ellipse.swingEllipse = SwingEllipse{0.3f, 1.1f};
     ellipse.twistLimit = Range{-0.2f, 0.7f};
     ellipse.bearing = axis.bearing;
+    ellipse.spring = ellipse.twistSpring = axis.spring;
+    ellipse.target = rotationAbout({1, 2, 3}, 0.7f);
+    ellipse.targetSpeed = {1, -2, 3};
+    ellipse.feedForward = {4, 5, -6};
+    ellipse.maxSpringTorque = 70;
     pyramid.swingPyramid = SwingPyramid{{-0.1f, 0.2f}, {-0.3f, 0.4f}};
     polygon.reach = ReachPolygon{};
     polygon.reach->count = 3;
@@ -76,6 +86,58 @@ TEST(JointJson, EveryKindComesBackTheSame) {
         EXPECT_EQ(again.index(), joint.index());
         EXPECT_EQ(text(again), text(joint));
     }
+}
+
+/// Bytes of a definition, from its first one on.
+struct Field {
+    std::size_t begin, end, alignment;
+};
+
+template <class T>
+void expectAllDescribed(const T& def, const std::string& name);
+
+template <class T>
+void expectInside(const T& field, const std::string& name) {
+    if constexpr (IsOptional<T>::value) {
+        expectInside(typename T::value_type{}, name);
+    } else if constexpr (IsArray<T>::value) {
+        expectInside(typename T::value_type{}, name);
+    } else if constexpr (Described<T>) {
+        expectAllDescribed(field, name);
+    }
+}
+
+/// No byte of a definition lies outside of what its `describe` visits, but those that align the next field, and the
+/// bodies of a joint, which files name.
+template <class T>
+void expectAllDescribed(const T& def, const std::string& name) {
+    std::vector<Field> fields;
+    const auto* first = reinterpret_cast<const std::byte*>(&def);
+    const auto add = [&]<class Member>(const Member& member) {
+        const auto begin = static_cast<std::size_t>(reinterpret_cast<const std::byte*>(&member) - first);
+        fields.push_back({begin, begin + sizeof member, alignof(Member)});
+    };
+    if constexpr (requires { def.bodies; }) add(def.bodies);
+    auto visit = [&](const Tunable& tunable, const auto& member) {
+        add(member);
+        expectInside(member, name + "." + std::string(tunable.name));
+    };
+    describe(visit, def, static_cast<const T*>(nullptr));
+    std::sort(fields.begin(), fields.end(), [](const Field& a, const Field& b) { return a.begin < b.begin; });
+    fields.push_back({sizeof def, sizeof def, alignof(T)});
+    std::size_t end = 0;
+    for (const Field& field : fields) {
+        EXPECT_LT(field.begin - end, field.alignment)
+            << name << ": bytes " << end << " to " << field.begin << " of " << sizeof def << " are in no describe";
+        end = field.end;
+    }
+}
+
+TEST(JointJson, EveryFieldOfEveryKindIsDescribed) {
+    const auto each = [&]<class... Kinds>(const std::variant<Kinds...>*) {
+        (expectAllDescribed(Kinds{}, text(Kinds{}).substr(2, 8)), ...);
+    };
+    each(static_cast<const JointDef*>(nullptr));
 }
 
 }  // namespace

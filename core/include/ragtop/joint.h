@@ -157,6 +157,8 @@ void describe(Visitor& visit, Self& self, const BallDef*) {
     visit(Tunable{"spring", "", 0, 0, "pulls the rotation to its target"}, self.spring);
     visit(Tunable{"twistSpring", "", 0, 0, "the same about the twist axis; the other then swings alone"},
           self.twistSpring);
+    visit(Tunable{.name = "target", .meaning = "rotation of B's joint frame in A's that the springs pull to"},
+          self.target);
     visit(Tunable{"targetSpeed", "rad/s", -1e5, 1e5, "at which the target turns, in A's joint frame"},
           self.targetSpeed);
     visit(Tunable{"feedForward", "N m", -1e12, 1e12, "torque that is added, in A's joint frame"}, self.feedForward);
