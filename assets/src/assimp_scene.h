@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "import_child.h"
 #include "ragtop/math.h"
 #include "ragtop/mesh_file.h"
 
@@ -139,6 +140,6 @@ std::vector<Affine> globalTransforms(const ImportedScene& scene);
 /// Reads a file with assimp in a process of its own, since some files crash it, never end, or take all memory.
 /// Throws AssetError: missing, not readable, crashed, out of time.
 ImportedScene importScene(const std::filesystem::path& path, ImportedDetail detail,
-                          std::chrono::milliseconds timeout = std::chrono::seconds(20));
+                          std::chrono::milliseconds timeout = kImportTime);
 
 }  // namespace ragtop

@@ -1,14 +1,20 @@
 #include "child_process.h"
 
 #include <fcntl.h>
+#include <malloc.h>
 #include <poll.h>
+#include <pthread.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -19,20 +25,22 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr rlim_t kMemory = rlim_t{4} << 30;  ///< bytes of address space for the child
-constexpr int kOutOfMemory = 3, kThrew = 4;  ///< exit codes
+constexpr rlim_t kMemory = rlim_t{4} << 30;                ///< bytes of address space for the child
+constexpr std::size_t kStack = std::size_t{64} << 20;      ///< bytes, that the child may recurse in
+constexpr std::size_t kGuard = std::size_t{1} << 20;       ///< bytes below it, larger than any function's own
+constexpr int kOutOfMemory = 3, kThrew = 4, kTooDeep = 5;  ///< exit codes
 
-// Sanitizers reserve terabytes of address space for their own maps.
+// Sanitizers reserve terabytes of address space for their own maps, and watch stacks themselves.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kLimitMemory = false;
+constexpr bool kLimited = false;
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
-constexpr bool kLimitMemory = false;
+constexpr bool kLimited = false;
 #else
-constexpr bool kLimitMemory = true;
+constexpr bool kLimited = true;
 #endif
 #else
-constexpr bool kLimitMemory = true;
+constexpr bool kLimited = true;
 #endif
 
 void writeAll(int file, const std::vector<char>& bytes) {
@@ -44,14 +52,7 @@ void writeAll(int file, const std::vector<char>& bytes) {
     }
 }
 
-[[noreturn]] void runChild(const std::function<std::vector<char>()>& work, int out) {
-    for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGPIPE}) signal(number, SIG_DFL);
-    const rlimit noCore{0, 0}, memory{kMemory, kMemory};
-    setrlimit(RLIMIT_CORE, &noCore);
-    if (kLimitMemory) setrlimit(RLIMIT_AS, &memory);
-    const int nowhere = open("/dev/null", O_RDWR);
-    if (nowhere >= 0)
-        for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, standard);
+[[noreturn]] void runAndExit(const std::function<std::vector<char>()>& work, int out) {
     try {
         writeAll(out, work());
     } catch (const std::bad_alloc&) {
@@ -60,6 +61,60 @@ void writeAll(int file, const std::vector<char>& bytes) {
         _exit(kThrew);
     }
     _exit(0);
+}
+
+std::uintptr_t stackBottom = 0;  ///< of the child's one thread
+
+void onBadAccess(int number, siginfo_t* what, void*) {
+    const auto at = reinterpret_cast<std::uintptr_t>(what->si_addr);
+    if (at + kGuard >= stackBottom && at < stackBottom + kGuard) _exit(kTooDeep);
+    signal(number, SIG_DFL);
+    raise(number);
+}
+
+struct ChildTask {
+    const std::function<std::vector<char>()>& work;
+    int out;
+};
+
+void* runOnStack(void* given) {
+    static std::array<std::byte, 65536> forHandler;
+    stack_t other{};
+    other.ss_sp = forHandler.data();
+    other.ss_size = forHandler.size();
+    sigaltstack(&other, nullptr);
+    struct sigaction action {};
+    action.sa_sigaction = onBadAccess;
+    action.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_NODEFER;
+    sigaction(SIGSEGV, &action, nullptr);
+    const auto& task = *static_cast<const ChildTask*>(given);
+    runAndExit(task.work, task.out);
+}
+
+/// On a stack of known size, whose end is told apart from other faults: libraries recurse on what they read.
+void runDeep(const ChildTask& task) {
+    mallopt(M_ARENA_MAX, 1);
+    void* memory = std::aligned_alloc(kGuard, kStack + kGuard);
+    pthread_attr_t attributes;
+    pthread_t thread{};
+    if (!memory || mprotect(memory, kGuard, PROT_NONE) != 0 || pthread_attr_init(&attributes) != 0) return;
+    auto* stack = static_cast<std::byte*>(memory) + kGuard;
+    stackBottom = reinterpret_cast<std::uintptr_t>(stack);
+    if (pthread_attr_setstack(&attributes, stack, kStack) != 0) return;
+    if (pthread_create(&thread, &attributes, runOnStack, const_cast<ChildTask*>(&task)) == 0)
+        pthread_join(thread, nullptr);
+}
+
+[[noreturn]] void runChild(const std::function<std::vector<char>()>& work, int out) {
+    for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGPIPE}) signal(number, SIG_DFL);
+    const rlimit noCore{0, 0}, memory{kMemory, kMemory};
+    setrlimit(RLIMIT_CORE, &noCore);
+    if (kLimited) setrlimit(RLIMIT_AS, &memory);
+    const int nowhere = open("/dev/null", O_RDWR);
+    if (nowhere >= 0)
+        for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, standard);
+    if (kLimited) runDeep({work, out});
+    runAndExit(work, out);
 }
 
 /// False when time ran out.
@@ -91,6 +146,8 @@ std::string failureOf(pid_t child) {
     if (ended < 0) return {};
     if (WIFSIGNALED(status)) return std::string("crashes the importer (") + strsignal(WTERMSIG(status)) + ")";
     if (WEXITSTATUS(status) == kOutOfMemory) return "needs more than 4 GiB of memory to import";
+    if (WEXITSTATUS(status) == kTooDeep)
+        return "nests deeper than the " + std::to_string(kStack >> 20) + " MiB of the importer's stack hold";
     if (WEXITSTATUS(status) != 0) return "makes the importer fail";
     return {};
 }

@@ -27,7 +27,7 @@ std::string contentOf(const fs::path& path) {
 
 /// Models of a folder and of all in it, in the order of their names.
 std::vector<fs::path> filesIn(const fs::path& folder) {
-    constexpr std::uintmax_t kLargest = 400'000;  // bytes
+    constexpr std::uintmax_t kLargest = 8'000'000;  // bytes
     const std::string others = " .png .jpg .jpeg .bmp .tga .dds .txt .md .html .bin .mtl .material .exp .skin .source ";
     std::vector<fs::path> files;
     std::error_code error;
@@ -126,7 +126,10 @@ void readDamaged(const std::vector<fs::path>& files, int count, const char* labe
 
 TEST(DamagedFiles, ModelsNeverEndTheProgram) {
     RAGTOP_MODEL(sample, "invalid/empty.obj");
-    readDamaged(filesIn(sample.parent_path().parent_path()), damageCount(40), "models");
+    std::vector<fs::path> files = filesIn(sample.parent_path().parent_path());
+    for (const char* folder : {"characters", "vehicles"})
+        for (const fs::path& file : filesIn(fs::path(RAGTOP_SHARED_DIR) / "data" / folder)) files.push_back(file);
+    readDamaged(files, damageCount(40), "models");
 }
 
 TEST(DamagedFiles, RigsAndRobotsNeverEndTheProgram) {

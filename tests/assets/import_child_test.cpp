@@ -30,6 +30,23 @@ TEST(ChildProcess, CrashesTimeoutsAndExceptionsAreFailures) {
     EXPECT_NE(runInChild(endless, milliseconds(200)).failure.find("longer than"), std::string::npos);
 }
 
+TEST(ChildProcess, OtherFaultsAreNotTakenForRecursion) {
+    const auto nowhere = []() -> std::vector<char> { return {*reinterpret_cast<volatile char*>(8)}; };
+    EXPECT_NE(runInChild(nowhere, milliseconds(10000)).failure, "");
+    EXPECT_EQ(runInChild(nowhere, milliseconds(10000)).failure.find("nests"), std::string::npos);
+}
+
+/// Libraries recurse on frames within frames; a million end in a line with the limit.
+TEST(ImportScene, FramesDeeperThanTheStackAreRefusedWithItsSize) {
+    std::string deep = "xof 0303txt 0032\n";
+    for (int i = 0; i < 1'000'000; ++i) deep += "Frame a {\n";
+    const TemporaryFile file("deep.x", deep);
+    const std::string error = importError(file.path(), [&] { importScene(file.path(), ImportedDetail::skeleton); });
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    EXPECT_NE(error.find("nests deeper than the 64 MiB of the importer's stack hold"), std::string::npos) << error;
+#endif
+}
+
 TEST(ImportScene, EndlessAndGreedyFilesEndInOneLine) {
     RAGTOP_MODEL(file, "invalid/OutOfMemory.off");
     EXPECT_NE(importError(file, [&] { importScene(file, ImportedDetail::skeleton, milliseconds(1500)); }), "");

@@ -201,6 +201,27 @@ const std::vector<Broken> kModels{
     {"no_such_file", "inspect no_such_file.fbx", {"no_such_file.fbx"}},
 };
 
+/// A glTF file with physics.
+Broken physics(const std::string& name, std::vector<std::string> says) {
+    return {name, "inspect physics_" + name + ".gltf", std::move(says)};
+}
+
+const std::vector<Broken> kPhysics{
+    physics("axes", {"gltf:2:179: /extensions/KHR_physics_rigid_bodies/physicsJoints/0/limits/0/linearAxes/1 is 5",
+                     "an integer in [0, 2]"}),
+    physics("friction", {"/physicsMaterials/0/staticFriction is -1", "a number in [0, 10]"}),
+    physics("inertia", {"gltf:4:", "/nodes/1/", "/motion/inertiaDiagonal/1 is -1", "in [0, 1e+12] kg m2"}),
+    physics("joint", {"gltf:5:", "/nodes/2/", "/joint/joint is 3", "must be one of 1 joints of the file"}),
+    physics("loop", {"gltf:3:", "/nodes/0/children lead back to node 0", "must be below it"}),
+    physics("mass", {"gltf:4:", "/nodes/1/", "/motion/mass is -2", "in [0, 1e+09] kg"}),
+    physics("mesh", {"/meshes/4 is not there", "must be one of 0 meshes"}),
+    physics("node", {"gltf:5:", "/nodes/2/", "/joint/connectedNode is 9", "must be one of 3 nodes"}),
+    physics("radius", {"gltf:2:", "/KHR_implicit_shapes/shapes/0/sphere/radius is 0", "in [0.0001, 100000] m"}),
+    physics("range", {"gltf:2:", "/physicsJoints/0/limits/1/min is 1", "must be at most \"max\", -1"}),
+    physics("shape", {"gltf:4:", "/nodes/1/", "/collider/geometry/shape is 7", "must be one of 1 shapes"}),
+    physics("shape_kind", {"gltf:2:", "/shapes/0/type is \"cone\"", "\"sphere\", \"box\", \"capsule\""}),
+};
+
 const std::vector<Broken> kUsage{
     {"unknown_command",
      "fly",
@@ -228,6 +249,7 @@ INSTANTIATE_TEST_SUITE_P(Scene, BrokenFile, testing::ValuesIn(kScenes), nameOf);
 INSTANTIATE_TEST_SUITE_P(Vehicle, BrokenFile, testing::ValuesIn(kVehicles), nameOf);
 INSTANTIATE_TEST_SUITE_P(Ragdoll, BrokenFile, testing::ValuesIn(kRagdolls), nameOf);
 INSTANTIATE_TEST_SUITE_P(Robot, BrokenFile, testing::ValuesIn(kRobots), nameOf);
+INSTANTIATE_TEST_SUITE_P(Physics, BrokenFile, testing::ValuesIn(kPhysics), nameOf);
 INSTANTIATE_TEST_SUITE_P(Mjcf, BrokenFile, testing::ValuesIn(kMjcf), nameOf);
 INSTANTIATE_TEST_SUITE_P(Model, BrokenFile, testing::ValuesIn(kModels), nameOf);
 INSTANTIATE_TEST_SUITE_P(Usage, BrokenFile, testing::ValuesIn(kUsage), nameOf);

@@ -49,7 +49,7 @@ struct Character {
 };
 
 /// Reads a rigged character: FBX, glTF, Collada, X and others; a skeleton alone from BVH. The file is read in a
-/// process of its own. Throws AssetError: missing, not readable, no bones, longer than 20 s.
+/// process of its own. Throws AssetError: missing, not readable, no bones, longer than 15 s.
 Character loadCharacter(const std::filesystem::path& path, const CharacterOptions& options = {});
 
 /// makeRagdoll of its skeleton.

@@ -20,7 +20,7 @@ struct GltfRagdoll {
 bool hasGltfRagdoll(const std::filesystem::path& path);
 
 /// The bodies of a file as parts, and its joints. The file is read in a process of its own. Throws AssetError with the
-/// place of what is wrong; no body in it, not readable, longer than 20 s.
+/// place of what is wrong; no body in it, not readable, longer than 15 s.
 GltfRagdoll loadGltfRagdoll(const std::filesystem::path& path);
 
 /// Writes text (.gltf) or binary (.glb), which loadGltfRagdoll reads back equal. Throws AssetError where that cannot

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <deque>
 #include <map>
@@ -295,6 +297,27 @@ private:
 
 }  // namespace
 
+namespace {
+
+void checkLimits(const GltfFile& file, const JsonValue& json) {
+    const std::vector<GltfJoint>& joints = file.extensions.physics.physicsJoints;
+    for (std::size_t i = 0; i < joints.size(); ++i)
+        for (std::size_t k = 0; k < joints[i].limits.size(); ++k) {
+            const GltfLimit& limit = joints[i].limits[k];
+            if (!limit.min || !limit.max || *limit.min <= *limit.max) continue;
+            json.at("extensions")
+                .at(std::string(kGltfPhysics))
+                .at("physicsJoints")
+                .at(i)
+                .at("limits")
+                .at(k)
+                .at("min")
+                .fail(fmt::format("is {}, must be at most \"max\", {}", *limit.min, *limit.max));
+        }
+}
+
+}  // namespace
+
 bool hasGltfPhysics(const JsonDocument& gltf) {
     const Json& root = gltf.root();
     if (!root.is_object() || !root.contains("nodes") || !root["nodes"].is_array()) return false;
@@ -306,6 +329,7 @@ bool hasGltfPhysics(const JsonDocument& gltf) {
 RagdollFromGltf readGltfPhysics(const JsonDocument& gltf, const MeshPoints& points) {
     const JsonValue json(gltf);
     const auto file = readOpenDocument<GltfFile>(gltf);
+    checkLimits(file, json);
     RagdollFromGltf read = PhysicsReader(json, file, points).read();
     if (const std::string wrong = whyInvalid(read.def); !wrong.empty())
         throw AssetError(json.place().file, "", "makes no ragdoll: " + wrong);
