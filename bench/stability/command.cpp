@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -73,30 +74,32 @@ bool areAllThere(const Arguments& arguments, const SuiteOptions& options, const 
     return false;
 }
 
-bool isRed(const Row& row) {
-    return row.engine == "ragtop" && std::ranges::count(kRedRows, row.family + "/" + row.name) > 0;
-}
-
 /// Prints how many rows hold and the names of those of Ragtop and its saboteurs that do not; true when all do but those
-/// that are known not to, and none of these does.
+/// that are known not to, and none of these does, or has become worse.
 bool conclude(const std::vector<Row>& rows, double seconds) {
     std::set<std::string> families;
     for (const Row& row : rows) families.insert(row.family);
-    std::vector<Row> failed, red, cured;
+    std::vector<Row> failed, red, worse, cured;
     for (const Row& row : rows) {
         const bool fails = row.verdict == Verdict::fails;
-        if (isRed(row) && row.verdict != Verdict::skipped)
-            (fails ? red : cured).push_back(row);
+        const RedRow* known = redRowOf(row);
+        if (known && row.verdict != Verdict::skipped)
+            (!fails ? cured : isWorse(row, *known) ? worse : red).push_back(row);
         else if (fails && (row.engine == "ragtop" || row.engine == "saboteurs"))
             failed.push_back(row);
     }
-    fmt::print("{} rows in {} families, {} skipped, {} fail, {} of them Ragtop's, {} of these known; {:.0f} s of processor time\n",
-               rows.size(), families.size(), count(rows, Verdict::skipped), count(rows, Verdict::fails),
-               failed.size() + red.size(), red.size(), seconds);
+    fmt::print(
+        "{} rows in {} families, {} skipped, {} fail, {} of them Ragtop's, {} of these known; {:.0f} s of processor "
+        "time\n",
+        rows.size(), families.size(), count(rows, Verdict::skipped), count(rows, Verdict::fails),
+        failed.size() + red.size() + worse.size(), red.size() + worse.size(), seconds);
     for (const Row& row : red) fmt::print("red: {}/{} {}\n", row.family, row.name, row.note);
+    for (const Row& row : worse)
+        fmt::print("red, and worse: {}/{}, off by {:.2g}, {:.2g} is known\n", row.family, row.name,
+                   std::abs(row.value - row.reference), redRowOf(row)->off);
     for (const Row& row : failed) fmt::print("fails: {}/{} {}\n", row.family, row.name, row.note);
     for (const Row& row : cured) fmt::print("holds, and is no longer red: {}/{}\n", row.family, row.name);
-    return failed.empty() && cured.empty();
+    return failed.empty() && worse.empty() && cured.empty();
 }
 
 int runStability(const Arguments& arguments) {
