@@ -2,6 +2,7 @@
 # docs_figures.sh <source tree> [<ragtop_bench>]: what the documentation says of the code is so.
 #   Tolerances of docs/step.md have their values in the files and constants named there. Where a file is named alone, the
 #   number is in it.
+#   docs/manoeuvres has a page and a plot for every manoeuvre.
 #   docs/architecture.md names every folder of core/src, docs/stability.md every family of the stability suite.
 set -eu
 cd "$1"
@@ -77,6 +78,13 @@ for folder in core/src/*/; do
     name=$(basename "$folder")
     grep -q "^| \`$name\` " docs/architecture.md || {
         echo "docs/architecture.md: does not name core/src/$name"
+        status=1
+    }
+done
+for manoeuvre in assets/data/manoeuvres/*.json; do
+    name=$(basename "$manoeuvre" .json)
+    [ -f "docs/manoeuvres/$name.md" ] && [ -f "docs/manoeuvres/$name.svg" ] || {
+        echo "docs/manoeuvres: has no page and plot of $name; scripts/manoeuvres.py writes them"
         status=1
     }
 done

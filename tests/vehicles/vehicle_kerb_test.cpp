@@ -174,6 +174,33 @@ TEST(VehicleKerb, StopsACarThatSlidesAgainstItSideways) {
     }
 }
 
+/// Turned up by the edge that its wheels meet, about which it keeps its angular momentum m v h, a rigid car of height h
+/// over the edge, b beside its middle and inertia I₀ about the edge comes over from v² = 2 g I₀ (√(h² + b²) − h)/(m h²)
+/// on.
+TEST(VehicleKerb, TurnsACarOverFromTheSpeedOfARigidBodyOn) {
+    constexpr float kKerb = 0.2f, kOff = 0.15f;
+    for (const float lift : {0.0f, 0.08f, 0.16f}) {
+        VehicleDef def = plainTires(0.02f);
+        def.chassis.centerOfMass->y += lift;
+        const float h = def.chassis.centerOfMass->y - kKerb;
+        const float b = def.wheels[0].position.x + 0.5f * def.wheels[0].width;
+        const float square = h * h + b * b, inertia = def.chassis.inertia->z + def.chassis.mass * square;
+        const float least = std::sqrt(2 * kGravity * inertia * (std::sqrt(square) - h) / (def.chassis.mass * h * h));
+        for (const bool over : {false, true}) {
+            Road road(0, awake());
+            layKerb(road.world, kKerb);
+            Vehicle car(road.world, def, {.position = {0, 0, kAt - 2.2}, .heading = 0.5f * kPi});
+            road.world.setVelocity(car.chassis(), {0, 0, least * (over ? 1 + kOff : 1 - kOff)}, {});
+            float upright = 1;
+            for (int i = 0; i < 360 && upright > 0; ++i) {
+                road.world.step(kStep);
+                upright = std::min(upright, rotate(road.world.pose(car.chassis()).rotation, {0, 1, 0}).y);
+            }
+            EXPECT_EQ(upright <= 0, over) << lift << " m higher, " << least << " m/s";
+        }
+    }
+}
+
 /// From the side at any height between ground and hub, and at any speed: it bounces or stays, on the side it came from.
 TEST(VehicleKerb, LetsNoBallThroughAWheel) {
     for (const float speed : {3.0f, 10.0f, 30.0f}) {
