@@ -108,7 +108,7 @@ function(ragtop_unity target)
     endif()
 endfunction()
 
-# ragtop_cold(<target>): no step runs any of it, and it compiles in four fifths of the time.
+# ragtop_cold(<target>): no step runs any of it, and it compiles in 0.85 (templates of Boost) to 0.97 of the time.
 function(ragtop_cold target)
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O2>)
 endfunction()
