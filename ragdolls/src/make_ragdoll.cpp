@@ -21,7 +21,11 @@ constexpr float kGravity = 9.81f;         ///< m/s², in the friction of joints
 constexpr float kAnkleShare = 0.75f;      ///< of its height, that a shank reaches beyond the ankle at most
 constexpr float kAlikeSlack = 0.015f;     ///< of its skin, that a shape may leave out more to be that of the other side
 constexpr float kLeast = 0.005f;          ///< of the height, that a shape is thick
-constexpr float kTouching = 0.005f;       ///< parts closer than this share of the height count as overlapping
+/// Of the largest part that hangs on it, that a part has of volume for its mass at least: limbs taper outwards, and a
+/// link of feathers between heavy ones holds in no solver.
+constexpr double kTaper = 0.25;
+constexpr float kSpan = 0.25f;       ///< of a segment's length, that a shape fitted to its skin reaches along at least
+constexpr float kTouching = 0.005f;  ///< parts closer than this share of the height count as overlapping
 
 class Maker {
 public:
@@ -136,6 +140,13 @@ private:
         return sole ? fitBox(skin, basisOf(s), share) : fitShape(skin, basisOf(s), share, roundness);
     }
 
+    /// Does a shape reach along enough of its segment? A disc on a long bone has next to no inertia against what pulls
+    /// at the ends of that.
+    bool spans(const Segment& s, const FittedShape& fitted) const {
+        const Vec3 bone = endOf(s) - bindOf(s.bone).position, along = normalized(bone, anatomy_.up);
+        return -bottomOf(fitted, -along) - bottomOf(fitted, along) >= kSpan * length(bone);
+    }
+
     void addPart(std::size_t index) {
         const Segment& s = anatomy_.segments[index];
         RagdollPart part;
@@ -147,6 +158,7 @@ private:
         part.material = options_.material;
         const std::vector<Vec3>& skin = skin_[index];
         FittedShape fitted = skin.size() < kFewVertices ? fromTables(s) : around(s, skin, options_.containedShare);
+        if (!spans(s, fitted)) fitted = fromTables(s);
         const float least = kLeast * height_;
         if (auto* capsule = std::get_if<Capsule>(&fitted.shape)) capsule->radius = std::max(capsule->radius, least);
         if (auto* box = std::get_if<Box>(&fitted.shape))
@@ -167,6 +179,7 @@ private:
     /// A part's shape above a floor: a flat one where a round one would leave out too much of the skin that ends there,
     /// as of wide trousers.
     FittedShape lifted(std::size_t index, const Vec3& up, float floor) const {
+        if (bottomOf(inModel_[index], up) >= floor) return inModel_[index];
         const float least = kLeast * height_;
         FittedShape kept = keptAbove(inModel_[index], up, floor, least);
         const std::vector<Vec3>& skin = skin_[index];
@@ -330,6 +343,11 @@ private:
         std::vector<MassPart> parts;
         for (const RagdollPart& part : def_.parts)
             parts.push_back({part.role, part.side, static_cast<double>(massOf(part.shape, 1.0f).mass)});
+        for (std::size_t i = parts.size(); i-- > 1;) {
+            MassPart& carrier = parts[static_cast<std::size_t>(segment(static_cast<int>(i)).parent)];
+            if (anatomy_.isHuman() && massShare(carrier.role, 0) > 0) continue;  // the table knows better
+            carrier.volume = std::max(carrier.volume, kTaper * parts[i].volume);
+        }
         MassWish wish{anatomy_.isHuman(), options_.femaleShare, options_.bodyMassIndex, stature(), {}};
         if (options_.bodyMass) wish.bodyMass = *options_.bodyMass;
         const Masses shared = shareMass(parts, wish);

@@ -10,6 +10,9 @@ namespace {
 
 constexpr double kLeastDensity = 300, kMostDensity = 2000;  ///< kg/m³, of any part
 constexpr double kFlesh = 1000;                             ///< kg/m³, of bodies that are no human
+/// Times the share of the table that volume makes of a human's part at most: helmets, hair and wide clothes are hollow,
+/// so that a shape around them is no flesh.
+constexpr double kTableRoom = 2;
 /// Mean logarithm of the ratio between the shares of volume and those of the table. Shapes around people, clothes and
 /// all, are off by less than a factor of two on the average; at a factor of four nothing is left of the table.
 constexpr double kLikeHumans = 0.6931, kUnlikeHumans = 1.3863;
@@ -60,42 +63,66 @@ double sumOf(const std::vector<double>& values) {
     return sum;
 }
 
-/// Shares in proportion to which the mass is given out.
-std::vector<double> wantedShares(std::span<const MassPart> parts, const MassWish& wish, double& departure) {
-    std::vector<double> byVolume;
-    for (const MassPart& part : parts) byVolume.push_back(part.volume);
-    const double volume = sumOf(byVolume);
-    for (double& share : byVolume) share /= volume;
-    departure = 1;
-    if (!wish.human) return byVolume;
+/// What a part may weigh, kg.
+struct Room {
+    double least = 0, most = 0;
+};
 
-    // Tails, wings and the like are by volume; the table shares out the rest.
-    std::vector<double> table = tableShares(parts, wish.femaleShare);
+/// Shares in proportion to which the mass is given out, and room for each.
+struct Wanted {
+    std::vector<double> shares;
+    std::vector<Room> rooms;
+    double departure = 1;
+};
+
+Wanted wantedByVolume(std::span<const MassPart> parts, double volume) {
+    Wanted wanted;
+    for (const MassPart& part : parts) {
+        wanted.shares.push_back(part.volume / volume);
+        wanted.rooms.push_back({kLeastDensity * part.volume, kMostDensity * part.volume});
+    }
+    return wanted;
+}
+
+/// Tails, wings and the like are by volume; the table shares out the rest.
+Wanted wantedOfHuman(std::span<const MassPart> parts, double volume, double femaleShare, double mass) {
+    Wanted wanted = wantedByVolume(parts, volume);
+    std::vector<double>& shares = wanted.shares;
+    std::vector<double> table = tableShares(parts, femaleShare);
     const double tableSum = sumOf(table);
     double human = 0;
     for (std::size_t i = 0; i < parts.size(); ++i)
-        if (table[i] > 0) human += byVolume[i];
+        if (table[i] > 0) human += shares[i];
     double off = 0;
     for (std::size_t i = 0; i < parts.size(); ++i) {
         if (!(table[i] > 0)) continue;
-        table[i] /= tableSum;
-        off += table[i] * std::abs(std::log(byVolume[i] / human / table[i]));
+        table[i] *= human / tableSum;
+        off += table[i] / human * std::abs(std::log(shares[i] / table[i]));
     }
     const double t = std::clamp((off - kLikeHumans) / (kUnlikeHumans - kLikeHumans), 0.0, 1.0);
-    departure = t * t * (3 - 2 * t);
-    std::vector<double> shares;
-    for (std::size_t i = 0; i < parts.size(); ++i)
-        shares.push_back(table[i] > 0 ? (1 - departure) * table[i] * human + departure * byVolume[i] : byVolume[i]);
-    return shares;
+    wanted.departure = t * t * (3 - 2 * t);
+    double least = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        Room& room = wanted.rooms[i];
+        if (table[i] > 0) {
+            shares[i] += (1 - wanted.departure) * (table[i] - shares[i]);
+            room.most = std::min(table[i] * mass * kTableRoom, room.most);
+            room.least = std::min(room.least, room.most);
+        }
+        least += room.least;
+    }
+    // Shapes that are hollow all over leave no part as much as flesh.
+    if (least > mass)
+        for (Room& room : wanted.rooms) room.least *= mass / least;
+    return wanted;
 }
 
-/// Masses in proportion to `shares` but for those that meet a bound; halving finds the factor that gives the sum.
-std::vector<double> bounded(std::span<const MassPart> parts, const std::vector<double>& shares, double mass) {
+/// Masses in proportion to shares but for those that meet a bound; halving finds the factor that gives the sum.
+std::vector<double> bounded(const Wanted& wanted, double mass) {
     const auto masses = [&](double factor) {
         std::vector<double> result;
-        for (std::size_t i = 0; i < parts.size(); ++i)
-            result.push_back(
-                std::clamp(factor * shares[i], kLeastDensity * parts[i].volume, kMostDensity * parts[i].volume));
+        for (std::size_t i = 0; i < wanted.shares.size(); ++i)
+            result.push_back(std::clamp(factor * wanted.shares[i], wanted.rooms[i].least, wanted.rooms[i].most));
         return result;
     };
     double low = 0, high = mass;
@@ -110,18 +137,23 @@ std::vector<double> bounded(std::span<const MassPart> parts, const std::vector<d
 }  // namespace
 
 Masses shareMass(std::span<const MassPart> parts, const MassWish& wish) {
-    Masses result;
-    const std::vector<double> shares = wantedShares(parts, wish, result.departure);
     double volume = 0;
     for (const MassPart& part : parts) volume += part.volume;
-    const double least = kLeastDensity * volume, most = kMostDensity * volume;
+    // The shape around a human may be as hollow as its clothes, but none is of stone.
+    const double least = wish.human ? 0 : kLeastDensity * volume, most = kMostDensity * volume;
     double mass = wish.human ? wish.bodyMassIndex * wish.height * wish.height : kFlesh * volume;
     if (wish.bodyMass)
         mass = *wish.bodyMass;
     else
         mass = std::clamp(mass, 1.01 * least, 0.99 * most);
-    if (mass > least && mass < most) {
-        result.mass = bounded(parts, shares, mass);
+    const Wanted wanted =
+        wish.human ? wantedOfHuman(parts, volume, wish.femaleShare, mass) : wantedByVolume(parts, volume);
+    Masses result;
+    result.departure = wanted.departure;
+    double room = 0;
+    for (const Room& part : wanted.rooms) room += part.most;
+    if (mass > least && mass < std::min(most, room)) {
+        result.mass = bounded(wanted, mass);
         return result;
     }
     for (const MassPart& part : parts) result.mass.push_back(mass * part.volume / volume);

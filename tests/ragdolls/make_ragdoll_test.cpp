@@ -282,6 +282,26 @@ TEST(MakeRagdoll, SharesMassByVolumeWhereThereIsNoHuman) {
     EXPECT_NEAR(def.parts[1].mass, def.parts[2].mass, 1e-3f * def.parts[1].mass);
 }
 
+TEST(MakeRagdoll, GivesALongBoneWithADiscOfSkinAShapeAlongItAndAQuarterOfTheMassThatHangsOnIt) {
+    Skeleton skeleton;
+    for (int i = 0; i < 4; ++i)
+        skeleton.bones.push_back({"b" + std::to_string(i), i - 1, {{0.3f * static_cast<float>(i), 1, 0}, {}}});
+    skeleton.skin.resize(4);
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 64; ++k) {
+            const SinCos angle = sinCos(2 * kPi * static_cast<float>(k) / 16);
+            const float radius = i == 1 ? 0.02f : 0.1f, along = i == 1 ? 0.004f : 0.1f;
+            skeleton.skin[static_cast<std::size_t>(i)].push_back(
+                {0.3f * static_cast<float>(i) + along * static_cast<float>(k / 16), 1 + radius * angle.cos,
+                 radius * angle.sin});
+        }
+    const RagdollDef def = makeRagdoll(skeleton);
+    ASSERT_EQ(def.parts.size(), 3u);
+    const auto& capsule = std::get<Capsule>(def.parts[1].shape);
+    EXPECT_GE(2 * (capsule.halfHeight + capsule.radius), 0.9f * 0.3f);
+    EXPECT_GE(def.parts[1].mass, 0.249f * def.parts[2].mass);
+}
+
 TEST(MakeRagdoll, RefusesOptionsOutOfRange) {
     const HumanRig rig;
     const auto message = [&](const RagdollOptions& options) -> std::string {

@@ -52,25 +52,38 @@ TEST(Masses, GoFromTheTableToVolumeAsTheHeadGrows) {
     double before = 0, departure = 0;
     for (const double size : {1.0, 3.0, 6.0, 12.0, 24.0, 48.0}) {
         const auto parts = humanParts([&](BodyRole role) { return role == BodyRole::head ? size : 1.0; });
-        const Masses masses = shareMass(parts, {true, 0, 24.49, 1.75, 200});
+        const Masses masses = shareMass(parts, {true, 0, 24.49, 1.75, 100});
         EXPECT_GE(masses.departure, departure);
-        EXPECT_GE(masses.mass[3], before);
+        EXPECT_GE(masses.mass[3], before - 1e-9);
         departure = masses.departure;
         before = masses.mass[3];
-        EXPECT_NEAR(total(masses), 200, 1e-9);
+        EXPECT_NEAR(total(masses), 100, 1e-9);
     }
     EXPECT_EQ(departure, 1);
-    // By volume all of it has the same density.
-    const auto parts = humanParts([](BodyRole role) { return role == BodyRole::head ? 48.0 : 1.0; });
-    const Masses masses = shareMass(parts, {true, 0, 24.49, 1.75, 200});
-    EXPECT_NEAR(masses.mass[3] / parts[3].volume, masses.mass[0] / parts[0].volume, 1e-6 * 1000);
+    // A helmet is no flesh: a part has at most twice its share of the table.
+    EXPECT_NEAR(before, 2 * 100 * massShare(BodyRole::head, 0) / 0.9999, 1e-2);
 }
 
-TEST(Masses, KeepEveryDensityBetween300And2000WhereTheSumAllows) {
+TEST(Masses, OfHumansKeepToTwiceTheTableHoweverLargeTheirClothesAre) {
+    for (const double all : {0.7, 1.0, 4.0, 20.0})
+        for (const double hand : {0.2, 1.0, 20.0}) {
+            const auto parts = humanParts([&](BodyRole role) { return all * (role == BodyRole::hand ? hand : 1.0); });
+            const Masses masses = shareMass(parts, {true, 0, 24.49, 1.75, {}});
+            EXPECT_NEAR(total(masses), 24.49 * 1.75 * 1.75, 1e-9 * 75);
+            for (std::size_t i = 0; i < parts.size(); ++i) {
+                const double byTable = total(masses) * massShare(parts[i].role, 0) / 0.9999;
+                const double least = std::min(1.999 * byTable, 299.9 * parts[i].volume);
+                EXPECT_GE(masses.mass[i], all < 3 ? least : 0.499 * least);
+                EXPECT_LE(masses.mass[i], std::min(2.001 * byTable, 2001 * parts[i].volume));
+            }
+        }
+}
+
+TEST(Masses, OfOthersKeepEveryDensityBetween300And2000WhereTheSumAllows) {
     for (const double hand : {0.05, 1.0, 20.0})
         for (const double mass : {40.0, 75.0, 120.0}) {
             const auto parts = humanParts([&](BodyRole role) { return role == BodyRole::hand ? hand : 1.0; });
-            const Masses masses = shareMass(parts, {true, 0, 24.49, 1.75, mass});
+            const Masses masses = shareMass(parts, {false, 0, 24.49, 1.75, mass});
             EXPECT_NEAR(total(masses), mass, 1e-9 * mass);
             for (std::size_t i = 0; i < parts.size(); ++i) {
                 EXPECT_GE(masses.mass[i] / parts[i].volume, 300 * (1 - 1e-9));
@@ -81,10 +94,13 @@ TEST(Masses, KeepEveryDensityBetween300And2000WhereTheSumAllows) {
 
 TEST(Masses, AreByVolumeAndSaySoWhereNoDensityIsLikely) {
     const auto parts = humanParts([](BodyRole) { return 1.0; });
-    const Masses masses = shareMass(parts, {true, 0, 24.49, 1.75, 7.5});
-    EXPECT_NEAR(total(masses), 7.5, 1e-9);
-    EXPECT_NE(masses.note.find("7.5 kg are 100 kg/m3"), std::string::npos) << masses.note;
-    EXPECT_NEAR(masses.mass[0] / parts[0].volume, 100, 0.1);
+    const Masses light = shareMass(parts, {false, 0, 24.49, 1.75, 7.5});
+    EXPECT_NEAR(total(light), 7.5, 1e-9);
+    EXPECT_NE(light.note.find("7.5 kg are 100 kg/m3"), std::string::npos) << light.note;
+    EXPECT_NEAR(light.mass[0] / parts[0].volume, 100, 0.1);
+    const Masses heavy = shareMass(parts, {true, 0, 24.49, 1.75, 300});
+    EXPECT_NE(heavy.note.find("300 kg are 4e+03 kg/m3"), std::string::npos) << heavy.note;
+    EXPECT_NEAR(heavy.mass[0] / parts[0].volume, 4000, 4);
 }
 
 TEST(Masses, OfHandsThatAreMissingGoToTheForearm) {
