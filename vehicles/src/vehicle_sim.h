@@ -200,6 +200,7 @@ private:
     void rollWheels(float speed, float h);
 
     PointBody bodyAt(const Pose& pose) const;
+    bool standsOnWhatMoves() const;
     void actOnce(float h);
     void pushGrounds(float share);
     void act(const Pose& pose, const DVec3& center, PointBody body, float h, CarImpulse& sum);

@@ -57,7 +57,7 @@ Vec3 unturned(const Vec3& w, const Quat& before, const Quat& now, float h) {
 /// follow the velocities that come out of that, so that a trailer or a rope cannot make a braked car creep.
 void VehicleSim::beforeSubstep(float h) {
     if (!active) return;
-    if (def.level == VehicleLevel::rays) return actOnce(h);
+    if (def.level == VehicleLevel::rays && !standsOnWhatMoves()) return actOnce(h);
     Pose pose = world->pose(chassis);
     const DVec3 center = world->centerOfMass(chassis);
     const PointBody first = bodyAt(pose);
@@ -90,8 +90,13 @@ void VehicleSim::beforeSubstep(float h) {
     ++substep;
 }
 
-/// Level 1: one solve for the whole step, of which each substep gets its share. Struts and tires are implicit, so that
-/// they hold at its length too.
+bool VehicleSim::standsOnWhatMoves() const {
+    return std::ranges::any_of(
+        wheels, [](const WheelState& wheel) { return wheel.ground.found != 0 && wheel.ground.moves != 0; });
+}
+
+/// Level 1 over what is fixed: one solve for the whole step, of which each substep gets its share. Struts and tires are
+/// implicit, so that they hold at its length too; what is light is pushed and answers within a step.
 void VehicleSim::actOnce(float h) {
     const DVec3 center = world->centerOfMass(chassis);
     const float share = 1 / static_cast<float>(world->settings().substeps);
@@ -195,7 +200,7 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     WheelState& wheel = wheels[i];
     patch.spinBefore = drivetrain.spin[i];
     patch.axle = rotate(wheelFrame(i, pose).rotation, {1, 0, 0});
-    if (substep > 0 || part > 0) takePiece(i, transformPoint(pose, specs[i].position));
+    if (def.level == VehicleLevel::full && (substep > 0 || part > 0)) takePiece(i, transformPoint(pose, specs[i].position));
     const bool known = placePatch(i, pose, center);
     patch.touching = known && sinkGround(i, body, h);
     patch.above = known && !patch.touching;
