@@ -23,7 +23,7 @@ void waitRound(int round) {
     }
 }
 
-constexpr std::uint64_t kFront = 1;
+constexpr std::uint64_t kFront = 1;  // a block off the front of a range
 constexpr std::uint64_t kBack = std::uint64_t{1} << 32;
 
 // Claims of an empty range push its ends past each other, by at most one per worker; hence the signed ends.

@@ -96,7 +96,7 @@ struct AxisSettings {
 };
 
 struct AxisRows {
-    static constexpr std::uint32_t kLimit = 1, kLocked = 2, kMotor = 4, kSpring = 8, kFriction = 16, kViscous = 32;
+    static constexpr std::uint32_t kLimit = 1, kLocked = 2, kMotor = 4, kSpring = 8, kFriction = 16, kViscous = 32;  ///< bits
     static constexpr std::uint32_t kCoupled = 64;  ///< other joints push along this coordinate
     std::uint32_t features = 0;
     float lower = 0, upper = 0;  ///< m or rad

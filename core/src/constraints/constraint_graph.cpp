@@ -33,7 +33,7 @@ ConstraintGraph::BodyPlace& ConstraintGraph::bodyPlace(std::uint32_t body) {
 /// The list of their region, if they have one, and of the first colour that neither body has yet. What fits nowhere is in
 /// no region: its order is that in which it came.
 int ConstraintGraph::findPlace(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB) {
-    constexpr std::uint32_t kBoth = (1u << kFirstStaticColor) - 1, kOne = ((1u << kColors) - 1) & ~kBoth;
+    constexpr std::uint32_t kBoth = (1u << kFirstStaticColor) - 1, kOne = ((1u << kColors) - 1) & ~kBoth;  // colours
     bodyPlace(std::max(bodyA, bodyB));
     BodyPlace &a = bodyPlace(bodyA), &b = bodyPlace(bodyB);
     const std::uint32_t taken = (movesA ? a.colors : 0) | (movesB ? b.colors : 0);

@@ -31,7 +31,7 @@ struct GraphPlace {
 ///   colours 12–23   contacts with bodies that no impulse moves; solved last
 ///   kOverflow       what fits no colour: one constraint per bundle, solved serially before the others
 ///   kDirect         constraints of islands that are solved directly; no pass visits them
-///   kFrozen         contacts of frozen bodies (world/world_freezing.cpp); nothing visits them until they are put back
+///   kFrozen         contacts of frozen bodies (activity/freezing.cpp); nothing visits them until they are put back
 ///
 /// A bundle is an array of structures of arrays: field f of lane i is at f · lanes + i. Beside the lists for the whole
 /// world there are those of each region, an island batch that one worker takes through all substeps.

@@ -23,7 +23,7 @@ constexpr int sidesOf(SwingShape shape) {
 
 /// A compiled limit of the swing.
 struct SwingLimit {
-    static constexpr int kSides = 2;
+    static constexpr int kSides = 2;  ///< rows: upper and lower, or of both angles
     SwingShape shape = SwingShape::free;
     float y = 0, z = 0;                       ///< rad, half angles of circle and ellipse
     Range rangeY{}, rangeZ{};                 ///< rad, of the pyramid

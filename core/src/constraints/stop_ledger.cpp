@@ -112,8 +112,8 @@ void letGo(StopSide& side) {
 
 /// Beyond rounding of the speeds that the kicks are differences of.
 bool isSteady(const Vec3& kick, const Vec3& last, const Vec3& speed) {
-    constexpr float kSame = 1e-3f, kRounding = 1e-6f;  // of a kick, by trial; of speeds, eight roundings of a float
-    return length(kick - last) <= kSame * length(last) + kRounding * length(speed);
+    constexpr float kSameKick = 1e-3f, kRounding = 1e-6f;  // of a kick, by trial; of speeds, eight roundings of a float
+    return length(kick - last) <= kSameKick * length(last) + kRounding * length(speed);
 }
 
 /// What is moved by other hands gives and takes energy at every turn: a turntable, a body with locks.
@@ -180,7 +180,7 @@ float energyOf(const JointSim& joint, const BodyPair& pair, float h) {
 
 /// Of an energy, never more than a tenth is given, and never all of it taken.
 float shareOf(float missing, float energy) {
-    constexpr float kMostTaken = 0.99f, kMostGiven = 0.1f;
+    constexpr float kMostTaken = 0.99f, kMostGiven = 0.1f;  // as above
     const float asked = missing / energy;
     return asked < -kMostTaken ? -kMostTaken : asked > kMostGiven ? kMostGiven : asked;
 }

@@ -184,7 +184,7 @@ bool bearsLoad(const GhostView& view, const ManifoldRecord& manifold) {
 /// Asks for the contacts of the bodies of some that close, and then for their manifolds: the lists of all these bodies
 /// are walked side by side, since each tells only from its memory where it goes on.
 void prefetchTouched(const ConstTables& t, const std::uint32_t* closing, int count) {
-    constexpr int kMostTouched = 256;
+    constexpr int kMostTouched = 256;  // a bound: asking ahead changes no result
     std::uint32_t keys[2 * kGhostsAtOnce], found[kMostTouched];
     int lists = 0, seen = 0;
     for (int i = 0; i < count; ++i) {

@@ -106,7 +106,7 @@ void ShapeBounds::coverNewVelocities(bool all) const {
 /// meet is to be collided. What swings on joints with nothing near it is given those of several steps, and an eighth of
 /// that way aside, for its path bends; it then looks for partners as much more seldom.
 static Bounds newBounds(const ShapeBounds& view, const ShapeRecord& shape, const Bounds& now, bool isFree) {
-    constexpr float kFreeSteps = 4, kAside = 1.0f / 8;
+    constexpr float kFreeSteps = 4, kAside = 1.0f / 8;  // steps; share of their way
     const float margin = enlargement(shape), ahead = (isFree ? kFreeSteps : 1) * view.dt;
     const Vec3 motion = ahead * view.bodies.states[shape.body].v;
     return enlarged(boundsAlong(now, motion), isFree ? margin + kAside * length(motion) : margin);

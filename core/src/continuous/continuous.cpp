@@ -60,7 +60,7 @@ void rideAlong(const SweepView& view, std::uint32_t obstacle, float done, Pose& 
 void sweepBody(const SweepView& view, const ImpactRules& rules, SweepTarget target, std::uint32_t index) {
     const ConstTables& t = view.tables;
     Bodies& bodies = target.bodies;
-    constexpr int kMaxImpacts = 8, kMaxStuck = 3;
+    constexpr int kMaxImpacts = 8, kMaxStuck = 3;  // bounds; what is left is lost, as above
     SweptPath path = pathOfStep(view, index);
     Quat velocityAt = t.bodies[index].rotation;
     float done = 0;

@@ -14,6 +14,7 @@ namespace ragtop::direct {
 class TreePlan {
 public:
     static constexpr std::size_t kStepFactors = 3;  ///< 1, 2 and 4 substeps
+    static constexpr int kLongestFactor = 1 << (kStepFactors - 1);
 
     /// A tree; its links, joints and bodies are at [first, first + count) of their arrays.
     struct Tree {

@@ -16,7 +16,7 @@
 
 namespace ragtop {
 
-/// A tree of joints (world_trees.cpp).
+/// A tree of joints (direct_trees.cpp).
 struct BuiltTree {
     std::uint32_t anchor = kNone;  ///< body that does not move
     std::uint32_t bodies = 0, joints = 0;
@@ -24,7 +24,7 @@ struct BuiltTree {
     bool doublePrecision = false;  ///< masses ask for double precision
 };
 
-/// An island that is solved directly, in the lists of its step (world_direct.cpp).
+/// An island that is solved directly, in the lists of its step (direct_islands.cpp).
 struct DirectIsland {
     std::uint32_t firstBody = 0, bodyCount = 0, firstContact = 0, contactCount = 0, firstJoint = 0, jointCount = 0;
     std::uint32_t system = kNone;  ///< of Newton's method, where it has one

@@ -1,5 +1,9 @@
 #include "model/bodies.h"
 
+#include <vector>
+
+#include "base/symmetric_eigen.h"
+
 #include <cassert>
 
 namespace ragtop {
@@ -140,6 +144,27 @@ void Bodies::stop(std::uint32_t body) {
     states[body].v = states[body].w = {};
     histories[body].velocityBefore = histories[body].lastChange = {};
     storeMomentum(body);
+}
+
+MassProperties massOf(const BodyRecord& body) {
+    const Mat3 r = toMat3(body.local.rotation);
+    const Mat3 principal{body.inertia.x * Vec3{1, 0, 0}, body.inertia.y * Vec3{0, 1, 0},
+                         body.inertia.z * Vec3{0, 0, 1}};
+    return {body.mass, body.local.position, r * principal * transpose(r)};
+}
+
+void takeMass(BodyRecord& body, const MassProperties& mass) {
+    const PrincipalAxes axes = principalAxes(mass.inertia);
+    body.mass = mass.mass;
+    body.inertia = axes.values;
+    body.local = {mass.center, axes.rotation};
+}
+
+MassProperties massOfShapes(const BodyDef& def) {
+    std::vector<MassProperties> parts;
+    for (const ShapeDef& shape : def.shapes)
+        if (!shape.sensor) parts.push_back(transformed(massOf(shape.geometry, shape.density), shape.frame));
+    return combined(parts);
 }
 
 }  // namespace ragtop

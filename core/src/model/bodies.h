@@ -105,6 +105,12 @@ inline Pose poseOf(const BodyRecord& body) { return Pose{body.center, body.rotat
 /// The same, of its rotation.
 inline Quat definitionRotation(const BodyRecord& body) { return body.rotation * conjugate(body.local.rotation); }
 
+/// In the frame of the definition.
+MassProperties massOf(const BodyRecord& body);
+/// Mass, centre and principal axes.
+void takeMass(BodyRecord& body, const MassProperties& mass);
+/// Of a definition's shapes and their densities, without sensors.
+MassProperties massOfShapes(const BodyDef& def);
 /// Of a shape in the world.
 inline Pose shapePose(const BodyRecord& body, const ShapeRecord& shape) {
     return Pose{body.center, body.rotation} * shape.frame;

@@ -12,6 +12,12 @@
 
 namespace ragtop {
 
+/// Joints with springs, in the order of the lists of the graph, and where those of each list begin.
+struct Springs {
+    explicit Springs(std::pmr::memory_resource* memory) : joints(memory), starts(memory) {}
+    AlignedArray<std::uint32_t> joints, starts;
+};
+
 /// The joints of a world: a record of each with its definition, the form in which solvers know it, and the bundles in
 /// which those of a colour are solved side by side.
 class Joints {
@@ -23,6 +29,7 @@ public:
           violated(memory),
           broken(memory),
           bundles(lanes, memory),
+          springs(memory),
           records_(memory) {}
 
     /// A joint with all values as they are declared; those that were released are used first.
@@ -70,6 +77,7 @@ public:
     AlignedArray<std::uint32_t> violated;    ///< made beyond their hard limits, and beyond them still; kNone: gone
     std::pmr::vector<std::uint32_t> broken;  ///< scratch of breaking
     JointBundles bundles;
+    Springs springs;             ///< derived, as bundles are
     bool bundlesChanged = true;  ///< joints came, went or changed since they were bundled
 
 private:

@@ -139,7 +139,7 @@ TurnedBox::TurnedBox(const Vec3& halfExtents, const Quat& rotation) : half(halfE
 }
 
 BoxAxes findBoxAxes(const TurnedBox& box, const FourTriangles& triangles, float margin, float behind) {
-    constexpr float kRounding = 1e-5f;
+    constexpr float kRounding = 1e-5f;  // some 80 units in the last place
     const SeenFromBox t(box, triangles);
     const FourFloats height = -dot(triangles.n, triangles.v[0]);
     const FourFloats own = height - (absolute(t.normal[0]) * box.half.x + absolute(t.normal[1]) * box.half.y +

@@ -29,7 +29,7 @@ struct TurnedBox {
 struct BoxAxes {
     /// What an axis is made of: the normal of the triangle, a face of the box, or an edge of each.
     enum Kind { kTriangle, kBoxFace, kEdges };
-    static constexpr int kFirstEdges = 7;
+    static constexpr int kFirstEdges = 7;  ///< after the triangle and six faces
 
     FourFloats separation;
     FourInts axis;         ///< 0 triangle; 1 + 2 i + (1: positive side) face; kFirstEdges + 3 k + i edges
@@ -47,7 +47,7 @@ struct CornersAndNormal {
     const Vec3& normal;
 };
 
-inline constexpr int kMostBoxPoints = 16;
+inline constexpr int kMostBoxPoints = 16;  ///< a face of four corners cut by three sides has 7
 
 /// The face of the box that opposes the triangle, cut to it, as clipToFace does; returns how many points.
 int boxFaceOnTriangle(const TurnedBox& box, const CornersAndNormal& t, float margin, ManifoldPoint (&out)[kMostBoxPoints]);

@@ -23,7 +23,7 @@ inline constexpr float kOverhang = 0.002f;
 /// with one point, the less the deeper it is, and the sooner another edge takes its place: so of overlaps it must save
 /// a share [Gregorius, GDC 2013]. The face serves if its points show an overlap as deep as that of the edges.
 inline bool favoursFace(float face, float edge) {
-    constexpr float kShare = 0.1f;
+    constexpr float kShare = 0.1f;  // by trial
     return face < 0 && edge <= (1 - kShare) * face;
 }
 inline bool showsDepth(const Manifold& face, float depth) {

@@ -110,7 +110,7 @@ void shallow(const HullView& a, const gjk::Closest& cores, const Rod& rod, Manif
 
 /// Faces, and edges whose arc of normals crosses the circle of directions perpendicular to the segment.
 void deep(const HullView& a, const Rod& rod, Manifold& out) {
-    constexpr float kParallelSides = 1e-5f;
+    constexpr float kParallelSides = 1e-5f;  // sine of the angle, some 80 units in the last place
     const Vec3 d = rod.q - rod.p;
     int face = -1, edge = -1;
     float best = 0;

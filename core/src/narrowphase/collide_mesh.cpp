@@ -62,7 +62,7 @@ struct Mover {
         } else {
             b = {};
         }
-        constexpr float kRounding = 1e-6f;
+        constexpr float kRounding = 1e-6f;  // eight units in the last place
         const Vec3 far = abs(position) + max(abs(b.lower), abs(b.upper));
         const float grow = shape->radius + margin;
         const Vec3 slack = Vec3{grow, grow, grow} + kRounding * far;
@@ -210,7 +210,7 @@ private:
 
     /// How far around a place of the mesh the corners there may lie.
     Vec3 reachAt(const Vec3& place) const {
-        constexpr float kRounding = 1e-6f;
+        constexpr float kRounding = 1e-6f;  // eight units in the last place
         const float near = kAtPoint * mover_.size;
         return Vec3{near, near, near} + kRounding * abs(place);
     }
@@ -317,7 +317,7 @@ private:
     }
 
     void visitGatheredWithSphere() {
-        constexpr float kRounding = 1e-5f;
+        constexpr float kRounding = 1e-5f;  // some 80 units in the last place
         const float reach = mover_.shape->radius + mover_.margin, most = (1 + kRounding) * reach * reach;
         for (int first = 0; first < nearCount_; first += 4) {
             const int count = nearCount_ - first < 4 ? nearCount_ - first : 4;

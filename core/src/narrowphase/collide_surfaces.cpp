@@ -81,7 +81,7 @@ bool outwardAt(const Side& side, const Nearest& near, Vec3& outward) {
 
 /// Faces over which a corner is.
 struct FacesBelow {
-    static constexpr int kMost = 16;
+    static constexpr int kMost = 16;  ///< room; more are not looked at
     struct Face {
         Vec3 normal;
         float height;
@@ -291,7 +291,7 @@ public:
 
 private:
     struct PiercingEdge {
-        static constexpr int kMost = 4;
+        static constexpr int kMost = 4;  ///< room; more are not looked at
         SharpEdge edge{};
         float in[kMost] = {}, out[kMost] = {};  ///< shares of the edge at which it goes in and comes out
         int ins = 0, outs = 0;

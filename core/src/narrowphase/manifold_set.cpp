@@ -33,7 +33,7 @@ ManifoldSet::Cluster& ManifoldSet::clusterFor(const Vec3& normal) {
 /// Corners stay longest: each may be a corner of the whole contact, of which only part is known yet. Equal depths are
 /// not forgiven here, so that no loss adds up.
 void ManifoldSet::makeRoom(Cluster& cluster) {
-    constexpr int kCorners = 8;
+    constexpr int kCorners = 8;  // that stay at most
     ManifoldPoint* const points = cluster.points;
     int corners = 0;
     for (int i = 0; i < cluster.count; ++i) {

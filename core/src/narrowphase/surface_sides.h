@@ -108,7 +108,7 @@ private:
     Vec3 placed(const Vec3& v) const { return turned_ ? turn_ * v : v - offset_; }
     /// Rounded outwards.
     static Bounds around(const Vec3& center, const Vec3& half) {
-        constexpr float kRounding = 1e-6f;
+        constexpr float kRounding = 1e-6f;  // eight units in the last place
         const Vec3 h = half + kRounding * (abs(center) + half);
         return {center - h, center + h};
     }

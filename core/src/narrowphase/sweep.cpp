@@ -4,7 +4,7 @@
 namespace ragtop {
 namespace {
 
-constexpr int kMaxSweepSteps = 48;  ///< a bound, as that of GJK
+constexpr int kMaxSweepSteps = 48;   ///< a bound, as that of GJK
 constexpr int kMaxImpactSteps = 96;  ///< a bound of conservative advancement
 /// Of the size of B: how near counts as touching.
 constexpr float kTouch = 1e-5f;
@@ -25,37 +25,49 @@ float reach(const ConvexView& shape) {
 /// is tried.
 float halfBack(float safe, float t) { return safe + 0.5f * (t - safe); }
 
-/// d(t) is convex while B only translates, so Newton's steps from the left never pass its root.
-template <class ShapeA>
-SweepHit sweepAny(const ShapeA& a, const ConvexView& b, const Frame& bInA, const Vec3& translation, float closer) {
-    const float touch = kTouch * reach(b);
+/// The first t up to `closer` at which distanceAt(t) has fallen to `target`, to within a tolerance; approachOf(d)
+/// bounds how fast it falls along the direction of a distance.
+template <class DistanceAt, class Approach>
+SweepHit advance(DistanceAt&& distanceAt, Approach&& approachOf, float target, float tolerance, float closer,
+                 int most) {
     SweepHit out;
     out.fraction = closer;
     float t = 0, safe = 0;
-    for (int step = 0; step < kMaxSweepSteps; ++step) {
-        const Distance d = distance(a, b, {bInA.position + t * translation, bInA.rotation});
-        if (step > 0 && (d.coresOverlap || d.distance < -touch)) {
+    for (int step = 0; step < most; ++step) {
+        const Distance d = distanceAt(t);
+        if (step > 0 && (d.coresOverlap || d.distance < target - tolerance)) {
             t = halfBack(safe, t);
             continue;
         }
         safe = t;
         out.point = d.pointA;
         out.normal = d.normal;
-        if (d.distance <= touch) {
+        if (d.distance <= target + tolerance) {
             out.hit = true;
+            out.overlap = d.coresOverlap;
             out.fraction = t;
             return out;
         }
-        const float approach = -dot(d.normal, translation);
+        const float approach = approachOf(d);
         if (approach <= 0) return out;
-        const float next = t + d.distance / approach;
+        const float next = t + (d.distance - target) / approach;
         if (!(next <= closer)) return out;
         if (next <= t) break;
         t = next;
     }
-    out.hit = true;
+    out.hit = true;  // not proven free beyond, so the motion ends there
     out.fraction = safe;
     return out;
+}
+
+/// d(t) is convex while B only translates, so Newton's steps from the left never pass its root.
+template <class ShapeA>
+SweepHit sweepAny(const ShapeA& a, const ConvexView& b, const Frame& bInA, const Vec3& translation, float closer) {
+    return advance(
+        [&](float t) {
+            return distance(a, b, {bInA.position + t * translation, bInA.rotation});
+        },
+        [&](const Distance& d) { return -dot(d.normal, translation); }, 0, kTouch * reach(b), closer, kMaxSweepSteps);
 }
 
 /// With the rotation vector ω of the whole motion and the reach r of B about its origin, no point of B approaches along
@@ -63,39 +75,18 @@ SweepHit sweepAny(const ShapeA& a, const ConvexView& b, const Frame& bInA, const
 template <class ShapeA>
 SweepHit timeOfImpactAny(const ShapeA& a, const ConvexView& b, const Frame& start, const Frame& end, float target) {
     const Vec3 translation = end.position - start.position;
-    const Quat turn = end.rotation * conjugate(start.rotation);
-    const Vec3 omega = rotationVector(turn);
-    const float angle = length(omega);
-    const float radius = reach(b);
-    const float touch = target + kImpactTouch * radius;
-    SweepHit out;
-    float t = 0, safe = 0;
-    for (int step = 0; step < kMaxImpactSteps; ++step) {
+    const Vec3 omega = rotationVector(end.rotation * conjugate(start.rotation));
+    const float angle = length(omega), radius = reach(b);
+    const auto at = [&](float t) {
         const Quat rotation = angle > 0 ? rotationAbout(omega, t * angle) * start.rotation : start.rotation;
-        const Distance d = distance(a, b, {start.position + t * translation, normalized(rotation)});
-        if (step > 0 && (d.coresOverlap || d.distance < target - kImpactTouch * radius)) {
-            t = halfBack(safe, t);
-            continue;
-        }
-        safe = t;
-        out.point = d.pointA;
-        out.normal = d.normal;
-        if (d.distance <= touch) {
-            out.hit = true;
-            out.overlap = d.coresOverlap;
-            out.fraction = t;
-            return out;
-        }
-        const float approach = -dot(d.normal, translation) + length(cross(omega, d.normal)) * radius;
-        if (approach <= 0) return out;
-        const float next = t + (d.distance - target) / approach;
-        if (!(next < 1)) return out;
-        if (next <= t) break;
-        t = next;
-    }
-    out.hit = true;  // not proven free beyond, so the motion ends there
-    out.fraction = safe;
-    return out;
+        return distance(a, b, {start.position + t * translation, normalized(rotation)});
+    };
+    const auto approach = [&](const Distance& d) {
+        return -dot(d.normal, translation) + length(cross(omega, d.normal)) * radius;
+    };
+    SweepHit hit = advance(at, approach, target, kImpactTouch * radius, std::nextafter(1.0f, 0.0f), kMaxImpactSteps);
+    if (!hit.hit) hit.fraction = 1;
+    return hit;
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace {
 
 /// Without duplicates and in an order that is that of the places alone.
 std::vector<Vec3> sortedPoints(std::span<const Vec3> points) {
-    constexpr std::size_t kMost = 65535;
+    constexpr std::size_t kMost = 65535;  // points, whose numbers have 16 bits
     if (points.size() < 4 || points.size() > kMost) {
         rejectHull("points has " + std::to_string(points.size()) + " entries, must have 4 to 65535");
     }

@@ -9,7 +9,7 @@
 /// two to at most 1, so that hulls of scaled points are scaled hulls to the bit.
 namespace ragtop {
 
-inline constexpr std::size_t kMaxHullVertices = 128;
+inline constexpr std::size_t kMaxHullVertices = 128;  ///< whose numbers have a byte
 
 /// Faces (counter-clockwise loops) out of triangles, those that lie in a plane to within `tolerance` merged. Vertices
 /// along the way of an edge are left out. Empty when the merged faces would not be a polyhedron.

@@ -14,11 +14,11 @@ namespace {
 
 /// Of the widest vectors that the instruction set has.
 #if defined(__AVX512F__)
-constexpr int kNativeBytes = 64;
+constexpr int kNativeBytes = 64;  // 512 bits
 #elif defined(__AVX__)
-constexpr int kNativeBytes = 32;
+constexpr int kNativeBytes = 32;  // 256 bits
 #else
-constexpr int kNativeBytes = 16;
+constexpr int kNativeBytes = 16;  // 128 bits
 #endif
 
 template <int N>

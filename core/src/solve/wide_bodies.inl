@@ -166,7 +166,7 @@ RAGTOP_INLINE void rotateFreely(WideQuat<N>& q, const WideVec3<N>& world, const 
     excess = select(free, excess, alpha1 * p.x * p.x + alpha3 * p.z * p.z);
 
     const Lanes<N> size1 = max(alpha1, -alpha1), size3 = max(alpha3, -alpha3), largest = max(size1, size3);
-    constexpr float kError = 1.0f / 0.04f, kMaxSteps = 511;
+    constexpr float kError = 1.0f / 0.04f, kMaxSteps = 511;  // as above; a bound
     const Lanes<N> accuracy = (kError * kError) * divideOrZero(size1 * size3 * largest, inverse.y);
     const Lanes<N> angle = max(largest, inverse.y);
     const Lanes<N> wanted = min(h * sqrt(dot(world, world) * max(accuracy, angle * angle)), Lanes<N>(kMaxSteps));

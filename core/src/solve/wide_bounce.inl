@@ -3,7 +3,7 @@
 namespace ragtop {
 namespace {
 
-constexpr int kBounceIterations = 8;
+constexpr int kBounceIterations = 8;  // passes over the points of a contact
 
 /// What a contact knows of the impacts ahead of it in this substep. Bodies move with constant acceleration on the line that
 /// ends with their velocity of now; displacements are such that this is so from the beginning of the substep.

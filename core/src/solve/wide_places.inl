@@ -64,7 +64,7 @@ RAGTOP_INLINE void prefetchPlaces(const float* bundles, int i, const LaneManifol
 /// n = RA n_A,  pA = xA + RA a,  pB = xB + RB b,  C = C₀ + n · (pB − pA); the point is half way between pA and pB.
 template <int N>
 void placeContacts(float* bundles, int begin, int end, const LaneManifolds& list, const ContactPlaces& places) {
-    constexpr int kPlaces = 2;
+    constexpr int kPlaces = 2;  // bundles ahead, by trial
     const float* anchors[N];
     int points = contact::kMaxPoints;  // of the last bundle
     for (int i = begin; i < end; ++i) {

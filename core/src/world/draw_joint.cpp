@@ -6,6 +6,7 @@
 namespace ragtop {
 namespace {
 
+// 0xRRGGBB
 constexpr Color kJointColor = 0x3fb28f, kLimitColor = 0x57c7f2, kReachedColor = 0xff5a4f, kNowColor = 0xf5d547;
 constexpr float kReached = 0.02f;  ///< rad, or sizes, within which a limit counts as reached
 constexpr int kAround = 24;        ///< lines of a full circle

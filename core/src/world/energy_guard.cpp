@@ -51,7 +51,7 @@ Stored storedBy(const WorldImpl& world, std::uint32_t index) {
         const JointSim& sim = world.joints.sims[key >> 1];
         const bool isCounted = (key & 1) == 0 || !world.bodies.moves(joint.bodyA);
         if (!isCounted || !storesEnergy(sim)) continue;
-        JointBodiesAtStep at = world.jointBodies(joint);
+        JointBodiesAtStep at = jointBodies(world.bodies, joint);
         const double before = storedEnergy(sim, at);
         const BodyState &a = world.bodies.states[sim.stateA], &b = world.bodies.states[sim.stateB];
         at.centerOffset += b.dp - a.dp;
@@ -252,7 +252,7 @@ void undoMotion(WorldImpl& world, std::span<const std::uint32_t> group) {
         world.bodies.storeMomentum(b);
     }
     stayPut(world, group);
-    for (const std::uint32_t b : group) world.forgetImpulses(b, false);
+    for (const std::uint32_t b : group) world.scene().forgetImpulses(b, false);
     barDirect(world, group);
     ++world.energyGuard.caught;
 }
@@ -307,7 +307,7 @@ void guardGroup(WorldImpl& world, std::size_t g) {
     const bool isLeft = whole - look.pushed - taken > account.room;
     if (isLeft && (look.stores || !isIsolated)) stayPut(world, island);
     if (isLeft && look.stores)
-        for (const std::uint32_t b : island) world.forgetImpulses(b);
+        for (const std::uint32_t b : island) world.scene().forgetImpulses(b);
     look.excess -= taken;
     if (taken > 0) {
         ++guard.caught;
@@ -330,7 +330,7 @@ void guardFallenBack(WorldImpl& world, const DirectIsland& fallen) {
     look.excess -= taken;
     ++guard.caught;
     guard.taken += taken;
-    for (const std::uint32_t b : island) world.forgetImpulses(b, false);  // joints keep their turns
+    for (const std::uint32_t b : island) world.scene().forgetImpulses(b, false);  // joints keep their turns
 }
 
 }  // namespace

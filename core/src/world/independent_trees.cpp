@@ -22,23 +22,23 @@ void prepareGroup(WorldImpl& world, Group& group) {
         const direct::TreePlan::Tree& tree = world.directSet.trees.treeOf(group, lane);
         for (int l = 0; l < group.lanes.linkCount; ++l)
             if (world.directSet.trees.linkOf(tree, l).joint != direct::TreeJoint::free)
-                world.prepareJointOf(world.directSet.trees.jointOf(tree, l));
+                world.iteration().prepareJointOf(world.directSet.trees.jointOf(tree, l));
     }
-    world.beginGroup(group);
+    beginGroup(world.directView(), group);
 }
 
 void solveSubsteps(WorldImpl& world, Group& group) {
-    using Pass = WorldImpl::DirectPass;
     const BodyArrays arrays = world.bodies.arrays();
     const std::span<const std::uint32_t> bodies = world.directSet.trees.membersOf(group);
     const int count = static_cast<int>(bodies.size()), stepFactor = world.directSet.trees.stepFactorOf(group);
+    const DirectView direct = world.directView();
     SolverContext own = world.context;
     own.h *= static_cast<float>(stepFactor);
     for (int substep = 0; substep < world.settings.substeps; substep += stepFactor) {
         world.kernels->integrateVelocities(arrays, bodies.data(), 0, count, own);
-        world.solveGroup(group, Pass::positions, substep);
+        solveGroup(direct, group, DirectPass::positions, substep);
         world.kernels->integratePositions(arrays, bodies.data(), 0, count, own);
-        world.solveGroup(group, Pass::velocities, substep);
+        solveGroup(direct, group, DirectPass::velocities, substep);
     }
 }
 
@@ -54,7 +54,7 @@ void leaveToStages(WorldImpl& world, std::span<const std::uint32_t> bodies) {
 void finishGroup(WorldImpl& world, const Group& group) {
     for (int lane = 0; lane < group.lanes.used; ++lane) {
         const DirectIsland& island = world.directSet.islands[world.directSet.trees.treeOf(group, lane).owner];
-        if (island.multirate) recordGaps(world, island);
+        if (island.multirate) recordGaps(world.directView(), island);
         const std::span<const std::uint32_t> bodies{world.directSet.bodies.data() + island.firstBody, island.bodyCount};
         if (hasGainedEnergy(world, bodies)) {
             leaveToStages(world, bodies);

@@ -65,7 +65,7 @@ float turnedApart(const JointSim& sim, const JointBodiesAtStep& at) {
 float opening(const WorldImpl& world, std::uint32_t index) {
     const JointRecord& joint = world.joints[index];
     const JointSim& sim = world.joints.sims[index];
-    const JointBodiesAtStep at = world.jointBodies(joint);
+    const JointBodiesAtStep at = jointBodies(world.bodies, joint);
     const float sizeA = world.bodies[joint.bodyA].size, sizeB = world.bodies[joint.bodyB].size;
     const float size = !world.bodies.moves(joint.bodyA)   ? sizeB
                        : !world.bodies.moves(joint.bodyB) ? sizeA
@@ -81,7 +81,7 @@ float overrunNow(WorldImpl& world, std::uint32_t index) {
     const Vec3 turning = world.bodies.states[sim.stateB].w - world.bodies.states[sim.stateA].w;
     // Margins are those of the last substep or the one before it.
     if (limitOverrun(sim) + 2 * world.context.h * length(turning) < kOpen) return 0;
-    placeJoint(sim, world.jointBodies(joint), world.bodies.states.data(), world.bodies.inertias.data());
+    placeJoint(sim, jointBodies(world.bodies, joint), world.bodies.states.data(), world.bodies.inertias.data());
     return limitOverrun(sim);
 }
 
@@ -149,7 +149,7 @@ bool isOpen(WorldImpl& world, std::span<const std::uint32_t> group) {
 
 void placeJoints(WorldImpl& world, std::span<const std::uint32_t> joints) {
     for (const std::uint32_t joint : joints)
-        placeJoint(world.joints.sims[joint], world.jointBodies(world.joints[joint]), world.bodies.states.data(),
+        placeJoint(world.joints.sims[joint], jointBodies(world.bodies, world.joints[joint]), world.bodies.states.data(),
                    world.bodies.inertias.data());
 }
 
@@ -269,7 +269,7 @@ float closeByPlaces(WorldImpl& world, std::span<const std::uint32_t> group, std:
         const float share = findWays(world, joints, bench, open, damped ? kStraight : 0.0f, leastDamping, damping);
         bench.system.visitWays(static_cast<double>(share * world.context.h),
                                [&](std::uint32_t body, const DVec3& way, const DVec3& turning) {
-                                   world.shiftBody(body, {toVec3(way), toVec3(turning)});
+                                   shiftBody(world.bodies, body, {toVec3(way), toVec3(turning)});
                                });
         placeJoints(world, joints);
         const float had = std::exchange(open, widestOpening(world, joints));
@@ -353,7 +353,7 @@ double storedBy(const WorldImpl& world, std::span<const std::uint32_t> joints) {
     double stored = 0;
     for (const std::uint32_t joint : joints)
         if (const JointSim& sim = world.joints.sims[joint]; storesEnergy(sim))
-            stored += storedEnergy(sim, world.jointBodies(world.joints[joint]));
+            stored += storedEnergy(sim, jointBodies(world.bodies, world.joints[joint]));
     return stored;
 }
 

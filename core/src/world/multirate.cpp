@@ -10,8 +10,6 @@ namespace ragtop {
 
 namespace {
 
-constexpr int kLongest = 1 << (direct::TreePlan::kStepFactors - 1);
-
 template <class Visit>
 void forMembers(const WorldImpl& world, const DirectIsland& island, Visit&& visit) {
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) visit(world.directSet.bodies[island.firstBody + i]);
@@ -41,7 +39,7 @@ Pace paceOf(const WorldImpl& world, const direct::TreePlan::Tree& tree, bool may
     const bool hangs = world.directSet.trees.linkOf(tree, 0).joint != direct::TreeJoint::free;
     if (!island.multirate) return {1, mayBeIndependent && (hangs || island.leapfrog)};
     float square = 0;
-    int most = kLongest;
+    int most = direct::TreePlan::kLongestFactor;
     forMembers(world, island, [&](std::uint32_t body) {
         square = std::max(square, lengthSquared(world.bodies.states[body].w));
         most = std::min(most, static_cast<int>(world.bodies[body].allowedFactor));
@@ -123,28 +121,6 @@ void chooseStepFactors(WorldImpl& world) {
         markTrees(world);
     }
     listShared(world);
-}
-
-void recordGaps(WorldImpl& world, const DirectIsland& island) {
-    constexpr std::uint8_t kHysteresisSteps = 16;  // a quarter of a second at 60 Hz
-    const BodyRecord& first = world.bodies[world.directSet.bodies[island.firstBody]];
-    int stepFactor = first.allowedFactor, calm = island.notClosed ? 0 : first.pace.calm;
-    if (island.open || island.fellBack) {
-        stepFactor = std::max(stepFactor / 2, 1);
-    } else if (!island.notClosed && ++calm >= kHysteresisSteps) {
-        stepFactor = std::min(2 * stepFactor, kLongest);
-        calm = 0;
-    }
-    if (island.fellBack) rescaleJoints(world, island, 1 / static_cast<float>(first.stepFactor));
-    forMembers(world, island, [&](std::uint32_t body) {
-        world.bodies[body].allowedFactor = static_cast<std::uint8_t>(stepFactor) & 7u;
-        world.bodies[body].pace.calm = static_cast<std::uint8_t>(calm);
-    });
-}
-
-void rescaleJoints(WorldImpl& world, const DirectIsland& island, float ratio) {
-    for (std::uint32_t j = 0; j < island.jointCount; ++j)
-        rescaleJoint(world.joints.sims[world.directSet.joints[island.firstJoint + j]], ratio);
 }
 
 }  // namespace ragtop

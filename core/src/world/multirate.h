@@ -12,10 +12,6 @@ void chooseStepFactors(WorldImpl& world);
 void stepIndependentTrees(WorldImpl& world);
 /// A body of a tree that takes as many substeps of the world at once from now on.
 void setStepFactor(WorldImpl& world, std::uint32_t body, int stepFactor);
-/// Shorter at once where joints of a tree opened, longer when they have been closed for a while.
-void recordGaps(WorldImpl& world, const DirectIsland& island);
-/// Loads of as many substeps as its joints are solved for at once.
-void rescaleJoints(WorldImpl& world, const DirectIsland& island, float ratio);
 
 /// Calls visit(k, bodies) for those that take 2ᵏ substeps of the world at once and are not independent.
 template <class Visit>

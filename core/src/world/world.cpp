@@ -56,7 +56,6 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       directSet(memory),
       moduleWork(memory),
       regions(memory),
-      springs(memory),
       freezing(memory),
       articulations(memory),
       energyGuard(memory),
@@ -85,7 +84,7 @@ void World::setSettings(const WorldSettings& settings) {
     impl_->settings = settings;
     if (!wake) return;
     for (std::uint32_t i = 1; i < impl_->bodies.slots.count(); ++i)
-        if (impl_->bodies.slots.isUsed(i) && impl_->bodies.moves(i)) impl_->wakeBody(i);
+        if (impl_->bodies.slots.isUsed(i) && impl_->bodies.moves(i)) impl_->activity().wakeBody(i);
 }
 void World::setCallbacks(WorldCallbacks callbacks) { impl_->callbacks = std::move(callbacks); }
 int World::lanes() const { return impl_->graph.lanes(); }
@@ -121,7 +120,7 @@ StepStats World::stats() const {
     return stats;
 }
 
-BodyId World::create(const BodyDef& def) { return impl_->bodies.id(impl_->createBody(def)); }
+BodyId World::create(const BodyDef& def) { return impl_->bodies.id(impl_->scene().createBody(def)); }
 BodyId World::create(const StaticBody& def) {
     BodyDef body;
     body.type = BodyType::fixed;
@@ -148,12 +147,12 @@ BodyId World::create(const DynamicBody& def) {
     body.userData = def.userData;
     return create(body);
 }
-CouplingId World::create(const CouplingDef& def) { return impl_->couplings.id(impl_->createCoupling(def)); }
-void World::destroy(CouplingId coupling) { impl_->destroyCoupling(impl_->index(coupling)); }
+CouplingId World::create(const CouplingDef& def) { return impl_->couplings.id(impl_->scene().createCoupling(def)); }
+void World::destroy(CouplingId coupling) { impl_->scene().destroyCoupling(indexOf(impl_->couplings, coupling)); }
 bool World::isValid(CouplingId id) const { return impl_->couplings.slots.isValid(id.index, id.generation); }
-JointId World::create(const JointDef& def) { return impl_->joints.id(impl_->createJoint(def)); }
-void World::destroy(BodyId body) { impl_->destroyBody(impl_->index(body)); }
-void World::destroy(JointId joint) { impl_->destroyJoint(impl_->index(joint)); }
+JointId World::create(const JointDef& def) { return impl_->joints.id(impl_->scene().createJoint(def)); }
+void World::destroy(BodyId body) { impl_->scene().destroyBody(indexOf(impl_->bodies, body)); }
+void World::destroy(JointId joint) { impl_->scene().destroyJoint(indexOf(impl_->joints, joint)); }
 bool World::isValid(BodyId id) const { return impl_->bodies.slots.isValid(id.index, id.generation) && id.index != 0; }
 bool World::isValid(ShapeId id) const { return impl_->shapes.slots.isValid(id.index, id.generation); }
 bool World::isValid(JointId id) const { return impl_->joints.slots.isValid(id.index, id.generation); }
@@ -190,8 +189,8 @@ void World::apply(std::span<CommandBuffer* const> buffers) {
     if (first) std::rethrow_exception(first);
 }
 
-std::uint64_t World::fixedVersion() const { return impl_->fixedVersion; }
-void World::add(StepModule* module) { impl_->modules.push_back(module); }
-void World::remove(StepModule* module) { std::erase(impl_->modules, module); }
+std::uint64_t World::fixedVersion() const { return impl_->versions.fixed; }
+void World::add(StepModule* module) { impl_->moduleWork.modules.push_back(module); }
+void World::remove(StepModule* module) { std::erase(impl_->moduleWork.modules, module); }
 
 }  // namespace ragtop

@@ -6,7 +6,6 @@
 
 #include "base/check_tunables.h"
 #include "contacts/meets_nothing.h"
-#include "world/shape_motion.h"
 #include "world/world_modules.h"
 
 /// Reading and changing single bodies, shapes and joints.
@@ -22,17 +21,10 @@ void requireRotation(const Quat& rotation, const char* what) {
     if (const std::string wrong = whyNoRotation(what, rotation); !wrong.empty()) throw std::invalid_argument(wrong);
 }
 
-}  // namespace
-
-/// Concurrent readers may all find them out of date.
-const IdLists& WorldImpl::lists() const {
-    const std::lock_guard<std::mutex> lock(idLists.mutex);
-    if (idLists.version != structureVersion) rebuildLists(idLists);
-    return idLists;
-}
-
-void WorldImpl::rebuildLists(IdLists& to) const {
-    to.version = structureVersion;
+void rebuild(IdLists& to, const ConstTables& tables, std::uint64_t version) {
+    const Bodies& bodies = tables.bodies;
+    const Joints& joints = tables.joints;
+    to.version = version;
     to.bodies.clear();
     to.joints.clear();
     to.couplings.clear();
@@ -43,8 +35,8 @@ void WorldImpl::rebuildLists(IdLists& to) const {
         to.bodyJoints[i].clear();
         if (!bodies.slots.isUsed(i)) continue;
         to.bodies.push_back(bodies.id(i));
-        for (std::uint32_t s = bodies[i].firstShape; s != kNone; s = shapes[s].next)
-            to.bodyShapes[i].push_back(shapes.id(s));
+        for (std::uint32_t s = bodies[i].firstShape; s != kNone; s = tables.shapes[s].next)
+            to.bodyShapes[i].push_back(tables.shapes.id(s));
     }
     for (std::uint32_t j = 0; j < joints.slots.count(); ++j) {
         if (!joints.slots.isUsed(j)) continue;
@@ -52,86 +44,123 @@ void WorldImpl::rebuildLists(IdLists& to) const {
         for (const std::uint32_t body : {joints[j].bodyA, joints[j].bodyB})
             if (body != 0) to.bodyJoints[body].push_back(joints.id(j));
     }
-    for (std::uint32_t c = 0; c < couplings.slots.count(); ++c)
-        if (couplings.slots.isUsed(c)) to.couplings.push_back(couplings.id(c));
+    for (std::uint32_t c = 0; c < tables.couplings.slots.count(); ++c)
+        if (tables.couplings.slots.isUsed(c)) to.couplings.push_back(tables.couplings.id(c));
 }
 
-std::span<const BodyId> World::bodies() const { return impl_->lists().bodies; }
-std::span<const JointId> World::joints() const { return impl_->lists().joints; }
-std::span<const CouplingId> World::couplings() const { return impl_->lists().couplings; }
+/// Concurrent readers may all find them out of date.
+const IdLists& listsOf(WorldImpl& world) {
+    const std::lock_guard<std::mutex> lock(world.idLists.mutex);
+    if (world.idLists.version != world.versions.structure)
+        rebuild(world.idLists, world.tables(), world.versions.structure);
+    return world.idLists;
+}
+
+void visitContact(const WorldImpl& world, std::uint32_t index, const std::function<void(const Contact&)>& visit) {
+    const ContactRecord& record = world.contacts[index];
+    if (!record.touching || record.sensor) return;
+    for (const ManifoldRecord& manifold : world.manifolds.of(record))
+        if (manifold.pointCount > 0) visit(describe(world.tables(), world.lastSubstep, record, manifold));
+}
+
+void requireBetweenSteps(const WorldImpl& world, const char* what) {
+    if (world.inStep || world.stepping)
+        throw std::logic_error(std::string(what) + " was called within a step, must be called between two");
+}
+
+}  // namespace
+
+std::span<const BodyId> World::bodies() const { return listsOf(*impl_).bodies; }
+std::span<const JointId> World::joints() const { return listsOf(*impl_).joints; }
+std::span<const CouplingId> World::couplings() const { return listsOf(*impl_).couplings; }
 std::span<const ShapeId> World::shapes(BodyId body) const {
-    const std::uint32_t i = impl_->index(body);
-    return impl_->lists().bodyShapes[i];
+    const std::uint32_t i = indexOf(impl_->bodies, body);
+    return listsOf(*impl_).bodyShapes[i];
 }
 std::span<const JointId> World::jointsOf(BodyId body) const {
-    const std::uint32_t i = impl_->index(body);
-    return impl_->lists().bodyJoints[i];
+    const std::uint32_t i = indexOf(impl_->bodies, body);
+    return listsOf(*impl_).bodyJoints[i];
 }
 
 /// Between substeps a body is where its displacement has brought it.
 Pose World::pose(BodyId id) const {
-    const std::uint32_t i = impl_->index(id);
+    const std::uint32_t i = indexOf(impl_->bodies, id);
     const BodyRecord& body = impl_->bodies[i];
     if (!impl_->stepping) return poseOf(body);
     const BodyState& state = impl_->bodies.states[i];
     return Pose{body.center + state.dp, normalized(state.dq * body.rotation)} * inverse(body.local);
 }
 DVec3 World::centerOfMass(BodyId id) const {
-    const std::uint32_t i = impl_->index(id);
+    const std::uint32_t i = indexOf(impl_->bodies, id);
     return impl_->bodies[i].center + impl_->bodies.states[i].dp;
 }
-Vec3 World::linearVelocity(BodyId body) const { return impl_->bodies.states[impl_->index(body)].v; }
-Vec3 World::angularVelocity(BodyId body) const { return impl_->bodies.states[impl_->index(body)].w; }
+Vec3 World::linearVelocity(BodyId body) const { return impl_->bodies.states[indexOf(impl_->bodies, body)].v; }
+Vec3 World::angularVelocity(BodyId body) const { return impl_->bodies.states[indexOf(impl_->bodies, body)].w; }
 Vec3 World::velocityAt(BodyId body, const DVec3& point) const {
-    const std::uint32_t i = impl_->index(body);
+    const std::uint32_t i = indexOf(impl_->bodies, body);
     return impl_->bodies.states[i].v +
            cross(impl_->bodies.states[i].w, relative(point, impl_->bodies[i].center + impl_->bodies.states[i].dp));
 }
-BodyType World::type(BodyId body) const { return impl_->bodies.typeOf(impl_->index(body)); }
-bool World::isEnabled(BodyId body) const { return impl_->bodies.isEnabled(impl_->index(body)); }
-bool World::isAwake(BodyId body) const { return impl_->bodies.isAwake(impl_->index(body)); }
-std::uint64_t World::userData(BodyId body) const { return impl_->bodies.userData[impl_->index(body)]; }
+BodyType World::type(BodyId body) const { return impl_->bodies.typeOf(indexOf(impl_->bodies, body)); }
+bool World::isEnabled(BodyId body) const { return impl_->bodies.isEnabled(indexOf(impl_->bodies, body)); }
+bool World::isAwake(BodyId body) const { return impl_->bodies.isAwake(indexOf(impl_->bodies, body)); }
+std::uint64_t World::userData(BodyId body) const { return impl_->bodies.userData[indexOf(impl_->bodies, body)]; }
 
-MassProperties World::mass(BodyId body) const { return impl_->massOf(impl_->index(body)); }
+MassProperties World::mass(BodyId body) const { return massOf(impl_->bodies[indexOf(impl_->bodies, body)]); }
+
+void World::setType(BodyId body, BodyType type) {
+    const std::uint32_t index = indexOf(impl_->bodies, body);
+    if (type != BodyType::fixed && type != BodyType::kinematic && type != BodyType::dynamic)
+        throw std::invalid_argument("type is " + std::to_string(static_cast<int>(type)) +
+                                    ", must be fixed, kinematic or dynamic");
+    requireBetweenSteps(*impl_, "setType");
+    impl_->scene().setType(index, type);
+}
+
+void World::setEnabled(BodyId body, bool enabled) {
+    const std::uint32_t index = indexOf(impl_->bodies, body);
+    requireBetweenSteps(*impl_, "setEnabled");
+    impl_->scene().setEnabled(index, enabled);
+}
 
 void World::setPose(BodyId body, const Pose& pose) {
     requireFinite(isFinite(pose.position), "pose.position");
     requireRotation(pose.rotation, "pose.rotation");
-    impl_->setPose(impl_->index(body), pose);
+    impl_->scene().setPose(indexOf(impl_->bodies, body), pose);
 }
 
 void World::setVelocity(BodyId body, const Vec3& linear, const Vec3& angular) {
     if (!impl_->takes(isFinite(linear) && isFinite(angular), "velocity")) return;
-    const std::uint32_t i = impl_->index(body);
+    const std::uint32_t i = indexOf(impl_->bodies, body);
     if (impl_->bodies.typeOf(i) == BodyType::fixed) throw std::invalid_argument("a fixed body has no velocity");
     impl_->setVelocity(i, linear, angular);
-    impl_->wakeBody(i);
+    impl_->activity().wakeBody(i);
 }
 
 void World::setGravityScale(BodyId body, float scale) {
     requireFinite(std::isfinite(scale), "gravityScale");
-    const std::uint32_t i = impl_->index(body);
+    const std::uint32_t i = indexOf(impl_->bodies, body);
     impl_->bodies[i].gravityScale = scale;
-    impl_->wakeBody(i);
+    impl_->activity().wakeBody(i);
 }
 
-float World::gravityScale(BodyId body) const { return impl_->bodies[impl_->index(body)].gravityScale; }
+float World::gravityScale(BodyId body) const { return impl_->bodies[indexOf(impl_->bodies, body)].gravityScale; }
 
 void World::setMass(BodyId id, const MassProperties& mass) {
-    const std::uint32_t i = impl_->index(id);
+    const std::uint32_t i = indexOf(impl_->bodies, id);
     const BodyRecord& body = impl_->bodies[i];
     if (impl_->bodies.typeOf(i) == BodyType::fixed) throw std::invalid_argument("a fixed body has no mass");
     BodyDef def;
     def.locks = body.locks;
     def.mass = mass;
     if (const std::string wrong = whyInvalid(def); !wrong.empty()) throw std::invalid_argument(wrong);
-    impl_->changeMass(i, mass);
+    impl_->scene().changeMass(i, mass);
 }
 
 void World::moveTo(BodyId body, const Pose& target, double dt) {
     requireFinite(isFinite(target.position) && std::isfinite(dt), "target");
     requireRotation(target.rotation, "target.rotation");
-    const std::uint32_t i = impl_->index(body);
+    const std::uint32_t i = indexOf(impl_->bodies, body);
     if (!(dt > 0)) throw std::invalid_argument("dt must be above zero");
     const BodyRecord& record = impl_->bodies[i];
     const Pose internal = Pose{target.position, normalized(target.rotation)} * record.local;
@@ -142,38 +171,41 @@ void World::moveTo(BodyId body, const Pose& target, double dt) {
 
 void World::applyImpulse(BodyId body, const Vec3& impulse, const DVec3& point) {
     if (!impl_->takes(isFinite(impulse) && isFinite(point), "impulse")) return;
-    const std::uint32_t i = impl_->index(body);
+    const std::uint32_t i = indexOf(impl_->bodies, body);
     if (!impl_->bodies.moves(i) || !mayPush(*impl_, i)) return;
     const BodyState& state = impl_->bodies.states[i];
     const Vec3 arm = relative(point, impl_->bodies[i].center + state.dp);
     impl_->setVelocity(i, state.v + state.invMass * impulse, state.w + impl_->bodies.inertias[i] * cross(arm, impulse));
-    if (!impl_->stepping) impl_->wakeBody(i);
+    if (!impl_->stepping) impl_->activity().wakeBody(i);
 }
 
 void World::applyAngularImpulse(BodyId body, const Vec3& impulse) {
     if (!impl_->takes(isFinite(impulse), "impulse")) return;
-    const std::uint32_t i = impl_->index(body);
+    const std::uint32_t i = indexOf(impl_->bodies, body);
     if (!impl_->bodies.moves(i) || !mayPush(*impl_, i)) return;
     impl_->bodies.states[i].w += impl_->bodies.inertias[i] * impulse;
-    if (!impl_->stepping) impl_->wakeBody(i);
+    if (!impl_->stepping) impl_->activity().wakeBody(i);
 }
 
 void World::applyForce(BodyId body, const Vec3& force, const DVec3& point) {
     if (!impl_->takes(isFinite(force) && isFinite(point), "force")) return;
-    const std::uint32_t i = impl_->index(body);
+    const std::uint32_t i = indexOf(impl_->bodies, body);
     if (!impl_->bodies.moves(i)) return;
     impl_->bodies[i].force += force;
-    impl_->recordForce(i);
+    // Forces beyond a few weights change what bears on what, as new support edges do.
+    constexpr float kPressed = 4;  // weights
+    if (length(impl_->bodies[i].force) > kPressed * impl_->bodies[i].mass * length(impl_->settings.gravity))
+        impl_->islands.structureChangedAt();
     impl_->bodies[i].torque += cross(relative(point, impl_->bodies[i].center), force);
-    impl_->wakeBody(i);
+    impl_->activity().wakeBody(i);
 }
 
 void World::applyTorque(BodyId body, const Vec3& torque) {
     if (!impl_->takes(isFinite(torque), "torque")) return;
-    const std::uint32_t i = impl_->index(body);
+    const std::uint32_t i = indexOf(impl_->bodies, body);
     if (!impl_->bodies.moves(i)) return;
     impl_->bodies[i].torque += torque;
-    impl_->wakeBody(i);
+    impl_->activity().wakeBody(i);
 }
 
 std::vector<BodyId> World::islands() const {
@@ -211,53 +243,55 @@ int World::countIslands() const {
     return count;
 }
 
-void World::wake(BodyId body) { impl_->wakeBody(impl_->index(body)); }
+void World::wake(BodyId body) { impl_->activity().wakeBody(indexOf(impl_->bodies, body)); }
 void World::sleep(BodyId body) {
-    const std::uint32_t first = impl_->index(body);
+    const std::uint32_t first = indexOf(impl_->bodies, body);
     if (!impl_->bodies.isAwake(first)) return;
     impl_->islands.findQuiet(impl_->tables());
     const std::uint32_t root = impl_->bodies.moves(first) ? impl_->islands.root(first) : first;
     std::vector<std::uint32_t> island;
     for (const std::uint32_t i : impl_->bodies.awake)
         if (i == first || (impl_->bodies.moves(i) && impl_->islands.root(i) == root)) island.push_back(i);
-    for (const std::uint32_t i : island) impl_->sleepBody(i);
+    for (const std::uint32_t i : island) impl_->activity().sleepBody(i);
 }
 
-BodyId World::bodyOf(ShapeId shape) const { return impl_->bodies.id(impl_->shapes[impl_->index(shape)].body); }
+BodyId World::bodyOf(ShapeId shape) const {
+    return impl_->bodies.id(impl_->shapes[indexOf(impl_->shapes, shape)].body);
+}
 const Shape& World::geometry(ShapeId shape) const {
-    return impl_->shapes.geometries[impl_->shapes[impl_->index(shape)].geometry].shape;
+    return impl_->shapes.geometries[impl_->shapes[indexOf(impl_->shapes, shape)].geometry].shape;
 }
 Frame World::frame(ShapeId shape) const {
-    const ShapeRecord& record = impl_->shapes[impl_->index(shape)];
+    const ShapeRecord& record = impl_->shapes[indexOf(impl_->shapes, shape)];
     return impl_->bodies[record.body].local * record.frame;
 }
 void World::setFrame(ShapeId id, const Frame& frame) {
     requireFinite(isFinite(frame.position), "frame.position");
     requireRotation(frame.rotation, "frame.rotation");
-    const std::uint32_t i = impl_->index(id);
+    const std::uint32_t i = indexOf(impl_->shapes, id);
     Frame next = inverse(impl_->bodies[impl_->shapes[i].body].local) * frame;
     next.rotation = normalized(next.rotation);
-    moveShape(*impl_, i, next);
+    impl_->scene().moveShape(i, next);
 }
-bool World::givesWay(ShapeId shape) const { return impl_->shapes[impl_->index(shape)].givesWay; }
-Material World::material(ShapeId shape) const { return impl_->shapes[impl_->index(shape)].material; }
+bool World::givesWay(ShapeId shape) const { return impl_->shapes[indexOf(impl_->shapes, shape)].givesWay; }
+Material World::material(ShapeId shape) const { return impl_->shapes[indexOf(impl_->shapes, shape)].material; }
 void World::setMaterial(ShapeId shape, const Material& material) {
     if (const std::string wrong = whyInvalid(material); !wrong.empty()) throw std::invalid_argument(wrong);
-    ShapeRecord& record = impl_->shapes[impl_->index(shape)];
+    ShapeRecord& record = impl_->shapes[indexOf(impl_->shapes, shape)];
     record.material = material;
     for (std::uint32_t key = impl_->bodies[record.body].firstContact; key != kNone; key = impl_->contacts.next(key))
         impl_->contacts[key >> 1].surfaceOpen = true;
-    impl_->wakeTouching(record.body);
+    impl_->activity().wakeTouching(record.body);
 }
 void World::setFilter(ShapeId shape, const Filter& filter) {
-    const std::uint32_t i = impl_->index(shape);
+    const std::uint32_t i = indexOf(impl_->shapes, shape);
     ShapeRecord& record = impl_->shapes[i];
-    impl_->wakeTouching(record.body);
+    impl_->activity().wakeTouching(record.body);
     record.filter = filter;
     for (std::uint32_t key = impl_->bodies[record.body].firstContact; key != kNone;) {
         const ContactRecord& contact = impl_->contacts[key >> 1];
         const std::uint32_t next = impl_->contacts.next(key);
-        if (contact.shapeA == i || contact.shapeB == i) impl_->destroyContact(key >> 1);
+        if (contact.shapeA == i || contact.shapeB == i) impl_->activity().destroyContact(key >> 1);
         key = next;
     }
     const ShapeBounds bounds = impl_->shapeBounds();
@@ -269,15 +303,15 @@ void World::setFilter(ShapeId shape, const Filter& filter) {
     if (record.proxy != kNone) impl_->broadphase.tree(record.isStaticTree).setCategory(record.proxy, filter.category);
     bounds.markMoved(i);
 }
-std::uint64_t World::userData(ShapeId shape) const { return impl_->shapes[impl_->index(shape)].userData; }
+std::uint64_t World::userData(ShapeId shape) const { return impl_->shapes[indexOf(impl_->shapes, shape)].userData; }
 Bounds World::bounds(ShapeId shape) const {
-    const ShapeRecord& record = impl_->shapes[impl_->index(shape)];
+    const ShapeRecord& record = impl_->shapes[indexOf(impl_->shapes, shape)];
     return boundsOf(impl_->shapes.geometries[record.geometry].shape, shapePose(impl_->bodies[record.body], record));
 }
 
-const JointDef& World::def(JointId joint) const { return impl_->joints[impl_->index(joint)].def; }
+const JointDef& World::def(JointId joint) const { return impl_->joints[indexOf(impl_->joints, joint)].def; }
 void World::setDef(JointId id, const JointDef& def) {
-    const std::uint32_t i = impl_->index(id);
+    const std::uint32_t i = indexOf(impl_->joints, id);
     JointRecord& joint = impl_->joints[i];
     if (const std::string wrong = whyInvalid(def); !wrong.empty()) throw std::invalid_argument(wrong);
     const auto bodiesOf = [](const JointDef& d) -> const JointBodies& {
@@ -287,17 +321,19 @@ void World::setDef(JointId id, const JointDef& def) {
     if (def.index() != joint.def.index() || before.a != after.a || before.b != after.b)
         throw std::invalid_argument("setDef keeps the type and the bodies of a joint");
     joint.def = def;
-    impl_->compile(i);
+    impl_->scene().compile(i);
     for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
-        if (impl_->bodies.moves(body)) impl_->wakeBody(body);
+        if (impl_->bodies.moves(body)) impl_->activity().wakeBody(body);
 }
 JointState World::state(JointId id) const {
-    const std::uint32_t i = impl_->index(id);
+    const std::uint32_t i = indexOf(impl_->joints, id);
     const float rate = impl_->lastSubstep > 0 ? 1 / impl_->lastSubstep : 0;
-    return jointState(impl_->joints.sims[i], impl_->jointBodies(impl_->joints[i]), impl_->bodies.states.data(), rate);
+    return jointState(impl_->joints.sims[i], jointBodies(impl_->bodies, impl_->joints[i]), impl_->bodies.states.data(),
+                      rate);
 }
 std::uint64_t World::userData(JointId joint) const {
-    return std::visit([](const auto& d) { return d.bodies.userData; }, impl_->joints[impl_->index(joint)].def);
+    return std::visit([](const auto& d) { return d.bodies.userData; },
+                      impl_->joints[indexOf(impl_->joints, joint)].def);
 }
 
 std::span<const ContactEvent> World::contactBegins() const { return impl_->events.begins(); }
@@ -310,17 +346,23 @@ std::span<const JointBreak> World::jointBreaks() const { return impl_->events.br
 
 void World::forEachContact(const std::function<void(const Contact&)>& visit) const {
     for (std::uint32_t c = 0; c < impl_->contacts.slots.count(); ++c)
-        if (impl_->contacts.slots.isUsed(c)) impl_->visitContact(c, visit);
+        if (impl_->contacts.slots.isUsed(c)) visitContact(*impl_, c, visit);
 }
 void World::forEachContact(BodyId body, const std::function<void(const Contact&)>& visit) const {
-    std::uint32_t key = impl_->bodies[impl_->index(body)].firstContact;
-    for (; key != kNone; key = impl_->contacts.next(key)) impl_->visitContact(key >> 1, visit);
+    std::uint32_t key = impl_->bodies[indexOf(impl_->bodies, body)].firstContact;
+    for (; key != kNone; key = impl_->contacts.next(key)) visitContact(*impl_, key >> 1, visit);
 }
-void WorldImpl::visitContact(std::uint32_t index, const std::function<void(const Contact&)>& visit) const {
-    const ContactRecord& record = contacts[index];
-    if (!record.touching || record.sensor) return;
-    for (const ManifoldRecord& manifold : manifolds.of(record))
-        if (manifold.pointCount > 0) visit(describe(tables(), lastSubstep, record, manifold));
+/// A velocity given between steps is no acceleration that the position map could take for a smooth one.
+void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3& angular) {
+    BodyState& state = bodies.states[index];
+    const Vec3 before = state.v;
+    state.v = linear;
+    state.w = angular;
+    if (bodies[index].type == BodyType::dynamic) bodies.obeyLocks(index);
+    if (!stepping) bodies.histories[index].velocityBefore += state.v - before;
+    if (stepping) recordDriven(*this, index);
+    // Bounds that are made when the step ends count what modules did within it.
+    if (!moduleWork.inSubsteps) shapeBounds().recordNewVelocity(index);
 }
 
 double World::energy() const {

@@ -7,6 +7,7 @@ namespace ragtop {
 
 namespace {
 
+// 0xRRGGBB
 constexpr Color kFixedColor = 0x8a8f98, kKinematicColor = 0x4f9dde, kAwakeColor = 0xe0a458, kAsleepColor = 0x6d7f5e,
                 kContactColor = 0xd1495b, kForceColor = 0xf5d547, kBoundsColor = 0x9c6ade;
 constexpr float kStandardGravity = 9.81f;  ///< m/s², for the scale of forces

@@ -7,6 +7,39 @@
 
 namespace ragtop {
 
+namespace {
+
+/// m, and m in a step: no place and no motion is farther. Squares of it are still far from the end of single precision.
+constexpr float kFarthest = 1e15f;
+
+bool isNear(const Vec3& a) {
+    return std::abs(a.x) <= kFarthest && std::abs(a.y) <= kFarthest && std::abs(a.z) <= kFarthest;
+}
+
+/// True where a force beyond all measure, or a solver that failed, has left no motion that numbers can hold.
+bool leftRange(const Bodies& bodies, std::uint32_t index, float dt) {
+    const BodyState& state = bodies.states[index];
+    const Quat& q = state.dq;
+    const DVec3 c = bodies[index].center + state.dp;
+    const bool holds = isNear(state.dp) && isNear(dt * state.v) && isNear(dt * bodies[index].radius * state.w) &&
+                       std::isfinite(length(state.w)) && std::isfinite(q.x + q.y + q.z + q.w) &&
+                       std::abs(c.x) <= double{kFarthest} && std::abs(c.y) <= double{kFarthest} &&
+                       std::abs(c.z) <= double{kFarthest};
+    return !holds;
+}
+
+/// Stays where the step began, at rest.
+void stayPut(Bodies& bodies, std::uint32_t index) {
+    BodyState& state = bodies.states[index];
+    state.v = state.w = state.dp = {};
+    state.dq = {};
+    state.pull = bodies.inertias[index].taut = 0;
+    bodies.histories[index].velocityBefore = bodies.histories[index].lastChange = {};
+    bodies.refreshInertia(index);
+}
+
+}  // namespace
+
 /// What iterations have worn down to nothing is nothing: floats too small for their full precision scale with nothing.
 static void stopVanishing(WorldImpl& world, std::uint32_t index, float gravity) {
     constexpr float kNothing = 1e-12f;  // of the speed that gravity gives in a step
@@ -27,8 +60,8 @@ void WorldImpl::finishBody(std::size_t place) {
     BodyRecord& body = bodies[index];
     BodyState& state = bodies.states[index];
     sweptBodies.starts[place] = {body.center, body.rotation};
-    const bool lost = leftRange(index);
-    if (lost) stayPut(index);
+    const bool lost = leftRange(bodies, index, dt);
+    if (lost) stayPut(bodies, index);
     const float turn = 2 * length(Vec3{state.dq.x, state.dq.y, state.dq.z}) * body.coreRadius;
     const float motion = length(state.dp) + turn;
     const bool fast = body.continuous && motion > tuning::kContinuousMotion * body.size;

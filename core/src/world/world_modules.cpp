@@ -40,16 +40,17 @@ void forget(ModuleWork& work) {
 /// All that do something between substeps, on workers.
 void look(WorldImpl& world, const World& face, double dt) {
     ModuleWork& work = world.moduleWork;
-    work.spans.resizeForOverwrite(world.modules.size());
+    work.spans.resizeForOverwrite(world.moduleWork.modules.size());
     std::atomic<bool> onAll{false};
-    world.runner.parallelFor(static_cast<int>(world.modules.size()), kModulesAtOnce, [&](int begin, int end, int) {
-        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m) {
-            const StepModule& module = *world.modules[m];
-            work.spans[m] = module.look ? module.look(module.user, face, dt) : std::span<const BodyId>{};
-            if (!module.beforeSubstep) work.spans[m] = {};
-            if (module.beforeSubstep && !module.look) onAll.store(true, std::memory_order_relaxed);
-        }
-    });
+    world.runner.parallelFor(
+        static_cast<int>(world.moduleWork.modules.size()), kModulesAtOnce, [&](int begin, int end, int) {
+            for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m) {
+                const StepModule& module = *world.moduleWork.modules[m];
+                work.spans[m] = module.look ? module.look(module.user, face, dt) : std::span<const BodyId>{};
+                if (!module.beforeSubstep) work.spans[m] = {};
+                if (module.beforeSubstep && !module.look) onAll.store(true, std::memory_order_relaxed);
+            }
+        });
     work.onAll = onAll.load(std::memory_order_relaxed);
 }
 
@@ -59,7 +60,7 @@ void takeNames(WorldImpl& world, std::uint32_t place) {
     for (const BodyId id : work.spans[work.acting[place]]) {
         if (!world.bodies.slots.isValid(id.index, id.generation) || id.index == 0) continue;
         if (world.bodies[id.index].type == BodyType::fixed) continue;
-        if (world.bodies.moves(id.index) && !world.bodies.isAwake(id.index)) world.wakeBody(id.index);
+        if (world.bodies.moves(id.index) && !world.bodies.isAwake(id.index)) world.activity().wakeBody(id.index);
         std::uint32_t& namer = work.namer[id.index];
         if (namer == 0) {
             namer = 1 + place;
@@ -99,14 +100,14 @@ void forMovingBodiesOf(const WorldImpl& world, std::size_t group, Visit&& visit)
 
 void beginModules(WorldImpl& world, World& face, double dt) {
     world.profile.beginStage("modules", world.callbacks);
-    for (StepModule* module : world.modules)
+    for (StepModule* module : world.moduleWork.modules)
         if (module->beforeStep) module->beforeStep(module->user, face, dt);
 }
 
 void askModules(WorldImpl& world, const World& face, double dt) {
     ModuleWork& work = world.moduleWork;
     forget(work);
-    if (world.modules.empty()) return;
+    if (world.moduleWork.modules.empty()) return;
     world.profile.beginStage("look", world.callbacks);
     look(world, face, dt);
     work.namer.resize(world.bodies.size(), 0);
@@ -123,15 +124,15 @@ void askModules(WorldImpl& world, const World& face, double dt) {
 void actAsGroup(WorldImpl& world, World& face, std::size_t group) {
     const ModuleWork& work = world.moduleWork;
     for (std::uint32_t i = work.starts[group]; i < work.starts[group + 1]; ++i) {
-        const StepModule& module = *world.modules[work.acting[work.members[i]]];
+        const StepModule& module = *world.moduleWork.modules[work.acting[work.members[i]]];
         module.beforeSubstep(module.user, face, world.context.h);
     }
 }
 
 /// Those that may act on any body, and all that named some.
 static void actInOrder(WorldImpl& world, World& face) {
-    for (std::size_t m = 0; m < world.modules.size(); ++m) {
-        const StepModule& module = *world.modules[m];
+    for (std::size_t m = 0; m < world.moduleWork.modules.size(); ++m) {
+        const StepModule& module = *world.moduleWork.modules[m];
         if (module.beforeSubstep && (!module.look || !world.moduleWork.spans[m].empty()))
             module.beforeSubstep(module.user, face, world.context.h);
     }

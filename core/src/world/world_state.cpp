@@ -17,7 +17,8 @@ struct StateHeader {
     char magic[8] = {'R', 'A', 'G', 'T', 'O', 'P', 'S', '2'};
     std::uint32_t lanes = 0, geometries = 0, modules = 0;
     std::uint32_t layout = sizeof(BodyRecord) + 7 * sizeof(ContactRecord) + 31 * sizeof(ManifoldRecord) +
-                           127 * sizeof(JointSim) + 511 * sizeof(CouplingSim) + 8191 * sizeof(ShapeRecord) + 32767 * sizeof(NearTriangles);
+                           127 * sizeof(JointSim) + 511 * sizeof(CouplingSim) + 8191 * sizeof(ShapeRecord) +
+                           32767 * sizeof(NearTriangles);
     std::uint64_t shapes = 0;    ///< digest of the geometries, which are not saved
     std::uint64_t bytes = 0;     ///< of header and payload
     std::uint64_t checksum = 0;  ///< of the payload
@@ -93,7 +94,7 @@ StateHeader headerOf(const WorldImpl& world, std::size_t geometries) {
     StateHeader header;
     header.lanes = static_cast<std::uint32_t>(world.graph.lanes());
     header.geometries = static_cast<std::uint32_t>(geometries);
-    header.modules = static_cast<std::uint32_t>(world.modules.size());
+    header.modules = static_cast<std::uint32_t>(world.moduleWork.modules.size());
     header.shapes = digestOf(world.shapes.geometries, geometries);
     return header;
 }
@@ -103,7 +104,7 @@ StateHeader headerOf(const WorldImpl& world, std::size_t geometries) {
 std::size_t World::saveSize() const {
     StateCounter counter;
     impl_->archive(counter);
-    for (const StepModule* module : impl_->modules)
+    for (const StepModule* module : impl_->moduleWork.modules)
         counter.bytes += sizeof(std::uint64_t) + (module->saveSize ? module->saveSize(module->user) : 0);
     return sizeof(StateHeader) + counter.bytes;
 }
@@ -117,7 +118,7 @@ std::size_t World::save(std::span<std::byte> into) const {
     header.bytes = size;
     StateWriter writer(into.data() + sizeof header);
     impl_->archive(writer);
-    for (const StepModule* module : impl_->modules) {
+    for (const StepModule* module : impl_->moduleWork.modules) {
         std::uint64_t bytes = module->saveSize ? module->saveSize(module->user) : 0;
         writer.value(bytes);
         if (bytes > 0 && module->save) module->save(module->user, {writer.end(), static_cast<std::size_t>(bytes)});
@@ -172,7 +173,7 @@ void World::restore(std::span<const std::byte> from) {
     for (const bool apply : {false, true}) {
         StateReader reader(payload, apply);
         impl_->archive(reader);
-        for (StepModule* module : impl_->modules) {
+        for (StepModule* module : impl_->moduleWork.modules) {
             std::uint64_t bytes = 0;
             const auto length = reader.take(sizeof bytes);
             if (!length.empty()) std::memcpy(&bytes, length.data(), sizeof bytes);
@@ -195,8 +196,8 @@ void WorldImpl::forgetDerived() {
     contactFinds.surfacesForgotten = true;
     contactFinds.dirty.clear();
     forgetTouches(manifolds, contactFinds);
-    ++structureVersion;
-    ++fixedVersion;
+    ++versions.structure;
+    ++versions.fixed;
     for (const ShapeRecord& shape : shapes) {
         contactFinds.motionReported |= shape.reportsMotion;
         if (!shapes.meshesMove() && shapes.geometries[shape.geometry].mesh &&
@@ -270,7 +271,7 @@ std::uint64_t WorldImpl::hash() const {
         if (joints.slots.isUsed(j)) addJoint(digest, joints.sims[j]);
     for (std::uint32_t c = 0; c < couplings.slots.count(); ++c)
         if (couplings.slots.isUsed(c)) digest.add(axisImpulse(couplings.sims[c].axis));
-    for (const StepModule* module : modules)
+    for (const StepModule* module : moduleWork.modules)
         if (module->hash) digest.add(module->hash(module->user));
     return digest.value();
 }

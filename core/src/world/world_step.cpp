@@ -21,7 +21,6 @@
 
 #include "constraints/contact_layout.h"
 #include "world/multirate.h"
-#include "world/single_bundle.h"
 #include "world/world_modules.h"
 #include "world/world_regions.h"
 
@@ -47,8 +46,8 @@ static void shareStep(WorldImpl& world, Body&& body) {
 /// Stores what the substeps have changed, then checks the energy of jointed groups.
 static void endSolve(WorldImpl& world) {
     stepIndependentTrees(world);
-    world.storeJoints();
-    world.endDirect();
+    world.iteration().storeJoints();
+    endDirect(world.directView());
     guardEnergy(world);
 }
 
@@ -94,21 +93,22 @@ void WorldImpl::step(World& world, double stepSeconds) {
         profile.beginStage("collide", callbacks);
         updateContacts();
         profile.beginStage("contacts", callbacks);
-        applyContactChanges();
+        activity().applyContactChanges(ghostView(), settings.sleeping);
         leaveOutGhosts(ghostView(), {contactFinds.closing.begin(), contactFinds.closing.end()}, contacts, graph,
                        runner);
         profile.beginStage("islands", callbacks);
         chooseSolvers();
-        collectSolved();
+        activity().collectSolved(freezing, moduleWork, !callbacks.modify);  // what is told of contacts expects all
         chooseStepFactors(*this);
         divideIntoRegions(*this);
         profile.beginStage("prepare", callbacks);
         prepareBodies();
         articulations.find(tables(), directSet);
-        settleNewJoints();
+        scene().settleNewJoints();
         beginGuard(*this);
-        prepareConstraints();
-        beginDirect();
+        bouncy = iteration().prepare(lastSubstep);
+        collectRegions(*this);
+        beginDirect(directView());
         profile.beginStage("solve", callbacks);
         runner.part(!shareSolve, [&] { solveSubsteps(world); });
         makeRoomToFinish();
@@ -116,7 +116,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         profile.beginStage("finish", callbacks);
         finishBodies();
         stopOutOfRange();
-        correctInitialViolations();
+        scene().correctInitialViolations();
         sweepFast();
         closeOpenJoints(*this);
         shapeBounds().refit(sweptBodies.startPoses(), runner);
@@ -124,18 +124,18 @@ void WorldImpl::step(World& world, double stepSeconds) {
         narrowPhase().updateSensors(runner);
         contactEvents().publish(runner);
         profile.beginStage("sleep", callbacks);
-        freezeStillBodies();
-        sleepQuietIslands();
+        activity().freezeStillBodies(freezing, moduleWork, !callbacks.modify);
+        if (settings.sleeping) activity().sleepQuietIslands(tables(), settings.sleepTime);
     });
 
     stepping = false;
     events.endStep();
-    breakJoints();
+    scene().breakJoints(dt);
     lastSubstep = context.h;
     ++stepCount;
     time += stepSeconds;
     profile.beginStage("modules after", callbacks);
-    for (StepModule* module : modules)
+    for (StepModule* module : moduleWork.modules)
         if (module->afterStep) module->afterStep(module->user, world, stepSeconds);
     inStep = false;
     profile.end(callbacks);
@@ -164,138 +164,6 @@ void WorldImpl::prepareBodies() {
             for (int i = begin; i < end; ++i) prepareBody(list[static_cast<std::size_t>(i)]);
         });
     });
-}
-
-/// Calls visit(list) for all lists of the graph, those of a region on one worker.
-template <class Visit>
-static void forEachRegionsLists(WorldImpl& world, Visit&& visit) {
-    world.runner.parallelFor(world.graph.regionCount() + 1, 1, [&](int begin, int end, int) {
-        for (int c = ConstraintGraph::firstList(begin); c < ConstraintGraph::firstList(end); ++c) visit(c);
-    });
-}
-
-/// Calls visit(list, begin, end) for blocks of `size` of all lists of the graph, in any order and at once.
-template <class Count, class Visit>
-void WorldImpl::forBlocksOfAllLists(int size, Count&& count, Visit&& visit) {
-    if (graph.regionCount() > 0) {
-        // The worker that solves a region finds in its cache what it has prepared.
-        forEachRegionsLists(*this, [&](int c) {
-            if (const int all = count(c); all > 0) visit(c, 0, all);
-        });
-        return;
-    }
-    const int lists = graph.listCount();
-    regions.listStarts.resizeForOverwrite(static_cast<std::size_t>(lists) + 1);
-    int* const starts = regions.listStarts.data();
-    starts[0] = 0;
-    for (int c = 0; c < lists; ++c) starts[c + 1] = starts[c] + (count(c) + size - 1) / size;
-    runner.parallelFor(starts[lists], 1, [&](int begin, int end, int) {
-        auto c = static_cast<int>(std::upper_bound(starts, starts + lists, begin) - starts) - 1;
-        for (int block = begin; block < end; ++block) {
-            while (starts[c + 1] <= block) ++c;
-            const int first = (block - starts[c]) * size, all = count(c);
-            visit(c, first, first + size < all ? first + size : all);
-        }
-    });
-}
-
-void WorldImpl::prepareConstraints() {
-    const bool rescale = lastSubstep > 0 && lastSubstep != context.h;
-    const float ratio = rescale ? context.h / lastSubstep : 1;
-    if (joints.bundlesChanged) joints.bundles.build(graph, joints.sims.data());
-    if (joints.bundlesChanged) collectSprings(*this);
-    joints.bundlesChanged = false;
-    groupContacts();
-    std::atomic<bool> mayBounce{false};
-    forBlocksOfAllLists(
-        8, [&](int c) { return c == ConstraintGraph::kFrozen ? 0 : graph.bundleCount(c); },
-        [&](int c, int begin, int end) {
-            if (placeAndPrepare(c, begin, end)) mayBounce.store(true, std::memory_order_relaxed);
-        });
-    if (rescale)
-        for (int c = 0; c < graph.listCount(); ++c)
-            for (const std::uint32_t joint : graph.color(c).joints) rescaleJoint(joints.sims[joint], ratio);
-    prepareJoints();
-    bouncy = mayBounce.load(std::memory_order_relaxed);
-    prepareCouplings(ratio);
-    collectRegions(*this);
-}
-
-/// Puts contacts with equally many points side by side, so that bundles solve few that are not there; numbers the
-/// lanes.
-void WorldImpl::groupContacts() {
-    constexpr std::size_t kNear = std::size_t{1} << 21;  // bytes that passes find in a cache
-    const auto group = [&](int c) {
-        if (ConstraintGraph::isSerial(c) || !ConstraintGraph::isIterated(c)) return;
-        graph.groupByPoints(c,
-                            [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
-    };
-    if (graph.regionCount() > 0)
-        forEachRegionsLists(*this, group);
-    else
-        runner.parallelFor(ConstraintGraph::kColors, 1, [&](int begin, int end, int) {
-            for (int c = begin; c < end; ++c) group(c);
-        });
-    std::size_t lanes = 0;
-    for (int c = 0; c < graph.listCount(); ++c)
-        lanes += static_cast<std::size_t>(graph.bundleCount(c)) * static_cast<std::size_t>(graph.lanes());
-    context.farContacts = lanes * contact::kFields * sizeof(float) > kNear;
-}
-
-ContactPlaces WorldImpl::contactPlaces() const {
-    return {&bodies[0].center,
-            &bodies[0].rotation,
-            sizeof(BodyRecord),
-            manifolds.records().pages(),
-            PagedArray<ManifoldRecord>::kPageBits,
-            sizeof(ManifoldRecord)};
-}
-
-/// Some bundles at a time, which the cache holds in between. True if any may bounce.
-bool WorldImpl::placeAndPrepare(int c, int begin, int end) {
-    constexpr int kAtOnce = 4;  // bundles, by trial
-    ConstraintGraph::Color& color = graph.color(c);
-    const LaneManifolds list{color.manifolds.data(), static_cast<int>(color.manifolds.size()),
-                             ConstraintGraph::isSerial(c) ? 1 : graph.lanes()};
-    const ContactPlaces places = contactPlaces();
-    bool mayBounce = false;
-    for (int i = begin; i < end; i += kAtOnce) {
-        const int last = i + kAtOnce < end ? i + kAtOnce : end;
-        kernels->placeContacts(color.bundles.data(), i, last, list, places);
-        mayBounce |= kernels->prepareContacts(color.bundles.data(), i, last, bodies.arrays(), context);
-    }
-    return mayBounce;
-}
-
-void WorldImpl::prepareJointOf(std::uint32_t joint) {
-    if (articulations.areFresh()) articulations.classify(tables(), joint, joints.sims[joint]);
-    prepareJoint(joints.sims[joint], jointBodies(joint), bodies.states.data(), bodies.inertias.data(), jointContext);
-    keepCounts(joints.sims[joint]);
-}
-
-void WorldImpl::prepareJoints() {
-    const auto jointsOf = [&](int c) -> const AlignedArray<std::uint32_t>& {
-        return c == ConstraintGraph::kDirect && directSet.multirate.any ? directSet.multirate.sharedJoints
-                                                                        : graph.color(c).joints;
-    };
-    forBlocksOfAllLists(
-        16, [&](int c) { return static_cast<int>(jointsOf(c).size()); },
-        [&](int c, int begin, int end) {
-            for (int i = begin; i < end; ++i) prepareJointOf(jointsOf(c)[static_cast<std::size_t>(i)]);
-        });
-    const JointLanesView view = joints.bundles.view(joints.sims.data());
-    const auto bundles = [&](int c) { return joints.bundles.color(c).end - joints.bundles.color(c).begin; };
-    forBlocksOfAllLists(4, bundles, [&](int c, int begin, int end) {
-        const int first = joints.bundles.color(c).begin;
-        jointKernels->load(view, first + begin, first + end);
-    });
-}
-
-void WorldImpl::storeJoints() {
-    const JointLanesView view = joints.bundles.view(joints.sims.data());
-    runner.parallelFor(joints.bundles.bundleCount(), 8,
-                       [&](int begin, int end, int) { jointKernels->store(view, begin, end); });
-    leadSprings(*this, Lead::end);
 }
 
 }  // namespace ragtop

@@ -5,58 +5,46 @@
 #include <stdexcept>
 
 #include "contacts/may_collide.h"
-#include "world/world_impl.h"
+#include "scene/scene.h"
 
 namespace ragtop {
 
 namespace {
 
 /// What the body is now, as the definition of a dynamic one.
-BodyDef asDynamic(const WorldImpl& world, std::uint32_t index) {
-    const BodyRecord& body = world.bodies[index];
+BodyDef asDynamic(const Scene& scene, std::uint32_t index) {
+    const BodyRecord& body = scene.bodies[index];
     BodyDef def;
     def.locks = body.locks;
-    for (std::uint32_t s = body.firstShape; s != kNone; s = world.shapes[s].next) {
-        const ShapeRecord& shape = world.shapes[s];
-        def.shapes.push_back({.geometry = world.shapes.geometryOf(shape).shape,
+    for (std::uint32_t s = body.firstShape; s != kNone; s = scene.shapes[s].next) {
+        const ShapeRecord& shape = scene.shapes[s];
+        def.shapes.push_back({.geometry = scene.shapes.geometryOf(shape).shape,
                               .frame = body.local * shape.frame,
-                              .density = world.shapes.densities[s],
+                              .density = scene.shapes.densities[s],
                               .sensor = shape.sensor});
     }
-    if (body.mass > 0) def.mass = world.massOf(index);
+    if (body.mass > 0) def.mass = massOf(body);
     return def;
-}
-
-MassProperties massOfShapes(const BodyDef& def) {
-    std::vector<MassProperties> parts;
-    for (const ShapeDef& shape : def.shapes)
-        if (!shape.sensor) parts.push_back(transformed(massOf(shape.geometry, shape.density), shape.frame));
-    return combined(parts);
 }
 
 /// Joints that begin to hold are as those that are made now; those that hold no longer leave nothing for the day on
 /// which they hold again.
-void settleJoint(WorldImpl& world, std::uint32_t joint, bool held) {
-    const bool holds = world.mayHold(world.joints[joint]);
+void settleJoint(const Scene& s, std::uint32_t joint, bool held) {
+    const bool holds = mayHold(s.bodies, s.joints[joint]);
     if (held == holds) return;
-    rescaleJoint(world.joints.sims[joint], 0);
-    world.joints.sims[joint].leads = 0;
-    world.compile(joint);
+    rescaleJoint(s.joints.sims[joint], 0);
+    s.joints.sims[joint].leads = 0;
+    s.compile(joint);
     if (holds)
-        world.joints.created.push(joint);
+        s.joints.created.push(joint);
     else
-        world.joints.unlist(joint);
+        s.joints.unlist(joint);
 }
 
 }  // namespace
 
-bool WorldImpl::mayHold(const JointRecord& joint) const {
-    return bodies.isEnabled(joint.bodyA) && bodies.isEnabled(joint.bodyB) &&
-           (bodies.moves(joint.bodyA) || bodies.moves(joint.bodyB));
-}
-
 /// A mesh that forces move is as large as it is thick, and meets others by its triangles.
-void WorldImpl::becomeSolid(std::uint32_t index) {
+void Scene::becomeSolid(std::uint32_t index) const {
     BodyRecord& body = bodies[index];
     for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
         ShapeRecord& shape = shapes[s];
@@ -69,7 +57,7 @@ void WorldImpl::becomeSolid(std::uint32_t index) {
     }
 }
 
-void WorldImpl::setType(std::uint32_t index, BodyType type) {
+void Scene::setType(std::uint32_t index, BodyType type) const {
     if (bodies.typeOf(index) == type) return;
     if (type == BodyType::dynamic) {
         const BodyDef def = asDynamic(*this, index);
@@ -80,28 +68,28 @@ void WorldImpl::setType(std::uint32_t index, BodyType type) {
     takePart(index, type, bodies.isEnabled(index));
 }
 
-void WorldImpl::setEnabled(std::uint32_t index, bool enabled) {
+void Scene::setEnabled(std::uint32_t index, bool enabled) const {
     if (bodies.isEnabled(index) != enabled) takePart(index, bodies.typeOf(index), enabled);
 }
 
 /// Out of all lists with its constraints, as what falls asleep; nobody is told.
-void WorldImpl::withdraw(std::uint32_t index) {
+void Scene::withdraw(std::uint32_t index) const {
     for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts.next(key))
-        Manifolds::forEach(contacts[key >> 1], [&](std::uint32_t manifold) { removeFromGraph(manifold); });
+        Manifolds::forEach(contacts[key >> 1], [&](std::uint32_t manifold) { activity.removeFromGraph(manifold); });
     for (std::uint32_t key = bodies[index].firstJoint; key != kNone; key = joints.next(key))
-        removeJointFromGraph(key >> 1);
-    if (bodies.isAwake(index)) leaveAwake(index);
+        activity.removeJointFromGraph(key >> 1);
+    if (bodies.isAwake(index)) activity.leaveAwake(index);
     for (std::uint32_t s = bodies[index].firstShape; s != kNone; s = shapes[s].next)
-        if (shapes[s].proxy != kNone) shapeBounds().removeProxy(s);
+        if (shapes[s].proxy != kNone) bounds.removeProxy(s);
 }
 
-void WorldImpl::takePart(std::uint32_t index, BodyType type, bool enabled) {
-    wakeTouching(index);
+void Scene::takePart(std::uint32_t index, BodyType type, bool enabled) const {
+    activity.wakeTouching(index);
     BodyRecord& body = bodies[index];
-    fixedVersion += body.type == BodyType::fixed || type == BodyType::fixed ? 1 : 0;
+    versions.fixed += body.type == BodyType::fixed || type == BodyType::fixed ? 1 : 0;
     std::vector<std::uint8_t> held;
     for (std::uint32_t key = body.firstJoint; key != kNone; key = joints.next(key))
-        held.push_back(mayHold(joints[key >> 1]));
+        held.push_back(mayHold(bodies, joints[key >> 1]));
     withdraw(index);
     body.heldBack = (enabled ? 0u : 1u + static_cast<unsigned>(type)) & 3u;
     body.type = enabled ? type : BodyType::fixed;
@@ -124,7 +112,7 @@ void WorldImpl::takePart(std::uint32_t index, BodyType type, bool enabled) {
 }
 
 /// Puts a body whose role has changed into the lists that it belongs to.
-void WorldImpl::settleRole(std::uint32_t index) {
+void Scene::settleRole(std::uint32_t index) const {
     BodyRecord& body = bodies[index];
     resetSolverState(index);
     refreshBounds(index);
@@ -134,44 +122,21 @@ void WorldImpl::settleRole(std::uint32_t index) {
         const ContactRecord& contact = contacts[key >> 1];
         const bool stays = bodies.isEnabled(index) && !contact.isMesh &&
                            shouldCollide(bodies, shapes, joints, shapes[contact.shapeA], shapes[contact.shapeB]);
-        if (!stays) destroyContact(key >> 1);
+        if (!stays) activity.destroyContact(key >> 1);
         key = next;
     }
     islands.stack.clear();
     if (body.type != BodyType::fixed) {
-        enterAwake(index);
-        wakeStack();
+        activity.enterAwake(index);
+        activity.wakeStack();
     } else {
-        for (std::uint32_t key = body.firstJoint; key != kNone; key = joints.next(key)) addJointToGraph(key >> 1);
-        restoreContacts(index);
+        for (std::uint32_t key = body.firstJoint; key != kNone; key = joints.next(key))
+            activity.addJointToGraph(key >> 1);
+        activity.restoreContacts(index);
     }
     islands.structureChanged = true;
     articulations.forget();
     wakeOverlapped(index);
-}
-
-namespace {
-
-void requireBetweenSteps(const WorldImpl& world, const char* what) {
-    if (world.inStep || world.stepping)
-        throw std::logic_error(std::string(what) + " was called within a step, must be called between two");
-}
-
-}  // namespace
-
-void World::setType(BodyId body, BodyType type) {
-    const std::uint32_t index = impl_->index(body);
-    if (type != BodyType::fixed && type != BodyType::kinematic && type != BodyType::dynamic)
-        throw std::invalid_argument("type is " + std::to_string(static_cast<int>(type)) +
-                                    ", must be fixed, kinematic or dynamic");
-    requireBetweenSteps(*impl_, "setType");
-    impl_->setType(index, type);
-}
-
-void World::setEnabled(BodyId body, bool enabled) {
-    const std::uint32_t index = impl_->index(body);
-    requireBetweenSteps(*impl_, "setEnabled");
-    impl_->setEnabled(index, enabled);
 }
 
 }  // namespace ragtop

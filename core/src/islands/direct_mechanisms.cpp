@@ -3,7 +3,8 @@
 #include <algorithm>
 
 #include "constraints/joint_types.h"
-#include "world/fallback.h"
+#include "islands/direct_view.h"
+#include "model/joint_bodies.h"
 
 namespace ragtop {
 
@@ -25,74 +26,74 @@ MechanismJointKind mechanismJoint(JointKind kind) {
 
 /// Rigid rows of balls, hinges and fixed joints, between bodies that turn freely and touch nothing. Where joints stand
 /// open, or hold bodies in a line or a plane, these may have had no answer: Newton's method has one.
-bool WorldImpl::keepsOwnTime(const DirectIsland& island) const {
+static bool keepsOwnTime(const DirectView& d, const DirectIsland& island) {
     if (island.tree || island.contactCount > 0 || island.jointCount == 0) return false;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
-        const std::uint32_t body = directSet.bodies[island.firstBody + i];
-        if (!turnsFreely(body) || bodies[body].directFailures > 0) return false;
+        const std::uint32_t body = d.directSet.bodies[island.firstBody + i];
+        if (!turnsFreely(d.bodies, body) || d.bodies[body].directFailures > 0) return false;
     }
     for (std::uint32_t i = 0; i < island.jointCount; ++i)
-        if (!isTreeJoint(joints.sims[directSet.joints[island.firstJoint + i]])) return false;
+        if (!isTreeJoint(d.joints.sims[d.directSet.joints[island.firstJoint + i]])) return false;
     return true;
 }
 
-void WorldImpl::planMechanisms() {
-    directSet.mechanisms.resize(std::max(directSet.mechanisms.size(), directSet.islands.size()));
-    for (std::size_t i = 0; i < directSet.islands.size(); ++i) {
-        DirectIsland& island = directSet.islands[i];
-        island.mechanism = keepsOwnTime(island);
+void planMechanisms(const DirectView& d) {
+    d.directSet.mechanisms.resize(std::max(d.directSet.mechanisms.size(), d.directSet.islands.size()));
+    for (std::size_t i = 0; i < d.directSet.islands.size(); ++i) {
+        DirectIsland& island = d.directSet.islands[i];
+        island.mechanism = keepsOwnTime(d, island);
         if (!island.mechanism) continue;
-        if (!directSet.mechanisms[i]) directSet.mechanisms[i] = std::make_unique<Mechanism>(memory);
+        if (!d.directSet.mechanisms[i]) d.directSet.mechanisms[i] = std::make_unique<Mechanism>(d.memory);
         island.watched = false;
         for (std::uint32_t j = 0; j < island.jointCount; ++j)
-            island.watched |= joints.sims[directSet.joints[island.firstJoint + j]].breakable != 0;
+            island.watched |= d.joints.sims[d.directSet.joints[island.firstJoint + j]].breakable != 0;
     }
 }
 
 /// All of a body but its place, in double.
-void WorldImpl::loadMechanismBody(std::uint32_t index, MechanismBody& body, direct::MechanismPose& pose) const {
-    const BodyRecord& record = bodies[index];
-    const BodyState& state = bodies.states[record.state];
-    const BodyDynamics& d = bodies.dynamics[record.state];
+static void loadMechanismBody(const DirectView& d, std::uint32_t index, MechanismBody& body,
+                              direct::MechanismPose& pose) {
+    const BodyRecord& record = d.bodies[index];
+    const BodyState& state = d.bodies.states[record.state];
+    const BodyDynamics& dynamics = d.bodies.dynamics[record.state];
     pose.q = direct::toDouble(record.rotation);
     body = {};
     body.v = DVec3(state.v), body.w = DVec3(state.w);
-    if (!bodies.moves(index)) return;
+    if (!d.bodies.moves(index)) return;
     body.inverseMass = static_cast<double>(state.invMass);
-    body.moments = DVec3(d.inertia), body.inverseMoments = DVec3(d.inverseInertia);
-    body.acceleration = DVec3(d.acceleration), body.torque = DVec3(d.torque);
+    body.moments = DVec3(dynamics.inertia), body.inverseMoments = DVec3(dynamics.inverseInertia);
+    body.acceleration = DVec3(dynamics.acceleration), body.torque = DVec3(dynamics.torque);
     body.damping = static_cast<double>(record.linearDamping);
     body.turnDamping = static_cast<double>(record.angularDamping);
     body.momentum = direct::inWorld(pose.q, body.moments) * body.w;
 }
 
-/// Bodies as they are, in double, and joints with their loads.
-void WorldImpl::beginMechanism(const DirectIsland& island, Mechanism& mechanism) {
-    const std::uint32_t* members = directSet.bodies.data() + island.firstBody;
-    const std::uint32_t* held = directSet.joints.data() + island.firstJoint;
+void beginMechanism(const DirectView& d, const DirectIsland& island, Mechanism& mechanism) {
+    const std::uint32_t* members = d.directSet.bodies.data() + island.firstBody;
+    const std::uint32_t* held = d.directSet.joints.data() + island.firstJoint;
     std::size_t others = 0;
     for (std::uint32_t j = 0; j < island.jointCount; ++j)
-        others += !bodies.moves(joints[held[j]].bodyA) || !bodies.moves(joints[held[j]].bodyB);
+        others += !d.bodies.moves(d.joints[held[j]].bodyA) || !d.bodies.moves(d.joints[held[j]].bodyB);
     mechanism.resize(island.bodyCount, others, island.jointCount);
-    const DVec3 origin = bodies[members[0]].center;
+    const DVec3 origin = d.bodies[members[0]].center;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
-        directSet.index[members[i]] = i;
-        loadMechanismBody(members[i], mechanism.body(i), mechanism.pose(i));
-        mechanism.pose(i).x = bodies[members[i]].center - origin;
+        d.directSet.index[members[i]] = i;
+        loadMechanismBody(d, members[i], mechanism.body(i), mechanism.pose(i));
+        mechanism.pose(i).x = d.bodies[members[i]].center - origin;
     }
     std::size_t next = island.bodyCount;
     for (std::uint32_t j = 0; j < island.jointCount; ++j) {
-        const JointRecord& record = joints[held[j]];
-        const JointSim& sim = joints.sims[held[j]];
+        const JointRecord& record = d.joints[held[j]];
+        const JointSim& sim = d.joints.sims[held[j]];
         MechanismJoint& joint = mechanism.joint(j);
         joint.kind = mechanismJoint(sim.kind);
         const auto place = [&](std::uint32_t body, const Frame& local, DVec3& anchor, DQuat& frame) {
-            const DQuat toBody = conjugate(direct::toDouble(bodies[body].local.rotation));
+            const DQuat toBody = conjugate(direct::toDouble(d.bodies[body].local.rotation));
             anchor = rotate(toBody, DVec3(local.position));
             frame = toBody * direct::toDouble(local.rotation);
-            if (bodies.moves(body)) return directSet.index[body];
-            loadMechanismBody(body, mechanism.body(next), mechanism.pose(next));
-            mechanism.pose(next).x = jointCenter(record, body) - origin;
+            if (d.bodies.moves(body)) return d.directSet.index[body];
+            loadMechanismBody(d, body, mechanism.body(next), mechanism.pose(next));
+            mechanism.pose(next).x = jointCenter(d.bodies, record, body) - origin;
             return static_cast<std::uint32_t>(next++);
         };
         joint.a = place(record.bodyA, sim.localA, joint.anchorA, joint.frameA);
@@ -102,30 +103,29 @@ void WorldImpl::beginMechanism(const DirectIsland& island, Mechanism& mechanism)
     }
     int pace = 1;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i)
-        pace = std::max(pace, static_cast<int>(bodies[members[i]].pace.inner));
+        pace = std::max(pace, static_cast<int>(d.bodies[members[i]].pace.inner));
     mechanism.setPace(pace);
     mechanism.begin();
 }
 
-/// Fewer inner steps when a second has asked for half of them only.
-void WorldImpl::keepPace(const DirectIsland& island, const Mechanism& mechanism) {
+void keepPace(const DirectView& d, const DirectIsland& island, const Mechanism& mechanism) {
     constexpr std::uint8_t kHysteresisSteps = 60;  // a second at 60 Hz
     int pace = mechanism.pace();
     const bool calm = pace > 1 && mechanism.largestNeed() <= 0.5 * pace;
-    const BodyRecord& first = bodies[directSet.bodies[island.firstBody]];
+    const BodyRecord& first = d.bodies[d.directSet.bodies[island.firstBody]];
     std::uint8_t steps = calm ? static_cast<std::uint8_t>(first.pace.calm + 1) : std::uint8_t{0};
     if (steps >= kHysteresisSteps) pace /= 2, steps = 0;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
-        BodyRecord& body = bodies[directSet.bodies[island.firstBody + i]];
+        BodyRecord& body = d.bodies[d.directSet.bodies[island.firstBody + i]];
         body.pace.inner = static_cast<std::uint8_t>(pace);
         body.pace.calm = steps;
     }
 }
 
 /// Takes over what modules did to velocities since the last substep.
-void WorldImpl::readMechanism(const DirectIsland& island, Mechanism& mechanism) {
+static void readMechanism(const DirectView& d, const DirectIsland& island, Mechanism& mechanism) {
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
-        const BodyState& state = bodies.states[directSet.bodies[island.firstBody + i]];
+        const BodyState& state = d.bodies.states[d.directSet.bodies[island.firstBody + i]];
         const MechanismBody& body = mechanism.body(i);
         const Vec3 v = toVec3(body.v), w = toVec3(body.w);
         if (state.v == v && state.w == w) continue;
@@ -133,63 +133,62 @@ void WorldImpl::readMechanism(const DirectIsland& island, Mechanism& mechanism) 
     }
     std::size_t next = island.bodyCount;
     for (std::uint32_t j = 0; j < island.jointCount; ++j) {
-        const JointRecord& joint = joints[directSet.joints[island.firstJoint + j]];
-        if (bodies.moves(joint.bodyA) && bodies.moves(joint.bodyB)) continue;
-        const BodyState& state = bodies.states[bodies[bodies.moves(joint.bodyA) ? joint.bodyB : joint.bodyA].state];
+        const JointRecord& joint = d.joints[d.directSet.joints[island.firstJoint + j]];
+        if (d.bodies.moves(joint.bodyA) && d.bodies.moves(joint.bodyB)) continue;
+        const BodyState& state =
+            d.bodies.states[d.bodies[d.bodies.moves(joint.bodyA) ? joint.bodyB : joint.bodyA].state];
         MechanismBody& body = mechanism.body(next++);
         body.v = DVec3(state.v), body.w = DVec3(state.w);
     }
 }
 
-/// Before velocities change: a mechanism adds what acts from outside by itself.
-void WorldImpl::readMechanisms() {
-    for (std::size_t i = 0; i < directSet.islands.size(); ++i)
-        if (const DirectIsland& island = directSet.islands[i]; island.mechanism && !island.fellBack)
-            readMechanism(island, *directSet.mechanisms[i]);
+void readMechanisms(const DirectView& d) {
+    for (std::size_t i = 0; i < d.directSet.islands.size(); ++i)
+        if (const DirectIsland& island = d.directSet.islands[i]; island.mechanism && !island.fellBack)
+            readMechanism(d, island, *d.directSet.mechanisms[i]);
 }
 
 /// Where the bodies are at the end of a substep, and how they move.
-void WorldImpl::writeMechanism(const DirectIsland& island, Mechanism& mechanism) {
-    const DVec3 origin = bodies[directSet.bodies[island.firstBody]].center;
+static void writeMechanism(const DirectView& d, const DirectIsland& island, Mechanism& mechanism) {
+    const DVec3 origin = d.bodies[d.directSet.bodies[island.firstBody]].center;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
-        const std::uint32_t index = directSet.bodies[island.firstBody + i];
-        const BodyRecord& record = bodies[index];
+        const std::uint32_t index = d.directSet.bodies[island.firstBody + i];
+        const BodyRecord& record = d.bodies[index];
         const MechanismBody& body = mechanism.body(i);
         const direct::MechanismPose& pose = mechanism.pose(i);
-        BodyState& state = bodies.states[index];
+        BodyState& state = d.bodies.states[index];
         state.v = toVec3(body.v), state.w = toVec3(body.w);
         state.dp = toVec3(pose.x - (record.center - origin));
         const Quat rotation = direct::toFloat(pose.q);
         state.dq = direct::toFloat(pose.q * conjugate(direct::toDouble(record.rotation)));
-        bodies.inertias[index] = bodies.inverseInertiaAt(index, rotation);
-        bodies.storeMomentum(index, rotation);
+        d.bodies.inertias[index] = d.bodies.inverseInertiaAt(index, rotation);
+        d.bodies.storeMomentum(index, rotation);
     }
 }
 
 /// Loads of the joints, and how often hinges have turned.
-void WorldImpl::storeLoads(const DirectIsland& island, Mechanism& mechanism) {
+static void storeLoads(const DirectView& d, const DirectIsland& island, Mechanism& mechanism) {
     constexpr int kFast = 2;  // inner steps, beyond which a hinge may turn by radians in a step
-    if (!context.lastSubstep && !island.watched && mechanism.pace() <= kFast) return;
+    if (!d.context.lastSubstep && !island.watched && mechanism.pace() <= kFast) return;
     mechanism.findLoads();
     for (std::uint32_t j = 0; j < island.jointCount; ++j) {
-        JointSim& sim = joints.sims[directSet.joints[island.firstJoint + j]];
+        JointSim& sim = d.joints.sims[d.directSet.joints[island.firstJoint + j]];
         sim.block.impulseFirst = toVec3(mechanism.joint(j).force);
         sim.block.impulseSecond = toVec3(mechanism.joint(j).torque);
-        refreshJoint(sim, BodyPair(bodies.states.data(), bodies.inertias.data(), sim.stateA, sim.stateB),
-                     {jointContext, false});
+        refreshJoint(sim, BodyPair(d.bodies.states.data(), d.bodies.inertias.data(), sim.stateA, sim.stateB),
+                     {d.jointContext, false});
         recordLoad(sim);
     }
 }
 
-/// Moves a mechanism through the substep before anything else has; it is seen where it is only after all have moved.
-void WorldImpl::solveMechanism(DirectIsland& island, Mechanism& mechanism, DirectPass pass) {
+void solveMechanism(const DirectView& d, DirectIsland& island, Mechanism& mechanism, DirectPass pass) {
     if (pass == DirectPass::velocities) {
-        writeMechanism(island, mechanism);
-        storeLoads(island, mechanism);
+        writeMechanism(d, island, mechanism);
+        storeLoads(d, island, mechanism);
         return;
     }
-    const auto h = static_cast<double>(context.h);
-    if (!mechanism.advance(h, h * static_cast<double>(jointContext.softness.biasRate))) fallBack(*this, island, pass);
+    const auto h = static_cast<double>(d.context.h);
+    if (!mechanism.advance(h, h * static_cast<double>(d.jointContext.softness.biasRate))) fallBack(d, island, pass);
     island.report.iterations = mechanism.iterations();
     island.report.factorizations = mechanism.factorizations();
 }

@@ -1,35 +1,33 @@
 // Who falls asleep and who wakes: bodies leave all lists of awake things, and come back, with their constraints.
 
-#include "world/world_impl.h"
+#include "activity/activity.h"
 
 namespace ragtop {
 
-void WorldImpl::sleepQuietIslands() {
-    if (!settings.sleeping) return;
+void Activity::sleepQuietIslands(const ConstTables& tables, float sleepTime) const {
     bool candidate = false;
-    for (const std::uint32_t body : bodies.awake) candidate |= bodies[body].sleepTimer >= settings.sleepTime;
+    for (const std::uint32_t body : bodies.awake) candidate |= bodies[body].sleepTimer >= sleepTime;
     if (!candidate) return;
-    islands.findQuiet(tables());
+    islands.findQuiet(tables);
     islands.stack.clear();
     for (const std::uint32_t body : bodies.awake) {
         const float quiet = bodies.moves(body) ? islands.quiet[islands.root(body)] : bodies[body].sleepTimer;
-        if (quiet >= settings.sleepTime) islands.stack.push(body);
+        if (quiet >= sleepTime) islands.stack.push(body);
     }
     for (const std::uint32_t body : islands.stack) sleepBody(body);
 }
 
 /// What happens between steps is told by the next one.
-void WorldImpl::recordSleep(std::uint32_t index, bool asleep) { events.sleep({bodies.id(index), asleep}); }
+void Activity::recordSleep(std::uint32_t index, bool asleep) const { events.sleep({bodies.id(index), asleep}); }
 
-/// Takes a body out of all awake lists; its constraints keep their impulses for the day it wakes.
-void WorldImpl::sleepBody(std::uint32_t index) {
+void Activity::sleepBody(std::uint32_t index) const {
     if (!bodies.isAwake(index)) return;
     bodies.stop(index);
     leaveAwake(index);
     recordSleep(index, true);
 }
 
-void WorldImpl::leaveAwake(std::uint32_t index) {
+void Activity::leaveAwake(std::uint32_t index) const {
     const BodyRecord& body = bodies[index];
     bodies.removeAwake(index);
     articulations.forget();
@@ -46,14 +44,13 @@ void WorldImpl::leaveAwake(std::uint32_t index) {
         if (sleeps(joints[key >> 1].bodyA) || sleeps(joints[key >> 1].bodyB)) removeJointFromGraph(key >> 1);
 }
 
-/// Wakes a body and all sleeping ones that it touches or is joined to, directly or through others.
-void WorldImpl::wakeBody(std::uint32_t first) {
+void Activity::wakeBody(std::uint32_t first) const {
     islands.stack.clear();
     islands.stack.push(first);
     wakeStack();
 }
 
-void WorldImpl::wakeStack() {
+void Activity::wakeStack() const {
     while (!islands.stack.empty()) {
         const std::uint32_t index = islands.stack.back();
         islands.stack.pop();
@@ -67,8 +64,7 @@ void WorldImpl::wakeStack() {
     }
 }
 
-/// Puts a body into the lists of what is awake, with its constraints; what wakes with it is put on the stack.
-void WorldImpl::enterAwake(std::uint32_t index) {
+void Activity::enterAwake(std::uint32_t index) const {
     bodies.addAwake(index);
     articulations.forget();
     islands.structureChangedAt();
@@ -89,8 +85,7 @@ void WorldImpl::enterAwake(std::uint32_t index) {
     restoreContacts(index);
 }
 
-/// Puts the contacts of a body that woke back into the graph, those with bodies that still sleep excepted.
-void WorldImpl::restoreContacts(std::uint32_t index) {
+void Activity::restoreContacts(std::uint32_t index) const {
     for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts.next(key)) {
         const ContactRecord& contact = contacts[key >> 1];
         const bool sleeps = (bodies.moves(contact.bodyA) && !bodies.isAwake(contact.bodyA)) ||
@@ -100,7 +95,7 @@ void WorldImpl::restoreContacts(std::uint32_t index) {
     }
 }
 
-void WorldImpl::wakeTouching(std::uint32_t index) {
+void Activity::wakeTouching(std::uint32_t index) const {
     wakeBody(index);
     for (std::uint32_t key = bodies[index].firstContact; key != kNone; key = contacts.next(key)) {
         const ContactRecord& contact = contacts[key >> 1];
@@ -108,6 +103,19 @@ void WorldImpl::wakeTouching(std::uint32_t index) {
     }
     for (std::uint32_t key = bodies[index].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next)
         wakeBody((key & 1) != 0 ? joints[key >> 1].bodyA : joints[key >> 1].bodyB);
+}
+
+/// What a coupling reaches from this joint wakes with it.
+void Activity::pushCoupledBodies(std::uint32_t joint) const {
+    for (std::uint32_t key = joints[joint].firstCoupling; key != kNone;
+         key = couplings[key / CouplingDef::kMostParts].next[key % CouplingDef::kMostParts]) {
+        const CouplingDef& def = couplings[key / CouplingDef::kMostParts].def;
+        for (int i = 0; i < def.count; ++i) {
+            const JointRecord& other = joints[def.parts[static_cast<std::size_t>(i)].joint.index];
+            for (const std::uint32_t body : {other.bodyA, other.bodyB})
+                if (bodies.moves(body) && !bodies.isAwake(body)) islands.stack.push(body);
+        }
+    }
 }
 
 }  // namespace ragtop

@@ -1,0 +1,98 @@
+// Constraints in the graph, in the lists of the solvers of their islands.
+
+#include "activity/activity.h"
+
+namespace ragtop {
+
+bool mayHold(const Bodies& bodies, const JointRecord& joint) {
+    return bodies.isEnabled(joint.bodyA) && bodies.isEnabled(joint.bodyB) &&
+           (bodies.moves(joint.bodyA) || bodies.moves(joint.bodyB));
+}
+
+void Activity::recordGraphChange(GraphPlace place) const {
+    islands.graphChangedAt(place.color == ConstraintGraph::kDirect);
+}
+
+void Activity::addToGraph(std::uint32_t index) const {
+    ManifoldRecord& manifold = manifolds[index];
+    const ContactRecord& record = contacts[manifold.contact];
+    if (manifold.place.color != kNone || manifold.pointCount == 0 || record.sensor) return;
+    unfreeze(record.bodyA), unfreeze(record.bodyB);
+    const ManifoldImpulses impulses = writer.impulsesOf(manifold);
+    const bool direct = bodies.isDirect(record.bodyA) || bodies.isDirect(record.bodyB);
+    manifold.place = graph.insertContact(index, bodies[record.bodyA].state, bodies.moves(record.bodyA),
+                                         bodies[record.bodyB].state, bodies.moves(record.bodyB),
+                                         direct ? ConstraintGraph::By::direct : ConstraintGraph::By::iteration);
+    recordGraphChange(manifold.place);
+    writer.writeLane(record, manifold, impulses);
+    if (record.manifoldCapacity == 1) manifolds.forgetStored(manifold);
+}
+
+void Activity::removeFromGraph(std::uint32_t index) const {
+    ManifoldRecord& manifold = manifolds[index];
+    if (manifold.place.color == kNone) return;
+    const ContactRecord& record = contacts[manifold.contact];
+    unfreeze(record.bodyA), unfreeze(record.bodyB);
+    if (manifold.pointCount > 0) manifolds.store(manifold, writer.impulsesOf(manifold));
+    const std::uint32_t moved =
+        graph.removeContact(manifold.place, bodies[record.bodyA].state, bodies.moves(record.bodyA),
+                            bodies[record.bodyB].state, bodies.moves(record.bodyB));
+    if (moved != kNone) manifolds[moved].place.slot = manifold.place.slot;
+    recordGraphChange(manifold.place);
+    manifold.place = {};
+    manifolds.touches[index] = manifold.pointCount > 0 ? kUnknownTouch : 0;
+    contacts[manifold.contact].until = 0;
+}
+
+void Activity::addJointToGraph(std::uint32_t index) const {
+    JointRecord& joint = joints[index];
+    const bool movesA = bodies.moves(joint.bodyA), movesB = bodies.moves(joint.bodyB);
+    if (joint.place.color != kNone || !mayHold(bodies, joint)) return;
+    if ((movesA && !bodies.isAwake(joint.bodyA)) || (movesB && !bodies.isAwake(joint.bodyB))) return;
+    joint.place = graph.insertJoint(index, bodies[joint.bodyA].state, movesA, bodies[joint.bodyB].state, movesB,
+                                    bodies.isDirect(joint.bodyA) || bodies.isDirect(joint.bodyB));
+    recordGraphChange(joint.place);
+    joints.bundlesChanged = directSet.treesChanged = true;
+}
+
+void Activity::removeJointFromGraph(std::uint32_t index) const {
+    JointRecord& joint = joints[index];
+    if (joint.place.color == kNone) return;
+    const std::uint32_t moved = graph.removeJoint(joint.place, bodies[joint.bodyA].state, bodies.moves(joint.bodyA),
+                                                  bodies[joint.bodyB].state, bodies.moves(joint.bodyB));
+    if (moved != kNone) joints[moved].place.slot = joint.place.slot;
+    recordGraphChange(joint.place);
+    joint.place = {};
+    joints.bundlesChanged = directSet.treesChanged = true;
+}
+
+void Activity::applyChoices(const ConstTables& tables) const {
+    const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
+    bool any = !list.manifolds.empty() || !list.joints.empty();
+    for (std::size_t i = 0; i < bodies.awake.size() && !any; ++i) any = bodies.isDirect(bodies.awake[i]);
+    if (!any) return;
+    directSet.movedConstraints.clear();
+    const auto changes = [&](std::uint32_t a, std::uint32_t b, GraphPlace place) {
+        return (bodies.isDirect(a) || bodies.isDirect(b)) != (place.color == ConstraintGraph::kDirect);
+    };
+    std::size_t contactCount = 0;
+    forEachInGraph(
+        tables,
+        [&](std::uint32_t m) {
+            const ContactRecord& contact = contacts[manifolds[m].contact];
+            if (changes(contact.bodyA, contact.bodyB, manifolds[m].place))
+                directSet.movedConstraints.push(m), ++contactCount;
+        },
+        [&](std::uint32_t j) {
+            if (changes(joints[j].bodyA, joints[j].bodyB, joints[j].place)) directSet.movedConstraints.push(j);
+        });
+    for (std::size_t i = 0; i < directSet.movedConstraints.size(); ++i) {
+        const std::uint32_t moved = directSet.movedConstraints[i];
+        if (i < contactCount)
+            removeFromGraph(moved), addToGraph(moved);
+        else
+            removeJointFromGraph(moved), addJointToGraph(moved);
+    }
+}
+
+}  // namespace ragtop

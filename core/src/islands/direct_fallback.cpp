@@ -1,0 +1,49 @@
+// Direct islands that could not be solved: iteration over their constraints, one after the other.
+
+#include "constraints/single_bundle.h"
+#include "islands/direct_view.h"
+
+namespace ragtop {
+
+void rescaleJoints(Joints& joints, const DirectSet& directSet, const DirectIsland& island, float ratio) {
+    for (std::uint32_t j = 0; j < island.jointCount; ++j)
+        rescaleJoint(joints.sims[directSet.joints[island.firstJoint + j]], ratio);
+}
+
+void fallBack(const DirectView& d, DirectIsland& island, DirectPass pass) {
+    island.fellBack = true;
+    island.report.converged = false;
+    rescaleJoints(d.joints, d.directSet, island, 0);
+    iterateIsland(d, island, pass);
+}
+
+void iterateIsland(const DirectView& d, const DirectIsland& island, DirectPass pass) {
+    constexpr int kIterations = 4;  // per substep, by trial
+    const bool moves = pass == DirectPass::positions;
+    const DirectSet& direct = d.directSet;
+    const BodyArrays arrays = d.bodies.arrays();
+    SolverContext all = d.context;
+    all.normals = all.friction = true;
+    const auto substeps = static_cast<float>(d.bodies[direct.bodies[island.firstBody]].stepFactor);
+    JointContext own = d.jointContext;
+    own.h *= substeps, own.inverseH /= substeps, own.softness.biasRate /= substeps;
+    SingleBundle bundle(d.graph.lanes());
+    const auto contactsBy = [&](auto kernel) {
+        for (std::uint32_t i = 0; i < island.contactCount; ++i)
+            bundle.visit(direct.lanes[island.firstContact + i],
+                         [&](float* fields, int begin, int end) { kernel(fields, begin, end, arrays, all); });
+    };
+    const std::uint32_t* members = direct.joints.data() + island.firstJoint;
+    if (moves) {
+        for (std::uint32_t j = 0; j < island.jointCount; ++j)
+            warmStartJoint(d.joints.sims[members[j]], arrays.states, arrays.inertia, own);
+        contactsBy(d.kernels.warmStartContacts);
+    }
+    for (int iteration = 0; iteration < (moves ? kIterations : 1); ++iteration) {
+        for (std::uint32_t j = 0; j < island.jointCount; ++j)
+            solveJoint(d.joints.sims[members[j]], arrays.states, arrays.inertia, own, moves);
+        contactsBy(moves ? d.kernels.solveContacts : d.kernels.relaxContacts);
+    }
+}
+
+}  // namespace ragtop

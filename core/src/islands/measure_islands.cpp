@@ -1,0 +1,274 @@
+#include "islands/measure_islands.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/prefetch.h"
+#include "constraints/contact_layout.h"
+#include "constraints/stiffness.h"
+#include "islands/direct_view.h"
+
+namespace ragtop {
+
+namespace {
+
+constexpr float kSlow = 0.05f;  ///< speed of a body at rest, in √(gravity · size)
+
+/// Takes memory for what measuring islands finds, and numbers these.
+void beginMeasuring(const MeasureView& v) {
+    std::size_t count = 0;
+    for (const std::uint32_t body : v.bodies.awake) count += v.islands.parent[body] == body ? 1 : 0;
+    using M = StageMemory;
+    const std::size_t own = M::bytesOf<std::uint32_t>(v.bodies.size()) + M::bytesOf<direct::IslandFeatures>(count);
+    v.islands.paths.begin(v.tables, v.stageMemory, own);
+    v.islands.number = v.stageMemory.take<std::uint32_t>(v.bodies.size());
+    v.islands.features = v.stageMemory.take<direct::IslandFeatures>(count);
+    for (const std::uint32_t body : v.bodies.awake) {
+        if (v.islands.parent[body] != body) continue;
+        v.islands.number[body] = static_cast<std::uint32_t>(v.islands.features.size());
+        v.islands.features.push({});
+    }
+}
+
+/// Load over the load under which soft contacts of this pair tilt away: a column of n boxes of height l stands while
+/// n³ m g l < 7.84 k_θ, with k_θ the stiffness of its points about their middle.
+float bucklingShare(const MeasureView& v, const SupportEdge& edge, float load, float number) {
+    const ManifoldRecord& manifold = v.tables.manifolds[edge.constraint];
+    if (manifold.pointCount < 3) return 0;
+    Vec3 middle;
+    const float count = static_cast<float>(manifold.pointCount);
+    for (int j = 0; j < manifold.pointCount; ++j) middle += (1 / count) * manifold.anchorA[j];
+    const Vec3 t1 = perpendicular(manifold.normal), t2 = cross(manifold.normal, t1);
+    float s11 = 0, s12 = 0, s22 = 0;
+    for (int j = 0; j < manifold.pointCount; ++j) {
+        const Vec3 arm = manifold.anchorA[j] - middle;
+        const float x = dot(arm, t1), y = dot(arm, t2);
+        s11 += x * x, s12 += x * y, s22 += y * y;
+    }
+    const float difference = s11 - s22;
+    const float spread = 0.5f * (s11 + s22 - std::sqrt(difference * difference + 4 * s12 * s12));
+    const float inverseMass =
+        v.bodies.states[v.bodies[edge.a].state].invMass + v.bodies.states[v.bodies[edge.b].state].invMass;
+    const float omega = 2 * kPi * v.settings.contactFrequency * static_cast<float>(v.settings.substeps) / v.dt;
+    const bool fixed = !v.bodies.moves(edge.a) || !v.bodies.moves(edge.b);
+    const float stiffness = (fixed ? 4 : 1) * omega * omega * spread / inverseMass;
+    const BodyRecord& upper = v.bodies[v.bodies.moves(edge.b) ? edge.b : edge.a];
+    const Vec3 arm = rotate(upper.rotation, v.bodies.moves(edge.b) ? manifold.anchorB[0] : manifold.anchorA[0]);
+    const float gravity = length(v.settings.gravity);
+    if (!(gravity > 0)) return 0;
+    const float height = 2 * std::fabs(dot(arm, v.settings.gravity)) / gravity;
+    const float bending = load * gravity * number * number * height;
+    return stiffness > 0 ? bending / (7.84f * stiffness) : 0.0f;
+}
+
+/// A face, or something round: what stands on an edge or a corner needs others to hold it.
+bool standsOn(const MeasureView& v, std::uint32_t index) {
+    const ManifoldRecord& manifold = v.tables.manifolds[index];
+    const ContactRecord& contact = v.tables.contacts[manifold.contact];
+    const float roundness = v.tables.shapes.geometries[v.tables.shapes[contact.shapeA].geometry].convex.radius +
+                            v.tables.shapes.geometries[v.tables.shapes[contact.shapeB].geometry].convex.radius;
+    return manifold.pointCount > 2 || roundness > 0;
+}
+
+/// Some contact of the body is in the graph.
+bool isInContact(const MeasureView& v, std::uint32_t body) {
+    for (std::uint32_t key = v.bodies[body].firstContact; key != kNone; key = v.tables.contacts.next(key)) {
+        for (const ManifoldRecord& manifold : v.tables.manifolds.of(v.tables.contacts[key >> 1]))
+            if (manifold.place.color != kNone) return true;
+    }
+    return false;
+}
+
+/// Asks for what measuring islands reads of support edges some places ahead: they lie in no order.
+void prefetchSupportEdge(const MeasureView& v, std::size_t place) {
+    constexpr std::size_t kRecords = 16, kLane = 8;  // edges ahead, by trial
+    const StageArray<SupportEdge>& edges = v.islands.paths.edges;
+    if (place + kRecords < edges.size() && !edges[place + kRecords].joint) {
+        const SupportEdge& edge = edges[place + kRecords];
+        const ManifoldRecord& manifold = v.tables.manifolds[edge.constraint];
+        prefetch(&manifold.normal);
+        prefetch(&manifold.place);
+        prefetch(&v.bodies[edge.a].rotation);
+        prefetch(&v.bodies[edge.a].mass);
+        prefetch(&v.bodies[edge.b].mass);
+    }
+    if (place + kLane < edges.size() && !edges[place + kLane].joint) {
+        const float* lane = v.tables.graph.lane(v.tables.manifolds[edges[place + kLane].constraint].place);
+        prefetch(lane + contact::kCross * v.tables.graph.lanes());
+        prefetch(lane + contact::kRolling * v.tables.graph.lanes());
+    }
+}
+
+/// Does a body hang from another that is joined to it, and bears it?
+bool hangsFrom(const MeasureView& v, std::uint32_t body, std::uint32_t bearer, const Vec3& up) {
+    return v.bodies.moves(bearer) && dot(toVec3(v.bodies[bearer].center - v.bodies[body].center), up) > 0;
+}
+
+/// Of joints alone.
+bool isMechanism(direct::Reason reason) { return reason == direct::Reason::tree || reason == direct::Reason::loop; }
+
+/// Reasons that no choice outlives.
+bool onlyWhile(direct::Reason reason) { return reason == direct::Reason::deep || isMechanism(reason); }
+
+}  // namespace
+
+bool isUntouched(const Bodies& bodies, std::uint32_t body) {
+    const BodyState& state = bodies.states[bodies[body].state];
+    return state.v == Vec3{} && state.w == Vec3{};
+}
+
+void measureIslands(const MeasureView& v) {
+    beginMeasuring(v);
+    LoadPaths& paths = v.islands.paths;
+    paths.collect(v.tables);
+    paths.findDepths(v.bodies);
+    paths.estimate(v.bodies, length(v.settings.gravity), true);
+    paths.heldLevel.resizeForOverwrite(v.bodies.size());
+    for (const std::uint32_t body : v.bodies.awake) paths.heldLevel[body] = 0;
+
+    const float gravity = length(v.settings.gravity);
+    const Vec3 up = gravity > 0 ? (-1 / gravity) * v.settings.gravity : Vec3{};
+    for (std::size_t i = 0; i < paths.edges.size(); ++i) {
+        prefetchSupportEdge(v, i);
+        const SupportEdge& edge = paths.edges[i];
+        const bool movesA = edge.movesA, movesB = edge.movesB;
+        direct::IslandFeatures& island = v.islands.featuresOf(movesA ? edge.a : edge.b);
+        island.pairs += movesA && movesB;
+        const bool aBears = paths.aBears(edge), bBears = paths.bBears(edge);
+        if (!edge.joint) {
+            const GraphPlace place = v.tables.manifolds[edge.constraint].place;
+            const float* lane = v.tables.graph.lane(place);
+            for (const int field : {contact::kRolling, contact::kSpinning, contact::kCross})
+                island.rolls |= lane[field * v.tables.graph.lanes()] != 0;
+            const Vec3 normal = rotate(v.bodies[edge.a].rotation, v.tables.manifolds[edge.constraint].normal);
+            const float cosine = dot(normal, up);
+            const bool upright = cosine > kLevel || cosine < -kLevel;
+            if (upright && standsOn(v, edge.constraint)) paths.heldLevel[cosine > 0 ? edge.b : edge.a] = 1;
+        } else {
+            ++island.joints;
+            island.bare &= isTreeJoint(v.tables.joints.sims[edge.constraint]);
+            const JointSim& joint = v.tables.joints.sims[edge.constraint];
+            island.stiffness =
+                std::max(island.stiffness, stiffnessOf(joint, v.bodies.states.data(), v.bodies.inertias.data(), v.h));
+            paths.heldLevel[edge.a] = paths.heldLevel[edge.b] = 1;
+            island.hangs |= !movesA || !movesB;
+        }
+        if (!aBears && !bBears) continue;
+        const std::uint32_t upper = aBears ? edge.b : edge.a;
+        const float load = paths.shareOf(v.bodies, upper);
+        const float massA = movesA ? v.bodies[edge.a].mass : v.bodies[edge.b].mass;
+        const float massB = movesB ? v.bodies[edge.b].mass : massA;
+        const float lighter = std::min(massA, massB), number = load / lighter;
+        float& largest = edge.joint ? island.jointLoad : island.contactLoad;
+        largest = std::max(largest, number);
+        island.hung += edge.joint && number > direct::kHung && hangsFrom(v, upper, aBears ? edge.a : edge.b, up);
+        island.massRatio = std::max(island.massRatio, std::max(massA, massB) / lighter);
+        if (!edge.joint) island.buckling = std::max(island.buckling, bucklingShare(v, edge, load, number));
+    }
+    for (const std::uint32_t body : v.bodies.awake) {
+        if (!v.bodies.moves(body)) continue;
+        direct::IslandFeatures& island = v.islands.featuresOf(body);
+        island.mass += v.bodies[body].mass;
+        island.momentum += v.bodies[body].mass * v.bodies.states[body].v;
+    }
+    for (const std::uint32_t body : v.bodies.awake) {
+        if (!v.bodies.moves(body)) continue;
+        direct::IslandFeatures& island = v.islands.featuresOf(body);
+        ++island.bodies;
+        island.bare &= turnsFreely(v.bodies, body);
+        island.spin = std::max(island.spin, v.h * length(v.bodies.states[body].w));
+        const Vec3 common = (1 / island.mass) * island.momentum;
+        const float speed =
+            length(v.bodies.states[body].v - common) + length(v.bodies.states[body].w) * v.bodies[body].radius;
+        const bool slow = speed <= kSlow * std::sqrt(gravity * v.bodies[body].size);
+        island.moving += !slow;
+        const bool rests =
+            v.bodies.isDirect(body) || isUntouched(v.bodies, body) || v.bodies[body].sleepTimer >= direct::kLongRest;
+        island.restless += !slow || !rests;
+        island.leaning += paths.depth[body] != kNone && paths.heldLevel[body] == 0 && slow;
+    }
+    for (const std::uint32_t body : v.bodies.awake) {
+        if (!v.bodies.moves(body)) continue;
+        direct::IslandFeatures& island = v.islands.featuresOf(body);
+        if (island.joints > 0 && !island.touches) island.touches = isInContact(v, body);
+    }
+    forEachCoupledPair(v.tables, [&](std::uint32_t, std::uint32_t body) { v.islands.featuresOf(body).coupled = true; });
+}
+
+bool decideIslands(const MeasureView& v, std::int32_t elapsed) {
+    for (const std::uint32_t body : v.bodies.awake) {
+        if (!v.bodies.moves(body)) continue;
+        direct::IslandFeatures& island = v.islands.featuresOf(body);
+        const std::int32_t steps = v.bodies[body].directSteps;
+        island.direct |= steps > 0;
+        if (steps > 0) island.last = v.bodies[body].directReason;
+        island.staying = std::max(island.staying, steps);
+        island.cooldown = std::min(island.cooldown, steps);
+    }
+    bool waiting = false;
+    for (const std::uint32_t body : v.bodies.awake) {
+        if (!v.bodies.moves(body) || v.islands.root(body) != body) continue;
+        direct::IslandFeatures& island = v.islands.featuresOf(body);
+        island.reason = chooseDirect(island);
+        if (v.settings.solver == SolverChoice::iterative || island.coupled)
+            island.reason = direct::Reason::none, island.staying = 0;
+        const bool large = island.bodies > direct::kMostBodies;
+        const bool fits = !large && !island.rolls && !island.coupled;
+        if (v.settings.solver == SolverChoice::direct && fits) island.reason = direct::Reason::asked;
+        if (island.cooldown < 0) {
+            island.reason = direct::Reason::none;
+            island.staying = std::min(island.cooldown + elapsed, 0);
+            waiting = true;  // to be chosen anew
+        } else if (island.reason != direct::Reason::none) {
+            if (!large || !island.direct) island.staying = direct::kStayingSteps;
+            waiting |= isMechanism(island.reason);  // it may begin to spin
+            continue;
+        } else if (large || onlyWhile(island.last)) {
+            // Worth it at rest alone, or as long as nothing is touched.
+            island.staying = 0;
+        } else if (island.staying > 0) {
+            island.staying = std::max(island.staying - elapsed, 0);
+            if (island.staying > 0) island.reason = direct::Reason::staying;
+        }
+        waiting |= island.staying != 0;
+    }
+    for (const std::uint32_t body : v.bodies.awake) {
+        if (!v.bodies.moves(body)) continue;
+        const direct::IslandFeatures& island = v.islands.featuresOf(body);
+        v.bodies[body].directSteps = island.staying;
+        v.bodies[body].directReason = island.reason;
+    }
+    return waiting;
+}
+
+void loadNewContacts(const MeasureView& v, float gravityStep, ConstraintGraph& graph,
+                     AlignedArray<std::uint32_t>& fresh) {
+    fresh.clear();
+    const float gravity = length(v.settings.gravity);
+    v.islands.paths.estimate(v.bodies, gravity, false);
+    if (!(gravity > 0)) return;
+    const Vec3 down = (1 / gravity) * v.settings.gravity;
+    const auto stride = static_cast<std::size_t>(graph.lanes());
+    for (const SupportEdge& edge : v.islands.paths.edges) {
+        if (edge.joint || !isUntouched(v.bodies, edge.a) || !isUntouched(v.bodies, edge.b)) continue;
+        const bool aBears = v.islands.paths.aBears(edge), bBears = v.islands.paths.bBears(edge);
+        if (!aBears && !bBears) continue;
+        const ManifoldRecord& manifold = v.tables.manifolds[edge.constraint];
+        const float along = std::fabs(dot(rotate(v.bodies[edge.a].rotation, manifold.normal), down));
+        if (along < kLevel || manifold.pointCount == 0 || manifold.place.color == ConstraintGraph::kDirect) continue;
+        float* lane = graph.lane(manifold.place);
+        const auto at = [&](int point, int field) -> float& {
+            return lane[static_cast<std::size_t>(contact::kPoints + point * contact::kPointFields + field) * stride];
+        };
+        bool loaded = false;
+        for (int j = 0; j < manifold.pointCount; ++j) loaded |= at(j, contact::kImpulse) != 0;
+        if (loaded) continue;
+        const std::uint32_t upper = aBears ? edge.b : edge.a;
+        const float load = v.islands.paths.shareOf(v.bodies, upper);
+        const float share = load * gravityStep * along / static_cast<float>(manifold.pointCount);
+        for (int j = 0; j < manifold.pointCount; ++j) at(j, contact::kImpulse) = at(j, contact::kLoad) = share;
+        fresh.push(edge.constraint);
+    }
+}
+
+}  // namespace ragtop

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+
+#include "base/stage_runner.h"
+#include "contacts/tables.h"
+#include "islands/articulations.h"
+#include "islands/direct_set.h"
+#include "iteration/regions.h"
+#include "model/coupling_passes.h"
+#include "solve/joint_kernels.h"
+#include "solve/kernel_table.h"
+
+namespace ragtop {
+
+/// What a pass over constraints does.
+enum class SolvePass { warmStart, solve, relax };
+
+/// Gauss–Seidel over the colours of the constraint graph: rows are prepared once per step, and passes go over all of
+/// them in each substep, bundles of a colour side by side.
+struct Iteration {
+    ConstTables tables;
+    Bodies& bodies;
+    Manifolds& manifolds;  ///< places
+    Joints& joints;
+    Couplings& couplings;
+    ConstraintGraph& graph;  ///< lanes
+    Regions& regions;
+    const Articulations& articulations;
+    const DirectSet& directSet;  ///< joints that others prepare
+    const KernelTable& kernels;
+    const JointKernels& jointKernels;
+    SolverContext& context;  ///< which rows a pass solves
+    const JointContext& jointContext;
+    StageRunner& runner;
+
+    // prepare.cpp
+    /// Rows in lanes, from constraints where bodies are; loads are those of substeps of so many seconds, 0 where none
+    /// was. True if some contact may bounce.
+    bool prepare(float lastSubstep) const;
+    void prepareJointOf(std::uint32_t joint) const;
+    /// What the substeps have changed of joints.
+    void storeJoints() const;
+
+    // passes.cpp
+    void warmStart() const;
+    /// Friction beside the normal rows of each contact, or, `sequential`, after those of all. `useBias`: the soft pass,
+    /// else the relaxing one.
+    void solve(bool useBias, bool sequential) const;
+    void passOverRegion(int region, SolvePass which, const SolverContext& own) const;
+    /// Iterates until nothing more will meet, or enough: what is left then is stopped by the rows that do not bounce.
+    void bounce() const;
+    /// Iterations that move nothing yet make the estimate of the loads of some manifolds an equilibrium of weights,
+    /// which is what these contacts bear from then on.
+    void settleNewContacts(AlignedArray<std::uint32_t>& fresh, const Vec3& gravity, bool sequential) const;
+
+private:
+    void groupContacts() const;
+    bool placeAndPrepare(int color, int begin, int end) const;
+    void prepareJoints() const;
+    void passOverAll(SolvePass which, const SolverContext& own) const;
+};
+
+}  // namespace ragtop

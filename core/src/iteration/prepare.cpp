@@ -1,0 +1,143 @@
+#include <algorithm>
+#include <atomic>
+
+#include "constraints/contact_layout.h"
+#include "iteration/iteration.h"
+#include "model/joint_bodies.h"
+#include "model/spring_leads.h"
+
+namespace ragtop {
+
+namespace {
+
+/// Calls visit(list) for all lists of the graph, those of a region on one worker.
+template <class Visit>
+void forEachRegionsLists(const Iteration& v, Visit&& visit) {
+    v.runner.parallelFor(v.graph.regionCount() + 1, 1, [&](int begin, int end, int) {
+        for (int c = ConstraintGraph::firstList(begin); c < ConstraintGraph::firstList(end); ++c) visit(c);
+    });
+}
+
+/// Calls visit(list, begin, end) for blocks of `size` of all lists of the graph, in any order and at once.
+template <class Count, class Visit>
+void forBlocksOfAllLists(const Iteration& v, int size, Count&& count, Visit&& visit) {
+    if (v.graph.regionCount() > 0) {
+        // The worker that solves a region finds in its cache what it has prepared.
+        forEachRegionsLists(v, [&](int c) {
+            if (const int all = count(c); all > 0) visit(c, 0, all);
+        });
+        return;
+    }
+    const int lists = v.graph.listCount();
+    v.regions.listStarts.resizeForOverwrite(static_cast<std::size_t>(lists) + 1);
+    int* const starts = v.regions.listStarts.data();
+    starts[0] = 0;
+    for (int c = 0; c < lists; ++c) starts[c + 1] = starts[c] + (count(c) + size - 1) / size;
+    v.runner.parallelFor(starts[lists], 1, [&](int begin, int end, int) {
+        auto c = static_cast<int>(std::upper_bound(starts, starts + lists, begin) - starts) - 1;
+        for (int block = begin; block < end; ++block) {
+            while (starts[c + 1] <= block) ++c;
+            const int first = (block - starts[c]) * size, all = count(c);
+            visit(c, first, first + size < all ? first + size : all);
+        }
+    });
+}
+
+}  // namespace
+
+bool Iteration::prepare(float lastSubstep) const {
+    const bool rescale = lastSubstep > 0 && lastSubstep != context.h;
+    const float ratio = rescale ? context.h / lastSubstep : 1;
+    if (joints.bundlesChanged) joints.bundles.build(graph, joints.sims.data());
+    if (joints.bundlesChanged) collectSprings(joints, graph);
+    joints.bundlesChanged = false;
+    groupContacts();
+    std::atomic<bool> mayBounce{false};
+    forBlocksOfAllLists(
+        *this, 8, [&](int c) { return c == ConstraintGraph::kFrozen ? 0 : graph.bundleCount(c); },
+        [&](int c, int begin, int end) {
+            if (placeAndPrepare(c, begin, end)) mayBounce.store(true, std::memory_order_relaxed);
+        });
+    if (rescale)
+        for (int c = 0; c < graph.listCount(); ++c)
+            for (const std::uint32_t joint : graph.color(c).joints) rescaleJoint(joints.sims[joint], ratio);
+    prepareJoints();
+    prepareCouplings(couplings, joints, ratio);
+    return mayBounce.load(std::memory_order_relaxed);
+}
+
+/// Puts contacts with equally many points side by side, so that bundles solve few that are not there; numbers the
+/// lanes.
+void Iteration::groupContacts() const {
+    constexpr std::size_t kNear = std::size_t{1} << 21;  // bytes that passes find in a cache
+    const auto group = [&](int c) {
+        if (ConstraintGraph::isSerial(c) || !ConstraintGraph::isIterated(c)) return;
+        graph.groupByPoints(c,
+                            [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
+    };
+    if (graph.regionCount() > 0)
+        forEachRegionsLists(*this, group);
+    else
+        runner.parallelFor(ConstraintGraph::kColors, 1, [&](int begin, int end, int) {
+            for (int c = begin; c < end; ++c) group(c);
+        });
+    std::size_t lanes = 0;
+    for (int c = 0; c < graph.listCount(); ++c)
+        lanes += static_cast<std::size_t>(graph.bundleCount(c)) * static_cast<std::size_t>(graph.lanes());
+    context.farContacts = lanes * contact::kFields * sizeof(float) > kNear;
+}
+
+/// Some bundles at a time, which the cache holds in between. True if any may bounce.
+bool Iteration::placeAndPrepare(int c, int begin, int end) const {
+    constexpr int kAtOnce = 4;  // bundles, by trial
+    ConstraintGraph::Color& color = graph.color(c);
+    const LaneManifolds list{color.manifolds.data(), static_cast<int>(color.manifolds.size()),
+                             ConstraintGraph::isSerial(c) ? 1 : graph.lanes()};
+    const ContactPlaces places{&bodies[0].center,
+                               &bodies[0].rotation,
+                               sizeof(BodyRecord),
+                               manifolds.records().pages(),
+                               PagedArray<ManifoldRecord>::kPageBits,
+                               sizeof(ManifoldRecord)};
+    bool mayBounce = false;
+    for (int i = begin; i < end; i += kAtOnce) {
+        const int last = i + kAtOnce < end ? i + kAtOnce : end;
+        kernels.placeContacts(color.bundles.data(), i, last, list, places);
+        mayBounce |= kernels.prepareContacts(color.bundles.data(), i, last, bodies.arrays(), context);
+    }
+    return mayBounce;
+}
+
+void Iteration::prepareJointOf(std::uint32_t joint) const {
+    if (articulations.areFresh()) articulations.classify(tables, joint, joints.sims[joint]);
+    prepareJoint(joints.sims[joint], jointBodies(bodies, joints, joint), bodies.states.data(), bodies.inertias.data(),
+                 jointContext);
+    keepCounts(joints.sims[joint]);
+}
+
+void Iteration::prepareJoints() const {
+    const auto jointsOf = [&](int c) -> const AlignedArray<std::uint32_t>& {
+        return c == ConstraintGraph::kDirect && directSet.multirate.any ? directSet.multirate.sharedJoints
+                                                                        : graph.color(c).joints;
+    };
+    forBlocksOfAllLists(
+        *this, 16, [&](int c) { return static_cast<int>(jointsOf(c).size()); },
+        [&](int c, int begin, int end) {
+            for (int i = begin; i < end; ++i) prepareJointOf(jointsOf(c)[static_cast<std::size_t>(i)]);
+        });
+    const JointLanesView view = joints.bundles.view(joints.sims.data());
+    const auto bundles = [&](int c) { return joints.bundles.color(c).end - joints.bundles.color(c).begin; };
+    forBlocksOfAllLists(*this, 4, bundles, [&](int c, int begin, int end) {
+        const int first = joints.bundles.color(c).begin;
+        jointKernels.load(view, first + begin, first + end);
+    });
+}
+
+void Iteration::storeJoints() const {
+    const JointLanesView view = joints.bundles.view(joints.sims.data());
+    runner.parallelFor(joints.bundles.bundleCount(), 8,
+                       [&](int begin, int end, int) { jointKernels.store(view, begin, end); });
+    leadSprings(joints, bodies, context.h, Lead::end, runner);
+}
+
+}  // namespace ragtop
