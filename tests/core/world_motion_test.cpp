@@ -5,8 +5,6 @@ namespace {
 
 using namespace test;
 
-constexpr float kEpsilon = 1.2e-7f;  // of single precision
-
 // The position map is exact for constant acceleration, so only rounding is left: per substep a velocity rounds by
 // ε v, n substeps drift by at most n ε v t / 2: 240 · 1.2e-7 · 9.81 / 2 = 1.4e-4 m of 4.9 m if all had one sign, and
 // about √n less as they have not.

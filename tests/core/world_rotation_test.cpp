@@ -8,8 +8,6 @@ namespace {
 
 using namespace test;
 
-constexpr float kEpsilon = 1.2e-7f;  // of single precision
-
 /// Complete elliptic integral of the first kind, by the arithmetic-geometric mean [Abramowitz and Stegun, 17.6].
 double ellipticK(double squaredModulus) {
     double a = 1, b = std::sqrt(1 - squaredModulus);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +17,7 @@ namespace ragtop::test {
 
 inline constexpr double kDt = 1.0 / 60;
 inline constexpr float kGravity = 9.81f;
+inline constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
 
 /// For messages of tests that run with several solvers.
 inline std::string_view nameOf(SolverChoice choice) { return enumNames(choice)[static_cast<std::size_t>(choice)]; }
