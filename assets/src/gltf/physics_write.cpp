@@ -113,7 +113,6 @@ private:
     }
 
     Json geometryOf(const Shape& shape) {
-        GltfShape made;
         if (const auto* ball = std::get_if<Sphere>(&shape)) {
             return {{"shape", listed(shapes_, {{"type", "sphere"}, {"sphere", writeValue(*ball)}})}};
         } else if (const auto* box = std::get_if<Box>(&shape)) {
