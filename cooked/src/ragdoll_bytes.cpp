@@ -36,8 +36,8 @@ void putShape(FieldWriter& to, const Shape& shape) {
 
 ConvexHull getHull(FieldReader& from) {
     const std::span<const std::byte> bytes = from.bytes(from.take<std::uint32_t>());
-    const std::align_val_t alignment{ShapeImage::kAlignment};
-    const auto free = [alignment](std::byte* at) { ::operator delete(at, alignment); };
+    constexpr std::align_val_t alignment{ShapeImage::kAlignment};
+    const auto free = [](std::byte* at) { ::operator delete(at, alignment); };
     const std::unique_ptr<std::byte, decltype(free)> copy(
         static_cast<std::byte*>(::operator new(std::max<std::size_t>(bytes.size(), 1), alignment)), free);
     std::copy(bytes.begin(), bytes.end(), copy.get());
