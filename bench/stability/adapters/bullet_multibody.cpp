@@ -82,23 +82,8 @@ public:
         pushes_.push_back({i, toBullet(force), toBullet(toVec3(point))});
     }
     void remove(int) override { refuse("Bullet's multibodies: taking bodies away"); }
-    double normalForce(int a, int b) const override {
-        double sum = 0;
-        for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
-            const btPersistentManifold* manifold = dispatcher_.getManifoldByIndexInternal(i);
-            const int first = manifold->getBody0()->getUserIndex(), second = manifold->getBody1()->getUserIndex();
-            if (!((first == a && second == b) || (first == b && second == a))) continue;
-            for (int k = 0; k < manifold->getNumContacts(); ++k)
-                sum += static_cast<double>(manifold->getContactPoint(k).getAppliedImpulse()) / dt_;
-        }
-        return sum;
-    }
-    StepWork work() const override {
-        StepWork work{0, options_.substeps * options_.iterations};
-        for (int i = 0; i < dispatcher_.getNumManifolds(); ++i)
-            work.contacts += dispatcher_.getManifoldByIndexInternal(i)->getNumContacts();
-        return work;
-    }
+    double normalForce(int a, int b) const override { return normalImpulse(dispatcher_, a, b) / dt_; }
+    StepWork work() const override { return {contactCount(dispatcher_), options_.substeps * options_.iterations}; }
 
 private:
     struct Place {

@@ -62,4 +62,23 @@ btCollisionShape* BulletShapes::makeMesh(const TriangleMesh& mesh) {
     return result;
 }
 
+double normalImpulse(const btCollisionDispatcher& dispatcher, int a, int b) {
+    double sum = 0;
+    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+        const btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
+        const int first = manifold->getBody0()->getUserIndex(), second = manifold->getBody1()->getUserIndex();
+        if (!((first == a && second == b) || (first == b && second == a))) continue;
+        for (int k = 0; k < manifold->getNumContacts(); ++k)
+            sum += static_cast<double>(manifold->getContactPoint(k).getAppliedImpulse());
+    }
+    return sum;
+}
+
+int contactCount(const btCollisionDispatcher& dispatcher) {
+    int count = 0;
+    for (int i = 0; i < dispatcher.getNumManifolds(); ++i)
+        count += dispatcher.getManifoldByIndexInternal(i)->getNumContacts();
+    return count;
+}
+
 }  // namespace ragtop::stability

@@ -19,6 +19,11 @@ inline Quat fromBullet(const btQuaternion& q) {
     return {fromBullet(q.x()), fromBullet(q.y()), fromBullet(q.z()), fromBullet(q.w())};
 }
 
+/// N s, along their normals, of the last step's contacts between two bodies of these user indices.
+double normalImpulse(const btCollisionDispatcher& dispatcher, int a, int b);
+/// Points of all contacts.
+int contactCount(const btCollisionDispatcher& dispatcher);
+
 /// Makes Bullet's shapes and keeps them.
 class BulletShapes {
 public:
