@@ -1,8 +1,5 @@
 #include "assimp_folder.h"
 
-#include <assimp/MemoryIOWrapper.h>
-
-#include <cstdint>
 #include <system_error>
 
 namespace ragtop {
@@ -16,7 +13,7 @@ std::filesystem::path whole(const std::filesystem::path& path) {
 
 }  // namespace
 
-FilesOfFolder::FilesOfFolder(const std::filesystem::path& file) : file_(whole(file)), folder_(file_.parent_path()) {}
+FilesOfFolder::FilesOfFolder(const std::filesystem::path& file) : folder_(whole(file).parent_path()) {}
 
 std::string FilesOfFolder::placeOf(const char* file) const {
     for (const std::filesystem::path& place : {std::filesystem::path(file), folder_ / file}) {
@@ -34,10 +31,7 @@ bool FilesOfFolder::Exists(const char* file) const {
 
 Assimp::IOStream* FilesOfFolder::Open(const char* file, const char* mode) {
     const std::string place = placeOf(file);
-    if (place.empty()) return nullptr;
-    if (!content_.empty() && whole(place) == file_)
-        return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(content_.data()), content_.size());
-    return DefaultIOSystem::Open(place.c_str(), mode);
+    return place.empty() ? nullptr : DefaultIOSystem::Open(place.c_str(), mode);
 }
 
 }  // namespace ragtop

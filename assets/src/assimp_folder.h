@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <string>
-#include <utility>
 
 namespace ragtop {
 
@@ -12,9 +11,6 @@ namespace ragtop {
 class FilesOfFolder : public Assimp::DefaultIOSystem {
 public:
     explicit FilesOfFolder(const std::filesystem::path& file);
-
-    /// Gives this for the content of the file itself.
-    void replace(std::string content) { content_ = std::move(content); }
 
     bool Exists(const char* file) const override;
     Assimp::IOStream* Open(const char* file, const char* mode) override;
@@ -26,8 +22,7 @@ private:
     /// Where a name in the file leads; empty: out of the folder.
     std::string placeOf(const char* file) const;
 
-    std::filesystem::path file_, folder_;
-    std::string content_;  ///< of the file, instead of its own; empty: its own
+    std::filesystem::path folder_;
     mutable std::string refused_;
 };
 

@@ -19,11 +19,9 @@
 #include "assimp_math.h"
 #include "axes.h"
 #include "file_kind.h"
-#include "gltf/bind_matrices.h"
 #include "import_child.h"
 #include "json_document.h"
 #include "ragtop/asset_error.h"
-#include "unfold_skins.h"
 
 namespace ragtop {
 namespace {
@@ -270,7 +268,6 @@ ImportedScene importHere(const std::string& file, ImportedDetail detail) {
     }
     auto* files = new FilesOfFolder(file);
     importer.SetIOHandler(files);  // which owns it from now on
-    if (isGltf(file)) files->replace(withBindMatrices(file));
     const aiScene* scene = importer.ReadFile(file, steps);
     if (!scene) refuse(importer, file, files->refused());
     ImportedScene imported = toScene(*scene, file);
@@ -367,7 +364,6 @@ ImportedScene importScene(const std::filesystem::path& path, ImportedDetail deta
     importInChild(
         path, write, [&](ByteReader& from) { sceneFields(from, scene); }, timeout);
     check(scene, path.string());
-    unfoldSkins(scene);
     return scene;
 }
 

@@ -3,7 +3,6 @@
 
 #include "import_support.h"
 #include "ragtop/character.h"
-#include "ragtop/mesh_file.h"
 #include "ragtop/visual.h"
 
 namespace ragtop {
@@ -31,13 +30,11 @@ void put(std::string& bytes, std::initializer_list<T> values) {
 }
 
 /// A body of three bones, a metre above each other, and three meshes of a triangle each: each mesh follows one of the
-/// bones, at whose height it is. All nodes of meshes come first. Without matrices vertices stand in their bones. The
-/// buffer goes into the chunk, where one is given.
-std::string gltf(const std::array<const char*, 3>& meshes, const std::array<const char*, 3>& bones, int matrices = 3,
-                 std::string* chunk = nullptr) {
+/// bones, at whose height it is. All nodes of meshes come first.
+std::string gltf(const std::array<const char*, 3>& meshes, const std::array<const char*, 3>& bones) {
     std::string bytes;
     for (int mesh = 0; mesh < 3; ++mesh) {
-        const float y = matrices > 0 ? static_cast<float>(mesh) : 0.0f;
+        const float y = static_cast<float>(mesh);
         put<float>(bytes, {0, y, 0, 0.1f, y, 0, 0, y + 0.1f, 0});
         const auto joint = static_cast<unsigned char>(mesh);
         for (int corner = 0; corner < 3; ++corner) put<unsigned char>(bytes, {joint, 0, 0, 0});
@@ -65,16 +62,14 @@ std::string gltf(const std::array<const char*, 3>& meshes, const std::array<cons
                   R"(,"WEIGHTS_0":)" + number(2) + "}}]}";
         nodes += R"({"name":")" + std::string(meshes[mesh]) + R"(","mesh":)" + std::to_string(mesh) + R"(,"skin":0},)";
     }
-    accessor(binds, 192, R"(,"componentType":5126,"count":)" + std::to_string(matrices) + R"(,"type":"MAT4"})");
+    accessor(binds, 192, R"(,"componentType":5126,"count":3,"type":"MAT4"})");
     nodes += R"({"name":")" + std::string(bones[0]) + R"(","children":[4]},{"name":")" + bones[1] +
              R"(","translation":[0,1,0],"children":[5]},{"name":")" + bones[2] + R"(","translation":[0,1,0]})";
-    const std::string uri = R"(,"uri":"data:application/octet-stream;base64,)" + base64(bytes) + '"';
-    if (chunk) *chunk = bytes;
     return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1,2,3]}],"nodes":[)" + nodes +
-           R"(],"meshes":[)" + shapes + R"(],"skins":[{"joints":[3,4,5])" +
-           (matrices > 0 ? R"(,"inverseBindMatrices":9)" : "") + R"(}],"accessors":[)" + accessors +
-           R"(],"bufferViews":[)" + views + R"(],"buffers":[{"byteLength":)" + std::to_string(bytes.size()) +
-           (chunk ? "" : uri) + "}]}";
+           R"(],"meshes":[)" + shapes + R"(],"skins":[{"joints":[3,4,5],"inverseBindMatrices":9}],"accessors":[)" +
+           accessors + R"(],"bufferViews":[)" + views + R"(],"buffers":[{"byteLength":)" +
+           std::to_string(bytes.size()) + R"(,"uri":"data:application/octet-stream;base64,)" + base64(bytes) +
+           R"("}]})";
 }
 
 /// The three bones hang on each other, at their heights, each with the vertices of its mesh.
@@ -96,38 +91,6 @@ TEST(GltfBones, HangOnEachOtherWhateverTheMeshesAreCalled) {
         const TemporaryFile file("bones.gltf", gltf(meshes, bones));
         expectChain(loadCharacter(file.path()));
     }
-}
-
-std::string binary(std::string json, const std::string& chunk) {
-    json.resize((json.size() + 3) / 4 * 4, ' ');
-    std::string bytes = "glTF";
-    const auto length = static_cast<std::uint32_t>(json.size()), data = static_cast<std::uint32_t>(chunk.size());
-    put<std::uint32_t>(bytes, {2, length + data + 28, length, 0x4E4F534A});
-    bytes += json;
-    put<std::uint32_t>(bytes, {data, 0x004E4942});
-    return bytes + chunk;
-}
-
-/// Without matrices a skin's vertices stand in the frames of its bones [Khronos, glTF 2.0, 5.28.1].
-TEST(GltfBones, WithoutBindMatricesCarryTheirVerticesToWhereTheyAre) {
-    const std::array meshes{"a", "b", "c"}, bones{"hip", "chest", "head"};
-    std::string chunk;
-    const std::string whole = gltf(meshes, bones, 0), text = gltf(meshes, bones, 0, &chunk);
-    for (const auto& [name, content] : {std::pair{"unbound.gltf", whole}, {"unbound.glb", binary(text, chunk)}}) {
-        SCOPED_TRACE(name);
-        const TemporaryFile file(name, content);
-        const Character character = loadCharacter(file.path());
-        expectChain(character);
-        EXPECT_FALSE(warns(character, "bind pose"));
-        EXPECT_EQ(importError(file.path(), [&] { loadMesh(file.path()); }), "");
-    }
-}
-
-TEST(GltfBones, WithFewerBindMatricesThanJointsAreRefused) {
-    const TemporaryFile file("few.gltf", gltf({"a", "b", "c"}, {"hip", "chest", "head"}, 2));
-    EXPECT_NE(importError(file.path(), [&] { loadCharacter(file.path()); })
-                  .find("/skins/0 has 2 inverseBindMatrices, must have one for each of its 3 joints"),
-              std::string::npos);
 }
 
 TEST(GltfBones, MayHaveTheSameName) {

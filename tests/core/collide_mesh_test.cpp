@@ -1,7 +1,9 @@
 #include <functional>
 #include <limits>
 
+#include "broadphase/broadphase.h"
 #include "collide_support.h"
+#include "contacts/yielding_shapes.h"
 #include "shape_support.h"
 
 namespace ragtop {
@@ -361,6 +363,61 @@ TEST(CollideMesh, RememberedTrianglesGiveTheSameContacts) {
     EXPECT_GT(touching, 2000);
     EXPECT_GT(remembered, 500);
     EXPECT_GT(tooMany, 500);
+}
+
+/// Where faces tell that all pushes of a surface are along a way, none of the contacts that are found is beside it.
+TEST(FacesAlong, PushAlongTheWayOnly) {
+    RAGTOP_NEEDS_HULLS();
+    Random random(11);
+    int told = 0, found = 0;
+    for (int round = 0; round < 300; ++round) {
+        SCOPED_TRACE(round);
+        const float rough = random.uniform(0, 0.25f);
+        std::vector<float> heights;
+        for (int i = 0; i < 12 * 12; ++i) heights.push_back(random.uniform(-rough, rough));
+        const HeightField field(12, 12, 0.3f, heights);
+        std::vector<Vec3> vertices;
+        for (int i = 0; i < 12 * 12; ++i)
+            vertices.push_back({0.3f * static_cast<float>(i % 12), heights[static_cast<std::size_t>(i)],
+                                0.3f * static_cast<float>(i / 12)});
+        std::vector<Triangle> triangles;
+        for (std::uint32_t k = 0; k < 11 * 11; ++k) {
+            const std::uint32_t a = k / 11 * 12 + k % 11, b = a + 1, c = a + 12, d = c + 1;
+            triangles.insert(triangles.end(), {{a, c, d}, {a, d, b}});
+        }
+        const TriangleMesh mesh(vertices, triangles);
+        const ConvexHull hull(randomPoints(random, 16, 0.3f));
+        const Frame frame{{random.uniform(0.2f, 3.1f), random.uniform(-0.1f, 0.5f), random.uniform(0.2f, 3.1f)},
+                          random.rotation(0.4f)};
+        constexpr float kMargin = 0.02f;
+        const ConvexView view = convexView(Shape(hull));
+        const Bounds near = enlarged(boundsOf(Shape(hull), frame), 2 * kMargin);
+        const Vec3 way = rotate(frame.rotation, {0, 1, 0});
+        const auto check = [&](const auto& surface) {
+            if (!facesAlong(surface.data(), near, way)) return;
+            ++told;
+            const Contacts contacts = contactsOf(surface, view, frame, kMargin);
+            found += contacts.count;
+            for (int i = 0; i < contacts.count; ++i) EXPECT_GT(dot(contacts.manifolds[i].normal, way), 0.2f);
+        };
+        check(field);
+        check(mesh);
+    }
+    EXPECT_GT(told, 60);
+    EXPECT_GT(found, 60);
+}
+
+/// From the side of a sheet its border pushes across.
+TEST(FacesAlong, DoNotWhereASurfaceEnds) {
+    const TriangleMesh mesh = gridMesh(4, 1, flat);
+    const HeightField field(5, 5, 0.5f, std::vector<float>(25, 0.0f));
+    const Bounds inside{{-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f}}, outside{{0.9f, -0.2f, -0.2f}, {1.3f, 0.2f, 0.2f}};
+    const Vec3 middle{1, 0, 1};
+    EXPECT_TRUE(facesAlong(mesh.data(), inside, {0, 1, 0}));
+    EXPECT_FALSE(facesAlong(mesh.data(), inside, {1, 0, 0}));
+    EXPECT_FALSE(facesAlong(mesh.data(), outside, {0, 1, 0}));
+    EXPECT_TRUE(facesAlong(field.data(), {inside.lower + middle, inside.upper + middle}, {0, 1, 0}));
+    EXPECT_FALSE(facesAlong(field.data(), {outside.lower + middle, outside.upper + middle}, {0, 1, 0}));
 }
 
 }  // namespace

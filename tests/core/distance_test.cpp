@@ -145,6 +145,44 @@ TEST(Sweep, StopsWherePolyhedraFirstTouch) {
     EXPECT_GT(hits, 100);
 }
 
+/// Unlike the closed form, the distance of a point to a triangle knows of no motion; on a line it is convex, so that the
+/// first touch is where it falls to the radius.
+TEST(Sweep, OfABallEndsWhereItsCentreComesAsNearAsItsRadius) {
+    Random random(27);
+    int hits = 0, starts = 0;
+    for (int i = 0; i < 20000; ++i) {
+        SCOPED_TRACE(i);
+        const Vec3 corners[3] = {random.inBox(1), random.inBox(1), random.inBox(1)};
+        if (lengthSquared(cross(corners[1] - corners[0], corners[2] - corners[0])) < 1e-4f) continue;
+        const TriangleView triangle = triangleView(corners[0], corners[1], corners[2]);
+        const float radius = random.uniform(0.01f, 0.6f);
+        const Vec3 start = random.inBox(3);
+        // Some along an edge, some past it.
+        const Vec3 travel = i % 8 == 0 ? 2 * (corners[1] - corners[0]) : random.inBox(2) - 1.5f * start;
+        const auto distanceAt = [&](float t) {
+            return distance(triangle, sphereView(radius), {start + t * travel, {}}).distance;
+        };
+        const SweepHit hit = sweep(triangle, sphereView(radius), {start, {}}, travel);
+        constexpr float kRounding = 2e-5f;  // some thirty units in the last place of 6 m
+        if (distanceAt(0) < kRounding) {
+            EXPECT_EQ(hit.fraction, 0);
+            ++starts;
+            continue;
+        }
+        const float until = hit.hit ? hit.fraction : 1;
+        for (int k = 0; k < 40; ++k) ASSERT_GE(distanceAt(until * static_cast<float>(k) / 40), -kRounding);
+        if (!hit.hit) continue;
+        ++hits;
+        const Vec3 apart = start + hit.fraction * travel - hit.point;
+        // Where a ball grazes, a time is the root of a difference: its distance is what is known.
+        EXPECT_NEAR(distanceAt(hit.fraction), 0, kRounding);
+        EXPECT_NEAR(length(apart), radius, kRounding);
+        EXPECT_NEAR(dot(apart, hit.normal), radius, kRounding);
+    }
+    EXPECT_GT(hits, 4000);
+    EXPECT_GT(starts, 100);
+}
+
 TEST(TimeOfImpact, OfASpinningRodMatchesFineSampling) {
     Random random(26);
     const ConvexView rod = boxView({1, 0.02f, 0.02f}), post = boxView({0.1f, 0.1f, 2});

@@ -11,7 +11,7 @@ struct PatchRow {
     Vec3 moment, groundMoment;                 ///< r × d, of the arms
     Vec3 turn, groundTurn;                     ///< rad/s by a unit impulse; zero where the ground is fixed
     float inverseMass = 0, groundInverse = 0;  ///< 1/kg
-    float belt = 0;                            ///< m/s of the ground's surface
+    float belt = 0;                            ///< m/s of the ground's surface, of all of ground that nothing pushes
 };
 
 inline PatchRow rowOf(const Vec3& along, const PointBody& body, const Vec3& arm, const PointBody& ground,
@@ -19,12 +19,16 @@ inline PatchRow rowOf(const Vec3& along, const PointBody& body, const Vec3& arm,
     PatchRow row{along, cross(arm, along), {}, {}, {}, body.inverseMass, ground.inverseMass, dot(belt, along)};
     row.turn = body.inverseInertia * row.moment;
     row.groundMoment = cross(groundArm, along);
-    if (ground.inverseMass > 0) row.groundTurn = ground.inverseInertia * row.groundMoment;
+    if (ground.inverseMass > 0)
+        row.groundTurn = ground.inverseInertia * row.groundMoment;
+    else
+        row.belt += dot(ground.v, along) + dot(ground.w, row.groundMoment);
     return row;
 }
 
 inline float speedAlong(const PatchRow& row, const PointBody& body, const PointBody& ground) {
     const float of = dot(body.v, row.along) + dot(body.w, row.moment) - row.belt;
+    if (!(row.groundInverse > 0)) return of;
     return of - dot(ground.v, row.along) - dot(ground.w, row.groundMoment);
 }
 
@@ -38,8 +42,8 @@ inline void push(const PatchRow& row, PointBody& body, PointBody& ground, float 
 
 /// Speed along the first row's direction by a unit impulse along the second's, of the same patch.
 inline float inverseMassBetween(const PatchRow& a, const PatchRow& b) {
-    return (a.inverseMass + a.groundInverse) * dot(a.along, b.along) + dot(a.moment, b.turn) +
-           dot(a.groundMoment, b.groundTurn);
+    const float one = (a.inverseMass + a.groundInverse) * dot(a.along, b.along) + dot(a.moment, b.turn);
+    return a.groundInverse > 0 ? one + dot(a.groundMoment, b.groundTurn) : one;
 }
 
 }  // namespace ragtop

@@ -118,6 +118,7 @@ VehicleSim::VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePla
     start(placement.speed);
     patches.resize(specs.size());
     courses.resize(specs.size());
+    aheads.resize(specs.size());
     grounds.resize(specs.size());
     groundOfWheel.resize(specs.size());
     resistances.resize(specs.size());

@@ -166,6 +166,7 @@ struct VehicleSim {
     std::mutex telling;  ///< of those that ask for it at once
     std::vector<WheelPatch> patches;
     std::vector<WheelCourse> courses;
+    std::vector<Vec3> aheads;                ///< of a step: where wheels roll to, unit, in the chassis
     int substep = 0;                         ///< of the step
     int parts = 1, part = 0;                 ///< of a substep in which a wheel goes over an edge
     CarImpulse whole;                        ///< of a step, at level 1
@@ -184,6 +185,7 @@ private:
     void seekGround(std::size_t i, const Pose& pose, float dt);
     void seekPoint(std::size_t i, const Pose& pose, float dt);
     Pose wheelFrame(std::size_t i, const Pose& pose) const;
+    Vec3 axleOf(std::size_t i, const Pose& pose) const;
     void placeShapes();
 
     Filter filterOf(std::size_t shape) const;

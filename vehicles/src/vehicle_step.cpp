@@ -8,7 +8,7 @@
 namespace ragtop {
 namespace {
 
-constexpr float kPlaced = 0.002f;  ///< radii, and rad, by which a wheel's shape may be where its wheel is not
+constexpr float kPlaced = 0.01f;  ///< radii, and rad, by which a wheel's shape may be where its wheel is not
 constexpr float kStill = 1e-3f;    ///< over a wheel's radius: how far the ground of a sleeping car may move
 
 /// Clamps to [lower, 1]; what is no number counts as 0.
@@ -92,8 +92,10 @@ void VehicleSim::beforeStep(double dt) {
     steerAngle = steeredAngle(def.steering, steerAngle, driver.steer, forwardSpeed, step);
     const std::optional<int> gear = driver.gearGiven != 0 ? std::optional<int>(driver.gear) : std::nullopt;
     shift(def.gearbox, drivetrain.gearbox, gear, forwardSpeed / meanRadius, driver.throttle, step);
+    if (def.level == VehicleLevel::bicycle) return rideBicycle(step);
+    for (std::size_t i = 0; i < wheels.size(); ++i)
+        aheads[i] = wheelDirection(def.steering, def.wheels[i].steerFactor, specs[i].steerArm, steerAngle);
     if (def.level == VehicleLevel::full) placeShapes();
-    if (def.level == VehicleLevel::bicycle) rideBicycle(step);
 }
 
 /// What meets wheels from the side finds them where their struts and the steering have them.
@@ -101,7 +103,7 @@ void VehicleSim::placeShapes() {
     const auto all = world->shapes(chassis);
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         const ShapeId shape = all[def.chassis.shapes.size() + i];
-        const Vec3 ahead = wheelDirection(def.steering, def.wheels[i].steerFactor, specs[i].steerArm, steerAngle);
+        const Vec3& ahead = aheads[i];
         const Frame now = world->frame(shape);
         const Frame next = wheelShapeFrame(def.wheels[i], wheels[i].compression, arcTan2(ahead.x, ahead.z));
         const Quat turn = conjugate(now.rotation) * next.rotation;
@@ -139,7 +141,7 @@ WheelWay VehicleSim::wayOf(std::size_t i, const Pose& pose, float dt) const {
     const Vec3 went = dt * world->velocityAt(chassis, way.from);
     way.to = way.from + went;
     way.axis = rotate(pose.rotation, spec.axis);
-    way.axle = rotate(wheelFrame(i, pose).rotation, {1, 0, 0});
+    way.axle = axleOf(i, pose);
     way.radius = spec.radius;
     way.halfWidth = spec.halfWidth;
     way.above = spec.strut.travelUp + spec.radius;
@@ -168,10 +170,11 @@ void VehicleSim::seekPoint(std::size_t i, const Pose& pose, float dt) {
               wheels[i].ground);
 }
 
-/// As many as the finest course of a wheel has to a substep, or as it takes to follow a tire that springs back; what
-/// moves is solved with the car in whole ones.
+/// As many as the finest course of a wheel has to a substep, or as it takes to follow a tire that springs back, by a
+/// share of its squash each; what moves is solved with the car in whole ones.
 int VehicleSim::partsOfSubstep(float dt) const {
-    const int substeps = world->settings().substeps;
+    const int substeps = world->settings().substeps, fine = finePieces(dt, substeps);
+    const Pose pose = world->pose(chassis);
     int most = 1;
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         const WheelCourse& course = courses[i];
@@ -179,11 +182,13 @@ int VehicleSim::partsOfSubstep(float dt) const {
         if (plane.found != 0 && plane.moves != 0) return 1;
         most = std::max(most, course.count / substeps);
         if (wheels[i].touching == 0 || plane.found == 0) continue;
-        const Vec3 axis = rotate(world->pose(chassis).rotation, specs[i].axis);
+        const Vec3 axis = rotate(pose.rotation, specs[i].axis);
         const float closing = -dot(world->velocityAt(chassis, plane.point), plane.normal);
-        const float squashed = closing - dot(axis, plane.normal) * wheels[i].hubSpeed;
-        if (std::abs(squashed) * dt > kThrown * specs[i].strut.tireSquash * static_cast<float>(substeps))
-            most = std::max(most, finePieces(dt, substeps));
+        const float squashed = std::abs(closing - dot(axis, plane.normal) * wheels[i].hubSpeed) * dt;
+        const float each = kThrown * specs[i].strut.tireSquash * static_cast<float>(substeps);
+        most = std::max(most, squashed > static_cast<float>(fine) * each
+                                  ? fine
+                                  : static_cast<int>(std::ceil(squashed / each)));
     }
     return most;
 }
@@ -227,6 +232,11 @@ void VehicleSim::afterStep() {
         wheel.ground.pose = now;
     }
     stale.store(true, std::memory_order_relaxed);
+}
+
+/// To the left.
+Vec3 VehicleSim::axleOf(std::size_t i, const Pose& pose) const {
+    return rotate(pose.rotation, {aheads[i].z, 0, -aheads[i].x});
 }
 
 /// The hub with its steering, without its rotation.

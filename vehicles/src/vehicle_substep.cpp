@@ -15,7 +15,7 @@ constexpr Patience kFull{24, 1e-5f}, kRays{12, 1e-4f};
 constexpr float kMostFelt = 0.25f;   ///< of the way that a tire's load moves what it stands on in a substep, as squash
 
 /// Velocity of the wheel's side of the patch over the ground, its hub rising along the strut: forward, left.
-Vec2 travelOf(const WheelPatch& patch, const PointBody& body, float hubSpeed) {
+inline Vec2 travelOf(const WheelPatch& patch, const PointBody& body, float hubSpeed) {
     return {speedAlong(patch.forwardRow, body, *patch.ground) + patch.lean.x * hubSpeed,
             speedAlong(patch.sideRow, body, *patch.ground) + patch.lean.y * hubSpeed};
 }
@@ -199,7 +199,7 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     WheelPatch& patch = patches[i];
     WheelState& wheel = wheels[i];
     patch.spinBefore = drivetrain.spin[i];
-    patch.axle = rotate(wheelFrame(i, pose).rotation, {1, 0, 0});
+    patch.axle = axleOf(i, pose);
     if (def.level == VehicleLevel::full && (substep > 0 || part > 0)) takePiece(i, transformPoint(pose, specs[i].position));
     const bool known = placePatch(i, pose, center);
     patch.touching = known && sinkGround(i, body, h);
@@ -222,7 +222,8 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
                    inverseMassBetween(patch.forwardRow, patch.sideRow),
                    inverseMassBetween(patch.sideRow, patch.sideRow)};
     const float lean = clampTo(dot(patch.axle, patch.normal), -1, 1);
-    wheel.inclination = arcTan2(lean, std::sqrt(1 - lean * lean));
+    // No other law asks for it.
+    if (specs[i].tire.def.magicFormula) wheel.inclination = arcTan2(lean, std::sqrt(1 - lean * lean));
     patch.speedBefore = patchSpeed(i, body);
     const TireMotion motion{travelOf(patch, body, wheel.hubSpeed), radius * drivetrain.spin[i]};
     // Bristles leave with the tread; slip is over the speed of travel.

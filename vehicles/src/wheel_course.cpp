@@ -119,17 +119,18 @@ struct Search {
     }
 };
 
-/// Does the hub of a wheel that stands go up by much more in one part of the way than in the one before?
-bool isThrown(std::span<const Sample> samples, int count, const WheelWay& way) {
-    float before = 0;
+/// By how much more the hub of a wheel that stands goes up in one part of the way than in the one before, over what it
+/// may.
+float thrownBy(std::span<const Sample> samples, int count, const WheelWay& way) {
+    float before = 0, most = 0;
     for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
         const Sample &from = samples[k], &to = samples[k + 1];
         if (from.plane.found == 0 || to.plane.found == 0) continue;
         const float rise = to.rise - from.rise;
-        if (rise - before > kThrown * way.tireSquash) return true;
+        most = std::max(most, rise - before);
         before = rise;
     }
-    return false;
+    return most / (kThrown * way.tireSquash);
 }
 
 }  // namespace
@@ -196,9 +197,11 @@ void findCourse(const World& world, BodyId chassis, const Filter& filter, const 
     course.went = relative(way.to, way.from);
     const int count = search.isEven(samples[0], end) ? 1 : std::clamp(substeps, 1, kMostCoarse);
     search.lookAlong(samples, count, end);
-    const int fine = finePieces(way.seconds, count);
-    if (count > 1 && fine > 1 && isThrown(samples, count, way))
+    const int finest = finePieces(way.seconds, count);
+    if (const float thrown = count > 1 ? thrownBy(samples, count, way) : 0; finest > 1 && thrown > 1) {
+        const int fine = thrown < static_cast<float>(finest) ? static_cast<int>(std::ceil(thrown)) : finest;
         return takeFineCourse(search, count * fine, samples[0], end, last, course);
+    }
     takeCourse(search, std::span(samples).first(static_cast<std::size_t>(count) + 1), last, course);
 }
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "described_file.h"
-#include "gltf/base64.h"
 #include "gltf/physics_document.h"
 #include "gltf/physics_format.h"
 #include "gltf/physics_joints.h"
@@ -14,6 +13,18 @@
 namespace ragtop {
 
 namespace {
+
+std::string base64(std::span<const std::byte> bytes) {
+    static constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        std::uint32_t three = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            three = three << 8 | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0);
+        for (std::size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63];
+    }
+    return text;
+}
 
 /// Writes without what is as it is by default.
 template <class T>
@@ -166,7 +177,8 @@ private:
             gltf_["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", place}}}, {"mode", 0}}}}});
         }
         if (bytes.empty()) return;
-        gltf_["buffers"] = {{{"byteLength", bytes.size()}, {"uri", dataUri(bytes)}}};
+        gltf_["buffers"] = {
+            {{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}}};
     }
 
     void finish() {

@@ -195,6 +195,17 @@ bool NarrowPhase::reuseManifolds(ContactRecord& record, const PairPlace& place, 
     return true;
 }
 
+/// Manifolds without those along which a shape gives way; the first is filled in any case.
+int NarrowPhase::findKept(ContactRecord& record, const PairPlace& place, Manifold* found) {
+    if (yieldsToAll(shapes, record, place.bInA, place.margin)) return 0;
+    const int count = place.touch.single
+                          ? takeTouch(place.touch, place.margin, found[0])
+                          : findManifolds({bodies, shapes, manifolds.meshMemory, dt}, record, place.bInA, place.margin,
+                                          {found, record.manifoldCapacity});
+    return keepUnyielding(bodies, shapes, record, place.bInA, tuning::kSpeculative * record.size, dt,
+                          {found, static_cast<std::size_t>(count)});
+}
+
 std::uint8_t NarrowPhase::collideAnew(ContactRecord& record, const PairPlace& place, double travel, int worker) {
     record.collidedMargin = place.margin;
     union Unfilled {  // with zeros: most pairs touch in one direction, if any
@@ -202,11 +213,7 @@ std::uint8_t NarrowPhase::collideAnew(ContactRecord& record, const PairPlace& pl
         Manifold manifolds[kMaxManifolds];
     } room;
     std::construct_at(room.manifolds);
-    const int all = place.touch.single ? takeTouch(place.touch, place.margin, room.manifolds[0])
-                                       : findManifolds({bodies, shapes, manifolds.meshMemory, dt}, record, place.bInA,
-                                                       place.margin, {room.manifolds, record.manifoldCapacity});
-    const int count = keepUnyielding(bodies, shapes, record, place.bInA, tuning::kSpeculative * record.size, dt,
-                                     {room.manifolds, static_cast<std::size_t>(all)});
+    const int count = findKept(record, place, room.manifolds);
     const std::span<const Manifold> found(room.manifolds, static_cast<std::size_t>(count));
     const bool first = record.firstManifold == kNone;
     unsigned change = kUnchanged;

@@ -34,6 +34,7 @@ private:
     void updateContact(std::uint32_t contact, const PairPlace& place, int worker);
     std::uint8_t keepManifolds(ContactRecord& contact);
     bool reuseManifolds(ContactRecord& contact, const PairPlace& place, double travel) const;
+    int findKept(ContactRecord& contact, const PairPlace& place, Manifold* found);
     std::uint8_t collideAnew(ContactRecord& contact, const PairPlace& place, double travel, int worker);
     void prefetchCollision(const ContactRecord& contact) const;
     void prefetchShapes(const ContactRecord& contact) const;

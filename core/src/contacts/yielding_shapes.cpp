@@ -1,7 +1,10 @@
 #include "contacts/yielding_shapes.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 
+#include "broadphase/broadphase.h"
 #include "narrowphase/collide.h"
 
 namespace ragtop {
@@ -30,7 +33,45 @@ int touchesAt(const GeometryEntry& a, const GeometryEntry& b, const Frame& bInA,
     return found[0].pointCount > 0 ? 1 : 0;
 }
 
+constexpr float kFaces = 0.5f;  ///< cosine to the way, of a face from which nothing leads beside it
+
+bool hasBorder(const std::array<std::uint32_t, 3>& neighbours) {
+    return std::ranges::find(neighbours, kNoTriangle) != neighbours.end();
+}
+
 }  // namespace
+
+bool facesAlong(const MeshData& mesh, const Bounds& near, const Vec3& way) {
+    bool faces = true;
+    walkTriangles(mesh, near, [&](std::uint32_t i, const TriangleView& triangle) {
+        return faces = dot(triangle.normal, way) > kFaces && !hasBorder(mesh.neighbours[i]);
+    });
+    return faces;
+}
+
+bool facesAlong(const HeightFieldData& field, const Bounds& near, const Vec3& way) {
+    const CellRange columns = cellsMeeting(near.lower.x, near.upper.x, field.spacing, field.columns - 1);
+    const CellRange rows = cellsMeeting(near.lower.z, near.upper.z, field.spacing, field.rows - 1);
+    if (columns.first < 1 || columns.last > field.columns - 3 || rows.first < 1 || rows.last > field.rows - 3)
+        return false;
+    for (int row = rows.first; row <= rows.last; ++row) {
+        const std::size_t first = 2 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(field.columns - 1) +
+                                       static_cast<std::size_t>(columns.first));
+        const std::size_t end = first + 2 * static_cast<std::size_t>(columns.last - columns.first + 1);
+        for (std::size_t i = first; i < end; ++i)
+            if (!(dot(field.normals[i], way) > kFaces)) return false;  // as of a hole, which has none
+    }
+    return true;
+}
+
+bool yieldsToAll(const Shapes& shapes, const ContactRecord& record, const Frame& bInA, float margin) {
+    const ShapeRecord& b = shapes[record.shapeB];
+    const GeometryEntry &surface = shapes.geometryOf(shapes[record.shapeA]), &shape = shapes.geometryOf(b);
+    if (!b.givesWay || !surface.isMesh() || shape.isMesh()) return false;
+    const Bounds near = enlarged(boundsOf(shape.shape, bInA), 2 * margin);
+    const Vec3 way = rotate(bInA.rotation, {0, 1, 0});
+    return surface.field ? facesAlong(*surface.field, near, way) : facesAlong(*surface.mesh, near, way);
+}
 
 int keepUnyielding(const Bodies& bodies, const Shapes& shapes, const ContactRecord& record, const Frame& bInA,
                    float near, float dt, std::span<Manifold> found) {

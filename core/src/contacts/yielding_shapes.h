@@ -7,6 +7,15 @@
 
 namespace ragtop {
 
+/// Is a surface within some bounds without a border, and do all of its faces push along a way? So do edges and corners
+/// then, whose directions lie between those of the faces around them.
+bool facesAlong(const MeshData& surface, const Bounds& near, const Vec3& way);
+bool facesAlong(const HeightFieldData& surface, const Bounds& near, const Vec3& way);
+
+/// Would keepUnyielding drop all that a shape has with a surface of triangles within a margin? Where it can be told from
+/// the faces there, nothing has to be collided.
+bool yieldsToAll(const Shapes& shapes, const ContactRecord& record, const Frame& bInA, float margin);
+
 /// Drops the manifolds of a contact that push a shape along the way that it gives (ShapeDef::givesWay); returns how
 /// many are left, at the beginning. What is farther than `near` (m) counts with the direction in which it will touch
 /// within a step of dt: from afar, a wheel sees the edge of a kerb as the face of a wall.

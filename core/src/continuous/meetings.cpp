@@ -1,5 +1,6 @@
 #include "continuous/meetings.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "contacts/tuning.h"
@@ -138,6 +139,18 @@ Manifold touchOf(const TriangleView& t, const ConvexView& shape, const Frame& fr
     return touch;
 }
 
+/// Does a shape stay in front of the plane of a triangle, by more than where it would touch? Between its ends a point of
+/// it leaves its chord by `bulge` at most.
+bool staysInFront(const TriangleView& t, const ConvexView& shape, const Frame& from, const Frame& to, float bulge,
+                  float target) {
+    constexpr float kMore = 2;  // targets, for the rounding
+    const auto height = [&](const Frame& at) {
+        const Vec3 lowest = supportOfCore(shape, inverseRotate(at.rotation, -t.normal));
+        return dot(t.normal, at.position - t.a + rotate(at.rotation, lowest)) - shape.radius;
+    };
+    return std::min(height(from), height(to)) > bulge + kMore * target;
+}
+
 /// Is a ball surely away from all bounds of a tree along its way? In doubles, which need no rounding to either side.
 bool isAwayFrom(const BoundsTree& tree, const DVec3& from, const DVec3& to, float radius) {
     constexpr double kMore = 1 + 1e-5;  // radii are floats: eighty roundings
@@ -249,6 +262,7 @@ Meeting firstMeeting(const SweepView& view, std::uint32_t index, const Pose& sta
             const Bounds path = enlarged(merge(boundsOf(geometry.shape, from), boundsOf(geometry.shape, to)), bulge);
             const auto triangle = [&](const TriangleView& face) {
                 // Surfaces are met from the front only.
+                if (still && staysInFront(face, geometry.convex, from, to, bulge, target)) return true;
                 if (dot(face.normal, from.position - face.a) > 0) sweepAt(face);
                 return true;
             };

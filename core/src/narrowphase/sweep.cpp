@@ -1,4 +1,6 @@
 #include "narrowphase/distance.h"
+#include "narrowphase/sweep_ball.h"
+#include "narrowphase/triangle_feature.h"
 
 /// Conservative advancement [Mirtich, 1996]: a step never longer than distance over the fastest possible approach.
 namespace ragtop {
@@ -19,6 +21,13 @@ float reach(const ConvexView& shape) {
         most = square > most ? square : most;
     }
     return std::sqrt(most) + shape.radius;
+}
+
+bool touchesBall(const TriangleView& t, const Vec3& center, float radius) {
+    const Vec3 v[3] = {t.a - center, t.b - center, t.c - center};
+    if (std::abs(dot(t.normal, v[0])) > radius) return false;
+    Feature feature;
+    return !(lengthSquared(nearestOnTriangle(v, t.normal, {}, feature)) > radius * radius);
 }
 
 /// The direction of a distance is known to a few roundings, so a long step may end a little too deep; then half of it
@@ -96,6 +105,8 @@ SweepHit sweep(const ConvexView& a, const ConvexView& b, const Frame& bInA, cons
 }
 
 SweepHit sweep(const TriangleView& a, const ConvexView& b, const Frame& bInA, const Vec3& translation, float closer) {
+    if (b.kind == ConvexKind::sphere && !touchesBall(a, bInA.position, (1 + kTouch) * b.radius))
+        return sweepBall(a, bInA.position, b.radius, translation, closer);
     return sweepAny(a, b, bInA, translation, closer);
 }
 
