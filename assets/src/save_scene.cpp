@@ -54,7 +54,10 @@ void saveScene(const Scene& scene, const std::filesystem::path& path) {
         for (const char* field : {"color"}) bodies.back().erase(field);
     }
     for (const SceneJoint& joint : scene.joints) {
-        const JointBodies& ends = std::visit([](const auto& def) -> const JointBodies& { return def.bodies; }, joint.def);
+        if (joint.holdsRagdoll())
+            throw AssetError("joint \"" + joint.name + "\" holds a ragdoll, which has no place in it");
+        const JointBodies& ends =
+            std::visit([](const auto& def) -> const JointBodies& { return def.bodies; }, joint.def);
         const auto placed = [&](int body, const Frame& frame) {
             const Pose pose = body < 0 ? Pose{} : scene.bodies[static_cast<std::size_t>(body)].def.pose;
             return Pose{transformPoint(pose, frame.position), pose.rotation * frame.rotation};
@@ -74,12 +77,9 @@ void saveScene(const Scene& scene, const std::filesystem::path& path) {
         writeJointKind(joint.def, object);
         joints.push_back(std::move(object));
     }
-    Json file = {{"description", scene.description},
-                 {"settings", writeValue(scene.settings)},
-                 {"step", writeNumber(scene.step)},
-                 {"duration", writeNumber(scene.duration)},
-                 {"materials", Json::object()},
-                 {"bodies", std::move(bodies)},
+    Json file = {{"description", scene.description}, {"settings", writeValue(scene.settings)},
+                 {"step", writeNumber(scene.step)},  {"duration", writeNumber(scene.duration)},
+                 {"materials", Json::object()},      {"bodies", std::move(bodies)},
                  {"joints", std::move(joints)}};
     for (const auto& [name, text] : materials) file["materials"][name] = text;
     writeJson(file, path);

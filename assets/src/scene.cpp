@@ -11,6 +11,7 @@
 #include "left_out.h"
 #include "ragdoll_extent.h"
 #include "ragtop/scene.h"
+#include "scene_actors.h"
 #include "scene_file.h"
 #include "scene_generators.h"
 #include "tuning_json.h"
@@ -52,11 +53,11 @@ public:
         generate(in_.towers, "towers", addTower);
         generate(in_.stairs, "stairs", addStairs);
         forEach(in_.roads, "roads", [&](const RoadInFile& r, const JsonValue& at) { add(r, at); });
+        forEach(in_.ragdolls, "ragdolls", [&](const RagdollInScene& r, const JsonValue& at) { add(r, at); });
         forEach(in_.joints, "joints", [&](const SceneJointInFile& j, const JsonValue& at) { add(j, at); });
         forEach(in_.couplings, "couplings", [&](const CouplingInFile& c, const JsonValue& at) { add(c, at); });
         forEach(in_.animated, "animated", [&](const AnimatedInFile& a, const JsonValue& at) { add(a, at); });
         forEach(in_.vehicles, "vehicles", [&](const VehicleInFile& v, const JsonValue& at) { add(v, at); });
-        forEach(in_.ragdolls, "ragdolls", [&](const RagdollInScene& r, const JsonValue& at) { add(r, at); });
         if (file_.has("settings")) file_.at("settings").attempt([&] { check(file_.at("settings")); });
         const auto isThere = [&](const std::string& path) { return isWhole(path); };
         if (file_.has("tuning") && !file_.at("tuning").isWrong())
@@ -129,9 +130,11 @@ private:
             reference.fail(fmt::format("follows {} others, the most allowed", chain_.size()));
         Scene other = loadScene(path, {}, chain_);
         const int offset = static_cast<int>(scene_.bodies.size());
+        const int ragdolls = static_cast<int>(scene_.ragdolls.size());
+        const auto shift = [](int& index, int by) { index = index < 0 ? index : index + by; };
         for (SceneJoint& joint : other.joints) {
-            if (joint.bodyA >= 0) joint.bodyA += offset;
-            if (joint.bodyB >= 0) joint.bodyB += offset;
+            shift(joint.bodyA, offset), shift(joint.bodyB, offset);
+            shift(joint.partA.ragdoll, ragdolls), shift(joint.partB.ragdoll, ragdolls);
         }
         for (SceneCoupling& coupling : other.couplings)
             for (std::size_t& joint : coupling.joints) joint += scene_.joints.size();
@@ -260,6 +263,35 @@ private:
         return index;
     }
 
+    struct Hold {
+        int body = -1;
+        ScenePart part{};
+    };
+
+    /// A body, a part of a ragdoll, or the world, which has no name.
+    Hold holdNamed(const std::string& name, const JsonValue& at, const char* key) const {
+        const std::size_t slash = name.find('/');
+        const auto isIt = [&](const SceneBody& body) { return body.name == name; };
+        if (slash == std::string::npos || std::any_of(scene_.bodies.begin(), scene_.bodies.end(), isIt))
+            return {.body = bodyNamed(name, at, key)};
+        Hold hold;
+        at.attempt(key, [&](const JsonValue& value) {
+            const std::string owner = name.substr(0, slash);
+            std::vector<std::string> names;
+            for (const SceneRagdoll& ragdoll : scene_.ragdolls) names.push_back(ragdoll.name);
+            const auto found = std::find(names.begin(), names.end(), owner);
+            if (found == names.end() || std::find(found + 1, names.end(), owner) != names.end()) {
+                if (left_.mayHave(LeftOut::kBodies, owner)) throw Faults::Consequence();
+                value.fail(fmt::format("is {}, must be a body, or a part of a ragdoll whose name is its alone",
+                                       shown(value.json())));
+            }
+            const SceneRagdoll& ragdoll = scene_.ragdolls[static_cast<std::size_t>(found - names.begin())];
+            hold.part = {static_cast<int>(found - names.begin()),
+                         partNamed(*ragdoll.def, name.substr(slash + 1), value)};
+        });
+        return hold;
+    }
+
     /// The index of the only thing of the name that `at` holds.
     template <class T>
     std::size_t theOne(const std::vector<T>& all, const JsonValue& at, const char* kind) const {
@@ -278,14 +310,18 @@ private:
         failName(at, names, kind);
     }
 
-    /// The joint's frame in a body, or in the world for −1.
-    Frame frameIn(int body, const DVec3& anchor, const Quat& rotation) const {
-        const Pose pose = body < 0 ? Pose{} : scene_.bodies[static_cast<std::size_t>(body)].def.pose;
+    /// The joint's frame in what holds it.
+    Frame frameIn(const Hold& hold, const DVec3& anchor, const Quat& rotation) const {
+        Pose pose;
+        if (hold.body >= 0) pose = scene_.bodies[static_cast<std::size_t>(hold.body)].def.pose;
+        if (hold.part.ragdoll >= 0)
+            pose = placeOf(scene_.ragdolls[static_cast<std::size_t>(hold.part.ragdoll)], hold.part.part);
         return relative(pose, Pose{anchor, rotation});
     }
 
     void add(const SceneJointInFile& in, const JsonValue& at) {
-        SceneJoint joint{in.name, bodyNamed(in.a, at, "a"), bodyNamed(in.b, at, "b"), {}};
+        const Hold a = holdNamed(in.a, at, "a"), b = holdNamed(in.b, at, "b");
+        SceneJoint joint{in.name, a.body, b.body, {}, a.part, b.part};
         at.attempt("axis", [&](const JsonValue& axis) {
             if (!(length(in.axis) > 0)) axis.fail("is [0, 0, 0], must have a direction");
         });
@@ -297,8 +333,8 @@ private:
         const Quat rotation = rotationBetween({1, 0, 0}, normalized(in.axis));
         std::visit(
             [&](auto& kind) {
-                kind.bodies.frameA = frameIn(joint.bodyA, in.anchor, rotation);
-                kind.bodies.frameB = frameIn(joint.bodyB, in.anchorB.value_or(in.anchor), rotation);
+                kind.bodies.frameA = frameIn(a, in.anchor, rotation);
+                kind.bodies.frameB = frameIn(b, in.anchorB.value_or(in.anchor), rotation);
                 kind.bodies.collide = in.collide;
                 kind.bodies.breakForce = in.breakForce.value_or(kNoForceLimit);
                 kind.bodies.breakTorque = in.breakTorque.value_or(kNoForceLimit);
@@ -327,16 +363,8 @@ private:
             coupling.def.parts[i] = {{}, in.parts[i].coordinate, in.parts[i].ratio};
         coupling.def.count = static_cast<int>(in.parts.size());
         coupling.def.sum = in.sum;
-        check(coupling, at);
+        needUsable(coupling, at);
         scene_.couplings.push_back(std::move(coupling));
-    }
-
-    /// With numbers of joints that are not made yet.
-    static void check(const SceneCoupling& coupling, const JsonValue& at) {
-        CouplingDef def = coupling.def;
-        for (std::size_t i = 0; i < coupling.joints.size(); ++i)
-            def.parts[i].joint = {static_cast<std::uint32_t>(coupling.joints[i]), 1};
-        if (const std::string wrong = whyInvalid(def); !wrong.empty()) at.fail("is not usable: " + wrong);
     }
 
     void add(const AnimatedInFile& in, const JsonValue& at) {
@@ -364,21 +392,6 @@ private:
         scene_.vehicles.push_back(std::move(vehicle));
     }
 
-    static std::vector<DriverAction> scriptOf(const std::vector<ActionInFile>& in, const JsonValue& at) {
-        std::vector<DriverAction> script;
-        for (std::size_t i = 0; i < in.size(); ++i) {
-            const double before = i == 0 ? 0 : in[i - 1].time;
-            at.at(i).attempt([&] {
-                if (in[i].time < before && !at.at(i).holdsWrong() && !at.at(i - 1).holdsWrong()) {
-                    at.at(i).fail(fmt::format("has the time {}, must not be before {} s, that of the action before it",
-                                              in[i].time, before));
-                }
-            });
-            script.push_back({in[i].time, in[i].input});
-        }
-        return script;
-    }
-
     std::shared_ptr<const RagdollDef> definition(const RagdollInScene& in, const JsonValue& at) {
         if (in.file.empty() && in.character.empty() && at.holdsUnknown()) throw Faults::Consequence();
         if (in.file.empty() == in.character.empty()) at.fail("must have either a \"file\" or a \"character\"");
@@ -404,15 +417,20 @@ private:
         needRight(at);
         const fs::path character = in.character.empty() ? fs::path() : assetFile(at.at("character"));
         if (!character.empty()) scene_.files.push_back(character);
+        const std::vector<SceneBlow> blows =
+            in.blows.empty() ? std::vector<SceneBlow>{} : blowsOf(in.blows, *def, at.at("blows"));
+        if (in.puppet) needStanding(*def, at.at("puppet"));
+        needRight(at);
         auto poses = posesOf(in.grid, poseOf(in.place));
         // The origin of a person is between the feet; tumbling turns about the middle.
         const Vec3 middle = middleOf(*def), upright = rotate(poseOf(in.place).rotation, middle);
         for (std::size_t i = 0; i < poses.size(); ++i) {
-            if (in.standing) poses[i].position.y -= static_cast<double>(lowestPointOf(*def, poses[i].rotation));
+            if (in.standing && !in.puppet)
+                poses[i].position.y -= static_cast<double>(lowestPointOf(*def, poses[i].rotation));
             if (in.grid.tumble) poses[i].position = poses[i].position + (upright - rotate(poses[i].rotation, middle));
             const std::string name =
                 poses.size() == 1 || in.name.empty() ? in.name : fmt::format("{} {}", in.name, i + 1);
-            scene_.ragdolls.push_back({name, def, poses[i], in.velocity, character});
+            scene_.ragdolls.push_back({name, def, poses[i], in.puppet, blows, in.velocity, character});
         }
     }
 

@@ -188,8 +188,8 @@ struct SceneJointInFile {
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const SceneJointInFile*) {
     visit(Tunable{.name = "name"}, self.name);
-    visit(Tunable{.name = "a", .meaning = "name of a body; absent: the world"}, self.a);
-    visit(Tunable{.name = "b", .meaning = "name of a body; absent: the world"}, self.b);
+    visit(Tunable{.name = "a", .meaning = "a body, or \"ragdoll/part\"; absent: the world"}, self.a);
+    visit(Tunable{.name = "b", .meaning = "a body, or \"ragdoll/part\"; absent: the world"}, self.b);
     visit(Tunable{"anchor", "m", -1e9, 1e9, "where it is, in the world"}, self.anchor);
     visit(Tunable{"anchorB", "m", -1e9, 1e9, "its other end, of a distance joint"}, self.anchorB);
     visit(Tunable{"axis", "1", -1e5, 1e5, "hinge, slide or twist axis, in the world"}, self.axis);
@@ -300,11 +300,25 @@ void describe(Visitor& visit, Self& self, const VehicleInFile*) {
 }
 inline Names requiredFields(const VehicleInFile*) { return {"file"}; }
 
+struct BlowInFile {
+    double time = 0;
+    std::string part;
+    Vec3 impulse;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const BlowInFile*) {
+    visit(Tunable{"time", "s", 0, 1e6, "when it comes"}, self.time);
+    visit(Tunable{.name = "part", .meaning = "of the ragdoll, by its name"}, self.part);
+    visit(Tunable{"impulse", "N s", -1e6, 1e6, "on the centre of mass of the part"}, self.impulse);
+}
+inline Names requiredFields(const BlowInFile*) { return {"time", "part", "impulse"}; }
+
 struct RagdollInScene {
     std::string name, file, character;
     RagdollOptions options;
     PlaceInFile place;
-    bool standing = false;
+    bool standing = false, puppet = false;
+    std::vector<BlowInFile> blows;
     Vec3 velocity;
     GridInFile grid;
 };
@@ -317,6 +331,9 @@ void describe(Visitor& visit, Self& self, const RagdollInScene*) {
     describe(visit, self.place, static_cast<const PlaceInFile*>(nullptr));
     visit(Tunable{.name = "standing", .meaning = "its lowest point, not its origin, is at the height of its position"},
           self.standing);
+    visit(Tunable{.name = "puppet", .meaning = "stands with its feet at its position, falls when struck, gets up"},
+          self.puppet);
+    visit(Tunable{.name = "blows", .meaning = "what strikes it when, by rising time"}, self.blows);
     visit(Tunable{"velocity", "m/s", -1000, 1000, "of all parts at the start"}, self.velocity);
     describe(visit, self.grid, static_cast<const GridInFile*>(nullptr));
 }

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <stdexcept>
 
+#include "ragtop/body_pose.h"
 #include "ragtop/driver.h"
 #include "ragtop/scene.h"
 #include "ragtop/world.h"
@@ -18,30 +20,19 @@ void named(const char* kind, const std::string& name, std::size_t index, Create 
     }
 }
 
+/// Times of steps are sums of rounded numbers: half a microsecond early is in time.
+bool isInTime(double moment, double time) { return moment <= time + 5e-7; }
+
 }  // namespace
 
-SceneInstance::SceneInstance(const Scene& scene, World& world) : world_(&world), roads_(scene.roads) {
+SceneInstance::SceneInstance(const Scene& scene, World& world)
+    : world_(&world), step_(scene.step), roads_(scene.roads) {
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
         named("body", scene.bodies[i].name, i, [&] { bodies.push_back(world.create(scene.bodies[i].def)); });
     }
-    const auto idOf = [&](int body) { return body < 0 ? BodyId{} : bodies[static_cast<std::size_t>(body)]; };
-    for (std::size_t i = 0; i < scene.joints.size(); ++i) {
-        const SceneJoint& joint = scene.joints[i];
-        JointDef def = joint.def;
-        std::visit(
-            [&](auto& kind) {
-                kind.bodies.a = idOf(joint.bodyA);
-                kind.bodies.b = idOf(joint.bodyB);
-            },
-            def);
-        named("joint", joint.name, i, [&] { joints.push_back(world.create(def)); });
-    }
-    for (std::size_t i = 0; i < scene.couplings.size(); ++i) {
-        CouplingDef def = scene.couplings[i].def;
-        for (std::size_t k = 0; k < scene.couplings[i].joints.size(); ++k)
-            def.parts[k].joint = joints[scene.couplings[i].joints[k]];
-        named("coupling", scene.couplings[i].name, i, [&] { couplings.push_back(world.create(def)); });
-    }
+    joints.resize(scene.joints.size());
+    couplings.resize(scene.couplings.size());
+    join(scene, false);
     animated.reserve(scene.animated.size());
     for (std::size_t i = 0; i < scene.animated.size(); ++i) {
         AnimatedBodyDef def = scene.animated[i].def;
@@ -58,19 +49,72 @@ SceneInstance::SceneInstance(const Scene& scene, World& world) : world_(&world),
         scripted.push_back(true);
     }
     ragdolls.reserve(scene.ragdolls.size());
-    for (std::size_t i = 0; i < scene.ragdolls.size(); ++i) {
-        const SceneRagdoll& ragdoll = scene.ragdolls[i];
-        named("ragdoll", ragdoll.name, i,
-              [&] { ragdolls.emplace_back(world, *ragdoll.def, ragdoll.placement, ragdoll.velocity); });
+    for (std::size_t i = 0; i < scene.ragdolls.size(); ++i)
+        named("ragdoll", scene.ragdolls[i].name, i, [&] { add(scene.ragdolls[i]); });
+    join(scene, true);
+}
+
+BodyId SceneInstance::idOf(int body, const ScenePart& part) const {
+    if (body >= 0) return bodies[static_cast<std::size_t>(body)];
+    if (part.ragdoll < 0) return {};
+    return ragdolls[static_cast<std::size_t>(part.ragdoll)].bodies()[static_cast<std::size_t>(part.part)];
+}
+
+void SceneInstance::join(const Scene& scene, bool ofRagdolls) {
+    const auto isOfRagdoll = [&](std::size_t joint) { return scene.joints[joint].holdsRagdoll(); };
+    for (std::size_t i = 0; i < scene.joints.size(); ++i) {
+        if (isOfRagdoll(i) != ofRagdolls) continue;
+        JointDef def = scene.joints[i].def;
+        std::visit(
+            [&](auto& kind) {
+                kind.bodies.a = idOf(scene.joints[i].bodyA, scene.joints[i].partA);
+                kind.bodies.b = idOf(scene.joints[i].bodyB, scene.joints[i].partB);
+            },
+            def);
+        named("joint", scene.joints[i].name, i, [&] { joints[i] = world_->create(def); });
+    }
+    for (std::size_t i = 0; i < scene.couplings.size(); ++i) {
+        const std::vector<std::size_t>& of = scene.couplings[i].joints;
+        if (std::any_of(of.begin(), of.end(), isOfRagdoll) != ofRagdolls) continue;
+        CouplingDef def = scene.couplings[i].def;
+        for (std::size_t k = 0; k < of.size(); ++k) def.parts[k].joint = joints[of[k]];
+        named("coupling", scene.couplings[i].name, i, [&] { couplings[i] = world_->create(def); });
+    }
+}
+
+void SceneInstance::add(const SceneRagdoll& ragdoll) {
+    if (ragdoll.puppet)
+        ragdolls.emplace_back(*world_, *ragdoll.def, standing(BodyAxes(*ragdoll.def), ragdoll.placement),
+                              ragdoll.velocity);
+    else
+        ragdolls.emplace_back(*world_, *ragdoll.def, ragdoll.placement, ragdoll.velocity);
+    puppets.push_back(ragdoll.puppet ? std::make_unique<Puppet>(*world_, ragdolls.back()) : nullptr);
+    blows_.push_back(ragdoll.blows);
+}
+
+/// Blows between this step and the next.
+void SceneInstance::strike(double time) {
+    for (std::size_t i = 0; i < ragdolls.size(); ++i) {
+        for (const SceneBlow& blow : blows_[i]) {
+            if (!isInTime(blow.time, time) || isInTime(blow.time, time - step_)) continue;
+            const BodyId part = ragdolls[i].bodies()[static_cast<std::size_t>(blow.part)];
+            const DVec3 at = world_->centerOfMass(part);
+            if (puppets[i])
+                puppets[i]->strike(blow.part, blow.impulse, at);
+            else
+                world_->applyImpulse(part, blow.impulse, at);
+        }
     }
 }
 
 void SceneInstance::drive(double time) {
+    strike(time);
+    for (const std::unique_ptr<Puppet>& puppet : puppets)
+        if (puppet) puppet->step(step_);
     for (std::size_t i = 0; i < vehicles.size(); ++i) {
         if (!scripted[i]) continue;
         for (const DriverAction& action : scripts_[i]) {
-            // Times of steps are sums of rounded numbers: half a microsecond early is in time.
-            if (action.time <= time + 5e-7) vehicles[i].input = action.input;
+            if (isInTime(action.time, time)) vehicles[i].input = action.input;
         }
         if (!drivers_[i]) continue;
         const SceneRoad& road = roads_[drivers_[i]->road];

@@ -23,8 +23,10 @@ Json write(const SceneBody& body) {
     return json;
 }
 
+Json write(int body, const ScenePart& part) { return {body, part.ragdoll, part.part}; }
+
 Json write(const SceneJoint& joint) {
-    Json json{{"a", joint.bodyA}, {"b", joint.bodyB}};
+    Json json{{"a", write(joint.bodyA, joint.partA)}, {"b", write(joint.bodyB, joint.partB)}};
     writeJointKind(joint.def, json);
     const JointBodies& ends = std::visit([](const auto& kind) -> const JointBodies& { return kind.bodies; }, joint.def);
     json["frames"] = {writeValue(ends.frameA), writeValue(ends.frameB), ends.collide};
@@ -68,7 +70,8 @@ Json write(const Scene& scene) {
     for (const SceneVehicle& vehicle : scene.vehicles) json["vehicles"].push_back(write(vehicle));
     const RagdollDef* last = nullptr;
     for (const SceneRagdoll& ragdoll : scene.ragdolls) {
-        Json one{write(ragdoll.placement), writeValue(ragdoll.velocity)};
+        Json one{write(ragdoll.placement), writeValue(ragdoll.velocity), ragdoll.puppet};
+        for (const SceneBlow& blow : ragdoll.blows) one.push_back({blow.time, blow.part, writeValue(blow.impulse)});
         if (ragdoll.def.get() != last) one.push_back(writeRagdoll(*ragdoll.def));
         last = ragdoll.def.get();
         json["ragdolls"].push_back(std::move(one));

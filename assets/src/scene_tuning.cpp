@@ -15,9 +15,7 @@ namespace ragtop {
 namespace {
 
 /// Names of things that are not tuned while they run: structure, and the caller's names.
-bool isStructure(const TunableField& field) {
-    return field.label == "axle" || field.label == "surface" || field.label == "quiet";
-}
+bool isStructure(const TunableField& field) { return field.label == "axle" || field.label == "surface"; }
 
 /// The name, where no other has it, else the number.
 template <class T, class NameOf>

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 TEST(Scene, ShipsWhatTheProgramLists) {
     EXPECT_THAT(shippedScenes(), testing::IsSupersetOf({"chain", "crash", "crash_unhit", "door", "hills", "mechanisms",
-                                                        "rain", "tower", "track", "wrecker"}));
+                                                        "puppet", "rain", "tower", "track", "wrecker"}));
     for (const std::string& name : shippedScenes()) {
         EXPECT_NE(sceneDescription(findScene(name)), "") << name;
         EXPECT_TRUE(loadScene(findScene(name)).camera) << name;

@@ -114,7 +114,8 @@ TEST_P(SceneRun, EndsAlikeWithAnyWidthAndNumberOfThreads) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, SceneRun, testing::Values("crash", "hills", "rain", "tower", "track", "wrecker"),
+INSTANTIATE_TEST_SUITE_P(Scenes, SceneRun,
+                         testing::Values("crash", "hills", "puppet", "rain", "tower", "track", "wrecker"),
                          [](const testing::TestParamInfo<std::string>& scene) { return scene.param; });
 
 TEST(Run, SettingsChangeWhatHappens) {

@@ -16,12 +16,14 @@
 #include "ragtop/debug_draw.h"
 #include "ragtop/id.h"
 #include "ragtop/joint.h"
+#include "ragtop/puppet.h"
 #include "ragtop/ragdoll.h"
 #include "ragtop/settings.h"
 #include "ragtop/vehicle.h"
 
 /// A scene is a JSON file with comments: settings, materials, bodies, generators of many bodies, joints, vehicles with
-/// a driver's script, ragdolls, and values that replace others ("tuning"). src/scene_file.h describes every field; assets/data/scenes has examples.
+/// a driver's script, ragdolls and puppets with the blows that they take, and values that replace others ("tuning").
+/// src/scene_file.h describes every field; assets/data/scenes has examples.
 namespace ragtop {
 
 class World;
@@ -34,10 +36,18 @@ struct SceneBody {
     std::optional<Color> color{};
 };
 
+/// A part of a ragdoll of the scene.
+struct ScenePart {
+    int ragdoll = -1;  ///< index of the scene's ragdolls; −1: none
+    int part = -1;     ///< of the parts of that
+};
+
 struct SceneJoint {
     std::string name{};
-    int bodyA = -1, bodyB = -1;  ///< indices of the scene's bodies; −1: the world
+    int bodyA = -1, bodyB = -1;  ///< indices of the scene's bodies; −1: a part of a ragdoll, or the world
     JointDef def{};              ///< its bodies are null
+    ScenePart partA{}, partB{};
+    bool holdsRagdoll() const { return partA.ragdoll >= 0 || partB.ragdoll >= 0; }
 };
 
 struct SceneCoupling {
@@ -79,12 +89,21 @@ struct SceneRoad {
     std::vector<DVec3> line{};  ///< m, a point every two metres or so
 };
 
+/// An impulse on the centre of mass of a part, which leaves the muscles of a puppet weak near there (Puppet::strike).
+struct SceneBlow {
+    double time = 0;  ///< s
+    int part = 0;
+    Vec3 impulse{};  ///< N s
+};
+
 struct SceneRagdoll {
     std::string name{};
     std::shared_ptr<const RagdollDef> def{};  ///< shared by those made from one file
-    Pose placement{};
-    Vec3 velocity{};                    ///< m/s
-    std::filesystem::path character{};  ///< the model it was made from; empty: none
+    Pose placement{};                         ///< of its model; of a puppet, of the ground between its feet
+    bool puppet = false;                      ///< stands at first, and falls and gets up as it is struck
+    std::vector<SceneBlow> blows{};           ///< by rising time
+    Vec3 velocity{};                          ///< m/s
+    std::filesystem::path character{};        ///< the model it was made from; empty: none
 };
 
 /// From where to look at the beginning.
@@ -122,8 +141,8 @@ struct SceneOverride {
 /// Throws AssetError: "file:line:column: /pointer is value, must be ...".
 Scene loadScene(const std::filesystem::path& path, std::span<const SceneOverride> overrides = {});
 
-/// Writes settings, bodies of one shape and joints whose frames agree, in full; what a scene was generated from, vehicles
-/// and ragdolls have no place in it. Throws AssetError when something cannot be written.
+/// Writes settings, bodies of one shape and joints whose frames agree, in full; what a scene was generated from,
+/// vehicles and ragdolls have no place in it. Throws AssetError when something cannot be written.
 void saveScene(const Scene& scene, const std::filesystem::path& path);
 
 /// The file of a scene that comes with the library, or the file of that path. Throws AssetError when there is none.
@@ -133,26 +152,36 @@ std::vector<std::string> shippedScenes();
 /// The description in a scene file; empty where there is none or the file is not usable.
 std::string sceneDescription(const std::filesystem::path& path);
 
-/// A scene in a world. Bodies and joints belong to the world; vehicles and ragdolls live as long as this, and the
-/// world must outlive it.
+/// A scene in a world. Bodies and joints belong to the world; vehicles, ragdolls and puppets live as long as this,
+/// and the world must outlive it.
 struct SceneInstance {
     /// Throws AssetError when the world refuses something.
     SceneInstance(const Scene& scene, World& world);
 
-    std::vector<BodyId> bodies;    ///< in the order of the scene
-    std::vector<JointId> joints;   ///< in the order of the scene
+    std::vector<BodyId> bodies;         ///< in the order of the scene
+    std::vector<JointId> joints;        ///< in the order of the scene
     std::vector<CouplingId> couplings;  ///< in the order of the scene
     std::vector<AnimatedBody> animated;
     std::vector<Vehicle> vehicles;
     std::vector<Ragdoll> ragdolls;
+    std::vector<std::unique_ptr<Puppet>> puppets;  ///< one for each ragdoll; null: it is limp
     std::vector<bool> scripted;  ///< false for a vehicle that somebody else drives: script and driver are passed over
 
-    /// Gives each vehicle what its script says for the time, s, or its driver for the place; call it before each step.
-    /// What it does depends on the time and the world alone, so that a restored world goes on as before.
+    /// Gives each vehicle what its script says for the time, s, or its driver for the place, strikes ragdolls and has
+    /// puppets decide what to do in a step of the scene's length; call it before each step. What it does depends on
+    /// the time and the world alone, so that a restored world goes on as before.
     void drive(double time);
 
 private:
-    const World* world_;
+    BodyId idOf(int body, const ScenePart& part = {}) const;
+    /// Joints and couplings of parts of ragdolls, or those of bodies alone.
+    void join(const Scene& scene, bool ofRagdolls);
+    void add(const SceneRagdoll& ragdoll);
+    void strike(double time);
+
+    World* world_;
+    double step_;                                ///< s
+    std::vector<std::vector<SceneBlow>> blows_;  ///< by ragdoll
     std::vector<SceneRoad> roads_;
     std::vector<std::vector<DriverAction>> scripts_;
     std::vector<std::optional<SceneDriver>> drivers_;
