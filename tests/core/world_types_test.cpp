@@ -420,5 +420,53 @@ TEST(BodyTypes, RestoredWorldsGoOnAlike) {
     EXPECT_EQ(hashes[0], hashes[1]);
 }
 
+/// A joint that leaves all directions free is as good as none to what it joins, but that its bodies do not meet.
+TEST(FreeJoints, HoldNothingAndKeepTheirBodiesFromMeeting) {
+    World world({.gravity = {}});
+    const BodyId a = addBody(world, BodyType::dynamic, {0, 0, 0}), b = addBody(world, BodyType::dynamic, {0.9, 0, 0});
+    SixDofDef free;
+    free.bodies.a = a;
+    free.bodies.b = b;
+    const JointId joint = world.create(free);
+    const Vec3 v{0, 0.1f, 0}, none{};
+    const auto goesFreely = [&] {
+        world.setVelocity(a, v, none);
+        world.setVelocity(b, none, none);
+        steps(world, 30);
+        return length(world.linearVelocity(a) - v) + length(world.linearVelocity(b)) +
+                   length(world.angularVelocity(b)) <
+               1e-9f;
+    };
+    EXPECT_TRUE(goesFreely());
+    // Locked, it holds; freed again, it does not; nor does it when a coupling of its travels came and went.
+    SixDofDef fixed = free;
+    for (AxisDef* axis : {&fixed.x, &fixed.y, &fixed.z, &fixed.twist, &fixed.swingY, &fixed.swingZ})
+        axis->limit = Range{0, 0};
+    world.setPose(a, {});
+    world.setPose(b, {});
+    world.setDef(joint, fixed);
+    EXPECT_FALSE(goesFreely());
+    EXPECT_LT(length(world.linearVelocity(a) - world.linearVelocity(b)), 1e-4f);
+    world.setDef(joint, free);
+    EXPECT_TRUE(goesFreely());
+    CouplingDef sum{.count = 2};
+    sum.parts[0] = {joint, 3, 1};
+    sum.parts[1] = {joint, 4, 1};
+    sum.sum.limit = Range{-10, 10};
+    sum.sum.friction = 1e6f;
+    const CouplingId coupling = world.create(sum);
+    EXPECT_FALSE(goesFreely());
+    world.destroy(coupling);
+    EXPECT_TRUE(goesFreely());
+    // Without it they are pushed apart.
+    world.setPose(a, {});
+    world.setPose(b, {{0.9, 0, 0}, {}});
+    world.setVelocity(a, none, none);
+    EXPECT_TRUE(world.linearVelocity(b) == none);
+    world.destroy(joint);
+    steps(world, 60);
+    EXPECT_GT(world.pose(b).position.x - world.pose(a).position.x, 0.99);
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -3,9 +3,23 @@
 #include "activity/activity.h"
 
 namespace ragtop {
+namespace {
+
+bool isFree(const AxisDef& axis) {
+    return !axis.limit && !axis.motor && !axis.spring && !axis.bearing && axis.friction == 0;
+}
+
+/// Does it leave all six directions as they are? Such a joint only keeps its bodies from meeting.
+bool isFree(const JointRecord& joint) {
+    const auto* def = std::get_if<SixDofDef>(&joint.def);
+    return def && joint.firstCoupling == kNone && isFree(def->x) && isFree(def->y) && isFree(def->z) &&
+           isFree(def->twist) && isFree(def->swingY) && isFree(def->swingZ);
+}
+
+}  // namespace
 
 bool mayHold(const Bodies& bodies, const JointRecord& joint) {
-    return bodies.isEnabled(joint.bodyA) && bodies.isEnabled(joint.bodyB) &&
+    return !isFree(joint) && bodies.isEnabled(joint.bodyA) && bodies.isEnabled(joint.bodyB) &&
            (bodies.moves(joint.bodyA) || bodies.moves(joint.bodyB));
 }
 

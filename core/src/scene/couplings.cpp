@@ -31,14 +31,17 @@ std::uint32_t Scene::createCoupling(const CouplingDef& def) const {
     CouplingRecord& coupling = couplings[index];
     coupling.def = def;
     compileCoupling(def, joints.sims.data(), couplings.sims[index]);
-    markCoupled(couplings.sims[index], joints.sims.data());
     for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(def.count); ++i) {
         JointRecord& joint = joints[def.parts[i].joint.index];
+        const bool held = mayHold(bodies, joint);
         coupling.next[i] = joint.firstCoupling;
         joint.firstCoupling = kParts * index + i;
+        settleJoint(def.parts[i].joint.index, held);
         for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
             if (bodies.moves(body)) activity.wakeBody(body);
+        activity.addJointToGraph(def.parts[i].joint.index);
     }
+    markCoupled(couplings.sims[index], joints.sims.data());
     ++versions.structure;
     islands.structureChangedAt();
     joints.bundlesChanged = directSet.treesChanged = true;
@@ -52,8 +55,11 @@ void Scene::destroyCoupling(std::uint32_t index) const {
         JointRecord& joint = joints[j];
         std::uint32_t* at = &joint.firstCoupling;
         while (*at != key) at = &couplings[*at / kParts].next[*at % kParts];
+        const bool held = mayHold(bodies, joint);
         *at = coupling.next[i];
         clearCoupled(joints.sims[j], false);
+        if (!mayHold(bodies, joint)) activity.removeJointFromGraph(j);
+        settleJoint(j, held);
         for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
             if (bodies.moves(body)) activity.wakeBody(body);
     }

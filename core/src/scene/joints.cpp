@@ -59,6 +59,18 @@ void Scene::compile(std::uint32_t index) const {
     joints.bundlesChanged = directSet.treesChanged = true;
 }
 
+void Scene::redefineJoint(std::uint32_t index, const JointDef& def) const {
+    JointRecord& joint = joints[index];
+    const bool held = mayHold(bodies, joint);
+    joint.def = def;
+    compile(index);
+    if (!mayHold(bodies, joint)) activity.removeJointFromGraph(index);
+    settleJoint(index, held);
+    for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
+        if (bodies.moves(body)) activity.wakeBody(body);
+    activity.addJointToGraph(index);
+}
+
 void Scene::destroyJoint(std::uint32_t index) const {
     JointRecord& joint = joints[index];
     while (joint.firstCoupling != kNone) destroyCoupling(joint.firstCoupling / CouplingDef::kMostParts);

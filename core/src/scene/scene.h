@@ -52,10 +52,14 @@ struct Scene {
     // types.cpp
     void setType(std::uint32_t body, BodyType type) const;
     void setEnabled(std::uint32_t body, bool enabled) const;
+    /// After something has changed by which a joint holds, where it held or not before.
+    void settleJoint(std::uint32_t joint, bool held) const;
 
     // joints.cpp
     std::uint32_t createJoint(const JointDef& def) const;
     void destroyJoint(std::uint32_t joint) const;
+    /// Of the same kind, between the same bodies, which wake.
+    void redefineJoint(std::uint32_t joint, const JointDef& def) const;
     /// The solver's form of a joint, from its definition and the centres of its bodies.
     void compile(std::uint32_t joint) const;
     /// Those that bore too much in a step of dt seconds, in the order of their ids, so that events depend on the scene

@@ -27,21 +27,21 @@ BodyDef asDynamic(const Scene& scene, std::uint32_t index) {
     return def;
 }
 
+}  // namespace
+
 /// Joints that begin to hold are as those that are made now; those that hold no longer leave nothing for the day on
 /// which they hold again.
-void settleJoint(const Scene& s, std::uint32_t joint, bool held) {
-    const bool holds = mayHold(s.bodies, s.joints[joint]);
+void Scene::settleJoint(std::uint32_t joint, bool held) const {
+    const bool holds = mayHold(bodies, joints[joint]);
     if (held == holds) return;
-    rescaleJoint(s.joints.sims[joint], 0);
-    s.joints.sims[joint].leads = 0;
-    s.compile(joint);
+    rescaleJoint(joints.sims[joint], 0);
+    joints.sims[joint].leads = 0;
+    compile(joint);
     if (holds)
-        s.joints.created.push(joint);
+        joints.created.push(joint);
     else
-        s.joints.unlist(joint);
+        joints.unlist(joint);
 }
-
-}  // namespace
 
 /// A mesh that forces move is as large as it is thick, and meets others by its triangles.
 void Scene::becomeSolid(std::uint32_t index) const {
@@ -106,7 +106,7 @@ void Scene::takePart(std::uint32_t index, BodyType type, bool enabled) const {
         JointSim& sim = joints.sims[key >> 1];
         sim.stateA = bodies[joints[key >> 1].bodyA].state;
         sim.stateB = bodies[joints[key >> 1].bodyB].state;
-        settleJoint(*this, key >> 1, *was++ != 0);
+        settleJoint(key >> 1, *was++ != 0);
     }
     settleRole(index);
 }

@@ -312,7 +312,7 @@ Bounds World::bounds(ShapeId shape) const {
 const JointDef& World::def(JointId joint) const { return impl_->joints[indexOf(impl_->joints, joint)].def; }
 void World::setDef(JointId id, const JointDef& def) {
     const std::uint32_t i = indexOf(impl_->joints, id);
-    JointRecord& joint = impl_->joints[i];
+    const JointRecord& joint = impl_->joints[i];
     if (const std::string wrong = whyInvalid(def); !wrong.empty()) throw std::invalid_argument(wrong);
     const auto bodiesOf = [](const JointDef& d) -> const JointBodies& {
         return std::visit([](const auto& j) -> const JointBodies& { return j.bodies; }, d);
@@ -320,10 +320,7 @@ void World::setDef(JointId id, const JointDef& def) {
     const JointBodies &before = bodiesOf(joint.def), &after = bodiesOf(def);
     if (def.index() != joint.def.index() || before.a != after.a || before.b != after.b)
         throw std::invalid_argument("setDef keeps the type and the bodies of a joint");
-    joint.def = def;
-    impl_->scene().compile(i);
-    for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
-        if (impl_->bodies.moves(body)) impl_->activity().wakeBody(body);
+    impl_->scene().redefineJoint(i, def);
 }
 JointState World::state(JointId id) const {
     const std::uint32_t i = indexOf(impl_->joints, id);
