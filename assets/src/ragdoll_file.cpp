@@ -29,12 +29,17 @@ struct JointInFile {
     bool collide = false;
     std::optional<float> breakForce, breakTorque;
 };
+struct PairInFile {
+    std::string a, b;
+};
 struct RagdollInFile {
     int version = 1;
     std::string note;
     std::vector<BoneInFile> bones;
     std::vector<PartInFile> parts;
     std::vector<JointInFile> joints;
+    bool selfCollision = true;
+    std::vector<PairInFile> ignored;
 };
 
 template <class Visitor, class Self>
@@ -67,17 +72,26 @@ void describe(Visitor& visit, Self& self, const JointInFile*) {
     visit(Tunable{"breakTorque", "N m", 1e-6, 1e12, "torque beyond which it breaks"}, self.breakTorque);
 }
 template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const PairInFile*) {
+    visit(Tunable{.name = "a", .meaning = "name of a part"}, self.a);
+    visit(Tunable{.name = "b", .meaning = "name of another"}, self.b);
+}
+template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const RagdollInFile*) {
     visit(Tunable{.name = "version", .minimum = 1, .maximum = 1}, self.version);
     visit(Tunable{.name = "note"}, self.note);
     visit(Tunable{.name = "bones"}, self.bones);
     visit(Tunable{.name = "parts"}, self.parts);
     visit(Tunable{.name = "joints"}, self.joints);
+    visit(Tunable{.name = "selfCollision", .meaning = "do parts collide that are neither joined nor ignored?"},
+          self.selfCollision);
+    visit(Tunable{.name = "ignored", .meaning = "pairs of parts that pass through each other"}, self.ignored);
 }
 
 std::vector<const char*> requiredFields(const BoneInFile*) { return {"name", "part"}; }
 std::vector<const char*> requiredFields(const PartInFile*) { return {"name", "bone", "shape", "mass"}; }
 std::vector<const char*> requiredFields(const JointInFile*) { return {"parent", "child"}; }
+std::vector<const char*> requiredFields(const PairInFile*) { return {"a", "b"}; }
 std::vector<const char*> requiredFields(const RagdollInFile*) { return {"bones", "parts", "joints"}; }
 
 Json ragdollSchema() {
@@ -121,6 +135,13 @@ public:
         for (std::size_t i = 0; i < in_.bones.size(); ++i) addBone(in_.bones[i], file_.at("bones").at(i));
         for (std::size_t i = 0; i < in_.parts.size(); ++i) addPart(in_.parts[i], file_.at("parts").at(i));
         for (std::size_t i = 0; i < in_.joints.size(); ++i) addJoint(in_.joints[i], file_.at("joints").at(i));
+        def_.selfCollision = in_.selfCollision;
+        for (std::size_t i = 0; i < in_.ignored.size(); ++i) {
+            const JsonValue at = file_.at("ignored").at(i);
+            RagdollPair& pair = def_.ignored.emplace_back();
+            findPart(at, "a", pair.first);
+            findPart(at, "b", pair.second);
+        }
         return std::move(def_);
     }
 
@@ -199,10 +220,12 @@ RagdollDef loadRagdoll(const std::filesystem::path& path) { return readRagdoll(l
 Json writeRagdoll(const RagdollDef& def) {
     RagdollInFile out;
     out.note = def.note;
+    out.selfCollision = def.selfCollision;
     const auto part = [&](int i) { return def.parts[static_cast<std::size_t>(i)].name; };
     const auto bone = [&](int i) { return i < 0 ? std::string() : def.bones[static_cast<std::size_t>(i)].name; };
     for (const RagdollBone& b : def.bones) out.bones.push_back({b.name, bone(b.parent), part(b.part), b.inPart});
     for (const RagdollPart& p : def.parts) out.parts.push_back({p, bone(p.bone)});
+    for (const RagdollPair& pair : def.ignored) out.ignored.push_back({part(pair.first), part(pair.second)});
     for (const RagdollJoint& j : def.joints) {
         const JointBodies& bodies =
             std::visit([](const auto& kind) -> const JointBodies& { return kind.bodies; }, j.joint);

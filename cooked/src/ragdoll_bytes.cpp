@@ -95,8 +95,13 @@ void fieldsOf(Archive& archive, Self& self, const RagdollBone*) {
     archive(self.name), archive(self.parent), archive(self.part), archive(self.inPart);
 }
 template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const RagdollPair*) {
+    archive(self.first), archive(self.second);
+}
+template <class Archive, class Self>
 void fieldsOf(Archive& archive, Self& self, const RagdollDef*) {
     archive(self.parts), archive(self.joints), archive(self.bones), archive(self.note);
+    archive(self.selfCollision), archive(self.ignored);
 }
 
 template <class T>

@@ -142,7 +142,7 @@ std::vector<RagdollFigure> track(const RagdollSubject& subject, const RagdollTri
     if (!made || !clip) return {};
     // Animations pass through the shapes of their own bodies.
     RagdollDef def = *made;
-    for (RagdollPart& part : def.parts) part.quiet = 0;
+    def.selfCollision = false;
     Walk walk(subject, *clip);
     walk.standOn(1 / options.hz);
     const double dt = 1 / options.hz;

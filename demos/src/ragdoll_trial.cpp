@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ragdoll_levels.h"
 #include "ragdoll_stander.h"
 #include "ragdoll_watch.h"
 #include "ragtop/asset_error.h"
@@ -42,11 +43,13 @@ struct Settling {
     bool asleep = false;
     double speed = 0;  ///< m/s, before it fell asleep or at the end
 
-    Settling(RagdollStage& stage, const RagdollTrialOptions& options, WholenessWatch* watch, const std::string& run) {
+    Settling(RagdollStage& stage, const RagdollTrialOptions& options, WholenessWatch* whole, OverlapWatch* overlap,
+             const std::string& run) {
         RestWatch rest(options.hz);
         for (int i = 0; i < stepsIn(kSettleTime, options) && !asleep; ++i) {
             stage.world.step(1 / options.hz);
-            if (watch) watch->observe(stage, run);
+            if (whole) whole->observe(stage, run);
+            if (overlap) overlap->observe(stage, run);
             asleep = stage.asleep();
             if (!asleep) rest.observe(stage);
         }
@@ -57,7 +60,10 @@ struct Settling {
 /// The share of runs that fell asleep, how whole all stayed and how quiet they were.
 class SettlingFigures {
 public:
+    explicit SettlingFigures(const RagdollSubject& subject) : overlap(subject) {}
+
     WholenessWatch whole;
+    OverlapWatch overlap;
 
     void add(const Settling& settled, const std::string& run) {
         ++runs_;
@@ -70,6 +76,7 @@ public:
         const double share = runs_ > 0 ? static_cast<double>(asleep_) / runs_ : 0;
         figures.push_back({std::string(test), "asleep_within_5_s_share", share, kAsleepShare, true, awake_});
         whole.tell(test, figures);
+        overlap.tell(test, figures);
         figures.push_back(
             {std::string(test), "resting_speed_rms_m_s", speed_.value(), kRestingSpeed, false, speed_.where()});
         return figures;
@@ -82,29 +89,29 @@ private:
 };
 
 std::vector<RagdollFigure> drop(const RagdollSubject& subject, const RagdollTrialOptions& options) {
-    SettlingFigures figures;
+    SettlingFigures figures(subject);
     for (int seed = 1; seed <= options.seeds; ++seed) {
         std::mt19937 random(static_cast<unsigned>(seed));
         RagdollStage stage(subject, above(subject, anyRotation(random)));
         stage.addGround();
         const std::string run = fmt::format("seed {}", seed);
-        figures.add(Settling(stage, options, &figures.whole, run), run);
+        figures.add(Settling(stage, options, &figures.whole, &figures.overlap, run), run);
     }
     return figures.tell("drop");
 }
 
 std::vector<RagdollFigure> push(const RagdollSubject& subject, const RagdollTrialOptions& options) {
-    SettlingFigures figures;
+    SettlingFigures figures(subject);
     for (int seed = 1; seed <= options.seeds; ++seed) {
         std::mt19937 random(static_cast<unsigned>(seed));
         RagdollStage stage(subject, above(subject, anyRotation(random)));
         stage.addGround();
         const std::string run = fmt::format("seed {}", seed);
-        const Settling dropped(stage, options, nullptr, run);
+        const Settling dropped(stage, options, nullptr, nullptr, run);
         const SinCos way = sinCos(kPi * anyNumber(random));
         const BodyId chest = stage.bodies[stage.chest()];
         stage.world.applyImpulse(chest, options.push * Vec3{way.cos, 0, way.sin}, stage.world.centerOfMass(chest));
-        figures.add(Settling(stage, options, &figures.whole, run), run);
+        figures.add(Settling(stage, options, &figures.whole, &figures.overlap, run), run);
     }
     return figures.tell("push");
 }
@@ -260,6 +267,7 @@ const std::vector<RagdollTest>& ragdollTests() {
         {"brace", "pushed so that it falls, 64 ways", brace},
         {"getup", "gets up from how it lies after a drop", getUp},
         {"track", "follows a clip, 10 s", track},
+        {"lod", "thrown, and changed from level to level of detail", levels},
     };
     return tests;
 }

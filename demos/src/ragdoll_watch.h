@@ -38,6 +38,20 @@ private:
     Worst gap_, passed_;
 };
 
+/// How deep parts of a ragdoll that are apart at rest reach into each other, at the end of each step.
+class OverlapWatch {
+public:
+    explicit OverlapWatch(const RagdollSubject& subject);
+    void observe(const RagdollStage& stage, const std::string& run);
+    /// Adds a figure where there are such parts.
+    void tell(std::string_view test, std::vector<RagdollFigure>& figures) const;
+
+private:
+    std::vector<RagdollPair> apart_;
+    std::vector<double> radii_;  ///< m, of parts about the middle of their shapes
+    Worst depth_;
+};
+
 /// The root mean square of the speeds of all parts over the last quarter of a second.
 class RestWatch {
 public:

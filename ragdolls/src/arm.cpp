@@ -29,15 +29,6 @@ constexpr float kMostApart = 1.5f, kStep = 0.05f;  ///< rad
 
 bool isArm(BodyRole role) { return role == BodyRole::upperArm || role == BodyRole::forearm || role == BodyRole::hand; }
 
-bool meet(const RagdollDef& def, std::size_t a, std::size_t b) {
-    const RagdollPart &first = def.parts[a], &second = def.parts[b];
-    if (first.quiet >= 0 && first.quiet == second.quiet) return false;
-    return std::none_of(def.joints.begin(), def.joints.end(), [&](const RagdollJoint& joint) {
-        const auto parent = static_cast<std::size_t>(joint.parent), child = static_cast<std::size_t>(joint.child);
-        return (parent == a && child == b) || (parent == b && child == a);
-    });
-}
-
 /// Does any shape of an arm touch another?
 bool rubs(const BodyAxes& axes, std::span<const PartAngles> pose, float gap) {
     const RagdollDef& def = axes.def();
@@ -49,7 +40,8 @@ bool rubs(const BodyAxes& axes, std::span<const PartAngles> pose, float gap) {
     }
     for (std::size_t i = 0; i < shapes.size(); ++i)
         for (std::size_t j = 0; j < shapes.size(); ++j)
-            if (isArm(def.parts[i].role) && i != j && meet(def, i, j) && mayOverlap(shapes[i], shapes[j], gap))
+            if (isArm(def.parts[i].role) && i != j && !ignoreEachOther(def, static_cast<int>(i), static_cast<int>(j)) &&
+                mayOverlap(shapes[i], shapes[j], gap))
                 return true;
     return false;
 }

@@ -11,6 +11,7 @@
 #include "joint_limits.h"
 #include "masses.h"
 #include "ragtop/ragdoll.h"
+#include "ragtop/world.h"
 
 namespace ragtop {
 namespace {
@@ -24,8 +25,7 @@ constexpr float kLeast = 0.005f;          ///< of the height, that a shape is th
 /// Of the largest part that hangs on it, that a part has of volume for its mass at least: limbs taper outwards, and a
 /// link of feathers between heavy ones holds in no solver.
 constexpr double kTaper = 0.25;
-constexpr float kSpan = 0.25f;       ///< of a segment's length, that a shape fitted to its skin reaches along at least
-constexpr float kTouching = 0.005f;  ///< parts closer than this share of the height count as overlapping
+constexpr float kSpan = 0.25f;  ///< of a segment's length, that a shape fitted to its skin reaches along at least
 
 class Maker {
 public:
@@ -43,7 +43,7 @@ public:
         likenSides();
         giveMass();
         for (std::size_t i = 1; i < anatomy_.segments.size(); ++i) addJoint(static_cast<int>(i));
-        quieten();
+        ignoreOverlaps();
         return std::move(def_);
     }
 
@@ -401,25 +401,26 @@ private:
         return center + std::max({half.x, half.y, half.z});
     }
 
-    /// Joined parts never collide. Others that overlap at rest share a number with all they overlap, directly or
-    /// through others, since a shape has one group only.
-    void quieten() {
-        const std::size_t count = def_.parts.size();
-        std::vector<int> cluster(count);
-        for (std::size_t i = 0; i < count; ++i) cluster[i] = static_cast<int>(i);
-        std::vector<bool> overlapping(count, !options_.selfCollision);
-        for (std::size_t i = 0; i < count; ++i)
-            for (std::size_t j = i + 1; j < count; ++j) {
-                const bool joined = segment(static_cast<int>(j)).parent == static_cast<int>(i);
-                if (options_.selfCollision && (joined || !mayOverlap(inModel_[i], inModel_[j], kTouching * height_)))
-                    continue;
-                overlapping[i] = overlapping[j] = true;
-                const int from = cluster[j], to = cluster[i];
-                for (int& entry : cluster)
-                    if (entry == from) entry = to;
-            }
-        for (std::size_t i = 0; i < count; ++i)
-            if (overlapping[i]) def_.parts[i].quiet = cluster[i];
+    /// Joined parts never collide, nor do those that overlap at rest: the shapes of a body are rounder than it is.
+    void ignoreOverlaps() {
+        def_.selfCollision = options_.selfCollision;
+        if (!def_.selfCollision) return;
+        World world;
+        for (std::size_t i = 0; i < inModel_.size(); ++i) {
+            BodyDef body{.type = BodyType::fixed,
+                         .pose = {DVec3(inModel_[i].frame.position), inModel_[i].frame.rotation}};
+            body.shapes.push_back({.geometry = inModel_[i].shape, .userData = i});
+            const BodyId id = world.create(body);
+            const auto meet = [&](ShapeId shape) {
+                const auto other = static_cast<int>(world.userData(shape)), one = static_cast<int>(i);
+                if (other != one && segment(one).parent != other) def_.ignored.push_back({other, one});
+                return true;
+            };
+            world.overlap(inModel_[i].shape, world.pose(id), meet);
+        }
+        std::sort(def_.ignored.begin(), def_.ignored.end(), [](const RagdollPair& a, const RagdollPair& b) {
+            return a.first != b.first ? a.first < b.first : a.second < b.second;
+        });
     }
 
     const Skeleton& skeleton_;

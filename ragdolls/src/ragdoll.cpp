@@ -6,12 +6,10 @@
 
 #include "point_joint.h"
 #include "ragtop/world.h"
+#include "self_filter.h"
 
 namespace ragtop {
 namespace {
-
-/// Groups of parts that keep quiet are named after the body of their first part, far below what callers would use.
-constexpr std::int32_t kFirstGroup = -0x40000000;
 
 float densityOf(const RagdollPart& part) { return part.mass / massOf(part.shape, 1.0f).mass; }
 
@@ -93,18 +91,28 @@ void Ragdoll::spawn(std::span<const PartMotion> parts) {
     try {
         for (std::size_t i = 0; i < def_.parts.size(); ++i)
             bodies_.push_back(world_->create(bodyOf(def_.parts[i], parts[i].pose, parts[i].velocity, parts[i].spin)));
-        for (std::size_t i = 0; i < def_.parts.size(); ++i) {
-            if (def_.parts[i].quiet < 0) continue;
-            std::size_t first = 0;
-            while (def_.parts[first].quiet != def_.parts[i].quiet) ++first;
-            Filter filter;
-            filter.group = kFirstGroup + static_cast<std::int32_t>(bodies_[first].index);
-            for (const ShapeId shape : world_->shapes(bodies_[i])) world_->setFilter(shape, filter);
-        }
         for (const RagdollJoint& joint : def_.joints) joints_.push_back(world_->create(placed(joint)));
+        ignore();
     } catch (...) {
         release();
         throw;
+    }
+}
+
+/// A joint that leaves all directions free holds nothing, and keeps its bodies from meeting for as long as they are.
+void Ragdoll::ignore() {
+    if (!def_.selfCollision) {
+        Filter filter;
+        filter.group = groupOfSelf(bodies_.front());
+        for (const BodyId body : bodies_)
+            for (const ShapeId shape : world_->shapes(body)) world_->setFilter(shape, filter);
+        return;
+    }
+    for (const RagdollPair& pair : def_.ignored) {
+        SixDofDef apart;
+        apart.bodies.a = bodies_[static_cast<std::size_t>(pair.first)];
+        apart.bodies.b = bodies_[static_cast<std::size_t>(pair.second)];
+        world_->create(apart);
     }
 }
 

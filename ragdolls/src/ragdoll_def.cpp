@@ -42,6 +42,17 @@ std::string whyInvalidJoint(const RagdollJoint& joint, const std::vector<bool>& 
 
 }  // namespace
 
+bool ignoreEachOther(const RagdollDef& def, int first, int second) {
+    const auto isIt = [&](int a, int b) { return (a == first && b == second) || (a == second && b == first); };
+    if (!def.selfCollision) return true;
+    for (const RagdollPair& pair : def.ignored)
+        if (isIt(pair.first, pair.second)) return true;
+    for (const RagdollJoint& joint : def.joints)
+        if (isIt(joint.parent, joint.child))
+            return !std::visit([](const auto& kind) { return kind.bodies.collide; }, joint.joint);
+    return false;
+}
+
 std::string whyInvalid(const RagdollOptions& options) {
     if (std::string problem = whyOutside(options); !problem.empty()) return problem;
     if (std::string problem = whyInvalid(options.material); !problem.empty()) return "material." + problem;
@@ -58,6 +69,14 @@ std::string whyInvalid(const RagdollDef& def) {
         if (const std::string problem = whyInvalidJoint(def.joints[i], carried); !problem.empty())
             return "joints[" + std::to_string(i) + "]." + problem;
         carried[static_cast<std::size_t>(def.joints[i].child)] = true;
+    }
+    const int count = static_cast<int>(def.parts.size());
+    for (std::size_t i = 0; i < def.ignored.size(); ++i) {
+        const RagdollPair& pair = def.ignored[i];
+        if (pair.first < 0 || pair.second < 0 || pair.first >= count || pair.second >= count ||
+            pair.first == pair.second)
+            return "ignored[" + std::to_string(i) + "] has parts " + std::to_string(pair.first) + " and " +
+                   std::to_string(pair.second) + ", must have two of " + std::to_string(count);
     }
     for (std::size_t i = 0; i < def.bones.size(); ++i) {
         const RagdollBone& bone = def.bones[i];

@@ -42,7 +42,6 @@ RagdollDef chainOf(std::vector<JointDef> joints) {
         part.mass = 1.1f + static_cast<float>(i);
         part.material.friction = 0.1f * static_cast<float>(i);
         part.material.slidingShare = 0.7f;
-        part.quiet = i % 3 - 1;
         def.parts.push_back(part);
         def.bones.push_back({"bone of " + name, i - 1, i, {}});
     }
@@ -60,6 +59,7 @@ RagdollDef chainOf(std::vector<JointDef> joints) {
         ++i;
     }
     def.note = "a chain";
+    for (int i = 2; i < static_cast<int>(def.parts.size()); i += 3) def.ignored.push_back({i - 2, i});
     return def;
 }
 
@@ -82,6 +82,13 @@ TEST(GltfRagdoll, OfAnyJointIsReadBackEqual) {
         ScrewDef{.pitch = 0.02f, .turn = axis},
         SixDofDef{.x = axis, .twist = axis, .swingZ = axis},
     }));
+}
+
+TEST(GltfRagdoll, OfABodyThatPassesThroughItselfIsReadBackEqual) {
+    RagdollDef def = chainOf({FixedDef{}, FixedDef{}, FixedDef{}});
+    def.ignored.clear();
+    def.selfCollision = false;
+    expectEqualAfterGltf(def);
 }
 
 TEST(GltfRagdoll, OfAFittedHumanIsReadBackEqual) {

@@ -8,6 +8,7 @@
 
 #include "human.h"
 #include "ragtop/ragdoll.h"
+#include "ragtop/world.h"
 
 namespace ragtop {
 namespace {
@@ -230,10 +231,10 @@ TEST(MakeRagdoll, ScalesExactly) {
     const RagdollDef a = makeRagdoll(small.skeleton, {.bodyMass = 64});
     const RagdollDef b = makeRagdoll(big.skeleton, {.bodyMass = 64 * 64});
     ASSERT_EQ(a.parts.size(), b.parts.size());
+    EXPECT_EQ(a.ignored.size(), b.ignored.size());
     for (std::size_t i = 0; i < a.parts.size(); ++i) {
         EXPECT_EQ(64 * a.parts[i].mass, b.parts[i].mass);
         EXPECT_EQ(4.0f * a.parts[i].frame.position, b.parts[i].frame.position);
-        EXPECT_EQ(a.parts[i].quiet, b.parts[i].quiet);
         if (const auto* capsule = std::get_if<Capsule>(&a.parts[i].shape)) {
             EXPECT_EQ(4 * capsule->radius, std::get<Capsule>(b.parts[i].shape).radius);
             EXPECT_EQ(4 * capsule->halfHeight, std::get<Capsule>(b.parts[i].shape).halfHeight);
@@ -259,13 +260,84 @@ TEST(MakeRagdoll, EveryBoneFollowsAPartAndRestsWhereItWas) {
     EXPECT_EQ(partOf(rig.toe[1]), BodyRole::foot);
 }
 
-TEST(MakeRagdoll, WithoutSelfCollisionAllPartsAreQuiet) {
-    const HumanRig rig;
-    for (const RagdollPart& each : makeRagdoll(rig.skeleton, {.selfCollision = false}).parts) EXPECT_EQ(each.quiet, 0);
-    int loud = 0;
-    for (const RagdollPart& each : makeRagdoll(rig.skeleton).parts) loud += each.quiet < 0;
-    // Hands, forearms, shanks and feet of a T-pose touch nothing but their neighbours.
-    EXPECT_GE(loud, 8);
+/// Do two capsules or boxes have a point in common, among a grid of points of the first?
+bool shareAPoint(const RagdollPart& a, const RagdollPart& b) {
+    const auto half = [](const RagdollPart& part) {
+        if (const auto* capsule = std::get_if<Capsule>(&part.shape))
+            return Vec3{capsule->radius, capsule->halfHeight + capsule->radius, capsule->radius};
+        return std::get<Box>(part.shape).halfExtents;
+    };
+    const auto holds = [](const RagdollPart& part, const Vec3& point) {
+        const Vec3 at = inverseTransformPoint(part.bind * part.frame, point);
+        if (const auto* capsule = std::get_if<Capsule>(&part.shape)) {
+            const Vec3 core{0, std::clamp(at.y, -capsule->halfHeight, capsule->halfHeight), 0};
+            return length(at - core) <= capsule->radius;
+        }
+        const Vec3 h = std::get<Box>(part.shape).halfExtents;
+        return std::abs(at.x) <= h.x && std::abs(at.y) <= h.y && std::abs(at.z) <= h.z;
+    };
+    constexpr int kPoints = 12;
+    const auto at = [](int i) { return 2.0f * static_cast<float>(i) / kPoints - 1; };
+    for (int i = 0; i <= kPoints; ++i)
+        for (int j = 0; j <= kPoints; ++j)
+            for (int k = 0; k <= kPoints; ++k) {
+                const Vec3 h = half(a), local{at(i) * h.x, at(j) * h.y, at(k) * h.z};
+                const Vec3 point = transformPoint(a.bind * a.frame, local);
+                if (holds(a, point) && holds(b, point)) return true;
+            }
+    return false;
+}
+
+TEST(MakeRagdoll, OnlyWhatIsJoinedOrOverlapsAtRestPassesThroughEachOther) {
+    const RagdollDef def = makeRagdoll(HumanRig().skeleton);
+    const auto isJoined = [&](int a, int b) {
+        return std::any_of(def.joints.begin(), def.joints.end(), [&](const RagdollJoint& joint) {
+            return (joint.parent == a && joint.child == b) || (joint.parent == b && joint.child == a);
+        });
+    };
+    const auto count = static_cast<int>(def.parts.size());
+    int apart = 0;
+    for (int i = 0; i < count; ++i)
+        for (int j = 0; j < count; ++j) {
+            if (i == j) continue;
+            const RagdollPart &a = def.parts[static_cast<std::size_t>(i)], &b = def.parts[static_cast<std::size_t>(j)];
+            RagdollPart grown = b;
+            if (auto* capsule = std::get_if<Capsule>(&grown.shape)) capsule->radius += 0.02f;
+            if (auto* box = std::get_if<Box>(&grown.shape)) box->halfExtents += Vec3{0.02f, 0.02f, 0.02f};
+            if (isJoined(i, j) || shareAPoint(a, b)) {
+                EXPECT_TRUE(ignoreEachOther(def, i, j)) << a.name << b.name;
+                continue;
+            }
+            // Points of a grid are up to 4 cm apart, so overlaps may lie between them, but not those of what is larger.
+            EXPECT_TRUE(!ignoreEachOther(def, i, j) || shareAPoint(a, grown)) << a.name << b.name;
+            apart += ignoreEachOther(def, i, j) ? 0 : 1;
+        }
+    EXPECT_GT(apart, count * (count - 1) / 2);
+}
+
+/// Two thighs that overlap at rest do not hide one of them from a hand.
+TEST(Ragdoll, PartsMeetAllButThoseThatTheyIgnore) {
+    RagdollDef def;
+    for (int i = 0; i < 3; ++i) {
+        def.parts.push_back({.name = std::to_string(i), .bone = i, .shape = Sphere{0.1f}, .mass = 1});
+        def.parts.back().bind.position = {0.15f * static_cast<float>(i), 0, 0};
+        def.bones.push_back({std::to_string(i), -1, i, {}});
+    }
+    def.ignored = {{0, 1}};
+    World world({.gravity = {}});
+    Ragdoll ragdoll(world, def);
+    for (int i = 0; i < 30; ++i) world.step(1.0 / 60);
+    const auto x = [&](std::size_t part) { return world.pose(ragdoll.bodies()[part]).position.x; };
+    EXPECT_EQ(x(0), 0);
+    EXPECT_GT(x(2) - x(1), 0.19);
+    def.selfCollision = false;
+    ragdoll = Ragdoll(world, def);
+    for (int i = 0; i < 30; ++i) world.step(1.0 / 60);
+    EXPECT_EQ(x(2) - x(1), static_cast<double>(def.parts[2].bind.position.x - def.parts[1].bind.position.x));
+    def.ignored = {{0, 3}};
+    EXPECT_THROW(Ragdoll(world, def), std::invalid_argument);
+    def.ignored = {{1, 1}};
+    EXPECT_THROW(Ragdoll(world, def), std::invalid_argument);
 }
 
 TEST(MakeRagdoll, SharesMassByVolumeWhereThereIsNoHuman) {

@@ -52,6 +52,12 @@ RagdollFromGltf readGltfRagdoll(const JsonDocument& gltf, const MeshPoints& poin
             ragdoll[list.name][i].merge_patch(patch);
             changed = true;
         }
+    // Parts may have other names now.
+    for (std::size_t i = 0; i < read.def.ignored.size(); ++i) {
+        const RagdollPair& pair = read.def.ignored[i];
+        for (const auto& [key, part] : {std::pair{"a", pair.first}, {"b", pair.second}})
+            ragdoll["ignored"][i][key] = ragdoll["parts"][static_cast<std::size_t>(part)]["name"];
+    }
     if (const Json note = extra(gltf.root(), "note"); note.is_string()) ragdoll["note"] = note, changed = true;
     if (!changed) return read;
     const std::string name = JsonValue(gltf).place().file + " with its extras";

@@ -45,6 +45,7 @@ public:
         collectBones();
         for (const int body : result_.parts) addPart(body);
         addJoints();
+        ignorePairs();
         for (const int node : result_.bones) addBone(node);
         if (static_ > 0) warn(std::to_string(static_) + " colliders of no body are left out");
         if (triggers_ > 0) warn(std::to_string(triggers_) + " triggers are left out");
@@ -214,14 +215,42 @@ private:
             part.material.frictionRule = ruleOf(from.frictionCombine);
             part.material.restitutionRule = ruleOf(from.restitutionCombine);
         }
-        if (!collider.collisionFilter) return;
-        const GltfFilter& filter =
-            indexed(index, "collisionFilter", *collider.collisionFilter, file_.extensions.physics.collisionFilters);
-        if (filter.collideWithSystems.empty() && filter.collisionSystems == filter.notCollideWithSystems &&
-            !filter.collisionSystems.empty())
-            part.quiet = *collider.collisionFilter;
-        else
-            warn("a collision filter other than of bodies that do not meet each other is left out");
+        if (collider.collisionFilter)
+            filters_[result_.def.parts.size()] = &indexed(index, "collisionFilter", *collider.collisionFilter,
+                                                          file_.extensions.physics.collisionFilters);
+    }
+
+    /// What its filter says that a part does not meet.
+    static bool excludes(const GltfFilter& filter, const GltfFilter* other) {
+        const auto names = [&](const std::vector<std::string>& systems) {
+            return other && std::any_of(systems.begin(), systems.end(), [&](const std::string& system) {
+                       const std::vector<std::string>& of = other->collisionSystems;
+                       return std::find(of.begin(), of.end(), system) != of.end();
+                   });
+        };
+        if (!filter.collideWithSystems.empty()) return !names(filter.collideWithSystems);
+        return names(filter.notCollideWithSystems);
+    }
+
+    /// Filters hold between the parts; of what else there is in the file they say nothing to us.
+    void ignorePairs() {
+        RagdollDef& def = result_.def;
+        const auto filterOf = [&](std::size_t part) -> const GltfFilter* {
+            const auto found = filters_.find(part);
+            return found == filters_.end() ? nullptr : found->second;
+        };
+        bool all = def.parts.size() > 1;
+        for (std::size_t i = 0; i < def.parts.size(); ++i)
+            for (std::size_t j = i + 1; j < def.parts.size(); ++j) {
+                const GltfFilter *a = filterOf(i), *b = filterOf(j);
+                const bool apart = (a && excludes(*a, b)) || (b && excludes(*b, a));
+                all &= apart;
+                const RagdollPair pair{static_cast<int>(i), static_cast<int>(j)};
+                if (apart && !ignoreEachOther(def, pair.first, pair.second)) def.ignored.push_back(pair);
+            }
+        if (!all) return;
+        def.selfCollision = false;
+        def.ignored.clear();
     }
 
     void addJoints() {
@@ -289,6 +318,7 @@ private:
     std::vector<int> order_, bodies_;
     std::vector<Link> links_;
     std::map<int, std::vector<int>> colliders_;
+    std::map<std::size_t, const GltfFilter*> filters_;  ///< by part
     std::map<int, int> boneOf_, partOf_, parentOf_;
     std::map<std::string, int> names_;
     int static_ = 0, triggers_ = 0;

@@ -42,7 +42,7 @@ public:
 
     Json write() {
         addBones();
-        for (std::size_t i = 0; i < def_.parts.size(); ++i) addPart(def_.parts[i], parts_[i].get<std::size_t>());
+        for (std::size_t i = 0; i < def_.parts.size(); ++i) addPart(i, parts_[i].get<std::size_t>());
         for (const RagdollJoint& joint : def_.joints) addJoint(joint);
         finish();
         addExtras(gltf_, def_, file_, [&](int mesh) { return hulls_[static_cast<std::size_t>(mesh)]; });
@@ -99,16 +99,28 @@ private:
         return place;
     }
 
-    void addPart(const RagdollPart& part, std::size_t node) {
+    /// Parts that pass through others are systems of their own.
+    Json filterOf(int part) const {
+        if (!def_.selfCollision)
+            return {{"collisionSystems", {def_.parts[0].name}}, {"notCollideWithSystems", {def_.parts[0].name}}};
+        const auto system = [](int one) { return "part " + std::to_string(one); };
+        Json apart = Json::array();
+        for (const RagdollPair& pair : def_.ignored) {
+            if (pair.first == part) apart.push_back(system(pair.second));
+            if (pair.second == part) apart.push_back(system(pair.first));
+        }
+        if (apart.empty()) return {};
+        return {{"collisionSystems", {system(part)}}, {"notCollideWithSystems", std::move(apart)}};
+    }
+
+    void addPart(std::size_t index, std::size_t node) {
+        const RagdollPart& part = def_.parts[index];
         physics(node)["motion"] = {{"mass", writeValue(part.mass)}};
         const std::size_t place = part.frame == Frame{} ? node : addChild(node, part.frame, "");
         Json collider{{"geometry", geometryOf(part.shape)},
                       {"physicsMaterial", listed(materials_, materialOf(part.material))}};
-        if (part.quiet >= 0) {
-            const std::string system = "quiet " + std::to_string(part.quiet);
-            collider["collisionFilter"] =
-                listed(filters_, {{"collisionSystems", {system}}, {"notCollideWithSystems", {system}}});
-        }
+        if (Json filter = filterOf(static_cast<int>(index)); !filter.is_null())
+            collider["collisionFilter"] = listed(filters_, std::move(filter));
         physics(place)["collider"] = std::move(collider);
     }
 

@@ -58,7 +58,6 @@ struct RagdollPart {
     Frame frame{};   ///< of the shape in the bone
     float mass = 1;  ///< kg
     Material material{};
-    int quiet = -1;  ///< parts of equal number, not negative, do not collide with each other
 };
 
 /// Joins two parts. The bodies of `joint` are left null; its frames are in the bones of the parts, and at rest every
@@ -76,25 +75,34 @@ struct RagdollBone {
     Frame inPart{};  ///< in the bone of the part
 };
 
+/// Two parts that pass through each other, as those that overlap at rest.
+struct RagdollPair {
+    int first = -1, second = -1;  ///< indices of parts
+};
+
 /// Everything a ragdoll is made from.
 struct RagdollDef {
     std::vector<RagdollPart> parts{};  ///< parents before children; the first is the root
     std::vector<RagdollJoint> joints{};
     std::vector<RagdollBone> bones{};
-    std::string note{};  ///< what was guessed in making it
+    bool selfCollision = true;           ///< parts collide with each other but for those that are joined or ignored
+    std::vector<RagdollPair> ignored{};  ///< beside those that are joined
+    std::string note{};                  ///< what was guessed in making it
 };
 
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const RagdollPart*) {
     visit(Tunable{"mass", "kg", 1e-6, 1e9, "mass of the part"}, self.mass);
     visit(Tunable{"material", "", 0, 0, "its surface"}, self.material);
-    visit(Tunable{"quiet", "", -1, 1e6, "parts of equal number do not collide with each other"}, self.quiet);
 }
 
 /// Fits capsules and boxes, masses, joints and limits to a skeleton; fingers, toes, twist bones and other small ones
 /// join the part before them. A human gets 16 parts. Throws std::invalid_argument on a bad skeleton or option,
 /// or where a part would be too small, large or light for a shape or a body.
 RagdollDef makeRagdoll(const Skeleton& skeleton, const RagdollOptions& options = {});
+
+/// Do two parts pass through each other?
+bool ignoreEachOther(const RagdollDef& def, int first, int second);
 
 /// Empty when the definition is usable; otherwise names the part or joint, its value and what is allowed.
 std::string whyInvalid(const RagdollDef& def);
@@ -150,6 +158,7 @@ private:
     struct PartMotion;
     std::vector<Pose> partsOf(std::span<const Pose> bones) const;
     void spawn(std::span<const PartMotion> parts);
+    void ignore();
     void release();
     JointDef placed(const RagdollJoint& joint) const;
 
