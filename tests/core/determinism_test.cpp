@@ -37,13 +37,13 @@ struct Golden {
 };
 constexpr Golden kGolden[] = {
     {0xead3a6f5c77dfbfeu, 0x449b8339161e90c0u},  // tower
-    {0x04115abc7ba3b5ebu, 0x100c8df516c3d71au},  // wall
-    {0x586d94f2714e958cu, 0x40bfe01cf48bf615u},  // hills
-    {0x10e6aa2d75dfb97au, 0xd92fda18b97f73edu},  // bowl
-    {0x1e1bc3fa944a3401u, 0xcd5a5bae454ebe39u},  // joints
-    {0xc0728f2ccc7c5268u, 0x6cd3b3bb652c3ab7u},  // spinners
+    {0x75b878a0d8cdf1b2u, 0xc84401d3f37829d3u},  // wall
+    {0x7b1e392583648f9au, 0x6de72b72e7752e23u},  // hills
+    {0xb3e5edda179cec48u, 0xa87d379ed2f95f5eu},  // bowl
+    {0xfeb6ce2a76b13096u, 0x2ceb54e4ced85e91u},  // joints
+    {0xda684f92a66f2cabu, 0x82f74c1800492875u},  // spinners
     {0xefa6f2b1da44b200u, 0x010b013794c1c4afu},  // chains
-    {0x89a5ba227701b6bdu, 0x471e9e9a6aaa0a42u},  // house
+    {0x209300163c93f502u, 0xeeb84de19e70401eu},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 

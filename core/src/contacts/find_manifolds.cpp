@@ -1,5 +1,8 @@
 #include "contacts/find_manifolds.h"
 
+#include <algorithm>
+
+#include "contacts/tuning.h"
 #include "narrowphase/collide.h"
 #include "narrowphase/collide_surfaces.h"
 
@@ -34,6 +37,40 @@ static int findSurfaceManifolds(const FindManifolds& view, const ContactRecord& 
     return collideSurfaces(*a.mesh, b.convex, bInA, reach, found);
 }
 
+/// B's way beside A in the step and in the substep after it, which the last relaxing pass foresees, where it is longer
+/// than that within which manifolds count as found here.
+static Approach approachOf(const FindManifolds& view, const ContactRecord& record, float margin) {
+    const float near = tuning::kReuse * record.size;
+    if (!(margin > 2 * near)) return {};
+    const Quat axes = view.bodies[record.bodyA].rotation * view.shapes[record.shapeA].frame.rotation;
+    const Vec3 speed = view.bodies.states[record.bodyB].v - view.bodies.states[record.bodyA].v;
+    return {inverseRotate(axes, (view.dt + view.h) * speed), near};
+}
+
+/// Share of B's way by which the points of a contact go back with it: both bodies get the arm of one point.
+static float shareOfB(const Bodies& bodies, const ContactRecord& record) {
+    if (bodies[record.bodyA].type != BodyType::dynamic) return 1;
+    return bodies[record.bodyB].type == BodyType::dynamic ? 0.5f : 0.0f;
+}
+
+static int findConvexManifold(const FindManifolds& view, ContactRecord& record, const Frame& bInA, float margin,
+                              Manifold& found) {
+    const GeometryEntry& a = view.shapes.geometryOf(view.shapes[record.shapeA]);
+    const GeometryEntry& b = view.shapes.geometryOf(view.shapes[record.shapeB]);
+    collide(a.convex, b.convex, bInA, margin, record.cache, found);
+    const Approach approach = approachOf(view, record, margin);
+    if (found.pointCount == 0 || !approach.looksAhead()) return found.pointCount > 0 ? 1 : 0;
+    const float apart = std::max(0.0f, leastSeparation(found.all()));
+    const float gone = goToMeet(approach, found, [&](float share, Manifold& there) {
+        collide(a.convex, b.convex, {bInA.position + share * approach.way, bInA.rotation}, margin, record.cache, there);
+    });
+    const Vec3 back = shareOfB(view.bodies, record) * gone * approach.way;
+    for (ManifoldPoint& point : found.all()) point.position -= back;
+    bringBack(approach, gone, found);
+    if (found.pointCount == 0) found.gap = apart;
+    return found.pointCount > 0 ? 1 : 0;
+}
+
 int findManifolds(const FindManifolds& view, ContactRecord& record, const Frame& bInA, float margin,
                   std::span<Manifold> found) {
     const Shapes& shapes = view.shapes;
@@ -41,13 +78,13 @@ int findManifolds(const FindManifolds& view, ContactRecord& record, const Frame&
     const GeometryEntry& b = shapes.geometries[shapes[record.shapeB].geometry];
     if (record.isMesh && meetAsSurfaces(view.bodies, shapes, record))
         return findSurfaceManifolds(view, record, bInA, margin, found);
-    found[0].gap = margin;
+    if (!a.mesh && !a.field) return findConvexManifold(view, record, bInA, margin, found[0]);
+    const Approach approach = approachOf(view, record, margin);
+    found[0].gap = approach.looksAhead() ? 0 : margin;
     if (a.mesh && record.nearTriangles != kNone)
-        return collide(*a.mesh, b.convex, bInA, margin, view.meshMemory[record.nearTriangles], found);
-    if (a.mesh) return collide(*a.mesh, b.convex, bInA, margin, found);
-    if (a.field) return collide(*a.field, b.convex, bInA, margin, found);
-    collide(a.convex, b.convex, bInA, margin, record.cache, found[0]);
-    return found[0].pointCount > 0 ? 1 : 0;
+        return collide(*a.mesh, b.convex, bInA, margin, view.meshMemory[record.nearTriangles], found, approach);
+    if (a.mesh) return collide(*a.mesh, b.convex, bInA, margin, found, approach);
+    return collide(*a.field, b.convex, bInA, margin, found, approach);
 }
 
 }  // namespace ragtop

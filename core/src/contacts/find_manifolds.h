@@ -15,6 +15,7 @@ struct FindManifolds {
     const Shapes& shapes;
     MeshMemory& meshMemory;
     float dt;  ///< s, of the step
+    float h;   ///< s, of a substep
 };
 
 /// Does a mesh of a dynamic body take part? Meshes that only others move collide triangle by triangle.

@@ -198,12 +198,12 @@ bool NarrowPhase::reuseManifolds(ContactRecord& record, const PairPlace& place, 
 /// Manifolds without those along which a shape gives way; the first is filled in any case.
 int NarrowPhase::findKept(ContactRecord& record, const PairPlace& place, Manifold* found) {
     if (yieldsToAll(shapes, record, place.bInA, place.margin)) return 0;
-    const int count = place.touch.single
-                          ? takeTouch(place.touch, place.margin, found[0])
-                          : findManifolds({bodies, shapes, manifolds.meshMemory, dt}, record, place.bInA, place.margin,
-                                          {found, record.manifoldCapacity});
-    return keepUnyielding(bodies, shapes, record, place.bInA, tuning::kSpeculative * record.size, dt,
-                          {found, static_cast<std::size_t>(count)});
+    const float near = tuning::kReuse * record.size, apart = place.touch.separation;
+    const bool isNear = place.touch.single && (apart <= near || apart > place.margin);
+    const int count = isNear ? takeTouch(place.touch, place.margin, found[0])
+                             : findManifolds({bodies, shapes, manifolds.meshMemory, dt, writer.h}, record, place.bInA,
+                                             place.margin, {found, record.manifoldCapacity});
+    return keepUnyielding(shapes, record, place.bInA, {found, static_cast<std::size_t>(count)});
 }
 
 std::uint8_t NarrowPhase::collideAnew(ContactRecord& record, const PairPlace& place, double travel, int worker) {
@@ -254,7 +254,7 @@ void NarrowPhase::updateSensors(StageRunner& runner) {
             ContactRecord& record = contacts[contacts.awake[static_cast<std::size_t>(i)]];
             if (!record.sensor) continue;
             Manifold found[kMaxManifolds];
-            const int count = findManifolds({bodies, shapes, manifolds.meshMemory, dt}, record,
+            const int count = findManifolds({bodies, shapes, manifolds.meshMemory, dt, writer.h}, record,
                                             shapeBInA(bodies, shapes, record), 0, found);
             record.hasPoints = count > 0;
             ManifoldRecord& manifold = manifolds[record.firstManifold];

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "narrowphase/approach.h"
 #include "narrowphase/manifold.h"
 #include "narrowphase/near_triangles.h"
 #include "ragtop/math.h"
@@ -16,11 +17,14 @@ void collide(const ConvexView& a, const ConvexView& b, const Frame& bInA, float 
              Manifold& out);
 
 /// A mesh or height field (A) and a convex shape (B), internal edges filtered. Writes at most kMaxManifolds and returns
-/// how many, in an order that is the same while the same triangles touch.
-int collide(const MeshData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out);
+/// how many, in an order that is the same while the same triangles touch. Each triangle is looked at where the shape
+/// first meets it on its way; points are then where the shape has them now.
+int collide(const MeshData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out,
+            const Approach& approach = {});
 /// The same with what is remembered of the triangles around this pair.
 int collide(const MeshData& a, const ConvexView& b, const Frame& bInA, float margin, NearTriangles& near,
-            std::span<Manifold> out);
-int collide(const HeightFieldData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out);
+            std::span<Manifold> out, const Approach& approach = {});
+int collide(const HeightFieldData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out,
+            const Approach& approach = {});
 
 }  // namespace ragtop

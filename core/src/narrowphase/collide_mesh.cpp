@@ -130,16 +130,13 @@ struct TriangleContact {
     };
 
     TriangleContact() {}
+    std::span<ManifoldPoint> all() { return {points, static_cast<std::size_t>(count)}; }
     std::span<const ManifoldPoint> all() const { return {points, static_cast<std::size_t>(count)}; }
+    void clear() { count = 0; }
     void take(const Manifold& m) {
         normal = m.normal;
         count = m.pointCount;
         for (int i = 0; i < count; ++i) points[i] = m.points[i];
-    }
-    float deepest() const {
-        float least = points[0].separation;
-        for (const ManifoldPoint& point : all()) least = point.separation < least ? point.separation : least;
-        return least;
     }
 };
 
@@ -160,8 +157,15 @@ template <class Surface>
 class SurfaceContacts {
 public:
     /// `known`: what is remembered of the surface here, if anything is.
-    SurfaceContacts(const Surface& surface, const Mover& mover, NearTriangles* known = nullptr)
-        : surface_(surface), mover_(mover), known_(known), set_(mover.size) {}
+    SurfaceContacts(const Surface& surface, const Mover& mover, const Approach& approach,
+                    NearTriangles* known = nullptr)
+        : surface_(surface),
+          mover_(mover),
+          approach_(approach),
+          looksAhead_(approach.looksAhead()),
+          origin_(mover.position),
+          known_(known),
+          set_(mover.size) {}
 
     int run(std::span<Manifold> out) {
         const Bounds bounds = mover_.bounds();
@@ -175,7 +179,7 @@ public:
             return set_.write(mover_.position, out);
         }
         const auto visitOne = [this](const TriangleView& view) {
-            visit(TriangleHull(view, mover_.position));
+            visit(view);
             return true;
         };
         forEachNear(bounds, visitOne);
@@ -215,30 +219,54 @@ private:
         return Vec3{near, near, near} + kRounding * abs(place);
     }
 
-    void visit(const TriangleHull& t) {
+    void visit(const TriangleView& view) {
+        const TriangleHull t(view, mover_.position);
         const float height = dot(t.normal(), mover_.center) - t.planes[0].offset;
         if (height < -kBehind * mover_.size) return;
-        if (mover_.shape->kind == ConvexKind::sphere) return visitSphere(t, height);
+        if (mover_.shape->kind == ConvexKind::sphere) return takeSphere(view, t, nearestTo(t, height));
         TriangleContact contact;
-        if (mover_.hull) {
-            touchHull(t, contact);
-        } else {
-            Manifold m;
-            pairs::hullCapsule(t.view(), mover_.p, mover_.q, mover_.shape->radius, mover_.margin, m);
-            contact.take(m);
-        }
-        takeContact(t, contact);
+        touch(view, t, contact);
+        takeContact(view, t, contact);
     }
 
-    void takeContact(const TriangleHull& t, TriangleContact& contact) {
+    void touch(const TriangleView& view, const TriangleHull& t, TriangleContact& contact) const {
+        if (mover_.box) return touchBoxAgain(view, t, contact);
+        if (mover_.hull) return touchHull(t, contact);
+        Manifold m;
+        pairs::hullCapsule(t.view(), mover_.p, mover_.q, mover_.shape->radius, mover_.margin, m);
+        contact.take(m);
+    }
+
+    /// The contact found where the mover is, or where it first meets the triangle.
+    void takeContact(const TriangleView& view, const TriangleHull& t, TriangleContact& contact) {
         if (contact.count == 0) return;
+        if (!looksAhead_) return keep(t, contact);
+        TriangleHull met = t;
+        const float gone = goToMeet(approach_, contact, [&](float share, TriangleContact& there) {
+            origin_ = mover_.position + share * approach_.way;
+            std::construct_at(&met, view, origin_);
+            there.clear();
+            touch(view, met, there);
+        });
+        if (contact.count > 0) point(met, contact);
+        bringBack(approach_, gone, contact);
+        if (contact.count > 0) set_.add(contact.normal, contact.all(), t.index);
+        origin_ = mover_.position;
+    }
+
+    void keep(const TriangleHull& t, TriangleContact& contact) {
+        point(t, contact);
+        if (contact.count > 0) set_.add(contact.normal, contact.all(), t.index);
+    }
+
+    /// Turns a contact to where the surface may push, or leaves it out, and names its points.
+    void point(const TriangleHull& t, TriangleContact& contact) const {
         bool onFace = contact.normal == t.normal();
         if (!onFace && !mayPoint(t, contact)) {
             onFace = true;
             turnToFace(t, contact);
         }
         nameFeatures(contact, onFace, t.index);
-        set_.add(contact.normal, contact.all(), t.index);
     }
 
     void touchHull(const TriangleHull& t, TriangleContact& contact) const {
@@ -283,8 +311,16 @@ private:
             const TriangleHull t(*four[k], mover_.position);
             TriangleContact contact;
             touchBox(t, axes, k, contact);
-            takeContact(t, contact);
+            takeContact(*four[k], t, contact);
         }
+    }
+
+    /// One triangle, where the mover has gone some of its way.
+    void touchBoxAgain(const TriangleView& view, const TriangleHull& t, TriangleContact& contact) const {
+        const TriangleView* const four[4] = {&view, &view, &view, &view};
+        const BoxAxes axes =
+            findBoxAxes(*mover_.box, FourTriangles(four, origin_), mover_.margin, kBehind * mover_.size);
+        if (axes.touches != 0) touchBox(t, axes, 0, contact);
     }
 
     void touchBox(const TriangleHull& t, const BoxAxes& axes, int lane, TriangleContact& contact) const {
@@ -329,31 +365,64 @@ private:
             for (; touches != 0; touches &= touches - 1) {
                 const int k = std::countr_zero(touches);
                 const TriangleHull t(*four[k], mover_.position);
-                touchSphere(t, nearest.height[k], nearest.pointAt(k), nearest.featureAt(k));
+                takeSphere(*four[k], t, {nearest.pointAt(k), nearest.featureAt(k), nearest.height[k]});
             }
         }
     }
 
-    void visitSphere(const TriangleHull& t, float height) {
+    /// Where a triangle is nearest to the centre of a sphere, and how far above its plane the centre is.
+    struct NearestPoint {
+        Vec3 at;
         Feature feature;
-        const Vec3 near = nearestOnTriangle(t.vertices, t.normal(), {}, feature);
-        touchSphere(t, height, near, feature);
+        float height = 0;
+    };
+
+    static NearestPoint nearestTo(const TriangleHull& t, float height) {
+        NearestPoint nearest;
+        nearest.at = nearestOnTriangle(t.vertices, t.normal(), {}, nearest.feature);
+        nearest.height = height;
+        return nearest;
     }
 
-    /// `near`: where the triangle is nearest to the centre.
-    void touchSphere(const TriangleHull& t, float height, const Vec3& near, const Feature& feature) {
-        const float radius = mover_.shape->radius;
-        const bool onFace = feature.kind == Feature::face;
-        const float distance = onFace ? height : length(near);
-        const float separation = distance - radius;
-        if (separation > mover_.margin || (!onFace && !(height >= 0 && distance > 0))) return;
-        const Vec3 normal = onFace ? t.normal() : (-1.0f / distance) * near;
+    void touchSphere(const TriangleHull& t, const NearestPoint& nearest, TriangleContact& contact) const {
+        const bool onFace = nearest.feature.kind == Feature::face;
+        const float distance = onFace ? nearest.height : length(nearest.at);
+        const float separation = distance - mover_.shape->radius;
+        contact.clear();
+        if (separation > mover_.margin || (!onFace && !(nearest.height >= 0 && distance > 0))) return;
+        contact.normal = onFace ? t.normal() : (-1.0f / distance) * nearest.at;
+        contact.points[contact.count++] = {nearest.at + 0.5f * separation * contact.normal, separation, kPointFeature};
+    }
+
+    void takeSphere(const TriangleView& view, const TriangleHull& t, const NearestPoint& seen) {
+        TriangleContact contact;
+        touchSphere(t, seen, contact);
+        if (contact.count == 0) return;
+        if (!looksAhead_) {
+            if (mayPointAtSphere(t, seen, contact.normal)) set_.add(contact.normal, contact.all(), t.index);
+            return;
+        }
+        TriangleHull met = t;
+        NearestPoint nearest = seen;
+        const float gone = goToMeet(approach_, contact, [&](float share, TriangleContact& there) {
+            origin_ = mover_.position + share * approach_.way;
+            std::construct_at(&met, view, origin_);
+            nearest = nearestTo(met, -met.planes[0].offset);
+            touchSphere(met, nearest, there);
+        });
+        if (!mayPointAtSphere(met, nearest, contact.normal)) contact.clear();
+        bringBack(approach_, gone, contact);
+        set_.add(contact.normal, contact.all(), t.index);
+        origin_ = mover_.position;
+    }
+
+    bool mayPointAtSphere(const TriangleHull& t, const NearestPoint& nearest, const Vec3& normal) const {
+        const Feature& feature = nearest.feature;
+        if (feature.kind == Feature::face) return true;
         // A corner is reported by a neighbour too if any edge there is active.
         const int index = feature.index, before = index == 0 ? 2 : index - 1;
         const bool active = edgeIsActive(t, index) || (feature.kind == Feature::vertex && edgeIsActive(t, before));
-        if (!onFace && !(active && isOutermost(near, normal))) return;
-        const ManifoldPoint point{near + 0.5f * separation * normal, separation, kPointFeature};
-        set_.add(normal, {&point, 1}, t.index);
+        return active && isOutermost(nearest.at, normal);
     }
 
     /// May the surface push along m.normal where the contact is? Not from behind, not from a flat or concave edge, and
@@ -379,10 +448,10 @@ private:
     /// Do all triangles at a point of the surface lie below the plane through it?
     bool isOutermost(const Vec3& at, const Vec3& normal) const {
         const float near = kAtPoint * mover_.size;
-        const Vec3 place = mover_.position + at, reach = reachAt(place);
+        const Vec3 place = origin_ + at, reach = reachAt(place);
         bool outermost = true;
         forEachNear({place - reach, place + reach}, [&](const TriangleView& view) {
-            const TriangleHull other(view, mover_.position);
+            const TriangleHull other(view, origin_);
             Feature feature;
             const Vec3 nearest = nearestOnTriangle(other.vertices, other.normal(), at, feature);
             if (lengthSquared(nearest - at) > 4 * lengthSquared(reach)) return true;
@@ -398,7 +467,7 @@ private:
 
     /// Replaces a refused contact by that of the face alone; none when the shape is not over it or too deep under it.
     void turnToFace(const TriangleHull& t, TriangleContact& contact) const {
-        const float twice = 2 * contact.deepest(), usual = -kDeepest * mover_.size;
+        const float twice = 2 * leastSeparation(contact.all()), usual = -kDeepest * mover_.size;
         const float limit = twice < usual ? twice : usual;
         contact.normal = t.normal();
         if (mover_.box) {
@@ -422,6 +491,9 @@ private:
 
     const Surface& surface_;
     const Mover& mover_;
+    const Approach& approach_;
+    const bool looksAhead_;
+    Vec3 origin_;  ///< of the axes that contacts are seen in: the mover's, or where it has gone to
     NearTriangles* known_;
     ManifoldSet set_;
     Bounds gathered_;
@@ -434,20 +506,22 @@ private:
 
 }  // namespace
 
-int collide(const MeshData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out) {
+int collide(const MeshData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out,
+            const Approach& approach) {
     const Mover mover(b, bInA, margin);
-    return SurfaceContacts<MeshData>(a, mover).run(out);
+    return SurfaceContacts<MeshData>(a, mover, approach).run(out);
 }
 
 int collide(const MeshData& a, const ConvexView& b, const Frame& bInA, float margin, NearTriangles& near,
-            std::span<Manifold> out) {
+            std::span<Manifold> out, const Approach& approach) {
     const Mover mover(b, bInA, margin);
-    return SurfaceContacts<MeshData>(a, mover, &near).run(out);
+    return SurfaceContacts<MeshData>(a, mover, approach, &near).run(out);
 }
 
-int collide(const HeightFieldData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out) {
+int collide(const HeightFieldData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out,
+            const Approach& approach) {
     const Mover mover(b, bInA, margin);
-    return SurfaceContacts<HeightFieldData>(a, mover).run(out);
+    return SurfaceContacts<HeightFieldData>(a, mover, approach).run(out);
 }
 
 }  // namespace ragtop

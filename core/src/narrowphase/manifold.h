@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "ragtop/math.h"
 
@@ -23,6 +24,10 @@ struct Manifold {
     float gap = 0;  ///< m; where there are no points, the shapes are at least so far apart
     ManifoldPoint points[kMaxManifoldPoints];
     std::uint32_t triangle = 0;  ///< of a mesh or height field, the deepest one
+
+    std::span<ManifoldPoint> all() { return {points, static_cast<std::size_t>(pointCount)}; }
+    std::span<const ManifoldPoint> all() const { return {points, static_cast<std::size_t>(pointCount)}; }
+    void clear() { pointCount = 0; }
 };
 
 /// What a pair remembers between steps to find its separating axis at once.

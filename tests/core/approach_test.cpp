@@ -1,0 +1,111 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "ragtop/world.h"
+
+/// A fast body meets what its shape would meet, not what happens to lie nearest when the step begins.
+namespace ragtop {
+namespace {
+
+/// One body on its way past a fixed obstacle, without gravity, friction or turns.
+struct Flight {
+    Shape shape, obstacle;
+    Quat turn, obstacleTurn;
+    Vec3 start, velocity;
+    float seconds = 0;
+
+    Vec3 velocityAfter(float rate) const {
+        World world({.gravity = {}});
+        const Material smooth{.friction = 0};
+        world.create(BodyDef{.type = BodyType::fixed,
+                             .shapes = {ShapeDef{.geometry = obstacle, .material = smooth}},
+                             .pose = {{}, obstacleTurn}});
+        BodyDef def{.shapes = {ShapeDef{.geometry = shape, .material = smooth}}};
+        def.pose = {DVec3{start}, turn};
+        def.linearVelocity = velocity;
+        def.locks = {.rotationX = true, .rotationY = true, .rotationZ = true};
+        def.allowSleep = false;
+        const BodyId body = world.create(def);
+        for (int i = 0; i < static_cast<int>(std::lround(seconds * rate)); ++i) world.step(1 / rate);
+        return world.linearVelocity(body);
+    }
+};
+
+class Flights {
+public:
+    explicit Flights(unsigned seed) : random_(seed) {}
+
+    Flight next(int kind, int obstacleKind) {
+        const float size = between(0.2f, 1), obstacleSize = between(0.5f, 3);
+        Flight f{shapeOf(kind, size), shapeOf(obstacleKind, obstacleSize), anyTurn(), anyTurn(), {}, {}, 0};
+        const float speed = between(5, 60), far = 2.5f * obstacleSize + 2 * size + between(0, 1);
+        const Vec3 way = rotate(anyTurn(), {1, 0, 0});
+        f.start = 0.8f * obstacleSize * Vec3{between(-1, 1), between(-1, 1), between(-1, 1)} - far * way;
+        f.velocity = speed * way;
+        f.seconds = std::ceil(60 * far / speed) / 30;
+        return f;
+    }
+
+private:
+    float between(float low, float high) {
+        return low + (high - low) * static_cast<float>(random_() >> 8) / 16777216.0f;
+    }
+    Quat anyTurn() { return normalized(Quat{between(-1, 1), between(-1, 1), between(-1, 1), between(0.1f, 1)}); }
+    Shape shapeOf(int kind, float size) {
+        if (kind == 0) return Sphere{between(0.5f, 1) * size};
+        if (kind == 1) return Capsule{between(0.2f, 0.5f) * size, between(0.3f, 1) * size};
+        if (kind == 2) return Box{size * Vec3{between(0.2f, 1), between(0.2f, 1), between(0.2f, 1)}};
+        std::vector<Vec3> points;
+        for (int i = 0; i < 12; ++i) points.push_back(size * Vec3{between(-1, 1), between(-1, 1), between(-1, 1)});
+        return ConvexHull(points);
+    }
+
+    std::mt19937 random_;
+};
+
+constexpr float kSameOutcome = 0.05f;  // of the speed: what a centimetre aside may change
+
+/// The outcome in the limit of small steps; none where a centimetre aside changes it.
+bool converged(const Flight& flight, Vec3& outcome) {
+    constexpr float kFine = 32 * 60;
+    outcome = flight.velocityAfter(kFine);
+    const float speed = length(flight.velocity);
+    for (const Vec3& aside : {Vec3{0.01f, 0, 0}, Vec3{0, 0.01f, 0}, Vec3{0, 0, 0.01f}}) {
+        Flight other = flight;
+        other.start += aside;
+        if (length(other.velocityAfter(kFine) - outcome) > kSameOutcome * speed) return false;
+    }
+    return true;
+}
+
+class FastFlight : public testing::TestWithParam<int> {};
+
+TEST_P(FastFlight, OutcomeOfAFlightIsThatOfSmallSteps) {
+    Flights flights(20);
+    int looked = 0;
+    for (int obstacle : {2, 3}) {
+        for (int i = 0; i < 16; ++i) {
+            const Flight flight = flights.next(GetParam(), obstacle);
+            Vec3 expected;
+            if (!converged(flight, expected)) continue;
+            ++looked;
+            const float speed = length(flight.velocity);
+            const bool passes = length(expected - flight.velocity) < 1e-4f * speed;
+            for (const float rate : {30.0f, 60.0f, 120.0f}) {
+                const float error = length(flight.velocityAfter(rate) - expected) / speed;
+                EXPECT_LE(error, passes ? 1e-4f : kSameOutcome)
+                    << "obstacle " << obstacle << ", flight " << i << ", " << rate << " Hz";
+            }
+        }
+    }
+    EXPECT_GE(looked, 16);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, FastFlight, testing::Range(0, 4));
+
+}  // namespace
+}  // namespace ragtop
