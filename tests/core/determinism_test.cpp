@@ -40,7 +40,7 @@ constexpr Golden kGolden[] = {
     {0x75b878a0d8cdf1b2u, 0xc84401d3f37829d3u},  // wall
     {0x7b1e392583648f9au, 0x6de72b72e7752e23u},  // hills
     {0xb3e5edda179cec48u, 0xa87d379ed2f95f5eu},  // bowl
-    {0xfeb6ce2a76b13096u, 0x2ceb54e4ced85e91u},  // joints
+    {0x80860160e1257b24u, 0x180b468bc5898fa7u},  // joints
     {0xda684f92a66f2cabu, 0x82f74c1800492875u},  // spinners
     {0xefa6f2b1da44b200u, 0x010b013794c1c4afu},  // chains
     {0x209300163c93f502u, 0xeeb84de19e70401eu},  // house

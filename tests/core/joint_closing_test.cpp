@@ -202,7 +202,7 @@ TEST(JointClosing, NoStepLeavesALimitPassed) {
 /// What a step has thrown about ends it no more torn than it began, keeps its momentum and gains no energy.
 TEST(JointClosing, CutsAStepShortThatTearsALoop) {
     std::uint64_t cut = 0;
-    for (const float speed : {200.0f, 300.0f, 400.0f, 500.0f, 600.0f, 700.0f}) {
+    for (float speed = 200; speed <= 1000; speed += 50) {
         World world{inSpace()};
         Row row(world, 8, 200);
         JointBodies across{.a = row.bodies[1], .b = row.bodies[6]};

@@ -393,10 +393,38 @@ void moveToEnd(WorldImpl& world, std::span<const std::uint32_t> group, const Joi
     }
 }
 
-void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClosing::Bench& bench) {
+/// Does nothing outside of a group turn it? A uniform acceleration does not.
+bool isAlone(const WorldImpl& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints) {
+    if (hangs(world, joints)) return false;
+    const auto isMember = [&](std::uint32_t body) {
+        const std::uint32_t local = world.jointClosing.localOf[body];
+        return local < group.size() && group[local] == body;
+    };
+    const Vec3 common = world.bodies.dynamics[group.front()].acceleration;
+    for (const std::uint32_t body : group) {
+        const auto& forces = world.bodies.dynamics[body];
+        if (forces.acceleration != common || forces.torque != Vec3{}) return false;
+        for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.contacts.next(key)) {
+            const ContactRecord& contact = world.contacts[key >> 1];
+            if (!contact.sensor && contact.hasPoints && !(isMember(contact.bodyA) && isMember(contact.bodyB)))
+                return false;
+        }
+    }
+    return true;
+}
+
+/// What a group that is alone began with is what it is to have: long substeps keep less of it than they should.
+Vec3 momentumToHave(const WorldImpl& world, std::size_t g, std::span<const std::uint32_t> joints) {
+    const EnergyGuard& guard = world.energyGuard;
+    const std::span<const std::uint32_t> group = guard.membersOf(g);
+    const bool isKnown = guard.watched[g] != Watching::none && isAlone(world, group, joints);
+    return isKnown ? guard.momentum[g] : angularMomentumAtStart(world, group);
+}
+
+void closeGroup(WorldImpl& world, std::size_t g, JointClosing::Bench& bench) {
+    const std::span<const std::uint32_t> group = world.energyGuard.membersOf(g);
     const direct::IslandParts parts = partsOf(world, group, bench);
     const std::span<const std::uint32_t> joints(bench.joints.data(), bench.joints.size());
-    const BeforeClosing before{angularMomentumAtStart(world, group), kineticOf(world, group), storedBy(world, joints)};
     bench.paths.clear();
     bench.speeds.clear();
     for (const std::uint32_t body : group) {
@@ -404,6 +432,7 @@ void closeGroup(WorldImpl& world, std::span<const std::uint32_t> group, JointClo
         bench.speeds.push({world.bodies.states[body].v, world.bodies.states[body].w});
     }
     bench.system.begin(parts, world.bodies.arrays(), world.context);
+    const BeforeClosing before{momentumToHave(world, g, joints), kineticOf(world, group), storedBy(world, joints)};
     float share = 1;
     if (closeByPlaces(world, group, joints, bench) > kTorn) share = closeEarlier(world, group, joints, bench, 1);
     double excess = fitSpeeds(world, group, joints, bench, before, share);
@@ -456,7 +485,7 @@ void closeOpenJoints(WorldImpl& world) {
     closing.closed += closing.groups.size();
     world.runner.parallelFor(static_cast<int>(closing.groups.size()), 1, [&](int begin, int end, int worker) {
         for (int i = begin; i < end; ++i)
-            closeGroup(world, guard.membersOf(closing.groups[static_cast<std::size_t>(i)]),
+            closeGroup(world, closing.groups[static_cast<std::size_t>(i)],
                        *closing.benches[static_cast<std::size_t>(worker)]);
     });
     for (const std::unique_ptr<JointClosing::Bench>& bench : closing.benches)
