@@ -80,8 +80,8 @@ std::vector<RagdollFigure> levels(const RagdollSubject& subject, const RagdollTr
             for (std::size_t i = 0; i < drawn.size(); ++i) jump.add(sizeOf(after[i].position - drawn[i].position), run);
             if (slept || level == RagdollLevel::asleep) continue;  // what is out of the world tells no velocity
             const GroupMotion now(stage.world, lod.bodies());
-            momentum.add(sizeOf(now.momentum - before.momentum) / before.moving, run);
-            momentum.add(sizeOf(now.spin - before.spin) / before.turning, run);
+            momentum.add(sizeOf(now.momentum - before.momentum) / std::max(before.moving, now.moving), run);
+            momentum.add(sizeOf(now.spin - before.spin) / std::max(before.turning, now.turning), run);
             energy.add(now.kinetic / before.kinetic - 1, run);
         }
     }

@@ -10,8 +10,8 @@
 namespace ragtop::demos {
 namespace {
 
-constexpr double kStill = 60, kAfter = 6;  ///< s
-constexpr float kShare = 0.8f;             ///< of what a body without a step can take
+constexpr double kStill = 60, kAfter = 6;              ///< s
+constexpr float kShare = 0.8f, kSteppingShare = 1.5f;  ///< of what a body without a step can take
 constexpr float kSlope = 5 * kPi / 180;
 constexpr float kAcceleration = 1;  ///< m/s²
 constexpr float kLoad = 5;          ///< kg
@@ -183,12 +183,16 @@ std::vector<RagdollFigure> balance(const RagdollSubject& subject, const RagdollT
     if (!def) return {};
     const Trial trial{*def, 1 / options.hz};
     std::vector<RagdollFigure> figures{trial.still()};
-    Standing pushes, slopes, floors, loads;
-    for (int i = 0; i < 8; ++i) pushes.add(trial.pushed(eighth(i), kShare), fmt::format("{} degrees", 45 * i));
+    Standing pushes, steps, slopes, floors, loads;
+    for (int i = 0; i < 8; ++i) {
+        pushes.add(trial.pushed(eighth(i), kShare), fmt::format("{} degrees", 45 * i));
+        steps.add(trial.pushed(eighth(i), kSteppingShare), fmt::format("{} degrees", 45 * i));
+    }
     for (int seed = 1; seed <= options.seeds; ++seed) {
         std::mt19937 random(static_cast<unsigned>(seed));
         const SinCos way = sinCos(kPi * anyNumber(random));
         pushes.add(trial.pushed({way.sin, 0, way.cos}, kShare), fmt::format("seed {}", seed));
+        steps.add(trial.pushed({way.sin, 0, way.cos}, kSteppingShare), fmt::format("seed {}", seed));
     }
     for (int i = 0; i < 8; ++i) {
         slopes.add(trial.tilted(eighth(i)), fmt::format("{} degrees", 45 * i));
@@ -196,8 +200,9 @@ std::vector<RagdollFigure> balance(const RagdollSubject& subject, const RagdollT
     }
     loads.add(trial.loaded(), "left hand");
     for (const auto& [runs, name] :
-         {std::pair{&pushes, "stands_pushed_by_0.8_share"}, std::pair{&slopes, "stands_on_5_deg_share"},
-          std::pair{&floors, "stands_on_1_m_s2_share"}, std::pair{&loads, "stands_with_5_kg_share"}})
+         {std::pair{&pushes, "stands_pushed_by_0.8_share"}, std::pair{&steps, "stands_pushed_by_1.5_share"},
+          std::pair{&slopes, "stands_on_5_deg_share"}, std::pair{&floors, "stands_on_1_m_s2_share"},
+          std::pair{&loads, "stands_with_5_kg_share"}})
         figures.push_back(runs->tell(name));
     return figures;
 }

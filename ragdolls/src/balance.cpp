@@ -4,8 +4,10 @@
 #include <cmath>
 #include <functional>
 #include <stdexcept>
+#include <utility>
 
 #include "arm.h"
+#include "balance_stand.h"
 #include "leg.h"
 #include "ragtop/world.h"
 #include "range_check.h"
@@ -19,12 +21,15 @@ constexpr float kPlanted = 0.02f;         ///< of the weight, that a foot bears 
 constexpr float kUpright = 0.56f;         ///< stiffness of knees and hips over weight times height
 constexpr float kUprightDamping = 0.28f;  ///< of knees and hips, over that by the rate of toppling
 constexpr float kRising = 1;              ///< 1/s, of the length of the legs, at which hips rise at most
-constexpr float kLifted = 0.04f;          ///< of the length of legs, up to which a foot counts as if it stood
+constexpr float kSinking = 0.3f;          ///< 1/s, of the length of the legs, at which hips sink also then
+constexpr float kCalmSpeed = 0.05f;  ///< of the length of the legs times √(g/z), at which they rise at half of that
+constexpr float kShift = 0.04f;      ///< of the length of the legs, that hips are aimed at most beside where they are
+constexpr float kLifted = 0.04f;     ///< of the length of legs, up to which a foot counts as if it stood
 constexpr float kAnkle = 0.42f, kAnkleDamping = 0.14f;
-constexpr float kSoleShare = 0.85f;  ///< of the soles, that pressure is kept within so that they stay flat
-constexpr float kMostLean = 0.16f;   ///< of the length of the legs
-constexpr float kCalm = 0.01f;       ///< m, of what is left to fall, at which learning goes at half its rate
-constexpr float kFollow = 0.5f;      ///< share of a step by which the normal of the ground follows that of contacts
+constexpr float kMostLean = 0.16f;  ///< of the length of the legs
+constexpr float kCalm = 0.01f;      ///< m, of what is left to fall, at which learning goes at half its rate
+constexpr float kThighMoves = 0.3f, kShankMoves = 0.75f;  ///< of what a foot that steps moves by
+constexpr float kFollow = 0.5f;  ///< share of a step by which the normal of the ground follows that of contacts
 
 /// How the arms of who balances are held: apart from thighs and trunk, which they would rub on; farther where those are
 /// wide.
@@ -35,21 +40,7 @@ constexpr std::array<PartAngles, 4> kArms{{{BodyRole::upperArm, BodySide::left, 
 constexpr float kArmsApart = 0.3f;  ///< rad, at least
 constexpr float kArmsGap = 0.01f;   ///< of the length of the legs, between arms and what they would rub on
 
-Vec3 level(const Vec3& v) { return {v.x, 0, v.z}; }
-
 }  // namespace
-
-/// Where the body stands and how it moves, relative to the middle of its feet.
-struct Balance::Stand {
-    DVec3 center;       ///< m, of the feet
-    Vec3 mass, speed;   ///< m and m/s, of the centre of mass
-    Vec3 capture;       ///< m
-    Vec3 pressure;      ///< m, of the weight
-    float rate = 0;     ///< 1/s, √(g/z)
-    float height = 0;   ///< m, z
-    float gravity = 0;  ///< m/s²
-    bool both = false;
-};
 
 std::string whyInvalid(const BalanceOptions& options) { return whyOutside(options); }
 
@@ -88,6 +79,7 @@ void Balance::release() {
         for (const int joint : {leg.hip, leg.knee, leg.ankle}) muscles_->setGains(joint, {});
     lean_ = {};
     height_ = 0;
+    swing_ = {};
 }
 
 void Balance::setOptions(const BalanceOptions& options) {
@@ -185,6 +177,7 @@ void Balance::measure(const Stand& stand) {
 /// A foot that hardly left the ground counts, as it is on its way down.
 bool Balance::isNear(std::size_t side) const {
     if (feet_[side].planted) return true;
+    if (swings(side)) return false;
     return feet_[1 - side].planted && std::abs(feet_[side].height) < kLifted * legs_[0].length;
 }
 
@@ -193,10 +186,10 @@ float Balance::marginOf(const Vec3& point) const {
     std::array<Spot, 8> corners{};
     std::size_t count = 0;
     for (std::size_t side = 0; side < 2; ++side) {
-        if (!isNear(side)) continue;
+        if (!isNear(side) && !swings(side)) continue;
+        const DVec3& middle = swings(side) ? swing_.to : feet_[side].middle;
         for (const Vec3& corner : soles_[side].corners) {
-            const Vec3 at =
-                relative(feet_[side].middle, center_) + rotate(feet_[side].flat, corner - soles_[side].middle);
+            const Vec3 at = relative(middle, center_) + rotate(feet_[side].flat, corner - soles_[side].middle);
             corners[count++] = {at.x, at.z};
         }
     }
@@ -227,23 +220,33 @@ void Balance::bend(const Stand& stand, float dt) {
     const Quat turn = normalized(rotationFromAxes(cross(kUp, forward), kUp, forward) * axes_.zero(pelvis_));
     const Vec3 middle = 0.5f * (legs_[0].hipInPelvis + legs_[1].hipInPelvis);
     const Pose pelvis = world_->pose(ragdoll_->bodies()[static_cast<std::size_t>(pelvis_)]);
-    Vec3 hips = lean_ + level(relative(transformPoint(pelvis, middle), dynamics_.centerOfMass()));
+    // Who steps leaves the hips where they are carried, and puts the foot where it is to be in the world.
+    Vec3 hips = level(relative(transformPoint(pelvis, middle), stand.center));
+    if (!steps()) {
+        const Vec3 way = lean_ - level(stand.mass);
+        const float far = length(way), shift = (options_.step > 0 ? kShift : 1) * legs_[0].length;
+        hips += (far > shift ? shift / far : 1.0f) * way;
+    }
     std::array<Vec3, 2> ankles{}, offsets{};
     float height = 2 * legs_[0].length;
     for (std::size_t side = 0; side < 2; ++side) {
         const Leg& leg = legs_[side];
-        ankles[side] = relative(feet_[side].middle, stand.center) +
+        ankles[side] = relative(swings(side) ? swing_.to : feet_[side].middle, stand.center) +
                        rotate(feet_[side].flat, leg.ankleInFoot - soles_[side].middle);
         offsets[side] = rotate(turn, leg.hipInPelvis - middle);
-        ankles[side] -= feet_[side].height * feet_[side].normal;
+        if (!swings(side)) ankles[side] -= feet_[side].height * feet_[side].normal;
         const Vec3 to = ankles[side] - offsets[side] - hips;
         const float most = (1 - options_.crouch) * leg.length, across = lengthSquared(level(to));
         height = std::min(height, to.y + std::sqrt(std::max(most * most - across, 0.0f)));
     }
     // Knees bend and stretch no faster than those of who gets up, and their targets move as fast as that.
     const float before = height_ > 0 ? height_ : relative(transformPoint(pelvis, middle), stand.center).y;
-    const float most = kRising * legs_[0].length * dt;
-    const Vec3 rising{0, std::clamp(height - before, -most, most), 0};
+    // Who moves over the ground would leave it.
+    const float hurry =
+        (options_.step > 0 ? 1.0f : 0.0f) * length(level(stand.speed)) / (kCalmSpeed * legs_[0].length * stand.rate);
+    const float most = kRising * legs_[0].length * dt / (1 + hurry * hurry);
+    const float least = std::max(most, kSinking * legs_[0].length * dt);
+    const Vec3 rising{0, std::clamp(height - before, -least, most), 0};
     height_ = before + rising.y;
     hips.y = height_;
     const float toppling = dynamics_.mass() * stand.gravity * stand.height;
@@ -253,9 +256,17 @@ void Balance::bend(const Stand& stand, float dt) {
         muscles_->setTarget(static_cast<int>(joint), stance_[joint]);
     for (std::size_t side = 0; side < 2; ++side) {
         const Leg& leg = legs_[side];
-        const Vec3 hip = hips + offsets[side];
-        const Leg::Bent bent = leg.reach(axes_, turn, hip, feet_[side].flat, ankles[side]),
-                        below = leg.reach(axes_, turn, hip - rising, feet_[side].flat, ankles[side]);
+        Vec3 hip = hips + offsets[side], from = hip - rising, was = ankles[side];
+        Quat carrier = turn;
+        if (swings(side)) {
+            hip = from = relative(transformPoint(pelvis, leg.hipInPelvis), stand.center);
+            carrier = pelvis.rotation;
+            const Vec3 inFoot = ankles[side] - relative(swing_.to, stand.center);
+            was = swungTo(stand, swing_.age - dt) + inFoot;
+            ankles[side] = swungTo(stand, swing_.age) + inFoot;
+        }
+        const Leg::Bent bent = leg.reach(axes_, carrier, hip, feet_[side].flat, ankles[side]),
+                        below = leg.reach(axes_, carrier, from, feet_[side].flat, was);
         const auto set = [&](int joint, const Quat& parent, const Quat& child, const Quat& last,
                              const MuscleGains& gains) {
             const Quat target = turnOf(def.joints[static_cast<std::size_t>(joint)], parent, child);
@@ -265,7 +276,7 @@ void Balance::bend(const Stand& stand, float dt) {
         const auto last = [&](int joint, const Quat& parent, const Quat& child) {
             return turnOf(def.joints[static_cast<std::size_t>(joint)], parent, child);
         };
-        set(leg.hip, turn, bent.thigh, last(leg.hip, turn, below.thigh), upright);
+        set(leg.hip, carrier, bent.thigh, last(leg.hip, carrier, below.thigh), upright);
         set(leg.knee, bent.thigh, bent.shank, last(leg.knee, below.thigh, below.shank), upright);
         set(leg.ankle, bent.shank, bent.foot, last(leg.ankle, below.shank, below.foot), ankle);
     }
@@ -274,13 +285,13 @@ void Balance::bend(const Stand& stand, float dt) {
 /// Bears the weight so that the centre of pressure is where it brings the capture point ξ = c + ċ/ω to rest, at
 /// p = ξ + (κ − 1)(ξ − ξ₀): by the share of each foot first, then within the soles. The body moves as a whole, by
 /// c̈ = ω² (c − p).
-void Balance::bear(const Stand& stand) {
+void Balance::bear(const Stand& stand, float dt) {
     if (!onFeet()) return;
-    const Vec3 wanted = stand.capture + (options_.gain - 1) * (stand.capture - level(lean_));
+    const Vec3 wanted = stand.capture + (steps() ? 0 : options_.gain - 1) * (stand.capture - level(lean_));
     const Vec3 left = level(relative(feet_[0].middle, stand.center)),
                right = level(relative(feet_[1].middle, stand.center)), apart = left - right;
-    float share = feet_[0].planted ? 1.0f : 0.0f;
-    if (isNear(0) && isNear(1))
+    float share = steps() ? (swings(0) ? 0.0f : 1.0f) : (feet_[0].planted ? 1.0f : 0.0f);
+    if (!steps() && isNear(0) && isNear(1))
         share = std::clamp(dot(wanted - right, apart) / std::max(lengthSquared(apart), 1e-6f), 0.0f, 1.0f);
     const Vec3 offset = wanted - (share * left + (1 - share) * right);
     Vec3 pressure;
@@ -296,6 +307,13 @@ void Balance::bear(const Stand& stand) {
     const Vec3 force = mass * (acceleration - world_->settings().gravity);
     std::fill(accelerations_.begin(), accelerations_.end(), PartMotion{acceleration, {}});
     std::fill(outside_.begin(), outside_.end(), PartMotion{});
+    if (steps()) {
+        const Leg& leg = legs_[static_cast<std::size_t>(swing_.side)];
+        const Vec3 swung = swungBy(swing_.age, dt);
+        for (const auto& [part, moves] :
+             {std::pair{leg.thigh, kThighMoves}, {leg.shank, kShankMoves}, {leg.foot, 1.0f}})
+            accelerations_[static_cast<std::size_t>(part)].linear += moves * (swung - acceleration);
+    }
     for (std::size_t side = 0; side < 2; ++side) {
         const auto part = static_cast<std::size_t>(legs_[side].foot);
         const Vec3 f = (side == 0 ? share : 1 - share) * force;
@@ -317,8 +335,9 @@ void Balance::step(double dt) {
     const Stand stand = survey();
     learn(stand, seconds);
     measure(stand);
+    if (options_.step > 0) swing(stand, seconds);
     bend(stand, seconds);
-    bear(stand);
+    bear(stand, seconds);
 }
 
 }  // namespace ragtop

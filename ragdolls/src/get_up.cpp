@@ -119,8 +119,9 @@ void GetUp::rise() {
     if (phase_ != GetUpPhase::stand) {
         const float s = phase_ == GetUpPhase::rise ? std::min(age_ / options_.rising, 1.0f) : 0.0f;
         options.crouch = std::max(kSquat + s * s * (3 - 2 * s) * (standing_.crouch - kSquat), standing_.crouch);
-        // What bears it beside the ground would teach it to lean wrongly.
+        // What bears it beside the ground would teach it to lean wrongly, and feet are where it rises from.
         options.learning = 0;
+        options.step = 0;
     }
     balance_->setOptions(options);
 }

@@ -20,6 +20,7 @@ constexpr float kNextJoint = 0.5f;       ///< of the loss of a joint, that of th
 constexpr float kFelt = 0.02f;           ///< loss that is too small to matter
 constexpr double kFallen = 0.6;          ///< of the height of who stands, below which it has fallen
 constexpr double kMostAir = 0.3;         ///< s, without a foot on the ground, of who does not fall yet
+constexpr double kMostOff = 0.1;         ///< s, in which who has lost its balance begins a step or falls
 constexpr double kLeastFall = 0.5;       ///< s, before who falls can lie
 constexpr float kCrossfade = 0.15f;      ///< s
 constexpr float kYield = 0.5f;           ///< s, in which who lies goes limp, and is tense again
@@ -61,6 +62,7 @@ void Puppet::visitState(Self& self, Visit&& visit) {
     visit(self.state_);
     visit(self.age_);
     visit(self.air_);
+    visit(self.off_);
     for (auto& hurt : self.hurt_) visit(hurt);
     visit(self.assistance_.linear);
     visit(self.assistance_.angular);
@@ -110,7 +112,7 @@ void Puppet::enter(PuppetState state) {
     if (state_ == PuppetState::lies) muscles_.setProfile(muscleProfile("tense"), kYield);
     if (state == PuppetState::getsUp) getUp_.begin();
     state_ = state;
-    age_ = 0;
+    age_ = off_ = 0;
 }
 
 void Puppet::decide() {
@@ -119,11 +121,12 @@ void Puppet::decide() {
     switch (state_) {
         case PuppetState::stands:
         case PuppetState::staggers:
-            if (low || air_ > kMostAir || (balance_.onFeet() && balance_.margin() < -options_.lost))
+            if (low || air_ > kMostAir || off_ > kMostOff)
                 enter(PuppetState::falls);
             else
-                enter(balance_.onFeet() && balance_.margin() < options_.stagger ? PuppetState::staggers
-                                                                                : PuppetState::stands);
+                enter(balance_.steps() || (balance_.onFeet() && balance_.margin() < options_.stagger)
+                          ? PuppetState::staggers
+                          : PuppetState::stands);
             break;
         case PuppetState::falls:
             if (age_ > kLeastFall && length(dynamics_.velocity()) < options_.quiet) enter(PuppetState::lies);
@@ -176,6 +179,7 @@ void Puppet::step(double dt) {
     balance_.look();
     age_ += dt;
     air_ = balance_.onFeet() ? 0 : air_ + dt;
+    off_ = balance_.onFeet() && balance_.margin() < -options_.lost ? off_ + dt : 0;
     decide();
     heal();
     assistance_ = {};

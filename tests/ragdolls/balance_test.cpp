@@ -118,6 +118,28 @@ TEST(Balance, TakesFourFifthsOfWhatFeetCanFromAnySide) {
     }
 }
 
+/// A half more than J, which feet in place cannot take, is taken by a step; and what is asked for not to step falls.
+TEST(Balance, AStepTakesAHalfMoreThanThatFromAnySide) {
+    for (int way = 0; way < 9; ++way) {
+        Stander stander;
+        stander.run(3);
+        const bool inPlace = way == 8;
+        if (inPlace) stander.balance.setOptions({.step = 0});
+        const float rate = std::sqrt(9.81f / stander.height());
+        const SinCos angle = sinCos(0.25f * kPi * static_cast<float>(way));
+        const Vec3 along{angle.sin, 0, angle.cos};
+        stander.push(1.5f * stander.balance.reach(along) * rate * along);
+        bool stepped = false;
+        for (int i = 0; i < std::lround(6 / kDt); ++i) {
+            stander.step();
+            stepped |= stander.balance.steps();
+        }
+        EXPECT_EQ(stepped, !inPlace) << way;
+        EXPECT_EQ(stander.height() > 0.8f, !inPlace) << way;
+        EXPECT_TRUE(inPlace || length(stander.dynamics.velocity()) < 0.05f) << way;
+    }
+}
+
 /// Whose trunk is wider than its shoulders holds its arms farther off, so that no two of its parts press on each other.
 TEST(Balance, StandsWithATrunkThatIsWiderThanTheShoulders) {
     RagdollDef def = human();
@@ -211,6 +233,7 @@ TEST(Balance, WhatIsWrongIsTold) {
     EXPECT_THROW(Balance(world, body, muscles, {.crouch = 2}), std::invalid_argument);
     Balance standing(world, body, muscles);
     EXPECT_THROW(standing.setOptions({.gain = 0}), std::invalid_argument);
+    EXPECT_THROW(standing.setOptions({.step = -1}), std::invalid_argument);
     EXPECT_EQ(standing.options().gain, BalanceOptions{}.gain);
     for (RagdollPart& part : def.parts)
         if (part.role == BodyRole::foot && part.side == BodySide::right) part.role = BodyRole::other;

@@ -57,6 +57,20 @@ TEST(Puppet, StandsAndTakesALightBlow) {
     EXPECT_GT(show.dynamics.centerOfMass().y, 0.85);
 }
 
+/// Twice m d √(g/z), with d from the centre of mass to the toes, of half a sole's length or so.
+TEST(Puppet, TakesAStepAndStands) {
+    for (const float way : {1.0f, -1.0f}) {
+        Show show;
+        show.run(2);
+        show.strike(BodyRole::chest, {0, 0, 60 * way});
+        show.run(5);
+        EXPECT_FALSE(show.has(PuppetState::falls));
+        EXPECT_TRUE(show.has(PuppetState::staggers));
+        EXPECT_EQ(show.puppet.state(), PuppetState::stands);
+        EXPECT_GT(show.dynamics.centerOfMass().y, 0.85);
+    }
+}
+
 /// The whole way: stands, falls, lies, gets up and stands, as often as it takes; no force but gravity, the ground and
 /// what is told while it gets up.
 TEST(Puppet, FallsAndGetsUpAgain) {

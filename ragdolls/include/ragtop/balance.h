@@ -16,6 +16,7 @@ namespace ragtop {
 struct BalanceOptions {
     float gain = 2.8f;     ///< of the centre of pressure on the capture point; topples at 1
     float crouch = 0.04f;  ///< of the length of straight legs, by which the hips are lower
+    float step = 0.9f;     ///< of the length of the legs, by which feet part at most in a step; 0: they stay in place
     float learning =
         0.5f;  ///< 1/s, at which it finds where it has to lean on a slope, with a load, on what accelerates
 };
@@ -24,6 +25,7 @@ template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const BalanceOptions*) {
     visit(Tunable{"gain", "1", 1, 20, "of the centre of pressure on the capture point"}, self.gain);
     visit(Tunable{"crouch", "1", 0, 0.6, "of the length of the legs, by which hips are lower"}, self.crouch);
+    visit(Tunable{"step", "1", 0, 1.5, "of the length of the legs, by which feet part at most in a step"}, self.step);
     visit(Tunable{"learning", "1/s", 0, 10, "at which it finds where it has to lean"}, self.learning);
 }
 
@@ -33,7 +35,7 @@ std::string whyInvalid(const BalanceOptions& options);
 struct Leg;
 struct Sole;
 
-/// Keeps a human on both feet by its joints alone: no force acts on it but gravity and what it touches. Legs are bent
+/// Keeps a human on its feet by its joints alone: no force acts on it but gravity and what it touches. Legs are bent
 /// by inverse kinematics for hips that carry the centre of mass over the middle of the feet, and bear the weight with
 /// the torques of inverse dynamics for a centre of pressure that brings the capture point back (docs/adr/0080).
 /// Everything is relative to what the feet stand on. World, ragdoll and muscles must outlive it and stay where they
@@ -59,8 +61,8 @@ public:
     /// Where the body would have to be held up to come to rest over it, on the height of the feet [Pratt et al.,
     /// Capture Point, 2006].
     const DVec3& capturePoint() const { return capture_; }
-    /// m, from the capture point to the nearest edge of what the feet on or hardly over the ground cover; negative
-    /// beyond it. Without help from arms or a step a body falls that has it below zero.
+    /// m, from the capture point to the nearest edge of what the feet on or hardly over the ground cover, one that
+    /// steps where it is going to be; negative beyond it.
     float margin() const { return margin_; }
     /// m, from the centre of mass to the edge of what the feet cover, along a level direction: J = m d √(g/z) is what a
     /// body of that height z can be pushed by without a step. 0 where it has no foot on the ground.
@@ -70,6 +72,8 @@ public:
     const BalanceOptions& options() const { return options_; }
     /// From the next step on. Throws std::invalid_argument.
     void setOptions(const BalanceOptions& options);
+    /// Is a foot on its way to where it is to catch the body?
+    bool steps() const { return swing_.side >= 0; }
     bool onFeet() const { return feet_[0].planted || feet_[1].planted; }
 
     /// As Muscles::visitState.
@@ -77,7 +81,14 @@ public:
     static void visitState(Self& self, Visit&& visit) {
         visit(self.options_.gain);
         visit(self.options_.crouch);
+        visit(self.options_.step);
         visit(self.options_.learning);
+        visit(self.swing_.side);
+        visit(self.swing_.age);
+        visit(self.swing_.time);
+        visit(self.swing_.from);
+        visit(self.swing_.to);
+        visit(self.swing_.goal);
         for (auto& foot : self.feet_) {
             visit(foot.planted);
             visit(foot.load);
@@ -106,6 +117,12 @@ private:
         DVec3 middle{};    ///< m, of the sole
         Quat flat{};       ///< rotation of its bone with the sole on the ground
     };
+    /// A foot in the air.
+    struct Swing {
+        int side = -1;               ///< −1: none
+        float age = 0, time = 0;     ///< s, since it left the ground, and that the step takes
+        DVec3 from{}, to{}, goal{};  ///< m, of the middle of its sole; `goal` is where `to` is going
+    };
     struct Stand;
 
     void feel();
@@ -115,8 +132,14 @@ private:
     void measure(const Stand& stand);
     bool isNear(std::size_t side) const;
     float marginOf(const Vec3& point) const;
+    bool swings(std::size_t side) const { return swing_.side == static_cast<int>(side); }
+    Vec3 landing(const Stand& stand, std::size_t side, float time) const;
+    void begin(const Stand& stand);
+    void swing(const Stand& stand, float dt);
+    Vec3 swungTo(const Stand& stand, float age) const;
+    Vec3 swungBy(float age, float dt) const;
     void bend(const Stand& stand, float dt);
-    void bear(const Stand& stand);
+    void bear(const Stand& stand, float dt);
 
     World* world_;
     const Ragdoll* ragdoll_;
@@ -130,6 +153,7 @@ private:
     std::vector<Quat> stance_;                         ///< turns of the joints of who stands
     std::vector<PartMotion> accelerations_, outside_;  ///< that muscles are told
     std::array<Foot, 2> feet_;
+    Swing swing_;
     Vec3 lean_{};                 ///< m, of the centre of mass from the middle of the feet
     DVec3 center_{}, capture_{};  ///< m, of the feet
     float margin_ = 0;

@@ -16,7 +16,7 @@ namespace ragtop {
 
 /// When a puppet does what.
 struct PuppetOptions {
-    float lost = 0.03f;     ///< m, of the capture point beyond the feet, at which it gives up standing
+    float lost = 0.03f;  ///< m, of the capture point beyond the feet, and beyond a step, at which it gives up standing
     float stagger = 0.02f;  ///< m, of the capture point within the feet, below which it staggers
     float quiet = 0.3f;     ///< m/s, of the centre of mass, below which who fell lies
     float rest = 1.0f;      ///< s, for which it lies before it gets up
@@ -43,8 +43,8 @@ enum class PuppetState : std::uint8_t { stands, staggers, falls, lies, getsUp };
 std::string_view nameOf(PuppetState state);
 
 /// Goes from one behaviour to the next as physics has it; a game calls step() once a step and may strike it. Changes
-/// are eased by Muscles::crossfade. What it is about is saved, restored and hashed with the world, to which it belongs as
-/// a module. World and ragdoll must outlive it and stay where they are. Steps neither throw nor allocate.
+/// are eased by Muscles::crossfade. What it is about is saved, restored and hashed with the world, to which it belongs
+/// as a module. World and ragdoll must outlive it and stay where they are. Steps neither throw nor allocate.
 ///
 ///     puppet.step(dt);  world.step(dt);
 class Puppet {
@@ -86,11 +86,12 @@ private:
     Brace brace_;
     GetUp getUp_;
     PuppetState state_ = PuppetState::stands;
-    double age_ = 0;           ///< s, of the state
-    double air_ = 0;           ///< s, without a foot on the ground
-    double height_ = 0;        ///< m, of the centre of mass over the feet of who stands
+    double age_ = 0;                  ///< s, of the state
+    double air_ = 0;                  ///< s, without a foot on the ground
+    double off_ = 0;                  ///< s, with the capture point beyond what a step reaches
+    double height_ = 0;               ///< m, of the centre of mass over the feet of who stands
     std::vector<std::uint8_t> hurt_;  ///< by joint: has it just lost strength?
-    std::vector<float> loss_;  ///< by part, of one blow
+    std::vector<float> loss_;         ///< by part, of one blow
     PartMotion assistance_;
     StepModule module_;
 };
