@@ -139,16 +139,24 @@ Manifold touchOf(const TriangleView& t, const ConvexView& shape, const Frame& fr
     return touch;
 }
 
-/// Does a shape stay in front of the plane of a triangle, by more than where it would touch? Between its ends a point of
-/// it leaves its chord by `bulge` at most.
-bool staysInFront(const TriangleView& t, const ConvexView& shape, const Frame& from, const Frame& to, float bulge,
-                  float target) {
+/// May a surface push along a direction? A triangle does not from behind.
+bool mayPush(const ConvexView&, const Vec3&) { return true; }
+bool mayPush(const TriangleView& t, const Vec3& normal) {
+    constexpr float kBehind = 0.01f;  // sine, of rounding
+    return dot(normal, t.normal) > -kBehind;
+}
+
+/// Does a shape stay in front of the plane of a triangle, by more than where it would touch, or go away from it?
+/// Between its ends a point of it leaves its chord by `bulge` at most.
+bool cannotMeet(const TriangleView& t, const ConvexView& shape, const Frame& from, const Frame& to, float bulge,
+                float target) {
     constexpr float kMore = 2;  // targets, for the rounding
     const auto height = [&](const Frame& at) {
         const Vec3 lowest = supportOfCore(shape, inverseRotate(at.rotation, -t.normal));
         return dot(t.normal, at.position - t.a + rotate(at.rotation, lowest)) - shape.radius;
     };
-    return std::min(height(from), height(to)) > bulge + kMore * target;
+    const float first = height(from), last = height(to);
+    return std::min(first, last) > bulge + kMore * target || last - first >= 2 * bulge;
 }
 
 /// Is a ball surely away from all bounds of a tree along its way? In doubles, which need no rounding to either side.
@@ -251,7 +259,7 @@ Meeting firstMeeting(const SweepView& view, std::uint32_t index, const Pose& sta
                 const bool blocks = deep.hit && deep.fraction > 0;
                 if (hit.fraction == 0 ? !blocks : !blocks && !isDeep(touchAt(to), allowed)) return;
                 const SweepHit& met = hit.fraction == 0 ? deep : hit;
-                if (first.hit && met.fraction >= first.fraction) return;
+                if (!mayPush(surface, met.normal) || (first.hit && met.fraction >= first.fraction)) return;
                 first = {true, met.fraction, s, other, touchAt(SweptMotion(from, to).at(met.fraction))};
                 if (first.touch.pointCount == 0) first.touch = pointContact(met);
             };
@@ -262,7 +270,7 @@ Meeting firstMeeting(const SweepView& view, std::uint32_t index, const Pose& sta
             const Bounds path = enlarged(merge(boundsOf(geometry.shape, from), boundsOf(geometry.shape, to)), bulge);
             const auto triangle = [&](const TriangleView& face) {
                 // Surfaces are met from the front only.
-                if (still && staysInFront(face, geometry.convex, from, to, bulge, target)) return true;
+                if (still && cannotMeet(face, geometry.convex, from, to, bulge, target)) return true;
                 if (dot(face.normal, from.position - face.a) > 0) sweepAt(face);
                 return true;
             };

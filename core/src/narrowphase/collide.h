@@ -18,7 +18,7 @@ void collide(const ConvexView& a, const ConvexView& b, const Frame& bInA, float 
 
 /// A mesh or height field (A) and a convex shape (B), internal edges filtered. Writes at most kMaxManifolds and returns
 /// how many, in an order that is the same while the same triangles touch. Each triangle is looked at where the shape
-/// first meets it on its way; points are then where the shape has them now.
+/// first meets the surface, if not near it; points are then where the shape has them now.
 int collide(const MeshData& a, const ConvexView& b, const Frame& bInA, float margin, std::span<Manifold> out,
             const Approach& approach = {});
 /// The same with what is remembered of the triangles around this pair.

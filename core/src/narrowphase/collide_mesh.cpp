@@ -7,6 +7,7 @@
 #include "narrowphase/manifold_set.h"
 #include "narrowphase/nearest_four.h"
 #include "narrowphase/pairs.h"
+#include "narrowphase/triangle_contact.h"
 
 /// A convex shape on a surface of triangles. Every triangle is tested on its own; then a contact whose direction the
 /// whole surface could not give (it would lie inside a neighbouring face) turns to the face normal or goes.
@@ -70,89 +71,6 @@ struct Mover {
     }
 };
 
-/// A triangle about the mover's origin, as a polyhedron that shows its front face only; its back plane serves the
-/// edges.
-struct TriangleHull {
-    static constexpr HullData::Face kFace[1] = {{0, 3}};
-    static constexpr std::uint8_t kLoop[3] = {0, 1, 2};
-    static constexpr HullData::Edge kEdges[3] = {{0, 1, 0, 1}, {1, 2, 0, 1}, {2, 0, 0, 1}};
-
-    Vec3 vertices[3];
-    Plane planes[2];
-    std::uint8_t activeEdges;
-    std::uint32_t index;
-
-    TriangleHull(const TriangleView& t, const Vec3& origin)
-        : vertices{t.a - origin, t.b - origin, t.c - origin}, activeEdges(t.activeEdges), index(t.index) {
-        planes[0] = {t.normal, dot(t.normal, vertices[0])};
-        planes[1] = {-t.normal, -planes[0].offset};
-    }
-    const Vec3& normal() const { return planes[0].normal; }
-    HullView view() const {
-        return {vertices, planes, kFace, kLoop, kEdges, (1.0f / 3.0f) * (vertices[0] + vertices[1] + vertices[2]), 0};
-    }
-};
-
-/// What of a triangle lies farthest along a direction.
-Feature featureAlong(const TriangleHull& t, const Vec3& normal) {
-    float height[3], highest = 0, longest = 0;
-    for (int i = 0; i < 3; ++i) {
-        height[i] = dot(normal, t.vertices[i]);
-        highest = i == 0 || height[i] > highest ? height[i] : highest;
-        const float square = lengthSquared(t.vertices[i == 2 ? 0 : i + 1] - t.vertices[i]);
-        longest = square > longest ? square : longest;
-    }
-    constexpr float kLevel = 1e-3f;  // of the longest edge
-    const float tolerance = kLevel * std::sqrt(longest);
-    int count = 0, top = 0, below = 0;
-    for (int i = 0; i < 3; ++i) {
-        if (height[i] >= highest - tolerance) {
-            ++count;
-            top = i;
-        } else {
-            below = i;
-        }
-    }
-    if (count == 3) return {Feature::face, 0};
-    if (count == 2) return {Feature::edge, below == 2 ? 0 : below + 1};
-    return {Feature::vertex, top};
-}
-
-bool edgeIsActive(const TriangleHull& t, int edge) { return (t.activeEdges >> edge & 1) != 0; }
-
-/// The contacts of one triangle. Four corners of a box cut by three edges make seven points; all are needed, for
-/// neighbours go on where this one ends.
-struct TriangleContact {
-    Vec3 normal;
-    int count = 0;
-    union {  // not filled with zeros first
-        ManifoldPoint points[kMostBoxPoints];
-    };
-
-    TriangleContact() {}
-    std::span<ManifoldPoint> all() { return {points, static_cast<std::size_t>(count)}; }
-    std::span<const ManifoldPoint> all() const { return {points, static_cast<std::size_t>(count)}; }
-    void clear() { count = 0; }
-    void take(const Manifold& m) {
-        normal = m.normal;
-        count = m.pointCount;
-        for (int i = 0; i < count; ++i) points[i] = m.points[i];
-    }
-};
-
-constexpr std::uint32_t mixed(std::uint32_t feature, std::uint32_t triangle) {
-    return (feature ^ (triangle + 1) * 2654435761u) | kNamedAfterTriangle;
-}
-
-/// Corners of the convex shape keep their name while the triangles under them change; cuts are named after both.
-void nameFeatures(TriangleContact& contact, bool onFace, std::uint32_t triangle) {
-    for (int i = 0; i < contact.count; ++i) {
-        std::uint32_t& feature = contact.points[i].feature;
-        const bool uncut = (feature & 128u) == 0 && (feature >> 8 & 128u) == 0;
-        if (!onFace || !uncut) feature = mixed(feature, triangle);
-    }
-}
-
 template <class Surface>
 class SurfaceContacts {
 public:
@@ -172,17 +90,16 @@ public:
         gather(bounds);
         if (mover_.shape->kind == ConvexKind::sphere && gatheredAll_) {
             visitGatheredWithSphere();
-            return set_.write(mover_.position, out);
-        }
-        if (mover_.box) {
+        } else if (mover_.box) {
             visitWithBox(bounds);
-            return set_.write(mover_.position, out);
+        } else {
+            const auto visitOne = [this](const TriangleView& view) {
+                visit(view);
+                return true;
+            };
+            forEachNear(bounds, visitOne);
         }
-        const auto visitOne = [this](const TriangleView& view) {
-            visit(view);
-            return true;
-        };
-        forEachNear(bounds, visitOne);
+        if (aheadCount_ > 0) touchAhead();
         return set_.write(mover_.position, out);
     }
 
@@ -230,6 +147,7 @@ private:
     }
 
     void touch(const TriangleView& view, const TriangleHull& t, TriangleContact& contact) const {
+        if (mover_.shape->kind == ConvexKind::sphere) return touchSphere(t, nearestTo(t, -t.planes[0].offset), contact);
         if (mover_.box) return touchBoxAgain(view, t, contact);
         if (mover_.hull) return touchHull(t, contact);
         Manifold m;
@@ -237,30 +155,53 @@ private:
         contact.take(m);
     }
 
-    /// The contact found where the mover is, or where it first meets the triangle.
     void takeContact(const TriangleView& view, const TriangleHull& t, TriangleContact& contact) {
         if (contact.count == 0) return;
-        if (!looksAhead_) return keep(t, contact);
-        TriangleHull met = t;
-        const float gone = goToMeet(approach_, contact, [&](float share, TriangleContact& there) {
-            origin_ = mover_.position + share * approach_.way;
-            std::construct_at(&met, view, origin_);
-            there.clear();
-            touch(view, met, there);
-        });
-        if (contact.count > 0) point(met, contact);
-        bringBack(approach_, gone, contact);
-        if (contact.count > 0) set_.add(contact.normal, contact.all(), t.index);
+        if (looksAhead_ && leastSeparation(contact.all()) > approach_.near) return lookAhead(view, contact);
+        point(t, contact);
+        set_.add(contact.normal, contact.all(), t.index);
+    }
+
+    /// Notes a triangle that is not near, and whether the mover meets it first.
+    void lookAhead(const TriangleView& view, TriangleContact& contact) {
+        if (aheadCount_ < kMostNear) std::construct_at(&ahead_[aheadCount_++], view);
+        const float gone =
+            goToMeet(approach_, contact, [&](float share, TriangleContact& there) { touchAt(share, view, there); });
+        origin_ = mover_.position;
+        if (!(gone < meets_) || contact.count == 0) return;
+        touchAt(gone, view, contact);
+        if (contact.count > 0) point(TriangleHull(view, origin_), contact);
+        origin_ = mover_.position;
+        if (contact.count > 0 && leastSeparation(contact.all()) <= approach_.near) meets_ = gone;
+    }
+
+    /// What lies ahead is touched where the mover first meets any of it: beyond, it would be inside of the surface.
+    void touchAhead() {
+        for (int i = 0; i < aheadCount_; ++i) {
+            TriangleContact contact;
+            touchAt(meets_, ahead_[i], contact);
+            if (contact.count > 0) point(TriangleHull(ahead_[i], origin_), contact);
+            bringBack(approach_, meets_, contact);
+            set_.add(contact.normal, contact.all(), ahead_[i].index);
+        }
         origin_ = mover_.position;
     }
 
-    void keep(const TriangleHull& t, TriangleContact& contact) {
-        point(t, contact);
-        if (contact.count > 0) set_.add(contact.normal, contact.all(), t.index);
+    /// The contact with a triangle where the mover has gone some of its way.
+    void touchAt(float share, const TriangleView& view, TriangleContact& contact) {
+        origin_ = mover_.position + share * approach_.way;
+        const TriangleHull t(view, origin_);
+        contact.clear();
+        const float height = dot(t.normal(), mover_.center) - t.planes[0].offset;
+        if (height >= -kBehind * mover_.size) touch(view, t, contact);
     }
 
     /// Turns a contact to where the surface may push, or leaves it out, and names its points.
     void point(const TriangleHull& t, TriangleContact& contact) const {
+        if (mover_.shape->kind == ConvexKind::sphere) {
+            if (!mayPointAtSphere(t, nearestTo(t, -t.planes[0].offset), contact.normal)) contact.clear();
+            return;
+        }
         bool onFace = contact.normal == t.normal();
         if (!onFace && !mayPoint(t, contact)) {
             onFace = true;
@@ -398,22 +339,8 @@ private:
         TriangleContact contact;
         touchSphere(t, seen, contact);
         if (contact.count == 0) return;
-        if (!looksAhead_) {
-            if (mayPointAtSphere(t, seen, contact.normal)) set_.add(contact.normal, contact.all(), t.index);
-            return;
-        }
-        TriangleHull met = t;
-        NearestPoint nearest = seen;
-        const float gone = goToMeet(approach_, contact, [&](float share, TriangleContact& there) {
-            origin_ = mover_.position + share * approach_.way;
-            std::construct_at(&met, view, origin_);
-            nearest = nearestTo(met, -met.planes[0].offset);
-            touchSphere(met, nearest, there);
-        });
-        if (!mayPointAtSphere(met, nearest, contact.normal)) contact.clear();
-        bringBack(approach_, gone, contact);
-        set_.add(contact.normal, contact.all(), t.index);
-        origin_ = mover_.position;
+        if (looksAhead_ && contact.points[0].separation > approach_.near) return lookAhead(view, contact);
+        if (mayPointAtSphere(t, seen, contact.normal)) set_.add(contact.normal, contact.all(), t.index);
     }
 
     bool mayPointAtSphere(const TriangleHull& t, const NearestPoint& nearest, const Vec3& normal) const {
@@ -499,8 +426,13 @@ private:
     Bounds gathered_;
     bool gatheredAll_ = true;
     int nearCount_ = 0;
+    float meets_ = 1;  ///< share of the way after which the mover first meets what lies ahead
+    int aheadCount_ = 0;
     union {  // not filled with zeros first
         TriangleView near_[kMostNear];
+    };
+    union {
+        TriangleView ahead_[kMostNear];
     };
 };
 
