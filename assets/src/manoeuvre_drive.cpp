@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "manoeuvre_ground.h"
 #include "manoeuvre_laws.h"
+#include "manoeuvre_trailer.h"
 #include "ragtop/driver.h"
+#include "ragtop/joint.h"
 #include "ragtop/manoeuvre.h"
 #include "ragtop/world.h"
 
@@ -48,6 +51,7 @@ public:
           world_(settings(manoeuvre)),
           car_((layTrack(world_, manoeuvre.ground, options.friction), world_), def, {.speed = manoeuvre.start.speed}) {
         placeCar(world_, car_, manoeuvre);
+        if (manoeuvre.trailer) hitchUp(*manoeuvre.trailer);
         before_ = world_.pose(car_.chassis()).position;
         from_ = before_;
         if (!manoeuvre.cruise || manoeuvre.cruise->line.empty()) return;
@@ -74,6 +78,19 @@ private:
         WorldSettings settings;
         settings.sleeping = manoeuvre.sleeping;
         return settings;
+    }
+
+    /// Straight behind the car, as fast as it is.
+    void hitchUp(const TrackTrailer& trailer) {
+        const Vec3 ofCar = hitchOfCar(def_), ofTrailer = hitchOfTrailer(trailer, def_);
+        trailer_.emplace(world_, trailerOf(trailer, def_), VehiclePlacement{.speed = manoeuvre_.start.speed});
+        trailer_->input.clutch = 1;
+        const Pose pose = world_.pose(car_.chassis());
+        world_.setPose(trailer_->chassis(), {transformPoint(pose, ofCar - ofTrailer), pose.rotation});
+        world_.setVelocity(trailer_->chassis(), world_.linearVelocity(car_.chassis()), {});
+        hitch_ = world_.create(BallDef{
+            .bodies = {
+                .a = car_.chassis(), .b = trailer_->chassis(), .frameA = {ofCar, {}}, .frameB = {ofTrailer, {}}}});
     }
 
     void steer(float time, float dt) {
@@ -104,12 +121,12 @@ private:
         return dot(world_.angularVelocity(car_.chassis()), rotate(world_.pose(car_.chassis()).rotation, {0, 1, 0}));
     }
 
-    std::array<double, kTrackChannels.size()> sample(double time) {
+    TrackSample sample(double time) {
         const VehicleTelemetry& seen = car_.telemetry();
         const Pose pose = world_.pose(car_.chassis());
         distance_ += static_cast<double>(length(relative(pose.position, before_)));
         before_ = pose.position;
-        std::array<double, kTrackChannels.size()> row{};
+        TrackSample row{};
         const auto put = [&](TrackChannel channel, double value) { row[static_cast<std::size_t>(channel)] = value; };
         double load = 0, largestLoad = 0, slip = 0, angle = 0, steered = 0;
         for (std::size_t i = 0; i < seen.wheels.size(); ++i) {
@@ -136,6 +153,13 @@ private:
         put(TrackChannel::upright, static_cast<double>(rotate(pose.rotation, {0, 1, 0}).y));
         put(TrackChannel::asleep, world_.isAwake(car_.chassis()) ? 0 : 1);
         put(TrackChannel::rpm, static_cast<double>(seen.engine.rpm));
+        if (trailer_) {
+            const Vec3 ahead = rotate(world_.pose(trailer_->chassis()).rotation, {0, 0, 1});
+            const Vec3 seenAhead = inverseRotate(pose.rotation, ahead);
+            const Vec3 forward = rotate(pose.rotation, {0, 0, 1});
+            put(TrackChannel::hitchForce, static_cast<double>(dot(world_.state(hitch_).force, forward)));
+            put(TrackChannel::articulation, static_cast<double>(arcTan2(seenAhead.x, seenAhead.z)));
+        }
         if (points_.empty()) return row;
         const LinePlace place = placeAt(line_, pose.position);
         // A lap's end is where its beginning is.
@@ -151,6 +175,8 @@ private:
     const VehicleDef& def_;
     World world_;
     Vehicle car_;
+    std::optional<Vehicle> trailer_;
+    JointId hitch_;
     float more_ = 0;  ///< rad
     DVec3 before_, from_;
     double distance_ = 0;

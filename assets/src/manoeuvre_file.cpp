@@ -44,6 +44,13 @@ static void describe(Visitor& visit, Self& self, const TrackGround*) {
     visit(Tunable{"loop", "", 0, 0, "a looping on the way"}, self.loop);
 }
 template <class Visitor, class Self>
+static void describe(Visitor& visit, Self& self, const TrackTrailer*) {
+    visit(Tunable{"mass", "kg", 1, 1e6, "of the whole trailer"}, self.mass);
+    visit(Tunable{"length", "m", 2, 50, "from the hitch to the middle between the axles"}, self.length);
+    visit(Tunable{"ahead", "m", -0.2, 0.2, "of the centre of mass before that middle"}, self.ahead);
+    visit(Tunable{"yawInertia", "kg m²", 0.1, 1e9, "about the centre of mass"}, self.yawInertia);
+}
+template <class Visitor, class Self>
 static void describe(Visitor& visit, Self& self, const TrackStart*) {
     visit(Tunable{"height", "m", 0, 100, "above where the car stands"}, self.height);
     visit(Tunable{"pitch", "rad", -kWholeTurn, kWholeTurn, "nose down"}, self.pitch);
@@ -92,6 +99,7 @@ static void describe(Visitor& visit, Self& self, const Manoeuvre*) {
     visit(Tunable{"duration", "s", 0.1, 1e4, "of the whole"}, self.duration);
     visit(Tunable{"ground", "", 0, 0, "what is driven on"}, self.ground);
     visit(Tunable{"start", "", 0, 0, "how the car is put there"}, self.start);
+    visit(Tunable{"trailer", "", 0, 0, "what the car pulls; absent: nothing"}, self.trailer);
     visit(Tunable{"input", "", 0, 0, "what the driver does, by rising time"}, self.input);
     visit(Tunable{"cruise", "", 0, 0, "a driver who keeps a speed"}, self.cruise);
     visit(Tunable{"sleeping", "", 0, 1, "the car may fall asleep"}, self.sleeping);
@@ -119,6 +127,12 @@ std::string whyInvalid(const Manoeuvre& manoeuvre) {
         const bool ofLine = one.channel == TrackChannel::aside || one.channel == TrackChannel::laps;
         if (ofLine && !(manoeuvre.cruise && !manoeuvre.cruise->line.empty()))
             return at + "/channel is of a line, must be another where the cruise has none";
+        const bool ofTrailer = one.channel == TrackChannel::hitchForce || one.channel == TrackChannel::articulation ||
+                               one.law == TrackLaw::hitchPull || one.law == TrackLaw::hitchSwing;
+        if (ofTrailer && !manoeuvre.trailer)
+            return at + " is of a trailer, must be of something else where there is none";
+        if (one.law == TrackLaw::hitchSwing && one.channel != TrackChannel::articulation)
+            return at + "/law is hitchSwing, must be another where the channel is not articulation";
         if (one.law == TrackLaw::bicycleSteer && !(manoeuvre.cruise && manoeuvre.cruise->radius))
             return at + "/law is bicycleSteer, must be another where the cruise has no radius";
     }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <span>
 
+#include "manoeuvre_trailer.h"
 #include "ragtop/world.h"
 
 namespace ragtop {
@@ -13,7 +14,7 @@ namespace {
 constexpr double kGravity = 9.81;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-using Sample = std::array<double, kTrackChannels.size()>;
+using Sample = TrackSample;
 
 double of(const Sample& sample, TrackChannel channel) { return sample[static_cast<std::size_t>(channel)]; }
 
@@ -68,12 +69,7 @@ double take(const TrackMeasurement& wanted, std::span<const Sample> samples) {
     return sum / static_cast<double>(samples.size());
 }
 
-/// The car as a bicycle: its steered wheels in front, the others behind.
-struct Axles {
-    double front = 0, rear = 0;  ///< rad⁻¹ N: cornering stiffness
-    double a = 0, b = 0;         ///< m from the centre of mass to steered and unsteered axle
-    double mass = 0;
-};
+}  // namespace
 
 Axles axlesOf(const VehicleDef& def) {
     World world;
@@ -81,6 +77,7 @@ Axles axlesOf(const VehicleDef& def) {
     const MassProperties mass = world.mass(car.chassis());
     Axles axles;
     axles.mass = static_cast<double>(mass.mass);
+    axles.yawInertia = static_cast<double>(mass.inertia.cy.y);
     double steered = 0, other = 0;
     for (std::size_t i = 0; i < def.wheels.size(); ++i) {
         const WheelDef& wheel = def.wheels[i];
@@ -90,11 +87,14 @@ Axles axlesOf(const VehicleDef& def) {
         (wheel.steerFactor != 0 ? axles.front : axles.rear) += stiffness;
         (wheel.steerFactor != 0 ? axles.a : axles.b) += wheel.steerFactor != 0 ? ahead : -ahead;
         (wheel.steerFactor != 0 ? steered : other) += 1;
+        axles.relaxation += static_cast<double>(wheel.tire.relaxationLength) / static_cast<double>(def.wheels.size());
     }
     axles.a /= std::max(steered, 1.0);
     axles.b /= std::max(other, 1.0);
     return axles;
 }
+
+namespace {
 
 /// K = (m/L)(b/C_f − a/C_r), rad per m/s² [Pacejka, Tire and Vehicle Dynamics, 2012, ch. 1].
 double understeer(const Axles& axles) {
@@ -158,7 +158,8 @@ double coastDown(const VehicleDef& def, double from, double to) {
     return (m + turning) / std::sqrt(A * C) * (std::atan(from * s) - std::atan(to * s));
 }
 
-double lawOf(const TrackMeasurement& wanted, std::span<const Sample> samples, const TrackCase& made) {
+double lawOf(const TrackMeasurement& wanted, const TrackRun& run, std::span<const Sample> samples,
+             const TrackCase& made) {
     const double v = of(samples.front(), TrackChannel::speed), end = of(samples.back(), TrackChannel::speed);
     switch (wanted.law) {
         case TrackLaw::lockedStop:
@@ -174,6 +175,12 @@ double lawOf(const TrackMeasurement& wanted, std::span<const Sample> samples, co
             const Axles axles = axlesOf(*made.def);
             const auto radius = static_cast<double>(*made.manoeuvre->cruise->radius);
             return (axles.a + axles.b) / radius + understeer(axles) * end * end / radius;
+        }
+        case TrackLaw::hitchPull:
+            return hitchPull(*made.manoeuvre->trailer, *made.def, samples);
+        case TrackLaw::hitchSwing: {
+            const TrackRun swung{linearSwing(*made.manoeuvre->trailer, *made.def, run.samples), {}};
+            return take(wanted, window(swung, static_cast<double>(wanted.from), static_cast<double>(wanted.to)));
         }
         case TrackLaw::none:
             break;
@@ -193,7 +200,7 @@ TrackValue measured(const TrackMeasurement& wanted, const TrackRun& run, const T
     const auto samples = window(run, static_cast<double>(wanted.from), static_cast<double>(wanted.to));
     TrackValue value{.name = wanted.name, .unit = std::string(unitOf(wanted)), .value = take(wanted, samples)};
     if (wanted.reference) value.reference = static_cast<double>(*wanted.reference);
-    if (wanted.law != TrackLaw::none && !samples.empty()) value.reference = lawOf(wanted, samples, made);
+    if (wanted.law != TrackLaw::none && !samples.empty()) value.reference = lawOf(wanted, run, samples, made);
     value.pass = std::isfinite(value.value);
     if (value.reference) {
         value.error = value.value / *value.reference - 1;

@@ -55,6 +55,10 @@ TEST(Manoeuvre, BadFilesGetALineThatNamesPlaceAndValue) {
         {"{\"cruise\": {\"line\": [[0, 0, 0]]}, " + measure + "}", "/cruise/line has 1 point"},
         {"{\"cruise\": {\"radius\": 9, \"line\": [[0, 0, 0], [0, 0, 9]]}, " + measure + "}", "/cruise/line is there"},
         {R"({"measure": [{"name": "v", "channel": "laps"}]})", "/measure/0/channel is of a line"},
+        {R"({"measure": [{"name": "v", "channel": "hitchForce"}]})", "/measure/0 is of a trailer"},
+        {R"({"trailer": {"mass": 0}, "measure": [{"name": "v", "channel": "hitchForce"}]})", "/trailer/mass is 0"},
+        {R"({"trailer": {}, "measure": [{"name": "v", "channel": "speed", "law": "hitchSwing"}]})",
+         "/measure/0/law is hitchSwing"},
         {"{\"start\": ", ":"},
     };
     for (const auto& wrong : cases) {
@@ -84,6 +88,20 @@ TEST(Manoeuvre, MeasuresFailBeyondTheirLimitsAndWhereThereIsNoValue) {
     EXPECT_TRUE(std::isnan(run.values[3].value));
     EXPECT_EQ(run.samples.size(), 61u);
     EXPECT_THROW(drive(still, hatchbackFile(), {.hz = 0}), std::invalid_argument);
+}
+
+/// What hangs on the hitch is its mass times its acceleration, and how it swings is its linear model's but for the roll
+/// that this does not have, whatever the trailer and the step.
+TEST(Manoeuvre, TowsAnyTrailerAsItsLawsSay) {
+    const VehicleDef car = hatchbackFile();
+    Manoeuvre tow = loadManoeuvre(findManoeuvre("tow"));
+    for (const float mass : {300.0f, 700.0f, 1400.0f}) {
+        tow.trailer->mass = mass;
+        for (const float hz : {30.0f, 60.0f, 120.0f})
+            for (const TrackValue& value : drive(tow, car, {.hz = hz}).values)
+                EXPECT_TRUE(value.pass) << value.name << " is " << value.value << ", " << mass << " kg, " << hz
+                                        << " Hz";
+    }
 }
 
 TEST(Manoeuvre, TheHatchbackPassesWhatItsLevelModels) {

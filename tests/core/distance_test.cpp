@@ -145,8 +145,8 @@ TEST(Sweep, StopsWherePolyhedraFirstTouch) {
     EXPECT_GT(hits, 100);
 }
 
-/// Unlike the closed form, the distance of a point to a triangle knows of no motion; on a line it is convex, so that the
-/// first touch is where it falls to the radius.
+/// Unlike the closed form, the distance of a point to a triangle knows of no motion; on a line it is convex, so that
+/// the first touch is where it falls to the radius.
 TEST(Sweep, OfABallEndsWhereItsCentreComesAsNearAsItsRadius) {
     Random random(27);
     int hits = 0, starts = 0;

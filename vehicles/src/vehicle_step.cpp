@@ -8,7 +8,7 @@
 namespace ragtop {
 namespace {
 
-constexpr float kPlaced = 0.01f;  ///< radii, and rad, by which a wheel's shape may be where its wheel is not
+constexpr float kPlaced = 0.01f;   ///< radii, and rad, by which a wheel's shape may be where its wheel is not
 constexpr float kStill = 1e-3f;    ///< over a wheel's radius: how far the ground of a sleeping car may move
 
 /// Clamps to [lower, 1]; what is no number counts as 0.
@@ -186,9 +186,8 @@ int VehicleSim::partsOfSubstep(float dt) const {
         const float closing = -dot(world->velocityAt(chassis, plane.point), plane.normal);
         const float squashed = std::abs(closing - dot(axis, plane.normal) * wheels[i].hubSpeed) * dt;
         const float each = kThrown * specs[i].strut.tireSquash * static_cast<float>(substeps);
-        most = std::max(most, squashed > static_cast<float>(fine) * each
-                                  ? fine
-                                  : static_cast<int>(std::ceil(squashed / each)));
+        most = std::max(
+            most, squashed > static_cast<float>(fine) * each ? fine : static_cast<int>(std::ceil(squashed / each)));
     }
     return most;
 }

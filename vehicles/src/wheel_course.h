@@ -54,10 +54,10 @@ int finePieces(float seconds, int substeps);
 /// Looks for the ground along a way. `last` is of the end of the way before, and becomes that of this one. The hub of a
 /// wheel that rolls over steps and bumps goes along a locus, from which samples are taken: where they are not all on
 /// one plane, `substeps` of them, and up to 16 times as many the more the hub is thrown up at once, as at a kerb:
-/// what that does is over within a substep. Between two samples the ground is the plane along which the hub goes from the one to the
-/// other: what the wheel climbs in a time its car pays for with what it is slowed down, whatever the length of a step.
-/// Ground that comes up at once, as an edge that the tread meets from its side, is climbed at a slope. Over what moves
-/// there is one piece.
+/// what that does is over within a substep. Between two samples the ground is the plane along which the hub goes from
+/// the one to the other: what the wheel climbs in a time its car pays for with what it is slowed down, whatever the
+/// length of a step. Ground that comes up at once, as an edge that the tread meets from its side, is climbed at a
+/// slope. Over what moves there is one piece.
 void findCourse(const World& world, BodyId chassis, const Filter& filter, const WheelWay& way, int substeps,
                 const CourseEnd& last, WheelCourse& course);
 

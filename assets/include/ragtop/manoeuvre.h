@@ -53,6 +53,15 @@ struct TrackGround {
     std::optional<TrackLoop> loop{};
 };
 
+/// What a car pulls, by a ball a metre behind its rearmost hub: a box on two close axles, with tires like the car's
+/// last.
+struct TrackTrailer {
+    float mass = 700;        ///< kg
+    float length = 3.5f;     ///< m from the hitch to the middle between the axles
+    float ahead = 0;         ///< m of the centre of mass before that middle
+    float yawInertia = 900;  ///< kg m², about the centre of mass
+};
+
 /// How the car is put there.
 struct TrackStart {
     float height = 0;     ///< m of its origin above where it stands
@@ -100,11 +109,13 @@ enum class TrackChannel : unsigned char {
     rpm,                  ///< of the engine
     aside,                ///< m to the left of the cruise's line
     laps,                 ///< of the line, that have been driven
+    hitchForce,           ///< N, by which the trailer is pulled along the car
+    articulation,         ///< rad, of the trailer to the left of the car
 };
 struct TrackChannelInfo {
     std::string_view name, unit;
 };
-inline constexpr std::array<TrackChannelInfo, 17> kTrackChannels{{{"time", "s"},
+inline constexpr std::array<TrackChannelInfo, 19> kTrackChannels{{{"time", "s"},
                                                                   {"speed", "m/s"},
                                                                   {"distance", "m"},
                                                                   {"drift", "m"},
@@ -120,7 +131,10 @@ inline constexpr std::array<TrackChannelInfo, 17> kTrackChannels{{{"time", "s"},
                                                                   {"asleep", "1"},
                                                                   {"rpm", "rpm"},
                                                                   {"aside", "m"},
-                                                                  {"laps", "1"}}};
+                                                                  {"laps", "1"},
+                                                                  {"hitchForce", "N"},
+                                                                  {"articulation", "rad"}}};
+using TrackSample = std::array<double, kTrackChannels.size()>;
 constexpr std::array<std::string_view, kTrackChannels.size()> enumNames(TrackChannel) {
     std::array<std::string_view, kTrackChannels.size()> names;
     for (std::size_t i = 0; i < names.size(); ++i) names[i] = kTrackChannels[i].name;
@@ -154,9 +168,12 @@ enum class TrackLaw : unsigned char {
     bicycleYaw,  ///< rad/s: v δ/(L + K v²) of the bicycle with the tires' cornering stiffnesses, of speed and angle at
                  ///< `to`
     bicycleSteer,  ///< rad: L/R + K v²/R of the same, R being the cruise's
+    hitchPull,     ///< N: (m + Σ ¾ mᵢ) Δv/Δt and the rolling resistance, of the trailer and its wheels
+    hitchSwing,    ///< rad: what is taken of the articulation of the linear single-track car and trailer, on tires that
+                   ///< relax, at the speeds and wheel angles of the run
 };
-constexpr std::array<std::string_view, 5> enumNames(TrackLaw) {
-    return {"none", "lockedStop", "coastDown", "bicycleYaw", "bicycleSteer"};
+constexpr std::array<std::string_view, 7> enumNames(TrackLaw) {
+    return {"none", "lockedStop", "coastDown", "bicycleYaw", "bicycleSteer", "hitchPull", "hitchSwing"};
 }
 
 /// A value, and when it is good: within its limits, and near its reference where there is one.
@@ -177,6 +194,7 @@ struct Manoeuvre {
     float duration = 10;  ///< s
     TrackGround ground{};
     TrackStart start{};
+    std::optional<TrackTrailer> trailer{};
     std::vector<TrackInput> input{};
     std::optional<TrackCruise> cruise{};
     bool sleeping = true;
@@ -207,7 +225,7 @@ struct TrackValue {
     bool pass = true;
 };
 struct TrackRun {
-    std::vector<std::array<double, kTrackChannels.size()>> samples;  ///< a row per step
+    std::vector<TrackSample> samples;  ///< a row per step
     std::vector<TrackValue> values;
 };
 /// Drives it. Throws std::invalid_argument on a vehicle or options that cannot be used, as a level below the least.

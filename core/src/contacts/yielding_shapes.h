@@ -12,8 +12,8 @@ namespace ragtop {
 bool facesAlong(const MeshData& surface, const Bounds& near, const Vec3& way);
 bool facesAlong(const HeightFieldData& surface, const Bounds& near, const Vec3& way);
 
-/// Would keepUnyielding drop all that a shape has with a surface of triangles within a margin? Where it can be told from
-/// the faces there, nothing has to be collided.
+/// Would keepUnyielding drop all that a shape has with a surface of triangles within a margin? Where it can be told
+/// from the faces there, nothing has to be collided.
 bool yieldsToAll(const Shapes& shapes, const ContactRecord& record, const Frame& bInA, float margin);
 
 /// Drops the manifolds of a contact that push a shape along the way that it gives (ShapeDef::givesWay); returns how

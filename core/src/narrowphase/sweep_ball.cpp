@@ -73,7 +73,8 @@ SweepHit sweepBall(const TriangleView& triangle, const Vec3& center, float radiu
         // Nothing of a triangle is met before its plane.
         if (!(falling > 0) || away > closer * falling) return out;
         const float t = away / falling;
-        const Vec3 met = t * translation - radius * facing, nearest = nearestOnTriangle(v, triangle.normal, met, feature);
+        const Vec3 met = t * translation - radius * facing,
+                   nearest = nearestOnTriangle(v, triangle.normal, met, feature);
         if (feature.kind == Feature::face) {
             take(t, nearest);
             out.normal = facing;
