@@ -29,7 +29,7 @@ struct Stand {
         for (int i = 0; i < 200; ++i) {
             if (drivetrain.sweep(def, kSubstep) <= 1e-6f * kSubstep) break;
         }
-        drivetrain.end(kSubstep);
+        drivetrain.end(def, kSubstep);
     }
     /// Torque of the drivetrain on a wheel over the last steps, since it turned at `before`.
     double torqueOn(std::size_t i, float before, int steps, float torque) const {

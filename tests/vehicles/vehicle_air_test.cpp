@@ -73,5 +73,30 @@ TEST(Air, RefusesLiftWhereThereIsNoAxle) {
     EXPECT_EQ(whyInvalid(inAir({.sideArea = -1})), "/aerodynamics/sideArea is -1 m², must be in [0, 1000000]");
 }
 
+/// Pressed down by q |A| with the struts at rest and by q p more per m that it sinks, an axle on springs k to a wheel sinks
+/// by q |A|/(2 k − q p).
+TEST(Air, ThatPressesMoreTheLowerItHoldsAnAxleMakesItsSpringsSofter) {
+    VehicleDef def = hatchback();
+    constexpr float kStiffness = 24000, kArea = -1.5f, kPerHeight = 12, kWind = 50;
+    for (WheelDef& wheel : def.wheels) wheel.suspension.stiffness = kStiffness;
+    def.antiRollBars.clear();
+    def.aerodynamics = {.dragArea = 0, .axleLifts = {{0, kArea, kPerHeight}, {1, kArea, kPerHeight}}};
+    Road road(0, awake());
+    Vehicle car(road.world, def, {});
+    car.input = {.brake = 1, .handbrake = 1, .clutch = 1};
+    run(road.world, 6);
+    std::vector<float> still;
+    for (const WheelTelemetry& wheel : car.telemetry().wheels) still.push_back(wheel.compression);
+    car.input.wind = {0, 0, -kWind};
+    run(road.world, 10);
+    const float q = 0.5f * def.aerodynamics.airDensity * kWind * kWind;
+    for (std::size_t i = 0; i < still.size(); ++i) {
+        const float sunk = car.telemetry().wheels[i].compression - still[i];
+        // From where it stands, which is its place at rest but for some micrometres of what is rounded.
+        EXPECT_NEAR(sunk, q * (-kArea + kPerHeight * still[i]) / (2 * kStiffness - q * kPerHeight), 0.01f * sunk);
+        EXPECT_GT(sunk, 0.05f);
+    }
+}
+
 }  // namespace
 }  // namespace ragtop

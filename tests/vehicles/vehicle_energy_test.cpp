@@ -139,5 +139,69 @@ TEST(VehicleEnergy, AMotorTakesBackWhatItBrakes) {
     EXPECT_LT(back, kinetic);
 }
 
+/// Pads on slopes and stops: what discs hold is what pads took less what the air did, and what stands cools as
+/// (1 + h k/C)⁻ⁿ.
+TEST(BrakeHeat, IsTheWorkOfThePadsLessWhatTheAirTook) {
+    VehicleDef def = hatchback();
+    constexpr float kCapacity = 4000, kCooling = 40;
+    for (WheelDef& wheel : def.wheels) {
+        wheel.brakeHeatCapacity = kCapacity;
+        wheel.brakeCooling = wheel.brakeCoolingPerSpeed = 0;
+    }
+    const auto heat = [](const Vehicle& car) {
+        double sum = 0;
+        for (const WheelTelemetry& wheel : car.telemetry().wheels)
+            sum += static_cast<double>(kCapacity * wheel.brakeTemperature);
+        return sum;
+    };
+    for (const double hz : {30.0, 60.0, 120.0}) {
+        Road road(0, awake());
+        Vehicle car(road.world, def, {.speed = 30});
+        car.input = {.brake = 0.4f, .clutch = 1};
+        run(road.world, 10, 1 / hz);
+        // Half of the energy at first, at least; what is told is rounded to single precision.
+        EXPECT_GT(heat(car), 0.5 * 0.5 * 1200 * 900);
+        EXPECT_NEAR(heat(car), car.telemetry().energy.brakes, 1e-6 * heat(car));
+
+        VehicleDef airy = def;
+        for (WheelDef& wheel : airy.wheels) wheel.brakeCooling = kCooling;
+        const double before = heat(car);
+        car.setDef(airy);
+        run(road.world, 20, 1 / hz);
+        const double h = 1 / (hz * road.world.settings().substeps), steps = 20 / h;
+        const double left = std::exp(-steps * std::log1p(h * static_cast<double>(kCooling / kCapacity)));
+        EXPECT_NEAR(heat(car), before * left, 1e-4 * before);
+    }
+}
+
+TEST(BrakeHeat, TakesTorqueOfPadsThatFade) {
+    VehicleDef def = hatchback();
+    for (WheelDef& wheel : def.wheels) {
+        wheel.brakeHeatCapacity = 4000;
+        wheel.brakeCooling = wheel.brakeCoolingPerSpeed = 0;
+        wheel.brakeFade = 0.01f;
+    }
+    Road road(0, awake());
+    Vehicle car(road.world, def, {.speed = 30});
+    car.input = {.brake = 0.2f, .clutch = 1};
+    run(road.world, 3, 1.0 / 60);
+    for (std::size_t i = 0; i < def.wheels.size(); ++i) {
+        const WheelTelemetry& wheel = car.telemetry().wheels[i];
+        ASSERT_GT(wheel.brakeTemperature, 3);
+        const float pads = 0.2f * def.wheels[i].brakeTorque / (1 + 0.01f * wheel.brakeTemperature);
+        const float rolls = def.wheels[i].tire.rollingResistance * wheel.load * wheel.radius;
+        // A step's heat changes pads by less than a thousandth.
+        EXPECT_NEAR(-wheel.brakeTorque, pads + rolls, 2e-3f * pads);
+    }
+    // A save holds it.
+    std::vector<std::byte> saved(road.world.saveSize());
+    road.world.save(saved);
+    const float warm = car.telemetry().wheels[0].brakeTemperature;
+    run(road.world, 1, 1.0 / 60);
+    EXPECT_GT(car.telemetry().wheels[0].brakeTemperature, warm);
+    road.world.restore(saved);
+    EXPECT_EQ(car.telemetry().wheels[0].brakeTemperature, warm);
+}
+
 }  // namespace
 }  // namespace ragtop

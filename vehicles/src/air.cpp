@@ -15,7 +15,7 @@ std::vector<LiftPoint> liftPoints(const VehicleDef& def, const Vec3& centerOfMas
             sum += wheel.position;
             count += 1;
         }
-        points.push_back({(1 / count) * sum - centerOfMass, lift.liftArea});
+        points.push_back({(1 / count) * sum - centerOfMass, lift.liftArea, lift.liftArea, lift.perHeight, lift.axle});
     }
     return points;
 }

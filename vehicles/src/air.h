@@ -9,8 +9,10 @@ namespace ragtop {
 
 /// Where lift acts, from the centre of mass in the chassis.
 struct LiftPoint {
-    Vec3 arm;        ///< m
-    float area = 0;  ///< m²
+    Vec3 arm;                           ///< m
+    float area = 0;                     ///< m²
+    float restArea = 0, perHeight = 0;  ///< m², with the struts at rest; m²/m
+    unsigned axle = 0;                  ///< whose struts
 };
 
 /// That of the car, and those of its axles.

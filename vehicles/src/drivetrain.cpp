@@ -19,6 +19,8 @@ Drivetrain::Drivetrain(const VehicleDef& def) : engineSpeed(idleSpeed(def.engine
     held_ = inertia_;
     spin.assign(def.wheels.size(), 0);
     brake.assign(def.wheels.size(), 0);
+    brakeHeat.assign(def.wheels.size(), 0);
+    padWork_ = brakeHeat;
     for (std::vector<float>* each : {&brakeBound_, &rollBound_, &spinBefore_, &meanSpin_, &given_})
         each->assign(def.wheels.size(), 0);
     differential.assign(rows_.size(), 0);
@@ -35,6 +37,7 @@ Drivetrain::Drivetrain(const VehicleDef& def, Drivetrain&& before) : Drivetrain(
     if (!def.gearbox.continuous) gearbox.ratio = 0;
     spin = std::move(before.spin);
     brake = std::move(before.brake);
+    brakeHeat = std::move(before.brakeHeat);
     if (before.differential.size() == differential.size()) differential = std::move(before.differential);
 }
 
@@ -52,6 +55,7 @@ void Drivetrain::stop(const VehicleDef& def) {
     engine = {};
     clutch = boost = 0;
     for (std::vector<float>* each : {&spin, &brake, &differential}) std::ranges::fill(*each, 0.0f);
+    std::ranges::fill(brakeHeat, 0.0);
 }
 
 float Drivetrain::axleSpeed() const {
@@ -101,7 +105,8 @@ void Drivetrain::begin(const VehicleDef& def, const DrivetrainInput& input, cons
     lock_ = input.lock;
     held_ = inertia_;
     for (std::size_t i = 0; i < spin.size(); ++i) {
-        brakeBound_[i] = h * brakeCapacity(def.wheels[i], input.brake, input.handbrake, resistances[i]);
+        const float pads = 1 / (1 + def.wheels[i].brakeFade * std::max(brakeWarmth(def.wheels[i], i), 0.0f));
+        brakeBound_[i] = h * brakeCapacity(def.wheels[i], pads * input.brake, pads * input.handbrake, resistances[i]);
         rollBound_[i] = h * resistances[i];
     }
 
@@ -165,9 +170,11 @@ void Drivetrain::count() {
         axle += wide(share_[i]) * wide(meanSpin_[i]);
         work.engine += wide(given_[i]) * wide(meanSpin_[i]);
         const double lost = -wide(brake[i]) * wide(meanSpin_[i]), bound = wide(brakeBoundOf(i));
+        padWork_[i] = 0;
         if (!(bound > 0)) continue;
         work.rolling += lost * wide(rollBound_[i]) / bound;
-        work.brakes += lost * wide(brakeBound_[i] - rollBound_[i]) / bound;
+        padWork_[i] = lost * wide(brakeBound_[i] - rollBound_[i]) / bound;
+        work.brakes += padWork_[i];
         work.gears += lost * (bound - wide(brakeBound_[i])) / bound;
     }
     const double turning = 0.5 * wide(engineBefore_ + engineSpeed);
@@ -185,8 +192,19 @@ double Drivetrain::rotatingEnergy(const EngineDef& def) const {
     return sum;
 }
 
-void Drivetrain::end(float h) {
+/// By backward Euler, C dT/dt = P − (k₀ + k₁ |ω r|) T, so that heat is exactly what pads took less what the air did.
+void Drivetrain::coolBrakes(const VehicleDef& def, float h) {
+    for (std::size_t i = 0; i < spin.size(); ++i) {
+        const WheelDef& wheel = def.wheels[i];
+        if (!wheel.brakeHeatCapacity) continue;
+        const float lost = wheel.brakeCooling + wheel.brakeCoolingPerSpeed * std::abs(meanSpin_[i]) * wheel.radius;
+        brakeHeat[i] = (brakeHeat[i] + padWork_[i]) / (1 + static_cast<double>(h * lost / *wheel.brakeHeatCapacity));
+    }
+}
+
+void Drivetrain::end(const VehicleDef& def, float h) {
     count();
+    coolBrakes(def, h);
     const float s = 1 / h;
     engine = {s * engine.throttle, s * engine.idle, s * engine.friction};
     clutch *= s;

@@ -44,8 +44,8 @@ public:
     void begin(const VehicleDef& def, const DrivetrainInput& input, const std::vector<float>& resistances, float h);
     /// One sweep; the largest change of an impulse at a wheel, N m s.
     float sweep(const VehicleDef& def, float h);
-    /// Turns impulses into torques.
-    void end(float h);
+    /// Turns impulses into torques, and what pads have taken into heat.
+    void end(const VehicleDef& def, float h);
 
     /// Speed of the gearbox's input shaft, rad/s.
     float shaftSpeed(const GearboxDef& def) const;
@@ -58,9 +58,14 @@ public:
     GearboxState gearbox;
     std::vector<float> spin;  ///< rad/s, per wheel
     std::vector<float> brake;
+    std::vector<double> brakeHeat;  ///< J in disc and pads, over that of the air
     std::vector<float> differential;
     DriveWork work;
 
+    /// K of a wheel's disc and pads over the air.
+    float brakeWarmth(const WheelDef& wheel, std::size_t i) const {
+        return wheel.brakeHeatCapacity ? static_cast<float>(brakeHeat[i]) / *wheel.brakeHeatCapacity : 0;
+    }
     /// ½ Σ I ω² of engine and wheels, J.
     double rotatingEnergy(const EngineDef& def) const;
     const std::vector<float>& inertia() const { return inertia_; }
@@ -79,6 +84,7 @@ private:
     void takeCoupling(const VehicleDef& def, const DrivetrainInput& input, float h);
     void turnByClutch(float impulse, float inverseEngineInertia);
     void count();
+    void coolBrakes(const VehicleDef& def, float h);
 
     std::vector<float> inertia_, held_, share_;
     std::vector<DifferentialRow> rows_;
@@ -89,6 +95,7 @@ private:
     std::vector<float> brakeBound_, rollBound_;  ///< all but what gears lose; of it, what tires and ground resist by
     float engineBefore_ = 0;
     std::vector<float> spinBefore_, meanSpin_, given_;  ///< rad/s; N m s
+    std::vector<double> padWork_;                       ///< J of a substep
 };
 
 }  // namespace ragtop

@@ -58,6 +58,7 @@ void VehicleSim::visitState(Self& self, Visit&& visit) {
     visit(self.drivetrain.gearbox);
     visit(self.drivetrain.spin);
     visit(self.drivetrain.brake);
+    visit(self.drivetrain.brakeHeat);
     visit(self.drivetrain.differential);
     visit(self.drivetrain.work);
     visit(self.lost);
@@ -122,7 +123,8 @@ bool VehicleSim::holds(const Vec3& linear, const Vec3& angular) const {
     const Drivetrain& d = drivetrain;
     return isNumber(linear) && isNumber(angular) && isNumber(d.engineSpeed) && isNumber(d.clutch) &&
            isNumber(Vec3{d.engine.throttle, d.engine.idle, d.engine.friction}) && areNumbers(d.spin) &&
-           areNumbers(d.brake) && areNumbers(d.differential) && std::ranges::all_of(wheels, holdsNumbers);
+           areNumbers(d.brake) && areNumbers(d.differential) &&
+           std::ranges::all_of(d.brakeHeat, [](double heat) { return std::abs(heat) <= static_cast<double>(kMost); }) && std::ranges::all_of(wheels, holdsNumbers);
 }
 
 /// Wheels that stand and an engine that idles; where the wheels are and what the driver does stays.

@@ -140,6 +140,7 @@ void VehicleSim::act(const Pose& pose, const DVec3& center, PointBody body, floa
 
     // Arms are short, so what the air does is implicit in the speed alone.
     const PointBody start = body;
+    takeHeights();
     const auto [airLinear, airAngular] =
         airImpulse(def.aerodynamics, lifts, {body.v - driver.wind, pose.rotation, body.inverseMass}, h);
     Vec3 linear = airLinear, angular = airAngular;
@@ -157,6 +158,20 @@ void VehicleSim::act(const Pose& pose, const DVec3& center, PointBody body, floa
     countBody(start, body, {airLinear, airAngular}, turned);
     sum.linear += linear;
     sum.angular += angular;
+}
+
+/// Of lifts that depend on how high struts hold the body.
+void VehicleSim::takeHeights() {
+    for (LiftPoint& lift : lifts) {
+        if (lift.perHeight == 0) continue;
+        float compression = 0, count = 0;
+        for (std::size_t i = 0; i < wheels.size(); ++i) {
+            if (def.wheels[i].axle != lift.axle) continue;
+            compression += wheels[i].compression;
+            count += 1;
+        }
+        lift.area = lift.restArea - lift.perHeight * compression / count;
+    }
 }
 
 void VehicleSim::solve(PointBody& body, float h) {
@@ -183,7 +198,7 @@ void VehicleSim::solve(PointBody& body, float h) {
     }
     // What is left of the last change of a tire would turn a wheel that is held, and the car would creep.
     drivetrain.holdWheels();
-    drivetrain.end(h);
+    drivetrain.end(def, h);
 }
 
 void VehicleSim::pushPatch(std::size_t i, PointBody& body, float load, const Vec2& tire) {

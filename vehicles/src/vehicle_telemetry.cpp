@@ -101,6 +101,7 @@ void VehicleSim::tellWheel(std::size_t i, const Pose& pose) {
     out.angularSpeed = drivetrain.spin[i];
     out.rotation = wheel.rotation;
     out.brakeTorque = drivetrain.brake[i];
+    out.brakeTemperature = drivetrain.brakeWarmth(def.wheels[i], i);
     const Vec3 ahead = wheelDirection(def.steering, def.wheels[i].steerFactor, spec.steerArm, steerAngle);
     out.steerAngle = arcTan2(ahead.x, ahead.z);
     out.compression = wheel.compression;

@@ -36,6 +36,7 @@ void forEachChannel(const WheelTelemetry& wheel, Visit&& visit) {
     tell("angularSpeed", "rad/s", "forward", wheel.angularSpeed);
     tell("rotation", "rad", "about the axle", wheel.rotation);
     tell("brakeTorque", "N m", "of pads and rolling resistance on the wheel", wheel.brakeTorque);
+    tell("brakeTemperature", "K", "of disc and pads over the air", wheel.brakeTemperature);
     tell("steerAngle", "rad", "to the left", wheel.steerAngle);
     tell("camber", "rad", "of the wheel to the normal of the ground; its top to the left", wheel.camber);
     tell("compression", "m", "of the strut, above its place at rest", wheel.compression);

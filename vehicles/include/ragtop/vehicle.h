@@ -60,6 +60,7 @@ struct WheelTelemetry {
     float deflectionForward = 0, deflectionLeft = 0;  ///< m of the tread in the patch
     float travelForward = 0, travelLeft = 0;          ///< m/s of the patch over the ground
     float brakeTorque = 0;                            ///< N m of pads and rolling resistance on the wheel
+    float brakeTemperature = 0;                       ///< K of disc and pads over the air
     float camber = 0;      ///< rad of the wheel to the normal of the ground; positive with its top to the left
     float radius = 0;      ///< m
     DVec3 contactPoint{};  ///< m, on the ground; the last one when in the air

@@ -109,6 +109,10 @@ struct WheelDef {
     float driveShare = 0;       ///< of the engine's torque, relative to the sum over the wheels
     float brakeTorque = 1500;   ///< N m, pedal fully down
     float handbrakeTorque = 0;  ///< N m, lever fully up
+    std::optional<float> brakeHeatCapacity{};  ///< J/K, of disc and pads; empty: they stay as cold as the air
+    float brakeCooling = 10;                   ///< W/K, of a wheel that stands
+    float brakeCoolingPerSpeed = 2;            ///< W/K per m/s of its tread, besides
+    float brakeFade = 0;  ///< 1/K: pads hold 1/(1 + fade ΔT) of their torque where they are ΔT warmer than the air
     SuspensionDef suspension{};
     TireDef tire{};
 };
@@ -131,6 +135,7 @@ struct SteeringDef {
 struct AxleLiftDef {
     unsigned axle = 0;   ///< WheelDef::axle
     float liftArea = 0;  ///< m², lift coefficient times area; negative presses the axle down
+    float perHeight = 0;  ///< m²/m: of that area more where the struts hold the axle's body higher than at rest
 };
 
 /// Forces of the air that the car goes through: ½ ρ v² over areas, and over lengths of moments.
@@ -293,6 +298,13 @@ void describe(Visitor& visit, Self& self, const WheelDef*) {
     visit(Tunable{"driveShare", "1", 0, 1000, "of the engine's torque, relative to the other wheels"}, self.driveShare);
     visit(Tunable{"brakeTorque", "N m", 0, 1e12, "pedal fully down"}, self.brakeTorque);
     visit(Tunable{"handbrakeTorque", "N m", 0, 1e12, "lever fully up"}, self.handbrakeTorque);
+    visit(Tunable{"brakeHeatCapacity", "J/K", 1, 1e12, "of disc and pads; absent: they stay as cold as the air"},
+          self.brakeHeatCapacity);
+    visit(Tunable{"brakeCooling", "W/K", 0, 1e9, "of a wheel that stands"}, self.brakeCooling);
+    visit(Tunable{"brakeCoolingPerSpeed", "W s/(K m)", 0, 1e9, "besides, of the speed of its tread"},
+          self.brakeCoolingPerSpeed);
+    visit(Tunable{"brakeFade", "1/K", 0, 1, "pads hold 1/(1 + fade dT) of their torque, dT warmer than the air"},
+          self.brakeFade);
     visit(Tunable{"suspension", "", 0, 0, "spring, damper and travel"}, self.suspension);
     visit(Tunable{"tire", "", 0, 0, "how the tire grips"}, self.tire);
 }
@@ -308,6 +320,8 @@ template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const AxleLiftDef*) {
     visit(Tunable{"axle", "", 0, 255, "at whose wheels it acts"}, self.axle);
     visit(Tunable{"liftArea", "m²", -1e6, 1e6, "lift coefficient times area; negative presses down"}, self.liftArea);
+    visit(Tunable{"perHeight", "m²/m", -1e6, 1e6, "more of it where struts hold the axle's body higher than at rest"},
+          self.perHeight);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const AerodynamicsDef*) {
