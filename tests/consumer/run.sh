@@ -9,7 +9,7 @@
 #   cooked        cooks a mesh with the program, and builds what loads it where there are no importers
 #   serve         builds the first C++ block of docs/serve.md; it must serve until it is ended
 # And without one:
-#   fetch_content builds a program with core's sources as a part of it, and compiles the program with those of all modules
+#   fetch_content builds programs with the sources of core, and of all modules, as a part of them
 #   readme        builds the first C++ block of README.md, against the build tree
 set -eu
 way=$1 source=$2 build=$3 compiler=$4 build_type=$5
@@ -32,6 +32,38 @@ configure_consumer() {
 build_consumer() {
     configure_consumer "$@"
     cmake --build "$work/build" --target consumer --parallel 2
+    program=$work/build/consumer
+}
+
+# cached <variable>: its value in the build tree.
+cached() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt"; }
+
+# commands <build tree>: what compiles Ragtop's sources there, by the compiler itself.
+commands() {
+    sed -n "s|^ *\"command\": \".*\($compiler .*\)\",\$|\1|p" "$1/compile_commands.json" |
+        grep -v CMakeFiles/consumer.dir | sed -e "s|$1/||g" -e 's|_deps/ragtop-build/||g' -e 's/ -Werror / /' | sort
+}
+
+# build_as_a_part <cmake option>...: builds the program with Ragtop's sources as a part of it. A command that compiles the
+# same source the same way makes the same object: where all are those of the build tree, but for its warnings as errors,
+# its libraries are what they would make in some minutes more.
+build_as_a_part() {
+    rm -rf "$work/build"
+    configure_consumer "$@"
+    ! grep -e -Werror "$work/build/compile_commands.json" || fail "warnings are errors in other people's builds"
+    commands "$work/build" >"$work/there"
+    grep -q core/src "$work/there" || fail "core's sources are none of its"
+    commands "$build" | comm -13 - "$work/there" >"$work/others"
+    [ ! -s "$work/others" ] || fail "compiled otherwise than in $build: $(cat "$work/others")"
+    part=$work/build/_deps/ragtop-build
+    for folder in core assets vehicles ragdolls cooked; do
+        [ -d "$part/$folder" ] || continue
+        joined=CMakeFiles/ragtop_$folder.dir/Unity
+        [ ! -d "$part/$folder/$joined" ] || diff -r -x "*.o" "$build/$folder/$joined" "$part/$folder/$joined"
+        cp "$build/$folder"/libragtop_* "$part/$folder"
+    done
+    ninja -C "$work/build" -t commands consumer | grep -F CMakeFiles/consumer.dir >"$work/own"
+    (cd "$work/build" && sh -e "$work/own")
     program=$work/build/consumer
 }
 
@@ -78,7 +110,7 @@ install_and_move() {
     grep -rIlF -e "$source" -e "$build" -e "$installed/first" "$prefix" && fail "these name where they were built"
     hide "$source"
     hide "$build"
-    hide "$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$build/CMakeCache.txt")/share/ragtop"
+    hide "$(cached CMAKE_INSTALL_PREFIX)/share/ragtop"
 }
 
 try_program() {
@@ -131,17 +163,14 @@ pkg_config)
     program=$work/consumer
     ;;
 fetch_content)
-    # All of it is configured, and what uses all compiles; core alone is built, as compiling the rest once more shows
-    # nothing that this project's own build does not. With the options of that, warnings as errors among them, the
-    # compiler cache has the wide kernels.
     set -- -DFETCHCONTENT_SOURCE_DIR_RAGTOP="$source"
-    configure_consumer "$@"
-    ! grep -e -Werror "$work/build/compile_commands.json" || fail "warnings are errors in other people's builds"
-    cmake --build "$work/build" --target CMakeFiles/consumer.dir/main.cpp.o
-    build_consumer "$@" -DRAGTOP_BUILD_ASSETS=OFF -DRAGTOP_UNITY=ON -DRAGTOP_WARNINGS_AS_ERRORS=ON \
-        -DCONSUMER_SOURCE="$source/tests/consumer/core.cpp" -DCONSUMER_LIBRARY=ragtop::core
+    for name in CMAKE_CXX_FLAGS CMAKE_INSTALL_PREFIX RAGTOP_UNITY RAGTOP_WITH_QHULL RAGTOP_WITH_TBB; do
+        set -- "$@" "-D$name=$(cached $name)"
+    done
+    build_as_a_part -DRAGTOP_BUILD_ASSETS=OFF -DCONSUMER_SOURCE="$source/tests/consumer/core.cpp" \
+        -DCONSUMER_LIBRARY=ragtop::core "$@"
     "$program"
-    exit
+    build_as_a_part "$@"
     ;;
 readme)
     first_block "$source/README.md" >"$work/hello.cpp"
