@@ -71,7 +71,7 @@ async function throwBrick(page) {
   await page.mouse.down();
   const goal = [x + 60, y - 110];
   for (let i = 1; i <= 6; ++i) await page.mouse.move(x + (i / 6) * (goal[0] - x), y + (i / 6) * (goal[1] - y));
-  for (let i = 0; i < 20; ++i) await step(page, 6);
+  await step(page, 120);
   const held = (await poses(page)).get(picked);
   const seen = await project(page, held);
   const off = Math.hypot(seen[0] - goal[0], seen[1] - goal[1]);
