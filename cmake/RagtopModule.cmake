@@ -53,7 +53,7 @@ function(ragtop_module name)
         list(FILTER sources EXCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/src/${arg_WITHOUT}/")
     endif()
     # A program's entry point and the kernels of optional instruction sets are added where they apply.
-    list(FILTER sources EXCLUDE REGEX "/main\\.cpp$|/[a-z]+_kernels_(avx2|avx512)\\.cpp$")
+    list(FILTER sources EXCLUDE REGEX "/main\\.cpp$|/[a-z]+_[a-z]+_(avx2|avx2_lanes16|avx512)\\.cpp$")
     set(type)
     if(arg_STATIC)
         set(type STATIC)
@@ -74,14 +74,19 @@ function(ragtop_module name)
     target_include_directories(ragtop_${name} PRIVATE src)
 endfunction()
 
-# ragtop_precompile(<target> <header>...): parses these once for all sources of a target that no other project builds:
-# parsing is most of what compiling tests and programs costs. Every source still names what it uses.
+# ragtop_precompile(<target> <header>... | REUSE_FROM <target>): parses these once for all sources of a target that no
+# other project builds, or takes what another target of the same options has parsed: parsing is most of what compiling
+# tests and programs costs. Every source still names what it uses.
 # Headers of other projects alone: a cached one of ours would name the checkout that it was made in.
 function(ragtop_precompile target)
     if(NOT RAGTOP_PRECOMPILE)
         return()
     endif()
-    target_precompile_headers(${target} PRIVATE ${ARGN})
+    if(ARGV1 STREQUAL "REUSE_FROM")
+        target_precompile_headers(${target} ${ARGN})
+    else()
+        target_precompile_headers(${target} PRIVATE ${ARGN})
+    endif()
     # From a precompiled std::string g++ 12 reports overflows that cannot happen (GCC bug 105651).
     target_compile_options(${target} PRIVATE
         $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds> $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
