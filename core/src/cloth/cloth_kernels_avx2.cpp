@@ -5,7 +5,5 @@ namespace ragtop::cloth {
 
 extern const ClothKernels kClothAvx28;
 const ClothKernels kClothAvx28 = makeClothKernels<8>();
-extern const ClothKernels kClothAvx216;
-const ClothKernels kClothAvx216 = makeClothKernels<16>();
 
 }  // namespace ragtop::cloth

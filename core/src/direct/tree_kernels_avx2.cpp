@@ -5,7 +5,5 @@ namespace ragtop::direct {
 
 extern const TreeTables kTreesAvx28;
 const TreeTables kTreesAvx28 = makeTreeTables<8>("avx2");
-extern const TreeTables kTreesAvx216;
-const TreeTables kTreesAvx216 = makeTreeTables<16>("avx2");
 
 }  // namespace ragtop::direct

@@ -5,7 +5,5 @@ namespace ragtop {
 
 extern const JointKernels kJointKernelsAvx28;
 const JointKernels kJointKernelsAvx28 = makeJointTable<8>("avx2");
-extern const JointKernels kJointKernelsAvx216;
-const JointKernels kJointKernelsAvx216 = makeJointTable<16>("avx2");
 
 }  // namespace ragtop

@@ -5,7 +5,5 @@ namespace ragtop {
 
 extern const KernelTable kKernelsAvx28;
 const KernelTable kKernelsAvx28 = makeTable<8>("avx2");
-extern const KernelTable kKernelsAvx216;
-const KernelTable kKernelsAvx216 = makeTable<16>("avx2");
 
 }  // namespace ragtop
