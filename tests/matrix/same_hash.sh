@@ -5,7 +5,7 @@ build=$1
 failed=0
 for scene in tower rain crash; do
     reference=
-    for preset in release debug clang; do
+    for preset in release debug clang clang19; do
         program=$build/$preset/ragtop
         [ -x "$program" ] || { echo "$preset is not built"; exit 1; }
         hash=$("$program" run $scene --steps 60 2>/dev/null | sed -n 's/.*"hash": "\([0-9a-f]*\)".*/\1/p')
