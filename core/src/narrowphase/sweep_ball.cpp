@@ -13,7 +13,7 @@ struct BallPath {
     float radius, travel2;  ///< of d, squared
 };
 
-constexpr float kNever = 2;
+constexpr float kNever = 2;  ///< as a share of the way, whose end is 1
 
 /// When the ball is first as near as its radius to what is `from` it in the plane across a line, or in space, going
 /// there by `way`; kNever where it does not come nearer. With b what is between them at the nearest, r² − b² is the
