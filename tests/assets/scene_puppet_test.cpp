@@ -3,9 +3,9 @@
 
 #include <string>
 
+#include "import_support.h"
 #include "ragtop/scene.h"
 #include "ragtop/world.h"
-#include "support/temporary_path.h"
 
 namespace ragtop {
 namespace {
