@@ -349,9 +349,10 @@ private:
         return {};
     }
 
-    /// Bodies between two joints of one take a ten-thousandth of it each, so that all of it weighs what it should.
+    /// Bodies between two joints of one take a hundred-thousandth of it each, so that all of it weighs what it should:
+    /// near where a stack of hinges locks, angles are off by that share over the square of the cosine.
     void shareMasses() {
-        constexpr float kShare = 1e-4f;
+        constexpr float kShare = 1e-5f;
         const auto scaled = [](MassProperties mass, float share) {
             mass.mass *= share;
             mass.inertia = {share * mass.inertia.cx, share * mass.inertia.cy, share * mass.inertia.cz};

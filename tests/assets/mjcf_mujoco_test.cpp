@@ -90,10 +90,10 @@ TEST_P(AsMujoco, HasTheSameMassAndCentre) {
     EXPECT_EQ(static_cast<int>(robot.joints.size()), model->njnt - 1);
 }
 
-/// A second of free flight without contacts, limits and rotors, with springs and dampers: MuJoCo by Runge-Kutta at half
-/// a millisecond.
-TEST_P(AsMujoco, FliesWithTheSameAngles) {
-    const Model model = loadModel(GetParam());
+/// How far joints are off after a second of free flight without contacts, limits, rotors, springs and dampers, degrees:
+/// MuJoCo by Runge-Kutta at half a millisecond. Rates of joints come from the seed.
+double largestDifference(const std::filesystem::path& file, unsigned seed) {
+    const Model model = loadModel(file);
     model->opt.timestep = 0.0005;
     model->opt.integrator = mjINT_RK4;
     model->opt.disableflags |= mjDSBL_CONTACT | mjDSBL_LIMIT | mjDSBL_ACTUATION;
@@ -102,8 +102,8 @@ TEST_P(AsMujoco, FliesWithTheSameAngles) {
     mj_setConst(model.get(), Data(mj_makeData(model.get()), mj_deleteData).get());
     const Data data(mj_makeData(model.get()), mj_deleteData);
 
-    Robot robot = loadRobot(GetParam());
-    std::mt19937 random(7);
+    Robot robot = loadRobot(file);
+    std::mt19937 random(seed);
     std::vector<float> rates;
     for (RobotJoint& joint : robot.joints) {
         std::get<HingeDef>(joint.joint).limit.reset();
@@ -121,7 +121,8 @@ TEST_P(AsMujoco, FliesWithTheSameAngles) {
     std::vector<int> places;
     for (std::size_t j = 0; j < rates.size(); ++j) {
         const int id = mj_name2id(model.get(), mjOBJ_JOINT, robot.joints[j].name.c_str());
-        ASSERT_GE(id, 0) << robot.joints[j].name;
+        EXPECT_GE(id, 0) << robot.joints[j].name;
+        if (id < 0) return 180;
         data->qvel[model->jnt_dofadr[id]] = static_cast<double>(rates[j]);
         places.push_back(model->jnt_qposadr[id]);
     }
@@ -138,16 +139,18 @@ TEST_P(AsMujoco, FliesWithTheSameAngles) {
         if (!robot.bodies[i].anchored) world.setVelocity(ids.bodies[i], speeds[i].linear, speeds[i].angular);
     for (int i = 0; i < 2000; ++i) mj_step(model.get(), data.get());
     for (int i = 0; i < 240; ++i) world.step(1.0 / 240);
-    double squares = 0, worst = 0;
+    double worst = 0;
     for (std::size_t j = 0; j < places.size(); ++j) {
         const double off = static_cast<double>(world.state(ids.joints[j]).coordinate) - data->qpos[places[j]];
-        squares += off * off;
         worst = std::max(worst, std::abs(off));
     }
-    const double degrees = 180 / 3.14159265, mean = std::sqrt(squares / static_cast<double>(places.size())) * degrees;
-    std::printf("%s: angles off by %.3f degrees in the mean, %.3f at most\n", GetParam().filename().c_str(), mean,
-                worst * degrees);
-    EXPECT_LT(mean, 0.5);
+    return worst * 180 / 3.14159265;
+}
+
+/// A body between two hinges takes s = 1e-5 of the mass. Where the hinge between two others stands at 85 degrees, it
+/// adds s / cos² = 0.13 % to what resists the difference of these, whose rates differ by up to 4 rad/s.
+TEST_P(AsMujoco, FliesWithTheSameAngles) {
+    for (const unsigned seed : {7u, 8u, 9u, 10u}) EXPECT_LT(largestDifference(GetParam(), seed), 0.5) << seed;
 }
 
 std::string nameOf(const testing::TestParamInfo<std::filesystem::path>& info) { return info.param.stem().string(); }
