@@ -10,14 +10,19 @@ constexpr float kAsLarge = 1.3f;  ///< fits of one shape to alike skins differ b
 
 float volumeOf(const Shape& shape) { return massOf(shape, 1.0f).mass; }
 
-/// Across x of the axes. Capsules and boxes are their own mirror images, so turning them is enough.
+/// Across x of the axes. Capsules and boxes are their own mirror images, so turning them is enough; hulls turn inside
+/// out along x.
 FittedShape mirrored(const FittedShape& fitted, const Frame& from, const Frame& to) {
     Frame local = inverse(from) * fitted.frame;
     local.position.x = -local.position.x;
     local.rotation = {local.rotation.x, -local.rotation.y, -local.rotation.z, local.rotation.w};
     Frame frame = to * local;
     frame.rotation = normalized(frame.rotation);
-    return {fitted.shape, frame};
+    const auto* hull = std::get_if<ConvexHull>(&fitted.shape);
+    if (!hull) return {fitted.shape, frame};
+    std::vector<Vec3> corners(hull->vertices().begin(), hull->vertices().end());
+    for (Vec3& corner : corners) corner.x = -corner.x;
+    return {ConvexHull(corners), frame};
 }
 
 bool doesFor(const FittedShape& fitted, const SidePart& part, float share) {
@@ -29,11 +34,12 @@ bool doesFor(const FittedShape& fitted, const SidePart& part, float share) {
 bool makeAlike(SidePart& left, SidePart& right, float share) {
     const float ofLeft = volumeOf(left.fitted.shape), ofRight = volumeOf(right.fitted.shape);
     if (std::max(ofLeft, ofRight) > kAsLarge * std::min(ofLeft, ofRight)) return false;
-    const std::pair byLeft{left.fitted, mirrored(left.fitted, left.axes, right.axes)};
-    const std::pair byRight{mirrored(right.fitted, right.axes, left.axes), right.fitted};
-    for (const bool first : {true, false}) {
-        const auto& [one, other] = (ofLeft <= ofRight) == first ? byLeft : byRight;
-        if (!doesFor(one, left, share) || !doesFor(other, right, share)) continue;
+    for (const bool smaller : {true, false}) {
+        const bool byLeft = (ofLeft <= ofRight) == smaller;
+        const FittedShape one = byLeft ? left.fitted : mirrored(right.fitted, right.axes, left.axes);
+        if (!doesFor(one, left, share)) continue;
+        const FittedShape other = byLeft ? mirrored(left.fitted, left.axes, right.axes) : right.fitted;
+        if (!doesFor(other, right, share)) continue;
         left.fitted = one;
         right.fitted = other;
         return true;

@@ -10,7 +10,7 @@ namespace ragtop {
 /// A part of one side of the body.
 struct SidePart {
     Frame axes{};  ///< where it begins, y along it, in the frame of the points; those of the other side are its image
-    FittedShape fitted{};          ///< a capsule or a box
+    FittedShape fitted{};          ///< a capsule, box or hull
     std::span<const Vec3> skin{};  ///< m
 };
 

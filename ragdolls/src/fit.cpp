@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "fit_hull.h"
+
 namespace ragtop {
 namespace {
 
@@ -144,50 +146,6 @@ std::size_t spareOf(std::size_t count, float share) {
     return count - std::min(kept, count);
 }
 
-/// A capsule or a box as a sum of a segment, a box and a ball, of which each may be nothing.
-struct Core {
-    Vec3 center, half;  ///< of the segment, from its middle to its end
-    float radius = 0;
-    Vec3 boxHalf{};
-    Mat3 axes;
-};
-
-Core coreOf(const FittedShape& fitted, float margin) {
-    Core core{fitted.frame.position, {}, margin, {}, toMat3(fitted.frame.rotation)};
-    if (const auto* capsule = std::get_if<Capsule>(&fitted.shape)) {
-        core.half = capsule->halfHeight * core.axes.cy;
-        core.radius += capsule->radius;
-    } else if (const auto* box = std::get_if<Box>(&fitted.shape)) {
-        core.boxHalf = box->halfExtents;
-    }
-    return core;
-}
-
-/// Half of what the shape covers along a direction of any length.
-float halfWidth(const Core& core, const Vec3& direction) {
-    const float box = std::abs(dot(core.axes.cx, direction)) * core.boxHalf.x +
-                      std::abs(dot(core.axes.cy, direction)) * core.boxHalf.y +
-                      std::abs(dot(core.axes.cz, direction)) * core.boxHalf.z;
-    return box + std::abs(dot(core.half, direction)) + core.radius * length(direction);
-}
-
-bool separatedAlong(const Core& a, const Core& b, const Vec3& direction) {
-    return std::abs(dot(b.center - a.center, direction)) > halfWidth(a, direction) + halfWidth(b, direction);
-}
-
-/// The shortest way between two segments [Ericson, Real-Time Collision Detection, 2005, 5.1.9].
-Vec3 betweenSegments(const Core& a, const Core& b) {
-    const Vec3 r = a.center - b.center;
-    const float aa = dot(a.half, a.half), bb = dot(b.half, b.half), ab = dot(a.half, b.half);
-    const float ar = dot(a.half, r), br = dot(b.half, r);
-    const float determinant = aa * bb - ab * ab;
-    const auto clamped = [](float value) { return std::clamp(value, -1.0f, 1.0f); };
-    float s = determinant > 1e-6f * aa * bb ? clamped((ab * br - ar * bb) / determinant) : 0.0f;
-    const float t = bb > 0 ? clamped((ab * s + br) / bb) : 0.0f;
-    if (aa > 0) s = clamped((ab * t - ar) / aa);
-    return b.center + t * b.half - a.center - s * a.half;
-}
-
 }  // namespace
 
 FittedShape fitCapsule(std::span<const Vec3> points, const Vec3& axis, float share) {
@@ -260,10 +218,6 @@ FittedShape fitShape(std::span<const Vec3> points, const Quat& rotation, float s
     return roundness * boxVolume < volumeOf(std::get<Capsule>(capsule.shape)) ? box : capsule;
 }
 
-float bottomOf(const FittedShape& fitted, const Vec3& up) {
-    return dot(fitted.frame.position, up) - halfWidth(coreOf(fitted, 0), up);
-}
-
 namespace {
 
 FittedShape keptAbove(const Capsule& capsule, const Frame& frame, const Vec3& up, float floor, float least) {
@@ -302,10 +256,15 @@ FittedShape keptAbove(FittedShape fitted, const Vec3& up, float floor, float lea
     if (const auto* capsule = std::get_if<Capsule>(&fitted.shape))
         return keptAbove(*capsule, fitted.frame, up, floor, least);
     if (const auto* box = std::get_if<Box>(&fitted.shape)) return keptAbove(*box, fitted.frame, up, missing, least);
-    return fitted;
+    return hullAbove(fitted, up, floor, least);
 }
 
 int countInside(const FittedShape& fitted, std::span<const Vec3> points) {
+    if (const auto* hull = std::get_if<ConvexHull>(&fitted.shape)) {
+        const std::vector<float> sizes = gaugeOf(*hull).sizes(points, fitted.frame);
+        return static_cast<int>(
+            std::count_if(sizes.begin(), sizes.end(), [](float size) { return size <= 1 + kRounding; }));
+    }
     int count = 0;
     for (const Vec3& point : points) {
         const Vec3 local = inverseTransformPoint(fitted.frame, point);
@@ -326,24 +285,6 @@ FittedShape capsuleBetween(const Vec3& start, const Vec3& end, float volume) {
     }
     const Vec3 axis = normalized(end - start, {0, 1, 0});
     return {Capsule{upper, std::max(0.0f, 0.5f * total - upper)}, {0.5f * (start + end), alongY(axis)}};
-}
-
-bool mayOverlap(const FittedShape& a, const FittedShape& b, float margin) {
-    const Core coreA = coreOf(a, 0.5f * margin), coreB = coreOf(b, 0.5f * margin);
-    if (separatedAlong(coreA, coreB, betweenSegments(coreA, coreB))) return false;
-    if (separatedAlong(coreA, coreB, coreB.center - coreA.center)) return false;
-    for (int i = 0; i < 3; ++i) {
-        const Vec3& axisA = i == 0 ? coreA.axes.cx : i == 1 ? coreA.axes.cy : coreA.axes.cz;
-        const Vec3& axisB = i == 0 ? coreB.axes.cx : i == 1 ? coreB.axes.cy : coreB.axes.cz;
-        if (separatedAlong(coreA, coreB, axisA) || separatedAlong(coreA, coreB, axisB)) return false;
-        for (int j = 0; j < 3; ++j) {
-            const Vec3& other = j == 0 ? coreB.axes.cx : j == 1 ? coreB.axes.cy : coreB.axes.cz;
-            const Vec3 direction = cross(axisA, other);
-            // Parallel axes give no direction; that of the faces has been tried.
-            if (lengthSquared(direction) > 1e-6f && separatedAlong(coreA, coreB, direction)) return false;
-        }
-    }
-    return true;
 }
 
 }  // namespace ragtop

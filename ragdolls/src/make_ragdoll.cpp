@@ -8,6 +8,7 @@
 
 #include "alike_sides.h"
 #include "fit.h"
+#include "fit_hull.h"
 #include "joint_limits.h"
 #include "masses.h"
 #include "ragtop/ragdoll.h"
@@ -25,7 +26,9 @@ constexpr float kLeast = 0.005f;          ///< of the height, that a shape is th
 /// Of the largest part that hangs on it, that a part has of volume for its mass at least: limbs taper outwards, and a
 /// link of feathers between heavy ones holds in no solver.
 constexpr double kTaper = 0.25;
-constexpr float kSpan = 0.25f;  ///< of a segment's length, that a shape fitted to its skin reaches along at least
+constexpr float kRoundness = 1.6f;  ///< times the volume of a box, that a capsule in its stead may have
+constexpr float kMostAir = 1.2f;    ///< times the volume of the skin, that a capsule or box in place of a hull may have
+constexpr float kSpan = 0.25f;      ///< of a segment's length, that a shape fitted to its skin reaches along at least
 
 class Maker {
 public:
@@ -130,14 +133,21 @@ private:
         return rotationFromAxes(cross(y, z), y, z);
     }
 
+    /// A capsule or box where that leaves little air round the skin, else a hull: it takes longer in contact.
     FittedShape around(const Segment& s, std::span<const Vec3> skin, float share) const {
-        // Limbs and heads are round unless that wastes much; trunk and hands are flat, and a sole is what one stands
-        // on.
-        const bool flat = isTrunk(s.role) || s.role == BodyRole::foot || s.role == BodyRole::hand;
-        const float roundness = flat ? 1.0f : 1.6f;
         // What stands has a sole: a capsule would roll.
-        const bool sole = anatomy_.isHuman() && s.role == BodyRole::foot;
-        return sole ? fitBox(skin, basisOf(s), share) : fitShape(skin, basisOf(s), share, roundness);
+        const Quat basis = basisOf(s);
+        if (anatomy_.isHuman() && s.role == BodyRole::foot) return fitBox(skin, basis, share);
+        const auto hull = fitHull(skin, basis, share);
+        const auto airy = [&](const FittedShape& shape, float room) {
+            return hull && massOf(shape.shape, 1).mass > room * kMostAir * hull->pointsVolume;
+        };
+        // A few points tell as a rule.
+        constexpr float kRoom = 1.1f;
+        if (skin.size() > kSampledPoints && airy(fitShape(sampled(skin), basis, share, kRoundness), kRoom))
+            return hull->fitted;
+        FittedShape simple = fitShape(skin, basis, share, kRoundness);
+        return airy(simple, 1) ? hull->fitted : simple;
     }
 
     /// Does a shape reach along enough of its segment? A disc on a long bone has next to no inertia against what pulls
@@ -211,8 +221,7 @@ private:
         const std::size_t own = skin.size();
         for (const Vec3& vertex : skin_[shankOf(foot)])
             if (dot(vertex, over.along) < over.floor) skin.push_back(vertex);
-        if (skin.size() > own)
-            place(foot, fitBox(skin, basisOf(segment(static_cast<int>(foot))), options_.containedShare));
+        if (skin.size() > own) place(foot, around(segment(static_cast<int>(foot)), skin, options_.containedShare));
     }
 
     /// What has feet stands on them: no other shape reaches below their soles.
@@ -397,8 +406,12 @@ private:
         const float center = length(part.frame.position);
         if (const auto* capsule = std::get_if<Capsule>(&part.shape))
             return center + capsule->halfHeight + capsule->radius;
-        const Vec3 half = std::get<Box>(part.shape).halfExtents;
-        return center + std::max({half.x, half.y, half.z});
+        if (const auto* box = std::get_if<Box>(&part.shape))
+            return center + std::max({box->halfExtents.x, box->halfExtents.y, box->halfExtents.z});
+        float far = 0;
+        for (const Vec3& corner : std::get<ConvexHull>(part.shape).vertices())
+            far = std::max(far, length(transformPoint(part.frame, corner)));
+        return far;
     }
 
     /// Joined parts never collide, nor do those that overlap at rest: the shapes of a body are rounder than it is.

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "import_support.h"
 #include "ragtop/character.h"
@@ -8,6 +10,24 @@
 namespace ragtop {
 namespace {
 
+/// A face for each three corners of a hull that have no other corner before them.
+bool insideHull(const ConvexHull& hull, const Vec3& point, float slack) {
+    static std::map<const HullData*, std::pair<ConvexHull, std::vector<std::pair<Vec3, float>>>> known;
+    const auto [at, isNew] = known.emplace(&hull.data(), std::pair{hull, std::vector<std::pair<Vec3, float>>{}});
+    auto& planes = at->second.second;
+    const std::span<const Vec3> v = hull.vertices();
+    for (std::size_t i = 0; isNew && i < v.size(); ++i)
+        for (std::size_t j = 0; j < v.size(); ++j)
+            for (std::size_t k = 0; k < v.size(); ++k) {
+                const Vec3 normal = normalized(cross(v[j] - v[i], v[k] - v[i]));
+                const float offset = dot(normal, v[i]) + slack;
+                if (length(cross(v[j] - v[i], v[k] - v[i])) > 0 &&
+                    std::ranges::all_of(v, [&](const Vec3& each) { return dot(normal, each) <= offset; }))
+                    planes.emplace_back(normal, offset);
+            }
+    return std::ranges::all_of(planes, [&](const auto& plane) { return dot(plane.first, point) <= plane.second; });
+}
+
 bool inside(const RagdollPart& part, const Vec3& point) {
     const Vec3 local = inverseTransformPoint(part.bind * part.frame, point);
     constexpr float kSlack = 1e-4f;
@@ -15,6 +35,7 @@ bool inside(const RagdollPart& part, const Vec3& point) {
         const float y = local.y - std::clamp(local.y, -capsule->halfHeight, capsule->halfHeight);
         return length({local.x, y, local.z}) <= capsule->radius + kSlack;
     }
+    if (const auto* hull = std::get_if<ConvexHull>(&part.shape)) return insideHull(*hull, local, kSlack);
     const Vec3 out = abs(local) - std::get<Box>(part.shape).halfExtents;
     return out.x <= kSlack && out.y <= kSlack && out.z <= kSlack;
 }
@@ -57,15 +78,23 @@ void expectSoundHuman(const Character& character, Build build) {
     }
 
     std::vector<int> owned(def.parts.size(), 0), contained(def.parts.size(), 0);
+    std::vector<std::vector<Vec3>> skin(def.parts.size());
     for (std::size_t bone = 0; bone < character.skeleton.bones.size(); ++bone) {
         const auto part = static_cast<std::size_t>(def.bones[bone].part);
         for (const Vec3& vertex : character.skeleton.skin[bone]) {
             ++owned[part];
+            skin[part].push_back(vertex);
             contained[part] += insideOrInFoot(def, part, vertex);
         }
     }
     for (std::size_t i = 0; i < owned.size(); ++i)
         EXPECT_GE(contained[i], static_cast<int>(0.9 * owned[i])) << def.parts[i].name;
+    // Feet have flat soles, and hold what trousers hang over them.
+    for (std::size_t i = 0; i < skin.size(); ++i) {
+        const RagdollPart& part = def.parts[i];
+        if (owned[i] < 12 || part.role == BodyRole::foot || part.role == BodyRole::shank) continue;
+        EXPECT_LE(massOf(part.shape, 1).mass, 1.25f * massOf(ConvexHull(skin[i]), 1).mass) << part.name;
+    }
 
     for (const RagdollJoint& joint : def.joints) {
         const std::string name = def.parts[static_cast<std::size_t>(joint.child)].name;
@@ -298,7 +327,7 @@ TEST(DescribeAsset, NamesUnitsSizeBonesAndWarnings) {
     const Character character = loadCharacter(file);
     const std::string text = describeAsset(character) + describeAsset(makeRagdoll(character, {.bodyMass = 75}));
     for (const char* word :
-         {"human", "% sure", "0.01 m per unit", "1.831 m", "53", "LeftUpLeg", "capsule", "hinge", "75.000 kg"})
+         {"human", "% sure", "0.01 m per unit", "1.831 m", "53", "LeftUpLeg", "hull of", "hinge", "75.000 kg"})
         EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
 }
 

@@ -1,5 +1,7 @@
 #include "fit.h"
 
+#include "fit_hull.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -149,13 +151,88 @@ TEST(Overlap, OfBoxesFindsTheGap) {
     EXPECT_FALSE(mayOverlap(a, beside(2.42f), 0));
 }
 
+TEST(Overlap, OfHullsIsThatOfTheBoxesTheyAre) {
+    const auto hullOf = [](const Vec3& half) {
+        std::vector<Vec3> corners;
+        for (int i = 0; i < 8; ++i)
+            corners.push_back(scale(half, {i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f}));
+        return ConvexHull(corners);
+    };
+    const FittedShape a{hullOf({1, 1, 1}), {}};
+    const Quat turned = rotationAbout({0, 1, 0}, 0.25f * kPi);
+    // It may see no gap of a hundredth of the size.
+    for (const bool hull : {false, true}) {
+        const auto beside = [&](float x) {
+            return FittedShape{hull ? Shape{hullOf({1, 1, 1})} : Shape{Box{{1, 1, 1}}}, {{x, 0, 0}, turned}};
+        };
+        EXPECT_TRUE(mayOverlap(a, beside(2.40f), 0));
+        EXPECT_FALSE(mayOverlap(a, beside(2.44f), 0));
+        EXPECT_TRUE(mayOverlap(a, beside(2.44f), 0.04f));
+    }
+    EXPECT_FALSE(mayOverlap(a, {Capsule{0.2f, 0.5f}, {{1.25f, 0, 0}, {}}}, 0));
+    EXPECT_TRUE(mayOverlap(a, {Capsule{0.2f, 0.5f}, {{1.15f, 0, 0}, {}}}, 0));
+}
+
+/// Points of a limb that is half as thick at its end: V = π L (R² + R r + r²)/3.
+std::vector<Vec3> taperedPoints(std::size_t count) {
+    std::mt19937 random(9);
+    const auto any = [&] { return static_cast<float>(random()) / 4294967296.0f; };
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float y = any(), radius = 0.1f - 0.05f * y;
+        const SinCos around = sinCos(2 * kPi * any());
+        points.push_back({radius * around.cos, 0.4f * y, radius * around.sin});
+    }
+    return points;
+}
+
+TEST(FitHull, OfATaperedLimbHoldsItsSkinWithLittleAir) {
+    const float volume = kPi * 0.4f * (0.01f + 0.005f + 0.0025f) / 3;
+    for (const std::size_t count : {60u, 500u, 20'000u}) {
+        const std::vector<Vec3> points = taperedPoints(count);
+        const auto hull = fitHull(points, rotationAbout({1, 2, 0}, 0.7f), 0.92f);
+        ASSERT_TRUE(hull);
+        EXPECT_GE(countInside(hull->fitted, points), static_cast<int>(0.92f * static_cast<float>(count)));
+        EXPECT_LE(std::get<ConvexHull>(hull->fitted.shape).vertices().size(), 38u);
+        EXPECT_LT(massOf(hull->fitted.shape, 1).mass, 1.25f * volume) << count;
+        // 64 corners on a round body of as many points leave out some of it.
+        EXPECT_LT(hull->pointsVolume, 1.001f * volume);
+        if (count > 100) {
+            EXPECT_GT(hull->pointsVolume, 0.92f * volume);
+        }
+        EXPECT_GT(massOf(fitCapsule(points, {0, 1, 0}, 0.92f).shape, 1).mass, 1.25f * volume);
+    }
+}
+
+TEST(FitHull, OfPointsInAPlaneIsNone) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 100; ++i) {
+        const auto n = static_cast<float>(i);
+        points.push_back({n, 2 * n + 0.5f * static_cast<float>(i % 7), 3 * n - static_cast<float>(i % 7)});
+    }
+    EXPECT_FALSE(fitHull(points, {}, 0.9f));
+    EXPECT_FALSE(fitHull(std::vector<Vec3>(20, Vec3{1, 1, 1}), {}, 0.9f));
+}
+
+TEST(GrowingHull, OfTheCornersOfACubeIsTheCube) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 125; ++i)
+        points.push_back(0.5f *
+                         Vec3{static_cast<float>(i % 5), static_cast<float>(i / 5 % 5), static_cast<float>(i / 25)});
+    GrowingHull hull(points);
+    hull.grow(points.size());
+    EXPECT_EQ(hull.corners().size(), 8u);
+    EXPECT_NEAR(hull.volume(), 8.0f, 1e-4f);
+}
+
 /// Nothing is left below the floor, and nothing above it is lost that the cut need not take.
 TEST(KeptAbove, CutsWhatIsBelowAndNoMore) {
     for (int i = 0; i < 50; ++i) {
         const auto n = static_cast<float>(i);
         const Frame frame{{0.1f * n, 1, -0.2f}, rotationAbout({1, 0.3f * n, -2}, 0.37f * n)};
         const Vec3 up = normalized(Vec3{0.2f, 1, 0.05f * n});
-        for (const Shape& shape : {Shape{Capsule{0.1f, 0.3f}}, Shape{Box{{0.1f, 0.3f, 0.2f}}}}) {
+        const Shape hull = ConvexHull(capsulePoints({}));
+        for (const Shape& shape : {Shape{Capsule{0.1f, 0.3f}}, Shape{Box{{0.1f, 0.3f, 0.2f}}}, hull}) {
             const FittedShape whole{shape, frame};
             const float bottom = bottomOf(whole, up), top = -bottomOf(whole, -up);
             for (const float share : {-0.1f, 0.1f, 0.4f}) {

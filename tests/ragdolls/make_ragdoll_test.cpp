@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fit.h"
 #include "human.h"
 #include "ragtop/ragdoll.h"
 #include "ragtop/world.h"
@@ -119,14 +120,7 @@ TEST(MakeRagdoll, HipsReachForwardFartherThanBack) {
 }
 
 /// Along a unit vector.
-float lowestOf(const RagdollPart& each, const Vec3& up) {
-    const Frame frame = each.bind * each.frame;
-    const Vec3 local = inverseRotate(frame.rotation, up);
-    const float middle = dot(frame.position, up);
-    if (const auto* capsule = std::get_if<Capsule>(&each.shape))
-        return middle - std::abs(local.y) * capsule->halfHeight - capsule->radius;
-    return middle - dot(abs(local), std::get<Box>(each.shape).halfExtents);
-}
+float lowestOf(const RagdollPart& each, const Vec3& up) { return bottomOf({each.shape, each.bind * each.frame}, up); }
 
 /// Wide trousers that cover the shoes, and a coat to the ground: what the body stands on are its feet.
 TEST(MakeRagdoll, NothingReachesBelowTheSoles) {
