@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "../stability/isolation.h"
 #include "base/hash.h"
@@ -74,7 +75,7 @@ private:
                 others.push_back(i);
                 estimates[i] = estimateOf(points_[i], points_[group.begin]);
             }
-        std::ranges::stable_sort(others, std::greater{}, [&](std::size_t i) { return estimates[i]; });
+        std::ranges::sort(others, {}, [&](std::size_t i) { return std::pair{-estimates[i], i}; });
         measureAll(others);
     }
 

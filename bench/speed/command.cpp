@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fstream>
+#include <iterator>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -62,7 +64,10 @@ public:
     std::vector<Row> measure() {
         play(Purpose::quality, false);
         for (int run = 0; run < arguments_.runs; ++run) play(Purpose::times, run % 2 == 1);
-        std::ranges::stable_sort(rows_, {}, &Row::threads);
+        std::map<int, std::vector<Row>> byThreads;
+        for (Row& row : rows_) byThreads[row.threads].push_back(std::move(row));
+        rows_.clear();
+        for (auto& [threads, rows] : byThreads) std::ranges::move(rows, std::back_inserter(rows_));
         return std::move(rows_);
     }
 
