@@ -30,7 +30,7 @@ TEST(Curving, IsWhatATurnAddsToItsFirstSpeed) {
     const float h = 1.0f / 240, radius = 0.7f;
     for (const double angle : {0.001, 0.01, 0.1, 0.2}) {
         const double w = angle / static_cast<double>(h), r = static_cast<double>(radius);
-        const Vec3 found = curving({0, 0, static_cast<float>(w)}, {radius, 0, 0}, h);
+        const Vec3 found = curving<Vec3>({0, 0, static_cast<float>(w)}, {radius, 0, 0}, h);
         const double x = r * (std::cos(angle) - 1) / static_cast<double>(h);
         const double y = r * std::sin(angle) / static_cast<double>(h) - w * r;
         const double rounding = 1e-6 * w * r, bound = 4.5 * std::pow(angle, 5) * w * r + rounding;
@@ -41,7 +41,7 @@ TEST(Curving, IsWhatATurnAddsToItsFirstSpeed) {
 
 TEST(Curving, StaysFiniteAtAnySpeed) {
     for (const float w : {1e3f, 1e6f, 1e9f}) {
-        const Vec3 found = curving({w, w, 0}, {1, 0, 1}, 1.0f / 240);
+        const Vec3 found = curving<Vec3>({w, w, 0}, {1, 0, 1}, 1.0f / 240);
         EXPECT_LE(length(found), 2 * w);
     }
 }

@@ -27,7 +27,7 @@ template <int N>
 RAGTOP_INLINE WideGap<N> gapToBox(const Surface& s, const WideVec3<N>& p) {
     const Lanes<N> zero(0.0f), one(1.0f);
     const WideVec3<N> sign{select(p.x < 0.0f, -one, one), select(p.y < 0.0f, -one, one), select(p.z < 0.0f, -one, one)};
-    const WideVec3<N> over = times(sign, p) - WideVec3<N>{Lanes<N>(s.halfExtents.x), Lanes<N>(s.halfExtents.y),
+    const WideVec3<N> over = scale(sign, p) - WideVec3<N>{Lanes<N>(s.halfExtents.x), Lanes<N>(s.halfExtents.y),
                                                           Lanes<N>(s.halfExtents.z)};
     const WideVec3<N> d{max(over.x, zero), max(over.y, zero), max(over.z, zero)};
     const Lanes<N> distance = sqrt(dot(d, d));
@@ -37,7 +37,7 @@ RAGTOP_INLINE WideGap<N> gapToBox(const Surface& s, const WideVec3<N>& p) {
     const Mask<N> isX = over.x >= nearest, isY = (!isX) & (over.y >= nearest), isZ = !(isX | isY);
     const WideVec3<N> face{select(isX, one, zero), select(isY, one, zero), select(isZ, one, zero)};
     const Mask<N> outside = distance > 0.0f;
-    return {select(outside, distance, nearest), times(sign, select(outside, outwards, face))};
+    return {select(outside, distance, nearest), scale(sign, select(outside, outwards, face))};
 }
 
 /// The plane that is farthest below the point: its distance is that of the hull beside faces, and less beside edges.

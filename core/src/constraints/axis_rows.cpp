@@ -18,10 +18,6 @@
 namespace ragtop {
 namespace {
 
-constexpr float clamp(float value, float lower, float upper) {
-    return value < lower ? lower : value > upper ? upper : value;
-}
-
 std::uint32_t featuresOf(const AxisSettings& settings) {
     std::uint32_t features = 0;
     if (settings.limit)
@@ -35,42 +31,6 @@ std::uint32_t featuresOf(const AxisSettings& settings) {
 }
 
 }  // namespace
-
-bool AxisRows::has(AxisSlot slot) const {
-    switch (slot) {
-        case AxisSlot::spring:
-            return (features & kSpring) != 0;
-        case AxisSlot::viscous:
-            return (features & kViscous) != 0;
-        case AxisSlot::friction:
-            return (features & kFriction) != 0;
-        case AxisSlot::motor:
-            return (features & kMotor) != 0;
-        case AxisSlot::lower:
-            return (features & (kLimit | kLocked)) != 0;
-        case AxisSlot::upper:
-            break;
-    }
-    return (features & kLimit) != 0;
-}
-
-float& AxisRows::impulse(AxisSlot slot) {
-    switch (slot) {
-        case AxisSlot::spring:
-            return springImpulse;
-        case AxisSlot::viscous:
-            return viscousImpulse;
-        case AxisSlot::friction:
-            return frictionImpulse;
-        case AxisSlot::motor:
-            return motorImpulse;
-        case AxisSlot::lower:
-            return atLower.impulse;
-        case AxisSlot::upper:
-            break;
-    }
-    return atUpper.impulse;
-}
 
 void compile(AxisRows& rows, const AxisSettings& settings) {
     const AxisRows old = rows;
@@ -116,11 +76,6 @@ void compile(AxisRows& rows, const AxisSettings& settings) {
         if (rows.has(slot)) rows.impulse(slot) = old.impulse(slot);
 }
 
-float axisImpulse(const AxisRows& rows) {
-    return rows.springImpulse + rows.viscousImpulse + rows.frictionImpulse + rows.motorImpulse + rows.atLower.impulse -
-           rows.atUpper.impulse + rows.coupledImpulse;
-}
-
 void rescale(AxisRows& rows, float ratio) {
     for (int slot = 0; slot < kAxisSlots; ++slot) rescale(rows.impulse(static_cast<AxisSlot>(slot)), ratio);
     rescale(rows.dry.bound, ratio);
@@ -162,12 +117,6 @@ void setMargins(AxisRows& rows, double coordinate) {
     rows.atUpper.margin = static_cast<float>(static_cast<double>(rows.upper) - coordinate);
 }
 
-bool DryFriction::begin(float size, float kinetic, float breakaway) {
-    slides = bound > 0 && size >= kAtBound * bound ? 1.0f : 0.0f;
-    bound = kinetic + (slides > 0 ? 0.0f : breakaway);
-    return slides > 0;
-}
-
 /// kLeaves, and what is left leads into the stop at the other end.
 static constexpr float kCrosses = 3;
 
@@ -200,62 +149,14 @@ static bool beginStops(AxisRows& rows, float speed, float h, float bend) {
 
 bool beginAxis(AxisRows& rows, double coordinate, float speed, float reaction, const JointContext& context,
                float bend) {
-    const float w = rows.inverseMass, h = context.h;
-    if (rows.features & AxisRows::kSpring) {
-        const TunedSpring spring = tuned({rows.stiffness, rows.damping}, rows.frequency, rows.dampingRatio, w);
-        rows.springStiffness = spring.stiffness;
-        rows.springError = static_cast<float>(coordinate - static_cast<double>(rows.target));
-        rows.springShare = springShares(spring.stiffness, spring.damping, w, h);
-        rows.springStart = speed;
-    }
-    if (rows.features & AxisRows::kViscous) rows.viscousShare = springShares(0, rows.viscous, w, h);
-    if (rows.features & AxisRows::kFriction) {
-        const float size = rows.frictionImpulse < 0 ? -rows.frictionImpulse : rows.frictionImpulse;
-        const float kinetic = h * rows.friction + rows.loadFriction * reaction;
-        if (rows.dry.begin(size, kinetic, h * rows.breakaway)) rows.frictionImpulse *= 0.5f;
-    }
-    if (rows.features & AxisRows::kMotor) {
-        const bool forward = rows.motorImpulse >= kAtBound * h * rows.maxForward && rows.maxForward > 0;
-        const bool reverse = rows.motorImpulse <= -kAtBound * h * rows.maxReverse && rows.maxReverse > 0;
-        rows.motorStalls = forward ? 1.0f : reverse ? -1.0f : 0.0f;
-        if (rows.motorStalls != 0) rows.motorImpulse *= 0.5f;
-    }
-    return (rows.features & AxisRows::kLimit) != 0 && beginStops(rows, speed, h, bend);
+    const auto error = static_cast<float>(coordinate - static_cast<double>(rows.target));
+    beginRows(rows, rows.features, error, speed, reaction, rows.inverseMass, context.h);
+    return (rows.features & AxisRows::kLimit) != 0 && beginStops(rows, speed, context.h, bend);
 }
 
 RowAim aimOf(const AxisRows& rows, AxisSlot slot, const JointContext& context, bool moving) {
-    const float h = context.h;
-    RowAim aim;
-    switch (slot) {
-        case AxisSlot::spring:
-            aim.drag = dragOf(moving ? rows.springShare.moving : rows.springShare.resting, rows.inverseMass);
-            aim.push = h * (rows.feedForward - rows.springStiffness * rows.springError) + aim.drag * rows.springSpeed;
-            aim.upper = h * rows.maxSpring;
-            aim.lower = -aim.upper;
-            break;
-        case AxisSlot::viscous:
-            aim.drag = dragOf(moving ? rows.viscousShare.moving : rows.viscousShare.resting, rows.inverseMass);
-            break;
-        case AxisSlot::friction:
-            aim.upper = rows.dry.boundOf(moving);
-            aim.lower = -aim.upper;
-            break;
-        case AxisSlot::motor:
-            aim.target = rows.targetSpeed;
-            aim.upper = h * rows.maxForward * (moving && rows.motorStalls > 0 ? 0.5f : 1.0f);
-            aim.lower = -h * rows.maxReverse * (moving && rows.motorStalls < 0 ? 0.5f : 1.0f);
-            break;
-        case AxisSlot::lower:
-            if (rows.features & AxisRows::kLocked) {
-                aim.soft = moving;
-                aim.target = moving ? -context.softness.biasRate * rows.atLower.margin : 0.0f;
-                break;
-            }
-            return aimAtStop(rows.atLower, rows.stop, rows.inverseMass, context, moving);
-        case AxisSlot::upper:
-            return aimAtStop(rows.atUpper, rows.stop, rows.inverseMass, context, moving);
-    }
-    return aim;
+    if (rows.isStop(slot)) return aimAtStop(rows.stopAt(slot), rows.stop, rows.inverseMass, context, moving);
+    return aimOfRow(rows, slot, rows.inverseMass, context, moving);
 }
 
 /// A spring that acts at the beginning of each substep leaves the speed that was half a substep ago, v + h k C w/2.
@@ -266,8 +167,9 @@ static float dueOnRelease(const StopSide& side, const Stop& stop, float h) {
     return letsGo ? -0.5f * h * stop.stiffness * side.startMargin : 0.0f;
 }
 
-bool beginStop(StopSide& side, const Stop& stop, float speed, const StopTrajectory& course, float h, float bend) {
-    const bool jumped = side.rebound > 0 || side.meets > 0;
+static bool beginSoftStop(StopSide& side, const Stop& stop, float speed, const StopTrajectory& course, float h,
+                          float bend) {
+    const bool jumped = side.meets > 0;
     const bool struck = jumped ? side.impulse != 0 : side.impulse > 0 && !(side.pressed > 0);
     const float due = jumped ? 0.0f : dueOnRelease(side, stop, h);
     const bool met = side.meets == kArrives;
@@ -276,35 +178,28 @@ bool beginStop(StopSide& side, const Stop& stop, float speed, const StopTrajecto
     side.meets = 0;
     if (struck) side.impulse = 0;
     if (jumped) side.wasSeen = 0;
-    side.rebound = 0;
     side.startMargin = side.margin;
-    if (!(stop.stiffness > 0) && !(stop.restitution > 0)) return struck;
-    const float gained = side.wasSeen > 0 ? speed - side.lastSpeed : 0.0f;
+    const float gained = side.wasSeen > 0 ? speed - side.lastSpeed : 0.0f, approach = -(speed + 0.5f * gained);
     side.lastSpeed = speed;
     side.wasSeen = 1;
     side.share = 0;
-    // Some forces have acted on this speed already and some have not: half of what they give is nearest to both.
-    const float approach = -(speed + 0.5f * gained), change = gained < 0 ? -gained : gained;
-    if (stop.stiffness > 0) {
-        const float along = bend + (side.margin < 0 ? speed : -approach);
-        const SoftMeeting meeting = course.meet(side.margin, along, side.pressed > 0);
-        if (meeting.meets) {
-            side.meets = meeting.crosses ? kCrosses : meeting.leaves ? kLeaves : kArrives;
-            side.due = 0;
-            side.landing = meeting.mean, side.leaving = meeting.last + bend;
-            return struck;
-        }
+    const float along = bend + (side.margin < 0 ? speed : -approach);
+    const SoftMeeting meeting = course.meet(side.margin, along, side.pressed > 0);
+    if (meeting.meets) {
+        side.meets = meeting.crosses ? kCrosses : meeting.leaves ? kLeaves : kArrives;
+        side.due = 0;
+        side.landing = meeting.mean, side.leaving = meeting.last + bend;
+    } else if (side.margin >= 0 && side.margin < h * approach) {
         // A soft stop that is reached on the way acts for the rest of the substep.
-        if (side.margin >= 0 && side.margin < h * approach) side.share = 1 - side.margin / (h * approach);
-        return struck;
+        side.share = 1 - side.margin / (h * approach);
     }
-    if (side.pressed > 0 || !(stop.restitution > 0)) return struck;
-    // What may reach the end does so in this substep: stopped there without a rebound, it would be at rest in the next.
-    if (!(approach > kRestingRebound * change) || side.margin >= h * (approach + change)) return struck;
-    const float toEnd = side.margin > 0 ? side.margin / approach : 0.0f, before = toEnd < h ? toEnd : h;
-    side.rebound = stop.restitution * approach;
-    side.landing = (side.rebound * (h - before) - side.margin) / h;
     return struck;
+}
+
+bool beginStop(StopSide& side, const Stop& stop, float speed, const StopTrajectory& course, float h, float bend) {
+    if (stop.stiffness > 0) return beginSoftStop(side, stop, speed, course, h, bend);
+    side.startMargin = side.margin;
+    return beginHardStop(side, stop.restitution, stop.restitution > 0, speed, h);
 }
 
 namespace {
@@ -313,18 +208,22 @@ namespace {
 RowAim aimAtSoftStop(const StopSide& side, const Stop& stop, float inverseMass, float h, bool moving) {
     RowAim aim;
     aim.lower = 0;
+    aim.always = true;
     if (side.meets > 0) {
         aim.target = moving ? side.landing : side.leaving;
     } else if (side.due > 0) {
         aim.push = side.due;
         aim.drag = 0;
+        aim.compliant = true;
     } else if (side.startMargin < 0) {
         const SpringShares shares = springShares(stop.stiffness, stop.damping, inverseMass, h);
         aim.push = -h * stop.stiffness * side.startMargin;
         aim.drag = dragOf(moving ? shares.moving : shares.resting, inverseMass);
+        aim.compliant = true;
     } else if (side.share > 0) {
         const SpringShares shares = springShares(stop.stiffness, stop.damping, inverseMass, side.share * h);
         aim.drag = dragOf(moving ? 1 - side.share * (1 - shares.moving) : shares.resting, inverseMass);
+        aim.compliant = true;
     } else {
         aim.upper = 0;
     }
@@ -334,76 +233,25 @@ RowAim aimAtSoftStop(const StopSide& side, const Stop& stop, float inverseMass, 
 }  // namespace
 
 RowAim aimAtStop(const StopSide& side, const Stop& stop, float inverseMass, const JointContext& context, bool moving) {
-    RowAim aim;
-    aim.lower = 0;
     if (stop.stiffness > 0) return aimAtSoftStop(side, stop, inverseMass, context.h, moving);
-    if (side.rebound > 0) {
-        aim.target = moving ? side.landing : side.rebound;
-    } else if (moving && side.margin > 0) {
-        aim.target = -side.margin * context.inverseH;
-    } else if (moving) {
-        // With the leak of soft rows a limit under weight would stand passed by λ/(m h ω²).
-        aim.soft = !context.ofFreeTree;
-        const float rate = context.ofFreeTree ? kStopRate * context.softness.biasRate : context.softness.biasRate;
-        const float recovery = -rate * side.margin, fastest = side.recovery * context.inverseH;
-        aim.target = recovery < fastest ? recovery : fastest;
-    } else if (side.margin > 0 && !(side.impulse > 0)) {
-        // What was not stopped while it moved has its speed still; the next substep stops it where it is to stop.
-        aim.upper = 0;
-    }
-    return aim;
+    return aimAtHardStop(side, true, context.ofFreeTree, context, moving);
 }
 
-bool mayAct(const StopSide& side, const Stop& stop, float speed, const JointContext& context, bool moving) {
-    if (stop.stiffness > 0 || side.impulse > 0) return true;
-    const RowAim aim = aimAtStop(side, stop, 0, context, moving);
-    return aim.upper > 0 && speed < aim.target;
-}
-
-float solveRow(float& impulse, const RowAim& aim, float speed, float inverseMass, const JointContext& context) {
-    const float old = impulse;
-    float solved;
-    if (aim.drag >= 0) {
-        solved = (aim.push - aim.drag * (speed - inverseMass * old)) / (1 + inverseMass * aim.drag);
-    } else {
-        const Softness soft = aim.soft ? context.softness : kRigid;
-        solved = old - soft.massScale * (speed - aim.target) / inverseMass - soft.impulseScale * old;
-    }
-    impulse = clamp(solved, aim.lower, aim.upper);
-    return impulse - old;
-}
-
-static float solveSlots(AxisRows& rows, AxisSlot first, float speed, const JointContext& context, bool moving,
-                        float bend) {
+static float solveRows(AxisRows& rows, bool drives, float speed, const JointContext& context, bool moving, float bend) {
     const float w = rows.inverseMass;
     if (!(w > 0) || rows.features == 0) return 0;
-    float total = 0;
-    for (int i = static_cast<int>(first); i < kAxisSlots; ++i) {
-        const auto slot = static_cast<AxisSlot>(i);
-        if (!rows.has(slot)) continue;
-        const float side = slot == AxisSlot::upper ? -1.0f : 1.0f;
-        const float along = side * (moving && slot >= AxisSlot::lower ? speed + bend : speed);
-        if (rows.isStop(slot) && !mayAct(rows.stopAt(slot), rows.stop, along, context, moving)) continue;
-        const float delta = side * solveRow(rows.impulse(slot), aimOf(rows, slot, context, moving), along, w, context);
-        total += delta;
-        speed += w * delta;
-    }
-    return total;
+    AxisPassOf<float> pass{rows, rows.features, context, moving, w, speed, bend, true};
+    if (drives) pass.drive();
+    pass.keep([&](const StopSide& side) { return aimAtStop(side, rows.stop, w, context, moving); });
+    return pass.total;
 }
 
 float solveAxis(AxisRows& rows, float speed, const JointContext& context, bool moving, float bend) {
-    return solveSlots(rows, AxisSlot::spring, speed, context, moving, bend);
+    return solveRows(rows, true, speed, context, moving, bend);
 }
 
 float solveStops(AxisRows& rows, float speed, const JointContext& context, bool moving, float bend) {
-    return solveSlots(rows, AxisSlot::lower, speed, context, moving, bend);
-}
-
-float wrapAbout(float angle, float center) {
-    const float x = angle - center;
-    if (x > kPi) return angle - 2 * kPi;
-    if (x <= -kPi) return angle + 2 * kPi;
-    return angle;
+    return solveRows(rows, false, speed, context, moving, bend);
 }
 
 }  // namespace ragtop

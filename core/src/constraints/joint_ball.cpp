@@ -1,6 +1,6 @@
-#include "constraints/joint_angle.h"
 #include "constraints/joint_ball_stops.h"
 #include "constraints/joint_constants.h"
+#include "constraints/joint_geometry.h"
 #include "constraints/joint_types.h"
 #include "constraints/stop_trajectory.h"
 
@@ -27,9 +27,6 @@ void setDrags(float (&drags)[2], float stiffness, float damping, float inverseIn
 
 }  // namespace
 
-/// q = swing · twist with the twist about x and the swing axis perpendicular to x:
-///   q ∝ (…, x, w) gives tan(twist/2) = x/w,  cos(swing/2) = √(x² + w²),
-/// regular everywhere but at a half turn of swing, where x = w = 0 and no twist is defined.
 SwingTwist swingTwist(const Quat& a, const Quat& b) {
     const Quat q = conjugate(a) * b;
     SwingTwist s;
@@ -43,18 +40,6 @@ float easiest(const RigidBlock& block) {
     const float most = largest(diagonal(block.mass.rest));
     return most > block.noise ? most : 0.0f;
 }
-
-/// As rotationVector, in single precision.
-Vec3 turnVector(const Quat& q) {
-    const float sine = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z);
-    if (!(sine > 0)) return {};
-    const float half = q.w < 0 ? -jointAngle(sine, -q.w) : jointAngle(sine, q.w);
-    return (2 * half / sine) * Vec3{q.x, q.y, q.z};
-}
-
-/// ω of the twist is ω · (xA + xB)/(1 + xA · xB) = (ω · u)/cos(swing/2). The row is scaled by that cosine, margin and
-/// rate alike, so that it stays a unit vector and fades where the twist loses its meaning.
-Vec3 twistAxis(const Vec3& xA, const Vec3& xB) { return normalized(xA + xB, {}); }
 
 Vec3 turningImpulse(const BallRows& rows) {
     Vec3 sum = rows.springImpulse + rows.viscousImpulse + rows.frictionImpulse +
@@ -162,11 +147,11 @@ void refreshLimits(BallRows& rows, const JointPlace& place) {
         }
     }
     if (rows.features & BallRows::kTwist) {
-        const Quat q = conjugate(place.a) * place.b;
-        const float c = std::sqrt(q.x * q.x + q.w * q.w);
-        rows.twistAxis = c > kNoTwist ? twistAxis(xA, xB) : Vec3{};
+        const TwistOf<float> now = twistBetween(place.a, place.b);
+        const float c = now.cosHalfSwing;
+        rows.twistAxis = now.axis;
         const Range range = twistRange(rows, d);
-        const float twist = wrapAbout(angleAboutX(q), 0.5f * (range.lower + range.upper));
+        const float twist = wrapAbout(now.angle, 0.5f * (range.lower + range.upper));
         rows.twistLower.margin = c * (twist - range.lower);
         rows.twistUpper.margin = c * (range.upper - twist);
         if (rows.swingLimit.shape == SwingShape::polygon) {
@@ -222,7 +207,7 @@ void refreshBall(JointSim& joint, const JointPlace& place, const BodyPair& pair,
     RigidBlock& block = joint.block;
     BallRows& rows = joint.ball;
     block.errorFirst = place.gap;
-    refreshMass(block, pair.mass(joint.arms), rows.features != 0);
+    refreshMass(block, pair.mass(joint.arms), rows.features != 0 ? BlockMass::whole : BlockMass::first);
     if (rows.features & (BallRows::kSwing | BallRows::kTwist)) refreshLimits(rows, place);
     if (refresh.begins && rows.features != 0) beginBall(joint, place, pair, refresh.context);
 }

@@ -10,11 +10,11 @@ namespace {
 float solveTurnStop(StopSide& side, const Vec3& axis, BallTurn& turn, const BallRows& rows, const JointContext& context,
                     bool moving, float bend = 0) {
     const float speed = dot(axis, turn.speed) + bend;
-    if (!mayAct(side, rows.stop, speed, context, moving)) return 0;
+    if (!(rows.stop.stiffness > 0) && !mayAct(side, aimAtStop(side, rows.stop, 0, context, moving), speed)) return 0;
     const float inverseMass = dot(axis, turn.block.mass.rest * axis);
     if (!(inverseMass > turn.block.noise)) return 0;
     const RowAim aim = aimAtStop(side, rows.stop, inverseMass, context, moving);
-    const float change = solveRow(side.impulse, aim, speed, inverseMass, context);
+    const float change = solveRow(side.impulse, aim, speed, inverseMass, context, true);
     turn.add(change * axis);
     return inverseMass * change * change;
 }

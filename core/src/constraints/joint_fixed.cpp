@@ -8,7 +8,7 @@ void refreshFixed(JointSim& joint, const JointPlace& place, const BodyPair& pair
     block.basis = {};
     block.errorFirst = place.gap;
     block.errorSecond = rotationError(place.a, place.b);
-    refreshMass(block, pair.mass(joint.arms), true);
+    refreshMass(block, pair.mass(joint.arms), BlockMass::whole);
 }
 
 }  // namespace ragtop

@@ -4,7 +4,7 @@
 
 #include "constraints/joint_sim.h"
 
-#include <cmath>
+#include <utility>
 
 #include "constraints/joint_constants.h"
 #include "constraints/joint_types.h"
@@ -186,29 +186,20 @@ static PairVector meanVelocity(const JointSim& joint, const BodyPair& pair, floa
     return u;
 }
 
-/// e² = |gap|² + ℓ² |turn|² of the rigid rows, ℓ = |rA| + |rB|.
-static float squaredError(const JointSim& joint, float length) {
+static float openShare(const JointSim& joint, const BodyPair& pair, float h) {
     float linear = 0, angular = 0;
     if (hasAxes(joint.kind)) {
         const AxesBlock& axes = joint.axes;
         for (std::uint32_t i = 0; i < axes.rigidRows; ++i)
             (lengthSquared(axes.rigid[i].linear) > 0 ? linear : angular) += axes.error[i] * axes.error[i];
-        return linear + (length * length) * angular;
+    } else {
+        const RigidBlock& block = joint.block;
+        const Vec3& e = block.errorSecond;
+        linear = lengthSquared(block.errorFirst);
+        angular = block.rigidRows == 0 ? 0.0f : block.rigidRows == 2 ? e.x * e.x + e.y * e.y : lengthSquared(e);
+        if (!block.linearFirst) std::swap(linear, angular);
     }
-    const RigidBlock& block = joint.block;
-    const float first = lengthSquared(block.errorFirst);
-    const Vec3& e = block.errorSecond;
-    const float second = block.rigidRows == 0 ? 0.0f : block.rigidRows == 2 ? e.x * e.x + e.y * e.y : lengthSquared(e);
-    return block.linearFirst ? first + (length * length) * second : second + (length * length) * first;
-}
-
-/// The share of its error that a joint of a free tree has beyond what velocities bring back.
-static float openShare(const JointSim& joint, const BodyPair& pair, float h) {
-    const float armA = length(joint.arms.a), armB = length(joint.arms.b);
-    const Turning w = pair.turns();
-    const float error = std::sqrt(squaredError(joint, armA + armB));
-    const float near = (kBending * h * h) * (armA * dot(w.a, w.a) + armB * dot(w.b, w.b));
-    return error > near ? 1 - near / error : 0.0f;
+    return openShare(joint.arms, pair.turns(), linear, angular, h);
 }
 
 /// Rows that carry their whole load and come back from an error as soft ones do.
@@ -230,7 +221,7 @@ static void closeJoint(const JointSim& joint, const BodyPair& pair, float h) {
     if (hasAxes(joint.kind))
         closeAxes(joint.axes, pair, joint.arms, share);
     else
-        closeBlock(joint.block, pair, joint.arms, share);
+        pair.move(joint.arms, closingMove(joint.block, share));
 }
 
 /// The travel s along the slide x of bodies that turn together:  s'' = x · ω × (ω × (rB − rA)), with the arms to the

@@ -95,7 +95,7 @@ struct JointSim {
     Arms arms;  ///< m, of the current substep
     float ofFreeTree = 0;    ///< 1: the joint is one of a free tree's, see openShare
     PairVector stepImpulse;  ///< what a breakable joint gave in this step so far, N s and N m s
-    RigidBlock block;
+    RigidBlock block{};
     AxisRows axis;  ///< along the free direction of hinge, slider and distance
     BallRows ball;
     BallDrives drives;

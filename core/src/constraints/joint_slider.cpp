@@ -2,12 +2,6 @@
 
 namespace ragtop {
 
-Vec3 rotationError(const Quat& a, const Quat& b) {
-    const Quat q = b * conjugate(a);
-    const float s = q.w < 0 ? -2.0f : 2.0f;
-    return {s * q.x, s * q.y, s * q.z};
-}
-
 /// Five rigid rows: C₁ = the rotation from A to B, C₂ = the gap across A's x axis. The gap is free along that axis.
 void refreshSlider(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh) {
     RigidBlock& block = joint.block;
@@ -16,7 +10,7 @@ void refreshSlider(JointSim& joint, const JointPlace& place, const BodyPair& pai
     block.errorFirst = rotationError(place.a, place.b);
     block.errorSecond = transposeTimes(block.basis, place.gap);
     block.impulseSecond -= dot(block.impulseSecond, x) * x;
-    refreshMass(block, pair.mass(joint.arms), true);
+    refreshMass(block, pair.mass(joint.arms), BlockMass::whole);
     const float mass = block.second.inverse[2], travel = block.errorSecond.z;
     joint.axis.inverseMass = mass > 0 ? 1 / mass : 0.0f;
     setMargins(joint.axis, static_cast<double>(travel));

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/check_tunables.h"
-#include "constraints/joint_angle.h"
+#include "constraints/joint_geometry.h"
 #include "constraints/joint_constants.h"
 #include "constraints/swing_ellipse.h"
 
@@ -16,13 +16,6 @@ constexpr float kFar = std::numeric_limits<float>::infinity();
 
 /// Angle between unit vectors, precise for small ones.
 float angleBetween(const Vec3& a, const Vec3& b) { return 2 * jointAngle(length(a - b), length(a + b)); }
-
-/// Half a turn away, any axis leads back.
-SwingMargin circleMargin(float limit, const Vec3& d) {
-    const float across = std::sqrt(d.y * d.y + d.z * d.z), margin = limit - jointAngle(across, d.x);
-    if (!(across > kNoDirection)) return {margin, d.x < 0 ? Vec3{0, 0, -1} : Vec3{}};
-    return {margin, {0, d.z / across, -d.y / across}};
-}
 
 /// A margin of the angle φ of d about the axis `k`, of which d must not be a multiple: its rate is ω · u/c with the
 /// unit vector u below and c the sine of the angle between d and k. The row is scaled by c, margin and rate alike, so

@@ -3,16 +3,13 @@
 #include <cstdint>
 #include <string>
 
+#include "constraints/joint_geometry.h"
 #include "ragtop/joint_parts.h"
 
 /// How far a direction d, that of B's x axis in A's joint frame, is from the edge of what it may be.
 namespace ragtop {
 
-/// Signed angle to the nearest place of the edge, and the unit axis about which d turns inwards.
-struct SwingMargin {
-    float margin = 0;  ///< rad, negative outside
-    Vec3 axis;         ///< in the frame of d; zero where none is defined
-};
+using SwingMargin = SwingMarginOf<float>;
 
 enum class SwingShape : std::uint32_t { free, circle, ellipse, pyramid, polygon };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "constraints/joint_geometry.h"
 #include "constraints/joint_sim.h"
 
 /// What each joint type adds to the common pass in joint_sim.cpp.
@@ -10,16 +11,6 @@ struct JointPlace {
     Quat a, b;  ///< rotations of the joint frames, world
     Vec3 gap;   ///< m, anchor of B minus that of A
 };
-
-/// The axes of a frame.
-constexpr Vec3 axisX(const Quat& q) {
-    const float y = 2 * q.y, z = 2 * q.z;
-    return {1 - (q.y * y + q.z * z), q.x * y + q.w * z, q.x * z - q.w * y};
-}
-constexpr Vec3 axisY(const Quat& q) {
-    const float x = 2 * q.x, z = 2 * q.z;
-    return {q.y * x - q.w * z, 1 - (q.x * x + q.z * z), q.y * z + q.w * x};
-}
 
 /// What a refresh is for.
 struct Refresh {
@@ -69,23 +60,13 @@ float easiest(const RigidBlock& block);
 Vec3 turningImpulse(const BallRows& rows);
 
 /// Coordinates for the report. Angles in (−π, π].
-float angleAboutX(const Quat& q);
 inline float hingeAngle(const Quat& a, const Quat& b) { return angleAboutX(conjugate(a) * b); }
 struct SwingTwist {
     float swing = 0, twist = 0;
     float cosHalfSwing = 1;
 };
 SwingTwist swingTwist(const Quat& a, const Quat& b);
-/// The rotation vector of q, at most half a turn long.
-Vec3 turnVector(const Quat& q);
-/// Twice the vector part of the rotation from a to b, which is its rotation vector while small and grows with the
-/// angle up to a half turn.
-Vec3 rotationError(const Quat& a, const Quat& b);
-/// The same for the two x axes alone, and perpendicular to both.
-Vec3 axisError(const Vec3& xA, const Vec3& xB);
 /// The twist range of a ball where B's x axis has the direction d in A's frame.
 Range twistRange(const BallRows& rows, const Vec3& d);
-/// Axis u of a twist limit: the twist rate is u · ω / cos(swing / 2).
-Vec3 twistAxis(const Vec3& xA, const Vec3& xB);
 
 }  // namespace ragtop

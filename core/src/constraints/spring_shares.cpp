@@ -32,12 +32,6 @@ Shares exactShares(double z, double x) {
 
 }  // namespace
 
-TunedSpring tuned(const TunedSpring& given, float frequency, float dampingRatio, float inverseMass) {
-    if (!(frequency > 0 && inverseMass > 0)) return given;
-    const float omega = 2 * kPi * frequency;
-    return {omega * omega / inverseMass, 2 * dampingRatio * omega / inverseMass};
-}
-
 SpringShares springShares(float stiffness, float damping, float inverseMass, float h) {
     const double w = inverseMass, step = h;
     const double z = step * step * static_cast<double>(stiffness) * w, x = step * static_cast<double>(damping) * w;

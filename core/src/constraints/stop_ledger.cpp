@@ -128,7 +128,7 @@ struct Torque {
     bool any;
     float work;  ///< J, J of rounding where there is none
 };
-Torque torqueBetween(const Vec3& before, const Vec3& now, const BodyInertia& inertia, float h) {
+Torque torqueBetween(const Vec3& before, const Vec3& now, const Sym3& inertia, float h) {
     constexpr float kRounding = 1e-5f;  // of a speed: eighty roundings of a float
     const Vec3 change = now - before;
     const Vec3 gain = 0.5f * h * (inertia * cross(momentumOf(inertia, before), before));
@@ -248,8 +248,8 @@ void openLedger(JointSim& joint, const BodyPair& pair, float h) {
     StopLedger& ledger = joint.ledger;
     const Vec3 speed = pair.relativeVelocity(), kick = speed - ledger.last;
     const Turning spin = pair.turns();
-    const Torque a = torqueBetween(ledger.spinA, spin.a, pair.inertiaA(), h);
-    const Torque b = torqueBetween(ledger.spinB, spin.b, pair.inertiaB(), h);
+    const Torque a = torqueBetween(ledger.spinA, spin.a, pair.inertiaA, h);
+    const Torque b = torqueBetween(ledger.spinB, spin.b, pair.inertiaB, h);
     const bool forced = ledger.begun > 0 && !isSteady(kick, ledger.kick, speed);
     if (!(ledger.known > 0) || forced || a.any || b.any || !movesByItself(pair.stateA()) ||
         !movesByItself(pair.stateB()))

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "constraints/axis_rows.h"
-#include "constraints/joint_angle.h"
+#include "constraints/joint_geometry.h"
 #include "constraints/oscillator.h"
 
 namespace ragtop {

@@ -45,7 +45,7 @@ double ofBall(const JointSim& joint, const JointPlace& at) {
     double sum = rows.stop.stiffness > 0 ? ofSwingAndTwist(rows, at) : 0;
     const float w = easiest(joint.block);
     const auto add = [&](float k, float frequency, float way) {
-        const double stiffness = static_cast<double>(tuned({k, 0}, frequency, 0, w).stiffness);
+        const double stiffness = static_cast<double>(tuned<float>({k, 0}, frequency, 0, w).stiffness);
         if (stiffness > 0) sum += ofSpring(stiffness, static_cast<double>(way), static_cast<double>(rows.maxSpring));
     };
     const Quat target = at.a * rows.target;
@@ -66,7 +66,7 @@ double ofBall(const JointSim& joint, const JointPlace& at) {
 double ofAxis(AxisRows rows, double coordinate) {
     double sum = 0;
     if (rows.features & AxisRows::kSpring) {
-        const auto k = static_cast<double>(tuned({rows.stiffness, 0}, rows.frequency, 0, rows.inverseMass).stiffness);
+        const auto k = static_cast<double>(tuned<float>({rows.stiffness, 0}, rows.frequency, 0, rows.inverseMass).stiffness);
         const double way = coordinate - static_cast<double>(rows.target);
         if (k > 0) sum += ofSpring(k, way, static_cast<double>(rows.maxSpring));
     }

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "constraints/joint_angle.h"
+#include "constraints/joint_geometry.h"
 #include "constraints/joint_constants.h"
 
 namespace ragtop {

@@ -7,10 +7,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/numbers.h"
+
 namespace ragtop {
 namespace {
-
-#define RAGTOP_INLINE inline __attribute__((always_inline))
 
 /// Of the widest vectors that the instruction set has.
 #if defined(__AVX512F__)
@@ -227,7 +227,7 @@ template <int N> RAGTOP_INLINE WideVec3<N> operator*(Lanes<N> s, const WideVec3<
     return {s * a.x, s * a.y, s * a.z};
 }
 /// Component by component.
-template <int N> RAGTOP_INLINE WideVec3<N> times(const WideVec3<N>& a, const WideVec3<N>& b) {
+template <int N> RAGTOP_INLINE WideVec3<N> scale(const WideVec3<N>& a, const WideVec3<N>& b) {
     return {a.x * b.x, a.y * b.y, a.z * b.z};
 }
 template <int N> RAGTOP_INLINE Lanes<N> dot(const WideVec3<N>& a, const WideVec3<N>& b) {
@@ -259,6 +259,41 @@ template <int N> RAGTOP_INLINE WideQuat<N> operator*(const WideQuat<N>& a, const
 template <int N> RAGTOP_INLINE WideVec3<N> select(Mask<N> m, const WideVec3<N>& a, const WideVec3<N>& b) {
     return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
 }
+template <int N> RAGTOP_INLINE WideQuat<N> conjugate(const WideQuat<N>& q) { return {-q.x, -q.y, -q.z, q.w}; }
+template <int N> RAGTOP_INLINE Lanes<N> length(const WideVec3<N>& a) { return sqrt(dot(a, a)); }
+template <int N> RAGTOP_INLINE WideVec3<N> normalized(const WideVec3<N>& a, const WideVec3<N>& fallback) {
+    const Lanes<N> l = length(a);
+    return select(l > 0.0f, (1.0f / l) * a, fallback);
+}
+template <int N> RAGTOP_INLINE WideVec3<N> perpendicular(const WideVec3<N>& n) {
+    const Lanes<N> zero(0.0f), one(1.0f);
+    const Mask<N> flat = n.x * n.x < 0.5f;
+    return normalized(cross(n, {select(flat, one, zero), select(flat, zero, one), zero}), {one, zero, zero});
+}
+
+/// Of columns.
+template <int N>
+struct WideMat3 {
+    WideVec3<N> cx, cy, cz;
+};
+template <int N> RAGTOP_INLINE WideVec3<N> operator*(const WideMat3<N>& m, const WideVec3<N>& v) {
+    return v.x * m.cx + v.y * m.cy + v.z * m.cz;
+}
+template <int N> RAGTOP_INLINE WideVec3<N> transposeTimes(const WideMat3<N>& m, const WideVec3<N>& v) {
+    return {dot(m.cx, v), dot(m.cy, v), dot(m.cz, v)};
+}
+template <int N> RAGTOP_INLINE WideMat3<N> transpose(const WideMat3<N>& m) {
+    return {{m.cx.x, m.cy.x, m.cz.x}, {m.cx.y, m.cy.y, m.cz.y}, {m.cx.z, m.cy.z, m.cz.z}};
+}
 
 }  // namespace
+
+template <int N>
+struct NumberTypes<Lanes<N>> {
+    using Vector = WideVec3<N>;
+    using Rotation = WideQuat<N>;
+    using Matrix = WideMat3<N>;
+    using Test = Mask<N>;
+};
+
 }  // namespace ragtop

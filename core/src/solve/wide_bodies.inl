@@ -15,14 +15,7 @@ namespace ragtop {
 namespace {
 
 template <int N>
-struct SymmetricMatrix {
-    Lanes<N> xx, xy, xz, yy, yz, zz;
-};
-template <int N>
-RAGTOP_INLINE WideVec3<N> operator*(const SymmetricMatrix<N>& m, const WideVec3<N>& a) {
-    return {m.xx * a.x + m.xy * a.y + m.xz * a.z, m.xy * a.x + m.yy * a.y + m.yz * a.z,
-            m.xz * a.x + m.yz * a.y + m.zz * a.z};
-}
+using SymmetricMatrix = SymmetricOf<Lanes<N>>;
 
 /// Rows of N bodies; places beyond the end repeat the static body and are not written.
 template <int N>
@@ -216,7 +209,7 @@ struct FreeSpin {
                            const Lanes<N> memory[8], const Lanes<N> start[8])
         : q(normalized(rotation)), inverse{rates[4], rates[5], rates[6]} {
         const WideVec3<N> turned = inverseRotate(q, w - WideVec3<N>{memory[3], memory[7], start[7]});
-        const WideVec3<N> gained = rotate(q, times(WideVec3<N>{rates[0], rates[1], rates[2]}, turned));
+        const WideVec3<N> gained = rotate(q, scale(WideVec3<N>{rates[0], rates[1], rates[2]}, turned));
         momentum = WideVec3<N>{start[4], start[5], start[6]} + gained;
         free = dot(gained, gained) <= Lanes<N>(0.0f);
     }
@@ -240,7 +233,7 @@ struct FreeSpin {
     ///   rate = |L| (1/I₃ ± √((1/I₁ − 1/I₃)(1/I₂ − 1/I₃))),  − about the axis of the least moment.
     RAGTOP_INLINE Mask<N> isFast(Lanes<N> spins, float h) {
         const Lanes<N> zero(0.0f), one(1.0f);
-        const WideVec3<N> p = inverseRotate(q, momentum), squares = times(p, p);
+        const WideVec3<N> p = inverseRotate(q, momentum), squares = scale(p, p);
         const Mask<N> isX = (squares.y <= squares.x) & (squares.z <= squares.x);
         const Mask<N> isY = (squares.x < squares.y) & (squares.z <= squares.y);
         axis = select(isX, WideVec3<N>{one, zero, zero},
@@ -425,7 +418,7 @@ void integratePositions(const BodyArrays& arrays, const std::uint32_t* bodies, i
         }
 
         const Mask<N> turns = spins & !still;
-        const WideVec3<N> wNew = select(turns, rotate(q, times(inverse, inverseRotate(q, momentum))), w);
+        const WideVec3<N> wNew = select(turns, rotate(q, scale(inverse, inverseRotate(q, momentum))), w);
         const WideVec3<N> toldNew = select(settled, told, wNew), storedNew = select(settled, stored, momentum);
         const WideVec3<N> place = select(still, WideVec3<N>{pose[0], pose[1], pose[2]}, dp);
         const WideQuat<N> dq = q * WideQuat<N>{-q0.x, -q0.y, -q0.z, q0.w};

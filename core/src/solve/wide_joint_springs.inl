@@ -111,11 +111,6 @@ RAGTOP_INLINE WideDouble<N> fading(WideDouble<N> x) {
     return select(whole, WideDouble<N>(1.0), sum);
 }
 
-template <int N>
-struct WideShares {
-    Lanes<N> moving, resting;
-};
-
 /// As exactShares, with the resting share above the least.
 template <int N>
 RAGTOP_INLINE void exactShares(WideDouble<N> z, WideDouble<N> x, WideDouble<N>& moving, WideDouble<N>& resting) {
@@ -141,7 +136,7 @@ RAGTOP_INLINE void exactShares(WideDouble<N> z, WideDouble<N> x, WideDouble<N>& 
 
 /// As springShares. Long, and the same for all rows: not to be inlined.
 template <int N>
-__attribute__((noinline)) WideShares<N> springShares(const Lanes<N>& stiffness, const Lanes<N>& damping,
+__attribute__((noinline)) SpringSharesOf<Lanes<N>> springShares(const Lanes<N>& stiffness, const Lanes<N>& damping,
                                                      const Lanes<N>& inverseMass, float h) {
     typedef typename WideDouble<N>::Int Int;
     const WideDouble<N> w(inverseMass), step(static_cast<double>(h)), one(1.0);
@@ -154,24 +149,5 @@ __attribute__((noinline)) WideShares<N> springShares(const Lanes<N>& stiffness, 
     return {select(slow, moving, one / (one / moving + excess)).rounded(),
             select(slow, resting, one / (one / resting + excess)).rounded()};
 }
-/// As dragOf, 0 for what nothing moves.
-template <int N>
-RAGTOP_INLINE Lanes<N> dragOf(Lanes<N> share, Lanes<N> inverseMass) {
-    return divideOrZero(1.0f / share - Lanes<N>(1.0f), inverseMass);
-}
-
-/// Stiffness and damping of a spring that may be given as a frequency, as beginAxis and beginBall have it.
-template <int N>
-struct WideSpring {
-    Lanes<N> stiffness, damping;
-
-    RAGTOP_INLINE WideSpring(const JointFields<N>& j, int first, Lanes<N> inverseMass) {
-        const Lanes<N> frequency = j.at(first + 2), zero(0.0f), omega = 2 * kPi * frequency;
-        const Mask<N> tuned = (frequency > zero) & (inverseMass > zero);
-        stiffness = select(tuned, omega * omega / inverseMass, j.at(first));
-        damping = select(tuned, 2.0f * j.at(first + 3) * omega / inverseMass, j.at(first + 1));
-    }
-};
-
 }  // namespace
 }  // namespace ragtop

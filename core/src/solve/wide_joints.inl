@@ -3,7 +3,8 @@
 
 #include <cstdint>
 
-#include "constraints/joint_angle.h"
+#include "constraints/joint_geometry.h"
+#include "constraints/joint_hinge.h"
 #include "constraints/joint_constants.h"
 #include "solve/joint_kernels.h"
 #include "solve/lane_rows.h"
@@ -13,8 +14,8 @@
 // clang-format off
 #include "solve/wide_bodies.inl"
 #include "solve/wide_joint_bodies.inl"
-#include "solve/wide_joint_springs.inl"
 #include "solve/wide_joint_rows.inl"
+#include "solve/wide_joint_springs.inl"
 #include "solve/wide_joint_ball.inl"
 #include "solve/wide_joint_blocks.inl"
 #include "solve/wide_joint_copies.inl"
@@ -25,22 +26,17 @@ namespace {
 
 /// As warmStartImpulse.
 template <int N>
-struct WideImpulse {
-    WideVec3<N> linear, angular;
-};
-template <int N>
-RAGTOP_INLINE WideImpulse<N> warmStartImpulse(const WideJoint<N>& j) {
-    const Lanes<N> zero(0.0f);
-    WideImpulse<N> sum{j.vector(RAGTOP_JOINT_FIELD(block.impulseFirst)),
-                       j.vector(RAGTOP_JOINT_FIELD(block.impulseSecond))};
+RAGTOP_INLINE PairVectorOf<Lanes<N>> warmStartImpulse(const WideJoint<N>& j) {
+    PairVectorOf<Lanes<N>> sum{j.vector(RAGTOP_JOINT_FIELD(block.impulseFirst)),
+                               j.vector(RAGTOP_JOINT_FIELD(block.impulseSecond))};
     const JointKind kind = j.bundle.kind;
     if (kind == JointKind::ball) {
-        sum.angular = sum.angular + (j.bundle.features != 0 ? turningImpulse(j) : nothing<N>());
+        if (j.bundle.features != 0) sum.angular = sum.angular + turningImpulse(j);
     } else if (kind == JointKind::hinge) {
-        const Lanes<N> amount = j.bundle.features != 0 ? axisImpulse(j) : zero;
-        sum.angular = sum.angular + amount * j.vector(RAGTOP_JOINT_FIELD(block.basis.cz));
+        if (j.bundle.features != 0)
+            sum.angular = sum.angular + ownImpulse(axisRows(j)) * j.vector(RAGTOP_JOINT_FIELD(block.basis.cz));
     } else if (kind == JointKind::distance) {
-        sum.linear = sum.linear + axisImpulse(j) * j.vector(RAGTOP_JOINT_FIELD(block.basis.cz));
+        sum.linear = sum.linear + ownImpulse(axisRows(j)) * j.vector(RAGTOP_JOINT_FIELD(block.basis.cz));
     }
     return sum;
 }
@@ -60,14 +56,13 @@ void warmStartJoints(const JointLanesView& view, int begin, int end, const Joint
                 beginHinge(j, pass.context);
                 break;
             case JointKind::fixed:
-                storeFixed(j, refreshFixed(j));
+                storeBlock(j, refreshFixed(j));
                 break;
             default:
                 beginDistance(j, pass.context);
                 break;
         }
-        const WideImpulse<N> carried = warmStartImpulse(j);
-        j.apply(carried.linear, carried.angular);
+        j.apply(j.arms, warmStartImpulse(j));
         j.writeVelocities();
     }
 }
@@ -79,19 +74,25 @@ void solveJoints(const JointLanesView& view, int begin, int end, const JointPass
         WideJoint<N> j(view, i, pass.arrays);
         j.loadArms();
         switch (j.bundle.kind) {
-            case JointKind::ball:
-                solveBall(j, loadBall(j), loadTurns(j), context, true);
+            case JointKind::ball: {
+                WideBlock<N> block = loadBall(j);
+                solveBall(j, block, loadTurns(j), context, true);
                 break;
-            case JointKind::hinge:
-                solveHinge(j, loadHinge(j), j.at(RAGTOP_JOINT_FIELD(axis.inverseMass)), context, true);
+            }
+            case JointKind::hinge: {
+                WideBlock<N> block = loadBlock(j, 2);
+                solveHinge(j, block, axisRows(j).inverseMass, context, true);
                 break;
-            case JointKind::fixed:
-                solveFixed(j, loadFixed(j), context, true);
+            }
+            case JointKind::fixed: {
+                WideBlock<N> block = loadBlock(j, 3);
+                solveFixed(j, block, context, true);
                 break;
+            }
             default:
                 j.gap = j.vector(RAGTOP_JOINT_FIELD(block.errorFirst));
                 solveDistance(j, j.vector(RAGTOP_JOINT_FIELD(block.basis.cz)),
-                              j.at(RAGTOP_JOINT_FIELD(axis.inverseMass)), context, true);
+                              axisRows(j).inverseMass, context, true);
                 break;
         }
         j.writeVelocities();
@@ -122,7 +123,7 @@ void relaxJoints(const JointLanesView& view, int begin, int end, const JointPass
         if (j.bundle.breakable) {
             constexpr int kLinear = RAGTOP_JOINT_FIELD(stepImpulse.linear),
                           kAngular = RAGTOP_JOINT_FIELD(stepImpulse.angular);
-            const WideImpulse<N> carried = warmStartImpulse(j);
+            const PairVectorOf<Lanes<N>> carried = warmStartImpulse(j);
             j.set(kLinear, j.vector(kLinear) + carried.linear);
             j.set(kAngular, j.vector(kAngular) + carried.angular);
         }

@@ -17,6 +17,7 @@
 #include <cstdint>
 
 #include "constraints/contact_layout.h"
+#include "constraints/pair_motion.h"
 #include "solve/kernel_table.h"
 #include "solve/lane_rows.h"
 #include "solve/lanes.h"

@@ -51,7 +51,7 @@ CommonMotion commonMotion(const WorldImpl& world, std::span<const std::uint32_t>
     motion.center = (1 / mass) * center;
     motion.v = toVec3((1 / mass) * momentum);
     Vec3 angular;
-    Sym3 inertia;
+    Sym3 inertia{};
     double whole = 0;
     for (const std::uint32_t b : group) {
         const float m = world.bodies[b].mass;

@@ -24,7 +24,7 @@ struct CommonMotion {
     DVec3 center;     ///< m, of mass
     Vec3 v, w;        ///< m/s of the centre, rad/s
     Vec3 momentum;    ///< kg m²/s, about the centre
-    Factor3 inertia;  ///< kg m², the same
+    Factor3 inertia{};  ///< kg m², the same
     double rigid = 0, inner = 0;  ///< J
 };
 CommonMotion commonMotion(const WorldImpl& world, std::span<const std::uint32_t> group);
