@@ -211,6 +211,11 @@ void keepRoom(float& room, double left, double most) {
     room = most > 0 ? static_cast<float>(std::clamp(left / most, 0.0, 1.0)) : 1.0f;
 }
 
+/// The share of a group, whatever the order of its bodies.
+float& roomOf(EnergyGuard& guard, std::span<const std::uint32_t> group) {
+    return guard.room[*std::min_element(group.begin(), group.end())];
+}
+
 /// True where a group has gained no more than it has room for, which is noted. What a module has pushed is not looked
 /// at.
 bool fits(float& room, const EnergyAccount& account) {
@@ -267,7 +272,7 @@ void undoStep(WorldImpl& world, GuardedIsland& look) {
 void guardGroup(WorldImpl& world, std::size_t g) {
     EnergyGuard& guard = world.energyGuard;
     const std::span<const std::uint32_t> group = guard.membersOf(g);
-    float& room = guard.room[group.front()];
+    float& room = roomOf(guard, group);
     EnergyAccount account = guard.accounts[g];
     if (!std::isfinite(account.excess)) {
         room = 0;
@@ -362,9 +367,8 @@ void recordDriven(WorldImpl& world, std::uint32_t body) {
     if (world.energyGuard.groupCount() > 0) world.energyGuard.kinetic[body] = std::numeric_limits<float>::infinity();
 }
 
-bool hasGainedEnergy(const WorldImpl& world, std::span<const std::uint32_t> bodies) {
-    float room = world.energyGuard.room[bodies.front()];
-    return !fits(room, accountOf(world, bodies));
+bool hasGainedEnergy(WorldImpl& world, std::span<const std::uint32_t> bodies) {
+    return !fits(roomOf(world.energyGuard, bodies), accountOf(world, bodies));
 }
 
 void guardEnergy(WorldImpl& world) {
@@ -385,7 +389,7 @@ void guardEnergy(WorldImpl& world) {
             const std::span<const std::uint32_t> group = guard.membersOf(g);
             EnergyAccount& account = guard.accounts[g];
             account = accountOf(world, group);
-            guard.suspects[g] = guard.watched[g] == Watching::all ? !fits(guard.room[group.front()], account)
+            guard.suspects[g] = guard.watched[g] == Watching::all ? !fits(roomOf(guard, group), account)
                                                                   : !(account.excess <= kGarbage * account.lawful);
         }
     });

@@ -74,7 +74,7 @@ struct EnergyGuard {
         Vec3 v, w;  ///< m/s, rad/s
     };
     AlignedArray<Speeds> speeds;  ///< the same, of their velocities
-    AlignedArray<float> room;     ///< per body, share of its group's room that is left; counts for the first of a group
+    AlignedArray<float> room;     ///< per body, share of its group's room that is left; counts for the lowest of a group
     AlignedArray<std::uint32_t> visited;  ///< bodies of the islands that were looked at, one island after the other
     AlignedArray<std::uint32_t> islandOf;  ///< per body, which of these it is in
     AlignedArray<GuardedIsland> islands;
@@ -95,8 +95,9 @@ void beginGuard(WorldImpl& world);
 void recordKinetic(WorldImpl& world, std::uint32_t body);
 /// What a module gives a body within a step is not looked at.
 void recordDriven(WorldImpl& world, std::uint32_t body);
-/// May bodies that joints alone hold together have gained more than their groups have room for? May be asked on any thread.
-bool hasGainedEnergy(const WorldImpl& world, std::span<const std::uint32_t> bodies);
+/// May bodies that joints alone hold together have gained more than their groups have room for? If not, what they have
+/// is noted. On any thread, once in a step for a group.
+bool hasGainedEnergy(WorldImpl& world, std::span<const std::uint32_t> bodies);
 /// When all substeps are done, before poses move.
 void guardEnergy(WorldImpl& world);
 
