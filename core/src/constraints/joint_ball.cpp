@@ -7,11 +7,6 @@
 namespace ragtop {
 namespace {
 
-Vec3 clampLength(const Vec3& a, float longest) {
-    const float l = length(a);
-    return l > longest ? (longest / l) * a : a;
-}
-
 float largest(const Vec3& a) {
     const float xy = a.x > a.y ? a.x : a.y;
     return xy > a.z ? xy : a.z;
@@ -212,25 +207,6 @@ void refreshBall(JointSim& joint, const JointPlace& place, const BodyPair& pair,
     if (refresh.begins && rows.features != 0) beginBall(joint, place, pair, refresh.context);
 }
 
-namespace {
-
-/// λ = push − drag ω about all axes at once: (E + drag P) λ = push − drag (ω − P λ_old).
-void solveCompliant(Vec3& impulse, const Vec3& push, float drag, float longest, BallTurn& turn) {
-    const Sym3& p = turn.block.mass.rest;
-    const Sym3 k{1 + drag * p.xx, drag * p.xy, drag * p.xz, 1 + drag * p.yy, drag * p.yz, 1 + drag * p.zz};
-    const Vec3 old = impulse;
-    impulse = clampLength(solve(factorize(k, diagonal(k)), push - drag * (turn.speed - p * old)), longest);
-    turn.add(impulse - old);
-}
-
-void solveFriction(BallRows& rows, BallTurn& turn, bool moving) {
-    const Vec3 old = rows.frictionImpulse;
-    rows.frictionImpulse = clampLength(old - solve(turn.block.second, turn.speed), rows.dry.boundOf(moving));
-    turn.add(rows.frictionImpulse - old);
-}
-
-}  // namespace
-
 void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, bool useBias) {
     RigidBlock& block = joint.block;
     BallRows& rows = joint.ball;
@@ -239,12 +215,11 @@ void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, boo
     BallTurn turn{block, pair.velocity(joint.arms).angular, {}};
     const int pass = useBias ? 0 : 1;
     if (rows.features & BallRows::kSpring)
-        solveCompliant(rows.springImpulse, -context.h * rows.springStiffness * rows.springError, rows.springDrag[pass],
-                       context.h * rows.maxSpring, turn);
+        turn.comply(rows.springImpulse, -context.h * rows.springStiffness * rows.springError, rows.springDrag[pass],
+                    context.h * rows.maxSpring);
     if (rows.features & BallRows::kDrives) turn.add(solveDrives(joint, turn.speed, pass, context.h * rows.maxSpring));
-    if (rows.features & BallRows::kViscous)
-        solveCompliant(rows.viscousImpulse, {}, rows.viscousDrag[pass], kNoForceLimit, turn);
-    if (rows.features & BallRows::kFriction) solveFriction(rows, turn, useBias);
+    if (rows.features & BallRows::kViscous) turn.comply(rows.viscousImpulse, {}, rows.viscousDrag[pass], kNoForceLimit);
+    if (rows.features & BallRows::kFriction) turn.rub(rows.frictionImpulse, rows.dry.boundOf(useBias));
     if (rows.features & (BallRows::kTwist | BallRows::kSwing)) solveBallStops(joint, turn, pair, context, useBias);
     const Vec3 force = -(block.mass.gain * turn.total);
     block.impulseFirst += force;

@@ -1,7 +1,5 @@
 #include "constraints/joint_ball_stops.h"
 
-#include <cmath>
-
 namespace ragtop {
 namespace {
 
@@ -13,10 +11,7 @@ float solveTurnStop(StopSide& side, const Vec3& axis, BallTurn& turn, const Ball
     if (!(rows.stop.stiffness > 0) && !mayAct(side, aimAtStop(side, rows.stop, 0, context, moving), speed)) return 0;
     const float inverseMass = dot(axis, turn.block.mass.rest * axis);
     if (!(inverseMass > turn.block.noise)) return 0;
-    const RowAim aim = aimAtStop(side, rows.stop, inverseMass, context, moving);
-    const float change = solveRow(side.impulse, aim, speed, inverseMass, context, true);
-    turn.add(change * axis);
-    return inverseMass * change * change;
+    return turn.stop(side, axis, aimAtStop(side, rows.stop, inverseMass, context, moving), speed, context, true);
 }
 
 /// The sides that a ball has, in the order in which they are solved.
@@ -84,54 +79,20 @@ void solveTogether(JointSim& joint, BallTurn& turn, const BodyPair& pair, const 
 /// A violated stop that brings its margin back; asked in the pass that moves.
 bool isRecovering(const StopSide& side) { return side.margin < 0 && side.impulse > 0; }
 
-/// Takes the rates about some axes out of a rotation, n · ω = 0, by impulses about them: each axis is first made
-/// P-orthogonal to those before it.
-struct HeldAxes {
-    const RigidBlock& block;
-    Vec3 rotation;
-    Vec3 axes[1 + SwingLimit::kSides], responses[1 + SwingLimit::kSides];
-    float inverseMasses[1 + SwingLimit::kSides];
-    int count = 0;
-
-    void hold(Vec3 axis) {
-        for (int i = 0; i < count; ++i) axis -= (dot(axis, responses[i]) / inverseMasses[i]) * axes[i];
-        const Vec3 response = block.mass.rest * axis;
-        const float inverseMass = dot(axis, response);
-        if (!(inverseMass > block.noise)) return;
-        rotation -= (dot(axis, rotation) / inverseMass) * response;
-        axes[count] = axis;
-        responses[count] = response;
-        inverseMasses[count++] = inverseMass;
-    }
-};
-
-/// The energy ½ ω · P⁻¹ ω that the relative rotation would have if nothing out of place were brought back, neither the
-/// point nor a margin: what acts would hold.
+/// The energy that the relative rotation would have if nothing out of place were brought back.
 void recordEnergy(BallRows& rows, const BallTurn& turn, const BodyPair& pair, const Arms& arms) {
     rows.mostEnergy = kNoForceLimit;
     bool recovers = isRecovering(rows.twistLower) || isRecovering(rows.twistUpper);
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) recovers = recovers || isRecovering(rows.swing[i]);
     if (!recovers || rows.stop.stiffness > 0) return;
-    const PairVector u = pair.velocity(arms);
-    BodyPair still = pair;
-    still.apply(arms, {-solve(turn.block.mass.first, u.linear), {}});
-    HeldAxes held{turn.block, turn.speed + (still.velocity(arms).angular - u.angular), {}, {}, {}};
+    HeldRotationOf<float> held(turn, pair, arms);
     if (rows.twistLower.impulse > 0)
-        held.hold(rows.lowerTwistAxis());
+        held.hold(rows.lowerTwistAxis(), true);
     else if (rows.twistUpper.impulse > 0)
-        held.hold(-rows.upperTwistAxis());
+        held.hold(-rows.upperTwistAxis(), true);
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)
-        if (rows.swing[i].impulse > 0) held.hold(rows.swingAxis[i]);
-    rows.mostEnergy = 0.5f * dot(held.rotation, solve(turn.block.second, held.rotation));
-}
-
-/// A cone that closes on what turns in it would spin it up, as arms drawn in spin up a skater. Coming back from beyond
-/// a limit is to add no energy: the relative rotation is slowed down to what it had.
-void shedEnergy(const BallRows& rows, BallTurn& turn) {
-    if (!(rows.mostEnergy < kNoForceLimit)) return;
-    const Vec3 momentum = solve(turn.block.second, turn.speed);
-    const float energy = 0.5f * dot(turn.speed, momentum);
-    if (energy > rows.mostEnergy) turn.add((std::sqrt(rows.mostEnergy / energy) - 1) * momentum);
+        if (rows.swing[i].impulse > 0) held.hold(rows.swingAxis[i], true);
+    rows.mostEnergy = held.energy();
 }
 
 }  // namespace
@@ -154,7 +115,7 @@ void solveBallStops(JointSim& joint, BallTurn& turn, const BodyPair& pair, const
     if (moving)
         recordEnergy(rows, turn, pair, joint.arms);
     else
-        shedEnergy(rows, turn);
+        turn.shed(rows.mostEnergy);
 }
 
 }  // namespace ragtop

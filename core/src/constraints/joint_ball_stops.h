@@ -1,21 +1,12 @@
 #pragma once
 
+#include "constraints/joint_ball_turn.h"
 #include "constraints/joint_types.h"
 
 /// What keeps a ball within its swing and twist.
 namespace ragtop {
 
-/// The ball's rotation while its rows are solved in turn: torques come with the force that keeps the point together,
-/// so the inverse inertia is the block's P.
-struct BallTurn {
-    const RigidBlock& block;
-    Vec3 speed, total;
-
-    void add(const Vec3& impulse) {
-        total += impulse;
-        speed += block.mass.rest * impulse;
-    }
-};
+using BallTurn = BallTurnOf<float>;
 
 /// Margins and axes of the limits at a place.
 void refreshLimits(BallRows& rows, const JointPlace& place);

@@ -4,33 +4,67 @@
 namespace ragtop {
 namespace {
 
+/// Features of balls whose rows need the inverse of P.
+constexpr std::uint32_t kSolvesTurn = BallRows::kFriction | BallRows::kSwing | BallRows::kTwist;
+
 /// As Softness, by lane.
 template <int N>
 struct WideSoftness {
     Lanes<N> biasRate, massScale, impulseScale;
 };
-/// A block while one pass works on it: what is carried is in memory, masses and errors only from pass to pass.
+/// A block while one pass works on it, and the one in memory: what is carried, and what is kept from pass to pass.
 template <int N>
-struct WideBlock : RigidBlockOf<Lanes<N>> {
-    RAGTOP_INLINE void loadCarried(const JointFields<N>& j) {
-        this->impulseFirst = j.vector(RAGTOP_JOINT_FIELD(block.impulseFirst));
-        this->impulseSecond = j.vector(RAGTOP_JOINT_FIELD(block.impulseSecond));
+using WideBlock = RigidBlockOf<Lanes<N>>;
+template <int N>
+RAGTOP_INLINE WideBlock<N>& blockAt(const JointFields<N>& j) {
+    static_assert(offsetof(WideBlock<N>, noise) == N * offsetof(RigidBlock, noise));
+    return partAt<WideBlock<N>>(j, RAGTOP_JOINT_FIELD(block));
+}
+template <int N>
+RAGTOP_INLINE WideBlock<N> carriedBlock(const JointFields<N>& j, std::uint32_t rigidRows) {
+    const WideBlock<N>& kept = blockAt(j);
+    WideBlock<N> block;
+    block.rigidRows = rigidRows;
+    block.impulseFirst = kept.impulseFirst, block.impulseSecond = kept.impulseSecond;
+    block.startFirst = kept.startFirst, block.startSecond = kept.startSecond;
+    return block;
+}
+/// Takes over what one pass keeps for the next, of balls only what their features need.
+template <int N>
+RAGTOP_INLINE void keep(WideBlock<N>& to, const WideBlock<N>& from, const JointBundle& bundle) {
+    const bool ball = bundle.kind == JointKind::ball;
+    to.errorFirst = from.errorFirst;
+    to.mass.first = from.mass.first;
+    if (ball && bundle.features == 0) return;
+    to.mass.gain = from.mass.gain;
+    if (ball) {
+        to.mass.rest = from.mass.rest;
+        to.noise = from.noise;
+    } else {
+        to.errorSecond = from.errorSecond;
     }
-    RAGTOP_INLINE void storeCarried(JointFields<N>& j) const {
-        j.set(RAGTOP_JOINT_FIELD(block.impulseFirst), this->impulseFirst);
-        j.set(RAGTOP_JOINT_FIELD(block.impulseSecond), this->impulseSecond);
-    }
-    /// When a substep begins.
-    RAGTOP_INLINE void begin(JointFields<N>& j, Mask<N> hadImpact) {
-        this->startFirst = j.vector(RAGTOP_JOINT_FIELD(block.startFirst));
-        this->startSecond = j.vector(RAGTOP_JOINT_FIELD(block.startSecond));
-        beginBlock(*this, hadImpact);
-        storeCarried(j);
-        j.set(RAGTOP_JOINT_FIELD(block.startFirst), this->startFirst);
-        j.set(RAGTOP_JOINT_FIELD(block.startSecond), this->startSecond);
-    }
-};
-
+    if (!ball || (bundle.features & kSolvesTurn)) to.second = from.second;
+    if (bundle.kind == JointKind::hinge) to.basis = from.basis;
+}
+template <int N>
+RAGTOP_INLINE WideBlock<N> loadBlock(const JointFields<N>& j, std::uint32_t rigidRows) {
+    WideBlock<N> block = carriedBlock(j, rigidRows);
+    keep(block, blockAt(j), j.bundle);
+    return block;
+}
+template <int N>
+RAGTOP_INLINE void storeCarried(const JointFields<N>& j, const WideBlock<N>& block) {
+    blockAt(j).impulseFirst = block.impulseFirst;
+    blockAt(j).impulseSecond = block.impulseSecond;
+}
+/// When a substep begins.
+template <int N>
+RAGTOP_INLINE void begin(const JointFields<N>& j, WideBlock<N>& block, Mask<N> hadImpact) {
+    beginBlock(block, hadImpact);
+    storeCarried(j, block);
+    blockAt(j).startFirst = block.startFirst;
+    blockAt(j).startSecond = block.startSecond;
+}
 /// As softnessOf in the moving pass, rigid in the other.
 template <int N>
 RAGTOP_INLINE WideSoftness<N> softnessOf(const WideJoint<N>& j, Lanes<N> squaredTurn, const JointContext& context,
@@ -56,7 +90,7 @@ template <int N>
 RAGTOP_INLINE void solveRigid(WideJoint<N>& j, WideBlock<N>& block, const PairVectorOf<Lanes<N>>& u,
                               const WideSoftness<N>& soft, const ReactionOf<Lanes<N>>& held = {}) {
     solveBlock<Lanes<N>>(block, j, j.arms, u, soft, held);
-    block.storeCarried(j);
+    storeCarried(j, block);
 }
 /// As closeJoint.
 template <int N>
@@ -68,39 +102,11 @@ RAGTOP_INLINE void closeJoint(WideJoint<N>& j, const WideBlock<N>& block, Lanes<
     if (any(open)) j.moveWhere(open, closingMove<Lanes<N>>(block, share));
 }
 
-/// Hinges and fixed joints.
-template <int N>
-RAGTOP_INLINE void storeBlock(JointFields<N>& j, const WideBlock<N>& block) {
-    j.set(RAGTOP_JOINT_FIELD(block.impulseSecond), block.impulseSecond);
-    j.set(RAGTOP_JOINT_FIELD(block.errorFirst), block.errorFirst);
-    j.set(RAGTOP_JOINT_FIELD(block.errorSecond), block.errorSecond);
-    j.set(RAGTOP_JOINT_FIELD(block.mass.first), block.mass.first);
-    j.set(RAGTOP_JOINT_FIELD(block.mass.gain), block.mass.gain);
-    j.set(RAGTOP_JOINT_FIELD(block.second), block.second);
-}
-template <int N>
-RAGTOP_INLINE WideBlock<N> loadBlock(WideJoint<N>& j, std::uint32_t rigidRows) {
-    WideBlock<N> block;
-    block.loadCarried(j);
-    block.rigidRows = rigidRows;
-    block.errorFirst = j.gap = j.vector(RAGTOP_JOINT_FIELD(block.errorFirst));
-    block.errorSecond = j.vector(RAGTOP_JOINT_FIELD(block.errorSecond));
-    block.mass.first = j.factor(RAGTOP_JOINT_FIELD(block.mass.first));
-    block.mass.gain = j.matrix(RAGTOP_JOINT_FIELD(block.mass.gain));
-    block.second = j.factor(RAGTOP_JOINT_FIELD(block.second));
-    if (rigidRows == 2) block.basis = j.matrix(RAGTOP_JOINT_FIELD(block.basis));
-    return block;
-}
-
 // ---- balls
-
-/// Features whose rows need the inverse of P.
-constexpr std::uint32_t kSolvesTurn = BallRows::kFriction | BallRows::kSwing | BallRows::kTwist;
 
 template <int N>
 RAGTOP_INLINE WideBlock<N> refreshBall(const WideJoint<N>& j) {
-    WideBlock<N> block;
-    block.loadCarried(j);
+    WideBlock<N> block = carriedBlock(j, 0);
     block.errorFirst = j.gap;
     const std::uint32_t features = j.bundle.features;
     refreshMass<Lanes<N>>(block, j.mass(j.arms),
@@ -112,35 +118,19 @@ RAGTOP_INLINE WideBlock<N> refreshBall(const WideJoint<N>& j) {
 template <int N>
 RAGTOP_INLINE void beginBallJoint(WideJoint<N>& j, const JointContext& context) {
     WideBlock<N> block = refreshBall(j);
-    j.set(RAGTOP_JOINT_FIELD(block.errorFirst), j.gap);
-    j.set(RAGTOP_JOINT_FIELD(block.mass.first), block.mass.first);
+    keep(blockAt(j), block, j.bundle);
     if (j.bundle.features == 0) return;
-    j.set(RAGTOP_JOINT_FIELD(block.mass.gain), block.mass.gain);
-    j.set(RAGTOP_JOINT_FIELD(block.mass.rest), block.mass.rest);
-    j.set(RAGTOP_JOINT_FIELD(block.noise), block.noise);
-    if (j.bundle.features & kSolvesTurn) j.set(RAGTOP_JOINT_FIELD(block.second), block.second);
     const WideTurns<N> turns = findTurns(j);
     storeTurns(j, turns);
-    block.begin(j, beginBall(j, turns, block.mass.rest, block.noise, context));
-}
-template <int N>
-RAGTOP_INLINE WideBlock<N> loadBall(WideJoint<N>& j) {
-    WideBlock<N> block;
-    block.loadCarried(j);
-    block.errorFirst = j.gap = j.vector(RAGTOP_JOINT_FIELD(block.errorFirst));
-    block.mass.first = j.factor(RAGTOP_JOINT_FIELD(block.mass.first));
-    if (j.bundle.features == 0) return block;
-    block.mass.gain = j.matrix(RAGTOP_JOINT_FIELD(block.mass.gain));
-    block.mass.rest = j.symmetric(RAGTOP_JOINT_FIELD(block.mass.rest));
-    block.noise = j.at(RAGTOP_JOINT_FIELD(block.noise));
-    if (j.bundle.features & kSolvesTurn) block.second = j.factor(RAGTOP_JOINT_FIELD(block.second));
-    return block;
+    begin(j, block, beginBall(j, turns, block.mass.rest, block.noise, context));
 }
 template <int N>
 RAGTOP_INLINE WideTurns<N> loadTurns(const WideJoint<N>& j) {
     WideTurns<N> turns;
+    if (j.bundle.features == 0) return turns;
     if (j.bundle.features & BallRows::kSwing) turns.swingAxis = j.vector(RAGTOP_JOINT_FIELD(ball.swingAxis[0]));
-    if (j.bundle.features & BallRows::kTwist) turns.twistAxis = j.vector(RAGTOP_JOINT_FIELD(ball.twistAxis));
+    turns.twistAxis =
+        j.bundle.features & BallRows::kTwist ? j.vector(RAGTOP_JOINT_FIELD(ball.twistAxis)) : WideVec3<N>{};
     return turns;
 }
 template <int N>
@@ -149,21 +139,18 @@ RAGTOP_INLINE void solveBall(WideJoint<N>& j, WideBlock<N>& block, const WideTur
     const WideSoftness<N> soft = softnessOf(j, Lanes<N>(0.0f), context, moving);
     solveRigid(j, block, meanVelocity(j, j.turns(), context, moving), soft);
     if (j.bundle.features == 0) return;
-    WideBallTurn<N> turn{j, block.mass.rest, block.noise, j.velocity(j.arms).angular, WideVec3<N>{}};
-    turn.solve(j, turns, block.mass.first, block.second, context, moving);
+    WideBallTurn<N> turn{{block, j.velocity(j.arms).angular, WideVec3<N>{}}, j, context, moving};
+    turn.solveRows(j, turns);
     const WideVec3<N> force = -(block.mass.gain * turn.total);
-    j.set(RAGTOP_JOINT_FIELD(block.impulseFirst), block.impulseFirst + force);
+    blockAt(j).impulseFirst = block.impulseFirst + force;
     j.apply(j.arms, {force, turn.total});
 }
 template <int N>
 RAGTOP_INLINE void relaxBall(WideJoint<N>& j, const JointContext& context) {
     WideBlock<N> block = refreshBall(j);
     closeJoint(j, block, Lanes<N>(0.0f), context.h);
-    WideTurns<N> turns{};
-    if (j.bundle.features != 0) {
-        turns = findTurns(j);
-        storeTurns(j, turns);
-    }
+    const WideTurns<N> turns = findTurns(j);
+    storeTurns(j, turns);
     solveBall(j, block, turns, context, false);
 }
 
@@ -191,9 +178,7 @@ struct WideAngle {
 
 template <int N>
 RAGTOP_INLINE WideBlock<N> refreshHinge(const WideJoint<N>& j, const WideQuat<N>& a, const WideQuat<N>& b) {
-    WideBlock<N> block;
-    block.loadCarried(j);
-    block.rigidRows = 2;
+    WideBlock<N> block = carriedBlock(j, 2);
     placeHinge<Lanes<N>>(block, a, b, j.gap, j.mass(j.arms));
     return block;
 }
@@ -201,16 +186,17 @@ template <int N>
 RAGTOP_INLINE void beginHinge(WideJoint<N>& j, const JointContext& context) {
     const WideQuat<N> a = j.frameA(), b = j.frameB();
     WideBlock<N> block = refreshHinge(j, a, b);
-    storeBlock(j, block);
-    j.set(RAGTOP_JOINT_FIELD(block.basis), block.basis);
+    keep(blockAt(j), block, j.bundle);
+    blockAt(j).impulseSecond = block.impulseSecond;
     const Lanes<N> mass = freeMass(block);
     axisRows(j).inverseMass = mass;
     const WideAngle<N> angle(j, angleAboutX(conjugate(a) * b));
     const Lanes<N> zero(0.0f);
-    if (j.bundle.features == 0) return block.begin(j, zero < zero);
+    if (j.bundle.features == 0) return begin(j, block, zero < zero);
     const WideVec3<N> xB = block.basis.cz, load = block.impulseFirst - dot(block.impulseFirst, xB) * xB;
-    block.begin(j, beginAxis<N>(j, angle.margins, angle.springError, mass, dot(xB, j.velocity(j.arms).angular),
-                             length(load), context.h));
+    begin(j, block,
+          beginAxis<N>(j, angle.margins, angle.springError, mass, dot(xB, j.velocity(j.arms).angular), length(load),
+                       context.h));
 }
 template <int N>
 RAGTOP_INLINE Lanes<N> squaredTurn(const WideBlock<N>& hinge) {
@@ -229,20 +215,20 @@ RAGTOP_INLINE void solveHinge(WideJoint<N>& j, WideBlock<N>& block, Lanes<N> fre
     solveRigid(j, block, u, soft, held);
     if (j.bundle.features == 0) return;
 
-    const AxisPassOf<Lanes<N>> axis = solveAxis<N>(j, freeInverseMass, dot(x, j.velocity(j.arms).angular), context, moving,
-                                                   Lanes<N>(0.0f));
+    const AxisPassOf<Lanes<N>> axis =
+        solveAxis<N>(j, freeInverseMass, dot(x, j.velocity(j.arms).angular), context, moving, Lanes<N>(0.0f));
     const WideVec3<N> oldFirst = block.impulseFirst, oldSecond = block.impulseSecond;
     j.applyWhere(axis.movable, freeImpulse<Lanes<N>>(block, axis.total));
     block.impulseFirst = select(axis.movable, block.impulseFirst, oldFirst);
     block.impulseSecond = select(axis.movable, block.impulseSecond, oldSecond);
-    block.storeCarried(j);
+    storeCarried(j, block);
 }
 template <int N>
 RAGTOP_INLINE void relaxHinge(WideJoint<N>& j, const JointContext& context) {
     const WideQuat<N> a = j.frameA(), b = j.frameB();
     WideBlock<N> block = refreshHinge(j, a, b);
     const WideAngle<N> angle(j, angleAboutX(conjugate(a) * b));
-    j.set(RAGTOP_JOINT_FIELD(block.basis.cz), block.basis.cz);
+    blockAt(j).basis.cz = block.basis.cz;
     if (j.bundle.features != 0) storeMargins(j, angle.margins);
     closeJoint(j, block, squaredTurn(block), context.h);
     solveHinge(j, block, freeMass(block), context, false);
@@ -252,9 +238,7 @@ RAGTOP_INLINE void relaxHinge(WideJoint<N>& j, const JointContext& context) {
 
 template <int N>
 RAGTOP_INLINE WideBlock<N> refreshFixed(const WideJoint<N>& j) {
-    WideBlock<N> block;
-    block.loadCarried(j);
-    block.rigidRows = 3;
+    WideBlock<N> block = carriedBlock(j, 3);
     block.errorFirst = j.gap;
     block.errorSecond = rotationError(j.frameA(), j.frameB());
     refreshMass<Lanes<N>>(block, j.mass(j.arms), BlockMass::whole);
@@ -277,13 +261,12 @@ RAGTOP_INLINE void relaxFixed(WideJoint<N>& j, const JointContext& context) {
 /// Stores the direction and gives the distance.
 template <int N>
 RAGTOP_INLINE Lanes<N> refreshDistance(WideJoint<N>& j, WideVec3<N>& direction) {
-    constexpr int kDirection = RAGTOP_JOINT_FIELD(block.basis.cz);
     const Lanes<N> distance = length(j.gap);
-    const WideVec3<N> last = j.vector(kDirection);
+    const WideVec3<N> last = blockAt(j).basis.cz;
     direction = (1.0f / distance) * j.gap;
     const Mask<N> apart = distance > 0.0f;
     if (any(!apart)) direction = select(apart, direction, select(dot(last, last) > 0.0f, last, axisX(j.frameA())));
-    j.set(kDirection, direction);
+    blockAt(j).basis.cz = direction;
     return distance;
 }
 template <int N>
@@ -295,7 +278,7 @@ RAGTOP_INLINE void beginDistance(WideJoint<N>& j, const JointContext& context) {
     WideVec3<N> direction;
     const Lanes<N> distance = refreshDistance(j, direction), mass = j.mass(j.arms, direction);
     axisRows(j).inverseMass = mass;
-    j.set(RAGTOP_JOINT_FIELD(block.errorFirst), j.gap);
+    blockAt(j).errorFirst = j.gap;
     beginAxis<N>(j, marginsOf(j, distance), distance - axisRows(j).target, mass,
                  dot(direction, j.velocity(j.arms).linear), Lanes<N>(0.0f), context.h);
 }

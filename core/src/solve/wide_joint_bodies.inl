@@ -15,21 +15,6 @@ struct JointFields {
     RAGTOP_INLINE WideQuat<N> quaternion(int f) const { return {at(f), at(f + 1), at(f + 2), at(f + 3)}; }
     RAGTOP_INLINE void set(int f, Lanes<N> value) { value.store(fields + f * N); }
     RAGTOP_INLINE void set(int f, const WideVec3<N>& v) { set(f, v.x), set(f + 1, v.y), set(f + 2, v.z); }
-    RAGTOP_INLINE SymmetricMatrix<N> symmetric(int f) const {
-        return {at(f), at(f + 1), at(f + 2), at(f + 3), at(f + 4), at(f + 5)};
-    }
-    RAGTOP_INLINE void set(int f, const SymmetricMatrix<N>& m) {
-        set(f, m.xx), set(f + 1, m.xy), set(f + 2, m.xz), set(f + 3, m.yy), set(f + 4, m.yz), set(f + 5, m.zz);
-    }
-    RAGTOP_INLINE WideMat3<N> matrix(int f) const { return {vector(f), vector(f + 3), vector(f + 6)}; }
-    RAGTOP_INLINE void set(int f, const WideMat3<N>& m) { set(f, m.cx), set(f + 3, m.cy), set(f + 6, m.cz); }
-    RAGTOP_INLINE FactorOf<Lanes<N>> factor(int f) const {
-        return {{at(f), at(f + 1), at(f + 2)}, at(f + 3), at(f + 4), at(f + 5)};
-    }
-    RAGTOP_INLINE void set(int f, const FactorOf<Lanes<N>>& m) {
-        set(f, m.inverse[0]), set(f + 1, m.inverse[1]), set(f + 2, m.inverse[2]);
-        set(f + 3, m.l10), set(f + 4, m.l20), set(f + 5, m.l21);
-    }
 };
 
 /// What joints do in a pass: velocities of the bodies are gathered once and scattered once.

@@ -3,9 +3,10 @@
 
 #include <cstdint>
 
+#include "constraints/joint_ball_turn.h"
+#include "constraints/joint_constants.h"
 #include "constraints/joint_geometry.h"
 #include "constraints/joint_hinge.h"
-#include "constraints/joint_constants.h"
 #include "solve/joint_kernels.h"
 #include "solve/lane_rows.h"
 #include "solve/lanes.h"
@@ -27,16 +28,16 @@ namespace {
 /// As warmStartImpulse.
 template <int N>
 RAGTOP_INLINE PairVectorOf<Lanes<N>> warmStartImpulse(const WideJoint<N>& j) {
-    PairVectorOf<Lanes<N>> sum{j.vector(RAGTOP_JOINT_FIELD(block.impulseFirst)),
-                               j.vector(RAGTOP_JOINT_FIELD(block.impulseSecond))};
+    const WideBlock<N>& block = blockAt(j);
+    PairVectorOf<Lanes<N>> sum{block.impulseFirst, block.impulseSecond};
     const JointKind kind = j.bundle.kind;
     if (kind == JointKind::ball) {
         if (j.bundle.features != 0) sum.angular = sum.angular + turningImpulse(j);
     } else if (kind == JointKind::hinge) {
         if (j.bundle.features != 0)
-            sum.angular = sum.angular + ownImpulse(axisRows(j)) * j.vector(RAGTOP_JOINT_FIELD(block.basis.cz));
+            sum.angular = sum.angular + ownImpulse(axisRows(j)) * block.basis.cz;
     } else if (kind == JointKind::distance) {
-        sum.linear = sum.linear + ownImpulse(axisRows(j)) * j.vector(RAGTOP_JOINT_FIELD(block.basis.cz));
+        sum.linear = sum.linear + ownImpulse(axisRows(j)) * block.basis.cz;
     }
     return sum;
 }
@@ -56,7 +57,7 @@ void warmStartJoints(const JointLanesView& view, int begin, int end, const Joint
                 beginHinge(j, pass.context);
                 break;
             case JointKind::fixed:
-                storeBlock(j, refreshFixed(j));
+                keep(blockAt(j), refreshFixed(j), j.bundle);
                 break;
             default:
                 beginDistance(j, pass.context);
@@ -73,9 +74,10 @@ void solveJoints(const JointLanesView& view, int begin, int end, const JointPass
     for (int i = begin; i < end; ++i) {
         WideJoint<N> j(view, i, pass.arrays);
         j.loadArms();
+        j.gap = blockAt(j).errorFirst;
         switch (j.bundle.kind) {
             case JointKind::ball: {
-                WideBlock<N> block = loadBall(j);
+                WideBlock<N> block = loadBlock(j, 0);
                 solveBall(j, block, loadTurns(j), context, true);
                 break;
             }
@@ -90,8 +92,7 @@ void solveJoints(const JointLanesView& view, int begin, int end, const JointPass
                 break;
             }
             default:
-                j.gap = j.vector(RAGTOP_JOINT_FIELD(block.errorFirst));
-                solveDistance(j, j.vector(RAGTOP_JOINT_FIELD(block.basis.cz)),
+                solveDistance(j, blockAt(j).basis.cz,
                               axisRows(j).inverseMass, context, true);
                 break;
         }
