@@ -206,7 +206,7 @@ TEST(Cooked, RefusesOtherVersionsAndOtherFiles) {
     AlignedBytes file(cook(everything()));
     const std::uint32_t other = kCookedVersion + 1;
     std::memcpy(file.bytes().data() + offsetof(CookedHead, version), &other, sizeof other);
-    EXPECT_EQ(complaint(file.bytes()), "some.ragtop: has version 3, must have 2; cook it again");
+    EXPECT_EQ(complaint(file.bytes()), "some.ragtop: has version " + std::to_string(other) + ", must have " + std::to_string(kCookedVersion) + "; cook it again");
     const std::string scene(80, '{');
     AlignedBytes text(std::as_bytes(std::span(scene)));
     EXPECT_EQ(complaint(text.bytes()), "some.ragtop: is no cooked file: it does not begin with RAGTOP");

@@ -209,7 +209,7 @@ TEST(RagdollProgram, SaysWhatIsWrongInOneLine) {
     EXPECT_EQ(ragtop("nothing.glb", text), 2);
     EXPECT_EQ(text, "nothing.glb: no such file\n");
     EXPECT_EQ(ragtop("nothing.glb --test fly", text), 2);
-    EXPECT_EQ(text, "ragtop: --test: fly not in {drop,push,hang,shake,flight,balance,brace,getup,track,none}\n");
+    EXPECT_EQ(text, "ragtop: --test: fly not in {drop,push,hang,shake,flight,balance,brace,getup,track,lod,none}\n");
     EXPECT_EQ(ragtop("nothing.glb --hz 0", text), 2);
     const std::string hollow = temporaryPath("hollow.urdf").string();
     std::ofstream(hollow) << "<robot name='hollow'><link name='only'><inertial><mass value='1'/>"
