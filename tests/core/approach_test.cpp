@@ -123,6 +123,31 @@ TEST_P(FastFlight, OutcomeOfAFlightIsThatOfSmallSteps) {
     EXPECT_GE(looked, 16);
 }
 
+/// A plane takes the speed towards it and no other, however many of its triangles lie on the way.
+TEST(FastFlights, KeepTheirSpeedAlongAFineMesh) {
+    constexpr std::uint32_t kCells = 200;
+    std::vector<Vec3> corners;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i <= kCells; ++i)
+        for (std::uint32_t j = 0; j <= kCells; ++j)
+            corners.push_back({0.05f * static_cast<float>(i) - 5, 0, 0.05f * static_cast<float>(j) - 5});
+    for (std::uint32_t i = 0; i < kCells; ++i)
+        for (std::uint32_t j = 0; j < kCells; ++j) {
+            const std::uint32_t first = i * (kCells + 1) + j, next = first + kCells + 1;
+            triangles.push_back({first, first + 1, next});
+            triangles.push_back({next, first + 1, next + 1});
+        }
+    const TriangleMesh plane(corners, triangles);
+    for (const Shape& shape : {Shape{Sphere{0.3f}}, Shape{Capsule{0.3f, 0.2f}}, Shape{Box{{0.3f, 0.2f, 0.25f}}}})
+        for (const float slope : {0.1f, 0.5f, 2.0f}) {
+            const Vec3 way = normalized(Vec3{1, -slope, 0.2f}), along{way.x, 0, way.z};
+            const Flight flight{shape, plane, {}, {}, Vec3{0, 0.45f, 0} - 1.3f * way, 40 * way, 0.1f};
+            for (const float rate : {60.0f, 120.0f})
+                EXPECT_LE(length(flight.velocityAfter(rate) - 40 * along), 1e-3f * 40)
+                    << "kind " << shape.index() << ", slope " << slope << ", " << rate << " Hz";
+        }
+}
+
 INSTANTIATE_TEST_SUITE_P(Shapes, FastFlight, testing::Range(0, 4));
 
 }  // namespace

@@ -99,7 +99,7 @@ public:
             };
             forEachNear(bounds, visitOne);
         }
-        if (aheadCount_ > 0) touchAhead();
+        if (aheadCount_ > 0) touchAhead(bounds);
         return set_.write(mover_.position, out);
     }
 
@@ -164,7 +164,8 @@ private:
 
     /// Notes a triangle that is not near, and whether the mover meets it first.
     void lookAhead(const TriangleView& view, TriangleContact& contact) {
-        if (aheadCount_ < kMostNear) std::construct_at(&ahead_[aheadCount_++], view);
+        if (aheadCount_ < kMostNear) std::construct_at(&ahead_[aheadCount_], view);
+        ++aheadCount_;
         const float gone =
             goToMeet(approach_, contact, [&](float share, TriangleContact& there) { touchAt(share, view, there); });
         origin_ = mover_.position;
@@ -176,14 +177,20 @@ private:
     }
 
     /// What lies ahead is touched where the mover first meets any of it: beyond, it would be inside of the surface.
-    void touchAhead() {
-        for (int i = 0; i < aheadCount_; ++i) {
+    /// More than are remembered are found again; points of near ones among them are known already.
+    void touchAhead(const Bounds& bounds) {
+        const auto touchOne = [this](const TriangleView& view) {
             TriangleContact contact;
-            touchAt(meets_, ahead_[i], contact);
-            if (contact.count > 0) point(TriangleHull(ahead_[i], origin_), contact);
+            touchAt(meets_, view, contact);
+            if (contact.count > 0) point(TriangleHull(view, origin_), contact);
             bringBack(approach_, meets_, contact);
-            set_.add(contact.normal, contact.all(), ahead_[i].index);
-        }
+            set_.add(contact.normal, contact.all(), view.index);
+            return true;
+        };
+        if (aheadCount_ > kMostNear)
+            forEachNear(bounds, touchOne);
+        else
+            for (int i = 0; i < aheadCount_; ++i) touchOne(ahead_[i]);
         origin_ = mover_.position;
     }
 
