@@ -22,6 +22,10 @@ const PICTURES = {
   mechanisms: { steps: 60, eye: [0.5, 4.6, 8.6], target: [0, 1.1, 0.5], shown: ['joints'] },
   door: { steps: 150, eye: [-3, 3.2, 5.5], target: [1, 0.8, 0] },
   chain: { steps: 60, eye: [3, 5, 14], target: [1, 3.5, 1] },
+  stairs: { steps: 150, eye: [5.5, 2.6, -3], target: [0, 1.2, 1.5] },
+  ledge: { steps: 300, eye: [3.4, 2.6, -4.2], target: [0.6, 2.4, 0] },
+  crowd: { steps: 200, eye: [6, 4, -7], target: [0, 0.8, 0] },
+  puppet: { steps: 420, eye: [3, 1.8, -3.5], target: [0, 0.9, 0] },
 };
 
 /** The middle of the picture. */

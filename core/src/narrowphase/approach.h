@@ -30,7 +30,7 @@ inline float leastSeparation(std::span<const ManifoldPoint> points) {
 /// way. Returns that share.
 template <class Contact, class Look>
 float goToMeet(const Approach& approach, Contact& contact, Look&& look) {
-    constexpr int kMost = 8;  // each step ends on another feature, or halves the gap's digits as Newton's method does
+    constexpr int kMost = 8;  // each step reaches another feature, or is one of Newton's on a gap that is convex in t
     float gone = 0;
     for (int i = 0; i < kMost && !contact.all().empty(); ++i) {
         const float gap = leastSeparation(contact.all()), closing = -dot(approach.way, contact.normal);
