@@ -1,8 +1,10 @@
-# classes.awk: -v ceilings=<file> headers...: no class has more member functions or fields than the limits, and those that
-# are known to exceed them no more than the ceilings file says: "<class> <functions> <fields>" per line.
+# classes.awk: -v ceilings=<file> sources...: no class has more public member functions or fields than the limits, and
+# those that are known to exceed them exactly as many as the ceilings file says: "<class> <functions> <fields>" per line.
+# A class that has come down asks for a lower ceiling, so that the file only shrinks.
 BEGIN {
     mostFunctions = 30
     mostFields = 25
+    mostOfWorld = 15  # parts of the implementation of World
     while ((getline line < ceilings) > 0) {
         if (line ~ /^#/ || line == "") continue
         split(line, part, " ")
@@ -11,24 +13,38 @@ BEGIN {
     }
 }
 
-function finish(name, functions, fields) {
+function finish(name, functions, fields,    f, d) {
     if (name == "") return
     f = name in allowedFunctions ? allowedFunctions[name] : mostFunctions
-    d = name in allowedFields ? allowedFields[name] : mostFields
-    if (functions > f) { failed = 1; print FILENAME ": " name " has " functions " member functions, may have " f }
+    d = name in allowedFields ? allowedFields[name] : name == "WorldImpl" ? mostOfWorld : mostFields
+    if (functions > f) { failed = 1; print FILENAME ": " name " has " functions " public member functions, may have " f }
     if (fields > d) { failed = 1; print FILENAME ": " name " has " fields " fields, may have " d }
+    if (name in allowedFunctions) {
+        seen[name] = 1
+        if ((f > mostFunctions && functions < f) || (d > mostFields && fields < d)) {
+            failed = 1
+            print FILENAME ": " name " has come down to " functions " public member functions and " fields \
+                  " fields: say so in " ceilings
+        }
+    }
 }
 
-# One statement at the depth of a class: a function when a parenthesis opens before any value or body.
+# One statement at the depth of a class: a function when a parenthesis opens before any value or body. Its fields are
+# what commas outside of all brackets and values divide.
 function count(text,    head) {
     gsub(/^[ \t]+/, "", text)
     if (text == "" || text ~ /^(public|private|protected):/ || text ~ /^(using|friend|static_assert|enum|struct|class|union|template <.*> *(struct|class))/) return
     if (text ~ /^(static |inline )*constexpr/ && text !~ /\(/) return
+    if (text ~ /^static / && text !~ /\(/) return
+    gsub(/alignas\([^)]*\) */, "", text)
+    while (gsub(/<[^<>()]*>/, "", text)) {}
     head = text
     sub(/[={].*/, "", head)
-    if (head ~ /\(/ || text ~ /^(explicit|~|operator)/) { functions[depth]++; return }
-    while (gsub(/<[^<>]*>/, "", head)) {}
-    text = head
+    if (head ~ /\(/ || text ~ /^(explicit|~|operator)/) {
+        if (!hidden[depth]) functions[depth]++
+        return
+    }
+    while (gsub(/\([^()]*\)|\{[^{}]*\}|\[[^][]*\]/, "", text)) {}
     fields[depth] += 1 + gsub(/,/, ",", text)
 }
 
@@ -58,6 +74,7 @@ FNR == 1 { depth = 0; text = ""; parens = 0; delete name; }
                 sub(/[^A-Za-z0-9_].*/, "", cls)
                 name[depth] = cls
                 functions[depth] = fields[depth] = 0
+                hidden[depth] = kind ~ /^(template <[^{]*> *)?class/
             }
             text = ""
         } else if (c == "}") {
@@ -74,10 +91,16 @@ FNR == 1 { depth = 0; text = ""; parens = 0; delete name; }
         } else if (c == ";") {
             if (depth > 0 && name[depth] != "") count(text)
             text = ""
-        } else if (c == ":" && text ~ /^[ \t]*(public|private|protected)$/) text = ""
-        else text = text c
+        } else if (c == ":" && text ~ /^[ \t]*(public|private|protected)$/) {
+            hidden[depth] = text !~ /public/
+            text = ""
+        } else text = text c
     }
     text = text " "
 }
 
-END { exit failed }
+END {
+    for (known in allowedFunctions)
+        if (!(known in seen)) { failed = 1; print ceilings ": " known " is no class any more" }
+    exit failed
+}

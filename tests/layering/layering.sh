@@ -9,7 +9,8 @@
 #   no extreme of the stability suite is kept in a way that loses NaN
 #   no file is longer than 500 lines, no function of a module longer than 80
 #   folders of core include what the table in docs/architecture.md says, headers of systems have at most 150 lines
-#   no class of core has more than 30 member functions or 25 fields, but for ceilings.txt, which only falls
+#   no class of core has more than 30 public member functions or 25 fields, and World's implementation no more than 15,
+#   but for ceilings.txt, which only falls
 #   every named number of core says what it is, but for constants.txt, which only falls
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
@@ -71,7 +72,7 @@ fi
 if [ -d core/src ] && [ -f docs/architecture.md ]; then
     core=$(echo "$sources" | grep '^core/src/')
     awk -f "$here/folders.awk" docs/architecture.md $core || status=1
-    awk -v ceilings="$here/ceilings.txt" -f "$here/classes.awk" $(echo "$core" | grep '\.h$') || status=1
+    awk -v ceilings="$here/ceilings.txt" -f "$here/classes.awk" $(echo "$sources" | grep '^core/') || status=1
     bare=$(awk -f "$here/constants.awk" $core)
     count=$(echo "$bare" | grep -c . || true)
     most=$(cat "$here/constants.txt")
