@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "constraints/lane_view.h"
-#include "world/world_impl.h"
+#include "world/energy_guard.h"
 
 namespace ragtop {
 
@@ -14,23 +14,23 @@ void add(AlignedArray<EnergyDriver>& drivers, const DVec3& center, float speed, 
     if (speed > 0 || turn > 0) drivers.push({center, speed, turn});
 }
 
-void addKinematic(const WorldImpl& world, std::uint32_t body, AlignedArray<EnergyDriver>& drivers) {
-    if (world.bodies[body].type != BodyType::kinematic) return;
-    const BodyState& state = world.bodies.states[world.bodies[body].state];
-    add(drivers, world.bodies[body].center, length(state.v), length(state.w));
+void addKinematic(const GuardView& view, std::uint32_t body, AlignedArray<EnergyDriver>& drivers) {
+    if (view.bodies[body].type != BodyType::kinematic) return;
+    const BodyState& state = view.bodies.states[view.bodies[body].state];
+    add(drivers, view.bodies[body].center, length(state.v), length(state.w));
 }
 
 /// Motors and targets that move, about the place of the joint in the body. J, of those with a bound.
-double addJoint(const WorldImpl& world, const JointSim& sim, std::uint32_t body,
-                AlignedArray<EnergyDriver>& drivers) {
+double addJoint(const GuardView& view, const JointSim& sim, std::uint32_t body, AlignedArray<EnergyDriver>& drivers) {
     constexpr float kBounded = 1e12f;  // N or N m; more is no bound
     double work = 0;
     const float arm = std::max(length(sim.localA.position), length(sim.localB.position));
     const auto give = [&](float speed, float force, bool turns) {
         if (force < kBounded)
-            work += static_cast<double>(force) * static_cast<double>(std::fabs(speed)) * static_cast<double>(world.dt);
+            work += static_cast<double>(force) * static_cast<double>(std::fabs(speed)) * static_cast<double>(view.dt);
         else
-            add(drivers, world.bodies[body].center, std::fabs(speed) * (turns ? arm : 1.0f), turns ? std::fabs(speed) : 0);
+            add(drivers, view.bodies[body].center, std::fabs(speed) * (turns ? arm : 1.0f),
+                turns ? std::fabs(speed) : 0);
     };
     const auto giveAxis = [&](const AxisRows& axis, bool turns) {
         if (axis.features & AxisRows::kMotor)
@@ -41,7 +41,7 @@ double addJoint(const WorldImpl& world, const JointSim& sim, std::uint32_t body,
         for (std::uint32_t i = 0; i < sim.axes.freeRows; ++i) giveAxis(sim.axes.axis[i], true);
     else
         giveAxis(sim.axis, sim.kind == JointKind::hinge);
-    const BodyState &a = world.bodies.states[sim.stateA], &b = world.bodies.states[sim.stateB];
+    const BodyState &a = view.bodies.states[sim.stateA], &b = view.bodies.states[sim.stateB];
     const float turn = length(a.w) + length(b.w), slide = length(b.v - a.v) + turn * arm;
     if (sim.axis.features & AxisRows::kSpring)
         give(sim.kind == JointKind::hinge ? turn : slide, std::fabs(sim.axis.feedForward), false);
@@ -51,19 +51,19 @@ double addJoint(const WorldImpl& world, const JointSim& sim, std::uint32_t body,
 }
 
 /// J, of surfaces that move on their own.
-double workOfContact(const WorldImpl& world, const ContactRecord& contact, std::uint32_t body, std::uint32_t other) {
-    float speed = length(world.shapes[contact.shapeA].material.surfaceVelocity) +
-                  length(world.shapes[contact.shapeB].material.surfaceVelocity);
-    if (world.bodies[other].type == BodyType::kinematic) {
-        const BodyState& state = world.bodies.states[world.bodies[other].state];
-        const float reach = length(toVec3(world.bodies[body].center - world.bodies[other].center));
-        speed += length(state.v) + length(state.w) * (reach + world.bodies[body].radius);
+double workOfContact(const GuardView& view, const ContactRecord& contact, std::uint32_t body, std::uint32_t other) {
+    float speed = length(view.shapes[contact.shapeA].material.surfaceVelocity) +
+                  length(view.shapes[contact.shapeB].material.surfaceVelocity);
+    if (view.bodies[other].type == BodyType::kinematic) {
+        const BodyState& state = view.bodies.states[view.bodies[other].state];
+        const float reach = length(toVec3(view.bodies[body].center - view.bodies[other].center));
+        speed += length(state.v) + length(state.w) * (reach + view.bodies[body].radius);
     }
     if (!(speed > 0)) return 0;
     float impulse = 0;
-    for (const ManifoldRecord& manifold : world.manifolds.of(contact)) {
+    for (const ManifoldRecord& manifold : view.manifolds.of(contact)) {
         if (manifold.place.color == kNone) continue;
-        const LaneReader lane(world.graph.lane(manifold.place), world.graph.lanes());
+        const LaneReader lane(view.graph.lane(manifold.place), view.graph.lanes());
         for (int j = 0; j < manifold.pointCount; ++j)
             impulse += (1 + lane.at(contact::kFriction)) * lane.at(j, contact::kPeak);
     }
@@ -71,43 +71,41 @@ double workOfContact(const WorldImpl& world, const ContactRecord& contact, std::
 }
 
 /// kg m²/s
-double spinOf(const WorldImpl& world, std::uint32_t body, const Vec3& w) {
-    return static_cast<double>(
-        length(scale(world.bodies[body].inertia, inverseRotate(world.bodies[body].rotation, w))));
+double spinOf(const GuardView& view, std::uint32_t body, const Vec3& w) {
+    return static_cast<double>(length(scale(view.bodies[body].inertia, inverseRotate(view.bodies[body].rotation, w))));
 }
 
 }  // namespace
 
-double addDrivers(const WorldImpl& world, std::uint32_t body, AlignedArray<EnergyDriver>& drivers) {
+double addDrivers(const GuardView& view, std::uint32_t body, AlignedArray<EnergyDriver>& drivers) {
     double work = 0;
-    for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
-         key = world.joints[key >> 1].edges[key & 1].next) {
-        if (!world.joints.isHolding(key >> 1)) continue;
-        const JointRecord& joint = world.joints[key >> 1];
-        addKinematic(world, (key & 1) != 0 ? joint.bodyA : joint.bodyB, drivers);
-        work += addJoint(world, world.joints.sims[key >> 1], body, drivers);
+    for (std::uint32_t key = view.bodies[body].firstJoint; key != kNone;
+         key = view.joints[key >> 1].edges[key & 1].next) {
+        if (!view.joints.isHolding(key >> 1)) continue;
+        const JointRecord& joint = view.joints[key >> 1];
+        addKinematic(view, (key & 1) != 0 ? joint.bodyA : joint.bodyB, drivers);
+        work += addJoint(view, view.joints.sims[key >> 1], body, drivers);
     }
-    for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.contacts.next(key)) {
-        const ContactRecord& contact = world.contacts[key >> 1];
+    for (std::uint32_t key = view.bodies[body].firstContact; key != kNone; key = view.contacts.next(key)) {
+        const ContactRecord& contact = view.contacts[key >> 1];
         if (contact.sensor || contact.firstManifold == kNone) continue;
-        work += workOfContact(world, contact, body, (key & 1) != 0 ? contact.bodyA : contact.bodyB);
+        work += workOfContact(view, contact, body, (key & 1) != 0 ? contact.bodyA : contact.bodyB);
     }
     return work;
 }
 
-double drivenEnergy(const WorldImpl& world, std::span<const std::uint32_t> bodies,
+double drivenEnergy(const GuardView& view, std::span<const std::uint32_t> bodies,
                     std::span<const EnergyDriver> drivers) {
     double energy = 0;
     if (drivers.empty()) return 0;
     for (const std::uint32_t b : bodies) {
-        const BodyState& now = world.bodies.states[b];
-        const EnergyGuard::Speeds& before = world.energyGuard.speeds[b];
-        const double momentum =
-            static_cast<double>(world.bodies[b].mass * (length(before.v) + length(now.v)));
-        const double spin = spinOf(world, b, before.w) + spinOf(world, b, now.w);
+        const BodyState& now = view.bodies.states[b];
+        const EnergyGuard::Speeds& before = view.guard.speeds[b];
+        const double momentum = static_cast<double>(view.bodies[b].mass * (length(before.v) + length(now.v)));
+        const double spin = spinOf(view, b, before.w) + spinOf(view, b, now.w);
         double most = 0;
         for (const EnergyDriver& driver : drivers) {
-            const double r = static_cast<double>(length(toVec3(world.bodies[b].center - driver.center)));
+            const double r = static_cast<double>(length(toVec3(view.bodies[b].center - driver.center)));
             const double turn = static_cast<double>(driver.turn);
             most = std::max(most, (static_cast<double>(driver.speed) + turn * r) * momentum + turn * spin);
         }
@@ -116,11 +114,11 @@ double drivenEnergy(const WorldImpl& world, std::span<const std::uint32_t> bodie
     return energy;
 }
 
-double givenAtOnce(const WorldImpl& world, std::span<const std::uint32_t> bodies) {
+double givenAtOnce(const GuardView& view, std::span<const std::uint32_t> bodies) {
     double energy = 0;
     for (const std::uint32_t b : bodies) {
-        const Vec3 change = world.dt * world.bodies.dynamics[b].acceleration;
-        energy += 0.5 * static_cast<double>(world.bodies[b].mass * lengthSquared(change));
+        const Vec3 change = view.dt * view.bodies.dynamics[b].acceleration;
+        energy += 0.5 * static_cast<double>(view.bodies[b].mass * lengthSquared(change));
     }
     return energy;
 }

@@ -13,22 +13,22 @@
 /// over the bodies that hang together, with r from that place and the speeds before and after.
 namespace ragtop {
 
-struct WorldImpl;
+struct GuardView;
 
 /// What drives by joints.
 struct EnergyDriver {
-    DVec3 center;    ///< m, about which it turns
+    DVec3 center;     ///< m, about which it turns
     float speed = 0;  ///< m/s
     float turn = 0;   ///< rad/s
 };
 
 /// Lists what drives a body by its joints; J, that all else gives it in this step at most.
-double addDrivers(const WorldImpl& world, std::uint32_t body, AlignedArray<EnergyDriver>& drivers);
+double addDrivers(const GuardView& view, std::uint32_t body, AlignedArray<EnergyDriver>& drivers);
 /// J, the most that drivers can have given such bodies in this step.
-double drivenEnergy(const WorldImpl& world, std::span<const std::uint32_t> bodies,
+double drivenEnergy(const GuardView& view, std::span<const std::uint32_t> bodies,
                     std::span<const EnergyDriver> drivers);
 
 /// J, that forces give in a step to bodies at rest which nothing holds.
-double givenAtOnce(const WorldImpl& world, std::span<const std::uint32_t> bodies);
+double givenAtOnce(const GuardView& view, std::span<const std::uint32_t> bodies);
 
 }  // namespace ragtop

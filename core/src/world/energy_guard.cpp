@@ -7,9 +7,9 @@
 #include "constraints/contact_layout.h"
 #include "constraints/stored_energy.h"
 #include "direct/choice.h"
+#include "model/joint_bodies.h"
 #include "world/group_motion.h"
 #include "world/jointed_groups.h"
-#include "world/world_impl.h"
 
 namespace ragtop {
 
@@ -27,11 +27,11 @@ constexpr double kThrown = 0.1;
 constexpr double kGarbage = 10;
 
 /// J, that forces gave a body along its way.
-double workOn(const WorldImpl& world, std::uint32_t index) {
-    const BodyDynamics& d = world.bodies.dynamics[index];
-    const BodyState& state = world.bodies.states[index];
+double workOn(const GuardView& view, std::uint32_t index) {
+    const BodyDynamics& d = view.bodies.dynamics[index];
+    const BodyState& state = view.bodies.states[index];
     const Vec3 turn = 2 * Vec3{state.dq.x, state.dq.y, state.dq.z};
-    return static_cast<double>(world.bodies[index].mass) * static_cast<double>(dot(d.acceleration, state.dp)) +
+    return static_cast<double>(view.bodies[index].mass) * static_cast<double>(dot(d.acceleration, state.dp)) +
            static_cast<double>(dot(d.torque, turn));
 }
 
@@ -41,19 +41,19 @@ struct Stored {
 };
 
 /// Of those joints that are counted with a body.
-Stored storedBy(const WorldImpl& world, std::uint32_t index) {
+Stored storedBy(const GuardView& view, std::uint32_t index) {
     Stored stored;
-    if (!world.energyGuard.stores) return stored;
-    for (std::uint32_t key = world.bodies[index].firstJoint; key != kNone;
-         key = world.joints[key >> 1].edges[key & 1].next) {
-        if (!world.joints.isHolding(key >> 1)) continue;
-        const JointRecord& joint = world.joints[key >> 1];
-        const JointSim& sim = world.joints.sims[key >> 1];
-        const bool isCounted = (key & 1) == 0 || !world.bodies.moves(joint.bodyA);
+    if (!view.guard.stores) return stored;
+    for (std::uint32_t key = view.bodies[index].firstJoint; key != kNone;
+         key = view.joints[key >> 1].edges[key & 1].next) {
+        if (!view.joints.isHolding(key >> 1)) continue;
+        const JointRecord& joint = view.joints[key >> 1];
+        const JointSim& sim = view.joints.sims[key >> 1];
+        const bool isCounted = (key & 1) == 0 || !view.bodies.moves(joint.bodyA);
         if (!isCounted || !storesEnergy(sim)) continue;
-        JointBodiesAtStep at = jointBodies(world.bodies, joint);
+        JointBodiesAtStep at = jointBodies(view.bodies, joint);
         const double before = storedEnergy(sim, at);
-        const BodyState &a = world.bodies.states[sim.stateA], &b = world.bodies.states[sim.stateB];
+        const BodyState &a = view.bodies.states[sim.stateA], &b = view.bodies.states[sim.stateB];
         at.centerOffset += b.dp - a.dp;
         at.rotationA = a.dq * at.rotationA, at.rotationB = b.dq * at.rotationB;
         stored.before += before;
@@ -62,55 +62,55 @@ Stored storedBy(const WorldImpl& world, std::uint32_t index) {
     return stored;
 }
 
-double excessOf(const WorldImpl& world, std::uint32_t index) {
-    return kineticEnergy(world, index, rotationNow(world, index)) -
-           static_cast<double>(world.energyGuard.kinetic[index]) + storedBy(world, index).gained - workOn(world, index);
+double excessOf(const GuardView& view, std::uint32_t index) {
+    return kineticEnergy(view.bodies, index, rotationNow(view.bodies, index)) -
+           static_cast<double>(view.guard.kinetic[index]) + storedBy(view, index).gained - workOn(view, index);
 }
 
 /// By more than a load presses surfaces into each other.
-bool overlaps(const WorldImpl& world, const ContactRecord& contact) {
+bool overlaps(const GuardView& view, const ContactRecord& contact) {
     bool inside = false;
-    for (const ManifoldRecord& manifold : world.manifolds.of(contact))
+    for (const ManifoldRecord& manifold : view.manifolds.of(contact))
         for (int j = 0; j < manifold.pointCount; ++j) inside |= manifold.separation[j] < -contact::kDeep * contact.size;
     return inside;
 }
 
 /// J, of a body at the speed that overlaps push with.
-double pushEnergy(const WorldImpl& world, std::uint32_t index) {
-    const double speed = static_cast<double>(world.context.pushOut * world.bodies[index].size);
-    return 0.5 * static_cast<double>(world.bodies[index].mass) * speed * speed;
+double pushEnergy(const GuardView& view, std::uint32_t index) {
+    const double speed = static_cast<double>(view.context.pushOut * view.bodies[index].size);
+    return 0.5 * static_cast<double>(view.bodies[index].mass) * speed * speed;
 }
 
 /// What a body of an island touches or is joined to.
 template <class Reach>
-void lookAround(const WorldImpl& world, std::uint32_t body, GuardedIsland& look, Reach&& reach) {
-    for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
-         key = world.joints[key >> 1].edges[key & 1].next) {
-        if (!world.joints.isHolding(key >> 1)) continue;
-        look.stores |= storesEnergy(world.joints.sims[key >> 1]);
-        reach((key & 1) != 0 ? world.joints[key >> 1].bodyA : world.joints[key >> 1].bodyB);
+void lookAround(const GuardView& view, std::uint32_t body, GuardedIsland& look, Reach&& reach) {
+    for (std::uint32_t key = view.bodies[body].firstJoint; key != kNone;
+         key = view.joints[key >> 1].edges[key & 1].next) {
+        if (!view.joints.isHolding(key >> 1)) continue;
+        look.stores |= storesEnergy(view.joints.sims[key >> 1]);
+        reach((key & 1) != 0 ? view.joints[key >> 1].bodyA : view.joints[key >> 1].bodyB);
     }
-    for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.contacts.next(key)) {
-        const ContactRecord& contact = world.contacts[key >> 1];
+    for (std::uint32_t key = view.bodies[body].firstContact; key != kNone; key = view.contacts.next(key)) {
+        const ContactRecord& contact = view.contacts[key >> 1];
         if (contact.sensor || contact.firstManifold == kNone) continue;
-        look.isPushed = look.isPushed || overlaps(world, contact);
+        look.isPushed = look.isPushed || overlaps(view, contact);
         reach((key & 1) != 0 ? contact.bodyA : contact.bodyB);
     }
 }
 
 /// All that a body touches or is joined to, and so on; each island is looked at once in a step, whatever asks for
 /// it.
-GuardedIsland& islandOf(WorldImpl& world, std::uint32_t first) {
-    EnergyGuard& guard = world.energyGuard;
+GuardedIsland& islandOf(const GuardView& view, std::uint32_t first) {
+    EnergyGuard& guard = view.guard;
     if (guard.islandOf[first] != kNone) return guard.islands[guard.islandOf[first]];
     const auto number = static_cast<std::uint32_t>(guard.islands.size());
     GuardedIsland look;
     look.begin = static_cast<std::uint32_t>(guard.visited.size());
     look.firstDriver = static_cast<std::uint32_t>(guard.drivers.size());
     const auto reach = [&](std::uint32_t body) {
-        if (!world.bodies.moves(body)) {
+        if (!view.bodies.moves(body)) {
             look.hangs = true;
-        } else if (world.bodies.isAwake(body) && guard.islandOf[body] == kNone) {
+        } else if (view.bodies.isAwake(body) && guard.islandOf[body] == kNone) {
             guard.islandOf[body] = number;
             guard.visited.push(body);
         }
@@ -118,88 +118,88 @@ GuardedIsland& islandOf(WorldImpl& world, std::uint32_t first) {
     reach(first);
     for (std::size_t i = look.begin; i < guard.visited.size(); ++i) {
         const std::uint32_t body = guard.visited[i];
-        look.excess += excessOf(world, body);
-        lookAround(world, body, look, reach);
-        look.driven += addDrivers(world, body, guard.drivers);
+        look.excess += excessOf(view, body);
+        lookAround(view, body, look, reach);
+        look.driven += addDrivers(view, body, guard.drivers);
     }
     look.lastDriver = static_cast<std::uint32_t>(guard.drivers.size());
     look.end = static_cast<std::uint32_t>(guard.visited.size());
     for (std::size_t i = look.begin; i < look.end && look.isPushed; ++i)
-        look.pushed += pushEnergy(world, guard.visited[i]);
+        look.pushed += pushEnergy(view, guard.visited[i]);
     guard.islands.push(look);
     return guard.islands[number];
 }
 
-void stayPut(WorldImpl& world, std::span<const std::uint32_t> group) {
+void stayPut(const GuardView& view, std::span<const std::uint32_t> group) {
     for (const std::uint32_t b : group) {
-        world.bodies.states[b].dp = {};
-        world.bodies.states[b].dq = {};
-        world.bodies.refreshInertia(b);
-        for (std::uint32_t key = world.bodies[b].firstJoint; key != kNone;
-             key = world.joints[key >> 1].edges[key & 1].next)
-            restoreCounts(world.joints.sims[key >> 1]);
+        view.bodies.states[b].dp = {};
+        view.bodies.states[b].dq = {};
+        view.bodies.refreshInertia(b);
+        for (std::uint32_t key = view.bodies[b].firstJoint; key != kNone;
+             key = view.joints[key >> 1].edges[key & 1].next)
+            restoreCounts(view.joints.sims[key >> 1]);
     }
 }
 
 /// It falls back to iteration for a while: a direct solve of joints that stand open, or of motions far from its linear
 /// ones, is none.
-void barDirect(WorldImpl& world, std::span<const std::uint32_t> group) {
+void barDirect(const GuardView& view, std::span<const std::uint32_t> group) {
     bool changed = false;
     for (const std::uint32_t b : group) {
-        std::int32_t& steps = world.bodies[b].directSteps;
+        std::int32_t& steps = view.bodies[b].directSteps;
         changed |= steps > 0;
         steps = std::min(steps, -direct::kCooldownSteps);
     }
-    if (changed) world.islands.graphChanged = world.islands.directChanged = true;
+    if (changed) view.islands.graphChanged = view.islands.directChanged = true;
 }
 
 /// Has a force or velocity beyond all measure taken some body out of the range of numbers? Then it is stopped alone.
-bool isThrown(const WorldImpl& world, std::span<const std::uint32_t> group) {
+bool isThrown(const GuardView& view, std::span<const std::uint32_t> group) {
     constexpr float kBeyond = 1e12f;  // m/s², rad/s² and J
     for (const std::uint32_t b : group) {
-        const BodyDynamics& d = world.bodies.dynamics[b];
-        const bool pushed = length(d.acceleration) > kBeyond || length(world.bodies.inertias[b] * d.torque) > kBeyond;
-        if (pushed || !(world.energyGuard.kinetic[b] < kBeyond)) return true;
+        const BodyDynamics& d = view.bodies.dynamics[b];
+        const bool pushed = length(d.acceleration) > kBeyond || length(view.bodies.inertias[b] * d.torque) > kBeyond;
+        if (pushed || !(view.guard.kinetic[b] < kBeyond)) return true;
     }
     return false;
 }
 
 /// Did some body go farther than so much energy, J, would take it? Four times as far is not what bodies of a group hand
 /// each other in a step.
-bool overran(const WorldImpl& world, std::span<const std::uint32_t> group, double energy) {
+bool overran(const GuardView& view, std::span<const std::uint32_t> group, double energy) {
     constexpr double kFar = 16;  // in squares of the way
     for (const std::uint32_t b : group) {
-        const double speed = static_cast<double>(length(world.bodies.states[b].dp)) / static_cast<double>(world.dt);
-        if (0.5 * static_cast<double>(world.bodies[b].mass) * speed * speed > kFar * energy) return true;
+        const double speed = static_cast<double>(length(view.bodies.states[b].dp)) / static_cast<double>(view.dt);
+        if (0.5 * static_cast<double>(view.bodies[b].mass) * speed * speed > kFar * energy) return true;
     }
     return false;
 }
 
 /// J, by which the kinetic energy of a link may differ from that of its place: speeds of trees are those of the middle
 /// of a substep, half of one earlier, and so were those that the step began with.
-double earlyEnergy(const WorldImpl& world, std::uint32_t index) {
-    const BodyRecord& body = world.bodies[index];
+double earlyEnergy(const GuardView& view, std::uint32_t index) {
+    const BodyRecord& body = view.bodies[index];
     if (body.directReason != direct::Reason::tree) return 0;
-    const float early = world.context.h * static_cast<float>(body.stepFactor);
-    return static_cast<double>(body.mass * early * length(world.bodies.dynamics[index].acceleration) *
-                               length(world.bodies.states[index].v));
+    const float early = view.context.h * static_cast<float>(body.stepFactor);
+    return static_cast<double>(body.mass * early * length(view.bodies.dynamics[index].acceleration) *
+                               length(view.bodies.states[index].v));
 }
 
-EnergyAccount accountOf(const WorldImpl& world, std::span<const std::uint32_t> group) {
+EnergyAccount accountOf(const GuardView& view, std::span<const std::uint32_t> group) {
     EnergyAccount account;
     double work = 0, weight = 0;
     Stored stored;
     for (const std::uint32_t b : group) {
-        const Stored own = storedBy(world, b);
+        const Stored own = storedBy(view, b);
         stored.before += own.before, stored.gained += own.gained;
-        account.before += static_cast<double>(world.energyGuard.kinetic[b]);
-        account.now += kineticEnergy(world, b, rotationNow(world, b));
-        work += workOn(world, b);
-        weight += static_cast<double>(world.bodies[b].mass * world.bodies[b].size);
-        account.room += earlyEnergy(world, b);
+        account.before += static_cast<double>(view.guard.kinetic[b]);
+        account.now += kineticEnergy(view.bodies, b, rotationNow(view.bodies, b));
+        work += workOn(view, b);
+        weight += static_cast<double>(view.bodies[b].mass * view.bodies[b].size);
+        account.room += earlyEnergy(view, b);
     }
     account.excess = account.now - account.before + stored.gained - work;
-    weight *= static_cast<double>(length(world.settings.gravity));
+    weight *= static_cast<double>(length(view.gravity));
     account.lawful = std::max(account.before, account.before + work) + stored.before + weight;
     account.room += kRoom * account.lawful;
     if (stored.before > 0 || stored.gained > 0) account.room += kSpringRoom * (account.before + stored.before);
@@ -230,89 +230,90 @@ bool fits(float& room, const EnergyAccount& account) {
 }
 
 /// What is known of an island once for all of its groups.
-void completeAccount(const WorldImpl& world, GuardedIsland& look) {
+void completeAccount(const GuardView& view, GuardedIsland& look) {
     if (look.lawful >= 0) return;
-    const EnergyGuard& guard = world.energyGuard;
+    const EnergyGuard& guard = view.guard;
     const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
-    look.lawful = accountOf(world, island).lawful;
-    look.atOnce = givenAtOnce(world, island);
+    look.lawful = accountOf(view, island).lawful;
+    look.atOnce = givenAtOnce(view, island);
     look.driven +=
-        drivenEnergy(world, island, {guard.drivers.data() + look.firstDriver, look.lastDriver - look.firstDriver});
+        drivenEnergy(view, island, {guard.drivers.data() + look.firstDriver, look.lastDriver - look.firstDriver});
 }
 
 /// Did a step give so much more than there was, or take bodies so far, that its velocities are no estimate of anything,
 /// nor the work of forces along its ways?
-bool isGarbage(const WorldImpl& world, std::span<const std::uint32_t> island, const GuardedIsland& look,
-               double beyond) {
+bool isGarbage(const GuardView& view, std::span<const std::uint32_t> island, const GuardedIsland& look, double beyond) {
     const double most = look.lawful + look.pushed + look.atOnce;
-    return beyond > kGarbage * most || (beyond > look.pushed && overran(world, island, most + look.driven));
+    return beyond > kGarbage * most || (beyond > look.pushed && overran(view, island, most + look.driven));
 }
 
 /// A step that left nothing which could be mended is as if it had not been: bodies are where and as fast as they were,
 /// and the next begins without impulses.
-void undoMotion(WorldImpl& world, std::span<const std::uint32_t> group) {
+void undoMotion(const GuardView& view, std::span<const std::uint32_t> group) {
     for (const std::uint32_t b : group) {
-        world.bodies.states[b].v = world.energyGuard.speeds[b].v;
-        world.bodies.states[b].w = world.energyGuard.speeds[b].w;
-        world.bodies.storeMomentum(b);
+        view.bodies.states[b].v = view.guard.speeds[b].v;
+        view.bodies.states[b].w = view.guard.speeds[b].w;
+        view.bodies.storeMomentum(b);
     }
-    stayPut(world, group);
-    for (const std::uint32_t b : group) world.scene().forgetImpulses(b, false);
-    barDirect(world, group);
-    ++world.energyGuard.caught;
+    stayPut(view, group);
+    for (const std::uint32_t b : group) view.scene.forgetImpulses(b, false);
+    barDirect(view, group);
+    ++view.guard.caught;
 }
 
-void undoStep(WorldImpl& world, GuardedIsland& look) {
-    EnergyGuard& guard = world.energyGuard;
-    undoMotion(world, {guard.visited.data() + look.begin, look.end - look.begin});
+void undoStep(const GuardView& view, GuardedIsland& look) {
+    EnergyGuard& guard = view.guard;
+    undoMotion(view, {guard.visited.data() + look.begin, look.end - look.begin});
     guard.taken += look.excess;
     look.excess = 0;
 }
 
-void guardGroup(WorldImpl& world, std::size_t g) {
-    EnergyGuard& guard = world.energyGuard;
+void guardGroup(const GuardView& view, std::size_t g) {
+    EnergyGuard& guard = view.guard;
     const std::span<const std::uint32_t> group = guard.membersOf(g);
     float& room = roomOf(guard, group);
     EnergyAccount account = guard.accounts[g];
     if (!std::isfinite(account.excess)) {
         room = 0;
-        return isThrown(world, group) ? barDirect(world, group) : undoMotion(world, group);
+        return isThrown(view, group) ? barDirect(view, group) : undoMotion(view, group);
     }
     const double left = static_cast<double>(room) * account.room;
-    GuardedIsland& look = islandOf(world, group.front());
+    GuardedIsland& look = islandOf(view, group.front());
     double beyond = std::min(account.excess, look.excess) - left;
     if (!(beyond > 0)) return;
     const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
-    completeAccount(world, look);
+    completeAccount(view, look);
     beyond -= look.driven;
     if (!(beyond > 0)) return;
     const bool isIsolated = !look.hangs && look.driven == 0 && island.size() == group.size();
-    if (isGarbage(world, island, look, beyond)) {
+    if (isGarbage(view, island, look, beyond)) {
         room = 0;
-        return undoStep(world, look);
+        return undoStep(view, look);
     }
     if (guard.watched[g] != Watching::all) return;
     if (isIsolated) {
-        turnToMomentum(world, group, guard.momentum[g]);
+        turnToMomentum(view.bodies, group, guard.momentum[g]);
         const double turned = account.now;
-        account.now = accountOf(world, group).now;
+        account.now = accountOf(view, group).now;
         beyond += account.now - turned;
     }
     const double whole = beyond;
     // What overlaps is pushed, at a speed that is bounded.
     beyond = std::min(beyond, account.now - look.pushed);
-    double taken = takeEnergy(world, group, beyond, isIsolated);
+    double taken = takeEnergy(view.bodies, view.joints, group, beyond, isIsolated);
     // Momenta too are wrong where impulses were so large that their rounding moves all of the group.
     const double lawful = account.now - beyond;
-    if (const double more = accountOf(world, group).now - lawful; more > kThrown * look.lawful)
-        taken += takeEnergy(world, group, more, false);
+    if (const double more = accountOf(view, group).now - lawful; more > kThrown * look.lawful)
+        taken += takeEnergy(view.bodies, view.joints, group, more, false);
     // What touches the group may have got some of it.
-    if (!isIsolated) taken += takeEnergy(world, island, look.excess - left - look.driven - look.pushed - taken, false);
+    if (!isIsolated)
+        taken +=
+            takeEnergy(view.bodies, view.joints, island, look.excess - left - look.driven - look.pushed - taken, false);
     // Springs have the rest, or heights of what is held: the way that led there is not gone.
     const bool isLeft = whole - look.pushed - taken > account.room;
-    if (isLeft && (look.stores || !isIsolated)) stayPut(world, island);
+    if (isLeft && (look.stores || !isIsolated)) stayPut(view, island);
     if (isLeft && look.stores)
-        for (const std::uint32_t b : island) world.scene().forgetImpulses(b);
+        for (const std::uint32_t b : island) view.scene.forgetImpulses(b);
     look.excess -= taken;
     if (taken > 0) {
         ++guard.caught;
@@ -322,87 +323,87 @@ void guardGroup(WorldImpl& world, std::size_t g) {
 }
 
 /// What a direct solve that fell back has given to bodies that no joint holds, which are in no group.
-void guardFallenBack(WorldImpl& world, const DirectIsland& fallen) {
-    EnergyGuard& guard = world.energyGuard;
-    GuardedIsland& look = islandOf(world, world.directSet.bodies[fallen.firstBody]);
+void guardFallenBack(const GuardView& view, const DirectIsland& fallen) {
+    EnergyGuard& guard = view.guard;
+    GuardedIsland& look = islandOf(view, view.directSet.bodies[fallen.firstBody]);
     const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
     if (!std::isfinite(look.excess)) return;
-    completeAccount(world, look);
+    completeAccount(view, look);
     const double beyond = look.excess - look.driven - look.pushed - kRoom * look.lawful;
-    if (isGarbage(world, island, look, beyond)) return undoStep(world, look);
-    const double taken = takeEnergy(world, island, beyond, false);
+    if (isGarbage(view, island, look, beyond)) return undoStep(view, look);
+    const double taken = takeEnergy(view.bodies, view.joints, island, beyond, false);
     if (!(taken > 0)) return;
     look.excess -= taken;
     ++guard.caught;
     guard.taken += taken;
-    for (const std::uint32_t b : island) world.scene().forgetImpulses(b, false);  // joints keep their turns
+    for (const std::uint32_t b : island) view.scene.forgetImpulses(b, false);  // joints keep their turns
 }
 
 }  // namespace
 
-void recordKinetic(WorldImpl& world, std::uint32_t body) {
-    world.energyGuard.kinetic[body] = static_cast<float>(kineticEnergy(world, body, world.bodies[body].rotation));
-    world.energyGuard.speeds[body] = {world.bodies.states[body].v, world.bodies.states[body].w};
+void recordKinetic(EnergyGuard& guard, const Bodies& bodies, std::uint32_t body) {
+    guard.kinetic[body] = static_cast<float>(kineticEnergy(bodies, body, bodies[body].rotation));
+    guard.speeds[body] = {bodies.states[body].v, bodies.states[body].w};
 }
 
-void beginGuard(WorldImpl& world) {
-    findGroups(world);
-    EnergyGuard& guard = world.energyGuard;
+void beginGuard(const GuardView& view) {
+    findGroups(view);
+    EnergyGuard& guard = view.guard;
     if (guard.groupCount() == 0) return;
-    guard.kinetic.resizeForOverwrite(world.bodies.size());
-    guard.speeds.resizeForOverwrite(world.bodies.size());
-    world.runner.parallelFor(static_cast<int>(world.bodies.awake.size()), 64, [&](int begin, int end, int) {
+    guard.kinetic.resizeForOverwrite(view.bodies.size());
+    guard.speeds.resizeForOverwrite(view.bodies.size());
+    view.runner.parallelFor(static_cast<int>(view.bodies.awake.size()), 64, [&](int begin, int end, int) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-            recordKinetic(world, world.bodies.awake[i]);
+            recordKinetic(guard, view.bodies, view.bodies.awake[i]);
     });
     guard.momentum.resizeForOverwrite(guard.groupCount());
-    world.runner.parallelFor(static_cast<int>(guard.groupCount()), 4, [&](int begin, int end, int) {
+    view.runner.parallelFor(static_cast<int>(guard.groupCount()), 4, [&](int begin, int end, int) {
         for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g)
             if (guard.watched[g] != Watching::none)
-                guard.momentum[g] = angularMomentumAtStart(world, guard.membersOf(g));
+                guard.momentum[g] = angularMomentumAtStart(view.bodies, guard.membersOf(g));
     });
 }
 
-void recordDriven(WorldImpl& world, std::uint32_t body) {
-    if (world.energyGuard.groupCount() > 0) world.energyGuard.kinetic[body] = std::numeric_limits<float>::infinity();
+void recordDriven(EnergyGuard& guard, std::uint32_t body) {
+    if (guard.groupCount() > 0) guard.kinetic[body] = std::numeric_limits<float>::infinity();
 }
 
-bool hasGainedEnergy(WorldImpl& world, std::span<const std::uint32_t> bodies) {
-    return !fits(roomOf(world.energyGuard, bodies), accountOf(world, bodies));
+bool hasGainedEnergy(const GuardView& view, std::span<const std::uint32_t> bodies) {
+    return !fits(roomOf(view.guard, bodies), accountOf(view, bodies));
 }
 
-void guardEnergy(WorldImpl& world) {
-    EnergyGuard& guard = world.energyGuard;
+void guardEnergy(const GuardView& view) {
+    EnergyGuard& guard = view.guard;
     const std::size_t groups = guard.groupCount();
     if (groups == 0) return;
     guard.accounts.resizeForOverwrite(groups);
     guard.suspects.resizeForOverwrite(groups);
     // Trees that go alone and have kept their energy have been finished.
     const auto isFinished = [&](std::size_t g) {
-        return world.directSet.multirate.independentCount > 0 &&
-               (world.directSet.multirate.marks[guard.membersOf(g).front()] & Multirate::kIndependent) != 0;
+        return view.directSet.multirate.independentCount > 0 &&
+               (view.directSet.multirate.marks[guard.membersOf(g).front()] & Multirate::kIndependent) != 0;
     };
-    world.runner.parallelFor(static_cast<int>(groups), 4, [&](int begin, int end, int) {
+    view.runner.parallelFor(static_cast<int>(groups), 4, [&](int begin, int end, int) {
         for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g) {
             guard.suspects[g] = 0;
             if (guard.watched[g] == Watching::none || isFinished(g)) continue;
             const std::span<const std::uint32_t> group = guard.membersOf(g);
             EnergyAccount& account = guard.accounts[g];
-            account = accountOf(world, group);
+            account = accountOf(view, group);
             guard.suspects[g] = guard.watched[g] == Watching::all ? !fits(roomOf(guard, group), account)
                                                                   : !(account.excess <= kGarbage * account.lawful);
         }
     });
     guard.islands.clear();
     guard.drivers.clear();
-    guard.islands.reserve(groups + world.directSet.islands.size());
+    guard.islands.reserve(groups + view.directSet.islands.size());
     guard.visited.clear();
-    guard.islandOf.resizeForOverwrite(world.bodies.size());
-    for (const std::uint32_t body : world.bodies.awake) guard.islandOf[body] = kNone;
+    guard.islandOf.resizeForOverwrite(view.bodies.size());
+    for (const std::uint32_t body : view.bodies.awake) guard.islandOf[body] = kNone;
     for (std::size_t g = 0; g < groups; ++g)
-        if (guard.suspects[g] != 0) guardGroup(world, g);
-    for (const DirectIsland& island : world.directSet.islands)
-        if (island.fellBack && island.jointCount > 0 && island.contactCount > 0) guardFallenBack(world, island);
+        if (guard.suspects[g] != 0) guardGroup(view, g);
+    for (const DirectIsland& island : view.directSet.islands)
+        if (island.fellBack && island.jointCount > 0 && island.contactCount > 0) guardFallenBack(view, island);
 }
 
 }  // namespace ragtop

@@ -6,19 +6,18 @@
 
 #include "base/aligned_array.h"
 #include "ragtop/math.h"
+#include "scene/scene.h"
 #include "world/energy_drivers.h"
 
-/// The last guard of the energy law. Whatever way an island is solved, bodies that joints hold together may not gain more
-/// energy, kinetic and of springs and soft stops, in a step than forces and gravity have given them along the way they
-/// went:
+/// The last guard of the energy law. Whatever way an island is solved, bodies that joints hold together may not gain
+/// more energy, kinetic and of springs and soft stops, in a step than forces and gravity have given them along the way
+/// they went:
 ///   ΔK + ΔU ≤ Σ m a · dp + τ · dθ + room,
 /// and what moves on its own (energy_drivers.h),
-/// with a room of 0.5 %, a tenth where springs store, for what an integrator trades between places and speeds; refilled by what is
-/// dissipated only, so that no slow growth passes. What is beyond is taken from the motion of the bodies against each
-/// other, never below what they began the step with: momenta stay as they are.
+/// with a room of 0.5 %, a tenth where springs store, for what an integrator trades between places and speeds; refilled
+/// by what is dissipated only, so that no slow growth passes. What is beyond is taken from the motion of the bodies
+/// against each other, never below what they began the step with: momenta stay as they are.
 namespace ragtop {
-
-struct WorldImpl;
 
 /// Which of the gains of a group are looked at: none, those that are beyond all measure, or all.
 enum class Watching : std::uint8_t { none, garbage, all };
@@ -34,15 +33,15 @@ struct EnergyAccount {
 /// The island that groups with more energy than they have room for belong to, of this step.
 struct GuardedIsland {
     std::uint32_t begin = 0, end = 0;  ///< of its bodies
-    double excess = 0;        ///< J, what its bodies gained
-    double pushed = 0;        ///< J, of its bodies at the speed that overlaps push with; 0 where none does
-    double lawful = -1;       ///< J, kinetic at most; negative: not asked for yet
-    double atOnce = 0;        ///< J, that forces give in a step to bodies at rest which nothing holds
-    bool isPushed = false;    ///< something in it overlaps
-    bool stores = false;      ///< some joint has springs or soft stops
+    double excess = 0;                 ///< J, what its bodies gained
+    double pushed = 0;                 ///< J, of its bodies at the speed that overlaps push with; 0 where none does
+    double lawful = -1;                ///< J, kinetic at most; negative: not asked for yet
+    double atOnce = 0;                 ///< J, that forces give in a step to bodies at rest which nothing holds
+    bool isPushed = false;             ///< something in it overlaps
+    bool stores = false;               ///< some joint has springs or soft stops
     std::uint32_t firstDriver = 0, lastDriver = 0;  ///< what drives it by joints
-    double driven = 0;        ///< J, that all which moves on its own gave at most
-    bool hangs = false;       ///< on what does not move
+    double driven = 0;                              ///< J, that all which moves on its own gave at most
+    bool hangs = false;                             ///< on what does not move
 };
 
 /// Bodies in groups: those that joints hold together, through bodies that move. Found anew when articulations are.
@@ -65,7 +64,7 @@ struct EnergyGuard {
 
     AlignedArray<std::uint32_t> parent;  ///< union-find over bodies
     AlignedArray<std::uint32_t> starts, bodies;
-    AlignedArray<Watching> watched;      ///< per group
+    AlignedArray<Watching> watched;        ///< per group
     AlignedArray<EnergyAccount> accounts;  ///< per group, of this step
     AlignedArray<std::uint8_t> suspects;   ///< per group: has it gained more than it has room for?
     AlignedArray<Vec3> momentum;  ///< per group, kg m²/s, angular, about its centre of mass, when the step began
@@ -74,14 +73,14 @@ struct EnergyGuard {
         Vec3 v, w;  ///< m/s, rad/s
     };
     AlignedArray<Speeds> speeds;  ///< the same, of their velocities
-    AlignedArray<float> room;     ///< per body, share of its group's room that is left; counts for the lowest of a group
-    AlignedArray<std::uint32_t> visited;  ///< bodies of the islands that were looked at, one island after the other
+    AlignedArray<float> room;  ///< per body, share of its group's room that is left; counts for the lowest of a group
+    AlignedArray<std::uint32_t> visited;   ///< bodies of the islands that were looked at, one island after the other
     AlignedArray<std::uint32_t> islandOf;  ///< per body, which of these it is in
     AlignedArray<GuardedIsland> islands;
     AlignedArray<EnergyDriver> drivers;  ///< of these
-    bool stores = false;                  ///< some joint of some group does
-    std::uint64_t caught = 0;             ///< times that energy was taken, since the world was made
-    double taken = 0;                     ///< J
+    bool stores = false;                 ///< some joint of some group does
+    std::uint64_t caught = 0;            ///< times that energy was taken, since the world was made
+    double taken = 0;                    ///< J
 
     std::size_t groupCount() const { return watched.size(); }
     std::span<const std::uint32_t> membersOf(std::size_t group) const {
@@ -89,16 +88,35 @@ struct EnergyGuard {
     }
 };
 
+/// What watching the energy of groups reads and writes.
+struct GuardView {
+    Bodies& bodies;
+    const Shapes& shapes;
+    const Contacts& contacts;
+    const Manifolds& manifolds;
+    Joints& joints;  ///< what springs lead by, and turns that a step which is undone has counted
+    const ConstraintGraph& graph;
+    Islands& islands;  ///< that solvers are to be chosen anew
+    const Articulations& articulations;
+    const DirectSet& directSet;
+    EnergyGuard& guard;
+    const SolverContext& context;
+    const Vec3& gravity;
+    float dt;
+    Scene scene;  ///< impulses that are forgotten
+    StageRunner& runner;
+};
+
 /// When a step begins: groups the bodies, where they changed, and notes what they have.
-void beginGuard(WorldImpl& world);
+void beginGuard(const GuardView& view);
 /// The same of one body that was given another speed since.
-void recordKinetic(WorldImpl& world, std::uint32_t body);
+void recordKinetic(EnergyGuard& guard, const Bodies& bodies, std::uint32_t body);
 /// What a module gives a body within a step is not looked at.
-void recordDriven(WorldImpl& world, std::uint32_t body);
+void recordDriven(EnergyGuard& guard, std::uint32_t body);
 /// May bodies that joints alone hold together have gained more than their groups have room for? If not, what they have
 /// is noted. On any thread, once in a step for a group.
-bool hasGainedEnergy(WorldImpl& world, std::span<const std::uint32_t> bodies);
+bool hasGainedEnergy(const GuardView& view, std::span<const std::uint32_t> bodies);
 /// When all substeps are done, before poses move.
-void guardEnergy(WorldImpl& world);
+void guardEnergy(const GuardView& view);
 
 }  // namespace ragtop

@@ -3,32 +3,30 @@
 #include <algorithm>
 #include <cmath>
 
-#include "world/world_impl.h"
-
 namespace ragtop {
 
-double kineticEnergy(const WorldImpl& world, std::uint32_t index, const Quat& rotation) {
-    const BodyRecord& body = world.bodies[index];
-    const BodyState& state = world.bodies.states[index];
+double kineticEnergy(const Bodies& bodies, std::uint32_t index, const Quat& rotation) {
+    const BodyRecord& body = bodies[index];
+    const BodyState& state = bodies.states[index];
     const Vec3 w = inverseRotate(rotation, state.w);
     const double mass = static_cast<double>(body.mass);
-    return 0.5 * (mass * static_cast<double>(lengthSquared(state.v)) +
-                  static_cast<double>(dot(w, scale(body.inertia, w))));
+    return 0.5 *
+           (mass * static_cast<double>(lengthSquared(state.v)) + static_cast<double>(dot(w, scale(body.inertia, w))));
 }
 
-Quat rotationNow(const WorldImpl& world, std::uint32_t index) {
-    return normalized(world.bodies.states[index].dq * world.bodies[index].rotation);
+Quat rotationNow(const Bodies& bodies, std::uint32_t index) {
+    return normalized(bodies.states[index].dq * bodies[index].rotation);
 }
 
-Vec3 angularMomentumAtStart(const WorldImpl& world, std::span<const std::uint32_t> group) {
+Vec3 angularMomentumAtStart(const Bodies& bodies, std::span<const std::uint32_t> group) {
     // About the first body: float arms are short.
-    const DVec3 origin = world.bodies[group.front()].center;
+    const DVec3 origin = bodies[group.front()].center;
     float mass = 0;
     Vec3 moment, momentum, angular;
     for (const std::uint32_t b : group) {
-        const BodyRecord& body = world.bodies[b];
-        const Vec3 r = toVec3(body.center - origin), p = body.mass * world.bodies.states[b].v;
-        const Vec3 spin = scale(body.inertia, inverseRotate(body.rotation, world.bodies.states[b].w));
+        const BodyRecord& body = bodies[b];
+        const Vec3 r = toVec3(body.center - origin), p = body.mass * bodies.states[b].v;
+        const Vec3 spin = scale(body.inertia, inverseRotate(body.rotation, bodies.states[b].w));
         mass += body.mass;
         moment += body.mass * r;
         momentum += p;
@@ -37,16 +35,16 @@ Vec3 angularMomentumAtStart(const WorldImpl& world, std::span<const std::uint32_
     return angular - (1 / mass) * cross(moment, momentum);
 }
 
-CommonMotion commonMotion(const WorldImpl& world, std::span<const std::uint32_t> group) {
+CommonMotion commonMotion(const Bodies& bodies, std::span<const std::uint32_t> group) {
     CommonMotion motion;
     double mass = 0;
     DVec3 center{}, momentum{};
-    const auto place = [&](std::uint32_t b) { return world.bodies[b].center + world.bodies.states[b].dp; };
+    const auto place = [&](std::uint32_t b) { return bodies[b].center + bodies.states[b].dp; };
     for (const std::uint32_t b : group) {
-        const double m = static_cast<double>(world.bodies[b].mass);
+        const double m = static_cast<double>(bodies[b].mass);
         mass += m;
         center = center + m * place(b);
-        momentum = momentum + m * DVec3{world.bodies.states[b].v};
+        momentum = momentum + m * DVec3{bodies.states[b].v};
     }
     motion.center = (1 / mass) * center;
     motion.v = toVec3((1 / mass) * momentum);
@@ -54,11 +52,11 @@ CommonMotion commonMotion(const WorldImpl& world, std::span<const std::uint32_t>
     Sym3 inertia{};
     double whole = 0;
     for (const std::uint32_t b : group) {
-        const float m = world.bodies[b].mass;
-        const Quat q = rotationNow(world, b);
-        const Vec3 r = toVec3(place(b) - motion.center), w = inverseRotate(q, world.bodies.states[b].w);
-        const Vec3 i = world.bodies[b].inertia;
-        angular += m * cross(r, world.bodies.states[b].v - motion.v) + rotate(q, scale(i, w));
+        const float m = bodies[b].mass;
+        const Quat q = rotationNow(bodies, b);
+        const Vec3 r = toVec3(place(b) - motion.center), w = inverseRotate(q, bodies.states[b].w);
+        const Vec3 i = bodies[b].inertia;
+        angular += m * cross(r, bodies.states[b].v - motion.v) + rotate(q, scale(i, w));
         const Mat3 t = toMat3(q);
         const auto add = [&](float& to, auto at) {
             to += i.x * at(t.cx) + i.y * at(t.cy) + i.z * at(t.cz) - m * at(r);
@@ -71,7 +69,7 @@ CommonMotion commonMotion(const WorldImpl& world, std::span<const std::uint32_t>
         add(inertia.yz, [](const Vec3& a) { return a.y * a.z; });
         const float arm = m * lengthSquared(r);
         inertia.xx += arm, inertia.yy += arm, inertia.zz += arm;
-        whole += kineticEnergy(world, b, q);
+        whole += kineticEnergy(bodies, b, q);
     }
     motion.inertia = factorize(inertia, diagonal(inertia));
     motion.momentum = angular;
@@ -85,49 +83,49 @@ CommonMotion commonMotion(const WorldImpl& world, std::span<const std::uint32_t>
 
 namespace {
 
-void setVelocity(WorldImpl& world, std::uint32_t body, const Vec3& v, const Vec3& w) {
-    BodyState& state = world.bodies.states[body];
+void setVelocity(Bodies& bodies, std::uint32_t body, const Vec3& v, const Vec3& w) {
+    BodyState& state = bodies.states[body];
     state.v = v;
     state.w = w;
-    if (state.locks != 0 || world.bodies.dynamics[body].spins == 0) world.bodies.obeyLocks(body);
-    world.bodies.storeMomentum(body, rotationNow(world, body));
+    if (state.locks != 0 || bodies.dynamics[body].spins == 0) bodies.obeyLocks(body);
+    bodies.storeMomentum(body, rotationNow(bodies, body));
 }
 
 /// What springs lead the speeds of their bodies by is part of these; of those joints that are counted with a body.
-void scaleLeads(WorldImpl& world, std::uint32_t body, float share) {
-    for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
-         key = world.joints[key >> 1].edges[key & 1].next) {
-        if (!world.joints.isHolding(key >> 1)) continue;
-        if ((key & 1) != 0 && world.bodies.moves(world.joints[key >> 1].bodyA)) continue;
-        PairVector& lead = world.joints.sims[key >> 1].lead;
+void scaleLeads(const Bodies& bodies, Joints& joints, std::uint32_t body, float share) {
+    for (std::uint32_t key = bodies[body].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
+        if (!joints.isHolding(key >> 1)) continue;
+        if ((key & 1) != 0 && bodies.moves(joints[key >> 1].bodyA)) continue;
+        PairVector& lead = joints.sims[key >> 1].lead;
         lead = {share * lead.linear, share * lead.angular};
     }
 }
 
 }  // namespace
 
-void turnToMomentum(WorldImpl& world, std::span<const std::uint32_t> group, const Vec3& momentum) {
-    const CommonMotion motion = commonMotion(world, group);
+void turnToMomentum(Bodies& bodies, std::span<const std::uint32_t> group, const Vec3& momentum) {
+    const CommonMotion motion = commonMotion(bodies, group);
     const Vec3 turn = solve(motion.inertia, momentum - motion.momentum);
     for (const std::uint32_t b : group) {
-        const BodyState& state = world.bodies.states[b];
-        const Vec3 arm = toVec3(world.bodies[b].center + state.dp - motion.center);
-        setVelocity(world, b, state.v + cross(turn, arm), state.w + turn);
+        const BodyState& state = bodies.states[b];
+        const Vec3 arm = toVec3(bodies[b].center + state.dp - motion.center);
+        setVelocity(bodies, b, state.v + cross(turn, arm), state.w + turn);
     }
 }
 
-double takeEnergy(WorldImpl& world, std::span<const std::uint32_t> group, double energy, bool keepsMomenta) {
+double takeEnergy(Bodies& bodies, Joints& joints, std::span<const std::uint32_t> group, double energy,
+                  bool keepsMomenta) {
     if (!(energy > 0)) return 0;
-    CommonMotion motion = commonMotion(world, group);
+    CommonMotion motion = commonMotion(bodies, group);
     if (!keepsMomenta) motion.inner += motion.rigid, motion.v = motion.w = {};
     if (!(motion.inner > 0)) return 0;
     const auto share = static_cast<float>(std::sqrt(std::max(0.0, 1 - energy / motion.inner)));
     for (const std::uint32_t b : group) {
-        const BodyState& state = world.bodies.states[b];
-        const Vec3 arm = toVec3(world.bodies[b].center + state.dp - motion.center);
+        const BodyState& state = bodies.states[b];
+        const Vec3 arm = toVec3(bodies[b].center + state.dp - motion.center);
         const Vec3 v = motion.v + cross(motion.w, arm);
-        setVelocity(world, b, v + share * (state.v - v), motion.w + share * (state.w - motion.w));
-        scaleLeads(world, b, share);
+        setVelocity(bodies, b, v + share * (state.v - v), motion.w + share * (state.w - motion.w));
+        scaleLeads(bodies, joints, b, share);
     }
     return std::min(energy, motion.inner);
 }

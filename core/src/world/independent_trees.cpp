@@ -11,69 +11,80 @@ namespace {
 
 using Group = direct::TreePlan::Group;
 
-void prepareGroup(WorldImpl& world, Group& group) {
-    const int stepFactor = world.directSet.trees.stepFactorOf(group);
-    for (const std::uint32_t body : world.directSet.trees.membersOf(group)) {
-        setStepFactor(world, body, stepFactor);
-        recordKinetic(world, body);
-        world.prepareBody(body);
+/// What a group of trees goes through the step with.
+struct TreeStep {
+    const DirectView& d;
+    const Iteration& iteration;
+    const BodyStage& stage;
+    const GuardView& guard;
+};
+
+void prepareGroup(const TreeStep& t, Group& group) {
+    const direct::TreePlan& trees = t.d.directSet.trees;
+    const int stepFactor = trees.stepFactorOf(group);
+    for (const std::uint32_t body : trees.membersOf(group)) {
+        setStepFactor(t.d.bodies, body, stepFactor, t.guard.gravity, t.d.context.h);
+        recordKinetic(t.guard.guard, t.d.bodies, body);
+        t.stage.prepare(body);
     }
     for (int lane = 0; lane < group.lanes.used; ++lane) {
-        const direct::TreePlan::Tree& tree = world.directSet.trees.treeOf(group, lane);
+        const direct::TreePlan::Tree& tree = trees.treeOf(group, lane);
         for (int l = 0; l < group.lanes.linkCount; ++l)
-            if (world.directSet.trees.linkOf(tree, l).joint != direct::TreeJoint::free)
-                world.iteration().prepareJointOf(world.directSet.trees.jointOf(tree, l));
+            if (trees.linkOf(tree, l).joint != direct::TreeJoint::free)
+                t.iteration.prepareJointOf(trees.jointOf(tree, l));
     }
-    beginGroup(world.directView(), group);
+    beginGroup(t.d, group);
 }
 
-void solveSubsteps(WorldImpl& world, Group& group) {
-    const BodyArrays arrays = world.bodies.arrays();
-    const std::span<const std::uint32_t> bodies = world.directSet.trees.membersOf(group);
-    const int count = static_cast<int>(bodies.size()), stepFactor = world.directSet.trees.stepFactorOf(group);
-    const DirectView direct = world.directView();
-    SolverContext own = world.context;
+void solveSubsteps(const DirectView& d, Group& group) {
+    const BodyArrays arrays = d.bodies.arrays();
+    const std::span<const std::uint32_t> bodies = d.directSet.trees.membersOf(group);
+    const int count = static_cast<int>(bodies.size()), stepFactor = d.directSet.trees.stepFactorOf(group);
+    SolverContext own = d.context;
     own.h *= static_cast<float>(stepFactor);
-    for (int substep = 0; substep < world.settings.substeps; substep += stepFactor) {
-        world.kernels->integrateVelocities(arrays, bodies.data(), 0, count, own);
-        solveGroup(direct, group, DirectPass::positions, substep);
-        world.kernels->integratePositions(arrays, bodies.data(), 0, count, own);
-        solveGroup(direct, group, DirectPass::velocities, substep);
+    for (int substep = 0; substep < d.substeps; substep += stepFactor) {
+        d.kernels.integrateVelocities(arrays, bodies.data(), 0, count, own);
+        solveGroup(d, group, DirectPass::positions, substep);
+        d.kernels.integratePositions(arrays, bodies.data(), 0, count, own);
+        solveGroup(d, group, DirectPass::velocities, substep);
     }
 }
 
 /// A tree that is to be guarded is finished with all others, and trees are built anew.
-void leaveToStages(WorldImpl& world, std::span<const std::uint32_t> bodies) {
+void leaveToStages(DirectSet& directSet, std::span<const std::uint32_t> bodies) {
+    Multirate& multirate = directSet.multirate;
     for (const std::uint32_t body : bodies)
-        world.directSet.multirate.marks[body] =
-            static_cast<std::uint8_t>(world.directSet.multirate.marks[body] & ~Multirate::kIndependent);
-    std::atomic_ref(world.directSet.multirate.independentCount).fetch_sub(bodies.size(), std::memory_order_relaxed);
-    std::atomic_ref(world.directSet.treesChanged).store(true, std::memory_order_relaxed);
+        multirate.marks[body] = static_cast<std::uint8_t>(multirate.marks[body] & ~Multirate::kIndependent);
+    std::atomic_ref(multirate.independentCount).fetch_sub(bodies.size(), std::memory_order_relaxed);
+    std::atomic_ref(directSet.treesChanged).store(true, std::memory_order_relaxed);
 }
 
-void finishGroup(WorldImpl& world, const Group& group) {
+void finishGroup(const TreeStep& t, const Group& group) {
+    DirectSet& set = t.d.directSet;
     for (int lane = 0; lane < group.lanes.used; ++lane) {
-        const DirectIsland& island = world.directSet.islands[world.directSet.trees.treeOf(group, lane).owner];
-        if (island.multirate) recordGaps(world.directView(), island);
-        const std::span<const std::uint32_t> bodies{world.directSet.bodies.data() + island.firstBody, island.bodyCount};
-        if (hasGainedEnergy(world, bodies)) {
-            leaveToStages(world, bodies);
+        const DirectIsland& island = set.islands[set.trees.treeOf(group, lane).owner];
+        if (island.multirate) recordGaps(t.d, island);
+        const std::span<const std::uint32_t> bodies{set.bodies.data() + island.firstBody, island.bodyCount};
+        if (hasGainedEnergy(t.guard, bodies)) {
+            leaveToStages(set, bodies);
             continue;
         }
-        for (const std::uint32_t body : bodies) world.finishBody(world.bodies[body].awakeIndex);
+        for (const std::uint32_t body : bodies) t.stage.finish(t.d.bodies[body].awakeIndex);
     }
 }
 
 }  // namespace
 
-void stepIndependentTrees(WorldImpl& world) {
-    const std::size_t count = world.directSet.trees.groupCount(true);
-    world.runner.parallelFor(static_cast<int>(count), 1, [&](int begin, int end, int) {
+void stepIndependentTrees(const DirectView& d, const Iteration& iteration, const BodyStage& stage,
+                          const GuardView& guard) {
+    const TreeStep step{d, iteration, stage, guard};
+    const std::size_t count = d.directSet.trees.groupCount(true);
+    d.runner.parallelFor(static_cast<int>(count), 1, [&](int begin, int end, int) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-            Group& group = world.directSet.trees.groupAt(true, i);
-            prepareGroup(world, group);
-            solveSubsteps(world, group);
-            finishGroup(world, group);
+            Group& group = d.directSet.trees.groupAt(true, i);
+            prepareGroup(step, group);
+            solveSubsteps(d, group);
+            finishGroup(step, group);
         }
     });
 }

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <vector>
 
+#include "activity/activity.h"
 #include "contacts/meets_nothing.h"
-#include "world/world_impl.h"
 
 namespace ragtop {
 
@@ -67,10 +67,10 @@ bool isFinite(const BodyRecord& body, const BodyState& state) {
            std::isfinite(lengthSquared(state.v)) && std::isfinite(lengthSquared(state.w));
 }
 
-void checkBody(Findings& found, const WorldImpl& world, std::uint32_t index) {
-    const BodyRecord& body = world.bodies[index];
-    const BodyState& state = world.bodies.states[index];
-    const bool awake = world.bodies.isAwake(index);
+void checkBody(Findings& found, const ConstTables& tables, std::uint32_t index) {
+    const BodyRecord& body = tables.bodies[index];
+    const BodyState& state = tables.bodies.states[index];
+    const bool awake = tables.bodies.isAwake(index);
     found.expect(isFinite(body, state), "a body's pose and velocity are finite", index);
     found.expect(std::abs(body.rotation.x * body.rotation.x + body.rotation.y * body.rotation.y +
                           body.rotation.z * body.rotation.z + body.rotation.w * body.rotation.w - 1) < 1e-3f,
@@ -79,15 +79,15 @@ void checkBody(Findings& found, const WorldImpl& world, std::uint32_t index) {
     found.expect((state.invMass > 0) == (body.type == BodyType::dynamic && body.mass > 0),
                  "what is dynamic has an inverse mass, and nothing else", index);
     found.expect(!awake || body.type != BodyType::fixed, "fixed bodies are never awake", index);
-    if (world.bodies.moves(index) && !awake)
+    if (tables.bodies.moves(index) && !awake)
         found.expect(state.v == Vec3{} && state.w == Vec3{}, "what sleeps has no velocity", index);
     if (body.frozen)
-        found.expect(awake && world.bodies.moves(index) && body.firstJoint == kNone,
+        found.expect(awake && tables.bodies.moves(index) && body.firstJoint == kNone,
                      "what is frozen is awake, dynamic, and has no joint", index);
 }
 
-void checkBodies(Findings& found, const WorldImpl& world) {
-    const Bodies& bodies = world.bodies;
+void checkBodies(Findings& found, const ConstTables& tables) {
+    const Bodies& bodies = tables.bodies;
     const std::size_t size = bodies.size();
     found.expect(bodies.states.size() == size && bodies.inertias.size() == size && bodies.dynamics.size() == size &&
                      bodies.histories.size() == size && bodies.userData.size() == size && bodies.slots.count() == size,
@@ -97,51 +97,51 @@ void checkBodies(Findings& found, const WorldImpl& world) {
         found, bodies.awake, bodies.slots.count(), [&](std::uint32_t i) { return bodies.isUsed(i); },
         [&](std::uint32_t i) { return bodies[i].awakeIndex; }, "the list of awake bodies is that of their places");
     for (std::uint32_t i = 0; i < bodies.slots.count() && found.none(); ++i)
-        if (bodies.isUsed(i)) checkBody(found, world, i);
+        if (bodies.isUsed(i)) checkBody(found, tables, i);
 }
 
-void checkShapes(Findings& found, const WorldImpl& world) {
+void checkShapes(Findings& found, const ConstTables& tables, const Broadphase& broadphase) {
     std::size_t listed = 0, moved = 0;
-    for (std::uint32_t i = 0; i < world.bodies.slots.count() && found.none(); ++i) {
-        if (!world.bodies.isUsed(i)) continue;
-        for (std::uint32_t s = world.bodies[i].firstShape; s != kNone && found.none(); s = world.shapes[s].next) {
-            const ShapeRecord& shape = world.shapes[s];
-            found.expect(++listed <= world.shapes.slots.used(), "each shape is in the list of one body", s);
-            found.expect(world.shapes.slots.isUsed(s) && shape.body == i, "a body's list has its shapes", s);
-            found.expect(shape.geometry < world.shapes.geometries.size(), "a shape has a geometry", s);
-            if (!world.bodies.isEnabled(i)) {
+    for (std::uint32_t i = 0; i < tables.bodies.slots.count() && found.none(); ++i) {
+        if (!tables.bodies.isUsed(i)) continue;
+        for (std::uint32_t s = tables.bodies[i].firstShape; s != kNone && found.none(); s = tables.shapes[s].next) {
+            const ShapeRecord& shape = tables.shapes[s];
+            found.expect(++listed <= tables.shapes.slots.used(), "each shape is in the list of one body", s);
+            found.expect(tables.shapes.slots.isUsed(s) && shape.body == i, "a body's list has its shapes", s);
+            found.expect(shape.geometry < tables.shapes.geometries.size(), "a shape has a geometry", s);
+            if (!tables.bodies.isEnabled(i)) {
                 found.expect(shape.proxy == kNone, "shapes of what is disabled have no proxy", s);
                 continue;
             }
-            found.expect(shape.isStaticTree == (world.bodies[i].type == BodyType::fixed),
+            found.expect(shape.isStaticTree == (tables.bodies[i].type == BodyType::fixed),
                          "shapes of fixed bodies are in the tree of these", s);
             if (meetsNothing(shape.filter)) {
                 found.expect(shape.proxy == kNone, "shapes that meet nothing have no proxy", s);
                 continue;
             }
-            found.expect(shape.proxy != kNone && world.broadphase.tree(shape.isStaticTree).value(shape.proxy) == s,
+            found.expect(shape.proxy != kNone && broadphase.tree(shape.isStaticTree).value(shape.proxy) == s,
                          "a shape's proxy names it", s);
             moved += shape.inMoveBuffer;
         }
     }
-    found.expect(listed == world.shapes.slots.used(), "each shape is in the list of one body");
-    for (const std::uint32_t s : world.broadphase.moved)
-        found.expect(world.shapes[s].inMoveBuffer, "shapes that look for partners say so", s);
-    found.expect(moved == world.broadphase.moved.size(), "shapes that look for partners are listed once");
+    found.expect(listed == tables.shapes.slots.used(), "each shape is in the list of one body");
+    for (const std::uint32_t s : broadphase.moved)
+        found.expect(tables.shapes[s].inMoveBuffer, "shapes that look for partners say so", s);
+    found.expect(moved == broadphase.moved.size(), "shapes that look for partners are listed once");
 }
 
-void checkContact(Findings& found, const WorldImpl& world, std::uint32_t index) {
-    const ContactRecord& contact = world.contacts[index];
-    const ShapeRecord &a = world.shapes[contact.shapeA], &b = world.shapes[contact.shapeB];
-    found.expect(world.shapes.slots.isUsed(contact.shapeA) && world.shapes.slots.isUsed(contact.shapeB) &&
+void checkContact(Findings& found, const ConstTables& tables, const Broadphase& broadphase, std::uint32_t index) {
+    const ContactRecord& contact = tables.contacts[index];
+    const ShapeRecord &a = tables.shapes[contact.shapeA], &b = tables.shapes[contact.shapeB];
+    found.expect(tables.shapes.slots.isUsed(contact.shapeA) && tables.shapes.slots.isUsed(contact.shapeB) &&
                      a.body == contact.bodyA && b.body == contact.bodyB,
                  "a contact's bodies are those of its shapes", index);
-    const std::uint32_t* known = world.broadphase.pairs.find(pairKey(contact.shapeA, contact.shapeB));
+    const std::uint32_t* known = broadphase.pairs.find(pairKey(contact.shapeA, contact.shapeB));
     found.expect(known && *known == index, "the table of pairs leads to each contact", index);
-    const bool awake = world.bodies.isAwake(contact.bodyA) || world.bodies.isAwake(contact.bodyB);
+    const bool awake = tables.bodies.isAwake(contact.bodyA) || tables.bodies.isAwake(contact.bodyB);
     found.expect((contact.awakeIndex != kNone) == awake, "a contact is awake with its bodies", index);
     bool points = false;
-    for (const ManifoldRecord& manifold : world.manifolds.of(contact)) {
+    for (const ManifoldRecord& manifold : tables.manifolds.of(contact)) {
         found.expect(manifold.contact == index, "manifolds name their contact", index);
         found.expect(manifold.pointCount >= 0 && manifold.pointCount <= kMaxManifoldPoints,
                      "a manifold has up to four points", index);
@@ -152,19 +152,19 @@ void checkContact(Findings& found, const WorldImpl& world, std::uint32_t index) 
     found.expect(contact.hasPoints == points, "a contact knows whether it has points", index);
 }
 
-void checkContacts(Findings& found, const WorldImpl& world) {
-    const Contacts& contacts = world.contacts;
+void checkContacts(Findings& found, const ConstTables& tables, const Broadphase& broadphase) {
+    const Contacts& contacts = tables.contacts;
     checkList(
         found, contacts.awake, contacts.slots.count(), [&](std::uint32_t i) { return contacts.slots.isUsed(i); },
         [&](std::uint32_t i) { return contacts[i].awakeIndex; }, "the list of awake contacts is that of their places");
-    found.expect(world.broadphase.pairs.size() == contacts.slots.used(), "each contact is in the table of pairs once");
+    found.expect(broadphase.pairs.size() == contacts.slots.used(), "each contact is in the table of pairs once");
     for (std::uint32_t i = 0; i < contacts.slots.count() && found.none(); ++i)
-        if (contacts.slots.isUsed(i)) checkContact(found, world, i);
+        if (contacts.slots.isUsed(i)) checkContact(found, tables, broadphase, i);
     std::size_t edges = 0;
-    for (std::uint32_t i = 0; i < world.bodies.slots.count() && found.none(); ++i) {
-        if (!world.bodies.isUsed(i)) continue;
+    for (std::uint32_t i = 0; i < tables.bodies.slots.count() && found.none(); ++i) {
+        if (!tables.bodies.isUsed(i)) continue;
         edges += checkEdges(
-            found, world.bodies[i].firstContact, contacts.size(),
+            found, tables.bodies[i].firstContact, contacts.size(),
             [&](std::uint32_t key) { return contacts.links[key >> 1].edges[key & 1]; },
             [&](std::uint32_t key) {
                 const ContactRecord& contact = contacts[key >> 1];
@@ -176,13 +176,13 @@ void checkContacts(Findings& found, const WorldImpl& world) {
     found.expect(edges == 2 * std::size_t{contacts.slots.used()}, "each contact is in the lists of both its bodies");
 }
 
-void checkJoints(Findings& found, const WorldImpl& world) {
-    const Joints& joints = world.joints;
+void checkJoints(Findings& found, const ConstTables& tables) {
+    const Joints& joints = tables.joints;
     std::size_t edges = 0;
-    for (std::uint32_t i = 0; i < world.bodies.slots.count() && found.none(); ++i) {
-        if (!world.bodies.isUsed(i)) continue;
+    for (std::uint32_t i = 0; i < tables.bodies.slots.count() && found.none(); ++i) {
+        if (!tables.bodies.isUsed(i)) continue;
         edges += checkEdges(
-            found, world.bodies[i].firstJoint, joints.size(),
+            found, tables.bodies[i].firstJoint, joints.size(),
             [&](std::uint32_t key) { return joints[key >> 1].edges[key & 1]; },
             [&](std::uint32_t key) {
                 const JointRecord& joint = joints[key >> 1];
@@ -195,15 +195,15 @@ void checkJoints(Findings& found, const WorldImpl& world) {
     for (std::uint32_t j = 0; j < joints.slots.count() && found.none(); ++j) {
         if (!joints.slots.isUsed(j)) continue;
         const JointRecord& joint = joints[j];
-        const bool movesA = world.bodies.moves(joint.bodyA), movesB = world.bodies.moves(joint.bodyB);
-        const bool awakeA = world.bodies.isAwake(joint.bodyA), awakeB = world.bodies.isAwake(joint.bodyB);
-        found.expect(!movesA || !movesB || awakeA == awakeB || !mayHold(world.bodies, joint),
+        const bool movesA = tables.bodies.moves(joint.bodyA), movesB = tables.bodies.moves(joint.bodyB);
+        const bool awakeA = tables.bodies.isAwake(joint.bodyA), awakeB = tables.bodies.isAwake(joint.bodyB);
+        found.expect(!movesA || !movesB || awakeA == awakeB || !mayHold(tables.bodies, joint),
                      "what is joined sleeps together", j);
         const bool isAwake = movesA ? awakeA : movesB && awakeB;
-        found.expect(world.joints.isHolding(j) == (mayHold(world.bodies, joint) && isAwake),
+        found.expect(tables.joints.isHolding(j) == (mayHold(tables.bodies, joint) && isAwake),
                      "joints that hold what is awake are in the graph, and no others", j);
-        found.expect(joints.sims[j].stateA == world.bodies[joint.bodyA].state &&
-                         joints.sims[j].stateB == world.bodies[joint.bodyB].state,
+        found.expect(joints.sims[j].stateA == tables.bodies[joint.bodyA].state &&
+                         joints.sims[j].stateB == tables.bodies[joint.bodyB].state,
                      "a joint solves the states of its bodies", j);
     }
 }
@@ -211,8 +211,8 @@ void checkJoints(Findings& found, const WorldImpl& world) {
 /// No body that moves occurs twice in a colour, and lanes are of the bodies of their manifolds.
 class GraphCheck {
 public:
-    GraphCheck(Findings& found, const WorldImpl& world)
-        : found_(found), world_(world), graph_(world.graph), seenIn_(world.bodies.size(), -1) {}
+    GraphCheck(Findings& found, const ConstTables& tables)
+        : found_(found), tables_(tables), graph_(tables.graph), seenIn_(tables.bodies.size(), -1) {}
 
     void run() {
         for (list_ = 0; list_ < graph_.listCount() && found_.none(); ++list_) {
@@ -224,9 +224,9 @@ public:
         }
         std::size_t placed = 0, inGraph = 0;
         for (int list = 0; list < graph_.listCount(); ++list) inGraph += graph_.color(list).manifolds.size();
-        for (std::uint32_t c = 0; c < world_.contacts.slots.count(); ++c) {
-            if (!world_.contacts.slots.isUsed(c)) continue;
-            for (const ManifoldRecord& manifold : world_.manifolds.of(world_.contacts[c]))
+        for (std::uint32_t c = 0; c < tables_.contacts.slots.count(); ++c) {
+            if (!tables_.contacts.slots.isUsed(c)) continue;
+            for (const ManifoldRecord& manifold : tables_.manifolds.of(tables_.contacts[c]))
                 placed += manifold.place.color != kNone;
         }
         found_.expect(placed == inGraph, "each manifold with a place in the graph is there once");
@@ -237,40 +237,40 @@ private:
         return place.color == static_cast<std::uint32_t>(list_) && place.slot == slot;
     }
     void occupy(std::uint32_t body) {
-        if (!world_.bodies.moves(body)) return;
-        found_.expect(world_.bodies.isAwake(body), "what sleeps is not in the graph", body);
+        if (!tables_.bodies.moves(body)) return;
+        found_.expect(tables_.bodies.isAwake(body), "what sleeps is not in the graph", body);
         if (ConstraintGraph::isSerial(list_) || !ConstraintGraph::isIterated(list_)) return;
         found_.expect(seenIn_[body] != list_, "no moving body occurs twice in a colour", body);
         seenIn_[body] = list_;
     }
     void checkManifold(std::uint32_t index, std::uint32_t slot) {
-        const ManifoldRecord& manifold = world_.manifolds[index];
+        const ManifoldRecord& manifold = tables_.manifolds[index];
         found_.expect(isAt(manifold.place, slot), "a manifold knows its place in the graph", index);
         if (!found_.none()) return;
-        const ContactRecord& contact = world_.contacts[manifold.contact];
+        const ContactRecord& contact = tables_.contacts[manifold.contact];
         const std::uint32_t bodies[] = {contact.bodyA, contact.bodyB};
         const float* lane = graph_.lane(manifold.place);
         for (int side = 0; side < 2; ++side) {
             occupy(bodies[side]);
             std::uint32_t state = 0;
             std::memcpy(&state, lane + (contact::kBodyA + side) * graph_.lanes(), sizeof state);
-            found_.expect(state == world_.bodies[bodies[side]].state, "a lane is of its manifold's bodies", index);
+            found_.expect(state == tables_.bodies[bodies[side]].state, "a lane is of its manifold's bodies", index);
         }
         if (list_ == ConstraintGraph::kFrozen)
-            found_.expect(world_.bodies[bodies[0]].frozen || world_.bodies[bodies[1]].frozen,
+            found_.expect(tables_.bodies[bodies[0]].frozen || tables_.bodies[bodies[1]].frozen,
                           "the list of frozen contacts has those of frozen bodies", index);
         else
-            found_.expect(!world_.bodies[bodies[0]].frozen && !world_.bodies[bodies[1]].frozen,
+            found_.expect(!tables_.bodies[bodies[0]].frozen && !tables_.bodies[bodies[1]].frozen,
                           "contacts of frozen bodies are frozen", index);
     }
     void checkJoint(std::uint32_t index, std::uint32_t slot) {
-        found_.expect(isAt(world_.joints[index].place, slot), "a joint knows its place in the graph", index);
-        occupy(world_.joints[index].bodyA);
-        occupy(world_.joints[index].bodyB);
+        found_.expect(isAt(tables_.joints[index].place, slot), "a joint knows its place in the graph", index);
+        occupy(tables_.joints[index].bodyA);
+        occupy(tables_.joints[index].bodyB);
     }
 
     Findings& found_;
-    const WorldImpl& world_;
+    const ConstTables tables_;
     const ConstraintGraph& graph_;
     std::vector<int> seenIn_;  ///< per body, the last list that had it
     int list_ = 0;
@@ -278,16 +278,14 @@ private:
 
 }  // namespace
 
-std::string firstBroken(const WorldImpl& world) {
+std::string firstBroken(const ConstTables& tables, const Broadphase& broadphase) {
     Findings found;
-    checkBodies(found, world);
-    checkShapes(found, world);
-    checkContacts(found, world);
-    checkJoints(found, world);
-    if (found.none()) GraphCheck(found, world).run();
+    checkBodies(found, tables);
+    checkShapes(found, tables, broadphase);
+    checkContacts(found, tables, broadphase);
+    checkJoints(found, tables);
+    if (found.none()) GraphCheck(found, tables).run();
     return found.first();
 }
-
-std::string World::validate() const { return firstBroken(*impl_); }
 
 }  // namespace ragtop

@@ -2,12 +2,13 @@
 
 #include <string>
 
-namespace ragtop {
+#include "broadphase/broadphase.h"
+#include "contacts/tables.h"
 
-struct WorldImpl;
+namespace ragtop {
 
 /// The first fact that does not hold between two calls: about lists, tables, the graph and its lanes, sleep, the broad
 /// phase and numbers; empty when all do. As slow as saving the world; see World::validate.
-std::string firstBroken(const WorldImpl& world);
+std::string firstBroken(const ConstTables& tables, const Broadphase& broadphase);
 
 }  // namespace ragtop

@@ -7,10 +7,11 @@
 #include "constraints/initial_violation.h"
 #include "constraints/joint_types.h"
 #include "constraints/stored_energy.h"
+#include "continuous/meetings.h"
 #include "direct/choice.h"
 #include "direct/newton.h"
+#include "model/joint_bodies.h"
 #include "world/group_motion.h"
-#include "world/world_impl.h"
 
 namespace ragtop {
 
@@ -33,12 +34,12 @@ constexpr float kLeastShare = 0.125f;  ///< of a step that is cut short, below w
 constexpr float kLargestTurn = 0.25f;  ///< rad, of a round
 constexpr float kStraight = 0.25f;     ///< least share of the ways of a round: they are damped more instead
 constexpr double kGained =
-    0.005;                       ///< of the kinetic energy, which closing may leave beyond it: the energy guard's room
+    0.005;                        ///< of the kinetic energy, which closing may leave beyond it: the energy guard's room
 constexpr float kBetter = 0.95f;  ///< of an opening, that counts as closed further
 constexpr int kPatience = 10;     ///< rounds that close nothing further
 
 /// m, between what a joint holds together.
-float gapOf(const WorldImpl& world, const JointSim& sim, const JointBodiesAtStep& at) {
+float gapOf(const ClosingView& world, const JointSim& sim, const JointBodiesAtStep& at) {
     if (sim.kind == JointKind::ball || sim.kind == JointKind::hinge || sim.kind == JointKind::fixed)
         return length(at.centerOffset + rotate(at.rotationB, sim.localB.position) -
                       rotate(at.rotationA, sim.localA.position));
@@ -62,7 +63,7 @@ float turnedApart(const JointSim& sim, const JointBodiesAtStep& at) {
 
 /// The gap of a joint over the size of the smaller of the bodies that it moves, or what it is turned apart by, where
 /// that is torn; 0 where these have none.
-float opening(const WorldImpl& world, std::uint32_t index) {
+float opening(const ClosingView& world, std::uint32_t index) {
     const JointRecord& joint = world.joints[index];
     const JointSim& sim = world.joints.sims[index];
     const JointBodiesAtStep at = jointBodies(world.bodies, joint);
@@ -75,7 +76,7 @@ float opening(const WorldImpl& world, std::uint32_t index) {
 }
 
 /// How far the joint is beyond its hard stops, rad or in its lengths; it is placed anew only where it may be.
-float overrunNow(WorldImpl& world, std::uint32_t index) {
+float overrunNow(const ClosingView& world, std::uint32_t index) {
     const JointRecord& joint = world.joints[index];
     JointSim& sim = world.joints.sims[index];
     const Vec3 turning = world.bodies.states[sim.stateB].w - world.bodies.states[sim.stateA].w;
@@ -88,7 +89,7 @@ float overrunNow(WorldImpl& world, std::uint32_t index) {
 /// What turning leaves of that: an arm r that turns by θ ends it ½ θ² r from where its speed led. `turnSquared` tells
 /// θ² of a body.
 template <class TurnSquared>
-float openingOfTurns(const WorldImpl& world, std::uint32_t index, TurnSquared&& turnSquared) {
+float openingOfTurns(const ClosingView& world, std::uint32_t index, TurnSquared&& turnSquared) {
     const JointRecord& joint = world.joints[index];
     const JointSim& sim = world.joints.sims[index];
     float left = 0, size = std::numeric_limits<float>::max();
@@ -104,7 +105,7 @@ float openingOfTurns(const WorldImpl& world, std::uint32_t index, TurnSquared&& 
 
 /// Calls visit(joint) once for each joint of a group.
 template <class Visit>
-void forEachJoint(const WorldImpl& world, std::span<const std::uint32_t> group, Visit&& visit) {
+void forEachJoint(const ClosingView& world, std::span<const std::uint32_t> group, Visit&& visit) {
     for (const std::uint32_t body : group)
         for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
              key = world.joints[key >> 1].edges[key & 1].next) {
@@ -115,7 +116,7 @@ void forEachJoint(const WorldImpl& world, std::span<const std::uint32_t> group, 
 }
 
 /// Of joints that were just placed, in sizes; what is beyond stops counts as the gap that is as torn.
-float widestOpening(const WorldImpl& world, std::span<const std::uint32_t> joints) {
+float widestOpening(const ClosingView& world, std::span<const std::uint32_t> joints) {
     float widest = 0;
     for (const std::uint32_t joint : joints) {
         widest = std::max({widest, opening(world, joint), kTorn / kTornStop * limitOverrun(world.joints.sims[joint])});
@@ -131,7 +132,7 @@ bool isCoupled(const JointSim& sim) {
     return coupled;
 }
 
-bool isOpen(WorldImpl& world, std::span<const std::uint32_t> group) {
+bool isOpen(const ClosingView& world, std::span<const std::uint32_t> group) {
     if (group.size() > direct::kMostBodies) return false;
     for (const std::uint32_t body : group)
         if (!world.bodies.moves(body) || !world.bodies.isAwake(body)) return false;
@@ -147,14 +148,14 @@ bool isOpen(WorldImpl& world, std::span<const std::uint32_t> group) {
     return open && !coupled;
 }
 
-void placeJoints(WorldImpl& world, std::span<const std::uint32_t> joints) {
+void placeJoints(const ClosingView& world, std::span<const std::uint32_t> joints) {
     for (const std::uint32_t joint : joints)
         placeJoint(world.joints.sims[joint], jointBodies(world.bodies, world.joints[joint]), world.bodies.states.data(),
                    world.bodies.inertias.data());
 }
 
 /// Takes the speed at which rigid rows open.
-void restJoints(WorldImpl& world, direct::IslandSystem& system) {
+void restJoints(const ClosingView& world, direct::IslandSystem& system) {
     direct::SolveReport report;
     bool factored = false;
     system.aimAtRest(world.bodies.arrays(), world.jointContext);
@@ -162,7 +163,8 @@ void restJoints(WorldImpl& world, direct::IslandSystem& system) {
     system.writeVelocities(world.bodies.arrays());
 }
 
-direct::IslandParts partsOf(WorldImpl& world, std::span<const std::uint32_t> group, JointClosing::Bench& bench) {
+direct::IslandParts partsOf(const ClosingView& world, std::span<const std::uint32_t> group,
+                            JointClosing::Bench& bench) {
     bench.joints.clear();
     bench.sims.clear();
     forEachJoint(world, group, [&](std::uint32_t joint) {
@@ -179,14 +181,14 @@ direct::IslandParts partsOf(WorldImpl& world, std::span<const std::uint32_t> gro
     return parts;
 }
 
-bool hangs(const WorldImpl& world, std::span<const std::uint32_t> joints) {
+bool hangs(const ClosingView& world, std::span<const std::uint32_t> joints) {
     return std::any_of(joints.begin(), joints.end(), [&](std::uint32_t joint) {
         return !world.bodies.moves(world.joints[joint].bodyA) || !world.bodies.moves(world.joints[joint].bodyB);
     });
 }
 
 /// Speeds stay as they are seen from the body.
-void moveTo(WorldImpl& world, std::uint32_t index, const Pose& pose) {
+void moveTo(const ClosingView& world, std::uint32_t index, const Pose& pose) {
     BodyRecord& body = world.bodies[index];
     world.bodies.turnVelocity(index, body.rotation, pose.rotation);
     body.center = pose.position;
@@ -194,14 +196,14 @@ void moveTo(WorldImpl& world, std::uint32_t index, const Pose& pose) {
     world.bodies.refreshInertia(index);
 }
 
-void keepPlaces(const WorldImpl& world, std::span<const std::uint32_t> group, AlignedArray<Pose>& places) {
+void keepPlaces(const ClosingView& world, std::span<const std::uint32_t> group, AlignedArray<Pose>& places) {
     places.clear();
     for (const std::uint32_t body : group) places.push({world.bodies[body].center, world.bodies[body].rotation});
 }
 
 /// How much of the ways that were found closes joints: their turns open them again by their square, so that half of
 /// what is open is the most that pays.
-float shareOfWays(const WorldImpl& world, std::span<const std::uint32_t> joints, JointClosing::Bench& bench,
+float shareOfWays(const ClosingView& world, std::span<const std::uint32_t> joints, JointClosing::Bench& bench,
                   float open) {
     const double h = static_cast<double>(world.context.h);
     bench.system.visitWays(h, [&](std::uint32_t body, const DVec3&, const DVec3& turning) {
@@ -220,7 +222,7 @@ float shareOfWays(const WorldImpl& world, std::span<const std::uint32_t> joints,
 /// long. So turns become dearer first, whereupon bodies go straight; then rows give way, after Levenberg. Below 1 the
 /// damping makes rows firmer: a loop between heavy bodies with a light link takes loads that rows otherwise give way
 /// to. Returns the share of the ways to go.
-float findWays(const WorldImpl& world, std::span<const std::uint32_t> joints, JointClosing::Bench& bench, float open,
+float findWays(const ClosingView& world, std::span<const std::uint32_t> joints, JointClosing::Bench& bench, float open,
                float least, double leastDamping, double& damping) {
     direct::SolveReport report;
     const auto ofTurns = [](double x) { return std::max(1.0, x); };
@@ -239,7 +241,7 @@ float findWays(const WorldImpl& world, std::span<const std::uint32_t> joints, Jo
 }
 
 /// To where they were closed best.
-void moveBack(WorldImpl& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
+void moveBack(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
               const JointClosing::Bench& bench) {
     for (std::size_t i = 0; i < group.size(); ++i) moveTo(world, group[i], bench.best[i]);
     placeJoints(world, joints);
@@ -247,8 +249,8 @@ void moveBack(WorldImpl& world, std::span<const std::uint32_t> group, std::span<
 
 /// Ways in rounds until the joints are closed, or cannot be; where they were closed best. Returns the widest opening
 /// left.
-float closeByPlaces(WorldImpl& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
-                    JointClosing::Bench& bench) {
+float closeByPlaces(const ClosingView& world, std::span<const std::uint32_t> group,
+                    std::span<const std::uint32_t> joints, JointClosing::Bench& bench) {
     const auto weightOf = [&](std::uint32_t body) {
         return world.sweptBodies.flags[world.bodies[body].awakeIndex] == kSwept ? kHeld : 1.0;
     };
@@ -285,7 +287,7 @@ float closeByPlaces(WorldImpl& world, std::span<const std::uint32_t> group, std:
 }
 
 /// m, of the centre of mass of a group in its step.
-Vec3 commonWay(const WorldImpl& world, std::span<const std::uint32_t> group, std::span<const SweptPath> paths) {
+Vec3 commonWay(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const SweptPath> paths) {
     float mass = 0;
     Vec3 moment;
     for (std::size_t i = 0; i < group.size(); ++i) {
@@ -297,7 +299,7 @@ Vec3 commonWay(const WorldImpl& world, std::span<const std::uint32_t> group, std
 }
 
 /// Puts a group where it was after a share of its step, but for a way that all of it goes to the end.
-void moveAlong(WorldImpl& world, std::span<const std::uint32_t> group, std::span<const SweptPath> paths,
+void moveAlong(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const SweptPath> paths,
                const Vec3& common, float share) {
     for (std::size_t i = 0; i < group.size(); ++i) {
         Pose at = paths[i].at(share);
@@ -307,7 +309,7 @@ void moveAlong(WorldImpl& world, std::span<const std::uint32_t> group, std::span
 }
 
 /// The widest opening of joints between bodies of the group and what never moves.
-float widestOfOwn(const WorldImpl& world, std::span<const std::uint32_t> joints) {
+float widestOfOwn(const ClosingView& world, std::span<const std::uint32_t> joints) {
     float widest = 0;
     for (const std::uint32_t joint : joints) {
         const auto isDriven = [&](std::uint32_t body) { return world.bodies[body].type == BodyType::kinematic; };
@@ -320,8 +322,8 @@ float widestOfOwn(const WorldImpl& world, std::span<const std::uint32_t> joints)
 /// A step that ends where joints cannot be closed is cut short: the joints were closed where it began, so that they are
 /// nearly so a little further on. A group that nothing holds goes on as a whole. One that began open has no such place.
 /// Returns the share of the step that it goes, at most the one given.
-float closeEarlier(WorldImpl& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
-                   JointClosing::Bench& bench, float share) {
+float closeEarlier(const ClosingView& world, std::span<const std::uint32_t> group,
+                   std::span<const std::uint32_t> joints, JointClosing::Bench& bench, float share) {
     const std::span<const SweptPath> paths(bench.paths.data(), bench.paths.size());
     const Vec3 common = hangs(world, joints) ? Vec3{} : commonWay(world, group, paths);
     moveAlong(world, group, paths, common, 0);
@@ -338,7 +340,7 @@ float closeEarlier(WorldImpl& world, std::span<const std::uint32_t> group, std::
 }
 
 /// J, that forces give a group on the way from where its step led it.
-double workOfClosing(const WorldImpl& world, std::span<const std::uint32_t> group, std::span<const SweptPath> paths) {
+double workOfClosing(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const SweptPath> paths) {
     double work = 0;
     for (std::size_t i = 0; i < group.size(); ++i) {
         const BodyRecord& body = world.bodies[group[i]];
@@ -349,7 +351,7 @@ double workOfClosing(const WorldImpl& world, std::span<const std::uint32_t> grou
 }
 
 /// J, of springs and soft stops.
-double storedBy(const WorldImpl& world, std::span<const std::uint32_t> joints) {
+double storedBy(const ClosingView& world, std::span<const std::uint32_t> joints) {
     double stored = 0;
     for (const std::uint32_t joint : joints)
         if (const JointSim& sim = world.joints.sims[joint]; storesEnergy(sim))
@@ -357,9 +359,9 @@ double storedBy(const WorldImpl& world, std::span<const std::uint32_t> joints) {
     return stored;
 }
 
-double kineticOf(const WorldImpl& world, std::span<const std::uint32_t> group) {
+double kineticOf(const ClosingView& world, std::span<const std::uint32_t> group) {
     double kinetic = 0;
-    for (const std::uint32_t body : group) kinetic += kineticEnergy(world, body, world.bodies[body].rotation);
+    for (const std::uint32_t body : group) kinetic += kineticEnergy(world.bodies, body, world.bodies[body].rotation);
     return kinetic;
 }
 
@@ -371,21 +373,21 @@ struct BeforeClosing {
 
 /// Speeds that open no joint, with the group's angular momentum and no more than its energy. Returns what is left of
 /// what there is too much, J: less than bodies so close to each other have at that momentum cannot be had.
-double fitSpeeds(WorldImpl& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
+double fitSpeeds(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
                  JointClosing::Bench& bench, const BeforeClosing& before, float share) {
     restJoints(world, bench.system);
     // Places that move beside velocities change what these make about the centre of mass.
     const bool isFree = !hangs(world, joints);
-    if (isFree) turnToMomentum(world, group, before.momentum);
+    if (isFree) turnToMomentum(world.bodies, group, before.momentum);
     const double work =
         workOfClosing(world, group, {bench.paths.data(), bench.paths.size()}) + before.stored - storedBy(world, joints);
     const double most = share > 0 ? std::max(0.0, before.kinetic + std::min(0.0, work)) : 0.0;
     const double excess = kineticOf(world, group) - most;
-    return excess - takeEnergy(world, group, excess, isFree);
+    return excess - takeEnergy(world.bodies, world.joints, group, excess, isFree);
 }
 
 /// To where the step has led, as fast as there.
-void moveToEnd(WorldImpl& world, std::span<const std::uint32_t> group, const JointClosing::Bench& bench) {
+void moveToEnd(const ClosingView& world, std::span<const std::uint32_t> group, const JointClosing::Bench& bench) {
     for (std::size_t i = 0; i < group.size(); ++i) {
         moveTo(world, group[i], bench.paths[i].at(1));
         world.bodies.states[group[i]].v = bench.speeds[i].linear;
@@ -394,7 +396,7 @@ void moveToEnd(WorldImpl& world, std::span<const std::uint32_t> group, const Joi
 }
 
 /// Does nothing outside of a group turn it? A uniform acceleration does not.
-bool isAlone(const WorldImpl& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints) {
+bool isAlone(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints) {
     if (hangs(world, joints)) return false;
     const auto isMember = [&](std::uint32_t body) {
         const std::uint32_t local = world.jointClosing.localOf[body];
@@ -414,14 +416,14 @@ bool isAlone(const WorldImpl& world, std::span<const std::uint32_t> group, std::
 }
 
 /// What a group that is alone began with is what it is to have: long substeps keep less of it than they should.
-Vec3 momentumToHave(const WorldImpl& world, std::size_t g, std::span<const std::uint32_t> joints) {
+Vec3 momentumToHave(const ClosingView& world, std::size_t g, std::span<const std::uint32_t> joints) {
     const EnergyGuard& guard = world.energyGuard;
     const std::span<const std::uint32_t> group = guard.membersOf(g);
     const bool isKnown = guard.watched[g] != Watching::none && isAlone(world, group, joints);
-    return isKnown ? guard.momentum[g] : angularMomentumAtStart(world, group);
+    return isKnown ? guard.momentum[g] : angularMomentumAtStart(world.bodies, group);
 }
 
-void closeGroup(WorldImpl& world, std::size_t g, JointClosing::Bench& bench) {
+void closeGroup(const ClosingView& world, std::size_t g, JointClosing::Bench& bench) {
     const std::span<const std::uint32_t> group = world.energyGuard.membersOf(g);
     const direct::IslandParts parts = partsOf(world, group, bench);
     const std::span<const std::uint32_t> joints(bench.joints.data(), bench.joints.size());
@@ -448,7 +450,7 @@ void closeGroup(WorldImpl& world, std::size_t g, JointClosing::Bench& bench) {
 }  // namespace
 
 /// Which worker takes a group is chance: each has room for any that was closed so far.
-static void makeRoomToClose(WorldImpl& world, std::span<const std::uint32_t> group) {
+static void makeRoomToClose(const ClosingView& world, std::span<const std::uint32_t> group) {
     JointClosing& closing = world.jointClosing;
     std::size_t joints = 0;
     forEachJoint(world, group, [&](std::uint32_t) { ++joints; });
@@ -464,7 +466,7 @@ static void makeRoomToClose(WorldImpl& world, std::span<const std::uint32_t> gro
     }
 }
 
-void closeOpenJoints(WorldImpl& world) {
+void closeOpenJoints(const ClosingView& world) {
     const EnergyGuard& guard = world.energyGuard;
     JointClosing& closing = world.jointClosing;
     const std::size_t count = guard.groupCount();

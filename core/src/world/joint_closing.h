@@ -7,8 +7,10 @@
 
 #include "base/aligned_array.h"
 #include "constraints/joint_sim.h"
+#include "continuous/swept_bodies.h"
 #include "continuous/swept_motion.h"
 #include "direct/island_system.h"
+#include "world/energy_guard.h"
 
 /// Closes joints by places where a step has left them open (docs/adr/0039). Whatever way its island
 /// is solved, a group of bodies that joints hold together ends no step with its anchors further apart than a small part
@@ -16,8 +18,6 @@
 /// what speed opens them is taken. Both are orthogonal projections in the metric of the masses: they keep the momentum
 /// of a group that nothing holds, and add no kinetic energy.
 namespace ragtop {
-
-struct WorldImpl;
 
 /// Memory of the closing, from step to step.
 struct JointClosing {
@@ -50,7 +50,23 @@ struct JointClosing {
     std::uint64_t closed = 0, cut = 0;  ///< groups, and those whose step was cut short, since the world was made
 };
 
+/// What closing joints reads and writes of a world.
+struct ClosingView {
+    Bodies& bodies;
+    const Contacts& contacts;
+    Joints& joints;
+    const ConstraintGraph& graph;  ///< how many lanes
+    const EnergyGuard& energyGuard;
+    const SweptBodies& sweptBodies;
+    JointClosing& jointClosing;
+    const SolverContext& context;
+    const JointContext& jointContext;
+    float dt;
+    StageRunner& runner;
+    std::pmr::memory_resource* memory;
+};
+
 /// When bodies are where the step has taken them.
-void closeOpenJoints(WorldImpl& world);
+void closeOpenJoints(const ClosingView& world);
 
 }  // namespace ragtop

@@ -11,15 +11,15 @@ namespace ragtop {
 namespace {
 
 template <class Visit>
-void forMembers(const WorldImpl& world, const DirectIsland& island, Visit&& visit) {
-    for (std::uint32_t i = 0; i < island.bodyCount; ++i) visit(world.directSet.bodies[island.firstBody + i]);
+void forMembers(const MultirateView& view, const DirectIsland& island, Visit&& visit) {
+    for (std::uint32_t i = 0; i < island.bodyCount; ++i) visit(view.directSet.bodies[island.firstBody + i]);
 }
 
 /// Does a module act on bodies of it between two substeps?
-bool isLookedAt(const WorldImpl& world, const DirectIsland& island) {
+bool isLookedAt(const MultirateView& view, const DirectIsland& island) {
     bool looked = false;
-    if (world.moduleWork.acts())
-        forMembers(world, island, [&](std::uint32_t body) { looked |= world.moduleWork.actsOn(body); });
+    if (view.moduleWork.acts())
+        forMembers(view, island, [&](std::uint32_t body) { looked |= view.moduleWork.actsOn(body); });
     return looked;
 }
 
@@ -31,59 +31,59 @@ struct Pace {
 /// A tree takes as many substeps at once as its gaps allow and no link turns too far in, and is independent if what it
 /// hangs from stands still. Trees that hang from nothing share their parabola with other free trees unless they are
 /// leapfrog trees.
-Pace paceOf(const WorldImpl& world, const direct::TreePlan::Tree& tree, bool mayBeIndependent) {
-    const DirectIsland& island = world.directSet.islands[tree.owner];
-    const BodyState& anchor = world.bodies.states[tree.anchor];
-    if (isLookedAt(world, island)) return {1, false};
+Pace paceOf(const MultirateView& view, const direct::TreePlan::Tree& tree, bool mayBeIndependent) {
+    const DirectIsland& island = view.directSet.islands[tree.owner];
+    const BodyState& anchor = view.bodies.states[tree.anchor];
+    if (isLookedAt(view, island)) return {1, false};
     if (anchor.v != Vec3{} || anchor.w != Vec3{}) return {1, false};
-    const bool hangs = world.directSet.trees.linkOf(tree, 0).joint != direct::TreeJoint::free;
+    const bool hangs = view.directSet.trees.linkOf(tree, 0).joint != direct::TreeJoint::free;
     if (!island.multirate) return {1, mayBeIndependent && (hangs || island.leapfrog)};
     float square = 0;
     int most = direct::TreePlan::kLongestFactor;
-    forMembers(world, island, [&](std::uint32_t body) {
-        square = std::max(square, lengthSquared(world.bodies.states[body].w));
-        most = std::min(most, static_cast<int>(world.bodies[body].allowedFactor));
+    forMembers(view, island, [&](std::uint32_t body) {
+        square = std::max(square, lengthSquared(view.bodies.states[body].w));
+        most = std::min(most, static_cast<int>(view.bodies[body].allowedFactor));
     });
-    const float longest = static_cast<float>(direct::tuning::kLongTurn) / world.context.h;
+    const float longest = static_cast<float>(direct::tuning::kLongTurn) / view.context.h;
     int stepFactor = 1;
-    while (economy.calmTrees && 2 * stepFactor <= most && world.settings.substeps % (2 * stepFactor) == 0 &&
+    while (economy.calmTrees && 2 * stepFactor <= most && view.settings.substeps % (2 * stepFactor) == 0 &&
            square * static_cast<float>(4 * stepFactor * stepFactor) < longest * longest)
         stepFactor *= 2;
     return {stepFactor, mayBeIndependent};
 }
 
 /// What changes only with the trees and their paces.
-void markTrees(WorldImpl& world) {
-    Multirate& multirate = world.directSet.multirate;
-    multirate.marks.resizeForOverwrite(world.bodies.size());
-    for (const std::uint32_t body : world.bodies.awake) multirate.marks[body] = 0;
-    for (DirectIsland& island : world.directSet.islands) island.independent = false;
+void markTrees(const MultirateView& view) {
+    Multirate& multirate = view.directSet.multirate;
+    multirate.marks.resizeForOverwrite(view.bodies.size());
+    for (const std::uint32_t body : view.bodies.awake) multirate.marks[body] = 0;
+    for (DirectIsland& island : view.directSet.islands) island.independent = false;
     multirate.any = false;
     multirate.independentCount = 0;
-    for (std::size_t t = 0; t < world.directSet.trees.treeCount(); ++t) {
-        const direct::TreePlan::Tree& tree = world.directSet.trees.treeAt(t);
-        DirectIsland& island = world.directSet.islands[tree.owner];
+    for (std::size_t t = 0; t < view.directSet.trees.treeCount(); ++t) {
+        const direct::TreePlan::Tree& tree = view.directSet.trees.treeAt(t);
+        DirectIsland& island = view.directSet.islands[tree.owner];
         multirate.any |= tree.independent || tree.stepFactor > 1;
         multirate.independentCount += tree.independent ? tree.count : 0;
         island.independent = tree.independent;
         const int mark = tree.stepFactor | (tree.independent ? Multirate::kIndependent : 0);
-        forMembers(world, island, [&](std::uint32_t body) { multirate.marks[body] = static_cast<std::uint8_t>(mark); });
+        forMembers(view, island, [&](std::uint32_t body) { multirate.marks[body] = static_cast<std::uint8_t>(mark); });
     }
     multirate.sharedJoints.clear();
-    for (const DirectIsland& island : world.directSet.islands)
+    for (const DirectIsland& island : view.directSet.islands)
         for (std::uint32_t j = 0; j < island.jointCount && !island.independent; ++j)
-            multirate.sharedJoints.push(world.directSet.joints[island.firstJoint + j]);
+            multirate.sharedJoints.push(view.directSet.joints[island.firstJoint + j]);
 }
 
 /// The bodies that take part in the world's substeps, by their step factors.
-void listShared(WorldImpl& world) {
-    Multirate& multirate = world.directSet.multirate;
+void listShared(const MultirateView& view) {
+    Multirate& multirate = view.directSet.multirate;
     for (AlignedArray<std::uint32_t>& list : multirate.lists) list.clear();
-    if (multirate.independentCount == world.freezing.solved.size()) return;
-    for (const std::uint32_t body : world.freezing.solved) {
+    if (multirate.independentCount == view.freezing.solved.size()) return;
+    for (const std::uint32_t body : view.freezing.solved) {
         if ((multirate.marks[body] & Multirate::kIndependent) != 0) continue;
-        setStepFactor(world, body, multirate.marks[body]);
-        if (multirate.any) multirate.lists[static_cast<std::size_t>(world.bodies[body].stepFactor / 2)].push(body);
+        setStepFactor(view.bodies, body, multirate.marks[body], view.settings.gravity, view.context.h);
+        if (multirate.any) multirate.lists[static_cast<std::size_t>(view.bodies[body].stepFactor / 2)].push(body);
     }
 }
 
@@ -92,35 +92,35 @@ void listShared(WorldImpl& world) {
 /// Speeds of a body that joints hold belong to the middle of a substep. Where the next one is longer or shorter, the
 /// forces between the middles of both are those of half of each. What is of no tree, or of none any more, has step
 /// factor 0.
-void setStepFactor(WorldImpl& world, std::uint32_t index, int stepFactor) {
-    BodyRecord& body = world.bodies[index];
+void setStepFactor(Bodies& bodies, std::uint32_t index, int stepFactor, const Vec3& gravity, float h) {
+    BodyRecord& body = bodies[index];
     if (stepFactor == 0) body.stepFactor = 1;
     if (stepFactor == 0 || stepFactor == body.stepFactor) return;
-    BodyState& state = world.bodies.states[index];
-    const float early = 0.5f * world.context.h * static_cast<float>(stepFactor - static_cast<int>(body.stepFactor));
+    BodyState& state = bodies.states[index];
+    const float early = 0.5f * h * static_cast<float>(stepFactor - static_cast<int>(body.stepFactor));
     body.stepFactor = static_cast<std::uint8_t>(stepFactor) & 7u;
-    state.v -= early * (body.gravityScale * world.settings.gravity + state.invMass * body.force);
-    state.w -= early * (world.bodies.inertias[index] * body.torque);
+    state.v -= early * (body.gravityScale * gravity + state.invMass * body.force);
+    state.w -= early * (bodies.inertias[index] * body.torque);
 }
 
-void chooseStepFactors(WorldImpl& world) {
-    direct::TreePlan& chains = world.directSet.trees;
-    if (chains.treeCount() == 0 && !world.directSet.multirate.any) return;
+void chooseStepFactors(const MultirateView& view) {
+    direct::TreePlan& chains = view.directSet.trees;
+    if (chains.treeCount() == 0 && !view.directSet.multirate.any) return;
     std::atomic<bool> changed{!chains.isGrouped()};
     // What was just made is settled among all bodies, before the step or within its first substep.
     const bool mayBeIndependent =
-        economy.independentTrees && world.joints.created.empty() && world.contactFinds.fresh.empty();
-    world.runner.parallelFor(static_cast<int>(chains.treeCount()), 8, [&](int begin, int end, int) {
+        economy.independentTrees && view.joints.created.empty() && view.contactFinds.fresh.empty();
+    view.runner.parallelFor(static_cast<int>(chains.treeCount()), 8, [&](int begin, int end, int) {
         for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t) {
-            const Pace pace = paceOf(world, chains.treeAt(t), mayBeIndependent);
+            const Pace pace = paceOf(view, chains.treeAt(t), mayBeIndependent);
             if (chains.setPace(t, pace.stepFactor, pace.independent)) changed.store(true, std::memory_order_relaxed);
         }
     });
     if (changed.load(std::memory_order_relaxed)) {
-        chains.group(direct::selectTreeKernels(world.graph.lanes()));
-        markTrees(world);
+        chains.group(direct::selectTreeKernels(view.lanes));
+        markTrees(view);
     }
-    listShared(world);
+    listShared(view);
 }
 
 }  // namespace ragtop

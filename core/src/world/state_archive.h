@@ -26,12 +26,12 @@ struct Strip {
 constexpr int impulseField(int point) { return contact::kPoints + point * contact::kPointFields + contact::kImpulse; }
 constexpr int loadField(int point) { return contact::kPoints + point * contact::kPointFields + contact::kLoad; }
 inline constexpr Strip kStrips[] = {
-    {contact::kBodyA, 1},           {contact::kBodyB, 1},        {contact::kRecordA, 1},
-    {contact::kRecordB, 1},         {contact::kSize, 1},
-    {contact::kFrictionImpulse, 3}, {contact::kTwistImpulse, 1}, {contact::kRollImpulse, 3},
-    {contact::kSliding, 1},         {contact::kStick, 3},
-    {impulseField(0), 1}, {impulseField(1), 1}, {impulseField(2), 1}, {impulseField(3), 1},
-    {loadField(0), 1},    {loadField(1), 1},    {loadField(2), 1},    {loadField(3), 1},
+    {contact::kBodyA, 1},        {contact::kBodyB, 1},       {contact::kRecordA, 1},
+    {contact::kRecordB, 1},      {contact::kSize, 1},        {contact::kFrictionImpulse, 3},
+    {contact::kTwistImpulse, 1}, {contact::kRollImpulse, 3}, {contact::kSliding, 1},
+    {contact::kStick, 3},        {impulseField(0), 1},       {impulseField(1), 1},
+    {impulseField(2), 1},        {impulseField(3), 1},       {loadField(0), 1},
+    {loadField(1), 1},           {loadField(2), 1},          {loadField(3), 1},
 };
 static_assert(contact::kMaxPoints == 4);
 inline constexpr int kFieldsSaved = 24;  ///< the sum of kStrips' counts
@@ -43,8 +43,8 @@ void forEachStrip(float* bundle, int lanes, Visit&& visit) {
         visit(bundle + static_cast<std::size_t>(strip.field * lanes), static_cast<std::size_t>(strip.count * lanes));
 }
 inline float* bundleOf(ConstraintGraph& graph, int color, int index) {
-    return graph.color(color).bundles.data() + static_cast<std::size_t>(index) * contact::kFields *
-                                                   static_cast<std::size_t>(graph.lanes());
+    return graph.color(color).bundles.data() +
+           static_cast<std::size_t>(index) * contact::kFields * static_cast<std::size_t>(graph.lanes());
 }
 inline std::size_t bundleBytes(const ConstraintGraph& graph) {
     return kFieldsSaved * sizeof(float) * static_cast<std::size_t>(graph.lanes());
@@ -67,12 +67,20 @@ class StateCounter {
 public:
     std::size_t bytes = 0;
     template <class T>
-    void operator()(AlignedArray<T>& array) { bytes += sizeof(std::uint64_t) + array.size() * sizeof(T); }
+    void operator()(AlignedArray<T>& array) {
+        bytes += sizeof(std::uint64_t) + array.size() * sizeof(T);
+    }
     template <class T>
-    void operator()(PagedArray<T>& array) { bytes += sizeof(std::uint64_t) + array.size() * sizeof(T); }
+    void operator()(PagedArray<T>& array) {
+        bytes += sizeof(std::uint64_t) + array.size() * sizeof(T);
+    }
     template <class T>
-    void value(T&) { bytes += sizeof(T); }
-    void tree(BoundsTree& tree) { bytes += sizeof(BoundsTree::Header) + 8 + tree.nodes().size() * sizeof(BoundsTree::Node); }
+    void value(T&) {
+        bytes += sizeof(T);
+    }
+    void tree(BoundsTree& tree) {
+        bytes += sizeof(BoundsTree::Header) + 8 + tree.nodes().size() * sizeof(BoundsTree::Node);
+    }
     void pairs(PairSet& pairs) { bytes += 8 + pairs.entries().size() * sizeof(PairSet::Entry); }
     void events(std::pmr::vector<ContactEvent>& events) { bytes += 8 + events.size() * sizeof(ContactEvent); }
     int lists(ConstraintGraph& graph) {
@@ -97,7 +105,9 @@ public:
         raw(&v, sizeof v);
     }
     template <class T>
-    void operator()(AlignedArray<T>& array) { list(array.data(), array.size()); }
+    void operator()(AlignedArray<T>& array) {
+        list(array.data(), array.size());
+    }
     template <class T>
     void operator()(PagedArray<T>& array) {
         std::uint64_t count = array.size();

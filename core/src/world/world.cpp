@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ragtop/command_buffer.h"
+#include "world/invariants.h"
 #include "world/world_impl.h"
 
 namespace ragtop {
@@ -35,38 +36,29 @@ int checkedLanes(int lanes) {
 
 }  // namespace
 
-WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& config)
-    : settings(worldSettings),
-      memory(orDefault(config.memory)),
+Machine::Machine(const WorldConfig& config)
+    : memory(orDefault(config.memory)),
       runner(config.tasks),
       workerChoice(runner.workers()),
       kernels(&selectKernels(checkedLanes(config.lanes))),
       jointKernels(&selectJointKernels(kernels->lanes)),
-      bodies(memory),
-      shapes(memory),
-      contacts(memory),
-      manifolds(runner.workers(), memory),
-      joints(jointKernels->lanes, memory),
-      couplings(memory),
-      graph(kernels->lanes, memory),
-      stageMemory(memory),
-      broadphase(memory, stageMemory),
-      islands(memory),
-      events(memory),
-      directSet(memory),
-      moduleWork(memory),
-      regions(memory),
-      freezing(memory),
-      articulations(memory),
-      energyGuard(memory),
-      jointClosing(memory),
-      contactFinds(memory),
-      sweptBodies(memory),
-      profile(memory) {
+      stageMemory(memory) {}
+
+WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& config)
+    : settings(worldSettings),
+      machine(config),
+      tables(machine),
+      collision(machine),
+      partition(machine.memory),
+      events(machine.memory),
+      moduleWork(machine.memory),
+      solving(machine.memory),
+      guards(machine.memory),
+      reports(machine.memory) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
     const auto expected = static_cast<std::size_t>(std::max(config.expectedBodies, 0)) + 1;
-    bodies.reserve(expected);
-    shapes.reserve(expected);
+    tables.bodies.reserve(expected);
+    tables.shapes.reserve(expected);
 }
 
 World::World(const WorldSettings& settings, const WorldConfig& config)
@@ -79,48 +71,51 @@ const WorldSettings& World::settings() const { return impl_->settings; }
 void World::setSettings(const WorldSettings& settings) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
     const bool wake = settings.gravity != impl_->settings.gravity || !settings.sleeping;
-    if (settings.solver != impl_->settings.solver) impl_->islands.graphChanged = impl_->islands.directChanged = true;
-    impl_->directSet.seen.clear();
+    if (settings.solver != impl_->settings.solver)
+        impl_->partition.islands.graphChanged = impl_->partition.islands.directChanged = true;
+    impl_->partition.direct.seen.clear();
     impl_->settings = settings;
     if (!wake) return;
-    for (std::uint32_t i = 1; i < impl_->bodies.slots.count(); ++i)
-        if (impl_->bodies.slots.isUsed(i) && impl_->bodies.moves(i)) impl_->activity().wakeBody(i);
+    for (std::uint32_t i = 1; i < impl_->tables.bodies.slots.count(); ++i)
+        if (impl_->tables.bodies.slots.isUsed(i) && impl_->tables.bodies.moves(i)) impl_->activity().wakeBody(i);
 }
 void World::setCallbacks(WorldCallbacks callbacks) { impl_->callbacks = std::move(callbacks); }
-int World::lanes() const { return impl_->graph.lanes(); }
+int World::lanes() const { return impl_->tables.graph.lanes(); }
 void World::step(double dt) { impl_->step(*this, dt); }
-std::uint64_t World::stepCount() const { return impl_->stepCount; }
-double World::time() const { return impl_->time; }
+std::uint64_t World::stepCount() const { return impl_->clock.stepCount; }
+double World::time() const { return impl_->clock.time; }
 
 StepStats World::stats() const {
     const WorldImpl& w = *impl_;
     StepStats stats;
-    stats.stages = w.profile.stages();
-    stats.islands = w.directSet.ledger;
-    stats.directFailures = w.directSet.failures;
-    stats.outOfRange = w.outOfRange;
-    stats.energyGuarded = w.energyGuard.caught;
-    stats.energyTaken = w.energyGuard.taken;
-    stats.jointsClosed = w.jointClosing.closed;
-    stats.stepsCut = w.jointClosing.cut;
+    stats.stages = w.reports.profile.stages();
+    stats.islands = w.partition.direct.ledger;
+    stats.directFailures = w.partition.direct.failures;
+    stats.outOfRange = w.guards.outOfRange;
+    stats.energyGuarded = w.guards.energy.caught;
+    stats.energyTaken = w.guards.energy.taken;
+    stats.jointsClosed = w.guards.closing.closed;
+    stats.stepsCut = w.guards.closing.cut;
     stats.strayImpulses = w.moduleWork.strays;
-    stats.solvedBodies = static_cast<int>(w.freezing.solved.size() - w.directSet.multirate.independentCount);
-    stats.independentBodies = static_cast<int>(w.directSet.multirate.independentCount);
-    stats.regions = w.regions.independent ? w.graph.regionCount() : 0;
-    stats.totalMs = w.profile.totalMs();
+    stats.solvedBodies =
+        static_cast<int>(w.solving.freezing.solved.size() - w.partition.direct.multirate.independentCount);
+    stats.independentBodies = static_cast<int>(w.partition.direct.multirate.independentCount);
+    stats.regions = w.solving.regions.independent ? w.tables.graph.regionCount() : 0;
+    stats.totalMs = w.reports.profile.totalMs();
     stats.modulesMs = w.moduleWork.ms;
-    stats.bodies = static_cast<int>(w.bodies.slots.used()) - 1;
-    stats.awakeBodies = static_cast<int>(w.bodies.awake.size());
-    stats.contacts = static_cast<int>(w.contacts.slots.used());
-    stats.joints = static_cast<int>(w.joints.slots.used());
-    stats.colors = w.graph.usedColors();
-    for (const std::uint32_t c : w.contacts.awake) stats.touching += w.contacts[c].touching;
-    stats.bytes = w.bodies.bytes() + w.shapes.bytes() + w.contacts.bytes() + w.manifolds.bytes() + w.joints.bytes();
-    for (int c = 0; c < w.graph.listCount(); ++c) stats.bytes += w.graph.color(c).bundles.bytes();
+    stats.bodies = static_cast<int>(w.tables.bodies.slots.used()) - 1;
+    stats.awakeBodies = static_cast<int>(w.tables.bodies.awake.size());
+    stats.contacts = static_cast<int>(w.tables.contacts.slots.used());
+    stats.joints = static_cast<int>(w.tables.joints.slots.used());
+    stats.colors = w.tables.graph.usedColors();
+    for (const std::uint32_t c : w.tables.contacts.awake) stats.touching += w.tables.contacts[c].touching;
+    stats.bytes = w.tables.bodies.bytes() + w.tables.shapes.bytes() + w.tables.contacts.bytes() +
+                  w.tables.manifolds.bytes() + w.tables.joints.bytes();
+    for (int c = 0; c < w.tables.graph.listCount(); ++c) stats.bytes += w.tables.graph.color(c).bundles.bytes();
     return stats;
 }
 
-BodyId World::create(const BodyDef& def) { return impl_->bodies.id(impl_->scene().createBody(def)); }
+BodyId World::create(const BodyDef& def) { return impl_->tables.bodies.id(impl_->scene().createBody(def)); }
 BodyId World::create(const StaticBody& def) {
     BodyDef body;
     body.type = BodyType::fixed;
@@ -147,15 +142,19 @@ BodyId World::create(const DynamicBody& def) {
     body.userData = def.userData;
     return create(body);
 }
-CouplingId World::create(const CouplingDef& def) { return impl_->couplings.id(impl_->scene().createCoupling(def)); }
-void World::destroy(CouplingId coupling) { impl_->scene().destroyCoupling(indexOf(impl_->couplings, coupling)); }
-bool World::isValid(CouplingId id) const { return impl_->couplings.slots.isValid(id.index, id.generation); }
-JointId World::create(const JointDef& def) { return impl_->joints.id(impl_->scene().createJoint(def)); }
-void World::destroy(BodyId body) { impl_->scene().destroyBody(indexOf(impl_->bodies, body)); }
-void World::destroy(JointId joint) { impl_->scene().destroyJoint(indexOf(impl_->joints, joint)); }
-bool World::isValid(BodyId id) const { return impl_->bodies.slots.isValid(id.index, id.generation) && id.index != 0; }
-bool World::isValid(ShapeId id) const { return impl_->shapes.slots.isValid(id.index, id.generation); }
-bool World::isValid(JointId id) const { return impl_->joints.slots.isValid(id.index, id.generation); }
+CouplingId World::create(const CouplingDef& def) {
+    return impl_->tables.couplings.id(impl_->scene().createCoupling(def));
+}
+void World::destroy(CouplingId coupling) { impl_->scene().destroyCoupling(indexOf(impl_->tables.couplings, coupling)); }
+bool World::isValid(CouplingId id) const { return impl_->tables.couplings.slots.isValid(id.index, id.generation); }
+JointId World::create(const JointDef& def) { return impl_->tables.joints.id(impl_->scene().createJoint(def)); }
+void World::destroy(BodyId body) { impl_->scene().destroyBody(indexOf(impl_->tables.bodies, body)); }
+void World::destroy(JointId joint) { impl_->scene().destroyJoint(indexOf(impl_->tables.joints, joint)); }
+bool World::isValid(BodyId id) const {
+    return impl_->tables.bodies.slots.isValid(id.index, id.generation) && id.index != 0;
+}
+bool World::isValid(ShapeId id) const { return impl_->tables.shapes.slots.isValid(id.index, id.generation); }
+bool World::isValid(JointId id) const { return impl_->tables.joints.slots.isValid(id.index, id.generation); }
 
 void World::apply(std::span<CommandBuffer* const> buffers) {
     std::exception_ptr first;
@@ -189,7 +188,9 @@ void World::apply(std::span<CommandBuffer* const> buffers) {
     if (first) std::rethrow_exception(first);
 }
 
-std::uint64_t World::fixedVersion() const { return impl_->versions.fixed; }
+std::string World::validate() const { return firstBroken(impl_->tables, impl_->collision.broadphase); }
+
+std::uint64_t World::fixedVersion() const { return impl_->tables.versions.fixed; }
 void World::add(StepModule* module) { impl_->moduleWork.modules.push_back(module); }
 void World::remove(StepModule* module) { std::erase(impl_->moduleWork.modules, module); }
 

@@ -6,13 +6,13 @@
 namespace ragtop {
 
 const CouplingDef& World::def(CouplingId coupling) const {
-    return impl_->couplings[indexOf(impl_->couplings, coupling)].def;
+    return impl_->tables.couplings[indexOf(impl_->tables.couplings, coupling)].def;
 }
 
 void World::setDef(CouplingId id, const CouplingDef& def) {
-    const std::uint32_t index = indexOf(impl_->couplings, id);
+    const std::uint32_t index = indexOf(impl_->tables.couplings, id);
     impl_->scene().checkCoupled(def);
-    CouplingRecord& coupling = impl_->couplings[index];
+    CouplingRecord& coupling = impl_->tables.couplings[index];
     bool same = def.count == coupling.def.count;
     for (int i = 0; same && i < def.count; ++i) {
         const auto &was = coupling.def.parts[static_cast<std::size_t>(i)], &is = def.parts[static_cast<std::size_t>(i)];
@@ -20,30 +20,30 @@ void World::setDef(CouplingId id, const CouplingDef& def) {
     }
     if (!same) throw std::invalid_argument("setDef keeps the joints of a coupling and their coordinates");
     coupling.def = def;
-    compileCoupling(def, impl_->joints.sims.data(), impl_->couplings.sims[index]);
+    compileCoupling(def, impl_->tables.joints.sims.data(), impl_->tables.couplings.sims[index]);
     for (int i = 0; i < def.count; ++i) {
-        const JointRecord& joint = impl_->joints[def.parts[static_cast<std::size_t>(i)].joint.index];
+        const JointRecord& joint = impl_->tables.joints[def.parts[static_cast<std::size_t>(i)].joint.index];
         for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
-            if (impl_->bodies.moves(body)) impl_->activity().wakeBody(body);
+            if (impl_->tables.bodies.moves(body)) impl_->activity().wakeBody(body);
     }
 }
 
 CouplingState World::state(CouplingId id) const {
     const WorldImpl& world = *impl_;
-    const std::uint32_t index = indexOf(world.couplings, id);
-    const CouplingSim& sim = world.couplings.sims[index];
+    const std::uint32_t index = indexOf(world.tables.couplings, id);
+    const CouplingSim& sim = world.tables.couplings.sims[index];
     JointSim now[CouplingSim::kMost];
     for (std::uint32_t i = 0; i < sim.count; ++i) {
-        now[i] = world.joints.sims[sim.joints[i]];
-        placeJoint(now[i], jointBodies(world.bodies, world.joints[sim.joints[i]]), world.bodies.states.data(),
-                   world.bodies.inertias.data());
+        now[i] = world.tables.joints.sims[sim.joints[i]];
+        placeJoint(now[i], jointBodies(world.tables.bodies, world.tables.joints[sim.joints[i]]),
+                   world.tables.bodies.states.data(), world.tables.bodies.inertias.data());
     }
-    const float rate = world.lastSubstep > 0 ? 1 / world.lastSubstep : 0;
-    return couplingState(sim, now, world.bodies.states.data(), world.bodies.inertias.data(), rate);
+    const float rate = world.clock.lastSubstep > 0 ? 1 / world.clock.lastSubstep : 0;
+    return couplingState(sim, now, world.tables.bodies.states.data(), world.tables.bodies.inertias.data(), rate);
 }
 
 std::uint64_t World::userData(CouplingId coupling) const {
-    return impl_->couplings[indexOf(impl_->couplings, coupling)].def.userData;
+    return impl_->tables.couplings[indexOf(impl_->tables.couplings, coupling)].def.userData;
 }
 
 }  // namespace ragtop

@@ -62,8 +62,8 @@ void drawContact(DebugDraw& draw, const WorldImpl& world, const Contact& contact
     const BodyRecord* lighter = nullptr;
     float sign = 1;
     for (const BodyId id : {contact.bodyA, contact.bodyB}) {
-        const BodyRecord& body = world.bodies[id.index];
-        if (!world.bodies.moves(id.index) || (lighter && body.mass >= lighter->mass)) continue;
+        const BodyRecord& body = world.tables.bodies[id.index];
+        if (!world.tables.bodies.moves(id.index) || (lighter && body.mass >= lighter->mass)) continue;
         lighter = &body;
         sign = id == contact.bodyB ? 1.0f : -1.0f;
     }
@@ -100,42 +100,43 @@ void World::draw(DebugDraw& draw) const {
     const WorldImpl& impl = *impl_;
     std::vector<Color> ofIsland;
     if (draw.options.islands) {
-        ofIsland.resize(impl.bodies.slots.count(), kAsleepColor);
+        ofIsland.resize(impl.tables.bodies.slots.count(), kAsleepColor);
         const std::vector<BodyId> first = islands();
         for (std::size_t i = 0; i < first.size(); ++i) ofIsland[bodies()[i].index] = islandColor(first[i]);
     }
-    for (std::uint32_t s = 0; s < impl.shapes.slots.count(); ++s) {
-        if (!impl.shapes.slots.isUsed(s)) continue;
-        const ShapeRecord& shape = impl.shapes[s];
-        if (!impl.bodies.isEnabled(shape.body)) continue;
-        const BodyRecord& body = impl.bodies[shape.body];
+    for (std::uint32_t s = 0; s < impl.tables.shapes.slots.count(); ++s) {
+        if (!impl.tables.shapes.slots.isUsed(s)) continue;
+        const ShapeRecord& shape = impl.tables.shapes[s];
+        if (!impl.tables.bodies.isEnabled(shape.body)) continue;
+        const BodyRecord& body = impl.tables.bodies[shape.body];
         const Color color = body.type == BodyType::fixed       ? kFixedColor
                             : body.type == BodyType::kinematic ? kKinematicColor
                             : draw.options.islands             ? ofIsland[shape.body]
                             : body.awakeIndex != kNone         ? kAwakeColor
                                                                : kAsleepColor;
         if (draw.options.shapes)
-            std::visit(ShapePainter{draw, shapePose(impl.bodies[shape.body], shape), color},
-                       impl.shapes.geometries[shape.geometry].shape);
+            std::visit(ShapePainter{draw, shapePose(impl.tables.bodies[shape.body], shape), color},
+                       impl.tables.shapes.geometries[shape.geometry].shape);
         if (draw.options.bounds && shape.proxy != kNone)
-            drawBounds(draw, impl.broadphase.tree(shape.isStaticTree).bounds(shape.proxy));
+            drawBounds(draw, impl.collision.broadphase.tree(shape.isStaticTree).bounds(shape.proxy));
     }
     if (draw.options.centers)
         for (const BodyId id : bodies())
-            if (impl.bodies.moves(id.index))
-                draw.frame({centerOfMass(id), impl.bodies[id.index].rotation}, impl.bodies[id.index].size);
+            if (impl.tables.bodies.moves(id.index))
+                draw.frame({centerOfMass(id), impl.tables.bodies[id.index].rotation},
+                           impl.tables.bodies[id.index].size);
     if (draw.options.contacts) forEachContact([&](const Contact& contact) { drawContact(draw, impl, contact); });
     if (draw.options.joints)
         for (const JointId id : joints()) {
-            const JointRecord& joint = impl.joints[id.index];
+            const JointRecord& joint = impl.tables.joints[id.index];
             const JointBodies& ends =
                 std::visit([](const auto& d) -> const JointBodies& { return d.bodies; }, joint.def);
-            const Pose a = joint.bodyA == 0 ? Pose{} : poseOf(impl.bodies[joint.bodyA]);
-            const Pose b = joint.bodyB == 0 ? Pose{} : poseOf(impl.bodies[joint.bodyB]);
+            const Pose a = joint.bodyA == 0 ? Pose{} : poseOf(impl.tables.bodies[joint.bodyA]);
+            const Pose b = joint.bodyB == 0 ? Pose{} : poseOf(impl.tables.bodies[joint.bodyB]);
             float size = 0;
             for (const std::uint32_t end : {joint.bodyA, joint.bodyB})
-                if (impl.bodies.moves(end) && (size == 0 || impl.bodies[end].radius < size))
-                    size = impl.bodies[end].radius;
+                if (impl.tables.bodies.moves(end) && (size == 0 || impl.tables.bodies[end].radius < size))
+                    size = impl.tables.bodies[end].radius;
             drawJoint(draw, joint.def, state(id), a * ends.frameA, b * ends.frameB, size);
         }
 }

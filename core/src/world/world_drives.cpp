@@ -32,19 +32,20 @@ const char* whyInvalid(const JointDrive& drive) {
 
 void World::setDrives(std::span<const JointDrive> drives) {
     for (std::size_t k = 0; k < drives.size(); ++k) {
-        const JointDef& def = impl_->joints[indexOf(impl_->joints, drives[k].joint)].def;
+        const JointDef& def = impl_->tables.joints[indexOf(impl_->tables.joints, drives[k].joint)].def;
         const char* problem = std::holds_alternative<BallDef>(def) || std::holds_alternative<HingeDef>(def)
                                   ? whyInvalid(drives[k])
                                   : "joint must be a ball or a hinge";
         if (problem) throw std::invalid_argument("drives[" + std::to_string(k) + "]: " + problem);
     }
     for (const JointDrive& drive : drives) {
-        const std::uint32_t i = indexOf(impl_->joints, drive.joint);
-        JointRecord& joint = impl_->joints[i];
+        const std::uint32_t i = indexOf(impl_->tables.joints, drive.joint);
+        JointRecord& joint = impl_->tables.joints[i];
         if (!setDrive(joint.def, drive)) continue;
-        if (!setDrive(impl_->joints.sims[i], joint.def)) impl_->scene().compile(i);
+        if (!setDrive(impl_->tables.joints.sims[i], joint.def)) impl_->scene().compile(i);
         for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
-            if (impl_->bodies.moves(body) && !impl_->bodies.isAwake(body)) impl_->activity().wakeBody(body);
+            if (impl_->tables.bodies.moves(body) && !impl_->tables.bodies.isAwake(body))
+                impl_->activity().wakeBody(body);
     }
 }
 

@@ -38,34 +38,32 @@ void forget(ModuleWork& work) {
 }
 
 /// All that do something between substeps, on workers.
-void look(WorldImpl& world, const World& face, double dt) {
-    ModuleWork& work = world.moduleWork;
-    work.spans.resizeForOverwrite(world.moduleWork.modules.size());
+void look(ModuleWork& work, StageRunner& runner, const World& face, double dt) {
+    work.spans.resizeForOverwrite(work.modules.size());
     std::atomic<bool> onAll{false};
-    world.runner.parallelFor(
-        static_cast<int>(world.moduleWork.modules.size()), kModulesAtOnce, [&](int begin, int end, int) {
-            for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m) {
-                const StepModule& module = *world.moduleWork.modules[m];
-                work.spans[m] = module.look ? module.look(module.user, face, dt) : std::span<const BodyId>{};
-                if (!module.beforeSubstep) work.spans[m] = {};
-                if (module.beforeSubstep && !module.look) onAll.store(true, std::memory_order_relaxed);
-            }
-        });
+    runner.parallelFor(static_cast<int>(work.modules.size()), kModulesAtOnce, [&](int begin, int end, int) {
+        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m) {
+            const StepModule& module = *work.modules[m];
+            work.spans[m] = module.look ? module.look(module.user, face, dt) : std::span<const BodyId>{};
+            if (!module.beforeSubstep) work.spans[m] = {};
+            if (module.beforeSubstep && !module.look) onAll.store(true, std::memory_order_relaxed);
+        }
+    });
     work.onAll = onAll.load(std::memory_order_relaxed);
 }
 
 /// Wakes what a module named and notes it; what does not move is shared by any number of modules.
-void takeNames(WorldImpl& world, std::uint32_t place) {
-    ModuleWork& work = world.moduleWork;
+void takeNames(ModuleWork& work, const Activity& activity, std::uint32_t place) {
+    const Bodies& bodies = activity.bodies;
     for (const BodyId id : work.spans[work.acting[place]]) {
-        if (!world.bodies.slots.isValid(id.index, id.generation) || id.index == 0) continue;
-        if (world.bodies[id.index].type == BodyType::fixed) continue;
-        if (world.bodies.moves(id.index) && !world.bodies.isAwake(id.index)) world.activity().wakeBody(id.index);
+        if (!bodies.slots.isValid(id.index, id.generation) || id.index == 0) continue;
+        if (bodies[id.index].type == BodyType::fixed) continue;
+        if (bodies.moves(id.index) && !bodies.isAwake(id.index)) activity.wakeBody(id.index);
         std::uint32_t& namer = work.namer[id.index];
         if (namer == 0) {
             namer = 1 + place;
             work.named.push(id.index);
-        } else if (world.bodies.moves(id.index)) {
+        } else if (bodies.moves(id.index)) {
             unite(work, namer - 1, place);
         }
     }
@@ -89,91 +87,81 @@ void listGroups(ModuleWork& work) {
 }
 
 template <class Visit>
-void forMovingBodiesOf(const WorldImpl& world, std::size_t group, Visit&& visit) {
-    const ModuleWork& work = world.moduleWork;
+void forMovingBodiesOf(const ModuleWork& work, const Bodies& bodies, std::size_t group, Visit&& visit) {
     for (std::uint32_t i = work.starts[group]; i < work.starts[group + 1]; ++i)
         for (const BodyId id : work.spans[work.acting[work.members[i]]])
-            if (world.bodies.slots.isValid(id.index, id.generation) && world.bodies.moves(id.index)) visit(id.index);
+            if (bodies.slots.isValid(id.index, id.generation) && bodies.moves(id.index)) visit(id.index);
 }
 
 }  // namespace
 
-void beginModules(WorldImpl& world, World& face, double dt) {
-    world.profile.beginStage("modules", world.callbacks);
-    for (StepModule* module : world.moduleWork.modules)
-        if (module->beforeStep) module->beforeStep(module->user, face, dt);
-}
-
-void askModules(WorldImpl& world, const World& face, double dt) {
-    ModuleWork& work = world.moduleWork;
+void askModules(ModuleWork& work, const Activity& activity, StageRunner& runner, const World& face, double dt) {
     forget(work);
-    if (world.moduleWork.modules.empty()) return;
-    world.profile.beginStage("look", world.callbacks);
-    look(world, face, dt);
-    work.namer.resize(world.bodies.size(), 0);
+    if (work.modules.empty()) return;
+    look(work, runner, face, dt);
+    work.namer.resize(activity.bodies.size(), 0);
     for (std::uint32_t m = 0; m < work.spans.size(); ++m) {
         if (work.spans[m].empty()) continue;
         const auto place = static_cast<std::uint32_t>(work.acting.size());
         work.acting.push(m);
         work.parent.push(place);
-        takeNames(world, place);
+        takeNames(work, activity, place);
     }
     listGroups(work);
 }
 
-void actAsGroup(WorldImpl& world, World& face, std::size_t group) {
-    const ModuleWork& work = world.moduleWork;
+void actAsGroup(const ModuleWork& work, World& face, std::size_t group, float h) {
     for (std::uint32_t i = work.starts[group]; i < work.starts[group + 1]; ++i) {
-        const StepModule& module = *world.moduleWork.modules[work.acting[work.members[i]]];
-        module.beforeSubstep(module.user, face, world.context.h);
+        const StepModule& module = *work.modules[work.acting[work.members[i]]];
+        module.beforeSubstep(module.user, face, h);
     }
 }
 
 /// Those that may act on any body, and all that named some.
-static void actInOrder(WorldImpl& world, World& face) {
-    for (std::size_t m = 0; m < world.moduleWork.modules.size(); ++m) {
-        const StepModule& module = *world.moduleWork.modules[m];
-        if (module.beforeSubstep && (!module.look || !world.moduleWork.spans[m].empty()))
-            module.beforeSubstep(module.user, face, world.context.h);
+static void actInOrder(const ModuleWork& work, World& face, float h) {
+    for (std::size_t m = 0; m < work.modules.size(); ++m) {
+        const StepModule& module = *work.modules[m];
+        if (module.beforeSubstep && (!module.look || !work.spans[m].empty()))
+            module.beforeSubstep(module.user, face, h);
     }
 }
 
-void actBetweenSubsteps(WorldImpl& world, World& face) {
-    ModuleWork& work = world.moduleWork;
+void actBetweenSubsteps(ModuleWork& work, StageRunner& runner, World& face, float h) {
     if (!work.acts()) return;
     const auto begin = std::chrono::steady_clock::now();
     if (work.onAll)
-        actInOrder(world, face);
+        actInOrder(work, face, h);
     else
-        world.runner.parallelFor(static_cast<int>(work.groupCount()), 1, [&](int first, int end, int) {
-            for (int g = first; g < end; ++g) actAsGroup(world, face, static_cast<std::size_t>(g));
+        runner.parallelFor(static_cast<int>(work.groupCount()), 1, [&](int first, int end, int) {
+            for (int g = first; g < end; ++g) actAsGroup(work, face, static_cast<std::size_t>(g), h);
         });
     work.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
-bool mayPush(WorldImpl& world, std::uint32_t body) {
-    if (!world.moduleWork.inSubsteps || world.moduleWork.actsOn(body)) return true;
-    std::atomic_ref(world.moduleWork.strays).fetch_add(1, std::memory_order_relaxed);
+bool mayPush(ModuleWork& work, std::uint32_t body) {
+    if (!work.inSubsteps || work.actsOn(body)) return true;
+    std::atomic_ref(work.strays).fetch_add(1, std::memory_order_relaxed);
     return false;
 }
 
-std::uint32_t regionOfGroup(const WorldImpl& world, std::size_t group) {
+std::uint32_t regionOfGroup(const ModuleWork& work, const Bodies& bodies, const ConstraintGraph& graph,
+                            std::size_t group) {
     std::uint32_t region = 0;
     bool one = true;
-    forMovingBodiesOf(world, group, [&](std::uint32_t body) {
-        const std::uint32_t own = world.graph.regionOf(world.bodies[body].state);
+    forMovingBodiesOf(work, bodies, group, [&](std::uint32_t body) {
+        const std::uint32_t own = graph.regionOf(bodies[body].state);
         one &= own != 0 && (region == 0 || region == own);
         region = own;
     });
     return one ? region : kNone;
 }
 
-void uniteNamed(WorldImpl& world) {
-    for (std::size_t group = 0; group < world.moduleWork.groupCount(); ++group) {
+void uniteNamed(const ModuleWork& work, const Bodies& bodies, Islands& islands) {
+    for (std::size_t group = 0; group < work.groupCount(); ++group) {
         std::uint32_t first = kNone;
-        forMovingBodiesOf(world, group, [&](std::uint32_t body) {
+        forMovingBodiesOf(work, bodies, group, [&](std::uint32_t body) {
             if (first == kNone) first = body;
-            world.islands.unite(world.bodies, first, body);
+            islands.unite(bodies, first, body);
         });
     }
 }

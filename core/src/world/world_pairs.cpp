@@ -8,18 +8,21 @@ namespace ragtop {
 
 /// Of all shapes in the move buffer.
 void WorldImpl::createPairs(bool obstaclesToo) {
-    const std::size_t lists = findPairs({bodies, shapes, joints, broadphase, callbacks, memory}, runner, obstaclesToo);
+    const std::size_t lists =
+        findPairs({tables.bodies, tables.shapes, tables.joints, collision.broadphase, callbacks, machine.memory},
+                  machine.runner, obstaclesToo);
+    const Activity active = activity();
     for (std::size_t list = 0; list < lists; ++list)
-        for (const PairFound& pair : broadphase.search.found[list]) activity().createContact(pair.a, pair.b);
+        for (const PairFound& pair : collision.broadphase.search.found[list]) active.createContact(pair.a, pair.b);
 }
 
 /// Pairs that come to be in this step; `longer`: than the last one.
 void WorldImpl::updatePairs(bool longer) {
     createPairs(true);
-    for (const std::uint32_t shape : broadphase.moved) shapes[shape].inMoveBuffer = false;
-    broadphase.moved.clear();
+    for (const std::uint32_t shape : collision.broadphase.moved) tables.shapes[shape].inMoveBuffer = false;
+    collision.broadphase.moved.clear();
     shapeBounds().coverNewVelocities(longer);
-    if (!broadphase.moved.empty()) createPairs(false);
+    if (!collision.broadphase.moved.empty()) createPairs(false);
 }
 
 /// Contacts come and go in any order, and records are found faster in that of memory. Seldom: a few in disorder do
@@ -33,12 +36,13 @@ static void sortAwakeContacts(Contacts& contacts, std::uint64_t stepCount) {
 }
 
 void WorldImpl::updateContacts() {
-    if (orderContacts({bodies, contacts, manifolds, broadphase.pairs, graph}, stageMemory)) {
-        forgetTouches(manifolds, contactFinds);
-        directSet.grouped = false;
+    if (orderContacts({tables.bodies, tables.contacts, tables.manifolds, collision.broadphase.pairs, tables.graph},
+                      machine.stageMemory)) {
+        forgetTouches(tables.manifolds, collision.finds);
+        partition.direct.grouped = false;
     }
-    sortAwakeContacts(contacts, stepCount);
-    narrowPhase().collide(runner);
+    sortAwakeContacts(tables.contacts, clock.stepCount);
+    narrowPhase().collide(machine.runner);
 }
 
 }  // namespace ragtop

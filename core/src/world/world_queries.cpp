@@ -27,23 +27,23 @@ Hit castThroughTrees(const WorldImpl& impl, const Bounds& start, const Vec3& tra
     Hit best;
     const Vec3 center = 0.5f * (start.lower + start.upper);
     const Vec3 extents = 0.5f * (start.upper - start.lower);
-    for (const BoundsTree* tree : {&impl.broadphase.fixedTree, &impl.broadphase.movingTree}) {
+    for (const BoundsTree* tree : {&impl.collision.broadphase.fixedTree, &impl.collision.broadphase.movingTree}) {
         tree->cast(center, translation, extents, [&](std::uint32_t index, float closer) {
             if (best && best.fraction < closer) closer = best.fraction;
-            const ShapeRecord& shape = impl.shapes[index];
-            if (!sees(filter, shape, impl.bodies.id(shape.body))) return closer;
-            const Pose pose = shapePose(impl.bodies[shape.body], shape);
+            const ShapeRecord& shape = impl.tables.shapes[index];
+            if (!sees(filter, shape, impl.tables.bodies.id(shape.body))) return closer;
+            const Pose pose = shapePose(impl.tables.bodies[shape.body], shape);
             std::uint32_t triangle = 0;
             const SweepHit hit =
-                test(impl.shapes.geometries[shape.geometry].shape, pose, best ? best.fraction : 1.0f, triangle);
+                test(impl.tables.shapes.geometries[shape.geometry].shape, pose, best ? best.fraction : 1.0f, triangle);
             if (!hit.hit || (best && hit.fraction >= best.fraction)) return closer;
-            best.shape = impl.shapes.id(index);
-            best.body = impl.bodies.id(shape.body);
+            best.shape = impl.tables.shapes.id(index);
+            best.body = impl.tables.bodies.id(shape.body);
             best.fraction = hit.fraction;
             best.point = transformPoint(pose, hit.point);
             best.normal = rotate(pose.rotation, hit.normal);
             best.triangle = triangle;
-            best.surface = impl.shapes.materialAt(shape, triangle).surface;
+            best.surface = impl.tables.shapes.materialAt(shape, triangle).surface;
             return hit.fraction;
         });
     }
@@ -77,7 +77,7 @@ Hit World::castShape(const Shape& shape, const Quat& rotation, const Ray& path, 
 void World::castRays(std::span<const Ray> rays, std::span<Hit> results, const QueryFilter& filter) const {
     if (results.size() < rays.size()) throw std::invalid_argument("results has fewer elements than rays");
     // One batch at a time has the world's threads; others that come at once run where they are.
-    impl_->runner.parallelFor(static_cast<int>(rays.size()), 64, [&](int begin, int end, int) {
+    impl_->machine.runner.parallelFor(static_cast<int>(rays.size()), 64, [&](int begin, int end, int) {
         for (int i = begin; i < end; ++i) {
             const auto place = static_cast<std::size_t>(i);
             results[place] = castRayIn(*impl_, rays[place], filter);
@@ -90,8 +90,9 @@ void World::overlap(const Shape& shape, const Pose& pose, const std::function<bo
     overlap(
         boundsOf(shape, pose),
         [&](ShapeId id) {
-            const ShapeRecord& target = impl_->shapes[id.index];
-            if (!overlapsShape(shape, pose, impl_->shapes.geometries[target.geometry].shape, shapePose(impl_->bodies[target.body], target)))
+            const ShapeRecord& target = impl_->tables.shapes[id.index];
+            if (!overlapsShape(shape, pose, impl_->tables.shapes.geometries[target.geometry].shape,
+                               shapePose(impl_->tables.bodies[target.body], target)))
                 return true;
             return visit(id);
         },
@@ -100,15 +101,16 @@ void World::overlap(const Shape& shape, const Pose& pose, const std::function<bo
 
 void World::overlap(const Bounds& bounds, const std::function<bool(ShapeId)>& visit, const QueryFilter& filter) const {
     bool goOn = true;
-    for (const BoundsTree* tree : {&impl_->broadphase.fixedTree, &impl_->broadphase.movingTree}) {
+    for (const BoundsTree* tree : {&impl_->collision.broadphase.fixedTree, &impl_->collision.broadphase.movingTree}) {
         if (!goOn) return;
         tree->query(bounds, [&](std::uint32_t index) {
-            const ShapeRecord& shape = impl_->shapes[index];
-            if (!sees(filter, shape, impl_->bodies.id(shape.body))) return true;
+            const ShapeRecord& shape = impl_->tables.shapes[index];
+            if (!sees(filter, shape, impl_->tables.bodies.id(shape.body))) return true;
             // Tree bounds are enlarged; the answer is about the shape's own.
-            if (!overlaps(bounds, boundsOf(impl_->shapes.geometries[shape.geometry].shape, shapePose(impl_->bodies[shape.body], shape))))
+            if (!overlaps(bounds, boundsOf(impl_->tables.shapes.geometries[shape.geometry].shape,
+                                           shapePose(impl_->tables.bodies[shape.body], shape))))
                 return true;
-            goOn = visit(impl_->shapes.id(index));
+            goOn = visit(impl_->tables.shapes.id(index));
             return goOn;
         });
     }

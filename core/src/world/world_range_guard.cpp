@@ -6,21 +6,21 @@
 
 namespace ragtop {
 
-/// Whether a body can be given this. What is no number throws, but not within a step: there it is left out, and counts.
+/// Within a step, what is no number is left out, and counts.
 bool WorldImpl::takes(bool finite, const char* what) {
     if (finite) return true;
-    if (!inStep) throw std::invalid_argument(std::string(what) + " is not finite");
-    std::atomic_ref(outOfRange).fetch_add(1, std::memory_order_relaxed);
+    if (!clock.inStep) throw std::invalid_argument(std::string(what) + " is not finite");
+    std::atomic_ref(guards.outOfRange).fetch_add(1, std::memory_order_relaxed);
     return false;
 }
 
 /// One body's failure is not to be that of all it touches.
 void WorldImpl::stopOutOfRange() {
-    for (std::size_t i = 0; i < bodies.awake.size(); ++i) {
-        if (sweptBodies.flags[i] != kOutOfRange) continue;
-        sweptBodies.flags[i] = kNotFast;
-        ++outOfRange;
-        scene().forgetImpulses(bodies.awake[i]);
+    for (std::size_t i = 0; i < tables.bodies.awake.size(); ++i) {
+        if (collision.swept.flags[i] != kOutOfRange) continue;
+        collision.swept.flags[i] = kNotFast;
+        ++guards.outOfRange;
+        scene().forgetImpulses(tables.bodies.awake[i]);
     }
 }
 

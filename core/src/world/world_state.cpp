@@ -61,30 +61,30 @@ std::uint64_t digestOf(const std::pmr::vector<GeometryEntry>& geometries, std::s
 /// Everything that a step reads and that outlives it, in one place for counting, saving and restoring.
 template <class Archive>
 void WorldImpl::archive(Archive& archive) {
-    bodies.archive(archive);
-    shapes.archive(archive);
-    contacts.archive(archive);
-    manifolds.archive(archive);
-    joints.archive(archive);
-    couplings.archive(archive);
-    broadphase.archive(archive);
-    islands.archive(archive);
+    tables.bodies.archive(archive);
+    tables.shapes.archive(archive);
+    tables.contacts.archive(archive);
+    tables.manifolds.archive(archive);
+    tables.joints.archive(archive);
+    tables.couplings.archive(archive);
+    collision.broadphase.archive(archive);
+    partition.islands.archive(archive);
     events.archive(archive);
-    archive(energyGuard.room);
-    archive(graph.bodies());
-    const int lists = archive.lists(graph);
+    archive(guards.energy.room);
+    archive(tables.graph.bodies());
+    const int lists = archive.lists(tables.graph);
     for (int c = 0; c < lists; ++c) {
         // A state that is only checked may have more of them.
-        ConstraintGraph::Color& color = graph.color(c < graph.listCount() ? c : 0);
+        ConstraintGraph::Color& color = tables.graph.color(c < tables.graph.listCount() ? c : 0);
         archive(color.manifolds);
         archive(color.joints);
-        archive.bundles(graph, c);
+        archive.bundles(tables.graph, c);
     }
     archive.value(settings);
-    archive.value(stepCount);
-    archive.value(time);
-    archive.value(lastSubstep);
-    archive.value(dt);
+    archive.value(clock.stepCount);
+    archive.value(clock.time);
+    archive.value(clock.lastSubstep);
+    archive.value(clock.dt);
 }
 
 namespace {
@@ -92,10 +92,10 @@ namespace {
 /// What a state saved now would say of its world, which may have got more geometries since.
 StateHeader headerOf(const WorldImpl& world, std::size_t geometries) {
     StateHeader header;
-    header.lanes = static_cast<std::uint32_t>(world.graph.lanes());
+    header.lanes = static_cast<std::uint32_t>(world.tables.graph.lanes());
     header.geometries = static_cast<std::uint32_t>(geometries);
     header.modules = static_cast<std::uint32_t>(world.moduleWork.modules.size());
-    header.shapes = digestOf(world.shapes.geometries, geometries);
+    header.shapes = digestOf(world.tables.shapes.geometries, geometries);
     return header;
 }
 
@@ -114,7 +114,7 @@ std::size_t World::save(std::span<std::byte> into) const {
     if (into.size() < size)
         throw std::length_error("saving needs " + std::to_string(size) + " bytes, the memory has " +
                                 std::to_string(into.size()));
-    StateHeader header = headerOf(*impl_, impl_->shapes.geometries.size());
+    StateHeader header = headerOf(*impl_, impl_->tables.shapes.geometries.size());
     header.bytes = size;
     StateWriter writer(into.data() + sizeof header);
     impl_->archive(writer);
@@ -124,7 +124,7 @@ std::size_t World::save(std::span<std::byte> into) const {
         if (bytes > 0 && module->save) module->save(module->user, {writer.end(), static_cast<std::size_t>(bytes)});
         writer = StateWriter(writer.end() + bytes);
     }
-    header.checksum = checksumOf(impl_->runner, into.first(size).subspan(sizeof header));
+    header.checksum = checksumOf(impl_->machine.runner, into.first(size).subspan(sizeof header));
     std::memcpy(into.data(), &header, sizeof header);
     return size;
 }
@@ -164,11 +164,11 @@ void World::restore(std::span<const std::byte> from) {
     if (from.size() < sizeof header) throw std::invalid_argument("the bytes are no state: too few");
     std::memcpy(&header, from.data(), sizeof header);
     // Shapes that came after the state was saved do no harm.
-    const std::size_t known = impl_->shapes.geometries.size();
+    const std::size_t known = impl_->tables.shapes.geometries.size();
     const StateHeader own = headerOf(*impl_, header.geometries < known ? header.geometries : known);
     if (const std::string why = whyForeign(header, own, from.size()); !why.empty()) throw std::invalid_argument(why);
     const auto payload = from.subspan(sizeof header, static_cast<std::size_t>(header.bytes) - sizeof header);
-    if (checksumOf(impl_->runner, payload) != header.checksum)
+    if (checksumOf(impl_->machine.runner, payload) != header.checksum)
         throw std::invalid_argument("the state is cut short or damaged");
     for (const bool apply : {false, true}) {
         StateReader reader(payload, apply);
@@ -188,24 +188,24 @@ void World::restore(std::span<const std::byte> from) {
 
 /// What is derived from the state or tells of the last step, after the state has changed as a whole.
 void WorldImpl::forgetDerived() {
-    context.h = lastSubstep;
-    directSet.grouped = false;
-    joints.bundlesChanged = directSet.treesChanged = directSet.multirate.any = true;
-    broadphase.left.rooms.clear();
+    solving.context.h = clock.lastSubstep;
+    partition.direct.grouped = false;
+    tables.joints.bundlesChanged = partition.direct.treesChanged = partition.direct.multirate.any = true;
+    collision.broadphase.left.rooms.clear();
     // No such field of a lane is saved.
-    contactFinds.surfacesForgotten = true;
-    contactFinds.dirty.clear();
-    forgetTouches(manifolds, contactFinds);
-    ++versions.structure;
-    ++versions.fixed;
-    for (const ShapeRecord& shape : shapes) {
-        contactFinds.motionReported |= shape.reportsMotion;
-        if (!shapes.meshesMove() && shapes.geometries[shape.geometry].mesh &&
-            bodies[shape.body].type == BodyType::dynamic)
-            shapes.letMeshesMove();
+    collision.finds.surfacesForgotten = true;
+    collision.finds.dirty.clear();
+    forgetTouches(tables.manifolds, collision.finds);
+    ++tables.versions.structure;
+    ++tables.versions.fixed;
+    for (const ShapeRecord& shape : tables.shapes) {
+        collision.finds.motionReported |= shape.reportsMotion;
+        if (!tables.shapes.meshesMove() && tables.shapes.geometries[shape.geometry].mesh &&
+            tables.bodies[shape.body].type == BodyType::dynamic)
+            tables.shapes.letMeshesMove();
     }
     events.forget();
-    profile.forget();
+    reports.profile.forget();
 }
 
 namespace {
@@ -224,7 +224,8 @@ void addJoint(StateHash& digest, const JointSim& joint) {
 }
 
 void addManifold(StateHash& digest, const WorldImpl& world, const ManifoldRecord& manifold) {
-    const ManifoldImpulses impulses = world.manifolds.impulsesOf(manifold, world.graph, world.lastSubstep);
+    const ManifoldImpulses impulses =
+        world.tables.manifolds.impulsesOf(manifold, world.tables.graph, world.clock.lastSubstep);
     for (int j = 0; j < manifold.pointCount; ++j) {
         digest.add(impulses.impulse[j]);
         digest.add(impulses.load[j]);
@@ -241,36 +242,36 @@ void addManifold(StateHash& digest, const WorldImpl& world, const ManifoldRecord
 
 std::uint64_t WorldImpl::hash() const {
     StateHash digest;
-    digest.add(stepCount);
-    digest.add(time);
-    for (std::uint32_t i = 1; i < bodies.slots.count(); ++i) {
-        if (!bodies.slots.isUsed(i)) continue;
-        const BodyRecord& body = bodies[i];
-        digest.add(bodies.id(i));
+    digest.add(clock.stepCount);
+    digest.add(clock.time);
+    for (std::uint32_t i = 1; i < tables.bodies.slots.count(); ++i) {
+        if (!tables.bodies.slots.isUsed(i)) continue;
+        const BodyRecord& body = tables.bodies[i];
+        digest.add(tables.bodies.id(i));
         digest.add(body.center);
         digest.add(body.rotation);
-        digest.add(bodies.states[i].v);
-        digest.add(bodies.states[i].w);
-        digest.add(bodies.histories[i].momentum);
+        digest.add(tables.bodies.states[i].v);
+        digest.add(tables.bodies.states[i].w);
+        digest.add(tables.bodies.histories[i].momentum);
         digest.add(body.force);
         digest.add(body.torque);
         digest.add(body.sleepTimer);
         digest.add(body.awakeIndex != kNone);
         const bool wasMadeSo = body.type == BodyType::dynamic || (body.type == BodyType::fixed && !(body.mass > 0));
-        if (!bodies.isEnabled(i) || !wasMadeSo) {
-            digest.add(static_cast<std::uint32_t>(bodies.typeOf(i)));
-            digest.add(bodies.isEnabled(i));
+        if (!tables.bodies.isEnabled(i) || !wasMadeSo) {
+            digest.add(static_cast<std::uint32_t>(tables.bodies.typeOf(i)));
+            digest.add(tables.bodies.isEnabled(i));
         }
     }
-    for (std::uint32_t i = 0; i < contacts.slots.count(); ++i) {
-        if (!contacts.slots.isUsed(i)) continue;
-        for (const ManifoldRecord& manifold : manifolds.of(contacts[i]))
+    for (std::uint32_t i = 0; i < tables.contacts.slots.count(); ++i) {
+        if (!tables.contacts.slots.isUsed(i)) continue;
+        for (const ManifoldRecord& manifold : tables.manifolds.of(tables.contacts[i]))
             if (manifold.pointCount > 0) addManifold(digest, *this, manifold);
     }
-    for (std::uint32_t j = 0; j < joints.slots.count(); ++j)
-        if (joints.slots.isUsed(j)) addJoint(digest, joints.sims[j]);
-    for (std::uint32_t c = 0; c < couplings.slots.count(); ++c)
-        if (couplings.slots.isUsed(c)) digest.add(axisImpulse(couplings.sims[c].axis));
+    for (std::uint32_t j = 0; j < tables.joints.slots.count(); ++j)
+        if (tables.joints.slots.isUsed(j)) addJoint(digest, tables.joints.sims[j]);
+    for (std::uint32_t c = 0; c < tables.couplings.slots.count(); ++c)
+        if (tables.couplings.slots.isUsed(c)) digest.add(axisImpulse(tables.couplings.sims[c].axis));
     for (const StepModule* module : moduleWork.modules)
         if (module->hash) digest.add(module->hash(module->user));
     return digest.value();

@@ -21,6 +21,7 @@
 
 #include "constraints/contact_layout.h"
 #include "world/multirate.h"
+#include "world/world_impl.h"
 #include "world/world_modules.h"
 #include "world/world_regions.h"
 
@@ -33,41 +34,67 @@ static void shareStep(WorldImpl& world, Body&& body) {
     constexpr std::size_t kFew = 64;
     // Modules that acted in the last step count as many of them.
     constexpr std::size_t kModule = 16;
-    const std::size_t size = world.bodies.awake.size() + world.contacts.awake.size() + world.broadphase.moved.size() +
-                             kModule * world.moduleWork.members.size();
-    if (size < kFew) return world.runner.region(1, [&] { body(false); });
-    const Sharing sharing = world.workerChoice.next();
+    const std::size_t size = world.tables.bodies.awake.size() + world.tables.contacts.awake.size() +
+                             world.collision.broadphase.moved.size() + kModule * world.moduleWork.members.size();
+    if (size < kFew) return world.machine.runner.region(1, [&] { body(false); });
+    const Sharing sharing = world.machine.workerChoice.next();
     const auto begin = std::chrono::steady_clock::now();
-    world.runner.region(sharing.workers, [&] { body(sharing.shareSolve); });
+    world.machine.runner.region(sharing.workers, [&] { body(sharing.shareSolve); });
     const std::chrono::duration<float> taken = std::chrono::steady_clock::now() - begin;
-    world.workerChoice.note(taken.count(), static_cast<float>(size));
+    world.machine.workerChoice.note(taken.count(), static_cast<float>(size));
+}
+
+void Solving::begin(const WorldSettings& settings, float dt) {
+    const float h = dt / static_cast<float>(settings.substeps), substepRate = 1 / h;
+    const float gravity = length(settings.gravity);
+    context.h = h;
+    context.inverseH = substepRate;
+    context.dt = dt;
+    context.soft = makeSoftness(settings.contactFrequency * substepRate, settings.contactDamping, h);
+    context.softStatic = makeSoftness(2 * settings.contactFrequency * substepRate, settings.staticContactDamping, h);
+    context.pushOut = settings.pushOut / dt;
+    context.gravityStep = gravity * h;
+    context.heavyDepth = contact::kHeavy * context.gravityStep * context.soft.impulseScale /
+                         (context.soft.massScale * context.soft.biasRate);
+    context.restitutionSpeed = settings.restitutionSpeed * gravity * dt;
+    context.loadShare = settings.loadGain;
+    context.staticLoadShare = settings.staticLoadGain;
+    jointContext = {h, substepRate, makeSoftness(settings.jointFrequency * substepRate, settings.jointDamping, h)};
 }
 
 /// Stores what the substeps have changed, then checks the energy of jointed groups.
-static void endSolve(WorldImpl& world) {
-    stepIndependentTrees(world);
-    world.iteration().storeJoints();
-    endDirect(world.directView());
-    guardEnergy(world);
+void WorldImpl::endSolve() {
+    stepIndependentTrees(directView(), iteration(), bodyStage(), guardView());
+    iteration().storeJoints();
+    endDirect(directView());
+    guardEnergy(guardView());
 }
 
-/// What the substeps of a step of dt seconds have in common.
-static void fillContexts(const WorldSettings& settings, float dt, SolverContext& contacts, JointContext& joints) {
-    const float h = dt / static_cast<float>(settings.substeps), substepRate = 1 / h;
-    const float gravity = length(settings.gravity);
-    contacts.h = h;
-    contacts.inverseH = substepRate;
-    contacts.dt = dt;
-    contacts.soft = makeSoftness(settings.contactFrequency * substepRate, settings.contactDamping, h);
-    contacts.softStatic = makeSoftness(2 * settings.contactFrequency * substepRate, settings.staticContactDamping, h);
-    contacts.pushOut = settings.pushOut / dt;
-    contacts.gravityStep = gravity * h;
-    contacts.heavyDepth = contact::kHeavy * contacts.gravityStep * contacts.soft.impulseScale /
-                          (contacts.soft.massScale * contacts.soft.biasRate);
-    contacts.restitutionSpeed = settings.restitutionSpeed * gravity * dt;
-    contacts.loadShare = settings.loadGain;
-    contacts.staticLoadShare = settings.staticLoadGain;
-    joints = {h, substepRate, makeSoftness(settings.jointFrequency * substepRate, settings.jointDamping, h)};
+void WorldImpl::beginStep(World& world, double stepSeconds) {
+    clock.dt = static_cast<float>(stepSeconds);
+    const float before = solving.context.h;
+    solving.begin(settings, clock.dt);
+    partition.islands.graphChanged |= before != solving.context.h;  // springs are as stiff as substeps are long
+    events.beginStep(tables.bodies.room());
+    clock.stepping = clock.inStep = true;
+    reports.profile.begin();
+    reports.profile.beginStage("modules", callbacks);
+    for (StepModule* module : moduleWork.modules)
+        if (module->beforeStep) module->beforeStep(module->user, world, stepSeconds);
+}
+
+void WorldImpl::endStep(World& world, double stepSeconds) {
+    clock.stepping = false;
+    events.endStep();
+    scene().breakJoints(clock.dt);
+    clock.lastSubstep = solving.context.h;
+    ++clock.stepCount;
+    clock.time += stepSeconds;
+    reports.profile.beginStage("modules after", callbacks);
+    for (StepModule* module : moduleWork.modules)
+        if (module->afterStep) module->afterStep(module->user, world, stepSeconds);
+    clock.inStep = false;
+    reports.profile.end(callbacks);
 }
 
 /// Advances the world by dt seconds: collide once, then substeps.
@@ -75,93 +102,60 @@ void WorldImpl::step(World& world, double stepSeconds) {
     const bool valid = std::isfinite(stepSeconds) && stepSeconds > 0;
     assert(valid);
     if (!valid) return;
-    const bool longer = static_cast<float>(stepSeconds) > dt;
-    dt = static_cast<float>(stepSeconds);
-    const float before = context.h;
-    fillContexts(settings, dt, context, jointContext);
-    islands.graphChanged |= before != context.h;  // springs are as stiff as substeps are long
-
-    events.beginStep(bodies.room());
-    stepping = inStep = true;
-    profile.begin();
-    beginModules(*this, world, stepSeconds);
-
+    const bool longer = static_cast<float>(stepSeconds) > clock.dt;
+    beginStep(world, stepSeconds);
+    StepProfile& profile = reports.profile;
     shareStep(*this, [&](bool shareSolve) {
-        askModules(*this, world, stepSeconds);
+        if (!moduleWork.modules.empty()) profile.beginStage("look", callbacks);
+        askModules(moduleWork, activity(), machine.runner, world, stepSeconds);
         profile.beginStage("pairs", callbacks);
         updatePairs(longer);  // may grow arrays, as may the changes of contacts; nothing else below does
         profile.beginStage("collide", callbacks);
         updateContacts();
         profile.beginStage("contacts", callbacks);
         activity().applyContactChanges(ghostView(), settings.sleeping);
-        leaveOutGhosts(ghostView(), {contactFinds.closing.begin(), contactFinds.closing.end()}, contacts, graph,
-                       runner);
+        leaveOutGhosts(ghostView(), {collision.finds.closing.begin(), collision.finds.closing.end()}, tables.contacts,
+                       tables.graph, machine.runner);
         profile.beginStage("islands", callbacks);
         chooseSolvers();
-        activity().collectSolved(freezing, moduleWork, !callbacks.modify);  // what is told of contacts expects all
-        chooseStepFactors(*this);
-        divideIntoRegions(*this);
+        activity().collectSolved(solving.freezing, moduleWork,
+                                 !callbacks.modify);  // what is told of contacts expects all
+        chooseStepFactors(multirateView());
+        divideIntoRegions(regionView());
         profile.beginStage("prepare", callbacks);
         prepareBodies();
-        articulations.find(tables(), directSet);
+        partition.articulations.find(tables, partition.direct);
         scene().settleNewJoints();
-        beginGuard(*this);
-        bouncy = iteration().prepare(lastSubstep);
-        collectRegions(*this);
+        beginGuard(guardView());
+        solving.bouncy = iteration().prepare(clock.lastSubstep);
+        collectRegions(regionView());
         beginDirect(directView());
         profile.beginStage("solve", callbacks);
-        runner.part(!shareSolve, [&] { solveSubsteps(world); });
+        machine.runner.part(!shareSolve, [&] { solveSubsteps(world); });
         makeRoomToFinish();
-        endSolve(*this);
+        endSolve();
         profile.beginStage("finish", callbacks);
         finishBodies();
         stopOutOfRange();
         scene().correctInitialViolations();
         sweepFast();
-        closeOpenJoints(*this);
-        shapeBounds().refit(sweptBodies.startPoses(), runner);
+        closeOpenJoints(closingView());
+        shapeBounds().refit(collision.swept.startPoses(), machine.runner);
         profile.beginStage("events", callbacks);
-        narrowPhase().updateSensors(runner);
-        contactEvents().publish(runner);
+        narrowPhase().updateSensors(machine.runner);
+        contactEvents().publish(machine.runner);
         profile.beginStage("sleep", callbacks);
-        activity().freezeStillBodies(freezing, moduleWork, !callbacks.modify);
-        if (settings.sleeping) activity().sleepQuietIslands(tables(), settings.sleepTime);
+        activity().freezeStillBodies(solving.freezing, moduleWork, !callbacks.modify);
+        if (settings.sleeping) activity().sleepQuietIslands(tables, settings.sleepTime);
     });
-
-    stepping = false;
-    events.endStep();
-    scene().breakJoints(dt);
-    lastSubstep = context.h;
-    ++stepCount;
-    time += stepSeconds;
-    profile.beginStage("modules after", callbacks);
-    for (StepModule* module : moduleWork.modules)
-        if (module->afterStep) module->afterStep(module->user, world, stepSeconds);
-    inStep = false;
-    profile.end(callbacks);
-}
-
-void WorldImpl::prepareBody(std::uint32_t index) {
-    BodyRecord& body = bodies[index];
-    BodyDynamics& d = bodies.dynamics[index];
-    const float h = context.h * static_cast<float>(body.stepFactor);
-    d.linearDecay = 1 / (1 + h * body.linearDamping);
-    d.angularDecay = 1 / (1 + h * body.angularDamping);
-    const float inverseMass = bodies.states[index].invMass;
-    d.acceleration = inverseMass > 0 ? body.gravityScale * settings.gravity + inverseMass * body.force : Vec3{};
-    d.torque = body.torque;
-    // The forces of joints turn with the bodies: taking them for smooth would feed energy into every swing.
-    // What joined bodies have in common is smooth, and is theirs by Articulations::move.
-    d.translates = inverseMass > 0 && body.firstJoint == kNone ? 1.0f : 0.0f;
-    body.force = {};
-    body.torque = {};
-    bodies.histories[index].rotation = body.rotation;
+    endStep(world, stepSeconds);
 }
 
 void WorldImpl::prepareBodies() {
-    forSharedBodies(*this, [&](int, std::span<const std::uint32_t> list) {
-        runner.parallelFor(static_cast<int>(list.size()), 64, [&](int begin, int end, int) {
-            for (int i = begin; i < end; ++i) prepareBody(list[static_cast<std::size_t>(i)]);
+    const BodyStage stage = bodyStage();
+    forSharedBodies(partition.direct.multirate, solving.freezing.solved, [&](int, std::span<const std::uint32_t> list) {
+        machine.runner.parallelFor(static_cast<int>(list.size()), 64, [&](int begin, int end, int) {
+            for (int i = begin; i < end; ++i) stage.prepare(list[static_cast<std::size_t>(i)]);
         });
     });
 }
