@@ -8,9 +8,10 @@
 namespace ragtop {
 namespace {
 
-constexpr std::size_t kFewestOfHull = 20;   ///< of a fitted hull
-constexpr std::size_t kMostOfHull = 38;     ///< of it
-constexpr float kSnug = 1.15f;              ///< times the volume of the points, with which it has corners enough
+constexpr std::size_t kFewestOfHull = 20;  ///< of a fitted hull
+constexpr std::size_t kMostOfHull = 38;    ///< of it
+constexpr float kSnug = 1.15f;             ///< times the volume of the points, with which it has corners enough
+constexpr float kRounding = 1e-5f;
 constexpr std::size_t kVolumeCorners = 64;  ///< from which the volume of all points is known
 
 Vec3 meanOf(std::span<const Vec3> points) {
@@ -94,7 +95,6 @@ std::optional<FittedHull> fitHull(std::span<const Vec3> points, const Quat& rota
         least = volume, corners = taken, gauge = reach;
     }
     if (corners.empty()) return {};
-    constexpr float kRounding = 1e-5f;
     const float size = (1 + kRounding) * std::max(1.0f, sizeFor(gauge, points, rotation, share));
     for (Vec3& corner : corners) corner = size * (corner - gauge.middle);
     return FittedHull{{ConvexHull(corners), {rotate(rotation, gauge.middle), rotation}}, whole.volume()};
@@ -104,9 +104,13 @@ std::optional<FittedHull> fitHull(std::span<const Vec3> points, const Quat& rota
 FittedShape hullAbove(const FittedShape& hull, const Vec3& up, float floor, float least) {
     const std::span<const Vec3> corners = std::get<ConvexHull>(hull.shape).vertices();
     const Vec3 along = inverseRotate(hull.frame.rotation, up);
-    float top = -std::numeric_limits<float>::infinity();
-    for (const Vec3& corner : corners) top = std::max(top, dot(corner, along));
+    float top = -std::numeric_limits<float>::infinity(), bottom = -top;
+    for (const Vec3& corner : corners) {
+        top = std::max(top, dot(corner, along));
+        bottom = std::min(bottom, dot(corner, along));
+    }
     const float cut = std::min(floor - dot(hull.frame.position, up), top - least);
+    if (cut <= bottom + kRounding * (top - bottom)) return hull;
     std::vector<Vec3> kept;
     for (const Vec3& corner : corners) {
         const float over = dot(corner, along) - cut;

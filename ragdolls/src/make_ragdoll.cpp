@@ -8,6 +8,7 @@
 
 #include "alike_sides.h"
 #include "fit.h"
+#include "fit_foot.h"
 #include "fit_hull.h"
 #include "joint_limits.h"
 #include "masses.h"
@@ -137,7 +138,7 @@ private:
     FittedShape around(const Segment& s, std::span<const Vec3> skin, float share) const {
         // What stands has a sole: a capsule would roll.
         const Quat basis = basisOf(s);
-        if (anatomy_.isHuman() && s.role == BodyRole::foot) return fitBox(skin, basis, share);
+        if (anatomy_.isHuman() && s.role == BodyRole::foot) return fitFoot(skin, basis, share);
         const auto hull = fitHull(skin, basis, share);
         const auto airy = [&](const FittedShape& shape, float room) {
             return hull && massOf(shape.shape, 1).mass > room * kMostAir * hull->pointsVolume;
@@ -213,15 +214,26 @@ private:
         return {along, dot(ankle, along) - kAnkleShare * above};
     }
 
-    /// The skin of a shank that hangs over its foot, as of wide trousers, is held by the foot.
+    /// The skin of a shank that hangs over its foot, as of wide trousers, becomes the foot's; of either the shape holds
+    /// as much as asked.
     void coverHem(std::size_t foot) {
         const ShankFloor over = floorOver(foot);
-        std::vector<Vec3> skin = skin_[foot];
+        std::vector<Vec3>& skin = skin_[foot];
         if (skin.size() < kFewVertices) return;
         const std::size_t own = skin.size();
         for (const Vec3& vertex : skin_[shankOf(foot)])
             if (dot(vertex, over.along) < over.floor) skin.push_back(vertex);
-        if (skin.size() > own) place(foot, around(segment(static_cast<int>(foot)), skin, options_.containedShare));
+        if (skin.size() == own) return;
+        const float wanted = options_.containedShare;
+        const auto holds = [&](const FittedShape& shape, std::span<const Vec3> some) {
+            return static_cast<float>(countInside(shape, some)) >= wanted * static_cast<float>(some.size());
+        };
+        FittedShape shape;
+        for (const float more : {0.0f, 0.125f, 0.25f, 0.5f, 1.0f}) {
+            shape = around(segment(static_cast<int>(foot)), skin, wanted + more * (1 - wanted));
+            if (holds(shape, std::span(skin).first(own)) && holds(shape, std::span(skin).subspan(own))) break;
+        }
+        place(foot, std::move(shape));
     }
 
     /// What has feet stands on them: no other shape reaches below their soles.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "joint_bodies.h"
+#include "shape_corners.h"
 
 namespace ragtop {
 namespace {
@@ -21,20 +22,6 @@ bool isUpper(BodyRole role) { return role == BodyRole::thigh || role == BodyRole
 bool isLower(BodyRole role) { return role == BodyRole::shank || role == BodyRole::forearm; }
 
 Vec3 across(const Vec3& v, const Vec3& axis) { return v - dot(v, axis) * axis; }
-
-/// Of the shape of a part, in its bone.
-std::vector<Vec3> cornersOf(const RagdollPart& part) {
-    Vec3 half;
-    if (const auto* box = std::get_if<Box>(&part.shape)) half = box->halfExtents;
-    if (const auto* sphere = std::get_if<Sphere>(&part.shape)) half = {sphere->radius, sphere->radius, sphere->radius};
-    if (const auto* capsule = std::get_if<Capsule>(&part.shape))
-        half = {capsule->radius, capsule->radius + capsule->halfHeight, capsule->radius};
-    std::vector<Vec3> corners;
-    for (int i = 0; i < 8; ++i)
-        corners.push_back(transformPoint(
-            part.frame, scale(half, {i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f})));
-    return corners;
-}
 
 /// The bone of a foot that its toes turn in: the first on the way to the farthest one; −1 where there is none.
 int toeOf(const RagdollDef& def, int foot) {
@@ -191,7 +178,9 @@ void RetargetBody::putOnSole(FootPoints& foot, const Quat& lies) const {
     const Quat inBone = conjugate(part(foot.part).bind.rotation) * lies;
     const float infinite = std::numeric_limits<float>::infinity();
     Vec3 lower{infinite, infinite, infinite}, upper = -lower;
-    for (const Vec3& corner : cornersOf(part(foot.part))) {
+    std::vector<Vec3> corners = soleCorners(part(foot.part), rotate(inBone, {0, -1, 0}));
+    if (corners.empty()) corners = cornersOf(part(foot.part));
+    for (const Vec3& corner : corners) {
         const Vec3 at = inverseRotate(inBone, corner - foot.joint);
         if (at.y > 0) continue;
         lower = min(lower, at);

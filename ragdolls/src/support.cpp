@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "shape_corners.h"
+
 namespace ragtop {
 namespace {
 
@@ -42,22 +44,16 @@ float distanceToEdge(const Spot& a, const Spot& b, const Spot& p) {
     return distance({a.x + share * dx, a.z + share * dz}, p);
 }
 
-std::vector<Vec3> cornersOf(const BodyAxes& axes, int foot) {
+std::vector<Vec3> cornersUnder(const BodyAxes& axes, int foot) {
     const RagdollPart& part = axes.def().parts[static_cast<std::size_t>(foot)];
     const Vec3 down = inverseRotate(axes.zero(foot), {0, -1, 0});
-    std::vector<Vec3> corners;
-    if (const auto* box = std::get_if<Box>(&part.shape)) {
-        for (int i = 0; i < 8; ++i)
-            corners.push_back(transformPoint(
-                part.frame,
-                scale(box->halfExtents, {i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f})));
-        // Those of a level sole tie, and are told apart by their places.
-        std::sort(corners.begin(), corners.end(), [&](const Vec3& a, const Vec3& b) {
-            const float depth = dot(a, down) - dot(b, down);
-            return depth != 0 ? depth > 0 : std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-        });
-        corners.resize(4);
-    } else if (const auto* capsule = std::get_if<Capsule>(&part.shape)) {
+    std::vector<Vec3> corners = soleCorners(part, down);
+    // Those of a level sole tie, and are told apart by their places.
+    std::sort(corners.begin(), corners.end(), [&](const Vec3& a, const Vec3& b) {
+        const float depth = dot(a, down) - dot(b, down);
+        return depth != 0 ? depth > 0 : std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+    });
+    if (const auto* capsule = std::get_if<Capsule>(&part.shape)) {
         for (const float end : {-1.0f, 1.0f})
             corners.push_back(transformPoint(part.frame, {0, end * capsule->halfHeight, 0}) + capsule->radius * down);
     }
@@ -67,7 +63,7 @@ std::vector<Vec3> cornersOf(const BodyAxes& axes, int foot) {
 }  // namespace
 
 Sole soleOf(const BodyAxes& axes, int foot) {
-    Sole sole{.corners = cornersOf(axes, foot)};
+    Sole sole{.corners = cornersUnder(axes, foot)};
     const std::vector<Vec3>& c = sole.corners;
     for (const Vec3& corner : c) sole.middle += (1.0f / static_cast<float>(c.size())) * corner;
     const Vec3 up = inverseRotate(axes.zero(foot), {0, 1, 0});

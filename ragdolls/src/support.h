@@ -10,7 +10,7 @@ namespace ragtop {
 
 /// The underside of a foot, in its bone.
 struct Sole {
-    std::vector<Vec3> corners{};   ///< of a box four, of a capsule two
+    std::vector<Vec3> corners{};   ///< of a box or hull four, of a capsule two
     Vec3 middle{}, up{0, 1, 0};    ///< up: unit vector across it, out of the ground
     std::array<Vec3, 2> halves{};  ///< from the middle to the middles of two edges that meet
 

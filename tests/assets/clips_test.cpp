@@ -135,19 +135,23 @@ struct FootPoint {
     Vec3 inBone, atRest;
 };
 
-/// Of feet that are boxes, on the middle of the sole: its heel, and where toes begin or, without any, its tip.
+/// Of feet that stand on four corners, on the middle of the sole: its heel, and where toes begin or, without any, its
+/// tip.
 std::vector<FootPoint> solesOf(const RagdollDef& def) {
     std::vector<FootPoint> points;
     for (std::size_t k = 0; k < def.parts.size(); ++k) {
         const RagdollPart& part = def.parts[k];
         if (part.role != BodyRole::foot) continue;
-        const Box& box = std::get<Box>(part.shape);
         const Vec3 ankle = part.bind.position;
         std::vector<Vec3> corners;
-        for (int i = 0; i < 8; ++i)
-            corners.push_back(transformPoint(
-                part.bind * part.frame,
-                scale(box.halfExtents, {i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f})));
+        if (const auto* hull = std::get_if<ConvexHull>(&part.shape)) {
+            corners.assign(hull->vertices().begin(), hull->vertices().end());
+        } else {
+            const Vec3 half = std::get<Box>(part.shape).halfExtents;
+            for (int i = 0; i < 8; ++i)
+                corners.push_back(scale(half, {i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f}));
+        }
+        for (Vec3& corner : corners) corner = transformPoint(part.bind * part.frame, corner);
         std::sort(corners.begin(), corners.end(), [](const Vec3& a, const Vec3& b) { return a.y < b.y; });
         corners.resize(4);
         const auto away = [&](const Vec3& a) { return length(Vec3{a.x - ankle.x, 0, a.z - ankle.z}); };

@@ -260,6 +260,67 @@ TEST(Support, ASoleIsFlatOnItsCornersAndKeepsWaysWithin) {
     EXPECT_LT(length(sole.within(0.1f * sole.up, 1)), 1e-6f);
 }
 
+/// A hull that narrows upwards stands on what is lowest of it, however its frame lies; a box is the hull of its
+/// corners.
+TEST(Support, TheSoleOfAHullIsThatOfTheBoxThatItStandsOn) {
+    RagdollDef def = human();
+    const BodyAxes axes(def);
+    const int foot = axes.find(BodyRole::foot, BodySide::left);
+    RagdollPart& part = def.parts[static_cast<std::size_t>(foot)];
+    const Vec3 half = std::get<Box>(part.shape).halfExtents;
+    const Vec3 down = inverseRotate(part.frame.rotation, inverseRotate(axes.zero(foot), {0, -1, 0}));
+    for (const float narrowing : {1.0f, 0.4f}) {
+        std::vector<Vec3> corners;
+        for (int i = 0; i < 8; ++i) {
+            const Vec3 corner = scale(half, {i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f});
+            const bool isLow = dot(corner, down) > 0;
+            corners.push_back(isLow ? corner : scale(corner, {narrowing, narrowing, 1}));
+        }
+        part.shape = ConvexHull(corners);
+        const Sole of = soleOf(BodyAxes(def), foot), expected = soleOf(axes, foot);
+        ASSERT_EQ(of.corners.size(), 4u);
+        EXPECT_LT(length(of.middle - expected.middle), 1e-6f);
+        EXPECT_LT(length(of.up - expected.up), 1e-6f);
+        for (std::size_t i = 0; i < 2; ++i)
+            EXPECT_NEAR(length(of.halves[i]), length(expected.halves[i]), 1e-6f) << narrowing;
+    }
+}
+
+/// Feet that are hulls hold a person up as boxes do.
+TEST(Balance, StandsOnHulls) {
+    RagdollDef def = human();
+    for (RagdollPart& part : def.parts) {
+        if (part.role != BodyRole::foot) continue;
+        const Vec3 half = std::get<Box>(part.shape).halfExtents;
+        const std::vector<Vec3> corners{{-half.x, -half.y, -half.z},
+                                        {half.x, -half.y, -half.z},
+                                        {-half.x, half.y, -half.z},
+                                        {half.x, half.y, -half.z},
+                                        {0, 0, half.z},
+                                        {0, -half.y, half.z}};
+        part.shape = ConvexHull(corners);
+    }
+    World world(WorldSettings{.sleeping = false});
+    world.create(
+        BodyDef{.type = BodyType::fixed, .shapes = {{.geometry = Box{{100, 1, 100}}}}, .pose = {{0, -1, 0}, {}}});
+    Ragdoll body(world, def, standing(BodyAxes(def)));
+    Muscles muscles(world, body);
+    Balance balance(world, body, muscles);
+    InverseDynamics dynamics(world, body);
+    DVec3 before;
+    for (int i = 0; i < 1200; ++i) {
+        balance.step(kDt);
+        muscles.step(kDt);
+        world.step(kDt);
+        dynamics.look();
+        if (i == 300) before = dynamics.centerOfMass();
+    }
+    EXPECT_GT(dynamics.centerOfMass().y, 0.9);
+    EXPECT_LT(length(relative(dynamics.centerOfMass(), before)), 0.01f);
+    EXPECT_LT(length(dynamics.velocity()), 0.005f);
+    EXPECT_GT(balance.margin(), 0.03f);
+}
+
 TEST(Support, MarginIsTheWayToTheNearestEdge) {
     std::vector<Spot> square{{0, 0}, {2, 0}, {1, 1}, {2, 2}, {0, 2}};
     EXPECT_NEAR(marginWithin(square, {0.5f, 1}), 0.5f, 1e-6f);

@@ -1,13 +1,14 @@
 #include "fit.h"
 
-#include "fit_hull.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
+
+#include "fit_foot.h"
+#include "fit_hull.h"
 
 namespace ragtop {
 namespace {
@@ -212,6 +213,63 @@ TEST(FitHull, OfPointsInAPlaneIsNone) {
     }
     EXPECT_FALSE(fitHull(points, {}, 0.9f));
     EXPECT_FALSE(fitHull(std::vector<Vec3>(20, Vec3{1, 1, 1}), {}, 0.9f));
+}
+
+/// A wedge with a shaft above its heel, as shoes are: x across, y towards the toes, z up.
+std::vector<Vec3> shoePoints(int count) {
+    std::mt19937 random(21);
+    const auto any = [&] { return static_cast<float>(random()) / 4294967296.0f; };
+    std::vector<Vec3> points;
+    while (static_cast<int>(points.size()) < count) {
+        const float along = any(), high = any();
+        if (high > 0.35f + std::max(0.0f, 0.65f - 1.3f * along)) continue;
+        const float width = (0.035f + 0.015f * along) * (1 - 0.3f * high);
+        const float edge = std::clamp(4 * std::min(along, 1 - along), 0.3f, 1.0f);
+        points.push_back({width * edge * (2 * any() - 1), 0.27f * along - 0.09f, 0.11f * high});
+    }
+    return points;
+}
+
+TEST(FitFoot, StandsOnARectangleAndHoldsItsSkinWithLittleAir) {
+    for (const int count : {400, 2000, 8000}) {
+        std::vector<Vec3> points = shoePoints(count);
+        const Quat rotation = normalized(rotationAbout({1, -0.4f, 0.2f}, 1.1f));
+        for (Vec3& point : points) point = rotate(rotation, point);
+        const FittedShape foot = fitFoot(points, rotation, 0.92f);
+        const auto* hull = std::get_if<ConvexHull>(&foot.shape);
+        ASSERT_TRUE(hull) << count;
+        EXPECT_GE(countInside(foot, points), static_cast<int>(std::ceil(0.92f * static_cast<float>(count))));
+        EXPECT_LE(massOf(*hull, 1).mass, 1.25f * massOf(ConvexHull(points), 1).mass) << count;
+        float lowest = 1, next = 1;
+        std::vector<Vec3> sole;
+        for (const Vec3& corner : hull->vertices()) lowest = std::min(lowest, corner.z);
+        for (const Vec3& corner : hull->vertices())
+            if (corner.z < lowest + 1e-6f)
+                sole.push_back(corner);
+            else
+                next = std::min(next, corner.z);
+        ASSERT_EQ(sole.size(), 4u) << count;
+        EXPECT_GT(next, lowest + 0.002f);
+        for (const Vec3& corner : sole) EXPECT_NEAR(std::abs(corner.x), std::abs(sole[0].x), 0.01f);
+    }
+}
+
+/// What is a box already stays one, and what is flat.
+TEST(FitFoot, OfABlockIsTheBox) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 1000; ++i)
+        points.push_back({0.04f * static_cast<float>(i % 10), 0.08f * static_cast<float>(i / 10 % 10),
+                          0.03f * static_cast<float>(i / 100)});
+    EXPECT_TRUE(std::holds_alternative<Box>(fitFoot(points, {}, 1.0f).shape));
+    for (Vec3& point : points) point.z = 0;
+    EXPECT_TRUE(std::holds_alternative<Box>(fitFoot(points, {}, 0.9f).shape));
+}
+
+TEST(KeptAbove, LeavesAHullThatStandsOnTheFloorAsItIs) {
+    const FittedShape foot = fitFoot(shoePoints(500), {}, 0.92f);
+    const float floor = bottomOf(foot, {0, 0, 1}) + 1e-7f;
+    const FittedShape kept = keptAbove(foot, {0, 0, 1}, floor, 0.001f);
+    EXPECT_EQ(std::get<ConvexHull>(kept.shape).vertices().size(), std::get<ConvexHull>(foot.shape).vertices().size());
 }
 
 TEST(GrowingHull, OfTheCornersOfACubeIsTheCube) {
