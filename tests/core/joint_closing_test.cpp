@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "chain_support.h"
 #include "constraints/axis_rows.h"
@@ -167,6 +168,51 @@ TEST(JointClosing, NoStepLeavesAJointOfAStruckRowOpen) {
                 }
             }
         }
+}
+
+/// Balls on arms longer than they are, in a row that folds: those that no joint holds to each other are apart.
+struct Beads {
+    static constexpr float kRadius = 0.2f, kArm = 0.25f;
+    std::vector<BodyId> bodies;
+    std::vector<JointId> joints;
+
+    Beads(World& world, int count) {
+        for (int i = 0; i < count; ++i) {
+            bodies.push_back(world.create(bodyDef(Sphere{kRadius}, {2.0 * kArm * i, 5, 0})));
+            if (i == 0) continue;
+            JointBodies joined{.a = bodies[bodies.size() - 2], .b = bodies.back()};
+            joined.frameA = {{kArm, 0, 0}, {}}, joined.frameB = {{-kArm, 0, 0}, {}};
+            joints.push_back(world.create(BallDef{.bodies = joined}));
+        }
+    }
+    /// m, by which two balls that no joint holds together overlap.
+    double deepest(const World& world) const {
+        double deepest = 0;
+        for (std::size_t i = 0; i < bodies.size(); ++i)
+            for (std::size_t j = i + 2; j < bodies.size(); ++j)
+                deepest = std::max(deepest, 2.0 * static_cast<double>(kRadius) -
+                                                static_cast<double>(length(relative(world.centerOfMass(bodies[i]),
+                                                                                    world.centerOfMass(bodies[j])))));
+        return deepest;
+    }
+};
+
+/// What closes a joint may not push a part into another: both are closed up to a fiftieth of the size.
+TEST(JointClosing, DrivesNoPartIntoAnother) {
+    std::mt19937 random(18);
+    const auto number = [&](float from, float to) { return std::uniform_real_distribution<float>(from, to)(random); };
+    for (int run = 0; run < 60; ++run) {
+        World world{inSpace()};
+        const Beads row(world, 4 + run % 9);
+        const float speed = std::exp(number(std::log(3.0f), std::log(60.0f)));
+        for (const BodyId body : row.bodies)
+            world.setVelocity(body, {number(-1, 1) * speed, number(-1, 1) * speed, number(-1, 1) * speed}, {});
+        for (int i = 0; i < 120; ++i) {
+            world.step(kDt);
+            ASSERT_LE(row.deepest(world), 0.02 * 2 * static_cast<double>(Beads::kRadius))
+                << row.bodies.size() << " at " << speed << " m/s, run " << run << ", step " << i;
+        }
+    }
 }
 
 /// The same of limits, which are closed up to a fiftieth of a radian, and left by a tenth where that cannot be.

@@ -18,6 +18,7 @@ IslandSystem::IslandSystem(std::pmr::memory_resource* memory)
       joints_(memory),
       pairs_(memory),
       jointEnds_(memory),
+      pointEnds_(memory),
       velocity_(memory),
       free_(memory),
       written_(memory),
@@ -77,7 +78,7 @@ void IslandSystem::makeRoom(std::size_t bodyCount, std::size_t contactCount, std
 }
 
 void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, const SolverContext& context) {
-    makeRoom(parts.bodyCount, parts.contactCount, parts.jointCount);
+    makeRoom(parts.bodyCount, parts.contactCount, parts.jointCount + parts.pointCount);
     gravityStep_ = static_cast<double>(context.gravityStep);
     stride_ = static_cast<std::size_t>(parts.laneStride);
     lanes_ = parts.contactCount;
@@ -88,20 +89,25 @@ void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, con
     loadContacts(parts, arrays);
     joints_.clear();
     jointEnds_.clear();
+    pointEnds_.clear();
+    const auto localOf = [&](std::uint32_t state) {
+        return arrays.states[state].invMass > 0 ? static_cast<std::int32_t>(parts.localOf[state]) : kFixed;
+    };
     for (std::size_t j = 0; j < parts.jointCount; ++j) {
         JointSim& joint = *parts.joints[j];
         joints_.push(&joint);
-        const auto end = [&](std::uint32_t state) {
-            return arrays.states[state].invMass > 0 ? static_cast<std::int32_t>(parts.localOf[state]) : kFixed;
-        };
-        jointEnds_.push(end(joint.stateA));
-        jointEnds_.push(end(joint.stateB));
+        jointEnds_.push(localOf(joint.stateA));
+        jointEnds_.push(localOf(joint.stateB));
+    }
+    for (std::size_t p = 0; p < parts.pointCount; ++p) {
+        pointEnds_.push(localOf(parts.points[p].stateA));
+        pointEnds_.push(localOf(parts.points[p].stateB));
     }
     bool held = false;
     for (const std::int32_t end : jointEnds_) held |= end == kFixed;
     loops_ = joints_.size() + (held ? 0 : 1) > bodies_.size();
     constexpr std::size_t kMostRows = 24;  // a plane with everything; rows come and go with tension
-    rows_.reserve(kMostRows * joints_.size());
+    rows_.reserve(kMostRows * joints_.size() + parts.pointCount);
     loadPattern();
     const std::size_t n = unknowns();
     velocity_.resizeForOverwrite(n);
@@ -227,6 +233,7 @@ void IslandSystem::loadPattern() {
     };
     for (const SystemContact& c : contacts_) couple(c.a, c.b);
     for (std::size_t j = 0; j < joints_.size(); ++j) couple(jointEnds_[2 * j], jointEnds_[2 * j + 1]);
+    for (std::size_t p = 0; p < pointEnds_.size(); p += 2) couple(pointEnds_[p], pointEnds_[p + 1]);
     factor_.update(static_cast<std::uint32_t>(bodies_.size()), pairs_.data(), pairs_.size());
     for (SystemContact& c : contacts_)
         if (c.a != kFixed && c.b != kFixed)
@@ -274,9 +281,11 @@ double IslandSystem::largestTurn(double h) const {
     return h * std::sqrt(square);
 }
 
-void IslandSystem::aimAtRest(const BodyArrays& arrays, const JointContext& joints) {
+void IslandSystem::aimAtRest(const BodyArrays& arrays, const JointContext& joints,
+                             std::span<const ClosingPoint> points) {
     refreshMasses(arrays);
     buildRows(arrays, joints, false, RowAims::resting);
+    addClosingPoints(points, RowAims::resting, joints.inverseH);
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
         const BodyState& state = arrays.states[bodies_[i].state];
         store(toDouble(state.v), free_.data() + 6 * i);
@@ -314,11 +323,24 @@ void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joint
     for (SystemBody& body : bodies_)
         if (body.stiffness.xx > 0 || body.stiffness.yy > 0 || body.stiffness.zz > 0)
             body.inverseTaut = inverse(body.inertia + body.stiffness);
-    for (SystemRow& row : rows_)
-        if (row.a != kFixed && row.b != kFixed)
-            row.block =
-                factor_.ordering().blockOf(static_cast<std::uint32_t>(row.a), static_cast<std::uint32_t>(row.b));
+    for (SystemRow& row : rows_) findBlock(row);
     takeSidesOfLoads();
+}
+
+void IslandSystem::findBlock(SystemRow& row) const {
+    if (row.a != kFixed && row.b != kFixed)
+        row.block = factor_.ordering().blockOf(static_cast<std::uint32_t>(row.a), static_cast<std::uint32_t>(row.b));
+}
+
+void IslandSystem::addClosingPoints(std::span<const ClosingPoint> points, RowAims aims, double inverseH) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const ClosingPoint& point = points[i];
+        if (aims == RowAims::resting && point.room > 0) continue;
+        SystemRow row = closingRow(point, pointEnds_[2 * i], pointEnds_[2 * i + 1], bodies_.data());
+        row.target = aims == RowAims::closing ? -point.room * inverseH : -point.drift;
+        findBlock(row);
+        rows_.push(row);
+    }
 }
 
 void IslandSystem::updateLoads(bool factored) {

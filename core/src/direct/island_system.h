@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <memory_resource>
+#include <span>
 
 #include "base/aligned_array.h"
 #include "constraints/joint_sim.h"
+#include "direct/closing_point.h"
 #include "direct/contact_cone.h"
 #include "direct/factor.h"
 #include "direct/joint_tuning.h"
@@ -107,6 +109,7 @@ enum class RowKind : std::uint8_t {
     across,
     rigid,                                 ///< of an AxesBlock
     axes = rigid + AxesBlock::kMostRigid,  ///< its coordinates, each in the order of AxisSlot
+    closingPoint = 255,  ///< of no joint
 };
 
 /// What a row asks for in the pass after positions have moved.
@@ -163,6 +166,8 @@ struct IslandParts {
     std::size_t contactCount = 0;
     JointSim* const* joints = nullptr;
     std::size_t jointCount = 0;
+    const ClosingPoint* points = nullptr;  ///< beside which joints are closed; their bodies alone count
+    std::size_t pointCount = 0;
     int laneStride = 0;
     std::uint32_t* localOf = nullptr;  ///< scratch: index in the island of each state
 };
@@ -191,13 +196,15 @@ public:
     /// Once per substep: free velocities, Jacobians of joints, masses.
     void beginSubstep(const BodyArrays& arrays, const JointContext& joints);
     /// Asks for the ways that close the joints where they are now, on top of no motion, with weightOf(body) times its
-    /// mass for each.
+    /// mass for each, on which contact points come no nearer than they have room for.
     template <class WeightOf>
-    void aimAtClosing(const BodyArrays& arrays, const JointContext& joints, WeightOf&& weightOf) {
+    void aimAtClosing(const BodyArrays& arrays, const JointContext& joints, std::span<const ClosingPoint> points,
+                      WeightOf&& weightOf) {
         refreshMasses(arrays);
         for (SystemBody& body : bodies_)
             if (const double weight = weightOf(body.state); weight != 1) makeHeavy(body, weight);
         buildRows(arrays, joints, false, RowAims::closing);
+        addClosingPoints(points, RowAims::closing, joints.inverseH);
         for (std::size_t i = 0; i < unknowns(); ++i) free_[i] = velocity_[i] = 0;
     }
     /// Makes turns dearer than ways by a factor, and rows give way more by another: both shorten what leads too far.
@@ -215,8 +222,9 @@ public:
         for (std::size_t i = 0; i < bodies_.size(); ++i)
             visit(bodies_[i].state, h * load(velocity_.data() + 6 * i), h * load(velocity_.data() + 6 * i + 3));
     }
-    /// Asks that rigid rows where they are now do not open, of the velocities that bodies have.
-    void aimAtRest(const BodyArrays& arrays, const JointContext& joints);
+    /// Asks that rigid rows where they are now do not open, nor contact points without room come nearer, of the
+    /// velocities that bodies have.
+    void aimAtRest(const BodyArrays& arrays, const JointContext& joints, std::span<const ClosingPoint> points);
     /// Rows of taut joints anew, about the velocities that were found and written. False where that is not needed.
     bool aimAgain(const BodyArrays& arrays, const JointContext& joints);
     /// Targets of the pass that moves positions.
@@ -287,6 +295,9 @@ private:
     void loadContacts(const IslandParts& parts, const BodyArrays& arrays);
     void loadPattern();
     void buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins, RowAims aims);
+    /// Rows that push only, of bodies that begin knew.
+    void addClosingPoints(std::span<const ClosingPoint> points, RowAims aims, double inverseH);
+    void findBlock(SystemRow& row) const;
     /// Is the speed of a body, of turning at its radius of gyration too, not above the one given?
     bool isBelow(std::size_t body, double speed) const;
     /// Stops such a body.
@@ -324,6 +335,7 @@ private:
     AlignedArray<JointSim*> joints_;
     AlignedArray<BlockPair> pairs_;
     AlignedArray<std::int32_t> jointEnds_;  ///< two local bodies per joint
+    AlignedArray<std::int32_t> pointEnds_;  ///< and per point beside which they are closed
     AlignedArray<double> velocity_, free_;
     // v and w of each body as its state has them. As floats: gcc 12 leaves out the rounding of double to float to
     // double where it vectorizes.

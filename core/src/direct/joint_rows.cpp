@@ -57,6 +57,27 @@ struct Ends {
     BodyPair pair() { return {states, inertias, 1, 2}; }
 };
 
+/// Locked movements feel nothing.
+void mask(const SystemBody& body, double j[6]) {
+    for (int k = 0; k < 3; ++k)
+        if (!(body.inverseMass[k] > 0)) j[k] = 0;
+    if (!(body.inverseInertia.xx > 0)) j[3] = 0;
+    if (!(body.inverseInertia.yy > 0)) j[4] = 0;
+    if (!(body.inverseInertia.zz > 0)) j[5] = 0;
+}
+double admittance(const SystemBody& body, const double j[6]) {
+    double k = 0;
+    for (int i = 0; i < 3; ++i) k += body.inverseMass[i] * j[i] * j[i];
+    return k + dot(load(j + 3), body.inverseInertia * load(j + 3));
+}
+/// Its inverse mass, or 1 where nothing moves, of a row from whose Jacobian locked movements are taken.
+double takeAdmittance(SystemRow& row, const SystemBody* bodies) {
+    double k = 0;
+    if (row.a != kFixed) mask(bodies[row.a], row.ja), k += admittance(bodies[row.a], row.ja);
+    if (row.b != kFixed) mask(bodies[row.b], row.jb), k += admittance(bodies[row.b], row.jb);
+    return k > 0 ? k : 1;
+}
+
 /// The directions of a joint's rows and what they share.
 class RowWriter {
 public:
@@ -164,27 +185,8 @@ private:
         r.a = a_, r.b = b_, r.joint = index_;
         store(-1.0 * d, r.ja), store(-1.0 * turnA, r.ja + 3);
         store(d, r.jb), store(turnB, r.jb + 3);
-        mask(r.a, r.ja), mask(r.b, r.jb);
-        const double k = admittance(r.a, r.ja) + admittance(r.b, r.jb);
-        r.resistance = tuning::kRowResistance * (k > 0 ? k : 1);
+        r.resistance = tuning::kRowResistance * takeAdmittance(r, builder_.bodies);
         return r;
-    }
-    /// Locked movements feel nothing.
-    void mask(std::int32_t body, double j[6]) const {
-        if (body == kFixed) return;
-        const SystemBody& s = builder_.bodies[body];
-        for (int k = 0; k < 3; ++k)
-            if (!(s.inverseMass[k] > 0)) j[k] = 0;
-        if (!(s.inverseInertia.xx > 0)) j[3] = 0;
-        if (!(s.inverseInertia.yy > 0)) j[4] = 0;
-        if (!(s.inverseInertia.zz > 0)) j[5] = 0;
-    }
-    double admittance(std::int32_t body, const double j[6]) const {
-        if (body == kFixed) return 0;
-        const SystemBody& s = builder_.bodies[body];
-        double k = 0;
-        for (int i = 0; i < 3; ++i) k += s.inverseMass[i] * j[i] * j[i];
-        return k + dot(load(j + 3), s.inverseInertia * load(j + 3));
     }
     double freeSpeed(const SystemRow& r) const {
         double u = 0;
@@ -395,6 +397,18 @@ void JointRowBuilder::add(JointSim& joint, std::uint32_t index, std::int32_t a, 
         case JointKind::none:
             break;
     }
+}
+
+SystemRow closingRow(const ClosingPoint& point, std::int32_t a, std::int32_t b, const SystemBody* bodies) {
+    SystemRow row;
+    row.kind = RowKind::closingPoint;
+    row.a = a, row.b = b;
+    store(-1.0 * point.normal, row.ja), store(-1.0 * cross(point.armA, point.normal), row.ja + 3);
+    store(point.normal, row.jb), store(cross(point.armB, point.normal), row.jb + 3);
+    row.lower = 0, row.upper = kNoBound;
+    row.side = Side::lower;
+    row.resistance = tuning::kPointResistance * takeAdmittance(row, bodies);
+    return row;
 }
 
 void storeImpulses(const AlignedArray<SystemRow>& rows, JointSim* const* joints) {

@@ -24,6 +24,9 @@ struct JointRowBuilder {
     void add(JointSim& joint, std::uint32_t index, std::int32_t a, std::int32_t b) const;
 };
 
+/// The row of a contact point beside which joints are closed, which pushes alone.
+SystemRow closingRow(const ClosingPoint& point, std::int32_t a, std::int32_t b, const SystemBody* bodies);
+
 /// Writes the impulses of rows back to their joints, in the form that the iteration keeps.
 void storeImpulses(const AlignedArray<SystemRow>& rows, JointSim* const* joints);
 

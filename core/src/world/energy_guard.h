@@ -62,7 +62,7 @@ struct EnergyGuard {
           islands(memory),
           drivers(memory) {}
 
-    AlignedArray<std::uint32_t> parent;  ///< union-find over bodies
+    AlignedArray<std::uint32_t> parent;  ///< union-find over bodies; of those in groups, the root
     AlignedArray<std::uint32_t> starts, bodies;
     AlignedArray<Watching> watched;        ///< per group
     AlignedArray<EnergyAccount> accounts;  ///< per group, of this step

@@ -1,28 +1,22 @@
 #include "world/joint_closing.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
-#include "constraints/initial_violation.h"
 #include "constraints/joint_types.h"
 #include "constraints/stored_energy.h"
 #include "continuous/meetings.h"
 #include "direct/choice.h"
 #include "direct/newton.h"
-#include "model/joint_bodies.h"
 #include "world/group_motion.h"
+#include "world/joint_opening.h"
+#include "world/jointed_groups.h"
 
 namespace ragtop {
 
 namespace {
 
-/// Gap between anchors, in sizes of the smaller body and beyond what turning leaves, or angle beyond a hard stop, rad,
-/// that is closed.
-constexpr float kOpen = 0.02f;
-constexpr float kTorn = 0.1f;       ///< the same, which no step may leave of joints that were closed
-constexpr float kTornStop = 0.05f;  ///< rad beyond a hard stop, likewise
-constexpr float kClosed = 0.01f;    ///< the same, at which it is closed enough
+constexpr float kClosed = 0.01f;    ///< opening at which a joint is closed enough
 constexpr int kRounds = 60;         ///< of closing: errors are not linear in ways
 constexpr int kDamped = 6;          ///< damped systems that are tried where bodies would turn by more than kLargestTurn
 constexpr double kDamping = 10;     ///< of each over that of the one before
@@ -34,94 +28,21 @@ constexpr float kLeastShare = 0.125f;  ///< of a step that is cut short, below w
 constexpr float kLargestTurn = 0.25f;  ///< rad, of a round
 constexpr float kStraight = 0.25f;     ///< least share of the ways of a round: they are damped more instead
 constexpr double kGained =
-    0.005;                        ///< of the kinetic energy, which closing may leave beyond it: the energy guard's room
+    0.005;                       ///< of the kinetic energy, which closing may leave beyond it: the energy guard's room
 constexpr float kBetter = 0.95f;  ///< of an opening, that counts as closed further
 constexpr int kPatience = 10;     ///< rounds that close nothing further
+constexpr int kLooks = 3;         ///< for parts that have come into each other where no contact was found
 
-/// m, between what a joint holds together.
-float gapOf(const ClosingView& world, const JointSim& sim, const JointBodiesAtStep& at) {
-    if (sim.kind == JointKind::ball || sim.kind == JointKind::hinge || sim.kind == JointKind::fixed)
-        return length(at.centerOffset + rotate(at.rotationB, sim.localB.position) -
-                      rotate(at.rotationA, sim.localA.position));
-    if (sim.kind == JointKind::distance) return 0;  // beyond a stop, or beyond what it was made with
-    return jointState(sim, at, world.bodies.states.data(), 0).gap;
+std::span<const ClosingTouch> touchesOf(const JointClosing::Bench& bench) {
+    return {bench.touches.data(), bench.touches.size()};
+}
+std::span<const direct::ClosingPoint> pointsOf(const JointClosing::Bench& bench) {
+    return {bench.points.data(), bench.points.size()};
 }
 
-/// rad, by which axes or frames that a joint holds together are turned.
-float turnedApart(const JointSim& sim, const JointBodiesAtStep& at) {
-    const Quat a = at.rotationA * sim.localA.rotation, b = at.rotationB * sim.localB.rotation;
-    switch (sim.kind) {
-        case JointKind::hinge:
-            return length(axisX(b) - axisX(a));
-        case JointKind::fixed:
-        case JointKind::slider:
-            return length(turnVector(b * conjugate(a)));
-        default:
-            return 0;
-    }
-}
-
-/// The gap of a joint over the size of the smaller of the bodies that it moves, or what it is turned apart by, where
-/// that is torn; 0 where these have none.
-float opening(const ClosingView& world, std::uint32_t index) {
-    const JointRecord& joint = world.joints[index];
-    const JointSim& sim = world.joints.sims[index];
-    const JointBodiesAtStep at = jointBodies(world.bodies, joint);
-    const float sizeA = world.bodies[joint.bodyA].size, sizeB = world.bodies[joint.bodyB].size;
-    const float size = !world.bodies.moves(joint.bodyA)   ? sizeB
-                       : !world.bodies.moves(joint.bodyB) ? sizeA
-                                                          : std::min(sizeA, sizeB);
-    const float angle = kTorn / kTornStop * turnedApart(sim, at);
-    return std::max(size > 0 ? gapOf(world, sim, at) / size : 0.0f, angle > kTorn ? angle : 0.0f);
-}
-
-/// How far the joint is beyond its hard stops, rad or in its lengths; it is placed anew only where it may be.
-float overrunNow(const ClosingView& world, std::uint32_t index) {
-    const JointRecord& joint = world.joints[index];
-    JointSim& sim = world.joints.sims[index];
-    const Vec3 turning = world.bodies.states[sim.stateB].w - world.bodies.states[sim.stateA].w;
-    // Margins are those of the last substep or the one before it.
-    if (limitOverrun(sim) + 2 * world.context.h * length(turning) < kOpen) return 0;
-    placeJoint(sim, jointBodies(world.bodies, joint), world.bodies.states.data(), world.bodies.inertias.data());
-    return limitOverrun(sim);
-}
-
-/// What turning leaves of that: an arm r that turns by θ ends it ½ θ² r from where its speed led. `turnSquared` tells
-/// θ² of a body.
-template <class TurnSquared>
-float openingOfTurns(const ClosingView& world, std::uint32_t index, TurnSquared&& turnSquared) {
-    const JointRecord& joint = world.joints[index];
-    const JointSim& sim = world.joints.sims[index];
-    float left = 0, size = std::numeric_limits<float>::max();
-    const auto add = [&](std::uint32_t body, const Vec3& arm) {
-        if (!world.bodies.moves(body)) return;
-        left += 0.5f * turnSquared(body) * length(arm);
-        size = std::min(size, world.bodies[body].size);
-    };
-    add(joint.bodyA, sim.localA.position);
-    add(joint.bodyB, sim.localB.position);
-    return size > 0 ? left / size : 0;
-}
-
-/// Calls visit(joint) once for each joint of a group.
-template <class Visit>
-void forEachJoint(const ClosingView& world, std::span<const std::uint32_t> group, Visit&& visit) {
-    for (const std::uint32_t body : group)
-        for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
-             key = world.joints[key >> 1].edges[key & 1].next) {
-            const JointRecord& joint = world.joints[key >> 1];
-            const bool first = (key & 1) == 0 || !world.bodies.moves(joint.bodyA);
-            if (first && world.joints.isHolding(key >> 1)) visit(key >> 1);
-        }
-}
-
-/// Of joints that were just placed, in sizes; what is beyond stops counts as the gap that is as torn.
-float widestOpening(const ClosingView& world, std::span<const std::uint32_t> joints) {
-    float widest = 0;
-    for (const std::uint32_t joint : joints) {
-        widest = std::max({widest, opening(world, joint), kTorn / kTornStop * limitOverrun(world.joints.sims[joint])});
-    }
-    return widest;
+/// Of joints that were just placed and of contacts.
+float widestOpening(const ClosingView& world, std::span<const std::uint32_t> joints, const JointClosing::Bench& bench) {
+    return std::max(widestOpening(world, joints), deepestTouch(world, touchesOf(bench)));
 }
 
 /// Ways that close joints know nothing of what couplings hold.
@@ -145,7 +66,7 @@ bool isOpen(const ClosingView& world, std::span<const std::uint32_t> group) {
                overrunNow(world, joint) > kOpen;
         coupled = coupled || isCoupled(world.joints.sims[joint]);
     });
-    return open && !coupled;
+    return (open || deepestTouch(world, group) > kOpen) && !coupled;
 }
 
 void placeJoints(const ClosingView& world, std::span<const std::uint32_t> joints) {
@@ -154,17 +75,17 @@ void placeJoints(const ClosingView& world, std::span<const std::uint32_t> joints
                    world.bodies.inertias.data());
 }
 
-/// Takes the speed at which rigid rows open.
-void restJoints(const ClosingView& world, direct::IslandSystem& system) {
+/// Takes the speed at which rigid rows open, or contact points close that have no room.
+void restJoints(const ClosingView& world, JointClosing::Bench& bench) {
     direct::SolveReport report;
     bool factored = false;
-    system.aimAtRest(world.bodies.arrays(), world.jointContext);
-    direct::pivot(system, factored, report);
-    system.writeVelocities(world.bodies.arrays());
+    placeTouches(world, touchesOf(bench), bench.points);
+    bench.system.aimAtRest(world.bodies.arrays(), world.jointContext, pointsOf(bench));
+    direct::pivot(bench.system, factored, report);
+    bench.system.writeVelocities(world.bodies.arrays());
 }
 
-direct::IslandParts partsOf(const ClosingView& world, std::span<const std::uint32_t> group,
-                            JointClosing::Bench& bench) {
+direct::IslandParts partsOf(const ClosingView& world, std::span<const std::uint32_t> group, JointClosing::Bench& bench) {
     bench.joints.clear();
     bench.sims.clear();
     forEachJoint(world, group, [&](std::uint32_t joint) {
@@ -176,6 +97,9 @@ direct::IslandParts partsOf(const ClosingView& world, std::span<const std::uint3
     parts.bodyCount = static_cast<std::uint32_t>(group.size());
     parts.joints = bench.sims.data();
     parts.jointCount = static_cast<std::uint32_t>(bench.sims.size());
+    placeTouches(world, touchesOf(bench), bench.points);
+    parts.points = bench.points.data();
+    parts.pointCount = bench.points.size();
     parts.laneStride = world.graph.lanes();
     parts.localOf = world.jointClosing.localOf.data();
     return parts;
@@ -247,16 +171,15 @@ void moveBack(const ClosingView& world, std::span<const std::uint32_t> group, st
     placeJoints(world, joints);
 }
 
-/// Ways in rounds until the joints are closed, or cannot be; where they were closed best. Returns the widest opening
-/// left.
-float closeByPlaces(const ClosingView& world, std::span<const std::uint32_t> group,
-                    std::span<const std::uint32_t> joints, JointClosing::Bench& bench) {
+/// Ways in rounds until the joints are closed, or cannot be; where they were closed best.
+void closeInRounds(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
+                    JointClosing::Bench& bench) {
     const auto weightOf = [&](std::uint32_t body) {
         return world.sweptBodies.flags[world.bodies[body].awakeIndex] == kSwept ? kHeld : 1.0;
     };
     double damping = 1, leastDamping = 1;
     placeJoints(world, joints);
-    float open = widestOpening(world, joints), least = open;
+    float open = widestOpening(world, joints, bench), least = open;
     bench.turns.resizeForOverwrite(group.size());
     keepPlaces(world, group, bench.best);
     int tried = 0;  // rounds since it was closed best
@@ -267,14 +190,15 @@ float closeByPlaces(const ClosingView& world, std::span<const std::uint32_t> gro
             moveBack(world, group, joints, bench);
             open = least;
         }
-        bench.system.aimAtClosing(world.bodies.arrays(), world.jointContext, weightOf);
+        placeTouches(world, touchesOf(bench), bench.points);
+        bench.system.aimAtClosing(world.bodies.arrays(), world.jointContext, pointsOf(bench), weightOf);
         const float share = findWays(world, joints, bench, open, damped ? kStraight : 0.0f, leastDamping, damping);
         bench.system.visitWays(static_cast<double>(share * world.context.h),
                                [&](std::uint32_t body, const DVec3& way, const DVec3& turning) {
                                    shiftBody(world.bodies, body, {toVec3(way), toVec3(turning)});
                                });
         placeJoints(world, joints);
-        const float had = std::exchange(open, widestOpening(world, joints));
+        const float had = std::exchange(open, widestOpening(world, joints, bench));
         if (share == 1 && open > 0.5f * had) leastDamping = std::max(kFirmest, kFirmer * leastDamping);
         ++tried;
         if (!(open < least)) continue;
@@ -283,7 +207,21 @@ float closeByPlaces(const ClosingView& world, std::span<const std::uint32_t> gro
         keepPlaces(world, group, bench.best);
     }
     if (open > least) moveBack(world, group, joints, bench);
-    return least;
+}
+
+/// Closes the joints beside contacts, or without them where both cannot be had. Returns the widest opening left.
+float closeByPlaces(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
+                    JointClosing::Bench& bench) {
+    closeInRounds(world, group, joints, bench);
+    for (int i = 0; i < kLooks && addMissedTouches(world, group, kOpen, i > 0, bench.touches); ++i) {
+        bench.system.begin(partsOf(world, group, bench), world.bodies.arrays(), world.context);
+        closeInRounds(world, group, joints, bench);
+    }
+    if (!bench.touches.empty() && widestOpening(world, joints) > kOpen) {
+        bench.touches.clear();
+        closeInRounds(world, group, joints, bench);
+    }
+    return widestOpening(world, joints);
 }
 
 /// m, of the centre of mass of a group in its step.
@@ -322,8 +260,8 @@ float widestOfOwn(const ClosingView& world, std::span<const std::uint32_t> joint
 /// A step that ends where joints cannot be closed is cut short: the joints were closed where it began, so that they are
 /// nearly so a little further on. A group that nothing holds goes on as a whole. One that began open has no such place.
 /// Returns the share of the step that it goes, at most the one given.
-float closeEarlier(const ClosingView& world, std::span<const std::uint32_t> group,
-                   std::span<const std::uint32_t> joints, JointClosing::Bench& bench, float share) {
+float closeEarlier(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
+                   JointClosing::Bench& bench, float share) {
     const std::span<const SweptPath> paths(bench.paths.data(), bench.paths.size());
     const Vec3 common = hangs(world, joints) ? Vec3{} : commonWay(world, group, paths);
     moveAlong(world, group, paths, common, 0);
@@ -375,7 +313,7 @@ struct BeforeClosing {
 /// what there is too much, J: less than bodies so close to each other have at that momentum cannot be had.
 double fitSpeeds(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
                  JointClosing::Bench& bench, const BeforeClosing& before, float share) {
-    restJoints(world, bench.system);
+    restJoints(world, bench);
     // Places that move beside velocities change what these make about the centre of mass.
     const bool isFree = !hangs(world, joints);
     if (isFree) turnToMomentum(world.bodies, group, before.momentum);
@@ -398,17 +336,13 @@ void moveToEnd(const ClosingView& world, std::span<const std::uint32_t> group, c
 /// Does nothing outside of a group turn it? A uniform acceleration does not.
 bool isAlone(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints) {
     if (hangs(world, joints)) return false;
-    const auto isMember = [&](std::uint32_t body) {
-        const std::uint32_t local = world.jointClosing.localOf[body];
-        return local < group.size() && group[local] == body;
-    };
     const Vec3 common = world.bodies.dynamics[group.front()].acceleration;
     for (const std::uint32_t body : group) {
         const auto& forces = world.bodies.dynamics[body];
         if (forces.acceleration != common || forces.torque != Vec3{}) return false;
         for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.contacts.next(key)) {
             const ContactRecord& contact = world.contacts[key >> 1];
-            if (!contact.sensor && contact.hasPoints && !(isMember(contact.bodyA) && isMember(contact.bodyB)))
+            if (!contact.sensor && contact.hasPoints && !areGrouped(world.bodies, world.energyGuard, contact.bodyA, contact.bodyB))
                 return false;
         }
     }
@@ -425,6 +359,7 @@ Vec3 momentumToHave(const ClosingView& world, std::size_t g, std::span<const std
 
 void closeGroup(const ClosingView& world, std::size_t g, JointClosing::Bench& bench) {
     const std::span<const std::uint32_t> group = world.energyGuard.membersOf(g);
+    findTouches(world, group, bench.touches);
     const direct::IslandParts parts = partsOf(world, group, bench);
     const std::span<const std::uint32_t> joints(bench.joints.data(), bench.joints.size());
     bench.paths.clear();
@@ -454,10 +389,17 @@ static void makeRoomToClose(const ClosingView& world, std::span<const std::uint3
     JointClosing& closing = world.jointClosing;
     std::size_t joints = 0;
     forEachJoint(world, group, [&](std::uint32_t) { ++joints; });
-    if (group.size() <= closing.mostBodies && joints <= closing.mostJoints) return;
+    AlignedArray<ClosingTouch>& touches = closing.benches.front()->touches;
+    findTouches(world, group, touches);
+    if (group.size() <= closing.mostBodies && joints <= closing.mostJoints && touches.size() <= closing.mostTouches)
+        return;
     closing.mostBodies = std::max(closing.mostBodies, group.size());
     closing.mostJoints = std::max(closing.mostJoints, joints);
+    closing.mostTouches = std::max(closing.mostTouches, 2 * touches.size());
     for (const std::unique_ptr<JointClosing::Bench>& bench : closing.benches) {
+        bench->touches.reserve(closing.mostTouches);
+        bench->points.reserve(closing.mostTouches);
+        findTouches(world, group, bench->touches);
         bench->system.begin(partsOf(world, group, *bench), world.bodies.arrays(), world.context);
         bench->paths.reserve(group.size());
         bench->speeds.reserve(group.size());

@@ -10,6 +10,7 @@
 #include "continuous/swept_bodies.h"
 #include "continuous/swept_motion.h"
 #include "direct/island_system.h"
+#include "world/closing_touches.h"
 #include "world/energy_guard.h"
 
 /// Closes joints by places where a step has left them open (docs/adr/0039). Whatever way its island
@@ -35,6 +36,8 @@ struct JointClosing {
               speeds(memory),
               best(memory),
               turns(memory),
+              touches(memory),
+              points(memory),
               system(memory) {}
         AlignedArray<std::uint32_t> joints;
         AlignedArray<JointSim*> sims;
@@ -42,18 +45,22 @@ struct JointClosing {
         AlignedArray<PairVector> speeds;  ///< of these when it was done: m/s and rad/s
         AlignedArray<Pose> best;          ///< where they were closed best
         AlignedArray<float> turns;        ///< rad², of the ways of a round
+        AlignedArray<ClosingTouch> touches;
+        AlignedArray<direct::ClosingPoint> points;  ///< these where they are now
         direct::IslandSystem system;
         std::uint64_t cut = 0;  ///< steps of groups that were cut short, in this step
     };
     std::vector<std::unique_ptr<Bench>> benches;
-    std::size_t mostBodies = 0, mostJoints = 0;  ///< of a group that was closed
+    std::size_t mostBodies = 0, mostJoints = 0, mostTouches = 0;  ///< of a group that was closed
     std::uint64_t closed = 0, cut = 0;  ///< groups, and those whose step was cut short, since the world was made
 };
 
 /// What closing joints reads and writes of a world.
 struct ClosingView {
     Bodies& bodies;
+    const Shapes& shapes;
     const Contacts& contacts;
+    const Manifolds& manifolds;
     Joints& joints;
     const ConstraintGraph& graph;  ///< how many lanes
     const EnergyGuard& energyGuard;

@@ -82,7 +82,10 @@ void listMembers(const GuardView& view, AlignedArray<std::uint32_t>& groupOf) {
     for (std::size_t g = 2; g < guard.starts.size(); ++g) guard.starts[g] += guard.starts[g - 1];
     guard.bodies.resizeForOverwrite(guard.starts[count + 1]);
     for (const std::uint32_t body : view.bodies.awake)
-        if (isMember(body)) guard.bodies[guard.starts[group(body) + 1]++] = body;
+        if (isMember(body)) {
+            guard.bodies[guard.starts[group(body) + 1]++] = body;
+            guard.parent[body] = rootOf(guard.parent, body);
+        }
     guard.starts.pop();
 }
 
@@ -106,6 +109,13 @@ void findGroups(const GuardView& view) {
         guard.stores |= storesEnergy(sim);
         guard.watched[group] = std::min(guard.watched[group], watchingOf(view, sim));
     });
+}
+
+bool areGrouped(const Bodies& bodies, const EnergyGuard& guard, std::uint32_t a, std::uint32_t b) {
+    const auto isMember = [&](std::uint32_t body) {
+        return bodies.moves(body) && bodies.isAwake(body) && bodies[body].firstJoint != kNone;
+    };
+    return isMember(a) && isMember(b) && guard.parent[a] == guard.parent[b];
 }
 
 }  // namespace ragtop
