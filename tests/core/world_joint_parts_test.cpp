@@ -203,6 +203,24 @@ TEST(WorldJointParts, NewJointsHoldInBothSolvers) {
         }
 }
 
+/// A body that is made where it touches has its loads found before the step moves: that is no load of a joint
+/// elsewhere.
+TEST(WorldJointParts, ABodyMadeOnTheGroundBreaksNoJointElsewhere) {
+    World world(settingsFor(SolverChoice::iterative, true));
+    BodyDef floor = bodyDef(Box{{50, 0.5f, 50}}, {0, -0.5, 0});
+    floor.type = BodyType::fixed;
+    world.create(floor);
+    const BodyId body = world.create(bodyDef(Box{{0.2f, 0.2f, 0.2f}}, {0, 3, 0}));
+    BallDef def;
+    def.bodies.b = body;
+    def.bodies.frameA = {{0, 3, 0}, {}};
+    def.bodies.breakForce = 1.2f * world.mass(body).mass * kGravity;
+    world.create(def);
+    run(world, 0.5, kDt, [] {});
+    world.create(bodyDef(Box{{0.5f, 0.5f, 0.5f}}, {5, 0.5, 0}));
+    run(world, 0.5, kDt, [&] { EXPECT_TRUE(world.jointBreaks().empty()) << world.time(); });
+}
+
 TEST(WorldJointParts, BreaksAtItsForceAndTellsOnce) {
     for (const SolverChoice solver : {SolverChoice::iterative, SolverChoice::direct})
         for (const float share : {0.97f, 1.03f}) {

@@ -19,6 +19,7 @@ struct JointContext {
     float h = 0, inverseH = 0;  ///< s, 1/s
     Softness softness;          ///< of the rows that are rigid in the definition
     bool ofFreeTree = false;    ///< the joint's limits carry their whole load, as its rigid rows do
+    bool settling = false;      ///< a pass that finds loads: it moves no body, and what it gives is no joint's load
 };
 
 /// The rate at which joints of free trees come back from beyond a limit, over that of errors of their rigid rows.

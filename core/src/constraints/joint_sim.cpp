@@ -214,9 +214,9 @@ static Softness softnessOf(const JointSim& joint, const BodyPair& pair, const Jo
 
 /// Closes what is open by moving the bodies. That they are moved gives them no speed, so nothing is fed that other rows
 /// would have to take back.
-static void closeJoint(const JointSim& joint, const BodyPair& pair, float h) {
-    if (joint.ofFreeTree == 0 || joint.kind == JointKind::distance) return;
-    const float share = openShare(joint, pair, h);
+static void closeJoint(const JointSim& joint, const BodyPair& pair, const JointContext& context) {
+    if (context.settling || joint.ofFreeTree == 0 || joint.kind == JointKind::distance) return;
+    const float share = openShare(joint, pair, context.h);
     if (!(share > 0)) return;
     if (hasAxes(joint.kind))
         closeAxes(joint.axes, pair, joint.arms, share);
@@ -306,15 +306,15 @@ void solveJoint(JointSim& joint, BodyState* states, const BodyInertia* inertia, 
     watchOthers(joint, pair);
     if (!useBias) {
         refreshJoint(joint, pair, {context, false});
-        closeJoint(joint, pair, context.h);
+        closeJoint(joint, pair, context);
     }
     solveRows(joint, pair, ownContext(joint, context), useBias);
     if (useBias)
         recordOwn(joint, pair, LedgerPass::moving);
-    else
+    else if (!context.settling)
         settleLedger(joint, pair, context);
     pair.store();
-    if (!useBias) recordLoad(joint);
+    if (!useBias && !context.settling) recordLoad(joint);
 }
 
 void solveJointAgain(JointSim& joint, BodyState* states, const BodyInertia* inertia, const JointContext& context,

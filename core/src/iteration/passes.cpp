@@ -85,7 +85,9 @@ template <class Visit>
 void visitPass(const Iteration& v, SolvePass which, const SolverContext& own, Visit&& visit) {
     const BodyArrays arrays = v.bodies.arrays();
     const JointLanesView lanes = v.joints.bundles.view(v.joints.sims.data());
-    const JointPass pass{arrays, v.jointContext};
+    JointContext joints = v.jointContext;
+    joints.settling = own.settling;
+    const JointPass pass{arrays, joints};
     const bool warm = which == SolvePass::warmStart, moving = which == SolvePass::solve;
     const auto passJoints = warm ? v.jointKernels.warmStart : moving ? v.jointKernels.solve : v.jointKernels.relax;
     const auto passContacts = warm     ? v.kernels.warmStartContacts
@@ -97,7 +99,7 @@ void visitPass(const Iteration& v, SolvePass which, const SolverContext& own, Vi
             if (warm)
                 warmStartJoint(v.joints.sims[j], arrays.states, arrays.inertia, v.jointContext);
             else if (withJoints)
-                solveJoint(v.joints.sims[j], arrays.states, arrays.inertia, v.jointContext, moving);
+                solveJoint(v.joints.sims[j], arrays.states, arrays.inertia, joints, moving);
         },
         [&](int begin, int end) {
             if (withJoints) passJoints(lanes, begin, end, pass);
@@ -186,7 +188,9 @@ void Iteration::bounce() const {
 void Iteration::settleNewContacts(AlignedArray<std::uint32_t>& fresh, const Vec3& gravity, bool sequential) const {
     if (fresh.empty()) return;
     addPushes(bodies, gravity, context.h, -1);
+    context.settling = true;
     for (int i = 0; i < kSettlingIterations; ++i) solve(false, sequential);
+    context.settling = false;
     addPushes(bodies, gravity, context.h, 1);
     const auto stride = static_cast<std::size_t>(graph.lanes());
     for (const std::uint32_t m : fresh) {

@@ -57,6 +57,7 @@ struct SolverContext {
     int substep = 0;             ///< its number within the step
     bool firstSubstep = false, lastSubstep = false;
     bool normals = true, friction = true;  ///< the rows that a pass solves
+    bool settling = false;                 ///< it finds loads, and moves no body
     bool farContacts = false;  ///< more than a cache holds: passes ask for their memory beforehand
 };
 

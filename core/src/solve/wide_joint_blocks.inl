@@ -94,10 +94,11 @@ RAGTOP_INLINE void solveRigid(WideJoint<N>& j, WideBlock<N>& block, const PairVe
 }
 /// As closeJoint.
 template <int N>
-RAGTOP_INLINE void closeJoint(WideJoint<N>& j, const WideBlock<N>& block, Lanes<N> squaredTurn, float h) {
+RAGTOP_INLINE void closeJoint(WideJoint<N>& j, const WideBlock<N>& block, Lanes<N> squaredTurn,
+                              const JointContext& context) {
     const Mask<N> rigid = ofFreeTrees(j);
-    if (!any(rigid)) return;
-    const Lanes<N> share = openShare<Lanes<N>>(j.arms, j.turns(), dot(j.gap, j.gap), squaredTurn, h);
+    if (context.settling || !any(rigid)) return;
+    const Lanes<N> share = openShare<Lanes<N>>(j.arms, j.turns(), dot(j.gap, j.gap), squaredTurn, context.h);
     const Mask<N> open = rigid & (share > 0.0f);
     if (any(open)) j.moveWhere(open, closingMove<Lanes<N>>(block, share));
 }
@@ -148,7 +149,7 @@ RAGTOP_INLINE void solveBall(WideJoint<N>& j, WideBlock<N>& block, const WideTur
 template <int N>
 RAGTOP_INLINE void relaxBall(WideJoint<N>& j, const JointContext& context) {
     WideBlock<N> block = refreshBall(j);
-    closeJoint(j, block, Lanes<N>(0.0f), context.h);
+    closeJoint(j, block, Lanes<N>(0.0f), context);
     const WideTurns<N> turns = findTurns(j);
     storeTurns(j, turns);
     solveBall(j, block, turns, context, false);
@@ -230,7 +231,7 @@ RAGTOP_INLINE void relaxHinge(WideJoint<N>& j, const JointContext& context) {
     const WideAngle<N> angle(j, angleAboutX(conjugate(a) * b));
     blockAt(j).basis.cz = block.basis.cz;
     if (j.bundle.features != 0) storeMargins(j, angle.margins);
-    closeJoint(j, block, squaredTurn(block), context.h);
+    closeJoint(j, block, squaredTurn(block), context);
     solveHinge(j, block, freeMass(block), context, false);
 }
 
@@ -252,7 +253,7 @@ RAGTOP_INLINE void solveFixed(WideJoint<N>& j, WideBlock<N>& block, const JointC
 template <int N>
 RAGTOP_INLINE void relaxFixed(WideJoint<N>& j, const JointContext& context) {
     WideBlock<N> block = refreshFixed(j);
-    closeJoint(j, block, dot(block.errorSecond, block.errorSecond), context.h);
+    closeJoint(j, block, dot(block.errorSecond, block.errorSecond), context);
     solveFixed(j, block, context, false);
 }
 

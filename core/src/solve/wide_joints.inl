@@ -121,7 +121,7 @@ void relaxJoints(const JointLanesView& view, int begin, int end, const JointPass
                 break;
         }
         j.writeVelocities();
-        if (j.bundle.breakable) {
+        if (j.bundle.breakable && !context.settling) {
             constexpr int kLinear = RAGTOP_JOINT_FIELD(stepImpulse.linear),
                           kAngular = RAGTOP_JOINT_FIELD(stepImpulse.angular);
             const PairVectorOf<Lanes<N>> carried = warmStartImpulse(j);
