@@ -126,7 +126,7 @@ PairPath pathOf(const ClosingView& world, const ContactRecord& contact) {
 /// From deep within the nearest way out may be the far side: what counts is the side by which B came in, where the path
 /// is halved for it.
 Frame findEntry(const PairPath& path, const SeparationCache& cache, float shallow, Manifold& found) {
-    constexpr int kHalvings = 6;
+    constexpr int kHalvings = 6;  // to a sixty-fourth of the path
     float apart = 0, inside = 1;
     Frame bInA = path.collideAt(1, cache, found);
     for (int i = 0; i < kHalvings && leastSeparation(found.all()) < -shallow; ++i) {
