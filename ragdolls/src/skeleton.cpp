@@ -3,6 +3,16 @@
 #include <cmath>
 
 namespace ragtop {
+namespace {
+
+constexpr float kFarthest = 1e6f;  ///< m: farther out squares and volumes leave the range of numbers
+
+bool isNear(const Vec3& point) {
+    const Vec3 size = abs(point);
+    return size.x <= kFarthest && size.y <= kFarthest && size.z <= kFarthest;
+}
+
+}  // namespace
 
 int Skeleton::find(std::string_view name) const {
     for (std::size_t i = 0; i < bones.size(); ++i)
@@ -36,6 +46,7 @@ std::string whyInvalid(const Skeleton& skeleton) {
                    (i == 0 ? "-1: the first bone is the only root" : "the index of an earlier bone");
         const Quat& q = bone.bind.rotation;
         if (!isFinite(bone.bind.position) || !isFinite(q)) return name + ".bind has a number that is not finite";
+        if (!isNear(bone.bind.position)) return name + ".bind.position is more than 1e6 m from the origin";
         const float norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
         if (!(norm > 0.99f && norm < 1.01f))
             return name + ".bind.rotation has length " + std::to_string(std::sqrt(norm)) + ", must be 1";
@@ -44,7 +55,9 @@ std::string whyInvalid(const Skeleton& skeleton) {
         return "skin has " + std::to_string(skeleton.skin.size()) + " entries, must be empty or one per bone";
     for (std::size_t i = 0; i < skeleton.skin.size(); ++i)
         for (const Vec3& vertex : skeleton.skin[i])
-            if (!isFinite(vertex)) return "skin[" + std::to_string(i) + "] has a vertex that is not finite";
+            if (!isNear(vertex))
+                return "skin[" + std::to_string(i) + "] has a vertex that is " +
+                       (isFinite(vertex) ? "more than 1e6 m from the origin" : "not finite");
     return {};
 }
 

@@ -240,6 +240,17 @@ TEST(Anatomy, RefusesBrokenSkeletons) {
     skinned.bones = {{"a", -1, {}}};
     skinned.skin.resize(2);
     EXPECT_NE(whyInvalid(skinned).find("one per bone"), std::string::npos);
+    // Squares of what is finite may not be: a search for a capsule about such a vertex would not end.
+    for (const float far : {2e6f, 1e20f, 3e38f}) {
+        Skeleton vast = HumanRig().skeleton;
+        vast.bones[1].bind.position.y = far;
+        EXPECT_NE(whyInvalid(vast).find("bones[1] (b1).bind.position is more than 1e6 m"), std::string::npos);
+        vast = HumanRig().skeleton;
+        vast.skin.assign(vast.bones.size(), std::vector<Vec3>(20, {0, 1, 0}));
+        vast.skin[2][7].z = -far;
+        EXPECT_NE(whyInvalid(vast).find("skin[2] has a vertex that is more than 1e6 m"), std::string::npos);
+        EXPECT_THROW(makeRagdoll(vast), std::invalid_argument);
+    }
 }
 
 TEST(BoneNames, SpeakOfJoints) {
