@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "../subcommands.h"
+#include "ragdoll_costs.h"
 #include "ragtop/world.h"
 #include "rows.h"
 
@@ -16,6 +17,9 @@ namespace ragtop {
 namespace {
 
 using namespace speed;
+
+/// What no course tells; measured only where it is named.
+constexpr const char* kRagdolls = "ragdoll";
 
 struct Arguments {
     std::vector<std::string> scenes;
@@ -41,11 +45,14 @@ bool isMeant(const std::string& name, const CourseKind& kind) {
 std::vector<std::string> allRows() {
     std::vector<std::string> rows;
     for (const CourseKind& kind : courseKinds()) rows.insert(rows.end(), kind.rows.begin(), kind.rows.end());
+    rows.push_back(kRagdolls);
     return rows;
 }
 
 std::string whyUnknown(const std::string& name) {
-    if (std::ranges::any_of(courseKinds(), [&](const CourseKind& kind) { return isMeant(name, kind); })) return {};
+    if (name == kRagdolls ||
+        std::ranges::any_of(courseKinds(), [&](const CourseKind& kind) { return isMeant(name, kind); }))
+        return {};
     return fmt::format("\"{}\" is no scene, must be one of {}", name, fmt::join(allRows(), ", "));
 }
 
@@ -126,10 +133,18 @@ void write(const std::string& path, const std::string& text) {
     if (!file.flush()) throw std::runtime_error(path + ": cannot be written");
 }
 
+void runRagdolls(const Arguments& arguments) {
+    if (arguments.scenes.size() > 1)
+        throw std::invalid_argument("--scene ragdoll has rows of its own and stands alone");
+    const std::vector<RagdollCost> costs = measureRagdolls(arguments.runs);
+    if (!arguments.json.empty()) write(arguments.json, toJson(costs));
+}
+
 void runSpeed(const Arguments& arguments) {
     if (arguments.list) return fmt::print("{}\n", fmt::join(allRows(), "\n"));
     if (!arguments.history.empty()) return fmt::print("{}", historyTable(arguments.history));
     if (!arguments.newest.empty()) return fmt::print("{}", newestTable(arguments.newest));
+    if (std::ranges::find(arguments.scenes, kRagdolls) != arguments.scenes.end()) return runRagdolls(arguments);
     std::vector<Row> rows;
     fmt::print("{}", tableHead());
     for (const CourseKind& kind : courseKinds()) {

@@ -14,6 +14,13 @@
 #include "builder.h"
 
 namespace ragtop::speed {
+
+double now(Clock clock) {
+    timespec time{};
+    clock_gettime(clock == Clock::wall ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &time);
+    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
 namespace {
 
 using stability::Engine;
@@ -22,12 +29,6 @@ constexpr double kStep = 1.0 / 60;
 constexpr int kStepsPerSample = 30;  // of quality
 constexpr int kSteadySteps = 60;     // in which allocations count
 constexpr int kStepsPerNudge = 60;
-
-double now(Clock clock) {
-    timespec time{};
-    clock_gettime(clock == Clock::wall ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &time);
-    return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 /// The heap, counted.
 class CountedMemory : public std::pmr::memory_resource {
@@ -201,7 +202,9 @@ std::vector<WindowResult> playBullet(const Course& course, Clock clock, Purpose 
 }
 bool hasBullet() { return true; }
 #else
-std::vector<WindowResult> playBullet(const Course&, Clock, Purpose) { throw std::runtime_error("built without Bullet"); }
+std::vector<WindowResult> playBullet(const Course&, Clock, Purpose) {
+    throw std::runtime_error("built without Bullet");
+}
 bool hasBullet() { return false; }
 #endif
 

@@ -15,6 +15,9 @@ enum class Clock {
     processor,  ///< what this program uses of all processors; right for one thread where others work beside it
 };
 
+/// ms, from some time on.
+double now(Clock clock);
+
 /// How Ragtop did its work in a window.
 struct Work {
     std::vector<std::pair<std::string, double>> stages;  ///< mean ms per step
