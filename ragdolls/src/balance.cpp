@@ -22,6 +22,7 @@ constexpr float kUpright = 0.56f;         ///< stiffness of knees and hips over 
 constexpr float kUprightDamping = 0.28f;  ///< of knees and hips, over that by the rate of toppling
 constexpr float kRising = 1;              ///< 1/s, of the length of the legs, at which hips rise at most
 constexpr float kSinking = 0.3f;          ///< 1/s, of the length of the legs, at which hips sink also then
+constexpr float kGently = 0.4f;           ///< of gravity, by which that speed changes at most
 constexpr float kCalmSpeed = 0.05f;  ///< of the length of the legs times √(g/z), at which they rise at half of that
 constexpr float kShift = 0.04f;      ///< of the length of the legs, that hips are aimed at most beside where they are
 constexpr float kLifted = 0.04f;     ///< of the length of legs, up to which a foot counts as if it stood
@@ -78,7 +79,7 @@ void Balance::release() {
     for (const Leg& leg : legs_)
         for (const int joint : {leg.hip, leg.knee, leg.ankle}) muscles_->setGains(joint, {});
     lean_ = {};
-    height_ = 0;
+    height_ = rise_ = 0;
     swing_ = {};
 }
 
@@ -244,9 +245,13 @@ void Balance::bend(const Stand& stand, float dt) {
     // Who moves over the ground would leave it.
     const float hurry =
         (options_.step > 0 ? 1.0f : 0.0f) * length(level(stand.speed)) / (kCalmSpeed * legs_[0].length * stand.rate);
-    const float most = kRising * legs_[0].length * dt / (1 + hurry * hurry);
-    const float least = std::max(most, kSinking * legs_[0].length * dt);
-    const Vec3 rising{0, std::clamp(height - before, -least, most), 0};
+    const float most = kRising * legs_[0].length / (1 + hurry * hurry);
+    const float least = std::max(most, kSinking * legs_[0].length);
+    // They begin and end that as gently as feet stay on the ground.
+    const float gently = kGently * stand.gravity, left = height - before;
+    const float wanted = std::copysign(std::min(std::sqrt(2 * gently * std::abs(left)), std::abs(left) / dt), left);
+    rise_ += std::clamp(std::clamp(wanted, -least, most) - rise_, -gently * dt, gently * dt);
+    const Vec3 rising{0, rise_ * dt, 0};
     height_ = before + rising.y;
     hips.y = height_;
     const float toppling = dynamics_.mass() * stand.gravity * stand.height;
@@ -271,7 +276,8 @@ void Balance::bend(const Stand& stand, float dt) {
                              const MuscleGains& gains) {
             const Quat target = turnOf(def.joints[static_cast<std::size_t>(joint)], parent, child);
             muscles_->setTarget(joint, target, (1 / dt) * rotationVector(target * conjugate(last)));
-            muscles_->setGains(joint, gains);
+            // What swings is light, and gives way where it lands.
+            muscles_->setGains(joint, swings(side) ? std::nullopt : std::optional(gains));
         };
         const auto last = [&](int joint, const Quat& parent, const Quat& child) {
             return turnOf(def.joints[static_cast<std::size_t>(joint)], parent, child);

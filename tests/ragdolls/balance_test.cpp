@@ -100,6 +100,27 @@ TEST(Balance, RisesFromASquat) {
     }
 }
 
+/// Told to rise from a squat at once, it begins no faster than feet are pressed on the ground by gravity: its centre of
+/// mass, whose speed is at most that of the hips, never gains more in a step than they may and what springs overshoot.
+TEST(Balance, RisesAtOnceWithoutLeavingTheGround) {
+    Stander stander;
+    BalanceOptions options{.crouch = 0.3f};
+    stander.balance.setOptions(options);
+    stander.run(3);
+    const float squat = stander.height();
+    stander.balance.setOptions({});
+    float before = stander.height(), speed = 0;
+    for (int i = 0; i < 90; ++i) {
+        stander.step();
+        const float next = 60 * (stander.height() - before);
+        EXPECT_TRUE(stander.balance.onFeet()) << i;
+        EXPECT_LT(60 * std::abs(next - speed), 9.81f) << i;
+        before = stander.height();
+        speed = next;
+    }
+    EXPECT_GT(stander.height(), squat + 0.15f * rigLegs());
+}
+
 /// J = m d √(g/z) is what a body without a step can take, d from the centre of mass to the edge of its feet.
 TEST(Balance, TakesFourFifthsOfWhatFeetCanFromAnySide) {
     for (int way = 0; way < 8; ++way) {

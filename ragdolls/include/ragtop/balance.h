@@ -104,6 +104,7 @@ public:
         visit(self.capture_);
         visit(self.margin_);
         visit(self.height_);
+        visit(self.rise_);
     }
 
 private:
@@ -158,6 +159,7 @@ private:
     DVec3 center_{}, capture_{};  ///< m, of the feet
     float margin_ = 0;
     float height_ = 0;  ///< m, of the hips, as legs were last bent for; 0: not yet
+    float rise_ = 0;    ///< m/s, of that
 };
 
 }  // namespace ragtop
