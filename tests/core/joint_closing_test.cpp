@@ -343,7 +343,7 @@ JointSim turned(JointKind kind) {
 
 double coordinateOf(const JointSim& joint) {
     const AxisRows& axis = hasAxes(joint.kind) ? joint.axes.axis[0] : joint.axis;
-    return unwrapped(axis, axis.lastAngle);
+    return unwrapped(axis, axis.angle.last);
 }
 
 /// A step that came to nothing may have turned a body many times, or to an angle that is no number.

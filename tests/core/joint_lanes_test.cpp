@@ -160,7 +160,7 @@ void expectSame(const Rig& alone, const Rig& wide, const std::string& what) {
         ASSERT_EQ(warmStartImpulse(a).linear, warmStartImpulse(b).linear) << what << ", joint " << j;
         ASSERT_EQ(warmStartImpulse(a).angular, warmStartImpulse(b).angular) << what << ", joint " << j;
         ASSERT_EQ(a.stepImpulse.angular, b.stepImpulse.angular) << what << ", joint " << j;
-        ASSERT_EQ(a.axis.turns, b.axis.turns) << what << ", joint " << j;
+        ASSERT_EQ(a.axis.angle.turns, b.axis.angle.turns) << what << ", joint " << j;
         ASSERT_EQ(alone.state(j).coordinate, wide.state(j).coordinate) << what << ", joint " << j;
     }
 }

@@ -36,9 +36,7 @@ void compile(AxisRows& rows, const AxisSettings& settings) {
     const AxisRows old = rows;
     rows = {};
     rows.features = featuresOf(settings);
-    rows.lastAngle = old.lastAngle;
-    rows.turns = old.turns;
-    rows.tracked = old.tracked;
+    rows.angle = old.angle;
     rows.features |= old.features & AxisRows::kCoupled;
     rows.coupledImpulse = old.coupledImpulse;
     rows.stop = settings.stop;
@@ -48,25 +46,17 @@ void compile(AxisRows& rows, const AxisSettings& settings) {
         rows.upper = settings.limit->upper;
     }
     if (settings.motor) {
-        rows.targetSpeed = settings.motor->targetSpeed;
-        rows.maxForward = settings.motor->maxForce;
-        rows.maxReverse = settings.motor->maxReverse.value_or(settings.motor->maxForce);
+        const Motor& motor = *settings.motor;
+        rows.motor = {motor.targetSpeed, motor.maxForce, motor.maxReverse.value_or(motor.maxForce)};
     }
     if (const auto& spring = settings.spring) {
-        rows.stiffness = spring->stiffness;
-        rows.damping = spring->damping;
-        rows.frequency = spring->frequency;
-        rows.dampingRatio = spring->dampingRatio;
-        rows.springSpeed = spring->speed;
-        rows.feedForward = spring->feedForward;
-        rows.maxSpring = spring->maxForce;
-        rows.target = settings.target;
+        rows.spring = {tuningOf(*spring), settings.target, spring->speed, spring->feedForward, spring->maxForce};
     }
-    rows.friction = settings.friction;
+    rows.resistance.friction = settings.friction;
     if (const auto& bearing = settings.bearing) {
-        rows.breakaway = bearing->breakaway;
-        rows.viscous = bearing->viscous;
-        rows.loadFriction = bearing->coefficient * (settings.turns ? bearing->pinRadius : 1);
+        rows.resistance.breakaway = bearing->breakaway;
+        rows.resistance.viscous = bearing->viscous;
+        rows.resistance.loadFriction = bearing->coefficient * (settings.turns ? bearing->pinRadius : 1);
     }
     if (((old.features ^ rows.features) & (AxisRows::kLimit | AxisRows::kLocked)) == 0) {
         rows.atLower.impulse = old.atLower.impulse;
@@ -94,12 +84,12 @@ static std::int32_t turnsInto(const AxisRows& rows, double angle) {
 }
 
 double unwrapped(const AxisRows& rows, float angle) {
-    std::int32_t turns = rows.turns;
-    if (!rows.tracked) {
+    std::int32_t turns = rows.angle.turns;
+    if (!rows.angle.tracked) {
         turns = turnsInto(rows, static_cast<double>(angle));
-    } else if (angle - rows.lastAngle > kPi) {
+    } else if (angle - rows.angle.last > kPi) {
         --turns;
-    } else if (angle - rows.lastAngle < -kPi) {
+    } else if (angle - rows.angle.last < -kPi) {
         ++turns;
     }
     return static_cast<double>(angle) + kTurn * turns;
@@ -107,9 +97,9 @@ double unwrapped(const AxisRows& rows, float angle) {
 
 void track(AxisRows& rows, float angle) {
     const double turns = (unwrapped(rows, angle) - static_cast<double>(angle)) / kTurn;
-    rows.turns = static_cast<std::int32_t>(turns + (turns < 0 ? -0.5 : 0.5));
-    rows.lastAngle = angle;
-    rows.tracked = 1;
+    rows.angle.turns = static_cast<std::int32_t>(turns + (turns < 0 ? -0.5 : 0.5));
+    rows.angle.last = angle;
+    rows.angle.tracked = 1;
 }
 
 void setMargins(AxisRows& rows, double coordinate) {
@@ -149,7 +139,7 @@ static bool beginStops(AxisRows& rows, float speed, float h, float bend) {
 
 bool beginAxis(AxisRows& rows, double coordinate, float speed, float reaction, const JointContext& context,
                float bend) {
-    const auto error = static_cast<float>(coordinate - static_cast<double>(rows.target));
+    const auto error = static_cast<float>(coordinate - static_cast<double>(rows.spring.target));
     beginRows(rows, rows.features, error, speed, reaction, rows.inverseMass, context.h);
     return (rows.features & AxisRows::kLimit) != 0 && beginStops(rows, speed, context.h, bend);
 }

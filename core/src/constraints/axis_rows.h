@@ -83,20 +83,45 @@ template <class T>
 RAGTOP_INLINE T dragOf(const T& share, const T& inverseMass) {
     return (1 / share - T(1.0f)) / inverseMass;
 }
-/// Stiffness and damping of a spring, by frequency and damping ratio where these are given.
 template <class T>
 struct TunedSpringOf {
     T stiffness, damping;
 };
 using TunedSpring = TunedSpringOf<float>;
+/// Stiffness and damping of a spring, by frequency and damping ratio where these are given.
 template <class T>
-RAGTOP_INLINE TunedSpringOf<T> tuned(const TunedSpringOf<T>& given, const T& frequency, const T& dampingRatio,
-                                     const T& inverseMass) {
-    const T omega = 2 * kPi * frequency;
-    const TestOf<T> isTuned = (frequency > 0) & (inverseMass > 0);
-    return {select(isTuned, omega * omega / inverseMass, given.stiffness),
-            select(isTuned, 2 * dampingRatio * omega / inverseMass, given.damping)};
+struct SpringTuningOf {
+    T stiffness{}, damping{}, frequency{}, dampingRatio{};
+
+    RAGTOP_INLINE TunedSpringOf<T> at(const T& inverseMass) const {
+        const T omega = 2 * kPi * frequency;
+        const TestOf<T> isTuned = (frequency > 0) & (inverseMass > 0);
+        return {select(isTuned, omega * omega / inverseMass, stiffness),
+                select(isTuned, 2 * dampingRatio * omega / inverseMass, damping)};
+    }
+};
+using SpringTuning = SpringTuningOf<float>;
+inline SpringTuning tuningOf(const Spring& spring) {
+    return {spring.stiffness, spring.damping, spring.frequency, spring.dampingRatio};
 }
+
+/// What hinders a motion: N or N m, N s/m or N m s, and N or N m per N of the load.
+template <class T>
+struct ResistanceOf {
+    T friction{}, breakaway{}, viscous{}, loadFriction{};
+
+    /// |impulse| of what slides over h seconds under the impulse of a reaction.
+    RAGTOP_INLINE T kinetic(const T& h, const T& reaction) const { return h * friction + loadFriction * reaction; }
+};
+
+/// An angle with its turns, which a pose alone does not tell.
+template <class T>
+struct CountedAngleOf {
+    T last{};                               ///< rad, in (−π, π]
+    typename JointTypes<T>::Count turns{};  ///< whole turns beside it
+    typename JointTypes<T>::Bits tracked{};
+};
+using CountedAngle = CountedAngleOf<float>;
 
 /// A limit that is violated by much is come back from by at most so much in a substep, rad. Turning faster, bodies
 /// with unequal moments would make energy of it that is not taken back.
@@ -233,22 +258,26 @@ struct AxisRowsOf {
     typename JointTypes<T>::Bits features{};
     T lower{}, upper{};  ///< m or rad
     typename JointTypes<T>::Stop stop{};
-    T targetSpeed{}, maxForward{}, maxReverse{};  ///< of the motor
-    T stiffness{}, damping{}, frequency{}, dampingRatio{}, target{}, springSpeed{}, feedForward{}, maxSpring{};
-    T friction{}, breakaway{}, viscous{}, loadFriction{};
+    struct Motor {
+        T targetSpeed{}, maxForward{}, maxReverse{};
+    };
+    Motor motor;
+    struct Spring {
+        SpringTuningOf<T> tuning;
+        T target{}, speed{}, feedForward{}, most{};
+    };
+    Spring spring;
+    ResistanceOf<T> resistance;
 
     // Carried from substep to substep, N s or N m s.
     T springImpulse{}, viscousImpulse{}, frictionImpulse{}, motorImpulse{};
     T coupledImpulse{};  ///< of couplings with other joints, which carry it themselves
     StopSideOf<T> atLower, atUpper;
     DryFrictionOf<T> dry;
-    T motorStalls{};  ///< 1: forward, −1: in reverse, as far as it can
-    T springStart{};  ///< m/s or rad/s, when the last substep began and forces had acted
-    T springLoad{};   ///< N s or N m s, what else than the spring pushed in the last substep of the step
-    // Of an angle.
-    T lastAngle{};                          ///< rad, in (−π, π]
-    typename JointTypes<T>::Count turns{};  ///< whole turns beside it
-    typename JointTypes<T>::Bits tracked{};
+    T motorStalls{};          ///< 1: forward, −1: in reverse, as far as it can
+    T springStart{};          ///< m/s or rad/s, when the last substep began and forces had acted
+    T springLoad{};           ///< N s or N m s, what else than the spring pushed in the last substep of the step
+    CountedAngleOf<T> angle;  ///< where it is one
 
     // Of the current substep.
     T inverseMass{};  ///< speed per impulse through the block; 0: the axis cannot move
@@ -311,24 +340,24 @@ RAGTOP_INLINE void beginRows(AxisRowsOf<T>& rows, std::uint32_t features, const 
                              const T& reaction, const T& inverseMass, float h) {
     const T zero(0.0f);
     if (features & AxisRows::kSpring) {
-        const TunedSpringOf<T> spring =
-            tuned<T>({rows.stiffness, rows.damping}, rows.frequency, rows.dampingRatio, inverseMass);
+        const TunedSpringOf<T> spring = rows.spring.tuning.at(inverseMass);
         rows.springStiffness = spring.stiffness;
         rows.springError = error;
         rows.springShare = springShares(spring.stiffness, spring.damping, inverseMass, h);
         rows.springStart = speed;
     }
-    if (features & AxisRows::kViscous) rows.viscousShare = springShares(zero, rows.viscous, inverseMass, h);
+    if (features & AxisRows::kViscous) rows.viscousShare = springShares(zero, rows.resistance.viscous, inverseMass, h);
     if (features & AxisRows::kFriction) {
         const T impulse = rows.frictionImpulse, size = select(impulse < zero, -impulse, impulse);
-        const T kinetic = h * rows.friction + rows.loadFriction * reaction;
-        const TestOf<T> slides = rows.dry.begin(size, kinetic, h * rows.breakaway);
+        const TestOf<T> slides =
+            rows.dry.begin(size, rows.resistance.kinetic(T(h), reaction), h * rows.resistance.breakaway);
         rows.frictionImpulse = select(slides, 0.5f * impulse, impulse);
     }
     if (features & AxisRows::kMotor) {
         const T impulse = rows.motorImpulse, bound(kAtBound * h);
-        const TestOf<T> forward = (impulse >= bound * rows.maxForward) & (rows.maxForward > zero);
-        const TestOf<T> reverse = (impulse <= -bound * rows.maxReverse) & (rows.maxReverse > zero) & (!forward);
+        const TestOf<T> forward = (impulse >= bound * rows.motor.maxForward) & (rows.motor.maxForward > zero);
+        const TestOf<T> reverse =
+            (impulse <= -bound * rows.motor.maxReverse) & (rows.motor.maxReverse > zero) & (!forward);
         rows.motorStalls = select(forward, T(1.0f), select(reverse, T(-1.0f), zero));
         rows.motorImpulse = select(forward | reverse, 0.5f * impulse, impulse);
     }
@@ -346,8 +375,9 @@ RAGTOP_INLINE RowAimOf<T> aimOfRow(const AxisRowsOf<T>& rows, AxisSlot slot, con
         case AxisSlot::spring:
             aim.compliant = true;
             aim.drag = dragOf(moving ? rows.springShare.moving : rows.springShare.resting, inverseMass);
-            aim.push = h * (rows.feedForward - rows.springStiffness * rows.springError) + aim.drag * rows.springSpeed;
-            aim.upper = h * rows.maxSpring;
+            aim.push =
+                h * (rows.spring.feedForward - rows.springStiffness * rows.springError) + aim.drag * rows.spring.speed;
+            aim.upper = h * rows.spring.most;
             aim.lower = -aim.upper;
             break;
         case AxisSlot::viscous:
@@ -360,9 +390,9 @@ RAGTOP_INLINE RowAimOf<T> aimOfRow(const AxisRowsOf<T>& rows, AxisSlot slot, con
             break;
         case AxisSlot::motor: {
             const T half(moving ? 0.5f : 1.0f), one(1.0f);
-            aim.target = rows.targetSpeed;
-            aim.upper = h * rows.maxForward * select(rows.motorStalls > 0, half, one);
-            aim.lower = -h * rows.maxReverse * select(rows.motorStalls < 0, half, one);
+            aim.target = rows.motor.targetSpeed;
+            aim.upper = h * rows.motor.maxForward * select(rows.motorStalls > 0, half, one);
+            aim.lower = -h * rows.motor.maxReverse * select(rows.motorStalls < 0, half, one);
             break;
         }
         case AxisSlot::lower:

@@ -21,7 +21,7 @@ PairVector rowOf(const JointSim& joint, std::uint32_t coordinate) {
 
 double valueOf(const JointSim& joint, std::uint32_t coordinate) {
     const AxisRows& axis = axisOf(const_cast<JointSim&>(joint), coordinate);
-    if (axis.tracked) return unwrapped(axis, axis.lastAngle);
+    if (axis.angle.tracked) return unwrapped(axis, axis.angle.last);
     if (hasAxes(joint.kind)) return coordinateOf(joint.axes, coordinate);
     return static_cast<double>(joint.kind == JointKind::slider ? joint.block.errorSecond.z
                                                                : length(joint.block.errorFirst));

@@ -68,7 +68,7 @@ void refreshUniversal(AxesWriter& write, const JointPlace& place) {
 void writeRows(AxesWriter& write, JointSim& joint, const JointPlace& place) {
     if (joint.kind == JointKind::cylindrical) refreshCylindrical(write, place);
     if (joint.kind == JointKind::plane) refreshPlane(write, place);
-    if (joint.kind == JointKind::screw) refreshScrew(write, place, joint.pitch);
+    if (joint.kind == JointKind::screw) refreshScrew(write, place, joint.thread.pitch);
     if (joint.kind == JointKind::universal) refreshUniversal(write, place);
     if (joint.kind == JointKind::path) writePath(write, joint.path, place);
     if (joint.kind == JointKind::sixDof) writeSixDof(write, place);
@@ -83,11 +83,11 @@ namespace {
 /// The impulse that friction is measured by: across the axis, of a screw that of the flanks of its thread.
 float frictionLoad(const JointSim& joint, const JointPlace& place) {
     const AxesBlock& block = joint.axes;
-    if (joint.kind == JointKind::screw && joint.threadRadius > 0) {
+    if (joint.kind == JointKind::screw && joint.thread.radius > 0) {
         // With the thrust λ, the friction's torque τ and the tangent t of the lead, the flank at radius r bears
         // N = (λ (1 + t²) − τ t/r) cos(lead), and friction μ N along it has the torque μ N r/cos(lead).
-        const float lead = joint.pitch / joint.threadRadius, thrust = block.impulse[4];
-        const float load = thrust * (1 + lead * lead) - block.axis[0].frictionImpulse * lead / joint.threadRadius;
+        const float lead = joint.thread.pitch / joint.thread.radius, thrust = block.impulse[4];
+        const float load = thrust * (1 + lead * lead) - block.axis[0].frictionImpulse * lead / joint.thread.radius;
         return load < 0 ? -load : load;
     }
     const Vec3 carried = warmStartImpulse(block).linear, x = axisX(place.b);
@@ -206,8 +206,8 @@ void compileAxes(const JointDef& def, JointSim& joint) {
         compileAxis(block, 2, plane->z, false);
     } else if (const auto* screw = std::get_if<ScrewDef>(&def)) {
         compileAxis(block, 0, screw->turn, true);
-        joint.pitch = screw->pitch / (2 * kPi);
-        joint.threadRadius = screw->turn.bearing ? screw->turn.bearing->pinRadius : 0.0f;
+        joint.thread.pitch = screw->pitch / (2 * kPi);
+        joint.thread.radius = screw->turn.bearing ? screw->turn.bearing->pinRadius : 0.0f;
     } else if (const auto* universal = std::get_if<UniversalDef>(&def)) {
         compileAxis(block, 0, universal->first, true);
         compileAxis(block, 1, universal->second, true);

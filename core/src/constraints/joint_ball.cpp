@@ -88,33 +88,30 @@ void compile(BallRows& rows, const BallDef& def) {
     }
     if (const auto& spring = def.spring) {
         rows.features |= BallRows::kSpring;
-        rows.stiffness = spring->stiffness;
-        rows.damping = spring->damping;
-        rows.frequency = spring->frequency;
-        rows.dampingRatio = spring->dampingRatio;
+        rows.spring.tuning = tuningOf(*spring);
         rows.target = normalized(def.target);
-        rows.maxSpring = def.maxSpringTorque < spring->maxForce ? def.maxSpringTorque : spring->maxForce;
+        rows.spring.most = def.maxSpringTorque < spring->maxForce ? def.maxSpringTorque : spring->maxForce;
         rows.springImpulse = old.springImpulse;
     }
     if (needsDrives(def)) {
         rows.features = (rows.features & ~BallRows::kSpring) | BallRows::kDrives;
         rows.target = normalized(def.target);
-        rows.maxSpring = def.maxSpringTorque;
+        rows.spring.most = def.maxSpringTorque;
         for (const std::optional<Spring>* spring : {&def.spring, &def.twistSpring})
-            if (*spring && (*spring)->maxForce < rows.maxSpring) rows.maxSpring = (*spring)->maxForce;
+            if (*spring && (*spring)->maxForce < rows.spring.most) rows.spring.most = (*spring)->maxForce;
         rows.springImpulse = old.springImpulse;
     }
     const Bearing bearing = def.bearing.value_or(Bearing{});
-    rows.friction = def.friction;
-    rows.breakaway = bearing.breakaway;
-    rows.loadFriction = bearing.coefficient * bearing.pinRadius;
-    if (rows.friction > 0 || rows.breakaway > 0 || rows.loadFriction > 0) {
+    rows.resistance.friction = def.friction;
+    rows.resistance.breakaway = bearing.breakaway;
+    rows.resistance.loadFriction = bearing.coefficient * bearing.pinRadius;
+    if (rows.resistance.friction > 0 || rows.resistance.breakaway > 0 || rows.resistance.loadFriction > 0) {
         rows.features |= BallRows::kFriction;
         rows.frictionImpulse = old.frictionImpulse;
     }
     if (bearing.viscous > 0) {
         rows.features |= BallRows::kViscous;
-        rows.viscous = bearing.viscous;
+        rows.resistance.viscous = bearing.viscous;
         rows.viscousImpulse = old.viscousImpulse;
     }
 }
@@ -172,16 +169,16 @@ void beginBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, c
     const float h = context.h, inverseInertia = easiest(joint.block);
     if (rows.features & BallRows::kSpring) {
         rows.springError = turnVector(place.b * conjugate(place.a * rows.target));
-        const TunedSpring spring =
-            tuned({rows.stiffness, rows.damping}, rows.frequency, rows.dampingRatio, inverseInertia);
+        const TunedSpring spring = rows.spring.tuning.at(inverseInertia);
         rows.springStiffness = spring.stiffness;
         setDrags(rows.springDrag, spring.stiffness, spring.damping, inverseInertia, h);
     }
     if (rows.features & BallRows::kDrives) beginDrives(joint, place, inverseInertia, h);
-    if (rows.features & BallRows::kViscous) setDrags(rows.viscousDrag, 0, rows.viscous, inverseInertia, h);
+    if (rows.features & BallRows::kViscous) setDrags(rows.viscousDrag, 0, rows.resistance.viscous, inverseInertia, h);
     if (rows.features & BallRows::kFriction) {
-        const float kinetic = h * rows.friction + rows.loadFriction * length(joint.block.impulseFirst);
-        if (rows.dry.begin(length(rows.frictionImpulse), kinetic, h * rows.breakaway)) rows.frictionImpulse *= 0.5f;
+        const float kinetic = rows.resistance.kinetic(h, length(joint.block.impulseFirst));
+        if (rows.dry.begin(length(rows.frictionImpulse), kinetic, h * rows.resistance.breakaway))
+            rows.frictionImpulse *= 0.5f;
     }
     const Vec3 spin = pair.velocity(joint.arms).angular;
     if (rows.features & (BallRows::kSpring | BallRows::kDrives)) rows.springStart = spin;
@@ -216,8 +213,8 @@ void solveBall(JointSim& joint, BodyPair& pair, const JointContext& context, boo
     const int pass = useBias ? 0 : 1;
     if (rows.features & BallRows::kSpring)
         turn.comply(rows.springImpulse, -context.h * rows.springStiffness * rows.springError, rows.springDrag[pass],
-                    context.h * rows.maxSpring);
-    if (rows.features & BallRows::kDrives) turn.add(solveDrives(joint, turn.speed, pass, context.h * rows.maxSpring));
+                    context.h * rows.spring.most);
+    if (rows.features & BallRows::kDrives) turn.add(solveDrives(joint, turn.speed, pass, context.h * rows.spring.most));
     if (rows.features & BallRows::kViscous) turn.comply(rows.viscousImpulse, {}, rows.viscousDrag[pass], kNoForceLimit);
     if (rows.features & BallRows::kFriction) turn.rub(rows.frictionImpulse, rows.dry.boundOf(useBias));
     if (rows.features & (BallRows::kTwist | BallRows::kSwing)) solveBallStops(joint, turn, pair, context, useBias);

@@ -9,11 +9,6 @@ namespace {
 // As for limits of the twist: within 0.1° of a half turn of swing it has no axis.
 constexpr float kNoTwist = 1e-3f;
 
-BallDrives::Drive driveOf(const std::optional<Spring>& spring) {
-    if (!spring) return {};
-    return {spring->stiffness, spring->damping, spring->frequency, spring->dampingRatio};
-}
-
 /// How far B is from the target along the basis, which it fills in: by the shortest way, or by the twist and the swing
 /// that lead back to it.
 Vec3 driveError(BallDrives& drives, const Quat& target, const Quat& b) {
@@ -31,8 +26,7 @@ Vec3 driveError(BallDrives& drives, const Quat& target, const Quat& b) {
 }
 
 TunedSpring tunedDrive(const BallDrives& drives, int k, float inverseInertia) {
-    const BallDrives::Drive& drive = k == 0 && drives.apart ? drives.twist : drives.swing;
-    return tuned({drive.stiffness, drive.damping}, drive.frequency, drive.dampingRatio, inverseInertia);
+    return (k == 0 && drives.apart ? drives.twist : drives.swing).at(inverseInertia);
 }
 
 }  // namespace
@@ -43,8 +37,8 @@ bool needsDrives(const BallDef& def) {
 
 BallDrives compileDrives(const BallDef& def) {
     BallDrives drives;
-    drives.swing = driveOf(def.spring);
-    drives.twist = driveOf(def.twistSpring);
+    drives.swing = tuningOf(def.spring.value_or(Spring{}));
+    drives.twist = tuningOf(def.twistSpring.value_or(Spring{}));
     drives.apart = def.twistSpring ? 1 : 0;
     drives.targetSpeed = def.targetSpeed;
     drives.feedForward = def.feedForward;
@@ -78,7 +72,7 @@ Vec3 leadDrives(const JointSim& joint, const JointPlace& place, float inverseIne
         push[k] = h * (added[k] - spring.stiffness * error[k]);
         share[k] = leadShare(spring.stiffness, spring.damping, inverseInertia, h);
     }
-    const float size = length(push), longest = h * joint.ball.maxSpring;
+    const float size = length(push), longest = h * joint.ball.spring.most;
     if (size > longest) push = (longest / size) * push;
     return drives.basis * scale(share, push + load);
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "constraints/axis_rows.h"
 #include "ragtop/joint.h"
 #include "ragtop/math.h"
 
@@ -9,10 +10,7 @@ namespace ragtop {
 
 /// Springs of a ball whose twist has a spring of its own, whose target turns or that add a torque.
 struct BallDrives {
-    struct Drive {
-        float stiffness = 0, damping = 0, frequency = 0, dampingRatio = 0;
-    };
-    Drive swing, twist;  ///< the first is the whole rotation's where they do not differ
+    SpringTuning swing, twist;  ///< the first is the whole rotation's where they do not differ
     std::uint32_t apart = 0;
     Vec3 targetSpeed, feedForward;  ///< in A's joint frame
 

@@ -11,12 +11,7 @@ struct JointSim;
 
 /// What the coordinates of a joint have counted: whole turns, and the way along a curve. A pose alone does not tell.
 struct JointCounts {
-    struct Turns {
-        float lastAngle = 0;
-        std::int32_t turns = 0;
-        std::uint32_t tracked = 0;
-    };
-    Turns axis, axes[AxesBlock::kMostFree];
+    CountedAngle axis, axes[AxesBlock::kMostFree];
     PathPlace path;
 };
 

@@ -38,13 +38,9 @@ bool set(JointSim& joint, const BallDef& ball) {
     const std::uint32_t wanted = needsDrives(ball) ? BallRows::kDrives : BallRows::kSpring;
     BallRows& rows = joint.ball;
     if ((rows.features & (BallRows::kDrives | BallRows::kSpring)) != wanted) return false;
-    rows.stiffness = ball.spring->stiffness;
-    rows.damping = ball.spring->damping;
-    rows.frequency = 0;
-    rows.dampingRatio = ball.spring->dampingRatio;
+    rows.spring = {{ball.spring->stiffness, ball.spring->damping, 0, ball.spring->dampingRatio}, ball.maxSpringTorque};
     rows.target = normalized(ball.target);
-    rows.maxSpring = ball.maxSpringTorque;
-    joint.drives.swing = {ball.spring->stiffness, ball.spring->damping, 0, ball.spring->dampingRatio};
+    joint.drives.swing = rows.spring.tuning;
     joint.drives.twist = {};
     joint.drives.apart = 0;
     joint.drives.targetSpeed = ball.targetSpeed;
@@ -55,14 +51,12 @@ bool set(JointSim& joint, const BallDef& ball) {
 bool set(JointSim& joint, const HingeDef& hinge) {
     AxisRows& rows = joint.axis;
     if (!(rows.features & AxisRows::kSpring)) return false;
-    rows.stiffness = hinge.spring->stiffness;
-    rows.damping = hinge.spring->damping;
-    rows.frequency = 0;
-    rows.dampingRatio = hinge.spring->dampingRatio;
-    rows.springSpeed = hinge.spring->speed;
-    rows.feedForward = hinge.spring->feedForward;
-    rows.maxSpring = hinge.spring->maxForce;
-    rows.target = hinge.target;
+    const Spring& spring = *hinge.spring;
+    rows.spring = {{spring.stiffness, spring.damping, 0, spring.dampingRatio},
+                   hinge.target,
+                   spring.speed,
+                   spring.feedForward,
+                   spring.maxForce};
     return true;
 }
 

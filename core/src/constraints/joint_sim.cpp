@@ -127,7 +127,7 @@ void prepareJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodySt
     joint.frameA = bodies.rotationA * joint.localA.rotation;
     joint.frameB = bodies.rotationB * joint.localB.rotation;
     // The turns that a range asks for are found before any pass, which then only counts them on.
-    if (joint.kind == JointKind::hinge && !joint.axis.tracked)
+    if (joint.kind == JointKind::hinge && !joint.axis.angle.tracked)
         track(joint.axis, hingeAngle(joint.frameA, joint.frameB));
 }
 

@@ -50,8 +50,12 @@ struct BallRows {
     std::uint32_t features = 0;
     Range twistLimit{};  ///< rad; a polygon has its own
     Stop stop{};
-    float friction = 0, breakaway = 0, viscous = 0, loadFriction = 0;
-    float stiffness = 0, damping = 0, frequency = 0, dampingRatio = 0, maxSpring = 0;
+    ResistanceOf<float> resistance;
+    struct Spring {
+        SpringTuning tuning;
+        float most = 0;
+    };
+    Spring spring;
     Quat target{};
 
     // Carried from substep to substep, N m s.
@@ -92,16 +96,19 @@ struct JointSim {
     Vec3 anchorA, anchorB;    ///< m, from the centres of mass
     Quat frameA{}, frameB{};  ///< of the joint frames in the world
 
-    Arms arms;  ///< m, of the current substep
+    Arms arms;               ///< m, of the current substep
     float ofFreeTree = 0;    ///< 1: the joint is one of a free tree's, see openShare
     PairVector stepImpulse;  ///< what a breakable joint gave in this step so far, N s and N m s
     RigidBlock block{};
     AxisRows axis;  ///< along the free direction of hinge, slider and distance
     BallRows ball;
     BallDrives drives;
-    AxesBlock axes;          ///< of those kinds that have one, instead of block and axis
-    float pitch = 0;         ///< m per rad, of a screw
-    float threadRadius = 0;  ///< m
+    AxesBlock axes;  ///< of those kinds that have one, instead of block and axis
+    struct Thread {
+        float pitch = 0;   ///< m per rad
+        float radius = 0;  ///< m
+    };
+    Thread thread;  ///< of a screw
     PathRows path;
     StopLedger ledger;
     PairVector lead;          ///< N s and N m s, given when the last step ended: see spring_lead.h

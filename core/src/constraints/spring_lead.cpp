@@ -63,11 +63,11 @@ float clamped(float value, float most) { return value > most ? most : value < -m
 float leadOf(AxisRows& rows, double coordinate, float speed, float kick, const Leading& leading) {
     const float w = rows.inverseMass, h = leading.h;
     if (!(rows.features & AxisRows::kSpring) || !(w > 0)) return 0;
-    const TunedSpring spring = tuned({rows.stiffness, rows.damping}, rows.frequency, rows.dampingRatio, w);
+    const TunedSpring spring = rows.spring.tuning.at(w);
     const float load = leading.ends ? (speed - rows.springStart + kick) / w - rows.springImpulse : kick / w;
-    const auto error = static_cast<float>(coordinate - static_cast<double>(rows.target));
-    const float whole = h * (rows.feedForward - spring.stiffness * error);
-    const float push = clamped(whole, h * rows.maxSpring);
+    const auto error = static_cast<float>(coordinate - static_cast<double>(rows.spring.target));
+    const float whole = h * (rows.spring.feedForward - spring.stiffness * error);
+    const float push = clamped(whole, h * rows.spring.most);
     const float steady = leading.ends ? steadyOf(load, rows.springLoad, push) : load;
     rows.springLoad = load;
     return leadShare(spring.stiffness, spring.damping, w, h) * w * (push + steady);
@@ -79,7 +79,7 @@ PairVector leadAxis(Leading& leading) {
     const Vec3 line = block.basis.cz;
     const bool turns = joint.kind == JointKind::hinge;
     const auto along = [&](const PairVector& u) { return dot(line, turns ? u.angular : u.linear); };
-    const double coordinate = joint.kind == JointKind::hinge    ? unwrapped(joint.axis, joint.axis.lastAngle)
+    const double coordinate = joint.kind == JointKind::hinge    ? unwrapped(joint.axis, joint.axis.angle.last)
                               : joint.kind == JointKind::slider ? static_cast<double>(block.errorSecond.z)
                                                                 : static_cast<double>(length(block.errorFirst));
     const float speed = along(leading.pair.velocity(joint.arms));
@@ -140,9 +140,9 @@ PairVector leadBall(Leading& leading) {
     rows.springLoad = load;
     Vec3 torque;
     if (rows.features & BallRows::kSpring) {
-        const TunedSpring spring = tuned({rows.stiffness, rows.damping}, rows.frequency, rows.dampingRatio, w);
+        const TunedSpring spring = rows.spring.tuning.at(w);
         const Vec3 whole = -(h * spring.stiffness) * turnVector(place.b * conjugate(place.a * rows.target));
-        const Vec3 push = lengthClamped(whole, h * rows.maxSpring);
+        const Vec3 push = lengthClamped(whole, h * rows.spring.most);
         const Vec3 steady = leading.ends ? steadyOf(load, before, push) : load;
         torque = leadShare(spring.stiffness, spring.damping, w, h) * (push + steady);
     } else {

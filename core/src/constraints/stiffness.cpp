@@ -29,19 +29,15 @@ float stiffness(const Stop& stop, float inverseMass, float h) { return h * h * s
 float stiffness(const AxisRows& axis, bool turns, const RelativeMass& inverse, float h) {
     const float w = turns ? inverse.turn : inverse.travel;
     const bool sprung = (axis.features & AxisRows::kSpring) != 0, stops = (axis.features & AxisRows::kLimit) != 0;
-    const TunedSpring spring = tuned({axis.stiffness, axis.damping}, axis.frequency, axis.dampingRatio, w);
+    const TunedSpring spring = axis.spring.tuning.at(w);
     return std::max(sprung ? stiffness(spring, w, h) : 0.0f, stops ? stiffness(axis.stop, w, h) : 0.0f);
 }
 
 float stiffness(const BallRows& ball, const BallDrives& drives, float w, float h) {
     float most = 0;
-    const auto note = [&](float k, float damping, float frequency, float dampingRatio) {
-        most = std::max(most, stiffness(tuned({k, damping}, frequency, dampingRatio, w), w, h));
-    };
-    if (ball.features & BallRows::kSpring) note(ball.stiffness, ball.damping, ball.frequency, ball.dampingRatio);
-    if (ball.features & BallRows::kDrives)
-        for (const BallDrives::Drive& drive : {drives.swing, drives.twist})
-            note(drive.stiffness, drive.damping, drive.frequency, drive.dampingRatio);
+    const auto note = [&](const SpringTuning& spring) { most = std::max(most, stiffness(spring.at(w), w, h)); };
+    if (ball.features & BallRows::kSpring) note(ball.spring.tuning);
+    if (ball.features & BallRows::kDrives) note(drives.swing), note(drives.twist);
     if (ball.features & (BallRows::kSwing | BallRows::kTwist)) most = std::max(most, stiffness(ball.stop, w, h));
     return most;
 }

@@ -44,21 +44,20 @@ double ofBall(const JointSim& joint, const JointPlace& at) {
     const BallRows& rows = joint.ball;
     double sum = rows.stop.stiffness > 0 ? ofSwingAndTwist(rows, at) : 0;
     const float w = easiest(joint.block);
-    const auto add = [&](float k, float frequency, float way) {
-        const double stiffness = static_cast<double>(tuned<float>({k, 0}, frequency, 0, w).stiffness);
-        if (stiffness > 0) sum += ofSpring(stiffness, static_cast<double>(way), static_cast<double>(rows.maxSpring));
+    const auto add = [&](const SpringTuning& spring, float way) {
+        const double stiffness = static_cast<double>(spring.at(w).stiffness);
+        if (stiffness > 0) sum += ofSpring(stiffness, static_cast<double>(way), static_cast<double>(rows.spring.most));
     };
     const Quat target = at.a * rows.target;
-    if (rows.features & BallRows::kSpring)
-        add(rows.stiffness, rows.frequency, length(turnVector(at.b * conjugate(target))));
+    if (rows.features & BallRows::kSpring) add(rows.spring.tuning, length(turnVector(at.b * conjugate(target))));
     if ((rows.features & BallRows::kDrives) == 0) return sum;
     const BallDrives& drives = joint.drives;
     if (drives.apart != 0) {
         const SwingTwist off = swingTwist(target, at.b);
-        add(drives.swing.stiffness, drives.swing.frequency, off.swing);
-        add(drives.twist.stiffness, drives.twist.frequency, off.twist);
+        add(drives.swing, off.swing);
+        add(drives.twist, off.twist);
     } else {
-        add(drives.swing.stiffness, drives.swing.frequency, length(turnVector(at.b * conjugate(target))));
+        add(drives.swing, length(turnVector(at.b * conjugate(target))));
     }
     return sum;
 }
@@ -66,9 +65,9 @@ double ofBall(const JointSim& joint, const JointPlace& at) {
 double ofAxis(AxisRows rows, double coordinate) {
     double sum = 0;
     if (rows.features & AxisRows::kSpring) {
-        const auto k = static_cast<double>(tuned<float>({rows.stiffness, 0}, rows.frequency, 0, rows.inverseMass).stiffness);
-        const double way = coordinate - static_cast<double>(rows.target);
-        if (k > 0) sum += ofSpring(k, way, static_cast<double>(rows.maxSpring));
+        const auto k = static_cast<double>(rows.spring.tuning.at(rows.inverseMass).stiffness);
+        const double way = coordinate - static_cast<double>(rows.spring.target);
+        if (k > 0) sum += ofSpring(k, way, static_cast<double>(rows.spring.most));
     }
     if ((rows.features & AxisRows::kLimit) != 0 && rows.stop.stiffness > 0) {
         setMargins(rows, coordinate);

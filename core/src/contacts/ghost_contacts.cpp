@@ -116,8 +116,8 @@ bool closes(const GhostView& view, const ContactRecord& record, const ManifoldRe
     const Vec3 normal = rotate(a.rotation, manifold.normal);
     const Vec3 way =
         view.dt * ((a.type == BodyType::fixed ? Vec3{} : stateA.v) - (b.type == BodyType::fixed ? Vec3{} : stateB.v));
-    const float turning = (a.type == BodyType::fixed ? 0 : length(stateA.w) * a.coreRadius) +
-                          (b.type == BodyType::fixed ? 0 : length(stateB.w) * b.coreRadius);
+    const float turning = (a.type == BodyType::fixed ? 0 : length(stateA.w) * a.travel.coreRadius) +
+                          (b.type == BodyType::fixed ? 0 : length(stateB.w) * b.travel.coreRadius);
     if (!(dot(way, normal) + view.dt * turning > least)) return false;
     const float foreseen = 1 + view.h / view.dt;
     bool nearer = false, meets = false;
@@ -223,7 +223,8 @@ bool willMeet(const GhostView& view, const ContactRecord& record, const Manifold
 bool mayBeGhost(const GhostView& view, const ContactRecord& record, const ManifoldRecord& manifold) {
     const ConstTables& t = view.tables;
     if (record.sensor || record.isMesh) return false;
-    if (t.bodies[record.bodyA].ahead + t.bodies[record.bodyB].ahead < kClosing * record.size) return false;
+    if (t.bodies[record.bodyA].travel.ahead + t.bodies[record.bodyB].travel.ahead < kClosing * record.size)
+        return false;
     return manifold.pointCount > 0 && closes(view, record, manifold, kClosing * record.size) &&
            !bearsLoad(view, manifold);
 }

@@ -27,7 +27,8 @@ struct AskedContacts {
 /// look while bounds stay as they are; nor do manifolds that have not moved far. Without branches, since nobody
 /// foresees them.
 bool keepsGeometry(const ContactRecord& record, const BodyRecord& a, const BodyRecord& b, bool sameSubstep) {
-    const double travel = a.travel + b.travel, ahead = static_cast<double>(a.ahead) + static_cast<double>(b.ahead);
+    const double travel = a.travel.done + b.travel.done,
+                 ahead = static_cast<double>(a.travel.ahead) + static_cast<double>(b.travel.ahead);
     const double way = record.hasPoints ? travel : travel + ahead;
     const bool inTime = ahead < static_cast<double>(record.aheadMost), near = way < record.until;
     const bool mayKeep = !record.hasPoints || (inTime & sameSubstep);
@@ -35,7 +36,7 @@ bool keepsGeometry(const ContactRecord& record, const BodyRecord& a, const BodyR
 }
 
 bool stays(const ContactRecord& record, const BodyRecord& a, const BodyRecord& b, bool sameSubstep) {
-    const bool refitted = a.refitted | b.refitted, keeps = keepsGeometry(record, a, b, sameSubstep);
+    const bool refitted = a.bounds.left | b.bounds.left, keeps = keepsGeometry(record, a, b, sameSubstep);
     return keeps & !refitted;
 }
 
@@ -75,7 +76,7 @@ void NarrowPhase::lookAhead(StageRunner& runner) {
         for (int i = begin; i < end; ++i) {
             const std::uint32_t body = bodies.awake[static_cast<std::size_t>(i)];
             const BodyState& state = bodies.states[body];
-            bodies[body].ahead = (length(state.v) + length(state.w) * bodies[body].coreRadius) * dt;
+            bodies[body].travel.ahead = (length(state.v) + length(state.w) * bodies[body].travel.coreRadius) * dt;
         }
     });
 }
@@ -150,7 +151,7 @@ void NarrowPhase::updateContact(std::uint32_t index, const PairPlace& place, int
     ContactRecord& record = contacts[index];
     std::uint8_t& change = contactFinds.change[record.awakeIndex];
     change = kUnchanged;
-    const double travel = bodies[record.bodyA].travel + bodies[record.bodyB].travel;
+    const double travel = bodies[record.bodyA].travel.done + bodies[record.bodyB].travel.done;
     const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
     if (!overlaps(broadphase.tree(shapeA.isStaticTree).bounds(shapeA.proxy),
                   broadphase.tree(shapeB.isStaticTree).bounds(shapeB.proxy))) {

@@ -113,9 +113,9 @@ void placePairs(const ConstTables& tables, float dt, const std::uint32_t* asked,
         rows.vB[i] = &bodies.states[record.bodyB].v, rows.wB[i] = &bodies.states[record.bodyB].w;
         const Vec3 apart = relative(b.center, a.center);
         for (int axis = 0; axis < 3; ++axis) rows.apart[axis][i] = apart[axis];
-        rows.radiusA[i] = a.coreRadius, rows.radiusB[i] = b.coreRadius;
-        rows.turningA[i] = a.type == BodyType::fixed ? 0 : a.coreRadius;
-        rows.turningB[i] = b.type == BodyType::fixed ? 0 : b.coreRadius;
+        rows.radiusA[i] = a.travel.coreRadius, rows.radiusB[i] = b.travel.coreRadius;
+        rows.turningA[i] = a.type == BodyType::fixed ? 0 : a.travel.coreRadius;
+        rows.turningB[i] = b.type == BodyType::fixed ? 0 : b.travel.coreRadius;
         rows.size[i] = record.size;
         anyCapsules |= takeCapsules(shapes.geometries[shapes[record.shapeA].geometry].convex,
                                     shapes.geometries[shapes[record.shapeB].geometry].convex, i, rows);

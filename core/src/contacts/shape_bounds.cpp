@@ -72,8 +72,8 @@ void ShapeBounds::giveRoom(std::uint32_t index) const {
 }
 
 void ShapeBounds::recordNewVelocity(std::uint32_t index) const {
-    if (bodies[index].hasNewVelocity) return;
-    bodies[index].hasNewVelocity = true;
+    if (bodies[index].bounds.newVelocity) return;
+    bodies[index].bounds.newVelocity = true;
     broadphase.newVelocities.push(index);
 }
 
@@ -93,8 +93,8 @@ void ShapeBounds::coverMotion(std::uint32_t index) const {
 
 void ShapeBounds::coverNewVelocities(bool all) const {
     for (const std::uint32_t index : broadphase.newVelocities) {
-        if (!bodies[index].hasNewVelocity) continue;
-        bodies[index].hasNewVelocity = false;
+        if (!bodies[index].bounds.newVelocity) continue;
+        bodies[index].bounds.newVelocity = false;
         if (!all) coverMotion(index);
     }
     broadphase.newVelocities.clear();
@@ -117,7 +117,7 @@ static void giveFreeRoom(const ShapeBounds& view, std::uint32_t index, const Bou
     const BodyRecord& body = view.bodies[index];
     if (view.shapes[body.firstShape].next != kNone) return;
     view.broadphase.left.rooms[index] = {kNearly * (now.lower - given.lower), kNearly * (given.upper - now.upper),
-                                         body.travel};
+                                         body.travel.done};
 }
 
 /// Takes from such room what a body has moved and turned by; true where enough is left for the coming step.
@@ -147,12 +147,12 @@ static std::uint32_t refitBody(const ShapeBounds& view, std::uint32_t index) {
             given = newBounds(view, shape, now, isFree);
             view.broadphase.movingTree.give(shape.proxy, given);
             moved += shape.inMoveBuffer ? 0 : 1;
-            body.refitted = true;
+            body.bounds.left = true;
         }
         slack = std::min(slack, slackBetween(view.broadphase.movingTree.bounds(shape.proxy), now));
     }
     body.room = kNearly * slack;
-    if (!body.refitted) return 0;
+    if (!body.bounds.left) return 0;
     view.broadphase.left.rooms[index].travel = BoundsRoom::kUnknown;
     if (isFree) giveFreeRoom(view, index, now, given);
     return moved;
@@ -169,21 +169,22 @@ static std::uint32_t refitBodies(const ShapeBounds& view, std::span<const StartP
         BodyRecord& body = view.bodies[index];
         const Quat rotation = body.rotation * conjugate(start.rotation);
         const Vec3 motion = relative(body.center, start.center);
-        const float turn = 2 * length(Vec3{rotation.x, rotation.y, rotation.z}) * body.coreRadius;
+        const float turn = 2 * length(Vec3{rotation.x, rotation.y, rotation.z}) * body.travel.coreRadius;
         const float way = length(motion) + turn;
-        const double before = body.travel;
-        body.travel += static_cast<double>(way);
+        const double before = body.travel.done;
+        body.travel.done += static_cast<double>(way);
         body.room -= way;
-        body.refitted = false;
+        body.bounds.left = false;
         view.broadphase.left.bodies[place] = 0;
         const Vec3 coming = view.dt * view.bodies.states[index].v;
         // Of what has contacts, or had some since, the room is not known.
         BoundsRoom& room = view.broadphase.left.rooms[index];
-        if (body.firstContact == kNone && room.travel == before && keepsToRoom(room, motion, turn, coming, body.travel))
+        if (body.firstContact == kNone && room.travel == before &&
+            keepsToRoom(room, motion, turn, coming, body.travel.done))
             continue;
         if (length(coming) < body.room) continue;
         moved += refitBody(view, index);
-        view.broadphase.left.bodies[place] = body.refitted ? 1 : 0;
+        view.broadphase.left.bodies[place] = body.bounds.left ? 1 : 0;
     }
     return moved;
 }

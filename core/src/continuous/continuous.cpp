@@ -39,7 +39,8 @@ void clearPaths(const SweepView& view, AlignedArray<BodyFlag>& flags, StageRunne
         for (int i = begin; i < end; ++i) {
             const std::uint32_t body = t.bodies.awake[static_cast<std::size_t>(i)];
             BodyFlag& flag = flags[static_cast<std::size_t>(i)];
-            if (flag == kToSweep && t.bodies.moves(body) && !t.bodies[body].bullet && !meetsAnything(view, body))
+            if (flag == kToSweep && t.bodies.moves(body) && !t.bodies[body].options.bullet &&
+                !meetsAnything(view, body))
                 flag = kFastClear;
         }
     });

@@ -112,6 +112,32 @@ void recordImpact(const PairSet& pairs, SweepTarget target, const Meeting& meeti
                                speed, impulse});
 }
 
+/// Of a shape, `left` seconds before the end of the step, on an obstacle that is at a place with its body.
+Impact impactOf(const SweepTarget& target, const ShapeRecord& shape, const Meeting& meeting, const Pose& now,
+                const ShapeRecord& obstacle, const Pose& otherNow, float left) {
+    const Bodies& bodies = target.bodies;
+    const Pose place = otherNow * obstacle.frame;
+    Impact impact;
+    impact.normal = rotate(place.rotation, meeting.touch.normal);
+    impact.points = meeting.touch.pointCount;
+    impact.b.inverseMass = inverseMassOf(bodies.states[shape.body]);
+    impact.b.inertia = bodies.inverseInertiaAt(shape.body, now.rotation);
+    if (bodies.moves(obstacle.body)) {
+        impact.a.inverseMass = inverseMassOf(bodies.states[obstacle.body]);
+        impact.a.inertia = bodies.inverseInertiaAt(obstacle.body, otherNow.rotation);
+    }
+    const float rate = left > 0 ? 1 / left : 0.0f;
+    const float apart = 0.5f * tuning::kSpeculative * shape.size;  // more than the distance that a sweep keeps
+    for (int j = 0; j < impact.points; ++j) {
+        const ManifoldPoint& point = meeting.touch.points[j];
+        const DVec3 at = transformPoint(place, point.position);
+        impact.a.arm[j] = relative(at, otherNow.position);
+        impact.b.arm[j] = relative(at, now.position);
+        impact.room[j] = point.separation > apart ? rate * point.separation : 0.0f;
+    }
+    return impact;
+}
+
 }  // namespace
 
 bool solveMeeting(const SweepView& view, const ImpactRules& rules, SweepTarget target, std::uint32_t index,
@@ -128,26 +154,10 @@ bool solveMeeting(const SweepView& view, const ImpactRules& rules, SweepTarget t
 
     const SweptPath others = pathOfStep(view, other);
     const Pose otherNow = others.at(done), place = otherNow * obstacle.frame;
-    Impact impact;
+    const float left = (1 - done) * view.dt, rate = left > 0 ? 1 / left : 0.0f;
+    Impact impact = impactOf(target, shape, meeting, path.from, obstacle, otherNow, left);
     impact.surface = rules.surfaceOf(meeting);
     impact.threshold = rules.restitutionSpeed;
-    impact.normal = rotate(place.rotation, meeting.touch.normal);
-    impact.points = meeting.touch.pointCount;
-    impact.b.inverseMass = inverseMassOf(bodies.states[index]);
-    impact.b.inertia = bodies.inverseInertiaAt(index, path.from.rotation);
-    if (pushes) {
-        impact.a.inverseMass = inverseMassOf(bodies.states[other]);
-        impact.a.inertia = bodies.inverseInertiaAt(other, otherNow.rotation);
-    }
-    const float left = (1 - done) * view.dt, rate = left > 0 ? 1 / left : 0.0f;
-    const float apart = 0.5f * tuning::kSpeculative * shape.size;  // more than the distance that a sweep keeps
-    for (int j = 0; j < impact.points; ++j) {
-        const ManifoldPoint& point = meeting.touch.points[j];
-        const DVec3 at = transformPoint(place, point.position);
-        impact.a.arm[j] = relative(at, otherNow.position);
-        impact.b.arm[j] = relative(at, path.from.position);
-        impact.room[j] = point.separation > apart ? rate * point.separation : 0.0f;
-    }
 
     const float whole = 1 / view.dt;
     Velocity meanA{whole * others.way, whole * others.turn}, meanB{rate * path.way, rate * path.turn};

@@ -178,7 +178,7 @@ bool isAwayFrom(const BoundsTree& tree, const DVec3& from, const DVec3& to, floa
 bool mayMeet(const Bodies& bodies, const Shapes& shapes, const Broadphase& broadphase, std::uint32_t index,
              const DVec3& start) {
     const BodyRecord& body = bodies[index];
-    if (!body.bullet && isAwayFrom(broadphase.fixedTree, start, body.center, body.radius)) return false;
+    if (!body.options.bullet && isAwayFrom(broadphase.fixedTree, start, body.center, body.radius)) return false;
     const Bounds path = boundsOfPath(start, body.center, body.radius);
     bool found = false;
     const auto visit = [&](std::uint32_t shape) {
@@ -186,7 +186,7 @@ bool mayMeet(const Bodies& bodies, const Shapes& shapes, const Broadphase& broad
         return !found;
     };
     broadphase.fixedTree.query(path, visit);
-    if (body.bullet && !found) broadphase.movingTree.query(path, visit);
+    if (body.options.bullet && !found) broadphase.movingTree.query(path, visit);
     return found;
 }
 
@@ -204,6 +204,53 @@ SweptPath pathOfStep(const Bodies& bodies, std::span<const StartPose> starts, fl
     return path;
 }
 
+namespace {
+
+/// Surfaces stay so many margins apart; going less far into each other is left to their contact.
+constexpr float kTarget = 0.25f;
+
+/// A convex shape on its way, seen from an obstacle.
+struct ShapeSweep {
+    const GeometryEntry& geometry;
+    const SolidCore& core;
+    Frame from, to;
+    float margin;  ///< m
+    std::uint32_t shape, obstacle;
+};
+
+/// Keeps the meeting with a surface where it comes first.
+template <class Surface>
+void meetSurface(const ShapeSweep& sweep, const Surface& surface, Meeting& first) {
+    const float target = kTarget * sweep.margin, allowed = 2 * target;
+    const auto touchAt = [&](const Frame& at) {
+        return touchOf(surface, sweep.geometry.convex, at, sweep.to, sweep.margin);
+    };
+    const SweepHit hit = timeOfImpact(surface, sweep.geometry.convex, sweep.from, sweep.to, target);
+    if (!hit.hit || (first.hit && hit.fraction >= first.fraction)) return;
+    if (hit.fraction == 0) {
+        Manifold touch = touchAt(sweep.from);
+        keepDeepening(touch, sweep.from, sweep.to, allowed);
+        if (touch.pointCount > 0) {
+            first = {true, 0, sweep.shape, sweep.obstacle, touch};
+            return;
+        }
+    }
+    // What is only grazed, as the side of the next tile of a floor, is no obstacle: the core passes it, and at the end
+    // nothing is deep.
+    const Frame coreFrom{transformPoint(sweep.from, sweep.core.center), sweep.from.rotation};
+    const Frame coreTo{transformPoint(sweep.to, sweep.core.center), sweep.to.rotation};
+    const SweepHit deep = timeOfImpact(surface, sweep.core.view, coreFrom, coreTo, 0);
+    const bool blocks = deep.hit && deep.fraction > 0;
+    if (hit.fraction == 0 ? !blocks : !blocks && !isDeep(touchAt(sweep.to), allowed)) return;
+    const SweepHit& met = hit.fraction == 0 ? deep : hit;
+    if (!mayPush(surface, met.normal) || (first.hit && met.fraction >= first.fraction)) return;
+    first = {true, met.fraction, sweep.shape, sweep.obstacle,
+             touchAt(SweptMotion(sweep.from, sweep.to).at(met.fraction))};
+    if (first.touch.pointCount == 0) first.touch = pointContact(met);
+}
+
+}  // namespace
+
 Meeting firstMeeting(const SweepView& view, std::uint32_t index, const Pose& start, const Pose& end, float done,
                      float until) {
     const ConstTables& t = view.tables;
@@ -219,11 +266,10 @@ Meeting firstMeeting(const SweepView& view, std::uint32_t index, const Pose& sta
         }
         const Pose shapeStart = start * shape.frame, shapeEnd = end * shape.frame;
         // A point at r that turns by θ leaves its chord by r (1 − cos θ/2) at most.
-        const float bulge = body.coreRadius * (1 - std::abs((end.rotation * conjugate(start.rotation)).w));
+        const float bulge = body.travel.coreRadius * (1 - std::abs((end.rotation * conjugate(start.rotation)).w));
         const Bounds swept =
             enlarged(merge(boundsOf(geometry.shape, shapeStart), boundsOf(geometry.shape, shapeEnd)), bulge);
-        // Surfaces stay a little apart; going less far into each other is left to their contact.
-        const float target = 0.25f * tuning::kSpeculative * shape.size, allowed = 2 * target;
+        const float target = kTarget * tuning::kSpeculative * shape.size;
         const SolidCore core = coreOf(geometry);
         const auto meet = [&](std::uint32_t other) {
             const ShapeRecord& obstacle = t.shapes[other];
@@ -237,32 +283,8 @@ Meeting firstMeeting(const SweepView& view, std::uint32_t index, const Pose& sta
             const Frame from = seenFrom(others.at(done) * place, shapeStart);
             const Frame to = seenFrom(others.at(until) * place, shapeEnd);
             const GeometryEntry& solid = t.shapes.geometries[obstacle.geometry];
-            const auto sweepAt = [&](const auto& surface) {
-                const auto touchAt = [&](const Frame& at) {
-                    return touchOf(surface, geometry.convex, at, to, tuning::kSpeculative * shape.size);
-                };
-                const SweepHit hit = timeOfImpact(surface, geometry.convex, from, to, target);
-                if (!hit.hit || (first.hit && hit.fraction >= first.fraction)) return;
-                if (hit.fraction == 0) {
-                    Manifold touch = touchAt(from);
-                    keepDeepening(touch, from, to, allowed);
-                    if (touch.pointCount > 0) {
-                        first = {true, 0, s, other, touch};
-                        return;
-                    }
-                }
-                // What is only grazed, as the side of the next tile of a floor, is no obstacle: the core passes it, and
-                // at the end nothing is deep.
-                const Frame coreFrom{transformPoint(from, core.center), from.rotation};
-                const Frame coreTo{transformPoint(to, core.center), to.rotation};
-                const SweepHit deep = timeOfImpact(surface, core.view, coreFrom, coreTo, 0);
-                const bool blocks = deep.hit && deep.fraction > 0;
-                if (hit.fraction == 0 ? !blocks : !blocks && !isDeep(touchAt(to), allowed)) return;
-                const SweepHit& met = hit.fraction == 0 ? deep : hit;
-                if (!mayPush(surface, met.normal) || (first.hit && met.fraction >= first.fraction)) return;
-                first = {true, met.fraction, s, other, touchAt(SweptMotion(from, to).at(met.fraction))};
-                if (first.touch.pointCount == 0) first.touch = pointContact(met);
-            };
+            const ShapeSweep sweep{geometry, core, from, to, tuning::kSpeculative * shape.size, s, other};
+            const auto sweepAt = [&](const auto& surface) { meetSurface(sweep, surface, first); };
             if (!solid.isMesh()) {
                 sweepAt(solid.convex);
                 return true;
@@ -281,7 +303,7 @@ Meeting firstMeeting(const SweepView& view, std::uint32_t index, const Pose& sta
             return true;
         };
         view.broadphase.fixedTree.query(swept, meet);
-        if (body.bullet) view.broadphase.movingTree.query(swept, meet);
+        if (body.options.bullet) view.broadphase.movingTree.query(swept, meet);
     }
     return first;
 }

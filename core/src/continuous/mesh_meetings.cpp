@@ -74,7 +74,7 @@ void sweepMesh(const SweepView& view, std::uint32_t index, std::uint32_t s, cons
         return true;
     };
     view.broadphase.fixedTree.query(swept, meet);
-    if (body.bullet) view.broadphase.movingTree.query(swept, meet);
+    if (body.options.bullet) view.broadphase.movingTree.query(swept, meet);
 }
 
 }  // namespace ragtop

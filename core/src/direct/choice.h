@@ -13,25 +13,25 @@ enum class Reason : std::uint8_t { none, asked, heavy, tall, slender, deep, taut
 /// shares to the neighbours that are nearer to the ground. A load number is such a load over the weight of the lighter
 /// of the two bodies that meet: a column of n equal boxes has n at its foot, a weight on a box their mass ratio.
 struct IslandFeatures {
-    std::uint32_t bodies = 0, pairs = 0;   ///< pairs: of moving bodies that touch or are joined
-    Vec3 momentum;                         ///< kg m/s, of all bodies: motion is what differs from their common one
-    float mass = 0;                        ///< kg
-    std::uint32_t moving = 0;              ///< bodies that are not nearly at rest against the common motion
-    std::uint32_t restless = 0;            ///< bodies that have neither just been made nor been at rest for long
-    std::uint32_t leaning = 0;             ///< bodies at rest that nothing level holds up
+    std::uint32_t bodies = 0, pairs = 0;  ///< pairs: of moving bodies that touch or are joined
+    Vec3 momentum;                        ///< kg m/s, of all bodies: motion is what differs from their common one
+    float mass = 0;                       ///< kg
+    std::uint32_t moving = 0;             ///< bodies that are not nearly at rest against the common motion
+    std::uint32_t restless = 0;           ///< bodies that have neither just been made nor been at rest for long
+    std::uint32_t leaning = 0;            ///< bodies at rest that nothing level holds up
     std::uint32_t joints = 0;
-    std::uint32_t hung = 0;  ///< joints by which a body hangs from one above, loaded by more than kHung
-    float spin = 0;  ///< rad, the largest turn in a substep
+    std::uint32_t hung = 0;                ///< joints by which a body hangs from one above, loaded by more than kHung
+    float spin = 0;                        ///< rad, the largest turn in a substep
     float contactLoad = 0, jointLoad = 0;  ///< largest load numbers
     float massRatio = 1;                   ///< largest of a loaded pair
     float stiffness = 0;                   ///< of springs and soft stops, see stiffnessOf
     float buckling = 0;                    ///< load over what soft contacts bear before they tilt away
     bool hangs = false;                    ///< by joints, from something that does not move
-    bool touches = false;  ///< has contacts, near or not
-    bool bare = true;      ///< bodies turn freely, and joints are such as trees know
+    bool touches = false;                  ///< has contacts, near or not
+    bool bare = true;                      ///< bodies turn freely, and joints are such as trees know
     bool rolls = false;    ///< some contact has resistance to turning or a grain, which only the iteration knows
     bool coupled = false;  ///< joints are coupled with each other, which only the iteration knows
-    bool direct = false;  ///< is solved directly now
+    bool direct = false;   ///< is solved directly now
     std::int32_t staying = 0, cooldown = 0;  ///< steps for which it stays so, or may not be (negative)
     Reason last = Reason::none, reason = Reason::none;
 };
@@ -48,8 +48,10 @@ inline constexpr std::uint8_t kMostDoublings = 5;   ///< of those steps, one for
 
 /// How finely what a body is part of divides a substep.
 struct SubstepPace {
-    std::uint8_t inner = 1;  ///< steps of each substep, as part of a mechanism
-    std::uint8_t calm = 0;   ///< steps for which half as many would have done
+    std::uint8_t inner = 1;              ///< steps of each substep, as part of a mechanism
+    std::uint8_t calm = 0;               ///< steps for which half as many would have done
+    std::uint8_t stepFactor : 3 = 1;     ///< substeps taken at once last, as part of a tree: 1, 2 or 4
+    std::uint8_t allowedFactor : 3 = 1;  ///< the same, as far as its joints' gaps tell
 };
 
 /// Limits fall by a third for an island that is solved directly already, so that none goes to and fro.

@@ -161,6 +161,7 @@ static void guessSlips(SystemPoint* points, const SystemContact& contact, const 
     }
 }
 
+/// Long: it reads all fields of a lane.
 void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arrays) {
     const double resistance = parts.jointCount > 0 ? tuning::kJointedResistance : tuning::kContactResistance;
     contacts_.clear();

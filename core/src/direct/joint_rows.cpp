@@ -304,7 +304,7 @@ void addBall(const RowWriter& writer, const JointSim& joint, const BallRows& ahe
         RowAim moving, resting;
         if (ball.features & BallRows::kSpring) {
             moving.push = resting.push = static_cast<float>(-h) * ball.springStiffness * ball.springError[k];
-            moving.upper = resting.upper = static_cast<float>(h) * ball.maxSpring;
+            moving.upper = resting.upper = static_cast<float>(h) * ball.spring.most;
             moving.lower = resting.lower = -moving.upper;
             moving.drag = ball.springDrag[0], resting.drag = ball.springDrag[1];
             writer.scalar(row, after(RowKind::ballSpring, k), 0, moving, resting, w, 0);
@@ -312,7 +312,7 @@ void addBall(const RowWriter& writer, const JointSim& joint, const BallRows& ahe
         if (ball.features & BallRows::kDrives) {
             const BallDrives& drives = joint.drives;
             moving.push = drives.push[0][k], resting.push = drives.push[1][k];
-            moving.upper = resting.upper = static_cast<float>(h) * ball.maxSpring;
+            moving.upper = resting.upper = static_cast<float>(h) * ball.spring.most;
             moving.lower = resting.lower = -moving.upper;
             moving.drag = drives.drag[0][k], resting.drag = drives.drag[1][k];
             writer.scalar(writer.angular(toDouble(columnOf(drives.basis, k))), after(RowKind::ballSpring, k), 0, moving,

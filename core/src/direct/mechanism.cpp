@@ -83,8 +83,8 @@ void Mechanism::begin() {
             places_[j].block = factor_.ordering().blockOf(joints_[j].a, joints_[j].b);
     ready_ = false;
     lastStep_ = 0;
-    iterations_ = factored_ = 0;
-    largestNeed_ = 0;
+    effort_.iterations = effort_.factorizations = 0;
+    effort_.largestNeed = 0;
 }
 
 void Mechanism::changeVelocity(std::size_t index, const DVec3& linear, const DVec3& angular) {
@@ -138,7 +138,7 @@ void Mechanism::updateLoads() {
     for (std::size_t i = 0; i < moving_; ++i) restImpulses_[i] = {};
     for (std::size_t j = 0; j < joints_.size(); ++j) {
         const MechanismJoint& joint = joints_[j];
-        const DVec3 force = (0.5 / pace_) * joint.force, torque = (0.5 / pace_) * joint.torque;
+        const DVec3 force = (0.5 / effort_.pace) * joint.force, torque = (0.5 / effort_.pace) * joint.torque;
         const auto push = [&](std::uint32_t body, const DVec3& anchor, double sign) {
             if (body >= moving_) return;
             const DVec3 arm = rotate(poses_[body].q, anchor);
@@ -221,8 +221,8 @@ void Mechanism::findLoads() {
     for (std::size_t i = 0; i < moving_; ++i) {
         const double* move = moveImpulses_[i].at;
         const double* rest = restImpulses_[i].at;
-        store((pace_ * bodies_[i].inverseMass) * (load(move) + load(rest)), velocities_[i].at);
-        store(static_cast<double>(pace_) * (inverseInertia_[i] * (load(move + 3) + load(rest + 3))),
+        store((effort_.pace * bodies_[i].inverseMass) * (load(move) + load(rest)), velocities_[i].at);
+        store(static_cast<double>(effort_.pace) * (inverseInertia_[i] * (load(move + 3) + load(rest + 3))),
               velocities_[i].at + 3);
     }
     for (std::size_t i = moving_; i < bodies_.size(); ++i) velocities_[i] = {};

@@ -63,11 +63,11 @@ public:
 
     /// Inner steps per substep: given before begin, more where that is needed. `need` is the most that any substep
     /// since has asked for.
-    void setPace(int innerSteps) { pace_ = innerSteps; }
-    int pace() const { return pace_; }
-    double largestNeed() const { return largestNeed_; }
-    int iterations() const { return iterations_; }    ///< solves since begin
-    int factorizations() const { return factored_; }  ///< since begin
+    void setPace(int innerSteps) { effort_.pace = innerSteps; }
+    int pace() const { return effort_.pace; }
+    double largestNeed() const { return effort_.largestNeed; }
+    int iterations() const { return effort_.iterations; }          ///< solves since begin
+    int factorizations() const { return effort_.factorizations; }  ///< since begin
 
 private:
     /// A scalar equation.
@@ -115,8 +115,11 @@ private:
     std::size_t moving_ = 0;
     double reach_ = 0;         ///< m, of the longest arm
     double fastestSwing_ = 0;  ///< rad/s, of a link across its tension, when the step began
-    double largestNeed_ = 0;
-    int pace_ = 1, iterations_ = 0, factored_ = 0;
+    struct Effort {
+        int pace = 1, iterations = 0, factorizations = 0;
+        double largestNeed = 0;
+    };
+    Effort effort_;
     bool ready_ = false;   ///< rows, factor and errors are those of the poses
     double lastStep_ = 0;  ///< s, that restImpulses_ belong to
     AlignedArray<MechanismBody> bodies_, startBodies_;

@@ -65,24 +65,24 @@ bool Mechanism::advance(double h, double closing) {
     const double wanted = need(h);
     const int most = mostInnerSteps();
     if (!(h * fastestTurn() <= most * kMostTurn)) return false;
-    if (wanted > largestNeed_) largestNeed_ = wanted;
-    while (pace_ < wanted && pace_ < most) pace_ *= 2;
+    if (wanted > effort_.largestNeed) effort_.largestNeed = wanted;
+    while (effort_.pace < wanted && effort_.pace < most) effort_.pace *= 2;
     for (std::size_t i = 0; i < moving_; ++i) startBodies_[i] = bodies_[i];
     for (std::size_t i = 0; i < poses_.size(); ++i) startPoses_[i] = poses_[i];
     const double before = energy();
-    for (;; pace_ *= 2) {
+    for (;; effort_.pace *= 2) {
         if (advanceBy(h, closing) && !gains(before, h)) return true;
-        if (pace_ >= most) return false;
+        if (effort_.pace >= most) return false;
         for (std::size_t i = 0; i < moving_; ++i) bodies_[i] = startBodies_[i];
         for (std::size_t i = 0; i < poses_.size(); ++i) poses_[i] = startPoses_[i];
         ready_ = false;
-        largestNeed_ = 2 * pace_;
+        effort_.largestNeed = 2 * effort_.pace;
     }
 }
 
 bool Mechanism::advanceBy(double h, double closing) {
-    for (int i = 0; i < pace_; ++i)
-        if (!step(h / pace_, closing)) return false;
+    for (int i = 0; i < effort_.pace; ++i)
+        if (!step(h / effort_.pace, closing)) return false;
     return std::isfinite(fastestTurn());
 }
 

@@ -136,7 +136,7 @@ bool Mechanism::refresh() {
         writeRows(j);
         addJoint(j);
     }
-    ++factored_;
+    ++effort_.factorizations;
     return factor_.factorize();
 }
 
@@ -159,7 +159,7 @@ void Mechanism::solveTargets() {
         }
     }
     factor_.solve(change_.data()->at);
-    ++iterations_;
+    ++effort_.iterations;
 }
 
 /// Gives the bodies what was solved for, and adds it to a sum of impulses.

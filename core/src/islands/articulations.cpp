@@ -1,19 +1,13 @@
 #include "islands/articulations.h"
 
+#include "base/union_find.h"
+
 namespace ragtop {
 
 namespace {
 
 constexpr std::uint32_t kMostBodies = 32;  ///< of a free tree
 constexpr float kMostUnequal = 16;         ///< ratio of the masses that a free tree's joint holds together
-
-std::uint32_t rootOf(AlignedArray<std::uint32_t>& parent, std::uint32_t body) {
-    while (parent[body] != body) {
-        parent[body] = parent[parent[body]];
-        body = parent[body];
-    }
-    return body;
-}
 
 /// Has neither body another joint, nor the joint a coupling?
 bool isIsolated(const ConstTables& t, std::uint32_t joint) {
@@ -43,11 +37,8 @@ void Articulations::find(const ConstTables& t, const DirectSet& direct) {
     for (const std::uint32_t body : t.bodies.awake) parent_[body] = t.bodies.states[body].locks != 0 ? 0 : body;
     const auto place = [&](std::uint32_t body) { return t.bodies.moves(body) ? rootOf(parent_, body) : 0u; };
     for (int c = 0; c < t.graph.listCount(); ++c)
-        for (const std::uint32_t joint : t.graph.color(c).joints) {
-            const std::uint32_t a = place(t.joints[joint].bodyA), b = place(t.joints[joint].bodyB);
-            // The lower index becomes the root, so that what does not move wins.
-            parent_[a < b ? b : a] = a < b ? a : b;
-        }
+        for (const std::uint32_t joint : t.graph.color(c).joints)
+            unite(parent_, place(t.joints[joint].bodyA), place(t.joints[joint].bodyB));  // what does not move wins
     for (const DirectIsland& island : direct.islands)
         if (island.leapfrog) parent_[place(direct.bodies[island.firstBody])] = 0;
     countJoints(t);

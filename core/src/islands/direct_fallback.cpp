@@ -24,7 +24,7 @@ void iterateIsland(const DirectView& d, const DirectIsland& island, DirectPass p
     const BodyArrays arrays = d.bodies.arrays();
     SolverContext all = d.context;
     all.normals = all.friction = true;
-    const auto substeps = static_cast<float>(d.bodies[direct.bodies[island.firstBody]].stepFactor);
+    const auto substeps = static_cast<float>(d.bodies[direct.bodies[island.firstBody]].direct.pace.stepFactor);
     JointContext own = d.jointContext;
     own.h *= substeps, own.inverseH /= substeps, own.softness.biasRate /= substeps;
     SingleBundle bundle(d.graph.lanes());

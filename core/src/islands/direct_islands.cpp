@@ -67,63 +67,79 @@ static void assignSystems(const DirectView& d) {
     }
 }
 
-void groupDirect(const DirectView& d) {
-    d.directSet.islands.clear();
-    d.directSet.seen.clear();
-    d.directSet.owner.clear();
-    d.directSet.bodies.clear();
-    d.directSet.manifolds.clear();
-    d.directSet.joints.clear();
-    d.directSet.trees.clear();
+/// Calls visit(bodyA, bodyB) for all constraints of the direct list.
+template <class Visit>
+static void forEachDirectPair(const DirectView& d, Visit&& visit) {
     const ConstraintGraph::Color& list = d.graph.color(ConstraintGraph::kDirect);
-    if (list.manifolds.empty() && list.joints.empty()) return;
-    d.islands.parent.resizeForOverwrite(d.bodies.size());
-    d.directSet.index.resizeForOverwrite(d.bodies.size());
-    const auto forEachPair = [&](auto&& visit) {
-        for (const std::uint32_t m : list.manifolds)
-            visit(d.contacts[d.manifolds[m].contact].bodyA, d.contacts[d.manifolds[m].contact].bodyB);
-        for (const std::uint32_t j : list.joints) visit(d.joints[j].bodyA, d.joints[j].bodyB);
-    };
-    forEachPair([&](std::uint32_t a, std::uint32_t b) {
-        for (const std::uint32_t body : {a, b}) d.islands.parent[body] = body, d.directSet.index[body] = kNone;
-    });
-    forEachPair([&](std::uint32_t a, std::uint32_t b) { d.islands.unite(d.bodies, a, b); });
-    // Counts first, then places: a root's directIndex is its island.
-    const auto islandOf = [&](std::uint32_t a, std::uint32_t b) {
-        return d.directSet.index[d.islands.root(d.bodies.moves(a) ? a : b)];
-    };
-    forEachPair([&](std::uint32_t a, std::uint32_t b) {
-        std::uint32_t& index = d.directSet.index[d.islands.root(d.bodies.moves(a) ? a : b)];
-        if (index != kNone) return;
-        index = static_cast<std::uint32_t>(d.directSet.islands.size());
-        d.directSet.islands.push({});
-    });
     for (const std::uint32_t m : list.manifolds)
-        ++d.directSet
-              .islands[islandOf(d.contacts[d.manifolds[m].contact].bodyA, d.contacts[d.manifolds[m].contact].bodyB)]
-              .contactCount;
-    for (const std::uint32_t j : list.joints)
-        ++d.directSet.islands[islandOf(d.joints[j].bodyA, d.joints[j].bodyB)].jointCount;
+        visit(d.contacts[d.manifolds[m].contact].bodyA, d.contacts[d.manifolds[m].contact].bodyB);
+    for (const std::uint32_t j : list.joints) visit(d.joints[j].bodyA, d.joints[j].bodyB);
+}
+
+/// The number of the island that a constraint of two bodies is in: that of the root of one that moves.
+static std::uint32_t& islandNumber(const DirectView& d, std::uint32_t a, std::uint32_t b) {
+    return d.directSet.index[d.islands.root(d.bodies.moves(a) ? a : b)];
+}
+
+static void numberDirectIslands(const DirectView& d) {
+    DirectSet& set = d.directSet;
+    d.islands.parent.resizeForOverwrite(d.bodies.size());
+    set.index.resizeForOverwrite(d.bodies.size());
+    forEachDirectPair(d, [&](std::uint32_t a, std::uint32_t b) {
+        for (const std::uint32_t body : {a, b}) d.islands.parent[body] = body, set.index[body] = kNone;
+    });
+    forEachDirectPair(d, [&](std::uint32_t a, std::uint32_t b) { d.islands.unite(d.bodies, a, b); });
+    forEachDirectPair(d, [&](std::uint32_t a, std::uint32_t b) {
+        std::uint32_t& number = islandNumber(d, a, b);
+        if (number != kNone) return;
+        number = static_cast<std::uint32_t>(set.islands.size());
+        set.islands.push({});
+    });
+}
+
+/// Counts first, then places.
+static void listDirectConstraints(const DirectView& d) {
+    DirectSet& set = d.directSet;
+    const ConstraintGraph::Color& list = d.graph.color(ConstraintGraph::kDirect);
+    const auto islandOfContact = [&](std::uint32_t m) -> DirectIsland& {
+        const ContactRecord& contact = d.contacts[d.manifolds[m].contact];
+        return set.islands[islandNumber(d, contact.bodyA, contact.bodyB)];
+    };
+    const auto islandOfJoint = [&](std::uint32_t j) -> DirectIsland& {
+        return set.islands[islandNumber(d, d.joints[j].bodyA, d.joints[j].bodyB)];
+    };
+    for (const std::uint32_t m : list.manifolds) ++islandOfContact(m).contactCount;
+    for (const std::uint32_t j : list.joints) ++islandOfJoint(j).jointCount;
     std::uint32_t contactsBefore = 0, jointsBefore = 0;
-    for (DirectIsland& island : d.directSet.islands) {
+    for (DirectIsland& island : set.islands) {
         island.firstContact = contactsBefore, island.firstJoint = jointsBefore;
         contactsBefore += island.contactCount, jointsBefore += island.jointCount;
         island.contactCount = island.jointCount = 0;
     }
-    d.directSet.owner.resizeForOverwrite(list.manifolds.size());
-    d.directSet.manifolds.resizeForOverwrite(contactsBefore);
-    d.directSet.joints.resizeForOverwrite(jointsBefore);
+    set.owner.resizeForOverwrite(list.manifolds.size());
+    set.manifolds.resizeForOverwrite(contactsBefore);
+    set.joints.resizeForOverwrite(jointsBefore);
     for (const std::uint32_t m : list.manifolds) {
-        DirectIsland& island =
-            d.directSet
-                .islands[islandOf(d.contacts[d.manifolds[m].contact].bodyA, d.contacts[d.manifolds[m].contact].bodyB)];
-        d.directSet.manifolds[island.firstContact + island.contactCount++] = m;
-        d.directSet.owner[d.manifolds[m].place.slot] = static_cast<std::uint32_t>(&island - d.directSet.islands.data());
+        DirectIsland& island = islandOfContact(m);
+        set.manifolds[island.firstContact + island.contactCount++] = m;
+        set.owner[d.manifolds[m].place.slot] = static_cast<std::uint32_t>(&island - set.islands.data());
     }
     for (const std::uint32_t j : list.joints) {
-        DirectIsland& island = d.directSet.islands[islandOf(d.joints[j].bodyA, d.joints[j].bodyB)];
-        d.directSet.joints[island.firstJoint + island.jointCount++] = j;
+        DirectIsland& island = islandOfJoint(j);
+        set.joints[island.firstJoint + island.jointCount++] = j;
     }
+}
+
+void groupDirect(const DirectView& d) {
+    DirectSet& set = d.directSet;
+    set.islands.clear();
+    set.seen.clear();
+    for (AlignedArray<std::uint32_t>* list : {&set.owner, &set.bodies, &set.manifolds, &set.joints}) list->clear();
+    set.trees.clear();
+    const ConstraintGraph::Color& list = d.graph.color(ConstraintGraph::kDirect);
+    if (list.manifolds.empty() && list.joints.empty()) return;
+    numberDirectIslands(d);
+    listDirectConstraints(d);
     numberDirectBodies(d);
     planChains(d);
     planMechanisms(d);
@@ -297,16 +313,16 @@ static void startCooldown(const DirectView& d, const DirectIsland& island, bool 
     d.directSet.failures += failed;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
         BodyRecord& body = d.bodies[d.directSet.bodies[island.firstBody + i]];
-        if (rests) body.directFailures = 0;
-        if (costly) body.directSteps -= direct::kFactorSteps;
-        if (!failed && body.directSteps > 0) continue;
+        if (rests) body.direct.failures = 0;
+        if (costly) body.direct.steps -= direct::kFactorSteps;
+        if (!failed && body.direct.steps > 0) continue;
         if (island.mechanism) {  // Newton's method is next
-            body.directFailures = 1;
+            body.direct.failures = 1;
             d.islands.graphChanged = d.islands.directChanged = true;
             continue;
         }
-        body.directSteps = -(direct::kCooldownSteps << body.directFailures);
-        if (body.directFailures < direct::kMostDoublings) ++body.directFailures;
+        body.direct.steps = -(direct::kCooldownSteps << body.direct.failures);
+        if (body.direct.failures < direct::kMostDoublings) ++body.direct.failures;
         d.islands.graphChanged = d.islands.directChanged = true;
     }
 }
@@ -325,7 +341,7 @@ void endDirect(const DirectView& d) {
     if (d.directSet.islands.size() > d.directSet.ledger.capacity())
         d.directSet.ledger.reserve(2 * d.directSet.islands.size() + 8);
     for (const DirectIsland& island : d.directSet.islands)
-        d.directSet.ledger.push_back({direct::nameOf(d.bodies[d.directSet.bodies[island.firstBody]].directReason),
+        d.directSet.ledger.push_back({direct::nameOf(d.bodies[d.directSet.bodies[island.firstBody]].direct.reason),
                                       static_cast<int>(island.bodyCount), static_cast<int>(island.contactCount),
                                       static_cast<int>(island.jointCount), island.report.iterations,
                                       island.report.factorizations, island.report.residual, island.ms,

@@ -30,7 +30,7 @@ static bool keepsOwnTime(const DirectView& d, const DirectIsland& island) {
     if (island.tree || island.contactCount > 0 || island.jointCount == 0) return false;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
         const std::uint32_t body = d.directSet.bodies[island.firstBody + i];
-        if (!turnsFreely(d.bodies, body) || d.bodies[body].directFailures > 0) return false;
+        if (!turnsFreely(d.bodies, body) || d.bodies[body].direct.failures > 0) return false;
     }
     for (std::uint32_t i = 0; i < island.jointCount; ++i)
         if (!isTreeJoint(d.joints.sims[d.directSet.joints[island.firstJoint + i]])) return false;
@@ -63,8 +63,8 @@ static void loadMechanismBody(const DirectView& d, std::uint32_t index, Mechanis
     body.inverseMass = static_cast<double>(state.invMass);
     body.moments = DVec3(dynamics.inertia), body.inverseMoments = DVec3(dynamics.inverseInertia);
     body.acceleration = DVec3(dynamics.acceleration), body.torque = DVec3(dynamics.torque);
-    body.damping = static_cast<double>(record.linearDamping);
-    body.turnDamping = static_cast<double>(record.angularDamping);
+    body.damping = static_cast<double>(record.motion.linearDamping);
+    body.turnDamping = static_cast<double>(record.motion.angularDamping);
     body.momentum = direct::inWorld(pose.q, body.moments) * body.w;
 }
 
@@ -103,7 +103,7 @@ void beginMechanism(const DirectView& d, const DirectIsland& island, Mechanism& 
     }
     int pace = 1;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i)
-        pace = std::max(pace, static_cast<int>(d.bodies[members[i]].pace.inner));
+        pace = std::max(pace, static_cast<int>(d.bodies[members[i]].direct.pace.inner));
     mechanism.setPace(pace);
     mechanism.begin();
 }
@@ -113,12 +113,12 @@ void keepPace(const DirectView& d, const DirectIsland& island, const Mechanism& 
     int pace = mechanism.pace();
     const bool calm = pace > 1 && mechanism.largestNeed() <= 0.5 * pace;
     const BodyRecord& first = d.bodies[d.directSet.bodies[island.firstBody]];
-    std::uint8_t steps = calm ? static_cast<std::uint8_t>(first.pace.calm + 1) : std::uint8_t{0};
+    std::uint8_t steps = calm ? static_cast<std::uint8_t>(first.direct.pace.calm + 1) : std::uint8_t{0};
     if (steps >= kHysteresisSteps) pace /= 2, steps = 0;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
         BodyRecord& body = d.bodies[d.directSet.bodies[island.firstBody + i]];
-        body.pace.inner = static_cast<std::uint8_t>(pace);
-        body.pace.calm = steps;
+        body.direct.pace.inner = static_cast<std::uint8_t>(pace);
+        body.direct.pace.calm = steps;
     }
 }
 

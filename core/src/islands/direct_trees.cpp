@@ -253,18 +253,19 @@ void solveChains(const DirectView& d, DirectPass pass) {
 void recordGaps(const DirectView& d, const DirectIsland& island) {
     constexpr std::uint8_t kHysteresisSteps = 16;  // a quarter of a second at 60 Hz
     const BodyRecord& first = d.bodies[d.directSet.bodies[island.firstBody]];
-    int stepFactor = first.allowedFactor, calm = island.notClosed ? 0 : first.pace.calm;
+    int stepFactor = first.direct.pace.allowedFactor, calm = island.notClosed ? 0 : first.direct.pace.calm;
     if (island.open || island.fellBack) {
         stepFactor = std::max(stepFactor / 2, 1);
     } else if (!island.notClosed && ++calm >= kHysteresisSteps) {
         stepFactor = std::min(2 * stepFactor, direct::TreePlan::kLongestFactor);
         calm = 0;
     }
-    if (island.fellBack) rescaleJoints(d.joints, d.directSet, island, 1 / static_cast<float>(first.stepFactor));
+    if (island.fellBack)
+        rescaleJoints(d.joints, d.directSet, island, 1 / static_cast<float>(first.direct.pace.stepFactor));
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
         const std::uint32_t body = d.directSet.bodies[island.firstBody + i];
-        d.bodies[body].allowedFactor = static_cast<std::uint8_t>(stepFactor) & 7u;
-        d.bodies[body].pace.calm = static_cast<std::uint8_t>(calm);
+        d.bodies[body].direct.pace.allowedFactor = static_cast<std::uint8_t>(stepFactor) & 7u;
+        d.bodies[body].direct.pace.calm = static_cast<std::uint8_t>(calm);
     }
 }
 

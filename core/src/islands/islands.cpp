@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "base/economy.h"
+#include "base/union_find.h"
 
 namespace ragtop {
 
@@ -11,22 +12,11 @@ void Islands::begin(const Bodies& bodies) {
     for (const std::uint32_t body : bodies.awake) parent[body] = body;
 }
 
-std::uint32_t Islands::root(std::uint32_t body) {
-    while (parent[body] != body) {
-        parent[body] = parent[parent[body]];
-        body = parent[body];
-    }
-    return body;
-}
+std::uint32_t Islands::root(std::uint32_t body) { return rootOf(parent, body); }
 
 void Islands::unite(const Bodies& bodies, std::uint32_t a, std::uint32_t b) {
     if (!bodies.moves(a) || !bodies.moves(b)) return;
-    const std::uint32_t rootA = root(a), rootB = root(b);
-    if (rootA == rootB) return;
-    if (rootA < rootB)
-        parent[rootB] = rootA;
-    else
-        parent[rootA] = rootB;
+    ragtop::unite(parent, a, b);
 }
 
 static void uniteAll(const Bodies& bodies, Islands& islands) {

@@ -110,6 +110,44 @@ bool isMechanism(direct::Reason reason) { return reason == direct::Reason::tree 
 /// Reasons that no choice outlives.
 bool onlyWhile(direct::Reason reason) { return reason == direct::Reason::deep || isMechanism(reason); }
 
+/// What a support edge says of its island.
+void measureEdge(const MeasureView& v, const SupportEdge& edge, const Vec3& up) {
+    LoadPaths& paths = v.islands.paths;
+    const bool movesA = edge.movesA, movesB = edge.movesB;
+    direct::IslandFeatures& island = v.islands.featuresOf(movesA ? edge.a : edge.b);
+    island.pairs += movesA && movesB;
+    const bool aBears = paths.aBears(edge), bBears = paths.bBears(edge);
+    if (!edge.joint) {
+        const GraphPlace place = v.tables.manifolds[edge.constraint].place;
+        const float* lane = v.tables.graph.lane(place);
+        for (const int field : {contact::kRolling, contact::kSpinning, contact::kCross})
+            island.rolls |= lane[field * v.tables.graph.lanes()] != 0;
+        const Vec3 normal = rotate(v.bodies[edge.a].rotation, v.tables.manifolds[edge.constraint].normal);
+        const float cosine = dot(normal, up);
+        const bool upright = cosine > kLevel || cosine < -kLevel;
+        if (upright && standsOn(v, edge.constraint)) paths.heldLevel[cosine > 0 ? edge.b : edge.a] = 1;
+    } else {
+        ++island.joints;
+        island.bare &= isTreeJoint(v.tables.joints.sims[edge.constraint]);
+        const JointSim& joint = v.tables.joints.sims[edge.constraint];
+        island.stiffness =
+            std::max(island.stiffness, stiffnessOf(joint, v.bodies.states.data(), v.bodies.inertias.data(), v.h));
+        paths.heldLevel[edge.a] = paths.heldLevel[edge.b] = 1;
+        island.hangs |= !movesA || !movesB;
+    }
+    if (!aBears && !bBears) return;
+    const std::uint32_t upper = aBears ? edge.b : edge.a;
+    const float load = paths.shareOf(v.bodies, upper);
+    const float massA = movesA ? v.bodies[edge.a].mass : v.bodies[edge.b].mass;
+    const float massB = movesB ? v.bodies[edge.b].mass : massA;
+    const float lighter = std::min(massA, massB), number = load / lighter;
+    float& largest = edge.joint ? island.jointLoad : island.contactLoad;
+    largest = std::max(largest, number);
+    island.hung += edge.joint && number > direct::kHung && hangsFrom(v, upper, aBears ? edge.a : edge.b, up);
+    island.massRatio = std::max(island.massRatio, std::max(massA, massB) / lighter);
+    if (!edge.joint) island.buckling = std::max(island.buckling, bucklingShare(v, edge, load, number));
+}
+
 }  // namespace
 
 bool isUntouched(const Bodies& bodies, std::uint32_t body) {
@@ -117,54 +155,9 @@ bool isUntouched(const Bodies& bodies, std::uint32_t body) {
     return state.v == Vec3{} && state.w == Vec3{};
 }
 
-void measureIslands(const MeasureView& v) {
-    beginMeasuring(v);
+/// What the bodies that move say of their islands.
+static void measureBodies(const MeasureView& v, float gravity) {
     LoadPaths& paths = v.islands.paths;
-    paths.collect(v.tables);
-    paths.findDepths(v.bodies);
-    paths.estimate(v.bodies, length(v.settings.gravity), true);
-    paths.heldLevel.resizeForOverwrite(v.bodies.size());
-    for (const std::uint32_t body : v.bodies.awake) paths.heldLevel[body] = 0;
-
-    const float gravity = length(v.settings.gravity);
-    const Vec3 up = gravity > 0 ? (-1 / gravity) * v.settings.gravity : Vec3{};
-    for (std::size_t i = 0; i < paths.edges.size(); ++i) {
-        prefetchSupportEdge(v, i);
-        const SupportEdge& edge = paths.edges[i];
-        const bool movesA = edge.movesA, movesB = edge.movesB;
-        direct::IslandFeatures& island = v.islands.featuresOf(movesA ? edge.a : edge.b);
-        island.pairs += movesA && movesB;
-        const bool aBears = paths.aBears(edge), bBears = paths.bBears(edge);
-        if (!edge.joint) {
-            const GraphPlace place = v.tables.manifolds[edge.constraint].place;
-            const float* lane = v.tables.graph.lane(place);
-            for (const int field : {contact::kRolling, contact::kSpinning, contact::kCross})
-                island.rolls |= lane[field * v.tables.graph.lanes()] != 0;
-            const Vec3 normal = rotate(v.bodies[edge.a].rotation, v.tables.manifolds[edge.constraint].normal);
-            const float cosine = dot(normal, up);
-            const bool upright = cosine > kLevel || cosine < -kLevel;
-            if (upright && standsOn(v, edge.constraint)) paths.heldLevel[cosine > 0 ? edge.b : edge.a] = 1;
-        } else {
-            ++island.joints;
-            island.bare &= isTreeJoint(v.tables.joints.sims[edge.constraint]);
-            const JointSim& joint = v.tables.joints.sims[edge.constraint];
-            island.stiffness =
-                std::max(island.stiffness, stiffnessOf(joint, v.bodies.states.data(), v.bodies.inertias.data(), v.h));
-            paths.heldLevel[edge.a] = paths.heldLevel[edge.b] = 1;
-            island.hangs |= !movesA || !movesB;
-        }
-        if (!aBears && !bBears) continue;
-        const std::uint32_t upper = aBears ? edge.b : edge.a;
-        const float load = paths.shareOf(v.bodies, upper);
-        const float massA = movesA ? v.bodies[edge.a].mass : v.bodies[edge.b].mass;
-        const float massB = movesB ? v.bodies[edge.b].mass : massA;
-        const float lighter = std::min(massA, massB), number = load / lighter;
-        float& largest = edge.joint ? island.jointLoad : island.contactLoad;
-        largest = std::max(largest, number);
-        island.hung += edge.joint && number > direct::kHung && hangsFrom(v, upper, aBears ? edge.a : edge.b, up);
-        island.massRatio = std::max(island.massRatio, std::max(massA, massB) / lighter);
-        if (!edge.joint) island.buckling = std::max(island.buckling, bucklingShare(v, edge, load, number));
-    }
     for (const std::uint32_t body : v.bodies.awake) {
         if (!v.bodies.moves(body)) continue;
         direct::IslandFeatures& island = v.islands.featuresOf(body);
@@ -192,6 +185,23 @@ void measureIslands(const MeasureView& v) {
         direct::IslandFeatures& island = v.islands.featuresOf(body);
         if (island.joints > 0 && !island.touches) island.touches = isInContact(v, body);
     }
+}
+
+void measureIslands(const MeasureView& v) {
+    beginMeasuring(v);
+    LoadPaths& paths = v.islands.paths;
+    paths.collect(v.tables);
+    paths.findDepths(v.bodies);
+    const float gravity = length(v.settings.gravity);
+    paths.estimate(v.bodies, gravity, true);
+    paths.heldLevel.resizeForOverwrite(v.bodies.size());
+    for (const std::uint32_t body : v.bodies.awake) paths.heldLevel[body] = 0;
+    const Vec3 up = gravity > 0 ? (-1 / gravity) * v.settings.gravity : Vec3{};
+    for (std::size_t i = 0; i < paths.edges.size(); ++i) {
+        prefetchSupportEdge(v, i);
+        measureEdge(v, paths.edges[i], up);
+    }
+    measureBodies(v, gravity);
     forEachCoupledPair(v.tables, [&](std::uint32_t, std::uint32_t body) { v.islands.featuresOf(body).coupled = true; });
 }
 
@@ -199,9 +209,9 @@ bool decideIslands(const MeasureView& v, std::int32_t elapsed) {
     for (const std::uint32_t body : v.bodies.awake) {
         if (!v.bodies.moves(body)) continue;
         direct::IslandFeatures& island = v.islands.featuresOf(body);
-        const std::int32_t steps = v.bodies[body].directSteps;
+        const std::int32_t steps = v.bodies[body].direct.steps;
         island.direct |= steps > 0;
-        if (steps > 0) island.last = v.bodies[body].directReason;
+        if (steps > 0) island.last = v.bodies[body].direct.reason;
         island.staying = std::max(island.staying, steps);
         island.cooldown = std::min(island.cooldown, steps);
     }
@@ -235,8 +245,8 @@ bool decideIslands(const MeasureView& v, std::int32_t elapsed) {
     for (const std::uint32_t body : v.bodies.awake) {
         if (!v.bodies.moves(body)) continue;
         const direct::IslandFeatures& island = v.islands.featuresOf(body);
-        v.bodies[body].directSteps = island.staying;
-        v.bodies[body].directReason = island.reason;
+        v.bodies[body].direct.steps = island.staying;
+        v.bodies[body].direct.reason = island.reason;
     }
     return waiting;
 }

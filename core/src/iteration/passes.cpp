@@ -123,7 +123,7 @@ void addPushes(Bodies& bodies, const Vec3& gravity, float h, float share) {
     for (const std::uint32_t index : bodies.awake) {
         if (!bodies.moves(index) || bodies.states[index].locks != 0) continue;
         const BodyDynamics& d = bodies.dynamics[index];
-        const Vec3 push = d.acceleration - bodies[index].gravityScale * gravity;
+        const Vec3 push = d.acceleration - bodies[index].motion.gravityScale * gravity;
         if (push != Vec3{}) bodies.states[index].v += share * h * d.linearDecay * push;
         if (d.torque != Vec3{})
             bodies.states[index].w += share * h * d.angularDecay * (bodies.inertias[index] * d.torque);

@@ -46,15 +46,15 @@ public:
     bool isUsed(std::uint32_t body) const { return slots.isUsed(body); }
     /// Do forces and impulses move it?
     bool moves(std::uint32_t body) const { return records_[body].type == BodyType::dynamic && records_[body].mass > 0; }
-    bool isEnabled(std::uint32_t body) const { return records_[body].heldBack == 0; }
+    bool isEnabled(std::uint32_t body) const { return records_[body].options.heldBack == 0; }
     /// Also of a body that is disabled.
     BodyType typeOf(std::uint32_t body) const {
         const BodyRecord& record = records_[body];
-        return record.heldBack == 0 ? record.type : static_cast<BodyType>(record.heldBack - 1);
+        return record.options.heldBack == 0 ? record.type : static_cast<BodyType>(record.options.heldBack - 1);
     }
     bool isAwake(std::uint32_t body) const { return records_[body].awakeIndex != kNone; }
     /// Is its island solved directly?
-    bool isDirect(std::uint32_t body) const { return records_[body].directSteps > 0; }
+    bool isDirect(std::uint32_t body) const { return records_[body].direct.steps > 0; }
 
     void addAwake(std::uint32_t body);
     void removeAwake(std::uint32_t body);

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "constraints/constraint_graph.h"
-#include "direct/choice.h"
+#include "model/body_record.h"
 #include "narrowphase/manifold.h"
 #include "ragtop/body.h"
 #include "ragtop/coupling.h"
@@ -15,45 +15,6 @@
 /// What a world keeps of each object, apart from what the solver streams through. All plain data, linked by indices, so
 /// that a saved world is a copy of memory.
 namespace ragtop {
-
-/// A body's internal frame is that of its principal axes at its centre of mass.
-struct alignas(64) BodyRecord {
-    // One cache line of what pairs of bodies are looked at by.
-    DVec3 center;             ///< m, centre of mass in the world
-    double travel = 0;        ///< m, that no point of its shapes' cores has gone farther in steps
-    Quat rotation;            ///< principal axes to world
-    float coreRadius = 0;     ///< m, of the ball about the centre that holds the cores of its shapes
-    float ahead = 0;          ///< m, the same of the coming step, going on as it does
-    std::uint32_t state = 0;  ///< index into the solver's arrays; 0 for fixed bodies
-    BodyType type = BodyType::dynamic;
-    bool refitted = false;        ///< at the end of the last step: some shape left its bounds
-    bool hasNewVelocity = false;  ///< was given a velocity since, which its bounds do not count
-    bool frozen = false;          ///< on what does not move, and is left out of the solver
-
-    Frame local;         ///< internal frame in the frame of the definition
-    Vec3 inertia;        ///< kg m², principal moments
-    float mass = 0;      ///< kg
-    Vec3 force, torque;  ///< N, N m, for the next step
-    float linearDamping = 0, angularDamping = 0, gravityScale = 1;
-    float radius = 0;                  ///< m, of the ball about the centre that holds its shapes
-    float size = 0;                    ///< m, smallest size of its shapes
-    float room = 0;                    ///< m, how far its shape can go before it leaves its bounds, at least
-    float sleepTimer = 0;              ///< s
-    std::int32_t directSteps = 0;      ///< steps for which its island stays direct; negative: for which it may not be
-    std::uint32_t awakeIndex = kNone;  ///< place in the list of awake bodies
-    std::uint32_t firstShape = kNone, firstContact = kNone, firstJoint = kNone;  ///< contact and joint: edge keys
-    bool allowSleep : 1 = true, continuous : 1 = true, bullet : 1 = false;
-    std::uint8_t stillSteps : 5 = 0;  ///< for which it was too slow to tell from what rests
-    AxisLocks locks;
-    direct::Reason directReason = direct::Reason::none;
-    std::uint8_t directFailures = 0;     ///< direct solves of its island that failed since one came to rest
-    direct::SubstepPace pace;
-    std::uint8_t stepFactor : 3 = 1;     ///< substeps that it took at once last, as part of a tree: 1, 2 or 4
-    std::uint8_t allowedFactor : 3 = 1;  ///< the same, as far as its joints' gaps tell
-    /// 0: takes part. Else it is disabled, fixed and without proxies for the time, and has the type of one less.
-    std::uint8_t heldBack : 2 = 0;
-};
-static_assert(sizeof(BodyRecord) == 192);
 
 struct alignas(64) ShapeRecord {
     Frame frame;  ///< in the body's internal frame

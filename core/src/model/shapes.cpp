@@ -57,7 +57,7 @@ void reach(BodyRecord& body, const ShapeRecord& shape, const GeometryEntry& geom
     const float radius = radiusAbout(geometry.shape, inverseTransformPoint(shape.frame, {}));
     const float core = radius - geometry.convex.radius;
     if (radius > body.radius) body.radius = radius;
-    if (core > body.coreRadius) body.coreRadius = core;
+    if (core > body.travel.coreRadius) body.travel.coreRadius = core;
 }
 
 }  // namespace ragtop

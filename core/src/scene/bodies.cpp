@@ -57,7 +57,7 @@ void Scene::changeMass(std::uint32_t index, const MassProperties& mass) const {
     body.center = internal.position;
     body.rotation = normalized(internal.rotation);
     body.radius = body.firstShape == kNone ? radiusOfGyration(body) : 0.0f;
-    body.coreRadius = 0;
+    body.travel.coreRadius = 0;
     for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
         ShapeRecord& shape = shapes[s];
         shape.frame = move * shape.frame;
@@ -116,12 +116,12 @@ std::uint32_t Scene::createBody(const BodyDef& def) const {
     const std::uint32_t index = bodies.acquire();
     BodyRecord& body = bodies[index];
     body.type = def.type;
-    body.linearDamping = def.linearDamping;
-    body.angularDamping = def.angularDamping;
-    body.gravityScale = def.gravityScale;
-    body.allowSleep = def.allowSleep;
-    body.continuous = def.continuous;
-    body.bullet = def.bullet;
+    body.motion.linearDamping = def.linearDamping;
+    body.motion.angularDamping = def.angularDamping;
+    body.motion.gravityScale = def.gravityScale;
+    body.options.allowSleep = def.allowSleep;
+    body.options.continuous = def.continuous;
+    body.options.bullet = def.bullet;
     body.locks = def.locks;
     bodies.userData[index] = def.userData;
     body.state = def.type == BodyType::fixed ? 0 : index;
@@ -142,7 +142,7 @@ std::uint32_t Scene::createBody(const BodyDef& def) const {
         addShape(index, *flat[i].def, flat[i].frame, *flat[i].geometry, toInternal);
     if (def.type == BodyType::dynamic) becomeSolid(index);
     if (flat.empty()) {
-        body.size = body.coreRadius = 0;
+        body.size = body.travel.coreRadius = 0;
         body.radius = radiusOfGyration(body);
     }
     resetSolverState(index);
@@ -282,7 +282,7 @@ void Scene::moveShape(std::uint32_t index, const Frame& frame) const {
                          2 * length(Vec3{turn.x, turn.y, turn.z}) * radiusAbout(geometry.shape, {});
     shape.frame = frame;
     reach(body, shape, geometry);
-    body.travel += static_cast<double>(travel);
+    body.travel.done += static_cast<double>(travel);
     forgetGaps(shape.body);
     refit(*this, index);
 }

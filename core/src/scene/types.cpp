@@ -91,14 +91,13 @@ void Scene::takePart(std::uint32_t index, BodyType type, bool enabled) const {
     for (std::uint32_t key = body.firstJoint; key != kNone; key = joints.next(key))
         held.push_back(mayHold(bodies, joints[key >> 1]));
     withdraw(index);
-    body.heldBack = (enabled ? 0u : 1u + static_cast<unsigned>(type)) & 3u;
+    body.options.heldBack = (enabled ? 0u : 1u + static_cast<unsigned>(type)) & 3u;
     body.type = enabled ? type : BodyType::fixed;
     body.state = body.type == BodyType::fixed ? 0 : index;
     body.force = body.torque = {};
     body.sleepTimer = 0;
-    body.directSteps = 0;
-    body.stepFactor = body.allowedFactor = 1;
-    body.pace = {};
+    body.direct.steps = 0;
+    body.direct.pace = {};
     body.stillSteps = 0;
     if (type == BodyType::fixed) bodies.states[index].v = bodies.states[index].w = {};
     auto was = held.begin();

@@ -4,13 +4,7 @@
 
 namespace ragtop {
 
-extern const KernelTable kKernelsBaseline4;
-#if defined(RAGTOP_X86_KERNELS)
-extern const KernelTable kKernelsAvx28;
-extern const KernelTable kKernelsAvx216;
-extern const KernelTable kKernelsAvx5128;
-extern const KernelTable kKernelsAvx51216;
-#endif
+RAGTOP_SELECT_KERNELS(KernelTable, selectKernels, kKernels)
 
 namespace {
 
@@ -31,29 +25,15 @@ Instructions usableInstructions() { return std::min(widestHere(), widestAllowed)
 
 void limitInstructions(Instructions most) { widestAllowed = most; }
 
-KernelSet selectKernelSet(int lanes) {
+KernelSet selectKernelSet([[maybe_unused]] int lanes) {
 #if defined(RAGTOP_X86_KERNELS)
     const Instructions usable = usableInstructions();
     if (lanes == 0) lanes = usable == Instructions::avx512 ? 16 : usable == Instructions::avx2 ? 8 : 4;
     if (usable == Instructions::avx512 && lanes > 4)
         return lanes == 16 ? KernelSet::avx512Lanes16 : KernelSet::avx512Lanes8;
-    if (usable == Instructions::avx2 && lanes > 4)
-        return lanes == 16 ? KernelSet::avx2Lanes16 : KernelSet::avx2Lanes8;
+    if (usable == Instructions::avx2 && lanes > 4) return lanes == 16 ? KernelSet::avx2Lanes16 : KernelSet::avx2Lanes8;
 #endif
     return KernelSet::baseline4;
-}
-
-const KernelTable& selectKernels(int lanes) {
-    static constexpr KernelTables<KernelTable> kTables = {
-        &kKernelsBaseline4,
-#if defined(RAGTOP_X86_KERNELS)
-        &kKernelsAvx28,
-        &kKernelsAvx216,
-        &kKernelsAvx5128,
-        &kKernelsAvx51216,
-#endif
-    };
-    return selectTable<KernelTable>(kTables, lanes);
 }
 
 }  // namespace ragtop

@@ -11,27 +11,27 @@ namespace ragtop {
 
 /// What a body needs to be integrated, beside its state. Rows of eight floats, gathered by transposes.
 struct alignas(64) BodyDynamics {
-    Vec3 inertia;             ///< kg m², principal moments; 1 where rotation is kinematic or locked
-    float linearDecay = 1;    ///< 1 / (1 + h · damping)
-    Vec3 inverseInertia;      ///< 1/(kg m²), principal; 1 where rotation is kinematic or locked
+    Vec3 inertia;           ///< kg m², principal moments; 1 where rotation is kinematic or locked
+    float linearDecay = 1;  ///< 1 / (1 + h · damping)
+    Vec3 inverseInertia;    ///< 1/(kg m²), principal; 1 where rotation is kinematic or locked
     float angularDecay = 1;
-    Vec3 acceleration;        ///< m/s², gravity and forces, of this step
-    float spins = 1;          ///< 1: rotates by its momentum; 0: keeps its angular velocity (kinematic, locked)
-    Vec3 torque;              ///< N m of this step
-    float translates = 1;     ///< 1: smooth accelerations correct the position; 0 for kinematic and jointed bodies
+    Vec3 acceleration;     ///< m/s², gravity and forces, of this step
+    float spins = 1;       ///< 1: rotates by its momentum; 0: keeps its angular velocity (kinematic, locked)
+    Vec3 torque;           ///< N m of this step
+    float translates = 1;  ///< 1: smooth accelerations correct the position; 0 for kinematic and jointed bodies
 };
 static_assert(sizeof(BodyDynamics) == 64);
 
 /// What a body remembers within and between substeps. The momentum belongs to the angular velocity `turning`; what the
 /// velocity has changed since then is added to it, so that a body on which no torque acts keeps it to the bit.
 struct alignas(64) BodyHistory {
-    Vec3 velocityBefore;      ///< m/s at the beginning of the substep
-    float turningX = 0;       ///< rad/s, angular velocity at the end of the last substep
-    Vec3 lastChange;          ///< m/s, change of velocity over the substep before; of links of trees, between steps, what
-                              ///< single precision leaves out of their velocity (direct/tree_kernels.inl)
+    Vec3 velocityBefore;  ///< m/s at the beginning of the substep
+    float turningX = 0;   ///< rad/s, angular velocity at the end of the last substep
+    Vec3 lastChange;      ///< m/s, change of velocity over the substep before; of links of trees, between steps, what
+                          ///< single precision leaves out of their velocity (direct/tree_kernels.inl)
     float turningY = 0;
-    Quat rotation;            ///< principal axes to world, at the beginning of the step
-    Vec3 momentum;            ///< kg m²/s about the centre of mass, world axes; zero where `spins` is
+    Quat rotation;  ///< principal axes to world, at the beginning of the step
+    Vec3 momentum;  ///< kg m²/s about the centre of mass, world axes; zero where `spins` is
     float turningZ = 0;
 };
 static_assert(sizeof(BodyHistory) == 64);
@@ -58,11 +58,11 @@ struct SolverContext {
     bool firstSubstep = false, lastSubstep = false;
     bool normals = true, friction = true;  ///< the rows that a pass solves
     bool settling = false;                 ///< it finds loads, and moves no body
-    bool farContacts = false;  ///< more than a cache holds: passes ask for their memory beforehand
+    bool farContacts = false;              ///< more than a cache holds: passes ask for their memory beforehand
 };
 
-/// Instruction sets and lane counts that kernels are built for, in the order of each list of tables. Sixteen lanes of AVX2
-/// are for tests: they show processors without AVX-512 what those with it do.
+/// Instruction sets and lane counts that kernels are built for, in the order of each list of tables. Sixteen lanes of
+/// AVX2 are for tests: they show processors without AVX-512 what those with it do.
 enum class KernelSet {
     baseline4,
 #if defined(RAGTOP_X86_KERNELS)
@@ -71,7 +71,6 @@ enum class KernelSet {
     avx512Lanes8,
     avx512Lanes16,
 #endif
-    count
 };
 
 /// What kernels are compiled for, narrowest first.
@@ -84,26 +83,35 @@ Instructions usableInstructions();
 /// another thread makes a world.
 void limitInstructions(Instructions most);
 
-/// The fastest set of `lanes` (4, 8, 16) lanes that may be used here, or for 0 lanes the fastest of all. Four lanes where
-/// there are only the baseline's instructions.
+/// The fastest set of `lanes` (4, 8, 16) lanes that may be used here, or for 0 lanes the fastest of all. Four lanes
+/// where there are only the baseline's instructions.
 KernelSet selectKernelSet(int lanes);
 
-/// A table for each set.
-template <class Table>
-using KernelTables = const Table* const[static_cast<std::size_t>(KernelSet::count)];
-
-template <class Table>
-const Table& selectTable(const KernelTables<Table>& tables, int lanes) {
-    return *tables[static_cast<std::size_t>(selectKernelSet(lanes))];
-}
+/// Defines Table select(lanes), that of selectKernelSet among the tables which the files of instruction sets define:
+/// name##Baseline4 and so on, in the order of KernelSet.
+#if defined(RAGTOP_X86_KERNELS)
+#define RAGTOP_SELECT_KERNELS(Table, select, name)                                                                \
+    extern const Table name##Baseline4, name##Avx28, name##Avx216, name##Avx5128, name##Avx51216;                 \
+    const Table& select(int lanes) {                                                                              \
+        static constexpr const Table* kTables[] = {&name##Baseline4, &name##Avx28, &name##Avx216, &name##Avx5128, \
+                                                   &name##Avx51216};                                              \
+        return *kTables[static_cast<int>(selectKernelSet(lanes))];                                                \
+    }
+#else
+#define RAGTOP_SELECT_KERNELS(Table, select, name) \
+    extern const Table name##Baseline4;            \
+    const Table& select(int) { return name##Baseline4; }
+#endif
 
 /// Wide kernels of one instruction set and lane count. Bundle ranges are in bundles, body ranges in entries of a list
 /// of state indices; they may run at once when they share no moving body.
 struct KernelTable {
     const char* name;
     int lanes;
-    void (*integrateVelocities)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end, const SolverContext&);
-    void (*integratePositions)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end, const SolverContext&);
+    void (*integrateVelocities)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end,
+                                const SolverContext&);
+    void (*integratePositions)(const BodyArrays&, const std::uint32_t* bodies, int begin, int end,
+                               const SolverContext&);
     /// Brings the geometry of contacts to where their bodies are.
     void (*placeContacts)(float* bundles, int begin, int end, const LaneManifolds&, const ContactPlaces&);
     /// True if any of them may bounce.

@@ -367,7 +367,7 @@ RAGTOP_INLINE Mask<N> isZero(const WideVec3<N>& a) {
 
 /// x ← x + h v − ½ h² a, with a the part of this substep's acceleration that the substep before had too: free fall and
 /// steady sliding are then exact parabolas, while impacts and resting contacts, whose accelerations reverse or vanish,
-/// see no correction (docs/adr/0004).
+/// see no correction (docs/adr/0004). Long: all of a body stays in registers.
 template <int N>
 void integratePositions(const BodyArrays& arrays, const std::uint32_t* bodies, int begin, int end,
                         const SolverContext& context) {

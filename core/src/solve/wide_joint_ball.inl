@@ -85,26 +85,22 @@ RAGTOP_INLINE Mask<N> beginBall(WideJoint<N>& j, const WideTurns<N>& turns, cons
     const std::uint32_t features = j.bundle.features;
     const Lanes<N> zero(0.0f), h(context.h), most = max(max(rest.xx, rest.yy), rest.zz),
                                              inverseInertia = select(most > noise, most, zero);
+    const auto& resistance = partAt<ResistanceOf<Lanes<N>>>(j, RAGTOP_JOINT_FIELD(ball.resistance));
     if (features & BallRows::kSpring) {
         const WideQuat<N> wanted = j.frameA() * j.quaternion(RAGTOP_JOINT_FIELD(ball.target));
         j.set(RAGTOP_JOINT_FIELD(ball.springError), turnVector(j.frameB() * conjugate(wanted)));
-        const TunedSpringOf<Lanes<N>> spring = tuned<Lanes<N>>(
-            {j.at(RAGTOP_JOINT_FIELD(ball.stiffness)), j.at(RAGTOP_JOINT_FIELD(ball.damping))},
-            j.at(RAGTOP_JOINT_FIELD(ball.frequency)), j.at(RAGTOP_JOINT_FIELD(ball.dampingRatio)), inverseInertia);
+        const TunedSpringOf<Lanes<N>> spring =
+            partAt<SpringTuningOf<Lanes<N>>>(j, RAGTOP_JOINT_FIELD(ball.spring)).at(inverseInertia);
         j.set(RAGTOP_JOINT_FIELD(ball.springStiffness), spring.stiffness);
         setDrags(j, RAGTOP_JOINT_FIELD(ball.springDrag[0]), spring.stiffness, spring.damping, inverseInertia,
                  context.h);
     }
     if (features & BallRows::kViscous)
-        setDrags(j, RAGTOP_JOINT_FIELD(ball.viscousDrag[0]), zero, j.at(RAGTOP_JOINT_FIELD(ball.viscous)),
-                 inverseInertia, context.h);
+        setDrags(j, RAGTOP_JOINT_FIELD(ball.viscousDrag[0]), zero, resistance.viscous, inverseInertia, context.h);
     if (features & BallRows::kFriction) {
         const WideVec3<N> impulse = j.vector(RAGTOP_JOINT_FIELD(ball.frictionImpulse));
-        const Lanes<N> kinetic =
-            h * j.at(RAGTOP_JOINT_FIELD(ball.friction)) +
-            j.at(RAGTOP_JOINT_FIELD(ball.loadFriction)) * length(j.vector(RAGTOP_JOINT_FIELD(block.impulseFirst)));
-        const Mask<N> slides =
-            ballFriction(j).begin(length(impulse), kinetic, h * j.at(RAGTOP_JOINT_FIELD(ball.breakaway)));
+        const Lanes<N> kinetic = resistance.kinetic(h, length(j.vector(RAGTOP_JOINT_FIELD(block.impulseFirst))));
+        const Mask<N> slides = ballFriction(j).begin(length(impulse), kinetic, h * resistance.breakaway);
         j.set(RAGTOP_JOINT_FIELD(ball.frictionImpulse), select(slides, Lanes<N>(0.5f) * impulse, impulse));
     }
     const WideVec3<N> spin = j.velocity(j.arms).angular;
@@ -168,7 +164,7 @@ struct WideBallTurn : BallTurnOf<Lanes<N>> {
             this->comply(
                 vector(RAGTOP_JOINT_FIELD(ball.springImpulse)),
                 (-h * j.at(RAGTOP_JOINT_FIELD(ball.springStiffness))) * j.vector(RAGTOP_JOINT_FIELD(ball.springError)),
-                j.at(RAGTOP_JOINT_FIELD(ball.springDrag[0]) + pass), h * j.at(RAGTOP_JOINT_FIELD(ball.maxSpring)));
+                j.at(RAGTOP_JOINT_FIELD(ball.springDrag[0]) + pass), h * j.at(RAGTOP_JOINT_FIELD(ball.spring.most)));
         if (features & BallRows::kViscous)
             this->comply(vector(RAGTOP_JOINT_FIELD(ball.viscousImpulse)), WideVec3<N>{},
                          j.at(RAGTOP_JOINT_FIELD(ball.viscousDrag[0]) + pass), Lanes<N>(kNoForceLimit));

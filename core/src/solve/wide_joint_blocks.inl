@@ -165,15 +165,15 @@ struct WideAngle {
 
     RAGTOP_INLINE WideAngle(WideJoint<N>& j, Lanes<N> angle) {
         AxisRowsOf<Lanes<N>>& rows = axisRows(j);
-        const Lanes<N> change = angle - rows.lastAngle;
-        const typename Mask<N>::V turns = rows.turns + (change > kPi).v - (change < -kPi).v;
-        rows.lastAngle = angle;
-        rows.turns = turns;
+        const Lanes<N> change = angle - rows.angle.last;
+        const typename Mask<N>::V turns = rows.angle.turns + (change > kPi).v - (change < -kPi).v;
+        rows.angle.last = angle;
+        rows.angle.turns = turns;
         if (j.bundle.features == 0) return;
         const WideDouble<N> whole =
             WideDouble<N>(angle) + kTurn * WideDouble<N>(__builtin_convertvector(turns, typename WideDouble<N>::V));
         margins = {(whole - WideDouble<N>(rows.lower)).rounded(), (WideDouble<N>(rows.upper) - whole).rounded()};
-        springError = (whole - WideDouble<N>(rows.target)).rounded();
+        springError = (whole - WideDouble<N>(rows.spring.target)).rounded();
     }
 };
 
@@ -280,7 +280,7 @@ RAGTOP_INLINE void beginDistance(WideJoint<N>& j, const JointContext& context) {
     const Lanes<N> distance = refreshDistance(j, direction), mass = j.mass(j.arms, direction);
     axisRows(j).inverseMass = mass;
     blockAt(j).errorFirst = j.gap;
-    beginAxis<N>(j, marginsOf(j, distance), distance - axisRows(j).target, mass,
+    beginAxis<N>(j, marginsOf(j, distance), distance - axisRows(j).spring.target, mass,
                  dot(direction, j.velocity(j.arms).linear), Lanes<N>(0.0f), context.h);
 }
 template <int N>

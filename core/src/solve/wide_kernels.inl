@@ -229,7 +229,7 @@ struct NormalSoftness {
 
 /// One visit to the manifolds of a bundle, in the soft pass (kBias) or the relaxing pass. The push beyond the load is
 /// bounded because the speeds of rows that push each other add up, and one relaxing pass takes back a part of them
-/// only.
+/// only. Long: what a bundle needs stays in registers from its first row to its last.
 template <int N, int L, bool kGround, bool kBias>
 RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const SolverContext& context) {
     const Lanes<N> inverseH(context.inverseH), zero(0.0f), one(1.0f), half(0.5f), threshold(-context.restitutionSpeed);

@@ -43,11 +43,11 @@ void stayPut(Bodies& bodies, std::uint32_t index) {
 void BodyStage::prepare(std::uint32_t index) const {
     BodyRecord& body = bodies[index];
     BodyDynamics& d = bodies.dynamics[index];
-    const float h = context.h * static_cast<float>(body.stepFactor);
-    d.linearDecay = 1 / (1 + h * body.linearDamping);
-    d.angularDecay = 1 / (1 + h * body.angularDamping);
+    const float h = context.h * static_cast<float>(body.direct.pace.stepFactor);
+    d.linearDecay = 1 / (1 + h * body.motion.linearDamping);
+    d.angularDecay = 1 / (1 + h * body.motion.angularDamping);
     const float inverseMass = bodies.states[index].invMass;
-    d.acceleration = inverseMass > 0 ? body.gravityScale * settings.gravity + inverseMass * body.force : Vec3{};
+    d.acceleration = inverseMass > 0 ? body.motion.gravityScale * settings.gravity + inverseMass * body.force : Vec3{};
     d.torque = body.torque;
     // The forces of joints turn with the bodies: taking them for smooth would feed energy into every swing.
     // What joined bodies have in common is smooth, and is theirs by Articulations::move.
@@ -78,9 +78,9 @@ void BodyStage::finish(std::size_t place) const {
     sweptBodies.starts[place] = {body.center, body.rotation};
     const bool lost = leftRange(bodies, index, dt);
     if (lost) stayPut(bodies, index);
-    const float turn = 2 * length(Vec3{state.dq.x, state.dq.y, state.dq.z}) * body.coreRadius;
+    const float turn = 2 * length(Vec3{state.dq.x, state.dq.y, state.dq.z}) * body.travel.coreRadius;
     const float motion = length(state.dp) + turn;
-    const bool fast = body.continuous && motion > tuning::kContinuousMotion * body.size;
+    const bool fast = body.options.continuous && motion > tuning::kContinuousMotion * body.size;
     body.center = body.center + state.dp;
     if (state.dq != Quat{}) body.rotation = normalized(state.dq * body.rotation);
     sweptBodies.flags[place] = lost    ? kOutOfRange
@@ -94,7 +94,7 @@ void BodyStage::finish(std::size_t place) const {
     const float quiet = settings.sleepSpeed * std::sqrt(gravity * body.size);
     const float speed = length(state.v) + length(state.w) * body.radius;
     const bool still = body.type == BodyType::kinematic ? speed == 0 : speed <= quiet;
-    body.sleepTimer = body.allowSleep && still ? body.sleepTimer + dt : 0;
+    body.sleepTimer = body.options.allowSleep && still ? body.sleepTimer + dt : 0;
     const float slow = Freezing::slowest(context.gravityStep);
     freezing.record(body, speed <= slow && motion <= slow * dt);
     if (bodies.dynamics[index].spins == 0) bodies.restrictInertia(index);

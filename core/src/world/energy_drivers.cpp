@@ -34,8 +34,9 @@ double addJoint(const GuardView& view, const JointSim& sim, std::uint32_t body, 
     };
     const auto giveAxis = [&](const AxisRows& axis, bool turns) {
         if (axis.features & AxisRows::kMotor)
-            give(axis.targetSpeed, axis.targetSpeed < 0 ? axis.maxReverse : axis.maxForward, turns);
-        if (axis.features & AxisRows::kSpring) give(axis.springSpeed, axis.maxSpring, turns);
+            give(axis.motor.targetSpeed, axis.motor.targetSpeed < 0 ? axis.motor.maxReverse : axis.motor.maxForward,
+                 turns);
+        if (axis.features & AxisRows::kSpring) give(axis.spring.speed, axis.spring.most, turns);
     };
     if (hasAxes(sim.kind))
         for (std::uint32_t i = 0; i < sim.axes.freeRows; ++i) giveAxis(sim.axes.axis[i], true);
@@ -44,9 +45,9 @@ double addJoint(const GuardView& view, const JointSim& sim, std::uint32_t body, 
     const BodyState &a = view.bodies.states[sim.stateA], &b = view.bodies.states[sim.stateB];
     const float turn = length(a.w) + length(b.w), slide = length(b.v - a.v) + turn * arm;
     if (sim.axis.features & AxisRows::kSpring)
-        give(sim.kind == JointKind::hinge ? turn : slide, std::fabs(sim.axis.feedForward), false);
+        give(sim.kind == JointKind::hinge ? turn : slide, std::fabs(sim.axis.spring.feedForward), false);
     if (sim.ball.features & BallRows::kDrives) give(turn, length(sim.drives.feedForward), false);
-    if (sim.ball.features & BallRows::kDrives) give(length(sim.drives.targetSpeed), sim.ball.maxSpring, true);
+    if (sim.ball.features & BallRows::kDrives) give(length(sim.drives.targetSpeed), sim.ball.spring.most, true);
     return work;
 }
 

@@ -146,7 +146,7 @@ void stayPut(const GuardView& view, std::span<const std::uint32_t> group) {
 void barDirect(const GuardView& view, std::span<const std::uint32_t> group) {
     bool changed = false;
     for (const std::uint32_t b : group) {
-        std::int32_t& steps = view.bodies[b].directSteps;
+        std::int32_t& steps = view.bodies[b].direct.steps;
         changed |= steps > 0;
         steps = std::min(steps, -direct::kCooldownSteps);
     }
@@ -179,8 +179,8 @@ bool overran(const GuardView& view, std::span<const std::uint32_t> group, double
 /// of a substep, half of one earlier, and so were those that the step began with.
 double earlyEnergy(const GuardView& view, std::uint32_t index) {
     const BodyRecord& body = view.bodies[index];
-    if (body.directReason != direct::Reason::tree) return 0;
-    const float early = view.context.h * static_cast<float>(body.stepFactor);
+    if (body.direct.reason != direct::Reason::tree) return 0;
+    const float early = view.context.h * static_cast<float>(body.direct.pace.stepFactor);
     return static_cast<double>(body.mass * early * length(view.bodies.dynamics[index].acceleration) *
                                length(view.bodies.states[index].v));
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/union_find.h"
 #include "constraints/stiffness.h"
 #include "constraints/stored_energy.h"
 #include "world/energy_guard.h"
@@ -15,7 +16,7 @@ namespace {
 /// (StopLedger); on curves a substep trades more than there is room for.
 Watching watchingOf(const AxisRows& axis) {
     if (axis.features & AxisRows::kCoupled) return Watching::none;
-    return (axis.features & AxisRows::kSpring) != 0 && axis.feedForward != 0 ? Watching::garbage : Watching::all;
+    return (axis.features & AxisRows::kSpring) != 0 && axis.spring.feedForward != 0 ? Watching::garbage : Watching::all;
 }
 Watching watchingOf(const GuardView& view, const JointSim& sim) {
     if (hasAxes(sim.kind)) {
@@ -35,14 +36,6 @@ Watching watchingOf(const GuardView& view, const JointSim& sim) {
     return isPushed || hasLedger ? Watching::garbage : watchingOf(sim.axis);
 }
 
-std::uint32_t rootOf(AlignedArray<std::uint32_t>& parent, std::uint32_t body) {
-    while (parent[body] != body) {
-        parent[body] = parent[parent[body]];
-        body = parent[body];
-    }
-    return body;
-}
-
 template <class Visit>
 void forEachJoint(const GuardView& view, Visit&& visit) {
     for (int c = 0; c < view.graph.listCount(); ++c)
@@ -58,8 +51,7 @@ bool uniteJoined(const GuardView& view) {
     forEachJoint(view, [&](const JointRecord& joint, const JointSim&) {
         joined = true;
         if (!view.bodies.moves(joint.bodyA) || !view.bodies.moves(joint.bodyB)) return;
-        const std::uint32_t a = rootOf(guard.parent, joint.bodyA), b = rootOf(guard.parent, joint.bodyB);
-        guard.parent[a < b ? b : a] = a < b ? a : b;
+        unite(guard.parent, joint.bodyA, joint.bodyB);
     });
     return joined;
 }

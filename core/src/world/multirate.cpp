@@ -42,7 +42,7 @@ Pace paceOf(const MultirateView& view, const direct::TreePlan::Tree& tree, bool 
     int most = direct::TreePlan::kLongestFactor;
     forMembers(view, island, [&](std::uint32_t body) {
         square = std::max(square, lengthSquared(view.bodies.states[body].w));
-        most = std::min(most, static_cast<int>(view.bodies[body].allowedFactor));
+        most = std::min(most, static_cast<int>(view.bodies[body].direct.pace.allowedFactor));
     });
     const float longest = static_cast<float>(direct::tuning::kLongTurn) / view.context.h;
     int stepFactor = 1;
@@ -83,7 +83,8 @@ void listShared(const MultirateView& view) {
     for (const std::uint32_t body : view.freezing.solved) {
         if ((multirate.marks[body] & Multirate::kIndependent) != 0) continue;
         setStepFactor(view.bodies, body, multirate.marks[body], view.settings.gravity, view.context.h);
-        if (multirate.any) multirate.lists[static_cast<std::size_t>(view.bodies[body].stepFactor / 2)].push(body);
+        if (multirate.any)
+            multirate.lists[static_cast<std::size_t>(view.bodies[body].direct.pace.stepFactor / 2)].push(body);
     }
 }
 
@@ -94,12 +95,12 @@ void listShared(const MultirateView& view) {
 /// factor 0.
 void setStepFactor(Bodies& bodies, std::uint32_t index, int stepFactor, const Vec3& gravity, float h) {
     BodyRecord& body = bodies[index];
-    if (stepFactor == 0) body.stepFactor = 1;
-    if (stepFactor == 0 || stepFactor == body.stepFactor) return;
+    if (stepFactor == 0) body.direct.pace.stepFactor = 1;
+    if (stepFactor == 0 || stepFactor == body.direct.pace.stepFactor) return;
     BodyState& state = bodies.states[index];
-    const float early = 0.5f * h * static_cast<float>(stepFactor - static_cast<int>(body.stepFactor));
-    body.stepFactor = static_cast<std::uint8_t>(stepFactor) & 7u;
-    state.v -= early * (body.gravityScale * gravity + state.invMass * body.force);
+    const float early = 0.5f * h * static_cast<float>(stepFactor - static_cast<int>(body.direct.pace.stepFactor));
+    body.direct.pace.stepFactor = static_cast<std::uint8_t>(stepFactor) & 7u;
+    state.v -= early * (body.motion.gravityScale * gravity + state.invMass * body.force);
     state.w -= early * (bodies.inertias[index] * body.torque);
 }
 

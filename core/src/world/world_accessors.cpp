@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/check_tunables.h"
+#include "base/union_find.h"
 #include "contacts/meets_nothing.h"
 #include "world/world_impl.h"
 #include "world/world_modules.h"
@@ -150,12 +151,12 @@ void World::setVelocity(BodyId body, const Vec3& linear, const Vec3& angular) {
 void World::setGravityScale(BodyId body, float scale) {
     requireFinite(std::isfinite(scale), "gravityScale");
     const std::uint32_t i = indexOf(impl_->tables.bodies, body);
-    impl_->tables.bodies[i].gravityScale = scale;
+    impl_->tables.bodies[i].motion.gravityScale = scale;
     impl_->activity().wakeBody(i);
 }
 
 float World::gravityScale(BodyId body) const {
-    return impl_->tables.bodies[indexOf(impl_->tables.bodies, body)].gravityScale;
+    return impl_->tables.bodies[indexOf(impl_->tables.bodies, body)].motion.gravityScale;
 }
 
 void World::setMass(BodyId id, const MassProperties& mass) {
@@ -226,14 +227,8 @@ std::vector<BodyId> World::islands() const {
     const WorldImpl& w = *impl_;
     std::vector<std::uint32_t> parent(w.tables.bodies.slots.count());
     for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
-    const auto root = [&](std::uint32_t i) {
-        while (parent[i] != i) i = parent[i] = parent[parent[i]];
-        return i;
-    };
     const auto join = [&](std::uint32_t a, std::uint32_t b) {
-        if (!w.tables.bodies.moves(a) || !w.tables.bodies.moves(b)) return;
-        const std::uint32_t rootA = root(a), rootB = root(b);
-        parent[rootA < rootB ? rootB : rootA] = rootA < rootB ? rootA : rootB;
+        if (w.tables.bodies.moves(a) && w.tables.bodies.moves(b)) unite(parent, a, b);
     };
     for (int c = 0; c < w.tables.graph.listCount(); ++c) {
         for (const std::uint32_t m : w.tables.graph.color(c).manifolds)
@@ -246,7 +241,7 @@ std::vector<BodyId> World::islands() const {
     std::vector<BodyId> islands;
     for (const BodyId body : bodies())
         islands.push_back(w.tables.bodies.moves(body.index) && w.tables.bodies.isAwake(body.index)
-                              ? w.tables.bodies.id(root(body.index))
+                              ? w.tables.bodies.id(rootOf(parent, body.index))
                               : BodyId{});
     return islands;
 }
@@ -403,7 +398,7 @@ double World::energy() const {
         total +=
             0.5 * (static_cast<double>(body.inertia.x * w.x * w.x) + static_cast<double>(body.inertia.y * w.y * w.y) +
                    static_cast<double>(body.inertia.z * w.z * w.z));
-        const double g = static_cast<double>(body.gravityScale) * m;
+        const double g = static_cast<double>(body.motion.gravityScale) * m;
         total -= g * (gravity.x * body.center.x + gravity.y * body.center.y + gravity.z * body.center.z);
     }
     return total;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 
+#include "base/union_find.h"
 #include "world/world_modules.h"
 
 namespace ragtop {
@@ -11,23 +12,6 @@ namespace ragtop {
 namespace {
 
 constexpr int kModulesAtOnce = 4;  ///< modules that look one after the other: those that sleep are done at once
-
-std::uint32_t rootOf(ModuleWork& work, std::uint32_t place) {
-    while (work.parent[place] != place) {
-        work.parent[place] = work.parent[work.parent[place]];
-        place = work.parent[place];
-    }
-    return place;
-}
-
-/// The first registered is the root, so that groups depend on names alone.
-void unite(ModuleWork& work, std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t rootA = rootOf(work, a), rootB = rootOf(work, b);
-    if (rootA < rootB)
-        work.parent[rootB] = rootA;
-    else
-        work.parent[rootA] = rootB;
-}
 
 void forget(ModuleWork& work) {
     for (const std::uint32_t body : work.named) work.namer[body] = 0;
@@ -64,7 +48,7 @@ void takeNames(ModuleWork& work, const Activity& activity, std::uint32_t place) 
             namer = 1 + place;
             work.named.push(id.index);
         } else if (bodies.moves(id.index)) {
-            unite(work, namer - 1, place);
+            unite(work.parent, namer - 1, place);
         }
     }
 }
@@ -74,7 +58,7 @@ void listGroups(ModuleWork& work) {
     const auto count = static_cast<std::uint32_t>(work.acting.size());
     std::uint32_t groups = 0;
     for (std::uint32_t place = 0; place < count; ++place) {
-        const std::uint32_t root = rootOf(work, place);
+        const std::uint32_t root = rootOf(work.parent, place);
         work.groupOf.push(root == place ? groups++ : work.groupOf[root]);
     }
     if (groups == 0) return;

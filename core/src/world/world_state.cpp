@@ -14,7 +14,7 @@ namespace ragtop {
 namespace {
 
 struct StateHeader {
-    char magic[8] = {'R', 'A', 'G', 'T', 'O', 'P', 'S', '2'};
+    char magic[8] = {'R', 'A', 'G', 'T', 'O', 'P', 'S', '3'};
     std::uint32_t lanes = 0, geometries = 0, modules = 0;
     std::uint32_t layout = sizeof(BodyRecord) + 7 * sizeof(ContactRecord) + 31 * sizeof(ManifoldRecord) +
                            127 * sizeof(JointSim) + 511 * sizeof(CouplingSim) + 8191 * sizeof(ShapeRecord) +
