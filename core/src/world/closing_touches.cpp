@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "contacts/contacts.h"
+#include "continuous/meetings.h"
 #include "narrowphase/collide.h"
 #include "world/joint_closing.h"
 #include "world/jointed_groups.h"
