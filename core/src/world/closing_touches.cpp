@@ -63,15 +63,16 @@ void forEachContact(const ClosingView& world, std::span<const std::uint32_t> gro
 }
 
 /// Anchors and normals that turn further with their bodies in a step tell no more where these touch.
-bool hasTurnedFar(const ClosingView& world, std::uint32_t body) {
+bool haveTurnedFar(const ClosingView& world, const ContactRecord& contact) {
     constexpr float kFar = 0.5f;  // rad
-    return world.dt * length(world.bodies.states[body].w) > kFar;
+    const auto squared = [&](std::uint32_t body) { return lengthSquared(world.bodies.states[body].w); };
+    return world.dt * world.dt * std::max(squared(contact.bodyA), squared(contact.bodyB)) > kFar * kFar;
 }
 
 /// Calls visit(touch) for the points of a contact that the step found.
 template <class Visit>
 void forEachPoint(const ClosingView& world, const ContactRecord& contact, bool isInner, Visit&& visit) {
-    if (!contact.hasPoints || hasTurnedFar(world, contact.bodyA) || hasTurnedFar(world, contact.bodyB)) return;
+    if (!contact.hasPoints || haveTurnedFar(world, contact)) return;
     ClosingTouch touch;
     touch.bodyA = contact.bodyA, touch.bodyB = contact.bodyB;
     touch.isInner = isInner;
@@ -124,13 +125,32 @@ PairPath pathOf(const ClosingView& world, const ContactRecord& contact) {
             path(contact.bodyB)};
 }
 
+/// Where two parts have come into each other.
+struct Overlap {
+    Manifold found;
+    Frame bInA;
+    float least = 0;  ///< m, as of a touch
+
+    float depth() const { return found.pointCount > 0 ? std::max(0.0f, least - leastSeparation(found.all())) : 0; }
+};
+
+/// Where a step has taken two convex parts.
+Overlap overlapOf(const PairPath& path, const SeparationCache& cache) {
+    Overlap overlap;
+    overlap.bInA = path.collideAt(1, cache, overlap.found);
+    if (overlap.found.pointCount == 0) return overlap;
+    Manifold start;
+    path.collideAt(0, cache, start);
+    if (start.pointCount > 0) overlap.least = std::min(0.0f, leastSeparation(start.all()));
+    return overlap;
+}
+
 /// From deep within the nearest way out may be the far side: what counts is the side by which B came in, where the path
 /// is halved for it.
-Frame findEntry(const PairPath& path, const SeparationCache& cache, float shallow, Manifold& found) {
+void findEntry(const PairPath& path, const SeparationCache& cache, float shallow, Overlap& overlap) {
     constexpr int kHalvings = 6;  // to a sixty-fourth of the path
     float apart = 0, inside = 1;
-    Frame bInA = path.collideAt(1, cache, found);
-    for (int i = 0; i < kHalvings && leastSeparation(found.all()) < -shallow; ++i) {
+    for (int i = 0; i < kHalvings && leastSeparation(overlap.found.all()) < -shallow; ++i) {
         const float share = 0.5f * (apart + inside);
         Manifold there;
         const Frame at = path.collideAt(share, cache, there);
@@ -139,10 +159,9 @@ Frame findEntry(const PairPath& path, const SeparationCache& cache, float shallo
             continue;
         }
         inside = share;
-        found = there;
-        bInA = at;
+        overlap.found = there;
+        overlap.bInA = at;
     }
-    return bInA;
 }
 
 }  // namespace
@@ -160,22 +179,19 @@ bool addMissedTouches(const ClosingView& world, std::span<const std::uint32_t> g
     const std::size_t before = touches.size();
     forEachContact(world, group, [&](const ContactRecord& contact, bool isInner) {
         if (!isInner || contact.isMesh) return;
-        float least = 0;
-        forEachPoint(world, contact, isInner,
-                     [&](const ClosingTouch& touch) { least = std::min(least, touch.least); });
         const PairPath path = pathOf(world, contact);
-        Manifold found;
-        Frame bInA = path.collideAt(1, contact.cache, found);
-        if (found.pointCount == 0 || leastSeparation(found.all()) > least - sizes * contact.size) return;
-        if (least == 0 && !again) bInA = findEntry(path, contact.cache, kShallow * contact.size, found);
-        for (const ManifoldPoint& point : found.all())
+        Overlap overlap = overlapOf(path, contact.cache);
+        if (!(overlap.depth() > sizes * contact.size)) return;
+        if (overlap.least == 0 && !again) findEntry(path, contact.cache, kShallow * contact.size, overlap);
+        const Frame &a = path.shapeA.frame, &b = path.shapeB.frame;
+        for (const ManifoldPoint& point : overlap.found.all())
             touches.push({.bodyA = contact.bodyA,
                           .bodyB = contact.bodyB,
-                          .normal = rotate(path.shapeA.frame.rotation, found.normal),
-                          .anchorA = transformPoint(path.shapeA.frame, point.position),
-                          .anchorB = transformPoint(path.shapeB.frame, inverseTransformPoint(bInA, point.position)),
+                          .normal = rotate(a.rotation, overlap.found.normal),
+                          .anchorA = transformPoint(a, point.position),
+                          .anchorB = transformPoint(b, inverseTransformPoint(overlap.bInA, point.position)),
                           .separation = point.separation,
-                          .least = least,
+                          .least = overlap.least,
                           .size = contact.size,
                           .isInner = true});
     });
@@ -210,7 +226,10 @@ float deepestTouch(const ClosingView& world, std::span<const ClosingTouch> touch
 float deepestTouch(const ClosingView& world, std::span<const std::uint32_t> group) {
     float deepest = 0;
     forEachContact(world, group, [&](const ContactRecord& contact, bool isInner) {
-        if (isInner && contact.hasPoints)
+        if (!isInner) return;
+        if (haveTurnedFar(world, contact) && !contact.isMesh)
+            deepest = std::max(deepest, overlapOf(pathOf(world, contact), contact.cache).depth() / contact.size);
+        else
             forEachPoint(world, contact, isInner,
                          [&](const ClosingTouch& touch) { deepest = std::max(deepest, depthOf(world, touch)); });
     });

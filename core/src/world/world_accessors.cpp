@@ -197,7 +197,8 @@ void World::applyAngularImpulse(BodyId body, const Vec3& impulse) {
     if (!impl_->takes(isFinite(impulse), "impulse")) return;
     const std::uint32_t i = indexOf(impl_->tables.bodies, body);
     if (!impl_->tables.bodies.moves(i) || !mayPush(impl_->moduleWork, i)) return;
-    impl_->tables.bodies.states[i].w += impl_->tables.bodies.inertias[i] * impulse;
+    const BodyState& state = impl_->tables.bodies.states[i];
+    impl_->setVelocity(i, state.v, state.w + impl_->tables.bodies.inertias[i] * impulse);
     if (!impl_->clock.stepping) impl_->activity().wakeBody(i);
 }
 
