@@ -164,33 +164,6 @@ private:
     std::vector<Piece> pieces_;
 };
 
-/// Where a joint's frame is now.
-Pose framePose(const World& world, BodyId body, const Frame& frame) {
-    return (body.isNull() ? Pose{} : world.pose(body)) * frame;
-}
-
-struct GapOf {
-    const World& world;
-
-    DVec3 offset(const JointBodies& bodies) const {
-        return framePose(world, bodies.b, bodies.frameB).position - framePose(world, bodies.a, bodies.frameA).position;
-    }
-    template <class Kind>
-    double operator()(const Kind& joint) const {
-        return norm(offset(joint.bodies));
-    }
-    double operator()(const SliderDef& joint) const {
-        const Quat rotation = framePose(world, joint.bodies.a, joint.bodies.frameA).rotation;
-        const Vec3 d = inverseRotate(rotation, toVec3(offset(joint.bodies)));
-        return norm({0, d.y, d.z});
-    }
-    double operator()(const DistanceDef& joint) const {
-        if (!joint.limit) return 0;
-        const double distance = norm(offset(joint.bodies));
-        return std::max({0.0, distance - joint.limit->upper, joint.limit->lower - distance});
-    }
-};
-
 }  // namespace
 
 std::vector<double> overlaps(const World& world, const Scene& scene, const SceneInstance& instance) {
@@ -204,9 +177,9 @@ double quantile(const std::vector<double>& sorted, double q) {
 }
 
 double largestJointGap(const World& world) {
-    double largest = 0;
-    for (const JointId joint : world.joints()) largest = std::max(largest, std::visit(GapOf{world}, world.def(joint)));
-    return largest;
+    float largest = 0;
+    for (const JointId joint : world.joints()) largest = std::max(largest, world.state(joint).gap);
+    return static_cast<double>(largest);
 }
 
 double largestDisplacement(const World& world, const Scene& scene, const SceneInstance& instance) {

@@ -76,6 +76,8 @@ TEST(Measure, SeesOverlapThatTheSceneBeginsWithAndSkipsJoinedBodies) {
         scene.bodies.push_back(body);
     }
     scene.joints.push_back({"weld", 0, 1, FixedDef{{.frameA = {{0, 0.45f, 0}, {}}, .frameB = {{0, -0.5f, 0}, {}}}}});
+    SixDofDef apart;  // leaves all free: its bodies do not meet, and it has no gap
+    scene.joints.push_back({"apart", 0, 2, apart});
     World world;
     const SceneInstance instance(scene, world);
     const auto depths = overlaps(world, scene, instance);
