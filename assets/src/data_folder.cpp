@@ -13,6 +13,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Read at run time, so that whatever the optimiser does they are strings in the library: the test of a moved installation
+// finds them there and writes others over them.
+const char* volatile sources = RAGTOP_DATA_SOURCE_DIR;
+const char* volatile installation = RAGTOP_DATA_INSTALL_DIR;
+
 bool holdsData(const fs::path& folder) {
     std::error_code error;
     return fs::is_directory(folder / "scenes", error);
@@ -48,7 +53,7 @@ fs::path dataFolder() {
         throw AssetError("RAGTOP_DATA is \"" + std::string(named) + "\", must be a folder with scenes in it");
     }
     std::vector<fs::path> folders = foldersOfInstallation();
-    folders.insert(folders.end(), {RAGTOP_DATA_SOURCE_DIR, RAGTOP_DATA_INSTALL_DIR});
+    folders.insert(folders.end(), {sources, installation});
     std::string message = "there are no shipped scenes: install them, or let RAGTOP_DATA name their folder; looked for";
     for (const fs::path& folder : folders) {
         if (holdsData(folder)) return folder;

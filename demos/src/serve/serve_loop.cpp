@@ -34,7 +34,9 @@ std::filesystem::path findPage(const std::optional<std::filesystem::path>& given
         installed = dataFolder() / "page/ragtop.html";
     } catch (const AssetError&) {
     }
-    for (const std::filesystem::path& page : {installed, std::filesystem::path(RAGTOP_PAGE_SOURCE)}) {
+    // Read at run time, as the folders of data_folder.cpp are.
+    static const char* volatile source = RAGTOP_PAGE_SOURCE;
+    for (const std::filesystem::path& page : {installed, std::filesystem::path(source)}) {
         if (std::filesystem::is_regular_file(page, error)) return page;
     }
     return {};
