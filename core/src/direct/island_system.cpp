@@ -336,9 +336,10 @@ void IslandSystem::findBlock(SystemRow& row) const {
 void IslandSystem::addClosingPoints(std::span<const ClosingPoint> points, RowAims aims, double inverseH) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         const ClosingPoint& point = points[i];
-        if (aims == RowAims::resting && point.room > 0) continue;
+        if (point.isFar || (aims == RowAims::resting && point.room > 0)) continue;
         SystemRow row = closingRow(point, pointEnds_[2 * i], pointEnds_[2 * i + 1], bodies_.data());
         row.target = aims == RowAims::closing ? -point.room * inverseH : -point.drift;
+        if (row.target > 0) row.side = Side::within;
         findBlock(row);
         rows_.push(row);
     }

@@ -213,7 +213,8 @@ void placeTouches(const ClosingView& world, std::span<const ClosingTouch> touche
                      .armA = direct::toDouble(at.armA),
                      .armB = direct::toDouble(at.armB),
                      .room = static_cast<double>(at.separation - touch.least),
-                     .drift = static_cast<double>(drift(touch.bodyB, at.armB) - drift(touch.bodyA, at.armA))});
+                     .drift = static_cast<double>(drift(touch.bodyB, at.armB) - drift(touch.bodyA, at.armA)),
+                     .isFar = at.separation > touch.size});
     }
 }
 
