@@ -127,7 +127,8 @@ private:
             works.push_back([this, i] { return measureTask(tasks_[i], options_.measure); });
         stability::runIsolated(
             works, options_.jobs,
-            [&](std::size_t work, const stability::Outcome& outcome) { done(open[work], outcome); }, options_.limit);
+            [&](std::size_t work, const stability::Outcome& outcome) { done(open[work], outcome); }, options_.limit,
+            options_.patience);
     }
 
     static void take(Point& point, const stability::Outcome& outcome) {

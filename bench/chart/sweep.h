@@ -19,8 +19,9 @@ struct Task {
 
 struct SweepOptions {
     MeasureOptions measure;
-    double limit = 60;  ///< s of processor time for a point; it has failed when it takes longer
-    int jobs = 1;       ///< points measured at once
+    double limit = 60;     ///< s of processor time for a point; it has failed when it takes longer
+    double patience = 10;  ///< s by the clock, beyond four times that limit, for one that sleeps
+    int jobs = 1;          ///< points measured at once
     /// Where each point is kept as soon as it is measured.
     std::optional<std::filesystem::path> journal;
     bool resume = false;  ///< takes what the journal has

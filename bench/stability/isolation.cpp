@@ -91,10 +91,10 @@ bool readSome(Child& child) {
 }
 
 /// Ends children that sleep, so that the processor's limit never comes.
-void endLate(std::vector<Child>& running, double limit) {
+void endLate(std::vector<Child>& running, double limit, double patience) {
     for (Child& child : running) {
         const std::chrono::duration<double> age = std::chrono::steady_clock::now() - child.since;
-        if (child.late || !(age.count() > 4 * limit + 10)) continue;
+        if (child.late || !(age.count() > 4 * limit + patience)) continue;
         child.late = true;
         ::kill(child.process, SIGKILL);
     }
@@ -103,7 +103,7 @@ void endLate(std::vector<Child>& running, double limit) {
 }  // namespace
 
 void runIsolated(const std::vector<std::function<std::string()>>& works, int processes,
-                 const std::function<void(std::size_t work, const Outcome&)>& done, double limit) {
+                 const std::function<void(std::size_t work, const Outcome&)>& done, double limit, double patience) {
     std::vector<Child> running;
     std::vector<std::optional<Outcome>> outcomes(works.size());
     std::size_t next = 0, reported = 0;
@@ -115,7 +115,7 @@ void runIsolated(const std::vector<std::function<std::string()>>& works, int pro
         std::vector<pollfd> pipes;
         for (const Child& child : running) pipes.push_back({child.pipe, POLLIN, 0});
         ::poll(pipes.data(), pipes.size(), std::isfinite(limit) ? 250 : -1);
-        endLate(running, limit);
+        endLate(running, limit, patience);
         for (std::size_t i = running.size(); i-- > 0;) {
             if (pipes[i].revents == 0 || !readSome(running[i])) continue;
             outcomes[running[i].work] = finish(running[i], limit);

@@ -16,9 +16,9 @@ struct Outcome {
 
 /// Runs works in child processes, so many at once, so that one that crashes or aborts takes nothing with it. `done`
 /// is given their outcomes in order. Works do not throw. One that takes more than `limit` seconds of processor time, or
-/// four times that and ten seconds by the clock, is ended; what it wrote is dropped.
+/// four times that and `patience` by the clock, is ended; what it wrote is dropped.
 void runIsolated(const std::vector<std::function<std::string()>>& works, int processes,
                  const std::function<void(std::size_t work, const Outcome&)>& done,
-                 double limit = std::numeric_limits<double>::infinity());
+                 double limit = std::numeric_limits<double>::infinity(), double patience = 10);
 
 }  // namespace ragtop::stability

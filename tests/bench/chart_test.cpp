@@ -155,6 +155,7 @@ TEST(ChartSweep, EndsAnEngineThatSleepsForEver) {
                                         variantOf(Falling::Way::well, "well")};
     SweepOptions options;
     options.limit = 0.1;
+    options.patience = 0.5;
     const Points points = sweep(tasksOf(variants, {64}), options, [](const Point&) {});
     EXPECT_EQ(points[0].outcome, Outcome::failed);
     EXPECT_EQ(points[0].reason, "took longer than its 1 s");
