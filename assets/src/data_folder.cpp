@@ -13,8 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Read at run time, so that whatever the optimiser does they are strings in the library: the test of a moved installation
-// finds them there and writes others over them.
+// Read at run time, so that whatever the optimiser does they are strings in the library: the test of a moved
+// installation finds them there and writes others over them.
 const char* volatile sources = RAGTOP_DATA_SOURCE_DIR;
 const char* volatile installation = RAGTOP_DATA_INSTALL_DIR;
 

@@ -16,10 +16,10 @@ namespace ragtop {
 
 namespace {
 
-constexpr float kClosed = 0.01f;    ///< opening at which a joint is closed enough
-constexpr int kRounds = 60;         ///< of closing: errors are not linear in ways
-constexpr int kDamped = 6;          ///< damped systems that are tried where bodies would turn by more than kLargestTurn
-constexpr double kDamping = 10;     ///< of each over that of the one before
+constexpr float kClosed = 0.01f;  ///< opening at which a joint is closed enough
+constexpr int kRounds = 60;       ///< of closing: errors are not linear in ways
+constexpr int kDamped = 6;        ///< damped systems that are tried where bodies would turn by more than kLargestTurn
+constexpr double kDamping = 10;   ///< of each over that of the one before
 constexpr double kTurnsAlone = 1000;   ///< damping up to which turns become dearer alone; rows give way beyond
 constexpr double kFirmer = 0.01;       ///< times what rows give way, where they give way to most of what is open
 constexpr double kFirmest = 1e-6;      ///< the least of it
@@ -28,7 +28,7 @@ constexpr float kLeastShare = 0.125f;  ///< of a step that is cut short, below w
 constexpr float kLargestTurn = 0.25f;  ///< rad, of a round
 constexpr float kStraight = 0.25f;     ///< least share of the ways of a round: they are damped more instead
 constexpr double kGained =
-    0.005;                       ///< of the kinetic energy, which closing may leave beyond it: the energy guard's room
+    0.005;                        ///< of the kinetic energy, which closing may leave beyond it: the energy guard's room
 constexpr float kBetter = 0.95f;  ///< of an opening, that counts as closed further
 constexpr int kPatience = 10;     ///< rounds that close nothing further
 constexpr int kLooks = 3;         ///< for parts that have come into each other where no contact was found
@@ -85,7 +85,8 @@ void restJoints(const ClosingView& world, JointClosing::Bench& bench) {
     bench.system.writeVelocities(world.bodies.arrays());
 }
 
-direct::IslandParts partsOf(const ClosingView& world, std::span<const std::uint32_t> group, JointClosing::Bench& bench) {
+direct::IslandParts partsOf(const ClosingView& world, std::span<const std::uint32_t> group,
+                            JointClosing::Bench& bench) {
     bench.joints.clear();
     bench.sims.clear();
     forEachJoint(world, group, [&](std::uint32_t joint) {
@@ -172,8 +173,8 @@ void moveBack(const ClosingView& world, std::span<const std::uint32_t> group, st
 }
 
 /// Ways in rounds until the joints are closed, or cannot be; where they were closed best.
-void closeInRounds(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
-                    JointClosing::Bench& bench) {
+void closeInRounds(const ClosingView& world, std::span<const std::uint32_t> group,
+                   std::span<const std::uint32_t> joints, JointClosing::Bench& bench) {
     const auto weightOf = [&](std::uint32_t body) {
         return world.sweptBodies.flags[world.bodies[body].awakeIndex] == kSwept ? kHeld : 1.0;
     };
@@ -210,8 +211,8 @@ void closeInRounds(const ClosingView& world, std::span<const std::uint32_t> grou
 }
 
 /// Closes the joints beside contacts, or without them where both cannot be had. Returns the widest opening left.
-float closeByPlaces(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
-                    JointClosing::Bench& bench) {
+float closeByPlaces(const ClosingView& world, std::span<const std::uint32_t> group,
+                    std::span<const std::uint32_t> joints, JointClosing::Bench& bench) {
     closeInRounds(world, group, joints, bench);
     for (int i = 0; i < kLooks && addMissedTouches(world, group, kOpen, i > 0, bench.touches); ++i) {
         bench.system.begin(partsOf(world, group, bench), world.bodies.arrays(), world.context);
@@ -260,8 +261,8 @@ float widestOfOwn(const ClosingView& world, std::span<const std::uint32_t> joint
 /// A step that ends where joints cannot be closed is cut short: the joints were closed where it began, so that they are
 /// nearly so a little further on. A group that nothing holds goes on as a whole. One that began open has no such place.
 /// Returns the share of the step that it goes, at most the one given.
-float closeEarlier(const ClosingView& world, std::span<const std::uint32_t> group, std::span<const std::uint32_t> joints,
-                   JointClosing::Bench& bench, float share) {
+float closeEarlier(const ClosingView& world, std::span<const std::uint32_t> group,
+                   std::span<const std::uint32_t> joints, JointClosing::Bench& bench, float share) {
     const std::span<const SweptPath> paths(bench.paths.data(), bench.paths.size());
     const Vec3 common = hangs(world, joints) ? Vec3{} : commonWay(world, group, paths);
     moveAlong(world, group, paths, common, 0);
@@ -342,7 +343,8 @@ bool isAlone(const ClosingView& world, std::span<const std::uint32_t> group, std
         if (forces.acceleration != common || forces.torque != Vec3{}) return false;
         for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.contacts.next(key)) {
             const ContactRecord& contact = world.contacts[key >> 1];
-            if (!contact.sensor && contact.hasPoints && !areGrouped(world.bodies, world.energyGuard, contact.bodyA, contact.bodyB))
+            if (!contact.sensor && contact.hasPoints &&
+                !areGrouped(world.bodies, world.energyGuard, contact.bodyA, contact.bodyB))
                 return false;
         }
     }

@@ -101,9 +101,9 @@ GuardView WorldImpl::guardView() {
 }
 
 ClosingView WorldImpl::closingView() {
-    return {tables.bodies,   tables.shapes,        tables.contacts, tables.manifolds, tables.joints,
-            tables.graph,    guards.energy,        collision.swept, guards.closing,   solving.context,
-            solving.jointContext, clock.dt, machine.runner,  machine.memory};
+    return {tables.bodies,        tables.shapes, tables.contacts, tables.manifolds, tables.joints,
+            tables.graph,         guards.energy, collision.swept, guards.closing,   solving.context,
+            solving.jointContext, clock.dt,      machine.runner,  machine.memory};
 }
 
 MultirateView WorldImpl::multirateView() {
