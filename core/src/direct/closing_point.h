@@ -12,7 +12,6 @@ struct ClosingPoint {
     DVec3 normal;      ///< from A to B
     DVec3 armA, armB;  ///< m, from the centres of mass
     double room = 0;   ///< m, by which the surfaces may come nearer; below 0 they are to part
-    double drift = 0;  ///< m/s along the normal, of what no impulse moves
     bool isFar = false;  ///< further apart than a round of closing moves bodies
 };
 

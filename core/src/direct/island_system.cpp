@@ -338,7 +338,7 @@ void IslandSystem::addClosingPoints(std::span<const ClosingPoint> points, RowAim
         const ClosingPoint& point = points[i];
         if (point.isFar || (aims == RowAims::resting && point.room > 0)) continue;
         SystemRow row = closingRow(point, pointEnds_[2 * i], pointEnds_[2 * i + 1], bodies_.data());
-        row.target = aims == RowAims::closing ? -point.room * inverseH : -point.drift;
+        row.target = aims == RowAims::closing ? -point.room * inverseH : 0;
         if (row.target > 0) row.side = Side::within;
         findBlock(row);
         rows_.push(row);

@@ -20,9 +20,10 @@ void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveRepor
 /// May a system be factorized once more in this step?
 bool mayFactor(const IslandSystem& system, const SolveReport& report);
 
+inline constexpr int kPivots = 512;  ///< after which a system falls back; struck tangles take seven on average
 /// A system of joints alone, from the sides of their bounds that its rows have: a linear system but for these, which
 /// block principal pivoting finds in finitely many steps [Júdice, Pires, 1994] where Newton's method meets one bound
 /// after the other. False when it did not converge, at a velocity that is finite.
-bool pivot(IslandSystem& system, bool& factored, SolveReport& report);
+bool pivot(IslandSystem& system, bool& factored, SolveReport& report, int mostPivots = kPivots);
 
 }  // namespace ragtop::direct

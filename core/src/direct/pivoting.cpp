@@ -9,7 +9,6 @@ namespace ragtop::direct {
 
 namespace {
 
-constexpr int kPivots = 512;     ///< after which a system falls back; struck tangles take seven on average
 constexpr int kQuick = 128;      ///< of these that are chosen for speed
 constexpr int kBlocks = 4;       ///< times that rows may change sides together without fewer being wrong
 constexpr int kRefinements = 2;  ///< of the answer, by which rounding of the factor is taken back
@@ -48,10 +47,10 @@ bool answerSides(IslandSystem& system, bool& factored, SolveReport& report) {
 /// All rows that are wrong change sides together as long as that leaves fewer of them, or has done lately; else the one
 /// that is wrong by most. Where that does not end, the last of them does, which cannot come round to the same sides
 /// again [Murty, 1974].
-bool pivot(IslandSystem& system, bool& factored, SolveReport& report) {
+bool pivot(IslandSystem& system, bool& factored, SolveReport& report, int mostPivots) {
     std::size_t fewest = std::numeric_limits<std::size_t>::max();
     int blocks = kBlocks;
-    for (int i = 0; i < kPivots; ++i) {
+    for (int i = 0; i < mostPivots; ++i) {
         if (!answerSides(system, factored, report)) return false;
         const std::size_t wrong = system.wrongSides();
         if (wrong == 0) return true;

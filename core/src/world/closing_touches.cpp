@@ -49,7 +49,7 @@ PairPoses posesAtStart(const ClosingView& world, std::uint32_t a, std::uint32_t 
     return {pose(a), pose(b)};
 }
 
-/// Calls visit(contact, isInner) for the contacts of a group with itself and with what never moves, each once.
+/// Calls visit(contact, isInner) for the contacts of a group with itself and with what is fixed, each once.
 template <class Visit>
 void forEachContact(const ClosingView& world, std::span<const std::uint32_t> group, Visit&& visit) {
     for (const std::uint32_t body : group)
@@ -58,7 +58,7 @@ void forEachContact(const ClosingView& world, std::span<const std::uint32_t> gro
             if (contact.sensor) continue;
             const std::uint32_t other = (key & 1) == 0 ? contact.bodyB : contact.bodyA;
             const bool isInner = areGrouped(world.bodies, world.energyGuard, body, other);
-            if (isInner ? (key & 1) == 0 : !world.bodies.moves(other)) visit(contact, isInner);
+            if (isInner ? (key & 1) == 0 : world.bodies[other].type == BodyType::fixed) visit(contact, isInner);
         }
 }
 
@@ -203,17 +203,12 @@ void placeTouches(const ClosingView& world, std::span<const ClosingTouch> touche
     points.clear();
     for (const ClosingTouch& touch : touches) {
         const PlacedTouch at = placeTouch(touch, posesNow(world, touch.bodyA, touch.bodyB));
-        const auto drift = [&](std::uint32_t body, const Vec3& arm) {
-            const BodyState& state = world.bodies.states[body];
-            return world.bodies.moves(body) ? 0.0f : dot(at.normal, state.v + cross(state.w, arm));
-        };
         points.push({.stateA = touch.bodyA,
                      .stateB = touch.bodyB,
                      .normal = direct::toDouble(at.normal),
                      .armA = direct::toDouble(at.armA),
                      .armB = direct::toDouble(at.armB),
                      .room = static_cast<double>(at.separation - touch.least),
-                     .drift = static_cast<double>(drift(touch.bodyB, at.armB) - drift(touch.bodyA, at.armA)),
                      .isFar = at.separation > touch.size});
     }
 }

@@ -7,8 +7,8 @@
 #include "direct/closing_point.h"
 #include "ragtop/math.h"
 
-/// Contact points between bodies of a group, and between these and what never moves, beside which the group's joints
-/// are closed: what closes a joint drives no part into another.
+/// Contact points between bodies of a group, and between these and what is fixed, beside which the group's joints are
+/// closed: what closes a joint drives no part into another.
 namespace ragtop {
 
 struct ClosingView;

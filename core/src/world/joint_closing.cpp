@@ -32,6 +32,8 @@ constexpr double kGained =
 constexpr float kBetter = 0.95f;  ///< of an opening, that counts as closed further
 constexpr int kPatience = 10;     ///< rounds that close nothing further
 constexpr int kLooks = 3;         ///< for parts that have come into each other where no contact was found
+constexpr int kPivotsOfTouches = 32;      ///< of a system with contacts, beyond which they are left out
+constexpr int kMostPivotsOfTouches = 96;  ///< the same of all systems of a group in a step
 
 std::span<const ClosingTouch> touchesOf(const JointClosing::Bench& bench) {
     return {bench.touches.data(), bench.touches.size()};
@@ -75,13 +77,29 @@ void placeJoints(const ClosingView& world, std::span<const std::uint32_t> joints
                    world.bodies.inertias.data());
 }
 
-/// Takes the speed at which rigid rows open, or contact points close that have no room.
-void restJoints(const ClosingView& world, JointClosing::Bench& bench) {
+/// False where contacts of the system are to be left out, which would take too long.
+bool solveSystem(JointClosing::Bench& bench) {
     direct::SolveReport report;
     bool factored = false;
-    placeTouches(world, touchesOf(bench), bench.points);
-    bench.system.aimAtRest(world.bodies.arrays(), world.jointContext, pointsOf(bench));
-    direct::pivot(bench.system, factored, report);
+    const bool isBeside = !bench.touches.empty();
+    const bool solved = direct::pivot(bench.system, factored, report, isBeside ? kPivotsOfTouches : direct::kPivots);
+    if (!isBeside) return true;
+    bench.pivots += report.factorizations;
+    return solved && bench.pivots < kMostPivotsOfTouches;
+}
+
+/// Takes the speed at which rigid rows open, or contact points close that have no room.
+void restJoints(const ClosingView& world, JointClosing::Bench& bench) {
+    const auto aim = [&] {
+        placeTouches(world, touchesOf(bench), bench.points);
+        bench.system.aimAtRest(world.bodies.arrays(), world.jointContext, pointsOf(bench));
+    };
+    aim();
+    if (!solveSystem(bench)) {
+        bench.touches.clear();
+        aim();
+        solveSystem(bench);
+    }
     bench.system.writeVelocities(world.bodies.arrays());
 }
 
@@ -146,17 +164,15 @@ float shareOfWays(const ClosingView& world, std::span<const std::uint32_t> joint
 /// them by many radians to first order, sooner than it lifts what is heavy; and near a dead point of a loop any way is
 /// long. So turns become dearer first, whereupon bodies go straight; then rows give way, after Levenberg. Below 1 the
 /// damping makes rows firmer: a loop between heavy bodies with a light link takes loads that rows otherwise give way
-/// to. Returns the share of the ways to go.
+/// to. Returns the share of the ways to go; negative where contacts are to be left out.
 float findWays(const ClosingView& world, std::span<const std::uint32_t> joints, JointClosing::Bench& bench, float open,
                float least, double leastDamping, double& damping) {
-    direct::SolveReport report;
     const auto ofTurns = [](double x) { return std::max(1.0, x); };
     const auto ofRows = [](double x) { return std::max(std::min(1.0, x), x / kTurnsAlone); };
     damping = std::max(leastDamping, damping / (kDamping * kDamping));
     bench.system.dampClosing(ofTurns(damping), ofRows(damping));
     for (int i = 0;; ++i) {
-        bool factored = false;
-        direct::pivot(bench.system, factored, report);
+        if (!solveSystem(bench)) return -1;
         const float share = shareOfWays(world, joints, bench, open);
         if (share >= least || i == kDamped) return share;
         const double more = kDamping * damping;
@@ -194,6 +210,7 @@ void closeInRounds(const ClosingView& world, std::span<const std::uint32_t> grou
         placeTouches(world, touchesOf(bench), bench.points);
         bench.system.aimAtClosing(world.bodies.arrays(), world.jointContext, pointsOf(bench), weightOf);
         const float share = findWays(world, joints, bench, open, damped ? kStraight : 0.0f, leastDamping, damping);
+        if (share < 0) break;
         bench.system.visitWays(static_cast<double>(share * world.context.h),
                                [&](std::uint32_t body, const DVec3& way, const DVec3& turning) {
                                    shiftBody(world.bodies, body, {toVec3(way), toVec3(turning)});
@@ -214,7 +231,9 @@ void closeInRounds(const ClosingView& world, std::span<const std::uint32_t> grou
 float closeByPlaces(const ClosingView& world, std::span<const std::uint32_t> group,
                     std::span<const std::uint32_t> joints, JointClosing::Bench& bench) {
     closeInRounds(world, group, joints, bench);
-    for (int i = 0; i < kLooks && addMissedTouches(world, group, kOpen, i > 0, bench.touches); ++i) {
+    for (int i = 0; i < kLooks && bench.pivots < kMostPivotsOfTouches &&
+                    addMissedTouches(world, group, kOpen, i > 0, bench.touches);
+         ++i) {
         bench.system.begin(partsOf(world, group, bench), world.bodies.arrays(), world.context);
         closeInRounds(world, group, joints, bench);
     }
@@ -371,6 +390,7 @@ void closeGroup(const ClosingView& world, std::size_t g, JointClosing::Bench& be
         bench.speeds.push({world.bodies.states[body].v, world.bodies.states[body].w});
     }
     bench.system.begin(parts, world.bodies.arrays(), world.context);
+    bench.pivots = 0;
     const BeforeClosing before{momentumToHave(world, g, joints), kineticOf(world, group), storedBy(world, joints)};
     float share = 1;
     if (closeByPlaces(world, group, joints, bench) > kTorn) share = closeEarlier(world, group, joints, bench, 1);

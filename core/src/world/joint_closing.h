@@ -48,6 +48,7 @@ struct JointClosing {
         AlignedArray<ClosingTouch> touches;
         AlignedArray<direct::ClosingPoint> points;  ///< these where they are now
         direct::IslandSystem system;
+        int pivots = 0;         ///< that closing a group beside contacts has taken
         std::uint64_t cut = 0;  ///< steps of groups that were cut short, in this step
     };
     std::vector<std::unique_ptr<Bench>> benches;
