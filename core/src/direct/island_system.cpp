@@ -1,5 +1,6 @@
 #include "direct/island_system.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "base/economy.h"
@@ -78,7 +79,7 @@ void IslandSystem::makeRoom(std::size_t bodyCount, std::size_t contactCount, std
 }
 
 void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, const SolverContext& context) {
-    makeRoom(parts.bodyCount, parts.contactCount, parts.jointCount + parts.pointCount);
+    makeRoom(parts.bodyCount, parts.contactCount, parts.jointCount + std::max(parts.pointCount, parts.pointRoom));
     gravityStep_ = static_cast<double>(context.gravityStep);
     stride_ = static_cast<std::size_t>(parts.laneStride);
     lanes_ = parts.contactCount;
@@ -90,6 +91,7 @@ void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, con
     joints_.clear();
     jointEnds_.clear();
     pointEnds_.clear();
+    pointEnds_.reserve(2 * parts.pointRoom);
     const auto localOf = [&](std::uint32_t state) {
         return arrays.states[state].invMass > 0 ? static_cast<std::int32_t>(parts.localOf[state]) : kFixed;
     };
@@ -107,7 +109,7 @@ void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, con
     for (const std::int32_t end : jointEnds_) held |= end == kFixed;
     loops_ = joints_.size() + (held ? 0 : 1) > bodies_.size();
     constexpr std::size_t kMostRows = 24;  // a plane with everything; rows come and go with tension
-    rows_.reserve(kMostRows * joints_.size() + parts.pointCount);
+    rows_.reserve(kMostRows * joints_.size() + std::max(parts.pointCount, parts.pointRoom));
     loadPattern();
     const std::size_t n = unknowns();
     velocity_.resizeForOverwrite(n);

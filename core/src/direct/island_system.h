@@ -167,7 +167,7 @@ struct IslandParts {
     JointSim* const* joints = nullptr;
     std::size_t jointCount = 0;
     const ClosingPoint* points = nullptr;  ///< beside which joints are closed; their bodies alone count
-    std::size_t pointCount = 0;
+    std::size_t pointCount = 0, pointRoom = 0;  ///< and how many there may be in steps to come
     int laneStride = 0;
     std::uint32_t* localOf = nullptr;  ///< scratch: index in the island of each state
 };

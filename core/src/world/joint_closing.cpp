@@ -119,6 +119,7 @@ direct::IslandParts partsOf(const ClosingView& world, std::span<const std::uint3
     placeTouches(world, touchesOf(bench), bench.points);
     parts.points = bench.points.data();
     parts.pointCount = bench.points.size();
+    parts.pointRoom = world.jointClosing.mostTouches;
     parts.laneStride = world.graph.lanes();
     parts.localOf = world.jointClosing.localOf.data();
     return parts;
@@ -417,7 +418,8 @@ static void makeRoomToClose(const ClosingView& world, std::span<const std::uint3
         return;
     closing.mostBodies = std::max(closing.mostBodies, group.size());
     closing.mostJoints = std::max(closing.mostJoints, joints);
-    closing.mostTouches = std::max(closing.mostTouches, 2 * touches.size());
+    constexpr std::size_t kTouchesOfABody = 16;  // few lie in more
+    closing.mostTouches = std::max({closing.mostTouches, 2 * touches.size(), kTouchesOfABody * group.size()});
     for (const std::unique_ptr<JointClosing::Bench>& bench : closing.benches) {
         bench->touches.reserve(closing.mostTouches);
         bench->points.reserve(closing.mostTouches);
