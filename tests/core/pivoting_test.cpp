@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "direct/island_system.h"
 #include "direct/newton.h"
 #include "joint_rig.h"
 
@@ -46,11 +47,12 @@ public:
         direct::IslandSystem system{std::pmr::get_default_resource()};
         system.begin(parts, arrays, {});
         system.beginSubstep(arrays, joints);
-        system.velocityOfLoads(system.velocity());
+        direct::Equations& equations = system.equations();
+        equations.velocityOfLoads(equations.velocity.data());
         direct::SolveReport report;
         bool factored = false;
-        EXPECT_TRUE(direct::pivot(system, factored, report));
-        const direct::Residual left = system.evaluate(system.velocity(), system.scratch().gradient.data());
+        EXPECT_TRUE(direct::pivot(equations, factored, report));
+        const direct::Residual left = equations.evaluate(equations.velocity.data(), equations.scratch.gradient.data());
         EXPECT_GT(left.scale, 0);
         return left.norm / left.scale;
     }

@@ -286,14 +286,14 @@ void lookAround(ClothSim& sim, float dt) {
 }
 
 bool mustWake(const ClothSim& sim) {
-    constexpr float kStill = 0.02f;  // m/s, and rad/s
+    constexpr float kStandsBelow = 0.02f;  // m/s, and rad/s
     if (sim.around.fixedSeen != sim.world->fixedVersion()) return true;
     const Bounds all = boundsOfAll(sim);
     const Vec3 origin = toVec3(sim.state.origin);
     bool meets = false;
     const auto moves = [&](BodyId id) {
         return sim.world->type(id) != BodyType::fixed &&
-               length(sim.world->linearVelocity(id)) + length(sim.world->angularVelocity(id)) > kStill;
+               length(sim.world->linearVelocity(id)) + length(sim.world->angularVelocity(id)) > kStandsBelow;
     };
     for (const HeldPoint& held : sim.state.held)
         if (!held.id.isNull() && (!sim.world->isValid(held.id) || moves(held.id))) return true;

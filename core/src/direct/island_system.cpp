@@ -11,20 +11,13 @@
 namespace ragtop::direct {
 
 IslandSystem::IslandSystem(std::pmr::memory_resource* memory)
-    : bodies_(memory),
+    : equations_(memory),
       states_(memory),
-      contacts_(memory),
-      points_(memory),
-      rows_(memory),
       joints_(memory),
       pairs_(memory),
       jointEnds_(memory),
       pointEnds_(memory),
-      velocity_(memory),
-      free_(memory),
-      written_(memory),
-      factor_(memory),
-      scratch_{AlignedArray<double>(memory), AlignedArray<double>(memory), AlignedArray<double>(memory)} {
+      written_(memory) {
     // Small islands come and go, each time of other sizes.
     constexpr std::size_t kFewBodies = 8, kFewContacts = 16;
     makeRoom(kFewBodies, kFewContacts, 0);
@@ -63,28 +56,29 @@ void tangents(const DVec3& n, DVec3& t1, DVec3& t2) {
 
 void IslandSystem::makeRoom(std::size_t bodyCount, std::size_t contactCount, std::size_t jointCount) {
     const auto more = [](std::size_t count) { return count + count / 4; };
-    if (contactCount > contacts_.capacity()) {
-        contacts_.reserve(more(contactCount));
-        points_.reserve(contact::kMaxPoints * contacts_.capacity());
+    if (contactCount > equations_.contacts.capacity()) {
+        equations_.contacts.reserve(more(contactCount));
+        equations_.points.reserve(contact::kMaxPoints * equations_.contacts.capacity());
     }
-    pairs_.reserve(contacts_.capacity() + jointCount);
-    if (bodyCount <= bodies_.capacity()) return;
-    bodies_.reserve(more(bodyCount));
-    const std::size_t room = bodies_.capacity();
+    pairs_.reserve(equations_.contacts.capacity() + jointCount);
+    if (bodyCount <= equations_.bodies.capacity()) return;
+    equations_.bodies.reserve(more(bodyCount));
+    const std::size_t room = equations_.bodies.capacity();
     states_.reserve(room);
     written_.reserve(2 * room);
-    for (AlignedArray<double>* array : {&velocity_, &free_, &scratch_.gradient, &scratch_.direction, &scratch_.trial})
+    for (AlignedArray<double>* array : {&equations_.velocity, &equations_.free, &equations_.scratch.gradient,
+                                        &equations_.scratch.direction, &equations_.scratch.trial})
         array->reserve(6 * room);
-    factor_.reserve(room, pairs_.capacity());
+    equations_.hessian.reserve(room, pairs_.capacity());
 }
 
 void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, const SolverContext& context) {
     makeRoom(parts.bodyCount, parts.contactCount, parts.jointCount + std::max(parts.pointCount, parts.pointRoom));
-    gravityStep_ = static_cast<double>(context.gravityStep);
+    equations_.gravityStep = static_cast<double>(context.gravityStep);
     stride_ = static_cast<std::size_t>(parts.laneStride);
     lanes_ = parts.contactCount;
-    stopped_ = rests_ = false;
-    loadsKept_ = true;
+    equations_.stopped = rests_ = false;
+    equations_.loadsKept = true;
     restedSubsteps_ = 0;
     loadBodies(parts, arrays);
     loadContacts(parts, arrays);
@@ -107,28 +101,28 @@ void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, con
     }
     bool held = false;
     for (const std::int32_t end : jointEnds_) held |= end == kFixed;
-    loops_ = joints_.size() + (held ? 0 : 1) > bodies_.size();
+    loops_ = joints_.size() + (held ? 0 : 1) > equations_.bodies.size();
     constexpr std::size_t kMostRows = 24;  // a plane with everything; rows come and go with tension
-    rows_.reserve(kMostRows * joints_.size() + std::max(parts.pointCount, parts.pointRoom));
+    equations_.rows.reserve(kMostRows * joints_.size() + std::max(parts.pointCount, parts.pointRoom));
     loadPattern();
-    const std::size_t n = unknowns();
-    velocity_.resizeForOverwrite(n);
-    free_.resizeForOverwrite(n);
-    written_.resizeForOverwrite(2 * bodies_.size());
-    scratch_.gradient.resizeForOverwrite(n);
-    scratch_.direction.resizeForOverwrite(n);
-    scratch_.trial.resizeForOverwrite(n);
+    const std::size_t n = equations_.unknowns();
+    equations_.velocity.resizeForOverwrite(n);
+    equations_.free.resizeForOverwrite(n);
+    written_.resizeForOverwrite(2 * equations_.bodies.size());
+    equations_.scratch.gradient.resizeForOverwrite(n);
+    equations_.scratch.direction.resizeForOverwrite(n);
+    equations_.scratch.trial.resizeForOverwrite(n);
 }
 
 void IslandSystem::loadBodies(const IslandParts& parts, const BodyArrays& arrays) {
-    bodies_.resizeForOverwrite(parts.bodyCount);
+    equations_.bodies.resizeForOverwrite(parts.bodyCount);
     states_.resizeForOverwrite(parts.bodyCount);
     for (std::size_t i = 0; i < parts.bodyCount; ++i) {
         const std::uint32_t state = parts.bodies[i];
         parts.localOf[state] = static_cast<std::uint32_t>(i);
-        bodies_[i] = {};
-        bodies_[i].state = states_[i] = state;
-        setMass(bodies_[i], arrays.states[state], arrays.inertia[state]);
+        equations_.bodies[i] = {};
+        equations_.bodies[i].state = states_[i] = state;
+        setMass(equations_.bodies[i], arrays.states[state], arrays.inertia[state]);
     }
 }
 
@@ -166,8 +160,8 @@ static void guessSlips(SystemPoint* points, const SystemContact& contact, const 
 /// Long: it reads all fields of a lane.
 void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arrays) {
     const double resistance = parts.jointCount > 0 ? tuning::kJointedResistance : tuning::kContactResistance;
-    contacts_.clear();
-    points_.clear();
+    equations_.contacts.clear();
+    equations_.points.clear();
     for (std::size_t i = 0; i < parts.contactCount; ++i) {
         SystemContact c;
         c.lane = parts.lanes[i];
@@ -184,7 +178,7 @@ void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arra
         const BodyState &stateA = arrays.states[c.stateA], &stateB = arrays.states[c.stateB];
         c.a = stateA.invMass > 0 ? static_cast<std::int32_t>(parts.localOf[c.stateA]) : kFixed;
         c.b = stateB.invMass > 0 ? static_cast<std::int32_t>(parts.localOf[c.stateB]) : kFixed;
-        c.first = static_cast<std::uint32_t>(points_.size());
+        c.first = static_cast<std::uint32_t>(equations_.points.size());
         c.normal = vector(contact::kNormal);
         c.normal = (1 / length(c.normal)) * c.normal;
         tangents(c.normal, c.tangent1, c.tangent2);
@@ -216,15 +210,15 @@ void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arra
             for (int k = 0; k < 3; ++k) p.impulse[k] = p.speed[k] = p.change[k] = 0;
             const double arms = length(p.armA) + length(p.armB);
             reach = arms > reach ? arms : reach;
-            points_.push(p);
+            equations_.points.push(p);
         }
         c.rounded = tuning::kRoundedGap * c.size + tuning::kRoundedArm * reach;
         c.near = tuning::kContactGap * c.size + c.rounded;
-        SystemPoint* points = points_.data() + c.first;
+        SystemPoint* points = equations_.points.data() + c.first;
         shareFriction(points, c, vector(contact::kCenter), vector(contact::kFrictionImpulse),
                       field(c, contact::kTwistImpulse));
         guessSlips(points, c, stateA, stateB);
-        contacts_.push(c);
+        equations_.contacts.push(c);
     }
 }
 
@@ -234,17 +228,18 @@ void IslandSystem::loadPattern() {
         if (a != kFixed && b != kFixed && a != b)
             pairs_.push({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b)});
     };
-    for (const SystemContact& c : contacts_) couple(c.a, c.b);
+    for (const SystemContact& c : equations_.contacts) couple(c.a, c.b);
     for (std::size_t j = 0; j < joints_.size(); ++j) couple(jointEnds_[2 * j], jointEnds_[2 * j + 1]);
     for (std::size_t p = 0; p < pointEnds_.size(); p += 2) couple(pointEnds_[p], pointEnds_[p + 1]);
-    factor_.update(static_cast<std::uint32_t>(bodies_.size()), pairs_.data(), pairs_.size());
-    for (SystemContact& c : contacts_)
+    equations_.hessian.update(static_cast<std::uint32_t>(equations_.bodies.size()), pairs_.data(), pairs_.size());
+    for (SystemContact& c : equations_.contacts)
         if (c.a != kFixed && c.b != kFixed)
-            c.block = factor_.ordering().blockOf(static_cast<std::uint32_t>(c.a), static_cast<std::uint32_t>(c.b));
+            c.block =
+                equations_.hessian.ordering().blockOf(static_cast<std::uint32_t>(c.a), static_cast<std::uint32_t>(c.b));
 }
 
 void IslandSystem::refreshMasses(const BodyArrays& arrays) {
-    for (SystemBody& body : bodies_) {
+    for (SystemBody& body : equations_.bodies) {
         setMass(body, arrays.states[body.state], arrays.inertia[body.state]);
         body.stiffness = {};
         body.inverseTaut = body.inverseInertia;
@@ -252,16 +247,16 @@ void IslandSystem::refreshMasses(const BodyArrays& arrays) {
 }
 
 void IslandSystem::beginSubstep(const BodyArrays& arrays, const JointContext& joints) {
-    rests_ = stopped_ && economy.zeroIterations;
+    rests_ = equations_.stopped && economy.zeroIterations;
     for (std::size_t i = 0; i < states_.size(); ++i) {
         const BodyState& state = arrays.states[states_[i]];
-        double* free = free_.data() + 6 * i;
+        double* free = equations_.free.data() + 6 * i;
         const DVec3 v = toDouble(state.v), w = toDouble(state.w);
         rests_ &= v == load(free) && w == load(free + 3);
         store(v, free);
         store(w, free + 3);
     }
-    stopped_ = rests_;
+    equations_.stopped = rests_;
     if (rests_) return;
     refreshMasses(arrays);
     buildRows(arrays, joints, true, RowAims::substep);
@@ -276,8 +271,8 @@ void IslandSystem::makeHeavy(SystemBody& body, double factor) {
 
 double IslandSystem::largestTurn(double h) const {
     double square = 0;
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        const DVec3 w = load(velocity_.data() + 6 * i + 3);
+    for (std::size_t i = 0; i < equations_.bodies.size(); ++i) {
+        const DVec3 w = load(equations_.velocity.data() + 6 * i + 3);
         const double s = dot(w, w);
         square = s > square ? s : square;
     }
@@ -289,12 +284,12 @@ void IslandSystem::aimAtRest(const BodyArrays& arrays, const JointContext& joint
     refreshMasses(arrays);
     buildRows(arrays, joints, false, RowAims::resting);
     addClosingPoints(points, RowAims::resting, joints.inverseH);
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        const BodyState& state = arrays.states[bodies_[i].state];
-        store(toDouble(state.v), free_.data() + 6 * i);
-        store(toDouble(state.w), free_.data() + 6 * i + 3);
+    for (std::size_t i = 0; i < equations_.bodies.size(); ++i) {
+        const BodyState& state = arrays.states[equations_.bodies[i].state];
+        store(toDouble(state.v), equations_.free.data() + 6 * i);
+        store(toDouble(state.w), equations_.free.data() + 6 * i + 3);
     }
-    for (std::size_t i = 0; i < unknowns(); ++i) velocity_[i] = free_[i];
+    for (std::size_t i = 0; i < equations_.unknowns(); ++i) equations_.velocity[i] = equations_.free[i];
 }
 
 /// The stiffness of a body's joints over its inertia, about the axis for which it matters most.
@@ -307,88 +302,72 @@ static double tautness(const SystemBody& body) {
 /// Taut links turn far within a substep; what they turned by is known better once it has been solved.
 bool IslandSystem::aimAgain(const BodyArrays& arrays, const JointContext& joints) {
     bool taut = false;
-    for (const SystemBody& body : bodies_) taut |= tautness(body) > tuning::kVeryTaut;
+    for (const SystemBody& body : equations_.bodies) taut |= tautness(body) > tuning::kVeryTaut;
     if (!taut) return false;
-    for (const SystemRow& row : rows_)
+    for (const SystemRow& row : equations_.rows)
         if (row.kind == RowKind::across) return false;  // its rest is the free motion
-    storeImpulses(rows_, joints_.data());
-    for (SystemBody& body : bodies_) body.stiffness = {};
+    storeImpulses(equations_.rows, joints_.data());
+    for (SystemBody& body : equations_.bodies) body.stiffness = {};
     buildRows(arrays, joints, false, RowAims::substep);
     return true;
 }
 
 void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins, RowAims aims) {
-    rows_.clear();
+    equations_.rows.clear();
     if (joints_.empty()) return;
-    const JointRowBuilder builder{arrays, joints, rows_, bodies_.data(), begins, aims};
+    const JointRowBuilder builder{arrays, joints, equations_.rows, equations_.bodies.data(), begins, aims};
     for (std::size_t j = 0; j < joints_.size(); ++j)
         builder.add(*joints_[j], static_cast<std::uint32_t>(j), jointEnds_[2 * j], jointEnds_[2 * j + 1]);
-    for (SystemBody& body : bodies_)
+    for (SystemBody& body : equations_.bodies)
         if (body.stiffness.xx > 0 || body.stiffness.yy > 0 || body.stiffness.zz > 0)
             body.inverseTaut = inverse(body.inertia + body.stiffness);
-    for (SystemRow& row : rows_) findBlock(row);
-    takeSidesOfLoads();
+    for (SystemRow& row : equations_.rows) findBlock(row);
+    equations_.takeSidesOfLoads();
 }
 
 void IslandSystem::findBlock(SystemRow& row) const {
     if (row.a != kFixed && row.b != kFixed)
-        row.block = factor_.ordering().blockOf(static_cast<std::uint32_t>(row.a), static_cast<std::uint32_t>(row.b));
+        row.block =
+            equations_.hessian.ordering().blockOf(static_cast<std::uint32_t>(row.a), static_cast<std::uint32_t>(row.b));
 }
 
 void IslandSystem::addClosingPoints(std::span<const ClosingPoint> points, RowAims aims, double inverseH) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         const ClosingPoint& point = points[i];
         if (point.isFar || (aims == RowAims::resting && point.room > 0)) continue;
-        SystemRow row = closingRow(point, pointEnds_[2 * i], pointEnds_[2 * i + 1], bodies_.data());
+        SystemRow row = closingRow(point, pointEnds_[2 * i], pointEnds_[2 * i + 1], equations_.bodies.data());
         row.target = aims == RowAims::closing ? -point.room * inverseH : 0;
         if (row.target > 0) row.side = Side::within;
         findBlock(row);
-        rows_.push(row);
+        equations_.rows.push(row);
     }
 }
 
 void IslandSystem::updateLoads(bool factored) {
     restedSubsteps_ += rests_;
     if (rests_) return;
-    if (factored && loops_) dropSelfStress();
-    takePointLoads();
-    for (const SystemContact& c : contacts_)
+    if (factored && loops_) equations_.dropSelfStress();
+    equations_.takePointLoads();
+    for (const SystemContact& c : equations_.contacts)
         for (std::uint32_t j = 0; j < c.count; ++j)
-            pointField(c, j, contact::kPeak) += static_cast<float>(points_[c.first + j].load[0]);
-    storeImpulses(rows_, joints_.data());
+            pointField(c, j, contact::kPeak) += static_cast<float>(equations_.points[c.first + j].load[0]);
+    storeImpulses(equations_.rows, joints_.data());
     for (JointSim* joint : joints_) recordLoad(*joint);
-}
-
-void IslandSystem::scaleResistance(double factor) {
-    for (SystemPoint& p : points_) p.resistance *= factor;
-}
-
-void IslandSystem::takePointLoads() {
-    for (SystemPoint& p : points_)
-        for (int k = 0; k < 3; ++k) {
-            loadsKept_ &= p.load[k] == p.impulse[k];
-            p.load[k] = p.impulse[k];
-        }
-}
-
-void IslandSystem::takeLoads() {
-    takePointLoads();
-    for (SystemRow& row : rows_)
-        if (!row.compliant) row.load = row.impulse;
 }
 
 void IslandSystem::end() {
     // What the substeps have borne through which it rested.
-    for (const SystemContact& c : contacts_)
+    for (const SystemContact& c : equations_.contacts)
         for (std::uint32_t j = 0; j < c.count; ++j)
-            pointField(c, j, contact::kPeak) += static_cast<float>(restedSubsteps_ * points_[c.first + j].load[0]);
-    for (const SystemContact& c : contacts_) {
+            pointField(c, j, contact::kPeak) +=
+                static_cast<float>(restedSubsteps_ * equations_.points[c.first + j].load[0]);
+    for (const SystemContact& c : equations_.contacts) {
         const DVec3 center{field(c, contact::kCenter), field(c, contact::kCenter + 1), field(c, contact::kCenter + 2)};
         DVec3 friction;
         double twist = 0;
         bool slides = false, sticks = false;
         for (std::uint32_t j = 0; j < c.count; ++j) {
-            const SystemPoint& p = points_[c.first + j];
+            const SystemPoint& p = equations_.points[c.first + j];
             const DVec3 f = p.load[1] * c.tangent1 + p.load[2] * c.tangent2;
             friction = friction + f;
             twist += dot(c.normal, cross(p.armA - center, f));
@@ -398,7 +377,7 @@ void IslandSystem::end() {
             pointField(c, j, contact::kLoad) = static_cast<float>(p.load[0]);
         }
         // Loads that were shared out and kept would lose a little with every step if they were summed up again.
-        if (!loadsKept_) {
+        if (!equations_.loadsKept) {
             for (int k = 0; k < 3; ++k)
                 field(c, contact::kFrictionImpulse + k) = static_cast<float>(k == 0   ? friction.x
                                                                              : k == 1 ? friction.y
@@ -416,10 +395,10 @@ void IslandSystem::writeVelocities(const BodyArrays& arrays) {
         for (const std::uint32_t state : states_) arrays.states[state].v = arrays.states[state].w = {};
         return;
     }
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        stopBelow(i, tuning::kNothing * gravityStep_);
-        const double* v = velocity_.data() + 6 * i;
-        BodyState& state = arrays.states[bodies_[i].state];
+    for (std::size_t i = 0; i < equations_.bodies.size(); ++i) {
+        equations_.stopBelow(i, tuning::kNothing * equations_.gravityStep);
+        const double* v = equations_.velocity.data() + 6 * i;
+        BodyState& state = arrays.states[equations_.bodies[i].state];
         state.v = toVec3(load(v));
         state.w = toVec3(load(v + 3));
         written_[2 * i] = state.v;

@@ -28,15 +28,15 @@ constexpr double kRounding = 1e-5;    ///< relative residual at which lack of pr
 
 /// The α at which the slope has fallen enough: 1 where the quadratic model is right, else by false position with
 /// halving [Illinois], which a convex function cannot defeat.
-double lineSearch(const IslandSystem& system, const double* v, const double* d, double slope0) {
+double lineSearch(const Equations& equations, const double* v, const double* d, double slope0) {
     double low = 0, slopeLow = slope0, high = 1;
-    double slopeHigh = system.slopeAlong(v, d, high);
+    double slopeHigh = equations.slopeAlong(v, d, high);
     const double enough = kLineSlope * std::fabs(slope0);
     if (!(slopeHigh > enough)) return 1;
     int side = 0;
     for (int i = 0; i < kLineSteps; ++i) {
         const double alpha = (low * slopeHigh - high * slopeLow) / (slopeHigh - slopeLow);
-        const double slope = system.slopeAlong(v, d, alpha);
+        const double slope = equations.slopeAlong(v, d, alpha);
         if (std::fabs(slope) <= enough) return alpha;
         if (slope > 0) {
             high = alpha, slopeHigh = slope;
@@ -57,34 +57,34 @@ double dot(const double* a, const double* b, std::size_t n) {
     return s;
 }
 
-bool isLarge(const IslandSystem& system) { return system.bodyCount() > kMostBodies; }
+bool isLarge(const Equations& equations) { return equations.bodies.size() > kMostBodies; }
 
 /// A step of Newton's method to where points and rows would be if none changed its region: loads answer to small
 /// changes of what they are asked for as they did, while the speeds of light bodies under great loads tell nothing.
-void predict(IslandSystem& system, bool& factored, SolveReport& report) {
-    double *v = system.velocity(), *direction = system.scratch().direction.data();
-    system.evaluateSides(v, direction);
-    if (!factored || system.regionsChanged()) {
-        if (!mayFactor(system, report) || !system.factorize()) return;
+void predict(Equations& equations, bool& factored, SolveReport& report) {
+    double *v = equations.velocity.data(), *direction = equations.scratch.direction.data();
+    equations.evaluateSides(v, direction);
+    if (!factored || equations.regionsChanged()) {
+        if (!mayFactor(equations, report) || !equations.factorize()) return;
         factored = true;
         ++report.factorizations;
     }
-    for (std::size_t k = 0; k < system.unknowns(); ++k) direction[k] = -direction[k];
-    system.solve(direction);
-    for (std::size_t k = 0; k < system.unknowns(); ++k) v[k] += direction[k];
+    for (std::size_t k = 0; k < equations.unknowns(); ++k) direction[k] = -direction[k];
+    equations.solve(direction);
+    for (std::size_t k = 0; k < equations.unknowns(); ++k) v[k] += direction[k];
     ++report.iterations;
 }
 
 /// One convex problem. False when it did not converge.
-bool minimize(IslandSystem& system, int iterations, double enough, bool& factored, SolveReport& report) {
-    const std::size_t n = system.unknowns();
-    double* v = system.velocity();
-    double* gradient = system.scratch().gradient.data();
-    double* direction = system.scratch().direction.data();
+bool minimize(Equations& equations, int iterations, double enough, bool& factored, SolveReport& report) {
+    const std::size_t n = equations.unknowns();
+    double* v = equations.velocity.data();
+    double* gradient = equations.scratch.gradient.data();
+    double* direction = equations.scratch.direction.data();
     double last = 0;
     bool stale = true;
     for (int i = 0; i < iterations; ++i) {
-        const Residual residual = system.evaluate(v, gradient);
+        const Residual residual = equations.evaluate(v, gradient);
         report.residual = residual.scale > 0 ? residual.norm / residual.scale : 0;
         if (!std::isfinite(residual.norm)) return false;
         const bool mayEnd = i > 0 || economy.zeroIterations;
@@ -92,9 +92,9 @@ bool minimize(IslandSystem& system, int iterations, double enough, bool& factore
         const bool slow = i > 0 && residual.norm > kStale * last;
         if (slow && !stale && residual.norm <= kRounding * residual.scale) return true;
         last = residual.norm;
-        const bool outdated = slow || system.regionsChanged();
-        if (!factored || (outdated && mayFactor(system, report))) {
-            if (!mayFactor(system, report) || !system.factorize()) return false;
+        const bool outdated = slow || equations.regionsChanged();
+        if (!factored || (outdated && mayFactor(equations, report))) {
+            if (!mayFactor(equations, report) || !equations.factorize()) return false;
             factored = true;
             stale = false;
             ++report.factorizations;
@@ -102,12 +102,12 @@ bool minimize(IslandSystem& system, int iterations, double enough, bool& factore
             stale = true;
         }
         for (std::size_t k = 0; k < n; ++k) direction[k] = -gradient[k];
-        system.solve(direction);
+        equations.solve(direction);
         ++report.iterations;
         const double slope = dot(gradient, direction, n);
         if (!(slope < 0)) return residual.norm <= kRounding * residual.scale;
-        system.changeAlong(direction);
-        const double alpha = lineSearch(system, v, direction, slope);
+        equations.changeAlong(direction);
+        const double alpha = lineSearch(equations, v, direction, slope);
         for (std::size_t k = 0; k < n; ++k) v[k] += alpha * direction[k];
     }
     return report.residual <= kRounding;
@@ -115,17 +115,17 @@ bool minimize(IslandSystem& system, int iterations, double enough, bool& factore
 
 /// Loads far from the answer make a stiff system a hard one. Softer systems are easy, and the loads that each finds
 /// bring the next one near its answer.
-bool approach(IslandSystem& system, bool& factored, SolveReport& report) {
+bool approach(Equations& equations, bool& factored, SolveReport& report) {
     double scale = 1;
     for (int stage = 0; stage < kStages; ++stage) scale *= kStage;
-    system.scaleResistance(scale);
+    equations.scaleResistance(scale);
     bool found = false;
     for (int stage = 0; stage <= kStages; ++stage) {
         factored = false;
-        found = minimize(system, kMoreIterations, tuning::kResidual, factored, report);
+        found = minimize(equations, kMoreIterations, tuning::kResidual, factored, report);
         if (stage == kStages) break;
-        if (found) system.takeLoads();
-        system.scaleResistance(1 / kStage);
+        if (found) equations.takeLoads();
+        equations.scaleResistance(1 / kStage);
     }
     factored = false;
     return found;
@@ -133,56 +133,56 @@ bool approach(IslandSystem& system, bool& factored, SolveReport& report) {
 
 /// One round of the method of multipliers leaves the speeds R (λ − λ̂). A large island, whose factor is dear, uses it
 /// until they are next to nothing, so that the substeps that follow find loads that hold.
-void refine(IslandSystem& system, bool& factored, SolveReport& report) {
-    for (int round = 0; round < kRefining && !system.loadsHold(kRefined); ++round) {
-        system.takeLoads();
-        if (!minimize(system, kIterations, tuning::kResidual, factored, report)) return;
+void refine(Equations& equations, bool& factored, SolveReport& report) {
+    for (int round = 0; round < kRefining && !equations.loadsHold(kRefined); ++round) {
+        equations.takeLoads();
+        if (!minimize(equations, kIterations, tuning::kResidual, factored, report)) return;
     }
 }
 
 }  // namespace
 
-bool mayFactor(const IslandSystem& system, const SolveReport& report) {
-    if (isLarge(system) && report.factorizations >= kLargeFactors) return false;
-    return (report.factorizations + 1) * static_cast<double>(system.factorProducts()) <= kMostProducts;
+bool mayFactor(const Equations& equations, const SolveReport& report) {
+    if (isLarge(equations) && report.factorizations >= kLargeFactors) return false;
+    return (report.factorizations + 1) * static_cast<double>(equations.factorProducts()) <= kMostProducts;
 }
 
-void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveReport& report) {
-    double* v = system.velocity();
-    report.converged |= isLarge(system);
+void solve(Equations& equations, bool startFromLoads, bool& factored, SolveReport& report) {
+    double* v = equations.velocity.data();
+    report.converged |= isLarge(equations);
     if (startFromLoads) {
-        system.velocityOfLoads(v);
-        system.evaluate(v, system.scratch().gradient.data());
-        if (economy.zeroIterations && system.loadsHold()) {
-            system.keepLoads();
-            system.stopRounding();
+        equations.velocityOfLoads(v);
+        equations.evaluate(v, equations.scratch.gradient.data());
+        if (economy.zeroIterations && equations.loadsHold()) {
+            equations.keepLoads();
+            equations.stopRounding();
             return;
         }
     }
-    if (startFromLoads) system.takeSidesOfLoads();
-    if (system.pointCount() == 0 && pivot(system, factored, report)) return;
-    if (startFromLoads) system.askForLoads();
-    const double enough = kSlipChange * system.gravityStep();
+    if (startFromLoads) equations.takeSidesOfLoads();
+    if (equations.points.size() == 0 && pivot(equations, factored, report)) return;
+    if (startFromLoads) equations.askForLoads();
+    const double enough = kSlipChange * equations.gravityStep;
     // Where joints pull, slips go round in circles of speeds that do not matter: those of the solve before do.
-    const int rounds = system.rowCount() > 0 ? 1 : kSlipRounds;
+    const int rounds = equations.rows.size() > 0 ? 1 : kSlipRounds;
     bool last = false;
     for (int round = 0; !last; ++round) {
-        if (system.pointCount() > 0 && !isLarge(system)) predict(system, factored, report);
-        bool found = minimize(system, kIterations, kSlipResidual, factored, report);
+        if (equations.points.size() > 0 && !isLarge(equations)) predict(equations, factored, report);
+        bool found = minimize(equations, kIterations, kSlipResidual, factored, report);
         if (found) {
-            last = system.slipsChange() <= enough || round + 1 >= rounds;
-            if (last) found = minimize(system, kIterations, tuning::kResidual, factored, report);
+            last = equations.slipsChange() <= enough || round + 1 >= rounds;
+            if (last) found = minimize(equations, kIterations, tuning::kResidual, factored, report);
         }
-        if (!found && (isLarge(system) || report.iterations > kBudget || !approach(system, factored, report))) {
+        if (!found && (isLarge(equations) || report.iterations > kBudget || !approach(equations, factored, report))) {
             // Newton's steps descend, so that the velocity is sane; the impulses need not be. A large island goes on
             // from there in its next solve.
-            if (!isLarge(system)) system.keepLoads();
+            if (!isLarge(equations)) equations.keepLoads();
             report.converged = false;
             return;
         }
-        system.updateSlips();
+        equations.updateSlips();
     }
-    if (startFromLoads && isLarge(system)) refine(system, factored, report);
+    if (startFromLoads && isLarge(equations)) refine(equations, factored, report);
 }
 
 }  // namespace ragtop::direct

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "direct/island_system.h"
+#include "direct/equations.h"
 
 namespace ragtop::direct {
 
@@ -15,15 +15,15 @@ struct SolveReport {
 /// Damped Newton on a system whose targets are set: from loads that hold, nothing is done. `factored` tells whether the
 /// system still has a factor of an earlier solve of this step, and is kept up. The velocity is left in the system; it
 /// is finite whatever happens.
-void solve(IslandSystem& system, bool startFromLoads, bool& factored, SolveReport& report);
+void solve(Equations& equations, bool startFromLoads, bool& factored, SolveReport& report);
 
 /// May a system be factorized once more in this step?
-bool mayFactor(const IslandSystem& system, const SolveReport& report);
+bool mayFactor(const Equations& equations, const SolveReport& report);
 
 inline constexpr int kPivots = 512;  ///< after which a system falls back; struck tangles take seven on average
 /// A system of joints alone, from the sides of their bounds that its rows have: a linear system but for these, which
 /// block principal pivoting finds in finitely many steps [Júdice, Pires, 1994] where Newton's method meets one bound
 /// after the other. False when it did not converge, at a velocity that is finite.
-bool pivot(IslandSystem& system, bool& factored, SolveReport& report, int mostPivots = kPivots);
+bool pivot(Equations& equations, bool& factored, SolveReport& report, int mostPivots = kPivots);
 
 }  // namespace ragtop::direct

@@ -14,29 +14,29 @@ constexpr int kBlocks = 4;       ///< times that rows may change sides together 
 constexpr int kRefinements = 2;  ///< of the answer, by which rounding of the factor is taken back
 
 /// v ← v − H⁻¹ g: the answer where rows keep their sides.
-void stepTo(IslandSystem& system, double* v, const double* gradient) {
-    double* change = system.scratch().direction.data();
-    const std::size_t n = system.unknowns();
+void stepTo(Equations& equations, double* v, const double* gradient) {
+    double* change = equations.scratch.direction.data();
+    const std::size_t n = equations.unknowns();
     for (std::size_t k = 0; k < n; ++k) change[k] = -gradient[k];
-    system.solve(change);
+    equations.solve(change);
     for (std::size_t k = 0; k < n; ++k) v[k] += change[k];
 }
 
 /// The answer for the sides that rows have. False when it cannot be had.
-bool answerSides(IslandSystem& system, bool& factored, SolveReport& report) {
-    double* v = system.velocity();
-    double* gradient = system.scratch().gradient.data();
-    Residual residual = system.evaluateSides(v, gradient);
+bool answerSides(Equations& equations, bool& factored, SolveReport& report) {
+    double* v = equations.velocity.data();
+    double* gradient = equations.scratch.gradient.data();
+    Residual residual = equations.evaluateSides(v, gradient);
     if (!std::isfinite(residual.norm)) return false;
-    if (!factored || system.regionsChanged()) {
-        if (!mayFactor(system, report) || !system.factorize()) return false;
+    if (!factored || equations.regionsChanged()) {
+        if (!mayFactor(equations, report) || !equations.factorize()) return false;
         factored = true;
         ++report.factorizations;
     }
     for (int i = 0; i < kRefinements && residual.norm > tuning::kResidual * residual.scale; ++i) {
-        stepTo(system, v, gradient);
+        stepTo(equations, v, gradient);
         ++report.iterations;
-        residual = system.evaluateSides(v, gradient);
+        residual = equations.evaluateSides(v, gradient);
     }
     report.residual = residual.scale > 0 ? residual.norm / residual.scale : 0;
     return std::isfinite(residual.norm);
@@ -47,12 +47,12 @@ bool answerSides(IslandSystem& system, bool& factored, SolveReport& report) {
 /// All rows that are wrong change sides together as long as that leaves fewer of them, or has done lately; else the one
 /// that is wrong by most. Where that does not end, the last of them does, which cannot come round to the same sides
 /// again [Murty, 1974].
-bool pivot(IslandSystem& system, bool& factored, SolveReport& report, int mostPivots) {
+bool pivot(Equations& equations, bool& factored, SolveReport& report, int mostPivots) {
     std::size_t fewest = std::numeric_limits<std::size_t>::max();
     int blocks = kBlocks;
     for (int i = 0; i < mostPivots; ++i) {
-        if (!answerSides(system, factored, report)) return false;
-        const std::size_t wrong = system.wrongSides();
+        if (!answerSides(equations, factored, report)) return false;
+        const std::size_t wrong = equations.wrongSides();
         if (wrong == 0) return true;
         const bool fewer = wrong < fewest;
         if (fewer) {
@@ -62,7 +62,7 @@ bool pivot(IslandSystem& system, bool& factored, SolveReport& report, int mostPi
             --blocks;
         }
         const SideChange alone = i < kQuick ? SideChange::farthest : SideChange::last;
-        system.changeSides(fewer ? SideChange::leap : blocks > 0 ? SideChange::step : alone);
+        equations.changeSides(fewer ? SideChange::leap : blocks > 0 ? SideChange::step : alone);
     }
     return false;
 }

@@ -264,7 +264,7 @@ static void solveSystem(const DirectView& d, DirectIsland& island, DirectPass pa
             if (system.rests()) return system.writeVelocities(arrays);
             system.aimAtPositions(arrays, d.context);
             if (island.jointCount > 0) island.factored = false;
-            direct::solve(system, true, island.factored, island.report);
+            direct::solve(system.equations(), true, island.factored, island.report);
             if (isUnsolved(island)) {
                 fallBack(d, island, pass);
                 break;
@@ -272,13 +272,13 @@ static void solveSystem(const DirectView& d, DirectIsland& island, DirectPass pa
             system.writeVelocities(arrays);
             if (system.aimAgain(arrays, d.jointContext)) {
                 island.factored = false;
-                direct::solve(system, false, island.factored, island.report);
+                direct::solve(system.equations(), false, island.factored, island.report);
                 if (!isUnsolved(island)) system.writeVelocities(arrays);
             }
             break;
         case DirectPass::velocities:
             if (system.aimAtVelocities(arrays, d.context)) {
-                direct::solve(system, false, island.factored, island.report);
+                direct::solve(system.equations(), false, island.factored, island.report);
                 if (isUnsolved(island)) {
                     fallBack(d, island, pass);
                     break;

@@ -8,6 +8,7 @@
 
 #include "base/aligned_array.h"
 #include "constraints/joint_sim.h"
+#include "direct/island_system.h"
 #include "direct/mechanism.h"
 #include "direct/newton.h"
 #include "direct/tree_plan.h"

@@ -91,8 +91,8 @@ struct BoundsOf {
     }
     Bounds operator()(const ConvexHull& s) const {
         const Rows rows(rotation);
-        constexpr double kFar = std::numeric_limits<double>::infinity();
-        DVec3 lower(kFar, kFar, kFar), upper(-kFar, -kFar, -kFar);
+        constexpr double kInfinity = std::numeric_limits<double>::infinity();
+        DVec3 lower(kInfinity, kInfinity, kInfinity), upper(-kInfinity, -kInfinity, -kInfinity);
         for (const Vec3& v : s.data().vertices) {
             const double x = dot(rows.x, v), y = dot(rows.y, v), z = dot(rows.z, v);
             lower = {std::min(lower.x, x), std::min(lower.y, y), std::min(lower.z, z)};

@@ -64,9 +64,9 @@ void forEachContact(const ClosingView& world, std::span<const std::uint32_t> gro
 
 /// Anchors and normals that turn further with their bodies in a step tell no more where these touch.
 bool haveTurnedFar(const ClosingView& world, const ContactRecord& contact) {
-    constexpr float kFar = 0.5f;  // rad
+    constexpr float kFarTurn = 0.5f;  // rad
     const auto squared = [&](std::uint32_t body) { return lengthSquared(world.bodies.states[body].w); };
-    return world.dt * world.dt * std::max(squared(contact.bodyA), squared(contact.bodyB)) > kFar * kFar;
+    return world.dt * world.dt * std::max(squared(contact.bodyA), squared(contact.bodyB)) > kFarTurn * kFarTurn;
 }
 
 /// Calls visit(touch) for the points of a contact that the step found.

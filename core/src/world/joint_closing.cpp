@@ -84,7 +84,8 @@ bool solveSystem(JointClosing::Bench& bench) {
     direct::SolveReport report;
     bool factored = false;
     const bool isBeside = !bench.touches.empty();
-    const bool solved = direct::pivot(bench.system, factored, report, isBeside ? kPivotsOfTouches : direct::kPivots);
+    const bool solved =
+        direct::pivot(bench.system.equations(), factored, report, isBeside ? kPivotsOfTouches : direct::kPivots);
     if (!isBeside) return true;
     bench.pivots += report.factorizations;
     return solved && bench.pivots < kMostPivotsOfTouches;

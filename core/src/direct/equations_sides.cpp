@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "direct/island_system.h"
+#include "direct/equations.h"
 
 namespace ragtop::direct {
 
@@ -36,18 +36,18 @@ double wrongBy(const SystemRow& row, double y) {
 
 }  // namespace
 
-void IslandSystem::takeSidesOfLoads() {
-    for (SystemRow& row : rows_)
+void Equations::takeSidesOfLoads() {
+    for (SystemRow& row : rows)
         row.side = row.load <= row.lower ? Side::lower : row.load >= row.upper ? Side::upper : Side::within;
 }
 
 /// A row within its bounds has the load y = λ̂ − (u − û)/R, another that of its bound. It is right there where y is on
 /// that side, but for the rounding of what y sums up.
-Residual IslandSystem::evaluateSides(const double* v, double* gradient) {
+Residual Equations::evaluateSides(const double* v, double* gradient) {
     speedsAt(v);
-    for (const SystemContact& c : contacts_)
+    for (const SystemContact& c : contacts)
         for (std::uint32_t j = 0; j < c.count; ++j) {
-            SystemPoint& p = points_[c.first + j];
+            SystemPoint& p = points[c.first + j];
             double y[3], slope[6];
             unbounded(p, c.friction, p.speed, y);
             for (int k = 0; k < 3; ++k) y[k] -= p.asked[k];
@@ -56,7 +56,7 @@ Residual IslandSystem::evaluateSides(const double* v, double* gradient) {
             p.impulse[1] += slope[1] * y[0] + slope[3] * y[1] + slope[4] * y[2];
             p.impulse[2] += slope[2] * y[0] + slope[4] * y[1] + slope[5] * y[2];
         }
-    for (SystemRow& row : rows_) {
+    for (SystemRow& row : rows) {
         const double y = row.load - (row.speed - row.target) / row.resistance;
         row.impulse = row.side == Side::lower ? row.lower : row.side == Side::upper ? row.upper : y;
         const double terms = std::fabs(row.load) + (termsOfSpeed(row, v) + std::fabs(row.target)) / row.resistance;
@@ -66,19 +66,19 @@ Residual IslandSystem::evaluateSides(const double* v, double* gradient) {
     return gradientAt(v, gradient);
 }
 
-std::size_t IslandSystem::wrongSides() const {
+std::size_t Equations::wrongSides() const {
     std::size_t count = 0;
-    for (const SystemRow& row : rows_) count += row.asked != row.side;
+    for (const SystemRow& row : rows) count += row.asked != row.side;
     return count;
 }
 
-void IslandSystem::changeSides(SideChange change) {
+void Equations::changeSides(SideChange change) {
     const SystemRow* chosen = nullptr;
-    for (const SystemRow& row : rows_)
+    for (const SystemRow& row : rows)
         if (row.asked != row.side && (!chosen || change == SideChange::last || row.wrong > chosen->wrong))
             chosen = &row;
     const bool together = change == SideChange::leap || change == SideChange::step;
-    for (SystemRow& row : rows_) {
+    for (SystemRow& row : rows) {
         if (row.asked == row.side || !(together || &row == chosen)) continue;
         row.side = change == SideChange::leap || row.side == Side::within ? row.asked : Side::within;
     }

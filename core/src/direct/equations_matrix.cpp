@@ -1,6 +1,6 @@
-// The Hessian M + h γ Σ λ K_g + Jᵀ W J of an island's system.
+// The Hessian M + h γ Σ λ K_g + Jᵀ W J of an island's equations.
 
-#include "direct/island_system.h"
+#include "direct/equations.h"
 
 namespace ragtop::direct {
 
@@ -80,10 +80,10 @@ void addBlock(Block6& block, double sign, const double g[6], const DMat3& p, con
 
 }  // namespace
 
-void IslandSystem::addMasses() {
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        const SystemBody& body = bodies_[i];
-        double* at = factor_.diagonal(static_cast<std::uint32_t>(i)).at;
+void Equations::addMasses() {
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const SystemBody& body = bodies[i];
+        double* at = hessian.diagonal(static_cast<std::uint32_t>(i)).at;
         for (int k = 0; k < 3; ++k) at[7 * k] += body.mass[k];
         const DSym3 m = body.inertia + body.stiffness;
         at[21] += m.xx, at[22] += m.xy, at[23] += m.xz;
@@ -92,11 +92,11 @@ void IslandSystem::addMasses() {
     }
 }
 
-void IslandSystem::addContact(const SystemContact& c) {
+void Equations::addContact(const SystemContact& c) {
     ContactSums sums;
     bool any = false;
     for (std::uint32_t j = 0; j < c.count; ++j) {
-        SystemPoint& p = points_[c.first + j];
+        SystemPoint& p = points[c.first + j];
         p.factored = p.region;
         if (p.region == ConeRegion::apart) continue;
         any = true;
@@ -113,32 +113,32 @@ void IslandSystem::addContact(const SystemContact& c) {
     }
     if (!any) return;
     const auto a = static_cast<std::uint32_t>(c.a), b = static_cast<std::uint32_t>(c.b);
-    if (c.a != kFixed) addBlock(factor_.diagonal(a), 1, sums.g, sums.pA, sums.pA, sums.aa, false);
-    if (c.b != kFixed) addBlock(factor_.diagonal(b), 1, sums.g, sums.pB, sums.pB, sums.bb, false);
+    if (c.a != kFixed) addBlock(hessian.diagonal(a), 1, sums.g, sums.pA, sums.pA, sums.aa, false);
+    if (c.b != kFixed) addBlock(hessian.diagonal(b), 1, sums.g, sums.pB, sums.pB, sums.bb, false);
     if (c.a != kFixed && c.b != kFixed)
-        addBlock(factor_.coupling(c.block), -1, sums.g, sums.pA, sums.pB, sums.ba, !factor_.rowsAreOf(b, a));
+        addBlock(hessian.coupling(c.block), -1, sums.g, sums.pA, sums.pB, sums.ba, !hessian.rowsAreOf(b, a));
 }
 
-void IslandSystem::addRow(SystemRow& row) {
+void Equations::addRow(SystemRow& row) {
     row.factored = row.side == Side::within;
     if (!row.factored) return;
     const double weight = 1 / row.resistance;
     const auto a = static_cast<std::uint32_t>(row.a), b = static_cast<std::uint32_t>(row.b);
-    if (row.a != kFixed) addOuter(factor_.diagonal(a), weight, row.ja, row.ja);
-    if (row.b != kFixed) addOuter(factor_.diagonal(b), weight, row.jb, row.jb);
+    if (row.a != kFixed) addOuter(hessian.diagonal(a), weight, row.ja, row.ja);
+    if (row.b != kFixed) addOuter(hessian.diagonal(b), weight, row.jb, row.jb);
     if (row.a == kFixed || row.b == kFixed) return;
-    if (factor_.rowsAreOf(b, a))
-        addOuter(factor_.coupling(row.block), weight, row.jb, row.ja);
+    if (hessian.rowsAreOf(b, a))
+        addOuter(hessian.coupling(row.block), weight, row.jb, row.ja);
     else
-        addOuter(factor_.coupling(row.block), weight, row.ja, row.jb);
+        addOuter(hessian.coupling(row.block), weight, row.ja, row.jb);
 }
 
-bool IslandSystem::factorize() {
-    factor_.setZero();
+bool Equations::factorize() {
+    hessian.setZero();
     addMasses();
-    for (const SystemContact& c : contacts_) addContact(c);
-    for (SystemRow& row : rows_) addRow(row);
-    return factor_.factorize();
+    for (const SystemContact& c : contacts) addContact(c);
+    for (SystemRow& row : rows) addRow(row);
+    return hessian.factorize();
 }
 
 }  // namespace ragtop::direct
