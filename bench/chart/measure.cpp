@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "../stability/scenery.h"
+#include "interval.h"
 
 namespace ragtop::chart {
 namespace {
@@ -15,6 +16,8 @@ using stability::Trial;
 
 /// The clock may run ahead of the processor's time by so much before another process is to blame.
 constexpr double kShared = 1.2;
+constexpr std::size_t kMostTimes = 15;  ///< of a point: they leave a third of the interval that three have
+constexpr double kQuick = 150;  ///< ms of processor time up to which a point is timed again; 16 min for 6,440 of them
 
 /// For the shell.
 std::string inQuotes(const std::string& text) {
@@ -87,11 +90,12 @@ public:
             point_.outcome = Outcome::failed;
             point_.reason = error.what();
         }
-        std::ranges::sort(times_);
+        timeFurther();
         if (times_.empty()) return point_;
-        point_.cpuMs = times_[times_.size() / 2];
-        point_.cpuMsLow = times_.front();
-        point_.cpuMsHigh = times_.back();
+        const TimeInterval interval = intervalOf(times_);
+        point_.cpuMs = interval.middle;
+        point_.cpuMsLow = interval.low;
+        point_.cpuMsHigh = interval.high;
         return point_;
     }
 
@@ -101,17 +105,20 @@ private:
         point_.reason = why;
         return point_;
     }
+    Trial runOnce(double gravity) {
+        Trial trial({scene_.family, scene_.test, &kind_, point_.setting.step, {}, 1, scene_.longest, gravity});
+        test_.run(trial);
+        spent_ += trial.cpuMs();
+        return trial;
+    }
+    /// More times of what is quick, so that their interval is narrow. They tell nothing else of the point.
+    void timeFurther() {
+        while (point_.outcome == Outcome::measured && point_.alone && times_.size() < kMostTimes && spent_ < kQuick)
+            keepTime(runOnce(1));
+    }
     /// False once the point has failed.
     bool repeat(int number) {
-        Trial trial({scene_.family,
-                     scene_.test,
-                     &kind_,
-                     point_.setting.step,
-                     {},
-                     1,
-                     scene_.longest,
-                     gravityOf(options_, number)});
-        test_.run(trial);
+        const Trial trial = runOnce(gravityOf(options_, number));
         const Reading reading = worstOf(scene_, trial.rows());
         const std::string fault = faultOf(scene_, trial, reading);
         if (number == 0) keepFirst(trial, reading);
@@ -157,6 +164,7 @@ private:
     Point point_;
     stability::EngineKind kind_;
     std::vector<double> times_;
+    double spent_ = 0;  ///< ms of processor time
 };
 
 }  // namespace
