@@ -30,6 +30,7 @@ constexpr float kAnkle = 0.42f, kAnkleDamping = 0.14f;
 constexpr float kMostLean = 0.16f;  ///< of the length of the legs
 constexpr float kCalm = 0.01f;      ///< m, of what is left to fall, at which learning goes at half its rate
 constexpr float kThighMoves = 0.3f, kShankMoves = 0.75f;  ///< of what a foot that steps moves by
+constexpr float kNoticed = 0.1f;                          ///< s, within which it is noticed that the ground gains speed
 constexpr float kFollow = 0.5f;  ///< share of a step by which the normal of the ground follows that of contacts
 
 /// How the arms of who balances are held: apart from thighs and trunk, which they would rub on; farther where those are
@@ -78,7 +79,7 @@ Balance::~Balance() = default;
 void Balance::release() {
     for (const Leg& leg : legs_)
         for (const int joint : {leg.hip, leg.knee, leg.ankle}) muscles_->setGains(joint, {});
-    lean_ = {};
+    lean_ = quickening_ = {};
     height_ = rise_ = 0;
     swing_ = {};
 }
@@ -93,6 +94,7 @@ void Balance::setOptions(const BalanceOptions& options) {
 void Balance::feel(std::size_t side) {
     Foot& foot = feet_[side];
     const BodyId body = ragdoll_->bodies()[static_cast<std::size_t>(legs_[side].foot)];
+    const bool stood = foot.planted;
     foot.load = 0;
     struct Felt {
         Vec3 normal, ground;
@@ -116,9 +118,12 @@ void Balance::feel(std::size_t side) {
     world_->forEachContact(body, std::cref(touch));
     foot.load = felt.load;
     foot.planted = felt.load > kPlanted * dynamics_.mass() * length(world_->settings().gravity);
+    foot.gained = {};
     if (foot.planted) {
         foot.pressure = (1.0 / static_cast<double>(felt.load)) * felt.pressure;
-        foot.ground = (1 / felt.load) * felt.ground;
+        const Vec3 ground = (1 / felt.load) * felt.ground;
+        if (stood) foot.gained = ground - foot.ground;
+        foot.ground = ground;
         foot.normal = normalized(foot.normal + kFollow * normalized(felt.normal, kUp), kUp);
     }
     const Pose pose = world_->pose(body);
@@ -155,8 +160,23 @@ Balance::Stand Balance::survey() const {
     stand.gravity = length(world_->settings().gravity);
     stand.height = std::max(stand.mass.y, 0.1f * legs_[0].length);
     stand.rate = std::sqrt(stand.gravity / stand.height);
-    stand.capture = level(stand.mass + (1 / stand.rate) * stand.speed);
+    stand.ahead = (1 / (stand.rate * stand.rate)) * quickening_;
+    const float most = kMostLean * legs_[0].length, ahead = length(stand.ahead);
+    if (ahead > most) stand.ahead = (most / ahead) * stand.ahead;
+    stand.capture = level(stand.mass + (1 / stand.rate) * stand.speed) - stand.ahead;
     return stand;
+}
+
+/// How what the feet stand on gains speed, which weighs like a slope: c̈ = ω² (c − p) − a of who is carried along.
+void Balance::quicken(float dt) {
+    Vec3 gained;
+    float load = 0;
+    for (const Foot& foot : feet_) {
+        gained += foot.load * foot.gained;
+        load += foot.load;
+    }
+    if (!(load > 0)) return;
+    quickening_ += std::min(dt / kNoticed, 1.0f) * ((1 / (dt * load)) * level(gained) - quickening_);
 }
 
 /// The centre of pressure of who is at rest is under the middle of the feet, whatever it takes to have it there. What
@@ -224,7 +244,7 @@ void Balance::bend(const Stand& stand, float dt) {
     // Who steps leaves the hips where they are carried, and puts the foot where it is to be in the world.
     Vec3 hips = level(relative(transformPoint(pelvis, middle), stand.center));
     if (!steps()) {
-        const Vec3 way = lean_ - level(stand.mass);
+        const Vec3 way = lean_ + stand.ahead - level(stand.mass);
         const float far = length(way), shift = (options_.step > 0 ? kShift : 1) * legs_[0].length;
         hips += (far > shift ? shift / far : 1.0f) * way;
     }
@@ -338,6 +358,8 @@ void Balance::step(double dt) {
     const auto seconds = static_cast<float>(dt);
     if (!(seconds > 0) || !std::isfinite(seconds)) return;
     feel();
+    quicken(seconds);
+    carrySwing(seconds);
     const Stand stand = survey();
     learn(stand, seconds);
     measure(stand);

@@ -14,6 +14,7 @@ struct Balance::Stand {
     DVec3 center;       ///< m, of the feet
     Vec3 mass, speed;   ///< m and m/s, of the centre of mass
     Vec3 capture;       ///< m
+    Vec3 ahead;         ///< m, a/ω²: where the centre of mass is in balance over its pressure on ground that quickens
     Vec3 pressure;      ///< m, of the weight
     float rate = 0;     ///< 1/s, √(g/z)
     float height = 0;   ///< m, z

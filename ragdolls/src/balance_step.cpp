@@ -49,14 +49,21 @@ void Balance::begin(const Stand& stand) {
     float best = -1e9f;
     for (std::size_t side = 0; side < 2; ++side) {
         if (!feet_[1 - side].planted) continue;
-        Swing next{static_cast<int>(side), 0, time, feet_[side].middle, {}, {}};
-        next.goal = next.to = stand.center + landing(stand, side, time);
+        Swing next{static_cast<int>(side), 0, time, feet_[side].middle, {}};
+        next.to = stand.center + landing(stand, side, time);
         // A foot that bears little leaves more of the weight where it is.
         const Swing had = std::exchange(swing_, next);
         const float caught = marginOf(stand.capture) - 0.02f * length(relative(next.to, feet_[side].middle));
         swing_ = had;
         if (caught > best) best = caught, swing_ = next;
     }
+}
+
+/// Where the foot comes from and goes to is on the ground, which may move.
+void Balance::carrySwing(float dt) {
+    if (!steps()) return;
+    const Vec3 way = dt * feet_[static_cast<std::size_t>(1 - swing_.side)].ground;
+    for (DVec3* point : {&swing_.from, &swing_.to}) *point = *point + way;
 }
 
 void Balance::swing(const Stand& stand, float dt) {

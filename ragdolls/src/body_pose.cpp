@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "arm.h"
 #include "joint_bodies.h"
 #include "point_joint.h"
 #include "support.h"
@@ -103,10 +104,28 @@ void turnsOf(const BodyAxes& axes, std::span<const PartAngles> pose, std::span<Q
     }
 }
 
+namespace {
+
+/// Arms of which nothing is told hang, but for what wide trunks keep them off by: who is set up with a hand in its hip
+/// is thrown.
+std::vector<PartAngles> withArmsApart(const BodyAxes& axes, std::span<const PartAngles> pose) {
+    std::vector<PartAngles> whole(pose.begin(), pose.end());
+    for (const PartAngles& angles : pose)
+        if (angles.role == BodyRole::upperArm) return whole;
+    for (const BodySide side : {BodySide::left, BodySide::right})
+        if (axes.find(BodyRole::upperArm, side) >= 0) whole.push_back({BodyRole::upperArm, side});
+    const float apart = armsApart(axes, whole, 0, 0);
+    if (!(apart > 0)) whole.resize(pose.size());
+    for (std::size_t i = pose.size(); i < whole.size(); ++i) whole[i].abduction = apart;
+    return whole;
+}
+
+}  // namespace
+
 std::vector<Pose> standing(const BodyAxes& axes, const Pose& ground, std::span<const PartAngles> pose) {
     const RagdollDef& def = axes.def();
     std::vector<Quat> turns(def.joints.size());
-    turnsOf(axes, pose, turns);
+    turnsOf(axes, withArmsApart(axes, pose), turns);
     std::vector<Pose> parts(def.parts.size());
     for (std::size_t i = 0; i < parts.size(); ++i) parts[i].rotation = axes.zero(static_cast<int>(i));
     for (std::size_t i = 0; i < def.joints.size(); ++i) {

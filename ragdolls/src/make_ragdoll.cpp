@@ -22,6 +22,7 @@ constexpr std::size_t kFewVertices = 12;  ///< less skin than this says nothing 
 constexpr double kBodyVolume = 0.0140;    ///< of a human over the cube of the height: 75 l at 1.75 m
 constexpr float kGravity = 9.81f;         ///< m/s², in the friction of joints
 constexpr float kAnkleShare = 0.75f;      ///< of its height, that a shank reaches beyond the ankle at most
+constexpr float kAnkleBend = 0.5f;        ///< rad, of an ankle, at which its shank is still to be off the ground
 constexpr float kAlikeSlack = 0.015f;     ///< of its skin, that a shape may leave out more to be that of the other side
 constexpr float kLeast = 0.005f;          ///< of the height, that a shape is thick
 /// Of the largest part that hangs on it, that a part has of volume for its mass at least: limbs taper outwards, and a
@@ -45,6 +46,7 @@ public:
         for (std::size_t i = 0; i < anatomy_.segments.size(); ++i) addPart(i);
         liftOffGround();
         likenSides();
+        keepShanksUp();
         giveMass();
         for (std::size_t i = 1; i < anatomy_.segments.size(); ++i) addJoint(static_cast<int>(i));
         ignoreOverlaps();
@@ -201,7 +203,7 @@ private:
         return countInside(flat, skin) > countInside(kept, skin) ? flat : kept;
     }
 
-    /// Down to where a shank may reach along itself, so that it keeps off the ground also where the ankle bends.
+    /// Down to where a shank may reach along itself.
     struct ShankFloor {
         Vec3 along;
         float floor = 0;  ///< m
@@ -210,8 +212,28 @@ private:
         const Segment& s = segment(static_cast<int>(foot));
         const Vec3 ankle = bindOf(s.bone).position;
         const Vec3 along = normalized(bindOf(segment(s.parent).bone).position - ankle, anatomy_.up);
-        const float above = dot(ankle, anatomy_.up) - bottomOf(inModel_[foot], anatomy_.up);
-        return {along, dot(ankle, along) - kAnkleShare * above};
+        return {along, dot(ankle, along) - kAnkleShare * heightOfAnkle(foot)};
+    }
+    float heightOfAnkle(std::size_t foot) const {
+        return dot(bindOf(segment(static_cast<int>(foot)).bone).position, anatomy_.up) -
+               bottomOf(inModel_[foot], anatomy_.up);
+    }
+    /// The same where the ankle bends by α: what is r beside the axis of a shank and c below the ankle is c cos α +
+    /// r sin α below it then.
+    void keepShanksUp() {
+        const SinCos bent = sinCos(kAnkleBend);
+        for (const std::size_t foot : standing_) {
+            const FittedShape& shank = inModel_[shankOf(foot)];
+            const ShankFloor over = floorOver(foot);
+            const Vec3 ankle = bindOf(segment(static_cast<int>(foot)).bone).position,
+                       ahead = normalized(anatomy_.forward - dot(anatomy_.forward, over.along) * over.along,
+                                          perpendicular(over.along));
+            float beside = 0;
+            for (const Vec3& way : {ahead, -ahead}) beside = std::max(beside, -bottomOf(shank, -way) - dot(ankle, way));
+            const float most = (heightOfAnkle(foot) - bent.sin * beside) / bent.cos;
+            const float floor = std::max(over.floor, dot(ankle, over.along) - most);
+            place(shankOf(foot), keptAbove(shank, over.along, floor, kLeast * height_));
+        }
     }
 
     /// The skin of a shank that hangs over its foot, as of wide trousers, becomes the foot's; of either the shape holds
@@ -323,10 +345,6 @@ private:
             if (!alike) continue;
             place(i, keptAbove(left.fitted, anatomy_.up, ground_, kLeast * height_));
             place(k, keptAbove(right.fitted, anatomy_.up, ground_, kLeast * height_));
-        }
-        for (const std::size_t foot : standing_) {
-            const ShankFloor over = floorOver(foot);
-            place(shankOf(foot), keptAbove(inModel_[shankOf(foot)], over.along, over.floor, kLeast * height_));
         }
     }
 

@@ -88,18 +88,19 @@ public:
         visit(self.swing_.time);
         visit(self.swing_.from);
         visit(self.swing_.to);
-        visit(self.swing_.goal);
         for (auto& foot : self.feet_) {
             visit(foot.planted);
             visit(foot.load);
             visit(foot.pressure);
             visit(foot.normal);
             visit(foot.ground);
+            visit(foot.gained);
             visit(foot.height);
             visit(foot.middle);
             visit(foot.flat);
         }
         visit(self.lean_);
+        visit(self.quickening_);
         visit(self.center_);
         visit(self.capture_);
         visit(self.margin_);
@@ -114,6 +115,7 @@ private:
         DVec3 pressure{};  ///< m, centre of it
         Vec3 normal{0, 1, 0};
         Vec3 ground{};     ///< m/s, of what it stands on
+        Vec3 gained{};     ///< m/s, of that since it was felt before
         float height = 0;  ///< m, over the ground of the other one, of who is not planted
         DVec3 middle{};    ///< m, of the sole
         Quat flat{};       ///< rotation of its bone with the sole on the ground
@@ -122,13 +124,14 @@ private:
     struct Swing {
         int side = -1;               ///< −1: none
         float age = 0, time = 0;     ///< s, since it left the ground, and that the step takes
-        DVec3 from{}, to{}, goal{};  ///< m, of the middle of its sole; `goal` is where `to` is going
+        DVec3 from{}, to{};          ///< m, of the middle of its sole
     };
     struct Stand;
 
     void feel();
     void feel(std::size_t side);
     Stand survey() const;
+    void quicken(float dt);
     void learn(const Stand& stand, float dt);
     void measure(const Stand& stand);
     bool isNear(std::size_t side) const;
@@ -136,6 +139,7 @@ private:
     bool swings(std::size_t side) const { return swing_.side == static_cast<int>(side); }
     Vec3 landing(const Stand& stand, std::size_t side, float time) const;
     void begin(const Stand& stand);
+    void carrySwing(float dt);
     void swing(const Stand& stand, float dt);
     Vec3 swungTo(const Stand& stand, float age) const;
     Vec3 swungBy(float age, float dt) const;
@@ -155,7 +159,8 @@ private:
     std::vector<PartMotion> accelerations_, outside_;  ///< that muscles are told
     std::array<Foot, 2> feet_;
     Swing swing_;
-    Vec3 lean_{};                 ///< m, of the centre of mass from the middle of the feet
+    Vec3 lean_{};        ///< m, of the centre of mass from the middle of the feet, beside what quickening asks for
+    Vec3 quickening_{};  ///< m/s², level acceleration of what the feet stand on
     DVec3 center_{}, capture_{};  ///< m, of the feet
     float margin_ = 0;
     float height_ = 0;  ///< m, of the hips, as legs were last bent for; 0: not yet

@@ -54,7 +54,8 @@ private:
 void turnsOf(const BodyAxes& axes, std::span<const PartAngles> pose, std::span<Quat> turns);
 
 /// The world pose of each bone of who stands so with its soles on the ground: `ground` has its origin between the feet,
-/// y up from it and z where the body looks. To make a Ragdoll of.
+/// y up from it and z where the body looks. Arms of which nothing is told hang as near to the body as nothing of them
+/// overlaps it. To make a Ragdoll of.
 std::vector<Pose> standing(const BodyAxes& axes, const Pose& ground = {}, std::span<const PartAngles> pose = {});
 
 }  // namespace ragtop
