@@ -103,18 +103,6 @@ TEST(Strut, OnATireMeetsAKerbWithTheTiresForce) {
     EXPECT_LT(visit.way, speed * h);
 }
 
-/// On ground that stays, a load that lags lacks (1 − share)ⁿ of what it lacked.
-TEST(Strut, LoadThatLagsGoesToThatOfItsSquashGeometrically) {
-    const StrutSpec strut = strutOf({.stiffness = 1e9f}, 3000, 9.81f, 200000);
-    const float h = 1.0f / 240, squash = strut.tireSquash + 0.01f;
-    LoadLag lag{0.25f, 3000};
-    for (int i = 1; i <= 8; ++i) {
-        const StrutVisit visit = solveStrut(strut, 0, squash, 1, h, 0, 0, 0, lag);
-        lag.load = visit.impulse / h;
-        EXPECT_NEAR(lag.load, 5000 - 2000 * std::pow(0.75f, static_cast<float>(i)), 5) << i;
-    }
-}
-
 TEST(Strut, LetsAWheelInTheAirFallToItsDroopStop) {
     const StrutSpec strut = strutOf({}, 3000, 9.81f);
     float compression = 0.05f;

@@ -181,23 +181,22 @@ bool isSamePiece(const StrutSpec& strut, float end, float newEnd) {
 }
 
 /// Of a tire, along its strut; its way makes it longer.
-Line tireLine(const StrutSpec& strut, float squash, float end, float slant, float rub, const LoadLag& lag) {
+Line tireLine(const StrutSpec& strut, float squash, float end, float slant, float rub) {
     const float rim = end > strut.rimSquash ? kRimStiffness * strut.tireStiffness : 0;
     const float load = strut.tireStiffness * squash + rim * (squash - strut.rimSquash);
-    return {slant * (lag.load + lag.share * (load - lag.load)) + rub,
-            slant * slant * lag.share * (strut.tireStiffness + rim)};
+    return {slant * load + rub, slant * slant * (strut.tireStiffness + rim)};
 }
 
 }  // namespace
 
 /// Each of the pieces is tried from those that hold at the beginning.
 StrutVisit solveStrut(const StrutSpec& strut, float compression, float squash, float slant, float h, float K,
-                      float free, float rub, const LoadLag& lag, const BarPull& bar) {
+                      float free, float rub, const BarPull& bar) {
     constexpr int kMostPieces = 12;
     const float yielding = h * h * K / (slant * slant), coming = -h * free / slant;
     float end = compression, squashed = squash, force = 0, way = 0, stiffness = kStopped;
     for (int piece = 0; piece < kMostPieces; ++piece) {
-        const Line tire = tireLine(strut, squash, squashed, slant, rub, lag);
+        const Line tire = tireLine(strut, squash, squashed, slant, rub);
         const Line springs = strutLine(strut, compression, end, h, bar);
         way = wayOnDamper(strut, h, [&](const Line& damper) {
             const Line line = springs + damper;

@@ -63,12 +63,6 @@ struct StrutVisit {
     float stiffness = 0;  ///< N/m, by which its force rises with that way
 };
 
-/// How fast a tire's load follows its squash: by the share of what it lacks in each substep.
-struct LoadLag {
-    float share = 1;
-    float load = 0;  ///< N, at the beginning of the substep
-};
-
 /// What else presses a wheel down along its strut: an anti-roll bar, by force + stiffness w.
 struct BarPull {
     float force = 0, stiffness = 0;  ///< N, N/m
@@ -83,7 +77,7 @@ struct BarPull {
 /// where R is what the tire's grip pushes along the strut, N. Both rise with their ways, piece by piece on a line or,
 /// where a stop is progressive, by Newton's method on its tangents, so that there is one solution.
 StrutVisit solveStrut(const StrutSpec& strut, float compression, float squash, float slant, float h, float K,
-                      float free, float rub = 0, const LoadLag& lag = {}, const BarPull& bar = {});
+                      float free, float rub = 0, const BarPull& bar = {});
 
 /// m that a strut whose wheel is in the air is compressed more at the end of a substep: it falls as its damper lets it.
 float fallOfWheel(const StrutSpec& strut, float compression, float h, const BarPull& bar = {});

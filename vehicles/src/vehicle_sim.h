@@ -71,7 +71,6 @@ struct WheelPatch {
     float rise = 0;               ///< m that the hub would have risen on a tire that has its radius
     float squash = 0;             ///< m of the tire at the beginning of the substep
     PointBody* ground = nullptr;  ///< what it stands on, shared with the other wheels there
-    LoadLag lag;
     TireLaw law;
     float transport = 0, spinBefore = 0;
     Vec3 speedBefore;  ///< of the chassis there over the ground: forward, left, along the normal
@@ -214,7 +213,7 @@ private:
     void takePiece(std::size_t i, const DVec3& hub);
     void findGrounds();
     void beginGrounds();
-    void takeGround(std::size_t i, const PointBody& body, float h);
+    void takeGround(std::size_t i, const PointBody& body);
     bool sinkGround(std::size_t i, const PointBody& body, float h);
     void letFall(std::size_t i, float h);
     BarPull barOf(std::size_t i) const;

@@ -12,7 +12,6 @@ struct Patience {
     float converged = 0;  ///< largest change in a sweep, over the impulse of the weight
 };
 constexpr Patience kFull{24, 1e-5f}, kRays{12, 1e-4f};
-constexpr float kMostFelt = 0.25f;   ///< of the way that a tire's load moves what it stands on in a substep, as squash
 
 /// Velocity of the wheel's side of the patch over the ground, its hub rising along the strut: forward, left.
 inline Vec2 travelOf(const WheelPatch& patch, const PointBody& body, float hubSpeed) {
@@ -292,7 +291,7 @@ bool VehicleSim::sinkGround(std::size_t i, const PointBody& body, float h) {
     WheelPatch& patch = patches[i];
     WheelState& wheel = wheels[i];
     const StrutSpec& strut = specs[i].strut;
-    takeGround(i, body, h);
+    takeGround(i, body);
     if (wheel.placed == WheelState::kPut) wheel.compression = std::max(patch.rise, strut.travelLeast);
     patch.squash = patch.slant * (patch.rise - wheel.compression) + strut.tireSquash;
     const float deepest = std::max(patch.squash, 0.0f);
@@ -326,7 +325,7 @@ void VehicleSim::beginGrounds() {
     }
 }
 
-void VehicleSim::takeGround(std::size_t i, const PointBody& body, float h) {
+void VehicleSim::takeGround(std::size_t i, const PointBody& body) {
     WheelPatch& patch = patches[i];
     const GroundPlane& plane = wheels[i].ground;
     GroundBody& ground = grounds[groundOfWheel[i]];
@@ -338,10 +337,6 @@ void VehicleSim::takeGround(std::size_t i, const PointBody& body, float h) {
     patch.normalRow = rowAlong(patch.normal);
     patch.forwardRow = rowAlong(patch.forward);
     patch.sideRow = rowAlong(patch.side);
-    const PatchRow& row = patch.normalRow;
-    const float give = row.groundInverse + dot(row.groundMoment, row.groundTurn);
-    const float felt = h * h * specs[i].strut.tireStiffness * give;
-    patch.lag = {felt > kMostFelt ? kMostFelt / felt : 1, wheels[i].load};
 }
 
 /// Brings the bristles up to now: (1) of tire.h with the slip that the last substep really had.
@@ -376,8 +371,8 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
 
     const float apart = speedAlong(patch.normalRow, body, *patch.ground) - patch.strutK * patch.load;
     const float rub = (patch.lean.x * patch.tire.x + patch.lean.y * patch.tire.y) / h;
-    const StrutVisit strut = solveStrut(specs[i].strut, wheel.compression, patch.squash, patch.slant, h, patch.strutK,
-                                        apart, rub, patch.lag, barOf(i));
+    const StrutVisit strut =
+        solveStrut(specs[i].strut, wheel.compression, patch.squash, patch.slant, h, patch.strutK, apart, rub, barOf(i));
     const float load = strut.impulse, loadChange = load - patch.load;
     patch.load = load;
     patch.way = strut.way;

@@ -53,6 +53,14 @@ struct Iteration {
     /// Iterations that move nothing yet make the estimate of the loads of some manifolds an equilibrium of weights,
     /// which is what these contacts bear from then on.
     void settleNewContacts(AlignedArray<std::uint32_t>& fresh, const Vec3& gravity, bool sequential) const;
+    /// After velocities are integrated, of a body that modules may have pushed before: its contacts bear that from the
+    /// beginning. Before the warm start they find the loads λ' that hold the body as it is pushed now, against others
+    /// that go on as they did but for these, and are soft about them,
+    ///
+    ///     s = min(2 g h m_eff/λ', 1),   λ̂ ← s λ̂ + (1 − s) λ',   λ ← λ',
+    ///
+    /// so that a brick of 1 kg under a wheel gives way by what its own motion asks for.
+    void bearPush(std::uint32_t body, const SolverContext& own) const;
 
 private:
     void groupContacts() const;

@@ -1,6 +1,7 @@
 // The passes of the iteration over constraints, in each substep.
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 
 #include "constraints/contact_layout.h"
@@ -207,6 +208,123 @@ void Iteration::settleNewContacts(AlignedArray<std::uint32_t>& fresh, const Vec3
                                                                         contact::kPeak) *
                                                stride] = 0;
     fresh.clear();
+}
+
+namespace {
+
+constexpr std::size_t kMostContacts = 16;  ///< of a pushed body; a bound of memory: those beyond answer in the passes
+constexpr int kBearingSweeps = 32;         ///< a bound: a box that is pressed at a corner takes some 10
+constexpr float kBorne = 1e-3f;  ///< of what gravity gives in a substep: change of velocity in a sweep that is the last
+
+/// A contact of a pushed body, and what its lane held before.
+struct PushedContact {
+    float* lane = nullptr;
+    std::uint32_t other = 0;  ///< state of the other body, and what that was
+    BodyState otherBefore;
+    std::array<float, contact::kFields> before;
+};
+
+/// The impulses of sweeps are kept; what else a relaxing pass writes is for passes that follow a motion. What a point
+/// bears beyond twice the weight of its own body is carried at once.
+void takeLoads(const PushedContact& pushed, std::size_t stride, float gravityStep) {
+    const auto now = [&](int field) -> float& { return pushed.lane[static_cast<std::size_t>(field) * stride]; };
+    const auto was = [&](int field) { return pushed.before[static_cast<std::size_t>(field)]; };
+    std::array<float, contact::kFields> found;
+    for (int f = 0; f < contact::kFields; ++f) {
+        found[static_cast<std::size_t>(f)] = now(f);
+        now(f) = was(f);
+    }
+    const auto keep = [&](int field, int count) {
+        for (int f = field; f < field + count; ++f) now(f) = found[static_cast<std::size_t>(f)];
+    };
+    for (int j = 0; j < contact::kMaxPoints; ++j) {
+        const int point = contact::kPoints + j * contact::kPointFields;
+        keep(point + contact::kImpulse, 1);
+        const float impulse = now(point + contact::kImpulse);
+        const float weight = 2 * gravityStep * was(point + contact::kMass);
+        const float own = impulse > weight ? weight / impulse : 1;
+        now(point + contact::kLoad) = own * was(point + contact::kLoad) + (1 - own) * impulse;
+    }
+    keep(contact::kFrictionImpulse, 3);
+    keep(contact::kTwistImpulse, 1);
+    keep(contact::kRollImpulse, 3);
+}
+
+/// A body and its contacts, while these look for the loads of its push.
+class PushedBody {
+public:
+    PushedBody(const Iteration& v, std::uint32_t body, const SolverContext& own)
+        : v_(v), context_(own), body_(v.bodies[body].state), bundle_(v.graph.lanes()) {
+        context_.normals = context_.friction = true;
+        const Contacts& contacts = v.tables.contacts;
+        for (std::uint32_t key = v.bodies[body].firstContact; key != kNone; key = contacts.next(key)) {
+            const ContactRecord& record = contacts[key >> 1];
+            const std::uint32_t other = (key & 1) != 0 ? record.bodyA : record.bodyB;
+            Manifolds::forEach(record, [&](std::uint32_t m) {
+                const GraphPlace place = v.manifolds[m].place;
+                if (place.color != kNone && ConstraintGraph::isIterated(place) && count_ < kMostContacts)
+                    take(v.graph.lane(place), v.bodies[other].state);
+            });
+        }
+    }
+
+    /// Velocities are as before.
+    void findLoads() {
+        if (count_ == 0) return;
+        BodyState& state = v_.bodies.states[body_];
+        const BodyState begun = state;
+        visitAll(v_.kernels.warmStartContacts);
+        for (int sweep = 0; sweep < kBearingSweeps; ++sweep) {
+            const BodyState last = state;
+            visitAll(v_.kernels.relaxContacts);
+            if (length(state.v - last.v) + reach_ * length(state.w - last.w) <= kBorne * context_.gravityStep) break;
+        }
+        state = begun;
+        // In reverse: of bodies that it touches twice the first has what they were.
+        for (std::size_t i = count_; i-- > 0;) {
+            takeLoads(contacts_[i], stride(), context_.gravityStep);
+            BodyState& other = v_.bodies.states[contacts_[i].other];
+            if (other.invMass > 0) other = contacts_[i].otherBefore;
+        }
+    }
+
+private:
+    std::size_t stride() const { return static_cast<std::size_t>(v_.graph.lanes()); }
+
+    void take(float* lane, std::uint32_t other) {
+        PushedContact& pushed = contacts_[count_++];
+        pushed.lane = lane;
+        pushed.other = other;
+        for (std::size_t f = 0; f < contact::kFields; ++f) pushed.before[f] = lane[f * stride()];
+        reach_ = std::max(reach_, lane[contact::kSize * stride()]);
+        // It goes on as it did but for what it gets here, since nobody knows yet what holds it.
+        BodyState& state = v_.bodies.states[other];
+        pushed.otherBefore = state;
+        if (state.invMass > 0) state.v = v_.bodies.histories[other].velocityBefore;
+    }
+
+    template <class Kernel>
+    void visitAll(Kernel kernel) {
+        for (std::size_t i = 0; i < count_; ++i)
+            bundle_.visit(contacts_[i].lane, [&](float* fields, int begin, int end) {
+                kernel(fields, begin, end, v_.bodies.arrays(), context_);
+            });
+    }
+
+    const Iteration& v_;
+    SolverContext context_;
+    std::uint32_t body_;
+    SingleBundle bundle_;
+    std::array<PushedContact, kMostContacts> contacts_;
+    std::size_t count_ = 0;
+    float reach_ = 0;  ///< m
+};
+
+}  // namespace
+
+void Iteration::bearPush(std::uint32_t body, const SolverContext& own) const {
+    // Jointed bodies are held by other impulses too, and what is solved directly finds its loads so.
+    if (bodies[body].firstJoint == kNone && !bodies.isDirect(body)) PushedBody(*this, body, own).findLoads();
 }
 
 }  // namespace ragtop

@@ -8,6 +8,7 @@
 
 #include "base/aligned_array.h"
 #include "ragtop/id.h"
+#include "ragtop/math.h"
 #include "ragtop/module.h"
 
 namespace ragtop {
@@ -18,6 +19,7 @@ struct ModuleWork {
     explicit ModuleWork(std::pmr::memory_resource* memory)
         : named(memory),
           namer(memory),
+          velocityBefore(memory),
           spans(memory),
           acting(memory),
           parent(memory),
@@ -29,6 +31,7 @@ struct ModuleWork {
     bool inSubsteps = false;                      ///< modules may act now, on any worker
     AlignedArray<std::uint32_t> named;            ///< bodies, each once, in the order of modules
     AlignedArray<std::uint32_t> namer;            ///< per body: 1 + the first place in `acting` that named it; 0: none
+    AlignedArray<Vec3> velocityBefore;  ///< m/s, per body that modules act on: before they did in this substep
     AlignedArray<std::span<const BodyId>> spans;  ///< per module, what it named
     AlignedArray<std::uint32_t> acting;           ///< modules that named something, in the order of registration
     AlignedArray<std::uint32_t> parent, groupOf;  ///< per place there: union-find; the group

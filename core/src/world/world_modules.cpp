@@ -70,11 +70,23 @@ void listGroups(ModuleWork& work) {
     work.starts.pop();
 }
 
+/// Each by the first that named it.
 template <class Visit>
 void forMovingBodiesOf(const ModuleWork& work, const Bodies& bodies, std::size_t group, Visit&& visit) {
-    for (std::uint32_t i = work.starts[group]; i < work.starts[group + 1]; ++i)
-        for (const BodyId id : work.spans[work.acting[work.members[i]]])
-            if (bodies.slots.isValid(id.index, id.generation) && bodies.moves(id.index)) visit(id.index);
+    for (std::uint32_t i = work.starts[group]; i < work.starts[group + 1]; ++i) {
+        const std::uint32_t place = work.members[i];
+        for (const BodyId id : work.spans[work.acting[place]])
+            if (bodies.slots.isValid(id.index, id.generation) && bodies.moves(id.index) &&
+                work.namer[id.index] == 1 + place)
+                visit(id.index);
+    }
+}
+
+/// Of modules that may act on any body.
+template <class Visit>
+void forAllMoving(const Bodies& bodies, Visit&& visit) {
+    for (const std::uint32_t body : bodies.awake)
+        if (bodies.moves(body)) visit(body);
 }
 
 }  // namespace
@@ -84,6 +96,7 @@ void askModules(ModuleWork& work, const Activity& activity, StageRunner& runner,
     if (work.modules.empty()) return;
     look(work, runner, face, dt);
     work.namer.resize(activity.bodies.size(), 0);
+    work.velocityBefore.resizeForOverwrite(activity.bodies.size());
     for (std::uint32_t m = 0; m < work.spans.size(); ++m) {
         if (work.spans[m].empty()) continue;
         const auto place = static_cast<std::uint32_t>(work.acting.size());
@@ -94,7 +107,13 @@ void askModules(ModuleWork& work, const Activity& activity, StageRunner& runner,
     listGroups(work);
 }
 
-void actAsGroup(const ModuleWork& work, World& face, std::size_t group, float h) {
+/// Before modules push it.
+static void noteVelocity(ModuleWork& work, const Bodies& bodies, std::uint32_t body) {
+    work.velocityBefore[body] = bodies.states[bodies[body].state].v;
+}
+
+void actAsGroup(ModuleWork& work, const Bodies& bodies, World& face, std::size_t group, float h) {
+    forMovingBodiesOf(work, bodies, group, [&](std::uint32_t body) { noteVelocity(work, bodies, body); });
     for (std::uint32_t i = work.starts[group]; i < work.starts[group + 1]; ++i) {
         const StepModule& module = *work.modules[work.acting[work.members[i]]];
         module.beforeSubstep(module.user, face, h);
@@ -102,7 +121,8 @@ void actAsGroup(const ModuleWork& work, World& face, std::size_t group, float h)
 }
 
 /// Those that may act on any body, and all that named some.
-static void actInOrder(const ModuleWork& work, World& face, float h) {
+static void actInOrder(ModuleWork& work, const Bodies& bodies, World& face, float h) {
+    forAllMoving(bodies, [&](std::uint32_t body) { noteVelocity(work, bodies, body); });
     for (std::size_t m = 0; m < work.modules.size(); ++m) {
         const StepModule& module = *work.modules[m];
         if (module.beforeSubstep && (!module.look || !work.spans[m].empty()))
@@ -110,16 +130,36 @@ static void actInOrder(const ModuleWork& work, World& face, float h) {
     }
 }
 
-void actBetweenSubsteps(ModuleWork& work, StageRunner& runner, World& face, float h) {
+void actBetweenSubsteps(ModuleWork& work, const Bodies& bodies, StageRunner& runner, World& face, float h) {
     if (!work.acts()) return;
     const auto begin = std::chrono::steady_clock::now();
     if (work.onAll)
-        actInOrder(work, face, h);
+        actInOrder(work, bodies, face, h);
     else
         runner.parallelFor(static_cast<int>(work.groupCount()), 1, [&](int first, int end, int) {
-            for (int g = first; g < end; ++g) actAsGroup(work, face, static_cast<std::size_t>(g), h);
+            for (int g = first; g < end; ++g) actAsGroup(work, bodies, face, static_cast<std::size_t>(g), h);
         });
     work.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+static void countPush(const ModuleWork& work, Bodies& bodies, std::uint32_t body) {
+    BodyHistory& history = bodies.histories[bodies[body].state];
+    history.lastChange -= history.velocityBefore - work.velocityBefore[body];
+    history.velocityBefore = work.velocityBefore[body];
+}
+
+void bearPushesOf(const ModuleWork& work, const Iteration& iteration, const SolverContext& own, std::size_t group) {
+    forMovingBodiesOf(work, iteration.bodies, group, [&](std::uint32_t body) {
+        if (!work.onAll) countPush(work, iteration.bodies, body);
+        iteration.bearPush(body, own);
+    });
+}
+
+/// One after the other: contacts of two such bodies are of both.
+void bearPushes(const ModuleWork& work, const Iteration& iteration, const SolverContext& own) {
+    if (work.onAll)
+        forAllMoving(iteration.bodies, [&](std::uint32_t body) { countPush(work, iteration.bodies, body); });
+    for (std::size_t group = 0; group < work.groupCount(); ++group) bearPushesOf(work, iteration, own, group);
 }
 
 bool mayPush(ModuleWork& work, std::uint32_t body) {

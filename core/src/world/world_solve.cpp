@@ -35,8 +35,10 @@ static void solveRegion(WorldImpl& world, World& face, int region) {
         const SolverContext before = world.solving.ofSubstep(i, false, world.settings.substeps),
                             after = world.solving.ofSubstep(i, true, world.settings.substeps);
         for (const std::uint32_t group : world.solving.regions.modules.of(region))
-            actAsGroup(world.moduleWork, face, group, world.solving.context.h);
+            actAsGroup(world.moduleWork, world.tables.bodies, face, group, world.solving.context.h);
         world.machine.kernels->integrateVelocities(arrays, list.data(), 0, count, before);
+        for (const std::uint32_t group : world.solving.regions.modules.of(region))
+            bearPushesOf(world.moduleWork, iteration, before, group);
         iteration.passOverRegion(region, SolvePass::warmStart, before);
         iteration.passOverRegion(region, SolvePass::solve, before);
         for (const std::uint32_t articulation : world.solving.regions.articulations.of(region))
@@ -75,9 +77,10 @@ static void solveTogether(WorldImpl& world, World& face) {
     const bool sequential = world.settings.sequentialFriction;
     for (int number = 0; number < world.settings.substeps; ++number) {
         world.solving.context = world.solving.ofSubstep(number, false, world.settings.substeps);
-        actBetweenSubsteps(world.moduleWork, world.machine.runner, face, world.solving.context.h);
+        actBetweenSubsteps(world.moduleWork, world.tables.bodies, world.machine.runner, face, world.solving.context.h);
         readMechanisms(world.directView());
         integrate(world, world.machine.kernels->integrateVelocities);
+        bearPushes(world.moduleWork, iteration, world.solving.context);
         if (world.solving.bouncy) iteration.bounce();
         solveDirect(world.directView(), DirectPass::positions);
         iteration.warmStart();
