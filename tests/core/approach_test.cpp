@@ -148,6 +148,110 @@ TEST(FastFlights, KeepTheirSpeedAlongAFineMesh) {
         }
 }
 
+/// A frictionless surface that is flat and then rises along an arc of plane pieces, as one mesh.
+struct Rise {
+    float radius = 0, piece = 0;  ///< m; rad, that each piece turns
+    int pieces = 0;
+    float halfWidth = 0;
+
+    TriangleMesh mesh() const {
+        constexpr float kRun = 60;  // m, before the arc and after it
+        std::vector<Vec3> line{{0, 0, -kRun}, {0, 0, -2}, {}};
+        const float chord = 2 * radius * std::sin(0.5f * piece);
+        float angle = 0.5f * piece;
+        for (int i = 0; i < pieces; ++i, angle += piece)
+            line.push_back(line.back() + chord * Vec3{0, std::sin(angle), std::cos(angle)});
+        angle -= 0.5f * piece;
+        line.push_back(line.back() + kRun * Vec3{0, std::sin(angle), std::cos(angle)});
+        std::vector<Vec3> corners;
+        std::vector<Triangle> triangles;
+        for (const Vec3& place : line)
+            for (const float side : {-halfWidth, halfWidth}) corners.push_back(place + Vec3{side, 0, 0});
+        for (std::uint32_t i = 0; i + 2 < corners.size(); i += 2) {
+            triangles.push_back({i, i + 2, i + 1});
+            triangles.push_back({i + 1, i + 2, i + 3});
+        }
+        return TriangleMesh(corners, triangles);
+    }
+};
+
+/// A body that comes fast along the flat part and goes up the arc.
+struct Climb {
+    Rise rise;
+    BodyDef body;
+    float speed = 0, seconds = 0;
+
+    float speedAfter(float rate) const {
+        World world({.gravity = {}});
+        world.create(StaticBody{.shape = rise.mesh(), .material = {.friction = 0}});
+        const BodyId id = world.create(body);
+        for (int i = 0; i < static_cast<int>(std::lround(seconds * rate)); ++i) world.step(1 / rate);
+        return length(world.linearVelocity(id));
+    }
+};
+
+class Climbs {
+public:
+    explicit Climbs(unsigned seed) : random_(seed) {}
+
+    Climb next(int kind) {
+        const Vec3 half{between(0.15f, 0.6f), between(0.04f, 0.4f), between(0.3f, 2)};
+        const Shape shape = shapeOf(kind, half);
+        const float reach = kind == 0 ? half.y : half.z, bottom = half.y;
+        Climb climb{{between(8, 20), 0.0175f * between(1, 6), 1 + static_cast<int>(random_() % 12), between(0.7f, 5)},
+                    BodyDef{.shapes = {ShapeDef{.geometry = shape, .material = {.friction = 0}}}},
+                    between(8, 45),
+                    0};
+        const float yaw = random_() % 2 ? 0 : between(-0.3f, 0.3f), hover = random_() % 2 ? 0 : between(0, 0.15f);
+        climb.body.pose = {DVec3{0, static_cast<double>(bottom + hover), static_cast<double>(-reach - 1.5f)},
+                           rotationAbout({0, 1, 0}, yaw) * (kind == 1 ? rotationAbout({1, 0, 0}, 0.5f * kPi) : Quat{})};
+        climb.body.linearVelocity = {0, 0, climb.speed};
+        climb.body.allowSleep = false;
+        const bool locked = random_() % 2 != 0;
+        climb.body.locks = {.rotationX = locked, .rotationY = locked, .rotationZ = locked};
+        const float way = 4 + climb.rise.radius * climb.rise.piece * static_cast<float>(climb.rise.pieces);
+        climb.seconds = std::ceil(30 * way / climb.speed) / 30;
+        return climb;
+    }
+
+private:
+    float between(float low, float high) {
+        return low + (high - low) * static_cast<float>(random_() >> 8) / 16777216.0f;
+    }
+    Shape shapeOf(int kind, const Vec3& half) {
+        if (kind == 0) return Sphere{half.y};
+        if (kind == 1) return Capsule{half.y, std::max(0.1f, half.z - half.y)};
+        if (kind == 2) return Box{half};
+        const float slope = between(0, 0.3f);
+        std::vector<Vec3> corners;
+        for (int i = 0; i < 8; ++i) {
+            const float narrow = (i & 2) != 0 ? 1 - slope : 1;
+            corners.push_back({((i & 1) != 0 ? narrow : -narrow) * half.x, (i & 2) != 0 ? half.y : -half.y,
+                               ((i & 4) != 0 ? narrow : -narrow) * half.z});
+        }
+        return ConvexHull(corners);
+    }
+
+    std::mt19937 random_;
+};
+
+/// An arc takes the speed that turning the way takes, as small steps tell, and none of its pieces is a wall, however
+/// far apart steps are.
+TEST(FastClimbs, LoseNoMoreThanTheTurningOfTheWayTakes) {
+    Climbs climbs(7);
+    for (int kind = 0; kind < 4; ++kind)
+        for (int i = 0; i < 24; ++i) {
+            const Climb climb = climbs.next(kind);
+            const float fine = climb.speedAfter(16 * 60);
+            for (const float rate : {30.0f, 60.0f, 120.0f, 240.0f}) {
+                const float speed = climb.speedAfter(rate);
+                EXPECT_NEAR(speed, fine, kSameOutcome * climb.speed)
+                    << "kind " << kind << ", climb " << i << ", " << rate << " Hz, from " << climb.speed;
+                EXPECT_LE(speed, 1.001f * climb.speed);
+            }
+        }
+}
+
 INSTANTIATE_TEST_SUITE_P(Shapes, FastFlight, testing::Range(0, 4));
 
 }  // namespace

@@ -38,8 +38,8 @@ struct Golden {
 constexpr Golden kGolden[] = {
     {0xead3a6f5c77dfbfeu, 0x449b8339161e90c0u},  // tower
     {0x75b878a0d8cdf1b2u, 0xc84401d3f37829d3u},  // wall
-    {0x1794fca02793bd31u, 0x973c0f68154035b3u},  // hills
-    {0x261edcfe74590f74u, 0x0fc26d59a1335558u},  // bowl
+    {0x86df5d83a0388e62u, 0x5d97c451c8dd02fcu},  // hills
+    {0xb022e8303760ac90u, 0x0c12144d07d8e807u},  // bowl
     {0x122bb99126b980f2u, 0x47f9ea9885588fb4u},  // joints
     {0xda684f92a66f2cabu, 0x82f74c1800492875u},  // spinners
     {0xefa6f2b1da44b200u, 0x010b013794c1c4afu},  // chains

@@ -6,6 +6,7 @@
 #include "contacts/tuning.h"
 #include "narrowphase/collide.h"
 #include "narrowphase/distance.h"
+#include "narrowphase/triangle_contact.h"
 
 namespace ragtop {
 
@@ -146,16 +147,37 @@ bool mayPush(const TriangleView& t, const Vec3& normal) {
     return dot(normal, t.normal) > -kBehind;
 }
 
+/// How far a shape is above the plane of a triangle.
+float heightOver(const TriangleView& t, const ConvexView& shape, const Frame& at) {
+    const Vec3 lowest = supportOfCore(shape, inverseRotate(at.rotation, -t.normal));
+    return dot(t.normal, at.position - t.a + rotate(at.rotation, lowest)) - shape.radius;
+}
+
+/// Turns a meeting with a flat or concave edge of a triangle, or with a corner between two, to the face: what lies
+/// there is met by neighbours, which would push along their own faces. False where the point that is met does not come
+/// nearer to the face and nothing ends behind it by more than is allowed.
+bool turnToFace(const ConvexView&, const ConvexView&, const Frame&, const Frame&, float, SweepHit&) { return true; }
+bool turnToFace(const TriangleView& t, const ConvexView& shape, const Frame& from, const Frame& to, float allowed,
+                SweepHit& hit) {
+    const TriangleHull hull(t, hit.point);
+    const Feature feature = featureAlong(hull, hit.normal);
+    const int before = feature.index == 0 ? 2 : feature.index - 1;
+    if (feature.kind == Feature::face || edgeIsActive(hull, feature.index)) return true;
+    if (feature.kind == Feature::vertex && edgeIsActive(hull, before)) return true;
+    const Vec3 turn = rotationVector(to.rotation * conjugate(from.rotation));
+    const Vec3 arm = hit.point - SweptMotion(from, to).at(hit.fraction).position;
+    if (!(dot(t.normal, to.position - from.position + cross(turn, arm)) < 0))
+        return heightOver(t, shape, to) < -allowed;
+    hit.normal = t.normal;
+    return true;
+}
+
 /// Does a shape stay in front of the plane of a triangle, by more than where it would touch, or go away from it?
 /// Between its ends a point of it leaves its chord by `bulge` at most.
 bool cannotMeet(const TriangleView& t, const ConvexView& shape, const Frame& from, const Frame& to, float bulge,
                 float target) {
     constexpr float kMore = 2;  // targets, for the rounding
-    const auto height = [&](const Frame& at) {
-        const Vec3 lowest = supportOfCore(shape, inverseRotate(at.rotation, -t.normal));
-        return dot(t.normal, at.position - t.a + rotate(at.rotation, lowest)) - shape.radius;
-    };
-    const float first = height(from), last = height(to);
+    const float first = heightOver(t, shape, from), last = heightOver(t, shape, to);
     return std::min(first, last) > bulge + kMore * target || last - first >= 2 * bulge;
 }
 
@@ -242,8 +264,9 @@ void meetSurface(const ShapeSweep& sweep, const Surface& surface, Meeting& first
     const SweepHit deep = timeOfImpact(surface, sweep.core.view, coreFrom, coreTo, 0);
     const bool blocks = deep.hit && deep.fraction > 0;
     if (hit.fraction == 0 ? !blocks : !blocks && !isDeep(touchAt(sweep.to), allowed)) return;
-    const SweepHit& met = hit.fraction == 0 ? deep : hit;
+    SweepHit met = hit.fraction == 0 ? deep : hit;
     if (!mayPush(surface, met.normal) || (first.hit && met.fraction >= first.fraction)) return;
+    if (!turnToFace(surface, sweep.geometry.convex, sweep.from, sweep.to, allowed, met)) return;
     first = {true, met.fraction, sweep.shape, sweep.obstacle,
              touchAt(SweptMotion(sweep.from, sweep.to).at(met.fraction))};
     if (first.touch.pointCount == 0) first.touch = pointContact(met);

@@ -1,12 +1,13 @@
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <memory>
-#include <optional>
 #include <type_traits>
 
 #include "narrowphase/box_on_triangles.h"
 #include "narrowphase/manifold_set.h"
 #include "narrowphase/nearest_four.h"
-#include "narrowphase/pairs.h"
+#include "narrowphase/surface_mover.h"
 #include "narrowphase/triangle_contact.h"
 
 /// A convex shape on a surface of triangles. Every triangle is tested on its own; then a contact whose direction the
@@ -19,57 +20,14 @@ constexpr float kBehind = 0.25f;
 /// Of the size: how deep under a face a contact may lie whose own direction was refused. Deeper ones belong to a face
 /// beside it.
 constexpr float kDeepest = 0.25f;
+/// Of the size: how near a way has to come to a surface to meet it.
+constexpr float kMeets = 1e-3f;
 /// Sine of the angle by which a neighbour may rise above the plane of a contact.
 constexpr float kRise = 0.01f;
 /// Of the size: what lies this near to a point of the surface is at it.
 constexpr float kAtPoint = 1e-3f;
 /// Of the size: how much farther than where it is the triangles around a shape are remembered.
 constexpr float kRoom = 0.5f;
-
-/// The convex shape in the axes of the mesh, about its own origin: exact however far from the origin of the mesh it is.
-struct Mover {
-    const ConvexView* shape;
-    Vec3 position;  ///< of its origin in the mesh
-    float margin;
-    float size;
-    Vec3 center;  ///< of its mass
-    Vec3 p, q;    ///< capsule: the segment
-    std::optional<TurnedBox> box;
-    std::optional<PlacedHull> hull;
-
-    Mover(const ConvexView& view, const Frame& frame, float contactMargin)
-        : shape(&view), position(frame.position), margin(contactMargin), size(pairs::sizeOf(view)) {
-        const Frame turned{{}, frame.rotation};
-        q = rotate(frame.rotation, {0, view.halfExtents.y, 0});
-        p = -q;
-        if (view.kind == ConvexKind::box) {
-            box.emplace(view.halfExtents, frame.rotation);
-        } else if (view.kind == ConvexKind::hull) {
-            hull.emplace(viewOf(*view.hull), turned);
-            center = hull->view().center;
-        }
-    }
-
-    /// In the mesh, grown by the margin and by the rounding of the sums.
-    Bounds bounds() const {
-        Bounds b{p, p};
-        if (box) {
-            b = {-box->reach(), box->reach()};
-        } else if (hull) {
-            b = {hull->view().vertices[0], hull->view().vertices[0]};
-            for (const Vec3& vertex : hull->view().vertices) b = {min(b.lower, vertex), max(b.upper, vertex)};
-        } else if (shape->kind == ConvexKind::capsule) {
-            b = {min(p, q), max(p, q)};
-        } else {
-            b = {};
-        }
-        constexpr float kRounding = 1e-6f;  // eight units in the last place
-        const Vec3 far = abs(position) + max(abs(b.lower), abs(b.upper));
-        const float grow = shape->radius + margin;
-        const Vec3 slack = Vec3{grow, grow, grow} + kRounding * far;
-        return {b.lower + position - slack, b.upper + position + slack};
-    }
-};
 
 template <class Surface>
 class SurfaceContacts {
@@ -157,46 +115,109 @@ private:
 
     void takeContact(const TriangleView& view, const TriangleHull& t, TriangleContact& contact) {
         if (contact.count == 0) return;
-        if (looksAhead_ && leastSeparation(contact.all()) > approach_.near) return lookAhead(view, contact);
+        const float gap = leastSeparation(contact.all());
+        if (looksAhead_ && gap > approach_.near) return noteAhead(view);
         point(t, contact);
+        // What it is beside now it may come over, and what it is before it may pass.
+        const bool maybe = contact.count == 0 || (gap > 0 && !(contact.normal == t.normal()));
+        if (looksAhead_ && maybe) return noteAhead(view);
         set_.add(contact.normal, contact.all(), t.index);
     }
 
-    /// Notes a triangle that is not near, and whether the mover meets it first.
-    void lookAhead(const TriangleView& view, TriangleContact& contact) {
+    void noteAhead(const TriangleView& view) {
         if (aheadCount_ < kMostNear) std::construct_at(&ahead_[aheadCount_], view);
         ++aheadCount_;
-        const float gone =
-            goToMeet(approach_, contact, [&](float share, TriangleContact& there) { touchAt(share, view, there); });
-        origin_ = mover_.position;
-        if (!(gone < meets_) || contact.count == 0) return;
-        touchAt(gone, view, contact);
-        if (contact.count > 0) point(TriangleHull(view, origin_), contact);
-        origin_ = mover_.position;
-        if (contact.count > 0 && leastSeparation(contact.all()) <= approach_.near) meets_ = gone;
     }
 
-    /// What lies ahead is touched where the mover first meets any of it: beyond, it would be inside of the surface.
     /// More than are remembered are found again; points of near ones among them are known already.
-    void touchAhead(const Bounds& bounds) {
-        const auto touchOne = [this](const TriangleView& view) {
-            TriangleContact contact;
-            touchAt(meets_, view, contact);
-            if (contact.count > 0) point(TriangleHull(view, origin_), contact);
-            bringBack(approach_, meets_, contact);
-            set_.add(contact.normal, contact.all(), view.index);
+    template <class Visit>
+    void forEachAhead(const Bounds& bounds, Visit&& visitOne) {
+        const auto visitAll = [&](const TriangleView& view) {
+            visitOne(view);
             return true;
         };
-        if (aheadCount_ > kMostNear)
-            forEachNear(bounds, touchOne);
-        else
-            for (int i = 0; i < aheadCount_; ++i) touchOne(ahead_[i]);
+        if (aheadCount_ > kMostNear) return forEachNear(bounds, visitAll);
+        for (int i = 0; i < aheadCount_; ++i) visitOne(ahead_[i]);
+    }
+
+    /// What lies ahead is touched where the mover meets it on its way, which each of the planes that it comes to turns
+    /// along itself; beyond, it would be inside of the surface. What it does not meet is touched where the way ends.
+    void touchAhead(const Bounds& bounds) {
+        constexpr int kMostTurns = 4;  // of a way
+        std::uint32_t met[kMostTurns];
+        Vec3 gone{}, last{};
+        Approach left = approach_;
+        left.near = kMeets * mover_.size;
+        int turns = 0;
+        while (turns < kMostTurns) {
+            left.way = set_.slid(left.way, gone, approach_.near);
+            // Nearly the same directions are one to the set.
+            left.way -= std::min(0.0f, dot(left.way, last)) * last;
+            float share = 1;
+            TriangleContact first;
+            const auto meet = [&](const TriangleView& view) {
+                for (int k = 0; k < turns; ++k)
+                    if (met[k] == view.index) return;
+                TriangleContact contact;
+                if (!meets(view, gone, left, contact, share)) return;
+                first = contact;
+                met[turns] = view.index;
+            };
+            forEachAhead(bounds, meet);
+            if (first.count == 0) break;
+            gone += share * left.way;
+            left.way *= 1 - share;
+            last = first.normal;
+            add(first, gone, met[turns++]);
+        }
+        if (turns < kMostTurns) gone += left.way;
+        forEachAhead(bounds, [&](const TriangleView& view) {
+            TriangleContact contact;
+            touchAt(gone, view, contact);
+            if (contact.count > 0) point(TriangleHull(view, origin_), contact);
+            add(contact, gone, view.index);
+        });
         origin_ = mover_.position;
+    }
+
+    /// Does the mover, where it has gone already, meet a triangle before a share of the way that is left? Then that
+    /// share and the contact there: over its face where its plane is reached, or with what of it is reached first.
+    bool meets(const TriangleView& view, const Vec3& gone, const Approach& left, TriangleContact& contact,
+               float& share) {
+        origin_ = mover_.position + gone;
+        const float above = mover_.above(TriangleHull(view, origin_).planes[0]), along = dot(left.way, view.normal);
+        if (above + along > -left.near) return false;
+        if (above >= 0 && above < -along * share && touchesAt(gone + above / -along * left.way, view, contact) &&
+            contact.normal == view.normal) {
+            share = above / -along;
+            return true;
+        }
+        touchAt(gone, view, contact);
+        const float there = goToMeet(
+            left, contact, [&](float part, TriangleContact& at) { touchAt(gone + part * left.way, view, at); });
+        if (!(there < share) || contact.count == 0 || !touchesAt(gone + there * left.way, view, contact)) return false;
+        share = there;
+        return true;
+    }
+
+    /// Does the surface push the mover where it has gone?
+    bool touchesAt(const Vec3& gone, const TriangleView& view, TriangleContact& contact) {
+        touchAt(gone, view, contact);
+        if (contact.count > 0) point(TriangleHull(view, origin_), contact);
+        return contact.count > 0 && leastSeparation(contact.all()) <= approach_.near;
+    }
+
+    /// Adds a contact that is found where the mover has gone, with the separations of now; none where the mover is
+    /// behind its plane now, which it passes.
+    void add(TriangleContact& contact, const Vec3& gone, std::uint32_t triangle) {
+        for (ManifoldPoint& at : contact.all()) at.separation -= dot(gone, contact.normal);
+        if (contact.count > 0 && leastSeparation(contact.all()) >= -approach_.near)
+            set_.add(contact.normal, contact.all(), triangle);
     }
 
     /// The contact with a triangle where the mover has gone some of its way.
-    void touchAt(float share, const TriangleView& view, TriangleContact& contact) {
-        origin_ = mover_.position + share * approach_.way;
+    void touchAt(const Vec3& gone, const TriangleView& view, TriangleContact& contact) {
+        origin_ = mover_.position + gone;
         const TriangleHull t(view, origin_);
         contact.clear();
         const float height = dot(t.normal(), mover_.center) - t.planes[0].offset;
@@ -346,7 +367,7 @@ private:
         TriangleContact contact;
         touchSphere(t, seen, contact);
         if (contact.count == 0) return;
-        if (looksAhead_ && contact.points[0].separation > approach_.near) return lookAhead(view, contact);
+        if (looksAhead_ && contact.points[0].separation > approach_.near) return noteAhead(view);
         if (mayPointAtSphere(t, seen, contact.normal)) set_.add(contact.normal, contact.all(), t.index);
     }
 
@@ -433,7 +454,6 @@ private:
     Bounds gathered_;
     bool gatheredAll_ = true;
     int nearCount_ = 0;
-    float meets_ = 1;  ///< share of the way after which the mover first meets what lies ahead
     int aheadCount_ = 0;
     union {  // not filled with zeros first
         TriangleView near_[kMostNear];

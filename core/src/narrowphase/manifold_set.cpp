@@ -77,6 +77,17 @@ void ManifoldSet::add(const Vec3& normal, std::span<const ManifoldPoint> points,
     for (const ManifoldPoint& point : points) addPoint(cluster, point);
 }
 
+Vec3 ManifoldSet::slid(Vec3 way, const Vec3& gone, float near) const {
+    constexpr int kPasses = 3;  // as many planes as hold a point
+    for (int pass = 0; pass < kPasses; ++pass)
+        for (int i = 0; i < count_; ++i) {
+            const Cluster& plane = clusters_[i];
+            const float into = dot(way, plane.normal);
+            if (into < 0 && plane.deepest + dot(gone, plane.normal) <= near) way -= into * plane.normal;
+        }
+    return way;
+}
+
 int ManifoldSet::write(const Vec3& offset, std::span<Manifold> out) {
     return writeClusters(clusters_, count_, kDepthTolerance * size_, offset, out);
 }

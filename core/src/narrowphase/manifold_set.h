@@ -20,6 +20,8 @@ public:
     ManifoldSet& operator=(const ManifoldSet&) = delete;
 
     void add(const Vec3& normal, std::span<const ManifoldPoint> points, std::uint32_t triangle);
+    /// What is left of a way after `gone` where the planes that are within `near` there turn it along themselves.
+    Vec3 slid(Vec3 way, const Vec3& gone, float near) const;
     /// Writes the manifolds, moved by `offset`, and returns how many.
     int write(const Vec3& offset, std::span<Manifold> out);
 

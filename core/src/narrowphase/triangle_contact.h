@@ -7,6 +7,8 @@
 #include "narrowphase/box_on_triangles.h"
 #include "narrowphase/manifold_set.h"
 #include "narrowphase/triangle_feature.h"
+#include "shapes/geometry.h"
+#include "shapes/hull.h"
 
 /// One triangle of a surface and what a convex shape has with it.
 namespace ragtop {
