@@ -43,9 +43,16 @@ Material wheelMaterial(const VehicleDef& def, const WheelDef& wheel) {
     return material;
 }
 
-Frame wheelShapeFrame(const WheelDef& wheel, float risen, float angle) {
-    return {wheel.position + risen * normalized(wheel.suspension.axis),
-            normalized(strutRotation(wheel) * rotationAbout({0, 1, 0}, angle))};
+Quat wheelRotation(const Vec3& axle) {
+    const Vec3 ahead = normalized(Vec3{-axle.z, 0, axle.x}, {0, 0, 1});
+    return rotationFromAxes(axle, cross(ahead, axle), ahead);
+}
+
+/// A wheel turns about its strut to steer, and leans as its axle does.
+Frame wheelShapeFrame(const WheelDef& wheel, const Vec3& hub, const Vec3& axle) {
+    const float angle = arcTan2(-axle.z, axle.x);
+    const Quat lean = axle.y == 0 ? Quat{} : wheelRotation(axle) * rotationAbout({0, 1, 0}, -angle);
+    return {hub, normalized(lean * strutRotation(wheel) * rotationAbout({0, 1, 0}, angle))};
 }
 
 std::string whyAnotherShape(const WheelDef& now, const WheelDef& next) {
@@ -90,7 +97,7 @@ BodyDef chassisBody(const VehicleDef& def, const VehiclePlacement& placement) {
     for (const WheelDef& wheel : def.wheels) {
         ShapeDef part;
         part.geometry = wheelHull(wheel);
-        part.frame = wheelShapeFrame(wheel, 0, 0);
+        part.frame = wheelShapeFrame(wheel, wheel.position, {1, 0, 0});
         part.material = wheelMaterial(def, wheel);
         part.filter = def.chassis.filter;
         part.givesWay = true;

@@ -20,7 +20,10 @@ Material wheelMaterial(const VehicleDef& def, const WheelDef& wheel);
 /// they are alike.
 std::string whyAnotherShape(const WheelDef& now, const WheelDef& next);
 
-/// Of a wheel's shape in the chassis, its hub risen along the strut and turned about it, to the left.
-Frame wheelShapeFrame(const WheelDef& wheel, float risen, float angle);
+/// Of a wheel whose axle, to the left, is not upright: its x axis, with z level.
+Quat wheelRotation(const Vec3& axle);
+
+/// Of a wheel's shape in the chassis, its hub and its axle there, which points to the left.
+Frame wheelShapeFrame(const WheelDef& wheel, const Vec3& hub, const Vec3& axle);
 
 }  // namespace ragtop

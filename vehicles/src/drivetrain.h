@@ -66,6 +66,11 @@ public:
     float brakeWarmth(const WheelDef& wheel, std::size_t i) const {
         return wheel.brakeHeatCapacity ? static_cast<float>(brakeHeat[i]) / *wheel.brakeHeatCapacity : 0;
     }
+    /// Of `brake`, what pads hold, which what carries the wheel feels the other way; between begin and end.
+    float padImpulse(std::size_t i) const {
+        const float bound = brakeBoundOf(i);
+        return bound > 0 ? brake[i] * (brakeBound_[i] - rollBound_[i]) / bound : 0;
+    }
     /// ½ Σ I ω² of engine and wheels, J.
     double rotatingEnergy(const EngineDef& def) const;
     const std::vector<float>& inertia() const { return inertia_; }

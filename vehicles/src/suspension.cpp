@@ -111,7 +111,7 @@ float squashUnder(const StrutSpec& strut, float load) {
 
 namespace {
 
-constexpr float kStopped = std::numeric_limits<float>::infinity();  ///< N/m, of a strut at its droop stop
+constexpr float kHeld = std::numeric_limits<float>::infinity();  ///< N/m, of a strut at its droop stop
 
 /// F = force + stiffness w, of a way w in a substep.
 struct Line {
@@ -194,7 +194,7 @@ StrutVisit solveStrut(const StrutSpec& strut, float compression, float squash, f
                       float free, float rub, const BarPull& bar) {
     constexpr int kMostPieces = 12;
     const float yielding = h * h * K / (slant * slant), coming = -h * free / slant;
-    float end = compression, squashed = squash, force = 0, way = 0, stiffness = kStopped;
+    float end = compression, squashed = squash, force = 0, way = 0, stiffness = kHeld;
     for (int piece = 0; piece < kMostPieces; ++piece) {
         const Line tire = tireLine(strut, squash, squashed, slant, rub);
         const Line springs = strutLine(strut, compression, end, h, bar);
@@ -212,7 +212,7 @@ StrutVisit solveStrut(const StrutSpec& strut, float compression, float squash, f
             way = strut.travelLeast - compression;
             force = (tire.force + tire.stiffness * (coming + yielding * rub - way)) / (1 + tire.stiffness * yielding);
             force = std::max(force, rub);
-            stiffness = kStopped;
+            stiffness = kHeld;
         }
         const float newEnd = compression + way, newSquash = squash + slant * (coming - yielding * (force - rub) - way);
         const bool holds =

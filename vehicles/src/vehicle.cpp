@@ -114,10 +114,13 @@ VehicleSim::VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePla
     requireFinite(def, placement);
     gravity = length(world->settings().gravity);
     if (!(gravity > 0)) gravity = kStandardGravity;
+    linkages = axleLinkages(def);
     takeDef();
     start(placement.speed);
     patches.resize(specs.size());
     courses.resize(specs.size());
+    curves.resize(specs.size());
+    lines.resize(specs.size());
     aheads.resize(specs.size());
     grounds.resize(specs.size());
     groundOfWheel.resize(specs.size());
@@ -147,7 +150,9 @@ void VehicleSim::takeDef() {
     specs.clear();
     for (std::size_t i = 0; i < def.wheels.size(); ++i) {
         specs.push_back(wheelSpec(def.wheels[i], center, loadsAtRest[i], gravity, def.level));
+        specs.back().beamPartner = i;
     }
+    findGuides();
     for (const AntiRollBarDef& bar : def.antiRollBars) takeBar(bar);
     ride = makeRide(def, properties, specs);
     digest = definitionDigest(def, properties, gravity);
@@ -193,6 +198,7 @@ void VehicleSim::setDef(const VehicleDef& next) {
     def = next;
     def.level = level;
     if (meetsOthers) takeFilters();
+    linkages = axleLinkages(def);
     takeDef();
     drivetrain = Drivetrain(def, std::move(drivetrain));
     if (heavier) world->setMass(chassis, chassisMass(def.chassis));

@@ -10,6 +10,7 @@
 #include <utility>
 #include <variant>
 
+#include "axle_linkage.h"
 #include "chassis.h"
 #include "suspension.h"
 
@@ -296,6 +297,9 @@ std::string whyInvalid(const VehicleDef& def) {
     }
     for (std::size_t i = 0; i < def.antiRollBars.size(); ++i) {
         if (std::string why = whyInvalid(def, def.antiRollBars[i], i); !why.empty()) return why;
+    }
+    for (std::size_t i = 0; i < def.linkages.size(); ++i) {
+        if (std::string why = whyInvalid(def, def.linkages[i], i); !why.empty()) return why;
     }
     for (std::size_t i = 0; i < def.aerodynamics.axleLifts.size(); ++i) {
         if (std::string why = whyInvalid(def, def.aerodynamics.axleLifts[i], i); !why.empty()) return why;

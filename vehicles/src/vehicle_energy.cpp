@@ -18,16 +18,18 @@ Vec3 VehicleSim::patchSpeed(std::size_t i, const PointBody& body) const {
 /// What the patch has taken. Of the tire's impulse T at the mean slip, and of the load N at the mean speed of the
 /// chassis over the ground, the strut having the part of T along it:
 ///
-///     slip    −T · (v + lean ẋ − r ω)
-///     struts  −N n·v + ẋ lean·T
-void VehicleSim::countPatch(std::size_t i, const PointBody& body, float hubSpeed) {
+///     slip    −T · (v + lean ẋ + cross ẏ − r ω)
+///     struts  −N n·v + ẋ lean·T + ẏ cross·T, ẏ of the other wheel of a beam
+void VehicleSim::countPatch(std::size_t i, const PointBody& body, float hubSpeed, float otherSpeed) {
     const WheelPatch& patch = patches[i];
     const Vec3 mean = 0.5f * (patch.speedBefore + patchSpeed(i, body));
     const float tread = 0.5f * specs[i].radius * (patch.spinBefore + drivetrain.spin[i]);
-    const float slipX = mean.x + patch.lean.x * hubSpeed - tread, slipY = mean.y + patch.lean.y * hubSpeed;
+    const Vec2 hub{patch.lean.x * hubSpeed + patch.cross.x * otherSpeed,
+                   patch.lean.y * hubSpeed + patch.cross.y * otherSpeed};
+    const float slipX = mean.x + hub.x - tread, slipY = mean.y + hub.y;
     lost.slip -= static_cast<double>(patch.tire.x * slipX + patch.tire.y * slipY);
-    const float leaning = patch.lean.x * patch.tire.x + patch.lean.y * patch.tire.y;
-    lost.struts += static_cast<double>(hubSpeed * leaning - patch.load * mean.z);
+    const float leaning = hub.x * patch.tire.x + hub.y * patch.tire.y;
+    lost.struts += static_cast<double>(leaning - patch.load * mean.z);
 }
 
 /// What air and aligning moments have taken from the chassis.

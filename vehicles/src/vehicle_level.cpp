@@ -102,8 +102,9 @@ void VehicleSim::leaveBicycle() {
         WheelState& wheel = wheels[i];
         wheel.placed = WheelState::kPut;
         if (wheel.ground.found == 0) continue;
-        const Vec3 axle = rotate(wheelFrame(i, pose).rotation, {1, 0, 0});
-        const DVec3 hub = transformPoint(pose, specs[i].position);
+        const WheelLine line = lineNow(i);
+        const Vec3 axle = rotate(pose.rotation, line.axle);
+        const DVec3 hub = transformPoint(pose, line.hub);
         const Vec3 velocity = world->velocityAt(chassis, hub - DVec3(specs[i].radius * wheel.ground.normal));
         const float along = length(velocity - dot(velocity, axle) * axle), across = dot(velocity, axle);
         const float speed = std::max(along, specs[i].tire.swaySpeed);

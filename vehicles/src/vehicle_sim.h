@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "air.h"
+#include "axle_linkage.h"
 #include "drivetrain.h"
 #include "ground_body.h"
 #include "patch_row.h"
@@ -55,6 +56,18 @@ struct WheelSpec {
     TireSpec tire;
     float barStiffness = 0;      ///< N/m, of an anti-roll bar
     std::size_t barPartner = 0;  ///< the wheel at its other end
+    int linkage = -1;            ///< VehicleSim::linkages, of a wheel that has one
+    bool isRight = false;        ///< of its linkage
+    std::size_t beamPartner = 0;  ///< the other wheel of a beam; itself where there is none
+};
+
+/// Where strut or linkage has a wheel, and the line along which its hub goes from there, in the chassis.
+struct WheelLine {
+    Vec3 hub, base;      ///< base: where the line would have it at no compression
+    Vec3 along, axis;    ///< unit; m per m of compression
+    Vec3 axle, tilting;  ///< unit, to the left; rad/m by which the axle turns, across itself
+    float spinRate = 0;  ///< rad/m by which what brakes the wheel turns forward about the axle
+    Vec3 crossAxis, crossTilting;  ///< the same as the other wheel of its beam rises
 };
 
 /// What a substep works with.
@@ -63,6 +76,8 @@ struct WheelPatch {
     Vec3 normal, forward, side, axle;  ///< unit, world; axle to the left
     PatchRow normalRow, forwardRow, sideRow;
     Vec2 lean;           ///< of the strut, along forward and side
+    Vec2 cross;          ///< the same of the way of its beam's other wheel
+    float crossSlant = 0;  ///< and along the normal
     Vec3 arm;            ///< of the contact point from the chassis's centre of mass
     Vec3 given, turned;  ///< N s, N m s of the solve on the car, whose opposite the ground gets
     DVec3 point;
@@ -95,8 +110,9 @@ struct CarLosses {
 };
 
 /// A car inside: definition, state, and the parts of the step. vehicle.cpp builds, saves and shows it,
-/// vehicle_step.cpp does what happens once per step, vehicle_substep.cpp the implicit solve, vehicle_energy.cpp
-/// counts what it takes; vehicle_level.cpp goes from one level to another, vehicle_bicycle.cpp drives level 0.
+/// vehicle_line.cpp says where struts and linkages have wheels, vehicle_step.cpp does what happens once per step,
+/// vehicle_substep.cpp the implicit solve, vehicle_energy.cpp counts what it takes; vehicle_level.cpp goes from one
+/// level to another, vehicle_bicycle.cpp drives level 0.
 struct VehicleSim {
     VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePlacement& placement);
 
@@ -142,6 +158,7 @@ struct VehicleSim {
     std::vector<BodyId> touched;  ///< what this step may push: the chassis, and what moves under its wheels
     VehicleDef def;
     std::vector<WheelSpec> specs;
+    std::vector<AxleLinkage> linkages;
     std::vector<LiftPoint> lifts;
     std::vector<float> loadsAtRest;
     float mass = 0, gravity = 0;  ///< kg; m/s², at creation
@@ -165,6 +182,8 @@ struct VehicleSim {
     std::mutex telling;  ///< of those that ask for it at once
     std::vector<WheelPatch> patches;
     std::vector<WheelCourse> courses;
+    std::vector<WheelCurve> curves;          ///< of a step: along which linkages guide their wheels, as it steers
+    std::vector<WheelLine> lines;            ///< of now
     std::vector<Vec3> aheads;                ///< of a step: where wheels roll to, unit, in the chassis
     int substep = 0;                         ///< of the step
     int parts = 1, part = 0;                 ///< of a substep in which a wheel goes over an edge
@@ -183,8 +202,16 @@ private:
     bool mayRest(const Driver& wanted);
     void seekGround(std::size_t i, const Pose& pose, float dt);
     void seekPoint(std::size_t i, const Pose& pose, float dt);
+    void findGuides();
+    void steerWheels();
+    const SuspensionCurves& curvesOf(std::size_t i) const;
+    float otherOf(std::size_t i) const;
+    WheelCurve curveOf(std::size_t i) const;
+    WheelLine lineOf(std::size_t i, const Vec3& ahead, const WheelCurve& curve) const;
+    void takeLine(std::size_t i);
+    Vec3 headingOf(std::size_t i) const;
+    WheelLine lineNow(std::size_t i) const;
     Pose wheelFrame(std::size_t i, const Pose& pose) const;
-    Vec3 axleOf(std::size_t i, const Pose& pose) const;
     void placeShapes();
 
     Filter filterOf(std::size_t shape) const;
@@ -217,6 +244,8 @@ private:
     bool sinkGround(std::size_t i, const PointBody& body, float h);
     void letFall(std::size_t i, float h);
     BarPull barOf(std::size_t i) const;
+    BarPull pullOn(std::size_t i, float h) const;
+    void takeCross(std::size_t i, const Pose& pose);
     TireGround groundOf(std::size_t i) const;
     float resistanceOf(std::size_t i) const;
     void settleTire(std::size_t i, const PointBody& moved);
@@ -227,7 +256,7 @@ private:
     float visitWheel(std::size_t i, PointBody& body, float h);
     void finishWheel(std::size_t i, const PointBody& body, float h, Vec3& linear, Vec3& angular);
     Vec3 patchSpeed(std::size_t i, const PointBody& body) const;
-    void countPatch(std::size_t i, const PointBody& body, float hubSpeed);
+    void countPatch(std::size_t i, const PointBody& body, float hubSpeed, float otherSpeed);
     void countBody(const PointBody& before, const PointBody& after, const CarImpulse& air, const Vec3& turned);
     void tellEnergy();
     bool holds(const Vec3& linear, const Vec3& angular) const;

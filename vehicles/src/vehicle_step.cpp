@@ -93,8 +93,7 @@ void VehicleSim::beforeStep(double dt) {
     const std::optional<int> gear = driver.gearGiven != 0 ? std::optional<int>(driver.gear) : std::nullopt;
     shift(def.gearbox, drivetrain.gearbox, gear, forwardSpeed / meanRadius, driver.throttle, step);
     if (def.level == VehicleLevel::bicycle) return rideBicycle(step);
-    for (std::size_t i = 0; i < wheels.size(); ++i)
-        aheads[i] = wheelDirection(def.steering, def.wheels[i].steerFactor, specs[i].steerArm, steerAngle);
+    steerWheels();
     if (def.level == VehicleLevel::full) placeShapes();
 }
 
@@ -103,9 +102,8 @@ void VehicleSim::placeShapes() {
     const auto all = world->shapes(chassis);
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         const ShapeId shape = all[def.chassis.shapes.size() + i];
-        const Vec3& ahead = aheads[i];
-        const Frame now = world->frame(shape);
-        const Frame next = wheelShapeFrame(def.wheels[i], wheels[i].compression, arcTan2(ahead.x, ahead.z));
+        const WheelLine& line = lines[i];
+        const Frame now = world->frame(shape), next = wheelShapeFrame(def.wheels[i], line.hub, line.axle);
         const Quat turn = conjugate(now.rotation) * next.rotation;
         const float turned = 2 * length(Vec3{turn.x, turn.y, turn.z});
         if (length(next.position - now.position) > kPlaced * specs[i].radius || turned > kPlaced)
@@ -137,11 +135,12 @@ std::span<const BodyId> VehicleSim::look(double dt) {
 WheelWay VehicleSim::wayOf(std::size_t i, const Pose& pose, float dt) const {
     const WheelSpec& spec = specs[i];
     WheelWay way;
-    way.from = transformPoint(pose, spec.position);
+    const WheelLine& line = lines[i];
+    way.from = transformPoint(pose, line.base);
     const Vec3 went = dt * world->velocityAt(chassis, way.from);
     way.to = way.from + went;
-    way.axis = rotate(pose.rotation, spec.axis);
-    way.axle = axleOf(i, pose);
+    way.axis = rotate(pose.rotation, line.along);
+    way.axle = rotate(pose.rotation, line.axle);
     way.radius = spec.radius;
     way.halfWidth = spec.halfWidth;
     way.above = spec.strut.travelUp + spec.radius;
@@ -182,7 +181,7 @@ int VehicleSim::partsOfSubstep(float dt) const {
         if (plane.found != 0 && plane.moves != 0) return 1;
         most = std::max(most, course.count / substeps);
         if (wheels[i].touching == 0 || plane.found == 0) continue;
-        const Vec3 axis = rotate(pose.rotation, specs[i].axis);
+        const Vec3 axis = rotate(pose.rotation, lines[i].axis);
         const float closing = -dot(world->velocityAt(chassis, plane.point), plane.normal);
         const float squashed = std::abs(closing - dot(axis, plane.normal) * wheels[i].hubSpeed) * dt;
         const float each = kThrown * specs[i].strut.tireSquash * static_cast<float>(substeps);
@@ -231,19 +230,6 @@ void VehicleSim::afterStep() {
         wheel.ground.pose = now;
     }
     stale.store(true, std::memory_order_relaxed);
-}
-
-/// To the left.
-Vec3 VehicleSim::axleOf(std::size_t i, const Pose& pose) const {
-    return rotate(pose.rotation, {aheads[i].z, 0, -aheads[i].x});
-}
-
-/// The hub with its steering, without its rotation.
-Pose VehicleSim::wheelFrame(std::size_t i, const Pose& pose) const {
-    const WheelSpec& spec = specs[i];
-    const Vec3 ahead = wheelDirection(def.steering, def.wheels[i].steerFactor, spec.steerArm, steerAngle);
-    const Vec3 left{ahead.z, 0, -ahead.x};
-    return pose * Frame{spec.position + wheels[i].compression * spec.axis, rotationFromAxes(left, {0, 1, 0}, ahead)};
 }
 
 }  // namespace ragtop

@@ -13,14 +13,19 @@ struct Patience {
 };
 constexpr Patience kFull{24, 1e-5f}, kRays{12, 1e-4f};
 
+/// m/s along their struts: of a wheel's hub, and of that at the other end of its beam.
+struct HubSpeeds {
+    float own = 0, other = 0;
+};
+
 /// Velocity of the wheel's side of the patch over the ground, its hub rising along the strut: forward, left.
-inline Vec2 travelOf(const WheelPatch& patch, const PointBody& body, float hubSpeed) {
-    return {speedAlong(patch.forwardRow, body, *patch.ground) + patch.lean.x * hubSpeed,
-            speedAlong(patch.sideRow, body, *patch.ground) + patch.lean.y * hubSpeed};
+inline Vec2 travelOf(const WheelPatch& patch, const PointBody& body, const HubSpeeds& hub) {
+    return {speedAlong(patch.forwardRow, body, *patch.ground) + patch.lean.x * hub.own + patch.cross.x * hub.other,
+            speedAlong(patch.sideRow, body, *patch.ground) + patch.lean.y * hub.own + patch.cross.y * hub.other};
 }
 
-Vec2 slipOf(const WheelPatch& patch, const PointBody& body, float hubSpeed, float treadSpeed) {
-    const Vec2 travel = travelOf(patch, body, hubSpeed);
+Vec2 slipOf(const WheelPatch& patch, const PointBody& body, const HubSpeeds& hub, float treadSpeed) {
+    const Vec2 travel = travelOf(patch, body, hub);
     return {travel.x - treadSpeed, travel.y};
 }
 
@@ -154,6 +159,7 @@ void VehicleSim::act(const Pose& pose, const DVec3& center, PointBody body, floa
 
     solve(body, h);
     for (std::size_t i = 0; i < wheels.size(); ++i) finishWheel(i, body, h, linear, angular);
+    for (WheelPatch& patch : patches) patch.way = 0;
     countBody(start, body, {airLinear, airAngular}, turned);
     sum.linear += linear;
     sum.angular += angular;
@@ -213,8 +219,9 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     WheelPatch& patch = patches[i];
     WheelState& wheel = wheels[i];
     patch.spinBefore = drivetrain.spin[i];
-    patch.axle = axleOf(i, pose);
-    if (def.level == VehicleLevel::full && (substep > 0 || part > 0)) takePiece(i, transformPoint(pose, specs[i].position));
+    takeLine(i);
+    patch.axle = rotate(pose.rotation, lines[i].axle);
+    if (def.level == VehicleLevel::full && (substep > 0 || part > 0)) takePiece(i, transformPoint(pose, lines[i].base));
     const bool known = placePatch(i, pose, center);
     patch.touching = known && sinkGround(i, body, h);
     patch.above = known && !patch.touching;
@@ -230,6 +237,7 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
         return;
     }
     patch.lean = {dot(patch.forward, patch.axis), dot(patch.side, patch.axis)};
+    if (specs[i].beamPartner != i) takeCross(i, pose);
     const float radius = specs[i].radius, inertia = drivetrain.inertia()[i];
     patch.strutK = inverseMassBetween(patch.normalRow, patch.normalRow);
     patch.tireK = {inverseMassBetween(patch.forwardRow, patch.forwardRow) + radius * radius / inertia,
@@ -239,7 +247,8 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     // No other law asks for it.
     if (specs[i].tire.def.magicFormula) wheel.inclination = arcTan2(lean, std::sqrt(1 - lean * lean));
     patch.speedBefore = patchSpeed(i, body);
-    const TireMotion motion{travelOf(patch, body, wheel.hubSpeed), radius * drivetrain.spin[i]};
+    const TireMotion motion{travelOf(patch, body, {wheel.hubSpeed, wheels[specs[i].beamPartner].hubSpeed}),
+                            radius * drivetrain.spin[i]};
     // Bristles leave with the tread; slip is over the speed of travel.
     patch.transport = isBrush(specs[i].tire.def) ? std::abs(motion.tread) : lengthOf(motion.travel);
     patch.law = tireLaw(specs[i].tire, groundOf(i), motion, wheel.load, patch.transport);
@@ -259,8 +268,9 @@ float VehicleSim::resistanceOf(std::size_t i) const {
     return (specs[i].tire.def.rollingResistance + groundOf(i).drag) * wheels[i].load * specs[i].radius;
 }
 
-/// Where the wheel meets its plane, on a tire that has its radius: the hub sits at p + x a, the lowest point of the rim
-/// below it, and (p + x a + lowest − point)·n = 0.
+/// Where the wheel meets its plane, on a tire that has its radius: with the hub at p at a compression x₀, and the
+/// lowest point of the rim below it, (p + (x − x₀) a + lowest − point)·n = 0. a is how that point goes with x: as the
+/// hub, and by what the axle tilts, but not turned about it, as the wheel rolls.
 bool VehicleSim::placePatch(std::size_t i, const Pose& pose, const DVec3& center) {
     WheelPatch& patch = patches[i];
     const WheelState& wheel = wheels[i];
@@ -270,11 +280,14 @@ bool VehicleSim::placePatch(std::size_t i, const Pose& pose, const DVec3& center
     DVec3 point = wheel.ground.point;
     patch.normal = wheel.ground.normal;
     if (wheel.ground.moves != 0) movePlane(wheel.ground, world->pose(wheel.ground.body), point, patch.normal);
-    patch.axis = rotate(pose.rotation, spec.axis);
-    patch.slant = dot(patch.axis, patch.normal);
+    const WheelLine& line = lines[i];
     const std::optional<Vec3> lowest = lowestPoint(patch.normal, patch.axle, spec.radius);
-    if (!lowest || !(patch.slant > kSteepest)) return false;
-    const DVec3 below = transformPoint(pose, spec.position) + *lowest;
+    if (!lowest) return false;
+    const Vec3 tilted = cross(rotate(pose.rotation, line.tilting), *lowest);
+    patch.axis = rotate(pose.rotation, line.axis) + tilted;
+    patch.slant = dot(patch.axis, patch.normal);
+    if (!(patch.slant > kSteepest)) return false;
+    const DVec3 below = transformPoint(pose, line.base) + (*lowest - wheel.compression * tilted);
     patch.rise = -dot(relative(below, point), patch.normal) / patch.slant;
     patch.point = below + patch.rise * patch.axis;
     patch.arm = relative(patch.point, center);
@@ -339,12 +352,34 @@ void VehicleSim::takeGround(std::size_t i, const PointBody& body) {
     patch.sideRow = rowAlong(patch.side);
 }
 
+/// And by what its brake does to what carries the wheel, and what grips at the other end of its beam.
+BarPull VehicleSim::pullOn(std::size_t i, float h) const {
+    BarPull pull = barOf(i);
+    pull.force += lines[i].spinRate * drivetrain.padImpulse(i) / h;
+    const std::size_t other = specs[i].beamPartner;
+    if (other == i) return pull;
+    const WheelPatch& patch = patches[other];
+    pull.force -= (patch.cross.x * patch.tire.x + patch.cross.y * patch.tire.y + patch.crossSlant * patch.load) / h;
+    return pull;
+}
+
+/// How the contact goes as the other wheel of its beam rises.
+void VehicleSim::takeCross(std::size_t i, const Pose& pose) {
+    WheelPatch& patch = patches[i];
+    const Vec3 down = *lowestPoint(patch.normal, patch.axle, specs[i].radius);
+    const Vec3 way =
+        rotate(pose.rotation, lines[i].crossAxis) + cross(rotate(pose.rotation, lines[i].crossTilting), down);
+    patch.cross = {dot(patch.forward, way), dot(patch.side, way)};
+    patch.crossSlant = dot(patch.normal, way);
+}
+
 /// Brings the bristles up to now: (1) of tire.h with the slip that the last substep really had.
 void VehicleSim::settleTire(std::size_t i, const PointBody& moved) {
     WheelState& wheel = wheels[i];
     const WheelPatch& patch = patches[i];
     if (wheel.settleTime > 0) {
-        const Vec2 slip = slipOf(patch, moved, wheel.hubSpeed, specs[i].radius * drivetrain.spin[i]);
+        const Vec2 slip = slipOf(patch, moved, {wheel.hubSpeed, wheels[specs[i].beamPartner].hubSpeed},
+                                 specs[i].radius * drivetrain.spin[i]);
         wheel.deflection = rolledDeflection(patch.law, wheel.deflection, slip, wheel.transport, wheel.settleTime);
         wheel.settleTime = 0;
     }
@@ -369,10 +404,11 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     const WheelState& wheel = wheels[i];
     const float radius = specs[i].radius;
 
-    const float apart = speedAlong(patch.normalRow, body, *patch.ground) - patch.strutK * patch.load;
+    const float apart = speedAlong(patch.normalRow, body, *patch.ground) - patch.strutK * patch.load +
+                        patch.crossSlant * patches[specs[i].beamPartner].way / h;
     const float rub = (patch.lean.x * patch.tire.x + patch.lean.y * patch.tire.y) / h;
-    const StrutVisit strut =
-        solveStrut(specs[i].strut, wheel.compression, patch.squash, patch.slant, h, patch.strutK, apart, rub, barOf(i));
+    const StrutVisit strut = solveStrut(specs[i].strut, wheel.compression, patch.squash, patch.slant, h, patch.strutK,
+                                        apart, rub, pullOn(i, h));
     const float load = strut.impulse, loadChange = load - patch.load;
     patch.load = load;
     patch.way = strut.way;
@@ -383,7 +419,8 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     const Sym2 K{patch.tireK.xx + patch.strutGive * patch.lean.x * patch.lean.x,
                  patch.tireK.xy + patch.strutGive * patch.lean.x * patch.lean.y,
                  patch.tireK.yy + patch.strutGive * patch.lean.y * patch.lean.y};
-    const Vec2 slip = slipOf(patch, body, patch.way / h, radius * drivetrain.spin[i]);
+    const Vec2 slip =
+        slipOf(patch, body, {patch.way / h, patches[specs[i].beamPartner].way / h}, radius * drivetrain.spin[i]);
     const Vec2 free{slip.x - K.xx * patch.tire.x - K.xy * patch.tire.y,
                     slip.y - K.xy * patch.tire.x - K.yy * patch.tire.y};
     const TireVisit visit = solveTire(patch.law, patch.line, wheel.deflection, patch.transport, load, h, K, free);
@@ -424,9 +461,9 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     patch.given = impulse;
     wheel.compression += patch.way;
     wheel.hubSpeed = patch.way / h;
-    countPatch(i, body, wheel.hubSpeed);
-    patch.way = 0;
-    wheel.travel = travelOf(patch, body, wheel.hubSpeed);
+    const HubSpeeds hub{wheel.hubSpeed, patches[specs[i].beamPartner].way / h};
+    countPatch(i, body, hub.own, hub.other);
+    wheel.travel = travelOf(patch, body, hub);
     wheel.load = patch.load / h;
     peakLoads[i] = std::max(peakLoads[i], wheel.load);
     wheel.force = {patch.tire.x / h, patch.tire.y / h};

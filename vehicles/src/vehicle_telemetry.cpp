@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "steering.h"
 #include "vehicle_sim.h"
 
 namespace ragtop {
@@ -102,8 +101,8 @@ void VehicleSim::tellWheel(std::size_t i, const Pose& pose) {
     out.rotation = wheel.rotation;
     out.brakeTorque = drivetrain.brake[i];
     out.brakeTemperature = drivetrain.brakeWarmth(def.wheels[i], i);
-    const Vec3 ahead = wheelDirection(def.steering, def.wheels[i].steerFactor, spec.steerArm, steerAngle);
-    out.steerAngle = arcTan2(ahead.x, ahead.z);
+    const Vec3 axle = lineNow(i).axle;
+    out.steerAngle = arcTan2(-axle.z, axle.x);
     out.compression = wheel.compression;
     out.springForce = springForce(spec.strut, wheel.compression);
     out.damperForce = damperForce(spec.strut, wheel.hubSpeed);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ragtop/drivetrain_def.h"
+#include "ragtop/linkage_def.h"
 #include "ragtop/math.h"
 #include "ragtop/shape.h"
 #include "ragtop/tire_laws.h"
@@ -173,6 +174,7 @@ struct VehicleDef {
     ChassisDef chassis{};
     std::vector<WheelDef> wheels{};              ///< three or more
     std::vector<AntiRollBarDef> antiRollBars{};  ///< one to an axle at most
+    std::vector<LinkageDef> linkages{};          ///< one to an axle at most; wheels of others go along their struts
     SteeringDef steering{};
     EngineDef engine{};
     GearboxDef gearbox{};
@@ -352,6 +354,7 @@ void describe(Visitor& visit, Self& self, const VehicleDef*) {
     visit(Tunable{"chassis", "", 0, 0, "the rigid body"}, self.chassis);
     visit(Tunable{"wheels", "", 0, 0, "three or more"}, self.wheels);
     visit(Tunable{"antiRollBars", "", 0, 0, "between the wheels of an axle"}, self.antiRollBars);
+    visit(Tunable{"linkages", "", 0, 0, "hardpoints of axles, instead of struts' axes"}, self.linkages);
     visit(Tunable{"steering", "", 0, 0, "from the input to the wheels"}, self.steering);
     visit(Tunable{"engine", "", 0, 0, "torque and inertia"}, self.engine);
     visit(Tunable{"gearbox", "", 0, 0, "gears, clutch and shifting"}, self.gearbox);
