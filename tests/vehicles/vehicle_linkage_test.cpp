@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 #include <vector>
 
 #include "axle_linkage.h"
@@ -144,6 +145,85 @@ TEST(VehicleLinkage, RodAcrossABeamCarriesAtItsHeight) {
     const float roll = std::abs(wheels[2].compression - wheels[3].compression) / 1.48f;
     EXPECT_NEAR(-moment / across, 0.32f, 0.25f * roll + 0.03f * 0.32f);
     EXPECT_LT(roll, 0.05f);
+}
+
+/// In a turn, on the gas.
+struct Turning {
+    Road road{0, awake()};
+    Vehicle car;
+    explicit Turning(VehicleLevel level) : car(road.world, at(level), {.speed = 15}) {
+        car.input.steer = -0.15f;
+        car.input.throttle = 0.3f;
+    }
+    static VehicleDef at(VehicleLevel level) {
+        VehicleDef def = withLinkages({frontStruts(), beamOnRods()});
+        def.level = level;
+        return def;
+    }
+};
+
+TEST(VehicleLinkage, LevelsKeepVelocityWhereTheyChange) {
+    constexpr VehicleLevel all[] = {VehicleLevel::bicycle, VehicleLevel::rays, VehicleLevel::full};
+    for (const VehicleLevel from : all) {
+        for (const VehicleLevel to : all) {
+            Turning turn(from);
+            const auto velocity = [&] { return turn.road.world.linearVelocity(turn.car.chassis()); };
+            run(turn.road.world, 3);
+            const Vec3 first = velocity();
+            run(turn.road.world, kStep);
+            const Vec3 second = velocity();
+            turn.car.setLevel(to);
+            EXPECT_EQ(velocity(), second);
+            run(turn.road.world, kStep);
+            EXPECT_LT(length(velocity() - second - (second - first)), 0.005f * length(second))
+                << static_cast<int>(from) << " to " << static_cast<int>(to);
+        }
+    }
+}
+
+TEST(VehicleLinkage, CarComesBackWithASavedWorld) {
+    Turning turn(VehicleLevel::full);
+    run(turn.road.world, 1);
+    std::vector<std::byte> state(turn.road.world.saveSize());
+    turn.road.world.save(state);
+    const auto goOn = [&] {
+        run(turn.road.world, 1);
+        return turn.road.world.hash();
+    };
+    const std::uint64_t hash = goOn();
+    const float camber = turn.car.telemetry().wheels[2].camber;
+    turn.road.world.restore(state);
+    EXPECT_NE(turn.car.telemetry().wheels[2].camber, camber);
+    EXPECT_EQ(goOn(), hash);
+    EXPECT_EQ(turn.car.telemetry().wheels[2].camber, camber);
+}
+
+/// Curves are smooth, and taken where the wheel is in each substep.
+TEST(VehicleLinkage, TurnsAlikeAtAnyRate) {
+    std::vector<float> yaws, rolls;
+    for (const double dt : {1.0 / 30, 1.0 / 60, 1e-3}) {
+        Turning turn(VehicleLevel::full);
+        run(turn.road.world, 3, dt);
+        yaws.push_back(turn.car.telemetry().yawRate);
+        rolls.push_back(turn.car.telemetry().roll);
+    }
+    EXPECT_NEAR(yaws[0] / yaws[2], 1, 0.02);
+    EXPECT_NEAR(yaws[1] / yaws[2], 1, 0.005);
+    EXPECT_NEAR(rolls[1] / rolls[2], 1, 0.01);
+}
+
+/// Hardpoints may change as it drives, and what cannot be is refused and changes nothing.
+TEST(VehicleLinkage, TakesOtherHardpointsAsItDrives) {
+    Turning turn(VehicleLevel::full);
+    run(turn.road.world, 1);
+    VehicleDef def = turn.car.def();
+    def.linkages[1] = rearArms();
+    turn.car.setDef(def);
+    run(turn.road.world, 1);
+    EXPECT_GT(turn.car.telemetry().speed, 14);
+    def.linkages[0].tieRod->outer = def.linkages[0].mcPherson->lowerBall;
+    EXPECT_THROW(turn.car.setDef(def), std::invalid_argument);
+    EXPECT_NE(turn.car.def().linkages[0].tieRod->outer, def.linkages[0].tieRod->outer);
 }
 
 /// The carrier of a left wheel as a body on joints of the world, from the same hardpoints as the kinematics, with its

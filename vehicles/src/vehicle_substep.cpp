@@ -355,6 +355,7 @@ void VehicleSim::takeGround(std::size_t i, const PointBody& body) {
 /// And by what its brake does to what carries the wheel, and what grips at the other end of its beam.
 BarPull VehicleSim::pullOn(std::size_t i, float h) const {
     BarPull pull = barOf(i);
+    if (specs[i].linkage < 0) return pull;
     pull.force += lines[i].spinRate * drivetrain.padImpulse(i) / h;
     const std::size_t other = specs[i].beamPartner;
     if (other == i) return pull;
