@@ -75,7 +75,8 @@ json numbers(const Watched& watched, const std::vector<std::string>& laws) {
 
 /// With lengths in metres of the scene, which is what bounds are of.
 Watched asInScene(Watched watched, double length) {
-    for (double* value : {&watched.gap, &watched.restGap, &watched.moved}) *value /= length;
+    for (double* value : {&watched.gap, &watched.restGap, &watched.moved, &watched.overlap, &watched.restOverlap})
+        *value /= length;
     return watched;
 }
 

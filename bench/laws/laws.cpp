@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "../stability/adapters/ragtop.h"
+#include "overlaps.h"
 
 namespace ragtop::laws {
 namespace {
@@ -189,6 +190,8 @@ std::span<const Law> allLaws() {
         {"gap at rest", &Watched::restGap, 0.002, "m"},
         {"limit", &Watched::overLimit, 5 * kDegree, "rad"},
         {"limit at rest", &Watched::restOverLimit, 1 * kDegree, "rad"},
+        {"overlap", &Watched::overlap, 0.05, "m", false},
+        {"overlap at rest", &Watched::restOverlap, 0.002, "m", false},
         {"stands", &Watched::moved, 0.01, "m"},
         {"goes on", &Watched::stuck, 0.1, "s"},
     };
@@ -196,12 +199,13 @@ std::span<const Law> allLaws() {
 }
 
 std::vector<std::string> broken(const Watched& watched, const std::vector<std::string>& asked) {
-    const auto counts = [&](const std::string& law) {
-        return std::ranges::any_of(asked, [&](const std::string& name) { return name == "all" || name == law; });
+    const auto counts = [&](const std::string& law, bool always = true) {
+        return std::ranges::any_of(asked,
+                                   [&](const std::string& name) { return (name == "all" && always) || name == law; });
     };
     std::vector<std::string> names;
     for (const Law& law : allLaws())
-        if (counts(law.name) && !(watched.*law.value <= law.bound)) names.emplace_back(law.name);
+        if (counts(law.name, law.always) && !(watched.*law.value <= law.bound)) names.emplace_back(law.name);
     if (counts(kRestoredLaw) && !watched.restored) names.emplace_back(kRestoredLaw);
     for (const std::string& law : watched.meddled)
         if (counts(law)) names.push_back("meddled: " + law);
@@ -214,6 +218,8 @@ Watched watch(const Drawn& drawn, const stability::EngineKind& kind) {
     const auto steps = std::lround(drawn.seconds / dt), last = std::lround(0.5 / dt);
     Watched watched;
     Watch watch(drawn, *engine);
+    Overlaps overlaps(drawn.scene, *engine);
+    const long often = std::max(1L, std::lround(0.1 / dt));
     std::vector<double> times;
     for (long i = 0; i < steps; ++i) {
         shake(drawn, *engine, static_cast<double>(i) * dt);
@@ -221,7 +227,10 @@ Watched watch(const Drawn& drawn, const stability::EngineKind& kind) {
         engine->step(dt);
         times.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
         watch.note(watched, drawn.stands);
+        const double overlap = i % often == 0 ? overlaps.deepest(*engine) : 0;
+        raise(watched.overlap, overlap);
         if (i < steps - last || !watch.rests()) continue;
+        raise(watched.restOverlap, overlap);
         raise(watched.restGap, watch.gap());
         raise(watched.restOverLimit, watch.over());
     }

@@ -17,6 +17,8 @@ struct Watched {
     double restGap = 0;     ///< m, the same in the last half second, where all came to rest
     double overLimit = 0;   ///< rad, farthest beyond a limit
     double restOverLimit = 0;
+    double overlap = 0;  ///< m, deepest of two bodies that were apart at the start, looked at in each tenth of a second
+    double restOverlap = 0;
     double moved = 0;       ///< m, farthest against body 0 of what should stand
     double stuck = 0;       ///< s, longest in which no place changed though there were speeds
     double meanMs = 0, medianMs = 0, worstMs = 0;  ///< of a step
@@ -30,6 +32,7 @@ struct Law {
     double Watched::* value;
     double bound;
     const char* unit;
+    bool always = true;  ///< else it counts only where it is asked for by its name: it does not hold in all kinds yet
 };
 
 /// Gaps and angles are what users see: 5 cm and 5° in motion, 2 mm and 1° at rest. Energy: a hundredth of what the

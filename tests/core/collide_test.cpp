@@ -35,6 +35,33 @@ TEST(SpherePair, TouchesHalfWayAlongTheCentres) {
     EXPECT_EQ(collided(sphereView(1), sphereView(0.5f), at({0, 1.6f, 0}), 0.11f).pointCount, 1);
 }
 
+/// The edge of one box lies nearly in a face of another and crosses it from side to side. Heights of its ends over the
+/// face differ by the width of the face times the tilt; both are told while that is less than the margin, wherever the
+/// separating axis lies.
+TEST(BoxPair, AnEdgeAcrossAFaceTouchesAtBothOfItsEnds) {
+    std::mt19937 random(1);
+    const auto between = [&](float a, float b) { return std::uniform_real_distribution<float>(a, b)(random); };
+    for (int i = 0; i < 500; ++i) {
+        const Vec3 half{between(0.1f, 0.5f), between(0.05f, 0.2f), between(0.1f, 0.3f)};
+        const float length = between(1, 3), lean = between(-0.5f, 0.5f), roll = between(-0.05f, 0.05f);
+        // A bar along z stands on its edge below the box, and the box leans and rolls over it.
+        const float depth = between(0, 0.01f);
+        const Quat turned = rotationAbout({0, 0, 1}, lean) * rotationAbout({1, 0, 0}, roll);
+        const Frame box{{0, std::sqrt(2.0f) * 0.2f + half.y / std::cos(lean) - depth, 0}, turned};
+        const ConvexView bar = boxView({0.2f, 0.2f, length});
+        const Frame edgeUp{{}, rotationAbout({0, 0, 1}, 0.25f * kPi)};
+        const Frame boxInBar{inverseRotate(edgeUp.rotation, box.position), conjugate(edgeUp.rotation) * turned};
+        const Manifold m = collided(bar, boxView(half), boxInBar, 0.1f);
+        ASSERT_GE(m.pointCount, 2) << i;
+        float least = 1e9f, most = -1e9f;
+        for (const ManifoldPoint& point : m.all()) {
+            least = std::min(least, point.position.z);
+            most = std::max(most, point.position.z);
+        }
+        EXPECT_GT(most - least, 1.8f * half.z) << i;
+    }
+}
+
 TEST(SphereAndCapsule, TouchOnTheTubeAndOnTheCap) {
     const Manifold tube = collided(capsuleView(0.25f, 1), sphereView(0.5f), at({0.7f, 0.5f, 0}));
     ASSERT_EQ(tube.pointCount, 1);

@@ -37,11 +37,11 @@ struct Golden {
 };
 constexpr Golden kGolden[] = {
     {0xead3a6f5c77dfbfeu, 0x449b8339161e90c0u},  // tower
-    {0x75b878a0d8cdf1b2u, 0xc84401d3f37829d3u},  // wall
-    {0x86df5d83a0388e62u, 0x5d97c451c8dd02fcu},  // hills
-    {0xb022e8303760ac90u, 0x0c12144d07d8e807u},  // bowl
+    {0x3213e4e5b9b2100fu, 0xb1e84d193d109a31u},  // wall
+    {0x1304feb038da5621u, 0xe12ab4348c76867au},  // hills
+    {0x1f4a8032368d5c85u, 0x5e6adad4789f66d2u},  // bowl
     {0x122bb99126b980f2u, 0x47f9ea9885588fb4u},  // joints
-    {0xda684f92a66f2cabu, 0x82f74c1800492875u},  // spinners
+    {0xda684f92a66f2cabu, 0xac0b8f2da0efa512u},  // spinners
     {0xefa6f2b1da44b200u, 0x010b013794c1c4afu},  // chains
     {0x209300163c93f502u, 0xeeb84de19e70401eu},  // house
 };

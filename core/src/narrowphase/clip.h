@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -30,6 +31,23 @@ inline bool showsDepth(const Manifold& face, float depth) {
     bool shows = false;
     for (int i = 0; i < face.pointCount; ++i) shows |= face.points[i].separation <= depth;
     return shows;
+}
+
+/// Makes points of clipped faces those of a manifold that has the one point of an edge pair, given their gaps along its
+/// normal, if that point is one of them: the nearest, but for a corner that hangs over the face by a little.
+inline void takeAlongEdges(std::span<const ManifoldPoint> points, float size, Manifold& out) {
+    if (points.size() < 2 || points.size() > kMaxManifoldPoints) return;
+    const float separation = out.points[0].separation;
+    std::size_t nearest = 0;
+    for (std::size_t i = 1; i < points.size(); ++i)
+        if (points[i].separation < points[nearest].separation) nearest = i;
+    if (std::fabs(points[nearest].separation - separation) > kChoiceTolerance * size) return;
+    out.pointCount = 0;
+    for (const ManifoldPoint& point : points) {
+        out.points[out.pointCount] = point;
+        out.points[out.pointCount++].separation = point.separation < separation ? separation : point.separation;
+    }
+    out.points[nearest].separation = separation;
 }
 
 /// A corner of a polygon being clipped. Edges are named 0..127 on the incident polygon and 128 + side of the reference

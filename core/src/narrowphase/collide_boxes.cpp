@@ -14,7 +14,9 @@
 ///
 /// Contact points. For a face, the incident face of the other box is clipped to the sides of the reference face; each
 /// corner that remains and is less than the margin above the face is a point, half way between the surfaces. At most
-/// four are kept. For an edge pair, the one point is half way between the closest points of both edges.
+/// four are kept. For an edge pair, one point is half way between the closest points of both edges; where it is a
+/// corner of the clipped faces, which lie nearly along both edges then, these give the others, with their gaps along
+/// the axis.
 ///
 /// This is the commonest pair, so it works on plain arrays and tests the axes of a box side by side.
 namespace ragtop::pairs {
@@ -166,6 +168,25 @@ struct FaceView {
     float sign;
 };
 
+/// The other box seen from the one whose face is the reference.
+FaceView viewFrom(const Boxes& b, bool flipped, int axis) {
+    FaceView f;
+    f.axis = axis;
+    f.hReference = flipped ? b.hB : b.hA;
+    f.hIncident = flipped ? b.hA : b.hB;
+    for (int i = 0; i < 3; ++i) {
+        f.center[i] = flipped ? -b.pB[i] : b.p[i];
+        for (int j = 0; j < 3; ++j) f.columns[j][i] = flipped ? b.R[j][i] : b.R[i][j];
+    }
+    f.sign = f.center[axis] < 0 ? -1.0f : 1.0f;
+    return f;
+}
+
+/// Of B's frame, in A's.
+Mat3 rotationOf(const Boxes& b) {
+    return {{b.R[0][0], b.R[1][0], b.R[2][0]}, {b.R[0][1], b.R[1][1], b.R[2][1]}, {b.R[0][2], b.R[1][2], b.R[2][2]}};
+}
+
 /// Contact points in the frame of the reference box; returns how many.
 int clipFaces(const FaceView& f, float margin, float size, bool flipped, ManifoldPoint* out) {
     const int k = f.axis, k1 = after(k), k2 = after(k1);
@@ -217,16 +238,8 @@ int clipFaces(const FaceView& f, float margin, float size, bool flipped, Manifol
 }
 
 void faceContact(const Boxes& b, const Frame& bInA, const Choice& choice, float margin, Manifold& out) {
-    FaceView f;
     const bool flipped = choice.kind == 2;
-    f.axis = flipped ? choice.j : choice.i;
-    f.hReference = flipped ? b.hB : b.hA;
-    f.hIncident = flipped ? b.hA : b.hB;
-    for (int i = 0; i < 3; ++i) {
-        f.center[i] = flipped ? -b.pB[i] : b.p[i];
-        for (int j = 0; j < 3; ++j) f.columns[j][i] = flipped ? b.R[j][i] : b.R[i][j];
-    }
-    f.sign = f.center[f.axis] < 0 ? -1.0f : 1.0f;
+    const FaceView f = viewFrom(b, flipped, flipped ? choice.j : choice.i);
     out.pointCount = clipFaces(f, margin, b.size, flipped, out.points);
     Vec3 normal;
     normal[f.axis] = f.sign;
@@ -234,8 +247,7 @@ void faceContact(const Boxes& b, const Frame& bInA, const Choice& choice, float 
         out.normal = normal;
         return;
     }
-    const Mat3 rotation{
-        {b.R[0][0], b.R[1][0], b.R[2][0]}, {b.R[0][1], b.R[1][1], b.R[2][1]}, {b.R[0][2], b.R[1][2], b.R[2][2]}};
+    const Mat3 rotation = rotationOf(b);
     out.normal = -(rotation * normal);
     for (int i = 0; i < out.pointCount; ++i) {
         out.points[i].position = bInA.position + rotation * out.points[i].position;
@@ -275,6 +287,35 @@ void edgeContact(const Boxes& b, const Choice& choice, float margin, Manifold& o
     out.points[0] = {0.5f * (near.pointA + near.pointB), choice.separation, edgeFeature(8 * i + codeA, 8 * j + codeB)};
 }
 
+/// An edge that lies nearly in a face of the other box touches it along its whole way across: one point there lets the
+/// other end fall for a step, and light boxes under great loads rock from end to end, ever deeper.
+void addAlongEdges(const Boxes& b, const Frame& bInA, float margin, Manifold& out) {
+    if (out.pointCount != 1) return;
+    const Mat3 rotation = rotationOf(b);
+    const Vec3 inA = out.normal, inB = -(transpose(rotation) * out.normal);
+    const auto largest = [](const Vec3& n) {
+        int axis = 0;
+        for (int k = 1; k < 3; ++k) axis = absolute(n[k]) > absolute(n[axis]) ? k : axis;
+        return axis;
+    };
+    const int axisA = largest(inA), axisB = largest(inB);
+    const bool flipped = absolute(inB[axisB]) > absolute(inA[axisA]);
+    FaceView f = viewFrom(b, flipped, flipped ? axisB : axisA);
+    const Vec3 n = flipped ? inB : inA;
+    f.sign = n[f.axis] < 0 ? -1.0f : 1.0f;
+    const float cosine = absolute(n[f.axis]);
+    ManifoldPoint points[kMaxManifoldPoints];
+    const int count = clipFaces(f, margin * cosine, b.size, flipped, points);
+    for (int i = 0; i < count; ++i) {
+        const float ahead = points[i].separation;
+        points[i].separation = ahead / cosine;
+        points[i].position[f.axis] += 0.5f * f.sign * ahead;
+        points[i].position -= 0.5f * points[i].separation * n;
+        if (flipped) points[i].position = bInA.position + rotation * points[i].position;
+    }
+    takeAlongEdges({points, static_cast<std::size_t>(count)}, b.size, out);
+}
+
 }  // namespace
 
 void boxes(const Vec3& halfExtentsA, const Vec3& halfExtentsB, const Frame& bInA, float margin, SeparationCache& cache,
@@ -303,6 +344,7 @@ void boxes(const Vec3& halfExtentsA, const Vec3& halfExtentsB, const Frame& bInA
     remember(cache, best);
     if (best.kind == 3) {
         edgeContact(b, best, margin, out);
+        addAlongEdges(b, bInA, margin, out);
     } else {
         faceContact(b, bInA, best, margin, out);
     }

@@ -49,6 +49,36 @@ void edgeContact(const HullView& a, const HullView& b, const SeparatingAxis& axi
     out.points[0] = {0.5f * (near.pointA + near.pointB), axis.separation, edgeFeature(axis.indexA, axis.indexB)};
 }
 
+/// As of boxes (collide_boxes.cpp).
+void addAlongEdges(const HullView& a, const HullView& b, const SeparatingAxis& axis, float margin, float size,
+                   Manifold& out) {
+    if (out.pointCount != 1 || out.points[0].feature != edgeFeature(axis.indexA, axis.indexB)) return;
+    const HullData::Edge& edgeA = a.edges[static_cast<std::size_t>(axis.indexA)];
+    const HullData::Edge& edgeB = b.edges[static_cast<std::size_t>(axis.indexB)];
+    bool flipped = false;
+    int face = 0;
+    constexpr float kLeaning = 0.8f;  // of faces that lean more no other corner is near, and clipping hulls is dear
+    float cosine = kLeaning;
+    const auto look = [&](const HullView& hull, std::uint8_t index, const Vec3& n, bool isB) {
+        const float each = dot(hull.planes[index].normal, n);
+        if (each > cosine) cosine = each, face = index, flipped = isB;
+    };
+    for (const std::uint8_t index : {edgeA.leftFace, edgeA.rightFace}) look(a, index, axis.normal, false);
+    for (const std::uint8_t index : {edgeB.leftFace, edgeB.rightFace}) look(b, index, -axis.normal, true);
+    if (cosine == kLeaning) return;
+    const HullView &reference = flipped ? b : a, &incident = flipped ? a : b;
+    const Vec3 n = flipped ? -axis.normal : axis.normal,
+               across = reference.planes[static_cast<std::size_t>(face)].normal;
+    ManifoldPoint points[kMaxManifoldPoints];
+    const int count = clipToFace(reference, face, incident, margin * cosine, size, flipped, points);
+    for (int i = 0; i < count; ++i) {
+        const float ahead = points[i].separation;
+        points[i].separation = ahead / cosine;
+        points[i].position += 0.5f * ahead * across - 0.5f * points[i].separation * n;
+    }
+    takeAlongEdges({points, static_cast<std::size_t>(count)}, size, out);
+}
+
 void faceContact(const HullView& a, const HullView& b, const SeparatingAxis& axis, float margin, float size,
                  Manifold& out) {
     out.normal = axis.normal;
@@ -110,6 +140,7 @@ void hulls(const HullView& a, const HullView& b, const Frame& bInA, float margin
         }
     }
     hullContact(a, placed.view(), axis, margin, size, out);
+    if (axis.kind == 3) addAlongEdges(a, placed.view(), axis, margin, size, out);
     if (axis.kind == 1) turnToMiddle(a, axis.indexA, placed.view(), size, out);
     if (axis.kind == 2) turnToMiddle(placed.view(), axis.indexB, a, size, out);
 }
