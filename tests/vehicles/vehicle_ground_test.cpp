@@ -219,6 +219,29 @@ TEST(Vehicle, ShootsNoRubbleAway) {
     EXPECT_GT(road.world.pose(car.chassis()).position.z, 13);
 }
 
+/// The side of the next slab of a road is no wall to a wheel that drifts over to it, however slowly.
+TEST(Vehicle, DriftsOverASeamAsOverOneFloor) {
+    for (const double hz : {30.0, 60.0, 120.0, 240.0}) {
+        for (const float speed : {20.0f, 35.0f}) {
+            for (const float drift : {0.02f, 0.06f}) {
+                World world(awake());
+                for (const float side : {-500.0f, 500.0f})
+                    world.create(StaticBody{.shape = Box{{500, 1, 2000}}, .position = {side, -1, 0}});
+                Vehicle car(world, plainTires(1), {.position = {0.85, 0, 0}, .heading = -drift, .speed = speed});
+                car.input = {.clutch = 1};
+                Vec3 before = world.linearVelocity(car.chassis());
+                for (int i = 0; i < static_cast<int>(4 * hz); ++i) {
+                    world.step(1 / hz);
+                    const Vec3 now = world.linearVelocity(car.chassis());
+                    ASSERT_LT(length(now - before), 1e-3f + 0.1f / static_cast<float>(hz)) << hz << " Hz, " << speed;
+                    before = now;
+                }
+                EXPECT_LT(world.pose(car.chassis()).position.x, -0.74);
+            }
+        }
+    }
+}
+
 /// A curb of a third of the radius: the hub never moves faster than the wheel rolls, at walking and driving pace.
 TEST(Vehicle, ClimbsACurbOnAContinuousPath) {
     for (const float speed : {1.5f, 5.0f, 15.0f}) {

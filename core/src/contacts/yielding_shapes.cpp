@@ -16,7 +16,52 @@ bool isAlongWay(const Manifold& manifold, bool aGives, bool bGives, const Vec3& 
     return (aGives && -manifold.normal.y > kAlong) || (bGives && dot(manifold.normal, wayOfB) > kAlong);
 }
 
+/// Of how far a shape reaches from its middle along its way: a step that it goes over, as a tire does over what it is
+/// squashed by.
+constexpr float kLowStep = 0.05f;
 constexpr float kFaces = 0.5f;  ///< cosine to the way, of a face from which nothing leads beside it
+
+float furthestAlong(const ConvexView& shape, const Vec3& direction) {
+    if (shape.kind != ConvexKind::hull) return dot(abs(direction), shape.halfExtents) + shape.radius;
+    float most = dot(shape.hull->vertices[0], direction);
+    for (const Vec3& vertex : shape.hull->vertices) most = std::max(most, dot(vertex, direction));
+    return most;
+}
+
+/// The face of a box or hull that looks along a way; of others none.
+Plane faceAlong(const ConvexView& obstacle, const Vec3& way) {
+    Plane best;
+    float most = kFaces;
+    const auto offer = [&](const Plane& plane) {
+        if (!(dot(plane.normal, way) > most)) return;
+        most = dot(plane.normal, way);
+        best = plane;
+    };
+    if (obstacle.kind == ConvexKind::hull)
+        for (const Plane& plane : obstacle.hull->planes) offer(plane);
+    if (obstacle.kind == ConvexKind::box)
+        for (const float sign : {-1.0f, 1.0f}) {
+            offer({{sign, 0, 0}, obstacle.halfExtents.x});
+            offer({{0, sign, 0}, obstacle.halfExtents.y});
+            offer({{0, 0, sign}, obstacle.halfExtents.z});
+        }
+    return best;
+}
+
+/// Does no more of an obstacle than a step lie beside the end of a shape that gives way? Then what meets there from the
+/// side, as the next slab of a floor, is what the shape stands on, and its contacts along the way are left out.
+bool goesOver(const ConvexView& shape, const Frame& inObstacle, const ConvexView& obstacle) {
+    const Plane face = faceAlong(obstacle, rotate(inObstacle.rotation, {0, 1, 0}));
+    if (face.normal == Vec3{}) return false;
+    const float deep = furthestAlong(shape, inverseRotate(inObstacle.rotation, -face.normal)) -
+                       (dot(inObstacle.position, face.normal) - face.offset);
+    return deep <= kLowStep * furthestAlong(shape, {0, -1, 0});
+}
+
+bool goesOver(const Shapes& shapes, const ShapeRecord& shape, const ShapeRecord& obstacle, const Frame& inObstacle) {
+    const GeometryEntry &own = shapes.geometryOf(shape), &other = shapes.geometryOf(obstacle);
+    return shape.givesWay && !own.isMesh() && !other.isMesh() && goesOver(own.convex, inObstacle, other.convex);
+}
 
 bool hasBorder(const std::array<std::uint32_t, 3>& neighbours) {
     return std::ranges::find(neighbours, kNoTriangle) != neighbours.end();
@@ -64,6 +109,7 @@ int keepUnyielding(const Shapes& shapes, const ContactRecord& record, const Fram
     int kept = 0;
     for (const Manifold& manifold : found)
         if (!isAlongWay(manifold, a.givesWay, b.givesWay, wayOfB)) found[static_cast<std::size_t>(kept++)] = manifold;
+    if (kept > 0 && (goesOver(shapes, b, a, bInA) || goesOver(shapes, a, b, inverse(bInA)))) kept = 0;
     if (kept == 0 && count > 0) found[0].gap = 0;
     return kept;
 }

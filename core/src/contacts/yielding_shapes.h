@@ -16,8 +16,9 @@ bool facesAlong(const HeightFieldData& surface, const Bounds& near, const Vec3& 
 /// from the faces there, nothing has to be collided.
 bool yieldsToAll(const Shapes& shapes, const ContactRecord& record, const Frame& bInA, float margin);
 
-/// Drops the manifolds of a contact that push a shape along the way that it gives (ShapeDef::givesWay); returns how
-/// many are left, at the beginning.
+/// Drops the manifolds of a contact that push a shape along the way that it gives (ShapeDef::givesWay), and all where a
+/// box or hull ends below a twentieth of what the shape reaches along its way; returns how many are left, at the
+/// beginning.
 int keepUnyielding(const Shapes& shapes, const ContactRecord& record, const Frame& bInA, std::span<Manifold> found);
 
 }  // namespace ragtop
