@@ -30,6 +30,7 @@ VehicleDef trailerOf(const TrackTrailer& trailer, const VehicleDef& car) {
     VehicleDef def = car;
     def.name = "trailer";
     def.antiRollBars.clear();
+    def.linkages.clear();
     def.aerodynamics = {.dragArea = 0};
     def.visual.reset();
     def.wheels.clear();
