@@ -210,6 +210,11 @@ void Iteration::settleNewContacts(AlignedArray<std::uint32_t>& fresh, const Vec3
     fresh.clear();
 }
 
+static bool isIterated(const Iteration& v, std::uint32_t manifold) {
+    const GraphPlace place = v.manifolds[manifold].place;
+    return place.color != kNone && ConstraintGraph::isIterated(place);
+}
+
 namespace {
 
 constexpr std::size_t kMostContacts = 16;  ///< of a pushed body; a bound of memory: those beyond answer in the passes
@@ -261,16 +266,14 @@ public:
             const ContactRecord& record = contacts[key >> 1];
             const std::uint32_t other = (key & 1) != 0 ? record.bodyA : record.bodyB;
             Manifolds::forEach(record, [&](std::uint32_t m) {
-                const GraphPlace place = v.manifolds[m].place;
-                if (place.color != kNone && ConstraintGraph::isIterated(place) && count_ < kMostContacts)
-                    take(v.graph.lane(place), v.bodies[other].state);
+                if (isIterated(v, m) && count_ < kMostContacts)
+                    take(v.graph.lane(v.manifolds[m].place), v.bodies[other].state);
             });
         }
     }
 
     /// Velocities are as before.
     void findLoads() {
-        if (count_ == 0) return;
         BodyState& state = v_.bodies.states[body_];
         const BodyState begun = state;
         visitAll(v_.kernels.warmStartContacts);
@@ -322,9 +325,18 @@ private:
 
 }  // namespace
 
+static bool hasIteratedContact(const Iteration& v, std::uint32_t body) {
+    const Contacts& contacts = v.tables.contacts;
+    bool has = false;
+    for (std::uint32_t key = v.bodies[body].firstContact; key != kNone && !has; key = contacts.next(key))
+        Manifolds::forEach(contacts[key >> 1], [&](std::uint32_t m) { has |= isIterated(v, m); });
+    return has;
+}
+
 void Iteration::bearPush(std::uint32_t body, const SolverContext& own) const {
     // Jointed bodies are held by other impulses too, and what is solved directly finds its loads so.
-    if (bodies[body].firstJoint == kNone && !bodies.isDirect(body)) PushedBody(*this, body, own).findLoads();
+    if (bodies[body].firstJoint != kNone || bodies.isDirect(body) || !hasIteratedContact(*this, body)) return;
+    PushedBody(*this, body, own).findLoads();
 }
 
 }  // namespace ragtop
