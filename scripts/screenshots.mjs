@@ -26,6 +26,7 @@ const PICTURES = {
   ledge: { steps: 300, eye: [3.4, 2.6, -4.2], target: [0.6, 2.4, 0] },
   crowd: { steps: 200, eye: [6, 4, -7], target: [0, 0.8, 0] },
   puppet: { steps: 420, eye: [3, 1.8, -3.5], target: [0, 0.9, 0] },
+  robots: { steps: 24, eye: [0.6, 2, 5.2], target: [0, 0.6, 0] },
 };
 
 /** The middle of the picture. */

@@ -48,4 +48,14 @@ RagdollDef ragdollFromCharacter(const JsonValue& value, const RagdollOptions& op
     });
 }
 
+Robot robotFromFile(const JsonValue& value, std::vector<std::string>& warnings) {
+    const auto file = assetFile(value);
+    return referenced(value, [&] {
+        Robot robot = loadRobot(file);
+        for (const std::string& warning : robot.warnings)
+            warnings.push_back(value.json().get<std::string>() + ": " + warning);
+        return robot;
+    });
+}
+
 }  // namespace ragtop

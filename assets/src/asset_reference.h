@@ -5,6 +5,7 @@
 
 #include "json_value.h"
 #include "ragtop/ragdoll.h"
+#include "ragtop/robot.h"
 #include "ragtop/shape.h"
 
 namespace ragtop {
@@ -19,5 +20,8 @@ Shape loadMeshReference(const JsonValue& value, bool convex);
 /// A ragdoll made from the rigged character in the file that the string `value` names. What the import and the
 /// fitting had to guess is added to `warnings`.
 RagdollDef ragdollFromCharacter(const JsonValue& value, const RagdollOptions& options, std::vector<std::string>& warnings);
+
+/// The robot in the file that the string `value` names; what of it is left out is added to `warnings`.
+Robot robotFromFile(const JsonValue& value, std::vector<std::string>& warnings);
 
 }  // namespace ragtop

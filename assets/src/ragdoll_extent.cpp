@@ -52,4 +52,16 @@ float lowestPointOf(const RagdollDef& def, const Quat& rotation) {
     return std::isfinite(lowest) ? lowest : 0;
 }
 
+float lowestPointOf(const Robot& robot, const Quat& rotation) {
+    float lowest = std::numeric_limits<float>::infinity();
+    for (const RobotBody& body : robot.bodies) {
+        if (body.anchored) continue;
+        for (const ShapeDef& shape : body.shapes) {
+            const Frame frame = Frame{{}, rotation} * body.pose * shape.frame;
+            lowest = std::min(lowest, frame.position.y - std::visit(DepthBelow{frame.rotation}, shape.geometry));
+        }
+    }
+    return std::isfinite(lowest) ? lowest : 0;
+}
+
 }  // namespace ragtop

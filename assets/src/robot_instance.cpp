@@ -23,6 +23,23 @@ BodyDef bodyOf(const RobotBody& body, const Pose& placement) {
     return def;
 }
 
+// What holds a joint gives all of its effort so far from home, and damps so long as stiffness pushes.
+constexpr float kServoAngle = 0.05f;    ///< rad; what bears a tenth of its effort sags by 0.3 degrees
+constexpr float kServoTravel = 0.005f;  ///< m, as far at 0.1 m from the axis
+constexpr float kServoTime = 0.05f;     ///< s, damping over stiffness: critical where a load swings at 6 Hz
+
+/// A spring to where the joint begins. A motor without speed would give way for ever, by what iteration leaves undone.
+void hold(JointDef& joint, float home, float effort) {
+    const auto servo = [&](auto& along, float reach) {
+        const float stiffness = effort / reach;
+        along.spring = Spring{.stiffness = stiffness, .damping = kServoTime * stiffness, .maxForce = effort};
+        along.target = home;
+    };
+    if (effort <= 0) return;
+    if (auto* hinge = std::get_if<HingeDef>(&joint)) servo(*hinge, kServoAngle);
+    if (auto* slider = std::get_if<SliderDef>(&joint)) servo(*slider, kServoTravel);
+}
+
 /// Joints with one coordinate have motors.
 void setMotor(JointDef& joint, const Motor& motor) {
     if (auto* hinge = std::get_if<HingeDef>(&joint)) hinge->motor = motor;
@@ -30,6 +47,12 @@ void setMotor(JointDef& joint, const Motor& motor) {
 }
 
 }  // namespace
+
+JointDef robotJoint(const RobotJoint& joint, const RobotOptions& options) {
+    JointDef def = joint.joint;
+    if (options.holding) hold(def, joint.home, joint.effort);
+    return def;
+}
 
 RobotIds makeRobot(World& world, const Robot& robot, const Pose& placement, const RobotOptions& options) {
     RobotIds ids;
@@ -42,8 +65,7 @@ RobotIds makeRobot(World& world, const Robot& robot, const Pose& placement, cons
                 for (const ShapeId shape : world.shapes(body)) world.setFilter(shape, filter);
         }
         for (const RobotJoint& joint : robot.joints) {
-            JointDef def = joint.joint;
-            if (options.holding) setMotor(def, {0, joint.effort});
+            JointDef def = robotJoint(joint, options);
             std::visit(
                 [&](auto& each) {
                     each.bodies.a = ids.bodies.at(static_cast<std::size_t>(joint.parent));

@@ -54,8 +54,8 @@ void saveScene(const Scene& scene, const std::filesystem::path& path) {
         for (const char* field : {"color"}) bodies.back().erase(field);
     }
     for (const SceneJoint& joint : scene.joints) {
-        if (joint.holdsRagdoll())
-            throw AssetError("joint \"" + joint.name + "\" holds a ragdoll, which has no place in it");
+        if (joint.holdsPart())
+            throw AssetError("joint \"" + joint.name + "\" holds a part of what has no place in a saved scene");
         const JointBodies& ends =
             std::visit([](const auto& def) -> const JointBodies& { return def.bodies; }, joint.def);
         const auto placed = [&](int body, const Frame& frame) {

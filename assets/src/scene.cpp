@@ -14,6 +14,7 @@
 #include "scene_actors.h"
 #include "scene_file.h"
 #include "scene_generators.h"
+#include "scene_merge.h"
 #include "tuning_json.h"
 
 namespace ragtop {
@@ -54,10 +55,11 @@ public:
         generate(in_.stairs, "stairs", addStairs);
         forEach(in_.roads, "roads", [&](const RoadInFile& r, const JsonValue& at) { add(r, at); });
         forEach(in_.ragdolls, "ragdolls", [&](const RagdollInScene& r, const JsonValue& at) { add(r, at); });
+        forEach(in_.robots, "robots", [&](const RobotInScene& r, const JsonValue& at) { add(r, at); });
+        forEach(in_.vehicles, "vehicles", [&](const VehicleInFile& v, const JsonValue& at) { add(v, at); });
         forEach(in_.joints, "joints", [&](const SceneJointInFile& j, const JsonValue& at) { add(j, at); });
         forEach(in_.couplings, "couplings", [&](const CouplingInFile& c, const JsonValue& at) { add(c, at); });
         forEach(in_.animated, "animated", [&](const AnimatedInFile& a, const JsonValue& at) { add(a, at); });
-        forEach(in_.vehicles, "vehicles", [&](const VehicleInFile& v, const JsonValue& at) { add(v, at); });
         if (file_.has("settings")) file_.at("settings").attempt([&] { check(file_.at("settings")); });
         const auto isThere = [&](const std::string& path) { return isWhole(path); };
         if (file_.has("tuning") && !file_.at("tuning").isWrong())
@@ -108,11 +110,6 @@ private:
         });
     }
 
-    template <class T>
-    static void append(std::vector<T>& to, std::vector<T>&& from) {
-        std::move(from.begin(), from.end(), std::back_inserter(to));
-    }
-
     void include() {
         for (std::size_t i = 0; i < in_.include.size(); ++i) {
             const JsonValue reference = file_.at("include").at(i);
@@ -129,45 +126,7 @@ private:
         if (chain_.size() >= kLongestChain)
             reference.fail(fmt::format("follows {} others, the most allowed", chain_.size()));
         Scene other = loadScene(path, {}, chain_);
-        const int offset = static_cast<int>(scene_.bodies.size());
-        const int ragdolls = static_cast<int>(scene_.ragdolls.size());
-        const auto shift = [](int& index, int by) { index = index < 0 ? index : index + by; };
-        for (SceneJoint& joint : other.joints) {
-            shift(joint.bodyA, offset), shift(joint.bodyB, offset);
-            shift(joint.partA.ragdoll, ragdolls), shift(joint.partB.ragdoll, ragdolls);
-        }
-        for (SceneCoupling& coupling : other.couplings)
-            for (std::size_t& joint : coupling.joints) joint += scene_.joints.size();
-        append(scene_.couplings, std::move(other.couplings));
-        for (SceneAnimation& animation : other.animated) {
-            animation.body += offset;
-            if (animation.carrier >= 0) animation.carrier += offset;
-        }
-        append(scene_.animated, std::move(other.animated));
-        adoptMaterials(other);
-        append(scene_.bodies, std::move(other.bodies));
-        append(scene_.joints, std::move(other.joints));
-        for (SceneVehicle& vehicle : other.vehicles) {
-            if (vehicle.driver) vehicle.driver->road += scene_.roads.size();
-        }
-        append(scene_.roads, std::move(other.roads));
-        append(scene_.vehicles, std::move(other.vehicles));
-        append(scene_.ragdolls, std::move(other.ragdolls));
-        append(scene_.warnings, std::move(other.warnings));
-        append(scene_.files, std::move(other.files));
-    }
-
-    /// Materials of an included scene keep their names, with its own before them where others have them already.
-    void adoptMaterials(Scene& other) {
-        for (const auto& [name, material] : other.materials) {
-            const auto [known, isNew] = scene_.materials.try_emplace(name, material);
-            if (isNew || known->second == material) continue;
-            const std::string longer = other.name + "/" + name;
-            scene_.materials[longer] = material;
-            for (SceneBody& body : other.bodies) {
-                if (body.material == name) body.material = longer;
-            }
-        }
+        appendScene(std::move(other), scene_);
     }
 
     /// A document that the scene refers to.
@@ -268,26 +227,15 @@ private:
         ScenePart part{};
     };
 
-    /// A body, a part of a ragdoll, or the world, which has no name.
+    /// A body, a part, or the world, which has no name.
     Hold holdNamed(const std::string& name, const JsonValue& at, const char* key) const {
-        const std::size_t slash = name.find('/');
-        const auto isIt = [&](const SceneBody& body) { return body.name == name; };
-        if (slash == std::string::npos || std::any_of(scene_.bodies.begin(), scene_.bodies.end(), isIt))
-            return {.body = bodyNamed(name, at, key)};
         Hold hold;
+        if (name.empty()) return hold;
+        const auto isIt = [&](const SceneBody& body) { return body.name == name; };
+        const bool isBody = std::any_of(scene_.bodies.begin(), scene_.bodies.end(), isIt);
         at.attempt(key, [&](const JsonValue& value) {
-            const std::string owner = name.substr(0, slash);
-            std::vector<std::string> names;
-            for (const SceneRagdoll& ragdoll : scene_.ragdolls) names.push_back(ragdoll.name);
-            const auto found = std::find(names.begin(), names.end(), owner);
-            if (found == names.end() || std::find(found + 1, names.end(), owner) != names.end()) {
-                if (left_.mayHave(LeftOut::kBodies, owner)) throw Faults::Consequence();
-                value.fail(fmt::format("is {}, must be a body, or a part of a ragdoll whose name is its alone",
-                                       shown(value.json())));
-            }
-            const SceneRagdoll& ragdoll = scene_.ragdolls[static_cast<std::size_t>(found - names.begin())];
-            hold.part = {static_cast<int>(found - names.begin()),
-                         partNamed(*ragdoll.def, name.substr(slash + 1), value)};
+            if (!isBody) hold.part = partOfScene(scene_, name, left_, value);
+            if (!hold.part) hold.body = static_cast<int>(theOne(scene_.bodies, value, LeftOut::kBodies));
         });
         return hold;
     }
@@ -314,8 +262,7 @@ private:
     Frame frameIn(const Hold& hold, const DVec3& anchor, const Quat& rotation) const {
         Pose pose;
         if (hold.body >= 0) pose = scene_.bodies[static_cast<std::size_t>(hold.body)].def.pose;
-        if (hold.part.ragdoll >= 0)
-            pose = placeOf(scene_.ragdolls[static_cast<std::size_t>(hold.part.ragdoll)], hold.part.part);
+        if (hold.part) pose = placeOf(scene_, hold.part);
         return relative(pose, Pose{anchor, rotation});
     }
 
@@ -428,10 +375,29 @@ private:
             if (in.standing && !in.puppet)
                 poses[i].position.y -= static_cast<double>(lowestPointOf(*def, poses[i].rotation));
             if (in.grid.tumble) poses[i].position = poses[i].position + (upright - rotate(poses[i].rotation, middle));
-            const std::string name =
-                poses.size() == 1 || in.name.empty() ? in.name : fmt::format("{} {}", in.name, i + 1);
+            const std::string name = memberName(in.name, i, poses.size());
             scene_.ragdolls.push_back({name, def, poses[i], in.puppet, blows, in.velocity, character});
         }
+    }
+
+    void add(const RobotInScene& in, const JsonValue& at) {
+        std::shared_ptr<const Robot> robot;
+        at.attempt("file", [&](const JsonValue& file) {
+            robot = std::make_shared<const Robot>(robotFromFile(file, scene_.warnings));
+            scene_.files.push_back(assetFile(file));
+        });
+        needRight(at);
+        auto poses = posesOf(in.grid, poseOf(in.place));
+        for (std::size_t i = 0; i < poses.size(); ++i) {
+            if (in.standing) poses[i].position.y -= static_cast<double>(lowestPointOf(*robot, poses[i].rotation));
+            scene_.robots.push_back(
+                {memberName(in.name, i, poses.size()), robot, poses[i], in.holding, in.selfCollision});
+        }
+    }
+
+    /// Of one in a grid.
+    static std::string memberName(const std::string& name, std::size_t i, std::size_t count) {
+        return count == 1 || name.empty() ? name : fmt::format("{} {}", name, i + 1);
     }
 
     JsonValue file_;

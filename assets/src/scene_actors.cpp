@@ -21,6 +21,16 @@ void needRising(const std::vector<Timed>& in, std::size_t i, const JsonValue& at
     });
 }
 
+/// The place of a name among others; fails, and says what was meant, where it is none of them.
+std::size_t oneOf(const std::vector<std::string>& names, const std::string& name, const char* what,
+                  const JsonValue& at) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+    const std::string near = nearestName(name, names);
+    at.fail(fmt::format("is {}, must name one of the {} {}{}", shown(at.json()), names.size(), what,
+                        near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+}
+
 }  // namespace
 
 std::vector<DriverAction> scriptOf(const std::vector<ActionInFile>& in, const JsonValue& at) {
@@ -54,14 +64,43 @@ void needUsable(const SceneCoupling& coupling, const JsonValue& at) {
 }
 
 int partNamed(const RagdollDef& def, const std::string& name, const JsonValue& at) {
-    const auto found =
-        std::find_if(def.parts.begin(), def.parts.end(), [&](const RagdollPart& part) { return part.name == name; });
-    if (found != def.parts.end()) return static_cast<int>(found - def.parts.begin());
     std::vector<std::string> names;
     for (const RagdollPart& part : def.parts) names.push_back(part.name);
-    const std::string near = nearestName(name, names);
-    at.fail(fmt::format("is {}, must name one of the {} parts of the ragdoll{}", shown(at.json()), names.size(),
-                        near.empty() ? "" : "; did you mean \"" + near + "\"?"));
+    return static_cast<int>(oneOf(names, name, "parts of the ragdoll", at));
+}
+
+ScenePart partOfScene(const Scene& scene, const std::string& name, const LeftOut& left, const JsonValue& at) {
+    const std::size_t slash = name.find('/');
+    const std::string owner = name.substr(0, slash);
+    std::vector<ScenePart> owners;
+    const auto find = [&](const auto& all, ScenePart::Owner kind) {
+        for (std::size_t i = 0; i < all.size(); ++i)
+            if (all[i].name == owner) owners.push_back({kind, static_cast<int>(i), 0});
+    };
+    if (slash == std::string::npos) {
+        find(scene.vehicles, ScenePart::Owner::vehicle);
+        if (owners.empty()) return {};
+    } else {
+        find(scene.ragdolls, ScenePart::Owner::ragdoll);
+        find(scene.robots, ScenePart::Owner::robot);
+    }
+    if (owners.size() != 1) {
+        if (left.mayHave(LeftOut::kBodies, owner)) throw Faults::Consequence();
+        at.fail(
+            fmt::format("is {}, must be a body, a vehicle, or a part of a ragdoll or robot, whose name is its alone",
+                        shown(at.json())));
+    }
+    ScenePart part = owners[0];
+    const auto index = static_cast<std::size_t>(part.index);
+    if (part.owner == ScenePart::Owner::ragdoll) {
+        part.part = partNamed(*scene.ragdolls[index].def, name.substr(slash + 1), at);
+    } else if (part.owner == ScenePart::Owner::robot) {
+        const Robot& robot = *scene.robots[index].robot;
+        std::vector<std::string> names;
+        for (const RobotLink& link : robot.links) names.push_back(link.name);
+        part.part = robot.links[oneOf(names, name.substr(slash + 1), "links of the robot", at)].body;
+    }
+    return part;
 }
 
 std::vector<SceneBlow> blowsOf(const std::vector<BlowInFile>& in, const RagdollDef& def, const JsonValue& at) {
@@ -75,10 +114,25 @@ std::vector<SceneBlow> blowsOf(const std::vector<BlowInFile>& in, const RagdollD
     return blows;
 }
 
-Pose placeOf(const SceneRagdoll& ragdoll, int part) {
-    const RagdollPart& one = ragdoll.def->parts[static_cast<std::size_t>(part)];
-    if (!ragdoll.puppet) return ragdoll.placement * one.bind;
-    return standing(BodyAxes(*ragdoll.def), ragdoll.placement)[static_cast<std::size_t>(one.bone)];
+Pose placeOf(const Scene& scene, const ScenePart& part) {
+    const auto index = static_cast<std::size_t>(part.index), one = static_cast<std::size_t>(part.part);
+    switch (part.owner) {
+        case ScenePart::Owner::ragdoll: {
+            const SceneRagdoll& ragdoll = scene.ragdolls[index];
+            if (!ragdoll.puppet) return ragdoll.placement * ragdoll.def->parts[one].bind;
+            const auto bone = static_cast<std::size_t>(ragdoll.def->parts[one].bone);
+            return standing(BodyAxes(*ragdoll.def), ragdoll.placement)[bone];
+        }
+        case ScenePart::Owner::robot:
+            return scene.robots[index].placement * scene.robots[index].robot->bodies[one].pose;
+        case ScenePart::Owner::vehicle: {
+            const VehiclePlacement& place = scene.vehicles[index].placement;
+            return {place.position, rotationAbout({0, 1, 0}, place.heading)};
+        }
+        case ScenePart::Owner::none:
+            break;
+    }
+    return {};
 }
 
 }  // namespace ragtop

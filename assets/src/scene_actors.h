@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "json_value.h"
+#include "left_out.h"
 #include "ragtop/scene.h"
 #include "scene_file.h"
 
@@ -23,7 +24,11 @@ std::vector<SceneBlow> blowsOf(const std::vector<BlowInFile>& in, const RagdollD
 /// The number of a part of that name; fails where there is none.
 int partNamed(const RagdollDef& def, const std::string& name, const JsonValue& at);
 
+/// The part of a ragdoll, link of a robot or chassis that `name` means, as "ragdoll/part", "robot/link" or "vehicle";
+/// none where it could only be a body. Fails where there is no such part.
+ScenePart partOfScene(const Scene& scene, const std::string& name, const LeftOut& left, const JsonValue& at);
+
 /// Where a part is at the start.
-Pose placeOf(const SceneRagdoll& ragdoll, int part);
+Pose placeOf(const Scene& scene, const ScenePart& part);
 
 }  // namespace ragtop

@@ -188,8 +188,10 @@ struct SceneJointInFile {
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const SceneJointInFile*) {
     visit(Tunable{.name = "name"}, self.name);
-    visit(Tunable{.name = "a", .meaning = "a body, or \"ragdoll/part\"; absent: the world"}, self.a);
-    visit(Tunable{.name = "b", .meaning = "a body, or \"ragdoll/part\"; absent: the world"}, self.b);
+    visit(Tunable{.name = "a", .meaning = "a body, a vehicle, \"ragdoll/part\" or \"robot/link\"; absent: the world"},
+          self.a);
+    visit(Tunable{.name = "b", .meaning = "a body, a vehicle, \"ragdoll/part\" or \"robot/link\"; absent: the world"},
+          self.b);
     visit(Tunable{"anchor", "m", -1e9, 1e9, "where it is, in the world"}, self.anchor);
     visit(Tunable{"anchorB", "m", -1e9, 1e9, "its other end, of a distance joint"}, self.anchorB);
     visit(Tunable{"axis", "1", -1e5, 1e5, "hinge, slide or twist axis, in the world"}, self.axis);
@@ -338,6 +340,27 @@ void describe(Visitor& visit, Self& self, const RagdollInScene*) {
     describe(visit, self.grid, static_cast<const GridInFile*>(nullptr));
 }
 
+struct RobotInScene {
+    std::string name, file;
+    PlaceInFile place;
+    bool standing = false, holding = false, selfCollision = false;
+    GridInFile grid;
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const RobotInScene*) {
+    visit(Tunable{.name = "name"}, self.name);
+    visit(Tunable{.name = "file", .meaning = "its description: URDF or MJCF"}, self.file);
+    describe(visit, self.place, static_cast<const PlaceInFile*>(nullptr));
+    visit(Tunable{.name = "standing", .meaning = "its lowest point, not its root, is at the height of its position"},
+          self.standing);
+    visit(Tunable{.name = "holding", .meaning = "servos hold its joints where they begin; false: it is limp"},
+          self.holding);
+    visit(Tunable{.name = "selfCollision", .meaning = "links that no joint joins collide with each other"},
+          self.selfCollision);
+    describe(visit, self.grid, static_cast<const GridInFile*>(nullptr));
+}
+inline Names requiredFields(const RobotInScene*) { return {"file"}; }
+
 struct CameraInFile {
     SceneCamera camera;
 };
@@ -366,6 +389,7 @@ struct SceneInFile {
     std::vector<AnimatedInFile> animated;
     std::vector<VehicleInFile> vehicles;
     std::vector<RagdollInScene> ragdolls;
+    std::vector<RobotInScene> robots;
 };
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const SceneInFile*) {
@@ -389,6 +413,7 @@ void describe(Visitor& visit, Self& self, const SceneInFile*) {
     visit(Tunable{.name = "animated", .meaning = "bodies that follow an animation with a force budget"}, self.animated);
     visit(Tunable{.name = "vehicles"}, self.vehicles);
     visit(Tunable{.name = "ragdolls"}, self.ragdolls);
+    visit(Tunable{.name = "robots"}, self.robots);
 }
 
 }  // namespace ragtop

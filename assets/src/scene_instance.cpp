@@ -51,19 +51,34 @@ SceneInstance::SceneInstance(const Scene& scene, World& world)
     ragdolls.reserve(scene.ragdolls.size());
     for (std::size_t i = 0; i < scene.ragdolls.size(); ++i)
         named("ragdoll", scene.ragdolls[i].name, i, [&] { add(scene.ragdolls[i]); });
+    for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+        const SceneRobot& robot = scene.robots[i];
+        named("robot", robot.name, i,
+              [&] { robots.push_back(makeRobot(world, *robot.robot, robot.placement, robot.options())); });
+    }
     join(scene, true);
 }
 
 BodyId SceneInstance::idOf(int body, const ScenePart& part) const {
     if (body >= 0) return bodies[static_cast<std::size_t>(body)];
-    if (part.ragdoll < 0) return {};
-    return ragdolls[static_cast<std::size_t>(part.ragdoll)].bodies()[static_cast<std::size_t>(part.part)];
+    const auto index = static_cast<std::size_t>(part.index), one = static_cast<std::size_t>(part.part);
+    switch (part.owner) {
+        case ScenePart::Owner::ragdoll:
+            return ragdolls[index].bodies()[one];
+        case ScenePart::Owner::robot:
+            return robots[index].bodies[one];
+        case ScenePart::Owner::vehicle:
+            return vehicles[index].chassis();
+        case ScenePart::Owner::none:
+            break;
+    }
+    return {};
 }
 
-void SceneInstance::join(const Scene& scene, bool ofRagdolls) {
-    const auto isOfRagdoll = [&](std::size_t joint) { return scene.joints[joint].holdsRagdoll(); };
+void SceneInstance::join(const Scene& scene, bool ofParts) {
+    const auto holdsPart = [&](std::size_t joint) { return scene.joints[joint].holdsPart(); };
     for (std::size_t i = 0; i < scene.joints.size(); ++i) {
-        if (isOfRagdoll(i) != ofRagdolls) continue;
+        if (holdsPart(i) != ofParts) continue;
         JointDef def = scene.joints[i].def;
         std::visit(
             [&](auto& kind) {
@@ -75,7 +90,7 @@ void SceneInstance::join(const Scene& scene, bool ofRagdolls) {
     }
     for (std::size_t i = 0; i < scene.couplings.size(); ++i) {
         const std::vector<std::size_t>& of = scene.couplings[i].joints;
-        if (std::any_of(of.begin(), of.end(), isOfRagdoll) != ofRagdolls) continue;
+        if (std::any_of(of.begin(), of.end(), holdsPart) != ofParts) continue;
         CouplingDef def = scene.couplings[i].def;
         for (std::size_t k = 0; k < of.size(); ++k) def.parts[k].joint = joints[of[k]];
         named("coupling", scene.couplings[i].name, i, [&] { couplings[i] = world_->create(def); });

@@ -8,6 +8,15 @@ namespace {
 
 Json write(const Pose& pose) { return {writeValue(pose.position), writeValue(pose.rotation)}; }
 
+Json write(const ShapeDef& shape) {
+    return {writeShape(shape.geometry),
+            writeValue(shape.frame),
+            writeValue(shape.density),
+            writeValue(shape.filter),
+            shape.sensor,
+            shape.reportsMotion};
+}
+
 Json write(const SceneBody& body) {
     Json json = writeValue(body.def);
     json["name"] = body.name;
@@ -16,26 +25,53 @@ Json write(const SceneBody& body) {
     json["material"] = body.material;
     json["masonry"] = body.masonry;
     if (body.color) json["color"] = *body.color;
-    for (const ShapeDef& shape : body.def.shapes) {
-        json["shapes"].push_back({writeShape(shape.geometry), writeValue(shape.frame), writeValue(shape.density),
-                                  writeValue(shape.filter), shape.sensor, shape.reportsMotion});
-    }
+    for (const ShapeDef& shape : body.def.shapes) json["shapes"].push_back(write(shape));
     return json;
 }
 
-Json write(int body, const ScenePart& part) { return {body, part.ragdoll, part.part}; }
+Json write(int body, const ScenePart& part) { return {body, static_cast<int>(part.owner), part.index, part.part}; }
 
-Json write(const SceneJoint& joint) {
-    Json json{{"a", write(joint.bodyA, joint.partA)}, {"b", write(joint.bodyB, joint.partB)}};
-    writeJointKind(joint.def, json);
-    const JointBodies& ends = std::visit([](const auto& kind) -> const JointBodies& { return kind.bodies; }, joint.def);
+Json write(const JointDef& joint) {
+    Json json = Json::object();
+    writeJointKind(joint, json);
+    const JointBodies& ends = std::visit([](const auto& kind) -> const JointBodies& { return kind.bodies; }, joint);
     json["frames"] = {writeValue(ends.frameA), writeValue(ends.frameB), ends.collide};
     return json;
 }
 
+Json write(const CouplingDef& coupling, std::size_t parts) {
+    Json json{{"sum", writeValue(coupling.sum)}};
+    for (std::size_t i = 0; i < parts; ++i) json["parts"].push_back(writeValue(coupling.parts[i]));
+    return json;
+}
+
+Json write(const SceneJoint& joint) {
+    Json json = write(joint.def);
+    json["a"] = write(joint.bodyA, joint.partA);
+    json["b"] = write(joint.bodyB, joint.partB);
+    return json;
+}
+
 Json write(const SceneCoupling& coupling) {
-    Json json{{"joints", coupling.joints}, {"sum", writeValue(coupling.def.sum)}};
-    for (std::size_t i = 0; i < coupling.joints.size(); ++i) json["parts"].push_back(writeValue(coupling.def.parts[i]));
+    Json json = write(coupling.def, coupling.joints.size());
+    json["joints"] = coupling.joints;
+    return json;
+}
+
+Json write(const Robot& robot) {
+    Json json = Json::object();
+    for (const RobotBody& body : robot.bodies) {
+        const Mat3& inertia = body.mass.inertia;
+        Json one{writeValue(body.pose),  body.anchored,          body.mass.mass,        writeValue(body.mass.center),
+                 writeValue(inertia.cx), writeValue(inertia.cy), writeValue(inertia.cz)};
+        for (const ShapeDef& shape : body.shapes) one.push_back(write(shape));
+        json["bodies"].push_back(std::move(one));
+    }
+    for (const RobotJoint& joint : robot.joints) {
+        json["joints"].push_back({joint.parent, joint.child, write(joint.joint), writeValue(joint.effort)});
+    }
+    for (const RobotCoupling& each : robot.couplings)
+        json["couplings"].push_back({each.joints, write(each.coupling, each.joints.size())});
     return json;
 }
 
@@ -59,7 +95,7 @@ Json write(const SceneVehicle& vehicle) {
     return json;
 }
 
-/// Everything but the names of the scene and what its vehicles and ragdolls are made from.
+/// Everything but the names of the scene and what its vehicles, ragdolls and robots are made from.
 Json write(const Scene& scene) {
     Json json{
         {"step", scene.step}, {"settings", writeValue(scene.settings)}, {"materials", writeValue(scene.materials)}};
@@ -75,6 +111,13 @@ Json write(const Scene& scene) {
         if (ragdoll.def.get() != last) one.push_back(writeRagdoll(*ragdoll.def));
         last = ragdoll.def.get();
         json["ragdolls"].push_back(std::move(one));
+    }
+    const Robot* lastRobot = nullptr;
+    for (const SceneRobot& robot : scene.robots) {
+        Json one{write(robot.placement), robot.holding, robot.selfCollision};
+        if (robot.robot.get() != lastRobot) one.push_back(write(*robot.robot));
+        lastRobot = robot.robot.get();
+        json["robots"].push_back(std::move(one));
     }
     return json;
 }

@@ -25,34 +25,56 @@ std::string keyOf(const std::vector<T>& all, std::size_t i, NameOf nameOf) {
     return name.empty() || count > 1 ? std::to_string(i) : name;
 }
 
-/// Ragdolls of one definition.
-struct RagdollKind {
+/// Ragdolls or robots of one definition.
+template <class Def>
+struct Shared {
     std::string name;
     std::vector<std::size_t> members;
-    RagdollDef def;
+    Def def;
 };
 
-std::vector<RagdollKind> ragdollKinds(const Scene& scene) {
-    std::vector<RagdollKind> kinds;
-    std::map<const RagdollDef*, std::size_t> known;
-    for (std::size_t i = 0; i < scene.ragdolls.size(); ++i) {
-        const SceneRagdoll& one = scene.ragdolls[i];
-        const auto [found, isNew] = known.try_emplace(one.def.get(), kinds.size());
-        if (isNew) kinds.push_back({one.name, {}, *one.def});
+/// `defOf` gives the definition that one shares with others.
+template <class T, class DefOf>
+auto kindsOf(const std::vector<T>& all, DefOf defOf) {
+    using Def = std::remove_cvref_t<decltype(*defOf(all[0]))>;
+    std::vector<Shared<Def>> kinds;
+    std::map<const Def*, std::size_t> known;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const auto [found, isNew] = known.try_emplace(defOf(all[i]).get(), kinds.size());
+        if (isNew) kinds.push_back({all[i].name, {}, *defOf(all[i])});
         kinds[found->second].members.push_back(i);
     }
     // Those of a grid are called "person 1", "person 2" ...
-    for (RagdollKind& kind : kinds) {
+    for (Shared<Def>& kind : kinds) {
         if (kind.members.size() > 1 && kind.name.ends_with(" 1")) kind.name.resize(kind.name.size() - 2);
     }
     return kinds;
+}
+
+/// Gives those that were tuned what they are now, one for all of a kind. `put` takes a number and the definition.
+template <class Def, class Put>
+void putKinds(const std::vector<Shared<Def>>& kinds, const std::vector<std::size_t>& tuned, Put put) {
+    for (const Shared<Def>& kind : kinds) {
+        if (std::find(tuned.begin(), tuned.end(), kind.members[0]) == tuned.end()) continue;
+        const auto def = std::make_shared<const Def>(kind.def);
+        for (const std::size_t i : kind.members) put(i, def);
+    }
+}
+
+std::string whyInvalidJoints(const Robot& robot) {
+    for (const RobotJoint& joint : robot.joints)
+        if (const std::string why = whyInvalidKind(joint.joint); !why.empty()) return joint.name + ": " + why;
+    return {};
 }
 
 /// Copies of all that may be tuned, the references to their fields, and what puts them back into the scene.
 class Parts {
 public:
     explicit Parts(const Scene& scene)
-        : settings_(scene.settings), materials_(scene.materials), ragdolls_(ragdollKinds(scene)) {
+        : settings_(scene.settings),
+          materials_(scene.materials),
+          ragdolls_(kindsOf(scene.ragdolls, [](const SceneRagdoll& one) { return one.def; })),
+          robots_(kindsOf(scene.robots, [](const SceneRobot& one) { return one.robot; })) {
         for (const SceneJoint& joint : scene.joints) joints_.push_back(joint.def);
         for (const SceneVehicle& vehicle : scene.vehicles) vehicles_.push_back(vehicle.def);
         collect(scene);
@@ -97,12 +119,8 @@ public:
         }
         for (const std::size_t i : tuned.joints) scene.joints[i].def = joints_[i];
         for (const std::size_t i : tuned.vehicles) scene.vehicles[i].def = vehicles_[i];
-        for (const RagdollKind& kind : ragdolls_) {
-            if (std::find(tuned.ragdolls.begin(), tuned.ragdolls.end(), kind.members[0]) == tuned.ragdolls.end())
-                continue;
-            const auto def = std::make_shared<const RagdollDef>(kind.def);
-            for (const std::size_t i : kind.members) scene.ragdolls[i].def = def;
-        }
+        putKinds(ragdolls_, tuned.ragdolls, [&](std::size_t i, const auto& def) { scene.ragdolls[i].def = def; });
+        putKinds(robots_, tuned.robots, [&](std::size_t i, const auto& def) { scene.robots[i].robot = def; });
     }
 
 private:
@@ -142,7 +160,7 @@ private:
                 [i](TunedParts& tuned) { tuned.vehicles.push_back(i); });
         }
         for (std::size_t i = 0; i < ragdolls_.size(); ++i) {
-            const std::string name = keyOf(ragdolls_, i, [](const RagdollKind& kind) { return kind.name; });
+            const std::string name = keyOf(ragdolls_, i, [](const Shared<RagdollDef>& kind) { return kind.name; });
             add(
                 "ragdolls." + name,
                 [&](const std::string& path) { addRagdoll(ragdolls_[i].def, path, named("ragdoll", name)); },
@@ -150,6 +168,17 @@ private:
                 [this, i](TunedParts& tuned) {
                     const auto& members = ragdolls_[i].members;
                     tuned.ragdolls.insert(tuned.ragdolls.end(), members.begin(), members.end());
+                });
+        }
+        for (std::size_t i = 0; i < robots_.size(); ++i) {
+            const std::string name = keyOf(robots_, i, [](const Shared<Robot>& kind) { return kind.name; });
+            add(
+                "robots." + name,
+                [&](const std::string& path) { addRobot(robots_[i].def, path, named("robot", name)); },
+                [this, i] { return whyInvalidJoints(robots_[i].def); },
+                [this, i](TunedParts& tuned) {
+                    const auto& members = robots_[i].members;
+                    tuned.robots.insert(tuned.robots.end(), members.begin(), members.end());
                 });
         }
         for (std::size_t i = 0; i < refs_.size(); ++i) index_.emplace(refs_[i].field.path, i);
@@ -193,6 +222,13 @@ private:
         }
     }
 
+    void addRobot(Robot& robot, const std::string& path, const std::string& group) {
+        for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+            const std::string name = keyOf(robot.joints, i, [](const RobotJoint& joint) { return joint.name; });
+            addJoint(robot.joints[i].joint, path + ".joints." + name, group + " / joints / " + name);
+        }
+    }
+
     void addJoint(JointDef& joint, const std::string& path, const std::string& group) {
         std::visit(
             [&](auto& kind) {
@@ -216,7 +252,8 @@ private:
     std::map<std::string, Material> materials_;
     std::vector<JointDef> joints_;
     std::vector<VehicleDef> vehicles_;
-    std::vector<RagdollKind> ragdolls_;
+    std::vector<Shared<RagdollDef>> ragdolls_;
+    std::vector<Shared<Robot>> robots_;
     std::vector<TunableRef> refs_;
     std::vector<Part> parts_;
     std::map<std::string, std::size_t> index_;
@@ -245,6 +282,23 @@ TunedParts tune(Scene& scene, std::span<const TunedValue> values) {
     return tuned;
 }
 
+namespace {
+
+/// Between the bodies that it joins already.
+void retune(World& world, JointId joint, JointDef def) {
+    const auto bodiesOf = [](auto& kind) -> JointBodies { return kind.bodies; };
+    const JointBodies bodies = std::visit(bodiesOf, world.def(joint));
+    std::visit([&](auto& kind) { kind.bodies = bodies; }, def);
+    world.setDef(joint, def);
+}
+
+void retune(World& world, const SceneRobot& robot, const RobotIds& ids) {
+    for (std::size_t i = 0; i < ids.joints.size(); ++i)
+        retune(world, ids.joints[i], robotJoint(robot.robot->joints[i], robot.options()));
+}
+
+}  // namespace
+
 void apply(const Scene& scene, const TunedParts& parts, const RunningScene& to) {
     if (parts.settings) to.world->setSettings(scene.settings);
     for (std::size_t i = 0; i < to.bodies.size(); ++i) {
@@ -254,15 +308,10 @@ void apply(const Scene& scene, const TunedParts& parts, const RunningScene& to) 
             to.world->setMaterial(shape, scene.materials.at(material));
         }
     }
-    for (const std::size_t i : parts.joints) {
-        JointDef def = scene.joints[i].def;
-        const auto bodiesOf = [](auto& kind) -> JointBodies { return kind.bodies; };
-        const JointBodies bodies = std::visit(bodiesOf, to.world->def(to.joints[i]));
-        std::visit([&](auto& kind) { kind.bodies = bodies; }, def);
-        to.world->setDef(to.joints[i], def);
-    }
+    for (const std::size_t i : parts.joints) retune(*to.world, to.joints[i], scene.joints[i].def);
     for (const std::size_t i : parts.vehicles) to.vehicles[i]->setDef(scene.vehicles[i].def);
     for (const std::size_t i : parts.ragdolls) to.ragdolls[i]->setDef(*scene.ragdolls[i].def);
+    for (const std::size_t i : parts.robots) retune(*to.world, scene.robots[i], *to.robots[i]);
 }
 
 }  // namespace ragtop

@@ -22,12 +22,14 @@ constexpr double kInstant = 1e-6;  ///< s, in which nothing moves
 constexpr float kFarDown = 1e5f;   ///< m, beyond all grounds
 constexpr std::size_t kMostLines = 5;
 
-enum class Kind { body, vehicle, ragdoll };
+enum class Kind { body, vehicle, ragdoll, robot };
 
-const char* one(Kind kind) { return std::array{"body", "vehicle", "ragdoll"}[static_cast<std::size_t>(kind)]; }
-const char* many(Kind kind) { return std::array{"bodies", "vehicles", "ragdolls"}[static_cast<std::size_t>(kind)]; }
+const char* one(Kind kind) { return std::array{"body", "vehicle", "ragdoll", "robot"}[static_cast<std::size_t>(kind)]; }
+const char* many(Kind kind) {
+    return std::array{"bodies", "vehicles", "ragdolls", "robots"}[static_cast<std::size_t>(kind)];
+}
 
-/// A body, car or ragdoll, and the deepest of what it begins in.
+/// A body, car, ragdoll or robot, and the deepest of what it begins in.
 struct Thing {
     Kind kind;
     std::string name;
@@ -96,13 +98,17 @@ public:
             add(Kind::ragdoll, scene.ragdolls[i].name, i);
             for (const BodyId part : instance_.ragdolls[i].bodies()) own(part, {});
         }
+        for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+            add(Kind::robot, scene.robots[i].name, i);
+            for (const BodyId body : instance_.robots[i].bodies) own(body, {});
+        }
     }
 
     std::vector<std::string> lines() {
         findContacts();
         findBelow();
         std::vector<std::string> lines;
-        for (const Kind kind : {Kind::body, Kind::vehicle, Kind::ragdoll}) tell(kind, lines);
+        for (const Kind kind : {Kind::body, Kind::vehicle, Kind::ragdoll, Kind::robot}) tell(kind, lines);
         return lines;
     }
 

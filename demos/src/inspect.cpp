@@ -88,6 +88,10 @@ std::string inspectScene(const fs::path& path) {
         text += fmt::format("  {} ragdolls of {} parts, {} joints, {:.6g} kg\n", count, def->parts.size(),
                             def->joints.size(), mass);
     }
+    for (const SceneRobot& r : scene.robots) {
+        text += fmt::format("  robot \"{}\": {} bodies, {} joints, {:.6g} kg, {}\n", r.name, r.robot->bodies.size(),
+                            r.robot->joints.size(), r.robot->mass, r.holding ? "holding" : "limp");
+    }
     for (const std::string& warning : scene.warnings) text += "  warning: " + warning + "\n";
     for (const std::string& warning : startOverlaps(scene)) text += "  warning: " + warning + "\n";
     return text;

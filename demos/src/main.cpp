@@ -144,7 +144,7 @@ CLI::App* addRagdoll(CLI::App& app, Command& command) {
     ragdoll->add_option("--push", options.trial.push, "Impulse on the chest, N s")
         ->check(CLI::Range(0, 100000))
         ->capture_default_str();
-    ragdoll->add_flag("--holding", options.holding, "Motors of a robot hold every joint");
+    ragdoll->add_flag("--holding", options.holding, "Servos of a robot hold every joint");
     ragdoll->add_option("--json", options.json, "Write the figures, and what a character was taken for, to this file");
     ragdoll->add_option("--out", options.out,
                         "Write NAME.fitted.ragdoll.json and, where there is none, NAME.ragdoll.json for changes to it");

@@ -21,7 +21,7 @@ double norm(const DVec3& a) { return std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z
 struct Piece {
     BodyId body;
     bool moves = false;
-    int owner = -1;  ///< ragdoll it is part of
+    int owner = -1;  ///< ragdoll or robot it is part of
     Filter filter;
     const Shape* shape = nullptr;
     Pose pose;
@@ -127,6 +127,10 @@ private:
         for (std::size_t i = 0; i < instance.ragdolls.size(); ++i) {
             for (const BodyId body : instance.ragdolls[i].bodies()) owners_[body] = static_cast<int>(i);
         }
+        const std::size_t ragdolls = instance.ragdolls.size();
+        for (std::size_t i = 0; i < instance.robots.size(); ++i) {
+            for (const BodyId body : instance.robots[i].bodies) owners_[body] = static_cast<int>(ragdolls + i);
+        }
     }
 
     void collect(BodyId body) {
@@ -149,7 +153,7 @@ private:
     double depthOf(const Piece& a, const Piece& b) const {
         if (a.body == b.body || !(a.moves || b.moves) || !boundsMeet(a.bounds, b.bounds)) return 0;
         if (!filtersMeet(a.filter, b.filter) || joined_.contains(ordered(a.body, b.body))) return 0;
-        // Which parts of a ragdoll ignore each other is its own affair; the world knows the others.
+        // Which parts of a ragdoll or robot ignore each other is its own affair; the world knows the others.
         if (a.owner >= 0 && a.owner == b.owner && !touching_.contains(ordered(a.body, b.body))) return 0;
         if (a.solid.points.empty()) return b.solid.points.empty() ? 0 : surfaceDepth(a, b);
         if (b.solid.points.empty()) return surfaceDepth(b, a);

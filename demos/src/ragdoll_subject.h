@@ -21,7 +21,7 @@ struct RagdollSubject {
     std::string body{};   ///< of a character: what it was taken for, as JSON
     Skeleton skeleton{};  ///< of a character, with its animations
     std::vector<Clip> clips{};
-    bool holding = false;  ///< a robot's motors hold every joint at rest
+    bool holding = false;  ///< a robot's servos hold every joint where it begins
 };
 
 /// A ragdoll file, a character or a robot description. Throws AssetError.

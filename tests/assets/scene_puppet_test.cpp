@@ -138,7 +138,8 @@ TEST(ScenePuppet, TellsWhatIsWrong) {
     const auto joint = [&](const std::string& to) {
         return ragdoll("") + R"(, "joints": [{"b": ")" + to + R"(", "anchor": [0, 1, 0], "ball": {}}])";
     };
-    EXPECT_THAT(puppetFault(joint("two/head")), HasSubstr("/joints/0/b is \"two/head\", must be a body, or a part"));
+    EXPECT_THAT(puppetFault(joint("two/head")),
+                HasSubstr("/joints/0/b is \"two/head\", must be a body, a vehicle, or a part"));
     EXPECT_THAT(puppetFault(joint("one/hed")), HasSubstr("did you mean \"head\"?"));
     EXPECT_THAT(puppetFault(ragdoll(R"(, "blows": [{"time": 1, "part": "tail", "impulse": [1, 0, 0]}])")),
                 HasSubstr("/ragdolls/0/blows/0/part is \"tail\", must name one of the 14 parts"));

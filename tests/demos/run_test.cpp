@@ -115,7 +115,7 @@ TEST_P(SceneRun, EndsAlikeWithAnyWidthAndNumberOfThreads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SceneRun,
-                         testing::Values("crash", "hills", "puppet", "rain", "tower", "track", "wrecker"),
+                         testing::Values("crash", "hills", "puppet", "rain", "robots", "tower", "track", "wrecker"),
                          [](const testing::TestParamInfo<std::string>& scene) { return scene.param; });
 
 TEST(Run, SettingsChangeWhatHappens) {

@@ -22,7 +22,7 @@ class World;
 /// What a robot description leaves to its user.
 struct RobotOptions {
     bool selfCollision = false;  ///< links that no joint joins collide with each other
-    bool holding = false;        ///< motors hold every joint at rest with the effort that the file allows
+    bool holding = false;        ///< servos hold every joint where it begins, with the effort that the file allows
     Material material{};
     /// Where package://name/… lies: folders with a folder of that name, or that are it. Folders above the description
     /// are searched besides.
@@ -32,7 +32,7 @@ struct RobotOptions {
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const RobotOptions*) {
     visit(Tunable{"selfCollision", "", 0, 1, "links that no joint joins collide with each other"}, self.selfCollision);
-    visit(Tunable{"holding", "", 0, 1, "motors hold every joint at rest"}, self.holding);
+    visit(Tunable{"holding", "", 0, 1, "servos hold every joint where it begins"}, self.holding);
     visit(Tunable{"material", "", 0, 0, "surface of all links"}, self.material);
 }
 
@@ -111,12 +111,17 @@ struct RobotIds {
     std::vector<CouplingId> couplings;
 };
 
+/// A joint as makeRobot makes it, its bodies left null. One that is held has a spring to its home instead of its own,
+/// which gives all of the effort 0.05 rad or 5 mm from there.
+JointDef robotJoint(const RobotJoint& joint, const RobotOptions& options);
+
 /// Creates the bodies and joints of a robot whose root is at `placement`. Throws std::invalid_argument.
 RobotIds makeRobot(World& world, const Robot& robot, const Pose& placement = {}, const RobotOptions& options = {});
 
 /// Sets the motors of hinges and sliders for a step of dt seconds so that they get to `coordinates` (rad or m, one per
 /// joint; NaN leaves a joint alone), no faster than their velocity and no stronger than their effort. Joints that
-/// follow others are left to these. What pushes a joint from outside may move it faster. Throws std::invalid_argument.
+/// follow others are left to these; the robot is not to be made `holding`. What pushes a joint from outside may move it
+/// faster. Throws std::invalid_argument.
 void driveRobot(World& world, const Robot& robot, const RobotIds& ids, std::span<const float> coordinates, double dt);
 
 /// Mass, bodies with shapes, joints and warnings, some lines of text.

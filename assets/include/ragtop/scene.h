@@ -18,11 +18,13 @@
 #include "ragtop/joint.h"
 #include "ragtop/puppet.h"
 #include "ragtop/ragdoll.h"
+#include "ragtop/robot.h"
 #include "ragtop/settings.h"
 #include "ragtop/vehicle.h"
 
 /// A scene is a JSON file with comments: settings, materials, bodies, generators of many bodies, joints, vehicles with
-/// a driver's script, ragdolls and puppets with the blows that they take, and values that replace others ("tuning").
+/// a driver's script, ragdolls and puppets with the blows that they take, robots, and values that replace others
+/// ("tuning").
 /// src/scene_file.h describes every field; assets/data/scenes has examples.
 namespace ragtop {
 
@@ -36,18 +38,20 @@ struct SceneBody {
     std::optional<Color> color{};
 };
 
-/// A part of a ragdoll of the scene.
+/// A body of something that is more than one, or a car.
 struct ScenePart {
-    int ragdoll = -1;  ///< index of the scene's ragdolls; −1: none
-    int part = -1;     ///< of the parts of that
+    enum class Owner { none, ragdoll, robot, vehicle } owner = Owner::none;
+    int index = -1;  ///< of the scene's ragdolls, robots or vehicles
+    int part = -1;   ///< of the parts of the ragdoll, or of the bodies of the robot
+    explicit operator bool() const { return owner != Owner::none; }
 };
 
 struct SceneJoint {
     std::string name{};
-    int bodyA = -1, bodyB = -1;  ///< indices of the scene's bodies; −1: a part of a ragdoll, or the world
+    int bodyA = -1, bodyB = -1;  ///< indices of the scene's bodies; −1: a part, or the world
     JointDef def{};              ///< its bodies are null
     ScenePart partA{}, partB{};
-    bool holdsRagdoll() const { return partA.ragdoll >= 0 || partB.ragdoll >= 0; }
+    bool holdsPart() const { return partA || partB; }
 };
 
 struct SceneCoupling {
@@ -106,6 +110,15 @@ struct SceneRagdoll {
     std::filesystem::path character{};        ///< the model it was made from; empty: none
 };
 
+struct SceneRobot {
+    std::string name{};
+    std::shared_ptr<const Robot> robot{};  ///< shared by those of one entry
+    Pose placement{};                      ///< of its root
+    bool holding = false;                  ///< servos hold it as it begins; otherwise it is limp
+    bool selfCollision = false;            ///< links that no joint joins collide with each other
+    RobotOptions options() const { return {.selfCollision = selfCollision, .holding = holding}; }
+};
+
 /// From where to look at the beginning.
 struct SceneCamera {
     DVec3 target{}, eye{};  ///< m
@@ -127,6 +140,7 @@ struct Scene {
     std::vector<SceneRoad> roads{};
     std::vector<SceneVehicle> vehicles{};
     std::vector<SceneRagdoll> ragdolls{};
+    std::vector<SceneRobot> robots{};
     std::vector<std::string> warnings{};
     std::vector<std::filesystem::path> files{};  ///< all that were read, but for meshes
 };
@@ -142,7 +156,7 @@ struct SceneOverride {
 Scene loadScene(const std::filesystem::path& path, std::span<const SceneOverride> overrides = {});
 
 /// Writes settings, bodies of one shape and joints whose frames agree, in full; what a scene was generated from,
-/// vehicles and ragdolls have no place in it. Throws AssetError when something cannot be written.
+/// vehicles, ragdolls and robots have no place in it. Throws AssetError when something cannot be written.
 void saveScene(const Scene& scene, const std::filesystem::path& path);
 
 /// The file of a scene that comes with the library, or the file of that path. Throws AssetError when there is none.
@@ -165,6 +179,7 @@ struct SceneInstance {
     std::vector<Vehicle> vehicles;
     std::vector<Ragdoll> ragdolls;
     std::vector<std::unique_ptr<Puppet>> puppets;  ///< one for each ragdoll; null: it is limp
+    std::vector<RobotIds> robots;                  ///< in the order of the scene
     std::vector<bool> scripted;  ///< false for a vehicle that somebody else drives: script and driver are passed over
 
     /// Gives each vehicle what its script says for the time, s, or its driver for the place, strikes ragdolls and has
@@ -174,8 +189,8 @@ struct SceneInstance {
 
 private:
     BodyId idOf(int body, const ScenePart& part = {}) const;
-    /// Joints and couplings of parts of ragdolls, or those of bodies alone.
-    void join(const Scene& scene, bool ofRagdolls);
+    /// Joints and couplings of parts, or those of bodies alone.
+    void join(const Scene& scene, bool ofParts);
     void add(const SceneRagdoll& ragdoll);
     void strike(double time);
 

@@ -19,9 +19,10 @@
 ///     joints.<name>             joints.door.limit.upper
 ///     vehicles.<name>           vehicles.car.wheels.front left.suspension.stiffness
 ///     ragdolls.<name>           ragdolls.person.joints.left forearm.friction, ragdolls.person.parts.head.mass
+///     robots.<name>             robots.arm.joints.elbow.spring.damping
 ///
 /// What has no name of its own goes by its number. A joint of a ragdoll is called after the part that it carries. The
-/// ragdolls made from one entry of a scene file are tuned together.
+/// ragdolls, or robots, made from one entry of a scene file are tuned together.
 namespace ragtop {
 
 class World;
@@ -45,11 +46,11 @@ std::vector<TunableField> tunablesOf(const Scene& scene);
 /// other while it runs.
 bool sameStructure(const Scene& a, const Scene& b);
 
-/// Parts of a scene that were tuned; indices of its joints, vehicles and ragdolls.
+/// Parts of a scene that were tuned; indices of its joints, vehicles, ragdolls and robots.
 struct TunedParts {
     bool settings = false;
     std::vector<std::string> materials{};
-    std::vector<std::size_t> joints{}, vehicles{}, ragdolls{};
+    std::vector<std::size_t> joints{}, vehicles{}, ragdolls{}, robots{};
 };
 
 /// Sets values, all or none. Throws TuneError.
@@ -62,6 +63,7 @@ struct RunningScene {
     std::vector<JointId> joints{};
     std::vector<Vehicle*> vehicles{};
     std::vector<Ragdoll*> ragdolls{};
+    std::vector<const RobotIds*> robots{};
 };
 /// Makes what runs as the scene says, between steps; it keeps its state.
 void apply(const Scene& scene, const TunedParts& parts, const RunningScene& to);

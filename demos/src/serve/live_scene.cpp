@@ -23,9 +23,10 @@ WorldConfig configOf(const LiveSceneOptions& options, const Scene& scene) {
 }
 
 RunningScene running(World& world, SceneInstance& instance) {
-    RunningScene scene{&world, instance.bodies, instance.joints, {}, {}};
+    RunningScene scene{&world, instance.bodies, instance.joints, {}, {}, {}};
     for (Vehicle& vehicle : instance.vehicles) scene.vehicles.push_back(&vehicle);
     for (Ragdoll& ragdoll : instance.ragdolls) scene.ragdolls.push_back(&ragdoll);
+    for (const RobotIds& robot : instance.robots) scene.robots.push_back(&robot);
     return scene;
 }
 

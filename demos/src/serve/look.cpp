@@ -9,6 +9,7 @@ namespace {
 constexpr Color kBricks[] = {0xa8452f, 0xb5523a, 0x9c3f2b, 0xbd5f45};
 constexpr Color kShirts[] = {0x3f7cac, 0xc8553d, 0x588157, 0xe0a458, 0x7b5ea7, 0xd9d4c7};
 constexpr Color kTrousers[] = {0x2f3e56, 0x5b4a3b, 0x4a4e55};
+constexpr Color kLinks[] = {0xd8dadc, 0x5c6670, 0xe07b30};  ///< painted steel, castings, covers
 constexpr Color kVehicle = 0x2a6fdb, kSkin = 0xe8c39e, kShoes = 0x33302c;
 
 /// A hash; the walls of a house are built in turns, so that a plain remainder would give each wall one tint.
@@ -54,6 +55,13 @@ std::map<BodyId, Look> looksOf(const Scene& scene, const SceneInstance& instance
         for (std::size_t p = 0; p < ragdoll.bodies().size(); ++p) {
             const RagdollPart& part = ragdoll.def().parts[p];
             looks[ragdoll.bodies()[p]] = {scene.ragdolls[i].name + " " + part.name, colorOf(part.role, i)};
+        }
+    }
+    for (std::size_t i = 0; i < instance.robots.size(); ++i) {
+        const Robot& robot = *scene.robots[i].robot;
+        for (std::size_t b = 0; b < robot.bodies.size(); ++b) {
+            looks[instance.robots[i].bodies[b]] = {scene.robots[i].name + " " + robot.bodies[b].name,
+                                                   kLinks[b % std::size(kLinks)]};
         }
     }
     return looks;
