@@ -4,6 +4,7 @@
 
 #include "described_file.h"
 #include "ragtop/character.h"
+#include "ragtop/cooked.h"
 #include "ragtop/find_asset.h"
 #include "ragtop/mesh_file.h"
 
@@ -48,9 +49,16 @@ RagdollDef ragdollFromCharacter(const JsonValue& value, const RagdollOptions& op
     });
 }
 
+static Robot cookedRobot(const std::filesystem::path& file) {
+    Cooked asset = loadCooked(file);
+    if (!asset.robot) throw AssetError(file.string() + ": has no robot in it");
+    return *std::move(asset.robot);
+}
+
 Robot robotFromFile(const JsonValue& value, std::vector<std::string>& warnings) {
     const auto file = assetFile(value);
     return referenced(value, [&] {
+        if (file.extension() == ".ragtop") return cookedRobot(file);
         Robot robot = loadRobot(file);
         for (const std::string& warning : robot.warnings)
             warnings.push_back(value.json().get<std::string>() + ": " + warning);

@@ -407,12 +407,6 @@ private:
 
 }  // namespace
 
-int Robot::findJoint(std::string_view wanted) const {
-    for (std::size_t i = 0; i < joints.size(); ++i)
-        if (joints[i].name == wanted) return static_cast<int>(i);
-    return -1;
-}
-
 Robot loadRobot(const std::filesystem::path& path, const RobotOptions& options) {
     return RobotBuilder(path, options).run();
 }

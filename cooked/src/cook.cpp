@@ -44,6 +44,10 @@ std::vector<Section> sectionsOf(const Cooked& asset) {
         requireUsable("ragdoll", whyInvalid(*asset.ragdoll));
         sections.push_back(fieldsOf(SectionKind::ragdoll, *asset.ragdoll));
     }
+    if (asset.robot) {
+        requireUsable("robot", whyInvalid(*asset.robot));
+        sections.push_back(fieldsOf(SectionKind::robot, *asset.robot));
+    }
     return sections;
 }
 

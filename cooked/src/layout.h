@@ -13,7 +13,7 @@ inline constexpr std::array<char, 8> kCookedMagic{'R', 'A', 'G', 'T', 'O', 'P', 
 inline constexpr std::size_t kCookedAlignment = 64;  ///< of sections, which are as many times that long
 inline constexpr std::uint32_t kMostSections = 65536;
 
-enum class SectionKind : std::uint32_t { mesh = 1, piece = 2, skeleton = 3, clip = 4, ragdoll = 5 };
+enum class SectionKind : std::uint32_t { mesh = 1, piece = 2, skeleton = 3, clip = 4, ragdoll = 5, robot = 6 };
 
 struct CookedHead {
     std::array<char, 8> magic = kCookedMagic;

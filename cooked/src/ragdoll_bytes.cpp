@@ -30,7 +30,7 @@ void putShape(FieldWriter& to, const Shape& shape) {
         to.put(static_cast<std::uint32_t>(image.size()));
         for (const std::byte byte : image) to.put(static_cast<std::uint8_t>(byte));
     } else {
-        throw std::invalid_argument("a part is a mesh, height field or compound, must be convex");
+        throw std::invalid_argument("a shape is a mesh, height field or compound, must be convex");
     }
 }
 
@@ -55,7 +55,7 @@ Shape getShape(FieldReader& from) {
         case 3:
             return getHull(from);
         default:
-            throw std::invalid_argument("has a kind of shape that ragdolls do not have");
+            throw std::invalid_argument("has a kind of shape that ragdolls and robots do not have");
     }
 }
 
@@ -102,6 +102,44 @@ template <class Archive, class Self>
 void fieldsOf(Archive& archive, Self& self, const RagdollDef*) {
     archive(self.parts), archive(self.joints), archive(self.bones), archive(self.note);
     archive(self.selfCollision), archive(self.ignored);
+}
+
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const MassProperties*) {
+    archive(self.mass), archive(self.center);
+    archive(self.inertia.cx), archive(self.inertia.cy), archive(self.inertia.cz);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const ShapeDef*) {
+    archive(self.geometry), archive(self.frame), archive(self.material);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const RobotBody*) {
+    archive(self.name), archive(self.pose), archive(self.mass), archive(self.shapes), archive(self.anchored);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const RobotLink*) {
+    archive(self.name), archive(self.body), archive(self.inBody);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const RobotJoint*) {
+    archive(self.name), archive(self.parent), archive(self.child), archive(self.joint);
+    archive(self.effort), archive(self.velocity), archive(self.home);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const RobotCoupling*) {
+    archive(self.name), archive(self.joints), archive(self.follows), archive(self.coupling.count);
+    for (auto& part : self.coupling.parts) archive(part.coordinate), archive(part.ratio);
+    archive(self.coupling.sum);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const RobotKeyframe*) {
+    archive(self.name), archive(self.coordinates);
+}
+template <class Archive, class Self>
+void fieldsOf(Archive& archive, Self& self, const Robot*) {
+    archive(self.name), archive(self.mass), archive(self.bodies), archive(self.links);
+    archive(self.joints), archive(self.couplings), archive(self.keyframes);
 }
 
 template <class T>
@@ -185,8 +223,10 @@ T getAll(FieldReader& from) {
 void put(FieldWriter& to, const Skeleton& skeleton) { Putting{to}(skeleton); }
 void put(FieldWriter& to, const Clip& clip) { Putting{to}(clip); }
 void put(FieldWriter& to, const RagdollDef& ragdoll) { Putting{to}(ragdoll); }
+void put(FieldWriter& to, const Robot& robot) { Putting{to}(robot); }
 Skeleton getSkeleton(FieldReader& from) { return getAll<Skeleton>(from); }
 Clip getClip(FieldReader& from) { return getAll<Clip>(from); }
 RagdollDef getRagdoll(FieldReader& from) { return getAll<RagdollDef>(from); }
+Robot getRobot(FieldReader& from) { return getAll<Robot>(from); }
 
 }  // namespace ragtop

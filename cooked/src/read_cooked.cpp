@@ -87,9 +87,13 @@ private:
             case SectionKind::ragdoll:
                 result_.ragdoll = getRagdoll(fields);
                 return;
+            case SectionKind::robot:
+                result_.robot = getRobot(fields);
+                result_.robot->file = name_;
+                return;
         }
         throw std::invalid_argument("is of kind " + std::to_string(static_cast<std::uint32_t>(kind)) +
-                                    ", must be of 1 to 5");
+                                    ", must be of 1 to 6");
     }
 
     void check() const {
@@ -97,6 +101,7 @@ private:
         if (!result_.clips.empty() && !result_.skeleton) fail("has clips, must have their skeleton");
         for (const Clip& clip : result_.clips) require("clip '" + clip.name + "'", whyInvalid(clip, *result_.skeleton));
         if (result_.ragdoll) require("ragdoll", whyInvalid(*result_.ragdoll));
+        if (result_.robot) require("robot", whyInvalid(*result_.robot));
     }
     void require(const std::string& what, const std::string& why) const {
         if (!why.empty()) fail(what + " is not usable: " + why);

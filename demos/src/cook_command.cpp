@@ -14,6 +14,7 @@
 #include "ragtop/find_asset.h"
 #include "ragtop/mesh_file.h"
 #include "ragtop/ragdoll_file.h"
+#include "ragtop/robot.h"
 #include "ragtop/simplification.h"
 
 namespace ragtop::demos {
@@ -55,6 +56,14 @@ bool addCharacter(const fs::path& path, Cooked& asset) {
     return false;
 }
 
+/// What is left out of it, which the file does not tell, is told here.
+void addRobot(const CookCommand& command, const fs::path& path, Cooked& asset) {
+    if (command.pieces || command.simplify > 0)
+        throw AssetError(path.string() + ": is a robot, must be a mesh to be made simpler or cut into pieces");
+    asset.robot = loadRobot(path);
+    for (const std::string& warning : asset.robot->warnings) fmt::print(stderr, "warning: {}\n", warning);
+}
+
 void addClips(const CookCommand& command, Cooked& asset) {
     if (command.clips.empty()) return;
     if (!asset.skeleton || !asset.ragdoll)
@@ -65,13 +74,13 @@ void addClips(const CookCommand& command, Cooked& asset) {
 
 Cooked cooked(const CookCommand& command) {
     const fs::path path = findAsset(command.asset);
-    if (path.extension() == ".urdf" || path.extension() == ".xml")
-        throw AssetError(path.string() + ": is a robot, must be a character, a ragdoll or a mesh to be cooked");
     Cooked asset;
     asset.sourceHash = hashOf(path);
     try {
         if (command.asset.ends_with(".ragdoll.json"))
             asset.ragdoll = loadRagdoll(path);
+        else if (path.extension() == ".urdf" || path.extension() == ".xml")
+            addRobot(command, path, asset);
         else if (command.pieces || command.simplify > 0 || !addCharacter(path, asset))
             addMesh(command, path, asset);
     } catch (const std::invalid_argument& error) {
@@ -95,6 +104,8 @@ void cookAsset(const CookCommand& command) {
     if (!asset.pieces.empty()) fmt::print("  {} convex pieces\n", asset.pieces.size());
     if (asset.skeleton)
         fmt::print("  skeleton of {} bones, {} clips\n", asset.skeleton->bones.size(), asset.clips.size());
+    if (asset.robot)
+        fmt::print("  robot of {} bodies, {} joints\n", asset.robot->bodies.size(), asset.robot->joints.size());
     if (asset.ragdoll) fmt::print("  ragdoll of {} parts\n", asset.ragdoll->parts.size());
 }
 

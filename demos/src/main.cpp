@@ -178,8 +178,8 @@ CLI::App* addFit(CLI::App& app, Command& command) {
 CLI::App* addCook(CLI::App& app, Command& command) {
     demos::CookCommand& options = command.cook;
     CLI::App* cook =
-        app.add_subcommand("cook", "Write a character, ragdoll or mesh as one file that games load at once");
-    cook->add_option("asset", options.asset, "Character, ragdoll file or mesh")->required();
+        app.add_subcommand("cook", "Write a character, ragdoll, robot or mesh as one file that games load at once");
+    cook->add_option("asset", options.asset, "Character, ragdoll file, robot or mesh")->required();
     cook->add_option("--out", options.out, "The file, NAME.ragtop")->required();
     cook->add_option("--clips", options.clips, "Other characters, whose clips are carried over to its bones");
     cook->add_option("--simplify", options.simplify, "Make a mesh simpler first, within this, m")

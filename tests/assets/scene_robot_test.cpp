@@ -5,6 +5,7 @@
 #include <string>
 
 #include "import_support.h"
+#include "ragtop/cooked.h"
 #include "ragtop/scene.h"
 #include "ragtop/scene_tuning.h"
 #include "ragtop/start_overlaps.h"
@@ -176,6 +177,34 @@ TEST(SceneRobots, ShippedOnesGainNoEnergyAndStayClosed) {
             ASSERT_LT(play.world.state(joint).gap, 2e-3f) << play.world.time();
     }
     EXPECT_LT(least, start);
+}
+
+/// What the file was read from is not looked at again: its description may be gone.
+TEST(SceneRobots, ThatAreCookedMoveAsTheImportedOnesToTheBit) {
+    const auto hashOf = [](const std::string& file) {
+        const Scene scene = robotScene(R"("bodies": [)" + kRobotGround + R"(], "robots": [{"file": ")" + file +
+                                       R"(", "position": [0, 0.6, 0], "holding": true, "count": [2, 1, 1]}])");
+        RobotPlay play(scene);
+        play.until(1.5);
+        return play.world.hash();
+    };
+    for (const char* name : {"dog.xml", "arm.urdf"}) {
+        const std::string description = std::string(RAGTOP_SOURCE_DIR "/assets/data/robots/") + name;
+        Cooked asset;
+        asset.robot = loadRobot(description);
+        const auto cookedFile = temporaryPath("robot_of_scene.ragtop");
+        saveCooked(asset, cookedFile);
+        EXPECT_EQ(hashOf(cookedFile.string()), hashOf(description)) << name;
+        std::filesystem::remove(cookedFile);
+    }
+    Cooked hull;
+    const std::vector<Vec3> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    hull.pieces = {ConvexHull(corners)};
+    const auto other = temporaryPath("hull_of_scene.ragtop");
+    saveCooked(hull, other);
+    EXPECT_THAT(robotFault(R"("robots": [{"file": ")" + other.string() + R"("}])"),
+                HasSubstr("must name a usable file: " + other.string() + ": has no robot in it"));
+    std::filesystem::remove(other);
 }
 
 TEST(SceneRobots, ThatBeginInsideOfOthersAreTold) {

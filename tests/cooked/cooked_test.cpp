@@ -96,6 +96,36 @@ RagdollDef ragdollOf(const Skeleton& skeleton) {
     return def;
 }
 
+/// A base that does not move, two arms on hinges, the second of which turns against the first, and a slider.
+Robot robotOfTest() {
+    Robot robot;
+    robot.name = "arms";
+    robot.mass = 3;
+    const std::vector<Vec3> corners{{-0.1f, 0, 0}, {0.1f, 0, 0}, {0, 0.4f, 0}, {0, 0, 0.2f}, {0.1f, 0.3f, 0.1f}};
+    const std::vector<Shape> shapes{Box{{0.2f, 0.1f, 0.2f}}, Capsule{0.05f, 0.2f}, ConvexHull(corners), Sphere{0.1f}};
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+        RobotBody body{"body " + std::to_string(i), {{0.3f * static_cast<float>(i), 1, 0}, {}}, {}, {}, i == 0};
+        body.mass = {1, {0, 0.1f, 0}, {{0.02f, 0, 0}, {0, 0.03f, 0.001f}, {0, 0.001f, 0.04f}}};
+        body.shapes = {{.geometry = shapes[i], .frame = {{0, 0.05f, 0}, {}}, .material = {.friction = 0.3f}}};
+        robot.bodies.push_back(std::move(body));
+        robot.links.push_back({"link " + std::to_string(i), static_cast<int>(i), {{0, 0.01f, 0}, {}}});
+    }
+    for (int child = 1; child < 4; ++child) {
+        RobotJoint joint{"joint " + std::to_string(child), child - 1, child, HingeDef{}, 5, 2, 0.1f};
+        if (child == 3) joint.joint = SliderDef{.limit = Range{-0.2f, 0.3f}};
+        if (auto* hinge = std::get_if<HingeDef>(&joint.joint)) hinge->spring = Spring{2, 0.1f};
+        std::visit([](auto& kind) { kind.bodies.frameA = {{0.3f, 0, 0}, {}}; }, joint.joint);
+        robot.joints.push_back(std::move(joint));
+    }
+    RobotCoupling follows{"follows", {}, {1, 0}, true};
+    follows.coupling.count = 2;
+    follows.coupling.parts[1].ratio = 1;
+    follows.coupling.sum.limit = Range{0, 0};
+    robot.couplings = {follows};
+    robot.keyframes = {{"home", {0, 0, 0.1f}}};
+    return robot;
+}
+
 Cooked everything() {
     Cooked asset;
     asset.sourceHash = 0x0123456789abcdefu;
@@ -105,6 +135,7 @@ Cooked everything() {
     asset.skeleton = HumanRig().skeleton;
     asset.clips = clipsOf(*asset.skeleton, 2, 3);
     asset.ragdoll = ragdollOf(*asset.skeleton);
+    asset.robot = robotOfTest();
     return asset;
 }
 
@@ -185,6 +216,47 @@ TEST(Cooked, BodiesMoveOnItToTheBit) {
     EXPECT_EQ(run(*loadCooked(path).mesh), run(built));
 }
 
+TEST(Cooked, RobotsMoveToTheBit) {
+    Cooked asset;
+    asset.robot = robotOfTest();
+    AlignedBytes file(cook(asset));
+    const Cooked again = readCooked(file.bytes(), nullptr, "arms");
+    ASSERT_TRUE(again.robot);
+    EXPECT_EQ(again.robot->findJoint("joint 3"), 2);
+    EXPECT_EQ(again.robot->keyframes[0].coordinates, asset.robot->keyframes[0].coordinates);
+    const auto run = [](const Robot& robot) {
+        World world;
+        makeRobot(world, robot, {{0, 2, 0}, {}}, {.holding = true});
+        makeRobot(world, robot, {{5, 2, 0}, {}});
+        for (int i = 0; i < 90; ++i) world.step(1.0f / 60);
+        return world.hash();
+    };
+    EXPECT_EQ(run(*again.robot), run(*asset.robot));
+}
+
+TEST(Cooked, RefusesRobotsThatCannotBe) {
+    const auto refused = [](auto spoil) {
+        Cooked asset;
+        asset.robot = robotOfTest();
+        spoil(*asset.robot);
+        try {
+            cook(asset);
+        } catch (const std::invalid_argument& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    using testing::HasSubstr;
+    EXPECT_THAT(refused([](Robot& robot) { robot.joints[1].child = 9; }),
+                HasSubstr("joint 'joint 2': child is 9, must be at least 0 and below 4"));
+    EXPECT_THAT(refused([](Robot& robot) { robot.links[2].body = -1; }), HasSubstr("link 'link 2': body is -1"));
+    EXPECT_THAT(refused([](Robot& robot) { robot.couplings[0].joints = {1}; }), HasSubstr("coupling 'follows'"));
+    EXPECT_THAT(refused([](Robot& robot) { robot.keyframes[0].coordinates = {}; }),
+                HasSubstr("keyframe 'home': has 0 coordinates, must have 3, one per joint"));
+    EXPECT_THAT(refused([](Robot& robot) { robot.bodies[1].mass.mass = -1; }), HasSubstr("body 'body 1'"));
+    EXPECT_THAT(refused([](Robot& robot) { robot.bodies.clear(); }), HasSubstr("must have one or more"));
+}
+
 TEST(Cooked, RefusesEveryFlippedByteAndEveryCutInOneLine) {
     AlignedBytes file(cook(everything()));
     const std::span<std::byte> bytes = file.bytes();
@@ -240,6 +312,7 @@ TEST(Cooked, WordsByChanceNeverEndTheProgram) {
     Cooked figure;
     figure.skeleton = HumanRig().skeleton;
     figure.ragdoll = ragdollOf(*figure.skeleton);
+    figure.robot = robotOfTest();
     const std::vector<std::byte> cookedBytes = cook(figure);
     AlignedBytes file(cookedBytes);
     for (int i = 0; i < kTries; ++i) {

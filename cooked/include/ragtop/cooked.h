@@ -12,6 +12,7 @@
 
 #include "ragtop/clip.h"
 #include "ragtop/ragdoll.h"
+#include "ragtop/robot_def.h"
 #include "ragtop/shape.h"
 #include "ragtop/skeleton.h"
 
@@ -24,7 +25,7 @@ struct CookedError : std::runtime_error {
 };
 
 /// A version that is not this one's is refused: cook again.
-inline constexpr std::uint32_t kCookedVersion = 3;
+inline constexpr std::uint32_t kCookedVersion = 4;
 
 /// What one file holds; what it does not is empty.
 struct Cooked {
@@ -34,9 +35,10 @@ struct Cooked {
     std::optional<Skeleton> skeleton{};   ///< without skin
     std::vector<Clip> clips{};            ///< of the skeleton
     std::optional<RagdollDef> ragdoll{};  ///< of the skeleton
+    std::optional<Robot> robot{};         ///< `file` is the cooked one's name; without tags and warnings
 };
 
-/// The bytes of a cooked file. Throws std::invalid_argument on clips or a ragdoll that are not usable.
+/// The bytes of a cooked file. Throws std::invalid_argument on clips, a ragdoll or a robot that are not usable.
 std::vector<std::byte> cook(const Cooked& asset);
 /// Writes them. Throws CookedError where that is not possible.
 void saveCooked(const Cooked& asset, const std::filesystem::path& path);

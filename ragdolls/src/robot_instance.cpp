@@ -1,11 +1,9 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <variant>
 
-#include "ragtop/robot.h"
+#include "ragtop/robot_def.h"
 #include "ragtop/world.h"
 
 namespace ragtop {
@@ -46,7 +44,68 @@ void setMotor(JointDef& joint, const Motor& motor) {
     if (auto* slider = std::get_if<SliderDef>(&joint)) slider->motor = motor;
 }
 
+/// Empty where `index` is that of one of so many.
+std::string whyOutside(const std::string& what, int index, std::size_t count) {
+    if (index >= 0 && static_cast<std::size_t>(index) < count) return {};
+    return what + " is " + std::to_string(index) + ", must be at least 0 and below " + std::to_string(count);
+}
+
+std::string whyInvalid(const RobotJoint& joint, std::size_t bodies) {
+    for (const auto& [what, body] : {std::pair{"parent", joint.parent}, {"child", joint.child}})
+        if (std::string why = whyOutside(what, body, bodies); !why.empty()) return why;
+    if (joint.parent == joint.child) return "parent and child are one body, must be two";
+    for (const float value : {joint.effort, joint.velocity})
+        if (!(value >= 0)) return "effort or velocity is " + std::to_string(value) + ", must be at least 0";
+    JointDef def = joint.joint;
+    std::visit([](auto& kind) { kind.bodies.a = {0, 1}, kind.bodies.b = {1, 1}; }, def);
+    return whyInvalid(def);
+}
+
+std::string whyInvalid(const RobotCoupling& each, std::size_t joints) {
+    if (each.joints.size() != static_cast<std::size_t>(std::max(each.coupling.count, 0)) || each.joints.empty())
+        return "has " + std::to_string(each.joints.size()) + " joints, must have one for each of its terms";
+    CouplingDef def = each.coupling;
+    for (std::size_t i = 0; i < each.joints.size() && i < def.parts.size(); ++i) {
+        if (std::string why = whyOutside("joint", each.joints[i], joints); !why.empty()) return why;
+        def.parts[i].joint = {static_cast<std::uint32_t>(each.joints[i]), 1};
+    }
+    return whyInvalid(def);
+}
+
 }  // namespace
+
+std::string whyInvalid(const Robot& robot) {
+    const auto named = [](const char* kind, const std::string& name, const std::string& why) {
+        return why.empty() ? std::string() : std::string(kind) + " '" + name + "': " + why;
+    };
+    if (robot.bodies.empty()) return "has no bodies, must have one or more";
+    for (const RobotBody& body : robot.bodies)
+        if (std::string why = named("body", body.name, whyInvalid(bodyOf(body, {}))); !why.empty()) return why;
+    for (const RobotLink& link : robot.links) {
+        const std::string why = whyOutside("body", link.body, robot.bodies.size());
+        if (!why.empty()) return named("link", link.name, why);
+    }
+    for (const RobotJoint& joint : robot.joints) {
+        const std::string why = whyInvalid(joint, robot.bodies.size());
+        if (!why.empty()) return named("joint", joint.name, why);
+    }
+    for (const RobotCoupling& each : robot.couplings) {
+        const std::string why = whyInvalid(each, robot.joints.size());
+        if (!why.empty()) return named("coupling", each.name, why);
+    }
+    for (const RobotKeyframe& key : robot.keyframes)
+        if (key.coordinates.size() != robot.joints.size())
+            return named("keyframe", key.name,
+                         "has " + std::to_string(key.coordinates.size()) + " coordinates, must have " +
+                             std::to_string(robot.joints.size()) + ", one per joint");
+    return {};
+}
+
+int Robot::findJoint(std::string_view wanted) const {
+    for (std::size_t i = 0; i < joints.size(); ++i)
+        if (joints[i].name == wanted) return static_cast<int>(i);
+    return -1;
+}
 
 JointDef robotJoint(const RobotJoint& joint, const RobotOptions& options) {
     JointDef def = joint.joint;
@@ -89,9 +148,10 @@ RobotIds makeRobot(World& world, const Robot& robot, const Pose& placement, cons
 
 void driveRobot(World& world, const Robot& robot, const RobotIds& ids, std::span<const float> coordinates, double dt) {
     if (coordinates.size() != robot.joints.size())
-        throw std::invalid_argument(fmt::format("coordinates: there are {}, must be {}, one per joint",
-                                                coordinates.size(), robot.joints.size()));
-    if (!(dt > 0 && std::isfinite(dt))) throw std::invalid_argument(fmt::format("dt is {}, must be above 0 s", dt));
+        throw std::invalid_argument("coordinates: there are " + std::to_string(coordinates.size()) + ", must be " +
+                                    std::to_string(robot.joints.size()) + ", one per joint");
+    if (!(dt > 0 && std::isfinite(dt)))
+        throw std::invalid_argument("dt is " + std::to_string(dt) + ", must be above 0 s");
     std::vector<bool> follows(robot.joints.size(), false);
     for (const RobotCoupling& each : robot.couplings)
         if (each.follows) follows[static_cast<std::size_t>(each.joints.front())] = true;
@@ -105,26 +165,6 @@ void driveRobot(World& world, const Robot& robot, const RobotIds& ids, std::span
         setMotor(def, {speed, joint.effort});
         world.setDef(ids.joints[i], def);
     }
-}
-
-std::string describeAsset(const Robot& robot) {
-    std::string text =
-        fmt::format("{}\n  robot     {}\n  mass      {:.3f} kg\n  links     {} in {} bodies\n  joints    {}\n",
-                    robot.file, robot.name, robot.mass, robot.links.size(), robot.bodies.size(), robot.joints.size());
-    for (const RobotBody& body : robot.bodies)
-        text += fmt::format("    {:<32} {:8.4f} kg  {} shapes{}\n", body.name, body.mass.mass, body.shapes.size(),
-                            body.anchored ? ", fixed to the world" : "");
-    for (const RobotCoupling& each : robot.couplings)
-        if (each.follows && each.joints.size() > 1)
-            text +=
-                fmt::format("    {:<32} follows {}, {:g} times\n", each.name,
-                            robot.joints[static_cast<std::size_t>(each.joints[1])].name, -each.coupling.parts[1].ratio);
-    std::string leftOut;
-    for (const RobotTag& tag : robot.tags)
-        if (tag.leftOut > 0) leftOut += fmt::format("{}{} {}", leftOut.empty() ? "" : ", ", tag.leftOut, tag.tag);
-    if (!leftOut.empty()) text += "  left out  " + leftOut + "\n";
-    for (const std::string& warning : robot.warnings) text += "  warning   " + warning + "\n";
-    return text;
 }
 
 }  // namespace ragtop
