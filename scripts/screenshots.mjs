@@ -26,6 +26,9 @@ const PICTURES = {
   ledge: { steps: 300, eye: [3.4, 2.6, -4.2], target: [0.6, 2.4, 0] },
   crowd: { steps: 200, eye: [6, 4, -7], target: [0, 0.8, 0] },
   puppet: { steps: 420, eye: [3, 1.8, -3.5], target: [0, 0.9, 0] },
+  cape: { steps: 150, eye: [-1.5, 2, -3], target: [0, 0.95, -0.1] },
+  dummy: { steps: 37, eye: [2.7, 1.9, 6.2], target: [0, 0.85, 7.5] },
+  parade: { steps: 90, eye: [1.2, 1.7, 4.8], target: [0.6, 0.8, 0] },
   robots: { steps: 24, eye: [0.6, 2, 5.2], target: [0, 0.6, 0] },
 };
 

@@ -12,6 +12,7 @@
 #include "ragdoll_extent.h"
 #include "ragtop/scene.h"
 #include "scene_actors.h"
+#include "scene_cloth.h"
 #include "scene_file.h"
 #include "scene_generators.h"
 #include "scene_merge.h"
@@ -57,6 +58,7 @@ public:
         forEach(in_.ragdolls, "ragdolls", [&](const RagdollInScene& r, const JsonValue& at) { add(r, at); });
         forEach(in_.robots, "robots", [&](const RobotInScene& r, const JsonValue& at) { add(r, at); });
         forEach(in_.vehicles, "vehicles", [&](const VehicleInFile& v, const JsonValue& at) { add(v, at); });
+        forEach(in_.cloths, "cloths", [&](const ClothInScene& c, const JsonValue& at) { add(c, at); });
         forEach(in_.joints, "joints", [&](const SceneJointInFile& j, const JsonValue& at) { add(j, at); });
         forEach(in_.couplings, "couplings", [&](const CouplingInFile& c, const JsonValue& at) { add(c, at); });
         forEach(in_.animated, "animated", [&](const AnimatedInFile& a, const JsonValue& at) { add(a, at); });
@@ -367,16 +369,17 @@ private:
         const std::vector<SceneBlow> blows =
             in.blows.empty() ? std::vector<SceneBlow>{} : blowsOf(in.blows, *def, at.at("blows"));
         if (in.puppet) needStanding(*def, at.at("puppet"));
+        if (!in.pose.empty()) at.attempt("pose", [&](const JsonValue& pose) { needParts(*def, in.pose, pose); });
         needRight(at);
         auto poses = posesOf(in.grid, poseOf(in.place));
         // The origin of a person is between the feet; tumbling turns about the middle.
         const Vec3 middle = middleOf(*def), upright = rotate(poseOf(in.place).rotation, middle);
         for (std::size_t i = 0; i < poses.size(); ++i) {
-            if (in.standing && !in.puppet)
+            if (in.standing && !in.puppet && in.pose.empty())
                 poses[i].position.y -= static_cast<double>(lowestPointOf(*def, poses[i].rotation));
             if (in.grid.tumble) poses[i].position = poses[i].position + (upright - rotate(poses[i].rotation, middle));
             const std::string name = memberName(in.name, i, poses.size());
-            scene_.ragdolls.push_back({name, def, poses[i], in.puppet, blows, in.velocity, character});
+            scene_.ragdolls.push_back({name, def, poses[i], in.puppet, in.pose, blows, in.velocity, character});
         }
     }
 
@@ -393,6 +396,22 @@ private:
             scene_.robots.push_back(
                 {memberName(in.name, i, poses.size()), robot, poses[i], in.holding, in.selfCollision});
         }
+    }
+
+    void add(const ClothInScene& in, const JsonValue& at) {
+        SceneCloth cloth{in.name, {}, poseOf(in.place), {}, in.wind, in.velocity, colorOf(in, at)};
+        at.attempt([&] { cloth.def = clothOf(in, at); });
+        needRight(at);
+        for (std::size_t i = 0; i < in.holds.size(); ++i) {
+            const JsonValue hold = at.at("holds").at(i);
+            const Hold to = holdNamed(in.holds[i].to, hold, "to");
+            hold.attempt([&] {
+                for (const int point : heldPoints(in, in.holds[i], cloth.def.points.size(), hold))
+                    cloth.holds.push_back({point, to.body, to.part});
+            });
+        }
+        needRight(at);
+        scene_.cloths.push_back(std::move(cloth));
     }
 
     /// Of one in a grid.

@@ -55,6 +55,19 @@ void needStanding(const RagdollDef& def, const JsonValue& at) {
     });
 }
 
+void needParts(const RagdollDef& def, const std::vector<PartAngles>& pose, const JsonValue& at) {
+    try {
+        const BodyAxes axes(def);
+        for (std::size_t i = 0; i < pose.size(); ++i) {
+            if (axes.find(pose[i].role, pose[i].side) < 0)
+                at.at(i).fail("is " + shown(at.at(i).json()) +
+                              ", must have the role and side of a part of the ragdoll");
+        }
+    } catch (const std::invalid_argument& error) {
+        at.fail(std::string("goes with a body that can stand only: ") + error.what());
+    }
+}
+
 /// With numbers of joints that are not made yet.
 void needUsable(const SceneCoupling& coupling, const JsonValue& at) {
     CouplingDef def = coupling.def;
@@ -119,9 +132,9 @@ Pose placeOf(const Scene& scene, const ScenePart& part) {
     switch (part.owner) {
         case ScenePart::Owner::ragdoll: {
             const SceneRagdoll& ragdoll = scene.ragdolls[index];
-            if (!ragdoll.puppet) return ragdoll.placement * ragdoll.def->parts[one].bind;
+            if (!ragdoll.isPosed()) return ragdoll.placement * ragdoll.def->parts[one].bind;
             const auto bone = static_cast<std::size_t>(ragdoll.def->parts[one].bone);
-            return standing(BodyAxes(*ragdoll.def), ragdoll.placement)[bone];
+            return standing(BodyAxes(*ragdoll.def), ragdoll.placement, ragdoll.pose)[bone];
         }
         case ScenePart::Owner::robot:
             return scene.robots[index].placement * scene.robots[index].robot->bodies[one].pose;

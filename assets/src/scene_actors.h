@@ -15,6 +15,9 @@ std::vector<DriverAction> scriptOf(const std::vector<ActionInFile>& in, const Js
 /// Fails, with the reason, where the body cannot be a puppet.
 void needStanding(const RagdollDef& def, const JsonValue& at);
 
+/// Fails where the body cannot stand, or has no such part as the pose turns.
+void needParts(const RagdollDef& def, const std::vector<PartAngles>& pose, const JsonValue& at);
+
 /// Fails where the world would refuse it.
 void needUsable(const SceneCoupling& coupling, const JsonValue& at);
 

@@ -7,34 +7,20 @@
 
 #include "describe_json.h"
 #include "ragtop/body.h"
+#include "ragtop/body_pose.h"
 #include "ragtop/ragdoll.h"
 #include "ragtop/scene.h"
 #include "ragtop/settings.h"
 #include "ragtop/vehicle.h"
 #include "role_names.h"
+#include "scene_cloth_file.h"
 
 /// The structs that a scene file is read into, before they are expanded into a Scene.
 namespace ragtop {
 
-using Names = std::vector<const char*>;
-
 inline const std::vector<std::string>& enumNames(BodyType) {
     static const std::vector<std::string> names{"fixed", "kinematic", "dynamic"};
     return names;
-}
-
-/// Where a thing stands: turned by `rotation`, then by `heading` about y.
-struct PlaceInFile {
-    DVec3 position{};
-    Quat rotation{};
-    float heading = 0;
-};
-template <class Visitor, class Self>
-void describe(Visitor& visit, Self& self, const PlaceInFile*) {
-    visit(Tunable{"position", "m", -1e9, 1e9, "where it stands"}, self.position);
-    visit(Tunable{"rotation", "", 0, 0, "how it is turned"}, self.rotation);
-    visit(Tunable{"heading", "rad", -kWholeTurn, kWholeTurn, "turn about y after that; 0 looks along +z"},
-          self.heading);
 }
 
 struct BodyInFile {
@@ -320,6 +306,7 @@ struct RagdollInScene {
     RagdollOptions options;
     PlaceInFile place;
     bool standing = false, puppet = false;
+    std::vector<PartAngles> pose;
     std::vector<BlowInFile> blows;
     Vec3 velocity;
     GridInFile grid;
@@ -335,6 +322,7 @@ void describe(Visitor& visit, Self& self, const RagdollInScene*) {
           self.standing);
     visit(Tunable{.name = "puppet", .meaning = "stands with its feet at its position, falls when struck, gets up"},
           self.puppet);
+    visit(Tunable{.name = "pose", .meaning = "turned joints of who stands with the feet at its position"}, self.pose);
     visit(Tunable{.name = "blows", .meaning = "what strikes it when, by rising time"}, self.blows);
     visit(Tunable{"velocity", "m/s", -1000, 1000, "of all parts at the start"}, self.velocity);
     describe(visit, self.grid, static_cast<const GridInFile*>(nullptr));
@@ -349,7 +337,7 @@ struct RobotInScene {
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const RobotInScene*) {
     visit(Tunable{.name = "name"}, self.name);
-    visit(Tunable{.name = "file", .meaning = "its description: URDF or MJCF"}, self.file);
+    visit(Tunable{.name = "file", .meaning = "its description: URDF, MJCF or cooked"}, self.file);
     describe(visit, self.place, static_cast<const PlaceInFile*>(nullptr));
     visit(Tunable{.name = "standing", .meaning = "its lowest point, not its root, is at the height of its position"},
           self.standing);
@@ -390,6 +378,7 @@ struct SceneInFile {
     std::vector<VehicleInFile> vehicles;
     std::vector<RagdollInScene> ragdolls;
     std::vector<RobotInScene> robots;
+    std::vector<ClothInScene> cloths;
 };
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const SceneInFile*) {
@@ -414,6 +403,7 @@ void describe(Visitor& visit, Self& self, const SceneInFile*) {
     visit(Tunable{.name = "vehicles"}, self.vehicles);
     visit(Tunable{.name = "ragdolls"}, self.ragdolls);
     visit(Tunable{.name = "robots"}, self.robots);
+    visit(Tunable{.name = "cloths", .meaning = "sheets, ropes and straps"}, self.cloths);
 }
 
 }  // namespace ragtop

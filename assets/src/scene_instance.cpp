@@ -57,6 +57,9 @@ SceneInstance::SceneInstance(const Scene& scene, World& world)
               [&] { robots.push_back(makeRobot(world, *robot.robot, robot.placement, robot.options())); });
     }
     join(scene, true);
+    cloths.reserve(scene.cloths.size());
+    for (std::size_t i = 0; i < scene.cloths.size(); ++i)
+        named("cloth", scene.cloths[i].name, i, [&] { add(scene.cloths[i]); });
 }
 
 BodyId SceneInstance::idOf(int body, const ScenePart& part) const {
@@ -98,13 +101,22 @@ void SceneInstance::join(const Scene& scene, bool ofParts) {
 }
 
 void SceneInstance::add(const SceneRagdoll& ragdoll) {
-    if (ragdoll.puppet)
-        ragdolls.emplace_back(*world_, *ragdoll.def, standing(BodyAxes(*ragdoll.def), ragdoll.placement),
+    if (ragdoll.isPosed())
+        ragdolls.emplace_back(*world_, *ragdoll.def, standing(BodyAxes(*ragdoll.def), ragdoll.placement, ragdoll.pose),
                               ragdoll.velocity);
     else
         ragdolls.emplace_back(*world_, *ragdoll.def, ragdoll.placement, ragdoll.velocity);
     puppets.push_back(ragdoll.puppet ? std::make_unique<Puppet>(*world_, ragdolls.back()) : nullptr);
     blows_.push_back(ragdoll.blows);
+}
+
+void SceneInstance::add(const SceneCloth& cloth) {
+    ClothDef def = cloth.def;
+    for (const SceneClothHold& hold : cloth.holds)
+        def.attachments.push_back({hold.point, idOf(hold.body, hold.part), {}});
+    cloths.emplace_back(*world_, def, cloth.placement);
+    cloths.back().setWind(cloth.wind);
+    cloths.back().push(cloth.velocity);
 }
 
 /// Blows between this step and the next.

@@ -62,6 +62,8 @@ void appendScene(Scene&& from, Scene& to) {
     for (SceneCoupling& coupling : from.couplings)
         for (std::size_t& joint : coupling.joints) joint += to.joints.size();
     for (SceneAnimation& animation : from.animated) shift.body(animation.body), shift.body(animation.carrier);
+    for (SceneCloth& cloth : from.cloths)
+        for (SceneClothHold& hold : cloth.holds) shift.body(hold.body), shift.part(hold.part);
     for (SceneVehicle& vehicle : from.vehicles) {
         if (vehicle.driver) vehicle.driver->road += to.roads.size();
     }
@@ -74,6 +76,7 @@ void appendScene(Scene&& from, Scene& to) {
     append(to.vehicles, std::move(from.vehicles));
     append(to.ragdolls, std::move(from.ragdolls));
     append(to.robots, std::move(from.robots));
+    append(to.cloths, std::move(from.cloths));
     append(to.warnings, std::move(from.warnings));
     append(to.files, std::move(from.files));
 }

@@ -95,6 +95,14 @@ Json write(const SceneVehicle& vehicle) {
     return json;
 }
 
+Json write(const SceneCloth& cloth) {
+    Json json{writeValue(cloth.def), write(cloth.placement), writeValue(cloth.velocity)};
+    for (const Vec3& point : cloth.def.points) json.push_back(writeValue(point));
+    json.push_back({cloth.def.faces.size(), cloth.def.lines.size()});
+    for (const SceneClothHold& hold : cloth.holds) json.push_back({hold.point, write(hold.body, hold.part)});
+    return json;
+}
+
 /// Everything but the names of the scene and what its vehicles, ragdolls and robots are made from.
 Json write(const Scene& scene) {
     Json json{
@@ -104,9 +112,11 @@ Json write(const Scene& scene) {
     for (const SceneCoupling& coupling : scene.couplings) json["couplings"].push_back(write(coupling));
     for (const SceneAnimation& animation : scene.animated) json["animated"].push_back(write(animation));
     for (const SceneVehicle& vehicle : scene.vehicles) json["vehicles"].push_back(write(vehicle));
+    for (const SceneCloth& cloth : scene.cloths) json["cloths"].push_back(write(cloth));
     const RagdollDef* last = nullptr;
     for (const SceneRagdoll& ragdoll : scene.ragdolls) {
         Json one{write(ragdoll.placement), writeValue(ragdoll.velocity), ragdoll.puppet};
+        one.push_back(writeValue(ragdoll.pose));
         for (const SceneBlow& blow : ragdoll.blows) one.push_back({blow.time, blow.part, writeValue(blow.impulse)});
         if (ragdoll.def.get() != last) one.push_back(writeRagdoll(*ragdoll.def));
         last = ragdoll.def.get();

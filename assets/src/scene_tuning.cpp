@@ -61,6 +61,15 @@ void putKinds(const std::vector<Shared<Def>>& kinds, const std::vector<std::size
     }
 }
 
+/// What may change of a cloth while it moves.
+struct ClothTuning {
+    Vec3 wind{};
+};
+template <class Visitor, class Self>
+void describe(Visitor& visit, Self& self, const ClothTuning*) {
+    visit(Tunable{"wind", "m/s", -1000, 1000, "in which it is"}, self.wind);
+}
+
 std::string whyInvalidJoints(const Robot& robot) {
     for (const RobotJoint& joint : robot.joints)
         if (const std::string why = whyInvalidKind(joint.joint); !why.empty()) return joint.name + ": " + why;
@@ -77,6 +86,7 @@ public:
           robots_(kindsOf(scene.robots, [](const SceneRobot& one) { return one.robot; })) {
         for (const SceneJoint& joint : scene.joints) joints_.push_back(joint.def);
         for (const SceneVehicle& vehicle : scene.vehicles) vehicles_.push_back(vehicle.def);
+        for (const SceneCloth& cloth : scene.cloths) cloths_.push_back({cloth.wind});
         collect(scene);
     }
     Parts(const Parts&) = delete;
@@ -121,6 +131,7 @@ public:
         for (const std::size_t i : tuned.vehicles) scene.vehicles[i].def = vehicles_[i];
         putKinds(ragdolls_, tuned.ragdolls, [&](std::size_t i, const auto& def) { scene.ragdolls[i].def = def; });
         putKinds(robots_, tuned.robots, [&](std::size_t i, const auto& def) { scene.robots[i].robot = def; });
+        for (const std::size_t i : tuned.cloths) scene.cloths[i].wind = cloths_[i].wind;
     }
 
 private:
@@ -180,6 +191,13 @@ private:
                     const auto& members = robots_[i].members;
                     tuned.robots.insert(tuned.robots.end(), members.begin(), members.end());
                 });
+        }
+        for (std::size_t i = 0; i < cloths_.size(); ++i) {
+            const std::string name = keyOf(scene.cloths, i, [](const SceneCloth& cloth) { return cloth.name; });
+            add(
+                "cloths." + name,
+                [&](const std::string& path) { addTunables(cloths_[i], path, named("cloth", name), refs_); },
+                [] { return std::string(); }, [i](TunedParts& tuned) { tuned.cloths.push_back(i); });
         }
         for (std::size_t i = 0; i < refs_.size(); ++i) index_.emplace(refs_[i].field.path, i);
     }
@@ -254,6 +272,7 @@ private:
     std::vector<VehicleDef> vehicles_;
     std::vector<Shared<RagdollDef>> ragdolls_;
     std::vector<Shared<Robot>> robots_;
+    std::vector<ClothTuning> cloths_;
     std::vector<TunableRef> refs_;
     std::vector<Part> parts_;
     std::map<std::string, std::size_t> index_;
@@ -312,6 +331,7 @@ void apply(const Scene& scene, const TunedParts& parts, const RunningScene& to) 
     for (const std::size_t i : parts.vehicles) to.vehicles[i]->setDef(scene.vehicles[i].def);
     for (const std::size_t i : parts.ragdolls) to.ragdolls[i]->setDef(*scene.ragdolls[i].def);
     for (const std::size_t i : parts.robots) retune(*to.world, scene.robots[i], *to.robots[i]);
+    for (const std::size_t i : parts.cloths) to.cloths[i]->setWind(scene.cloths[i].wind);
 }
 
 }  // namespace ragtop

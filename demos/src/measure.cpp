@@ -212,4 +212,11 @@ bool allFinite(const World& world) {
     return true;
 }
 
+bool allFinite(const SceneInstance& instance) {
+    for (const Cloth& cloth : instance.cloths)
+        for (int i = 0; i < cloth.pointCount(); ++i)
+            if (!isFinite(cloth.point(i)) || !isFinite(cloth.velocity(i))) return false;
+    return true;
+}
+
 }  // namespace ragtop::demos

@@ -19,5 +19,7 @@ double largestDisplacement(const World& world, const Scene& scene, const SceneIn
 /// The speed of the fastest body, m/s.
 double largestSpeed(const World& world);
 bool allFinite(const World& world);
+/// Of the points of cloths, which the world does not list.
+bool allFinite(const SceneInstance& instance);
 
 }  // namespace ragtop::demos

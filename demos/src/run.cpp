@@ -74,6 +74,11 @@ private:
         if (error) throw AssetError(*options_.out + ": is no folder and cannot be made one: " + error.message());
         telemetry_.emplace(fs::path(*options_.out) / "telemetry.csv", scene_, instance_);
         recording_.emplace(world_);
+        if (!scene_.cloths.empty()) {
+            summary_.warnings.push_back(
+                fmt::format("recording.glb has bodies alone: {} cloths are left out", scene_.cloths.size()));
+            fmt::print(stderr, "warning: {}\n", summary_.warnings.back());
+        }
         for (const auto& [body, look] : live::looksOf(scene_, instance_)) {
             if (!look.name.empty()) recording_->name(body, look.name);
             if (look.color) recording_->paint(body, *look.color);
@@ -101,7 +106,7 @@ private:
                 known->second += stage.ms;
         }
         ++observed_;
-        summary_.finite = summary_.finite && allFinite(world_);
+        summary_.finite = summary_.finite && allFinite(world_) && allFinite(instance_);
         summary_.maxSpeed = std::max(summary_.maxSpeed, largestSpeed(world_));
         summary_.jointGapMax = std::max(summary_.jointGapMax, largestJointGap(world_));
         if (telemetry_) telemetry_->add(world_, instance_, lastMs_);

@@ -1,4 +1,5 @@
 import { Group } from 'three';
+import { ClothView } from './cloth_view.js';
 import { DebugView } from './debug_view.js';
 import { FrameClock } from './frame_clock.js';
 import { gridUniforms } from './materials.js';
@@ -16,6 +17,7 @@ export class LiveShow {
   #clock = new FrameClock();
   #debug = new DebugView();
   #visuals = null;
+  #cloths = null;
   #shown = {}; // what debug drawing shows
   #changed = true; // is there anything to draw that was not drawn?
   view = null;
@@ -28,6 +30,7 @@ export class LiveShow {
     session.on('scene', (scene) => this.#build(scene));
     session.on('nodes', (message) => this.#change(() => this.view?.change(message)));
     session.on('poses', (frame) => this.#receive(frame));
+    session.on('points', (frame) => this.#change(() => this.#cloths?.receive(frame)));
     session.on('lines', (frame) => this.#change(() => this.#debug.receive(frame)));
     session.on('colors', (frame) => this.#change(() => this.view?.paint(frame)));
     session.on('status', (status) => this.#follow(status));
@@ -39,6 +42,7 @@ export class LiveShow {
     const place = this.#session.status?.playing ? this.#clock.place(now) : 1;
     this.view.draw(place);
     this.#visuals.draw(this.view);
+    this.#cloths.draw(place);
     this.#changed = place < 1;
     return true;
   }
@@ -64,12 +68,14 @@ export class LiveShow {
   #build(scene) {
     this.view?.dispose();
     this.#visuals?.dispose();
+    this.#cloths?.dispose();
     this.#debug.clear();
     this.#shown = {};
     this.view = new SceneView(scene);
     this.#visuals = new Visuals();
+    this.#cloths = new ClothView(scene.cloths ?? []);
     this.object.clear();
-    this.object.add(this.view.object, this.#visuals.object, this.#debug.object);
+    this.object.add(this.view.object, this.#visuals.object, this.#cloths.object, this.#debug.object);
     if (scene.roads?.length > 0) this.object.add(roadMarkings(scene.roads));
     const [x, , z] = scene.origin;
     gridUniforms.gridOffset.value.set(x % GRID, z % GRID);
@@ -94,7 +100,10 @@ export class LiveShow {
     const ahead = frame.step - this.step;
     this.#clock.receive(performance.now(), this.#session.status?.playing && ahead > 0 && ahead < LONGEST_FOLLOW);
     this.step = frame.step;
-    this.#change(() => this.view.receive(frame));
+    this.#change(() => {
+      this.view.receive(frame);
+      this.#cloths.settle();
+    });
   }
 
   #follow({ show = {} }) {

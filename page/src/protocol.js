@@ -6,6 +6,7 @@
 const POSES = 1;
 const LINES = 2;
 const COLORS = 3;
+const POINTS = 4;
 
 /** A colour of a frame that stands for the node's own. */
 export const OWN_COLOR = 0xffffffff;
@@ -14,6 +15,7 @@ export const OWN_COLOR = 0xffffffff;
 export const POSE_STRIDE = 8;
 export const LINE_STRIDE = 7;
 export const COLOR_STRIDE = 2;
+export const POINT_STRIDE = 3;
 
 function records(buffer, header, stride, count, kind) {
   const expected = header + count * stride * 4;
@@ -32,6 +34,7 @@ function records(buffer, header, stride, count, kind) {
  * - `poses`: node, x, y, z, qx, qy, qz, qw; with `sequence`, `step` and `time` in s
  * - `lines`: x, y, z, x, y, z, colour; with `step`
  * - `colors`: node, colour or OWN_COLOR; with `step`
+ * - `points`: x, y, z of all cloths; with `step`
  * Throws RangeError for anything else.
  * @param {ArrayBuffer} buffer
  */
@@ -53,6 +56,8 @@ export function decodeFrame(buffer) {
       return { kind: 'lines', step: word(1), ...records(buffer, 16, LINE_STRIDE, word(2), 'lines') };
     case COLORS:
       return { kind: 'colors', step: word(1), ...records(buffer, 16, COLOR_STRIDE, word(2), 'colours') };
+    case POINTS:
+      return { kind: 'points', step: word(1), ...records(buffer, 16, POINT_STRIDE, word(2), 'points') };
     default:
       throw new RangeError(`a frame of unknown kind ${word(0)}`);
   }

@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { COLOR_STRIDE, decodeFrame, LINE_STRIDE, OWN_COLOR, POSE_STRIDE } from '../src/protocol.js';
+import { COLOR_STRIDE, decodeFrame, LINE_STRIDE, OWN_COLOR, POINT_STRIDE, POSE_STRIDE } from '../src/protocol.js';
 
 function posesFrame({ sequence, step, time, poses }) {
     const buffer = new ArrayBuffer(32 + poses.length * POSE_STRIDE * 4);
@@ -53,6 +53,14 @@ test('a frame of colours has a node and its colour per record', () => {
     const frame = decodeFrame(new Uint32Array([3, 1, 2, 0, 5, 0x123456, 6, OWN_COLOR]).buffer);
     assert.deepEqual([frame.kind, frame.count, ...frame.ints], ['colors', 2, 5, 0x123456, 6, OWN_COLOR]);
     assert.equal(COLOR_STRIDE, 2);
+});
+
+test('a frame of points has the places of all cloths', () => {
+    const buffer = new ArrayBuffer(16 + 2 * POINT_STRIDE * 4);
+    new Uint32Array(buffer).set([4, 33, 2, 0]);
+    new Float32Array(buffer).set([0, 1, 2, 3, 4, 5], 4);
+    const frame = decodeFrame(buffer);
+    assert.deepEqual([frame.kind, frame.step, frame.count, ...frame.floats], ['points', 33, 2, 0, 1, 2, 3, 4, 5]);
 });
 
 test('what is no frame is refused', () => {

@@ -115,7 +115,8 @@ TEST_P(SceneRun, EndsAlikeWithAnyWidthAndNumberOfThreads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SceneRun,
-                         testing::Values("crash", "hills", "puppet", "rain", "robots", "tower", "track", "wrecker"),
+                         testing::Values("cape", "crash", "dummy", "hills", "puppet", "rain", "parade", "robots",
+                                         "tower", "track", "wrecker"),
                          [](const testing::TestParamInfo<std::string>& scene) { return scene.param; });
 
 TEST(Run, SettingsChangeWhatHappens) {

@@ -12,6 +12,8 @@
 #include "ragtop/animated_body.h"
 #include "ragtop/asset_error.h"
 #include "ragtop/body.h"
+#include "ragtop/body_pose.h"
+#include "ragtop/cloth.h"
 #include "ragtop/coupling.h"
 #include "ragtop/debug_draw.h"
 #include "ragtop/id.h"
@@ -23,7 +25,8 @@
 #include "ragtop/vehicle.h"
 
 /// A scene is a JSON file with comments: settings, materials, bodies, generators of many bodies, joints, vehicles with
-/// a driver's script, ragdolls and puppets with the blows that they take, robots, and values that replace others
+/// a driver's script, ragdolls and puppets with the blows that they take, robots, cloths, and values that replace
+/// others
 /// ("tuning").
 /// src/scene_file.h describes every field; assets/data/scenes has examples.
 namespace ragtop {
@@ -103,11 +106,13 @@ struct SceneBlow {
 struct SceneRagdoll {
     std::string name{};
     std::shared_ptr<const RagdollDef> def{};  ///< shared by those made from one file
-    Pose placement{};                         ///< of its model; of a puppet, of the ground between its feet
+    Pose placement{};                         ///< of its model; of one in a pose, of the ground between its feet
     bool puppet = false;                      ///< stands at first, and falls and gets up as it is struck
+    std::vector<PartAngles> pose{};           ///< empty: at rest, but for a puppet, which stands
     std::vector<SceneBlow> blows{};           ///< by rising time
     Vec3 velocity{};                          ///< m/s
     std::filesystem::path character{};        ///< the model it was made from; empty: none
+    bool isPosed() const { return puppet || !pose.empty(); }
 };
 
 struct SceneRobot {
@@ -117,6 +122,22 @@ struct SceneRobot {
     bool holding = false;                  ///< servos hold it as it begins; otherwise it is limp
     bool selfCollision = false;            ///< links that no joint joins collide with each other
     RobotOptions options() const { return {.selfCollision = selfCollision, .holding = holding}; }
+};
+
+/// A point of a cloth that goes where something else does.
+struct SceneClothHold {
+    int point = 0;
+    int body = -1;  ///< of the scene's bodies; −1: a part, or the world
+    ScenePart part{};
+};
+
+struct SceneCloth {
+    std::string name{};
+    ClothDef def{};  ///< without attachments
+    Pose placement{};
+    std::vector<SceneClothHold> holds{};
+    Vec3 wind{}, velocity{};  ///< m/s
+    std::optional<Color> color{};
 };
 
 /// From where to look at the beginning.
@@ -141,6 +162,7 @@ struct Scene {
     std::vector<SceneVehicle> vehicles{};
     std::vector<SceneRagdoll> ragdolls{};
     std::vector<SceneRobot> robots{};
+    std::vector<SceneCloth> cloths{};
     std::vector<std::string> warnings{};
     std::vector<std::filesystem::path> files{};  ///< all that were read, but for meshes
 };
@@ -156,7 +178,7 @@ struct SceneOverride {
 Scene loadScene(const std::filesystem::path& path, std::span<const SceneOverride> overrides = {});
 
 /// Writes settings, bodies of one shape and joints whose frames agree, in full; what a scene was generated from,
-/// vehicles, ragdolls and robots have no place in it. Throws AssetError when something cannot be written.
+/// vehicles, ragdolls, robots and cloths have no place in it. Throws AssetError when something cannot be written.
 void saveScene(const Scene& scene, const std::filesystem::path& path);
 
 /// The file of a scene that comes with the library, or the file of that path. Throws AssetError when there is none.
@@ -166,8 +188,8 @@ std::vector<std::string> shippedScenes();
 /// The description in a scene file; empty where there is none or the file is not usable.
 std::string sceneDescription(const std::filesystem::path& path);
 
-/// A scene in a world. Bodies and joints belong to the world; vehicles, ragdolls and puppets live as long as this,
-/// and the world must outlive it.
+/// A scene in a world. Bodies and joints belong to the world; vehicles, ragdolls, puppets and cloths live as long as
+/// this, and the world must outlive it.
 struct SceneInstance {
     /// Throws AssetError when the world refuses something.
     SceneInstance(const Scene& scene, World& world);
@@ -180,6 +202,7 @@ struct SceneInstance {
     std::vector<Ragdoll> ragdolls;
     std::vector<std::unique_ptr<Puppet>> puppets;  ///< one for each ragdoll; null: it is limp
     std::vector<RobotIds> robots;                  ///< in the order of the scene
+    std::vector<Cloth> cloths;                     ///< in the order of the scene
     std::vector<bool> scripted;  ///< false for a vehicle that somebody else drives: script and driver are passed over
 
     /// Gives each vehicle what its script says for the time, s, or its driver for the place, strikes ragdolls and has
@@ -192,6 +215,7 @@ private:
     /// Joints and couplings of parts, or those of bodies alone.
     void join(const Scene& scene, bool ofParts);
     void add(const SceneRagdoll& ragdoll);
+    void add(const SceneCloth& cloth);
     void strike(double time);
 
     World* world_;

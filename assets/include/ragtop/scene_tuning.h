@@ -20,6 +20,7 @@
 ///     vehicles.<name>           vehicles.car.wheels.front left.suspension.stiffness
 ///     ragdolls.<name>           ragdolls.person.joints.left forearm.friction, ragdolls.person.parts.head.mass
 ///     robots.<name>             robots.arm.joints.elbow.spring.damping
+///     cloths.<name>             cloths.cape.wind
 ///
 /// What has no name of its own goes by its number. A joint of a ragdoll is called after the part that it carries. The
 /// ragdolls, or robots, made from one entry of a scene file are tuned together.
@@ -46,11 +47,11 @@ std::vector<TunableField> tunablesOf(const Scene& scene);
 /// other while it runs.
 bool sameStructure(const Scene& a, const Scene& b);
 
-/// Parts of a scene that were tuned; indices of its joints, vehicles, ragdolls and robots.
+/// Parts of a scene that were tuned; indices of its joints, vehicles, ragdolls, robots and cloths.
 struct TunedParts {
     bool settings = false;
     std::vector<std::string> materials{};
-    std::vector<std::size_t> joints{}, vehicles{}, ragdolls{}, robots{};
+    std::vector<std::size_t> joints{}, vehicles{}, ragdolls{}, robots{}, cloths{};
 };
 
 /// Sets values, all or none. Throws TuneError.
@@ -64,6 +65,7 @@ struct RunningScene {
     std::vector<Vehicle*> vehicles{};
     std::vector<Ragdoll*> ragdolls{};
     std::vector<const RobotIds*> robots{};
+    std::vector<Cloth*> cloths{};
 };
 /// Makes what runs as the scene says, between steps; it keeps its state.
 void apply(const Scene& scene, const TunedParts& parts, const RunningScene& to);

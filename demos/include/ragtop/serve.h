@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "ragtop/cloth.h"
 #include "ragtop/debug_draw.h"
 #include "ragtop/id.h"
 #include "ragtop/ragdoll.h"
@@ -42,6 +43,12 @@ struct ServeOptions {
         std::string name{};
         Ragdoll* ragdoll = nullptr;
     };
+    struct ServedCloth {
+        std::string name{};
+        const Cloth* cloth = nullptr;
+        std::optional<Color> color{};
+    };
+    std::vector<ServedCloth> cloths{};      ///< to look at
     std::vector<ServedVehicle> vehicles{};  ///< to drive, plot and tune
     std::vector<ServedRagdoll> ragdolls{};  ///< to tune
     /// Numbers of the program's own: addTunables(wind, "wind", "wind", options.tunables) for a described struct. They

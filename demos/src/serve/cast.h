@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ragtop/cloth.h"
 #include "ragtop/debug_draw.h"
 #include "ragtop/id.h"
 #include "ragtop/math.h"
@@ -37,6 +38,12 @@ struct CastRagdoll {
     const Ragdoll* ragdoll = nullptr;
 };
 
+struct CastCloth {
+    std::string name{};
+    const Cloth* cloth = nullptr;
+    std::optional<Color> color{};
+};
+
 /// A model that is drawn instead of bodies and wheels.
 struct CastVisual {
     enum class Kind { skin, car } kind = Kind::skin;
@@ -65,6 +72,7 @@ struct Cast {
     std::vector<std::string> warnings{};
     std::vector<CastVehicle> vehicles{};
     std::vector<CastRagdoll> ragdolls{};
+    std::vector<CastCloth> cloths{};
     std::vector<CastVisual> visuals{};
     std::vector<CastRoad> roads{};
     std::function<Look(BodyId)> look{};

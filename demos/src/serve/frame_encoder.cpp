@@ -12,7 +12,7 @@ static_assert(std::endian::native == std::endian::little);
 
 namespace {
 
-enum class FrameType : std::uint32_t { poses = 1, lines = 2, colors = 3 };
+enum class FrameType : std::uint32_t { poses = 1, lines = 2, colors = 3, points = 4 };
 
 struct PosesHeader {
     FrameType type = FrameType::poses;
@@ -27,7 +27,7 @@ struct PoseRecord {
 };
 static_assert(sizeof(PoseRecord) == 32);
 
-/// Of frames of lines and of colours.
+/// Of frames of lines, colours and points.
 struct ListHeader {
     FrameType type;
     std::uint32_t step, count, reserved = 0;
@@ -35,6 +35,7 @@ struct ListHeader {
 static_assert(sizeof(ListHeader) == 16);
 
 static_assert(sizeof(LineSegment) == 28 && std::is_trivially_copyable_v<LineSegment>);
+static_assert(sizeof(Vec3) == 12);
 static_assert(sizeof(NodeColor) == 8 && std::is_trivially_copyable_v<NodeColor>);
 
 template <class Header>
@@ -109,6 +110,10 @@ FrameBytes encodeLines(std::span<const LineSegment> segments, std::uint32_t step
 
 FrameBytes encodeColors(std::span<const NodeColor> colors, std::uint32_t step) {
     return listFrame(FrameType::colors, colors, step);
+}
+
+FrameBytes encodePoints(std::span<const Vec3> points, std::uint32_t step) {
+    return listFrame(FrameType::points, points, step);
 }
 
 }  // namespace ragtop

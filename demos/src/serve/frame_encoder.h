@@ -70,4 +70,7 @@ struct NodeColor {
 /// Colours by island and sleep: a frame of type 3.
 FrameBytes encodeColors(std::span<const NodeColor> colors, std::uint32_t step);
 
+/// The points of cloths, m, relative to the scene's origin: a frame of type 4.
+FrameBytes encodePoints(std::span<const Vec3> points, std::uint32_t step);
+
 }  // namespace ragtop

@@ -46,6 +46,7 @@ LiveProgram::LiveProgram(World& world, const ServeOptions& options)
     cast_.description = options.description;
     for (const auto& one : options.vehicles) cast_.vehicles.push_back({one.name, one.vehicle, one.start});
     for (const auto& one : options.ragdolls) cast_.ragdolls.push_back({one.name, one.ragdoll});
+    for (const auto& one : options.cloths) cast_.cloths.push_back({one.name, one.cloth, one.color});
     cast_.look = [this](BodyId body) {
         Look look;
         if (options_.nameOf) look.name = options_.nameOf(body);

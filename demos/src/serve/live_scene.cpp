@@ -23,10 +23,11 @@ WorldConfig configOf(const LiveSceneOptions& options, const Scene& scene) {
 }
 
 RunningScene running(World& world, SceneInstance& instance) {
-    RunningScene scene{&world, instance.bodies, instance.joints, {}, {}, {}};
+    RunningScene scene{&world, instance.bodies, instance.joints, {}, {}, {}, {}};
     for (Vehicle& vehicle : instance.vehicles) scene.vehicles.push_back(&vehicle);
     for (Ragdoll& ragdoll : instance.ragdolls) scene.ragdolls.push_back(&ragdoll);
     for (const RobotIds& robot : instance.robots) scene.robots.push_back(&robot);
+    for (Cloth& cloth : instance.cloths) scene.cloths.push_back(&cloth);
     return scene;
 }
 
@@ -82,6 +83,8 @@ void LiveScene::fillCast(const Scene& scene) {
     for (std::size_t i = 0; i < instance_.ragdolls.size(); ++i) {
         cast_.ragdolls.push_back({scene.ragdolls[i].name, &instance_.ragdolls[i]});
     }
+    for (std::size_t i = 0; i < instance_.cloths.size(); ++i)
+        cast_.cloths.push_back({scene.cloths[i].name, &instance_.cloths[i], scene.cloths[i].color});
     for (const SceneRoad& road : scene.roads) cast_.roads.push_back({road.name, road.closed, road.width, road.line});
     cast_.visuals = looks_->visuals;
     cast_.look = [looks = looksOf(scene, instance_)](BodyId body) {

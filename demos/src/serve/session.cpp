@@ -51,6 +51,7 @@ void Session::open(std::unique_ptr<Stage> stage) {
     origin_ = originOf(*cast.world);
     live_ = std::make_unique<LiveWorld>(cast, stage_->tuning(), options_.snapshotBytes);
     nodes_ = std::make_unique<Nodes>(cast, live_->hand(), origin_);
+    draped_ = std::make_unique<Draped>(cast, origin_);
     encoder_ = std::make_unique<FrameEncoder>(origin_);
     stepper_ = std::make_unique<FixedStepper>(cast.step, kMostStepsAtOnce);
     holder_.reset();
@@ -198,6 +199,7 @@ void Session::showWorld() {
     const Cast& cast = stage_->cast();
     const auto step = static_cast<std::uint32_t>(live_->now());
     encoder_->update(nodes_->poses(), step, cast.world->time());
+    draped_->update(step);
     const bool lines = showsLines(show_), colors = show_.at("islands");
     if (!lines && !colors && !overlay_.hasLines && !overlay_.hasColors) return;
     ++overlay_.number;
@@ -210,15 +212,19 @@ void Session::showWorld() {
 
 void Session::sendFrames() {
     for (auto& [client, page] : pages_) {
-        const bool behind = page.poses != encoder_->sequence() || page.overlay != overlay_.number;
+        const bool behind =
+            page.poses != encoder_->sequence() || page.cloths != draped_->sequence() || page.overlay != overlay_.number;
         if (!behind || !outlet_.ready(client)) continue;
         if (page.poses != encoder_->sequence()) outlet_.sendFrame(client, encoder_->encode(page.poses));
+        // After the poses of the same step.
+        if (page.cloths != draped_->sequence()) outlet_.sendFrame(client, draped_->frame());
         if (page.overlay != overlay_.number) {
             for (const FrameBytes& frame : {overlay_.lines, overlay_.colors}) {
                 if (frame) outlet_.sendFrame(client, frame);
             }
         }
         page.poses = encoder_->sequence();
+        page.cloths = draped_->sequence();
         page.overlay = overlay_.number;
     }
 }

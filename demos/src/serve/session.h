@@ -12,6 +12,7 @@
 
 #include "commands.h"
 #include "debug_lines.h"
+#include "draped.h"
 #include "frame_encoder.h"
 #include "live_world.h"
 #include "nodes.h"
@@ -56,7 +57,7 @@ public:
 
 private:
     struct Page {
-        std::uint32_t poses = 0, overlay = 0;  // number of the last one sent
+        std::uint32_t poses = 0, cloths = 0, overlay = 0;  // number of the last one sent
     };
     /// Debug drawing of the world as it is.
     struct Overlay {
@@ -104,6 +105,7 @@ private:
     SessionOptions options_;
     std::unique_ptr<LiveWorld> live_;
     std::unique_ptr<Nodes> nodes_;
+    std::unique_ptr<Draped> draped_;
     std::unique_ptr<FrameEncoder> encoder_;
     std::unique_ptr<FixedStepper> stepper_;
     DVec3 origin_;

@@ -81,6 +81,7 @@ Json Session::sceneMessage() const {
             {"nodes", nodes_->describe()},
             {"vehicles", nodes_->vehicles()},
             {"ragdolls", nodes_->ragdolls()},
+            {"cloths", draped_->describe()},
             {"roads", std::move(roads)},
             {"visuals", nodes_->visuals()},
             {"tunables", tunablesJson()},
