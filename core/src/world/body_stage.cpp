@@ -59,10 +59,10 @@ void BodyStage::prepare(std::uint32_t index) const {
 
 /// What iterations have worn down to nothing is nothing: floats too small for their full precision scale with nothing.
 void BodyStage::stopVanishing(std::uint32_t index, float gravity) const {
-    constexpr float kNothing = 1e-12f;  // of the speed that gravity gives in a step
+    constexpr float kVanishing = 1e-12f;  // of the speed that gravity gives in a step
     BodyState& state = bodies.states[index];
     const BodyRecord& body = bodies[index];
-    const float limit = kNothing * gravity * dt;
+    const float limit = kVanishing * gravity * dt;
     if (body.type != BodyType::dynamic) return;
     if (length(state.v) < limit) state.v = {};
     if (state.w == Vec3{} || !(length(state.w) * body.radius < limit)) return;
