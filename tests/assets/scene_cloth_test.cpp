@@ -4,49 +4,21 @@
 #include <cmath>
 #include <string>
 
-#include "import_support.h"
 #include "ragtop/scene.h"
 #include "ragtop/scene_tuning.h"
 #include "ragtop/world.h"
+#include "scene_play.h"
 
 namespace ragtop {
 namespace {
 
 using testing::HasSubstr;
 
-Scene clothScene(const std::string& members) {
-    const TemporaryFile file("cloth_of_test.json", "{" + members + "}");
-    return loadScene(file.path());
-}
-
-std::string clothFault(const std::string& members) {
-    try {
-        clothScene(members);
-    } catch (const AssetError& error) {
-        return error.what();
-    }
-    return {};
-}
-
-struct ClothPlay {
-    explicit ClothPlay(const Scene& of) : scene(of), world(scene.settings), instance(scene, world) {}
-
-    void until(double time) {
-        while (world.time() < time - 0.5 * scene.step) {
-            instance.drive(world.time());
-            world.step(scene.step);
-        }
-    }
-    const Scene& scene;
-    World world;
-    SceneInstance instance;
-};
-
 TEST(SceneCloths, HangFromTheRowThatIsHeld) {
-    const Scene scene = clothScene(R"("cloths": [{"name": "flag", "position": [1, 3, 0],
+    const Scene scene = sceneOfMembers(R"("cloths": [{"name": "flag", "position": [1, 3, 0],
         "sheet": {"columns": 5, "rows": 7, "across": [0.8, 0, 0], "down": [0, -1.2, 0]},
         "holds": [{"row": 0}], "density": 0.3}])");
-    ClothPlay play(scene);
+    ScenePlay play(scene);
     const Cloth& flag = play.instance.cloths[0];
     ASSERT_EQ(flag.pointCount(), 35);
     EXPECT_EQ(flag.def().density, 0.3f);
@@ -60,13 +32,13 @@ TEST(SceneCloths, HangFromTheRowThatIsHeld) {
 }
 
 TEST(SceneCloths, GoWithTheBodiesPartsAndCarsThatHoldThem) {
-    const Scene scene = clothScene(R"("settings": {"gravity": [0, 0, 0]},
+    const Scene scene = sceneOfMembers(R"("settings": {"gravity": [0, 0, 0]},
         "bodies": [{"name": "box", "shape": {"box": {}}, "position": [0, 0, 0], "linearVelocity": [2, 0, 0]}],
         "robots": [{"name": "dog", "position": [0, 5, 0], "file": ")" RAGTOP_SOURCE_DIR
-                                   R"(/assets/data/robots/dog.xml"}],
+                                       R"(/assets/data/robots/dog.xml"}],
         "cloths": [{"rope": {"points": 5, "along": [0, 0, 1]}, "position": [0.5, 0, 0], "holds": [{"to": "box", "points": [0]}]},
                    {"rope": {"points": 5, "along": [0, 0, 1]}, "position": [0, 5, 0], "holds": [{"to": "dog/trunk", "points": [4]}]}])");
-    ClothPlay play(scene);
+    ScenePlay play(scene);
     play.until(1);
     const BodyId box = play.instance.bodies[0];
     const DVec3 at = transformPoint(play.world.pose(box), Vec3{0.5f, 0, 0});
@@ -77,7 +49,7 @@ TEST(SceneCloths, GoWithTheBodiesPartsAndCarsThatHoldThem) {
 }
 
 TEST(SceneCloths, StrapsFollowTheirPathWithAllPointsAsNearAsTold) {
-    const Scene scene = clothScene(R"("cloths": [{"strap": {"path": [[0, 0, 0], [1, 0, 0], [1, 1, 0]], "width": 0.1,
+    const Scene scene = sceneOfMembers(R"("cloths": [{"strap": {"path": [[0, 0, 0], [1, 0, 0], [1, 1, 0]], "width": 0.1,
         "spacing": 0.1, "columns": 3, "facing": [0, 0, 1]}}])");
     const ClothDef& def = scene.cloths[0].def;
     ASSERT_EQ(def.points.size(), 21u * 3u);
@@ -93,10 +65,11 @@ TEST(SceneCloths, StrapsFollowTheirPathWithAllPointsAsNearAsTold) {
 }
 
 TEST(SceneCloths, MoveInTheWindThatIsTuned) {
-    Scene scene = clothScene(R"("cloths": [{"name": "flag", "sheet": {"columns": 5, "rows": 5}, "position": [0, 3, 0],
+    Scene scene =
+        sceneOfMembers(R"("cloths": [{"name": "flag", "sheet": {"columns": 5, "rows": 5}, "position": [0, 3, 0],
         "holds": [{"row": 0}]}], "tuning": {"cloths.flag.wind": [0, 0, 6]})");
     EXPECT_EQ(scene.cloths[0].wind.z, 6);
-    ClothPlay play(scene);
+    ScenePlay play(scene);
     play.until(2);
     EXPECT_GT(play.instance.cloths[0].point(22).z, 0.1);
     Scene still = scene;
@@ -110,7 +83,7 @@ TEST(SceneCloths, MoveInTheWindThatIsTuned) {
 
 TEST(SceneCloths, GoOnAsBeforeFromASavedState) {
     const Scene scene = loadScene(findScene("cape"));
-    ClothPlay play(scene), other(scene);
+    ScenePlay play(scene), other(scene);
     play.until(0.5);
     std::vector<std::byte> state(play.world.saveSize());
     state.resize(play.world.save(state));
@@ -125,7 +98,7 @@ TEST(SceneCloths, GoOnAsBeforeFromASavedState) {
 double farthestInCar(bool belted) {
     Scene scene = loadScene(findScene("dummy"));
     if (!belted) scene.cloths.clear();
-    ClothPlay play(scene);
+    ScenePlay play(scene);
     const BodyId pelvis = play.instance.ragdolls[0].bodies()[0];
     const auto inCar = [&] {
         return inverseTransformPoint(play.world.pose(play.instance.vehicles[0].chassis()),
@@ -151,7 +124,7 @@ TEST(SceneCloths, BeltsKeepTheDummyOnItsSeat) {
 
 TEST(SceneCloths, ACapeStaysOnTheShouldersAndAsLongAsItIs) {
     const Scene scene = loadScene(findScene("cape"));
-    ClothPlay play(scene);
+    ScenePlay play(scene);
     const Cloth& cape = play.instance.cloths[0];
     const BodyId chest = play.instance.ragdolls[0].bodies()[2];
     const Vec3 held = inverseTransformPoint(play.world.pose(chest), cape.point(10));
@@ -171,37 +144,37 @@ TEST(SceneCloths, TellWhatIsWrong) {
     const auto sheet = [](const std::string& members) {
         return R"("cloths": [{"sheet": {"columns": 4, "rows": 3})" + members + "}]";
     };
-    EXPECT_THAT(clothFault(R"("cloths": [{"name": "none"}])"),
+    EXPECT_THAT(faultOfMembers(R"("cloths": [{"name": "none"}])"),
                 HasSubstr("/cloths/0 has 0 of \"sheet\", \"rope\" and \"strap\", must have exactly one"));
-    EXPECT_THAT(clothFault(sheet(R"(, "rope": {})")), HasSubstr("has 2 of"));
-    EXPECT_THAT(clothFault(sheet(R"(, "density": -1)")), HasSubstr("/cloths/0/density is -1, must be a number in"));
-    EXPECT_THAT(clothFault(sheet(R"(, "holds": [{"row": 3}])")),
+    EXPECT_THAT(faultOfMembers(sheet(R"(, "rope": {})")), HasSubstr("has 2 of"));
+    EXPECT_THAT(faultOfMembers(sheet(R"(, "density": -1)")), HasSubstr("/cloths/0/density is -1, must be a number in"));
+    EXPECT_THAT(faultOfMembers(sheet(R"(, "holds": [{"row": 3}])")),
                 HasSubstr("/cloths/0/holds/0/row is 3, must be one of the 3 rows"));
-    EXPECT_THAT(clothFault(sheet(R"(, "holds": [{"points": [0, 12]}])")),
+    EXPECT_THAT(faultOfMembers(sheet(R"(, "holds": [{"points": [0, 12]}])")),
                 HasSubstr("/cloths/0/holds/0/points/1 is 12, must be one of the 12 points"));
-    EXPECT_THAT(clothFault(sheet(R"(, "holds": [{"to": "nobody", "row": 0}])")),
+    EXPECT_THAT(faultOfMembers(sheet(R"(, "holds": [{"to": "nobody", "row": 0}])")),
                 HasSubstr("/holds/0/to is \"nobody\""));
-    EXPECT_THAT(clothFault(sheet(R"(, "holds": [{"row": 0, "first": 3, "last": 1}])")),
+    EXPECT_THAT(faultOfMembers(sheet(R"(, "holds": [{"row": 0, "first": 3, "last": 1}])")),
                 HasSubstr("behind its last one"));
-    EXPECT_THAT(clothFault(R"("cloths": [{"rope": {}, "holds": [{"row": 0}]}])"), HasSubstr("a rope has no rows"));
-    EXPECT_THAT(clothFault(R"("cloths": [{"strap": {"path": [[0, 0, 0]]}}])"),
+    EXPECT_THAT(faultOfMembers(R"("cloths": [{"rope": {}, "holds": [{"row": 0}]}])"), HasSubstr("a rope has no rows"));
+    EXPECT_THAT(faultOfMembers(R"("cloths": [{"strap": {"path": [[0, 0, 0]]}}])"),
                 HasSubstr("/cloths/0/strap/path has 1 points, must have 2 or more"));
-    EXPECT_THAT(clothFault(R"("cloths": [{"strap": {"path": [[0, 0, 0], [0, 0, 0]]}}])"),
+    EXPECT_THAT(faultOfMembers(R"("cloths": [{"strap": {"path": [[0, 0, 0], [0, 0, 0]]}}])"),
                 HasSubstr("/path/1 is the point before it"));
 }
 
 TEST(SceneRagdolls, BeginInThePoseOfTheirFile) {
     const std::string body = R"("file": ")" RAGTOP_SOURCE_DIR R"(/assets/data/ragdolls/mannequin.ragdoll.json")";
-    const Scene scene = clothScene(R"("ragdolls": [{)" + body +
-                                   R"(, "pose": [{"role": "upperArm", "side": "left", "flexion": 1.5708}]}])");
-    const ClothPlay play(scene);
+    const Scene scene = sceneOfMembers(R"("ragdolls": [{)" + body +
+                                       R"(, "pose": [{"role": "upperArm", "side": "left", "flexion": 1.5708}]}])");
+    const ScenePlay play(scene);
     const Ragdoll& person = play.instance.ragdolls[0];
     const DVec3 chest = play.world.pose(person.bodies()[2]).position;
     const DVec3 raised = play.world.pose(person.bodies()[5]).position,
                 hanging = play.world.pose(person.bodies()[10]).position;
     EXPECT_GT(raised.z, chest.z + 0.35);  // the forearm stretched forwards
     EXPECT_LT(hanging.y, chest.y - 0.2);
-    EXPECT_THAT(clothFault(R"("ragdolls": [{)" + body + R"(, "pose": [{"role": "tail"}]}])"),
+    EXPECT_THAT(faultOfMembers(R"("ragdolls": [{)" + body + R"(, "pose": [{"role": "tail"}]}])"),
                 HasSubstr("must have the role and side of a part of the ragdoll"));
 }
 

@@ -9,6 +9,7 @@
 #include "ragtop/start_overlaps.h"
 #include "ragtop/vehicle_file.h"
 #include "ragtop/world.h"
+#include "scene_play.h"
 
 namespace ragtop {
 namespace {
@@ -37,14 +38,9 @@ std::vector<std::string> faultsOf(const std::string& members) {
     return {};
 }
 
-Scene sceneWith(const std::string& members) {
-    const TemporaryFile file("starts.json", "{" + members + "}");
-    return loadScene(file.path());
-}
-
 /// What is told of where things begin.
 std::vector<std::string> overlapsIn(const std::string& members) {
-    const Scene scene = sceneWith(members);
+    const Scene scene = sceneOfMembers(members);
     return startOverlaps(scene);
 }
 
@@ -215,8 +211,9 @@ TEST(Scene, TakesNoDegreesForRadians) {
     // Doors do not wind, winches do.
     const std::string door = R"("bodies": [{"name": "a", "shape": {"sphere": {}}}],
 "joints": [{"name": "j", "a": "a", "anchor": [0, 0, 0], "hinge": {"limit": {"lower": -1.5, "upper": )";
-    EXPECT_THAT(sceneWith(door + "90}}}]").warnings, ElementsAre(HasSubstr("joint \"j\" may turn more than once round")));
-    EXPECT_THAT(sceneWith(door + "1.5}}}]").warnings, IsEmpty());
+    EXPECT_THAT(sceneOfMembers(door + "90}}}]").warnings,
+                ElementsAre(HasSubstr("joint \"j\" may turn more than once round")));
+    EXPECT_THAT(sceneOfMembers(door + "1.5}}}]").warnings, IsEmpty());
 }
 
 const std::string kGround =

@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "import_support.h"
 #include "ragtop/scene.h"
 #include "ragtop/world.h"
+#include "scene_play.h"
 
 namespace ragtop {
 namespace {
@@ -16,37 +16,9 @@ const std::string kPuppetBody = R"("file": ")" RAGTOP_SOURCE_DIR R"(/assets/data
 const std::string kPuppetGround =
     R"({"name": "ground", "type": "fixed", "shape": {"box": {"halfExtents": [9, 1, 9]}}, "position": [0, -1, 0]})";
 
-Scene puppetScene(const std::string& members) {
-    const TemporaryFile file("puppet.json", "{" + members + "}");
-    return loadScene(file.path());
-}
-
-std::string puppetFault(const std::string& members) {
-    try {
-        puppetScene(members);
-    } catch (const AssetError& error) {
-        return error.what();
-    }
-    return {};
-}
-
-struct PuppetPlay {
-    explicit PuppetPlay(const Scene& of) : scene(of), world(scene.settings), instance(scene, world) {}
-
-    void until(double time) {
-        while (world.time() < time - 0.5 * scene.step) {
-            instance.drive(world.time());
-            world.step(scene.step);
-        }
-    }
-    const Scene& scene;
-    World world;
-    SceneInstance instance;
-};
-
 TEST(ScenePuppet, TakesSmallBlowsStandingFallsOfALargeOneAndGetsUp) {
     const Scene scene = loadScene(findScene("puppet"));
-    PuppetPlay play(scene);
+    ScenePlay play(scene);
     const Puppet& puppet = *play.instance.puppets[0];
     play.until(7.9);
     EXPECT_TRUE(puppet.state() == PuppetState::stands || puppet.state() == PuppetState::staggers)
@@ -59,9 +31,9 @@ TEST(ScenePuppet, TakesSmallBlowsStandingFallsOfALargeOneAndGetsUp) {
 }
 
 TEST(ScenePuppet, StandsWithItsFeetAtItsPosition) {
-    const Scene scene = puppetScene(R"("bodies": [)" + kPuppetGround + R"(], "ragdolls": [{)" + kPuppetBody +
-                                    R"(, "puppet": true, "position": [2, 0, -1]}])");
-    PuppetPlay play(scene);
+    const Scene scene = sceneOfMembers(R"("bodies": [)" + kPuppetGround + R"(], "ragdolls": [{)" + kPuppetBody +
+                                       R"(, "puppet": true, "position": [2, 0, -1]}])");
+    ScenePlay play(scene);
     double lowest = 1;
     for (const BodyId part : play.instance.ragdolls[0].bodies())
         for (const ShapeId shape : play.world.shapes(part))
@@ -73,11 +45,11 @@ TEST(ScenePuppet, StandsWithItsFeetAtItsPosition) {
 }
 
 TEST(SceneBlows, GiveTheirImpulseOnceAtTheirTime) {
-    const Scene scene = puppetScene(R"("settings": {"gravity": [0, 0, 0]}, "ragdolls": [{)" + kPuppetBody + R"(,
+    const Scene scene = sceneOfMembers(R"("settings": {"gravity": [0, 0, 0]}, "ragdolls": [{)" + kPuppetBody + R"(,
         "blows": [{"time": 0.1, "part": "chest", "impulse": [10, 0, 0]},
                   {"time": 0.1, "part": "left foot", "impulse": [0, 2, 0]},
                   {"time": 0.3, "part": "head", "impulse": [-4, 0, 0]}]}])");
-    PuppetPlay play(scene);
+    ScenePlay play(scene);
     const auto momentum = [&] {
         Vec3 sum;
         for (const BodyId part : play.instance.ragdolls[0].bodies())
@@ -95,16 +67,16 @@ TEST(SceneBlows, GiveTheirImpulseOnceAtTheirTime) {
 
 TEST(SceneJoints, HoldPartsOfRagdollsWhereTheFileSays) {
     for (const char* puppet : {"false", "true"}) {
-        const Scene scene = puppetScene(R"("bodies": [)" + kPuppetGround + R"(, {"name": "hook", "type": "fixed",
+        const Scene scene = sceneOfMembers(R"("bodies": [)" + kPuppetGround + R"(, {"name": "hook", "type": "fixed",
             "shape": {"sphere": {"radius": 0.05}}, "position": [1, 3, 0]},
             {"name": "ball", "shape": {"sphere": {"radius": 0.1}}, "position": [-3, 1, 0]}],
             "ragdolls": [{"name": "first", )" +
-                                        kPuppetBody + R"(, "position": [5, 0, 0]},
+                                           kPuppetBody + R"(, "position": [5, 0, 0]},
                          {"name": "second", )" +
-                                        kPuppetBody + R"(, "position": [1, 0, 0], "puppet": )" + puppet + R"(}],
+                                           kPuppetBody + R"(, "position": [1, 0, 0], "puppet": )" + puppet + R"(}],
             "joints": [{"a": "hook", "b": "second/left forearm", "anchor": [1.4, 1.3, 0], "ball": {}},
                        {"a": "ground", "anchor": [0, 0, 0], "b": "ball", "ball": {}}])");
-        PuppetPlay play(scene);
+        ScenePlay play(scene);
         const auto& ball = std::get<BallDef>(play.world.def(play.instance.joints[0]));
         const Ragdoll& second = play.instance.ragdolls[1];
         int forearm = 0;
@@ -123,8 +95,8 @@ TEST(SceneJoints, OfIncludedScenesHoldTheirOwnRagdolls) {
                              R"({"ragdolls": [{"name": "hung", )" + kPuppetBody +
                                  R"(}], "joints": [{"b": "hung/head", "anchor": [0, 1.7, 0], "ball": {}}]})");
     const Scene scene =
-        puppetScene(R"("include": [")" + hung.path().string() + R"(", ")" + hung.path().string() + R"("])");
-    PuppetPlay play(scene);
+        sceneOfMembers(R"("include": [")" + hung.path().string() + R"(", ")" + hung.path().string() + R"("])");
+    ScenePlay play(scene);
     for (std::size_t i = 0; i < 2; ++i) {
         const auto& ball = std::get<BallDef>(play.world.def(play.instance.joints[i]));
         EXPECT_EQ(ball.bodies.b, play.instance.ragdolls[i].bodies()[3]) << i;
@@ -138,15 +110,15 @@ TEST(ScenePuppet, TellsWhatIsWrong) {
     const auto joint = [&](const std::string& to) {
         return ragdoll("") + R"(, "joints": [{"b": ")" + to + R"(", "anchor": [0, 1, 0], "ball": {}}])";
     };
-    EXPECT_THAT(puppetFault(joint("two/head")),
+    EXPECT_THAT(faultOfMembers(joint("two/head")),
                 HasSubstr("/joints/0/b is \"two/head\", must be a body, a vehicle, or a part"));
-    EXPECT_THAT(puppetFault(joint("one/hed")), HasSubstr("did you mean \"head\"?"));
-    EXPECT_THAT(puppetFault(ragdoll(R"(, "blows": [{"time": 1, "part": "tail", "impulse": [1, 0, 0]}])")),
+    EXPECT_THAT(faultOfMembers(joint("one/hed")), HasSubstr("did you mean \"head\"?"));
+    EXPECT_THAT(faultOfMembers(ragdoll(R"(, "blows": [{"time": 1, "part": "tail", "impulse": [1, 0, 0]}])")),
                 HasSubstr("/ragdolls/0/blows/0/part is \"tail\", must name one of the 14 parts"));
-    EXPECT_THAT(puppetFault(ragdoll(R"(, "blows": [{"time": 2, "part": "head", "impulse": [1, 0, 0]},
+    EXPECT_THAT(faultOfMembers(ragdoll(R"(, "blows": [{"time": 2, "part": "head", "impulse": [1, 0, 0]},
                                                {"time": 1, "part": "head", "impulse": [1, 0, 0]}])")),
                 HasSubstr("/ragdolls/0/blows/1 has the time 1, must not be before 2 s"));
-    EXPECT_THAT(puppetFault(ragdoll(R"(, "blows": [{"time": 2, "part": "head"}])")), HasSubstr("impulse"));
+    EXPECT_THAT(faultOfMembers(ragdoll(R"(, "blows": [{"time": 2, "part": "head"}])")), HasSubstr("impulse"));
 }
 
 }  // namespace

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <string>
 
-#include "import_support.h"
 #include "ragtop/cooked.h"
 #include "ragtop/scene.h"
 #include "ragtop/scene_tuning.h"
 #include "ragtop/start_overlaps.h"
 #include "ragtop/world.h"
+#include "scene_play.h"
 
 namespace ragtop {
 namespace {
@@ -25,44 +25,21 @@ std::string robotEntry(const std::string& name, const std::string& file, const s
            "}";
 }
 
-Scene robotScene(const std::string& members) {
-    const TemporaryFile file("robots_of_test.json", "{" + members + "}");
-    return loadScene(file.path());
-}
+struct RobotPlay : ScenePlay {
+    using ScenePlay::ScenePlay;
 
-std::string robotFault(const std::string& members) {
-    try {
-        robotScene(members);
-    } catch (const AssetError& error) {
-        return error.what();
-    }
-    return {};
-}
-
-struct RobotPlay {
-    explicit RobotPlay(const Scene& of) : scene(of), world(scene.settings), instance(scene, world) {}
-
-    void until(double time) {
-        while (world.time() < time - 0.5 * scene.step) {
-            instance.drive(world.time());
-            world.step(scene.step);
-        }
-    }
     BodyId body(std::size_t robot, const std::string& link) const {
         for (const RobotLink& one : scene.robots[robot].robot->links)
             if (one.name == link) return instance.robots[robot].bodies[static_cast<std::size_t>(one.body)];
         throw std::out_of_range(link);
     }
     double height(std::size_t robot) const { return world.centerOfMass(body(robot, "trunk")).y; }
-    const Scene& scene;
-    World world;
-    SceneInstance instance;
 };
 
 TEST(SceneRobots, StandWhereTheFileSaysWithTheirLowestPointOnTheGround) {
-    const Scene scene = robotScene(R"("robots": [)" + robotEntry("dog", "dog.xml", R"(, "position": [2, 0.5, -1],
+    const Scene scene = sceneOfMembers(R"("robots": [)" + robotEntry("dog", "dog.xml", R"(, "position": [2, 0.5, -1],
         "heading": 1.2, "standing": true)") +
-                                   "]");
+                                       "]");
     const RobotPlay play(scene);
     double lowest = 9;
     for (const BodyId body : play.instance.robots[0].bodies)
@@ -81,9 +58,10 @@ TEST(SceneRobots, StandWhereTheFileSaysWithTheirLowestPointOnTheGround) {
 /// Knees bear a quarter of the weight 0.12 m from their axes, 5 N m of 40: servos give way by that share of 0.05 rad,
 /// and the trunk sinks by 0.12 m times that, and as much again for the hips.
 TEST(SceneRobots, ThatHoldKeepTheirPoseAndLimpOnesSink) {
-    const Scene scene = robotScene(R"("bodies": [)" + kRobotGround + R"(], "robots": [)" +
-                                   robotEntry("held", "dog.xml", R"(, "standing": true, "holding": true)") + ", " +
-                                   robotEntry("limp", "dog.xml", R"(, "standing": true, "position": [3, 0, 0])") + "]");
+    const Scene scene =
+        sceneOfMembers(R"("bodies": [)" + kRobotGround + R"(], "robots": [)" +
+                       robotEntry("held", "dog.xml", R"(, "standing": true, "holding": true)") + ", " +
+                       robotEntry("limp", "dog.xml", R"(, "standing": true, "position": [3, 0, 0])") + "]");
     RobotPlay play(scene);
     const double start = play.height(0);
     play.until(4);
@@ -94,10 +72,10 @@ TEST(SceneRobots, ThatHoldKeepTheirPoseAndLimpOnesSink) {
 
 TEST(SceneRobots, AreJoinedByTheNamesOfTheirLinks) {
     const Scene scene =
-        robotScene(R"("bodies": [)" + kRobotGround + R"(], "robots": [)" +
-                   robotEntry("first", "dog.xml", R"(, "position": [5, 2, 0])") + ", " +
-                   robotEntry("second", "dog.xml", R"(, "position": [0, 2, 0])") +
-                   R"(], "joints": [{"a": "second/front_left_shank", "anchor": [0.2, 2, 0.1], "ball": {}}])");
+        sceneOfMembers(R"("bodies": [)" + kRobotGround + R"(], "robots": [)" +
+                       robotEntry("first", "dog.xml", R"(, "position": [5, 2, 0])") + ", " +
+                       robotEntry("second", "dog.xml", R"(, "position": [0, 2, 0])") +
+                       R"(], "joints": [{"a": "second/front_left_shank", "anchor": [0.2, 2, 0.1], "ball": {}}])");
     RobotPlay play(scene);
     const auto& ball = std::get<BallDef>(play.world.def(play.instance.joints[0]));
     EXPECT_EQ(ball.bodies.a, play.body(1, "front_left_shank"));
@@ -112,8 +90,9 @@ TEST(SceneRobots, AreJoinedByTheNamesOfTheirLinks) {
 TEST(SceneJoints, HoldTheChassisOfAVehicleByItsName) {
     const std::string car = R"("vehicles": [{"name": "car", "file": ")" RAGTOP_SOURCE_DIR
                             R"(/assets/data/vehicles/hatchback.car.json", "position": [0, 1, 0], "heading": 1}])";
-    const Scene scene = robotScene(R"("bodies": [{"name": "box", "shape": {"box": {}}, "position": [0, 4, 0]}], )" +
-                                   car + R"(, "joints": [{"a": "car", "b": "box", "anchor": [0, 3, 0], "fixed": {}}])");
+    const Scene scene =
+        sceneOfMembers(R"("bodies": [{"name": "box", "shape": {"box": {}}, "position": [0, 4, 0]}], )" + car +
+                       R"(, "joints": [{"a": "car", "b": "box", "anchor": [0, 3, 0], "fixed": {}}])");
     const RobotPlay play(scene);
     const auto& weld = std::get<FixedDef>(play.world.def(play.instance.joints[0]));
     EXPECT_EQ(weld.bodies.a, play.instance.vehicles[0].chassis());
@@ -122,9 +101,9 @@ TEST(SceneJoints, HoldTheChassisOfAVehicleByItsName) {
 
 TEST(SceneRobots, OfOneEntryAreTunedTogetherAndKeepTheirServos) {
     Scene scene =
-        robotScene(R"("robots": [)" +
-                   robotEntry("dogs", "dog.xml", R"(, "holding": true, "count": [2, 1, 1], "spacing": [2, 1, 1])") +
-                   R"(], "tuning": {"robots.dogs.joints.front_left_knee.friction": 0.75})");
+        sceneOfMembers(R"("robots": [)" +
+                       robotEntry("dogs", "dog.xml", R"(, "holding": true, "count": [2, 1, 1], "spacing": [2, 1, 1])") +
+                       R"(], "tuning": {"robots.dogs.joints.front_left_knee.friction": 0.75})");
     ASSERT_EQ(scene.robots.size(), 2u);
     EXPECT_EQ(scene.robots[1].name, "dogs 2");
     RobotPlay play(scene);
@@ -145,8 +124,8 @@ TEST(SceneRobots, OfOneEntryAreTunedTogetherAndKeepTheirServos) {
         EXPECT_EQ(hinge(i).spring->maxForce, 40.0f);
     }
     EXPECT_TRUE(sameStructure(scene, tuned));
-    const Scene limp = robotScene(R"("robots": [)" +
-                                  robotEntry("dogs", "dog.xml", R"(, "count": [2, 1, 1], "spacing": [2, 1, 1])") + "]");
+    const Scene limp = sceneOfMembers(
+        R"("robots": [)" + robotEntry("dogs", "dog.xml", R"(, "count": [2, 1, 1], "spacing": [2, 1, 1])") + "]");
     EXPECT_FALSE(sameStructure(scene, limp));
 }
 
@@ -182,8 +161,8 @@ TEST(SceneRobots, ShippedOnesGainNoEnergyAndStayClosed) {
 /// What the file was read from is not looked at again: its description may be gone.
 TEST(SceneRobots, ThatAreCookedMoveAsTheImportedOnesToTheBit) {
     const auto hashOf = [](const std::string& file) {
-        const Scene scene = robotScene(R"("bodies": [)" + kRobotGround + R"(], "robots": [{"file": ")" + file +
-                                       R"(", "position": [0, 0.6, 0], "holding": true, "count": [2, 1, 1]}])");
+        const Scene scene = sceneOfMembers(R"("bodies": [)" + kRobotGround + R"(], "robots": [{"file": ")" + file +
+                                           R"(", "position": [0, 0.6, 0], "holding": true, "count": [2, 1, 1]}])");
         RobotPlay play(scene);
         play.until(1.5);
         return play.world.hash();
@@ -202,31 +181,31 @@ TEST(SceneRobots, ThatAreCookedMoveAsTheImportedOnesToTheBit) {
     hull.pieces = {ConvexHull(corners)};
     const auto other = temporaryPath("hull_of_scene.ragtop");
     saveCooked(hull, other);
-    EXPECT_THAT(robotFault(R"("robots": [{"file": ")" + other.string() + R"("}])"),
+    EXPECT_THAT(faultOfMembers(R"("robots": [{"file": ")" + other.string() + R"("}])"),
                 HasSubstr("must name a usable file: " + other.string() + ": has no robot in it"));
     std::filesystem::remove(other);
 }
 
 TEST(SceneRobots, ThatBeginInsideOfOthersAreTold) {
     const Scene scene =
-        robotScene(R"("bodies": [)" + kRobotGround + R"(], "robots": [)" +
-                   robotEntry("dog", "dog.xml", R"(, "position": [0, -0.3, 0], "standing": true)") + "]");
+        sceneOfMembers(R"("bodies": [)" + kRobotGround + R"(], "robots": [)" +
+                       robotEntry("dog", "dog.xml", R"(, "position": [0, -0.3, 0], "standing": true)") + "]");
     EXPECT_THAT(startOverlaps(scene), testing::ElementsAre(HasSubstr("robot \"dog\" begins about")));
-    EXPECT_THAT(startOverlaps(robotScene(R"("bodies": [)" + kRobotGround + R"(], "robots": [)" +
-                                         robotEntry("dog", "dog.xml", R"(, "standing": true)") + "]")),
+    EXPECT_THAT(startOverlaps(sceneOfMembers(R"("bodies": [)" + kRobotGround + R"(], "robots": [)" +
+                                             robotEntry("dog", "dog.xml", R"(, "standing": true)") + "]")),
                 IsEmpty());
 }
 
 TEST(SceneRobots, TellWhatIsWrong) {
-    EXPECT_THAT(robotFault(R"("robots": [{"name": "arm"}])"), HasSubstr("/robots/0/file is missing"));
-    EXPECT_THAT(robotFault(R"("robots": [)" + robotEntry("arm", "arm.urdf", R"(, "heading": 90)") + "]"),
+    EXPECT_THAT(faultOfMembers(R"("robots": [{"name": "arm"}])"), HasSubstr("/robots/0/file is missing"));
+    EXPECT_THAT(faultOfMembers(R"("robots": [)" + robotEntry("arm", "arm.urdf", R"(, "heading": 90)") + "]"),
                 HasSubstr("/robots/0/heading is 90, must be a number in"));
     const std::string two = R"("robots": [)" + robotEntry("arm", "arm.urdf") + ", " +
                             robotEntry("arm", "arm.urdf", R"(, "position": [3, 0, 0])") + "]";
-    EXPECT_THAT(robotFault(two + R"(, "joints": [{"a": "arm/palm", "anchor": [0, 1, 0], "ball": {}}])"),
+    EXPECT_THAT(faultOfMembers(two + R"(, "joints": [{"a": "arm/palm", "anchor": [0, 1, 0], "ball": {}}])"),
                 HasSubstr("/joints/0/a is \"arm/palm\", must be a body, a vehicle, or a part of a ragdoll or robot"));
     // The robot is wrong; that the joint has none to hold is no fault of its own.
-    EXPECT_THAT(robotFault(R"("robots": [{"name": "arm", "file": "none.urdf"}],
+    EXPECT_THAT(faultOfMembers(R"("robots": [{"name": "arm", "file": "none.urdf"}],
                               "joints": [{"a": "arm/palm", "anchor": [0, 1, 0], "ball": {}}])"),
                 testing::Not(HasSubstr("/joints/0")));
 }
