@@ -24,13 +24,32 @@ DVec3 pointVelocity(const double* v, std::int32_t body, const DVec3& arm) {
     return load(at) + cross(load(at + 3), arm);
 }
 
+template <int First>
 double rowSpeed(const SystemRow& row, const double* v) {
     double u = 0;
     if (row.a != kFixed)
-        for (int k = 0; k < 6; ++k) u += row.ja[k] * v[6 * row.a + k];
+        for (int k = First; k < 6; ++k) u += row.ja[k] * v[6 * row.a + k];
     if (row.b != kFixed)
-        for (int k = 0; k < 6; ++k) u += row.jb[k] * v[6 * row.b + k];
+        for (int k = First; k < 6; ++k) u += row.jb[k] * v[6 * row.b + k];
     return u;
+}
+double rowSpeed(const SystemRow& row, const double* v) {
+    return row.turns ? rowSpeed<kTurns>(row, v) : rowSpeed<0>(row, v);
+}
+
+/// Adds Jᵀ l.
+template <int First>
+void push(const SystemRow& row, double l, double* momentum) {
+    if (row.a != kFixed)
+        for (int k = First; k < 6; ++k) momentum[6 * row.a + k] += row.ja[k] * l;
+    if (row.b != kFixed)
+        for (int k = First; k < 6; ++k) momentum[6 * row.b + k] += row.jb[k] * l;
+}
+void push(const SystemRow& row, double l, double* momentum) {
+    if (row.turns)
+        push<kTurns>(row, l, momentum);
+    else
+        push<0>(row, l, momentum);
 }
 
 /// λ of a point at the speed u.
@@ -85,11 +104,7 @@ void Equations::applyImpulses(double* momentum, bool loads) const {
     }
     for (const SystemRow& row : rows) {
         const double l = loads ? row.load : row.impulse;
-        if (l == 0) continue;
-        for (int k = 0; k < 6; ++k) {
-            if (row.a != kFixed) momentum[6 * row.a + k] += row.ja[k] * l;
-            if (row.b != kFixed) momentum[6 * row.b + k] += row.jb[k] * l;
-        }
+        if (l != 0) push(row, l, momentum);
     }
 }
 
@@ -117,6 +132,11 @@ void Equations::speedsAt(const double* v) {
 }
 
 Residual Equations::evaluate(const double* v, double* gradient) {
+    loadsAt(v);
+    return gradientAt(v, gradient);
+}
+
+void Equations::loadsAt(const double* v) {
     speedsAt(v);
     for (const SystemContact& c : contacts)
         for (std::uint32_t j = 0; j < c.count; ++j) {
@@ -131,7 +151,6 @@ Residual Equations::evaluate(const double* v, double* gradient) {
         row.side = sideOf(row, y);
         row.impulse = atSide(row, row.side, y);
     }
-    return gradientAt(v, gradient);
 }
 
 /// A load on the cone, of a point that slides by s along −t, is the projection of λ̂ + (s/R) (−μ, t).
@@ -218,11 +237,7 @@ void Equations::dropSelfStress() {
     double* x = scratch.direction.data();
     for (std::size_t i = 0; i < unknowns(); ++i) x[i] = 0;
     for (const SystemRow& row : rows) {
-        if (!isRigid(row)) continue;
-        for (int k = 0; k < 6; ++k) {
-            if (row.a != kFixed) x[6 * row.a + k] += row.ja[k] * row.impulse;
-            if (row.b != kFixed) x[6 * row.b + k] += row.jb[k] * row.impulse;
-        }
+        if (isRigid(row)) push(row, row.impulse, x);
     }
     hessian.solve(x);
     for (SystemRow& row : rows)

@@ -124,10 +124,13 @@ enum class SideChange : std::uint8_t {
     last,      ///< of these the last
 };
 
+inline constexpr int kTurns = 3;  ///< where the turning part of a body's six numbers begins
+
 /// A scalar row with bounds: a joint's.
 struct SystemRow {
     RowKind kind = RowKind::first;
     bool compliant = false;   ///< its load is what it pushes with at no speed
+    bool turns = false;       ///< it does nothing but turn bodies: the linear parts of its Jacobian are zero
     std::uint32_t joint = 0;  ///< in the island
     std::int32_t a = kFixed, b = kFixed;
     std::uint32_t block = 0;
@@ -157,11 +160,15 @@ public:
     void velocityOfLoads(double* v) const;
     /// u, λ and regions at v, and the gradient M (v − v_free) − Jᵀ λ.
     Residual evaluate(const double* v, double* gradient);
+    /// The same without the gradient.
+    void loadsAt(const double* v);
     /// Each point as it is where its load answers, sliding as fast as its slip.
     void askForLoads();
     /// The same if each point answered with the slope that it has, and each row with its side, which are those of its
     /// load after takeSidesOfLoads.
     Residual evaluateSides(const double* v, double* gradient);
+    /// The same where the speeds of the last evaluation are those at v.
+    Residual evaluateSidesAgain(const double* v, double* gradient);
     void takeSidesOfLoads();
     /// How many rows the last evaluation asks to change their sides.
     std::size_t wrongSides() const;

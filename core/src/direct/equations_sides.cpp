@@ -11,12 +11,15 @@ namespace {
 /// The sum of the sizes of the terms that J v sums up.
 double termsOfSpeed(const SystemRow& row, const double* v) {
     double sum = 0;
+    const int first = row.turns ? kTurns : 0;
     if (row.a != kFixed)
-        for (int k = 0; k < 6; ++k) sum += std::fabs(row.ja[k] * v[6 * row.a + k]);
+        for (int k = first; k < 6; ++k) sum += std::fabs(row.ja[k] * v[6 * row.a + k]);
     if (row.b != kFixed)
-        for (int k = 0; k < 6; ++k) sum += std::fabs(row.jb[k] * v[6 * row.b + k]);
+        for (int k = first; k < 6; ++k) sum += std::fabs(row.jb[k] * v[6 * row.b + k]);
     return sum;
 }
+
+bool isBounded(const SystemRow& row) { return !std::isinf(row.lower) || !std::isinf(row.upper); }
 
 /// The side of y: the row's own, if rounding may have moved y across.
 Side askedSide(const SystemRow& row, double y, double rounding) {
@@ -45,6 +48,10 @@ void Equations::takeSidesOfLoads() {
 /// that side, but for the rounding of what y sums up.
 Residual Equations::evaluateSides(const double* v, double* gradient) {
     speedsAt(v);
+    return evaluateSidesAgain(v, gradient);
+}
+
+Residual Equations::evaluateSidesAgain(const double* v, double* gradient) {
     for (const SystemContact& c : contacts)
         for (std::uint32_t j = 0; j < c.count; ++j) {
             SystemPoint& p = points[c.first + j];
@@ -59,6 +66,10 @@ Residual Equations::evaluateSides(const double* v, double* gradient) {
     for (SystemRow& row : rows) {
         const double y = row.load - (row.speed - row.target) / row.resistance;
         row.impulse = row.side == Side::lower ? row.lower : row.side == Side::upper ? row.upper : y;
+        if (!isBounded(row)) {
+            row.asked = Side::within, row.wrong = 0;
+            continue;
+        }
         const double terms = std::fabs(row.load) + (termsOfSpeed(row, v) + std::fabs(row.target)) / row.resistance;
         row.asked = askedSide(row, y, tuning::kSideRounding * terms);
         row.wrong = wrongBy(row, y);

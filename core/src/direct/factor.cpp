@@ -47,7 +47,7 @@ bool BlockFactor::factorize() {
         const std::uint32_t begin = ordering_.columnBegin(k), end = ordering_.columnBegin(k + 1);
         for (std::uint32_t b = begin; b < end; ++b) divideRight(lower_[b], diagonal_[k]);
         for (std::uint32_t b = begin; b < end; ++b) {
-            subtractProduct(diagonal_[ordering_.row(b)], lower_[b], lower_[b]);
+            subtractSquare(diagonal_[ordering_.row(b)], lower_[b]);
             for (std::uint32_t a = b + 1; a < end; ++a) subtractProduct(lower_[*target++], lower_[a], lower_[b]);
         }
     }

@@ -21,6 +21,7 @@ public:
     const Ordering& ordering() const { return ordering_; }
 
     void setZero();
+    /// Of which the lower triangle counts.
     Block6& diagonal(std::uint32_t variable) { return diagonal_[ordering_.place(variable)]; }
     /// A coupling block as it is stored: rows of the variable that is eliminated later.
     Block6& coupling(std::uint32_t block) { return lower_[block]; }

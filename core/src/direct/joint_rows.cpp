@@ -97,7 +97,7 @@ public:
         return row(l, cross(armA_, l) + turn, cross(armB_, l) + turn);
     }
     SystemRow linear(const DVec3& d) const { return row(d, cross(armA_, d), cross(armB_, d)); }
-    SystemRow angular(const DVec3& d) const { return row({}, d, d); }
+    SystemRow angular(const DVec3& d) const { return row({}, d, d, true); }
 
     void push(SystemRow row, RowKind kind, double load, double target, const RestingAim& resting) const {
         row.kind = kind;
@@ -180,9 +180,10 @@ public:
     }
 
 private:
-    SystemRow row(const DVec3& d, const DVec3& turnA, const DVec3& turnB) const {
+    SystemRow row(const DVec3& d, const DVec3& turnA, const DVec3& turnB, bool turns = false) const {
         SystemRow r;
         r.a = a_, r.b = b_, r.joint = index_;
+        r.turns = turns;
         store(-1.0 * d, r.ja), store(-1.0 * turnA, r.ja + 3);
         store(d, r.jb), store(turnB, r.jb + 3);
         r.resistance = tuning::kRowResistance * takeAdmittance(r, builder_.bodies);
@@ -212,8 +213,33 @@ const Vec3& columnOf(const Mat3& m, int k) { return k == 0 ? m.cx : k == 1 ? m.c
 
 RowKind after(RowKind kind, int k) { return static_cast<RowKind>(static_cast<int>(kind) + k); }
 
+/// What a joint's rows have where free motion leads: errors of rigid rows, margins of stops.
+struct Ahead {
+    struct Range {
+        float lower = 0, upper = 0;
+    };
+    Vec3 errorFirst, errorSecond;
+    float error[AxesBlock::kMostRigid] = {};
+    Range axis[AxesBlock::kMostFree], twist;  ///< without an AxesBlock there is the first axis
+    float swing[SwingLimit::kSides] = {};
+
+    explicit Ahead(const JointSim& joint) {
+        const auto rangeOf = [](const auto& lower, const auto& upper) { return Range{lower.margin, upper.margin}; };
+        if (hasAxes(joint.kind)) {
+            for (std::uint32_t i = 0; i < joint.axes.rigidRows; ++i) error[i] = joint.axes.error[i];
+            for (std::uint32_t f = 0; f < joint.axes.freeRows; ++f)
+                axis[f] = rangeOf(joint.axes.axis[f].atLower, joint.axes.axis[f].atUpper);
+            return;
+        }
+        errorFirst = joint.block.errorFirst, errorSecond = joint.block.errorSecond;
+        axis[0] = rangeOf(joint.axis.atLower, joint.axis.atUpper);
+        twist = rangeOf(joint.ball.twistLower, joint.ball.twistUpper);
+        for (int i = 0; i < SwingLimit::kSides; ++i) swing[i] = joint.ball.swing[i].margin;
+    }
+};
+
 /// The rigid rows: three of the first half, then those of the second, in the order of the block's basis.
-void addBlock(const RowWriter& writer, const RigidBlock& block, const RigidBlock& ahead) {
+void addBlock(const RowWriter& writer, const RigidBlock& block, const Ahead& ahead) {
     const DVec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const bool linear = block.linearFirst != 0;
     for (int k = 0; k < 3; ++k)
@@ -244,7 +270,7 @@ bool isElastic(const AxisRows& axis, AxisSlot slot) {
 }
 
 /// The rows along a coordinate.
-void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis, const AxisRows& ahead,
+void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis, const Ahead::Range& ahead,
              RowKind first = RowKind::axis) {
     const double w = axis.inverseMass;
     if (!(w > 0)) return;
@@ -253,8 +279,8 @@ void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis
         if (!axis.has(slot)) continue;
         const bool upper = slot == AxisSlot::upper, stops = upper || slot == AxisSlot::lower;
         const SystemRow along = upper ? opposite(row) : row;
-        const StopSide &now = upper ? axis.atUpper : axis.atLower, &later = upper ? ahead.atUpper : ahead.atLower;
-        const double bend = stops ? writer.curving(along, now.margin, later.margin) : 0.0;
+        const StopSide& now = upper ? axis.atUpper : axis.atLower;
+        const double bend = stops ? writer.curving(along, now.margin, upper ? ahead.upper : ahead.lower) : 0.0;
         const bool stop = stops && (axis.features & AxisRows::kLimit) != 0;
         if (writer.aims() == RowAims::closing) {
             if (stop && !(axis.stop.stiffness > 0)) writer.close(along, after(first, i), now);
@@ -267,23 +293,24 @@ void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis
     }
 }
 
-void addAxes(const RowWriter& writer, const AxesBlock& block, const AxesBlock& ahead) {
+void addAxes(const RowWriter& writer, const AxesBlock& block, const Ahead& ahead) {
     for (std::uint32_t i = 0; i < block.rigidRows; ++i)
         writer.rigid(writer.along(block.rigid[i]), after(RowKind::rigid, static_cast<int>(i)), block.impulse[i],
                      block.error[i], ahead.error[i]);
+    if (writer.aims() == RowAims::resting) return;
     for (std::uint32_t f = 0; f < block.freeRows; ++f)
         addAxis(writer, writer.along(block.free[f]), block.axis[f], ahead.axis[f],
                 after(RowKind::axes, static_cast<int>(f) * kAxisSlots));
 }
 
 /// A stop of the rotation; the margins of rows without a direction mean nothing.
-void addTurnStop(const RowWriter& writer, RowKind kind, const Vec3& axis, const StopSide& side, const StopSide& ahead,
+void addTurnStop(const RowWriter& writer, RowKind kind, const Vec3& axis, const StopSide& side, float ahead,
                  const JointSim& joint) {
     const float w = dot(axis, joint.block.mass.rest * axis);
     if (!(w > joint.block.noise)) return;
     const SystemRow row = writer.angular(toDouble(axis));
-    const bool isThere = ahead.margin < kFarAway && side.margin < kFarAway;
-    const double bend = isThere ? writer.curving(row, side.margin, ahead.margin) : 0.0;
+    const bool isThere = ahead < kFarAway && side.margin < kFarAway;
+    const double bend = isThere ? writer.curving(row, side.margin, ahead) : 0.0;
     const Stop& stop = joint.ball.stop;
     if (writer.aims() == RowAims::closing) {
         if (isThere && !(stop.stiffness > 0)) writer.close(row, kind, side);
@@ -293,7 +320,7 @@ void addTurnStop(const RowWriter& writer, RowKind kind, const Vec3& axis, const 
                   restingAim(side, stop, w, writer.context()), w, bend);
 }
 
-void addBall(const RowWriter& writer, const JointSim& joint, const BallRows& ahead) {
+void addBall(const RowWriter& writer, const JointSim& joint, const Ahead& ahead) {
     const BallRows& ball = joint.ball;
     const double h = writer.context().h;
     const float w = joint.block.mass.rest.xx + joint.block.mass.rest.yy + joint.block.mass.rest.zz;
@@ -332,8 +359,8 @@ void addBall(const RowWriter& writer, const JointSim& joint, const BallRows& ahe
         }
     }
     if (ball.features & BallRows::kTwist) {
-        addTurnStop(writer, RowKind::twistLower, ball.lowerTwistAxis(), ball.twistLower, ahead.twistLower, joint);
-        addTurnStop(writer, RowKind::twistUpper, ball.upperTwistAxis(), ball.twistUpper, ahead.twistUpper, joint);
+        addTurnStop(writer, RowKind::twistLower, ball.lowerTwistAxis(), ball.twistLower, ahead.twist.lower, joint);
+        addTurnStop(writer, RowKind::twistUpper, ball.upperTwistAxis(), ball.twistUpper, ahead.twist.upper, joint);
     }
     if (ball.features & BallRows::kSwing)
         for (int i = 0; i < SwingLimit::kSides; ++i)
@@ -353,50 +380,53 @@ void addAcross(const RowWriter& writer, const JointSim& joint, const DVec3& line
     writer.across(cross(line, across), weight);
 }
 
+/// The rows of what is free.
+void addFree(const RowWriter& writer, const JointSim& joint, const Ahead& ahead) {
+    const DVec3 free = toDouble(joint.block.basis.cz);
+    switch (joint.kind) {
+        case JointKind::ball:
+            addBall(writer, joint, ahead);
+            break;
+        case JointKind::hinge:
+            addAxis(writer, writer.angular(free), joint.axis, ahead.axis[0]);
+            break;
+        case JointKind::slider:
+            addAxis(writer, writer.linear(free), joint.axis, ahead.axis[0]);
+            break;
+        case JointKind::distance:
+            addAxis(writer, writer.linear(free), joint.axis, ahead.axis[0]);
+            addAcross(writer, joint, free, writer.context().h);
+            break;
+        default:
+            break;
+    }
+}
+
+/// The joint's Jacobians now, with what its rows have where free motion leads.
+Ahead refresh(JointSim& joint, const JointRowBuilder& builder) {
+    Ends ends(builder.arrays, joint);
+    Ends later = ends;
+    later.advance(builder.context.h);
+    refreshJoint(joint, later.pair(), {builder.context, false});
+    const Ahead ahead(joint);
+    refreshJoint(joint, ends.pair(), {builder.context, builder.begins});
+    return ahead;
+}
+
 }  // namespace
 
 void JointRowBuilder::add(JointSim& joint, std::uint32_t index, std::int32_t a, std::int32_t b) const {
-    Ends ends(arrays, joint);
-    Ends later = ends;
-    later.advance(context.h);
-    refreshJoint(joint, later.pair(), {context, false});
-    const RigidBlock blockAhead = joint.block;
-    const AxisRows axisAhead = joint.axis;
-    const BallRows ballAhead = joint.ball;
-    const AxesBlock axesAhead = joint.axes;
-    refreshJoint(joint, ends.pair(), {context, begins});
-
-    const double h = context.h;
-    const bool moves = aims == RowAims::substep;
-    const DVec3 force = toDouble(warmStartImpulse(joint).linear);
-    if (moves && a != kFixed) addStiffness(bodies[a], -1.0 * force, toDouble(joint.arms.a), h);
-    if (moves && b != kFixed) addStiffness(bodies[b], force, toDouble(joint.arms.b), h);
-
-    const RowWriter writer(*this, joint, index, a, b);
-    const DVec3 free = toDouble(joint.block.basis.cz);
-    if (joint.kind != JointKind::distance && joint.kind != JointKind::none && !hasAxes(joint.kind))
-        addBlock(writer, joint.block, blockAhead);
-    switch (joint.kind) {
-        case JointKind::ball:
-            addBall(writer, joint, ballAhead);
-            break;
-        case JointKind::hinge:
-            addAxis(writer, writer.angular(free), joint.axis, axisAhead);
-            break;
-        case JointKind::slider:
-            addAxis(writer, writer.linear(free), joint.axis, axisAhead);
-            break;
-        case JointKind::distance:
-            addAxis(writer, writer.linear(free), joint.axis, axisAhead);
-            addAcross(writer, joint, free, h);
-            break;
-        default:
-            addAxes(writer, joint.axes, axesAhead);
-            break;
-        case JointKind::fixed:
-        case JointKind::none:
-            break;
+    const Ahead ahead = refresh(joint, *this);
+    if (aims == RowAims::substep) {
+        const double h = context.h;
+        const DVec3 force = toDouble(warmStartImpulse(joint).linear);
+        if (a != kFixed) addStiffness(bodies[a], -1.0 * force, toDouble(joint.arms.a), h);
+        if (b != kFixed) addStiffness(bodies[b], force, toDouble(joint.arms.b), h);
     }
+    const RowWriter writer(*this, joint, index, a, b);
+    if (hasAxes(joint.kind)) return addAxes(writer, joint.axes, ahead);
+    if (joint.kind != JointKind::distance && joint.kind != JointKind::none) addBlock(writer, joint.block, ahead);
+    if (aims != RowAims::resting) addFree(writer, joint, ahead);
 }
 
 SystemRow closingRow(const ClosingPoint& point, std::int32_t a, std::int32_t b, const SystemBody* bodies) {

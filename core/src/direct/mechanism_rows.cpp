@@ -13,14 +13,6 @@ constexpr double kAligned = 0.5;  ///< cosine between the axes of a hinge
 
 DVec3 unit(int k) { return {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0}; }
 
-/// The lower triangle of w a aᵀ.
-void addSquare(Block6& block, double weight, const double a[6]) {
-    for (int c = 0; c < 6; ++c) {
-        const double s = weight * a[c];
-        for (int r = c; r < 6; ++r) block.at[6 * c + r] += s * a[r];
-    }
-}
-
 double dot6(const double a[6], const double b[6]) {
     double s = 0;
     for (int k = 0; k < 6; ++k) s += a[k] * b[k];

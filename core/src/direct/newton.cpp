@@ -1,6 +1,7 @@
 #include "direct/newton.h"
 
 #include <cmath>
+#include <limits>
 
 #include "base/economy.h"
 #include "direct/choice.h"
@@ -25,6 +26,9 @@ constexpr double kSlipChange = 1e-3;  ///< of a row by which slips may still cha
 constexpr double kLineSlope = 0.1;    ///< share of the slope that the line search leaves
 constexpr double kStale = 0.25;       ///< share of the residual that an old factor may leave
 constexpr double kRounding = 1e-5;    ///< relative residual at which lack of progress is rounding
+
+/// Of a velocity that was not evaluated.
+constexpr Residual kUnknown{std::numeric_limits<double>::infinity(), 0};
 
 /// The α at which the slope has fallen enough: 1 where the quadratic model is right, else by false position with
 /// halving [Illinois], which a convex function cannot defeat.
@@ -61,9 +65,13 @@ bool isLarge(const Equations& equations) { return equations.bodies.size() > kMos
 
 /// A step of Newton's method to where points and rows would be if none changed its region: loads answer to small
 /// changes of what they are asked for as they did, while the speeds of light bodies under great loads tell nothing.
-void predict(Equations& equations, bool& factored, SolveReport& report) {
+/// `evaluated`: speeds there are known.
+void predict(Equations& equations, bool evaluated, bool& factored, SolveReport& report) {
     double *v = equations.velocity.data(), *direction = equations.scratch.direction.data();
-    equations.evaluateSides(v, direction);
+    if (evaluated)
+        equations.evaluateSidesAgain(v, direction);
+    else
+        equations.evaluateSides(v, direction);
     if (!factored || equations.regionsChanged()) {
         if (!mayFactor(equations, report) || !equations.factorize()) return;
         factored = true;
@@ -75,8 +83,14 @@ void predict(Equations& equations, bool& factored, SolveReport& report) {
     ++report.iterations;
 }
 
-/// One convex problem. False when it did not converge.
-bool minimize(Equations& equations, int iterations, double enough, bool& factored, SolveReport& report) {
+/// A residual that ends the search before its first step.
+bool isSolved(const Residual& residual, double enough) {
+    return (residual.norm <= enough * residual.scale && economy.zeroIterations) || residual.norm == 0;
+}
+
+/// One convex problem. False when it did not converge. `residual` is that at the velocity that is left.
+bool minimize(Equations& equations, int iterations, double enough, bool& factored, SolveReport& report,
+              Residual& residual) {
     const std::size_t n = equations.unknowns();
     double* v = equations.velocity.data();
     double* gradient = equations.scratch.gradient.data();
@@ -84,11 +98,10 @@ bool minimize(Equations& equations, int iterations, double enough, bool& factore
     double last = 0;
     bool stale = true;
     for (int i = 0; i < iterations; ++i) {
-        const Residual residual = equations.evaluate(v, gradient);
+        residual = equations.evaluate(v, gradient);
         report.residual = residual.scale > 0 ? residual.norm / residual.scale : 0;
         if (!std::isfinite(residual.norm)) return false;
-        const bool mayEnd = i > 0 || economy.zeroIterations;
-        if ((residual.norm <= enough * residual.scale && mayEnd) || residual.norm == 0) return true;
+        if (isSolved(residual, enough) || (i > 0 && residual.norm <= enough * residual.scale)) return true;
         const bool slow = i > 0 && residual.norm > kStale * last;
         if (slow && !stale && residual.norm <= kRounding * residual.scale) return true;
         last = residual.norm;
@@ -110,6 +123,7 @@ bool minimize(Equations& equations, int iterations, double enough, bool& factore
         const double alpha = lineSearch(equations, v, direction, slope);
         for (std::size_t k = 0; k < n; ++k) v[k] += alpha * direction[k];
     }
+    residual = kUnknown;
     return report.residual <= kRounding;
 }
 
@@ -122,7 +136,8 @@ bool approach(Equations& equations, bool& factored, SolveReport& report) {
     bool found = false;
     for (int stage = 0; stage <= kStages; ++stage) {
         factored = false;
-        found = minimize(equations, kMoreIterations, tuning::kResidual, factored, report);
+        Residual residual;
+        found = minimize(equations, kMoreIterations, tuning::kResidual, factored, report, residual);
         if (stage == kStages) break;
         if (found) equations.takeLoads();
         equations.scaleResistance(1 / kStage);
@@ -136,7 +151,8 @@ bool approach(Equations& equations, bool& factored, SolveReport& report) {
 void refine(Equations& equations, bool& factored, SolveReport& report) {
     for (int round = 0; round < kRefining && !equations.loadsHold(kRefined); ++round) {
         equations.takeLoads();
-        if (!minimize(equations, kIterations, tuning::kResidual, factored, report)) return;
+        Residual residual;
+        if (!minimize(equations, kIterations, tuning::kResidual, factored, report, residual)) return;
     }
 }
 
@@ -152,7 +168,7 @@ void solve(Equations& equations, bool startFromLoads, bool& factored, SolveRepor
     report.converged |= isLarge(equations);
     if (startFromLoads) {
         equations.velocityOfLoads(v);
-        equations.evaluate(v, equations.scratch.gradient.data());
+        equations.loadsAt(v);
         if (economy.zeroIterations && equations.loadsHold()) {
             equations.keepLoads();
             equations.stopRounding();
@@ -167,11 +183,14 @@ void solve(Equations& equations, bool startFromLoads, bool& factored, SolveRepor
     const int rounds = equations.rows.size() > 0 ? 1 : kSlipRounds;
     bool last = false;
     for (int round = 0; !last; ++round) {
-        if (equations.points.size() > 0 && !isLarge(equations)) predict(equations, factored, report);
-        bool found = minimize(equations, kIterations, kSlipResidual, factored, report);
+        if (equations.points.size() > 0 && !isLarge(equations))
+            predict(equations, startFromLoads && round == 0, factored, report);
+        Residual residual;
+        bool found = minimize(equations, kIterations, kSlipResidual, factored, report, residual);
         if (found) {
             last = equations.slipsChange() <= enough || round + 1 >= rounds;
-            if (last) found = minimize(equations, kIterations, tuning::kResidual, factored, report);
+            if (last && !isSolved(residual, tuning::kResidual))
+                found = minimize(equations, kIterations, tuning::kResidual, factored, report, residual);
         }
         if (!found && (isLarge(equations) || report.iterations > kBudget || !approach(equations, factored, report))) {
             // Newton's steps descend, so that the velocity is sane; the impulses need not be. A large island goes on
