@@ -48,8 +48,8 @@ Cloth::Cloth(Cloth&&) noexcept = default;
 const ClothDef& Cloth::def() const { return sim_->def; }
 int Cloth::pointCount() const { return sim_->count; }
 DVec3 Cloth::point(int index) const { return sim_->state.origin + sim_->state.points[checkedIndex(*sim_, index)].place; }
-Vec3 Cloth::velocity(int index) const { return sim_->state.motions[checkedIndex(*sim_, index)].velocity; }
-float Cloth::mass(int index) const { return sim_->state.motions[checkedIndex(*sim_, index)].mass; }
+Vec3 Cloth::velocity(int index) const { return sim_->state.velocities[checkedIndex(*sim_, index)].v; }
+float Cloth::mass(int index) const { return sim_->fabric.masses[checkedIndex(*sim_, index)]; }
 Vec3 Cloth::wind() const { return sim_->state.wind; }
 bool Cloth::isAwake() const { return sim_->state.awake; }
 int Cloth::contactCount() const { return static_cast<int>(sim_->around.contacts.size()); }
@@ -64,7 +64,8 @@ void Cloth::readPoints(std::span<DVec3> points) const {
 
 void Cloth::push(const Vec3& velocity) {
     for (std::size_t i = 0; i < cloth::index(sim_->count); ++i)
-        if (sim_->fabric.heldOfPoint[i] == cloth::kNoPoint) sim_->state.motions[i].velocity += velocity;
+        if (sim_->fabric.heldOfPoint[i] == cloth::kNoPoint) sim_->state.velocities[i].v += velocity;
+    cloth::findBlocks(*sim_);
     wake();
 }
 
@@ -109,14 +110,15 @@ void Cloth::teleport(const Pose& from, const Pose& to) {
     const DVec3 origin = state.origin, next = moved(origin);
     state.origin = {std::round(next.x), std::round(next.y), std::round(next.z)};
     for (std::size_t i = 0; i < cloth::index(sim_->count); ++i) {
-        state.points[i].place = relative(moved(origin + state.points[i].place), state.origin);
-        state.motions[i].velocity = rotate(turn, state.motions[i].velocity);
+        state.points[i].place = cloth::placeFrom(moved(origin + state.points[i].place), state.origin);
+        state.velocities[i].v = rotate(turn, state.velocities[i].v);
     }
     for (cloth::HeldPoint& held : state.held) held.fixed = moved(held.fixed);
     for (auto* list : {&state.skinFrom, &state.skinTo})
         for (DVec3& place : *list) place = moved(place);
     for (Vec3& normal : state.skinNormals) normal = rotate(turn, normal);
     cloth::moveHeld(*sim_);
+    cloth::findBlocks(*sim_);
     wake();
 }
 

@@ -1,227 +1,214 @@
-// Chains of points side by side in lanes: their lengths and their bends.
+// Chains of points side by side in lanes: their bends and their lengths.
 
-#include "cloth/cloth_kernels.h"
-#include "solve/lane_rows.h"
+#include "cloth/cloth_points.inl"
 
 namespace ragtop::cloth {
 namespace {
 
-template <int N>
-using PointRows = NumberedRows<PointRow, N>;
-
-/// Rows one after the other.
-template <int N, class Row>
-struct RowsInOrder {
-    using Float = std::conditional_t<std::is_const_v<Row>, const float, float>;
-    Row* rows;
-    RAGTOP_INLINE Float* operator[](int i) const { return reinterpret_cast<Float*>(rows + i); }
-};
-
-template <int N>
-RAGTOP_INLINE WideVec3<N> wide(const Vec3& a) {
-    return {Lanes<N>(a.x), Lanes<N>(a.y), Lanes<N>(a.z)};
-}
-template <int N>
-RAGTOP_INLINE WideVec3<N> placeOf(const Lanes<N> (&point)[8]) {
-    return {point[0], point[1], point[2]};
-}
-template <int N>
-RAGTOP_INLINE WideVec3<N> heldOf(const Lanes<N> (&point)[8]) {
-    return {point[4], point[5], point[6]};
-}
-template <int N>
-RAGTOP_INLINE void store(const WideVec3<N>& place, Lanes<N> (&point)[8]) {
-    point[0] = place.x;
-    point[1] = place.y;
-    point[2] = place.z;
-}
-/// x ← x + W f.
-template <int N>
-RAGTOP_INLINE void addForce(Lanes<N> (&point)[8], const WideVec3<N>& f) {
-    const WideVec3<N> s = heldOf(point);
-    const Lanes<N> pull = dot(s, f);
-    store(placeOf(point) + point[3] * f - pull * s, point);
-    point[7] = point[7] + pull;
-}
-
-/// Adds to what a position of a bundle was given.
-template <int N>
-RAGTOP_INLINE void addReaction(const ClothArrays& a, const ChainBundle& bundle, int position, const WideVec3<N>& f) {
-    float* to = a.reactions + 3 * (bundle.firstPoint + static_cast<std::uint32_t>(position * N));
-    (Lanes<N>::load(to) + f.x).store(to);
-    (Lanes<N>::load(to + N) + f.y).store(to + N);
-    (Lanes<N>::load(to + 2 * N) + f.z).store(to + 2 * N);
-}
-
-/// A point of a chain, and the link to the next, from one way along it to the other.
-template <int N>
+/// A point of a chain and the link to the next, d = x₁ − x₀, from one way along it to the other.
+template <int N, bool kTied>
 struct WideLink {
-    Lanes<N> point[8];
-    WideVec3<N> e;         ///< unit, along the link
-    Lanes<N> rest;         ///< m
-    Lanes<N> y;            ///< −C eliminated
-    Lanes<N> upper;        ///< coupling to the link before, over its pivot
-    WideVec3<N> force, move;  ///< of the point, N s² and m
+    WidePoint<N, kTied> point;
+    WideVec3<N> d;    ///< m
+    Lanes<N> lambda;  ///< tension over length, N s²/m; on the way down what is eliminated of it
+    Lanes<N> upper;   ///< coupling to the link before, over its pivot
+    Lanes<N> taut;    ///< times λ: w over how far tension may turn with the link
+};
+inline constexpr int kFloatsOfLink = 14;  ///< per lane, at most
+
+/// f of points along a chain, to them and to what holds them.
+template <int N, bool kTied, bool kEven>
+struct WideChain {
+    static constexpr int kLanes = N;
+    using Point = WidePoint<N, kTied>;
+    using Link = WideLink<N, kTied>;
+
+    const ClothArrays& a;
+    const ChainBundle& bundle;
+    const BundleRows<N, kEven> rows;
+    Link* links;
+    bool reacts;
+
+    RAGTOP_INLINE WideChain(const ClothArrays& inA, const ChainBundle& inBundle)
+        : a(inA), bundle(inBundle), rows{inA.rows + inBundle.firstPoint, inBundle.rows},
+          links(reinterpret_cast<Link*>(inA.scratch)), reacts(inBundle.reacts && inA.yields) {}
+
+    RAGTOP_INLINE void push(WidePoint<N, kTied>& point, int k, const WideVec3<N>& f) const {
+        point.push(f);
+        if (reacts) addReaction<N>(a.reactions + 3 * (bundle.firstPoint + static_cast<std::uint32_t>(k * N)), f);
+    }
+    RAGTOP_INLINE void write(int k) const { links[k].point.write(a, rows.at(k)); }
 };
 
-/// Down the chain: errors, and the elimination of each length from the next.
-template <int N>
-RAGTOP_INLINE void eliminate(const ClothArrays& a, const ChainBundle& bundle, float stiffening, WideLink<N>* links) {
-    constexpr float kLeast = 2e-5f;  // of the diagonal
-    const std::uint32_t* numbers = a.numbers + bundle.firstPoint;
-    const float *lengths = a.lengths + bundle.firstLink, *compliances = a.compliances + bundle.firstLink;
-    gather8<N>(PointRows<N>{a.points, numbers}, links[0].point);
-    WideVec3<N> before = wide<N>({});
-    Lanes<N> fromHeldBefore(0.0f), inversePivot(0.0f), y(0.0f);
-    const Lanes<N> none(0.0f), one(1.0f);
-    for (int k = 0; k < bundle.links; ++k) {
-        WideLink<N>& link = links[k];
-        const Lanes<N>(&from)[8] = link.point;
-        Lanes<N>(&to)[8] = links[k + 1].point;
-        gather8<N>(PointRows<N>{a.points, numbers + (k + 1) * N}, to);
-        const WideVec3<N> d = placeOf(to) - placeOf(from);
-        const Lanes<N> length = sqrt(dot(d, d)), rest = Lanes<N>::load(lengths + k * N);
-        const Mask<N> isLink = rest > 0.0f;
-        const WideVec3<N> e = select(isLink, divideOrZero(one, length), none) * d;
-        const Lanes<N> error = select(isLink, length - rest, none);
-        const Lanes<N> fromHeld = dot(heldOf(from), e), toHeld = dot(heldOf(to), e);
-        const Lanes<N> both = from[3] + to[3];
-        const Lanes<N> diagonal = both - fromHeld * fromHeld - toHeld * toHeld +
-                                  stiffening * Lanes<N>::load(compliances + k * N) + kLeast * both;
-        const Lanes<N> beside = fromHeldBefore * fromHeld - from[3] * dot(before, e);
-        link.upper = beside * inversePivot;
-        inversePivot = one / (diagonal - beside * link.upper);
-        y = (-error - beside * y) * inversePivot;
-        link.e = e;
-        link.rest = rest;
-        link.y = y;
-        before = e;
-        fromHeldBefore = toHeld;
-    }
-}
-
-/// Back: how points would move, and for which chains that can be trusted. The tension of a link does not turn with it in
-/// these equations, as that of an explicit step: where w λ/L, the square of h times the rate at which the link swings
-/// across, passes `kTaut`, a taut line would swing ever farther.
-template <int N>
-RAGTOP_INLINE Mask<N> substitute(int count, WideLink<N>* links) {
-    constexpr float kTaut = 0.5f;  // of what an explicit step would bear
-    Lanes<N> lambda(0.0f), upper(0.0f), most(0.0f);
-    WideVec3<N> pull = wide<N>({});
-    for (int k = count; k >= 0; --k) {
-        WideLink<N>& link = links[k];
-        link.force = -pull;
-        if (k > 0) {
-            const WideLink<N>& before = links[k - 1];
-            lambda = before.y - upper * lambda;
-            const Lanes<N> lighter = max(link.point[3], before.point[3]);
-            most = max(most, divideOrZero(lighter * max(lambda, -lambda), before.rest));
-            pull = lambda * before.e;
-            upper = before.upper;
-            link.force = link.force + pull;
+/// Reads the points. C = |x₀ − 2 x₁ + x₂| − rest of every three of them [Kelager et al. 2010]: curvature times l²,
+/// whose energy over the width that the chain stands for is that of a thin plate.
+template <int N, bool kTied, bool kEven>
+RAGTOP_INLINE void bendPoints(const WideChain<N, kTied, kEven>& chain, float stiffening) {
+    const ClothArrays& a = chain.a;
+    const int links = chain.bundle.links;
+    WidePoint<N, kTied> p0, p1, p2;
+    p0.read(a, chain.rows.at(0));
+    p1.read(a, chain.rows.at(1));
+    for (int k = 1; k < links; ++k) {
+        p2.read(a, chain.rows.at(k + 1));
+        const auto slot = chain.bundle.firstLink + static_cast<std::uint32_t>(k * N);
+        const Lanes<N> s = Lanes<N>::load(a.links.bendStiffness + slot);
+        const WideVec3<N> bend = p0.place() - Lanes<N>(2.0f) * p1.place() + p2.place();
+        // Points that are tied are taken for as light as free ones, which is on the safe side.
+        Lanes<N> factor =
+            s / (s * (p0.inverseMass() + 4.0f * p1.inverseMass() + p2.inverseMass()) + Lanes<N>(stiffening));
+        if (a.links.bendLengths) {
+            const Lanes<N> length = sqrt(dot(bend, bend));
+            factor = factor * (1.0f - divideOrZero(Lanes<N>::load(a.links.bendLengths + slot), length));
         }
-        const WideVec3<N> s = heldOf(link.point);
-        link.move = link.point[3] * link.force - dot(s, link.force) * s;
+        const WideVec3<N> f = -factor * bend, back = Lanes<N>(-2.0f) * f;
+        chain.push(p0, k - 1, f);
+        chain.push(p1, k, back);
+        chain.push(p2, k + 1, f);
+        chain.links[k - 1].point = p0;
+        p0 = p1;
+        p1 = p2;
     }
-    return most <= Lanes<N>(kTaut);
+    chain.links[links - 1].point = p0;
+    chain.links[links].point = p1;
 }
 
-/// One length after the other, down the chain and back, for those that cannot be trusted otherwise: less exact, and
-/// never farther off than before.
-template <int N>
-void projectLinks(const ClothArrays& a, const ChainBundle& bundle, float stiffening, Mask<N> doubtful,
-                  WideLink<N>* links) {
-    const float* compliances = a.compliances + bundle.firstLink;
-    const Lanes<N> none(0.0f);
-    for (int k = 0; k <= bundle.links; ++k) {
-        links[k].move = select(doubtful, wide<N>({}), links[k].move);
-        links[k].force = select(doubtful, wide<N>({}), links[k].force);
+/// Down the chain: errors, and the elimination of each length from the next. `kReads`: points have yet to be read.
+template <bool kReads, int N, bool kTied, bool kEven>
+RAGTOP_INLINE void eliminate(const WideChain<N, kTied, kEven>& chain, float stiffening) {
+    constexpr float kLeast = 2e-5f;   // of the diagonal
+    constexpr float kTiny = 1e-30f;  // m²/kg, of links that are none
+    const ClothArrays& a = chain.a;
+    const float *lengths = a.links.lengths + chain.bundle.firstLink, *inverse = a.links.inverseLengths + chain.bundle.firstLink;
+    const float* compliances = a.links.compliances + chain.bundle.firstLink;
+    WideVec3<N> before = wide<N>({});
+    Lanes<N> tiedBefore(0.0f), inversePivot(0.0f), y(0.0f);
+    const Lanes<N> tiny(kTiny);
+    if constexpr (kReads) chain.links[0].point.read(a, chain.rows.at(0));
+    for (int k = 0; k < chain.bundle.links; ++k) {
+        WideLink<N, kTied>& link = chain.links[k];
+        const WidePoint<N, kTied>& from = link.point;
+        WidePoint<N, kTied>& to = chain.links[k + 1].point;
+        if constexpr (kReads) to.read(a, chain.rows.at(k + 1));
+        const Lanes<N> rest = Lanes<N>::load(lengths + k * N), w0 = from.inverseMass(), w1 = to.inverseMass();
+        const WideVec3<N> d = select(rest > 0.0f, to.place() - from.place(), wide<N>({}));
+        const Lanes<N> squared = dot(d, d), length = sqrt(squared);
+        Lanes<N> diagonal = squared * ((1 + kLeast) * (w0 + w1) + stiffening * Lanes<N>::load(compliances + k * N));
+        Lanes<N> beside = -w0 * dot(before, d);
+        if constexpr (kTied) {
+            const Lanes<N> along0 = from.alongTie(d), along1 = to.alongTie(d);
+            diagonal = diagonal - along0 * along0 - along1 * along1;
+            beside = beside + tiedBefore * along0;
+            tiedBefore = along1;
+        }
+        link.upper = beside * inversePivot;
+        inversePivot = 1.0f / max(diagonal - beside * link.upper, tiny);
+        y = -((length - rest) * length + beside * y) * inversePivot;
+        link.d = d;
+        link.lambda = y;
+        link.taut = max(w0, w1) * (length * Lanes<N>::load(inverse + k * N));
+        before = d;
     }
-    for (int visit = 0; visit < 2 * bundle.links; ++visit) {
-        const int k = visit < bundle.links ? visit : 2 * bundle.links - 1 - visit;
-        WideLink<N>&from = links[k], &to = links[k + 1];
-        const WideVec3<N> d = placeOf(to.point) + to.move - placeOf(from.point) - from.move;
-        const Lanes<N> length = sqrt(dot(d, d));
-        const WideVec3<N> e = divideOrZero(Lanes<N>(1.0f), length) * d;
-        const Lanes<N> fromHeld = dot(heldOf(from.point), e), toHeld = dot(heldOf(to.point), e);
-        const Lanes<N> diagonal = from.point[3] + to.point[3] - fromHeld * fromHeld - toHeld * toHeld +
-                                  stiffening * Lanes<N>::load(compliances + k * N);
-        const Lanes<N> lambda =
-            select(doubtful & (from.rest > 0.0f), divideOrZero(from.rest - length, diagonal), none);
-        const WideVec3<N> f = lambda * e;
-        from.force = from.force - f;
-        to.force = to.force + f;
-        from.move = from.move - (from.point[3] * f - lambda * fromHeld * heldOf(from.point));
-        to.move = to.move + (to.point[3] * f - lambda * toHeld * heldOf(to.point));
+}
+
+/// Back: tensions, and the most of w λ/L, the square of h times the rate at which a link swings across.
+template <int N, bool kTied, bool kEven>
+RAGTOP_INLINE Lanes<N> substitute(const WideChain<N, kTied, kEven>& chain) {
+    Lanes<N> lambda(0.0f), upper(0.0f), most(0.0f);
+    for (int k = chain.bundle.links - 1; k >= 0; --k) {
+        WideLink<N, kTied>& link = chain.links[k];
+        lambda = link.lambda - upper * lambda;
+        upper = link.upper;
+        link.lambda = lambda;
+        most = max(most, max(lambda, -lambda) * link.taut);
     }
+    return most;
+}
+
+/// Δx = W Jᵀ λ; `kWrites` when that is all.
+template <bool kWrites, int N, bool kTied, bool kEven>
+RAGTOP_INLINE void moveByTensions(const WideChain<N, kTied, kEven>& chain) {
+    WideVec3<N> pull = wide<N>({});
+    for (int k = 0; k < chain.bundle.links; ++k) {
+        WideLink<N, kTied>& link = chain.links[k];
+        const WideVec3<N> next = link.lambda * link.d;
+        chain.push(link.point, k, pull - next);
+        if constexpr (kWrites) chain.write(k);
+        pull = next;
+    }
+    chain.push(chain.links[chain.bundle.links].point, chain.bundle.links, pull);
+    if constexpr (kWrites) chain.write(chain.bundle.links);
+}
+
+/// For chains that are tauter than `kTautest`: what they can bear of their tensions, and then one length after the other, down the chain and back: less exact,
+/// and hardly farther off than before.
+template <int N, bool kTied, bool kEven>
+void projectLinks(const WideChain<N, kTied, kEven>& chain, float stiffening, Lanes<N> most) {
+    const int links = chain.bundle.links;
+    const float *lengths = chain.a.links.lengths + chain.bundle.firstLink,
+                *compliances = chain.a.links.compliances + chain.bundle.firstLink;
+    const Mask<N> doubtful = !(most <= Lanes<N>(kTautest));
+    const Lanes<N> share = select(doubtful, divideOrZero(Lanes<N>(kTautest), most), Lanes<N>(1.0f));
+    for (int k = 0; k < links; ++k) chain.links[k].lambda = share * chain.links[k].lambda;
+    moveByTensions<false>(chain);
+    for (int visit = 0; visit < 2 * links; ++visit) {
+        const int k = visit < links ? visit : 2 * links - 1 - visit;
+        WidePoint<N, kTied>&from = chain.links[k].point, &to = chain.links[k + 1].point;
+        const Lanes<N> rest = Lanes<N>::load(lengths + k * N);
+        const WideVec3<N> d = select(doubtful & (rest > 0.0f), to.place() - from.place(), wide<N>({}));
+        const Lanes<N> squared = dot(d, d), length = sqrt(squared);
+        Lanes<N> diagonal =
+            squared * (from.inverseMass() + to.inverseMass() + stiffening * Lanes<N>::load(compliances + k * N));
+        if constexpr (kTied) {
+            const Lanes<N> along0 = from.alongTie(d), along1 = to.alongTie(d);
+            diagonal = diagonal - along0 * along0 - along1 * along1;
+        }
+        const WideVec3<N> f = divideOrZero((rest - length) * length, diagonal) * d;
+        chain.push(from, k, -f);
+        chain.push(to, k + 1, f);
+    }
+    for (int k = 0; k <= links; ++k) chain.write(k);
 }
 
 /// All lengths of a chain at once, as compliant constraints [Macklin et al. 2019] without the error that visiting one
-/// after the other leaves: with C = |d| − L, e = d/|d|, W the inverse masses of points,
+/// after the other leaves: with C = |d| − L, W the inverse masses of points and tensions in units of the length,
+/// J = dC/dx |d|,
 ///
-///     (J W Jᵀ + α/h²) λ = −C,      Δx = W Jᵀ λ,
+///     (J W Jᵀ + d² α/h²) λ = −C |d|,      Δx = W Jᵀ λ,
 ///
-/// is tridiagonal, as a link shares a point with the next alone: e_kᵀ (W_k + W_k+1) e_k + α/h² on the diagonal and
-/// −e_k−1ᵀ W_k e_k beside it. A chain whose ends are held has one length more than it can meet; `kLeast` keeps what it
+/// is tridiagonal, as a link shares a point with the next alone: d_kᵀ (W_k + W_k+1 + α/h²) d_k on the diagonal and
+/// −d_k−1ᵀ W_k d_k beside it. A chain whose ends are held has one length more than it can meet; `kLeast` keeps what it
 /// divides by above rounding.
-template <int N>
+template <int N, bool kTied, bool kEven>
 void solveChain(const ClothArrays& a, const ChainBundle& bundle, const ClothContext& context) {
-    auto* links = reinterpret_cast<WideLink<N>*>(a.scratch);
+    const WideChain<N, kTied, kEven> chain(a, bundle);
     const float stiffening = context.inverseH * context.inverseH;
-    eliminate<N>(a, bundle, stiffening, links);
-    const Mask<N> doubtful = !substitute<N>(bundle.links, links);
-    if (any(doubtful)) projectLinks<N>(a, bundle, stiffening, doubtful, links);
-    const std::uint32_t* numbers = a.numbers + bundle.firstPoint;
-    for (int k = 0; k <= bundle.links; ++k) {
-        WideLink<N>& link = links[k];
-        store(placeOf(link.point) + link.move, link.point);
-        link.point[7] = link.point[7] + dot(heldOf(link.point), link.force);
-        scatterAll8<N>(PointRows<N>{a.points, numbers + k * N}, link.point);
-        if (bundle.reacts) addReaction(a, bundle, k, link.force);
+    if (context.bendSteps > 0) {
+        bendPoints(chain, stiffening / static_cast<float>(context.bendSteps));
+        eliminate<false>(chain, stiffening);
+    } else {
+        eliminate<true>(chain, stiffening);
     }
-}
-
-/// C = |x₀ − 2 x₁ + x₂| − rest of every three points along a chain [Kelager et al. 2010]: curvature times l², whose
-/// energy over the width that the chain stands for is that of a thin plate.
-template <int N>
-void bendChain(const ClothArrays& a, const ChainBundle& bundle, const ClothContext& context) {
-    const std::uint32_t* numbers = a.numbers + bundle.firstPoint;
-    const float stiffening = context.inverseH * context.inverseH;
-    Lanes<N> p[3][8];
-    gather8<N>(PointRows<N>{a.points, numbers}, p[0]);
-    gather8<N>(PointRows<N>{a.points, numbers + N}, p[1]);
-    for (int k = 1; k < bundle.links; ++k) {
-        gather8<N>(PointRows<N>{a.points, numbers + (k + 1) * N}, p[2]);
-        const float* compliance = a.bendCompliances + bundle.firstLink + k * N;
-        const WideVec3<N> bend = placeOf(p[0]) - Lanes<N>(2.0f) * placeOf(p[1]) + placeOf(p[2]);
-        const Lanes<N> length = sqrt(dot(bend, bend));
-        const Lanes<N> error = length - Lanes<N>::load(a.bendLengths + bundle.firstLink + k * N);
-        const Lanes<N> lambda =
-            error / (p[0][3] + 4.0f * p[1][3] + p[2][3] + stiffening * Lanes<N>::load(compliance));
-        const WideVec3<N> f = -divideOrZero(lambda, length) * bend, twice = Lanes<N>(-2.0f) * f;
-        const WideVec3<N> given[3] = {f, twice, f};
-        for (int i = 0; i < 3; ++i) {
-            addForce(p[i], given[i]);
-            if (bundle.reacts) addReaction(a, bundle, k - 1 + i, given[i]);
-        }
-        scatterAll8<N>(PointRows<N>{a.points, numbers + (k - 1) * N}, p[0]);
-        for (int f2 = 0; f2 < 8; ++f2) {
-            p[0][f2] = p[1][f2];
-            p[1][f2] = p[2][f2];
-        }
+    const Lanes<N> most = substitute(chain);
+    max(most, Lanes<N>::load(a.tautest)).store(a.tautest);
+    if (any(!(most <= Lanes<N>(kTautest)))) {
+        projectLinks(chain, stiffening, most);
+    } else {
+        moveByTensions<true>(chain);
     }
-    scatterAll8<N>(PointRows<N>{a.points, numbers + (bundle.links - 1) * N}, p[0]);
-    scatterAll8<N>(PointRows<N>{a.points, numbers + bundle.links * N}, p[1]);
 }
 
 template <int N>
 void solveChains(const ClothArrays& a, int begin, int end, const ClothContext& context) {
-    for (int i = begin; i < end; ++i) solveChain<N>(a, a.bundles[i], context);
-}
-template <int N>
-void bendChains(const ClothArrays& a, int begin, int end, const ClothContext& context) {
-    for (int i = begin; i < end; ++i)
-        if (a.bundles[i].bends) bendChain<N>(a, a.bundles[i], context);
+    for (int i = begin; i < end; ++i) {
+        if (a.chainTied[i]) {
+            solveChain<N, true, false>(a, a.chains[i], context);
+        } else if (a.chains[i].rows.even) {
+            solveChain<N, false, true>(a, a.chains[i], context);
+        } else {
+            solveChain<N, false, false>(a, a.chains[i], context);
+        }
+    }
 }
 
 }  // namespace

@@ -31,42 +31,52 @@ void turnInertia(NearBody& body) {
     body.inverseInertia = turn * body.inverseInertiaBody * transpose(turn);
 }
 
-/// Notes the deepest contact of each point.
-void noteContacts(ClothSim& sim, std::uint32_t number) {
+/// Notes the deepest contact of each point: where any of N end too near, all of them are looked at.
+void noteContacts(ClothSim& sim, std::uint32_t number, std::span<const std::uint32_t> hits) {
     Surroundings& around = sim.around;
     const NearShape& shape = around.shapes[number];
-    for (std::uint32_t i = 0; i < shape.pairs; ++i) {
-        const float* result = around.results.data() + (shape.firstPair + i) / kPairs * kPairFloats + i % kPairs;
-        const float end = result[kPairs];
-        const std::uint32_t point = around.pairs[shape.firstPair + i];
-        if (!(end < sim.def.thickness) || !(sim.state.points[point].inverseMass > 0)) continue;
-        PointContact contact;
-        contact.point = point;
-        contact.shape = number;
-        contact.normal = {result[2 * kPairs], result[3 * kPairs], result[4 * kPairs]};
-        contact.gap = result[0];
-        contact.end = end;
-        int& known = around.contactOfPoint[point];
-        if (known == kNoPoint) {
-            known = static_cast<int>(around.contacts.size());
-            around.contacts.push_back(contact);
-        } else if (end < around.contacts[index(known)].end) {
-            around.contacts[index(known)] = contact;
+    const auto lanes = static_cast<std::uint32_t>(sim.fabric.kernels->lanes);
+    for (const std::uint32_t first : hits)
+        for (std::uint32_t i = first; i < first + lanes; ++i) {
+            const float* result = around.results.data() + (shape.firstPair + i) / kPairs * kPairFloats + i % kPairs;
+            const float end = result[kPairs];
+            const std::uint32_t point = around.pairs[shape.firstPair + i] / kRowBytes;
+            if (!(end < sim.def.thickness) || !(sim.state.points[point].inverseMass > 0)) continue;
+            PointContact contact;
+            contact.point = point;
+            contact.shape = number;
+            contact.normal = {result[2 * kPairs], result[3 * kPairs], result[4 * kPairs]};
+            contact.gap = result[0];
+            contact.end = end;
+            int& known = around.contactOfPoint[point];
+            if (known == kNoPoint) {
+                known = static_cast<int>(around.contacts.size());
+                around.contacts.push_back(contact);
+            } else if (end < around.contacts[index(known)].end) {
+                around.contacts[index(known)] = contact;
+            }
         }
-    }
+}
+
+/// s = n w/√(w + w_b), the root of w − w of both.
+void tie(ClothSim& sim, const PointContact& contact, float w, float both) {
+    sim.state.ties[contact.point].held = (w / std::sqrt(both)) * contact.normal;
+    const std::vector<std::uint32_t>& starts = sim.fabric.bundleStarts;
+    for (std::uint32_t k = starts[contact.point]; k < starts[contact.point + 1]; ++k)
+        sim.around.tied[sim.fabric.bundlesOfPoint[k]] = 1;
 }
 
 /// Moves a point out of what it is in already, which gives it no speed; then stops it, and ties it to the body.
 void press(ClothSim& sim, PointContact& contact) {
     PointRow& point = sim.state.points[contact.point];
-    MotionRow& motion = sim.state.motions[contact.point];
+    Vec3& before = sim.state.before[contact.point].place;
     const NearBody& body = sim.around.bodies[sim.around.shapes[contact.shape].body];
     const float overlap = std::max(0.0f, sim.def.thickness - contact.gap);
     // No more than the thickness at once, so that what was made inside a body leaves it without tearing at the rest.
     const float out = std::min(overlap, sim.def.thickness);
     point.place += out * contact.normal;
-    motion.before += out * contact.normal;
-    contact.arm = motion.before - body.center - sim.def.thickness * contact.normal;
+    before += out * contact.normal;
+    contact.arm = before - body.center - sim.def.thickness * contact.normal;
     contact.shareOfBody = body.inverseMass > 0
                               ? static_cast<float>(body.contacts) * inverseMassAlong(body, contact.arm, contact.normal)
                               : 0;
@@ -75,26 +85,25 @@ void press(ClothSim& sim, PointContact& contact) {
     const float both = point.inverseMass + contact.shareOfBody;
     contact.impulse = over / both;
     point.place += (point.inverseMass * contact.impulse) * contact.normal;
-    // w − w of both, as the root: w²/(w + w_b).
-    if (motion.leaves == 0) point.held = (point.inverseMass / std::sqrt(both)) * contact.normal;
+    if (sim.state.leaves[contact.point] == 0) tie(sim, contact, point.inverseMass, both);
 }
 
 /// What the contact bears in all. A point that lengths pull off is held until the end of the substep, because what they
 /// gave it was for the mass of both; in the next it is free to go.
 void bear(ClothSim& sim, PointContact& contact, float inverseH) {
-    PointRow& point = sim.state.points[contact.point];
-    float& leaves = sim.state.motions[contact.point].leaves;
+    std::uint8_t& leaves = sim.state.leaves[contact.point];
     NearBody& body = sim.around.bodies[sim.around.shapes[contact.shape].body];
-    const float w = point.inverseMass, both = w + contact.shareOfBody;
+    const float both = sim.state.points[contact.point].inverseMass + contact.shareOfBody;
     // Where the point is along the normal, over where the body would be without the cloth.
     contact.lead = -contact.shareOfBody * contact.impulse;
     if (leaves == 0) {
         // pull = s · f with s = n w/√both; of n · f the body takes w/both.
-        const float pull = point.pull / std::sqrt(both);
+        const float pull = sim.state.ties[contact.point].pull / std::sqrt(both);
         contact.lead += contact.shareOfBody * pull;
         contact.impulse -= pull;
     }
-    leaves = contact.impulse > 0 ? 0.0f : 1.0f;
+    sim.state.ties[contact.point] = {};
+    leaves = contact.impulse > 0 ? 0 : 1;
     give(body, contact.arm, (-inverseH * contact.impulse) * contact.normal);
 }
 
@@ -104,17 +113,16 @@ Vec3 movedBy(const NearBody& body, const Vec3& arm) { return body.linear + cross
 /// Puts the point where the body as a whole goes, of which it had but a share, and rubs.
 void settle(ClothSim& sim, const PointContact& contact, float inverseH) {
     PointRow& point = sim.state.points[contact.point];
-    const MotionRow& motion = sim.state.motions[contact.point];
     const NearShape& shape = sim.around.shapes[contact.shape];
     NearBody& body = sim.around.bodies[shape.body];
     Vec3 given;  // N s², to the point
     const float shift = dot(contact.normal, cross(body.turnedMore, contact.arm) + body.movedMore) - contact.lead;
     if (shift > 0 || contact.impulse > 0) {
         point.place += shift * contact.normal;
-        given = (motion.mass * shift) * contact.normal;
+        given = (sim.fabric.masses[contact.point] * shift) * contact.normal;
     }
-    const Vec3 slip = point.place - motion.before - movedBy(body, contact.arm) - body.movedMore -
-                      cross(body.turnedMore, contact.arm);
+    const Vec3 slip = point.place - sim.state.before[contact.point].place - movedBy(body, contact.arm) -
+                      body.movedMore - cross(body.turnedMore, contact.arm);
     const Vec3 aside = slip - dot(slip, contact.normal) * contact.normal;
     const float distance = length(aside);
     if (distance > 0 && contact.impulse > 0 && shape.friction > 0) {
@@ -137,24 +145,22 @@ NearBody* yielding(ClothSim& sim, const HeldPoint& held) {
 
 void pull(ClothSim& sim, const HeldPoint& held, const Vec3& impulse) {
     if (NearBody* body = yielding(sim, held))
-        give(*body, sim.state.motions[index(held.point)].before - body->center, impulse);
+        give(*body, sim.state.before[index(held.point)].place - body->center, impulse);
 }
 
 /// What lengths and tethers pulled at points that bodies hold.
 void pullAtBodies(ClothSim& sim, float inverseH) {
+    if (!sim.arrays.yields) return;
     const auto lanes = index(sim.fabric.kernels->lanes);
     for (const HeldPosition& position : sim.fabric.heldPositions) {
         float* f = sim.fabric.reactions.data() + position.reaction;
         pull(sim, sim.state.held[index(position.held)], inverseH * Vec3{f[0], f[lanes], f[2 * lanes]});
         f[0] = f[lanes] = f[2 * lanes] = 0;
     }
-    bool any = false;
-    for (const HeldPoint& held : sim.state.held) any |= yielding(sim, held) != nullptr;
-    if (!any) return;
-    for (std::size_t i = 0; i < index(sim.arrays.tetherCount); ++i) {
-        const Vec3 f{sim.arrays.tetherPulls[0][i], sim.arrays.tetherPulls[1][i], sim.arrays.tetherPulls[2][i]};
+    for (std::size_t i = 0; i < sim.fabric.tethers.anchoredAt.size(); ++i) {
+        const Vec3 f{sim.arrays.tethers.pulls[0][i], sim.arrays.tethers.pulls[1][i], sim.arrays.tethers.pulls[2][i]};
         if (f == Vec3{}) continue;
-        pull(sim, sim.state.held[index(sim.fabric.heldOfPoint[sim.fabric.anchors[i]])], inverseH * f);
+        pull(sim, sim.state.held[index(sim.fabric.tethers.anchoredAt[i])], inverseH * f);
     }
 }
 
@@ -166,6 +172,7 @@ void readBodies(ClothSim& sim, float h) {
         const Pose pose = world.pose(body.id);
         body.pose = {relative(pose.position, sim.state.origin), pose.rotation};
         body.center = relative(world.centerOfMass(body.id), sim.state.origin);
+        body.centerBody = inverseRotate(body.pose.rotation, body.center - body.pose.position);
         body.pushed = body.spun = {};
         begin(body);
         body.linear = body.angular = {};
@@ -181,6 +188,7 @@ void readBodies(ClothSim& sim, float h) {
 void findContacts(ClothSim& sim) {
     Surroundings& around = sim.around;
     around.contacts.clear();
+    std::fill(around.tied.begin(), around.tied.end(), std::uint8_t{0});
     for (std::uint32_t i = 0; i < around.shapes.size(); ++i) {
         NearShape& shape = around.shapes[i];
         const NearBody& body = around.bodies[shape.body];
@@ -190,10 +198,10 @@ void findContacts(ClothSim& sim) {
         shape.surface.center = body.center;
         shape.surface.linear = body.linear;
         shape.surface.angular = body.angular;
-        sim.fabric.kernels->meet(sim.arrays, shape.surface, around.pairs.data() + shape.firstPair,
-                                 static_cast<int>(shape.pairs),
-                                 around.results.data() + shape.firstPair / kPairs * kPairFloats);
-        noteContacts(sim, i);
+        const Meeting meeting{around.pairs.data() + shape.firstPair, static_cast<int>(shape.pairs), sim.def.thickness,
+                              around.results.data() + shape.firstPair / kPairs * kPairFloats, around.hits.data()};
+        const int hits = sim.fabric.kernels->meet(sim.arrays, shape.surface, meeting);
+        noteContacts(sim, i, {around.hits.data(), index(hits)});
     }
     for (const PointContact& contact : around.contacts) {
         around.contactOfPoint[contact.point] = kNoPoint;

@@ -4,63 +4,119 @@
 
 #include "ragtop/math.h"
 
-/// The kernels that run N points, chains or faces of a cloth side by side, and what they work on.
+/// The kernels that run N points, chains, strips or faces of a cloth side by side, and what they work on.
 namespace ragtop::cloth {
 
-/// A point in the pass of a substep. Its inverse mass is W = w E − s sᵀ: what stands against a body moves with it along
-/// the normal, so that s = n √(w − w of both).
-struct alignas(32) PointRow {
-    Vec3 place;           ///< m, from the cloth's origin
-    float inverseMass = 0;  ///< w, 1/kg
-    Vec3 held;            ///< s, 1/√kg
-    float pull = 0;       ///< s · Σ f, f what lengths gave it, N s²
-};
-static_assert(sizeof(PointRow) == 32);
+/// Rows of four floats: as many as there are lanes are read and turned into columns at once, and what is the same for
+/// all four is computed on rows as they lie. Kernels find them by how many bytes they are from the first.
+inline constexpr std::uint32_t kRowBytes = 16;
 
-struct alignas(32) MotionRow {
-    Vec3 before;   ///< m, place at the beginning of the substep
-    float mass = 0;  ///< kg
-    Vec3 velocity;  ///< m/s
-    float leaves = 0;  ///< 1: lengths pulled it off what it touched in the last substep
+/// A point as it is in a small step.
+struct alignas(16) PointRow {
+    Vec3 place;             ///< m, from the cloth's origin
+    float inverseMass = 0;  ///< w, 1/kg
 };
-static_assert(sizeof(MotionRow) == 32);
+static_assert(sizeof(PointRow) == kRowBytes);
+
+/// What a point is tied by. Its inverse mass is W = w E − s sᵀ: what stands against a body moves with it along the
+/// normal, so that s = n √(w − w of both).
+struct alignas(16) TieRow {
+    Vec3 held;       ///< s, 1/√kg
+    float pull = 0;  ///< s · Σ f, f what lengths gave it, N s²
+};
+static_assert(sizeof(TieRow) == kRowBytes);
+
+struct alignas(16) VectorRow {
+    Vec3 v;
+    float none = 0;
+};
+static_assert(sizeof(VectorRow) == kRowBytes);
+
+/// What air does to a point or a face: G − k v.
+struct alignas(16) AirRow {
+    Vec3 force;            ///< G, N
+    float resistance = 0;  ///< k, kg/s
+};
+static_assert(sizeof(AirRow) == kRowBytes);
+
+/// Where points of a bundle are when it is a piece of a grid, in bytes.
+struct EvenRows {
+    std::int32_t first = 0, across = 0;  ///< from one lane to the next
+    std::int32_t along = 0;              ///< and from one position or rung to the next
+    std::int32_t beside = 0;             ///< and from one end of a rung to the other
+    bool even = false;                   ///< it is one
+};
 
 /// N chains side by side; shorter ones are filled up with links that do nothing.
 struct ChainBundle {
-    std::uint32_t firstPoint = 0;  ///< of numbers and reactions, N per point
-    std::uint32_t firstLink = 0;   ///< of lengths and compliances, N per link
+    std::uint32_t firstPoint = 0;  ///< of rows and reactions, N per point
+    std::uint32_t firstLink = 0;   ///< of what links have, N per link
     std::int32_t links = 0;
-    bool bends = false;   ///< has bending
     bool reacts = false;  ///< bodies hold points of it
+    EvenRows rows;
+};
+
+/// N strips of quads side by side, two points where a quad meets the next; shorter ones are filled up likewise.
+struct StripBundle {
+    std::uint32_t firstPoint = 0;  ///< of rows and reactions, 2 N per rung
+    std::uint32_t firstQuad = 0;   ///< of what quads have, N per quad
+    std::int32_t quads = 0;
+    bool reacts = false;  ///< bodies hold points of it
+    EvenRows rows;
+};
+
+/// Of chains, N per link.
+struct LinkArrays {
+    const float *lengths = nullptr, *inverseLengths = nullptr;  ///< m and 1/m; zero where there is none
+    const float* compliances = nullptr;                         ///< m/N
+    /// N/m of x₀ − 2 x₁ + x₂, by link x₁ x₂, and its length at rest; null where nothing bends, or all is straight.
+    const float *bendStiffness = nullptr, *bendLengths = nullptr;
+};
+
+/// Of strips, N per quad: of the difference of squared diagonals.
+struct QuadArrays {
+    const float *stiffness = nullptr, *rests = nullptr;  ///< N/m³ and m²
+};
+
+/// Of all points; null where there are none.
+struct TetherArrays {
+    const std::uint32_t* anchors = nullptr;  ///< rows of points, bytes
+    const float* lengths = nullptr;          ///< m
+    float* pulls[3] = {};                    ///< N s², what pulled at the anchor
 };
 
 /// All that kernels read and write. Arrays of floats are aligned for 16 lanes.
 struct ClothArrays {
-    PointRow* points = nullptr;
-    MotionRow* motions = nullptr;
+    PointRow *points = nullptr, *before = nullptr;  ///< and where they were when the small step began
+    VectorRow* velocities = nullptr;                ///< m/s
+    TieRow* ties = nullptr;
     int pointCount = 0;  ///< a multiple of 16
-    const ChainBundle* bundles = nullptr;
-    const std::uint32_t* numbers = nullptr;  ///< of points, by position in chains
-    const float* lengths = nullptr;          ///< m, of links
-    const float* compliances = nullptr;      ///< m/N
-    const float* bendLengths = nullptr;      ///< m, of x₀ − 2 x₁ + x₂, by link x₁ x₂
-    const float* bendCompliances = nullptr;  ///< m/N
+    const ChainBundle* chains = nullptr;
+    const StripBundle* strips = nullptr;
+    const std::uint8_t *chainTied = nullptr, *stripTied = nullptr;  ///< of each bundle: has points that are tied
+    const std::uint32_t* rows = nullptr;  ///< of points, bytes, by position in chains and strips
+    LinkArrays links;
+    QuadArrays quads;
     float* reactions = nullptr;  ///< N s², three times N per position, where bundles react
+    bool yields = false;         ///< something that holds points is moved by what they pull
     float* scratch = nullptr;    ///< for the longest chain
-    // Forces that are the same in all substeps of a step: G − k v.
-    const float* drive[3] = {};         ///< N
-    const float* resistance = nullptr;  ///< kg/s
-    // Tethers, N at a time.
-    const std::uint32_t *tethered = nullptr, *anchors = nullptr;  ///< points
-    const float* tetherLengths = nullptr;                         ///< m
-    float* tetherPulls[3] = {};                                   ///< N s², what pulled at the anchor
-    int tetherCount = 0;                                          ///< a multiple of 16
+    float* tautest = nullptr;    ///< N, the most that w λ/L of any link was
+    // What forces that are the same in all substeps of a step do to velocities: v ← keeps v + kicks, by component.
+    VectorRow *keeps = nullptr, *kicks = nullptr;
+    const AirRow* air = nullptr;
+    const float* inverseMasses = nullptr;  ///< 1/kg, of points that nothing holds
+    TetherArrays tethers;
 };
+
+/// The tension of a link does not turn with it in the equations of chains, as that of an explicit step: where w λ/L
+/// passes this, the square of h times the rate at which the link swings across, a taut line would swing ever farther.
+inline constexpr float kTautest = 0.5f;  ///< of what an explicit step would bear
 
 struct ClothContext {
     float h = 0, inverseH = 0;  ///< s
     Vec3 gravity;               ///< m/s²
     float damping = 0;          ///< 1/s
+    int bendSteps = 0;          ///< small steps that bends act for in this one; zero: none
 };
 
 enum class SurfaceKind : std::int32_t { capsule, box, hull, planes };
@@ -84,26 +140,38 @@ struct Surface {
 /// end, normal.
 inline constexpr int kPairs = 16, kPairFloats = 5 * kPairs;
 
-/// What air does to faces of three corners.
+/// Points that are to be met with a surface, and what comes of it where any of N end nearer than `limit`.
+struct Meeting {
+    const std::uint32_t* rows = nullptr;  ///< of points, bytes
+    int count = 0;                        ///< a multiple of 16
+    float limit = 0;                      ///< m
+    float* results = nullptr;
+    std::uint32_t* hits = nullptr;  ///< first pair of each N with results
+};
+
+/// What air does to each corner of faces of three or four.
 struct FaceArrays {
-    const std::uint32_t* corners[3] = {};  ///< points
-    float* force[3] = {};                  ///< N
-    float* resistance = nullptr;           ///< kg/s
-    int count = 0;                         ///< a multiple of 16
+    const std::uint32_t* corners[4] = {};  ///< rows of points, bytes; the first again where there is no fourth
+    const float* shares = nullptr;         ///< of each corner, 1 over their number
+    AirRow* air = nullptr;
+    int count = 0;  ///< a multiple of 16
     float airDensity = 0, drag = 0, lift = 0;
-    Vec3 wind;                             ///< m/s
+    Vec3 wind;  ///< m/s
 };
 
 struct ClothKernels {
     int lanes;
-    /// v ← (v + h (g + (G − k v)/m)) / …, x ← x + h v; forgets what held the points.
+    /// What forces of this step do to velocities in a small step.
+    void (*prepare)(const ClothArrays&, const ClothContext&);
+    /// v ← (v + h (g + (G − k v)/m)) / …, x ← x + h v.
     void (*predict)(const ClothArrays&, const ClothContext&);
     /// v ← (x − before)/h.
     void (*finish)(const ClothArrays&, const ClothContext&);
-    void (*bend)(const ClothArrays&, int begin, int end, const ClothContext&);
+    void (*shear)(const ClothArrays&, int begin, int end, const ClothContext&);
     void (*solve)(const ClothArrays&, int begin, int end, const ClothContext&);
     void (*tether)(const ClothArrays&, const ClothContext&);
-    void (*meet)(const ClothArrays&, const Surface&, const std::uint32_t* numbers, int count, float* results);
+    /// The number of hits.
+    int (*meet)(const ClothArrays&, const Surface&, const Meeting&);
     void (*blow)(const ClothArrays&, const FaceArrays&);
 };
 

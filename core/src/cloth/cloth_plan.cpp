@@ -24,23 +24,20 @@ public:
     explicit LinkTable(const ClothDef& def) : def_(def) {}
 
     /// `areaShare` is the area that the link stands for times the stiffness of the fabric, N m.
-    void add(int a, int b, float areaShare, bool shears) {
+    void add(int a, int b, float areaShare) {
         const float rest = length(def_.points[place(b)] - def_.points[place(a)]);
-        addStiffness(a, b, rest, areaShare / (rest * rest), shears);
+        addStiffness(a, b, rest, areaShare / (rest * rest));
     }
-    void addStiffness(int a, int b, float rest, float stiffness, bool shears) {
+    void addStiffness(int a, int b, float rest, float stiffness) {
         Link& link = links_[{std::min(a, b), std::max(a, b)}];
         link.a = std::min(a, b);
         link.b = std::max(a, b);
         link.rest = rest;
-        link.shears = link.stiffness > 0 ? link.shears && shears : shears;
         link.stiffness += stiffness;
     }
     std::vector<Link> take() const {
         std::vector<Link> links;
-        for (const auto& [ends, link] : links_) {
-            if (link.stiffness > 0) links.push_back(link);
-        }
+        for (const auto& [ends, link] : links_) links.push_back(link);
         return links;
     }
 
@@ -57,25 +54,22 @@ void addFace(const ClothDef& def, const ClothFace& face, LinkTable& links, Plan&
         plan.areas[place(corners[place(i)])] += area / static_cast<float>(count);
         // Two sides of a quad share its area along each of its ways; a lattice of equilateral triangles with Young's
         // modulus Y has springs of Y area/l² for each of both triangles.
-        links.add(corners[place(i)], corners[place((i + 1) % count)], def.stretch * (count == 4 ? 0.5f : 1.0f) * area, false);
+        links.add(corners[place(i)], corners[place((i + 1) % count)], def.stretch * (count == 4 ? 0.5f : 1.0f) * area);
     }
-    if (count == 3) return;
-    // A shear γ stretches a diagonal by γ/2: both hold ½ G γ² area where k d² = 2 G area.
-    links.add(face.a, face.c, 2 * def.shear * area, true);
-    links.add(face.b, face.d, 2 * def.shear * area, true);
 }
 
 /// Covers links with layers of chains that go as straight on as they can.
 class Layering {
 public:
-    Layering(const ClothDef& def, const std::vector<Link>& links, bool shears)
-        : def_(def), links_(links), shears_(shears), around_(def.points.size()), covered_(links.size(), 0) {
-        for (int i = 0; i < static_cast<int>(links.size()); ++i) {
-            const Link& link = links[place(i)];
-            if (link.shears != shears) continue;
-            around_[place(link.a)].push_back(i);
-            around_[place(link.b)].push_back(i);
-            ++open_;
+    Layering(const ClothDef& def, const std::vector<Link>& links)
+        : def_(def),
+          links_(links),
+          around_(def.points.size()),
+          covered_(links.size(), 0),
+          open_(static_cast<int>(links.size())) {
+        for (int i = 0; i < open_; ++i) {
+            around_[place(links[place(i)].a)].push_back(i);
+            around_[place(links[place(i)].b)].push_back(i);
         }
     }
 
@@ -87,7 +81,6 @@ private:
     /// Chains begin along the first of them where they can, so that a woven layer is all warp or all weft.
     Layer next() {
         Layer layer;
-        layer.shears = shears_;
         used_.assign(def_.points.size(), 0);
         Vec3 along;
         for (const bool anyWay : {false, true}) {
@@ -106,7 +99,7 @@ private:
 
     bool isOpen(int i) const {
         const Link& link = links_[place(i)];
-        return link.shears == shears_ && !covered_[place(i)] && !used_[place(link.a)] && !used_[place(link.b)];
+        return !covered_[place(i)] && !used_[place(link.a)] && !used_[place(link.b)];
     }
     int otherEnd(int i, int point) const { return links_[place(i)].a == point ? links_[place(i)].b : links_[place(i)].a; }
     Vec3 directionOf(int i, int from) const {
@@ -123,7 +116,6 @@ private:
 
     Chain chainFrom(int first) {
         Chain chain;
-        chain.shears = shears_;
         const Link& link = links_[place(first)];
         chain.points.push_back(link.a);
         used_[place(link.a)] = 1;
@@ -158,7 +150,6 @@ private:
 
     const ClothDef& def_;
     const std::vector<Link>& links_;
-    const bool shears_;
     std::vector<std::vector<int>> around_;
     std::vector<char> covered_, used_;
     int open_ = 0;
@@ -214,16 +205,13 @@ Plan makePlan(const ClothDef& def) {
     for (const float area : plan.areas) plan.masses.push_back(def.density * area);
     for (const ClothLine& line : def.lines) {
         const float rest = length(def.points[place(line.b)] - def.points[place(line.a)]);
-        links.addStiffness(line.a, line.b, rest, def.lineStretch / rest, false);
+        links.addStiffness(line.a, line.b, rest, def.lineStretch / rest);
         plan.masses[place(line.a)] += 0.5f * def.lineDensity * rest;
         plan.masses[place(line.b)] += 0.5f * def.lineDensity * rest;
     }
     plan.links = links.take();
-    // What bears most comes last, so that it is the nearest to its length.
-    Layering(def, plan.links, true).appendTo(plan.layers);
-    std::vector<Layer> woven;
-    Layering(def, plan.links, false).appendTo(woven);
-    plan.layers.insert(plan.layers.end(), woven.begin(), woven.end());
+    Layering(def, plan.links).appendTo(plan.layers);
+    if (def.shear > 0) plan.strips = makeStrips(def);
     findTethers(def, plan);
     return plan;
 }

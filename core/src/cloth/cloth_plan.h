@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "ragtop/cloth.h"
 
-/// What follows from a definition alone: masses, links with their stiffness, and the lines that these are solved along.
+/// What follows from a definition alone: masses, links with their stiffness, and the lines that these and the shear of
+/// quads are solved along.
 namespace ragtop::cloth {
 
 inline constexpr int kNoPoint = -1;  ///< no index
@@ -14,20 +16,27 @@ struct Link {
     int a = 0, b = 0;
     float rest = 0;       ///< m
     float stiffness = 0;  ///< N/m
-    bool shears = false;
 };
 
 /// Points in a row, each linked to the next.
 struct Chain {
     std::vector<int> points;
     std::vector<int> links;  ///< one fewer
-    bool shears = false;
 };
 
 /// Chains that share no point, so that all of them are solved at once.
 struct Layer {
     std::vector<Chain> chains;  ///< longest first
-    bool shears = false;
+};
+
+/// Quads in a row, each with one side in common with the next: the ends of sides across it, one more than quads.
+struct Strip {
+    std::vector<std::pair<int, int>> rungs;
+};
+
+/// Strips that share no point.
+struct StripLayer {
+    std::vector<Strip> strips;  ///< longest first
 };
 
 struct Plan {
@@ -35,11 +44,15 @@ struct Plan {
     std::vector<float> areas;       ///< m², of faces about each point
     std::vector<Link> links;
     std::vector<Layer> layers;      ///< in the order in which they are solved
+    std::vector<StripLayer> strips;  ///< where the cloth resists shear
     std::vector<int> anchors;       ///< of each point the nearest attached one; kNoPoint: none
     std::vector<float> tethers;     ///< m, along links to it
 };
 
 Plan makePlan(const ClothDef& def);
+
+/// Covers the quads of a cloth with layers of strips.
+std::vector<StripLayer> makeStrips(const ClothDef& def);
 
 /// kNoPoint where a point is not attached; else the index of its attachment.
 std::vector<int> attachmentOfPoints(const ClothDef& def);

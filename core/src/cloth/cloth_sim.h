@@ -30,6 +30,8 @@ struct NearBody {
     Vec3 push, spin;            ///< N s and N m s of this small step, about the centre
     Vec3 pushed, spun;          ///< of those before in the substep
     Vec3 movedMore, turnedMore; ///< by what the cloth gave it, m and rad
+    Mat3 next{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};  ///< rotation when the small step ends
+    Vec3 centerBody;                             ///< of mass, in the body
     int contacts = 0;           ///< points that share the body in this substep
     int held = 0;               ///< points that are attached
 };
@@ -64,10 +66,46 @@ struct HeldPoint {
     DVec3 fixed;  ///< in the world
 };
 
-/// Where the chains of a bundle have an attached point.
+/// Where the chains or strips of a bundle have an attached point.
 struct HeldPosition {
     std::uint32_t reaction = 0;  ///< of its x among the reactions; y and z follow N later
     int held = 0;                ///< of the held points
+};
+
+/// What LinkArrays points to.
+struct Links {
+    explicit Links(std::pmr::memory_resource* memory)
+        : lengths(memory), inverseLengths(memory), compliances(memory), bendLengths(memory), bendStiffness(memory) {}
+
+    AlignedArray<float> lengths, inverseLengths, compliances, bendLengths, bendStiffness;
+    float bendRate = 0;  ///< 1/s², square of that of the stiffest bend
+};
+
+/// What QuadArrays points to.
+struct Quads {
+    explicit Quads(std::pmr::memory_resource* memory) : stiffness(memory), rests(memory) {}
+
+    AlignedArray<float> stiffness, rests;
+};
+
+/// What TetherArrays points to.
+struct Tethers {
+    explicit Tethers(std::pmr::memory_resource* memory) : anchors(memory), lengths(memory), pulls(memory) {}
+
+    AlignedArray<std::uint32_t> anchors;  ///< rows, of each point
+    AlignedArray<float> lengths, pulls;
+    std::vector<int> anchoredAt;  ///< held points; kNoPoint: no tether
+};
+
+/// What FaceArrays points to.
+struct Faces {
+    explicit Faces(std::pmr::memory_resource* memory)
+        : corners(memory), shares(memory), air(memory), pointAir(memory) {}
+
+    AlignedArray<std::uint32_t> corners;  ///< rows, four lists
+    AlignedArray<float> shares;
+    std::vector<std::uint32_t> ofPoint, starts;
+    AlignedArray<AirRow> air, pointAir;
 };
 
 /// What a definition makes of it, in the layout of the kernels.
@@ -75,31 +113,37 @@ struct Fabric {
     explicit Fabric(std::pmr::memory_resource* memory);
 
     const ClothKernels* kernels = nullptr;
-    std::vector<float> inverseMasses;            ///< 1/kg, of points that nothing holds
-    std::vector<ChainBundle> bundles;
-    std::vector<std::pair<int, int>> layers;     ///< begin and end of their bundles
-    AlignedArray<std::uint32_t> numbers;
-    AlignedArray<float> lengths, compliances, bendLengths, bendCompliances, reactions, scratch;
-    AlignedArray<std::uint32_t> tethered, anchors;
-    AlignedArray<float> tetherLengths, tetherPulls;
+    AlignedArray<float> inverseMasses;  ///< 1/kg, of points that nothing holds
+    std::vector<float> masses;          ///< kg; zero where they are held
+    std::vector<ChainBundle> chains;
+    std::vector<StripBundle> strips;
+    std::vector<std::pair<int, int>> chainLayers, stripLayers;  ///< begin and end of their bundles
+    AlignedArray<std::uint32_t> rows;                           ///< by position in chains and strips
+    Links links;
+    Quads quads;
+    Tethers tethers;
+    Faces faces;
+    AlignedArray<float> reactions, scratch, tautest;
+    AlignedArray<VectorRow> keeps, kicks;
     std::vector<HeldPosition> heldPositions;
-    std::vector<int> heldOfPoint;                ///< kNoPoint where a point is free
-    AlignedArray<std::uint32_t> corners;         ///< of faces, three lists
-    std::vector<std::uint32_t> facesOfPoint, faceStarts;
-    AlignedArray<float> faceForces;              ///< four lists
-    AlignedArray<float> drive;                   ///< three forces and the resistance of points
+    std::vector<int> heldOfPoint;                             ///< kNoPoint where a point is free
+    std::vector<std::uint32_t> bundlesOfPoint, bundleStarts;  ///< chains, and strips after all of them
 };
 
 struct State {
-    explicit State(std::pmr::memory_resource* memory) : points(memory), motions(memory) {}
+    explicit State(std::pmr::memory_resource* memory)
+        : points(memory), before(memory), velocities(memory), ties(memory) {}
 
     DVec3 origin;  ///< that places are from; whole metres
-    AlignedArray<PointRow> points;
-    AlignedArray<MotionRow> motions;
+    AlignedArray<PointRow> points, before;
+    AlignedArray<VectorRow> velocities;
+    AlignedArray<TieRow> ties;         ///< zero but for contacts in a small step
+    std::vector<std::uint8_t> leaves;  ///< 1: lengths pulled the point off what it touched in the last small step
     std::vector<HeldPoint> held;
     Vec3 wind;
     float quiet = 0;  ///< s at rest
     bool awake = true;
+    bool atEase = false;                  ///< as many small steps are not needed
     bool follows = false;                 ///< has been told where the animation is
     std::vector<DVec3> skinFrom, skinTo;  ///< where the animation had and has the points
     std::vector<Vec3> skinNormals;
@@ -107,18 +151,21 @@ struct State {
 
 /// What is near in a step.
 struct Surroundings {
-    explicit Surroundings(std::pmr::memory_resource* memory) : pairs(memory), planes(memory), results(memory) {}
+    explicit Surroundings(std::pmr::memory_resource* memory)
+        : pairs(memory), hits(memory), planes(memory), results(memory) {}
 
     std::vector<NearBody> bodies;
     std::vector<BodyId> named;
     std::vector<NearShape> shapes;
-    AlignedArray<std::uint32_t> pairs;
+    AlignedArray<std::uint32_t> pairs, hits;  ///< rows of points; see Meeting
     AlignedArray<float> planes, results;
     std::vector<PointContact> contacts;
     std::vector<int> contactOfPoint;  ///< kNoPoint: none
     std::vector<Bounds> blocks;       ///< of kPairs points each, from the origin
+    std::vector<std::uint8_t> tied;   ///< of each bundle: a point of it is tied to a body in this small step
     float fastest = 0;                ///< m/s, of the points
-    int smallStep = 0;                ///< number of those done in the step
+    float preparedFor = 0;            ///< s, small step that forces are prepared for; zero: none in this step
+    int substep = 0;                  ///< of the step
     std::uint64_t fixedSeen = 0;
 };
 
@@ -152,8 +199,8 @@ void build(ClothSim& sim, const Pose& pose);
 /// What is near, before a step; the bodies to name.
 void lookAround(ClothSim& sim, float dt);
 bool mustWake(const ClothSim& sim);
-/// The box of kPairs points each, and the fastest of all.
-void findBlocks(ClothSim& sim);
+/// The box of kPairs points each, and the fastest of all; false where any place or velocity is no number.
+bool findBlocks(ClothSim& sim);
 
 // cloth_contacts.cpp
 /// Where bodies are, and where they would go without the cloth.
@@ -169,7 +216,10 @@ void pushBodies(ClothSim& sim);
 StepModule moduleOf(ClothSim& sim);
 void moveHeld(ClothSim& sim);
 
+inline std::uint32_t rowOf(std::size_t point) { return static_cast<std::uint32_t>(point) * kRowBytes; }
 inline std::size_t index(int i) { return static_cast<std::size_t>(i); }
+/// From the cloth's origin, and never −0 (WidePoint).
+inline Vec3 placeFrom(const DVec3& place, const DVec3& origin) { return relative(place, origin) + Vec3{0, 0, 0}; }
 
 }  // namespace cloth
 }  // namespace ragtop

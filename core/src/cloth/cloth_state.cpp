@@ -15,8 +15,8 @@ void visitState(Sim& sim, Visit&& visit) {
     visit(state.origin);
     for (std::size_t i = 0; i < index(sim.count); ++i) {
         visit(state.points[i].place);
-        visit(state.motions[i].velocity);
-        visit(state.motions[i].leaves);
+        visit(state.velocities[i].v);
+        visit(state.leaves[i]);
     }
     for (auto& held : state.held) {
         visit(held.id);
@@ -25,6 +25,7 @@ void visitState(Sim& sim, Visit&& visit) {
     visit(state.wind);
     visit(state.quiet);
     visit(state.awake);
+    visit(state.atEase);
     visit(state.follows);
     for (auto* list : {&state.skinFrom, &state.skinTo})
         for (auto& place : *list) visit(place);

@@ -3,7 +3,7 @@
 //   look       bodies and shapes that are near, pairs of points and shapes, what the air does
 //   small step predict:  v ← v + h (g + F/m),  x ← x + h v
 //              held points go with their bodies; points that surfaces stop are tied to them
-//              tethers, bends, then lengths, line by line:  (J W Jᵀ + α/h²) λ = −C,  Δx = W Jᵀ λ
+//              tethers, shear, then bends and lengths, line by line:  (J W Jᵀ + α/h²) λ = −C,  Δx = W Jᵀ λ
 //              contacts let go or rub, and hand to bodies what they bear
 //              v ← (x − before)/h
 //
@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cloth/cloth_sim.h"
 #include "cloth/cloth_state.h"
@@ -22,25 +23,29 @@ constexpr float kStill = 0.02f;  ///< m/s of the fastest point of a cloth at res
 
 /// Where what holds points will be at the end of the small step.
 void carryHeld(ClothSim& sim) {
+    if (sim.state.held.empty()) return;
+    for (NearBody& body : sim.around.bodies) {
+        const float angle = length(body.angular);
+        body.next = toMat3(angle > 0 ? rotationAbout(body.angular, angle) * body.pose.rotation : body.pose.rotation);
+    }
+    sim.arrays.yields = false;
     for (const HeldPoint& held : sim.state.held) {
         PointRow& point = sim.state.points[index(held.point)];
         point.inverseMass = 0;
         if (held.id.isNull()) {
-            point.place = relative(held.fixed, sim.state.origin);
+            point.place = placeFrom(held.fixed, sim.state.origin);
             continue;
         }
         NearBody& body = sim.around.bodies[held.body];
         ++body.held;
-        const Vec3 place = transformPoint(body.pose, held.place), arm = place - body.center;
-        const float speed = length(body.angular);
-        const Vec3 turned = speed > 0 ? rotate(rotationAbout(body.angular, speed), arm) : arm;
-        point.place = body.center + body.linear + turned;
+        point.place = body.center + body.linear + body.next * (held.place - body.centerBody) + Vec3{0, 0, 0};
     }
     // Each of them has its share of the body, and no more than that gives way in any direction.
     for (const HeldPoint& held : sim.state.held) {
         if (held.id.isNull()) continue;
         const NearBody& body = sim.around.bodies[held.body];
         if (body.inverseMass == 0) continue;
+        sim.arrays.yields = true;
         const Mat3& turning = body.inverseInertia;
         const float arm = lengthSquared(transformPoint(body.pose, held.place) - body.center);
         sim.state.points[index(held.point)].inverseMass =
@@ -55,7 +60,7 @@ void limitToSkin(ClothSim& sim, float share) {
         const ClothSkin& skin = sim.def.skin[i];
         const DVec3 target = sim.state.skinFrom[i] + static_cast<double>(share) * (sim.state.skinTo[i] - sim.state.skinFrom[i]);
         Vec3& place = sim.state.points[i].place;
-        const Vec3 to = relative(target, sim.state.origin), normal = sim.state.skinNormals[i];
+        const Vec3 to = placeFrom(target, sim.state.origin), normal = sim.state.skinNormals[i];
         const Vec3 away = place - to;
         const float behind = -dot(away, normal) - skin.backstop;
         if (behind > 0) place += behind * normal;
@@ -72,37 +77,69 @@ void pinToSkin(ClothSim& sim, float share) {
         if (sim.def.skin[i].maxDistance > 0) continue;
         const DVec3 target = sim.state.skinFrom[i] + static_cast<double>(share) * (sim.state.skinTo[i] - sim.state.skinFrom[i]);
         sim.state.points[i].inverseMass = 0;
-        sim.state.points[i].place = relative(target, sim.state.origin);
+        sim.state.points[i].place = placeFrom(target, sim.state.origin);
     }
 }
 
 /// One of the small steps that a substep of the world is divided into, `share` of the step over when it ends.
 void smallStep(ClothSim& sim, const ClothContext& context, float share) {
     const ClothKernels& kernels = *sim.fabric.kernels;
+    if (sim.around.preparedFor != context.h) kernels.prepare(sim.arrays, context);
+    sim.around.preparedFor = context.h;
     kernels.predict(sim.arrays, context);
     carryHeld(sim);
     pinToSkin(sim, share);
     findContacts(sim);
-    if (sim.arrays.tetherCount > 0) kernels.tether(sim.arrays, context);
-    for (const auto& [begin, end] : sim.fabric.layers) kernels.bend(sim.arrays, begin, end, context);
-    for (const auto& [begin, end] : sim.fabric.layers) kernels.solve(sim.arrays, begin, end, context);
+    if (sim.arrays.tethers.anchors) kernels.tether(sim.arrays, context);
+    for (const auto& [begin, end] : sim.fabric.stripLayers) kernels.shear(sim.arrays, begin, end, context);
+    for (const auto& [begin, end] : sim.fabric.chainLayers) kernels.solve(sim.arrays, begin, end, context);
     endContacts(sim, context.inverseH);
     limitToSkin(sim, share);
     kernels.finish(sim.arrays, context);
 }
 
+/// How many small steps go by from one visit of bends to the next, which then act for all of them: as many as they
+/// hardly turn in.
+int bendSteps(const ClothSim& sim, int all, float h) {
+    constexpr float kTurn = 0.2f;  // rad of the fastest bend
+    if (!sim.arrays.links.bendStiffness) return 0;
+    const float turn = std::sqrt(sim.fabric.links.bendRate) * h;
+    int steps = all;
+    while (steps > 1 && (all % steps != 0 || turn * static_cast<float>(steps) > kTurn)) --steps;
+    return steps;
+}
+
+/// Half as many small steps do for a cloth that touches nothing and has no line so taut that it could not be solved at
+/// once in them, four times as taut as they make it.
+int smallSteps(const ClothSim& sim) { return sim.state.atEase ? (sim.def.smallSteps + 1) / 2 : sim.def.smallSteps; }
+
+void seeWhetherAtEase(ClothSim& sim, bool touched, float substep, float h) {
+    constexpr float kSpare = 4.0f;  // as lines may be jerked by the next step
+    const float longest = substep / static_cast<float>((sim.def.smallSteps + 1) / 2);
+    float tautest = 0;
+    for (float& taut : sim.fabric.tautest) tautest = std::max(tautest, std::exchange(taut, 0.0f));
+    sim.state.atEase = !touched && kSpare * tautest * (longest * longest) <= kTautest * (h * h);
+}
+
 void beforeSubstep(ClothSim& sim, float substep) {
     const WorldSettings& settings = sim.world->settings();
-    const int steps = sim.def.smallSteps;
-    const float h = substep / static_cast<float>(steps), all = static_cast<float>(settings.substeps * steps);
-    const ClothContext context{h, 1 / h, sim.def.gravityScale * settings.gravity, sim.def.damping};
+    const int steps = smallSteps(sim);
+    const float h = substep / static_cast<float>(steps);
+    ClothContext context{h, 1 / h, sim.def.gravityScale * settings.gravity, sim.def.damping, 0};
+    const int bends = bendSteps(sim, steps, h);
+    bool touched = false;
     readBodies(sim, h);
     for (int i = 0; i < steps; ++i) {
         if (i > 0) advanceBodies(sim, h);
-        ++sim.around.smallStep;
-        smallStep(sim, context, static_cast<float>(sim.around.smallStep) / all);
+        context.bendSteps = bends > 0 && i % bends == 0 ? bends : 0;
+        const float over =
+            static_cast<float>(sim.around.substep) + static_cast<float>(i + 1) / static_cast<float>(steps);
+        smallStep(sim, context, over / static_cast<float>(settings.substeps));
+        touched |= !sim.around.contacts.empty();
     }
+    ++sim.around.substep;
     pushBodies(sim);
+    seeWhetherAtEase(sim, touched, substep, h);
 }
 
 std::span<const BodyId> look(ClothSim& sim, double dt) {
@@ -119,24 +156,27 @@ std::span<const BodyId> look(ClothSim& sim, double dt) {
 void stopStrays(ClothSim& sim) {
     for (std::size_t i = 0; i < index(sim.count); ++i) {
         PointRow& point = sim.state.points[i];
-        MotionRow& motion = sim.state.motions[i];
-        if (isFinite(point.place) && isFinite(motion.velocity)) continue;
-        point.place = motion.velocity = {};
+        VectorRow& velocity = sim.state.velocities[i];
+        if (isFinite(point.place) && isFinite(velocity.v)) continue;
+        point.place = velocity.v = {};
     }
 }
 
 void afterStep(ClothSim& sim, double dt) {
     if (!sim.state.awake) return;
-    stopStrays(sim);
     moveHeld(sim);
     if (!sim.def.skin.empty() && sim.state.follows) sim.state.skinFrom = sim.state.skinTo;
     const WorldSettings& settings = sim.world->settings();
-    findBlocks(sim);
+    if (!findBlocks(sim)) {
+        stopStrays(sim);
+        findBlocks(sim);
+    }
     if (!sim.def.allowSleep || !settings.sleeping) return;
     sim.state.quiet = sim.around.fastest < kStill ? sim.state.quiet + static_cast<float>(dt) : 0;
     if (sim.state.quiet < settings.sleepTime) return;
     sim.state.awake = false;
-    for (MotionRow& motion : sim.state.motions) motion.velocity = {};
+    for (VectorRow& velocity : sim.state.velocities) velocity = {};
+    sim.around.fastest = 0;
 }
 
 }  // namespace
@@ -146,7 +186,7 @@ void moveHeld(ClothSim& sim) {
         const bool byBody = !held.id.isNull();
         if (byBody && !sim.world->isValid(held.id)) continue;
         const DVec3 place = byBody ? transformPoint(sim.world->pose(held.id), held.place) : held.fixed;
-        sim.state.points[index(held.point)].place = relative(place, sim.state.origin);
+        sim.state.points[index(held.point)].place = placeFrom(place, sim.state.origin);
     }
 }
 

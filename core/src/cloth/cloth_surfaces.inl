@@ -1,7 +1,6 @@
 // Points side by side in lanes against the surface of one shape.
 
-#include "cloth/cloth_kernels.h"
-#include "solve/lane_rows.h"
+#include "cloth/cloth_points.inl"
 
 namespace ragtop::cloth {
 namespace {
@@ -73,27 +72,32 @@ RAGTOP_INLINE WideGap<N> gapTo(const Surface& s, const WideVec3<N>& p, const flo
 
 /// Gaps where the substep begins, and where its end would be by what both sides move along the normal.
 template <int N>
-void meetSurface(const ClothArrays& a, const Surface& s, const std::uint32_t* numbers, int count, float* results) {
+int meetSurface(const ClothArrays& a, const Surface& s, const Meeting& meeting) {
     const WideQuat<N> q{Lanes<N>(s.rotation.x), Lanes<N>(s.rotation.y), Lanes<N>(s.rotation.z), Lanes<N>(s.rotation.w)};
     const WideVec3<N> position = wide<N>(s.position), center = wide<N>(s.center);
     const WideVec3<N> linear = wide<N>(s.linear), angular = wide<N>(s.angular);
-    for (int i = 0; i < count; i += N) {
+    int hits = 0;
+    for (int i = 0; i < meeting.count; i += N) {
         const int inBlock = i % kPairs;
         const float* planes = s.pairPlanes ? s.pairPlanes + (i / kPairs) * 4 * kPairs + inBlock : nullptr;
-        float* out = results + (i / kPairs) * kPairFloats + inBlock;
-        Lanes<N> point[8], motion[8];
-        gather8<N>(PointRows<N>{a.points, numbers + i}, point);
-        gather8<N>(NumberedRows<const MotionRow, N>{a.motions, numbers + i}, motion);
-        const WideVec3<N> before{motion[0], motion[1], motion[2]};
+        Lanes<N> point[4], start[4];
+        gather4<N>(rowsAt(a.points, meeting.rows + i), point);
+        gather4<N>(rowsAt(a.before, meeting.rows + i), start);
+        const WideVec3<N> before = vectorOf<N>(start);
         const WideGap<N> near = gapTo<N>(s, inverseRotate(q, before - position), planes);
         const WideVec3<N> n = rotate(q, near.normal);
-        const WideVec3<N> moved = placeOf(point) - before - linear - cross(angular, before - center);
+        const WideVec3<N> moved = vectorOf<N>(point) - before - linear - cross(angular, before - center);
+        const Lanes<N> end = near.gap + dot(n, moved);
+        if (!any(end < meeting.limit)) continue;
+        float* out = meeting.results + (i / kPairs) * kPairFloats + inBlock;
         near.gap.store(out);
-        (near.gap + dot(n, moved)).store(out + kPairs);
+        end.store(out + kPairs);
         n.x.store(out + 2 * kPairs);
         n.y.store(out + 3 * kPairs);
         n.z.store(out + 4 * kPairs);
+        meeting.hits[hits++] = static_cast<std::uint32_t>(i);
     }
+    return hits;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <variant>
 
+#include "base/four_floats.h"
 #include "cloth/cloth_sim.h"
 #include "ragtop/symmetric.h"
 #include "shapes/geometry.h"
@@ -125,7 +126,7 @@ void addPair(ClothSim& sim, NearShape& shape, std::uint32_t point, const Plane& 
         to[2 * kPairs] = plane.normal.z;
         to[3 * kPairs] = plane.offset;
     }
-    around.pairs.push(point);
+    around.pairs.push(rowOf(point));
     ++shape.pairs;
 }
 
@@ -144,10 +145,14 @@ void addPairsOf(ClothSim& sim, NearShape& shape, std::size_t block, float reach)
         }
         return;
     }
-    alignas(64) std::uint32_t numbers[kPairs];
+    alignas(64) std::uint32_t rows[kPairs];
     alignas(64) float results[kPairFloats];
-    for (std::uint32_t i = 0; i < kPairs; ++i) numbers[i] = first + i;
-    sim.fabric.kernels->meet(sim.arrays, shape.surface, numbers, kPairs, results);
+    std::uint32_t hits[kPairs];
+    for (std::uint32_t i = 0; i < kPairs; ++i) {
+        rows[i] = rowOf(first + i);
+        results[i] = reach;
+    }
+    sim.fabric.kernels->meet(sim.arrays, shape.surface, {rows, kPairs, reach, results, hits});
     for (std::uint32_t i = first; i < end; ++i)
         if (results[i - first] < reach && sim.fabric.heldOfPoint[i] == kNoPoint) addPair(sim, shape, i, {});
 }
@@ -177,7 +182,7 @@ void addShape(ClothSim& sim, ShapeId id, float dt) {
         if (overlaps(sim.around.blocks[block], seen)) addPairsOf(sim, shape, block, reach);
     if (shape.pairs == 0) return;
     while (shape.pairs % kPairs != 0) {
-        sim.around.pairs.push(static_cast<std::uint32_t>(sim.count));
+        sim.around.pairs.push(rowOf(index(sim.count)));
         ++shape.pairs;
     }
     shape.firstPlane = firstPlane;
@@ -192,23 +197,11 @@ void blowOn(ClothSim& sim) {
     if (sim.def.airDensity == 0 || sim.faces.count == 0) return;
     sim.faces.wind = sim.state.wind;
     sim.fabric.kernels->blow(sim.arrays, sim.faces);
-    float* drive = sim.fabric.drive.data();
-    const std::size_t rows = sim.state.points.size();
-    constexpr float kThird = 1.0f / 3;  // of a face, for each of its corners
     for (std::size_t i = 0; i < index(sim.count); ++i) {
-        Vec3 force;
-        float resistance = 0;
-        for (std::uint32_t k = sim.fabric.faceStarts[i]; k < sim.fabric.faceStarts[i + 1]; ++k) {
-            const std::uint32_t face = sim.fabric.facesOfPoint[k];
-            force += {sim.faces.force[0][face], sim.faces.force[1][face], sim.faces.force[2][face]};
-            resistance += sim.faces.resistance[face];
-        }
-        resistance *= kThird;
-        force = kThird * force + resistance * sim.state.motions[i].velocity;
-        drive[i] = force.x;
-        drive[rows + i] = force.y;
-        drive[2 * rows + i] = force.z;
-        drive[3 * rows + i] = resistance;
+        FourFloats sum{0, 0, 0, 0};
+        for (std::uint32_t k = sim.fabric.faces.starts[i]; k < sim.fabric.faces.starts[i + 1]; ++k)
+            sum += loadFour(&sim.fabric.faces.air[sim.fabric.faces.ofPoint[k]].force.x);
+        storeFour(&sim.fabric.faces.pointAir[i].force.x, sum + sum[3] * loadFour(&sim.state.velocities[i].v.x));
     }
 }
 
@@ -226,28 +219,33 @@ void recenter(ClothSim& sim) {
 
 }  // namespace
 
-void findBlocks(ClothSim& sim) {
+bool findBlocks(ClothSim& sim) {
+    FourFloats strange{0, 0, 0, 0};  // zero as long as all are numbers
     float fastest = 0;
+    const std::size_t last = index(sim.count) - 1;
     for (std::size_t block = 0; block < sim.around.blocks.size(); ++block) {
-        const std::size_t first = block * kPairs, last = index(sim.count) - 1;
-        Bounds& bounds = sim.around.blocks[block];
+        const std::size_t first = block * kPairs;
         // The rows beyond the points are at the last of them.
-        const Vec3 start = sim.state.points[std::min(first, last)].place;
-        bounds = {start, start};
+        FourFloats lower = loadFour(&sim.state.points[std::min(first, last)].place.x), upper = lower;
         for (std::size_t i = first; i < std::min(first + kPairs, last + 1); ++i) {
-            const Vec3 place = sim.state.points[i].place;
-            bounds = {min(bounds.lower, place), max(bounds.upper, place)};
-            fastest = std::max(fastest, lengthSquared(sim.state.motions[i].velocity));
+            const FourFloats place = loadFour(&sim.state.points[i].place.x);
+            const FourFloats v = loadFour(&sim.state.velocities[i].v.x), squared = v * v;
+            lower = place < lower ? place : lower;
+            upper = place > upper ? place : upper;
+            fastest = std::max(fastest, squared[0] + squared[1] + squared[2]);
+            strange += 0.0f * place + 0.0f * squared;
         }
+        sim.around.blocks[block] = {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
     }
     sim.around.fastest = std::sqrt(fastest);
+    return strange[0] == 0 && strange[1] == 0 && strange[2] == 0;
 }
 
 void lookAround(ClothSim& sim, float dt) {
     Surroundings& around = sim.around;
-    findBlocks(sim);
     recenter(sim);
-    for (std::size_t i = 0; i < index(sim.count); ++i) sim.state.motions[i].before = sim.state.points[i].place;
+    std::copy(sim.state.points.begin(), sim.state.points.end(), sim.state.before.begin());
+    around.preparedFor = 0;
     around.bodies.clear();
     around.shapes.clear();
     around.pairs.clear();
@@ -278,10 +276,11 @@ void lookAround(ClothSim& sim, float dt) {
         if (shape.surface.kind == SurfaceKind::planes)
             shape.surface.pairPlanes = around.planes.data() + shape.firstPlane;
     around.results.resizeForOverwrite(around.pairs.size() / kPairs * kPairFloats);
+    around.hits.resizeForOverwrite(around.pairs.size());
     around.named.assign(1, BodyId{});
     for (const NearBody& body : around.bodies) around.named.push_back(body.id);
     around.fixedSeen = sim.world->fixedVersion();
-    around.smallStep = 0;
+    around.substep = 0;
     blowOn(sim);
 }
 
