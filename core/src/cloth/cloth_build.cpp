@@ -203,17 +203,16 @@ void addLayers(ClothSim& sim, const Plan& plan) {
         const auto begin = static_cast<int>(fabric.chains.size());
         forBundles(lanes, layer.chains, [&](std::span<const Chain> chains) { addChains(sim, plan, chains); });
         fabric.chainLayers.push_back({begin, static_cast<int>(fabric.chains.size())});
-        longest = std::max(longest, layer.chains.front().links.size());
+        longest = std::max(longest, layer.chains.front().points.size() * kLinkFloats);
     }
     for (const StripLayer& layer : plan.strips) {
         const auto begin = static_cast<int>(fabric.strips.size());
         forBundles(lanes, layer.strips, [&](std::span<const Strip> strips) { addStrips(sim, strips); });
         fabric.stripLayers.push_back({begin, static_cast<int>(fabric.strips.size())});
+        longest = std::max(longest, layer.strips.front().rungs.size() * kQuadFloats);
     }
-    constexpr std::size_t kLinkFloats = 14;  // of WideLink, per lane
-    fabric.scratch.resize((longest + 1) * kLinkFloats * lanes, 0);
+    fabric.scratch.resize(longest * lanes, 0);
     fabric.reactions.resize(3 * fabric.rows.size(), 0);
-    fabric.tautest.resize(lanes, 0);
     findBundlesOfPoints(sim);
 }
 
@@ -284,7 +283,6 @@ void pointToAll(ClothSim& sim) {
     a.quads.rests = fabric.quads.rests.data();
     a.reactions = fabric.reactions.data();
     a.scratch = fabric.scratch.data();
-    a.tautest = fabric.tautest.data();
     a.keeps = fabric.keeps.data();
     a.kicks = fabric.kicks.data();
     a.air = fabric.faces.pointAir.data();
@@ -311,7 +309,6 @@ Fabric::Fabric(std::pmr::memory_resource* memory)
       faces(memory),
       reactions(memory),
       scratch(memory),
-      tautest(memory),
       keeps(memory),
       kicks(memory) {}
 

@@ -14,7 +14,7 @@ struct WideLink {
     Lanes<N> upper;   ///< coupling to the link before, over its pivot
     Lanes<N> taut;    ///< times λ: w over how far tension may turn with the link
 };
-inline constexpr int kFloatsOfLink = 14;  ///< per lane, at most
+static_assert(sizeof(WideLink<4, true>) == sizeof(float) * kLinkFloats * 4);
 
 /// f of points along a chain, to them and to what holds them.
 template <int N, bool kTied, bool kEven>
@@ -190,7 +190,6 @@ void solveChain(const ClothArrays& a, const ChainBundle& bundle, const ClothCont
         eliminate<true>(chain, stiffening);
     }
     const Lanes<N> most = substitute(chain);
-    max(most, Lanes<N>::load(a.tautest)).store(a.tautest);
     if (any(!(most <= Lanes<N>(kTautest)))) {
         projectLinks(chain, stiffening, most);
     } else {

@@ -85,6 +85,9 @@ struct TetherArrays {
     float* pulls[3] = {};                    ///< N s², what pulled at the anchor
 };
 
+/// Of scratch memory per lane, at most: for a point of a chain and for a rung of a strip.
+inline constexpr int kLinkFloats = 14, kQuadFloats = 24;
+
 /// All that kernels read and write. Arrays of floats are aligned for 16 lanes.
 struct ClothArrays {
     PointRow *points = nullptr, *before = nullptr;  ///< and where they were when the small step began
@@ -99,8 +102,7 @@ struct ClothArrays {
     QuadArrays quads;
     float* reactions = nullptr;  ///< N s², three times N per position, where bundles react
     bool yields = false;         ///< something that holds points is moved by what they pull
-    float* scratch = nullptr;    ///< for the longest chain
-    float* tautest = nullptr;    ///< N, the most that w λ/L of any link was
+    float* scratch = nullptr;    ///< for the longest chain or strip
     // What forces that are the same in all substeps of a step do to velocities: v ← keeps v + kicks, by component.
     VectorRow *keeps = nullptr, *kicks = nullptr;
     const AirRow* air = nullptr;

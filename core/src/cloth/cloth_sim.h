@@ -123,7 +123,7 @@ struct Fabric {
     Quads quads;
     Tethers tethers;
     Faces faces;
-    AlignedArray<float> reactions, scratch, tautest;
+    AlignedArray<float> reactions, scratch;
     AlignedArray<VectorRow> keeps, kicks;
     std::vector<HeldPosition> heldPositions;
     std::vector<int> heldOfPoint;                             ///< kNoPoint where a point is free
@@ -143,7 +143,6 @@ struct State {
     Vec3 wind;
     float quiet = 0;  ///< s at rest
     bool awake = true;
-    bool atEase = false;                  ///< as many small steps are not needed
     bool follows = false;                 ///< has been told where the animation is
     std::vector<DVec3> skinFrom, skinTo;  ///< where the animation had and has the points
     std::vector<Vec3> skinNormals;

@@ -25,7 +25,6 @@ void visitState(Sim& sim, Visit&& visit) {
     visit(state.wind);
     visit(state.quiet);
     visit(state.awake);
-    visit(state.atEase);
     visit(state.follows);
     for (auto* list : {&state.skinFrom, &state.skinTo})
         for (auto& place : *list) visit(place);

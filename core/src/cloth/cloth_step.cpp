@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "cloth/cloth_sim.h"
 #include "cloth/cloth_state.h"
@@ -109,25 +108,21 @@ int bendSteps(const ClothSim& sim, int all, float h) {
     return steps;
 }
 
-/// Half as many small steps do for a cloth that touches nothing and has no line so taut that it could not be solved at
-/// once in them, four times as taut as they make it.
-int smallSteps(const ClothSim& sim) { return sim.state.atEase ? (sim.def.smallSteps + 1) / 2 : sim.def.smallSteps; }
-
-void seeWhetherAtEase(ClothSim& sim, bool touched, float substep, float h) {
-    constexpr float kSpare = 4.0f;  // as lines may be jerked by the next step
-    const float longest = substep / static_cast<float>((sim.def.smallSteps + 1) / 2);
-    float tautest = 0;
-    for (float& taut : sim.fabric.tautest) tautest = std::max(tautest, std::exchange(taut, 0.0f));
-    sim.state.atEase = !touched && kSpare * tautest * (longest * longest) <= kTautest * (h * h);
+/// In a substep of the world: those of the definition for each 1/240 s, as lines that pull at each other across stay
+/// apart by what gravity does in one of them. Their number never depends on the state: to go on from longer ones with
+/// shorter ones would turn what lengths are off into speed.
+int smallStepsOf(const ClothSim& sim, float substep) {
+    constexpr float kLongest = 1.0f / 240;  // s
+    constexpr float kRounding = 1e-3f;      // of a substep that is as long
+    return sim.def.smallSteps * std::max(1, static_cast<int>(std::ceil(substep / kLongest - kRounding)));
 }
 
 void beforeSubstep(ClothSim& sim, float substep) {
     const WorldSettings& settings = sim.world->settings();
-    const int steps = smallSteps(sim);
+    const int steps = smallStepsOf(sim, substep);
     const float h = substep / static_cast<float>(steps);
     ClothContext context{h, 1 / h, sim.def.gravityScale * settings.gravity, sim.def.damping, 0};
     const int bends = bendSteps(sim, steps, h);
-    bool touched = false;
     readBodies(sim, h);
     for (int i = 0; i < steps; ++i) {
         if (i > 0) advanceBodies(sim, h);
@@ -135,11 +130,9 @@ void beforeSubstep(ClothSim& sim, float substep) {
         const float over =
             static_cast<float>(sim.around.substep) + static_cast<float>(i + 1) / static_cast<float>(steps);
         smallStep(sim, context, over / static_cast<float>(settings.substeps));
-        touched |= !sim.around.contacts.empty();
     }
     ++sim.around.substep;
     pushBodies(sim);
-    seeWhetherAtEase(sim, touched, substep, h);
 }
 
 std::span<const BodyId> look(ClothSim& sim, double dt) {

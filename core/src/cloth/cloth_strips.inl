@@ -5,63 +5,107 @@
 namespace ragtop::cloth {
 namespace {
 
-/// A strip on its way along its quads.
+/// A rung and the quad from it to the next, from one way along the strip to the other.
+template <int N, bool kTied>
+struct WideQuad {
+    WidePoint<N, kTied> a, b;
+    WideVec3<N> u, v;  ///< diagonals from a to the next b, and from b to the next a
+    Lanes<N> lambda;   ///< N s²/m²; on the way along what is eliminated of it
+    Lanes<N> upper;    ///< coupling to the next quad over the pivot
+};
+static_assert(sizeof(WideQuad<4, true>) == sizeof(float) * kQuadFloats * 4);
+
 template <int N, bool kTied, bool kEven>
 struct WideStrip {
-    using Point = WidePoint<N, kTied>;
     const ClothArrays& a;
     const StripBundle& bundle;
     const BundleRows<N, kEven> rows;
+    WideQuad<N, kTied>* quads;
     const bool reacts;
-    Point a0, b0;  ///< the last rung
 
     RAGTOP_INLINE WideStrip(const ClothArrays& inA, const StripBundle& inBundle)
         : a(inA), bundle(inBundle), rows{inA.rows + inBundle.firstPoint, inBundle.rows},
-          reacts(inBundle.reacts && inA.yields) {
-        a0.read(a, rows.at(0, 0));
-        b0.read(a, rows.at(0, 1));
-    }
+          quads(reinterpret_cast<WideQuad<N, kTied>*>(inA.scratch)), reacts(inBundle.reacts && inA.yields) {}
 
-    RAGTOP_INLINE void push(Point& point, int position, const WideVec3<N>& f) const {
+    RAGTOP_INLINE void read(int k) const {
+        quads[k].a.read(a, rows.at(k, 0));
+        quads[k].b.read(a, rows.at(k, 1));
+    }
+    RAGTOP_INLINE void push(WidePoint<N, kTied>& point, int rung, int end, const WideVec3<N>& f) const {
         point.push(f);
-        if (reacts) addReaction<N>(a.reactions + 3 * (bundle.firstPoint + static_cast<std::uint32_t>(position * N)), f);
-    }
-
-    /// C = |u|² − |v|² − rest of the diagonals u and v of a quad: four times its area times the sine of the shear γ, so
-    /// that ½ k C² with k = G/(16 A) is ½ G γ² A. What stretches both sides alike does nothing to it.
-    RAGTOP_INLINE void shear(int k, float stiffening) {
-        Point a1, b1;
-        a1.read(a, rows.at(k + 1, 0));
-        b1.read(a, rows.at(k + 1, 1));
-        const auto slot = bundle.firstQuad + static_cast<std::uint32_t>(k * N);
-        const Lanes<N> s = Lanes<N>::load(a.quads.stiffness + slot);
-        const WideVec3<N> u = b1.place() - a0.place(), v = a1.place() - b0.place();
-        const Lanes<N> uu = dot(u, u), vv = dot(v, v);
-        const Lanes<N> error = uu - vv - Lanes<N>::load(a.quads.rests + slot);
-        // Points that are tied are taken for as light as free ones, which is on the safe side.
-        const Lanes<N> yielding =
-            (a0.inverseMass() + b1.inverseMass()) * uu + (a1.inverseMass() + b0.inverseMass()) * vv;
-        const Lanes<N> lambda = (-2.0f * s) * error / ((4.0f * s) * yielding + Lanes<N>(stiffening));
-        const WideVec3<N> alongU = lambda * u, alongV = lambda * v;
-        push(a0, 2 * k, -alongU);
-        push(b1, 2 * k + 3, alongU);
-        push(a1, 2 * k + 2, -alongV);
-        push(b0, 2 * k + 1, alongV);
-        write(k);
-        a0 = a1;
-        b0 = b1;
-    }
-    RAGTOP_INLINE void write(int k) const {
-        a0.write(a, rows.at(k, 0));
-        b0.write(a, rows.at(k, 1));
+        point.write(a, rows.at(rung, end));
+        if (!reacts) return;
+        const auto position = static_cast<std::uint32_t>((2 * rung + end) * N);
+        addReaction<N>(a.reactions + 3 * (bundle.firstPoint + position), f);
     }
 };
 
+/// Along the strip: errors, and the elimination of each shear from the next. Points that are tied are taken for as light
+/// as free ones, which is on the safe side.
+template <int N, bool kTied, bool kEven>
+RAGTOP_INLINE void eliminateShears(const WideStrip<N, kTied, kEven>& strip, float stiffening) {
+    const std::uint32_t first = strip.bundle.firstQuad;
+    WideVec3<N> uBefore = wide<N>({}), vBefore = uBefore;
+    Lanes<N> y(0.0f), scaled(0.0f);  // of the quad before; the latter is its stiffness over its pivot
+    strip.read(0);
+    for (int k = 0; k < strip.bundle.quads; ++k) {
+        strip.read(k + 1);
+        WideQuad<N, kTied>& quad = strip.quads[k];
+        const WideQuad<N, kTied>& next = strip.quads[k + 1];
+        const Lanes<N> s = Lanes<N>::load(strip.a.quads.stiffness + first + k * N);
+        const WideVec3<N> u = next.b.place() - quad.a.place(), v = next.a.place() - quad.b.place();
+        const Lanes<N> uu = dot(u, u), vv = dot(v, v);
+        const Lanes<N> error = uu - vv - Lanes<N>::load(strip.a.quads.rests + first + k * N);
+        const Lanes<N> wa = quad.a.inverseMass(), wb = quad.b.inverseMass();
+        const Lanes<N> beside = 4.0f * (wa * dot(vBefore, u) + wb * dot(uBefore, v));
+        if (k > 0) strip.quads[k - 1].upper = scaled * beside;
+        const Lanes<N> yielding =
+            4.0f * ((wa + next.b.inverseMass()) * uu + (wb + next.a.inverseMass()) * vv) - scaled * beside * beside;
+        scaled = s / (s * yielding + Lanes<N>(stiffening));
+        y = -(error + beside * y) * scaled;
+        quad.u = uBefore = u;
+        quad.v = vBefore = v;
+        quad.lambda = y;
+    }
+}
+
+/// Back: multipliers, and the share of them by which no diagonal turns too far (kTautest).
+template <int N, bool kTied, bool kEven>
+RAGTOP_INLINE Lanes<N> substituteShears(const WideStrip<N, kTied, kEven>& strip) {
+    Lanes<N> lambda = strip.quads[strip.bundle.quads - 1].lambda, most(0.0f);
+    for (int k = strip.bundle.quads - 1; k >= 0; --k) {
+        WideQuad<N, kTied>& quad = strip.quads[k];
+        if (k < strip.bundle.quads - 1) lambda = quad.lambda - quad.upper * lambda;
+        quad.lambda = lambda;
+        most = max(most, max(lambda, -lambda) * max(quad.a.inverseMass(), quad.b.inverseMass()));
+    }
+    const Lanes<N> bearable(0.5f * kTautest);
+    return select(most > bearable, divideOrZero(bearable, most), Lanes<N>(1.0f));
+}
+
+/// C = |u|² − |v|² − rest of the diagonals u and v of a quad: four times its area times the sine of the shear γ, so that
+/// ½ k C² with k = G/(16 A) is ½ G γ² A. What stretches both sides alike does nothing to it. All of a strip at once,
+///
+///     (k J W Jᵀ + 1/h²) λ = −k C,      Δx = W Jᵀ λ,
+///
+/// as lengths of chains: each quad shares two points with the next.
 template <int N, bool kTied, bool kEven>
 void shearStrip(const ClothArrays& a, const StripBundle& bundle, float stiffening) {
-    WideStrip<N, kTied, kEven> strip(a, bundle);
-    for (int k = 0; k < bundle.quads; ++k) strip.shear(k, stiffening);
-    strip.write(bundle.quads);
+    const WideStrip<N, kTied, kEven> strip(a, bundle);
+    eliminateShears(strip, stiffening);
+    const Lanes<N> twice = 2.0f * substituteShears(strip);
+    WideVec3<N> toA = wide<N>({}), toB = toA;
+    for (int k = 0; k < bundle.quads; ++k) {
+        WideQuad<N, kTied>& quad = strip.quads[k];
+        const Lanes<N> lambda = twice * quad.lambda;
+        const WideVec3<N> alongU = lambda * quad.u, alongV = lambda * quad.v;
+        strip.push(quad.a, k, 0, toA - alongU);
+        strip.push(quad.b, k, 1, toB + alongV);
+        toA = -alongV;
+        toB = alongU;
+    }
+    strip.push(strip.quads[bundle.quads].a, bundle.quads, 0, toA);
+    strip.push(strip.quads[bundle.quads].b, bundle.quads, 1, toB);
 }
 
 template <int N>
