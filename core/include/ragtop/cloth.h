@@ -64,7 +64,7 @@ struct ClothDef {
     float drag = 1.2f;              ///< coefficient of a face across the wind
     float lift = 0.6f;              ///< coefficient of a face aslant
     float gravityScale = 1.0f;
-    int smallSteps = 4;             ///< in each substep of the world; fewer cost less, more bear heavier loads
+    int smallSteps = 4;   ///< in each substep of the world, or 1/240 s of it; fewer cost less, more bear heavier loads
     bool tethers = true;  ///< no point goes farther from the nearest attachment than it is along the cloth
     float tetherSlack = 1.0f;       ///< that distance over the one at rest
     bool allowSleep = true;
