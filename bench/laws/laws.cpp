@@ -11,6 +11,7 @@
 namespace ragtop::laws {
 namespace {
 
+constexpr double kRest = 0.1;  ///< m/s: slower than a body falls in a hundredth of a second
 constexpr double kDegree = 3.141592653589793 / 180, kTwoPi = 6.283185307179586;
 
 /// Keeps what is no number.
@@ -99,8 +100,9 @@ public:
         const std::vector<DVec3> now = relativePlaces();
         for (std::size_t i = 0; i < now.size(); ++i) raise(watched.moved, length(now[i] - from_[i]));
     }
-    /// Near rest: slower than a body falls in a hundredth of a second.
-    bool rests() const { return kinetic_ <= 0.5 * mass_ * 0.1 * 0.1; }
+    /// Laws of rest say something of scenes that come to it alone.
+    bool rests() const { return speed() <= kRest; }
+    double speed() const { return mass_ > 0 ? std::sqrt(2 * kinetic_ / mass_) : 0; }
     double gap() const {
         double largest = 0;
         for (const SceneJoint& joint : scene_.joints) raise(largest, gapOf(joint.def, place(joint)));
@@ -193,6 +195,7 @@ std::span<const Law> allLaws() {
         {"overlap", &Watched::overlap, 0.05, "m", false},
         {"overlap at rest", &Watched::restOverlap, 0.002, "m", false},
         {"stands", &Watched::moved, 0.01, "m"},
+        {"comes to rest", &Watched::endSpeed, kRest, "m/s", false},
         {"goes on", &Watched::stuck, 0.1, "s"},
     };
     return kLaws;
@@ -234,6 +237,7 @@ Watched watch(const Drawn& drawn, const stability::EngineKind& kind) {
         raise(watched.restGap, watch.gap());
         raise(watched.restOverLimit, watch.over());
     }
+    watched.endSpeed = watch.speed();
     if (isDriven(drawn)) watched.energyGain = 0;
     for (const double ms : times) watched.meanMs += ms / static_cast<double>(times.size());
     std::ranges::sort(times);

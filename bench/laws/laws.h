@@ -20,6 +20,7 @@ struct Watched {
     double overlap = 0;  ///< m, deepest of two bodies that were apart at the start, looked at in each tenth of a second
     double restOverlap = 0;
     double moved = 0;       ///< m, farthest against body 0 of what should stand
+    double endSpeed = 0;    ///< m/s, √(2 K/m) of all bodies when it ends; laws at rest look at what is slow alone
     double stuck = 0;       ///< s, longest in which no place changed though there were speeds
     double meanMs = 0, medianMs = 0, worstMs = 0;  ///< of a step
     std::vector<std::string> meddled;  ///< laws that did not hold where it was meddled with
