@@ -70,6 +70,31 @@ TEST(DirectIslands, TallColumnStandsAndBearsItsWeight) {
     EXPECT_NEAR(load, weight * kDt / 4, 1e-4 * weight * kDt);
 }
 
+/// A column of n boxes of height l on a floor buckles where (n − 1)³ m g l = 7.84 k, with k = ½ m ω² Σ x² of the four
+/// soft points between two boxes. Sweeps let those fall that bear half of it.
+TEST(DirectIslands, ColumnsAreSolvedDirectlyFromAQuarterOfTheirBucklingLoadOn) {
+    constexpr double kHalfWidth = 0.05, kTwoPi = 6.283185307179586;
+    const WorldSettings settings = withoutSleep();
+    const double omega = kTwoPi * static_cast<double>(settings.contactFrequency) * settings.substeps / kDt;
+    for (const int count : {3, 4, 5}) {
+        for (const float halfHeight : {0.05f, 0.3f, 0.5f, 1.0f, 2.0f}) {
+            World world{settings};
+            addFloor(world);
+            std::vector<BodyId> boxes;
+            const double length = 2 * static_cast<double>(halfHeight);
+            for (int i = 0; i < count; ++i)
+                boxes.push_back(world.create(bodyDef(Box{{0.05f, halfHeight, 0.05f}}, {0, (i + 0.5) * length, 0})));
+            run(world, 5);
+            const double stiffness = 0.5 * omega * omega * 4 * kHalfWidth * kHalfWidth;
+            const double share = std::pow(count - 1, 3) * static_cast<double>(kGravity) * length / (7.84 * stiffness);
+            EXPECT_EQ(world.stats().islands.empty(), share < 0.25) << count << " boxes of " << length << " m";
+            if (share < 0.25) continue;
+            EXPECT_STREQ(world.stats().islands[0].reason, "tall");
+            EXPECT_NEAR(height(world, boxes.back()), (count - 0.5) * length, 1e-4 * length);
+        }
+    }
+}
+
 TEST(DirectIslands, HeavyDoesNotSinkIntoLight) {
     World world(withoutSleep());
     addFloor(world);

@@ -7,13 +7,13 @@
 namespace ragtop::direct {
 
 /// Why an island is solved directly.
-enum class Reason : std::uint8_t { none, asked, heavy, tall, slender, deep, taut, leaning, tree, loop, stiff, staying };
+enum class Reason : std::uint8_t { none, asked, heavy, tall, deep, taut, leaning, tree, loop, stiff, staying };
 
 /// What decides how an island is solved. Loads are estimates: each body hands its weight, and what it carries, in equal
 /// shares to the neighbours that are nearer to the ground. A load number is such a load over the weight of the lighter
 /// of the two bodies that meet: a column of n equal boxes has n at its foot, a weight on a box their mass ratio.
 struct IslandFeatures {
-    std::uint32_t bodies = 0, pairs = 0;  ///< pairs: of moving bodies that touch or are joined
+    std::uint32_t bodies = 0;
     Vec3 momentum;                        ///< kg m/s, of all bodies: motion is what differs from their common one
     float mass = 0;                       ///< kg
     std::uint32_t moving = 0;             ///< bodies that are not nearly at rest against the common motion
@@ -54,7 +54,6 @@ struct SubstepPace {
     std::uint8_t allowedFactor : 3 = 1;  ///< the same, as far as its joints' gaps tell
 };
 
-/// Limits fall by a third for an island that is solved directly already, so that none goes to and fro.
 const char* nameOf(Reason reason);
 Reason chooseDirect(const IslandFeatures& island);
 

@@ -115,7 +115,6 @@ void measureEdge(const MeasureView& v, const SupportEdge& edge, const Vec3& up) 
     LoadPaths& paths = v.islands.paths;
     const bool movesA = edge.movesA, movesB = edge.movesB;
     direct::IslandFeatures& island = v.islands.featuresOf(movesA ? edge.a : edge.b);
-    island.pairs += movesA && movesB;
     const bool aBears = paths.aBears(edge), bBears = paths.bBears(edge);
     if (!edge.joint) {
         const GraphPlace place = v.tables.manifolds[edge.constraint].place;
