@@ -49,8 +49,10 @@ public:
         : manoeuvre_(manoeuvre),
           def_(def),
           world_(settings(manoeuvre)),
-          car_((layTrack(world_, manoeuvre.ground, options.friction), world_), def, {.speed = manoeuvre.start.speed}) {
+          car_((layTrack(world_, manoeuvre.ground, options.friction), world_), onOneBody(def),
+               {.speed = manoeuvre.start.speed}) {
         placeCar(world_, car_, manoeuvre);
+        if (def.level == VehicleLevel::linkages) car_.setLevel(def.level);
         if (manoeuvre.trailer) hitchUp(*manoeuvre.trailer);
         before_ = world_.pose(car_.chassis()).position;
         from_ = before_;
@@ -78,6 +80,12 @@ private:
         WorldSettings settings;
         settings.sleeping = manoeuvre.sleeping;
         return settings;
+    }
+
+    /// Carriers of wheels are made where the car starts, and as it goes there.
+    static VehicleDef onOneBody(VehicleDef def) {
+        def.level = std::min(def.level, VehicleLevel::full);
+        return def;
     }
 
     /// Straight behind the car, as fast as it is.

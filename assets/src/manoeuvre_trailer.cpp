@@ -29,6 +29,7 @@ VehicleDef trailerOf(const TrackTrailer& trailer, const VehicleDef& car) {
     wheel.tire.radialStiffness.reset();
     VehicleDef def = car;
     def.name = "trailer";
+    def.level = std::min(def.level, VehicleLevel::full);
     def.antiRollBars.clear();
     def.linkages.clear();
     def.aerodynamics = {.dragArea = 0};

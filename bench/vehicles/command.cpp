@@ -148,7 +148,7 @@ void addVehicles(CLI::App& app) {
         ->add_option_function<int>(
             "--level", [arguments](int level) { arguments->course.level = static_cast<VehicleLevel>(level); },
             "Of the model of Ragtop's cars; 2 where absent")
-        ->check(CLI::Range(0, 2));
+        ->check(CLI::Range(0, 3));
     command->add_option("--threads", arguments->course.threads, "Of Ragtop; Bullet has one")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();

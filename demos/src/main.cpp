@@ -111,7 +111,7 @@ CLI::App* addDrive(CLI::App& app, Command& command) {
     drive->add_option("car", options.car, "Name of a car that comes with ragtop or a vehicle file")->required();
     drive->add_option("--manoeuvre", options.manoeuvre, "Name or file of a manoeuvre, or all")->capture_default_str();
     drive->add_option("--hz", options.hz, "Steps per second")->check(CLI::Range(10.0, 10000.0))->capture_default_str();
-    drive->add_option("--level", options.level, "Of the car's model, instead of its own")->check(CLI::Range(0, 2));
+    drive->add_option("--level", options.level, "Of the car's model, instead of its own")->check(CLI::Range(0, 3));
     drive->add_option("--surface", options.friction, "Friction of the ground instead of the manoeuvre's")
         ->check(CLI::Range(0.0, 10.0));
     drive->add_option("--seconds", options.seconds, "Simulated time instead of the manoeuvre's duration, s")

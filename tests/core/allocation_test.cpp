@@ -86,6 +86,42 @@ TEST(Allocation, WakingAndSleepingAskForNoMemory) {
     EXPECT_EQ(heapCalls() - heapBefore, 0);
 }
 
+/// Rods whose ends move, as those of a rack: without memory, and with the bits that they have where all joints are
+/// sorted anew in each step, as when another kind is defined anew.
+TEST(Allocation, RodsWhoseEndsMoveAskForNoMemory) {
+    std::uint64_t hashes[2] = {};
+    for (const bool sortsAnew : {false, true}) {
+        World world;
+        std::vector<JointId> rods;
+        JointId hinge;
+        for (int i = 0; i < 9; ++i) {
+            const BodyId a = world.create(DynamicBody{.shape = Box{}, .position = {4.0 * i, 0, 0}});
+            const BodyId b = world.create(DynamicBody{.shape = Box{}, .position = {4.0 * i + 2, 0, 0}});
+            if (i == 8)
+                hinge = world.create(HingeDef{.bodies = {.a = a, .b = b, .frameA = {{2, 0, 0}, {}}}});
+            else
+                rods.push_back(world.create(DistanceDef{.bodies = {.a = a, .b = b}, .limit = Range{2, 2}}));
+        }
+        const auto steps = [&](int count) {
+            for (int i = 0; i < count; ++i) {
+                for (const JointId rod : rods) {
+                    auto def = std::get<DistanceDef>(world.def(rod));
+                    def.bodies.frameA.position.y = 0.01f * static_cast<float>(i % 7);
+                    world.setDef(rod, def);
+                }
+                if (sortsAnew) world.setDef(hinge, JointDef{world.def(hinge)});
+                world.step(1.0 / 60);
+            }
+        };
+        steps(20);
+        const long before = heapCalls();
+        steps(20);
+        EXPECT_EQ(heapCalls() - before, 0);
+        hashes[sortsAnew ? 1 : 0] = world.hash();
+    }
+    EXPECT_EQ(hashes[0], hashes[1]);
+}
+
 TEST(Allocation, SavingRestoringAndHashingAskForNoMemory) {
     World world;
     scenes::addHouse(world);

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "hatchback.h"
+#include "hardpoints.h"
 
 namespace ragtop {
 
@@ -17,13 +17,15 @@ class AnyVehicle {
 public:
     explicit AnyVehicle(unsigned seed) : dice_(seed) {}
 
-    /// A usable definition. Of its numbers none, some or all are the hatchback's.
+    /// A usable definition. Of its numbers none, some or all are the hatchback's; a third of those drawn have linkages,
+    /// at any level.
     VehicleDef draw() {
         for (;;) {
             share_ = std::vector<double>{0.02, 0.1, 0.4, 1}[index(4)];
-            VehicleDef def = hatchback();
+            VehicleDef def = chance(1.0 / 3) ? linked() : hatchback();
             describe(*this, def, static_cast<const VehicleDef*>(nullptr));
             makeOrdered(def);
+            if (!def.linkages.empty()) mirrorWheels(def);
             if (whyInvalid(def).empty()) return def;
         }
     }
@@ -89,6 +91,25 @@ private:
                 return drawn(Sphere{});
             default:
                 return drawn(Capsule{});
+        }
+    }
+    VehicleDef linked() {
+        const LinkageDef fronts[] = {frontStruts(), raceWishbones(), parallelWishbones()};
+        const LinkageDef rears[] = {rearArms(), beamOnRods()};
+        std::vector<LinkageDef> linkages{fronts[index(3)]};
+        if (!chance(0.2)) linkages.push_back(rears[index(2)]);
+        VehicleDef def = withLinkages(linkages);
+        if (linkages.size() > 1 && chance(0.5)) def.level = VehicleLevel::linkages;
+        return def;
+    }
+    /// As those of linkages have to.
+    static void mirrorWheels(VehicleDef& def) {
+        for (std::size_t i = 0; i + 1 < def.wheels.size(); i += 2) {
+            WheelDef &left = def.wheels[i], &right = def.wheels[i + 1];
+            left.axle = right.axle = static_cast<unsigned>(i / 2);
+            right.position = {-left.position.x, left.position.y, left.position.z};
+            right.radius = left.radius;
+            right.steerFactor = left.steerFactor;
         }
     }
     /// What has to rise or fall does.

@@ -190,6 +190,7 @@ std::vector<AxleLinkage> axleLinkages(const VehicleDef& def) {
         const CurveRange other = solver.isSolid() ? travel.own : CurveRange{-travel.rack, travel.rack};
         axles.push_back(
             {axleWheels(def, linkage.axle),
+             solver,
              solver.isSolid(),
              static_cast<float>(rackPerAngle(solver)),
              {SuspensionCurves(solver, false, travel.own, other), SuspensionCurves(solver, true, travel.own, other)}});

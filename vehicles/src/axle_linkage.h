@@ -31,6 +31,7 @@ double rackPerAngle(const LinkageSolver& solver);
 /// Of a usable definition.
 struct AxleLinkage {
     AxleWheels wheels;
+    LinkageSolver solver;
     bool solid = false;
     float rackTravel = 0;  ///< m per rad of steering
     std::array<SuspensionCurves, 2> curves;

@@ -233,4 +233,22 @@ float fallOfWheel(const StrutSpec& strut, float compression, float h, const BarP
     return std::max(way, strut.travelLeast - compression);
 }
 
+float swingOfWheel(const StrutSpec& strut, float compression, float h, const BarPull& bar) {
+    constexpr int kMostPieces = 12;
+    float end = compression, way = 0;
+    for (int piece = 0; piece < kMostPieces; ++piece) {
+        const Line springs = strutLine(strut, compression, end, h, bar);
+        way = wayOnDamper(strut, h, [&](const Line& damper) {
+            const Line line = springs + damper;
+            return -line.force / line.stiffness;
+        });
+        way = std::max(way, strut.travelLeast - compression);
+        const float newEnd = compression + way;
+        const bool holds = isSamePiece(strut, end, newEnd);
+        end = newEnd;
+        if (holds) break;
+    }
+    return way;
+}
+
 }  // namespace ragtop

@@ -82,4 +82,7 @@ StrutVisit solveStrut(const StrutSpec& strut, float compression, float squash, f
 /// m that a strut whose wheel is in the air is compressed more at the end of a substep: it falls as its damper lets it.
 float fallOfWheel(const StrutSpec& strut, float compression, float h, const BarPull& bar = {});
 
+/// The same where what the wheel weighs is part of `bar`, and nothing else moves it.
+float swingOfWheel(const StrutSpec& strut, float compression, float h, const BarPull& bar);
+
 }  // namespace ragtop

@@ -70,7 +70,7 @@ WheelSpec wheelSpec(const WheelDef& wheel, const Vec3& steeringCenter, float loa
     spec.halfWidth = 0.5f * wheel.width;
     spec.staticLoad = load;
     spec.strut = makeStrut(wheel, load, gravity);
-    spec.tire = makeTireSpec(level == VehicleLevel::full ? wheel.tire : asBrush(wheel.tire, load), load, gravity);
+    spec.tire = makeTireSpec(level >= VehicleLevel::full ? wheel.tire : asBrush(wheel.tire, load), load, gravity);
     return spec;
 }
 
@@ -115,6 +115,8 @@ VehicleSim::VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePla
     gravity = length(world->settings().gravity);
     if (!(gravity > 0)) gravity = kStandardGravity;
     linkages = axleLinkages(def);
+    carrierSpecs = makeCarrierSpecs(def);
+    carriers.resize(carrierSpecs.size());
     takeDef();
     start(placement.speed);
     patches.resize(specs.size());
@@ -131,6 +133,7 @@ VehicleSim::VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePla
 
     chassis = world->create(chassisBody(def, placement));
     takeLevel();
+    if (hasCarriers()) makeCarriers();
     module = moduleOf(*this);
     world->add(&module);
     refreshTelemetry();
@@ -139,6 +142,7 @@ VehicleSim::VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePla
 /// What follows from the definition alone.
 void VehicleSim::takeDef() {
     const MassProperties properties = chassisMass(def.chassis);
+    carMass = properties;
     mass = properties.mass;
     inverseInertia = inverseSymmetric(properties.inertia);
     meanRadius = drivenRadius(def);
@@ -153,6 +157,12 @@ void VehicleSim::takeDef() {
         specs.back().beamPartner = i;
     }
     findGuides();
+    if (hasCarriers()) {
+        // Springs bear what they did: carriers stand on their tires.
+        for (const CarrierSpec& spec : carrierSpecs)
+            for (const CarriedWheel& held : spec.wheels)
+                specs[held.wheel].strut.load -= gravity * spec.mass.mass / static_cast<float>(spec.wheels.size());
+    }
     for (const AntiRollBarDef& bar : def.antiRollBars) takeBar(bar);
     ride = makeRide(def, properties, specs);
     digest = definitionDigest(def, properties, gravity);
@@ -193,15 +203,19 @@ void VehicleSim::setDef(const VehicleDef& next) {
         const Material material = i < bodywork ? next.chassis.material : wheelMaterial(next, next.wheels[i - bodywork]);
         if (material != world->material(shapes[i])) world->setMaterial(shapes[i], material);
     }
+    if (hasCarriers()) removeCarriers();
     const bool meetsOthers = next.chassis.filter != def.chassis.filter;
     const VehicleLevel level = def.level;
     def = next;
     def.level = level;
     if (meetsOthers) takeFilters();
     linkages = axleLinkages(def);
+    carrierSpecs = makeCarrierSpecs(def);
+    carriers.assign(carrierSpecs.size(), {});
     takeDef();
     drivetrain = Drivetrain(def, std::move(drivetrain));
     if (heavier) world->setMass(chassis, chassisMass(def.chassis));
+    if (hasCarriers() && next.level == level) makeCarriers();
     setLevel(next.level);
     world->wake(chassis);
     stale = true;
@@ -210,9 +224,11 @@ void VehicleSim::setDef(const VehicleDef& next) {
 void VehicleSim::place(const VehiclePlacement& placement) {
     requireFinite(def, placement);
     const BodyDef body = chassisBody(def, placement);
+    if (hasCarriers()) removeCarriers();
     world->setPose(chassis, body.pose);
     world->setVelocity(chassis, body.linearVelocity, body.angularVelocity);
     start(placement.speed);
+    if (hasCarriers()) makeCarriers();
     stale = true;
 }
 
@@ -224,6 +240,8 @@ Vehicle::Vehicle(Vehicle&& other) noexcept : sim_(std::move(other.sim_)), input(
 Vehicle::~Vehicle() {
     if (!sim_) return;
     sim_->world->remove(&sim_->module);
+    for (const Carrier& carrier : sim_->carriers)
+        if (sim_->world->isValid(carrier.body)) sim_->world->destroy(carrier.body);
     if (sim_->world->isValid(sim_->chassis)) sim_->world->destroy(sim_->chassis);
 }
 

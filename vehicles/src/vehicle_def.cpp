@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "axle_linkage.h"
+#include "carriers.h"
 #include "chassis.h"
 #include "suspension.h"
 
@@ -310,7 +311,8 @@ std::string whyInvalid(const VehicleDef& def) {
         if (std::string why = whyInvalid(*def.visual, def.wheels.size()); !why.empty()) return why;
     }
     if (std::string why = whyNoBody(def); !why.empty()) return why;
-    return whyUnbalanced(def);
+    if (std::string why = whyUnbalanced(def); !why.empty()) return why;
+    return def.level == VehicleLevel::linkages ? whyNoCarriers(def) : std::string();
 }
 
 }  // namespace ragtop

@@ -1,6 +1,7 @@
 #include "vehicle_level.h"
 
 #include <cmath>
+#include <stdexcept>
 
 #include "ragtop/driver.h"
 #include "vehicle_sim.h"
@@ -56,7 +57,7 @@ BicycleSpec makeRide(const VehicleDef& def, const MassProperties& mass, const st
 
 /// Below level 2 nothing meets a wheel but the ray that is it.
 Filter VehicleSim::filterOf(std::size_t shape) const {
-    if (shape < def.chassis.shapes.size() || def.level == VehicleLevel::full) return def.chassis.filter;
+    if (shape < def.chassis.shapes.size() || def.level >= VehicleLevel::full) return def.chassis.filter;
     return {.category = 0, .mask = 0};
 }
 
@@ -67,15 +68,27 @@ void VehicleSim::takeFilters() {
 
 /// Of a body as it is made, for the full car.
 void VehicleSim::takeLevel() {
-    if (def.level == VehicleLevel::full) return;
+    if (def.level >= VehicleLevel::full) return;
     takeFilters();
     if (def.level == VehicleLevel::bicycle) world->setType(chassis, BodyType::kinematic);
 }
 
+namespace {
+
+void requireCarriers(const VehicleDef& def) {
+    if (const std::string why = whyNoCarriers(def); !why.empty())
+        throw std::invalid_argument("vehicle " + def.name + ": " + why);
+}
+
+}  // namespace
+
 void VehicleSim::setLevel(VehicleLevel level) {
     const VehicleLevel before = def.level;
     if (level == before || !world->isValid(chassis)) return;
+    if (level == VehicleLevel::linkages) requireCarriers(def);
     // Refuses within a step, whatever the type.
+    world->setType(chassis, before == VehicleLevel::bicycle ? BodyType::kinematic : BodyType::dynamic);
+    if (before == VehicleLevel::linkages) removeCarriers();
     world->setType(chassis, level == VehicleLevel::bicycle ? BodyType::kinematic : BodyType::dynamic);
     // What the chassis has not got yet it gets at once.
     const Vec3 velocity = world->linearVelocity(chassis) + (1 / mass) * carried.linear;
@@ -89,10 +102,32 @@ void VehicleSim::setLevel(VehicleLevel level) {
         wheel.ahead.found = 0;
         wheel.below = 0;
     }
+    if (level == VehicleLevel::linkages) {
+        if (before == VehicleLevel::bicycle) standOnGround();
+        makeCarriers();
+    }
     if (before == VehicleLevel::bicycle) leaveBicycle();
     if (level == VehicleLevel::bicycle) wheels[0].placed = WheelState::kPut;
     world->wake(chassis);
     stale = true;
+}
+
+/// Springs as far as wheels on the ground compress them, before there are carriers.
+void VehicleSim::standOnGround() {
+    def.level = VehicleLevel::full;
+    const Pose pose = world->pose(chassis);
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+        WheelState& wheel = wheels[i];
+        wheel.compression = wheel.hubSpeed = 0;
+        // Twice, because the contact goes along a curve.
+        for (int pass = 0; pass < 2; ++pass) {
+            lines[i] = lineNow(i);
+            patches[i].axle = rotate(pose.rotation, lines[i].axle);
+            if (placePatch(i, pose, world->centerOfMass(chassis)))
+                wheel.compression = clampTo(patches[i].rise, specs[i].strut.travelLeast, specs[i].strut.travelMost);
+        }
+    }
+    def.level = VehicleLevel::linkages;
 }
 
 /// Wheels stand under their static loads, and tires are bent as they roll: u = −σ s/V.

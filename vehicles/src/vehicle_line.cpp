@@ -16,6 +16,13 @@ void VehicleSim::findGuides() {
             if (linkages[k].solid) specs[i].beamPartner = both.left + both.right - i;
         }
     }
+    for (std::size_t k = 0; k < carrierSpecs.size(); ++k) {
+        for (const CarriedWheel& held : carrierSpecs[k].wheels) {
+            specs[held.wheel].carrier = k;
+            specs[held.wheel].hubOnCarrier = held.hub;
+            specs[held.wheel].axleOnCarrier = held.axle;
+        }
+    }
 }
 
 /// Of a wheel with a linkage.
@@ -51,6 +58,7 @@ WheelLine VehicleSim::lineOf(std::size_t i, const Vec3& ahead, const WheelCurve&
     line.axle = guide.axle;
     line.tilting = cross(guide.axle, guide.axleRate);
     line.spinRate = guide.spinRate;
+    if (hasCarriers()) takeCarrier(i, line);
     if (spec.beamPartner == i) return line;
     // As it goes with the other coordinate, which is a curve too: its values are rates.
     const WheelCurve change = curvesOf(i).changeWith(otherOf(i));

@@ -9,6 +9,7 @@
 
 #include "air.h"
 #include "axle_linkage.h"
+#include "carriers.h"
 #include "drivetrain.h"
 #include "ground_body.h"
 #include "patch_row.h"
@@ -59,6 +60,8 @@ struct WheelSpec {
     int linkage = -1;            ///< VehicleSim::linkages, of a wheel that has one
     bool isRight = false;        ///< of its linkage
     std::size_t beamPartner = 0;  ///< the other wheel of a beam; itself where there is none
+    std::size_t carrier = 0;      ///< VehicleSim::carriers, of a wheel that has a linkage
+    Vec3 hubOnCarrier, axleOnCarrier;  ///< in its frame, as CarriedWheel
 };
 
 /// Where strut or linkage has a wheel, and the line along which its hub goes from there, in the chassis.
@@ -93,6 +96,9 @@ struct WheelPatch {
     float strutK = 0;  ///< inverse effective masses along the normal and of the patch
     Sym2 tireK;
     float way = 0;        ///< m that the strut is compressed in the substep
+    Vec3 momentum, turning;  ///< at level 3: N s and N m s of its carrier about the car's centre of mass per m/s of u̇
+    float inertia = 0, crossInertia = 0;  ///< kg against u̇, of its own and of the other wheel of its beam
+    float wayBefore = 0, wayAfter = 0;    ///< m/s, u̇ at the beginning and the end
     float strutGive = 0;  ///< m/s of the hub that a unit impulse along the strut makes
     float load = 0;       ///< impulses, N s: along the normal,
     Vec2 tire;            ///< and along the patch
@@ -109,10 +115,13 @@ struct CarLosses {
     double slip = 0, struts = 0, air = 0;
 };
 
+/// Whether somebody has moved the car between steps, and not the last bit of its rotation.
+bool isElsewhere(const Pose& now, const Pose& before);
+
 /// A car inside: definition, state, and the parts of the step. vehicle.cpp builds, saves and shows it,
 /// vehicle_line.cpp says where struts and linkages have wheels, vehicle_step.cpp does what happens once per step,
-/// vehicle_substep.cpp the implicit solve, vehicle_energy.cpp counts what it takes; vehicle_level.cpp goes from one
-/// level to another, vehicle_bicycle.cpp drives level 0.
+/// vehicle_substep.cpp the implicit solve, vehicle_carriers.cpp the bodies of level 3, vehicle_energy.cpp counts what
+/// it takes; vehicle_level.cpp goes from one level to another, vehicle_bicycle.cpp drives level 0.
 struct VehicleSim {
     VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePlacement& placement);
 
@@ -159,8 +168,10 @@ struct VehicleSim {
     VehicleDef def;
     std::vector<WheelSpec> specs;
     std::vector<AxleLinkage> linkages;
+    std::vector<CarrierSpec> carrierSpecs;
     std::vector<LiftPoint> lifts;
     std::vector<float> loadsAtRest;
+    MassProperties carMass;       ///< of all of it, in the frame of the chassis
     float mass = 0, gravity = 0;  ///< kg; m/s², at creation
     Mat3 inverseInertia;          ///< chassis axes
     BicycleSpec ride;             ///< of level 0
@@ -174,6 +185,7 @@ struct VehicleSim {
     std::vector<float> peakLoads;  ///< N, of the last step
     CarLosses lost;
     CarImpulse carried;    ///< of the last substep, which the chassis has not got yet
+    std::vector<Carrier> carriers;  ///< of linkages; bodies at level 3
     Pose endPose;          ///< of the chassis at the end of the last step
     Quat substepRotation;  ///< of it at the beginning of the last substep
     float unseen = 0;      ///< m that level 0 has gone since it looked for the ground
@@ -187,6 +199,8 @@ struct VehicleSim {
     std::vector<Vec3> aheads;                ///< of a step: where wheels roll to, unit, in the chassis
     int substep = 0;                         ///< of the step
     int parts = 1, part = 0;                 ///< of a substep in which a wheel goes over an edge
+    float substepLength = 0;                 ///< s, at level 3
+    PointBody unforced, solved;              ///< of a substep at level 3: how the car goes by gravity alone; by all
     CarImpulse whole;                        ///< of a step, at level 1
     Vec3 endVelocity, endTurning;            ///< of a step, at level 0
     std::vector<GroundBody> grounds;         ///< of the first wheel that stands there
@@ -218,6 +232,7 @@ private:
     void takeFilters();
     void takeLevel();
     void leaveBicycle();
+    void standOnGround();
     void seekBelow(const Pose& pose);
     void rideBicycle(float h);
     BicycleRoad roadBelow(const Pose& pose, const Vec3& velocity, float h) const;
@@ -226,6 +241,24 @@ private:
                                     float acceleration, float h) const;
     void leadTo(const Vec3& velocity, const Vec3& turning);
     void rollWheels(float speed, float h);
+
+    bool isThere() const;
+    bool hasCarriers() const { return def.level == VehicleLevel::linkages; }
+    Frame carrierFrame(std::size_t k) const;
+    void takeCarrier(std::size_t i, WheelLine& line) const;
+    void readCarriers();
+    float rackOf(const CarrierSpec& spec) const;
+    void steerCarriers();
+    CarrierPlace placeOf(const CarrierSpec& spec, LinkageCoordinates& at) const;
+    void createCarrier(std::size_t k, const Pose& pose);
+    void makeCarriers();
+    void removeCarriers();
+    void bringCarriers(const Pose& pose);
+    void takeInertia(std::size_t i, const Pose& pose, const DVec3& center);
+    void addInertia(std::size_t i, const PointBody& body, float h, BarPull& pull) const;
+    void swing(std::size_t i, float way, PointBody& body);
+    void actOnCarriers(float h);
+    void giveToCarrier(std::size_t k, const Pose& pose, CarImpulse& sum);
 
     PointBody bodyAt(const Pose& pose) const;
     bool standsOnWhatMoves() const;
@@ -243,8 +276,9 @@ private:
     void takeGround(std::size_t i, const PointBody& body);
     bool sinkGround(std::size_t i, const PointBody& body, float h);
     void letFall(std::size_t i, float h);
+    float visitFree(std::size_t i, PointBody& body, float h);
     BarPull barOf(std::size_t i) const;
-    BarPull pullOn(std::size_t i, float h) const;
+    BarPull pullOn(std::size_t i, const PointBody& body, float h) const;
     void takeCross(std::size_t i, const Pose& pose);
     TireGround groundOf(std::size_t i) const;
     float resistanceOf(std::size_t i) const;

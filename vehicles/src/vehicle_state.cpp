@@ -65,6 +65,7 @@ void VehicleSim::visitState(Self& self, Visit&& visit) {
     visit(self.wheels);
     visit(self.peakLoads);
     visit(self.carried);
+    visit(self.carriers);
     visit(self.endPose);
     visit(self.substepRotation);
     visit(self.unseen);

@@ -14,15 +14,14 @@ constexpr float kStill = 1e-3f;    ///< over a wheel's radius: how far the groun
 /// Clamps to [lower, 1]; what is no number counts as 0.
 float within(float x, float lower) { return x > lower ? std::min(x, 1.0f) : x <= lower ? lower : 0; }
 
-/// Whether somebody has moved the car between steps, and not the last bit of its rotation.
+}  // namespace
+
 bool isElsewhere(const Pose& now, const Pose& before) {
     constexpr float kLeast = 1e-5f;  // m and rad
     const Quat turn = conjugate(before.rotation) * now.rotation;
     return length(relative(now.position, before.position)) > kLeast ||
            2 * length(Vec3{turn.x, turn.y, turn.z}) > kLeast;
 }
-
-}  // namespace
 
 VehicleSim::Driver VehicleSim::driverOf(const VehicleInput& input) {
     Driver driver;
@@ -71,7 +70,7 @@ bool VehicleSim::mayRest(const Driver& wanted) {
 /// Where the car stands and how it is driven; what the wheels find is looked for when all others have moved what they
 /// move.
 void VehicleSim::beforeStep(double dt) {
-    const bool there = world->isValid(chassis), awake = there && world->isAwake(chassis);
+    const bool there = isThere(), awake = there && world->isAwake(chassis);
     const bool untouched = !active && restsOnFixed == world->fixedVersion() && input == inputAtRest;
     active = awake;
     if (!there || (!awake && untouched)) return;
@@ -86,6 +85,7 @@ void VehicleSim::beforeStep(double dt) {
     if (isElsewhere(pose, endPose)) {
         for (WheelState& wheel : wheels) wheel.placed = WheelState::kPut;
         carried = {};
+        if (hasCarriers()) bringCarriers(pose);
     }
     const float forwardSpeed = dot(world->linearVelocity(chassis), rotate(pose.rotation, {0, 0, 1}));
     const auto step = static_cast<float>(dt);
@@ -93,8 +93,12 @@ void VehicleSim::beforeStep(double dt) {
     const std::optional<int> gear = driver.gearGiven != 0 ? std::optional<int>(driver.gear) : std::nullopt;
     shift(def.gearbox, drivetrain.gearbox, gear, forwardSpeed / meanRadius, driver.throttle, step);
     if (def.level == VehicleLevel::bicycle) return rideBicycle(step);
+    if (hasCarriers()) {
+        steerCarriers();
+        readCarriers();
+    }
     steerWheels();
-    if (def.level == VehicleLevel::full) placeShapes();
+    if (def.level >= VehicleLevel::full) placeShapes();
 }
 
 /// What meets wheels from the side finds them where their struts and the steering have them.
@@ -120,14 +124,16 @@ std::span<const BodyId> VehicleSim::look(double dt) {
         return touched;
     }
     const auto step = static_cast<float>(dt);
-    const bool full = def.level == VehicleLevel::full;
+    const bool full = def.level >= VehicleLevel::full;
     for (std::size_t i = 0; i < wheels.size(); ++i) full ? seekGround(i, pose, step) : seekPoint(i, pose, step);
-    parts = full ? partsOfSubstep(step) : 1;
+    parts = def.level == VehicleLevel::full ? partsOfSubstep(step) : 1;
     substep = part = 0;
     for (std::size_t i = 0; full && i < wheels.size(); ++i) takePiece(i, courses[i].from);
     std::ranges::fill(peakLoads, 0.0f);
     findGrounds();
     touched.push_back(chassis);
+    if (hasCarriers())
+        for (const Carrier& carrier : carriers) touched.push_back(carrier.body);
     return touched;
 }
 
@@ -221,6 +227,7 @@ void VehicleSim::findGrounds() {
 void VehicleSim::afterStep() {
     if (!active) return;
     if (def.level == VehicleLevel::bicycle) leadTo(endVelocity, endTurning);
+    if (hasCarriers()) readCarriers();
     endPose = world->pose(chassis);
     // Rest is judged by whether the ground has moved since the end of the last step that the car was awake.
     for (WheelState& wheel : wheels) {

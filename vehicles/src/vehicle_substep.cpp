@@ -61,6 +61,7 @@ Vec3 unturned(const Vec3& w, const Quat& before, const Quat& now, float h) {
 /// follow the velocities that come out of that, so that a trailer or a rope cannot make a braked car creep.
 void VehicleSim::beforeSubstep(float h) {
     if (!active) return;
+    if (hasCarriers()) return actOnCarriers(h);
     if (def.level == VehicleLevel::rays && !standsOnWhatMoves()) return actOnce(h);
     Pose pose = world->pose(chassis);
     const DVec3 center = world->centerOfMass(chassis);
@@ -155,9 +156,12 @@ void VehicleSim::act(const Pose& pose, const DVec3& center, PointBody body, floa
     body.w += body.inverseInertia * turned;
     const Vec3 fall = h * world->settings().gravity;
     body.v += fall;
+    unforced = start;
+    unforced.v += fall;
     for (GroundBody& ground : grounds) pressGround(ground, fall);
 
     solve(body, h);
+    solved = body;
     for (std::size_t i = 0; i < wheels.size(); ++i) finishWheel(i, body, h, linear, angular);
     for (WheelPatch& patch : patches) patch.way = 0;
     countBody(start, body, {airLinear, airAngular}, turned);
@@ -192,7 +196,7 @@ void VehicleSim::solve(PointBody& body, float h) {
         pushPatch(i, body, patch.load, patch.tire);
         drivetrain.spin[i] -= specs[i].radius * patch.tire.x / drivetrain.inertia()[i];
     }
-    const Patience patience = def.level == VehicleLevel::full ? kFull : kRays;
+    const Patience patience = def.level >= VehicleLevel::full ? kFull : kRays;
     const float enough = patience.converged * h * mass * gravity;
     for (int sweep = 0; sweep < patience.sweeps; ++sweep) {
         float change = 0;
@@ -221,19 +225,25 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     patch.spinBefore = drivetrain.spin[i];
     takeLine(i);
     patch.axle = rotate(pose.rotation, lines[i].axle);
-    if (def.level == VehicleLevel::full && (substep > 0 || part > 0)) takePiece(i, transformPoint(pose, lines[i].base));
+    if (def.level >= VehicleLevel::full && (substep > 0 || part > 0)) takePiece(i, transformPoint(pose, lines[i].base));
     const bool known = placePatch(i, pose, center);
     patch.touching = known && sinkGround(i, body, h);
     patch.above = known && !patch.touching;
     patch.load = patch.way = patch.strutGive = 0;
     patch.tire = {};
     patch.given = patch.turned = {};
+    patch.crossSlant = 0;
+    patch.lean = patch.cross = {};
+    if (hasCarriers()) {
+        takeInertia(i, pose, center);
+        patch.way = h * wheel.hubSpeed;
+    }
     if (!patch.touching) {
-        letFall(i, h);
+        if (!hasCarriers()) letFall(i, h);
         wheel.load = wheel.settleTime = wheel.sunk = 0;
         wheel.force = wheel.deflection = wheel.travel = {};
         wheel.inclination = wheel.aligning = 0;
-        wheel.hubSpeed = 0;
+        if (!hasCarriers()) wheel.hubSpeed = 0;
         return;
     }
     patch.lean = {dot(patch.forward, patch.axis), dot(patch.side, patch.axis)};
@@ -305,13 +315,15 @@ bool VehicleSim::sinkGround(std::size_t i, const PointBody& body, float h) {
     WheelState& wheel = wheels[i];
     const StrutSpec& strut = specs[i].strut;
     takeGround(i, body);
-    if (wheel.placed == WheelState::kPut) wheel.compression = std::max(patch.rise, strut.travelLeast);
+    if (wheel.placed == WheelState::kPut && !hasCarriers()) wheel.compression = std::max(patch.rise, strut.travelLeast);
     patch.squash = patch.slant * (patch.rise - wheel.compression) + strut.tireSquash;
     const float deepest = std::max(patch.squash, 0.0f);
     if (wheel.touching == 0 && wheel.placed == 0) {
-        const float fallen = -patch.slant * fallOfWheel(strut, wheel.compression, h);
-        const float come = fallen - h * speedAlong(patch.normalRow, body, *patch.ground);
+        const float way = hasCarriers() ? h * wheel.hubSpeed : fallOfWheel(strut, wheel.compression, h);
+        const float come = -patch.slant * way - h * speedAlong(patch.normalRow, body, *patch.ground);
         wheel.sunk = deepest - clampTo(come, 0, deepest);
+    } else if (wheel.placed == WheelState::kPut && hasCarriers()) {
+        wheel.sunk = std::max(deepest - strut.tireSquash, 0.0f);
     } else {
         wheel.sunk = clampTo(wheel.sunk - h * kLiftSpeed, 0, deepest);
     }
@@ -353,8 +365,9 @@ void VehicleSim::takeGround(std::size_t i, const PointBody& body) {
 }
 
 /// And by what its brake does to what carries the wheel, and what grips at the other end of its beam.
-BarPull VehicleSim::pullOn(std::size_t i, float h) const {
+BarPull VehicleSim::pullOn(std::size_t i, const PointBody& body, float h) const {
     BarPull pull = barOf(i);
+    if (hasCarriers()) addInertia(i, body, h, pull);
     if (specs[i].linkage < 0) return pull;
     pull.force += lines[i].spinRate * drivetrain.padImpulse(i) / h;
     const std::size_t other = specs[i].beamPartner;
@@ -401,15 +414,15 @@ Vec3 VehicleSim::alignTires(float h) {
 /// One visit to a strut and its tire; the largest change of an impulse.
 float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     WheelPatch& patch = patches[i];
-    if (!patch.touching) return 0;
+    if (!patch.touching) return hasCarriers() ? visitFree(i, body, h) : 0;
     const WheelState& wheel = wheels[i];
-    const float radius = specs[i].radius;
+    const float radius = specs[i].radius, wayBefore = patch.way;
 
     const float apart = speedAlong(patch.normalRow, body, *patch.ground) - patch.strutK * patch.load +
                         patch.crossSlant * patches[specs[i].beamPartner].way / h;
     const float rub = (patch.lean.x * patch.tire.x + patch.lean.y * patch.tire.y) / h;
     const StrutVisit strut = solveStrut(specs[i].strut, wheel.compression, patch.squash, patch.slant, h, patch.strutK,
-                                        apart, rub, pullOn(i, h));
+                                        apart, rub, pullOn(i, body, h));
     const float load = strut.impulse, loadChange = load - patch.load;
     patch.load = load;
     patch.way = strut.way;
@@ -435,6 +448,7 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     push(patch.forwardRow, body, *patch.ground, change.x);
     push(patch.sideRow, body, *patch.ground, change.y);
     drivetrain.spin[i] -= radius * change.x / drivetrain.inertia()[i];
+    if (hasCarriers()) swing(i, patch.way - wayBefore, body);
     if (load > 0) {
         const Vec2 end{free.x + K.xx * patch.tire.x + K.xy * patch.tire.y,
                        free.y + K.xy * patch.tire.x + K.yy * patch.tire.y};
@@ -454,6 +468,7 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     wheel.rotation -= 2 * kPi * std::floor((wheel.rotation + kPi) / (2 * kPi));
     wheel.touching = patch.touching ? 1 : 0;
     wheel.placed = patch.above ? WheelState::kAbove : 0;
+    patch.wayAfter = patch.way / h;
     if (!patch.touching) return;
 
     const Vec3 impulse = impulseOf(patch);

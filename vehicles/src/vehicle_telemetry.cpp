@@ -10,7 +10,7 @@ namespace {
 /// not travel, and slip over its speed is any number.
 constexpr float kSlowest = 1;
 
-float share(float part, float whole) { return whole > 0 ? part / whole : 0; }
+float share(float part, float carMass) { return carMass > 0 ? part / carMass : 0; }
 
 /// Share of the ellipse of (4) in tire.h, with the largest frictions.
 float gripUsed(const WheelState& wheel, const TireSpec& tire, const TireGround& ground) {
@@ -25,7 +25,7 @@ float gripUsed(const WheelState& wheel, const TireSpec& tire, const TireGround& 
 const VehicleTelemetry& VehicleSim::tell() {
     if (stale.load(std::memory_order_acquire)) {
         const std::lock_guard<std::mutex> lock(telling);
-        if (stale.load(std::memory_order_relaxed) && world->isValid(chassis)) refreshTelemetry();
+        if (stale.load(std::memory_order_relaxed) && isThere()) refreshTelemetry();
         stale.store(false, std::memory_order_release);
     }
     return telemetry;
@@ -50,7 +50,8 @@ void VehicleSim::refreshTelemetry() {
 }
 
 void VehicleSim::tellMotion(const Pose& pose) {
-    const Vec3 velocity = world->linearVelocity(chassis), turning = world->angularVelocity(chassis);
+    const Vec3 velocity = world->velocityAt(chassis, transformPoint(pose, carMass.center)),
+               turning = world->angularVelocity(chassis);
     const Vec3 left = rotate(pose.rotation, {1, 0, 0}), up = rotate(pose.rotation, {0, 1, 0}),
                forward = rotate(pose.rotation, {0, 0, 1});
     telemetry.speed = dot(velocity, forward);
@@ -62,9 +63,8 @@ void VehicleSim::tellMotion(const Pose& pose) {
     telemetry.heading = arcTan2(forward.x, forward.z);
     telemetry.pitch = arcTan2(-forward.y, std::sqrt(forward.x * forward.x + forward.z * forward.z));
     telemetry.roll = arcTan2(left.y, up.y);
-    const MassProperties body = world->mass(chassis);
     const Vec3 spin = inverseRotate(pose.rotation, turning);
-    telemetry.kineticEnergy = 0.5f * (body.mass * dot(velocity, velocity) + dot(spin, body.inertia * spin));
+    telemetry.kineticEnergy = 0.5f * (mass * dot(velocity, velocity) + dot(spin, carMass.inertia * spin));
     const AerodynamicsDef& air = def.aerodynamics;
     const Vec3 flow = velocity - driver.wind;
     const float speed = length(flow), pressure = 0.5f * air.airDensity * speed * speed;

@@ -102,6 +102,9 @@ public:
 
     template <class T>
     void operator()(const Tunable& tunable, const T& value) {
+        // Names take memory, and joints may be defined anew in every step.
+        if constexpr (std::is_arithmetic_v<T>)
+            if (isWithin(tunable, value)) return;
         if (why_.empty()) check(prefix_ + std::string(tunable.name), tunable, value);
     }
     const std::string& why() const { return why_; }
@@ -142,16 +145,18 @@ private:
     }
 
     template <class Number>
-    void checkNumber(const std::string& name, const Tunable& tunable, Number value) {
-        bool fine;
-        if constexpr (std::is_floating_point_v<Number>) {
-            // The bounds in the precision of the value: 1e-4f must not fail "at least 1e-4".
-            fine = std::isfinite(value) && value >= rounded<Number>(tunable.minimum) &&
+    static bool isWithin(const Tunable& tunable, Number value) {
+        if constexpr (std::is_same_v<Number, bool>) return true;
+        // The bounds in the precision of the value: 1e-4f must not fail "at least 1e-4".
+        if constexpr (std::is_floating_point_v<Number>)
+            return std::isfinite(value) && value >= rounded<Number>(tunable.minimum) &&
                    value <= rounded<Number>(tunable.maximum);
-        } else {
-            fine = static_cast<double>(value) >= tunable.minimum && static_cast<double>(value) <= tunable.maximum;
-        }
-        if (!fine) complain(name + " is " + numberText(value) + ", " + rangeText(tunable));
+        return static_cast<double>(value) >= tunable.minimum && static_cast<double>(value) <= tunable.maximum;
+    }
+
+    template <class Number>
+    void checkNumber(const std::string& name, const Tunable& tunable, Number value) {
+        if (!isWithin(tunable, value)) complain(name + " is " + numberText(value) + ", " + rangeText(tunable));
     }
 
     template <class Number>

@@ -47,6 +47,10 @@ bool isWide(const JointSim& joint) {
     }
 }
 
+std::uint64_t placeInBundles(const JointSim& joint) {
+    return isWide(joint) ? 1 + std::uint64_t{structureOf(joint).key()} : 0;
+}
+
 JointBundles::JointBundles(int lanes, std::pmr::memory_resource* memory)
     : lanes_(static_cast<std::size_t>(lanes)),
       colors_(memory),

@@ -43,5 +43,7 @@ private:
 
 /// Can the joint be solved in lanes?
 bool isWide(const JointSim& joint);
+/// Joints with the same number can be in one bundle; 0: those that are solved alone.
+std::uint64_t placeInBundles(const JointSim& joint);
 
 }  // namespace ragtop

@@ -2,6 +2,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "constraints/joint_bundles.h"
 #include "model/edge_list.h"
 #include "model/joint_bodies.h"
 #include "scene/scene.h"
@@ -63,7 +64,14 @@ void Scene::redefineJoint(std::uint32_t index, const JointDef& def) const {
     JointRecord& joint = joints[index];
     const bool held = mayHold(bodies, joint);
     joint.def = def;
+    // A distance is of no tree, and of its bundle while it has the rows that it had.
+    const bool bundled = !joints.bundlesChanged, planned = !directSet.treesChanged;
+    const std::uint64_t before = placeInBundles(joints.sims[index]);
     compile(index);
+    if (std::holds_alternative<DistanceDef>(def) && placeInBundles(joints.sims[index]) == before) {
+        joints.bundlesChanged = !bundled;
+        directSet.treesChanged = !planned;
+    }
     if (!mayHold(bodies, joint)) activity.removeJointFromGraph(index);
     settleJoint(index, held);
     for (const std::uint32_t body : {joint.bodyA, joint.bodyB})

@@ -10,9 +10,12 @@
 namespace ragtop {
 namespace {
 
-std::string whyInvalidFrame(const std::string& name, const Frame& frame) {
-    std::string why = whyNotFinite(name + ".position", frame.position);
-    return why.empty() ? whyNoRotation(name + ".rotation", frame.rotation) : why;
+/// Takes memory for names of what is wrong alone: joints may be defined anew in every step.
+std::string whyInvalidFrame(std::string_view name, const Frame& frame) {
+    const auto field = [&](const char* part) { return std::string(name) + part; };
+    if (!isFinite(frame.position)) return whyNotFinite(field(".position"), frame.position);
+    return whyNoRotation({}, frame.rotation).empty() ? std::string()
+                                                     : whyNoRotation(field(".rotation"), frame.rotation);
 }
 
 /// Symmetric and positive definite, by its leading minors; zero where no rotation can happen.

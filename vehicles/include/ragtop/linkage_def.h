@@ -76,38 +76,36 @@ constexpr std::array<const char*, 1> requiredFields(const LinkageDef*) { return 
 
 inline constexpr double kFarthestPoint = 1e4;  ///< m, of a hardpoint from the origin of the chassis, as of wheels
 
+constexpr Tunable hardpoint(const char* name, const char* meaning) {
+    return {name, "m", -kFarthestPoint, kFarthestPoint, meaning};
+}
+
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const DoubleWishboneDef*) {
-    const auto point = [](const char* name, const char* meaning) {
-        return Tunable{name, "m", -kFarthestPoint, kFarthestPoint, meaning};
-    };
-    visit(point("lowerFront", "of the lower arm's axis in the chassis"), self.lowerFront);
-    visit(point("lowerRear", "another point of that axis"), self.lowerRear);
-    visit(point("lowerBall", "of the lower arm in the upright"), self.lowerBall);
-    visit(point("upperFront", "of the upper arm's axis in the chassis"), self.upperFront);
-    visit(point("upperRear", "another point of that axis"), self.upperRear);
-    visit(point("upperBall", "of the upper arm in the upright"), self.upperBall);
+    visit(hardpoint("lowerFront", "of the lower arm's axis in the chassis"), self.lowerFront);
+    visit(hardpoint("lowerRear", "another point of that axis"), self.lowerRear);
+    visit(hardpoint("lowerBall", "of the lower arm in the upright"), self.lowerBall);
+    visit(hardpoint("upperFront", "of the upper arm's axis in the chassis"), self.upperFront);
+    visit(hardpoint("upperRear", "another point of that axis"), self.upperRear);
+    visit(hardpoint("upperBall", "of the upper arm in the upright"), self.upperBall);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const McPhersonDef*) {
-    const auto point = [](const char* name, const char* meaning) {
-        return Tunable{name, "m", -kFarthestPoint, kFarthestPoint, meaning};
-    };
-    visit(point("lowerFront", "of the lower arm's axis in the chassis"), self.lowerFront);
-    visit(point("lowerRear", "another point of that axis"), self.lowerRear);
-    visit(point("lowerBall", "of the lower arm in the upright"), self.lowerBall);
-    visit(point("strutTop", "ball in the chassis through which the strut slides"), self.strutTop);
-    visit(point("strutFoot", "in the upright, on the axis of the strut"), self.strutFoot);
+    visit(hardpoint("lowerFront", "of the lower arm's axis in the chassis"), self.lowerFront);
+    visit(hardpoint("lowerRear", "another point of that axis"), self.lowerRear);
+    visit(hardpoint("lowerBall", "of the lower arm in the upright"), self.lowerBall);
+    visit(hardpoint("strutTop", "ball in the chassis through which the strut slides"), self.strutTop);
+    visit(hardpoint("strutFoot", "in the upright, on the axis of the strut"), self.strutFoot);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const TrailingArmDef*) {
-    visit(Tunable{"inner", "m", -kFarthestPoint, kFarthestPoint, "of the axis about which the arm turns"}, self.inner);
-    visit(Tunable{"outer", "m", -kFarthestPoint, kFarthestPoint, "another point of that axis"}, self.outer);
+    visit(hardpoint("inner", "of the axis about which the arm turns"), self.inner);
+    visit(hardpoint("outer", "another point of that axis"), self.outer);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const RodDef*) {
-    visit(Tunable{"chassis", "m", -kFarthestPoint, kFarthestPoint, "end in the chassis"}, self.chassis);
-    visit(Tunable{"carrier", "m", -kFarthestPoint, kFarthestPoint, "end that goes with the wheel"}, self.carrier);
+    visit(hardpoint("chassis", "end in the chassis"), self.chassis);
+    visit(hardpoint("carrier", "end that goes with the wheel"), self.carrier);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const SolidAxleDef*) {
@@ -115,8 +113,8 @@ void describe(Visitor& visit, Self& self, const SolidAxleDef*) {
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const TieRodDef*) {
-    visit(Tunable{"inner", "m", -kFarthestPoint, kFarthestPoint, "at the rack, or in the chassis"}, self.inner);
-    visit(Tunable{"outer", "m", -kFarthestPoint, kFarthestPoint, "in the upright"}, self.outer);
+    visit(hardpoint("inner", "at the rack, or in the chassis"), self.inner);
+    visit(hardpoint("outer", "in the upright"), self.outer);
 }
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const LinkageDef*) {

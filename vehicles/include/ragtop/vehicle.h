@@ -134,7 +134,8 @@ public:
     void setDef(const VehicleDef& def);
     /// Changes how much of the car is modelled, as it drives: it keeps place and velocity, and its wheels, tires and
     /// engine what both levels know of them. Saved and restored with the car. At VehicleLevel::bicycle the chassis is
-    /// kinematic. Between steps only: throws std::logic_error within one.
+    /// kinematic; at VehicleLevel::linkages the car has more bodies, on joints to the chassis, which go with the level.
+    /// Throws std::invalid_argument where it has no linkages for that, and, within a step, std::logic_error.
     void setLevel(VehicleLevel level);
     /// Puts the car somewhere, upright, as if it had been made there; the input stays. Throws std::invalid_argument.
     void place(const VehiclePlacement& placement);

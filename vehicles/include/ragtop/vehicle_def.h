@@ -162,11 +162,12 @@ struct VehicleVisualDef {
 /// How much of a car is modelled; all levels have the same controls, telemetry and state. What a level leaves out is
 /// told as zero, and listed in docs/vehicles.md.
 enum class VehicleLevel : unsigned char {
-    bicycle,  ///< 0: kinematic, on the ground as a single-track model with linear tires
-    rays,     ///< 1: wheels are rays, one solve for the whole step, brush tires; no sides of wheels
-    full,     ///< 2: all there is
+    bicycle,   ///< 0: kinematic, on the ground as a single-track model with linear tires
+    rays,      ///< 1: wheels are rays, one solve for the whole step, brush tires; no sides of wheels
+    full,      ///< 2: wheels on struts, or on the curves of their linkages
+    linkages,  ///< 3: and what carries them is bodies on joints; of cars whose wheels all have a linkage
 };
-constexpr std::array<std::string_view, 3> enumNames(VehicleLevel) { return {"bicycle", "rays", "full"}; }
+constexpr std::array<std::string_view, 4> enumNames(VehicleLevel) { return {"bicycle", "rays", "full", "linkages"}; }
 
 struct VehicleDef {
     std::string name{};
