@@ -26,7 +26,8 @@ public:
             add(def, 2 * i + 1, i % 4 == 0 ? 1.0f : 0.125f, dice);
             graph_.insertJoint(i, 2 * i + 1, true, 2 * i + 2, true, false);
         }
-        bundles_.build(graph_, joints_.data());
+        for (JointSim& joint : joints_) sims_.push_back(&joint);
+        bundles_.build(graph_, sims_.data());
         constexpr float h = 1.0f / 240;
         pass_ = {{states_.data(), inertias_.data(), nullptr, nullptr}, {h, 240, makeSoftness(60, 2, h)}};
         load();
@@ -48,7 +49,7 @@ public:
     const JointKernels& kernels;
 
 private:
-    JointLanesView view() { return bundles_.view(joints_.data()); }
+    JointLanesView view() { return bundles_.view(sims_.data()); }
     int count() const { return bundles_.bundleCount(); }
     void add(const JointDef& def, std::uint32_t first, float turn, scenes::Dice& dice) {
         for (const std::uint32_t body : {first, first + 1}) {
@@ -69,6 +70,7 @@ private:
     ConstraintGraph graph_;
     JointBundles bundles_;
     std::vector<JointSim> joints_;
+    std::vector<JointSim*> sims_;
     std::vector<BodyState> states_;
     std::vector<BodyInertia> inertias_;
     JointPass pass_;

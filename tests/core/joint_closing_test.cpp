@@ -332,8 +332,8 @@ TEST(JointClosing, LeavesAloneWhatIsClosed) {
 }
 
 /// A hinge or the turn of a cylindrical joint, whose one coordinate has come to 5 rad.
-JointSim turned(JointKind kind) {
-    JointSim joint;
+AxesJointSim turned(JointKind kind) {
+    AxesJointSim joint;
     joint.kind = kind;
     joint.axes.freeRows = hasAxes(kind) ? 1 : 0;
     AxisRows& axis = hasAxes(kind) ? joint.axes.axis[0] : joint.axis;
@@ -341,7 +341,7 @@ JointSim turned(JointKind kind) {
     return joint;
 }
 
-double coordinateOf(const JointSim& joint) {
+double coordinateOf(const AxesJointSim& joint) {
     const AxisRows& axis = hasAxes(joint.kind) ? joint.axes.axis[0] : joint.axis;
     return unwrapped(axis, axis.angle.last);
 }
@@ -349,7 +349,7 @@ double coordinateOf(const JointSim& joint) {
 /// A step that came to nothing may have turned a body many times, or to an angle that is no number.
 TEST(JointCounts, AreThoseOfTheStepsBeginningWhereItIsTakenBack) {
     for (const JointKind kind : {JointKind::hinge, JointKind::cylindrical}) {
-        JointSim joint = turned(kind);
+        AxesJointSim joint = turned(kind);
         const double before = coordinateOf(joint);
         EXPECT_NEAR(before, 5.0, 0.01);
         keepCounts(joint);

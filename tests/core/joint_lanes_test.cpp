@@ -179,7 +179,7 @@ TEST_P(JointLanes, GiveTheBitsOfJointsAlone) {
             graph.insertJoint(j, joint.stateA, joint.stateA != 0, joint.stateB, true, false);
         }
         JointBundles bundles(kernels.lanes, std::pmr::get_default_resource());
-        bundles.build(graph, wide.joints.data());
+        bundles.build(graph, wide.places().data());
         ASSERT_GT(bundles.color(ConstraintGraph::kOverflow).end, 2) << kind.name;
         for (int step = 0; step < 60; ++step) {
             alone.step();

@@ -26,7 +26,7 @@ public:
     Rig() { bodies.emplace_back(); }
 
     std::vector<RigBody> bodies;  // 0 is the world
-    std::vector<JointSim> joints;
+    std::vector<AxesJointSim> joints;  // of any kind
     Vec3 gravity{0, -9.81f, 0};
     double dt = 1.0 / 60;
     int substeps = 4;
@@ -37,12 +37,17 @@ public:
         return static_cast<std::uint32_t>(bodies.size() - 1);
     }
     JointSim& join(std::uint32_t a, std::uint32_t b, const JointDef& def) {
-        JointSim joint;
+        AxesJointSim joint;
         joint.stateA = a;
         joint.stateB = b;
         compileJoint(def, {}, {}, joint);
         joints.push_back(joint);
         return joints.back();
+    }
+    std::vector<JointSim*> places() {
+        std::vector<JointSim*> sims;
+        for (JointSim& joint : joints) sims.push_back(&joint);
+        return sims;
     }
     float h() const { return static_cast<float>(dt / substeps); }
     JointContext context() const {
@@ -69,7 +74,8 @@ public:
     /// The same in lanes, as far as bundles go. No two joints share a moving body.
     void step(const JointKernels& kernels, JointBundles& lanes) {
         begin();
-        const JointLanesView view = lanes.view(joints.data());
+        const std::vector<JointSim*> sims = places();
+        const JointLanesView view = lanes.view(sims.data());
         const int bundles = lanes.color(ConstraintGraph::kOverflow).end;
         const auto singles = [&](auto&& visit) {
             for (int i = 0; i < lanes.color(ConstraintGraph::kOverflow).endSingle; ++i) visit(joints[lanes.single(i)]);

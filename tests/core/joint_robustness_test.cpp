@@ -2,9 +2,12 @@
 
 #include <cmath>
 #include <cstring>
+#include <memory_resource>
 #include <random>
+#include <vector>
 
 #include "joint_rig.h"
+#include "model/joint_sims.h"
 
 namespace ragtop::test {
 namespace {
@@ -67,7 +70,7 @@ TEST(Ball, HeavySwingingLoadStretchesAChainAndDoesNotTearIt) {
 struct Bench {
     BodyState states[3];
     BodyInertia inertia[3];
-    JointSim joint;
+    AxesJointSim joint;
     JointContext context{1 / 240.0f, 240, makeSoftness(60, 2, 1 / 240.0f)};
     JointBodiesAtStep bodies;
 
@@ -435,7 +438,8 @@ TEST(Joint, NewSettingsKeepTheImpulsesOfTheSameTypeOnly) {
 /// A step that went beyond all numbers is undone; the next begins without its impulses.
 TEST(JointRobustness, TimesNothingNothingIsLeftOfImpulsesBeyondAllNumbers) {
     for (const float beyond : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-        JointSim joint{};
+        AxesJointSim joint{};
+        joint.kind = JointKind::cylindrical;
         joint.block.impulseFirst = joint.block.impulseSecond = joint.lead.linear = {beyond, 0, beyond};
         joint.ball.springImpulse = {0, beyond, 0};
         joint.ball.twistLower.impulse = joint.axis.dry.bound = joint.axes.impulse[0] = beyond;
@@ -450,6 +454,36 @@ TEST(JointRobustness, TimesNothingNothingIsLeftOfImpulsesBeyondAllNumbers) {
         EXPECT_EQ(joint.axis.dry.bound, 0);
         EXPECT_EQ(joint.axes.impulse[0], 0);
     }
+}
+
+/// Joints of all kinds have one numbering, and those with axes memory of their own.
+TEST(JointSims, StayWhereTheyAreWhileOthersComeAndGo) {
+    JointSims sims(std::pmr::get_default_resource());
+    constexpr std::uint32_t kFew = 100, kMany = 400;  // pages of both kinds of memory have fewer
+    const auto kind = [](std::uint32_t i) { return i % 3 == 0 ? JointKind::sixDof : JointKind::ball; };
+    const auto add = [&](std::uint32_t i) {
+        sims.acquire(i, kind(i));
+        sims[i].kind = kind(i);
+        sims[i].stateA = i;
+        if (hasAxes(kind(i))) withAxes(sims[i]).axes.freeRows = i;
+    };
+    for (std::uint32_t i = 0; i < kFew; ++i) add(i);
+    std::vector<const JointSim*> places;
+    for (std::uint32_t i = 0; i < kFew; ++i) places.push_back(&sims[i]);
+    for (std::uint32_t i = kFew; i < kMany; ++i) add(i);
+    for (std::uint32_t i = 0; i < kMany; ++i) {
+        EXPECT_EQ(sims[i].stateA, i);
+        EXPECT_TRUE(i >= kFew || &sims[i] == places[i]);
+        EXPECT_TRUE(!hasAxes(kind(i)) || withAxes(sims[i]).axes.freeRows == i);
+    }
+    // What has gone leaves its place to the next of its size, as new.
+    sims.release(3), sims.release(4);
+    sims.acquire(4, JointKind::cylindrical);
+    EXPECT_EQ(&sims[4], places[3]);
+    EXPECT_EQ(withAxes(sims[4]).axes.freeRows, 0u);
+    sims.acquire(3, JointKind::hinge);
+    EXPECT_EQ(&sims[3], places[4]);
+    EXPECT_EQ(sims[3].stateA, 0u);
 }
 
 }  // namespace

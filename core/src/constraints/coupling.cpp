@@ -9,12 +9,12 @@ namespace {
 
 /// Where a coordinate of a joint is kept.
 AxisRows& axisOf(JointSim& joint, std::uint32_t coordinate) {
-    return hasAxes(joint.kind) ? joint.axes.axis[coordinate] : joint.axis;
+    return hasAxes(joint.kind) ? withAxes(joint).axes.axis[coordinate] : joint.axis;
 }
 
 /// What the coordinate takes of the joint's relative motion.
 PairVector rowOf(const JointSim& joint, std::uint32_t coordinate) {
-    if (hasAxes(joint.kind)) return joint.axes.free[coordinate];
+    if (hasAxes(joint.kind)) return withAxes(joint).axes.free[coordinate];
     const Vec3& axis = joint.block.basis.cz;
     return joint.kind == JointKind::hinge ? PairVector{{}, axis} : PairVector{axis, {}};
 }
@@ -22,14 +22,14 @@ PairVector rowOf(const JointSim& joint, std::uint32_t coordinate) {
 double valueOf(const JointSim& joint, std::uint32_t coordinate) {
     const AxisRows& axis = axisOf(const_cast<JointSim&>(joint), coordinate);
     if (axis.angle.tracked) return unwrapped(axis, axis.angle.last);
-    if (hasAxes(joint.kind)) return coordinateOf(joint.axes, coordinate);
+    if (hasAxes(joint.kind)) return coordinateOf(withAxes(joint).axes, coordinate);
     return static_cast<double>(joint.kind == JointKind::slider ? joint.block.errorSecond.z
                                                                : length(joint.block.errorFirst));
 }
 
 /// The impulse along the coordinate together with what keeps the rigid rows' velocity, which the block notes.
 PairVector push(JointSim& joint, std::uint32_t coordinate, float amount) {
-    if (hasAxes(joint.kind)) return freeImpulse(joint.axes, coordinate, amount);
+    if (hasAxes(joint.kind)) return freeImpulse(withAxes(joint).axes, coordinate, amount);
     if (joint.kind == JointKind::distance) return {amount * joint.block.basis.cz, {}};
     return freeImpulse(joint.block, amount);
 }
@@ -37,9 +37,9 @@ PairVector push(JointSim& joint, std::uint32_t coordinate, float amount) {
 /// Bodies that have no velocity yet, to see what an impulse does to them.
 class Trial {
 public:
-    Trial(const CouplingSim& coupling, JointSim* joints, const BodyState* states, const BodyInertia* inertia) {
+    Trial(const CouplingSim& coupling, JointSim* const* joints, const BodyState* states, const BodyInertia* inertia) {
         for (std::uint32_t i = 0; i < coupling.count; ++i) {
-            const JointSim& joint = joints[coupling.joints[i]];
+            const JointSim& joint = *joints[coupling.joints[i]];
             a_[i] = placeOf(joint.stateA, states, inertia);
             b_[i] = placeOf(joint.stateB, states, inertia);
         }
@@ -64,38 +64,38 @@ private:
 };
 
 /// Speed of the sum per impulse along it. Blocks note what they are given, so copies of them are pushed.
-float inverseMassOf(const CouplingSim& coupling, JointSim* joints, const BodyState* states,
+float inverseMassOf(const CouplingSim& coupling, JointSim* const* joints, const BodyState* states,
                     const BodyInertia* inertia) {
     Trial trial(coupling, joints, states, inertia);
     for (std::uint32_t i = 0; i < coupling.count; ++i) {
-        JointSim joint = joints[coupling.joints[i]];
+        AxesJointSim joint = copyOf(*joints[coupling.joints[i]]);
         BodyPair pair = trial.pair(i);
         pair.apply(joint.arms, push(joint, coupling.coordinates[i], coupling.ratios[i]));
         pair.store();
     }
     float speed = 0;
     for (std::uint32_t i = 0; i < coupling.count; ++i) {
-        const JointSim& joint = joints[coupling.joints[i]];
+        const JointSim& joint = *joints[coupling.joints[i]];
         const PairVector u = trial.pair(i).velocity(joint.arms);
         speed += coupling.ratios[i] * speedAlong(rowOf(joint, coupling.coordinates[i]), u);
     }
     return speed;
 }
 
-double sumOf(const CouplingSim& coupling, const JointSim* joints) {
+double sumOf(const CouplingSim& coupling, JointSim* const* joints) {
     double sum = 0;
     for (std::uint32_t i = 0; i < coupling.count; ++i)
-        sum += static_cast<double>(coupling.ratios[i]) * valueOf(joints[coupling.joints[i]], coupling.coordinates[i]);
+        sum += static_cast<double>(coupling.ratios[i]) * valueOf(*joints[coupling.joints[i]], coupling.coordinates[i]);
     return sum;
 }
 
 /// Σ ratio · what(joint, coordinate, its bodies)
 template <class What>
-float sumOverParts(const CouplingSim& coupling, const JointSim* joints, const BodyState* states,
+float sumOverParts(const CouplingSim& coupling, JointSim* const* joints, const BodyState* states,
                    const BodyInertia* inertia, What&& what) {
     float sum = 0;
     for (std::uint32_t i = 0; i < coupling.count; ++i) {
-        const JointSim& joint = joints[coupling.joints[i]];
+        const JointSim& joint = *joints[coupling.joints[i]];
         // Nothing is written without BodyPair::store.
         const BodyPair pair(const_cast<BodyState*>(states), inertia, joint.stateA, joint.stateB);
         sum += coupling.ratios[i] * what(joint, coupling.coordinates[i], pair);
@@ -103,7 +103,7 @@ float sumOverParts(const CouplingSim& coupling, const JointSim* joints, const Bo
     return sum;
 }
 
-float speedOf(const CouplingSim& coupling, const JointSim* joints, const BodyState* states,
+float speedOf(const CouplingSim& coupling, JointSim* const* joints, const BodyState* states,
               const BodyInertia* inertia) {
     return sumOverParts(coupling, joints, states, inertia,
                         [](const JointSim& joint, std::uint32_t coordinate, const BodyPair& pair) {
@@ -111,7 +111,7 @@ float speedOf(const CouplingSim& coupling, const JointSim* joints, const BodySta
                         });
 }
 
-float bendOf(const CouplingSim& coupling, const JointSim* joints, const BodyState* states, const BodyInertia* inertia,
+float bendOf(const CouplingSim& coupling, JointSim* const* joints, const BodyState* states, const BodyInertia* inertia,
              float h) {
     return sumOverParts(coupling, joints, states, inertia,
                         [&](const JointSim& joint, std::uint32_t coordinate, const BodyPair& pair) {
@@ -119,11 +119,11 @@ float bendOf(const CouplingSim& coupling, const JointSim* joints, const BodyStat
                         });
 }
 
-void pushAll(const CouplingSim& coupling, JointSim* joints, BodyState* states, const BodyInertia* inertia,
+void pushAll(const CouplingSim& coupling, JointSim* const* joints, BodyState* states, const BodyInertia* inertia,
              float amount) {
     if (amount == 0) return;
     for (std::uint32_t i = 0; i < coupling.count; ++i) {
-        JointSim& joint = joints[coupling.joints[i]];
+        JointSim& joint = *joints[coupling.joints[i]];
         const float share = coupling.ratios[i] * amount;
         axisOf(joint, coupling.coordinates[i]).coupledImpulse += share;
         BodyPair pair(states, inertia, joint.stateA, joint.stateB);
@@ -170,7 +170,7 @@ bool coordinateTurns(JointKind kind, int coordinate) {
     }
 }
 
-void compileCoupling(const CouplingDef& def, const JointSim* joints, CouplingSim& into) {
+void compileCoupling(const CouplingDef& def, JointSim* const* joints, CouplingSim& into) {
     into.count = static_cast<std::uint32_t>(def.count);
     for (std::uint32_t i = 0; i < into.count; ++i) {
         into.joints[i] = def.parts[i].joint.index;
@@ -178,13 +178,13 @@ void compileCoupling(const CouplingDef& def, const JointSim* joints, CouplingSim
         into.ratios[i] = def.parts[i].ratio;
     }
     const AxisDef& sum = def.sum;
-    const bool turns = coordinateTurns(joints[into.joints[0]].kind, def.parts[0].coordinate);
+    const bool turns = coordinateTurns(joints[into.joints[0]]->kind, def.parts[0].coordinate);
     compile(into.axis, {sum.limit, sum.stop, sum.motor, sum.spring, sum.target, sum.friction, sum.bearing, turns});
 }
 
-void markCoupled(const CouplingSim& coupling, JointSim* joints) {
+void markCoupled(const CouplingSim& coupling, JointSim* const* joints) {
     for (std::uint32_t i = 0; i < coupling.count; ++i)
-        axisOf(joints[coupling.joints[i]], coupling.coordinates[i]).features |= AxisRows::kCoupled;
+        axisOf(*joints[coupling.joints[i]], coupling.coordinates[i]).features |= AxisRows::kCoupled;
 }
 
 void clearCoupled(JointSim& joint, bool coupled) {
@@ -193,18 +193,19 @@ void clearCoupled(JointSim& joint, bool coupled) {
         if (!coupled) axis.features &= ~AxisRows::kCoupled;
     };
     clear(joint.axis);
-    for (AxisRows& axis : joint.axes.axis) clear(axis);
+    if (!hasAxes(joint.kind)) return;
+    for (AxisRows& axis : withAxes(joint).axes.axis) clear(axis);
 }
 
-void warmStartCoupling(const CouplingSim& coupling, JointSim* joints) {
+void warmStartCoupling(const CouplingSim& coupling, JointSim* const* joints) {
     const float carried = axisImpulse(coupling.axis);
     for (std::uint32_t i = 0; i < coupling.count; ++i) {
-        AxisRows& axis = axisOf(joints[coupling.joints[i]], coupling.coordinates[i]);
+        AxisRows& axis = axisOf(*joints[coupling.joints[i]], coupling.coordinates[i]);
         axis.coupledImpulse += coupling.ratios[i] * carried;
     }
 }
 
-void beginCoupling(CouplingSim& coupling, JointSim* joints, BodyState* states, const BodyInertia* inertia,
+void beginCoupling(CouplingSim& coupling, JointSim* const* joints, BodyState* states, const BodyInertia* inertia,
                    const JointContext& context) {
     AxisRows& axis = coupling.axis;
     axis.inverseMass = inverseMassOf(coupling, joints, states, inertia);
@@ -217,12 +218,13 @@ void beginCoupling(CouplingSim& coupling, JointSim* joints, BodyState* states, c
     pushAll(coupling, joints, states, inertia, axisImpulse(axis) - carried);
 }
 
-void refreshCoupling(CouplingSim& coupling, JointSim* joints, const BodyState* states, const BodyInertia* inertia) {
+void refreshCoupling(CouplingSim& coupling, JointSim* const* joints, const BodyState* states,
+                     const BodyInertia* inertia) {
     coupling.axis.inverseMass = inverseMassOf(coupling, joints, states, inertia);
     setMargins(coupling.axis, sumOf(coupling, joints));
 }
 
-void solveCoupling(CouplingSim& coupling, JointSim* joints, BodyState* states, const BodyInertia* inertia,
+void solveCoupling(CouplingSim& coupling, JointSim* const* joints, BodyState* states, const BodyInertia* inertia,
                    const JointContext& context, bool moving) {
     const float speed = speedOf(coupling, joints, states, inertia);
     const float bend =
@@ -230,8 +232,8 @@ void solveCoupling(CouplingSim& coupling, JointSim* joints, BodyState* states, c
     pushAll(coupling, joints, states, inertia, solveAxis(coupling.axis, speed, context, moving, bend));
 }
 
-CouplingState couplingState(const CouplingSim& coupling, const JointSim (&joints)[CouplingSim::kMost],
-                            const BodyState* states, const BodyInertia* inertia, float inverseSubstep) {
+CouplingState couplingState(const CouplingSim& coupling, JointSim* const* joints, const BodyState* states,
+                            const BodyInertia* inertia, float inverseSubstep) {
     CouplingSim now = coupling;
     for (std::uint32_t i = 0; i < now.count; ++i) now.joints[i] = i;
     CouplingState state;

@@ -26,21 +26,22 @@ bool hasCoordinate(JointKind kind, int coordinate);
 bool coordinateTurns(JointKind kind, int coordinate);
 
 /// Takes a definition over and keeps impulses. `joints` are all joints of the world.
-void compileCoupling(const CouplingDef& def, const JointSim* joints, CouplingSim& into);
+void compileCoupling(const CouplingDef& def, JointSim* const* joints, CouplingSim& into);
 /// Of each substep, in this order: before the joints are warm started, after that, and in each pass after the joints.
-void warmStartCoupling(const CouplingSim& coupling, JointSim* joints);
-void beginCoupling(CouplingSim& coupling, JointSim* joints, BodyState* states, const BodyInertia* inertia,
+void warmStartCoupling(const CouplingSim& coupling, JointSim* const* joints);
+void beginCoupling(CouplingSim& coupling, JointSim* const* joints, BodyState* states, const BodyInertia* inertia,
                    const JointContext& context);
 /// After positions have moved, once the joints are refreshed.
-void refreshCoupling(CouplingSim& coupling, JointSim* joints, const BodyState* states, const BodyInertia* inertia);
-void solveCoupling(CouplingSim& coupling, JointSim* joints, BodyState* states, const BodyInertia* inertia,
+void refreshCoupling(CouplingSim& coupling, JointSim* const* joints, const BodyState* states,
+                     const BodyInertia* inertia);
+void solveCoupling(CouplingSim& coupling, JointSim* const* joints, BodyState* states, const BodyInertia* inertia,
                    const JointContext& context, bool moving);
 /// When a coupling begins.
-void markCoupled(const CouplingSim& coupling, JointSim* joints);
+void markCoupled(const CouplingSim& coupling, JointSim* const* joints);
 /// Before the couplings of a joint carry to it anew, or when it has none any more.
 void clearCoupled(JointSim& joint, bool coupled);
 /// `joints`: copies of those of the coupling, in its order, refreshed where their bodies are.
-CouplingState couplingState(const CouplingSim& coupling, const JointSim (&joints)[CouplingSim::kMost],
-                            const BodyState* states, const BodyInertia* inertia, float inverseSubstep);
+CouplingState couplingState(const CouplingSim& coupling, JointSim* const* joints, const BodyState* states,
+                            const BodyInertia* inertia, float inverseSubstep);
 
 }  // namespace ragtop

@@ -23,8 +23,9 @@ void forEachHardSide(JointSim& joint, Visit&& visit) {
         visit(rows.atUpper, size);
     };
     if (hasAxes(joint.kind)) {
-        for (std::uint32_t f = 0; f < joint.axes.freeRows; ++f)
-            axis(joint.axes.axis[f], lengthSquared(joint.axes.free[f].linear) > 0 ? lengthOf(joint) : 1.0f);
+        AxesBlock& axes = withAxes(joint).axes;
+        for (std::uint32_t f = 0; f < axes.freeRows; ++f)
+            axis(axes.axis[f], lengthSquared(axes.free[f].linear) > 0 ? lengthOf(joint) : 1.0f);
     } else if (joint.kind == JointKind::ball) {
         BallRows& rows = joint.ball;
         if (rows.stop.stiffness > 0) return;
@@ -38,8 +39,8 @@ void forEachHardSide(JointSim& joint, Visit&& visit) {
 }
 
 /// A joint of which nothing is left but what keeps its bodies together and within its range.
-JointSim bare(const JointSim& joint, float most) {
-    JointSim now = joint;
+AxesJointSim bare(const JointSim& joint, float most) {
+    AxesJointSim now = copyOf(joint);
     rescaleJoint(now, 0);
     now.ofFreeTree = 0;
     now.axis.features &= AxisRows::kLimit | AxisRows::kLocked;
@@ -76,7 +77,7 @@ void holdInitialViolation(JointSim& joint) {
 PairShift shiftBack(const JointSim& joint, const JointBodiesAtStep& bodies, const BodyState* states,
                     const BodyInertia* inertia, float most) {
     constexpr JointContext kAtOnce{1, 1, {1, 1, 0}};
-    JointSim now = bare(joint, most);
+    AxesJointSim now = bare(joint, most);
     BodyState pair[3] = {};
     BodyInertia inertias[3] = {};
     const auto take = [&](std::uint32_t& state, std::uint32_t as) {

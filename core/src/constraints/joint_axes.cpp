@@ -68,9 +68,9 @@ void refreshUniversal(AxesWriter& write, const JointPlace& place) {
 void writeRows(AxesWriter& write, JointSim& joint, const JointPlace& place) {
     if (joint.kind == JointKind::cylindrical) refreshCylindrical(write, place);
     if (joint.kind == JointKind::plane) refreshPlane(write, place);
-    if (joint.kind == JointKind::screw) refreshScrew(write, place, joint.thread.pitch);
+    if (joint.kind == JointKind::screw) refreshScrew(write, place, withAxes(joint).thread.pitch);
     if (joint.kind == JointKind::universal) refreshUniversal(write, place);
-    if (joint.kind == JointKind::path) writePath(write, joint.path, place);
+    if (joint.kind == JointKind::path) writePath(write, withAxes(joint).path, place);
     if (joint.kind == JointKind::sixDof) writeSixDof(write, place);
     write.block.rigidRows = write.rigidRows;
     write.block.freeRows = write.freeRows;
@@ -82,12 +82,13 @@ namespace {
 
 /// The impulse that friction is measured by: across the axis, of a screw that of the flanks of its thread.
 float frictionLoad(const JointSim& joint, const JointPlace& place) {
-    const AxesBlock& block = joint.axes;
-    if (joint.kind == JointKind::screw && joint.thread.radius > 0) {
+    const AxesJointSim& own = withAxes(joint);
+    const AxesBlock& block = own.axes;
+    if (joint.kind == JointKind::screw && own.thread.radius > 0) {
         // With the thrust λ, the friction's torque τ and the tangent t of the lead, the flank at radius r bears
         // N = (λ (1 + t²) − τ t/r) cos(lead), and friction μ N along it has the torque μ N r/cos(lead).
-        const float lead = joint.thread.pitch / joint.thread.radius, thrust = block.impulse[4];
-        const float load = thrust * (1 + lead * lead) - block.axis[0].frictionImpulse * lead / joint.thread.radius;
+        const float lead = own.thread.pitch / own.thread.radius, thrust = block.impulse[4];
+        const float load = thrust * (1 + lead * lead) - block.axis[0].frictionImpulse * lead / own.thread.radius;
         return load < 0 ? -load : load;
     }
     const Vec3 carried = warmStartImpulse(block).linear, x = axisX(place.b);
@@ -97,7 +98,7 @@ float frictionLoad(const JointSim& joint, const JointPlace& place) {
 }  // namespace
 
 void refreshAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair, const Refresh& refresh) {
-    AxesBlock& block = joint.axes;
+    AxesBlock& block = withAxes(joint).axes;
     AxesWriter write{block};
     writeRows(write, joint, place);
     refreshMass(block, pair.mass(joint.arms));
@@ -111,15 +112,15 @@ namespace {
 /// Angles that turn by more than half a radian are not foreseen, as in `curving`, nor vague ones, which may jump.
 /// Returns the largest change of what rigid rows bend by, of the speed, squared.
 float bendOnce(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context) {
-    AxesBlock& block = joint.axes;
+    AxesBlock& block = withAxes(joint).axes;
     const BodyPair holds = held(block, pair, joint.arms, true);
     const PairVector u = holds.velocity(joint.arms);
     const Turning w = holds.turns();
-    const PathPlace onPath = joint.path.at;
+    const PathPlace onPath = withAxes(joint).path.at;
     AxesPlace ahead;
     AxesWriter write{block, &ahead};
     writeRows(write, joint, placeAhead(place, joint.arms, holds, context.h));
-    joint.path.at = onPath;
+    withAxes(joint).path.at = onPath;
     const float a = dot(w.a, w.a), b = dot(w.b, w.b), square = context.h * context.h * (a > b ? a : b);
     const float share = 1 / (1 + 9 * square * square);
     const float arms = a * lengthSquared(joint.arms.a) + b * lengthSquared(joint.arms.b);
@@ -149,7 +150,7 @@ float bendOnce(JointSim& joint, const JointPlace& place, const BodyPair& pair, c
 /// α² = 0.1 % of energy, and such rows stay soft.
 void foreseeAxes(JointSim& joint, const JointPlace& place, const BodyPair& pair, const JointContext& context) {
     constexpr float kLittle = 1.0f / 128, kMuch = 1.0f / 32;  // rad
-    AxesBlock& block = joint.axes;
+    AxesBlock& block = withAxes(joint).axes;
     bool bent = false;
     for (const float bend : block.rigidBend) bent = bent || bend != 0;
     const float change = bendOnce(joint, place, pair, context);
@@ -167,7 +168,7 @@ void compileAxis(AxesBlock& block, std::uint32_t index, const AxisDef& def, bool
 }
 
 /// An open path ends in hard stops where its limit does not end before.
-void compilePath(const PathDef& def, JointSim& joint) {
+void compilePath(const PathDef& def, AxesJointSim& joint) {
     compile(joint.path, def.curve, def.align);
     AxisDef travel = def.travel;
     if (!def.curve.closed) {
@@ -196,7 +197,8 @@ void compileSixDof(const SixDofDef& def, AxesBlock& block) {
 }  // namespace
 
 void compileAxes(const JointDef& def, JointSim& joint) {
-    AxesBlock& block = joint.axes;
+    AxesJointSim& own = withAxes(joint);
+    AxesBlock& block = own.axes;
     if (const auto* cylindrical = std::get_if<CylindricalDef>(&def)) {
         compileAxis(block, 0, cylindrical->turn, true);
         compileAxis(block, 1, cylindrical->travel, false);
@@ -206,20 +208,20 @@ void compileAxes(const JointDef& def, JointSim& joint) {
         compileAxis(block, 2, plane->z, false);
     } else if (const auto* screw = std::get_if<ScrewDef>(&def)) {
         compileAxis(block, 0, screw->turn, true);
-        joint.thread.pitch = screw->pitch / (2 * kPi);
-        joint.thread.radius = screw->turn.bearing ? screw->turn.bearing->pinRadius : 0.0f;
+        own.thread.pitch = screw->pitch / (2 * kPi);
+        own.thread.radius = screw->turn.bearing ? screw->turn.bearing->pinRadius : 0.0f;
     } else if (const auto* universal = std::get_if<UniversalDef>(&def)) {
         compileAxis(block, 0, universal->first, true);
         compileAxis(block, 1, universal->second, true);
     } else if (const auto* path = std::get_if<PathDef>(&def)) {
-        compilePath(*path, joint);
+        compilePath(*path, own);
     } else if (const auto* sixDof = std::get_if<SixDofDef>(&def)) {
         compileSixDof(*sixDof, block);
     }
 }
 
 void reportAxes(const JointSim& joint, const JointPlace& place, const PairVector& speed, JointState& state) {
-    JointSim now = joint;
+    AxesJointSim now = withAxes(joint);
     AxesWriter write{now.axes};
     writeRows(write, now, place);
     Vec3 off;

@@ -62,7 +62,7 @@ JointBundles::JointBundles(int lanes, std::pmr::memory_resource* memory)
       sorted_(memory),
       fields_(memory) {}
 
-void JointBundles::build(const ConstraintGraph& graph, const JointSim* sims) {
+void JointBundles::build(const ConstraintGraph& graph, JointSim* const* sims) {
     bundles_.clear();
     joints_.clear();
     statesA_.clear();
@@ -86,11 +86,11 @@ void JointBundles::build(const ConstraintGraph& graph, const JointSim* sims) {
 }
 
 /// Within a colour the order is free: by structure, then by index.
-void JointBundles::addColor(const ConstraintGraph::Color& color, const JointSim* sims) {
+void JointBundles::addColor(const ConstraintGraph::Color& color, JointSim* const* sims) {
     sorted_.clear();
     for (const std::uint32_t j : color.joints) {
-        if (isWide(sims[j]))
-            sorted_.push(std::uint64_t{structureOf(sims[j]).key()} << 32 | j);
+        if (isWide(*sims[j]))
+            sorted_.push(std::uint64_t{structureOf(*sims[j]).key()} << 32 | j);
         else
             singles_.push(j);
     }
@@ -102,25 +102,26 @@ void JointBundles::addColor(const ConstraintGraph::Color& color, const JointSim*
         if (next - first == 1)
             singles_.push(joint);
         else
-            addBundle(structureOf(sims[joint]), sims, first, next - first);
+            addBundle(structureOf(*sims[joint]), sims, first, next - first);
     }
 }
 
-void JointBundles::addBundle(const JointBundle& structure, const JointSim* sims, std::size_t first, std::size_t count) {
+void JointBundles::addBundle(const JointBundle& structure, JointSim* const* sims, std::size_t first,
+                             std::size_t count) {
     JointBundle bundle = structure;
     bundle.fields = static_cast<std::uint32_t>(fields_.size());
     for (std::size_t lane = 0; lane < lanes_; ++lane) {
         const bool used = lane < count;
         const std::uint32_t joint = used ? static_cast<std::uint32_t>(sorted_[first + lane]) : kNoJoint;
         joints_.push(joint);
-        statesA_.push(used ? sims[joint].stateA : 0);
-        statesB_.push(used ? sims[joint].stateB : 0);
+        statesA_.push(used ? sims[joint]->stateA : 0);
+        statesB_.push(used ? sims[joint]->stateB : 0);
     }
     bundles_.push(bundle);
     fields_.resize(fields_.size() + static_cast<std::size_t>(joint_image::fieldCount(bundle)) * lanes_, 0.0f);
 }
 
-JointLanesView JointBundles::view(JointSim* sims) {
+JointLanesView JointBundles::view(JointSim* const* sims) {
     return {bundles_.data(), joints_.data(), statesA_.data(), statesB_.data(), fields_.data(), sims, &blank_};
 }
 

@@ -19,18 +19,18 @@ public:
 
     JointBundles(int lanes, std::pmr::memory_resource* memory);
     /// After joints came, went or changed.
-    void build(const ConstraintGraph& graph, const JointSim* sims);
+    void build(const ConstraintGraph& graph, JointSim* const* sims);
 
     /// Of a list of the graph that passes visit.
     const Color& color(int index) const { return colors_[static_cast<std::size_t>(index)]; }
     int bundleCount() const { return static_cast<int>(bundles_.size()); }
     std::uint32_t single(int place) const { return singles_[static_cast<std::size_t>(place)]; }
-    JointLanesView view(JointSim* sims);
+    JointLanesView view(JointSim* const* sims);
     std::size_t bytes() const;
 
 private:
-    void addColor(const ConstraintGraph::Color& color, const JointSim* sims);
-    void addBundle(const JointBundle& bundle, const JointSim* sims, std::size_t first, std::size_t count);
+    void addColor(const ConstraintGraph::Color& color, JointSim* const* sims);
+    void addBundle(const JointBundle& bundle, JointSim* const* sims, std::size_t first, std::size_t count);
 
     std::size_t lanes_;
     AlignedArray<Color> colors_;  ///< per list of the graph

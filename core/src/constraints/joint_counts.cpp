@@ -8,19 +8,21 @@ namespace ragtop {
 
 void keepCounts(JointSim& joint) {
     if (joint.kind == JointKind::hinge) {
-        joint.countsAtStep.axis = joint.axis.angle;
+        joint.angleAtStep = joint.axis.angle;
     } else if (hasAxes(joint.kind)) {
-        for (std::uint32_t i = 0; i < joint.axes.freeRows; ++i) joint.countsAtStep.axes[i] = joint.axes.axis[i].angle;
-        joint.countsAtStep.path = joint.path.at;
+        AxesJointSim& own = withAxes(joint);
+        for (std::uint32_t i = 0; i < own.axes.freeRows; ++i) own.countsAtStep.axes[i] = own.axes.axis[i].angle;
+        own.countsAtStep.path = own.path.at;
     }
 }
 
 void restoreCounts(JointSim& joint) {
     if (joint.kind == JointKind::hinge) {
-        joint.axis.angle = joint.countsAtStep.axis;
+        joint.axis.angle = joint.angleAtStep;
     } else if (hasAxes(joint.kind)) {
-        for (std::uint32_t i = 0; i < joint.axes.freeRows; ++i) joint.axes.axis[i].angle = joint.countsAtStep.axes[i];
-        joint.path.at = joint.countsAtStep.path;
+        AxesJointSim& own = withAxes(joint);
+        for (std::uint32_t i = 0; i < own.axes.freeRows; ++i) own.axes.axis[i].angle = own.countsAtStep.axes[i];
+        own.path.at = own.countsAtStep.path;
     }
 }
 

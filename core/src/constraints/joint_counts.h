@@ -10,8 +10,8 @@ namespace ragtop {
 struct JointSim;
 
 /// What the coordinates of a joint have counted: whole turns, and the way along a curve. A pose alone does not tell.
-struct JointCounts {
-    CountedAngle axis, axes[AxesBlock::kMostFree];
+struct AxesCounts {
+    CountedAngle axes[AxesBlock::kMostFree];
     PathPlace path;
 };
 

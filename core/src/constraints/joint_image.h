@@ -56,7 +56,7 @@ struct JointLanesView {
     const std::uint32_t* statesA = nullptr;
     const std::uint32_t* statesB = nullptr;
     float* fields = nullptr;
-    JointSim* sims = nullptr;
+    JointSim* const* sims = nullptr;
     const JointSim* blank = nullptr;  ///< stands in lanes without a joint
 };
 

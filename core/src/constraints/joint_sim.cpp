@@ -86,10 +86,11 @@ void refreshJoint(JointSim& joint, const BodyPair& pair, const Refresh& refresh)
 }
 
 void compileJoint(const JointDef& def, const Vec3& centerA, const Vec3& centerB, JointSim& into) {
-    const auto kind = static_cast<JointKind>(def.index() + 1);
+    const JointKind kind = kindOf(def);
     if (into.kind != kind) {
         const std::uint32_t a = into.stateA, b = into.stateB;
         into = {};
+        if (hasAxes(kind)) withAxes(into) = {};
         into.stateA = a;
         into.stateB = b;
         into.kind = kind;
@@ -139,7 +140,7 @@ void placeJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodyStat
 }
 
 PairVector warmStartImpulse(const JointSim& joint) {
-    if (hasAxes(joint.kind)) return warmStartImpulse(joint.axes);
+    if (hasAxes(joint.kind)) return warmStartImpulse(withAxes(joint).axes);
     PairVector sum = blockImpulse(joint.block);
     const Vec3 alongAxis = axisImpulse(joint.axis) * joint.block.basis.cz;
     switch (joint.kind) {
@@ -189,7 +190,7 @@ static PairVector meanVelocity(const JointSim& joint, const BodyPair& pair, floa
 static float openShare(const JointSim& joint, const BodyPair& pair, float h) {
     float linear = 0, angular = 0;
     if (hasAxes(joint.kind)) {
-        const AxesBlock& axes = joint.axes;
+        const AxesBlock& axes = withAxes(joint).axes;
         for (std::uint32_t i = 0; i < axes.rigidRows; ++i)
             (lengthSquared(axes.rigid[i].linear) > 0 ? linear : angular) += axes.error[i] * axes.error[i];
     } else {
@@ -219,7 +220,7 @@ static void closeJoint(const JointSim& joint, const BodyPair& pair, const JointC
     const float share = openShare(joint, pair, context.h);
     if (!(share > 0)) return;
     if (hasAxes(joint.kind))
-        closeAxes(joint.axes, pair, joint.arms, share);
+        closeAxes(withAxes(joint).axes, pair, joint.arms, share);
     else
         pair.move(joint.arms, closingMove(joint.block, share));
 }
@@ -231,7 +232,7 @@ static float slidingBend(const JointSim& joint, const BodyPair& pair, float h) {
 }
 
 float bendOf(const JointSim& joint, std::uint32_t coordinate, const BodyPair& pair, float h) {
-    if (hasAxes(joint.kind)) return joint.axes.freeBend[coordinate];
+    if (hasAxes(joint.kind)) return withAxes(joint).axes.freeBend[coordinate];
     if (joint.kind == JointKind::slider) return slidingBend(joint, pair, h);
     if (joint.kind != JointKind::distance) return 0;
     const float speed = dot(joint.block.basis.cz, pair.velocity(joint.arms).linear);
@@ -258,12 +259,13 @@ void solveBlockAndAxis(JointSim& joint, BodyPair& pair, const JointContext& cont
 /// What is isolated is solved at once: it carries its whole load, and takes an impact on a stop whole. What is held
 /// beyond its limits would not come back from where it gave way, and stays soft.
 static void solveAxes(JointSim& joint, BodyPair& pair, const JointContext& context, bool moving) {
+    AxesBlock& axes = withAxes(joint).axes;
     const Softness whole = withoutLeak(context.softness);
-    const bool isolated = joint.axes.isIsolated != 0;
-    const Softness& rigid = isolated && joint.axes.isAbrupt == 0 ? whole : context.softness;
+    const bool isolated = axes.isIsolated != 0;
+    const Softness& rigid = isolated && axes.isAbrupt == 0 ? whole : context.softness;
     JointContext own = context;
-    if (isolated && !isHeld(joint.axes)) own.softness = whole;
-    solveAxes(joint.axes, pair, joint.arms, moving ? rigid : kRigid, own, moving);
+    if (isolated && !isHeld(axes)) own.softness = whole;
+    solveAxes(axes, pair, joint.arms, moving ? rigid : kRigid, own, moving);
 }
 
 namespace {
@@ -325,7 +327,7 @@ void solveJointAgain(JointSim& joint, BodyState* states, const BodyInertia* iner
 }
 
 BodyPair fitted(JointSim& joint, const BodyPair& pair) {
-    if (hasAxes(joint.kind)) return held(joint.axes, pair, joint.arms, false);
+    if (hasAxes(joint.kind)) return held(withAxes(joint).axes, pair, joint.arms, false);
     BodyPair fits = pair;
     const Vec3 first = joint.block.impulseFirst, second = joint.block.impulseSecond;
     if (joint.kind != JointKind::distance) {
@@ -363,7 +365,7 @@ void rescaleJoint(JointSim& joint, float ratio) {
         rescale(*impulse, ratio);
     rescale(joint.axis, ratio);
     rescale(joint.ball, ratio);
-    rescale(joint.axes, ratio);
+    if (hasAxes(joint.kind)) rescale(withAxes(joint).axes, ratio);
 }
 
 }  // namespace ragtop

@@ -42,6 +42,7 @@ enum class JointKind : std::uint32_t {
     sixDof
 };
 constexpr bool hasAxes(JointKind kind) { return kind >= JointKind::cylindrical; }
+inline JointKind kindOf(const JointDef& def) { return static_cast<JointKind>(def.index() + 1); }
 
 /// What only a ball has: rows that turn B in A about any axis.
 struct BallRows {
@@ -83,7 +84,7 @@ struct BallRows {
 
 /// One joint in the solver: trivially copyable and without padding, so that a saved world is a copy of memory. The
 /// world reads and sets stateA and stateB only. From centerOffset to ball the order is that of joints in lanes, which
-/// are transposed copies of it (joint_image.h).
+/// are transposed copies of it (joint_image.h). One of a kind that has axes is an AxesJointSim.
 struct JointSim {
     std::uint32_t stateA = 0, stateB = 0;  ///< indices of states and inertias; 0 is the static body
 
@@ -103,23 +104,40 @@ struct JointSim {
     AxisRows axis;  ///< along the free direction of hinge, slider and distance
     BallRows ball;
     BallDrives drives;
-    AxesBlock axes;  ///< of those kinds that have one, instead of block and axis
+    StopLedger ledger;
+    PairVector lead;           ///< N s and N m s, given when the last step ended: see spring_lead.h
+    std::uint32_t leads = 0;   ///< 1: `lead` was given, and is to be taken back
+    CountedAngle angleAtStep;  ///< what a hinge had counted when the step began: see joint_counts.h
+};
+static_assert(std::is_trivially_copyable_v<JointSim> && std::is_standard_layout_v<JointSim>);
+
+/// What only the seldom kinds with an AxesBlock have, in the stead of block and axis: twice as much as all else.
+struct AxesJointSim : JointSim {
+    AxesBlock axes;
     struct Thread {
         float pitch = 0;   ///< m per rad
         float radius = 0;  ///< m
     };
     Thread thread;  ///< of a screw
     PathRows path;
-    StopLedger ledger;
-    PairVector lead;          ///< N s and N m s, given when the last step ended: see spring_lead.h
-    std::uint32_t leads = 0;  ///< 1: `lead` was given, and is to be taken back
-    JointCounts countsAtStep;
+    AxesCounts countsAtStep;
 };
-static_assert(std::is_trivially_copyable_v<JointSim> && std::is_standard_layout_v<JointSim>);
+static_assert(std::is_trivially_copyable_v<AxesJointSim>);
+
+/// Of a joint whose kind has axes.
+inline AxesJointSim& withAxes(JointSim& joint) { return static_cast<AxesJointSim&>(joint); }
+inline const AxesJointSim& withAxes(const JointSim& joint) { return static_cast<const AxesJointSim&>(joint); }
+/// A copy of all that a joint has.
+inline AxesJointSim copyOf(const JointSim& joint) {
+    if (hasAxes(joint.kind)) return withAxes(joint);
+    AxesJointSim copy;
+    static_cast<JointSim&>(copy) = joint;
+    return copy;
+}
 
 /// Compiles a definition that whyInvalid accepts. centerA/B: centre of mass of each body in its body frame (frames in
 /// a definition are relative to the body's pose). Keeps the impulses of `into` when it already holds a joint of the
-/// same type; never changes its state indices.
+/// same type; never changes its state indices. `into` is an AxesJointSim where the definition's kind has axes.
 void compileJoint(const JointDef& def, const Vec3& centerA, const Vec3& centerB, JointSim& into);
 /// Once per step.
 void prepareJoint(JointSim& joint, const JointBodiesAtStep& bodies, const BodyState* states, const BodyInertia* inertia,

@@ -98,14 +98,13 @@ PairVector leadAxis(Leading& leading) {
 PairVector leadAxes(Leading& leading) {
     constexpr int kIterations = 4;  // by trial
     JointSim& joint = leading.joint;
-    AxesBlock axes = joint.axes;
+    AxesBlock axes = withAxes(joint).axes;
     BodyPair pair = leading.pair;
     float wanted[AxesBlock::kMostFree] = {};
     const PairVector before = pair.velocity(joint.arms), kick = leading.kick();
     for (std::uint32_t f = 0; f < axes.freeRows; ++f) {
         const float speed = speedAlong(axes.free[f], before);
-        wanted[f] =
-            speed + leadOf(joint.axes.axis[f], coordinateOf(axes, f), speed, speedAlong(axes.free[f], kick), leading);
+        wanted[f] = speed + leadOf(axes.axis[f], coordinateOf(axes, f), speed, speedAlong(axes.free[f], kick), leading);
     }
     PairVector total;
     for (int iteration = 0; iteration < kIterations; ++iteration)
@@ -188,8 +187,8 @@ float leadShare(float stiffness, float damping, float inverseMass, float h) {
 bool hasSprings(const JointSim& joint) {
     if (joint.kind == JointKind::ball) return (joint.ball.features & (BallRows::kSpring | BallRows::kDrives)) != 0;
     if (!hasAxes(joint.kind)) return (joint.axis.features & AxisRows::kSpring) != 0;
-    for (std::uint32_t f = 0; f < joint.axes.freeRows; ++f)
-        if (joint.axes.axis[f].features & AxisRows::kSpring) return true;
+    for (std::uint32_t f = 0; f < withAxes(joint).axes.freeRows; ++f)
+        if (withAxes(joint).axes.axis[f].features & AxisRows::kSpring) return true;
     return false;
 }
 

@@ -77,7 +77,7 @@ float stiffnessOf(const JointSim& joint, const BodyState* states, const BodyIner
     if (!hasAxes(joint.kind)) return stiffness(joint.axis, joint.kind == JointKind::hinge, inverse, h);
     float most = 0;
     for (int f = 0; f < AxesBlock::kMostFree; ++f)
-        most = std::max(most, stiffness(joint.axes.axis[f], turns(joint.kind, f), inverse, h));
+        most = std::max(most, stiffness(withAxes(joint).axes.axis[f], turns(joint.kind, f), inverse, h));
     return most;
 }
 

@@ -21,7 +21,8 @@ bool hasSoftStops(const AxisRows& axis) {
 template <class Joint, class Visit>
 void eachAxis(Joint& joint, Visit&& visit) {
     if (hasAxes(joint.kind)) {
-        for (std::uint32_t f = 0; f < joint.axes.freeRows; ++f) visit(joint.axes.axis[f], joint.axes.free[f]);
+        auto& axes = withAxes(joint).axes;
+        for (std::uint32_t f = 0; f < axes.freeRows; ++f) visit(axes.axis[f], axes.free[f]);
     } else if (joint.kind == JointKind::hinge) {
         visit(joint.axis, PairVector{{}, joint.block.basis.cz});
     } else if (joint.kind == JointKind::slider || joint.kind == JointKind::distance) {
@@ -189,7 +190,7 @@ float shareOf(float missing, float energy) {
 PairVector impulseAlong(JointSim& joint, std::uint32_t coordinate, float amount) {
     if (joint.kind == JointKind::distance) return {amount * joint.block.basis.cz, {}};
     if (hasAxes(joint.kind)) {
-        AxesBlock axes = joint.axes;
+        AxesBlock axes = withAxes(joint).axes;
         return freeImpulse(axes, coordinate, amount);
     }
     RigidBlock& block = joint.block;

@@ -117,21 +117,28 @@ inline void subtractTransposedTimes(const Block6& a, const double* x, double* y)
         y[j] = s;
     }
 }
-/// A ← A + weight rows columnsᵀ, from a row and column on: those before are zero.
-template <int First = 0>
-inline void addOuter(Block6& a, double weight, const double rows[6], const double columns[6]) {
-    unrolled<First, 6>([&](auto c) {
+/// Places of six that a row has numbers at; it has zeros elsewhere.
+template <int... At>
+using Places = std::integer_sequence<int, At...>;
+using AllPlaces = Places<0, 1, 2, 3, 4, 5>;
+
+/// A ← A + weight rows columnsᵀ
+template <int... At>
+inline void addOuter(Places<At...>, Block6& block, double weight, const double rows[6], const double columns[6]) {
+    const auto addColumn = [&](auto c) {
         const double s = weight * columns[c];
-        for (int r = First; r < 6; ++r) a.at[6 * c + r] += s * rows[r];
-    });
+        ((block.at[6 * c + At] += s * rows[At]), ...);
+    };
+    (addColumn(std::integral_constant<int, At>{}), ...);
 }
-/// A ← A + weight a aᵀ, the lower triangle, from a row on.
-template <int First = 0>
-inline void addSquare(Block6& block, double weight, const double a[6]) {
-    unrolled<First, 6>([&](auto c) {
+/// A ← A + weight a aᵀ, the lower triangle.
+template <int... At>
+inline void addSquare(Places<At...>, Block6& block, double weight, const double a[6]) {
+    const auto addColumn = [&](auto c) {
         const double s = weight * a[c];
-        for (int r = First > 0 ? c : pairOf(c); r < 6; ++r) block.at[6 * c + r] += s * a[r];
-    });
+        ((At < c ? void() : void(block.at[6 * c + At] += s * a[At])), ...);
+    };
+    (addColumn(std::integral_constant<int, At>{}), ...);
 }
 
 }  // namespace ragtop::direct

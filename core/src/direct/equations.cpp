@@ -24,32 +24,25 @@ DVec3 pointVelocity(const double* v, std::int32_t body, const DVec3& arm) {
     return load(at) + cross(load(at + 3), arm);
 }
 
-template <int First>
-double rowSpeed(const SystemRow& row, const double* v) {
+template <int... At>
+double rowSpeed(Places<At...>, const SystemRow& row, const double* v) {
     double u = 0;
-    if (row.a != kFixed)
-        for (int k = First; k < 6; ++k) u += row.ja[k] * v[6 * row.a + k];
-    if (row.b != kFixed)
-        for (int k = First; k < 6; ++k) u += row.jb[k] * v[6 * row.b + k];
+    if (row.a != kFixed) ((u += row.ja[At] * v[6 * row.a + At]), ...);
+    if (row.b != kFixed) ((u += row.jb[At] * v[6 * row.b + At]), ...);
     return u;
 }
 double rowSpeed(const SystemRow& row, const double* v) {
-    return row.turns ? rowSpeed<kTurns>(row, v) : rowSpeed<0>(row, v);
+    return withPlaces(row.shape, [&](auto places) { return rowSpeed(places, row, v); });
 }
 
 /// Adds Jᵀ l.
-template <int First>
-void push(const SystemRow& row, double l, double* momentum) {
-    if (row.a != kFixed)
-        for (int k = First; k < 6; ++k) momentum[6 * row.a + k] += row.ja[k] * l;
-    if (row.b != kFixed)
-        for (int k = First; k < 6; ++k) momentum[6 * row.b + k] += row.jb[k] * l;
+template <int... At>
+void push(Places<At...>, const SystemRow& row, double l, double* momentum) {
+    if (row.a != kFixed) ((momentum[6 * row.a + At] += row.ja[At] * l), ...);
+    if (row.b != kFixed) ((momentum[6 * row.b + At] += row.jb[At] * l), ...);
 }
 void push(const SystemRow& row, double l, double* momentum) {
-    if (row.turns)
-        push<kTurns>(row, l, momentum);
-    else
-        push<0>(row, l, momentum);
+    withPlaces(row.shape, [&](auto places) { push(places, row, l, momentum); });
 }
 
 /// λ of a point at the speed u.

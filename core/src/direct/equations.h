@@ -124,13 +124,32 @@ enum class SideChange : std::uint8_t {
     last,      ///< of these the last
 };
 
-inline constexpr int kTurns = 3;  ///< where the turning part of a body's six numbers begins
+/// Where the Jacobian of a row has numbers that are not zero: three of most rows of joints, of the six of each body. A
+/// row along an axis of the world has no moment about it.
+enum class RowShape : std::uint8_t { whole, turning, alongX, alongY, alongZ };
+/// Calls visit with the places (block6.h) of a shape.
+template <class Visit>
+auto withPlaces(RowShape shape, Visit&& visit) {
+    switch (shape) {
+        case RowShape::turning:
+            return visit(Places<3, 4, 5>{});
+        case RowShape::alongX:
+            return visit(Places<0, 4, 5>{});
+        case RowShape::alongY:
+            return visit(Places<1, 3, 5>{});
+        case RowShape::alongZ:
+            return visit(Places<2, 3, 4>{});
+        case RowShape::whole:
+            break;
+    }
+    return visit(AllPlaces{});
+}
 
 /// A scalar row with bounds: a joint's.
 struct SystemRow {
     RowKind kind = RowKind::first;
     bool compliant = false;   ///< its load is what it pushes with at no speed
-    bool turns = false;       ///< it does nothing but turn bodies: the linear parts of its Jacobian are zero
+    RowShape shape = RowShape::whole;
     std::uint32_t joint = 0;  ///< in the island
     std::int32_t a = kFixed, b = kFixed;
     std::uint32_t block = 0;

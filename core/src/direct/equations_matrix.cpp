@@ -78,17 +78,17 @@ void addBlock(Block6& block, double sign, const double g[6], const DMat3& p, con
         }
 }
 
-/// w Jᵀ J, of which the first columns are zero.
-template <int First>
-void addSquares(BlockFactor& hessian, const SystemRow& row, double weight) {
+/// w Jᵀ J
+template <int... At>
+void addSquares(Places<At...> places, BlockFactor& hessian, const SystemRow& row, double weight) {
     const auto a = static_cast<std::uint32_t>(row.a), b = static_cast<std::uint32_t>(row.b);
-    if (row.a != kFixed) addSquare<First>(hessian.diagonal(a), weight, row.ja);
-    if (row.b != kFixed) addSquare<First>(hessian.diagonal(b), weight, row.jb);
+    if (row.a != kFixed) addSquare(places, hessian.diagonal(a), weight, row.ja);
+    if (row.b != kFixed) addSquare(places, hessian.diagonal(b), weight, row.jb);
     if (row.a == kFixed || row.b == kFixed) return;
     if (hessian.rowsAreOf(b, a))
-        addOuter<First>(hessian.coupling(row.block), weight, row.jb, row.ja);
+        addOuter(places, hessian.coupling(row.block), weight, row.jb, row.ja);
     else
-        addOuter<First>(hessian.coupling(row.block), weight, row.ja, row.jb);
+        addOuter(places, hessian.coupling(row.block), weight, row.ja, row.jb);
 }
 
 }  // namespace
@@ -136,10 +136,7 @@ void Equations::addRow(SystemRow& row) {
     row.factored = row.side == Side::within;
     if (!row.factored) return;
     const double weight = 1 / row.resistance;
-    if (row.turns)
-        addSquares<kTurns>(hessian, row, weight);
-    else
-        addSquares<0>(hessian, row, weight);
+    withPlaces(row.shape, [&](auto places) { addSquares(places, hessian, row, weight); });
 }
 
 bool Equations::factorize() {

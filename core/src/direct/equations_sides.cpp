@@ -9,14 +9,15 @@ namespace ragtop::direct {
 namespace {
 
 /// The sum of the sizes of the terms that J v sums up.
-double termsOfSpeed(const SystemRow& row, const double* v) {
+template <int... At>
+double termsOfSpeed(Places<At...>, const SystemRow& row, const double* v) {
     double sum = 0;
-    const int first = row.turns ? kTurns : 0;
-    if (row.a != kFixed)
-        for (int k = first; k < 6; ++k) sum += std::fabs(row.ja[k] * v[6 * row.a + k]);
-    if (row.b != kFixed)
-        for (int k = first; k < 6; ++k) sum += std::fabs(row.jb[k] * v[6 * row.b + k]);
+    if (row.a != kFixed) ((sum += std::fabs(row.ja[At] * v[6 * row.a + At])), ...);
+    if (row.b != kFixed) ((sum += std::fabs(row.jb[At] * v[6 * row.b + At])), ...);
     return sum;
+}
+double termsOfSpeed(const SystemRow& row, const double* v) {
+    return withPlaces(row.shape, [&](auto places) { return termsOfSpeed(places, row, v); });
 }
 
 bool isBounded(const SystemRow& row) { return !std::isinf(row.lower) || !std::isinf(row.upper); }

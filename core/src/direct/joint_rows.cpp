@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 constexpr float kFarAway = 1e9f;  ///< rad: no stop is there
+constexpr DVec3 kAxes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  ///< of the world
 
 /// The larger part of ∂²/∂θ² of a force's work on an arm, (F · r) E − ½ (r Fᵀ + F rᵀ): what is not negative.
 DSym3 tautStiffness(const DVec3& force, const DVec3& arm) {
@@ -97,7 +98,13 @@ public:
         return row(l, cross(armA_, l) + turn, cross(armB_, l) + turn);
     }
     SystemRow linear(const DVec3& d) const { return row(d, cross(armA_, d), cross(armB_, d)); }
-    SystemRow angular(const DVec3& d) const { return row({}, d, d, true); }
+    SystemRow angular(const DVec3& d) const { return row({}, d, d, RowShape::turning); }
+    /// Along an axis of the world.
+    SystemRow linear(int axis) const {
+        constexpr RowShape kShapes[] = {RowShape::alongX, RowShape::alongY, RowShape::alongZ};
+        const DVec3 d = kAxes[axis];
+        return row(d, cross(armA_, d), cross(armB_, d), kShapes[axis]);
+    }
 
     void push(SystemRow row, RowKind kind, double load, double target, const RestingAim& resting) const {
         row.kind = kind;
@@ -180,10 +187,10 @@ public:
     }
 
 private:
-    SystemRow row(const DVec3& d, const DVec3& turnA, const DVec3& turnB, bool turns = false) const {
+    SystemRow row(const DVec3& d, const DVec3& turnA, const DVec3& turnB, RowShape shape = RowShape::whole) const {
         SystemRow r;
         r.a = a_, r.b = b_, r.joint = index_;
-        r.turns = turns;
+        r.shape = shape;
         store(-1.0 * d, r.ja), store(-1.0 * turnA, r.ja + 3);
         store(d, r.jb), store(turnB, r.jb + 3);
         r.resistance = tuning::kRowResistance * takeAdmittance(r, builder_.bodies);
@@ -226,9 +233,10 @@ struct Ahead {
     explicit Ahead(const JointSim& joint) {
         const auto rangeOf = [](const auto& lower, const auto& upper) { return Range{lower.margin, upper.margin}; };
         if (hasAxes(joint.kind)) {
-            for (std::uint32_t i = 0; i < joint.axes.rigidRows; ++i) error[i] = joint.axes.error[i];
-            for (std::uint32_t f = 0; f < joint.axes.freeRows; ++f)
-                axis[f] = rangeOf(joint.axes.axis[f].atLower, joint.axes.axis[f].atUpper);
+            const AxesBlock& axes = withAxes(joint).axes;
+            for (std::uint32_t i = 0; i < axes.rigidRows; ++i) error[i] = axes.error[i];
+            for (std::uint32_t f = 0; f < axes.freeRows; ++f)
+                axis[f] = rangeOf(axes.axis[f].atLower, axes.axis[f].atUpper);
             return;
         }
         errorFirst = joint.block.errorFirst, errorSecond = joint.block.errorSecond;
@@ -240,10 +248,9 @@ struct Ahead {
 
 /// The rigid rows: three of the first half, then those of the second, in the order of the block's basis.
 void addBlock(const RowWriter& writer, const RigidBlock& block, const Ahead& ahead) {
-    const DVec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const bool linear = block.linearFirst != 0;
     for (int k = 0; k < 3; ++k)
-        writer.rigid(linear ? writer.linear(axes[k]) : writer.angular(axes[k]), after(RowKind::first, k),
+        writer.rigid(linear ? writer.linear(k) : writer.angular(kAxes[k]), after(RowKind::first, k),
                      block.impulseFirst[k], block.errorFirst[k], ahead.errorFirst[k]);
     const Vec3 columns[3] = {block.basis.cx, block.basis.cy, block.basis.cz};
     for (int k = 0; k < static_cast<int>(block.rigidRows); ++k) {
@@ -325,9 +332,8 @@ void addBall(const RowWriter& writer, const JointSim& joint, const Ahead& ahead)
     const double h = writer.context().h;
     const float w = joint.block.mass.rest.xx + joint.block.mass.rest.yy + joint.block.mass.rest.zz;
     if (ball.features == 0 || !(w > 0)) return;
-    const DVec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     for (int k = 0; k < 3; ++k) {
-        const SystemRow row = writer.angular(axes[k]);
+        const SystemRow row = writer.angular(kAxes[k]);
         RowAim moving, resting;
         if (ball.features & BallRows::kSpring) {
             moving.push = resting.push = static_cast<float>(-h) * ball.springStiffness * ball.springError[k];
@@ -424,7 +430,7 @@ void JointRowBuilder::add(JointSim& joint, std::uint32_t index, std::int32_t a, 
         if (b != kFixed) addStiffness(bodies[b], force, toDouble(joint.arms.b), h);
     }
     const RowWriter writer(*this, joint, index, a, b);
-    if (hasAxes(joint.kind)) return addAxes(writer, joint.axes, ahead);
+    if (hasAxes(joint.kind)) return addAxes(writer, withAxes(joint).axes, ahead);
     if (joint.kind != JointKind::distance && joint.kind != JointKind::none) addBlock(writer, joint.block, ahead);
     if (aims != RowAims::resting) addFree(writer, joint, ahead);
 }
@@ -465,9 +471,9 @@ void storeImpulses(const AlignedArray<SystemRow>& rows, JointSim* const* joints)
             joint.ball.frictionImpulse[index(RowKind::ballFriction)] = impulse;
         } else if (row.kind >= RowKind::axes) {
             const int at = index(RowKind::axes);
-            joint.axes.axis[at / kAxisSlots].impulse(static_cast<AxisSlot>(at % kAxisSlots)) = impulse;
+            withAxes(joint).axes.axis[at / kAxisSlots].impulse(static_cast<AxisSlot>(at % kAxisSlots)) = impulse;
         } else if (row.kind >= RowKind::rigid) {
-            joint.axes.impulse[index(RowKind::rigid)] = impulse;
+            withAxes(joint).axes.impulse[index(RowKind::rigid)] = impulse;
         } else if (row.kind < RowKind::swing) {
             joint.axis.impulse(static_cast<AxisSlot>(index(RowKind::axis))) = impulse;
         } else if (row.kind < RowKind::twistLower) {

@@ -105,7 +105,7 @@ bool Articulations::isOfFreeTree(const ConstTables& t, std::uint32_t joint) cons
 /// With whom a joint is solved.
 void Articulations::classify(const ConstTables& t, std::uint32_t joint, JointSim& sim) const {
     sim.ofFreeTree = isOfFreeTree(t, joint) ? 1.0f : 0.0f;
-    sim.axes.isIsolated = hasAxes(sim.kind) && isIsolated(t, joint) ? 1 : 0;
+    if (hasAxes(sim.kind)) withAxes(sim).axes.isIsolated = isIsolated(t, joint) ? 1 : 0;
 }
 
 void Articulations::move(std::uint32_t i, float h, Bodies& bodies) const {

@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "base/aligned_array.h"
+#include "base/paged_array.h"
 #include "constraints/coupling.h"
 #include "constraints/joint_bundles.h"
 #include "constraints/joint_sim.h"
+#include "model/joint_sims.h"
 #include "model/records.h"
 
 namespace ragtop {
@@ -33,16 +35,17 @@ public:
           records_(memory) {}
 
     /// A joint with all values as they are declared; those that were released are used first.
-    std::uint32_t acquire() {
+    std::uint32_t acquire(JointKind kind) {
         const std::uint32_t joint = slots.acquire();
-        if (joint >= records_.size()) records_.resize(joint + 1, JointRecord{}), sims.resize(joint + 1, JointSim{});
+        if (joint >= records_.size()) records_.resize(joint + 1, JointRecord{});
         records_[joint] = JointRecord{};
-        sims[joint] = JointSim{};
+        sims.acquire(joint, kind);
         return joint;
     }
     /// Of a joint that hangs on no body and has no place in the graph.
     void release(std::uint32_t joint) {
         unlist(joint);
+        sims.release(joint);
         slots.release(joint);
     }
     /// It is no longer one that was just made, or made beyond its limits.
@@ -66,13 +69,13 @@ public:
     void archive(Archive& archive) {
         slots.archive(archive);
         archive(records_);
-        archive(sims);
+        sims.archive(archive);
         archive(created);
         archive(violated);
     }
 
     Slots slots;
-    AlignedArray<JointSim> sims;
+    JointSims sims;
     AlignedArray<std::uint32_t> created;     ///< since the last step; kNone: gone again
     AlignedArray<std::uint32_t> violated;    ///< made beyond their hard limits, and beyond them still; kNone: gone
     std::pmr::vector<std::uint32_t> broken;  ///< scratch of breaking
@@ -81,7 +84,7 @@ public:
     bool bundlesChanged = true;  ///< joints came, went or changed since they were bundled
 
 private:
-    AlignedArray<JointRecord> records_;
+    PagedArray<JointRecord> records_;
 };
 
 /// The couplings of a world, which hang in a list of each of their joints.

@@ -258,9 +258,7 @@ void Scene::forgetImpulses(std::uint32_t index, bool anew) const {
             rescaleJoint(joint, 0);
             continue;
         }
-        JointSim fresh{};
-        fresh.stateA = joint.stateA, fresh.stateB = joint.stateB;
-        joint = fresh;
+        joint.kind = JointKind::none;  // nothing of it is kept but its bodies
         compile(key >> 1);
     }
 }

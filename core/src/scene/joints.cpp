@@ -22,7 +22,7 @@ std::uint32_t Scene::createJoint(const JointDef& def) const {
     if (bodies.typeOf(a) != BodyType::dynamic && bodies.typeOf(b) != BodyType::dynamic)
         throw std::invalid_argument("bodies.a and bodies.b: at least one must be dynamic");
 
-    const std::uint32_t index = joints.acquire();
+    const std::uint32_t index = joints.acquire(kindOf(def));
     JointRecord& joint = joints[index];
     joint.def = def;
     joint.bodyA = a;

@@ -50,7 +50,7 @@ void loadJoints(const JointLanesView& view, int begin, int end) {
         float* fields = view.fields + bundle.fields;
         const float* rows[N];
         for (int i = 0; i < N; ++i)
-            rows[i] = reinterpret_cast<const float*>(joints[i] == kNoJoint ? view.blank : view.sims + joints[i]);
+            rows[i] = reinterpret_cast<const float*>(joints[i] == kNoJoint ? view.blank : view.sims[joints[i]]);
         loadRange<N>(rows, fields, RAGTOP_JOINT_RANGE(centerOffset, block.mass));
         if (bundle.kind == JointKind::hinge || bundle.kind == JointKind::distance)
             loadRange<N>(rows, fields, RAGTOP_JOINT_RANGE(axis, axis.inverseMass));
@@ -70,7 +70,7 @@ void storeJoints(const JointLanesView& view, int begin, int end) {
         const float* fields = view.fields + bundle.fields;
         float* rows[N];
         for (int i = 0; i < N; ++i)
-            rows[i] = joints[i] == kNoJoint ? nullptr : reinterpret_cast<float*>(view.sims + joints[i]);
+            rows[i] = joints[i] == kNoJoint ? nullptr : reinterpret_cast<float*>(view.sims[joints[i]]);
         storeRange<N>(rows, fields, RAGTOP_JOINT_RANGE(ofFreeTree, block.mass));
         if (bundle.kind == JointKind::hinge || bundle.kind == JointKind::distance) {
             storeRange<N>(rows, fields, RAGTOP_JOINT_RANGE(axis.springImpulse, axis.inverseMass));

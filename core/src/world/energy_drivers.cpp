@@ -39,7 +39,7 @@ double addJoint(const GuardView& view, const JointSim& sim, std::uint32_t body, 
         if (axis.features & AxisRows::kSpring) give(axis.spring.speed, axis.spring.most, turns);
     };
     if (hasAxes(sim.kind))
-        for (std::uint32_t i = 0; i < sim.axes.freeRows; ++i) giveAxis(sim.axes.axis[i], true);
+        for (std::uint32_t i = 0; i < withAxes(sim).axes.freeRows; ++i) giveAxis(withAxes(sim).axes.axis[i], true);
     else
         giveAxis(sim.axis, sim.kind == JointKind::hinge);
     const BodyState &a = view.bodies.states[sim.stateA], &b = view.bodies.states[sim.stateB];

@@ -52,8 +52,8 @@ float widestOpening(const ClosingView& world, std::span<const std::uint32_t> joi
 /// Ways that close joints know nothing of what couplings hold.
 bool isCoupled(const JointSim& sim) {
     bool coupled = (sim.axis.features & AxisRows::kCoupled) != 0;
-    for (std::uint32_t i = 0; hasAxes(sim.kind) && i < sim.axes.freeRows; ++i)
-        coupled = coupled || (sim.axes.axis[i].features & AxisRows::kCoupled) != 0;
+    for (std::uint32_t i = 0; hasAxes(sim.kind) && i < withAxes(sim).axes.freeRows; ++i)
+        coupled = coupled || (withAxes(sim).axes.axis[i].features & AxisRows::kCoupled) != 0;
     return coupled;
 }
 

@@ -21,8 +21,8 @@ Watching watchingOf(const AxisRows& axis) {
 Watching watchingOf(const GuardView& view, const JointSim& sim) {
     if (hasAxes(sim.kind)) {
         Watching least = sim.kind == JointKind::path ? Watching::garbage : Watching::all;
-        for (std::uint32_t i = 0; i < sim.axes.freeRows; ++i) {
-            const AxisRows& axis = sim.axes.axis[i];
+        for (std::uint32_t i = 0; i < withAxes(sim).axes.freeRows; ++i) {
+            const AxisRows& axis = withAxes(sim).axes.axis[i];
             // What these hold is not counted.
             if ((axis.features & AxisRows::kSpring) != 0 || axis.stop.stiffness > 0) return Watching::none;
             least = std::min(least, watchingOf(axis));

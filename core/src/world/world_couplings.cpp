@@ -32,14 +32,16 @@ CouplingState World::state(CouplingId id) const {
     const WorldImpl& world = *impl_;
     const std::uint32_t index = indexOf(world.tables.couplings, id);
     const CouplingSim& sim = world.tables.couplings.sims[index];
-    JointSim now[CouplingSim::kMost];
+    AxesJointSim now[CouplingSim::kMost];
+    JointSim* joints[CouplingSim::kMost] = {};
     for (std::uint32_t i = 0; i < sim.count; ++i) {
-        now[i] = world.tables.joints.sims[sim.joints[i]];
+        now[i] = copyOf(world.tables.joints.sims[sim.joints[i]]);
+        joints[i] = &now[i];
         placeJoint(now[i], jointBodies(world.tables.bodies, world.tables.joints[sim.joints[i]]),
                    world.tables.bodies.states.data(), world.tables.bodies.inertias.data());
     }
     const float rate = world.clock.lastSubstep > 0 ? 1 / world.clock.lastSubstep : 0;
-    return couplingState(sim, now, world.tables.bodies.states.data(), world.tables.bodies.inertias.data(), rate);
+    return couplingState(sim, joints, world.tables.bodies.states.data(), world.tables.bodies.inertias.data(), rate);
 }
 
 std::uint64_t World::userData(CouplingId coupling) const {

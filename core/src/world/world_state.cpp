@@ -17,8 +17,8 @@ struct StateHeader {
     char magic[8] = {'R', 'A', 'G', 'T', 'O', 'P', 'S', '3'};
     std::uint32_t lanes = 0, geometries = 0, modules = 0;
     std::uint32_t layout = sizeof(BodyRecord) + 7 * sizeof(ContactRecord) + 31 * sizeof(ManifoldRecord) +
-                           127 * sizeof(JointSim) + 511 * sizeof(CouplingSim) + 8191 * sizeof(ShapeRecord) +
-                           32767 * sizeof(NearTriangles);
+                           127 * (sizeof(JointSim) + sizeof(AxesJointSim)) + 511 * sizeof(CouplingSim) +
+                           8191 * sizeof(ShapeRecord) + 32767 * sizeof(NearTriangles);
     std::uint64_t shapes = 0;    ///< digest of the geometries, which are not saved
     std::uint64_t bytes = 0;     ///< of header and payload
     std::uint64_t checksum = 0;  ///< of the payload
@@ -215,8 +215,9 @@ void addJoint(StateHash& digest, const JointSim& joint) {
     digest.add(joint.block.impulseSecond);
     const AxisRows& axis = joint.axis;
     for (int slot = 0; slot < kAxisSlots; ++slot) digest.add(axis.impulse(static_cast<AxisSlot>(slot)));
-    for (const float impulse : joint.axes.impulse) digest.add(impulse);
-    for (std::uint32_t f = 0; f < joint.axes.freeRows; ++f) digest.add(axisImpulse(joint.axes.axis[f]));
+    const AxesBlock* axes = hasAxes(joint.kind) ? &withAxes(joint).axes : nullptr;
+    for (int i = 0; i < AxesBlock::kMostRigid; ++i) digest.add(axes ? axes->impulse[i] : 0.0f);
+    for (std::uint32_t f = 0; axes && f < axes->freeRows; ++f) digest.add(axisImpulse(axes->axis[f]));
     const BallRows& ball = joint.ball;
     for (const Vec3& impulse : {ball.springImpulse, ball.viscousImpulse, ball.frictionImpulse}) digest.add(impulse);
     for (const StopSide* side : {&ball.swing[0], &ball.swing[1], &ball.twistLower, &ball.twistUpper})
