@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace ragtop::laws {
 namespace {
@@ -34,6 +35,7 @@ Drawn moving(Drawn drawn) {
         if (body.def.type == BodyType::fixed) body.def.type = BodyType::kinematic;
         body.def.linearVelocity += Vec3{0, 0, 0.1f * kSpeed};
     }
+    for (Ride& ride : drawn.rides) ride.start += Vec3{0, 0, 0.1f * kSpeed};
     return drawn;
 }
 
@@ -45,6 +47,8 @@ Drawn turned(Drawn drawn) {
         body.def.linearVelocity = rotate(turn, body.def.linearVelocity);
         body.def.angularVelocity = rotate(turn, body.def.angularVelocity);
     }
+    for (Ride& ride : drawn.rides)
+        ride.start = rotate(turn, ride.start), ride.acceleration = rotate(turn, ride.acceleration);
     return drawn;
 }
 
@@ -59,6 +63,11 @@ Shape scaled(const Shape& shape, float s) {
     if (const auto* sphere = std::get_if<Sphere>(&shape)) return Sphere{s * sphere->radius};
     if (const auto* box = std::get_if<Box>(&shape)) return Box{s * box->halfExtents};
     if (const auto* capsule = std::get_if<Capsule>(&shape)) return Capsule{s * capsule->radius, s * capsule->halfHeight};
+    if (const auto* hull = std::get_if<ConvexHull>(&shape)) {
+        std::vector<Vec3> points(hull->vertices().begin(), hull->vertices().end());
+        for (Vec3& point : points) point *= s;
+        return ConvexHull{points};
+    }
     return shape;
 }
 
@@ -80,6 +89,7 @@ Drawn larger(Drawn drawn) {
         }
     }
     for (Shaker& shaker : drawn.shakers) shaker.amplitude *= kLength, shaker.frequency /= kTime;
+    for (Ride& ride : drawn.rides) ride.start *= kLength / kTime, ride.phase *= static_cast<double>(kTime);
     drawn.scene.step *= static_cast<double>(kTime);
     drawn.seconds *= static_cast<double>(kTime);
     return drawn;
@@ -93,6 +103,7 @@ Drawn reversed(Drawn drawn) {
     for (SceneJoint& joint : scene.joints) joint.bodyA = renamed(joint.bodyA), joint.bodyB = renamed(joint.bodyB);
     std::ranges::reverse(scene.joints);
     for (Shaker& shaker : drawn.shakers) shaker.body = renamed(shaker.body);
+    for (Ride& ride : drawn.rides) ride.body = renamed(ride.body);
     return drawn;
 }
 

@@ -1,5 +1,7 @@
 #include "grammar.h"
 
+#include <algorithm>
+
 #include "kinds.h"
 
 namespace ragtop::laws {
@@ -11,6 +13,15 @@ std::span<const Kind> allKinds() {
         {"pendulum", drawPendulum}, {"mixture", drawMixture},
     };
     return kKinds;
+}
+
+Vec3 Ride::velocity(double from, double to) const {
+    // The way that the gain of speed makes, a ramp up and one down: ∫∫ a.
+    const auto ramp = [](double t) { return 0.5 * std::max(0.0, t) * std::max(0.0, t); };
+    const auto way = [&](double t) {
+        return ramp(t - phase) - ramp(t - 2 * phase) - ramp(t - 3 * phase) + ramp(t - 4 * phase);
+    };
+    return start + static_cast<float>((way(to) - way(from)) / (to - from)) * acceleration;
 }
 
 Drawn draw(const Kind& kind, std::uint64_t seed) {

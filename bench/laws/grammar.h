@@ -21,10 +21,22 @@ struct Shaker {
     float frequency = 0;  ///< Hz
 };
 
+/// A kinematic body that moves evenly, speeds up, moves evenly, brakes and moves evenly, each for as long.
+struct Ride {
+    int body = 0;
+    Vec3 start;         ///< m/s
+    Vec3 acceleration;  ///< m/s²
+    double phase = 1;   ///< s
+
+    /// Mean velocity (m/s) from one time to another, s.
+    Vec3 velocity(double from, double to) const;
+};
+
 /// A scene and what else is done to it. Laws hold for all of them.
 struct Drawn {
     Scene scene;
     std::vector<Shaker> shakers;
+    std::vector<Ride> rides;
     double seconds = 6;    ///< for which the laws are watched
     bool isDriven = false;  ///< by motors and the like, whose work is not counted
     bool stands = false;  ///< statics says that nothing moves against body 0

@@ -11,7 +11,8 @@ Drawn drawNet(Dice& dice);
 /// Bodies hung to each other where their surfaces meet, by balls, cones with friction and hinges with limits, with
 /// loops; they fall on the floor, boxes after them.
 Drawn drawContraption(Dice& dice);
-/// A structure that stands, on a platform that moves evenly or is at rest.
+/// A structure that stands, on what is at rest, moves evenly, drifts, lifts, or speeds up and brakes as statics lets
+/// it.
 Drawn drawCarried(Dice& dice);
 /// A rope of capsules over a fixed drum, with a weight at each end.
 Drawn drawDrum(Dice& dice);

@@ -145,11 +145,12 @@ private:
         potential_ += springs;
         return kinetic_ + potential_;
     }
-    /// Of all bodies but the first, from it.
+    /// Of all that moves by itself but the first, from it.
     std::vector<DVec3> relativePlaces() const {
         std::vector<DVec3> places;
         const DVec3 origin = engine_.motion(0).pose.position;
-        for (std::size_t i = 1; i < masses_.size(); ++i) places.push_back(engine_.motion(static_cast<int>(i)).pose.position - origin);
+        for (std::size_t i = 1; i < masses_.size(); ++i)
+            if (masses_[i].mass > 0) places.push_back(engine_.motion(static_cast<int>(i)).pose.position - origin);
         return places;
     }
     std::vector<Pose> allPoses() const {
@@ -169,7 +170,9 @@ private:
     double kinetic_ = 0, potential_ = 0, mass_ = 0, weightTimesSize_ = 0;
 };
 
-void shake(const Drawn& drawn, stability::Engine& engine, double time) {
+void drive(const Drawn& drawn, stability::Engine& engine, double time) {
+    for (const Ride& ride : drawn.rides)
+        engine.setVelocity(ride.body, ride.velocity(time, time + drawn.scene.step), {});
     for (const Shaker& shaker : drawn.shakers) {
         const double rate = kTwoPi * static_cast<double>(shaker.frequency);
         const double speed = rate * static_cast<double>(shaker.amplitude) * std::cos(rate * time);
@@ -180,9 +183,10 @@ void shake(const Drawn& drawn, stability::Engine& engine, double time) {
 }  // namespace
 
 bool isDriven(const Drawn& drawn) {
-    return drawn.isDriven || !drawn.shakers.empty() || std::ranges::any_of(drawn.scene.bodies, [](const SceneBody& body) {
-        return body.def.type == BodyType::kinematic && lengthSquared(body.def.linearVelocity) > 0;
-    });
+    return drawn.isDriven || !drawn.shakers.empty() || !drawn.rides.empty() ||
+           std::ranges::any_of(drawn.scene.bodies, [](const SceneBody& body) {
+               return body.def.type == BodyType::kinematic && lengthSquared(body.def.linearVelocity) > 0;
+           });
 }
 
 std::span<const Law> allLaws() {
@@ -225,7 +229,7 @@ Watched watch(const Drawn& drawn, const stability::EngineKind& kind) {
     const long often = std::max(1L, std::lround(0.1 / dt));
     std::vector<double> times;
     for (long i = 0; i < steps; ++i) {
-        shake(drawn, *engine, static_cast<double>(i) * dt);
+        drive(drawn, *engine, static_cast<double>(i) * dt);
         const auto begin = std::chrono::steady_clock::now();
         engine->step(dt);
         times.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());

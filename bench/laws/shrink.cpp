@@ -8,11 +8,13 @@ namespace ragtop::laws {
 namespace {
 
 /// Without the bodies from `begin` to `end`, and without what refers to them; nothing where that would leave out body 0
-/// or one that is shaken.
+/// or one that is moved.
 std::optional<Drawn> withoutBodies(const Drawn& drawn, std::size_t begin, std::size_t end) {
     const auto gone = [&](int body) { return body >= static_cast<int>(begin) && body < static_cast<int>(end); };
     for (const Shaker& shaker : drawn.shakers)
         if (gone(shaker.body)) return std::nullopt;
+    for (const Ride& ride : drawn.rides)
+        if (gone(ride.body)) return std::nullopt;
     Drawn rest = drawn;
     Scene& scene = rest.scene;
     scene.bodies.erase(scene.bodies.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -23,6 +25,7 @@ std::optional<Drawn> withoutBodies(const Drawn& drawn, std::size_t begin, std::s
     };
     for (SceneJoint& joint : scene.joints) joint.bodyA = renamed(joint.bodyA), joint.bodyB = renamed(joint.bodyB);
     for (Shaker& shaker : rest.shakers) shaker.body = renamed(shaker.body);
+    for (Ride& ride : rest.rides) ride.body = renamed(ride.body);
     return rest;
 }
 
@@ -55,6 +58,7 @@ bool leaveOut(Drawn& drawn, std::size_t first, std::size_t count, Without withou
 }  // namespace
 
 Drawn shrunk(Drawn drawn, const std::function<bool(const Drawn&)>& fails, int most) {
+    if (drawn.stands) return drawn;  // what is left falls for want of what it stood on
     bool less = true;
     while (less && most > 0) {
         less = leaveOut(drawn, 1, drawn.scene.bodies.size(), withoutBodies, fails, most);

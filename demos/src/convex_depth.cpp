@@ -105,15 +105,15 @@ double distanceToBox(const ConvexSolid& box, const DVec3& p, const DVec3& q) {
 /// A grid of directions and then smaller and smaller steps around the best of them. Never below the true depth.
 double searchedOverlap(const ConvexSolid& a, const ConvexSolid& b) {
     constexpr int kDirections = 200;
+    constexpr double kWorthwhile = 1e-7;  // m; along ridges of the overlap a search without it goes on by ever less
     double least = leastOverlap(a, b);
     if (least <= 0) return least;
     DVec3 best{0, 1, 0};
     const auto test = [&](const DVec3& n) {
         const double overlap = overlapAlong(a, b, n);
-        if (overlap >= least) return false;
+        if (overlap >= least) return;
         least = overlap;
         best = n;
-        return true;
     };
     const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
     for (int i = 0; i < kDirections; ++i) {
@@ -122,14 +122,14 @@ double searchedOverlap(const ConvexSolid& a, const ConvexSolid& b) {
     }
     for (double stride = 0.2; stride > 1e-7;) {
         const DVec3 start = best;
-        bool improved = false;
+        const double before = least;
         for (const DVec3& d : {DVec3{1, 0, 0}, DVec3{0, 1, 0}, DVec3{0, 0, 1}}) {
             for (const double s : {stride, -stride}) {
                 const DVec3 n = start + s * d;
-                improved = test((1 / length(n)) * n) || improved;
+                test((1 / length(n)) * n);
             }
         }
-        if (!improved) stride /= 2;
+        if (before - least < kWorthwhile) stride /= 2;
     }
     return least;
 }

@@ -177,7 +177,9 @@ public:
     std::span<const ShapeId> shapes(BodyId body) const;
     std::span<const JointId> jointsOf(BodyId body) const;
     void setPose(BodyId body, const Pose& pose);  ///< puts it there at once, without regard to what is in the way
-    void setVelocity(BodyId body, const Vec3& linear, const Vec3& angular);  ///< m/s, rad/s
+    /// m/s, rad/s. A kinematic body goes by them on the mean of a step; where they change alike from step to step, it
+    /// speeds up evenly within each.
+    void setVelocity(BodyId body, const Vec3& linear, const Vec3& angular);
     void setGravityScale(BodyId body, float scale);
     float gravityScale(BodyId body) const;
     /// Changes mass, centre and inertia of a body (fuel, freight). Its pose and the motion of its points stay. A kinematic

@@ -215,9 +215,13 @@ bool Equations::loadsHold(double share) {
     return true;
 }
 
-void Equations::keepLoads() {
+void Equations::keepPointLoads() {
     for (SystemPoint& p : points)
         for (int k = 0; k < 3; ++k) p.impulse[k] = p.load[k];
+}
+
+void Equations::keepLoads() {
+    keepPointLoads();
     for (SystemRow& row : rows) row.impulse = row.load;
 }
 

@@ -196,6 +196,7 @@ public:
     /// keepLoads takes them.
     bool loadsHold(double share = 1);
     void keepLoads();
+    void keepPointLoads();
     /// Stops bodies at speeds that rounding of loads explains. Loads that hold for years must not add it up.
     void stopRounding();
     /// Stops a body whose speed, and that of turning at its radius of gyration, is not above the one given.

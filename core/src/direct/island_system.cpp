@@ -188,10 +188,7 @@ void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arra
         c.size = field(c, contact::kSize);
         c.roundA = field(c, contact::kRoundA);
         c.roundB = field(c, contact::kRoundB);
-        const DVec3 offset = vector(contact::kOffset), surface = vector(contact::kSurface);
-        const auto fixedVelocity = [](const BodyState& state, const DVec3& arm) {
-            return state.invMass > 0 ? DVec3{} : toDouble(state.v) + cross(toDouble(state.w), arm);
-        };
+        const DVec3 offset = vector(contact::kOffset);
         double reach = 0;
         for (std::uint32_t j = 0; j < c.count; ++j) {
             SystemPoint p;
@@ -201,10 +198,6 @@ void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arra
             p.startGap = p.gap = field(c, at + contact::kSeparation);
             const double mass = field(c, at + contact::kMass);
             p.resistance = resistance / (mass > 0 ? mass : 1);
-            const DVec3 drift = fixedVelocity(stateB, p.armB) - fixedVelocity(stateA, p.armA);
-            p.drift[0] = dot(drift, c.normal);
-            p.drift[1] = dot(drift + surface, c.tangent1);
-            p.drift[2] = dot(drift + surface, c.tangent2);
             p.load[0] = field(c, at + contact::kImpulse);
             p.load[1] = p.load[2] = 0;
             for (int k = 0; k < 3; ++k) p.impulse[k] = p.speed[k] = p.change[k] = 0;
@@ -215,11 +208,30 @@ void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arra
         c.rounded = tuning::kRoundedGap * c.size + tuning::kRoundedArm * reach;
         c.near = tuning::kContactGap * c.size + c.rounded;
         SystemPoint* points = equations_.points.data() + c.first;
+        setDrifts(c, arrays);
         shareFriction(points, c, vector(contact::kCenter), vector(contact::kFrictionImpulse),
                       field(c, contact::kTwistImpulse));
         guessSlips(points, c, stateA, stateB);
         equations_.contacts.push(c);
     }
+}
+
+bool IslandSystem::setDrifts(const SystemContact& c, const BodyArrays& arrays) {
+    const BodyState &a = arrays.states[c.stateA], &b = arrays.states[c.stateB];
+    const auto driven = [](const BodyState& state, const DVec3& arm) {
+        return state.invMass > 0 ? DVec3{} : toDouble(state.v) + cross(toDouble(state.w), arm);
+    };
+    const DVec3 surface{field(c, contact::kSurface), field(c, contact::kSurface + 1), field(c, contact::kSurface + 2)};
+    bool any = false;
+    for (std::uint32_t j = 0; j < c.count; ++j) {
+        SystemPoint& p = equations_.points[c.first + j];
+        const DVec3 drift = driven(b, p.armB) - driven(a, p.armA);
+        p.drift[0] = dot(drift, c.normal);
+        p.drift[1] = dot(drift + surface, c.tangent1);
+        p.drift[2] = dot(drift + surface, c.tangent2);
+        any |= p.drift[0] != 0 || p.drift[1] != 0 || p.drift[2] != 0;
+    }
+    return any;
 }
 
 void IslandSystem::loadPattern() {
@@ -256,6 +268,9 @@ void IslandSystem::beginSubstep(const BodyArrays& arrays, const JointContext& jo
         store(v, free);
         store(w, free + 3);
     }
+    // What is kinematic may speed up within a step; what is fixed is state 0.
+    for (const SystemContact& c : equations_.contacts)
+        if ((c.a == kFixed && c.stateA != 0) || (c.b == kFixed && c.stateB != 0)) rests_ &= !setDrifts(c, arrays);
     equations_.stopped = rests_;
     if (rests_) return;
     refreshMasses(arrays);

@@ -110,6 +110,8 @@ private:
     void makeRoom(std::size_t bodyCount, std::size_t contactCount, std::size_t jointCount);
     void loadBodies(const IslandParts& parts, const BodyArrays& arrays);
     void loadContacts(const IslandParts& parts, const BodyArrays& arrays);
+    /// What surfaces and bodies that no impulse moves do to the points of a contact; true if anything.
+    bool setDrifts(const SystemContact& contact, const BodyArrays& arrays);
     void loadPattern();
     void buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins, RowAims aims);
     /// Rows that push only, of bodies that begin knew.

@@ -14,9 +14,9 @@ constexpr int kIterations = 12;        ///< Newton steps from loads of the subst
 constexpr int kMoreIterations = 40;    ///< of each stage where those do not suffice
 constexpr int kLargeFactors = 6;       ///< in one step of a large island; it stays as it was
 constexpr double kMostProducts = 1e6;  ///< of blocks, in all factorizations of one step; some 0.1 s
-constexpr int kBudget = 160;           ///< Newton steps in one step of the world, after which no stages are tried
-constexpr int kStages = 2;             ///< softer systems that lead to the one that was asked for
-constexpr double kStage = 128;         ///< resistance of a stage over that of the next
+constexpr int kBudget = 160;           ///< Newton steps in one step of the world, after which softer systems answer
+constexpr int kStages = 4;             ///< softer systems that lead to the one that was asked for
+constexpr double kStage = 16;          ///< resistance of a stage over that of the next
 constexpr int kSlipRounds = 4;         ///< of the De Saxcé loop, where no joints pull
 constexpr int kRefining = 4;           ///< rounds of the method of multipliers of a large island
 constexpr double kRefined = 0.1;       ///< of the speeds that may be left alone, where those rounds end
@@ -127,23 +127,40 @@ bool minimize(Equations& equations, int iterations, double enough, bool& factore
     return report.residual <= kRounding;
 }
 
+/// What a softer system has answered: velocities and loads that belong to each other, and leave the speeds R λ.
+void takeSofter(Equations& equations) {
+    double* v = equations.velocity.data();
+    for (std::size_t k = 0; k < equations.unknowns(); ++k) v[k] = equations.scratch.trial[k];
+    equations.evaluate(v, equations.scratch.gradient.data());
+    equations.keepPointLoads();
+}
+
+enum class Approach { failed, softer, found };
+
 /// Loads far from the answer make a stiff system a hard one. Softer systems are easy, and the loads that each finds
-/// bring the next one near its answer.
-bool approach(Equations& equations, bool& factored, SolveReport& report) {
+/// bring the next one near its answer. Where that is not found either, as where a wall lands that has lost its loads in
+/// the air, the softer system's holds: the substeps that follow harden it.
+Approach approach(Equations& equations, bool& factored, SolveReport& report) {
     double scale = 1;
     for (int stage = 0; stage < kStages; ++stage) scale *= kStage;
     equations.scaleResistance(scale);
-    bool found = false;
+    bool any = false, found = false;
     for (int stage = 0; stage <= kStages; ++stage) {
+        const bool mayTry = (found || !any) && !(stage == kStages && report.iterations > kBudget);
         factored = false;
         Residual residual;
-        found = minimize(equations, kMoreIterations, tuning::kResidual, factored, report, residual);
+        found = mayTry && minimize(equations, kMoreIterations, tuning::kResidual, factored, report, residual);
         if (stage == kStages) break;
-        if (found) equations.takeLoads();
+        if (found) {
+            equations.takeLoads();
+            for (std::size_t k = 0; k < equations.unknowns(); ++k) equations.scratch.trial[k] = equations.velocity[k];
+        }
+        any |= found;
         equations.scaleResistance(1 / kStage);
     }
     factored = false;
-    return found;
+    if (!found && any) takeSofter(equations);
+    return found ? Approach::found : any ? Approach::softer : Approach::failed;
 }
 
 /// One round of the method of multipliers leaves the speeds R (λ − λ̂). A large island, whose factor is dear, uses it
@@ -192,7 +209,10 @@ void solve(Equations& equations, bool startFromLoads, bool& factored, SolveRepor
             if (last && !isSolved(residual, tuning::kResidual))
                 found = minimize(equations, kIterations, tuning::kResidual, factored, report, residual);
         }
-        if (!found && (isLarge(equations) || report.iterations > kBudget || !approach(equations, factored, report))) {
+        Approach way = found ? Approach::found : Approach::failed;
+        if (!found && !isLarge(equations)) way = approach(equations, factored, report);
+        if (way == Approach::softer) return;
+        if (way == Approach::failed) {
             // Newton's steps descend, so that the velocity is sane; the impulses need not be. A large island goes on
             // from there in its next solve.
             if (!isLarge(equations)) equations.keepLoads();

@@ -135,10 +135,13 @@ static void readMechanism(const DirectView& d, const DirectIsland& island, Mecha
     for (std::uint32_t j = 0; j < island.jointCount; ++j) {
         const JointRecord& joint = d.joints[d.directSet.joints[island.firstJoint + j]];
         if (d.bodies.moves(joint.bodyA) && d.bodies.moves(joint.bodyB)) continue;
-        const BodyState& state =
-            d.bodies.states[d.bodies[d.bodies.moves(joint.bodyA) ? joint.bodyB : joint.bodyA].state];
+        const std::uint32_t number = d.bodies[d.bodies.moves(joint.bodyA) ? joint.bodyB : joint.bodyA].state;
+        const BodyState& state = d.bodies.states[number];
+        const BodyDynamics& dynamics = d.bodies.dynamics[number];
         MechanismBody& body = mechanism.body(next++);
-        body.v = DVec3(state.v), body.w = DVec3(state.w);
+        // What takes it through the substep, where it speeds up (model/kinematic_slopes.h).
+        const float h = d.context.h;
+        body.v = DVec3(state.v + 0.5f * h * dynamics.acceleration), body.w = DVec3(state.w + h * dynamics.torque);
     }
 }
 

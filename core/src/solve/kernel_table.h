@@ -17,7 +17,7 @@ struct alignas(64) BodyDynamics {
     float angularDecay = 1;
     Vec3 acceleration;     ///< m/s², gravity and forces, of this step
     float spins = 1;       ///< 1: rotates by its momentum; 0: keeps its angular velocity (kinematic, locked)
-    Vec3 torque;           ///< N m of this step
+    Vec3 torque;           ///< N m of this step; of what has no mass rad/s²
     float translates = 1;  ///< 1: smooth accelerations correct the position; 0 for kinematic and jointed bodies
 };
 static_assert(sizeof(BodyDynamics) == 64);

@@ -283,7 +283,7 @@ RAGTOP_INLINE Mask<N> mayBeFast(const Lanes<N> rates[8], const WideVec3<N>& w, f
     return turn * turn * dot(w, w) > 1.0f / 20;  // of 1/16, for what rounding makes of it
 }
 
-/// v ← (v + h a) / (1 + h d),  ω ← (ω + h I⁻¹ τ) / (1 + h d)
+/// v ← (v + h a) / (1 + h d),  ω ← (ω + h I⁻¹ τ) / (1 + h d); of what has no mass the torque is I⁻¹ τ.
 /// The axis of a fast spin circles within a substep. Joints and contacts on it are told how far it will have come, not
 /// how fast it goes now; else they and free rotation take turns to push a top over where L h/I⊥ > 0.7. Joints on slower
 /// bodies are told the angular velocity of half a substep ahead.
@@ -311,7 +311,8 @@ void integrateVelocities(const BodyArrays& arrays, const std::uint32_t* bodies, 
         const WideVec3<N> torque{forces[4], forces[5], forces[6]};
         const SymmetricMatrix<N> inverse{inertia[0], inertia[1], inertia[2], inertia[3], inertia[4], inertia[5]};
         v = rates[3] * (v + Lanes<N>(h) * a);
-        w = rates[7] * (w + Lanes<N>(h) * (inverse * torque));
+        const Mask<N> massive = state[3] > 0.0f;
+        w = rates[7] * (w + Lanes<N>(h) * select(massive, inverse * torque, torque));
         applyLocks(v, state[7]);
 
         const Mask<N> jointed = (!(forces[7] > 0.0f)) & (forces[3] > 0.0f);

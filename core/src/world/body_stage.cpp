@@ -47,11 +47,13 @@ void BodyStage::prepare(std::uint32_t index) const {
     d.linearDecay = 1 / (1 + h * body.motion.linearDamping);
     d.angularDecay = 1 / (1 + h * body.motion.angularDamping);
     const float inverseMass = bodies.states[index].invMass;
-    d.acceleration = inverseMass > 0 ? body.motion.gravityScale * settings.gravity + inverseMass * body.force : Vec3{};
+    // What has no mass has accelerations in place of forces (model/kinematic_slopes.h).
+    d.acceleration =
+        inverseMass > 0 ? body.motion.gravityScale * settings.gravity + inverseMass * body.force : body.force;
     d.torque = body.torque;
     // The forces of joints turn with the bodies: taking them for smooth would feed energy into every swing.
     // What joined bodies have in common is smooth, and is theirs by Articulations::move.
-    d.translates = inverseMass > 0 && body.firstJoint == kNone ? 1.0f : 0.0f;
+    d.translates = (inverseMass > 0 ? body.firstJoint == kNone : body.force != Vec3{}) ? 1.0f : 0.0f;
     body.force = {};
     body.torque = {};
     bodies.histories[index].rotation = body.rotation;

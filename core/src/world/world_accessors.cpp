@@ -377,6 +377,12 @@ void World::forEachContact(BodyId body, const std::function<void(const Contact&)
 void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3& angular) {
     BodyState& state = tables.bodies.states[index];
     const Vec3 before = state.v;
+    if (tables.bodies[index].type == BodyType::kinematic && (linear != state.v || angular != state.w)) {
+        if (clock.stepping)
+            tables.slopes.replace(tables.bodies, index, linear, angular);
+        else
+            tables.slopes.record(tables.bodies, index, clock.dt);
+    }
     state.v = linear;
     state.w = angular;
     if (tables.bodies[index].type == BodyType::dynamic) tables.bodies.obeyLocks(index);

@@ -11,6 +11,7 @@
 #include "contacts/tables.h"
 #include "continuous/swept_bodies.h"
 #include "iteration/regions.h"
+#include "model/kinematic_slopes.h"
 #include "ragtop/world.h"
 #include "scene/scene.h"
 #include "solve/joint_kernels.h"
@@ -44,7 +45,8 @@ struct Tables {
           manifolds(machine.runner.workers(), machine.memory),
           joints(machine.jointKernels->lanes, machine.memory),
           couplings(machine.memory),
-          graph(machine.kernels->lanes, machine.memory) {}
+          graph(machine.kernels->lanes, machine.memory),
+          slopes(machine.memory) {}
     operator ConstTables() const { return {bodies, shapes, contacts, manifolds, joints, couplings, graph}; }
 
     Bodies bodies;
@@ -54,6 +56,7 @@ struct Tables {
     Joints joints;
     Couplings couplings;
     ConstraintGraph graph;
+    KinematicSlopes slopes;
     Versions versions;
 };
 

@@ -67,6 +67,7 @@ void WorldImpl::archive(Archive& archive) {
     tables.manifolds.archive(archive);
     tables.joints.archive(archive);
     tables.couplings.archive(archive);
+    tables.slopes.archive(archive);
     collision.broadphase.archive(archive);
     partition.islands.archive(archive);
     events.archive(archive);

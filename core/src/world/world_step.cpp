@@ -68,6 +68,7 @@ void WorldImpl::endSolve() {
     iteration().storeJoints();
     endDirect(directView());
     guardEnergy(guardView());
+    tables.slopes.end(tables.bodies);
 }
 
 void WorldImpl::beginStep(World& world, double stepSeconds) {
@@ -116,6 +117,7 @@ void WorldImpl::step(World& world, double stepSeconds) {
         activity().applyContactChanges(ghostView(), settings.sleeping);
         leaveOutGhosts(ghostView(), {collision.finds.closing.begin(), collision.finds.closing.end()}, tables.contacts,
                        tables.graph, machine.runner);
+        tables.slopes.begin(tables.bodies, clock.dt, settings.substeps);
         profile.beginStage("islands", callbacks);
         chooseSolvers();
         activity().collectSolved(solving.freezing, moduleWork,
