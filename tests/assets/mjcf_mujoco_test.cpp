@@ -90,24 +90,34 @@ TEST_P(AsMujoco, HasTheSameMassAndCentre) {
     EXPECT_EQ(static_cast<int>(robot.joints.size()), model->njnt - 1);
 }
 
-/// How far joints are off after a second of free flight without contacts, limits, rotors, springs and dampers, degrees:
-/// MuJoCo by Runge-Kutta at half a millisecond. Rates of joints come from the seed.
-double largestDifference(const std::filesystem::path& file, unsigned seed) {
+/// How a robot flies: without contacts, limits and rotors.
+struct Flight {
+    unsigned seed = 7;     ///< of the rates of the joints
+    bool springs = false;  ///< and dampers, as in the file
+    int rate = 240;        ///< steps per second
+};
+
+/// How far joints are off after a second of free flight, degrees: MuJoCo by Runge-Kutta at half a millisecond.
+double largestDifference(const std::filesystem::path& file, const Flight& flight) {
     const Model model = loadModel(file);
     model->opt.timestep = 0.0005;
     model->opt.integrator = mjINT_RK4;
     model->opt.disableflags |= mjDSBL_CONTACT | mjDSBL_LIMIT | mjDSBL_ACTUATION;
-    for (int i = 0; i < model->nv; ++i) model->dof_armature[i] = model->dof_damping[i] = 0;
-    for (int i = 0; i < model->njnt; ++i) model->jnt_stiffness[i] = 0;
+    for (int i = 0; i < model->nv; ++i) {
+        model->dof_armature[i] = 0;
+        if (!flight.springs) model->dof_damping[i] = 0;
+    }
+    for (int i = 0; i < model->njnt; ++i)
+        if (!flight.springs) model->jnt_stiffness[i] = 0;
     mj_setConst(model.get(), Data(mj_makeData(model.get()), mj_deleteData).get());
     const Data data(mj_makeData(model.get()), mj_deleteData);
 
     Robot robot = loadRobot(file);
-    std::mt19937 random(seed);
+    std::mt19937 random(flight.seed);
     std::vector<float> rates;
     for (RobotJoint& joint : robot.joints) {
         std::get<HingeDef>(joint.joint).limit.reset();
-        std::get<HingeDef>(joint.joint).spring.reset();
+        if (!flight.springs) std::get<HingeDef>(joint.joint).spring.reset();
         rates.push_back(4 * (static_cast<float>(random()) / 4294967296.0f - 0.5f));
     }
     for (RobotBody& body : robot.bodies) body.shapes.clear();
@@ -138,7 +148,7 @@ double largestDifference(const std::filesystem::path& file, unsigned seed) {
     for (std::size_t i = 0; i < speeds.size(); ++i)
         if (!robot.bodies[i].anchored) world.setVelocity(ids.bodies[i], speeds[i].linear, speeds[i].angular);
     for (int i = 0; i < 2000; ++i) mj_step(model.get(), data.get());
-    for (int i = 0; i < 240; ++i) world.step(1.0 / 240);
+    for (int i = 0; i < flight.rate; ++i) world.step(1.0 / flight.rate);
     double worst = 0;
     for (std::size_t j = 0; j < places.size(); ++j) {
         const double off = static_cast<double>(world.state(ids.joints[j]).coordinate) - data->qpos[places[j]];
@@ -150,7 +160,15 @@ double largestDifference(const std::filesystem::path& file, unsigned seed) {
 /// A body between two hinges takes s = 1e-5 of the mass. Where the hinge between two others stands at 85 degrees, it
 /// adds s / cos² = 0.13 % to what resists the difference of these, whose rates differ by up to 4 rad/s.
 TEST_P(AsMujoco, FliesWithTheSameAngles) {
-    for (const unsigned seed : {7u, 8u, 9u, 10u}) EXPECT_LT(largestDifference(GetParam(), seed), 0.5) << seed;
+    for (const unsigned seed : {7u, 8u, 9u, 10u}) EXPECT_LT(largestDifference(GetParam(), {.seed = seed}), 0.5) << seed;
+}
+
+/// Its dampers stop light links within milliseconds, much less than a substep of 60 Hz.
+TEST_P(AsMujoco, FliesWithTheSameAnglesOnSpringsAndDampers) {
+    for (const unsigned seed : {7u, 8u, 9u, 10u})
+        for (const int rate : {60, 240})
+            EXPECT_LT(largestDifference(GetParam(), {.seed = seed, .springs = true, .rate = rate}), 0.5)
+                << seed << ", " << rate << " Hz";
 }
 
 std::string nameOf(const testing::TestParamInfo<std::filesystem::path>& info) { return info.param.stem().string(); }

@@ -25,11 +25,11 @@ Vec3 driveError(BallDrives& drives, const Quat& target, const Quat& b) {
     return {off.twist, longer * dot(swing, drives.basis.cy), longer * dot(swing, drives.basis.cz)};
 }
 
+}  // namespace
+
 TunedSpring tunedDrive(const BallDrives& drives, int k, float inverseInertia) {
     return (k == 0 && drives.apart ? drives.twist : drives.swing).at(inverseInertia);
 }
-
-}  // namespace
 
 bool needsDrives(const BallDef& def) {
     return def.twistSpring || !(def.targetSpeed == Vec3{}) || !(def.feedForward == Vec3{});
@@ -45,19 +45,18 @@ BallDrives compileDrives(const BallDef& def) {
     return drives;
 }
 
-/// With λ = h (feed-forward − k e) − drag (ω − speed of the target), along each axis of the basis.
+/// With λ = push − drag (ω − speed), along each axis of the basis.
 void beginDrives(JointSim& joint, const JointPlace& place, float inverseInertia, float h) {
     BallDrives& drives = joint.drives;
     const Vec3 error = driveError(drives, place.a * joint.ball.target, place.b);
-    const Vec3 speed = transposeTimes(drives.basis, rotate(place.a, drives.targetSpeed));
+    drives.speed = transposeTimes(drives.basis, rotate(place.a, drives.targetSpeed));
     const Vec3 added = transposeTimes(drives.basis, rotate(place.a, drives.feedForward));
     for (int k = 0; k < 3; ++k) {
         const TunedSpring spring = tunedDrive(drives, k, inverseInertia);
         const SpringShares shares = springShares(spring.stiffness, spring.damping, inverseInertia, h);
-        for (int pass = 0; pass < 2; ++pass) {
-            drives.drag[pass][k] = dragOf(pass == 0 ? shares.moving : shares.resting, inverseInertia);
-            drives.push[pass][k] = h * (added[k] - spring.stiffness * error[k]) + drives.drag[pass][k] * speed[k];
-        }
+        drives.drag[0][k] = dragOf(shares.moving, inverseInertia);
+        drives.drag[1][k] = dragOf(shares.resting, inverseInertia);
+        drives.push[k] = h * (added[k] - spring.stiffness * error[k]);
     }
 }
 
@@ -81,7 +80,8 @@ Vec3 leadDrives(const JointSim& joint, const JointPlace& place, float inverseIne
 Vec3 solveDrives(JointSim& joint, const Vec3& spin, int pass, float longest) {
     constexpr float kNoDrag = 1e-6f;  // of the rows' admittance: eight roundings of a float
     const BallDrives& drives = joint.drives;
-    const Vec3 &push = drives.push[pass], &drag = drives.drag[pass];
+    const Vec3& drag = drives.drag[pass];
+    const Vec3 push = drives.push + scale(drag, drives.speed);
     const Sym3 p = inBasis(joint.block.mass.rest, drives.basis);
     const auto compliance = [&](int k) {
         const float least = kNoDrag / (p.xx + p.yy + p.zz);

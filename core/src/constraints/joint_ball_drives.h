@@ -15,12 +15,14 @@ struct BallDrives {
     Vec3 targetSpeed, feedForward;  ///< in A's joint frame
 
     // Of the current substep.
-    Mat3 basis;    ///< of the rows: the world's axes, or the twist axis and two across it
-    Vec3 push[2];  ///< N m s along them, in the pass that moves and in the other
-    Vec3 drag[2];  ///< N m s per rad/s, likewise
+    Mat3 basis;        ///< of the rows: the world's axes, or the twist axis and two across it
+    Vec3 push, speed;  ///< N m s and rad/s along them: h (feed-forward − k e), and that of the target
+    Vec3 drag[2];      ///< N m s per rad/s, in the pass that moves and in the other
 };
 /// Does a plain spring not do?
 bool needsDrives(const BallDef& def);
 BallDrives compileDrives(const BallDef& def);
+/// Of the row k of the basis.
+TunedSpring tunedDrive(const BallDrives& drives, int k, float inverseInertia);
 
 }  // namespace ragtop

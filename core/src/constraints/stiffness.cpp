@@ -16,30 +16,39 @@ struct RelativeMass {
     float turn = 0;    ///< 1/(kg m²)
 };
 
-float stiffness(const TunedSpring& spring, float inverseMass, float h) {
-    if (!(spring.stiffness > 0 && inverseMass > 0)) return 0;
-    const float z = h * h * spring.stiffness * inverseMass;
-    const float ratio = 0.5f * spring.damping * std::sqrt(inverseMass / spring.stiffness);
-    return z / std::clamp(kDamped * ratio, kLeast, kMost);
+/// The hardest of what acts on a motion of the inverse mass w.
+struct Measure {
+    float w, h;
+    Hardness hardest;
+
+    void spring(const SpringTuning& tuning) {
+        const TunedSpring spring = tuning.at(w);
+        damper(spring.damping);
+        if (!(spring.stiffness > 0 && w > 0)) return;
+        const float ratio = 0.5f * spring.damping * std::sqrt(w / spring.stiffness);
+        stiffness(h * h * spring.stiffness * w / std::clamp(kDamped * ratio, kLeast, kMost));
+    }
+    /// The iteration knows the trajectory of a softer one (StopTrajectory).
+    void stop(const Stop& stop) { stiffness(h * h * stop.stiffness * w / kMost); }
+    void damper(float damping) { hardest.braking = std::max(hardest.braking, h * damping * w); }
+    void stiffness(float z) { hardest.stiffness = std::max(hardest.stiffness, z); }
+};
+
+Hardness hardness(const AxisRows& axis, float w, float h) {
+    Measure most{w, h, {}};
+    if (axis.features & AxisRows::kSpring) most.spring(axis.spring.tuning);
+    if (axis.features & AxisRows::kViscous) most.damper(axis.resistance.viscous);
+    if (axis.features & AxisRows::kLimit) most.stop(axis.stop);
+    return most.hardest;
 }
 
-/// The iteration knows the trajectory of a softer one (StopTrajectory).
-float stiffness(const Stop& stop, float inverseMass, float h) { return h * h * stop.stiffness * inverseMass / kMost; }
-
-float stiffness(const AxisRows& axis, bool turns, const RelativeMass& inverse, float h) {
-    const float w = turns ? inverse.turn : inverse.travel;
-    const bool sprung = (axis.features & AxisRows::kSpring) != 0, stops = (axis.features & AxisRows::kLimit) != 0;
-    const TunedSpring spring = axis.spring.tuning.at(w);
-    return std::max(sprung ? stiffness(spring, w, h) : 0.0f, stops ? stiffness(axis.stop, w, h) : 0.0f);
-}
-
-float stiffness(const BallRows& ball, const BallDrives& drives, float w, float h) {
-    float most = 0;
-    const auto note = [&](const SpringTuning& spring) { most = std::max(most, stiffness(spring.at(w), w, h)); };
-    if (ball.features & BallRows::kSpring) note(ball.spring.tuning);
-    if (ball.features & BallRows::kDrives) note(drives.swing), note(drives.twist);
-    if (ball.features & (BallRows::kSwing | BallRows::kTwist)) most = std::max(most, stiffness(ball.stop, w, h));
-    return most;
+Hardness hardness(const BallRows& ball, const BallDrives& drives, float w, float h) {
+    Measure most{w, h, {}};
+    if (ball.features & BallRows::kSpring) most.spring(ball.spring.tuning);
+    if (ball.features & BallRows::kDrives) most.spring(drives.swing), most.spring(drives.twist);
+    if (ball.features & BallRows::kViscous) most.damper(ball.resistance.viscous);
+    if (ball.features & (BallRows::kSwing | BallRows::kTwist)) most.stop(ball.stop);
+    return most.hardest;
 }
 
 /// Is a coordinate of a joint of more axes an angle? In the order in which joint_axes.cpp and joint_six_dof.cpp write
@@ -67,17 +76,21 @@ float easiest(const BodyInertia& inverse) {
 
 }  // namespace
 
-float stiffnessOf(const JointSim& joint, const BodyState* states, const BodyInertia* inertia, float h) {
+Hardness hardnessOf(const JointSim& joint, const BodyState* states, const BodyInertia* inertia, float h) {
     RelativeMass inverse;
     for (const std::uint32_t body : {joint.stateA, joint.stateB}) {
         inverse.travel += states[body].invMass;
         inverse.turn += easiest(inertia[body]);
     }
-    if (joint.kind == JointKind::ball) return stiffness(joint.ball, joint.drives, inverse.turn, h);
-    if (!hasAxes(joint.kind)) return stiffness(joint.axis, joint.kind == JointKind::hinge, inverse, h);
-    float most = 0;
-    for (int f = 0; f < AxesBlock::kMostFree; ++f)
-        most = std::max(most, stiffness(withAxes(joint).axes.axis[f], turns(joint.kind, f), inverse, h));
+    if (joint.kind == JointKind::ball) return hardness(joint.ball, joint.drives, inverse.turn, h);
+    if (!hasAxes(joint.kind))
+        return hardness(joint.axis, joint.kind == JointKind::hinge ? inverse.turn : inverse.travel, h);
+    Hardness most;
+    for (int f = 0; f < AxesBlock::kMostFree; ++f) {
+        const Hardness of =
+            hardness(withAxes(joint).axes.axis[f], turns(joint.kind, f) ? inverse.turn : inverse.travel, h);
+        most = {std::max(most.stiffness, of.stiffness), std::max(most.braking, of.braking)};
+    }
     return most;
 }
 

@@ -12,7 +12,8 @@ constexpr float kHanging = 6;         ///< load number of joints that hang, whos
 constexpr float kHungShare = 0.0625f;     ///< share of bodies that hang from what contacts bear, as a rope over a drum
 constexpr std::uint32_t kHungBodies = 3;  ///< of these; fewer are a limb under a heap
 constexpr float kJointed = 100;       ///< load number of other joints, as ankles of a ragdoll that stands
-constexpr float kStiff = 1;           ///< as stiffnessOf has it
+constexpr float kStiff = 1;           ///< as Hardness has it
+constexpr float kBraked = 0.1f;       ///< the same of dampers, which brake light links by half of it too much
 /// Share of the buckling load: at p of it what is crooked leans 1/(1 − p) as far. Columns of four to nine boxes, 6:1 to
 /// 40:1, fall from 0.5 on (docs/measurements/islands.md).
 constexpr float kBuckling = 0.25f;
@@ -23,13 +24,17 @@ constexpr float kStay = 2.0f / 3;     ///< of the spin of what is direct already
 
 /// Joints alone.
 bool isMechanism(const IslandFeatures& island) { return island.joints > 0 && island.bare && !island.touches; }
+/// More than one pair, whose shares are exact.
+bool flies(const IslandFeatures& island) {
+    return island.joints > 1 && !island.touches && island.bodies <= kMostBodies;
+}
 std::uint32_t jointsOfTree(const IslandFeatures& island) { return island.bodies - (island.hangs ? 0 : 1); }
 
 }  // namespace
 
 const char* nameOf(Reason reason) {
     constexpr const char* kNames[] = {"none",    "asked", "heavy", "tall",  "deep",   "taut",
-                                      "leaning", "tree",  "loop",  "stiff", "staying"};
+                                      "leaning", "tree",  "loop",  "stiff", "damped", "staying"};
     return kNames[static_cast<int>(reason)];
 }
 
@@ -45,7 +50,8 @@ Reason chooseDirect(const IslandFeatures& island) {
     }
     const auto bodies = static_cast<float>(island.bodies);
     const bool jointed = island.jointLoad > 0, quiet = static_cast<float>(island.moving) <= kQuiet * bodies;
-    if (island.bodies <= kMostBodies && island.stiffness > kStiff) return Reason::stiff;
+    if (island.bodies <= kMostBodies && island.hardness.stiffness > kStiff) return Reason::stiff;
+    if (flies(island) && island.hardness.braking > kBraked) return Reason::damped;
     if (island.hangs && island.jointLoad > kHanging) return Reason::taut;
     if (island.hung >= kHungBodies && static_cast<float>(island.hung) > kHungShare * bodies) return Reason::taut;
     if (quiet && island.jointLoad > kJointed) return Reason::taut;

@@ -2,12 +2,13 @@
 
 #include <cstdint>
 
+#include "constraints/stiffness.h"
 #include "ragtop/math.h"
 
 namespace ragtop::direct {
 
 /// Why an island is solved directly.
-enum class Reason : std::uint8_t { none, asked, heavy, tall, deep, taut, leaning, tree, loop, stiff, staying };
+enum class Reason : std::uint8_t { none, asked, heavy, tall, deep, taut, leaning, tree, loop, stiff, damped, staying };
 
 /// What decides how an island is solved. Loads are estimates: each body hands its weight, and what it carries, in equal
 /// shares to the neighbours that are nearer to the ground. A load number is such a load over the weight of the lighter
@@ -24,7 +25,7 @@ struct IslandFeatures {
     float spin = 0;                        ///< rad, the largest turn in a substep
     float contactLoad = 0, jointLoad = 0;  ///< largest load numbers
     float massRatio = 1;                   ///< largest of a loaded pair
-    float stiffness = 0;                   ///< of springs and soft stops, see stiffnessOf
+    Hardness hardness;                     ///< the largest of joints
     float buckling = 0;                    ///< load over what soft contacts bear before they tilt away
     bool hangs = false;                    ///< by joints, from something that does not move
     bool touches = false;                  ///< has contacts, near or not

@@ -112,6 +112,17 @@ void Equations::velocityOfLoads(double* v) const {
     }
 }
 
+void Equations::freeBefore(const double* v) {
+    double* given = scratch.gradient.data();
+    for (std::size_t k = 0; k < unknowns(); ++k) given[k] = 0;
+    applyImpulses(given, false);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const double* at = given + 6 * i;
+        for (std::size_t k = 0; k < 3; ++k) free[6 * i + k] = v[6 * i + k] - bodies[i].inverseMass[k] * at[k];
+        store(load(v + 6 * i + 3) - bodies[i].inverseTaut * load(at + 3), free.data() + 6 * i + 3);
+    }
+}
+
 void Equations::speedsAt(const double* v) {
     for (const SystemContact& c : contacts)
         for (std::uint32_t j = 0; j < c.count; ++j) {

@@ -111,7 +111,12 @@ enum class RowKind : std::uint8_t {
 /// What a row asks for in the pass after positions have moved.
 struct RestingAim {
     double target = 0, resistance = 0, lower = 0, upper = 0;
+    double follows = 0;      ///< of springs and dampers, as of SpringDrags
+    double inverseMass = 0;  ///< of such a row
 };
+
+/// The drag of a row that is a force, with next to no say in the matrix, over its mass.
+inline constexpr double kNoDrag = 1e-9;
 
 /// Where the load of a row is between its bounds.
 enum class Side : std::uint8_t { within, lower, upper };
@@ -177,6 +182,8 @@ public:
     std::size_t unknowns() const { return 6 * bodies.size(); }
     /// v ← v_free + M⁻¹ Jᵀ λ̂
     void velocityOfLoads(double* v) const;
+    /// v_free ← v − M⁻¹ Jᵀ λ: from where impulses as they are lead to v.
+    void freeBefore(const double* v);
     /// u, λ and regions at v, and the gradient M (v − v_free) − Jᵀ λ.
     Residual evaluate(const double* v, double* gradient);
     /// The same without the gradient.

@@ -58,10 +58,25 @@ static void recordRest(const SystemRow& row, Note&& note) {
     if (row.resting.lower != row.lower && row.impulse <= row.lower) note(admittance * row.lower);
 }
 
-bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext& context) {
+/// Springs and dampers know the mean speed from what they gave in the pass that moved; what was at a bound stays there.
+/// `note` is told the change of load as a speed.
+template <class Note>
+static void follow(SystemRow& row, Note&& note) {
+    RestingAim& rest = row.resting;
+    if (row.impulse >= row.upper || row.impulse <= row.lower) {
+        rest.resistance = rest.inverseMass / kNoDrag;
+        rest.target = (row.impulse - row.load) * rest.resistance;
+        return;
+    }
+    rest.target += rest.follows * row.impulse * rest.resistance;
+    note(rest.inverseMass * (row.load + (rest.target - row.speed) / rest.resistance - row.impulse));
+}
+
+bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext& context, const JointContext& joints) {
     if (equations_.stopped) return false;  // nothing was pushed
     updateGaps(arrays);
     double largest = 0;
+    bool bears = false, hasSprings = false;
     const auto note = [&](double change) {
         const double size = std::fabs(change);
         if (size > largest) largest = size;
@@ -70,6 +85,7 @@ bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext
         const double near = c.near;
         for (std::uint32_t j = 0; j < c.count; ++j) {
             SystemPoint& p = equations_.points[c.first + j];
+            bears |= p.impulse[0] > 0;
             // What is to bounce comes to the surface with its own speed; the next substep reflects it there.
             if (c.restitution > 0 && p.speed[0] < -static_cast<double>(context.restitutionSpeed)) continue;
             const double target = p.gap > near ? -(p.gap - near) * static_cast<double>(context.inverseH) : 0.0;
@@ -79,8 +95,13 @@ bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext
     }
     const auto recordRow = [&](double change) { note(tuning::kAtRest / tuning::kSkip * change); };
     for (SystemRow& row : equations_.rows) {
-        recordRow(0.1 * (row.resting.target - row.target));
-        recordRest(row, recordRow);
+        if (row.resting.follows > 0) {
+            follow(row, recordRow);
+        } else {
+            recordRow(0.1 * (row.resting.target - row.target));
+            recordRest(row, recordRow);
+        }
+        hasSprings |= row.compliant && row.kind != RowKind::across;
         row.target = row.resting.target;
         row.lower = row.resting.lower;
         row.upper = row.resting.upper;
@@ -88,6 +109,8 @@ bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext
         row.resistance = row.resting.resistance;
     }
     if (largest <= tuning::kAtRest * equations_.gravityStep) return false;
+    const bool moved = hasSprings && !bears;
+    if (moved) moveRows(arrays, joints);
     // A load that errors of positions ask for in vain, because bodies that touch at many points cannot heed them all,
     // is shifted to other points with every substep until none is asked for.
     equations_.takePointLoads();
@@ -103,6 +126,7 @@ bool IslandSystem::aimAtVelocities(const BodyArrays& arrays, const SolverContext
         store(toDouble(state.v), equations_.velocity.data() + 6 * i);
         store(toDouble(state.w), equations_.velocity.data() + 6 * i + 3);
     }
+    if (moved) equations_.freeBefore(equations_.velocity.data());
     return true;
 }
 

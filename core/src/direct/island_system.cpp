@@ -14,6 +14,7 @@ IslandSystem::IslandSystem(std::pmr::memory_resource* memory)
     : equations_(memory),
       states_(memory),
       joints_(memory),
+      moved_(memory),
       pairs_(memory),
       jointEnds_(memory),
       pointEnds_(memory),
@@ -103,7 +104,9 @@ void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, con
     for (const std::int32_t end : jointEnds_) held |= end == kFixed;
     loops_ = joints_.size() + (held ? 0 : 1) > equations_.bodies.size();
     constexpr std::size_t kMostRows = 24;  // a plane with everything; rows come and go with tension
+    constexpr std::size_t kMostRigid = 6;
     equations_.rows.reserve(kMostRows * joints_.size() + std::max(parts.pointCount, parts.pointRoom));
+    moved_.reserve(kMostRigid * joints_.size());
     loadPattern();
     const std::size_t n = equations_.unknowns();
     equations_.velocity.resizeForOverwrite(n);
@@ -330,7 +333,8 @@ bool IslandSystem::aimAgain(const BodyArrays& arrays, const JointContext& joints
 void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins, RowAims aims) {
     equations_.rows.clear();
     if (joints_.empty()) return;
-    const JointRowBuilder builder{arrays, joints, equations_.rows, equations_.bodies.data(), begins, aims};
+    const bool touches = !equations_.contacts.empty();
+    const JointRowBuilder builder{arrays, joints, equations_.rows, equations_.bodies.data(), begins, aims, touches};
     for (std::size_t j = 0; j < joints_.size(); ++j)
         builder.add(*joints_[j], static_cast<std::uint32_t>(j), jointEnds_[2 * j], jointEnds_[2 * j + 1]);
     for (SystemBody& body : equations_.bodies)
@@ -338,6 +342,29 @@ void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joint
             body.inverseTaut = inverse(body.inertia + body.stiffness);
     for (SystemRow& row : equations_.rows) findBlock(row);
     equations_.takeSidesOfLoads();
+}
+
+void IslandSystem::moveRows(const BodyArrays& arrays, const JointContext& joints) {
+    for (SystemBody& body : equations_.bodies) {
+        setMass(body, arrays.states[body.state], arrays.inertia[body.state]);
+        const DSym3& taut = body.stiffness;
+        const bool isTaut = taut.xx > 0 || taut.yy > 0 || taut.zz > 0;
+        body.inverseTaut = isTaut ? inverse(body.inertia + taut) : body.inverseInertia;
+    }
+    moved_.clear();
+    const JointRowBuilder builder{arrays, joints, moved_, equations_.bodies.data(), false, RowAims::resting};
+    for (std::size_t j = 0; j < joints_.size(); ++j)
+        builder.add(*joints_[j], static_cast<std::uint32_t>(j), jointEnds_[2 * j], jointEnds_[2 * j + 1]);
+    std::size_t next = 0;
+    for (SystemRow& row : equations_.rows) {
+        if (next == moved_.size()) break;
+        const SystemRow& moved = moved_[next];
+        if (row.joint != moved.joint || row.kind != moved.kind) continue;
+        ++next;
+        std::copy(moved.ja, moved.ja + 6, row.ja);
+        std::copy(moved.jb, moved.jb + 6, row.jb);
+        row.target = moved.target;
+    }
 }
 
 void IslandSystem::findBlock(SystemRow& row) const {

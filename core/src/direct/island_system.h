@@ -94,7 +94,7 @@ public:
     /// Targets of the pass that moves positions.
     void aimAtPositions(const BodyArrays& arrays, const SolverContext& context);
     /// Targets of the pass after it. False when they ask for nothing that the first has not given.
-    bool aimAtVelocities(const BodyArrays& arrays, const SolverContext& context);
+    bool aimAtVelocities(const BodyArrays& arrays, const SolverContext& context, const JointContext& joints);
     /// Notes what was found as the loads that the next substep starts from. With a factor, loads of joints by which
     /// they pull against each other alone are left out.
     void updateLoads(bool factored);
@@ -116,6 +116,9 @@ private:
     void buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins, RowAims aims);
     /// Rows that push only, of bodies that begin knew.
     void addClosingPoints(std::span<const ClosingPoint> points, RowAims aims, double inverseH);
+    /// Rigid rows where the bodies have moved to: what springs then change acts there, so that it has no moment about
+    /// the point where it should, and what rigid rows give to it is along what the next substep starts from.
+    void moveRows(const BodyArrays& arrays, const JointContext& joints);
     void findBlock(SystemRow& row) const;
     void refreshMasses(const BodyArrays& arrays);
     static void makeHeavy(SystemBody& body, double factor);
@@ -133,6 +136,7 @@ private:
     Equations equations_;
     AlignedArray<std::uint32_t> states_;  ///< of the bodies
     AlignedArray<JointSim*> joints_;
+    AlignedArray<SystemRow> moved_;  ///< scratch of moveRows
     AlignedArray<BlockPair> pairs_;
     AlignedArray<std::int32_t> jointEnds_;  ///< two local bodies per joint
     AlignedArray<std::int32_t> pointEnds_;  ///< and per point beside which they are closed

@@ -3,7 +3,9 @@
 #include <limits>
 
 #include "constraints/joint_types.h"
+#include "constraints/spring_drags.h"
 #include "direct/rotation.h"
+#include "direct/taut_stiffness.h"
 
 namespace ragtop::direct {
 
@@ -12,33 +14,6 @@ namespace {
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 constexpr float kFarAway = 1e9f;  ///< rad: no stop is there
 constexpr DVec3 kAxes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  ///< of the world
-
-/// The larger part of ∂²/∂θ² of a force's work on an arm, (F · r) E − ½ (r Fᵀ + F rᵀ): what is not negative.
-DSym3 tautStiffness(const DVec3& force, const DVec3& arm) {
-    const double f = length(force), r = length(arm);
-    if (!(f > 0) || !(r > 0)) return {};
-    const double along = dot(force, arm), largest = f * r;
-    const DVec3 axis = cross(arm, force), apart = (1 / r) * arm - (1 / f) * force;
-    const double sine = length(axis), spread = length(apart);
-    if (sine <= 1e-6 * largest || spread <= 1e-6) {
-        if (!(along > 0)) return {};
-        const DSym3 across = outer(-largest / (r * r), arm);
-        return across + DSym3{largest, 0, 0, largest, 0, largest};
-    }
-    const DSym3 first = along > 0 ? outer(along / (sine * sine), axis) : DSym3{};
-    return first + outer(0.5 * (along + largest) / (spread * spread), apart);
-}
-
-void addStiffness(SystemBody& body, const DVec3& impulse, const DVec3& arm, double h) {
-    const double turning = h * length(impulse) * length(arm);
-    const DSym3& i = body.inverseInertia;
-    const double least = i.xx > i.yy ? (i.xx > i.zz ? i.xx : i.zz) : (i.yy > i.zz ? i.yy : i.zz);
-    // For a thin link T = |impulse|/h, r = L/2 and I = m L²/12, so 4 T h²/(m L) = ⅔ h |impulse| r / I.
-    const double ratio = (2.0 / 3) * turning * least / tuning::kStiffLink;
-    if (!(ratio > 1)) return;
-    const double share = ratio < 2 ? ratio - 1 : 1;
-    body.stiffness = body.stiffness + scaled(tautStiffness(impulse, arm), share * tuning::kImplicit * h);
-}
 
 /// Both bodies of a joint, now or a part of a substep ahead.
 struct Ends {
@@ -78,6 +53,12 @@ double takeAdmittance(SystemRow& row, const SystemBody* bodies) {
     if (row.b != kFixed) mask(bodies[row.b], row.jb), k += admittance(bodies[row.b], row.jb);
     return k > 0 ? k : 1;
 }
+
+/// λ = push − h c (u − speed) within ± most, with u the mean speed of the substep.
+struct SpringRow {
+    TunedSpring tuned;
+    float push = 0, speed = 0, most = kNoForceLimit;  ///< N s, of the error and what is fed forward; m/s; N s
+};
 
 /// The directions of a joint's rows and what they share.
 class RowWriter {
@@ -131,21 +112,31 @@ public:
         RestingAim rest{bend + resting.target, row.resistance, resting.lower, resting.upper};
         row.compliant = moving.drag >= 0;
         if (!row.compliant) return push(row, kind, load, bend + moving.target, rest);
-        // λ = push − drag u. Without any drag it is a force, and its row has next to no say in the matrix.
-        constexpr double kNoDrag = 1e-9;
-        const auto resistanceOf = [&](const RowAim& aim) {
-            const double least = kNoDrag / inverseMass;
-            return 1 / (aim.drag > least ? aim.drag : least);
-        };
-        row.resistance = resistanceOf(moving);
-        rest.resistance = resistanceOf(resting);
+        row.resistance = resistanceOf(moving.drag, inverseMass);
+        rest.resistance = resistanceOf(resting.drag, inverseMass);
         // What the second pass pushes with beyond the first, as a speed.
         rest.target = static_cast<double>(resting.push - moving.push) * rest.resistance;
         push(row, kind, moving.push, 0, rest);
     }
+    /// λ₁ = push − moving (u₁ − speed),  λ₂ = push + follows (λ₁ − push) − resting (u₂ − speed): what λ₁ is the second
+    /// pass adds (IslandSystem::aimAtVelocities).
+    void spring(SystemRow row, RowKind kind, const SpringRow& spring, float inverseMass) const {
+        const auto drags = builder_.touches || builder_.aims != RowAims::substep ? separateDrags : springDrags;
+        const auto [first, second, follows] =
+            drags(spring.tuned.stiffness, spring.tuned.damping, inverseMass, builder_.context.h);
+        if (builder_.aims == RowAims::closing && first > 0) return hold(row, kind, first);
+        if (builder_.aims != RowAims::substep) return;
+        const double given = spring.push, speed = spring.speed, most = spring.most, pushed = given + first * speed;
+        RestingAim rest{0, resistanceOf(second, inverseMass), -most, most, follows, inverseMass};
+        rest.target = ((1 - follows) * given + second * speed - pushed) * rest.resistance;
+        row.lower = -most, row.upper = most;
+        row.compliant = true;
+        row.resistance = resistanceOf(first, inverseMass);
+        push(row, kind, pushed, 0, rest);
+    }
     /// Springs and soft stops make ways that stretch them long ones.
-    void hold(SystemRow row, RowKind kind, float drag) const {
-        row.resistance = 1 / static_cast<double>(drag);
+    void hold(SystemRow row, RowKind kind, double drag) const {
+        row.resistance = 1 / drag;
         row.compliant = true;
         row.lower = -kNoBound, row.upper = kNoBound;
         push(row, kind, 0, 0, {});
@@ -187,6 +178,10 @@ public:
     }
 
 private:
+    static double resistanceOf(double drag, double inverseMass) {
+        const double least = kNoDrag / inverseMass;
+        return 1 / (drag > least ? drag : least);
+    }
     SystemRow row(const DVec3& d, const DVec3& turnA, const DVec3& turnB, RowShape shape = RowShape::whole) const {
         SystemRow r;
         r.a = a_, r.b = b_, r.joint = index_;
@@ -271,9 +266,11 @@ RowAim restingAim(const StopSide& side, const Stop& stop, float inverseMass, con
     return aimAtStop(side, stop, inverseMass, context, within);
 }
 
-/// Does the row store energy?
-bool isElastic(const AxisRows& axis, AxisSlot slot) {
-    return slot == AxisSlot::spring || (axis.isStop(slot) && axis.stop.stiffness > 0);
+SpringRow springOf(const AxisRows& axis, AxisSlot slot, float h) {
+    if (slot == AxisSlot::viscous) return {{0, axis.resistance.viscous}};
+    return {axis.spring.tuning.at(axis.inverseMass),
+            h * (axis.spring.feedForward - axis.springStiffness * axis.springError), axis.spring.speed,
+            h * axis.spring.most};
 }
 
 /// The rows along a coordinate.
@@ -291,7 +288,11 @@ void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis
         const bool stop = stops && (axis.features & AxisRows::kLimit) != 0;
         if (writer.aims() == RowAims::closing) {
             if (stop && !(axis.stop.stiffness > 0)) writer.close(along, after(first, i), now);
-            if (!isElastic(axis, slot)) continue;
+            if (slot != AxisSlot::spring && !(stop && axis.stop.stiffness > 0)) continue;
+        }
+        if (slot == AxisSlot::spring || slot == AxisSlot::viscous) {
+            writer.spring(along, after(first, i), springOf(axis, slot, writer.context().h), axis.inverseMass);
+            continue;
         }
         writer.scalar(along, after(first, i), axis.impulse(slot), aimOf(axis, slot, writer.context(), true),
                       stop ? restingAim(now, axis.stop, axis.inverseMass, writer.context())
@@ -329,36 +330,26 @@ void addTurnStop(const RowWriter& writer, RowKind kind, const Vec3& axis, const 
 
 void addBall(const RowWriter& writer, const JointSim& joint, const Ahead& ahead) {
     const BallRows& ball = joint.ball;
-    const double h = writer.context().h;
+    const float h = writer.context().h, most = h * ball.spring.most;
     const float w = joint.block.mass.rest.xx + joint.block.mass.rest.yy + joint.block.mass.rest.zz;
-    if (ball.features == 0 || !(w > 0)) return;
+    const float easy = easiest(joint.block);
+    if (ball.features == 0 || !(easy > 0)) return;
     for (int k = 0; k < 3; ++k) {
         const SystemRow row = writer.angular(kAxes[k]);
-        RowAim moving, resting;
         if (ball.features & BallRows::kSpring) {
-            moving.push = resting.push = static_cast<float>(-h) * ball.springStiffness * ball.springError[k];
-            moving.upper = resting.upper = static_cast<float>(h) * ball.spring.most;
-            moving.lower = resting.lower = -moving.upper;
-            moving.drag = ball.springDrag[0], resting.drag = ball.springDrag[1];
-            writer.scalar(row, after(RowKind::ballSpring, k), 0, moving, resting, w, 0);
+            const float given = -h * ball.springStiffness * ball.springError[k];
+            writer.spring(row, after(RowKind::ballSpring, k), {ball.spring.tuning.at(easy), given, 0, most}, easy);
         }
         if (ball.features & BallRows::kDrives) {
             const BallDrives& drives = joint.drives;
-            moving.push = drives.push[0][k], resting.push = drives.push[1][k];
-            moving.upper = resting.upper = static_cast<float>(h) * ball.spring.most;
-            moving.lower = resting.lower = -moving.upper;
-            moving.drag = drives.drag[0][k], resting.drag = drives.drag[1][k];
-            writer.scalar(writer.angular(toDouble(columnOf(drives.basis, k))), after(RowKind::ballSpring, k), 0, moving,
-                          resting, w, 0);
+            writer.spring(writer.angular(toDouble(columnOf(drives.basis, k))), after(RowKind::ballSpring, k),
+                          {tunedDrive(drives, k, easy), drives.push[k], drives.speed[k], most}, easy);
         }
         if (writer.aims() == RowAims::closing) continue;
-        if (ball.features & BallRows::kViscous) {
-            moving = resting = {};
-            moving.drag = ball.viscousDrag[0], resting.drag = ball.viscousDrag[1];
-            writer.scalar(row, after(RowKind::ballViscous, k), 0, moving, resting, w, 0);
-        }
+        if (ball.features & BallRows::kViscous)
+            writer.spring(row, after(RowKind::ballViscous, k), {{0, ball.resistance.viscous}}, easy);
         if (ball.features & BallRows::kFriction) {
-            moving = resting = {};
+            RowAim moving, resting;
             moving.upper = ball.dry.boundOf(true), resting.upper = ball.dry.boundOf(false);
             moving.lower = -moving.upper, resting.lower = -resting.upper;
             writer.scalar(row, after(RowKind::ballFriction, k), ball.frictionImpulse[k], moving, resting, w, 0);

@@ -20,6 +20,7 @@ struct JointRowBuilder {
     SystemBody* bodies;
     bool begins;  ///< for the first time in the substep
     RowAims aims = RowAims::substep;
+    bool touches = false;  ///< contacts are solved beside; passes of springs then do not know each other
 
     void add(JointSim& joint, std::uint32_t index, std::int32_t a, std::int32_t b) const;
 };

@@ -1,5 +1,6 @@
 #include "direct/newton.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -15,6 +16,7 @@ constexpr int kMoreIterations = 40;    ///< of each stage where those do not suf
 constexpr int kLargeFactors = 6;       ///< in one step of a large island; it stays as it was
 constexpr double kMostProducts = 1e6;  ///< of blocks, in all factorizations of one step; some 0.1 s
 constexpr int kBudget = 160;           ///< Newton steps in one step of the world, after which softer systems answer
+constexpr int kSolveBudget = 20;       ///< of each solve so far, where substeps are many
 constexpr int kStages = 4;             ///< softer systems that lead to the one that was asked for
 constexpr double kStage = 16;          ///< resistance of a stage over that of the next
 constexpr int kSlipRounds = 4;         ///< of the De Saxcé loop, where no joints pull
@@ -140,13 +142,13 @@ enum class Approach { failed, softer, found };
 /// Loads far from the answer make a stiff system a hard one. Softer systems are easy, and the loads that each finds
 /// bring the next one near its answer. Where that is not found either, as where a wall lands that has lost its loads in
 /// the air, the softer system's holds: the substeps that follow harden it.
-Approach approach(Equations& equations, bool& factored, SolveReport& report) {
+Approach approach(Equations& equations, int budget, bool& factored, SolveReport& report) {
     double scale = 1;
     for (int stage = 0; stage < kStages; ++stage) scale *= kStage;
     equations.scaleResistance(scale);
     bool any = false, found = false;
     for (int stage = 0; stage <= kStages; ++stage) {
-        const bool mayTry = (found || !any) && !(stage == kStages && report.iterations > kBudget);
+        const bool mayTry = (found || !any) && !(stage == kStages && report.iterations > budget);
         factored = false;
         Residual residual;
         found = mayTry && minimize(equations, kMoreIterations, tuning::kResidual, factored, report, residual);
@@ -183,6 +185,7 @@ bool mayFactor(const Equations& equations, const SolveReport& report) {
 void solve(Equations& equations, bool startFromLoads, bool& factored, SolveReport& report) {
     double* v = equations.velocity.data();
     report.converged |= isLarge(equations);
+    const int budget = std::max(kBudget, kSolveBudget * ++report.solves);
     if (startFromLoads) {
         equations.velocityOfLoads(v);
         equations.loadsAt(v);
@@ -210,7 +213,7 @@ void solve(Equations& equations, bool startFromLoads, bool& factored, SolveRepor
                 found = minimize(equations, kIterations, tuning::kResidual, factored, report, residual);
         }
         Approach way = found ? Approach::found : Approach::failed;
-        if (!found && !isLarge(equations)) way = approach(equations, factored, report);
+        if (!found && !isLarge(equations)) way = approach(equations, budget, factored, report);
         if (way == Approach::softer) return;
         if (way == Approach::failed) {
             // Newton's steps descend, so that the velocity is sane; the impulses need not be. A large island goes on

@@ -6,6 +6,7 @@ namespace ragtop::direct {
 
 /// What solving took.
 struct SolveReport {
+    int solves = 0;
     int iterations = 0;  ///< Newton steps
     int factorizations = 0;
     double residual = 0;  ///< of the impulses, relative

@@ -277,7 +277,7 @@ static void solveSystem(const DirectView& d, DirectIsland& island, DirectPass pa
             }
             break;
         case DirectPass::velocities:
-            if (system.aimAtVelocities(arrays, d.context)) {
+            if (system.aimAtVelocities(arrays, d.context, d.jointContext)) {
                 direct::solve(system.equations(), false, island.factored, island.report);
                 if (isUnsolved(island)) {
                     fallBack(d, island, pass);

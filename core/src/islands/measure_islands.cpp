@@ -108,7 +108,9 @@ bool hangsFrom(const MeasureView& v, std::uint32_t body, std::uint32_t bearer, c
 bool isMechanism(direct::Reason reason) { return reason == direct::Reason::tree || reason == direct::Reason::loop; }
 
 /// Reasons that no choice outlives.
-bool onlyWhile(direct::Reason reason) { return reason == direct::Reason::deep || isMechanism(reason); }
+bool onlyWhile(direct::Reason reason) {
+    return reason == direct::Reason::deep || reason == direct::Reason::damped || isMechanism(reason);
+}
 
 /// What a support edge says of its island.
 void measureEdge(const MeasureView& v, const SupportEdge& edge, const Vec3& up) {
@@ -129,8 +131,10 @@ void measureEdge(const MeasureView& v, const SupportEdge& edge, const Vec3& up) 
         ++island.joints;
         island.bare &= isTreeJoint(v.tables.joints.sims[edge.constraint]);
         const JointSim& joint = v.tables.joints.sims[edge.constraint];
-        island.stiffness =
-            std::max(island.stiffness, stiffnessOf(joint, v.bodies.states.data(), v.bodies.inertias.data(), v.h));
+        const Hardness hardness = hardnessOf(joint, v.bodies.states.data(), v.bodies.inertias.data(), v.h);
+        Hardness& hardest = island.hardness;
+        hardest.stiffness = std::max(hardest.stiffness, hardness.stiffness);
+        hardest.braking = std::max(hardest.braking, hardness.braking);
         paths.heldLevel[edge.a] = paths.heldLevel[edge.b] = 1;
         island.hangs |= !movesA || !movesB;
     }

@@ -32,7 +32,7 @@ Watching watchingOf(const GuardView& view, const JointSim& sim) {
     const bool isPushed = (sim.ball.features & BallRows::kDrives) != 0 && sim.drives.feedForward != Vec3{};
     const bool hasLedger =
         (sim.axis.stop.stiffness > 0 || sim.ball.stop.stiffness > 0) &&
-        !(stiffnessOf(sim, view.bodies.states.data(), view.bodies.inertias.data(), view.context.h) > 1);
+        !(hardnessOf(sim, view.bodies.states.data(), view.bodies.inertias.data(), view.context.h).stiffness > 1);
     return isPushed || hasLedger ? Watching::garbage : watchingOf(sim.axis);
 }
 
