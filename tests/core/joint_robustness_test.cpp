@@ -12,7 +12,7 @@
 namespace ragtop::test {
 namespace {
 
-const Quat kAlongZ = rotationBetween({1, 0, 0}, {0, 0, 1});
+const Quat kFromXToZ = rotationBetween({1, 0, 0}, {0, 0, 1});
 
 /// Links of 1 kg and 0.2 m on the world, the last one of another mass.
 Rig chain(int count, float lastMass, bool level) {
@@ -321,7 +321,7 @@ TEST(Hinge, LimitsNearAHalfTurnDoNotFlip) {
         rig.gravity = {};
         rig.add({{}, {}, {}, {0, 0, speed}, 1, {0.1f, 0.1f, 0.1f}, 0});
         HingeDef def;
-        def.bodies = frames({}, {}, kAlongZ, kAlongZ);
+        def.bodies = frames({}, {}, kFromXToZ, kFromXToZ);
         def.limit = Range{-3.1f, 3.1f};
         rig.join(0, 1, def);
         for (int i = 0; i < 60; ++i) {
@@ -342,7 +342,7 @@ TEST(Hinge, AnglesCountTurns) {
         rig.gravity = {};
         rig.add({{}, {}, {}, {0, 0, end > 0 ? 5.0f : -5.0f}, 1, {0.1f, 0.1f, 0.1f}, 0});
         HingeDef def;
-        def.bodies = frames({}, {}, kAlongZ, kAlongZ);
+        def.bodies = frames({}, {}, kFromXToZ, kFromXToZ);
         def.limit = end > 0 ? Range{-1, end} : Range{end, 1};
         rig.join(0, 1, def);
         rig.run(0.95 * static_cast<double>(std::abs(end)) / 5);
@@ -357,7 +357,7 @@ TEST(Hinge, EqualLimitsWeld) {
     Rig rig;
     rig.add(box(1, {0.1f, 0.1f, 0.1f}, {0.1, 0, 0}));
     HingeDef def;
-    def.bodies = frames({}, {-0.1f, 0, 0}, kAlongZ, kAlongZ);
+    def.bodies = frames({}, {-0.1f, 0, 0}, kFromXToZ, kFromXToZ);
     def.limit = Range{0, 0};
     rig.join(0, 1, def);
     rig.run(2);
@@ -416,7 +416,7 @@ TEST(Joint, NewSettingsKeepTheImpulsesOfTheSameTypeOnly) {
     Rig rig;
     rig.add(box(3, {0.1f, 0.1f, 0.1f}, {0.4, 0, 0}));
     HingeDef hinge;
-    hinge.bodies = frames({}, {-0.4f, 0, 0}, kAlongZ, kAlongZ);
+    hinge.bodies = frames({}, {-0.4f, 0, 0}, kFromXToZ, kFromXToZ);
     hinge.spring = Spring{100, 10};
     rig.join(0, 1, hinge);
     rig.run(3);

@@ -8,7 +8,7 @@
 namespace ragtop::test {
 namespace {
 
-constexpr float kDegree = kPi / 180;
+constexpr float kRadPerDegree = kPi / 180;
 const Quat kTurnedToZ = rotationBetween({1, 0, 0}, {0, 0, 1});
 
 /// One body on a hinge along z through its centre of mass, without gravity: I θ'' = torque.
@@ -246,8 +246,8 @@ TEST(Hinge, LimitStopsAFallingRodWithoutOvershootOrRebound) {
         reached = reached || angle < stop + 1e-3;
     }
     ASSERT_TRUE(reached);
-    EXPECT_GT(lowest, stop - 0.1 * kDegree);
-    EXPECT_LT(highestAfter, stop + 0.05 * kDegree);
+    EXPECT_GT(lowest, stop - 0.1 * kRadPerDegree);
+    EXPECT_LT(highestAfter, stop + 0.05 * kRadPerDegree);
 }
 
 TEST(Ball, ConeAndTwistStopAThrownRod) {
@@ -265,7 +265,7 @@ TEST(Ball, ConeAndTwistStopAThrownRod) {
         rig.step();
         worst = std::max(worst, -static_cast<double>(rig.state().limitMargin));
     }
-    EXPECT_LT(worst, 0.5 * kDegree);
+    EXPECT_LT(worst, 0.5 * kRadPerDegree);
 }
 
 TEST(Distance, RodAndRopeKeepTheirLength) {
