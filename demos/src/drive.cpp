@@ -33,13 +33,12 @@ std::ofstream openFile(const std::string& path) {
     return file;
 }
 
-nlohmann::ordered_json rowOf(const Manoeuvre& manoeuvre, const VehicleDef& def, float hz, VehicleLevel level,
-                             const TrackValue& value) {
+nlohmann::ordered_json rowOf(const Manoeuvre& manoeuvre, const VehicleDef& def, float hz, const TrackValue& value) {
     nlohmann::ordered_json row;
     row["manoeuvre"] = manoeuvre.name;
     row["car"] = def.name;
     row["hz"] = hz;
-    row["level"] = static_cast<int>(level);
+    row["level"] = static_cast<int>(def.level);
     row["name"] = value.name;
     row["value"] = value.value;
     row["unit"] = value.unit;
@@ -67,7 +66,10 @@ void writeCsv(const std::string& path, const TrackRun& run) {
 }  // namespace
 
 bool drive(const DriveOptions& options) {
-    const VehicleDef def = loadVehicle(findCar(options.car));
+    const std::filesystem::path car = findCar(options.car);
+    VehicleDef def = loadVehicle(car);
+    if (options.level) def.level = static_cast<VehicleLevel>(*options.level);
+    if (const std::string wrong = whyInvalid(def); !wrong.empty()) throw AssetError(car.string() + ": " + wrong);
     std::vector<Manoeuvre> manoeuvres;
     if (options.manoeuvre == "all") {
         for (const std::string& name : shippedManoeuvres()) manoeuvres.push_back(loadManoeuvre(findManoeuvre(name)));
@@ -77,19 +79,18 @@ bool drive(const DriveOptions& options) {
     if (manoeuvres.empty()) throw AssetError((dataFolder() / "manoeuvres").string() + ": has no manoeuvres");
     auto rows = nlohmann::ordered_json::array();
     bool good = true;
-    const VehicleLevel level = options.level ? static_cast<VehicleLevel>(*options.level) : def.level;
     for (const Manoeuvre& manoeuvre : manoeuvres) {
-        if (level < manoeuvre.leastLevel) {
+        if (def.level < manoeuvre.leastLevel) {
             const std::string needs =
                 fmt::format("{:<18} is of level {} and above", manoeuvre.name, static_cast<int>(manoeuvre.leastLevel));
             if (options.manoeuvre != "all") throw AssetError(needs);
             fmt::print("----  {}\n", needs);
             continue;
         }
-        const TrackRun run = ragtop::drive(manoeuvre, def, {options.hz, options.seconds, options.friction, level});
+        const TrackRun run = ragtop::drive(manoeuvre, def, {options.hz, options.seconds, options.friction, def.level});
         for (const TrackValue& value : run.values) {
             print(manoeuvre, value);
-            rows.push_back(rowOf(manoeuvre, def, options.hz, level, value));
+            rows.push_back(rowOf(manoeuvre, def, options.hz, value));
             good = good && value.pass;
         }
         if (&manoeuvre != &manoeuvres.back()) continue;

@@ -17,8 +17,8 @@ constexpr int kLargeFactors = 6;       ///< in one step of a large island; it st
 constexpr double kMostProducts = 1e6;  ///< of blocks, in all factorizations of one step; some 0.1 s
 constexpr int kBudget = 160;           ///< Newton steps in one step of the world, after which softer systems answer
 constexpr int kSolveBudget = 20;       ///< of each solve so far, where substeps are many
-constexpr int kStages = 4;             ///< softer systems that lead to the one that was asked for
-constexpr double kStage = 16;          ///< resistance of a stage over that of the next
+constexpr int kRungs = 4, kJointedRungs = 2;      ///< softer systems that lead to the one that was asked for, by trial
+constexpr double kRung = 16, kJointedRung = 128;  ///< resistance of such a system over that of the next, by trial
 constexpr int kSlipRounds = 4;         ///< of the De Saxcé loop, where no joints pull
 constexpr int kRefining = 4;           ///< rounds of the method of multipliers of a large island
 constexpr double kRefined = 0.1;       ///< of the speeds that may be left alone, where those rounds end
@@ -141,28 +141,34 @@ enum class Approach { failed, softer, found };
 
 /// Loads far from the answer make a stiff system a hard one. Softer systems are easy, and the loads that each finds
 /// bring the next one near its answer. Where that is not found either, as where a wall lands that has lost its loads in
-/// the air, the softer system's holds: the substeps that follow harden it.
+/// the air, the softer system's holds where no joints pull: the substeps that follow harden it.
 Approach approach(Equations& equations, int budget, bool& factored, SolveReport& report) {
+    const bool jointed = equations.rows.size() > 0;
+    const int steps = jointed ? kJointedRungs : kRungs;
+    const double step = jointed ? kJointedRung : kRung;
     double scale = 1;
-    for (int stage = 0; stage < kStages; ++stage) scale *= kStage;
+    for (int i = 0; i < steps; ++i) scale *= step;
     equations.scaleResistance(scale);
     bool any = false, found = false;
-    for (int stage = 0; stage <= kStages; ++stage) {
-        const bool mayTry = (found || !any) && !(stage == kStages && report.iterations > budget);
+    for (int i = 0; i <= steps; ++i) {
+        const bool mayTry = jointed || ((found || !any) && (i < steps || report.iterations <= budget));
         factored = false;
         Residual residual;
         found = mayTry && minimize(equations, kMoreIterations, tuning::kResidual, factored, report, residual);
-        if (stage == kStages) break;
+        if (i == steps) break;
         if (found) {
             equations.takeLoads();
             for (std::size_t k = 0; k < equations.unknowns(); ++k) equations.scratch.trial[k] = equations.velocity[k];
         }
         any |= found;
-        equations.scaleResistance(1 / kStage);
+        equations.scaleResistance(1 / step);
     }
     factored = false;
-    if (!found && any) takeSofter(equations);
-    return found ? Approach::found : any ? Approach::softer : Approach::failed;
+    if (found) return Approach::found;
+    // Joints whose bodies have the speeds of softer contacts gain energy.
+    if (!any || jointed) return Approach::failed;
+    takeSofter(equations);
+    return Approach::softer;
 }
 
 /// One round of the method of multipliers leaves the speeds R (λ − λ̂). A large island, whose factor is dear, uses it
@@ -213,7 +219,8 @@ void solve(Equations& equations, bool startFromLoads, bool& factored, SolveRepor
                 found = minimize(equations, kIterations, tuning::kResidual, factored, report, residual);
         }
         Approach way = found ? Approach::found : Approach::failed;
-        if (!found && !isLarge(equations)) way = approach(equations, budget, factored, report);
+        const bool mayApproach = equations.rows.size() == 0 || report.iterations <= budget;
+        if (!found && !isLarge(equations) && mayApproach) way = approach(equations, budget, factored, report);
         if (way == Approach::softer) return;
         if (way == Approach::failed) {
             // Newton's steps descend, so that the velocity is sane; the impulses need not be. A large island goes on
