@@ -160,11 +160,17 @@ static void guessSlips(SystemPoint* points, const SystemContact& contact, const 
     }
 }
 
+/// What is fixed is state 0.
+static bool isOnKinematic(const SystemContact& c) {
+    return (c.a == kFixed && c.stateA != 0) || (c.b == kFixed && c.stateB != 0);
+}
+
 /// Long: it reads all fields of a lane.
 void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arrays) {
     const double resistance = parts.jointCount > 0 ? tuning::kJointedResistance : tuning::kContactResistance;
     equations_.contacts.clear();
     equations_.points.clear();
+    onKinematic_ = false;
     for (std::size_t i = 0; i < parts.contactCount; ++i) {
         SystemContact c;
         c.lane = parts.lanes[i];
@@ -212,6 +218,7 @@ void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arra
         c.near = tuning::kContactGap * c.size + c.rounded;
         SystemPoint* points = equations_.points.data() + c.first;
         setDrifts(c, arrays);
+        onKinematic_ |= isOnKinematic(c);
         shareFriction(points, c, vector(contact::kCenter), vector(contact::kFrictionImpulse),
                       field(c, contact::kTwistImpulse));
         guessSlips(points, c, stateA, stateB);
@@ -271,9 +278,9 @@ void IslandSystem::beginSubstep(const BodyArrays& arrays, const JointContext& jo
         store(v, free);
         store(w, free + 3);
     }
-    // What is kinematic may speed up within a step; what is fixed is state 0.
-    for (const SystemContact& c : equations_.contacts)
-        if ((c.a == kFixed && c.stateA != 0) || (c.b == kFixed && c.stateB != 0)) rests_ &= !setDrifts(c, arrays);
+    if (onKinematic_)  // which may speed up within a step
+        for (const SystemContact& c : equations_.contacts)
+            if (isOnKinematic(c)) rests_ &= !setDrifts(c, arrays);
     equations_.stopped = rests_;
     if (rests_) return;
     refreshMasses(arrays);

@@ -129,10 +129,11 @@ private:
     float& pointField(const SystemContact& contact, std::uint32_t point, int index) const;
 
     std::size_t stride_ = 1;
-    std::size_t lanes_ = 0;  ///< contacts that it was made from, those without points too
-    bool rests_ = false;     ///< nor will any body move in this substep
-    bool loops_ = false;                    ///< joints may pull against each other
-    int restedSubsteps_ = 0;                ///< of this step
+    std::size_t lanes_ = 0;     ///< contacts that it was made from, those without points too
+    bool onKinematic_ = false;  ///< some contact is
+    bool rests_ = false;        ///< nor will any body move in this substep
+    bool loops_ = false;        ///< joints may pull against each other
+    int restedSubsteps_ = 0;    ///< of this step
     Equations equations_;
     AlignedArray<std::uint32_t> states_;  ///< of the bodies
     AlignedArray<JointSim*> joints_;
