@@ -137,8 +137,10 @@ TireLine tireLine(const TireLaw& law, const Vec2& u) {
         const float q = secantOver(std::min(slidingShare(law, u), 1.0f));
         return {{}, {q * law.stiffness.x, q * law.stiffness.y}};
     }
-    constexpr float kLeast = 1e-4f, kFlattest = 1e-3f;
-    const auto apart = [](float slip) { return std::abs(slip) < kLeast ? (slip < 0 ? -kLeast : kLeast) : slip; };
+    constexpr float kLeastSlip = 1e-4f, kFlattest = 1e-3f;
+    const auto apart = [](float slip) {
+        return std::abs(slip) < kLeastSlip ? (slip < 0 ? -kLeastSlip : kLeastSlip) : slip;
+    };
     const Vec2 slip{u.x / law.relaxation, u.y / law.relaxation};
     const Vec2 tried{apart(slip.x), apart(slip.y)};
     const Vec2 force = forceOverLoad(law.slips, tried);
