@@ -39,18 +39,7 @@ TEST(VehicleLinkage, CarRestsWhereItsDefinitionHasIt) {
     }
 }
 
-TEST(VehicleLinkage, BrakedCarHoldsOnASlope) {
-    for (const double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120}) {
-        Road road(0.3f, awake());
-        Vehicle car(road.world, linkedCar());
-        road.world.setPose(car.chassis(), {DVec3{}, road.tilt});
-        car.input.brake = 1;
-        run(road.world, 5, dt);
-        const DVec3 before = road.world.pose(car.chassis()).position;
-        run(road.world, 20, dt);
-        EXPECT_LT(length(relative(road.world.pose(car.chassis()).position, before)), 1e-4f) << dt;
-    }
-}
+TEST(VehicleLinkage, BrakedCarHoldsOnASlope) { expectBrakesHoldOnASlope(linkedCar()); }
 
 /// Of the chassis and what turns; springs hold energy besides, so that it may come back, but never to more.
 TEST(VehicleLinkage, FallenCarNeverGainsEnergy) {

@@ -17,8 +17,8 @@ constexpr int kLargeFactors = 6;       ///< in one step of a large island; it st
 constexpr double kMostProducts = 1e6;  ///< of blocks, in all factorizations of one step; some 0.1 s
 constexpr int kBudget = 160;           ///< Newton steps in one step of the world, after which softer systems answer
 constexpr int kSolveBudget = 20;       ///< of each solve so far, where substeps are many
-constexpr int kRungs = 4, kJointedRungs = 2;      ///< softer systems that lead to the one that was asked for, by trial
-constexpr double kRung = 16, kJointedRung = 128;  ///< resistance of such a system over that of the next, by trial
+constexpr int kStages = 2;             ///< softer systems that lead to the one that was asked for
+constexpr double kStage = 128;         ///< resistance of a stage over that of the next
 constexpr int kSlipRounds = 4;         ///< of the De Saxcé loop, where no joints pull
 constexpr int kRefining = 4;           ///< rounds of the method of multipliers of a large island
 constexpr double kRefined = 0.1;       ///< of the speeds that may be left alone, where those rounds end
@@ -144,24 +144,22 @@ enum class Approach { failed, softer, found };
 /// the air, the softer system's holds where no joints pull: the substeps that follow harden it.
 Approach approach(Equations& equations, int budget, bool& factored, SolveReport& report) {
     const bool jointed = equations.rows.size() > 0;
-    const int steps = jointed ? kJointedRungs : kRungs;
-    const double step = jointed ? kJointedRung : kRung;
     double scale = 1;
-    for (int i = 0; i < steps; ++i) scale *= step;
+    for (int stage = 0; stage < kStages; ++stage) scale *= kStage;
     equations.scaleResistance(scale);
     bool any = false, found = false;
-    for (int i = 0; i <= steps; ++i) {
-        const bool mayTry = jointed || ((found || !any) && (i < steps || report.iterations <= budget));
+    for (int stage = 0; stage <= kStages; ++stage) {
+        const bool mayTry = jointed || ((found || !any) && (stage < kStages || report.iterations <= budget));
         factored = false;
         Residual residual;
         found = mayTry && minimize(equations, kMoreIterations, tuning::kResidual, factored, report, residual);
-        if (i == steps) break;
+        if (stage == kStages) break;
         if (found) {
             equations.takeLoads();
             for (std::size_t k = 0; k < equations.unknowns(); ++k) equations.scratch.trial[k] = equations.velocity[k];
         }
         any |= found;
-        equations.scaleResistance(1 / step);
+        equations.scaleResistance(1 / kStage);
     }
     factored = false;
     if (found) return Approach::found;
