@@ -90,6 +90,45 @@ TEST(VehicleKerb, IsClimbedAlikeAtAnyStep) {
     }
 }
 
+/// A step is no wall below nine tenths of a wheel's radius: its edge pushes the wheel up where a face as steep would
+/// stop it.
+TEST(VehicleKerb, IsClimbedAlikeWhereItIsNearlyAsHighAsTheHub) {
+    constexpr float kHeight = 0.25f;  // of wheels of 0.3 m
+    for (const float heading : {0.0f, 0.35f}) {
+        const float speed = 20 / 3.6f;
+        const Climb reference = climb(hatchback(), kHeight, speed, heading, 1000);
+        EXPECT_GT(reference.apex, kHeight);
+        EXPECT_LT(reference.deep, 0.005);
+        for (const double hz : {60.0, 120.0}) {
+            SCOPED_TRACE(std::to_string(heading) + " rad at " + std::to_string(hz) + " Hz");
+            const Climb found = climb(hatchback(), kHeight, speed, heading, hz);
+            EXPECT_NEAR(found.apex, reference.apex, 0.05 * reference.apex);
+            EXPECT_NEAR(found.load, reference.load, 0.05 * reference.load);
+            EXPECT_LT(found.deep, 0.005);
+        }
+    }
+}
+
+/// A wall taller than the wheels stops a car at any speed, whether its nose is up or down.
+TEST(VehicleKerb, IsAWallFromTheHeightOfTheHubOn) {
+    for (const float speed : {1.0f, 5.0f, 15.0f}) {
+        for (const float pitch : {-0.15f, 0.0f, 0.15f}) {
+            Road road(0, awake());
+            layKerb(road.world, 1.5f);
+            VehicleDef def = hatchback();
+            for (ChassisShape& part : def.chassis.shapes) part.frame.position.y += 2;  // the wheels alone meet it
+            Vehicle car(road.world, def, {.position = {0, 0.3, 5}, .speed = speed});
+            road.world.setPose(car.chassis(), {{0, 0.3, 5}, rotationAbout({1, 0, 0}, pitch)});
+            car.input.clutch = 1;
+            for (int i = 0; i < 240; ++i) {
+                road.world.step(kStep);
+                const Pose hub = car.telemetry().wheels[0].pose;
+                ASSERT_LT(hub.position.z, kAt - 0.27) << speed << " m/s, " << pitch << " rad, step " << i;
+            }
+        }
+    }
+}
+
 /// At an angle an edge comes up beside the middle of the tread at once.
 TEST(VehicleKerb, ThrowsACarAsHighAtAnAngle) {
     for (const float height : {0.05f, 0.1f, 0.15f}) {

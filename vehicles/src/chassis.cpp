@@ -14,8 +14,8 @@ namespace {
 Quat strutRotation(const WheelDef& wheel) { return rotationBetween({0, 1, 0}, normalized(wheel.suspension.axis)); }
 
 /// A wheel about its hub as what is beside, before and behind it meets it: round, its corners as far out of
-/// the circle as its sides are in it. A side looks ahead, so that it stands for what a wheel meets as a wall. In a
-/// frame whose y is the strut's axis.
+/// the circle as its sides are in it. A corner looks ahead, so that a wall meets it beside the hub, as long as the car
+/// leans by less than half of a side. In a frame whose y is the strut's axis.
 ConvexHull wheelHull(const WheelDef& wheel) {
     constexpr int kSides = 16;
     const float out = 2 / (1 + std::cos(kPi / kSides));
@@ -25,7 +25,7 @@ ConvexHull wheelHull(const WheelDef& wheel) {
     const Quat fromChassis = conjugate(strutRotation(wheel));
     std::vector<Vec3> points;
     for (int i = 0; i < kSides; ++i) {
-        const Vec3 spoke = rotate(rotationAbout({1, 0, 0}, kPi * static_cast<float>(2 * i + 1) / kSides), {0, 1, 0});
+        const Vec3 spoke = rotate(rotationAbout({1, 0, 0}, 2 * kPi * static_cast<float>(i) / kSides), {0, 1, 0});
         for (const float across : {-half, half})
             points.push_back(rotate(fromChassis, Vec3{across, 0, 0} + radius * spoke));
     }

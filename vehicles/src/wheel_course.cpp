@@ -11,9 +11,10 @@ namespace {
 
 constexpr float kSamePlane = 2e-3f;  ///< radii between planes that count as one, and rad between their normals
 constexpr float kSameTurn = 0.02f;
-constexpr float kFinest = 2.5e-4f;   ///< s, of a piece of the course of a wheel that is thrown
-constexpr float kSteepestClimb = 4;  ///< m risen per m travelled beyond which ground has come up by itself,
-constexpr float kCatchUp = 1;        ///< which is then climbed by so many m per m
+constexpr float kFinest = 2.5e-4f;  ///< s, of a piece of the course of a wheel that is thrown
+constexpr float kSteepestClimb =
+    20;                        ///< m risen per m travelled, as on no edge, beyond which ground comes up by itself
+constexpr float kCatchUp = 1;  ///< and is climbed by so many m per m
 
 struct Sample {
     GroundPlane plane;

@@ -1,5 +1,6 @@
 #include "wheel_ground.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "ragtop/world.h"
@@ -7,10 +8,18 @@
 namespace ragtop {
 namespace {
 
+/// Cosines to the axis below which ground is a wall: of what an edge has for a normal in the plane of the wheel, which
+/// climbs what is nine tenths of its radius high, and of a face: a corner of the wheel's hull is that far from ahead.
+constexpr float kSteepestEdge = 0.1f, kSteepestFace = 0.19f;
+
 /// What is around the start of the path has no normal there: the wheel is beside it or in it, not above.
 bool isGround(const Hit& hit, const WheelPath& path) {
-    return hit && hit.fraction > 0 && dot(hit.normal, path.axis) > kSteepest;
+    const float across = dot(hit.normal, path.axle), inPlane = std::sqrt(std::max(1 - across * across, 0.0f));
+    return hit && hit.fraction > 0 && dot(hit.normal, path.axis) > kSteepestEdge * inPlane;
 }
+
+/// Is that a wall, where it is a face?
+bool isWall(const Hit& hit, const WheelPath& path) { return !(dot(hit.normal, path.axis) > kSteepestFace); }
 
 /// A cast of a ball ends within its tolerance, which a stiff tire feels: where the ball lies on a face, a ray tells
 /// where that is.
@@ -25,11 +34,11 @@ bool lieOnFace(const World& world, const QueryFilter& filter, const WheelPath& p
 }
 
 /// Does the wheel lie as the ball does? Beyond the tread the shoulder of the tire passes by, and what the side meets is
-/// none of this.
+/// none of this. Of what is as steep as a wall circles tell whether it is one, or an edge.
 bool liesAsWheel(const World& world, const QueryFilter& filter, const WheelPath& path, Hit& hit) {
     constexpr float kMostDeeper = 2e-3f;  // of the radius, by which a rim may be deeper than the ball
     const float beside = dot(relative(hit.point, path.start) - hit.fraction * path.translation, path.axle);
-    if (!(std::abs(beside) <= kTread * path.halfWidth)) return false;
+    if (!(std::abs(beside) <= kTread * path.halfWidth) || isWall(hit, path)) return false;
     const float deeper = std::abs(dot(hit.normal, path.axle)) * kTread * path.halfWidth;
     return lieOnFace(world, filter, path, hit) || deeper < kMostDeeper * path.radius;
 }
@@ -50,7 +59,7 @@ struct Highest {
 void offerFloor(const World& world, const QueryFilter& filter, const WheelPath& path, float aside, Highest& highest) {
     const Vec3 reach = path.translation - path.radius * path.axis;
     const Hit hit = world.castRay({path.start + aside * path.axle, reach}, filter);
-    if (!isGround(hit, path)) return;
+    if (!isGround(hit, path) || isWall(hit, path)) return;
     const std::optional<Vec3> lowest = lowestPoint(hit.normal, path.axle, path.radius);
     if (!lowest) return;
     highest.offer(hit, dot(relative(hit.point, path.start) - *lowest, hit.normal) / dot(path.axis, hit.normal));

@@ -11,8 +11,9 @@ namespace ragtop {
 class World;
 struct Filter;
 
-/// Cosine between strut and normal beyond which a surface is a wall to a wheel.
-inline constexpr float kSteepest = 0.2f;
+/// Cosine between strut and normal beyond which nothing holds up a wheel. Which ground is a wall to one is
+/// findGround's.
+inline constexpr float kSteepest = 0.02f;
 /// Of half of a wheel's width: its tread, beyond which the shoulder of the tire passes by.
 inline constexpr float kTread = 0.8f;
 /// m/s at which a wheel comes out of ground that it has not come into.

@@ -27,8 +27,8 @@ struct ShapeDef {
     Filter filter{};
     bool sensor = false;         ///< reports overlaps and has no contacts
     bool reportsMotion = false;  ///< emits impact, slide and roll events (sound, skid marks)
-    /// Gives way along y of its frame, as a wheel on its strut: contacts that would push it that way, with more than a
-    /// fifth of their direction, are left to who moves it with World::setFrame.
+    /// Gives way along y of its frame, as a wheel whose axle is x on its strut: contacts that are 6 degrees and more below
+    /// its middle, seen from there, are left to who moves it with World::setFrame, but for pushes along x.
     bool givesWay = false;
     std::uint64_t userData = 0;  ///< the caller's
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "broadphase/broadphase.h"
@@ -10,10 +11,19 @@ namespace ragtop {
 
 namespace {
 
-/// Does a manifold push a shape along the way that it gives? `wayOfB` is B's in A's frame.
-bool isAlongWay(const Manifold& manifold, bool aGives, bool bGives, const Vec3& wayOfB) {
-    constexpr float kAlong = 0.2f;  // cosine to its way, of what counts as along it
-    return (aGives && -manifold.normal.y > kAlong) || (bGives && dot(manifold.normal, wayOfB) > kAlong);
+constexpr float kAlong = 0.1f;  ///< sine below the middle of a shape, seen from it, of what it goes over along its way
+constexpr float kSide = 0.9f;   ///< cosine to the axle of a push on the side
+
+/// Does a contact push a round shape along its way? It does where all of it is below the middle, whatever side of the
+/// shape's hull it meets, and however deep: a push along the axle meets the side of a wheel. `pushed` is its direction
+/// and `toShape` takes its places to the frame of the shape.
+template <class ToShape>
+bool isAlongWay(const Manifold& manifold, const Vec3& pushed, ToShape&& toShape) {
+    if (manifold.pointCount == 0 || !(std::abs(pushed.x) < kSide)) return false;
+    return std::ranges::all_of(manifold.all(), [&](const ManifoldPoint& point) {
+        const Vec3 place = toShape(point.position);
+        return -place.y > kAlong * std::sqrt(place.y * place.y + place.z * place.z);
+    });
 }
 
 /// Of how far a shape reaches from its middle along its way: a step that it goes over, as a tire does over what it is
@@ -105,10 +115,13 @@ int keepUnyielding(const Shapes& shapes, const ContactRecord& record, const Fram
     const ShapeRecord &a = shapes[record.shapeA], &b = shapes[record.shapeB];
     const int count = static_cast<int>(found.size());
     if (!a.givesWay && !b.givesWay) return count;
-    const Vec3 wayOfB = rotate(bInA.rotation, {0, 1, 0});
     int kept = 0;
-    for (const Manifold& manifold : found)
-        if (!isAlongWay(manifold, a.givesWay, b.givesWay, wayOfB)) found[static_cast<std::size_t>(kept++)] = manifold;
+    for (const Manifold& manifold : found) {
+        const bool yields = (a.givesWay && isAlongWay(manifold, manifold.normal, [](const Vec3& at) { return at; })) ||
+                            (b.givesWay && isAlongWay(manifold, inverseRotate(bInA.rotation, manifold.normal),
+                                                      [&](const Vec3& at) { return inverseTransformPoint(bInA, at); }));
+        if (!yields) found[static_cast<std::size_t>(kept++)] = manifold;
+    }
     if (kept > 0 && (goesOver(shapes, b, a, bInA) || goesOver(shapes, a, b, inverse(bInA)))) kept = 0;
     if (kept == 0 && count > 0) found[0].gap = 0;
     return kept;
