@@ -103,6 +103,30 @@ TEST(Strut, OnATireMeetsAKerbWithTheTiresForce) {
     EXPECT_LT(visit.way, speed * h);
 }
 
+/// Springs and stops hold the work that compresses them, from the droop stop to the metal, and tires on their rims.
+TEST(Strut, HoldsTheWorkThatIsDoneOnIt) {
+    SuspensionDef def;
+    def.bumpStopProgression = 2;
+    def.droopStopStiffness = 5;
+    def.droopStopProgression = 1;
+    const StrutSpec strut = strutOf(def, 3000, 9.81f, 200000);
+    constexpr int kParts = 20000;
+    const float from = strut.travelLeast, to = 1.2f * strut.travelMost, each = (to - from) / kParts;
+    double work = 0;
+    for (int i = 0; i < kParts; ++i)
+        work += static_cast<double>(each * springForce(strut, from + (static_cast<float>(i) + 0.5f) * each));
+    EXPECT_NEAR((springEnergy(strut, to) - springEnergy(strut, from)) / work, 1, 1e-4);
+
+    double squashing = 0;
+    float squash = 0;
+    for (float load = 10; squash < 2 * strut.rimSquash; load += 20) {
+        const float next = squashUnder(strut, load + 10);
+        squashing += static_cast<double>(load * (next - squash));
+        squash = next;
+    }
+    EXPECT_NEAR(squashEnergy(strut, squash) / squashing, 1, 1e-4);
+}
+
 TEST(Strut, LetsAWheelInTheAirFallToItsDroopStop) {
     const StrutSpec strut = strutOf({}, 3000, 9.81f);
     float compression = 0.05f;

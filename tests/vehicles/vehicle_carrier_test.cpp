@@ -41,7 +41,7 @@ struct WholeCar {
             energy += 0.5 * static_cast<double>(own.mass * dot(v, v) + dot(w, own.inertia * w)) +
                       m * 9.81 * world.centerOfMass(body).y;
         }
-        energy += car.telemetry().energy.rotating;
+        energy += car.telemetry().energy.rotating + car.telemetry().energy.elastic;
     }
 };
 
@@ -171,7 +171,6 @@ TEST(LinkageBodies, FallenCarNeverGainsEnergy) {
             Vehicle car(road.world, atLevel(VehicleLevel::linkages, def), {.position = {0, 1.5, 0}, .speed = 6});
             road.world.setPose(car.chassis(), {DVec3{0, 1.5, 0}, rotationAbout({0, 0, 1}, lean)});
             car.input.clutch = 1;
-            road.world.step(dt);
             const double first = WholeCar(road.world, car).energy;
             double most = first;
             for (int i = 0; i < static_cast<int>(std::lround(5 / dt)); ++i) {
@@ -305,6 +304,38 @@ TEST(LinkageBodies, GoWithAChassisThatIsPutElsewhere) {
     run(world, 1);
     EXPECT_GT(drive.car.telemetry().speed, 7);
     EXPECT_LT(widestGap(world), 1e-5);
+}
+
+/// A car that is set going in the air has all of its mass's momentum, at any level, and keeps its velocity; a bad
+/// number changes nothing.
+TEST(LinkageBodies, GetTheVelocityOfTheirCar) {
+    for (const VehicleLevel level : {VehicleLevel::full, VehicleLevel::linkages}) {
+        LinkedDrive drive(linkageKinds()[0], level, {.clutch = 1}, 0);
+        World& world = drive.road.world;
+        run(world, 1);
+        world.setPose(drive.car.chassis(), {DVec3{0, 20, 0}, {}});
+        world.step(kStep);
+        const Vec3 velocity{3, 0, 12}, turning{0.1f, 0.3f, -0.2f};
+        drive.car.setVelocity(velocity, turning);
+        const auto meanVelocity = [&] {
+            const WholeCar car(world, drive.car);
+            return toVec3((1 / car.mass) * car.momentum);
+        };
+        // Of a tenth of the mass, that hangs up to 0.1 m lower than where the car stands, at 0.37 rad/s.
+        constexpr float kHanging = 0.1f * 0.1f * 0.37f;
+        EXPECT_LT(length(meanVelocity() - velocity), kHanging);
+        for (const BodyId body : world.bodies()) {
+            if (world.type(body) == BodyType::fixed) continue;
+            EXPECT_EQ(world.angularVelocity(body), turning);
+        }
+        world.step(kStep);
+        const Vec3 fall{0, -kGravity * static_cast<float>(kStep), 0};
+        constexpr float kDrag = 1e-3f;  // m/s in a step
+        EXPECT_LT(length(meanVelocity() - velocity - fall), kHanging + kDrag);
+        const Vec3 before = world.linearVelocity(drive.car.chassis());
+        EXPECT_THROW(drive.car.setVelocity({NAN, 0, 0}, {}), std::invalid_argument);
+        EXPECT_EQ(world.linearVelocity(drive.car.chassis()), before);
+    }
 }
 
 TEST(LinkageBodies, TakeOtherHardpointsAsTheyDrive) {

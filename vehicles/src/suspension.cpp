@@ -111,6 +111,33 @@ float squashUnder(const StrutSpec& strut, float load) {
 
 namespace {
 
+double square(double x) { return x * x; }
+
+/// ∫ k s (1 + p s/2) ds
+double stopEnergy(const StopSpec& stop, double s) {
+    if (!(s > 0)) return 0;
+    return static_cast<double>(stop.stiffness) * s * s * (0.5 + static_cast<double>(stop.progression) * s / 6);
+}
+
+}  // namespace
+
+double springEnergy(const StrutSpec& strut, float compression) {
+    const auto stiffness = static_cast<double>(strut.stiffness);
+    return 0.5 * square(static_cast<double>(strut.load + strut.stiffness * compression)) / stiffness +
+           stopEnergy(strut.bump, static_cast<double>(compression - strut.travelUp)) +
+           stopEnergy(strut.droop, static_cast<double>(-strut.travelDown - compression)) +
+           0.5 * static_cast<double>(strut.solidStiffness) *
+               square(static_cast<double>(std::max(compression - strut.travelMost, 0.0f)));
+}
+
+double squashEnergy(const StrutSpec& strut, float squash) {
+    const double rim = square(static_cast<double>(std::max(squash - strut.rimSquash, 0.0f)));
+    return 0.5 * static_cast<double>(strut.tireStiffness) *
+           (square(static_cast<double>(squash)) + static_cast<double>(kRimStiffness) * rim);
+}
+
+namespace {
+
 constexpr float kHeld = std::numeric_limits<float>::infinity();  ///< N/m, of a strut at its droop stop
 
 /// F = force + stiffness w, of a way w in a substep.

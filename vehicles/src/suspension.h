@@ -52,6 +52,12 @@ float damperForce(const StrutSpec& strut, float speed);
 /// m by which a tire is squashed under a load.
 float squashUnder(const StrutSpec& strut, float load);
 
+/// J that spring and stops hold at a compression, more than the spring does where it bears nothing.
+double springEnergy(const StrutSpec& strut, float compression);
+
+/// J that a tire holds that is squashed by so many m.
+double squashEnergy(const StrutSpec& strut, float squash);
+
 /// Loads of wheels at `positions` (relative to the centre of mass) that carry `weight` in balance on level ground,
 /// the smallest such in the sense of least squares. Empty when there is no such set: wheels in a line.
 std::vector<float> staticLoads(const std::vector<Vec3>& positions, float weight);

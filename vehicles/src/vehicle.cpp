@@ -232,6 +232,17 @@ void VehicleSim::place(const VehiclePlacement& placement) {
     stale = true;
 }
 
+void VehicleSim::setVelocity(const Vec3& linear, const Vec3& angular) {
+    const DVec3 center = transformPoint(world->pose(chassis), carMass.center);
+    const auto give = [&](BodyId body) {
+        world->setVelocity(body, linear + cross(angular, relative(world->centerOfMass(body), center)), angular);
+    };
+    give(chassis);
+    if (hasCarriers())
+        for (const Carrier& carrier : carriers) give(carrier.body);
+    stale = true;
+}
+
 Vehicle::Vehicle(World& world, const VehicleDef& def, const VehiclePlacement& placement)
     : sim_(std::make_unique<VehicleSim>(world, def, placement)), input(sim_->input) {}
 
@@ -250,6 +261,7 @@ const VehicleDef& Vehicle::def() const { return sim_->def; }
 void Vehicle::setDef(const VehicleDef& def) { sim_->setDef(def); }
 void Vehicle::setLevel(VehicleLevel level) { sim_->setLevel(level); }
 void Vehicle::place(const VehiclePlacement& placement) { sim_->place(placement); }
+void Vehicle::setVelocity(const Vec3& linear, const Vec3& angular) { sim_->setVelocity(linear, angular); }
 const VehicleTelemetry& Vehicle::telemetry() const { return sim_->tell(); }
 std::span<const float> Vehicle::staticLoads() const { return sim_->loadsAtRest; }
 

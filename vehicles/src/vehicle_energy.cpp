@@ -38,11 +38,26 @@ void VehicleSim::countBody(const PointBody& before, const PointBody& after, cons
     lost.slip -= workOf(turned, before.w, after.w);
 }
 
+/// What springs, bars and tires would give back.
+double VehicleSim::elasticEnergy() const {
+    if (def.level == VehicleLevel::bicycle) return 0;
+    double sum = 0;
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+        const StrutSpec& strut = specs[i].strut;
+        const auto apart = static_cast<double>(wheels[i].compression - wheels[specs[i].barPartner].compression);
+        sum += springEnergy(strut, wheels[i].compression) + squashEnergy(strut, squashUnder(strut, wheels[i].load));
+        // Each end of a bar has a half of it.
+        sum += 0.25 * static_cast<double>(specs[i].barStiffness) * apart * apart;
+    }
+    return sum;
+}
+
 void VehicleSim::tellEnergy() {
     const DriveWork& work = drivetrain.work;
     telemetry.energy = {
-        work.engine,  work.clutch, work.gears,  work.differentials, work.brakes,
-        work.rolling, lost.slip,   lost.struts, lost.air,           drivetrain.rotatingEnergy(def.engine)};
+        work.engine,    work.clutch, work.gears,  work.differentials, work.brakes,
+        work.rolling,   lost.slip,   lost.struts, lost.air,           drivetrain.rotatingEnergy(def.engine),
+        elasticEnergy()};
 }
 
 }  // namespace ragtop

@@ -128,6 +128,7 @@ struct VehicleSim {
     void setDef(const VehicleDef& next);
     void setLevel(VehicleLevel level);
     void place(const VehiclePlacement& placement);
+    void setVelocity(const Vec3& linear, const Vec3& angular);
 
     void beforeStep(double dt);
     std::span<const BodyId> look(double dt);
@@ -292,6 +293,7 @@ private:
     Vec3 patchSpeed(std::size_t i, const PointBody& body) const;
     void countPatch(std::size_t i, const PointBody& body, float hubSpeed, float otherSpeed);
     void countBody(const PointBody& before, const PointBody& after, const CarImpulse& air, const Vec3& turned);
+    double elasticEnergy() const;
     void tellEnergy();
     bool holds(const Vec3& linear, const Vec3& angular) const;
     void forgetMotion();

@@ -87,6 +87,7 @@ struct EnergyTelemetry {
     double struts = 0;                                ///< into dampers, springs and squashed tires
     double air = 0;                                   ///< lost
     double rotating = 0;                              ///< of engine and wheels about their axles, now
+    double elastic = 0;                               ///< of springs, stops, bars and squashed tires, now
 };
 
 /// What the car does, at the end of the last step.
@@ -139,6 +140,10 @@ public:
     void setLevel(VehicleLevel level);
     /// Puts the car somewhere, upright, as if it had been made there; the input stays. Throws std::invalid_argument.
     void place(const VehiclePlacement& placement);
+    /// Sets how the whole car moves, as one body: the velocity of its centre of mass, m/s, and its angular velocity,
+    /// rad/s, in the world; wheels go on turning as they do. World::setVelocity of the chassis leaves alone what
+    /// carries wheels at VehicleLevel::linkages, and joints then share its momentum. Throws as that does.
+    void setVelocity(const Vec3& linear, const Vec3& angular);
     /// Of now; what it returned before is brought up to date by the next call. Costs nothing where nobody asks.
     const VehicleTelemetry& telemetry() const;
     /// Loads on the wheels of the car that stands on level ground, N.
