@@ -151,7 +151,8 @@ private:
         put(TrackChannel::distance, distance_);
         put(TrackChannel::drift, static_cast<double>(length(relative(pose.position, from_))));
         put(TrackChannel::height, pose.position.y - from_.y);
-        put(TrackChannel::energy, world_.energy());
+        const double trailing = trailer_ ? trailer_->telemetry().energy.elastic : 0;
+        put(TrackChannel::energy, world_.energy() + seen.energy.elastic + trailing);
         put(TrackChannel::yawRate, static_cast<double>(yawRate()));
         put(TrackChannel::lateralAcceleration, static_cast<double>(yawRate() * seen.speed));
         put(TrackChannel::wheelAngle, steered > 0 ? angle / steered : 0);

@@ -81,9 +81,14 @@ void layTrack(World& world, const TrackGround& ground, std::optional<float> fric
     const Layer lay{world, trackTilt(ground)};
     const Material left{.friction = friction.value_or(ground.friction)};
     const Material right{.friction = ground.rightFriction.value_or(left.friction)};
-    layPlane(lay, ground, 1, left);
-    layPlane(lay, ground, -1, right);
     const float half = 0.5f * kHalfTrack;
+    if (ground.rightFriction || ground.tiles) {
+        layPlane(lay, ground, 1, left);
+        layPlane(lay, ground, -1, right);
+    } else {
+        // Of one piece, whose middle is where cars start: places in a shape are single precision.
+        lay({kHalfTrack, 1, kHalfTrack}, {0, -1, 0}, left);
+    }
     if (ground.kerb) {
         const float height = 0.5f * ground.kerb->height;
         lay({half, height, half}, {0, height, ground.kerb->at + half}, left);

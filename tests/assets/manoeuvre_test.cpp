@@ -127,5 +127,15 @@ TEST(Manoeuvre, TheHatchbackPassesTheShippedOnes) {
     }
 }
 
+/// Wheels that are bodies take from the springs what throws them down, and lie still with their car.
+TEST(Manoeuvre, ACarOnCarriersFallsAndLiesAsTheyAsk) {
+    const VehicleDef car = loadVehicle(dataFolder() / "vehicles" / "hatchback_linkages.car.json");
+    for (const char* name : {"drop", "side"})
+        for (const float hz : {30.0f, 60.0f, 120.0f})
+            for (const TrackValue& value :
+                 drive(loadManoeuvre(findManoeuvre(name)), car, {.hz = hz, .level = VehicleLevel::linkages}).values)
+                EXPECT_TRUE(value.pass) << name << ": " << value.name << " " << value.value << " at " << hz << " Hz";
+}
+
 }  // namespace
 }  // namespace ragtop

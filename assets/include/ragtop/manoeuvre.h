@@ -92,13 +92,13 @@ struct TrackCruise {
 
 /// What is known of a car at the end of each step.
 enum class TrackChannel : unsigned char {
-    time,      ///< s
-    speed,     ///< m/s, forward
-    distance,  ///< m travelled, along the ground
-    drift,     ///< m from the place at the first step
-    height,    ///< m of the origin above where it started
-    energy,    ///< J, kinetic and potential of the body; potential 0 where its centre is on the ground at z = 0
-    yawRate,   ///< rad/s, to the left
+    time,                 ///< s
+    speed,                ///< m/s, forward
+    distance,             ///< m travelled, along the ground
+    drift,                ///< m from the place at the first step
+    height,               ///< m of the origin above where it started
+    energy,               ///< J, kinetic and potential of bodies, and of springs and tires; potential 0 at y = 0
+    yawRate,              ///< rad/s, to the left
     lateralAcceleration,  ///< m/s², speed times yaw rate
     wheelAngle,           ///< rad, mean of the steered wheels
     load,                 ///< N, of all wheels
