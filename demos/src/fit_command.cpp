@@ -54,10 +54,11 @@ std::string asJson(const FitCommand& command, const Fitted& result) {
     return fmt::format(
         "{{\n    \"asset\": {},\n    \"triangles\": {},\n    \"taken\": {},\n    \"simplified\": {},\n    \"error\": "
         "{},\n"
-        "    \"volume\": {},\n    \"solidVolume\": {},\n    \"within\": {},\n{}\n}}\n",
+        "    \"volume\": {},\n    \"solidVolume\": {},\n    \"within\": {},\n    \"fewestPieces\": {},\n{}\n}}\n",
         jsonString(command.asset), result.triangles, result.taken, jsonNumber(result.simplified),
         jsonNumber(result.pieces.error), jsonNumber(result.pieces.volume), jsonNumber(result.pieces.solidVolume),
-        result.pieces.isWithin(command.limits), jsonList("pieces", result.pieces.pieces, vertexList));
+        result.pieces.isWithin(command.limits), result.pieces.fewestPieces,
+        jsonList("pieces", result.pieces.pieces, vertexList));
 }
 
 std::string asText(const FitCommand& command, const Fitted& result) {
@@ -70,7 +71,11 @@ std::string asText(const FitCommand& command, const Fitted& result) {
     text += fmt::format(
         "  farthest air {:.3g} m (at most {:.3g}), volume {:.4f} times the solid's {:.4g} m3 (at most {:g})\n", d.error,
         command.limits.maxError, d.volume / d.solidVolume, d.solidVolume, command.limits.maxVolume);
-    if (!d.isWithin(command.limits)) text += fmt::format("  {} pieces do not suffice\n", command.limits.maxPieces);
+    if (d.fewestPieces > command.limits.maxPieces)
+        text += fmt::format("  no {} pieces keep to the error\n", command.limits.maxPieces);
+    else if (!d.isWithin(command.limits))
+        text += fmt::format("  {} pieces do not suffice, {} do not in any way\n", command.limits.maxPieces,
+                            d.fewestPieces - 1);
     return text;
 }
 

@@ -12,7 +12,7 @@ namespace ragtop {
 /// When a decomposition is good enough, and what it may take.
 struct DecompositionOptions {
     int maxPieces = 16;       ///< hulls
-    int maxVertices = 64;     ///< of each hull
+    int maxVertices = 128;    ///< of each hull; half as many where these do
     float maxError = 0.005f;  ///< m, from the solid to the farthest air in a hull
     float maxVolume = 1.1f;   ///< of the hulls together, over that of the solid
 };
@@ -20,7 +20,8 @@ struct DecompositionOptions {
 template <class Visitor, class Self>
 void describe(Visitor& visit, Self& self, const DecompositionOptions*) {
     visit(Tunable{"maxPieces", "", 1, 256, "most hulls"}, self.maxPieces);
-    visit(Tunable{"maxVertices", "", 8, 128, "most vertices of each hull"}, self.maxVertices);
+    visit(Tunable{"maxVertices", "", 8, 128, "most vertices of each hull; half as many where these do"},
+          self.maxVertices);
     visit(Tunable{"maxError", "m", 1e-6, 1e5, "from the solid to the farthest air in a hull"}, self.maxError);
     visit(Tunable{"maxVolume", "1", 1.001, 1e6, "of the hulls together, over that of the solid"}, self.maxVolume);
 }
@@ -31,6 +32,7 @@ struct Decomposition {
     float error = 0;        ///< m, from the solid to the farthest air in a piece, of 3,000 rays from the solid
     float volume = 0;       ///< m³, of the pieces together
     float solidVolume = 0;  ///< m³
+    int fewestPieces = 1;   ///< no fewer keep to `maxError`, whatever their shape; counted to one above `maxPieces`
     bool isWithin(const DecompositionOptions& options) const {
         return error <= options.maxError && volume <= options.maxVolume * solidVolume;
     }

@@ -42,6 +42,9 @@ Air::Air(const CutSolid& solid) : surface_(solid.vertices, solid.triangles) {
 
 void Air::add(const DVec3& from, const DVec3& direction) {
     Ray ray{from, direction};
+    // Tilted, since rays from middles of triangles meet edges of those that lie alike.
+    const DVec3 tilted = direction + DVec3{0.0137, -0.0071, 0.0113};
+    if (surface_.winding(from, tilted, kSkip) > 0) return;  // begins inside of another part
     ray.length = surface_.freePath(from, direction, kSkip, kFar);
     ray.open = ray.length >= kFar;
     rays_.push_back(ray);
@@ -67,6 +70,56 @@ double Air::depthIn(const PointHull& hull, double enough) const {
         if (deepest > enough) break;
     }
     return deepest;
+}
+
+bool Air::leadsThroughAir(const Ray& from, const DVec3& to, double error, int& effort) const {
+    const double far = length(to - from.from);
+    if (!(far > 2 * error)) return false;
+    const DVec3 way = (1 / far) * (to - from.from);
+    constexpr double kOutwards = 1e-3;  // sine of the angle from the surface: what runs along it sees no air
+    if (dot(way, from.direction) < kOutwards) return false;
+    const double path = surface_.freePath(from.from, way, kSkip, far);
+    constexpr double kStep = 0.3;  // of the error, where it is nearly reached
+    for (double at = error; at < path && effort > 0; --effort) {
+        const double distance = surface_.distance(from.from + at * way, 2 * error);
+        if (distance > error) return true;
+        at += std::max(error - distance, kStep * error);
+    }
+    --effort;
+    return false;
+}
+
+/// Beginning with a point, and always next to the one before: so that many find room.
+std::size_t Air::countApart(std::vector<const Ray*> rest, const Ray& first, double error, std::size_t most,
+                            int& effort) const {
+    const Ray* last = &first;
+    std::size_t count = 1;
+    for (; count <= most; ++count) {
+        std::erase_if(rest, [&](const Ray* other) {
+            return !leadsThroughAir(*last, other->from, error, effort) &&
+                   !leadsThroughAir(*other, last->from, error, effort);
+        });
+        if (rest.empty()) break;
+        const auto far = [&](const Ray* r) { return dot(r->from - last->from, r->from - last->from); };
+        last = *std::min_element(rest.begin(), rest.end(), [&](const Ray* a, const Ray* b) { return far(a) < far(b); });
+    }
+    return count;
+}
+
+std::size_t Air::fewestPieces(double error, std::size_t most) const {
+    constexpr std::size_t kPoints = 300, kStarts = 10;
+    constexpr double kGolden = 0.6180339887498949;  // its multiples are spread evenly
+    std::vector<const Ray*> all;
+    for (std::size_t k = 0; k < std::min(kPoints, rays_.size()); ++k) {
+        const double turns = kGolden * static_cast<double>(k);
+        all.push_back(
+            &rays_[static_cast<std::size_t>((turns - std::floor(turns)) * static_cast<double>(rays_.size()))]);
+    }
+    int effort = 20000;  // distances, of which each takes microseconds: afterwards no two points are apart
+    std::size_t best = 1;
+    for (std::size_t start = 0; start < std::min(kStarts, all.size()) && best <= most; ++start)
+        best = std::max(best, countApart(all, *all[start], error, most, effort));
+    return best;
 }
 
 }  // namespace ragtop

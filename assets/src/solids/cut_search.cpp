@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "ragtop/tunables.h"
+#include "solids/few_corners.h"
 #include "solids/run_tasks.h"
 
 namespace ragtop {
@@ -11,19 +12,22 @@ namespace {
 constexpr double kNoVolume = 1e-9;
 
 /// The hulls of the parts together, beyond their volume; infinite where there is none.
-double airOf(const Remainder& part) {
-    double hulls = 0;
-    for (const std::vector<DVec3>& corners : part.corners) hulls += hullVolume(corners);
-    return hulls < kNoVolume ? kUnbounded : std::max(0.0, hulls - part.volume);
+double airOf(const Remainder& part, std::size_t most) {
+    double hulls = 0, more = 0;
+    for (const std::vector<DVec3>& corners : part.corners) {
+        const HullSize size = hullSize(corners);
+        hulls += size.volume, more += airOfFewCorners(size.volume, size.corners, most);
+    }
+    return hulls < kNoVolume ? kUnbounded : std::max(0.0, hulls - part.volume) + more;
 }
 
 /// Air in the hulls of what a cut leaves, weighed: of cuts that remove as much of it, those go on better that are even,
 /// end in many corners, or are small.
-double cost(const CutSolid& solid, const std::vector<ConcaveEdge>& concave, const DPlane& plane) {
+double cost(const CutSolid& solid, const std::vector<ConcaveEdge>& concave, const DPlane& plane, std::size_t most) {
     constexpr double kUneven = 0.3, kConcave = 0.6, kArea = 0.2;
     const Remainder below = remainderBelow(solid, plane), above = remainderBelow(solid, flipped(plane));
     const double parts = static_cast<double>(below.corners.size() + above.corners.size()) / 2;
-    const double low = airOf(below), high = airOf(above), air = low + high;
+    const double low = airOf(below, most), high = airOf(above, most), air = low + high;
     if (air == kUnbounded) return kUnbounded;
     double left = 0, all = 0;
     for (const ConcaveEdge& edge : concave) {
@@ -44,9 +48,10 @@ struct Costs {
     std::vector<DPlane> planes;
     std::vector<double> costs;
 
-    Costs(const CutSolid& s, const TaskRunner& tasks)
+    Costs(const CutSolid& s, std::size_t most, const TaskRunner& tasks)
         : solid(s), concave(concaveEdges(s)), planes(planesToTry(s, concave)), costs(planes.size(), kUnbounded) {
-        runTasks(tasks, planes.size(), [this](std::size_t i) { costs[i] = cost(solid, concave, planes[i]); });
+        runTasks(tasks, planes.size(),
+                 [this, most](std::size_t i) { costs[i] = cost(solid, concave, planes[i], most); });
     }
     std::size_t best() const {
         return static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
@@ -55,9 +60,9 @@ struct Costs {
 
 }  // namespace
 
-std::optional<DPlane> bestCut(const CutSolid& solid, const TaskRunner& tasks) {
+std::optional<DPlane> bestCut(const CutSolid& solid, std::size_t corners, const TaskRunner& tasks) {
     if (solid.vertices.empty()) return {};
-    const Costs first(solid, tasks);
+    const Costs first(solid, corners, tasks);
     const std::size_t best = first.best();
     if (first.costs[best] == kUnbounded) return {};
     return first.planes[best];

@@ -22,7 +22,8 @@ std::vector<ConcaveEdge> concaveEdges(const CutSolid& solid);
 /// some across the axes of the world and of its own.
 std::vector<DPlane> planesToTry(const CutSolid& solid, const std::vector<ConcaveEdge>& concave);
 
-/// The plane that leaves least air in the hulls of the halves; none where no plane leaves two parts with volume.
-std::optional<DPlane> bestCut(const CutSolid& solid, const TaskRunner& tasks);
+/// The plane that leaves least air in the hulls of the halves, of so many corners at most; none where no plane leaves
+/// two parts with volume.
+std::optional<DPlane> bestCut(const CutSolid& solid, std::size_t corners, const TaskRunner& tasks);
 
 }  // namespace ragtop

@@ -9,8 +9,6 @@
 namespace ragtop {
 namespace {
 
-constexpr std::uint32_t kNone = 0xffffffffu;
-
 /// Where edges of a cap go below the plane and come back, in the order of their places along the line of both.
 struct CapCrossing {
     double along = 0;
@@ -35,24 +33,6 @@ void tidy(std::vector<std::array<std::uint32_t, 2>>& edges) {
     }
     edges = std::move(rest);
 }
-
-/// Which of the vertices of a solid a part of it has so far, and as which of its own.
-class KeptVertices {
-public:
-    explicit KeptVertices(const CutSolid& solid) : from_(solid.vertices), name_(solid.vertices.size(), kNone) {}
-
-    std::uint32_t of(std::uint32_t i, std::vector<DVec3>& kept) {
-        if (name_[i] == kNone) {
-            name_[i] = static_cast<std::uint32_t>(kept.size());
-            kept.push_back(from_[i]);
-        }
-        return name_[i];
-    }
-
-private:
-    const std::vector<DVec3>& from_;
-    std::vector<std::uint32_t> name_;
-};
 
 /// Builds the part below a plane.
 class Below {
@@ -148,55 +128,8 @@ private:
     Cap cap_;
 };
 
-/// One group of a solid.
-class Extraction {
-public:
-    Extraction(const CutSolid& solid, Groups& groups, std::uint32_t group)
-        : solid_(solid), groups_(groups), group_(group), kept_(solid) {}
-
-    CutSolid make() {
-        for (const Triangle& t : solid_.triangles)
-            if (groups_.of(t.a) == group_) part_.triangles.push_back({kept(t.a), kept(t.b), kept(t.c)});
-        for (const Cap& cap : solid_.caps) {
-            Cap own{cap.plane, {}};
-            for (const auto& [a, b] : cap.edges)
-                if (groups_.of(a) == group_) own.edges.push_back({kept(a), kept(b)});
-            if (!own.edges.empty()) part_.caps.push_back(std::move(own));
-        }
-        return std::move(part_);
-    }
-
-private:
-    std::uint32_t kept(std::uint32_t i) { return kept_.of(i, part_.vertices); }
-
-    const CutSolid& solid_;
-    Groups& groups_;
-    std::uint32_t group_;
-    KeptVertices kept_;
-    CutSolid part_;
-};
-
 }  // namespace
 
 CutSolid partBelow(const CutSolid& solid, const DPlane& plane) { return Below(solid, plane).make(); }
-
-std::vector<CutSolid> separated(CutSolid solid) {
-    Groups groups(solid.vertices.size());
-    for (const Triangle& t : solid.triangles) groups.join(t.a, t.b), groups.join(t.b, t.c);
-    for (const Cap& cap : solid.caps)
-        for (const auto& [a, b] : cap.edges) groups.join(a, b);
-    for (std::uint32_t i = 0; i < solid.vertices.size(); ++i) groups.add(i, solid.vertices[i]);
-    groups.joinOverlapping();
-    std::vector<std::uint32_t> roots;
-    for (std::uint32_t i = 0; i < solid.vertices.size(); ++i)
-        if (groups.of(i) == i) roots.push_back(i);
-    std::vector<CutSolid> parts;
-    if (roots.size() < 2) {
-        parts.push_back(std::move(solid));
-        return parts;
-    }
-    for (const std::uint32_t root : roots) parts.push_back(Extraction(solid, groups, root).make());
-    return parts;
-}
 
 }  // namespace ragtop

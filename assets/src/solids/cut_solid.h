@@ -42,6 +42,10 @@ CutSolid partBelow(const CutSolid& solid, const DPlane& plane);
 /// What does not hang together, where bounds keep it apart.
 std::vector<CutSolid> separated(CutSolid solid);
 
+/// What does not hang together, each with the hollows in it; where these are many, those near each other as one, so
+/// that there are no more than `most`.
+std::vector<CutSolid> bodiesOf(CutSolid solid, std::size_t most);
+
 constexpr DPlane flipped(const DPlane& plane) { return {-1.0 * plane.normal, -plane.offset}; }
 
 }  // namespace ragtop

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "solids/air.h"
@@ -13,6 +14,9 @@
 
 namespace ragtop {
 namespace {
+
+constexpr double kSimplerError = 0.25;  // of the error allowed, by which the solid of the search is off
+constexpr double kAim = 0.9;            // of the error allowed, of a simpler solid: the rest is for what it lacks
 
 /// About the middle of its bounds, times the power of two that makes it about 1 large: pieces of scaled meshes are
 /// scaled pieces.
@@ -77,9 +81,11 @@ std::vector<PointHull> bestPieces(const CutSolid& solid, double volume, const Pi
     double least = kUnbounded;
     cutToPieces(solid, limits, air, tasks, [&](std::vector<Piece> stage) {
         std::vector<Piece> joined = joinPieces(std::move(stage), volume, limits, air, tasks);
+        for (Piece& piece : joined) piece.hull = withFewCorners(piece.hull, limits.corners);
         const double beyond = excess(joined, volume, limits, air);
-        if (best.empty() || beyond < least) best = std::move(joined), least = beyond;
-        return least <= 1;
+        const bool isBetter = best.empty() || beyond < least;
+        if (isBetter) best = std::move(joined), least = beyond;
+        return least <= 1 || !isBetter;
     });
     if (least > 1) evenOut(best, volume, limits, air, tasks);
     std::vector<PointHull> hulls;
@@ -101,15 +107,41 @@ void hold(std::vector<PointHull>& hulls, const std::vector<DVec3>& points) {
         if (!lacking[i].empty()) hulls[i] = holding(std::move(hulls[i]), std::move(lacking[i]));
 }
 
-/// The same solid of few triangles, to a part of the error; itself where it has few, or nothing simpler is closed.
+/// Leaves out corners, down to half as many as allowed, where error and volume permit it: for what collides they cost
+/// time.
+void lighten(std::vector<PointHull>& hulls, double mostVolume, const PieceLimits& limits, const Air& air) {
+    double volume = 0;
+    for (PointHull& hull : hulls) {
+        hull = withFewCorners(hull, limits.corners);
+        volume += hull.volume;
+    }
+    for (PointHull& hull : hulls) {
+        PointHull light = withFewCorners(hull, limits.corners / 2);
+        const double after = volume + light.volume - hull.volume;
+        if (!(light.volume > 0) || after > mostVolume || air.depthIn(light, limits.error) > limits.error) continue;
+        volume = after, hull = std::move(light);
+    }
+}
+
+/// The same solid of few triangles, to a part of the error; itself where it has few, or nothing much simpler is
+/// closed.
 CutSolid simpler(const WeldedSurface& surface, const Units& units, float maxError) {
     constexpr std::size_t kFew = 600;
-    constexpr float kShare = 0.25f;
+    constexpr double kMuch = 0.8;  // what has little less is not worth its error
     CutSolid solid = solidOf(surface, units);
     if (surface.triangles.size() <= kFew) return solid;
-    CutSolid less = solidOf(collapsed(surface, kFew, kShare * maxError), units);
+    const WeldedSurface few = collapsed(surface, kFew, static_cast<float>(kSimplerError) * maxError);
+    CutSolid less = solidOf(few, units);
+    if (static_cast<double>(few.triangles.size()) > kMuch * static_cast<double>(surface.triangles.size())) return solid;
     const double volume = volumeOf(solid), kept = volumeOf(less);
     return kept > 0.5 * volume && kept < 1.5 * volume ? less : solid;
+}
+
+/// The error that so many pieces may do with, where they cannot keep to a smaller one.
+double reachableError(const Air& air, double error, std::size_t pieces) {
+    constexpr double kFactor = 1.25;
+    while (error < 1 && air.fewestPieces(error, pieces) > pieces) error *= kFactor;
+    return error;
 }
 
 }  // namespace
@@ -121,24 +153,36 @@ Decomposition decompose(const TriangleMesh& mesh, const DecompositionOptions& op
     const Units units(mesh.vertices());
     const WeldedSurface surface = welded(mesh.vertices(), mesh.triangles());
     const CutSolid whole = solidOf(surface, units), solid = simpler(surface, units, options.maxError);
-    const double volume = volumeOf(solid);
-    const Air air(whole);
-    const double wholeVolume = volumeOf(whole);
+    const double volume = volumeOf(solid), wholeVolume = volumeOf(whole);
+    const bool isSimpler = solid.triangles.size() < whole.triangles.size();
     constexpr double kShare = 0.9;  // of the air allowed: the rest is for leaving out corners
     const double allowed = kShare * (static_cast<double>(options.maxVolume) - 1) * wholeVolume;
-    const PieceLimits limits{static_cast<std::size_t>(options.maxPieces),
-                             units.scale * static_cast<double>(options.maxError), allowed + wholeVolume - volume,
-                             static_cast<std::size_t>(options.maxVertices)};
-    std::vector<PointHull> hulls = bestPieces(solid, volume, limits, air, tasks);
+    PieceLimits limits{static_cast<std::size_t>(options.maxPieces), units.scale * static_cast<double>(options.maxError),
+                       allowed + wholeVolume - volume, static_cast<std::size_t>(options.maxVertices)};
+    std::vector<PointHull> hulls;
+    const Air airOfWhole(whole);
+    {
+        PieceLimits aim = limits;
+        const std::optional<Air> airOfSimpler = isSimpler ? std::optional<Air>(solid) : std::nullopt;
+        const Air& air = isSimpler ? *airOfSimpler : airOfWhole;
+        // Both ends of a segment, and what is around it, are a part of the error elsewhere than on the simpler solid.
+        const double error = (isSimpler ? 1 + 2 * kSimplerError : 1) * limits.error;
+        const std::size_t fewest = air.fewestPieces(error, limits.pieces);
+        result.fewestPieces = static_cast<int>(fewest);
+        if (fewest > limits.pieces) aim.error = reachableError(air, error, limits.pieces);
+        if (isSimpler) aim.error *= kAim;
+        hulls = bestPieces(solid, volume, aim, air, tasks);
+    }
     hold(hulls, whole.vertices);
+    limits.air = allowed;
+    lighten(hulls, wholeVolume + allowed, limits, airOfWhole);
     double deepest = 0;
     for (const PointHull& hull : hulls) {
-        const PointHull few = withFewCorners(hull, static_cast<std::size_t>(options.maxVertices));
         std::vector<Vec3> points;
-        for (const DVec3& p : few.points) points.push_back(units.out(p));
+        for (const DVec3& p : hull.points) points.push_back(units.out(p));
         result.pieces.emplace_back(points);
         result.volume += massOf(result.pieces.back(), 1).mass;
-        deepest = std::max(deepest, air.depthIn(few, kUnbounded));
+        deepest = std::max(deepest, airOfWhole.depthIn(hull, kUnbounded));
     }
     result.error = static_cast<float>(deepest / units.scale);
     return result;

@@ -106,16 +106,17 @@ void inflate(PointHull& hull, const std::vector<DVec3>& points) {
 
 }  // namespace
 
+double airOfFewCorners(double volume, std::size_t corners, std::size_t most) {
+    constexpr double kOfBall =
+        5;  // over the number of corners: by so much of its volume these hulls are larger than a ball
+    if (corners <= most) return 0;
+    return kOfBall * volume * (1 / static_cast<double>(most) - 1 / static_cast<double>(corners));
+}
+
 PointHull holding(PointHull hull, std::vector<DVec3> points) {
     constexpr double kHeld = 2e-5;
-    constexpr int kRounds = 32;
-    for (int round = 0; round < kRounds && !hull.planes.empty(); ++round) {
-        std::erase_if(points, [&](const DVec3& p) { return heightOver(hull, p) <= kHeld; });
-        std::vector<DVec3> more = farthestOver(hull, points);
-        if (more.empty()) return hull;
-        more.insert(more.end(), hull.points.begin(), hull.points.end());
-        hull = hullOf(std::move(more));
-    }
+    std::erase_if(points, [&](const DVec3& p) { return heightOver(hull, p) <= kHeld; });
+    if (points.empty()) return hull;
     points.insert(points.end(), hull.points.begin(), hull.points.end());
     return hullOf(std::move(points));
 }

@@ -97,7 +97,7 @@ private:
         if (nearOnly) std::erase_if(fresh, [&](const Pair& pair) { return !areNear(hull(pair.a), hull(pair.b)); });
         runTasks(tasks_, fresh.size(), [&](std::size_t i) {
             Pair& pair = fresh[i];
-            const double both = hullVolume(pointsOfBoth(hull(pair.a), hull(pair.b)));
+            const double both = hullSize(pointsOfBoth(hull(pair.a), hull(pair.b))).volume;
             pair.growth = both - hull(pair.a).volume - hull(pair.b).volume;
         });
         for (Pair& pair : fresh) pairs_.push_back(std::move(pair));

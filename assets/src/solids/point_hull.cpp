@@ -64,7 +64,7 @@ double volumeWithin(const std::vector<DVec3>& points, const std::vector<HullTria
 
 /// Through three corners; a triangle so thin that rounding turns it gets a plane that all points are behind.
 DPlane planeOver(const std::vector<DVec3>& points, const DVec3& a, const DVec3& b, const DVec3& c) {
-    constexpr double kNarrow = 1e-5;
+    constexpr double kNarrow = 1e-3;  // corners are up to 1e-8 off the planes of their neighbours
     const DVec3 n = cross(b - a, c - a);
     const double area = length(n),
                  longest = std::sqrt(std::max({dot(b - a, b - a), dot(c - a, c - a), dot(c - b, c - b)}));
@@ -93,20 +93,24 @@ PointHull hullOf(std::vector<DVec3> points) {
     PointHull hull;
     hull.points = withoutTwins(points);
     if (hull.points.size() < 4 || !(thicknessOf(hull.points) > kFlat)) return hull;
-    try {
-        hull.triangles = convexTriangles(hull.points);
-    } catch (const std::invalid_argument&) {
-        return hull;  // too thin for Qhull
+    hull.triangles = quickHull(hull.points);
+    if (hull.triangles.empty()) {
+        try {
+            hull.triangles = convexTriangles(hull.points);
+        } catch (const std::invalid_argument&) {
+            return hull;  // too thin for Qhull
+        }
     }
     keepCorners(hull);
     addPlanes(hull);
     return hull;
 }
 
-double hullVolume(const std::vector<DVec3>& points) {
+HullSize hullSize(const std::vector<DVec3>& points) {
     const std::vector<HullTriangle> triangles = quickHull(points);
-    if (triangles.empty()) return hullOf(points).volume;
-    return volumeWithin(points, triangles);
+    if (!triangles.empty()) return {volumeWithin(points, triangles), triangles.size() / 2 + 2};  // Euler's formula
+    const PointHull hull = hullOf(points);
+    return {hull.volume, hull.points.size()};
 }
 
 double heightOver(const PointHull& hull, const DVec3& p) {

@@ -17,7 +17,11 @@ struct PointHull {
 
 PointHull hullOf(std::vector<DVec3> points);
 /// Of the convex hull, in less time.
-double hullVolume(const std::vector<DVec3>& points);
+struct HullSize {
+    double volume = 0;
+    std::size_t corners = 0;
+};
+HullSize hullSize(const std::vector<DVec3>& points);
 
 /// By how far a point is outside of the hull's planes; below zero inside.
 double heightOver(const PointHull& hull, const DVec3& p);

@@ -36,10 +36,11 @@ public:
             pending_.pop_back();
             if (!faces_[at].gone && !faces_[at].outside.empty() && !addFarthestOver(at)) return {};
         }
+        const DVec3 inside = middle();
         std::vector<HullTriangle> triangles;
         for (const Face& face : faces_) {
             if (face.gone) continue;
-            if (!isConvex(face)) return {};
+            if (!isConvex(face) || face.plane.height(inside) >= 0) return {};  // folded, among points in one plane
             const auto& [a, b, c] = face.corner;
             triangles.push_back({static_cast<int>(a), static_cast<int>(b), static_cast<int>(c)});
         }
@@ -177,6 +178,15 @@ private:
         }
         share(orphans, first);
         return true;
+    }
+
+    DVec3 middle() const {
+        DVec3 sum;
+        double count = 0;
+        for (const Face& face : faces_)
+            if (!face.gone)
+                sum = sum + points_[face.corner[0]] + points_[face.corner[1]] + points_[face.corner[2]], count += 3;
+        return (1 / count) * sum;
     }
 
     bool isConvex(const Face& face) const {

@@ -22,6 +22,9 @@ public:
     /// is passed over.
     double freePath(const DVec3& from, const DVec3& direction, double skip, double limit) const;
 
+    /// How many solids a point is in: surfaces that a ray leaves less those that it enters.
+    int winding(const DVec3& from, const DVec3& direction, double skip) const;
+
 private:
     struct Node {
         DVec3 lower, upper;

@@ -52,18 +52,116 @@ TEST(Decomposition, PiecesHoldAllVerticesOfTwentySolidsWithinTheirLimits) {
     // Of n sectors of a ring the chords are r (1 - cos(pi / n)) from its inside, and faces of a hollow ball as far as
     // r · 2 / n at least: 16 pieces leave 6 mm of a spring, 16 mm of a gear of ten teeth and a hole, 23 mm of a shell.
     // The search does not find these: what it leaves, m, instead of 5 mm, so that it gets no worse unseen.
-    const std::map<std::string, double> beyond{{"gear", 0.032}, {"shell", 0.056}, {"spring", 0.012}, {"bowl", 0.038}};
+    const std::map<std::string, double> beyond{{"gear", 0.032}, {"shell", 0.042}, {"spring", 0.012}, {"bowl", 0.038}};
     for (const written::Solid& solid : written::twenty()) {
         const DecompositionOptions options;
         const Decomposition made = decompose(solid.mesh(), options);
         EXPECT_LE(made.pieces.size(), 16u) << solid.name;
-        for (const ConvexHull& piece : made.pieces) EXPECT_LE(piece.vertices().size(), 64u) << solid.name;
+        for (const ConvexHull& piece : made.pieces) EXPECT_LE(piece.vertices().size(), 128u) << solid.name;
         EXPECT_LE(farthestOutside(solid, made), 5e-5 * sizeOf(solid)) << solid.name;
         EXPECT_LT(made.volume, 1.3f * made.solidVolume) << solid.name;
         if (const auto left = beyond.find(solid.name); left != beyond.end())
             EXPECT_LE(made.error, left->second) << solid.name;
         else
             EXPECT_TRUE(made.isWithin(options)) << solid.name << " " << made.error << " " << made.volume;
+        if (made.error <= options.maxError) {
+            EXPECT_LE(made.fewestPieces, static_cast<int>(made.pieces.size())) << solid.name;
+        }
+    }
+}
+
+void add(written::Solid& to, const written::Solid& part, const Vec3& at) {
+    const auto first = static_cast<std::uint32_t>(to.vertices.size());
+    for (const Vec3& v : part.vertices) to.vertices.push_back(v + at);
+    for (const Triangle& t : part.triangles) to.triangles.push_back({first + t.a, first + t.b, first + t.c});
+}
+
+written::Solid ball(double radius, int around) {
+    written::Solid solid{"ball", {{0, static_cast<float>(radius), 0}, {0, static_cast<float>(-radius), 0}}, {}};
+    const int rows = around / 2 - 1;
+    const auto at = [&](int row, int k) { return static_cast<std::uint32_t>(2 + row * around + k % around); };
+    for (int row = 0; row < rows; ++row)
+        for (int k = 0; k < around; ++k) {
+            const double a = std::numbers::pi * (row + 1) / (rows + 1), b = 2 * std::numbers::pi * k / around;
+            solid.vertices.push_back(
+                toVec3(radius * DVec3{std::sin(a) * std::cos(b), std::cos(a), std::sin(a) * std::sin(b)}));
+        }
+    for (int k = 0; k < around; ++k) {
+        solid.triangles.push_back({0, at(0, k + 1), at(0, k)});
+        solid.triangles.push_back({1, at(rows - 1, k), at(rows - 1, k + 1)});
+        for (int row = 0; row + 1 < rows; ++row) {
+            solid.triangles.push_back({at(row, k), at(row, k + 1), at(row + 1, k)});
+            solid.triangles.push_back({at(row + 1, k), at(row, k + 1), at(row + 1, k + 1)});
+        }
+    }
+    return solid;
+}
+
+/// Blocks pushed into each other, as modellers build: what is inside of one is no air beside another.
+TEST(Decomposition, OfBlocksThatOverlapIsTheBlocks) {
+    written::Solid box{"box", {}, {}};
+    for (int i = 0; i < 8; ++i) box.vertices.push_back({i & 1 ? 0.5f : 0, i & 2 ? 0.5f : 0, i & 4 ? 0.5f : 0});
+    box.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                     {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    written::Solid many{"blocks", {}, {}};
+    for (const Vec3& at : {Vec3{}, Vec3{0.3f, 0.1f, 0.2f}, Vec3{0.6f, 0.2f, -0.1f}, Vec3{0.1f, 0.4f, 0.1f}})
+        add(many, box, at);
+    const Decomposition made = decompose(many.mesh());
+    EXPECT_EQ(made.pieces.size(), 4u);
+    EXPECT_NEAR(made.volume, made.solidVolume, 1e-5f);
+    EXPECT_LT(made.error, 1e-5f);
+}
+
+/// More bodies than pieces: those near each other share one, and none is lost.
+TEST(Decomposition, OfAThousandBallsHoldsThemAll) {
+    const written::Solid one = ball(0.01, 8);
+    written::Solid many{"balls", {}, {}};
+    for (int i = 0; i < 1000; ++i) add(many, one, {0.05f * (i % 10), 0.05f * (i / 10 % 10), 0.05f * (i / 100)});
+    const Decomposition made = decompose(many.mesh());
+    EXPECT_LE(made.pieces.size(), 16u);
+    EXPECT_LE(farthestOutside(many, made), 5e-5 * sizeOf(many));
+}
+
+/// One hull has too few corners for it: several share the ball.
+TEST(Decomposition, OfABallKeepsToTheErrorWithFewCorners) {
+    const written::Solid solid = ball(0.5, 60);
+    const Decomposition made = decompose(solid.mesh());
+    EXPECT_TRUE(made.isWithin({})) << made.error << " " << made.volume / made.solidVolume;
+    EXPECT_LE(farthestOutside(solid, made), 5e-5);
+    for (const ConvexHull& piece : made.pieces) EXPECT_LE(piece.vertices().size(), 128u);
+    EXPECT_EQ(made.fewestPieces, 1);
+}
+
+/// Points of which no two fit in one piece: the bars of a frame, the boards of a shelf; of what curves, a point per
+/// chord that is the error high, which is 3 times as many in a hollow ball as the pieces allowed.
+TEST(Decomposition, TellsHowManyPiecesItTakesAtLeast) {
+    const auto fewest = [](const char* name) { return decompose(written::byName(name).mesh()).fewestPieces; };
+    EXPECT_EQ(fewest("U"), 3);
+    EXPECT_EQ(fewest("frame"), 4);
+    EXPECT_EQ(fewest("table"), 5);
+    EXPECT_GE(fewest("shelf"), 5);
+    EXPECT_LE(fewest("shelf"), 6);
+    EXPECT_EQ(fewest("shell"), 17);
+    EXPECT_EQ(fewest("bowl"), 17);
+}
+
+/// Many points lie in one plane but for rounding, at a cut: no face folds over there.
+TEST(PointHull, IsOverAllOfItsPoints) {
+    CutSolid ring;
+    const written::Solid solid = written::turned(written::byName("torus"), 0.7f);
+    for (const Vec3& v : solid.vertices) ring.vertices.emplace_back(v);
+    ring.triangles = solid.triangles;
+    std::mt19937 random(11);
+    std::normal_distribution<double> part(0, 1);
+    for (int i = 0; i < 200; ++i) {
+        DVec3 n{part(random), part(random), part(random)};
+        n = (1 / length(n)) * n;
+        const DVec3 at = ring.vertices[random() % ring.vertices.size()];
+        for (const std::vector<DVec3>& corners : remainderBelow(ring, {n, dot(n, at)}).corners) {
+            const PointHull hull = hullOf(corners);
+            if (hull.planes.empty()) continue;
+            for (const DVec3& p : corners) ASSERT_LT(heightOver(hull, p), 2e-5) << i;
+        }
     }
 }
 
@@ -118,7 +216,7 @@ TEST(QuickHull, HasTheVolumeOfQhullOrSaysNothing) {
         const std::size_t triangles = quickHull(points).size();
         if (triangles == 0) return;
         ++found;
-        EXPECT_NEAR(hullVolume(points), hullOf(points).volume, 1e-6);
+        EXPECT_NEAR(hullSize(points).volume, hullOf(points).volume, 1e-6);
     };
     for (std::size_t count = 4; count < 200; ++count) {
         std::vector<DVec3> points;
