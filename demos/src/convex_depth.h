@@ -5,17 +5,14 @@
 #include "ragtop/math.h"
 #include "ragtop/shape.h"
 
-/// How deep two shapes overlap, computed in double precision by other means than the simulation's own: separating
-/// axes for boxes, distances of segments for balls and capsules, a search over directions for hulls.
+/// How deep two shapes overlap, computed in double precision by other means than the simulation's own: distances of
+/// segments for balls and capsules, a polytope that grows within their difference for all others.
 namespace ragtop::demos {
 
 /// A convex shape in the world: the hull of points, thickened by a radius.
 struct ConvexSolid {
     std::vector<DVec3> points;
     double radius = 0;
-    std::vector<DVec3> faceNormals;  ///< unit; of a box
-    std::vector<DVec3> edges;        ///< unit directions; of a box, or of a capsule
-    bool exactAxes = false;          ///< the normals and edges are all there are
 };
 
 /// An empty solid for surfaces.

@@ -6,22 +6,13 @@
 #include <utility>
 
 #include "body_json.h"
+#include "double_math.h"
 #include "ragtop/character.h"
 #include "ragtop/find_asset.h"
 #include "ragtop/gltf_ragdoll.h"
 #include "ragtop/ragdoll_file.h"
 
 namespace ragtop::demos {
-namespace {
-
-DVec3 cross(const DVec3& a, const DVec3& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-double lengthSquared(const DVec3& a) { return a.x * a.x + a.y * a.y + a.z * a.z; }
-
-}  // namespace
-
 RagdollSubject loadRagdollSubject(const std::string& asset) {
     RagdollSubject subject;
     subject.name = std::filesystem::path(asset).filename().string();
@@ -118,7 +109,10 @@ DVec3 RagdollStage::angularMomentum() const {
 
 double RagdollStage::meanSquareSpeed() const {
     double sum = 0;
-    for (const BodyId body : bodies) sum += lengthSquared(DVec3(world.linearVelocity(body)));
+    for (const BodyId body : bodies) {
+        const DVec3 velocity(world.linearVelocity(body));
+        sum += dot(velocity, velocity);
+    }
     return sum / static_cast<double>(bodies.size());
 }
 

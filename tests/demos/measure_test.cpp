@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <random>
 #include <vector>
 
 #include "convex_depth.h"
+#include "double_math.h"
 #include "ragtop/scene.h"
 #include "summary.h"
 
@@ -46,17 +50,61 @@ TEST(OverlapDepth, OfRoundShapesIsTheSumOfRadiiLessTheDistance) {
     EXPECT_NEAR(depth(Sphere{0.5f}, {}, kUnitBox, {{1.25, 1.25, 0}, {}}), 0.5 - std::sqrt(2.0) / 4, 1e-9);
 }
 
-TEST(OverlapDepth, OfHullsAgreesWithThatOfEqualBoxes) {
-    std::vector<Vec3> corners;
-    for (int i = 0; i < 8; ++i) corners.push_back({i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f});
-    const Shape hull = ConvexHull(corners);
-    const Quat turned = rotationAbout({1, 2, 3}, 0.7f);
-    for (const double x : {0.5, 1.2, 2.0, 2.4, 3.5}) {
-        const double exact = depth(kUnitBox, {}, kUnitBox, {{x, 0.3, -0.2}, turned});
-        // The search ends near the least of all directions, never below it.
-        EXPECT_GE(overlapDepth(solidOf(hull, {}), solidOf(hull, {{x, 0.3, -0.2}, turned})), exact - 1e-6);
-        EXPECT_NEAR(overlapDepth(solidOf(hull, {}), solidOf(hull, {{x, 0.3, -0.2}, turned})), exact, 0.05);
+/// The least overlap over all planes through three corners of one hull and all products of two lines through corners:
+/// the normals of faces and pairs of edges are among them.
+double exhaustiveOverlap(const ConvexSolid& a, const ConvexSolid& b) {
+    double least = std::numeric_limits<double>::infinity();
+    const auto test = [&](const DVec3& product) {
+        if (!(length(product) > 1e-9)) return;
+        const DVec3 n = (1 / length(product)) * product;
+        double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};
+        for (const int i : {0, 1}) {
+            for (const DVec3& p : (i == 0 ? a : b).points)
+                low[i] = std::min(low[i], dot(p, n)), high[i] = std::max(high[i], dot(p, n));
+        }
+        least = std::min({least, high[0] - low[1], high[1] - low[0]});
+    };
+    const auto linesOf = [](const ConvexSolid& solid) {
+        std::vector<DVec3> lines;
+        for (const DVec3& p : solid.points)
+            for (const DVec3& q : solid.points) lines.push_back(q - p);
+        return lines;
+    };
+    const std::vector<DVec3> linesA = linesOf(a), linesB = linesOf(b);
+    for (const auto* lines : {&linesA, &linesB})
+        for (const DVec3& e : *lines)
+            for (const DVec3& f : linesA) test(cross(e, f));
+    for (const DVec3& e : linesB)
+        for (const DVec3& f : linesB) test(cross(e, f));
+    return std::max(0.0, least);
+}
+
+TEST(OverlapDepth, OfHullsIsTheLeastOfAllTheirPlanesAndPairsOfEdges) {
+    std::mt19937 random(5);
+    const auto number = [&] { return std::uniform_real_distribution<float>(-1, 1)(random); };
+    const auto hull = [&] {
+        std::vector<Vec3> points(8);
+        for (Vec3& p : points) p = {number(), 0.3f * number(), number()};
+        return ConvexHull(points);
+    };
+    int deep = 0;
+    for (int i = 0; i < 100; ++i) {
+        const Shape a = hull(), b = hull();
+        const Pose at{{number(), 0.5 * static_cast<double>(number()), number()},
+                      rotationAbout({number(), number(), 1.1f}, kPi * number())};
+        const double expected = exhaustiveOverlap(solidOf(a, {}), solidOf(b, at));
+        EXPECT_NEAR(depth(a, {}, b, at), expected, 1e-8) << i;
+        deep += expected > 0.01 ? 1 : 0;
     }
+    EXPECT_GT(deep, 20);
+}
+
+TEST(OverlapDepth, OfFlatAndDistantSolidsIsFound) {
+    const Shape sheet = Box{{1, 1e-4f, 1}};
+    EXPECT_NEAR(depth(sheet, {}, sheet, {{0.5, 1e-4, 0.5}, {}}), 1e-4, 1e-9);
+    EXPECT_EQ(depth(sheet, {}, sheet, {{0, 3e-4, 0}, {}}), 0);
+    EXPECT_EQ(depth(sheet, {}, sheet, {{1e6, 0, 1e6}, {}}), 0);
+    EXPECT_NEAR(depth(sheet, {{1e6, 0, 0}, {}}, Sphere{0.5f}, {{1e6, 0.3, 0}, {}}), 0.2001, 1e-6);
 }
 
 TEST(OverlapDepth, BehindATriangleCountsOnlyOverIt) {
