@@ -357,5 +357,38 @@ TEST(Collide, WhatIsRememberedDoesNotChangeTheVerdict) {
     }
 }
 
+/// Hulls in each other slide and turn slowly, so that faces are kept from before whose deepest corner is beside them.
+TEST(HullPair, ShowsItsDepthWhateverFaceWasBefore) {
+    Random random(7);
+    constexpr float kDeep = 0.03f;  // m
+    int overlaps = 0;
+    for (int pair = 0; pair < 80; ++pair) {
+        const ConvexHull a(randomPoints(random, 8 + pair % 24, 1)), b(randomPoints(random, 8 + pair % 24, 1));
+        const ConvexView viewA = hullView(a.data()), viewB = hullView(b.data());
+        const float size = std::min(a.data().innerRadius, b.data().innerRadius);
+        const Vec3 way = random.direction(), axis = random.direction(), slide = random.vector(0.002f, 0.004f);
+        const Quat turned = random.rotation();
+        const float turn = random.uniform(-0.01f, 0.01f);
+        float apart = 4;
+        for (float step = 2; step > 1e-3f; step /= 2)
+            if (separationOf(ExactHull(viewA, {}), ExactHull(viewB, {(apart - step) * way, turned})) > -kDeep)
+                apart -= step;
+        SeparationCache cache;
+        for (int i = 0; i < 40; ++i) {
+            const auto n = static_cast<float>(i);
+            const Frame placed{apart * way + n * slide, rotationAbout(axis, turn * n) * turned};
+            Manifold out;
+            collide(viewA, viewB, placed, 0.02f, cache, out);
+            const Manifold fresh = collided(viewA, viewB, placed, 0.02f);
+            if (fresh.pointCount == 0 || deepest(fresh) > 0) continue;
+            ++overlaps;
+            ASSERT_GT(out.pointCount, 0);
+            // Hysteresis of 0.01 of the size in favour of what was before; points that are nearly as deep.
+            EXPECT_LE(deepest(out), deepest(fresh) + 0.012f * size) << pair << " at " << i;
+        }
+    }
+    EXPECT_GT(overlaps, 1000);
+}
+
 }  // namespace
 }  // namespace ragtop

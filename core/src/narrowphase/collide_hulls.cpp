@@ -114,6 +114,31 @@ void cornerContact(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3&
     }
 }
 
+namespace {
+
+/// The contact along the axis that was chosen, or along the best face where that serves better than an edge pair;
+/// returns the axis that it is of.
+SeparatingAxis contactAlong(const HullView& a, const HullView& b, const AxisChoice& choice, float margin, float size,
+                            Manifold& out) {
+    const SeparatingAxis& axis = choice.best;
+    if (choice.face.kind != 0 && favoursFace(choice.face.separation, axis.separation)) {
+        faceContact(a, b, choice.face, margin, size, out);
+        if (showsDepth(out, axis.separation)) return choice.face;
+    }
+    hullContact(a, b, axis, margin, size, out);
+    return axis;
+}
+
+/// Does a face of before stay although the corner that is deepest below it is beside it, so that no point shows how
+/// deep the hulls are in each other? Another face is as good an axis, and has that corner.
+bool hidesDepth(const SeparatingAxis& axis, const SeparatingAxis& before, const Manifold& found, float size) {
+    const bool stays =
+        axis.kind != 3 && axis.kind == before.kind && axis.indexA == before.indexA && axis.indexB == before.indexB;
+    return stays && axis.separation < 0 && !showsDepth(found, axis.separation + kDepthTolerance * size);
+}
+
+}  // namespace
+
 void hulls(const HullView& a, const HullView& b, const Frame& bInA, float margin, SeparationCache& cache,
            Manifold& out) {
     out.pointCount = 0;
@@ -125,21 +150,19 @@ void hulls(const HullView& a, const HullView& b, const Frame& bInA, float margin
     const float size = a.innerRadius < b.innerRadius ? a.innerRadius : b.innerRadius;
     SeparatingAxis before;
     if (cache.kind != 0) before = alongAxis(a, placed.view(), cache.kind, indexA(cache), indexB(cache));
-    const AxisChoice choice = chooseAxis(a, placed.view(), margin, size, before);
-    const SeparatingAxis& axis = choice.best;
-    cache = toCache(axis);
-    if (axis.separation > margin) {
-        out.gap = axis.separation;
+    AxisChoice choice = chooseAxis(a, placed.view(), margin, size, before);
+    cache = toCache(choice.best);
+    if (choice.best.separation > margin) {
+        out.gap = choice.best.separation;
         return;
     }
-    if (choice.face.kind != 0 && favoursFace(choice.face.separation, axis.separation)) {
-        faceContact(a, placed.view(), choice.face, margin, size, out);
-        if (showsDepth(out, axis.separation)) {
-            cache = toCache(choice.face);
-            return;
-        }
+    SeparatingAxis axis = contactAlong(a, placed.view(), choice, margin, size, out);
+    if (hidesDepth(axis, before, out, size)) {
+        choice = chooseAxis(a, placed.view(), margin, size, {});
+        axis = contactAlong(a, placed.view(), choice, margin, size, out);
     }
-    hullContact(a, placed.view(), axis, margin, size, out);
+    cache = toCache(axis);
+    if (choice.best.kind != axis.kind) return;
     if (axis.kind == 3) addAlongEdges(a, placed.view(), axis, margin, size, out);
     if (axis.kind == 1) turnToMiddle(a, axis.indexA, placed.view(), size, out);
     if (axis.kind == 2) turnToMiddle(placed.view(), axis.indexB, a, size, out);
