@@ -19,7 +19,6 @@ struct RedRow {
 inline constexpr RedRow kRedRows[] = {
     {"rolling/disc on a ramp, mu=0.3: way in a second", 0.22},
     {"rolling/hoop on a ramp, mu=0.3: way in a second", 0.2},
-    {"rolling/ball on a turntable: off the circle", 0.029},
     {"restitution/cradle, 1 mm gap, k=1: the last one's reach", 0.022},
     {"restitution/cradle, 1 mm gap, k=2: the others move", 0.025},
     {"restitution/cradle, 1 mm gap, k=2: the last one's reach", 0.021},

@@ -21,9 +21,9 @@ TEST(RedRows, AreWorseOnceTheyAreTwiceAsFarOff) {
 TEST(RedRows, AreThoseOfRagtopThatAreListed) {
     Row row = rowOf(0);
     EXPECT_EQ(redRowOf(row), nullptr);
-    row.name = "ball on a turntable: off the circle";
+    row.name = "hoop on a ramp, mu=0.3: way in a second";
     ASSERT_NE(redRowOf(row), nullptr);
-    EXPECT_EQ(redRowOf(row)->name, "rolling/ball on a turntable: off the circle");
+    EXPECT_EQ(redRowOf(row)->name, "rolling/hoop on a ramp, mu=0.3: way in a second");
     row.engine = "bullet";
     EXPECT_EQ(redRowOf(row), nullptr);
 }

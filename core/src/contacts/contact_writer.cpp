@@ -7,10 +7,12 @@ namespace ragtop {
 namespace {
 
 /// The contact point of two round surfaces divides the way between their centres by their radii, and a flat one has an
-/// infinite radius: the share of B's way that the point goes is RA/(RA + RB), half of it where both are flat.
-float followShare(float roundA, float roundB) {
+/// infinite radius: the share of B's way that the point goes is RA/(RA + RB). Where both are flat it goes half of it,
+/// or stays with the one that moves if only one does.
+float followShare(float roundA, float roundB, bool movesA, bool movesB) {
     if (roundA > 0 && roundB > 0) return roundA / (roundA + roundB);
-    return roundA > 0 ? 0.0f : roundB > 0 ? 1.0f : 0.5f;
+    if (roundA > 0 || roundB > 0) return roundA > 0 ? 0.0f : 1.0f;
+    return movesA == movesB ? 0.5f : movesA ? 0.0f : 1.0f;
 }
 
 /// Does a round surface's core go anywhere when its body turns? That of a ball about the centre of mass does not.
@@ -42,7 +44,7 @@ void ContactWriter::writeSurface(const ContactRecord& record, const ManifoldReco
     lane.at(contact::kSpinning) = surface.spinningResistance;
     const ShapeRecord &shapeA = shapes[record.shapeA], &shapeB = shapes[record.shapeB];
     const ConvexView &a = shapes.geometries[shapeA.geometry].convex, &b = shapes.geometries[shapeB.geometry].convex;
-    const float follow = followShare(a.radius, b.radius);
+    const float follow = followShare(a.radius, b.radius, bodies.moves(record.bodyA), bodies.moves(record.bodyB));
     lane.at(contact::kRoundA) = a.radius;
     lane.at(contact::kRoundB) = b.radius;
     lane.at(contact::kFollow) = follow;

@@ -64,7 +64,10 @@ struct SystemContact {
     std::uint32_t first = 0, count = 0, block = 0;
     float* lane = nullptr;
     DVec3 normal, tangent1, tangent2;
+    DVec3 offset;  ///< m, centre of B from that of A at the beginning of the step
+    DVec3 moved;   ///< m, its displacement from there that arms have followed
     double friction = 0, restitution = 0, size = 0, roundA = 0, roundB = 0;
+    double follow = 0;   ///< as contact::kFollow
     double near = 0;     ///< gap up to which points count as touching, m
     double rounded = 0;  ///< gap or overlap that is rounding, m
     std::uint32_t stateA = 0, stateB = 0;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "constraints/contact_layout.h"
 #include "direct/island_system.h"
 
 namespace ragtop::direct {
@@ -13,14 +14,71 @@ static DVec3 turned(const Quat& q, const DVec3& v) {
     return static_cast<double>(q.w) * t + cross(u, t);
 }
 
+/// 2 tan θ/2 along the axis of a turn by θ: what turns from r to r' has moved by this × (r + r')/2.
+static DVec3 turnOf(const Quat& q) { return (2 / static_cast<double>(q.w)) * DVec3{q.x, q.y, q.z}; }
+
+/// How far B has moved beside A in this step. Bodies that have moved by more than half a size are no longer where they
+/// touched, but what a carrier takes along as it turns has not.
+static DVec3 displacementOf(const SystemContact& c, const BodyState& a, const BodyState& b) {
+    const DVec3 way = toDouble(b.dp) - toDouble(a.dp), middle = c.offset + 0.5 * way;
+    const double reach = 0.5 * c.size;
+    const auto isFar = [&](const DVec3& moved) { return dot(moved, moved) > reach * reach; };
+    const bool far = isFar(way) && isFar(way - cross(turnOf(a.dq), middle)) && isFar(way - cross(turnOf(b.dq), middle));
+    return far ? DVec3{} : way;
+}
+
+void IslandSystem::moveArms(SystemContact& c, const BodyArrays& arrays) {
+    const DVec3 moved = displacementOf(c, arrays.states[c.stateA], arrays.states[c.stateB]), more = moved - c.moved;
+    c.moved = moved;
+    for (std::uint32_t j = 0; j < c.count; ++j) {
+        SystemPoint& p = equations_.points[c.first + j];
+        p.armA = p.armA + c.follow * more;
+        p.armB = p.armB - (1 - c.follow) * more;
+    }
+}
+
+/// What turning adds by the end of the substep to the speed of B beside A: the point goes on with B, by a share f,
+///   d/dt (ωB × rB − ωA × rA) = −ω × (vB − vA),   ω = f ωA + (1 − f) ωB.
+/// Places follow by the mean of the speeds before and after a substep; with 5/12 for the half of its series' next term
+/// that mean is the chord of a circle, up to (ω h)⁴. What is less than rounding leaves alone what rests.
+static DVec3 speedAhead(const SystemContact& c, const BodyState& a, const BodyState& b, double h, double rounding) {
+    const DVec3 speed = toDouble(b.v) - toDouble(a.v);
+    const DVec3 spin = toDouble(b.w) + c.follow * (toDouble(a.w) - toDouble(b.w));
+    const DVec3 change = (-h) * cross(spin, speed + (5.0 / 12 * h) * cross(spin, speed));
+    return dot(change, change) > rounding * rounding ? change : DVec3{};
+}
+
+bool IslandSystem::setDrifts(const SystemContact& c, const BodyArrays& arrays) {
+    const BodyState &a = arrays.states[c.stateA], &b = arrays.states[c.stateB];
+    const auto driven = [](const BodyState& state, const DVec3& arm) {
+        return state.invMass > 0 ? DVec3{} : toDouble(state.v) + cross(toDouble(state.w), arm);
+    };
+    const bool fixed = c.stateA == 0 || c.stateB == 0;
+    const DVec3 ahead = fixed ? DVec3{} : speedAhead(c, a, b, h_, tuning::kAtRest * equations_.gravityStep);
+    const DVec3 surface{field(c, contact::kSurface), field(c, contact::kSurface + 1), field(c, contact::kSurface + 2)};
+    bool any = false;
+    for (std::uint32_t j = 0; j < c.count; ++j) {
+        SystemPoint& p = equations_.points[c.first + j];
+        const DVec3 drift = driven(b, p.armB) - driven(a, p.armA) + ahead;
+        p.drift[0] = dot(drift, c.normal);
+        p.drift[1] = dot(drift + surface, c.tangent1);
+        p.drift[2] = dot(drift + surface, c.tangent2);
+        any |= p.drift[0] != 0 || p.drift[1] != 0 || p.drift[2] != 0;
+    }
+    return any;
+}
+
 void IslandSystem::updateGaps(const BodyArrays& arrays) {
     for (const SystemContact& c : equations_.contacts) {
         const BodyState &a = arrays.states[c.stateA], &b = arrays.states[c.stateB];
         const DVec3 moved = toDouble(b.dp) - toDouble(a.dp);
+        // To the cores of where arms were when the step began.
+        const DVec3 backA = c.follow * c.moved + c.roundA * c.normal;
+        const DVec3 onB = (1 - c.follow) * c.moved + c.roundB * c.normal;
         for (std::uint32_t j = 0; j < c.count; ++j) {
             SystemPoint& p = equations_.points[c.first + j];
             // What turns is a round shape's core; its surface stays round.
-            const DVec3 turn = turned(b.dq, p.armB + c.roundB * c.normal) - turned(a.dq, p.armA - c.roundA * c.normal);
+            const DVec3 turn = turned(b.dq, p.armB + onB) - turned(a.dq, p.armA - backA);
             p.gap = p.startGap + dot(c.normal, moved + turn);
         }
     }

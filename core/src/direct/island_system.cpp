@@ -76,6 +76,7 @@ void IslandSystem::makeRoom(std::size_t bodyCount, std::size_t contactCount, std
 void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, const SolverContext& context) {
     makeRoom(parts.bodyCount, parts.contactCount, parts.jointCount + std::max(parts.pointCount, parts.pointRoom));
     equations_.gravityStep = static_cast<double>(context.gravityStep);
+    h_ = static_cast<double>(context.h);
     stride_ = static_cast<std::size_t>(parts.laneStride);
     lanes_ = parts.contactCount;
     equations_.stopped = rests_ = false;
@@ -197,13 +198,14 @@ void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arra
         c.size = field(c, contact::kSize);
         c.roundA = field(c, contact::kRoundA);
         c.roundB = field(c, contact::kRoundB);
-        const DVec3 offset = vector(contact::kOffset);
+        c.offset = vector(contact::kOffset);
+        c.follow = field(c, contact::kFollow);
         double reach = 0;
         for (std::uint32_t j = 0; j < c.count; ++j) {
             SystemPoint p;
             const int at = contact::kPoints + static_cast<int>(j) * contact::kPointFields;
             p.armA = vector(at + contact::kAnchor);
-            p.armB = p.armA - offset;
+            p.armB = p.armA - c.offset;
             p.startGap = p.gap = field(c, at + contact::kSeparation);
             const double mass = field(c, at + contact::kMass);
             p.resistance = resistance / (mass > 0 ? mass : 1);
@@ -224,24 +226,6 @@ void IslandSystem::loadContacts(const IslandParts& parts, const BodyArrays& arra
         guessSlips(points, c, stateA, stateB);
         equations_.contacts.push(c);
     }
-}
-
-bool IslandSystem::setDrifts(const SystemContact& c, const BodyArrays& arrays) {
-    const BodyState &a = arrays.states[c.stateA], &b = arrays.states[c.stateB];
-    const auto driven = [](const BodyState& state, const DVec3& arm) {
-        return state.invMass > 0 ? DVec3{} : toDouble(state.v) + cross(toDouble(state.w), arm);
-    };
-    const DVec3 surface{field(c, contact::kSurface), field(c, contact::kSurface + 1), field(c, contact::kSurface + 2)};
-    bool any = false;
-    for (std::uint32_t j = 0; j < c.count; ++j) {
-        SystemPoint& p = equations_.points[c.first + j];
-        const DVec3 drift = driven(b, p.armB) - driven(a, p.armA);
-        p.drift[0] = dot(drift, c.normal);
-        p.drift[1] = dot(drift + surface, c.tangent1);
-        p.drift[2] = dot(drift + surface, c.tangent2);
-        any |= p.drift[0] != 0 || p.drift[1] != 0 || p.drift[2] != 0;
-    }
-    return any;
 }
 
 void IslandSystem::loadPattern() {
@@ -278,9 +262,12 @@ void IslandSystem::beginSubstep(const BodyArrays& arrays, const JointContext& jo
         store(v, free);
         store(w, free + 3);
     }
-    if (onKinematic_)  // which may speed up within a step
-        for (const SystemContact& c : equations_.contacts)
-            if (isOnKinematic(c)) rests_ &= !setDrifts(c, arrays);
+    if (!rests_ || onKinematic_)  // which may speed up within a step
+        for (SystemContact& c : equations_.contacts) {
+            if (c.stateA == 0 || c.stateB == 0) continue;  // what is fixed carries nothing along
+            moveArms(c, arrays);
+            rests_ &= !setDrifts(c, arrays) || !isOnKinematic(c);
+        }
     equations_.stopped = rests_;
     if (rests_) return;
     refreshMasses(arrays);
@@ -419,7 +406,7 @@ void IslandSystem::end() {
             const SystemPoint& p = equations_.points[c.first + j];
             const DVec3 f = p.load[1] * c.tangent1 + p.load[2] * c.tangent2;
             friction = friction + f;
-            twist += dot(c.normal, cross(p.armA - center, f));
+            twist += dot(c.normal, cross(p.armA - c.follow * c.moved - center, f));
             slides |= p.region == ConeRegion::slide;
             sticks |= p.region == ConeRegion::stick;
             pointField(c, j, contact::kImpulse) = static_cast<float>(p.load[0]);

@@ -110,7 +110,9 @@ private:
     void makeRoom(std::size_t bodyCount, std::size_t contactCount, std::size_t jointCount);
     void loadBodies(const IslandParts& parts, const BodyArrays& arrays);
     void loadContacts(const IslandParts& parts, const BodyArrays& arrays);
-    /// What surfaces and bodies that no impulse moves do to the points of a contact; true if anything.
+    /// The points of a contact go on with its bodies.
+    void moveArms(SystemContact& contact, const BodyArrays& arrays);
+    /// What surfaces, turning, and bodies that no impulse moves do to the points of a contact; true if anything.
     bool setDrifts(const SystemContact& contact, const BodyArrays& arrays);
     void loadPattern();
     void buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins, RowAims aims);
@@ -130,6 +132,7 @@ private:
 
     std::size_t stride_ = 1;
     std::size_t lanes_ = 0;     ///< contacts that it was made from, those without points too
+    double h_ = 0;              ///< s, substep
     bool onKinematic_ = false;  ///< some contact is
     bool rests_ = false;        ///< nor will any body move in this substep
     bool loops_ = false;        ///< joints may pull against each other

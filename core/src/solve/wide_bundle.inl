@@ -12,6 +12,15 @@ RAGTOP_INLINE void prefetchFields(const float* bundle, int begin, int end) {
     for (int i = begin * N; i < end * N; i += kLine) __builtin_prefetch(ahead + i);
 }
 
+/// 2 tan θ/2 along the axis of a turn by θ: what turns from r to r' has moved by this × (r + r')/2. By a series, of which
+/// the next term is 1e-6 of it for half a radian.
+template <int N>
+RAGTOP_INLINE WideVec3<N> turnOf(const WideQuat<N>& q) {
+    const WideVec3<N> u{q.x, q.y, q.z};
+    const Lanes<N> squared = dot(u, u);
+    return (2.0f + squared * (1.0f + squared * (0.75f + 0.625f * squared))) * u;
+}
+
 /// N contacts and the bodies they join: a bundle, or several of L one after the other in memory. With `kGround` each A is
 /// the static body, of which nothing is read: it has no velocity and no inverse mass, offsets and shifts are zero. The
 /// results are the same to the bit: what is left out adds zeros, and where that could turn a zero's sign they are kept.
@@ -100,11 +109,18 @@ struct ContactBundle {
         offset = offset + displacement;
     }
     /// By what B has moved beside A; returns what of it counts. Bodies that have moved by more than half a size are no
-    /// longer where they touched: such arms would only lengthen.
-    RAGTOP_INLINE WideVec3<N> moveArms(const WideVec3<N>& dp, Mask<N> isStatic) {
-        const Lanes<N> zero(0.0f), reach = 0.5f * field(contact::kSize);
-        const WideVec3<N> displacement =
-            select(isStatic | (dot(dp, dp) > reach * reach), WideVec3<N>{zero, zero, zero}, dp);
+    /// longer where they touched: such arms would only lengthen. What a carrier takes along as it turns has not.
+    RAGTOP_INLINE WideVec3<N> moveArms(const WideVec3<N>& dp, const WideQuat<N>& dqA, const WideQuat<N>& dqB) {
+        if constexpr (kGround) return dp;
+        const Lanes<N> zero(0.0f), half(0.5f), reach = half * field(contact::kSize), most = reach * reach;
+        const Mask<N> isStatic{bits(field(contact::kBodyA)) == 0};
+        Mask<N> far = dot(dp, dp) > most;
+        if (any(far)) {
+            const WideVec3<N> middle = offset + half * dp;
+            const WideVec3<N> inA = dp - cross(turnOf(dqA), middle), inB = dp - cross(turnOf(dqB), middle);
+            far = far & (dot(inA, inA) > most) & (dot(inB, inB) > most);
+        }
+        const WideVec3<N> displacement = select(isStatic | far, WideVec3<N>{zero, zero, zero}, dp);
         moveArms(displacement);
         return displacement;
     }

@@ -55,30 +55,45 @@ RAGTOP_INLINE void solveTurning(ContactBundle<N, L, kGround>& c, Lanes<N> total,
     c.applyAngular(roll - before);
 }
 
-/// How far B has slipped on A in this step, to first order in the turns, and whether these are small enough for that.
-/// First order is what rolling needs: the arc that a round body turns by is the way it makes.
+/// How far B has slipped on A in this step, with the displacement that moveArms has counted, and whether it has turned
+/// little enough against A for that to be known. What rolls goes as far as the arc that it turns by, and what both turn by
+/// together is no slip, however far: arms in the middle of the way make it so.
 template <int N>
 struct Slip {
-    WideVec3<N> way;
+    WideVec3<N> way, turnA;
     Mask<N> known;
 };
 template <int N, int L, bool kGround>
-RAGTOP_INLINE Slip<N> slipOf(const ContactBundle<N, L, kGround>& c, const WideVec3<N>& dp, const WideQuat<N>& dqA,
-                             const WideQuat<N>& dqB, float elapsed) {
+RAGTOP_INLINE Slip<N> slipOf(const ContactBundle<N, L, kGround>& c, const WideVec3<N>& dp,
+                             const WideVec3<N>& displacement, const WideQuat<N>& dqA, const WideQuat<N>& dqB,
+                             float elapsed) {
     const WideVec3<N> rA = c.arm(contact::kCenter), rB = c.armB(rA);
-    const WideVec3<N> turnB{dqB.x + dqB.x, dqB.y + dqB.y, dqB.z + dqB.z};
-    WideVec3<N> way = dp + cross(turnB, rB), turn = turnB;
-    if constexpr (!kGround) {
-        const WideVec3<N> turnA{dqA.x + dqA.x, dqA.y + dqA.y, dqA.z + dqA.z};
-        way = way - cross(turnA, rA);
-        turn = turnB - turnA;
+    const Lanes<N> middle(0.5f);
+    const WideVec3<N> turnB = turnOf(dqB);
+    WideVec3<N> way = dp, turn = turnB, turnA{};
+    if constexpr (kGround) {
+        way = way + cross(turnB, rB);
+    } else {
+        turnA = turnOf(dqA);
+        const WideVec3<N> half = middle * c.shift;
+        way = way + (cross(turnB, rB + (middle * displacement - half)) - cross(turnA, rA - half));
+        turn = turn - turnA;
     }
     if ((c.traits & contact::kMovingSurface) != 0) way = way + Lanes<N>(elapsed) * c.vector(contact::kSurface);
-    return {way - dot(way, c.normal) * c.normal, dot(turn, turn) < Lanes<N>(kFirstOrderTurn * kFirstOrderTurn)};
+    return {way - dot(way, c.normal) * c.normal, turnA, dot(turn, turn) < Lanes<N>(kFirstOrderTurn * kFirstOrderTurn)};
+}
+
+/// What turning adds by the end of the substep to the speed at which B slips: the point goes on with B, by kFollow, and with
+/// it the arms, d/dt (ωB × rB − ωA × rA) = −(f ωA + (1 − f) ωB) × (vB − vA). Without it what stands on a carousel would
+/// leave its circle along the tangent in every substep.
+template <int N, int L>
+RAGTOP_INLINE WideVec3<N> slipAhead(const ContactBundle<N, L, false>& c, Lanes<N> h) {
+    const WideVec3<N> spin = c.wB + c.field(contact::kFollow) * (c.wA - c.wB);
+    return cross(c.vB - c.vA, h * spin);
 }
 
 /// Friction about the centre, inside the cone. The soft pass also takes back what has slipped since the surfaces stick,
-/// at the rate at which it pushes out; where they slide, or roll fast, the place is let go.
+/// at the rate at which it pushes out; where they slide, or roll fast, the place is let go. What is kept turns with A.
 template <bool kBias, int N, int L, bool kGround>
 RAGTOP_INLINE void solveFriction(ContactBundle<N, L, kGround>& c, Lanes<N> total, Lanes<N> rate, const Slip<N>& slip,
                                  const SolverContext& context) {
@@ -88,6 +103,7 @@ RAGTOP_INLINE void solveFriction(ContactBundle<N, L, kGround>& c, Lanes<N> total
     if ((c.traits & contact::kMovingSurface) != 0) speed = speed + c.vector(contact::kSurface);
     const WideVec3<N> kept = c.vector(contact::kStick);
     Lanes<N> sliding = c.field(contact::kSliding);
+    if constexpr (kBias && !kGround) speed = speed + slipAhead(c, Lanes<N>(context.h));
     if constexpr (kBias)
         speed = speed + select(slip.known & (sliding <= zero), rate, zero) * (kept + slip.way);
     const WideVec3<N> old = c.vector(contact::kFrictionImpulse);
@@ -98,7 +114,10 @@ RAGTOP_INLINE void solveFriction(ContactBundle<N, L, kGround>& c, Lanes<N> total
     if constexpr (!kBias) {
         const Lanes<N> holds = select(slip.known & (sliding <= zero) & (total > zero), one, zero);
         const WideVec3<N> place = holds * kept - (one - holds) * slip.way;
-        c.set(contact::kStick, context.lastSubstep ? holds * (kept + slip.way) : place);
+        if (!context.lastSubstep) return c.set(contact::kStick, place);
+        WideVec3<N> next = holds * (kept + slip.way);
+        if constexpr (!kGround) next = next + cross(slip.turnA, next);
+        c.set(contact::kStick, next + WideVec3<N>{zero, zero, zero});
     }
 }
 

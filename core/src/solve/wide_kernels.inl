@@ -242,11 +242,10 @@ RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const So
     c.turnCores(dqA, dqB);
     if constexpr (!kBias) followTurns(c, dqA, dqB);
     const Separations<N> separations(c, dp, dqA, dqB);
-    const Mask<N> isStatic = c.isFixed();
-    const WideVec3<N> displacement = c.moveArms(dp, isStatic);
+    const WideVec3<N> displacement = c.moveArms(dp, dqA, dqB);
     if constexpr (!kBias && !kGround) c.set(contact::kShift, displacement);
     NormalSoftness<N> soft;
-    if constexpr (kBias) soft.take(c, isStatic, context);
+    if constexpr (kBias) soft.take(c, c.isFixed(), context);
     // What holds a body on the ground has changed: nothing pulls towards loads of other points, and those that the
     // first substep finds are carried from then on. Else the body would sag where it loses a point, and rise again.
     const Lanes<N> shifted = c.rare(contact::kShifted, contact::kFindsLoad);
@@ -302,7 +301,7 @@ RAGTOP_INLINE void solveBundle(float* fields, const BodyArrays& arrays, const So
     if (!kBias && context.normals && anyShifted) c.set(contact::kShifted, zero);
     if (context.friction) {
         solveTurning(c, total, leverTotal);
-        solveFriction<kBias>(c, total, soft.rate, slipOf(c, dp, dqA, dqB, context.elapsed), context);
+        solveFriction<kBias>(c, total, soft.rate, slipOf(c, dp, displacement, dqA, dqB, context.elapsed), context);
     }
     c.writeVelocities();
 }
