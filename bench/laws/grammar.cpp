@@ -8,9 +8,10 @@ namespace ragtop::laws {
 
 std::span<const Kind> allKinds() {
     static const Kind kKinds[] = {
-        {"bridge", drawBridge},   {"net", drawNet},         {"contraption", drawContraption}, {"carried", drawCarried},
-        {"drum", drawDrum},       {"figure", drawFigure},   {"beam", drawBeam},               {"heap", drawHeap},
-        {"pendulum", drawPendulum}, {"mixture", drawMixture},
+        {"bridge", drawBridge},   {"net", drawNet},         {"contraption", drawContraption},
+        {"carried", drawCarried}, {"drum", drawDrum},       {"figure", drawFigure},
+        {"beam", drawBeam},       {"heap", drawHeap},       {"pendulum", drawPendulum},
+        {"mixture", drawMixture}, {"pressed", drawPressed},
     };
     return kKinds;
 }

@@ -24,6 +24,9 @@ Drawn drawBeam(Dice& dice);
 Drawn drawHeap(Dice& dice);
 /// Groups of compounds on joints of all kinds, with limits, motors and springs, on a floor and a plate that moves.
 Drawn drawMixture(Dice& dice);
+/// Light bodies in a pit under a heavy slab that falls on them, or between two walls that close and may leave too
+/// little room.
+Drawn drawPressed(Dice& dice);
 /// Chains and rods with heavy ends, swung in and out of their plane.
 Drawn drawPendulum(Dice& dice);
 

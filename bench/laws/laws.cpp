@@ -91,6 +91,7 @@ public:
         watched.energyGain = room > 0 ? std::max(0.0, (highest_ - start_) / room) : 0;
         if (std::isnan(highest_)) watched.energyGain = highest_;
         raise(watched.gap, gap());
+        raise(watched.fastest, fastest_);
         raise(watched.overLimit, over());
         std::vector<Pose> poses = allPoses();
         stuck_ = std::ranges::equal(poses, last_, isSame) && !rests() ? stuck_ + scene_.step : 0;
@@ -126,7 +127,7 @@ private:
         return {of(joint.bodyA, bodies.frameA), of(joint.bodyB, bodies.frameB)};
     }
     double energy() {
-        kinetic_ = potential_ = mass_ = 0;
+        kinetic_ = potential_ = mass_ = fastest_ = 0;
         const DVec3 g{scene_.settings.gravity};
         for (std::size_t i = 0; i < masses_.size(); ++i) {
             const MassProperties& mass = masses_[i];
@@ -134,6 +135,7 @@ private:
             const stability::BodyMotion m = engine_.motion(static_cast<int>(i));
             const double kg = static_cast<double>(mass.mass);
             const DVec3 v{m.v};
+            raise(fastest_, length(v));
             const Vec3 w = inverseRotate(m.pose.rotation, m.w);
             mass_ += kg;
             kinetic_ += 0.5 * kg * dot(v, v) + 0.5 * static_cast<double>(dot(w, mass.inertia * w));
@@ -167,7 +169,7 @@ private:
     std::vector<Pose> last_;
     double stuck_ = 0;
     double start_ = 0, highest_ = -1e300, lowest_ = 0;
-    double kinetic_ = 0, potential_ = 0, mass_ = 0, weightTimesSize_ = 0;
+    double kinetic_ = 0, potential_ = 0, mass_ = 0, fastest_ = 0, weightTimesSize_ = 0;
 };
 
 void drive(const Drawn& drawn, stability::Engine& engine, double time) {
@@ -199,6 +201,7 @@ std::span<const Law> allLaws() {
         {"overlap", &Watched::overlap, 0.05, "m", false},
         {"overlap at rest", &Watched::restOverlap, 0.002, "m", false},
         {"stands", &Watched::moved, 0.01, "m"},
+        {"fastest", &Watched::fastest, 300, "m/s"},
         {"comes to rest", &Watched::endSpeed, kRest, "m/s", false},
         {"goes on", &Watched::stuck, 0.1, "s"},
     };

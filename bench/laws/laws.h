@@ -20,6 +20,7 @@ struct Watched {
     double overlap = 0;  ///< m, deepest of two bodies that were apart at the start, looked at in each tenth of a second
     double restOverlap = 0;
     double moved = 0;       ///< m, farthest against body 0 of what should stand
+    double fastest = 0;     ///< m/s, of any body at the end of any step
     double endSpeed = 0;    ///< m/s, √(2 K/m) of all bodies when it ends; laws at rest look at what is slow alone
     double stuck = 0;       ///< s, longest in which no place changed though there were speeds
     double meanMs = 0, medianMs = 0, worstMs = 0;  ///< of a step
@@ -39,7 +40,7 @@ struct Law {
 /// Gaps and angles are what users see: 5 cm and 5° in motion, 2 mm and 1° at rest. Energy: a hundredth of what the
 /// scene can release, which is what rows of an implicit first-order method may trade between places and speeds. What
 /// stands moves by less than a hundredth of a box. A step that cannot be had is undone, once or twice; no scene stands
-/// still in its motion.
+/// still in its motion. No scene drops or swings anything to a third of the bound of speed.
 std::span<const Law> allLaws();
 
 /// Is something moved from outside, whose work is not counted?

@@ -5,7 +5,6 @@ namespace ragtop::direct {
 namespace {
 
 constexpr float kDeep = 8;            ///< load number of structures that swing and creep in soft contacts
-constexpr float kCrushing = 100;      ///< load number that no iteration holds, whatever else goes on
 constexpr float kQuiet = 0.125f;      ///< share of bodies that move up to which an island is at rest
 constexpr float kUnequal = 4;         ///< mass ratio from which bodies are unequal
 constexpr float kHanging = 6;         ///< load number of joints that hang, whose every gap adds up

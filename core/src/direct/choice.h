@@ -37,6 +37,7 @@ struct IslandFeatures {
     Reason last = Reason::none, reason = Reason::none;
 };
 
+inline constexpr float kCrushing = 100;  ///< load number that no iteration holds, whatever else goes on
 inline constexpr float kHung = 20;  ///< load number of a joint whose body hangs from one that contacts bear
 inline constexpr std::uint32_t kMostBodies = 512;   ///< of an island that is solved directly whatever it does
 inline constexpr std::uint32_t kMostAtRest = 4096;  ///< of one that is so only as long as nothing in it moves

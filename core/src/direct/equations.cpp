@@ -349,6 +349,20 @@ void Equations::updateSlips() {
     visitSlips(points.data(), contacts, [](const SystemContact&, SystemPoint& p, double slip) { p.slip = slip; });
 }
 
+void Equations::relieve() {
+    constexpr double kWedge = 100;  // times a force: a wedge of half a degree
+    double given = 0, largest = 0;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const DVec3 change = load(velocity.data() + 6 * i) - load(free.data() + 6 * i);
+        given += bodies[i].mass[0] * (length(change) + gravityStep);
+    }
+    for (const SystemPoint& p : points) largest = p.load[0] > largest ? p.load[0] : largest;
+    if (!(largest > kWedge * given)) return;
+    for (SystemPoint& p : points)
+        for (double& load : p.load) load *= kWedge * given / largest;
+    loadsKept = false;
+}
+
 void Equations::scaleResistance(double scale) {
     for (SystemPoint& p : points) p.resistance *= scale;
 }
@@ -359,6 +373,7 @@ void Equations::takePointLoads() {
             loadsKept &= p.load[k] == p.impulse[k];
             p.load[k] = p.impulse[k];
         }
+    relieve();
 }
 
 void Equations::takeLoads() {

@@ -252,6 +252,9 @@ private:
     Residual gradientAt(const double* v, double* gradient) const;
     /// Of each body, m/s, in the scratch: what may be left alone.
     const double* roundingSpeeds();
+    /// Shrinks loads of points that are far above all that they do to bodies: what is wedged between bodies that no
+    /// impulse moves is pushed in vain, by more with every substep.
+    void relieve();
     void applyImpulses(double* momentum, bool loads) const;
     void addMasses();
     void addContact(const SystemContact& contact);

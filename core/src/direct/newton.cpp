@@ -65,6 +65,33 @@ double dot(const double* a, const double* b, std::size_t n) {
 
 bool isLarge(const Equations& equations) { return equations.bodies.size() > kMostBodies; }
 
+/// With loads s λ̂ bodies have ℓ(s) = ½ s² λ̂ᵀ A λ̂ + s λ̂ᵀ (u_free − û) more energy than without, A = J M⁻¹ Jᵀ, of which
+/// rows take no more than they are asked to bring. Loads of which ℓ(1) > 0 would throw what they hold, as of what was
+/// wedged and has come free: they are shrunk to what takes most. True where it did; speeds are those with the loads. Of
+/// contacts alone: the energy guard watches what joints hold (world/energy_guard.h).
+bool shrinkLoads(Equations& equations) {
+    double along = 0, square = 0;
+    for (const SystemContact& c : equations.contacts)
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            const SystemPoint& p = equations.points[c.first + j];
+            along += p.load[0] * (p.speed[0] + c.friction * p.slip - p.target) + p.load[1] * p.speed[1] +
+                     p.load[2] * p.speed[2];
+        }
+    for (std::size_t i = 0; i < equations.bodies.size(); ++i) {
+        const SystemBody& body = equations.bodies[i];
+        const double *v = equations.velocity.data() + 6 * i, *from = equations.free.data() + 6 * i;
+        for (int k = 0; k < 3; ++k) square += body.mass[k] * (v[k] - from[k]) * (v[k] - from[k]);
+        const DVec3 turn = load(v + 3) - load(from + 3);
+        square += dot(turn, (body.inertia + body.stiffness) * turn);
+    }
+    if (!(along - 0.5 * square > 0)) return false;
+    const double best = 1 - along / square, share = best > 0 ? best : 0;
+    for (SystemPoint& p : equations.points)
+        for (double& load : p.load) load *= share;
+    equations.loadsKept = false;
+    return true;
+}
+
 /// A step of Newton's method to where points and rows would be if none changed its region: loads answer to small
 /// changes of what they are asked for as they did, while the speeds of light bodies under great loads tell nothing.
 /// `evaluated`: speeds there are known.
@@ -197,6 +224,10 @@ void solve(Equations& equations, bool startFromLoads, bool& factored, SolveRepor
             equations.keepLoads();
             equations.stopRounding();
             return;
+        }
+        if (equations.rows.size() == 0 && shrinkLoads(equations)) {
+            equations.velocityOfLoads(v);
+            equations.loadsAt(v);
         }
     }
     if (startFromLoads) equations.takeSidesOfLoads();

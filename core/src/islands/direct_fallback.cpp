@@ -10,10 +10,29 @@ void rescaleJoints(Joints& joints, const DirectSet& directSet, const DirectIslan
         rescaleJoint(joints.sims[directSet.joints[island.firstJoint + j]], ratio);
 }
 
+/// Contacts' of the last step.
+static void forgetLoads(const DirectView& d, const DirectIsland& island) {
+    const auto lanes = static_cast<std::size_t>(d.graph.lanes());
+    for (std::uint32_t i = 0; i < island.contactCount; ++i) {
+        float* lane = d.directSet.lanes[island.firstContact + i];
+        const auto clear = [&](int field) { lane[static_cast<std::size_t>(field) * lanes] = 0; };
+        for (int j = 0; j < contact::kMaxPoints; ++j) {
+            const int point = contact::kPoints + j * contact::kPointFields;
+            clear(point + contact::kImpulse);
+            clear(point + contact::kLoad);
+        }
+        for (int k = 0; k < 3; ++k) clear(contact::kFrictionImpulse + k);
+        clear(contact::kTwistImpulse);
+    }
+}
+
+/// Iteration from no loads takes energy with every row. What a solve has left, or heavy bodies brought a step ago, a
+/// few iterations cannot spread: they would throw what is light.
 void fallBack(const DirectView& d, DirectIsland& island, DirectPass pass) {
     island.fellBack = true;
     island.report.converged = false;
     rescaleJoints(d.joints, d.directSet, island, 0);
+    if (island.jointCount == 0) forgetLoads(d, island);
     iterateIsland(d, island, pass);
 }
 

@@ -304,16 +304,37 @@ void solveDirect(const DirectView& d, DirectPass pass) {
     solveChains(d, pass);
 }
 
+/// The largest load of a point over the weight of the lighter body that it moves, in a substep; 0 without weight.
+static double loadNumber(const direct::Equations& island) {
+    if (!(island.gravityStep > 0)) return 0;
+    double largest = 0;
+    for (const direct::SystemContact& c : island.contacts) {
+        const auto massOf = [&](std::int32_t body) {
+            return body == direct::kFixed ? 1e300 : island.bodies[body].mass[0];
+        };
+        const double lighter = massOf(c.a) < massOf(c.b) ? massOf(c.a) : massOf(c.b);
+        for (std::uint32_t j = 0; j < c.count; ++j) {
+            const double load = island.points[c.first + j].load[0];
+            if (load > largest * lighter * island.gravityStep) largest = load / (lighter * island.gravityStep);
+        }
+    }
+    return largest;
+}
+
 /// What could not be solved falls back to iteration for a while, each time for twice as long until it comes to rest: a
 /// heap that never can be is tried ever more seldom.
 static void startCooldown(const DirectView& d, const DirectIsland& island, bool rests) {
     const bool failed = isUnsolved(island);
     const bool costly = island.bodyCount > direct::kMostBodies && island.report.factorizations > 0;
-    if (!failed && !costly && !rests) return;
+    // Loads that iteration could not take over, whatever the choice takes them for.
+    const bool crushed = !failed && !costly && hasSystem(island) && island.jointCount == 0 &&
+                         loadNumber(d.directSet.systems[island.system]->equations()) > direct::kCrushing;
+    if (!failed && !costly && !rests && !crushed) return;
     d.directSet.failures += failed;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
         BodyRecord& body = d.bodies[d.directSet.bodies[island.firstBody + i]];
         if (rests) body.direct.failures = 0;
+        if (crushed) body.direct.steps = direct::kStayingSteps;
         if (costly) body.direct.steps -= direct::kFactorSteps;
         if (!failed && body.direct.steps > 0) continue;
         if (island.mechanism) {  // Newton's method is next
