@@ -83,4 +83,8 @@ inline constexpr float kHeavy = 10;
 /// Of the size: overlaps that bodies leave by being moved, since the speed of pushing is bounded.
 inline constexpr float kInside = 0.25f;
 
+/// Rad per substep up to which contacts look ahead of a turn: by a series to its second term, a tenth of which is left
+/// out there.
+inline constexpr float kAhead = 0.25f;
+
 }  // namespace ragtop::contact

@@ -44,6 +44,7 @@ void IslandSystem::moveArms(SystemContact& c, const BodyArrays& arrays) {
 static DVec3 speedAhead(const SystemContact& c, const BodyState& a, const BodyState& b, double h, double rounding) {
     const DVec3 speed = toDouble(b.v) - toDouble(a.v);
     const DVec3 spin = toDouble(b.w) + c.follow * (toDouble(a.w) - toDouble(b.w));
+    if (h * h * dot(spin, spin) > static_cast<double>(contact::kAhead * contact::kAhead)) return {};
     const DVec3 change = (-h) * cross(spin, speed + (5.0 / 12 * h) * cross(spin, speed));
     return dot(change, change) > rounding * rounding ? change : DVec3{};
 }
