@@ -123,43 +123,36 @@ double SurfaceTree::distance(const DVec3& p, double limit) const {
     return std::sqrt(best);
 }
 
-double SurfaceTree::freePath(const DVec3& from, const DVec3& direction, double skip, double limit) const {
-    double best = limit;
+template <class Visit>
+void SurfaceTree::along(const DVec3& from, const DVec3& direction, const double& reach, Visit&& visit) const {
     std::array<std::uint32_t, kDeep> stack;
     std::size_t depth = 0;
     if (!nodes_.empty()) stack[depth++] = 0;
     while (depth > 0) {
         const std::uint32_t at = stack[--depth];
         const Node& node = nodes_[at];
-        if (!meets(from, direction, node.lower, node.upper, best)) continue;
-        for (std::uint32_t i = 0; i < node.count; ++i)
-            best = meeting(from, direction, triangles_[node.first + i], skip, best);
+        if (!meets(from, direction, node.lower, node.upper, reach)) continue;
+        for (std::uint32_t i = 0; i < node.count; ++i) visit(triangles_[node.first + i]);
         if (node.count > 0) continue;
         stack[depth++] = node.first;
         stack[depth++] = at + 1;
     }
+}
+
+double SurfaceTree::freePath(const DVec3& from, const DVec3& direction, double skip, double limit) const {
+    double best = limit;
+    along(from, direction, best, [&](const auto& triangle) { best = meeting(from, direction, triangle, skip, best); });
     return best;
 }
 
 int SurfaceTree::winding(const DVec3& from, const DVec3& direction, double skip) const {
     constexpr double kFar = std::numeric_limits<double>::infinity();
     int count = 0;
-    std::array<std::uint32_t, kDeep> stack;
-    std::size_t depth = 0;
-    if (!nodes_.empty()) stack[depth++] = 0;
-    while (depth > 0) {
-        const std::uint32_t at = stack[--depth];
-        const Node& node = nodes_[at];
-        if (!meets(from, direction, node.lower, node.upper, kFar)) continue;
-        for (std::size_t i = node.first; i < node.first + node.count; ++i) {
-            const auto& [a, b, c] = triangles_[i];
-            if (meeting(from, direction, triangles_[i], skip, kFar) < kFar)
-                count += dot(direction, cross(b - a, c - a)) > 0 ? 1 : -1;
-        }
-        if (node.count > 0) continue;
-        stack[depth++] = node.first;
-        stack[depth++] = at + 1;
-    }
+    along(from, direction, kFar, [&](const auto& triangle) {
+        const auto& [a, b, c] = triangle;
+        if (meeting(from, direction, triangle, skip, kFar) < kFar)
+            count += dot(direction, cross(b - a, c - a)) > 0 ? 1 : -1;
+    });
     return count;
 }
 

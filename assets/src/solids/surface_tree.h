@@ -31,6 +31,9 @@ private:
         std::uint32_t first = 0;  ///< leaf: first triangle; inner: the right child (the left one follows)
         std::uint32_t count = 0;  ///< leaf: number of triangles; inner: 0
     };
+    /// Calls visit for the triangles of leaves whose bounds a ray meets nearer than `reach`, which visit may shorten.
+    template <class Visit>
+    void along(const DVec3& from, const DVec3& direction, const double& reach, Visit&& visit) const;
     void build(std::span<std::uint32_t> order, std::span<const DVec3> centers, std::uint32_t first);
 
     std::vector<std::array<DVec3, 3>> triangles_;  ///< in tree order

@@ -27,7 +27,7 @@ static void forgetLoads(const DirectView& d, const DirectIsland& island) {
 }
 
 /// Iteration from no loads takes energy with every row. What a solve has left, or heavy bodies brought a step ago, a
-/// few iterations cannot spread: they would throw what is light.
+/// few iterations cannot spread: they would throw what is light. What joints hold the energy guard watches.
 void fallBack(const DirectView& d, DirectIsland& island, DirectPass pass) {
     island.fellBack = true;
     island.report.converged = false;

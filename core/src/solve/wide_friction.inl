@@ -89,8 +89,8 @@ RAGTOP_INLINE Slip<N> slipOf(const ContactBundle<N, L, kGround>& c, const WideVe
 template <int N, int L>
 RAGTOP_INLINE WideVec3<N> slipAhead(const ContactBundle<N, L, false>& c, Lanes<N> h) {
     const WideVec3<N> turn = h * (c.wB + c.field(contact::kFollow) * (c.wA - c.wB));
-    const Lanes<N> zero(0.0f), known = select(dot(turn, turn) < Lanes<N>(contact::kAhead * contact::kAhead), Lanes<N>(1.0f), zero);
-    return cross(c.vB - c.vA, known * turn);
+    const Lanes<N> most(contact::kAhead * contact::kAhead);
+    return cross(c.vB - c.vA, select(dot(turn, turn) < most, Lanes<N>(1.0f), Lanes<N>(0.0f)) * turn);
 }
 
 /// Friction about the centre, inside the cone. The soft pass also takes back what has slipped since the surfaces stick,
