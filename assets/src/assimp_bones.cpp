@@ -2,9 +2,9 @@
 
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -42,11 +42,20 @@ Nodes nodesOf(const Json& gltf, const aiNode& root) {
     return found;
 }
 
+/// What tells nodes from each other. Clips and accessors, most of a file's text by far, are passed over.
+Json readNodes(const std::string& gltfText) {
+    const auto isNeeded = [](int depth, Json::parse_event_t event, const Json& key) {
+        return depth != 1 || event != Json::parse_event_t::key || key == "nodes" || key == "scenes" || key == "scene" ||
+               key == "skins";
+    };
+    return Json::parse(gltfText, isNeeded, false);
+}
+
 /// The joints of the skin with which each node carries its meshes.
 std::map<const aiNode*, Nodes> gltfJoints(const std::string& file, const aiNode& root) {
     std::map<const aiNode*, Nodes> joints;
     try {
-        const Json gltf = Json::parse(gltfText(file), nullptr, false);
+        const Json gltf = readNodes(gltfText(file));
         const Nodes nodes = nodesOf(gltf, root);
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             const Json& node = gltf.at("nodes").at(i);
@@ -93,8 +102,9 @@ Nodes barestFirst(const NodePlaces& places) {
 
 /// In a binary one header and chunk header are 20 bytes [Khronos, glTF 2.0, 4.4].
 std::string gltfText(const std::string& file) {
-    std::ifstream stream(file, std::ios::binary);
-    std::string bytes(std::istreambuf_iterator<char>(stream), {});
+    std::ifstream stream(file, std::ios::binary | std::ios::ate);
+    std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(stream.tellg(), 0)), '\0');
+    stream.seekg(0).read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     if (!bytes.starts_with("glTF") || bytes.size() < 20) return bytes;
     std::uint32_t length = 0;
     std::memcpy(&length, bytes.data() + 12, sizeof length);
