@@ -112,15 +112,17 @@ std::string gltfText(const std::string& file) {
 }
 
 void findBoneNodes(const aiScene& from, const std::string& file, const NodePlaces& places, ImportedScene& to) {
+    const NamedNodes all = byName(barestFirst(places));
+    const bool areNamesUnique =
+        std::all_of(all.begin(), all.end(), [](const auto& named) { return named.second.size() == 1; });
     std::map<const aiNode*, Nodes> skins;
-    if (to.format.find("glTF") != std::string::npos) skins = gltfJoints(file, *from.mRootNode);
+    if (!areNamesUnique && to.format.find("glTF") != std::string::npos) skins = gltfJoints(file, *from.mRootNode);
     std::map<const Nodes*, NamedNodes> jointsByName;
     std::map<std::size_t, const NamedNodes*> skinOf;
     for (const auto& [carrier, joints] : skins) {
         const NamedNodes& named = jointsByName[&joints] = byName(joints);
         for (unsigned i = 0; i < carrier->mNumMeshes; ++i) skinOf.emplace(carrier->mMeshes[i], &named);
     }
-    const NamedNodes all = byName(barestFirst(places));
     for (std::size_t mesh = 0; mesh < to.meshes.size(); ++mesh) {
         const auto skin = skinOf.find(mesh);
         std::map<std::string, std::size_t> used;

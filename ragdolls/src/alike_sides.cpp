@@ -25,8 +25,18 @@ FittedShape mirrored(const FittedShape& fitted, const Frame& from, const Frame& 
     return {ConvexHull(corners), frame};
 }
 
-bool doesFor(const FittedShape& fitted, const SidePart& part, float share) {
-    return static_cast<float>(countInside(fitted, part.skin)) >= share * static_cast<float>(part.skin.size());
+bool holdsShare(const FittedShape& fitted, std::span<const Vec3> skin, float share) {
+    return static_cast<float>(countInside(fitted, skin)) >= share * static_cast<float>(skin.size());
+}
+
+/// Of a shape of one side. The skin of the other is mirrored, not the shape: building a hull takes longer.
+bool doesForBoth(const FittedShape& fitted, const SidePart& own, const SidePart& other, float share) {
+    return holdsShare(fitted, own.skin, share) && holdsShare(fitted, mirrored(other.skin, other.axes, own.axes), share);
+}
+
+void giveBoth(const FittedShape& fitted, SidePart& own, SidePart& other) {
+    own.fitted = fitted;
+    other.fitted = mirrored(fitted, own.axes, other.axes);
 }
 
 }  // namespace
@@ -36,12 +46,9 @@ bool makeAlike(SidePart& left, SidePart& right, float share) {
     if (std::max(ofLeft, ofRight) > kAsLarge * std::min(ofLeft, ofRight)) return false;
     for (const bool smaller : {true, false}) {
         const bool byLeft = (ofLeft <= ofRight) == smaller;
-        const FittedShape one = byLeft ? left.fitted : mirrored(right.fitted, right.axes, left.axes);
-        if (!doesFor(one, left, share)) continue;
-        const FittedShape other = byLeft ? mirrored(left.fitted, left.axes, right.axes) : right.fitted;
-        if (!doesFor(other, right, share)) continue;
-        left.fitted = one;
-        right.fitted = other;
+        SidePart &own = byLeft ? left : right, &other = byLeft ? right : left;
+        if (!doesForBoth(own.fitted, own, other, share)) continue;
+        giveBoth(own.fitted, own, other);
         return true;
     }
     return false;
@@ -49,10 +56,8 @@ bool makeAlike(SidePart& left, SidePart& right, float share) {
 
 bool makeAlike(SidePart& left, SidePart& right, const FittedShape& fitted, float share) {
     const float most = kAsLarge * std::min(volumeOf(left.fitted.shape), volumeOf(right.fitted.shape));
-    const FittedShape other = mirrored(fitted, left.axes, right.axes);
-    if (volumeOf(fitted.shape) > most || !doesFor(fitted, left, share) || !doesFor(other, right, share)) return false;
-    left.fitted = fitted;
-    right.fitted = other;
+    if (volumeOf(fitted.shape) > most || !doesForBoth(fitted, left, right, share)) return false;
+    giveBoth(fitted, left, right);
     return true;
 }
 

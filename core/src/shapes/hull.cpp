@@ -164,17 +164,15 @@ void addEdges(HullData& hull) {
                              static_cast<std::uint8_t>(f)});
         }
     }
-    for (const Side& left : sides) {
-        if (left.from > left.to) continue;
-        for (const Side& right : sides) {
-            if (right.from == left.to && right.to == left.from) {
-                hull.edges.push_back({left.from, left.to, left.face, right.face});
-            }
-        }
-    }
-    std::sort(hull.edges.begin(), hull.edges.end(), [](const HullData::Edge& a, const HullData::Edge& b) {
-        return std::tie(a.from, a.to) < std::tie(b.from, b.to);
+    // The two that run along one edge, from the lower to the upper vertex first.
+    std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+        const auto key = [](const Side& s) {
+            return std::tuple(std::min(s.from, s.to), std::max(s.from, s.to), s.from);
+        };
+        return key(a) < key(b);
     });
+    for (std::size_t i = 0; i + 1 < sides.size(); i += 2)
+        hull.edges.push_back({sides[i].from, sides[i].to, sides[i].face, sides[i + 1].face});
 }
 
 void addMeasures(HullData& hull) {

@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <map>
+#include <array>
 
 #include "base/double_vectors.h"
 #include "shapes/hull_build.h"
@@ -8,17 +8,18 @@ namespace ragtop {
 namespace {
 
 using Loop = std::vector<int>;
+using Side = std::array<int, 2>;  ///< from a vertex to the next
 
 /// The patches of triangles that become faces.
 class Merge {
 public:
     Merge(const std::vector<DVec3>& points, const std::vector<HullTriangle>& triangles, double tolerance)
-        : points_(points), triangles_(triangles), tolerance_(tolerance), patchOf_(triangles.size(), -1) {
-        for (std::size_t t = 0; t < triangles.size(); ++t) {
-            for (std::size_t e = 0; e < 3; ++e) {
-                ownerOf_[{triangles[t][e], triangles[t][(e + 1) % 3]}] = t;
-            }
-        }
+        : points_(points),
+          triangles_(triangles),
+          tolerance_(tolerance),
+          across_(triangles.size()),
+          patchOf_(triangles.size(), -1) {
+        findNeighbours();
         std::vector<std::pair<double, std::size_t>> byArea;
         for (std::size_t t = 0; t < triangles.size(); ++t) {
             const DVec3 n = areaNormal(t);
@@ -32,9 +33,17 @@ public:
 
     /// Empty when a patch is no simple loop of at least three vertices.
     std::vector<Loop> faces() const {
+        std::vector<std::vector<Side>> outlines(static_cast<std::size_t>(patchCount_));
+        for (std::size_t t = 0; t < triangles_.size(); ++t) {
+            for (std::size_t e = 0; e < 3; ++e) {
+                if (patchOf_[across_[t][e]] != patchOf_[t])
+                    outlines[static_cast<std::size_t>(patchOf_[t])].push_back(
+                        {triangles_[t][e], triangles_[t][(e + 1) % 3]});
+            }
+        }
         std::vector<Loop> loops;
-        for (int patch = 0; patch < patchCount_; ++patch) {
-            loops.push_back(outline(patch));
+        for (std::vector<Side>& sides : outlines) {
+            loops.push_back(joined(sides));
             if (loops.back().empty()) return {};
         }
         dropPassedVertices(loops);
@@ -52,8 +61,24 @@ private:
         const HullTriangle& v = triangles_[t];
         return cross(point(v[1]) - point(v[0]), point(v[2]) - point(v[0]));
     }
-    std::size_t across(std::size_t t, std::size_t e) const {
-        return ownerOf_.at({triangles_[t][(e + 1) % 3], triangles_[t][e]});
+    /// The triangles are a closed surface: each side has one partner, which runs the other way.
+    void findNeighbours() {
+        struct Owned {
+            Side side;
+            std::size_t triangle;
+        };
+        std::vector<Owned> owned;
+        for (std::size_t t = 0; t < triangles_.size(); ++t) {
+            for (std::size_t e = 0; e < 3; ++e) owned.push_back({{triangles_[t][e], triangles_[t][(e + 1) % 3]}, t});
+        }
+        const auto before = [](const Owned& a, const Owned& b) { return a.side < b.side; };
+        std::sort(owned.begin(), owned.end(), before);
+        for (std::size_t t = 0; t < triangles_.size(); ++t) {
+            for (std::size_t e = 0; e < 3; ++e) {
+                const Owned partner{{triangles_[t][(e + 1) % 3], triangles_[t][e]}, 0};
+                across_[t][e] = std::lower_bound(owned.begin(), owned.end(), partner, before)->triangle;
+            }
+        }
     }
 
     /// Takes in what lies in the plane of its largest triangle, so that a gentle curve does not become one face.
@@ -68,7 +93,7 @@ private:
             const std::size_t t = front.back();
             front.pop_back();
             for (std::size_t e = 0; e < 3; ++e) {
-                const std::size_t next = across(t, e);
+                const std::size_t next = across_[t][e];
                 if (patchOf_[next] >= 0) continue;
                 const auto inPlane = [&](int v) { return std::abs(dot(n, point(v) - corner)) <= tolerance_ * size; };
                 const HullTriangle& v = triangles_[next];
@@ -79,25 +104,19 @@ private:
         }
     }
 
-    Loop outline(int patch) const {
-        std::map<int, int> next;
-        std::size_t sides = 0;
-        for (std::size_t t = 0; t < triangles_.size(); ++t) {
-            if (patchOf_[t] != patch) continue;
-            for (std::size_t e = 0; e < 3; ++e) {
-                if (patchOf_[across(t, e)] == patch) continue;
-                next[triangles_[t][e]] = triangles_[t][(e + 1) % 3];
-                ++sides;
-            }
-        }
-        if (sides < 3 || next.size() != sides) return {};
+    /// The loop that sides make, from the lowest vertex on; empty where they make none, or several.
+    static Loop joined(std::vector<Side>& sides) {
+        std::sort(sides.begin(), sides.end());
+        const auto isFork = [](const Side& a, const Side& b) { return a[0] == b[0]; };
+        if (sides.size() < 3 || std::adjacent_find(sides.begin(), sides.end(), isFork) != sides.end()) return {};
         Loop loop;
-        int at = next.begin()->first;
+        int at = sides.front()[0];
         do {
             loop.push_back(at);
-            at = next.at(at);
-        } while (at != loop.front() && loop.size() < sides);
-        return at == loop.front() && loop.size() == sides ? loop : Loop{};
+            const auto next = std::lower_bound(sides.begin(), sides.end(), Side{at, 0});
+            at = (*next)[1];
+        } while (at != loop.front() && loop.size() < sides.size());
+        return at == loop.front() && loop.size() == sides.size() ? loop : Loop{};
     }
 
     /// A vertex of two faces only is no corner; it lies on the edge between them.
@@ -114,7 +133,7 @@ private:
     const std::vector<DVec3>& points_;
     const std::vector<HullTriangle>& triangles_;
     double tolerance_;
-    std::map<std::array<int, 2>, std::size_t> ownerOf_;
+    std::vector<std::array<std::size_t, 3>> across_;  ///< each side of each triangle, to the one beyond
     std::vector<int> patchOf_;
     int patchCount_ = 0;
 };
