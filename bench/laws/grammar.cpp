@@ -11,7 +11,7 @@ std::span<const Kind> allKinds() {
         {"bridge", drawBridge},   {"net", drawNet},         {"contraption", drawContraption},
         {"carried", drawCarried}, {"drum", drawDrum},       {"figure", drawFigure},
         {"beam", drawBeam},       {"heap", drawHeap},       {"pendulum", drawPendulum},
-        {"mixture", drawMixture}, {"pressed", drawPressed},
+        {"mixture", drawMixture}, {"pressed", drawPressed}, {"hung", drawHung},
     };
     return kKinds;
 }

@@ -20,6 +20,8 @@ Drawn drawDrum(Dice& dice);
 Drawn drawFigure(Dice& dice);
 /// Chains of boxes laid over a beam.
 Drawn drawBeam(Dice& dice);
+/// Bodies that hang by slack ropes at their corners, and ladders of them, thrown until the ropes catch them.
+Drawn drawHung(Dice& dice);
 /// Bodies of all convex shapes poured on the floor.
 Drawn drawHeap(Dice& dice);
 /// Groups of compounds on joints of all kinds, with limits, motors and springs, on a floor and a plate that moves.

@@ -250,5 +250,43 @@ TEST(JointStops, AfterARopeWasTautABodyKeepsItsNewEnergy) {
     EXPECT_LT(change, 2e-5);
 }
 
+/// A box that flies into three ropes at its corners, whose ends are anywhere about it.
+double longestOverLength(unsigned seed) {
+    std::mt19937 random(seed);
+    const auto between = [&](float from, float to) {
+        return from + (to - from) * static_cast<float>(random() >> 8) / static_cast<float>(1 << 24);
+    };
+    World world;
+    BodyDef def;
+    const Vec3 half{between(0.2f, 0.6f), between(0.2f, 0.6f), between(0.2f, 0.6f)};
+    def.shapes = {{.geometry = Box{half}}};
+    def.linearVelocity = {between(-8, 8), between(-8, 8), between(-8, 8)};
+    const BodyId body = world.create(def);
+    std::vector<JointId> ropes;
+    for (int i = 0; i < 3; ++i) {
+        const auto side = [&] { return random() % 2 == 0 ? 1.0f : -1.0f; };
+        DistanceDef rope;
+        rope.bodies.b = body;
+        rope.bodies.frameB.position = {side() * half.x, side() * half.y, side() * half.z};
+        const Vec3 way = normalized(Vec3{between(-1, 1), between(0.2f, 1), between(-1, 1)});
+        const float length = between(1, 3);
+        rope.bodies.frameA.position = rope.bodies.frameB.position + 0.8f * length * way;
+        rope.limit = Range{0, length};
+        ropes.push_back(world.create(JointDef{rope}));
+    }
+    double longest = 0;
+    for (int i = 0; i < 300; ++i) {
+        world.step(1.0 / 60);
+        for (const JointId rope : ropes) longest = std::max(longest, static_cast<double>(world.state(rope).gap));
+    }
+    return longest;
+}
+
+/// Substeps of h follow an arc of an arm r that turns by θ = ω h to within ½ θ² r: of 0.6 m and 15 rad/s 1.2 mm, beside
+/// ropes of 3 m whose bodies swing at 12 m/s about as much.
+TEST(JointStops, RopesThatCatchOneBodyTogetherAllKeepTheirLength) {
+    for (unsigned seed = 1; seed <= 24; ++seed) EXPECT_LT(longestOverLength(seed), 3e-3) << seed;
+}
+
 }  // namespace
 }  // namespace ragtop::test

@@ -28,6 +28,10 @@ bool flies(const IslandFeatures& island) {
     return island.joints > 1 && !island.touches && island.bodies <= kMostBodies;
 }
 std::uint32_t jointsOfTree(const IslandFeatures& island) { return island.bodies - (island.hangs ? 0 : 1); }
+/// Held by several ropes, stops or hinges at once: what one pass closes the next opens.
+bool isLooped(const IslandFeatures& island) {
+    return !island.touches && island.bodies <= kMostLooped && island.joints > jointsOfTree(island);
+}
 
 }  // namespace
 
@@ -51,6 +55,7 @@ Reason chooseDirect(const IslandFeatures& island) {
     const bool jointed = island.jointLoad > 0, quiet = static_cast<float>(island.moving) <= kQuiet * bodies;
     if (island.bodies <= kMostBodies && island.hardness.stiffness > kStiff) return Reason::stiff;
     if (flies(island) && island.hardness.braking > kBraked) return Reason::damped;
+    if (isLooped(island)) return Reason::taut;
     if (island.hangs && island.jointLoad > kHanging) return Reason::taut;
     if (island.hung >= kHungBodies && static_cast<float>(island.hung) > kHungShare * bodies) return Reason::taut;
     if (quiet && island.jointLoad > kJointed) return Reason::taut;

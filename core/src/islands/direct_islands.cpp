@@ -310,7 +310,7 @@ static double loadNumber(const direct::Equations& island) {
     double largest = 0;
     for (const direct::SystemContact& c : island.contacts) {
         const auto massOf = [&](std::int32_t body) {
-            return body == direct::kFixed ? 1e300 : island.bodies[body].mass[0];
+            return body == direct::kFixed ? 1e300 : island.bodies[static_cast<std::size_t>(body)].mass[0];
         };
         const double lighter = massOf(c.a) < massOf(c.b) ? massOf(c.a) : massOf(c.b);
         for (std::uint32_t j = 0; j < c.count; ++j) {
