@@ -33,14 +33,13 @@ float driven(const VehicleDef& def) {
 void VehicleSim::seekBelow(const Pose& pose) {
     WheelState& first = wheels[0];
     const float base = std::max(ride.wheelbase, specs[0].radius);
-    if (first.placed != WheelState::kPut && first.ground.moves == 0 && first.ground.found != 0 && unseen < kSeen * base)
-        return;
+    if (!first.isPut() && first.ground.moves == 0 && first.ground.found != 0 && unseen < kSeen * base) return;
     const Vec3 up = rotate(pose.rotation, {0, 1, 0});
     const float above = specs[0].strut.travelUp + specs[0].radius, below = base;
     const WheelPath path{transformPoint(pose, ride.foot) + above * up, -(above + below) * up, up, {}, 0, 0};
     findPoint(*world, chassis, def.chassis.filter, path, first.ground);
     for (std::size_t i = 1; i < wheels.size(); ++i) wheels[i].ground = first.ground;
-    first.placed = 0;
+    first.squash = 0;
     unseen = 0;
 }
 
@@ -92,7 +91,7 @@ void VehicleSim::rollWheels(float speed, float h) {
         wheel.force = wheel.deflection = {};
         wheel.compression = wheel.hubSpeed = wheel.settleTime = wheel.inclination = wheel.aligning = 0;
         wheel.travel = {speed, 0};
-        if (i > 0) wheel.placed = 0;
+        if (i > 0) wheel.squash = 0;
     }
 }
 
@@ -139,7 +138,7 @@ LateralMotion<float> VehicleSim::steerAlong(const BicycleRoad& road, const Later
 /// there; it has the latter when the step is over.
 void VehicleSim::rideBicycle(float h) {
     const Pose pose = world->pose(chassis);
-    if (wheels[0].placed == WheelState::kPut) seekBelow(pose);
+    if (wheels[0].isPut()) seekBelow(pose);
     const Vec3 velocity = world->linearVelocity(chassis), turning = world->angularVelocity(chassis);
     const BicycleRoad road = roadBelow(pose, velocity, h);
     const float along = dot(velocity, road.forward), side = dot(velocity, road.left);

@@ -143,7 +143,7 @@ void VehicleSim::createCarrier(std::size_t k, const Pose& pose) {
 void VehicleSim::makeCarriers() {
     const Pose pose = world->pose(chassis);
     if (isElsewhere(pose, endPose)) {
-        for (WheelState& wheel : wheels) wheel.placed = WheelState::kPut;
+        for (WheelState& wheel : wheels) wheel.squash = WheelState::kPut;
     }
     endPose = pose;
     const DVec3 center = transformPoint(pose, carMass.center);

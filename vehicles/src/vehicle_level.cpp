@@ -107,7 +107,7 @@ void VehicleSim::setLevel(VehicleLevel level) {
         makeCarriers();
     }
     if (before == VehicleLevel::bicycle) leaveBicycle();
-    if (level == VehicleLevel::bicycle) wheels[0].placed = WheelState::kPut;
+    if (level == VehicleLevel::bicycle) wheels[0].squash = WheelState::kPut;
     world->wake(chassis);
     stale = true;
 }
@@ -135,7 +135,7 @@ void VehicleSim::leaveBicycle() {
     const Pose pose = world->pose(chassis);
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         WheelState& wheel = wheels[i];
-        wheel.placed = WheelState::kPut;
+        wheel.squash = WheelState::kPut;
         if (wheel.ground.found == 0) continue;
         const WheelLine line = lineNow(i);
         const Vec3 axle = rotate(pose.rotation, line.axle);

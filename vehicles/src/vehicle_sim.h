@@ -42,9 +42,9 @@ struct WheelState {
     float inclination = 0;       ///< rad, as TireGround
     float aligning = 0;          ///< N m about the ground's normal, to the left
     float sunk = 0;              ///< m by which the ground counts as lower, see VehicleSim::sinkGround
-    std::uint32_t placed = kPut;
-    static constexpr std::uint32_t kPut = 1;    ///< somebody put the car where it is, and it has not moved since
-    static constexpr std::uint32_t kAbove = 2;  ///< in the last substep it was clear of the ground below it
+    float squash = kPut;         ///< m of its tire when the last substep began, nothing in the air
+    static constexpr float kPut = -1;  ///< somebody put the car where it is, and it has not moved since
+    bool isPut() const { return squash < 0; }
 };
 static_assert(sizeof(WheelState) == 2 * 112 + 72);
 
@@ -75,7 +75,7 @@ struct WheelLine {
 
 /// What a substep works with.
 struct WheelPatch {
-    bool touching = false, above = false;
+    bool touching = false;
     Vec3 normal, forward, side, axle;  ///< unit, world; axle to the left
     PatchRow normalRow, forwardRow, sideRow;
     Vec2 lean;           ///< of the strut, along forward and side
@@ -119,9 +119,10 @@ struct CarLosses {
 bool isElsewhere(const Pose& now, const Pose& before);
 
 /// A car inside: definition, state, and the parts of the step. vehicle.cpp builds, saves and shows it,
-/// vehicle_line.cpp says where struts and linkages have wheels, vehicle_step.cpp does what happens once per step,
-/// vehicle_substep.cpp the implicit solve, vehicle_carriers.cpp the bodies of level 3, vehicle_energy.cpp counts what
-/// it takes; vehicle_level.cpp goes from one level to another, vehicle_bicycle.cpp drives level 0.
+/// vehicle_line.cpp says where struts and linkages have wheels, vehicle_contact.cpp where these meet the ground,
+/// vehicle_step.cpp does what happens once per step, vehicle_substep.cpp the implicit solve, vehicle_carriers.cpp the
+/// bodies of level 3, vehicle_energy.cpp counts what it takes; vehicle_level.cpp goes from one level to another,
+/// vehicle_bicycle.cpp drives level 0.
 struct VehicleSim {
     VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePlacement& placement);
 
@@ -276,6 +277,7 @@ private:
     void beginGrounds();
     void takeGround(std::size_t i, const PointBody& body);
     bool sinkGround(std::size_t i, const PointBody& body, float h);
+    float comeDown(std::size_t i, const PointBody& body, float h) const;
     void letFall(std::size_t i, float h);
     float visitFree(std::size_t i, PointBody& body, float h);
     BarPull barOf(std::size_t i) const;

@@ -83,7 +83,7 @@ void VehicleSim::beforeStep(double dt) {
 
     const Pose pose = world->pose(chassis);
     if (isElsewhere(pose, endPose)) {
-        for (WheelState& wheel : wheels) wheel.placed = WheelState::kPut;
+        for (WheelState& wheel : wheels) wheel.squash = WheelState::kPut;
         carried = {};
         if (hasCarriers()) bringCarriers(pose);
     }
@@ -160,7 +160,7 @@ WheelWay VehicleSim::wayOf(std::size_t i, const Pose& pose, float dt) const {
 
 void VehicleSim::seekGround(std::size_t i, const Pose& pose, float dt) {
     WheelState& wheel = wheels[i];
-    if (wheel.placed == WheelState::kPut) wheel.ahead.found = 0;
+    if (wheel.isPut()) wheel.ahead.found = 0;
     if (wheel.touching == 0) wheel.below = 0;
     findCourse(*world, chassis, def.chassis.filter, wayOf(i, pose, dt), world->settings().substeps,
                {wheel.ahead, wheel.below}, courses[i]);
@@ -168,11 +168,10 @@ void VehicleSim::seekGround(std::size_t i, const Pose& pose, float dt) {
 
 /// At level 1: one plane, where a ray along the strut through the hub meets the ground at the end of the step.
 void VehicleSim::seekPoint(std::size_t i, const Pose& pose, float dt) {
-    const WheelWay way = wayOf(i, pose, dt);
-    const DVec3 start = way.to + way.above * way.axis;
-    const Vec3 reach = -(way.above + way.below + way.radius) * way.axis;
-    findPoint(*world, chassis, def.chassis.filter, {start, reach, way.axis, way.axle, way.radius, way.halfWidth},
-              wheels[i].ground);
+    WheelState& wheel = wheels[i];
+    if (wheel.isPut()) wheel.ahead.found = 0;
+    if (wheel.touching == 0) wheel.below = 0;
+    findPlane(*world, chassis, def.chassis.filter, wayOf(i, pose, dt), {wheel.ahead, wheel.below}, wheel.ground);
 }
 
 /// As many as the finest course of a wheel has to a substep, or as it takes to follow a tire that springs back, by a

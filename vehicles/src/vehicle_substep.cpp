@@ -228,7 +228,6 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     if (def.level >= VehicleLevel::full && (substep > 0 || part > 0)) takePiece(i, transformPoint(pose, lines[i].base));
     const bool known = placePatch(i, pose, center);
     patch.touching = known && sinkGround(i, body, h);
-    patch.above = known && !patch.touching;
     patch.load = patch.way = patch.strutGive = 0;
     patch.tire = {};
     patch.given = patch.turned = {};
@@ -278,59 +277,6 @@ float VehicleSim::resistanceOf(std::size_t i) const {
     return (specs[i].tire.def.rollingResistance + groundOf(i).drag) * wheels[i].load * specs[i].radius;
 }
 
-/// Where the wheel meets its plane, on a tire that has its radius: with the hub at p at a compression x₀, and the
-/// lowest point of the rim below it, (p + (x − x₀) a + lowest − point)·n = 0. a is how that point goes with x: as the
-/// hub, and by what the axle tilts, but not turned about it, as the wheel rolls.
-bool VehicleSim::placePatch(std::size_t i, const Pose& pose, const DVec3& center) {
-    WheelPatch& patch = patches[i];
-    const WheelState& wheel = wheels[i];
-    const WheelSpec& spec = specs[i];
-    if (wheel.ground.found == 0) return false;
-
-    DVec3 point = wheel.ground.point;
-    patch.normal = wheel.ground.normal;
-    if (wheel.ground.moves != 0) movePlane(wheel.ground, world->pose(wheel.ground.body), point, patch.normal);
-    const WheelLine& line = lines[i];
-    const std::optional<Vec3> lowest = lowestPoint(patch.normal, patch.axle, spec.radius);
-    if (!lowest) return false;
-    const Vec3 tilted = cross(rotate(pose.rotation, line.tilting), *lowest);
-    patch.axis = rotate(pose.rotation, line.axis) + tilted;
-    patch.slant = dot(patch.axis, patch.normal);
-    if (!(patch.slant > kSteepest)) return false;
-    const DVec3 below = transformPoint(pose, line.base) + (*lowest - wheel.compression * tilted);
-    patch.rise = -dot(relative(below, point), patch.normal) / patch.slant;
-    patch.point = below + patch.rise * patch.axis;
-    patch.arm = relative(patch.point, center);
-    patch.forward = normalized(cross(patch.axle, patch.normal));
-    patch.side = cross(patch.normal, patch.forward);
-    return true;
-}
-
-/// The tire is squashed by what the strut does not yield. Only motion may squash it, because the spring is at nothing's
-/// cost otherwise: a wheel that is found deeper than it can have come since it was clear stands on ground that counts
-/// as lower, and is lifted out slowly. It happens where a wheel turns to ground that it could not touch, as of a car
-/// that rolls off its side, and where ground comes up by itself.
-bool VehicleSim::sinkGround(std::size_t i, const PointBody& body, float h) {
-    WheelPatch& patch = patches[i];
-    WheelState& wheel = wheels[i];
-    const StrutSpec& strut = specs[i].strut;
-    takeGround(i, body);
-    if (wheel.placed == WheelState::kPut && !hasCarriers()) wheel.compression = std::max(patch.rise, strut.travelLeast);
-    patch.squash = patch.slant * (patch.rise - wheel.compression) + strut.tireSquash;
-    const float deepest = std::max(patch.squash, 0.0f);
-    if (wheel.touching == 0 && wheel.placed == 0) {
-        const float way = hasCarriers() ? h * wheel.hubSpeed : fallOfWheel(strut, wheel.compression, h);
-        const float come = -patch.slant * way - h * speedAlong(patch.normalRow, body, *patch.ground);
-        wheel.sunk = deepest - clampTo(come, 0, deepest);
-    } else if (wheel.placed == WheelState::kPut && hasCarriers()) {
-        wheel.sunk = std::max(deepest - strut.tireSquash, 0.0f);
-    } else {
-        wheel.sunk = clampTo(wheel.sunk - h * kLiftSpeed, 0, deepest);
-    }
-    patch.squash -= wheel.sunk;
-    return patch.squash > 0;
-}
-
 void VehicleSim::letFall(std::size_t i, float h) {
     wheels[i].compression += fallOfWheel(specs[i].strut, wheels[i].compression, h, barOf(i));
 }
@@ -348,20 +294,6 @@ void VehicleSim::beginGrounds() {
         if (groundOfWheel[i] != i || plane.found == 0 || plane.moves == 0) continue;
         beginGround(*world, plane.body, grounds[i]);
     }
-}
-
-void VehicleSim::takeGround(std::size_t i, const PointBody& body) {
-    WheelPatch& patch = patches[i];
-    const GroundPlane& plane = wheels[i].ground;
-    GroundBody& ground = grounds[groundOfWheel[i]];
-    patch.ground = &ground.body;
-    const Vec3 groundArm = plane.moves != 0 ? relative(patch.point, ground.center) : Vec3{};
-    const auto rowAlong = [&](const Vec3& along) {
-        return rowOf(along, body, patch.arm, ground.body, groundArm, plane.surfaceVelocity);
-    };
-    patch.normalRow = rowAlong(patch.normal);
-    patch.forwardRow = rowAlong(patch.forward);
-    patch.sideRow = rowAlong(patch.side);
 }
 
 /// And by what its brake does to what carries the wheel, and what grips at the other end of its beam.
@@ -467,7 +399,7 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     wheel.rotation += h * spin;
     wheel.rotation -= 2 * kPi * std::floor((wheel.rotation + kPi) / (2 * kPi));
     wheel.touching = patch.touching ? 1 : 0;
-    wheel.placed = patch.above ? WheelState::kAbove : 0;
+    wheel.squash = patch.touching ? patch.squash : 0;
     patch.wayAfter = patch.way / h;
     if (!patch.touching) return;
 

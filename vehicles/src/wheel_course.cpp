@@ -38,7 +38,8 @@ GroundPlane pieceBetween(const Sample& a, Sample& b, const WheelWay& way, float 
     const float along = dot(went, way.axis), onward = std::sqrt(std::max(dot(went, went) - along * along, 0.0f));
     const float climbed = b.rise - (a.rise + below);
     const float more = climbed > kSteepestClimb * onward ? 0 : std::max(climbed, 0.0f);
-    b.rise = std::min(b.rise, a.rise + more + kCatchUp * onward + kLiftSpeed * seconds);
+    const float found = b.rise;
+    b.rise = std::min(found, a.rise + more + kCatchUp * onward + kLiftSpeed * seconds);
     const float climb = b.rise - a.rise;
     if (climb < -onward) return b.plane;
     const Vec3 locus = went + climb * way.axis;
@@ -48,7 +49,11 @@ GroundPlane pieceBetween(const Sample& a, Sample& b, const WheelWay& way, float 
     GroundPlane piece = climb > 0 ? b.plane : a.plane;
     piece.normal = length(across) > 1e-3f ? normalized(across) : b.plane.normal;
     const std::optional<Vec3> down = lowestPoint(piece.normal, way.axle, way.radius);
-    if (!down || !(dot(piece.normal, way.axis) > kSteepest)) return b.plane;
+    if (!down || !(dot(piece.normal, way.axis) > kSteepest)) {
+        piece = b.plane;
+        piece.point = piece.point + (b.rise - found) * way.axis;
+        return piece;
+    }
     piece.point = a.hub + a.rise * way.axis + *down;
     return piece;
 }
@@ -71,6 +76,7 @@ struct Search {
     BodyId chassis;
     const Filter& filter;
     const WheelWay& way;
+    bool byRays = false;
 
     void take(Sample& sample) const {
         const std::optional<float> rise =
@@ -81,13 +87,11 @@ struct Search {
 
     Sample look(float share) const {
         Sample sample{{}, way.from + share * relative(way.to, way.from), 0};
-        const WheelPath path{sample.hub + way.above * way.axis,
-                             -(way.above + way.below) * way.axis,
-                             way.axis,
-                             way.axle,
-                             way.radius,
-                             way.halfWidth};
-        findGround(world, chassis, filter, path, sample.plane);
+        const float reach = way.above + way.below + (byRays ? way.radius : 0);
+        const WheelPath path{
+            sample.hub + way.above * way.axis, -reach * way.axis, way.axis, way.axle, way.radius, way.halfWidth};
+        byRays ? findPoint(world, chassis, filter, path, sample.plane)
+               : findGround(world, chassis, filter, path, sample.plane);
         take(sample);
         return sample;
     }
@@ -143,19 +147,30 @@ int finePieces(float seconds, int substeps) {
 
 namespace {
 
+/// One piece from a, which the wheel has come to, to b: what it stands on there, or the plane that leads to it.
+GroundPlane takeOnce(const Search& search, Sample a, Sample b, const CourseEnd& last) {
+    last.plane = b.plane;
+    a.rise -= last.below;
+    const float found = b.rise;
+    const GroundPlane piece = pieceBetween(a, b, search.way, last.below, search.way.seconds);
+    last.below = found - b.rise;
+    return piece;
+}
+
 /// Samples at the ends of the pieces of a course, the first of which the wheel has come to.
 void takeCourse(const Search& search, std::span<Sample> samples, const CourseEnd& last, WheelCourse& course) {
     const std::size_t count = samples.size() - 1;
     course.count = static_cast<int>(count);
-    last.plane = samples.back().plane;
     // What moves is solved with the car as one body for the step, where it will be in its middle.
     const auto moves = [](const Sample& sample) { return sample.plane.found != 0 && sample.plane.moves != 0; };
     if (std::ranges::any_of(samples, moves)) {
         course.count = 1;
-        course.pieces[0] = search.look(0.5f).plane;
-        last.below = 0;
+        course.pieces[0] = takeOnce(search, samples[0], samples.back(), last);
+        if (last.below == 0 && isOnePlane(samples[0], samples.back(), search.way))
+            course.pieces[0] = search.look(0.5f).plane;
         return;
     }
+    last.plane = samples.back().plane;
     samples[0].rise -= last.below;
     const float seconds = search.way.seconds / static_cast<float>(count);
     for (std::size_t k = 0; k < count; ++k) {
@@ -175,6 +190,12 @@ void takeFineCourse(const Search& search, int count, const Sample& first, const 
 }
 
 }  // namespace
+
+void findPlane(const World& world, BodyId chassis, const Filter& filter, const WheelWay& way, const CourseEnd& last,
+               GroundPlane& plane) {
+    const Search search{world, chassis, filter, way, true};
+    plane = takeOnce(search, search.again(last.plane), search.look(1), last);
+}
 
 int pieceAt(const WheelCourse& course, float share, const DVec3& hub) {
     constexpr float kLag = 0.5f;  // of a piece, which is nothing

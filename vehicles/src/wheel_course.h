@@ -57,8 +57,12 @@ int finePieces(float seconds, int substeps);
 /// what that does is over within a substep. Between two samples the ground is the plane along which the hub goes from
 /// the one to the other: what the wheel climbs in a time its car pays for with what it is slowed down, whatever the
 /// length of a step. Ground that comes up at once, as an edge that the tread meets from its side, is climbed at a
-/// slope. Over what moves there is one piece.
+/// slope. Over what moves there is one piece, by the same rules.
 void findCourse(const World& world, BodyId chassis, const Filter& filter, const WheelWay& way, int substeps,
                 const CourseEnd& last, WheelCourse& course);
+
+/// The same by one ray at the end of the way, and in one piece.
+void findPlane(const World& world, BodyId chassis, const Filter& filter, const WheelWay& way, const CourseEnd& last,
+               GroundPlane& plane);
 
 }  // namespace ragtop
