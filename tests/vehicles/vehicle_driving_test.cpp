@@ -275,5 +275,58 @@ TEST(Vehicle, IsPressedDownByItsWings) {
     EXPECT_NEAR(totalLoad(car), 1200 * kGravity + pressed, 2e-3f * pressed);
 }
 
+/// A kart: wheels so light that a tire answers a hundred times what turns them.
+VehicleDef lockedKart(VehicleLevel level) {
+    VehicleDef def = hatchback();
+    def.level = level;
+    def.chassis.shapes = {{Box{{0.45f, 0.08f, 0.7f}}, {{0, 0.2f, 0}, {}}}};
+    def.chassis.mass = 150;
+    def.chassis.centerOfMass = Vec3{0, 0.25f, -0.05f};
+    def.chassis.inertia = Vec3{22, 45, 24};
+    def.differential.type = DifferentialType::locked;
+    for (TorquePoint& point : def.engine.torqueCurve) point.torque *= 0.12f;
+    def.engine.inertia *= 0.12f;
+    def.engine.brakeTorque *= 0.12f;
+    for (WheelDef& wheel : def.wheels) {
+        wheel.position = {0.75f * wheel.position.x, 0.13f, 0.42f * wheel.position.z};
+        wheel.radius = wheel.width = 0.13f;
+        wheel.mass = 1.5f;
+        wheel.brakeTorque = wheel.handbrakeTorque = 100;
+        wheel.driveShare = wheel.axle == 1 ? 1.0f : 0.0f;
+        wheel.suspension = {.travelUp = 0.015f, .travelDown = 0.015f, .frequency = 6};
+        wheel.tire.relaxationLength = 0.13f;
+    }
+    return def;
+}
+
+TEST(VehicleDriving, LightWheelsOnALockedAxleLandWithoutTurning) {
+    for (const VehicleLevel level : {VehicleLevel::rays, VehicleLevel::full}) {
+        for (const double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120}) {
+            Road road;
+            Vehicle car(road.world, lockedKart(level), {.position = {0, 0.6, 0}, .heading = 0.8f});
+            car.input.gear = 0;
+            for (double t = 0; t < 1.5; t += dt) {
+                road.world.step(dt);
+                for (const WheelTelemetry& wheel : car.telemetry().wheels)
+                    ASSERT_LT(std::abs(wheel.angularSpeed), 2) << static_cast<int>(level) << " " << t << " at " << dt;
+            }
+        }
+    }
+}
+
+/// What is alike on both sides goes straight.
+TEST(VehicleDriving, LightWheelsOnALockedAxleDriveStraight) {
+    for (const VehicleLevel level : {VehicleLevel::rays, VehicleLevel::full}) {
+        for (const double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120}) {
+            Road road;
+            Vehicle car(road.world, lockedKart(level));
+            car.input.throttle = 1;
+            run(road.world, 6, dt);
+            const DVec3 at = road.world.pose(car.chassis()).position;
+            EXPECT_LT(std::abs(at.x), 1e-3 * at.z) << static_cast<int>(level) << " at " << dt;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -202,6 +202,7 @@ struct VehicleSim {
     int substep = 0;                         ///< of the step
     int parts = 1, part = 0;                 ///< of a substep in which a wheel goes over an edge
     float substepLength = 0;                 ///< s, at level 3
+    float gripTrusted = 1;  ///< share of what tires answer in the next visit that shafts count on, of a solve
     PointBody unforced, solved;              ///< of a substep at level 3: how the car goes by gravity alone; by all
     CarImpulse whole;                        ///< of a step, at level 1
     Vec3 endVelocity, endTurning;            ///< of a step, at level 0

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "vehicle_sim.h"
 
@@ -12,6 +13,7 @@ struct Patience {
     float converged = 0;  ///< largest change in a sweep, over the impulse of the weight
 };
 constexpr Patience kFull{24, 1e-5f}, kRays{12, 1e-4f};
+constexpr float kAgreeing = 0.5f;  ///< of a sweep's change to the one before's, of sweeps that agree
 
 /// m/s along their struts: of a wheel's hub, and of that at the other end of its beam.
 struct HubSpeeds {
@@ -198,12 +200,17 @@ void VehicleSim::solve(PointBody& body, float h) {
     }
     const Patience patience = def.level >= VehicleLevel::full ? kFull : kRays;
     const float enough = patience.converged * h * mass * gravity;
+    gripTrusted = 1;
+    float before = std::numeric_limits<float>::infinity();
     for (int sweep = 0; sweep < patience.sweeps; ++sweep) {
         float change = 0;
         for (std::size_t i = 0; i < wheels.size(); ++i) change = std::max(change, visitWheel(i, body, h));
         for (GroundBody& ground : grounds) change = std::max(change, visitSupports(ground));
         change = std::max(change, drivetrain.sweep(def, h) / meanRadius);
         if (change <= enough) break;
+        // Tires that do not take what shafts leave to them throw light wheels to and fro.
+        if (change > kAgreeing * before) gripTrusted *= 0.5f;
+        before = change;
     }
     // What is left of the last change of a tire would turn a wheel that is held, and the car would creep.
     drivetrain.holdWheels();
@@ -375,7 +382,7 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     patch.sliding = visit.sliding;
     // The car gives way too, by what its wheel does not.
     const float give = K.xx - radius * radius / drivetrain.inertia()[i];
-    drivetrain.grip(i, radius, visit.grip / (1 + visit.grip * give));
+    drivetrain.grip(i, radius, gripTrusted * visit.grip / (1 + visit.grip * give));
     patch.way += h * patch.strutGive * (patch.lean.x * change.x + patch.lean.y * change.y);
     push(patch.forwardRow, body, *patch.ground, change.x);
     push(patch.sideRow, body, *patch.ground, change.y);
