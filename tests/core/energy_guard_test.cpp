@@ -172,5 +172,72 @@ TEST(EnergyGuard, ATowerOnAPlatformThatMovesEvenlyStandsAsOnTheGround) {
     }
 }
 
+/// A rope that is made shorter from step to step draws its load along; what it lacks is less than the way of one step.
+/// A second body hangs below the first.
+TEST(EnergyGuard, AWinchLiftsItsLoadAsFastAsItsRopeShortens) {
+    for (const float speed : {0.1f, 0.5f, 2.0f}) {
+        World world;
+        const BodyId load = world.create(bodyDef(Box{{0.2f, 0.2f, 0.2f}}, {0, -5, 0}));
+        const BodyId below = world.create(bodyDef(Sphere{0.4f}, {0, -6, 0}));
+        BallDef link;
+        link.bodies = {.a = load, .b = below, .frameA = {{0, -0.5f, 0}, {}}, .frameB = {{0, 0.5f, 0}, {}}};
+        world.create(JointDef{link});
+        DistanceDef rope;
+        rope.bodies.b = load;
+        rope.limit = Range{0, 5};
+        const JointId winch = world.create(JointDef{rope});
+        for (int i = 0; i < 120; ++i) world.step(kDt);
+        const auto step = speed * static_cast<float>(kDt);
+        for (int i = 1; i <= static_cast<int>(3 / step); ++i) {
+            rope.limit = Range{0, 5 - step * static_cast<float>(i)};
+            world.setDef(winch, JointDef{rope});
+            world.step(kDt);
+            EXPECT_LE(world.state(winch).gap, step) << speed << " m/s, step " << i;
+        }
+        EXPECT_EQ(world.stats().energyGuarded, 0u) << speed;
+    }
+}
+
+/// A pendulum whose anchor is put 0.5 m aside, farther than its rope reaches, swings from there.
+TEST(EnergyGuard, WhatHangsFollowsAnAnchorThatIsPutElsewhere) {
+    for (const BodyType type : {BodyType::fixed, BodyType::kinematic}) {
+        World world{withoutSleep()};
+        const BodyId anchor = world.create(bodyDef(Box{{0.2f, 0.2f, 0.2f}}, {0, 2, 0}, {}, type));
+        const BodyId load = world.create(bodyDef(Box{{0.2f, 0.2f, 0.2f}}, {0, 1, 0}));
+        DistanceDef rope;
+        rope.bodies.a = anchor;
+        rope.bodies.b = load;
+        rope.limit = Range{0, 1};
+        const JointId joint = world.create(JointDef{rope});
+        for (int i = 0; i < 60; ++i) world.step(kDt);
+        world.setPose(anchor, {{0.5, 2, 0}, {}});
+        double farthest = 0;
+        for (int i = 0; i < 120; ++i) {
+            world.step(kDt);
+            farthest = std::max(farthest, world.pose(load).position.x);
+            EXPECT_LT(world.state(joint).gap, i > 30 ? 1e-3f : 0.12f) << i;
+        }
+        EXPECT_GT(farthest, 0.6);
+    }
+}
+
+/// What a kinematic body lifts by a joint gains m g per metre from it, at any speed.
+TEST(EnergyGuard, LetsWhatIsLiftedSlowlyRise) {
+    for (const float speed : {0.001f, 0.03f, 1.0f}) {
+        World world;
+        const BodyId hand = world.create(bodyDef(Box{{0.1f, 0.1f, 0.1f}}, {0, 0, 0}, {}, BodyType::kinematic));
+        const BodyId load = world.create(bodyDef(Box{{0.2f, 0.2f, 0.2f}}, {0, -1, 0}));
+        BallDef grip;
+        grip.bodies = {.a = hand, .b = load, .frameA = {{0, -0.5f, 0}, {}}, .frameB = {{0, 0.5f, 0}, {}}};
+        world.create(JointDef{grip});
+        for (int i = 0; i < 600; ++i) {
+            world.setVelocity(hand, {0, speed, 0}, {});
+            world.step(kDt);
+        }
+        EXPECT_NEAR(world.pose(load).position.y + 1, world.pose(hand).position.y, 1e-4) << speed;
+        EXPECT_EQ(world.stats().energyGuarded, 0u) << speed;
+    }
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -197,6 +197,31 @@ TEST(WorldSleep, AKinematicBodyThatStandsStillHoldsAPendulum) {
     EXPECT_TRUE(world.isAwake(bob));
 }
 
+/// A hand that is given its velocity in each step, as a game does, first stands still until what it holds sleeps.
+TEST(WorldSleep, AKinematicBodyThatSetsOffTakesAlongWhatItHolds) {
+    for (const float speed : {1e-4f, 0.01f, 1.0f}) {
+        World world;
+        const BodyId hand = world.create(bodyDef(Box{{0.3f, 0.1f, 0.3f}}, {0, 5, 0}, {}, BodyType::kinematic));
+        const BodyId held = world.create(bodyDef(Box{{0.1f, 0.1f, 0.1f}}, {0, 4.5, 0}));
+        FixedDef grip;
+        grip.bodies.a = hand;
+        grip.bodies.b = held;
+        grip.bodies.frameA.position = {0, -0.5f, 0};
+        world.create(JointDef{grip});
+        const auto go = [&](float along, int steps) {
+            for (int i = 0; i < steps; ++i) {
+                world.setVelocity(hand, {along, 0, 0}, {});
+                world.step(kDt);
+            }
+        };
+        go(0, 120);
+        EXPECT_FALSE(world.isAwake(held));
+        go(speed, 120);
+        EXPECT_TRUE(world.isAwake(held)) << speed;
+        EXPECT_NEAR(world.pose(held).position.x, world.pose(hand).position.x, 1e-4) << speed;
+    }
+}
+
 TEST(WorldSleep, WhoMayNotSleepDoesNot) {
     World world;
     addFloor(world);

@@ -97,6 +97,7 @@ private:
     void recordShiftedLoads() const;
     void recordGraphChange(GraphPlace place) const;
     void recordSleep(std::uint32_t body, bool asleep) const;
+    void pushJoined(std::uint32_t body) const;
     void pushCoupledBodies(std::uint32_t joint) const;
 };
 

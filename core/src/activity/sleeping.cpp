@@ -3,6 +3,14 @@
 #include "activity/activity.h"
 
 namespace ragtop {
+namespace {
+
+bool isDriven(const Bodies& bodies, std::uint32_t index) {
+    const BodyState& state = bodies.states[index];
+    return bodies[index].type == BodyType::kinematic && (state.v != Vec3{} || state.w != Vec3{});
+}
+
+}  // namespace
 
 void Activity::sleepQuietIslands(const ConstTables& tables, float sleepTime) const {
     bool candidate = false;
@@ -58,9 +66,21 @@ void Activity::wakeStack() const {
         if (body.type == BodyType::fixed || index == 0) continue;
         body.sleepTimer = 0;
         unfreeze(index);
-        if (body.awakeIndex != kNone) continue;
+        if (body.awakeIndex != kNone) {
+            if (isDriven(bodies, index)) pushJoined(index);
+            continue;
+        }
         recordSleep(index, false);
         enterAwake(index);
+    }
+}
+
+/// What is joined to a kinematic body sleeps while that stands still, and wakes when it is moved.
+void Activity::pushJoined(std::uint32_t index) const {
+    for (std::uint32_t key = bodies[index].firstJoint; key != kNone; key = joints.next(key)) {
+        const JointRecord& joint = joints[key >> 1];
+        const std::uint32_t other = (key & 1) != 0 ? joint.bodyA : joint.bodyB;
+        if (bodies.moves(other) && !bodies.isAwake(other)) islands.stack.push(other);
     }
 }
 

@@ -82,6 +82,12 @@ struct BallRows {
     bool hasTilt() const { return swingLimit.shape == SwingShape::polygon || stop.stiffness > 0; }
 };
 
+/// How far what a joint holds together is apart, or a coordinate beyond its limits.
+struct Opening {
+    float way = 0;   ///< m
+    float turn = 0;  ///< rad
+};
+
 /// One joint in the solver: trivially copyable and without padding, so that a saved world is a copy of memory. The
 /// world reads and sets stateA and stateB only. From centerOffset to ball the order is that of joints in lanes, which
 /// are transposed copies of it (joint_image.h). One of a kind that has axes is an AxesJointSim.
@@ -107,6 +113,7 @@ struct JointSim {
     StopLedger ledger;
     PairVector lead;           ///< N s and N m s, given when the last step ended: see spring_lead.h
     std::uint32_t leads = 0;   ///< 1: `lead` was given, and is to be taken back
+    Opening apart;             ///< by which a caller put its ends apart, as far as it was not seen closed since
     CountedAngle angleAtStep;  ///< what a hinge had counted when the step began: see joint_counts.h
 };
 static_assert(std::is_trivially_copyable_v<JointSim> && std::is_standard_layout_v<JointSim>);
@@ -166,6 +173,10 @@ bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inerti
 /// What is reported at the end of a step; reads velocities only from `states`.
 JointState jointState(const JointSim& joint, const JointBodiesAtStep& atEnd, const BodyState* states,
                       float inverseSubstep);
+/// rad, by which axes or frames that a joint holds together are turned.
+float turnedApart(const JointSim& joint, const JointBodiesAtStep& at);
+/// Of what is reported.
+Opening openingOf(const JointSim& joint, const JointState& state, const JointBodiesAtStep& at);
 /// Scales the impulses carried over when the substep length changes (ratio = new h / old h).
 void rescaleJoint(JointSim& joint, float ratio);
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 
 #include "constraints/joint_types.h"
@@ -109,6 +110,27 @@ JointState jointState(const JointSim& joint, const JointBodiesAtStep& atEnd, con
         }
     }
     return state;
+}
+
+float turnedApart(const JointSim& sim, const JointBodiesAtStep& at) {
+    const Quat a = at.rotationA * sim.localA.rotation, b = at.rotationB * sim.localB.rotation;
+    switch (sim.kind) {
+        case JointKind::hinge:
+            return length(axisX(b) - axisX(a));
+        case JointKind::fixed:
+        case JointKind::slider:
+            return length(turnVector(b * conjugate(a)));
+        default:
+            return 0;
+    }
+}
+
+Opening openingOf(const JointSim& joint, const JointState& state, const JointBodiesAtStep& at) {
+    Opening opening{state.gap, turnedApart(joint, at)};
+    const float beyond = std::max(0.0f, -state.limitMargin);
+    float& limited = joint.kind == JointKind::hinge || joint.kind == JointKind::ball ? opening.turn : opening.way;
+    limited = std::max(limited, beyond);
+    return opening;
 }
 
 }  // namespace ragtop

@@ -53,7 +53,7 @@ void Islands::findQuiet(const ConstTables& t) {
         float& least = quiet[root(body)];
         if (t.bodies[body].sleepTimer < least) least = t.bodies[body].sleepTimer;
     }
-    // What a moving kinematic body touches does not rest, however slow it is.
+    // What a moving kinematic body touches or is joined to does not rest, however slow it is.
     for (const std::uint32_t body : t.bodies.awake) {
         if (t.bodies.moves(body) || t.bodies[body].sleepTimer > 0) continue;
         for (std::uint32_t key = t.bodies[body].firstContact; key != kNone; key = t.contacts.next(key)) {
@@ -61,6 +61,11 @@ void Islands::findQuiet(const ConstTables& t) {
             const std::uint32_t other = (key & 1) != 0 ? contact.bodyA : contact.bodyB;
             if (contact.touching && !contact.sensor && t.bodies.moves(other) && t.bodies.isAwake(other))
                 quiet[root(other)] = 0;
+        }
+        for (std::uint32_t key = t.bodies[body].firstJoint; key != kNone; key = t.joints.next(key)) {
+            const JointRecord& joint = t.joints[key >> 1];
+            const std::uint32_t other = (key & 1) != 0 ? joint.bodyA : joint.bodyB;
+            if (t.bodies.moves(other) && t.bodies.isAwake(other)) quiet[root(other)] = 0;
         }
     }
 }

@@ -223,8 +223,10 @@ void Scene::setPose(std::uint32_t index, const Pose& pose) const {
     body.center = internal.position;
     body.rotation = normalized(internal.rotation);
     resetSolverState(index);
-    for (std::uint32_t key = body.firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next)
+    for (std::uint32_t key = body.firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
         joints.sims[key >> 1].leads = 0;
+        noteOpening(key >> 1);
+    }
     refreshBounds(index);
     wakeOverlapped(index);
 }

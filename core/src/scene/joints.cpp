@@ -60,6 +60,12 @@ void Scene::compile(std::uint32_t index) const {
     joints.bundlesChanged = directSet.treesChanged = true;
 }
 
+void Scene::noteOpening(std::uint32_t index) const {
+    JointSim& sim = joints.sims[index];
+    const JointBodiesAtStep at = jointBodies(bodies, joints[index]);
+    sim.apart = openingOf(sim, jointState(sim, at, bodies.states.data(), 0), at);
+}
+
 void Scene::redefineJoint(std::uint32_t index, const JointDef& def) const {
     JointRecord& joint = joints[index];
     const bool held = mayHold(bodies, joint);
@@ -74,6 +80,7 @@ void Scene::redefineJoint(std::uint32_t index, const JointDef& def) const {
     }
     if (!mayHold(bodies, joint)) activity.removeJointFromGraph(index);
     settleJoint(index, held);
+    noteOpening(index);
     for (const std::uint32_t body : {joint.bodyA, joint.bodyB})
         if (bodies.moves(body)) activity.wakeBody(body);
     activity.addJointToGraph(index);

@@ -62,6 +62,8 @@ struct Scene {
     void redefineJoint(std::uint32_t joint, const JointDef& def) const;
     /// The solver's form of a joint, from its definition and the centres of its bodies.
     void compile(std::uint32_t joint) const;
+    /// By how much the joint is open where its bodies are now, as a caller left it.
+    void noteOpening(std::uint32_t joint) const;
     /// Those that bore too much in a step of dt seconds, in the order of their ids, so that events depend on the scene
     /// alone.
     void breakJoints(float dt) const;

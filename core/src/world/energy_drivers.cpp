@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "constraints/lane_view.h"
+#include "model/joint_bodies.h"
 #include "world/energy_guard.h"
 
 namespace ragtop {
@@ -51,6 +52,16 @@ double addJoint(const GuardView& view, const JointSim& sim, std::uint32_t body, 
     return work;
 }
 
+/// What a caller has put apart, by setPose or setDef, is drawn together within a step at most.
+void addOpened(const GuardView& view, std::uint32_t index, std::uint32_t body, AlignedArray<EnergyDriver>& drivers) {
+    JointSim& sim = view.joints.sims[index];
+    if (!(sim.apart.way > 0 || sim.apart.turn > 0)) return;
+    const JointBodiesAtStep at = jointBodies(view.bodies, view.joints[index]);
+    const Opening now = openingOf(sim, jointState(sim, at, view.bodies.states.data(), 0), at);
+    sim.apart = {std::min(sim.apart.way, now.way), std::min(sim.apart.turn, now.turn)};
+    add(drivers, view.bodies[body].center, sim.apart.way / view.dt, sim.apart.turn / view.dt);
+}
+
 /// J, of surfaces that move on their own.
 double workOfContact(const GuardView& view, const ContactRecord& contact, std::uint32_t body, std::uint32_t other) {
     float speed = length(view.shapes[contact.shapeA].material.surfaceVelocity) +
@@ -85,6 +96,7 @@ double addDrivers(const GuardView& view, std::uint32_t body, AlignedArray<Energy
         if (!view.joints.isHolding(key >> 1)) continue;
         const JointRecord& joint = view.joints[key >> 1];
         addKinematic(view, (key & 1) != 0 ? joint.bodyA : joint.bodyB, drivers);
+        addOpened(view, key >> 1, body, drivers);
         work += addJoint(view, view.joints.sims[key >> 1], body, drivers);
     }
     for (std::uint32_t key = view.bodies[body].firstContact; key != kNone; key = view.contacts.next(key)) {
@@ -102,8 +114,11 @@ double drivenEnergy(const GuardView& view, std::span<const std::uint32_t> bodies
     for (const std::uint32_t b : bodies) {
         const BodyState& now = view.bodies.states[b];
         const EnergyGuard::Speeds& before = view.guard.speeds[b];
-        const double momentum = static_cast<double>(view.bodies[b].mass * (length(before.v) + length(now.v)));
-        const double spin = spinOf(view, b, before.w) + spinOf(view, b, now.w);
+        const BodyDynamics& d = view.bodies.dynamics[b];
+        const double momentum = static_cast<double>(
+            view.bodies[b].mass * (length(before.v) + length(now.v) + view.dt * length(d.acceleration)));
+        const double spin =
+            spinOf(view, b, before.w) + spinOf(view, b, now.w) + static_cast<double>(view.dt * length(d.torque));
         double most = 0;
         for (const EnergyDriver& driver : drivers) {
             const double r = static_cast<double>(length(toVec3(view.bodies[b].center - driver.center)));

@@ -8,9 +8,11 @@
 
 /// What moves on its own, whatever it meets, gives energy: kinematic bodies, belts, motors and targets of springs. By
 /// contacts, and by motors with a bound, it is no more than impulse times speed. By joints it is, seen from what moves
-/// evenly, with v and ω about a place, none at all, so that in the world it is at most
-///   ΔK ≤ v · Δp + ω · ΔL ≤ Σ (|v| + |ω| |r|) m (|v₀| + |v₁|) + |ω| (|I ω₀| + |I ω₁|)
-/// over the bodies that hang together, with r from that place and the speeds before and after.
+/// evenly, with v and ω about a place, none at all, so that in the world it is what it hands on, ΔE = v · J + ω · H,
+/// with the impulses J = Δp − m a dt and H = ΔL − τ dt, at most
+///   ΔE ≤ Σ (|v| + |ω| |r|) m (|v₀| + |v₁| + |a| dt) + |ω| (|I ω₀| + |I ω₁| + |τ| dt)
+/// over the bodies that hang together, with r from that place and the speeds before and after. What a caller has put
+/// apart counts as if it were drawn together by a drive, in one step.
 namespace ragtop {
 
 struct GuardView;

@@ -16,20 +16,6 @@ float gapOf(const ClosingView& world, const JointSim& sim, const JointBodiesAtSt
     return jointState(sim, at, world.bodies.states.data(), 0).gap;
 }
 
-/// rad, by which axes or frames that a joint holds together are turned.
-float turnedApart(const JointSim& sim, const JointBodiesAtStep& at) {
-    const Quat a = at.rotationA * sim.localA.rotation, b = at.rotationB * sim.localB.rotation;
-    switch (sim.kind) {
-        case JointKind::hinge:
-            return length(axisX(b) - axisX(a));
-        case JointKind::fixed:
-        case JointKind::slider:
-            return length(turnVector(b * conjugate(a)));
-        default:
-            return 0;
-    }
-}
-
 }  // namespace
 
 float opening(const ClosingView& world, std::uint32_t index) {
