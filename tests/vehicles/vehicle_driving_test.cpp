@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <utility>
 
 #include "road.h"
 
@@ -324,6 +325,52 @@ TEST(VehicleDriving, LightWheelsOnALockedAxleDriveStraight) {
             run(road.world, 6, dt);
             const DVec3 at = road.world.pose(car.chassis()).position;
             EXPECT_LT(std::abs(at.x), 1e-3 * at.z) << static_cast<int>(level) << " at " << dt;
+        }
+    }
+}
+
+/// A model car of 2 kg, and what weighs a thousand times as much on wheels of 1 m.
+VehicleDef scaledCar(float mass, float radius, VehicleLevel level) {
+    VehicleDef def = hatchback();
+    const float scale = radius / 0.3f;
+    def.level = level;
+    def.chassis.shapes = {{Box{{0.6f * scale, 0.25f * scale, 1.6f * scale}}, {{0, 0.55f * scale, 0}, {}}}};
+    def.chassis.mass = mass;
+    def.chassis.centerOfMass = Vec3{0, 0.5f * scale, 0.1f * scale};
+    def.chassis.inertia = mass * scale * scale * Vec3{1.25f, 1.4f, 0.35f};
+    for (WheelDef& wheel : def.wheels) {
+        wheel.position = scale * wheel.position;
+        wheel.radius = radius;
+        wheel.width = 0.65f * radius;
+        wheel.mass = 0.014f * mass;
+        wheel.brakeTorque = 1.3f * mass * kGravity * radius / 4;
+        wheel.handbrakeTorque = 0;
+        wheel.suspension.frequency = 1.4f / std::sqrt(scale);
+        wheel.suspension.travelUp = wheel.suspension.travelDown = 0.33f * radius;
+        wheel.tire.relaxationLength = radius;
+    }
+    def.differential.type = DifferentialType::limitedSlip;
+    def.differential.preload *= mass / 1200;
+    return def;
+}
+
+/// As full cars do at any size: brakes hold wheels of hardly an inertia as well, on rays too.
+TEST(VehicleDriving, CarsOfAnySizeStandOnASlope) {
+    for (const VehicleLevel level : {VehicleLevel::rays, VehicleLevel::full}) {
+        for (const auto& [mass, radius] : {std::pair{2.0f, 0.05f}, {150.0f, 0.13f}, {5000.0f, 1.0f}}) {
+            for (const double dt : {1.0 / 30, 1.0 / 60, 1.0 / 240}) {
+                for (const float heading : {0.4f, 1.9f}) {
+                    Road road(0.2f, awake());
+                    Vehicle car(road.world, scaledCar(mass, radius, level));
+                    road.world.setPose(car.chassis(), {DVec3{}, road.tilt * rotationAbout({0, 1, 0}, heading)});
+                    car.input.brake = 1;
+                    run(road.world, 8, dt);
+                    const DVec3 before = road.world.pose(car.chassis()).position;
+                    run(road.world, 10, dt);
+                    EXPECT_LT(length(relative(road.world.pose(car.chassis()).position, before)), 1e-4f)
+                        << mass << " kg at level " << static_cast<int>(level) << ", " << dt << " s, " << heading;
+                }
+            }
         }
     }
 }

@@ -155,6 +155,14 @@ float Drivetrain::sweep(const VehicleDef& def, float h) {
     return largest;
 }
 
+bool Drivetrain::hold(std::size_t wheel, float taken) {
+    const float needed = brake[wheel] + taken - inertia_[wheel] * spin[wheel];
+    if (!(std::abs(needed) <= brakeBoundOf(wheel))) return false;
+    brake[wheel] = needed;
+    spin[wheel] = 0;
+    return true;
+}
+
 void Drivetrain::holdWheels() {
     for (std::size_t i = 0; i < spin.size(); ++i) {
         solveBrake(inertia_[i], inertia_[i], brakeBoundOf(i), brake[i], spin[i]);

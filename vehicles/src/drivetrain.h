@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -79,6 +80,12 @@ public:
     void grip(std::size_t wheel, float radius, float impulse) {
         held_[wheel] = inertia_[wheel] + radius * radius * impulse;
     }
+    /// Can its brake bring a wheel to rest in this substep, but for what its tire does?
+    bool mayHold(std::size_t wheel) const {
+        return inertia_[wheel] * std::abs(spinBefore_[wheel]) <= brakeBoundOf(wheel);
+    }
+    /// Has the brake bring the wheel to rest against `taken` of its tire, N m s, if it can.
+    bool hold(std::size_t wheel, float taken);
     /// Holds what brakes hold, where tires have turned it since.
     void holdWheels();
 

@@ -369,24 +369,36 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     push(patch.normalRow, body, *patch.ground, loadChange);
 
     // Under a load that stays, what a tire's impulse has along the strut moves the hub.
-    const Sym2 K{patch.tireK.xx + patch.strutGive * patch.lean.x * patch.lean.x,
-                 patch.tireK.xy + patch.strutGive * patch.lean.x * patch.lean.y,
-                 patch.tireK.yy + patch.strutGive * patch.lean.y * patch.lean.y};
-    const Vec2 slip =
-        slipOf(patch, body, {patch.way / h, patches[specs[i].beamPartner].way / h}, radius * drivetrain.spin[i]);
-    const Vec2 free{slip.x - K.xx * patch.tire.x - K.xy * patch.tire.y,
-                    slip.y - K.xy * patch.tire.x - K.yy * patch.tire.y};
-    const TireVisit visit = solveTire(patch.law, patch.line, wheel.deflection, patch.transport, load, h, K, free);
+    const float own = radius * radius / drivetrain.inertia()[i], give = patch.strutGive;
+    Sym2 K{patch.tireK.xx - own + give * patch.lean.x * patch.lean.x,
+           patch.tireK.xy + give * patch.lean.x * patch.lean.y, patch.tireK.yy + give * patch.lean.y * patch.lean.y};
+    const float carGive = K.xx;
+    Vec2 slip = slipOf(patch, body, {patch.way / h, patches[specs[i].beamPartner].way / h}, 0), free;
+    const auto visitTire = [&] {
+        free = {slip.x - K.xx * patch.tire.x - K.xy * patch.tire.y, slip.y - K.xy * patch.tire.x - K.yy * patch.tire.y};
+        return solveTire(patch.law, patch.line, wheel.deflection, patch.transport, load, h, K, free);
+    };
+    // A wheel that its brake holds is solved with it: light ones have hardly an inertia to agree by.
+    TireVisit visit;
+    bool held = drivetrain.mayHold(i);
+    if (held) {
+        visit = visitTire();
+        held = drivetrain.hold(i, radius * (visit.impulse.x - patch.tire.x));
+    }
+    if (!held) {
+        K.xx += own;
+        slip.x -= radius * drivetrain.spin[i];
+        visit = visitTire();
+    }
     const Vec2 change{visit.impulse.x - patch.tire.x, visit.impulse.y - patch.tire.y};
     patch.tire = visit.impulse;
     patch.sliding = visit.sliding;
     // The car gives way too, by what its wheel does not.
-    const float give = K.xx - radius * radius / drivetrain.inertia()[i];
-    drivetrain.grip(i, radius, gripTrusted * visit.grip / (1 + visit.grip * give));
+    drivetrain.grip(i, radius, gripTrusted * visit.grip / (1 + visit.grip * carGive));
     patch.way += h * patch.strutGive * (patch.lean.x * change.x + patch.lean.y * change.y);
     push(patch.forwardRow, body, *patch.ground, change.x);
     push(patch.sideRow, body, *patch.ground, change.y);
-    drivetrain.spin[i] -= radius * change.x / drivetrain.inertia()[i];
+    if (!held) drivetrain.spin[i] -= radius * change.x / drivetrain.inertia()[i];
     if (hasCarriers()) swing(i, patch.way - wayBefore, body);
     if (load > 0) {
         const Vec2 end{free.x + K.xx * patch.tire.x + K.xy * patch.tire.y,
