@@ -206,5 +206,25 @@ TEST(Suspension, RefusesCurvesAndBarsThatAreNone) {
     EXPECT_EQ(complaint(def), "/antiRollBars/0/stiffness is -5 N/m, must be in [0, 1e+12]");
 }
 
+/// A car that has come to rest weighs what it weighs, also on springs on which a slow swing is a large force.
+TEST(VehicleSuspension, FallsAsleepInBalance) {
+    for (const VehicleLevel level : {VehicleLevel::rays, VehicleLevel::full}) {
+        for (const float frequency : {1.0f, 3.0f, 7.0f}) {
+            for (const double dt : {1.0 / 30, 1.0 / 60, 1.0 / 240}) {
+                Road road;
+                VehicleDef def = hatchback();
+                def.level = level;
+                for (WheelDef& wheel : def.wheels) wheel.suspension.frequency = frequency;
+                Vehicle car(road.world, def, {.position = {0, 0.07, 0}});
+                car.input.brake = 1;
+                double t = 0;
+                for (; t < 10 && road.world.isAwake(car.chassis()); t += dt) road.world.step(dt);
+                EXPECT_FALSE(road.world.isAwake(car.chassis())) << frequency << " Hz at " << dt;
+                EXPECT_NEAR(totalLoad(car), 1200 * kGravity, 0.01f * 1200 * kGravity) << frequency << " Hz at " << dt;
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -131,6 +131,7 @@ struct VehicleSim {
     void place(const VehiclePlacement& placement);
     void setVelocity(const Vec3& linear, const Vec3& angular);
 
+    bool swings() const;
     void beforeStep(double dt);
     std::span<const BodyId> look(double dt);
     void beforeSubstep(float h);

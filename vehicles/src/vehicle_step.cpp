@@ -67,6 +67,17 @@ bool VehicleSim::mayRest(const Driver& wanted) {
     return true;
 }
 
+/// Do struts swing by more than what changes their load N by this share? On stiff ones that is too slow for the world
+/// to see, and the car would sleep beside its balance: ½ N/g u̇² is ½ k times that amplitude squared.
+bool VehicleSim::swings() const {
+    constexpr float kSwing = 0.005f;
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+        const float speed = wheels[i].touching != 0 ? wheels[i].hubSpeed : 0;
+        if (specs[i].strut.stiffness * speed * speed > kSwing * kSwing * specs[i].staticLoad * gravity) return true;
+    }
+    return false;
+}
+
 /// Where the car stands and how it is driven; what the wheels find is looked for when all others have moved what they
 /// move.
 void VehicleSim::beforeStep(double dt) {
@@ -79,7 +90,7 @@ void VehicleSim::beforeStep(double dt) {
     if (!active) return;
     restsOnFixed.reset();
     driver = wanted;
-    if (!world->isAwake(chassis) || driver.drives(drivetrain.gearbox.gear)) world->wake(chassis);
+    if (!world->isAwake(chassis) || driver.drives(drivetrain.gearbox.gear) || swings()) world->wake(chassis);
 
     const Pose pose = world->pose(chassis);
     if (isElsewhere(pose, endPose)) {
