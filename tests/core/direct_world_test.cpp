@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <vector>
@@ -211,6 +212,39 @@ TEST(DirectIslands, LargeOnesAreSweptWhileTheyMove) {
     run(wall.world, 0.2);
     EXPECT_FALSE(wall.isDirect());
     EXPECT_EQ(wall.world.stats().directFailures, 0u);
+}
+
+/// A wall that is blown apart is rubble that no structure is left of: its stay of 60 steps ends after six that are
+/// dear.
+TEST(DirectIslands, RubbleIsSweptWhileItTumbles) {
+    World world;
+    addFloor(world);
+    std::vector<BodyId> bricks;
+    for (int course = 0; course < 10; ++course)
+        for (int i = 0; i < 6; ++i) {
+            BodyDef def =
+                bodyDef(Box{{0.25f, 0.12f, 0.12f}}, {-1.3 + 0.505 * i + 0.25 * (course % 2), 0.12 + 0.24 * course, 0});
+            def.shapes[0].density = 1800;
+            bricks.push_back(world.create(def));
+        }
+    int row = 0, longest = 0;
+    for (int step = 0; step < 360; ++step) {
+        if (step % 120 == 60)
+            for (const BodyId brick : bricks) {
+                const Vec3 way = relative(world.pose(brick).position, DVec3{0, 0.2, -0.8});
+                const float far = length(way), speed = 6 / (1 + far * far);
+                world.applyImpulse(brick, world.mass(brick).mass * speed / far * way,
+                                   world.pose(brick).position + Vec3{0.05f, 0.05f, 0});
+            }
+        world.step(kDt);
+        const auto islands = world.stats().islands;
+        const bool dear = std::any_of(islands.begin(), islands.end(), [](const StepStats::Island& island) {
+            return std::strcmp(island.reason, "staying") == 0 && island.bodies > 40 && island.factorizations > 100;
+        });
+        row = dear ? row + 1 : 0;
+        longest = std::max(longest, row);
+    }
+    EXPECT_LE(longest, 6);
 }
 
 /// What Newton's method leaves unfinished means nothing: the bodies keep the velocities of before and are swept.

@@ -44,7 +44,11 @@ inline constexpr std::uint32_t kMostAtRest = 4096;  ///< of one that is so only 
 inline constexpr std::uint32_t kMostLooped = 64;    ///< of a mechanism, whose factor costs more than iterating it
 inline constexpr float kLongRest = 1;               ///< s; more than it takes an island to fall asleep
 inline constexpr std::int32_t kStayingSteps = 60;   ///< for which a choice outlives its reason
-inline constexpr std::int32_t kFactorSteps = 10;    ///< of its stay that each step with a factor costs a large island
+inline constexpr std::int32_t kFactorSteps = 10;    ///< of its stay that each dear step costs an island
+/// Block products of a dear step, some 2 ms: what came apart and tumbles asks for more than any structure at rest.
+inline constexpr double kDear = 2e4;
+inline constexpr float kBearable =
+    0.25f * kCrushing;  ///< load number up to which dear steps count: what is wedged has less at times
 inline constexpr std::int32_t kCooldownSteps = 60;  ///< of iteration after a direct solve that failed
 inline constexpr std::uint8_t kMostDoublings = 5;   ///< of those steps, one for each further failure
 

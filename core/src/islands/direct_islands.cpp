@@ -321,14 +321,24 @@ static double loadNumber(const direct::Equations& island) {
     return largest;
 }
 
+/// Block products of the factors that an island took in a step.
+static double workOf(const DirectView& d, const DirectIsland& island) {
+    if (!hasSystem(island)) return 0;
+    const direct::Equations& equations = d.directSet.systems[island.system]->equations();
+    return island.report.factorizations * static_cast<double>(equations.factorProducts());
+}
+
 /// What could not be solved falls back to iteration for a while, each time for twice as long until it comes to rest: a
 /// heap that never can be is tried ever more seldom.
 static void startCooldown(const DirectView& d, const DirectIsland& island, bool rests) {
     const bool failed = isUnsolved(island);
-    const bool costly = island.bodyCount > direct::kMostBodies && island.report.factorizations > 0;
+    const bool piles = !failed && hasSystem(island) && island.jointCount == 0;
+    const double load = piles ? loadNumber(d.directSet.systems[island.system]->equations()) : 0;
+    const bool stays = d.bodies[d.directSet.bodies[island.firstBody]].direct.reason == direct::Reason::staying;
+    const bool dear = piles && stays && load < direct::kBearable && workOf(d, island) > direct::kDear;
+    const bool costly = dear || (island.bodyCount > direct::kMostBodies && island.report.factorizations > 0);
     // Loads that iteration could not take over, whatever the choice takes them for.
-    const bool crushed = !failed && !costly && hasSystem(island) && island.jointCount == 0 &&
-                         loadNumber(d.directSet.systems[island.system]->equations()) > direct::kCrushing;
+    const bool crushed = !costly && load > direct::kCrushing;
     if (!failed && !costly && !rests && !crushed) return;
     d.directSet.failures += failed;
     for (std::uint32_t i = 0; i < island.bodyCount; ++i) {
