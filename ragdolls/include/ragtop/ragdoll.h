@@ -54,7 +54,7 @@ struct RagdollPart {
     BodySide side = BodySide::middle;
     int bone = -1;   ///< the bone it moves with
     Frame bind{};    ///< of that bone at rest, in model space
-    Shape shape{};   ///< a capsule or a box
+    Shape shape{};   ///< a capsule, a box or a hull
     Frame frame{};   ///< of the shape in the bone
     float mass = 1;  ///< kg
     Material material{};
