@@ -22,6 +22,8 @@ Drawn drawFigure(Dice& dice);
 Drawn drawBeam(Dice& dice);
 /// Bodies that hang by slack ropes at their corners, and ladders of them, thrown until the ropes catch them.
 Drawn drawHung(Dice& dice);
+/// Balls on distance springs to their neighbours, of any stiffness and damping, which fall, swing and are hit.
+Drawn drawLattice(Dice& dice);
 /// Bodies of all convex shapes poured on the floor.
 Drawn drawHeap(Dice& dice);
 /// Groups of compounds on joints of all kinds, with limits, motors and springs, on a floor and a plate that moves.

@@ -67,6 +67,11 @@ double overLimit(const JointDef& def, const Place& place) {
 }
 
 double springEnergy(const JointDef& def, const Place& place) {
+    if (const auto* distance = std::get_if<DistanceDef>(&def); distance != nullptr && distance->spring) {
+        const DVec3 way = place.b.position - place.a.position;
+        const double stretch = std::sqrt(dot(way, way)) - static_cast<double>(distance->rest);
+        return 0.5 * static_cast<double>(distance->spring->stiffness) * stretch * stretch;
+    }
     const auto* ball = std::get_if<BallDef>(&def);
     if (ball == nullptr || !ball->spring) return 0;
     const double angle = angleOf(conjugate(place.a.rotation) * place.b.rotation);

@@ -83,13 +83,18 @@ Hardness hardnessOf(const JointSim& joint, const BodyState* states, const BodyIn
         inverse.turn += easiest(inertia[body]);
     }
     if (joint.kind == JointKind::ball) return hardness(joint.ball, joint.drives, inverse.turn, h);
-    if (!hasAxes(joint.kind))
-        return hardness(joint.axis, joint.kind == JointKind::hinge ? inverse.turn : inverse.travel, h);
+    if (joint.kind == JointKind::hinge) return hardness(joint.axis, inverse.turn, h);
+    if (!hasAxes(joint.kind)) {
+        Hardness along = hardness(joint.axis, inverse.travel, h);
+        if (joint.axis.features & AxisRows::kSpring)
+            along.travel = joint.axis.spring.tuning.at(inverse.travel).stiffness;
+        return along;
+    }
     Hardness most;
     for (int f = 0; f < AxesBlock::kMostFree; ++f) {
         const Hardness of =
             hardness(withAxes(joint).axes.axis[f], turns(joint.kind, f) ? inverse.turn : inverse.travel, h);
-        most = {std::max(most.stiffness, of.stiffness), std::max(most.braking, of.braking)};
+        most = {std::max(most.stiffness, of.stiffness), std::max(most.braking, of.braking), 0};
     }
     return most;
 }

@@ -15,6 +15,8 @@ struct Hardness {
     /// x = h c w of its hardest damper: about the share of a speed that it takes. Beside neighbours, whose inertia its
     /// shares do not know, it brakes too much by up to (eˣ − 1)/x.
     float braking = 0;
+    /// N/m, of a spring along a way, that is of distances and sliders: each body has the sum of its springs.
+    float travel = 0;
 };
 Hardness hardnessOf(const JointSim& joint, const BodyState* states, const BodyInertia* inertia, float h);
 

@@ -12,6 +12,9 @@ constexpr float kHungShare = 0.0625f;     ///< share of bodies that hang from wh
 constexpr std::uint32_t kHungBodies = 3;  ///< of these; fewer are a limb under a heap
 constexpr float kJointed = 100;       ///< load number of other joints, as ankles of a ragdoll that stands
 constexpr float kStiff = 1;           ///< as Hardness has it
+/// h² Σ k/m of a body: no eigenvalue h² λ is more than twice that, and steps that push by where springs are follow up
+/// to 4 (docs/adr/0038).
+constexpr float kStiffTogether = 2;
 constexpr float kBraked = 0.1f;       ///< the same of dampers, which brake light links by half of it too much
 /// Share of the buckling load: at p of it what is crooked leans 1/(1 − p) as far. Columns of four to nine boxes, 6:1 to
 /// 40:1, fall from 0.5 on (docs/measurements/islands.md).
@@ -53,7 +56,8 @@ Reason chooseDirect(const IslandFeatures& island) {
     }
     const auto bodies = static_cast<float>(island.bodies);
     const bool jointed = island.jointLoad > 0, quiet = static_cast<float>(island.moving) <= kQuiet * bodies;
-    if (island.bodies <= kMostBodies && island.hardness.stiffness > kStiff) return Reason::stiff;
+    const bool stiff = island.hardness.stiffness > kStiff || island.stiffness > kStiffTogether;
+    if (stiff && island.bodies <= kMostBodies) return Reason::stiff;
     if (flies(island) && island.hardness.braking > kBraked) return Reason::damped;
     if (isLooped(island)) return Reason::taut;
     if (island.hangs && island.jointLoad > kHanging) return Reason::taut;

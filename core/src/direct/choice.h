@@ -26,6 +26,7 @@ struct IslandFeatures {
     float contactLoad = 0, jointLoad = 0;  ///< largest load numbers
     float massRatio = 1;                   ///< largest of a loaded pair
     Hardness hardness;                     ///< the largest of joints
+    float stiffness = 0;                   ///< h² Σ k/m of springs along ways, the largest of a body
     float buckling = 0;                    ///< load over what soft contacts bear before they tilt away
     bool hangs = false;                    ///< by joints, from something that does not move
     bool touches = false;                  ///< has contacts, near or not

@@ -51,6 +51,7 @@ public:
     LoadPaths paths;
     StageArray<std::uint32_t> number;  ///< per body that is a root: place of its island in `features`
     StageArray<direct::IslandFeatures> features;
+    StageArray<float> stiffness;  ///< per body, h² Σ k/m of its springs along ways
 
     // Since solvers were chosen:
     bool graphChanged = true;      ///< support edges

@@ -19,11 +19,15 @@ void beginMeasuring(const MeasureView& v) {
     std::size_t count = 0;
     for (const std::uint32_t body : v.bodies.awake) count += v.islands.parent[body] == body ? 1 : 0;
     using M = StageMemory;
-    const std::size_t own = M::bytesOf<std::uint32_t>(v.bodies.size()) + M::bytesOf<direct::IslandFeatures>(count);
+    const std::size_t own = M::bytesOf<std::uint32_t>(v.bodies.size()) + M::bytesOf<direct::IslandFeatures>(count) +
+                            M::bytesOf<float>(v.bodies.size());
     v.islands.paths.begin(v.tables, v.stageMemory, own);
     v.islands.number = v.stageMemory.take<std::uint32_t>(v.bodies.size());
     v.islands.features = v.stageMemory.take<direct::IslandFeatures>(count);
+    v.islands.stiffness = v.stageMemory.take<float>(v.bodies.size());
+    v.islands.stiffness.resizeForOverwrite(v.bodies.size());
     for (const std::uint32_t body : v.bodies.awake) {
+        v.islands.stiffness[body] = 0;
         if (v.islands.parent[body] != body) continue;
         v.islands.number[body] = static_cast<std::uint32_t>(v.islands.features.size());
         v.islands.features.push({});
@@ -135,6 +139,12 @@ void measureEdge(const MeasureView& v, const SupportEdge& edge, const Vec3& up) 
         Hardness& hardest = island.hardness;
         hardest.stiffness = std::max(hardest.stiffness, hardness.stiffness);
         hardest.braking = std::max(hardest.braking, hardness.braking);
+        for (const std::uint32_t body : {edge.a, edge.b}) {
+            if (!(hardness.travel > 0) || !v.bodies.moves(body)) continue;
+            float& stiffness = v.islands.stiffness[body];
+            stiffness += v.h * v.h * hardness.travel * v.bodies.states[body].invMass;
+            island.stiffness = std::max(island.stiffness, stiffness);
+        }
         paths.heldLevel[edge.a] = paths.heldLevel[edge.b] = 1;
         island.hangs |= !movesA || !movesB;
     }

@@ -10,6 +10,7 @@
 #include "model/joint_bodies.h"
 #include "world/group_motion.h"
 #include "world/jointed_groups.h"
+#include "world/undone_steps.h"
 
 namespace ragtop {
 
@@ -139,29 +140,6 @@ GuardedIsland& islandOf(const GuardView& view, std::uint32_t first) {
     return guard.islands[number];
 }
 
-void stayPut(const GuardView& view, std::span<const std::uint32_t> group) {
-    for (const std::uint32_t b : group) {
-        view.bodies.states[b].dp = {};
-        view.bodies.states[b].dq = {};
-        view.bodies.refreshInertia(b);
-        for (std::uint32_t key = view.bodies[b].firstJoint; key != kNone;
-             key = view.joints[key >> 1].edges[key & 1].next)
-            restoreCounts(view.joints.sims[key >> 1]);
-    }
-}
-
-/// It falls back to iteration for a while: a direct solve of joints that stand open, or of motions far from its linear
-/// ones, is none.
-void barDirect(const GuardView& view, std::span<const std::uint32_t> group) {
-    bool changed = false;
-    for (const std::uint32_t b : group) {
-        std::int32_t& steps = view.bodies[b].direct.steps;
-        changed |= steps > 0;
-        steps = std::min(steps, -direct::kCooldownSteps);
-    }
-    if (changed) view.islands.graphChanged = view.islands.directChanged = true;
-}
-
 /// Has a force or velocity beyond all measure taken some body out of the range of numbers? Then it is stopped alone.
 bool isThrown(const GuardView& view, std::span<const std::uint32_t> group) {
     constexpr float kBeyond = 1e12f;  // m/s², rad/s² and J
@@ -257,25 +235,20 @@ bool isGarbage(const GuardView& view, std::span<const std::uint32_t> island, con
     return beyond > kGarbage * most || (beyond > look.pushed && overran(view, island, most + look.driven, look.apart));
 }
 
-/// A step that left nothing which could be mended is as if it had not been: bodies are where and as fast as they were,
-/// and the next begins without impulses.
-void undoMotion(const GuardView& view, std::span<const std::uint32_t> group) {
-    for (const std::uint32_t b : group) {
-        view.bodies.states[b].v = view.guard.speeds[b].v;
-        view.bodies.states[b].w = view.guard.speeds[b].w;
-        view.bodies.storeMomentum(b);
-    }
-    stayPut(view, group);
-    for (const std::uint32_t b : group) view.scene.forgetImpulses(b, false);
-    barDirect(view, group);
-    ++view.guard.caught;
-}
-
 void undoStep(const GuardView& view, GuardedIsland& look) {
     EnergyGuard& guard = view.guard;
-    undoMotion(view, {guard.visited.data() + look.begin, look.end - look.begin});
+    ++guard.caught;
+    undoMotion(view, {guard.visited.data() + look.begin, look.end - look.begin}, !look.hangs);
     guard.taken += look.excess;
     look.excess = 0;
+}
+
+/// A group whose energy is no number.
+void undoUnbounded(const GuardView& view, std::span<const std::uint32_t> group) {
+    if (isThrown(view, group)) return barDirect(view, group);
+    const GuardedIsland& look = islandOf(view, group.front());
+    ++view.guard.caught;
+    undoMotion(view, group, !look.hangs && look.end - look.begin == group.size());
 }
 
 void guardGroup(const GuardView& view, std::size_t g) {
@@ -285,7 +258,7 @@ void guardGroup(const GuardView& view, std::size_t g) {
     EnergyAccount account = guard.accounts[g];
     if (!std::isfinite(account.excess)) {
         room = 0;
-        return isThrown(view, group) ? barDirect(view, group) : undoMotion(view, group);
+        return undoUnbounded(view, group);
     }
     const double left = static_cast<double>(room) * account.room;
     GuardedIsland& look = islandOf(view, group.front());
@@ -313,15 +286,22 @@ void guardGroup(const GuardView& view, std::size_t g) {
     double taken = takeEnergy(view.bodies, view.joints, group, beyond, isIsolated);
     // Momenta too are wrong where impulses were so large that their rounding moves all of the group.
     const double lawful = account.now - beyond;
-    if (const double more = accountOf(view, group).now - lawful; more > kThrown * look.lawful)
+    if (const double more = accountOf(view, group).now - lawful; more > kThrown * look.lawful) {
+        if (isIsolated) {  // whose momenta are known
+            room = 0;
+            return undoStep(view, look);
+        }
         taken += takeEnergy(view.bodies, view.joints, group, more, false);
+    }
     // What touches the group may have got some of it.
     if (!isIsolated)
         taken +=
             takeEnergy(view.bodies, view.joints, island, look.excess - left - look.driven - look.pushed - taken, false);
     // Springs have the rest, or heights of what is held: the way that led there is not gone.
     const bool isLeft = whole - look.pushed - taken > account.room;
-    if (isLeft && (look.stores || !isIsolated)) stayPut(view, island);
+    if (isLeft && (look.stores || !isIsolated)) {
+        look.hangs ? undoPlaces(view, island, false) : undoMotion(view, island, true);
+    }
     if (isLeft && look.stores)
         for (const std::uint32_t b : island) view.scene.forgetImpulses(b);
     look.excess -= taken;
@@ -362,6 +342,7 @@ void beginGuard(const GuardView& view) {
     if (guard.groupCount() == 0) return;
     guard.kinetic.resizeForOverwrite(view.bodies.size());
     guard.speeds.resizeForOverwrite(view.bodies.size());
+    guard.undone.resize(view.bodies.size(), UndoneSteps{});
     view.runner.parallelFor(static_cast<int>(view.bodies.awake.size()), 64, [&](int begin, int end, int) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
             recordKinetic(guard, view.bodies, view.bodies.awake[i]);

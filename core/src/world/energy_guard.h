@@ -44,6 +44,12 @@ struct GuardedIsland {
     bool hangs = false;                             ///< on what does not move
 };
 
+/// Of a body, whose steps the guard undoes.
+struct UndoneSteps {
+    std::uint32_t last = 0, inRow = 0;  ///< number of the last one, and how many were undone one after the other
+    std::uint32_t handed = 0;           ///< times that it was solved directly after such a row, and failed again soon
+};
+
 /// Bodies in groups: those that joints hold together, through bodies that move. Found anew when articulations are.
 struct EnergyGuard {
     explicit EnergyGuard(std::pmr::memory_resource* memory)
@@ -57,6 +63,7 @@ struct EnergyGuard {
           kinetic(memory),
           speeds(memory),
           room(memory),
+          undone(memory),
           visited(memory),
           islandOf(memory),
           islands(memory),
@@ -74,6 +81,7 @@ struct EnergyGuard {
     };
     AlignedArray<Speeds> speeds;  ///< the same, of their velocities
     AlignedArray<float> room;  ///< per body, share of its group's room that is left; counts for the lowest of a group
+    AlignedArray<UndoneSteps> undone;      ///< per body
     AlignedArray<std::uint32_t> visited;   ///< bodies of the islands that were looked at, one island after the other
     AlignedArray<std::uint32_t> islandOf;  ///< per body, which of these it is in
     AlignedArray<GuardedIsland> islands;
@@ -103,6 +111,7 @@ struct GuardView {
     const SolverContext& context;
     const Vec3& gravity;
     float dt;
+    std::uint32_t step;  ///< its number
     Scene scene;  ///< impulses that are forgotten
     StageRunner& runner;
 };

@@ -94,10 +94,14 @@ BodyStage WorldImpl::bodyStage() {
 }
 
 GuardView WorldImpl::guardView() {
-    return {tables.bodies,    tables.shapes, tables.contacts,   tables.manifolds,
-            tables.joints,    tables.graph,  partition.islands, partition.articulations,
-            partition.direct, guards.energy, solving.context,   settings.gravity,
-            clock.dt,         scene(),       machine.runner};
+    return {tables.bodies,     tables.shapes,
+            tables.contacts,   tables.manifolds,
+            tables.joints,     tables.graph,
+            partition.islands, partition.articulations,
+            partition.direct,  guards.energy,
+            solving.context,   settings.gravity,
+            clock.dt,          static_cast<std::uint32_t>(clock.stepCount),
+            scene(),           machine.runner};
 }
 
 ClosingView WorldImpl::closingView() {
