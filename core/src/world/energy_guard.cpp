@@ -68,25 +68,18 @@ double excessOf(const GuardView& view, std::uint32_t index) {
            static_cast<double>(view.guard.kinetic[index]) + storedBy(view, index).gained - workOn(view, index);
 }
 
-/// m, by which bodies that overlap by more than a load presses them are moved apart in a step, at most: by rows, and
-/// from far within by places (solve/wide_push.inl).
-float wayApart(const GuardView& view, const ContactRecord& contact) {
-    constexpr float kByPlaces = 0.1f;  // of the size: kInsideMost there
-    float separation = 0;
+/// By more than a load presses surfaces into each other.
+bool overlaps(const GuardView& view, const ContactRecord& contact) {
+    bool inside = false;
     for (const ManifoldRecord& manifold : view.manifolds.of(contact))
-        for (int j = 0; j < manifold.pointCount; ++j) separation = std::min(separation, manifold.separation[j]);
-    if (!(separation < -contact::kDeep * contact.size)) return 0;
-    const float beyond = std::max(-separation - contact::kInside * contact.size, 0.0f);
-    return std::min(beyond, kByPlaces * contact.size) +
-           std::min(-separation, view.context.pushOut * contact.size * view.dt);
+        for (int j = 0; j < manifold.pointCount; ++j) inside |= manifold.separation[j] < -contact::kDeep * contact.size;
+    return inside;
 }
 
-/// J, of a body at the speed that overlaps push with, and lifted by such a way against what pulls it, whatever it hangs
-/// together with.
-double pushEnergy(const GuardView& view, std::uint32_t index, float way) {
+/// J, of a body at the speed that overlaps push with.
+double pushEnergy(const GuardView& view, std::uint32_t index) {
     const double speed = static_cast<double>(view.context.pushOut * view.bodies[index].size);
-    const double lift = static_cast<double>(way * length(view.bodies.dynamics[index].acceleration));
-    return static_cast<double>(view.bodies[index].mass) * (0.5 * speed * speed + lift);
+    return 0.5 * static_cast<double>(view.bodies[index].mass) * speed * speed;
 }
 
 /// What a body of an island touches or is joined to.
@@ -98,14 +91,12 @@ void lookAround(const GuardView& view, std::uint32_t body, GuardedIsland& look, 
         look.stores |= storesEnergy(view.joints.sims[key >> 1]);
         reach((key & 1) != 0 ? view.joints[key >> 1].bodyA : view.joints[key >> 1].bodyB);
     }
-    float apart = 0;
     for (std::uint32_t key = view.bodies[body].firstContact; key != kNone; key = view.contacts.next(key)) {
         const ContactRecord& contact = view.contacts[key >> 1];
         if (contact.sensor || contact.firstManifold == kNone) continue;
-        apart += wayApart(view, contact);
+        look.isPushed = look.isPushed || overlaps(view, contact);
         reach((key & 1) != 0 ? contact.bodyA : contact.bodyB);
     }
-    look.apart = std::max(look.apart, apart);
 }
 
 /// All that a body touches or is joined to, and so on; each island is looked at once in a step, whatever asks for
@@ -134,8 +125,8 @@ GuardedIsland& islandOf(const GuardView& view, std::uint32_t first) {
     }
     look.lastDriver = static_cast<std::uint32_t>(guard.drivers.size());
     look.end = static_cast<std::uint32_t>(guard.visited.size());
-    for (std::size_t i = look.begin; i < look.end && look.apart > 0; ++i)
-        look.pushed += pushEnergy(view, guard.visited[i], look.apart);
+    for (std::size_t i = look.begin; i < look.end && look.isPushed; ++i)
+        look.pushed += pushEnergy(view, guard.visited[i]);
     guard.islands.push(look);
     return guard.islands[number];
 }
@@ -151,13 +142,12 @@ bool isThrown(const GuardView& view, std::span<const std::uint32_t> group) {
     return false;
 }
 
-/// Did some body go farther than so much energy, J, would take it, beside a way that it was moved? Four times as far is
-/// not what bodies of a group hand each other in a step.
-bool overran(const GuardView& view, std::span<const std::uint32_t> group, double energy, float moved) {
+/// Did some body go farther than so much energy, J, would take it? Four times as far is not what bodies of a group hand
+/// each other in a step.
+bool overran(const GuardView& view, std::span<const std::uint32_t> group, double energy) {
     constexpr double kFar = 16;  // in squares of the way
     for (const std::uint32_t b : group) {
-        const float way = std::max(length(view.bodies.states[b].dp) - moved, 0.0f);
-        const double speed = static_cast<double>(way) / static_cast<double>(view.dt);
+        const double speed = static_cast<double>(length(view.bodies.states[b].dp)) / static_cast<double>(view.dt);
         if (0.5 * static_cast<double>(view.bodies[b].mass) * speed * speed > kFar * energy) return true;
     }
     return false;
@@ -232,7 +222,7 @@ void completeAccount(const GuardView& view, GuardedIsland& look) {
 /// nor the work of forces along its ways?
 bool isGarbage(const GuardView& view, std::span<const std::uint32_t> island, const GuardedIsland& look, double beyond) {
     const double most = look.lawful + look.pushed + look.atOnce;
-    return beyond > kGarbage * most || (beyond > look.pushed && overran(view, island, most + look.driven, look.apart));
+    return beyond > kGarbage * most || (beyond > look.pushed && overran(view, island, most + look.driven));
 }
 
 void undoStep(const GuardView& view, GuardedIsland& look) {
@@ -281,7 +271,7 @@ void guardGroup(const GuardView& view, std::size_t g) {
         beyond += account.now - turned;
     }
     const double whole = beyond;
-    // What overlaps is pushed, at a speed that is bounded, and lifted.
+    // What overlaps is pushed, at a speed that is bounded.
     beyond = std::min(beyond, account.now - look.pushed);
     double taken = takeEnergy(view.bodies, view.joints, group, beyond, isIsolated);
     // Momenta too are wrong where impulses were so large that their rounding moves all of the group.
