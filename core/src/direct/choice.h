@@ -48,8 +48,8 @@ inline constexpr std::int32_t kStayingSteps = 60;   ///< for which a choice outl
 inline constexpr std::int32_t kFactorSteps = 10;    ///< of its stay that each dear step costs an island
 /// Block products of a dear step, some 2 ms: what came apart and tumbles asks for more than any structure at rest.
 inline constexpr double kDear = 2e4;
-inline constexpr float kBearable =
-    0.25f * kCrushing;  ///< load number up to which dear steps count: what is wedged has less at times
+/// Load number up to which dear steps count: what is wedged has less at times, and is not handed to iteration.
+inline constexpr float kBearable = 0.25f * kCrushing;
 inline constexpr std::int32_t kCooldownSteps = 60;  ///< of iteration after a direct solve that failed
 inline constexpr std::uint8_t kMostDoublings = 5;   ///< of those steps, one for each further failure
 
