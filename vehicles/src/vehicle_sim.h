@@ -292,6 +292,7 @@ private:
     void pushPatch(std::size_t i, PointBody& body, float load, const Vec2& tire);
     void takeHeights();
     void solve(PointBody& body, float h);
+    void expectTire(std::size_t i, const PointBody& body, float h);
     float visitWheel(std::size_t i, PointBody& body, float h);
     void finishWheel(std::size_t i, const PointBody& body, float h, Vec3& linear, Vec3& angular);
     Vec3 patchSpeed(std::size_t i, const PointBody& body) const;

@@ -15,6 +15,11 @@ struct Patience {
 constexpr Patience kFull{24, 1e-5f}, kRays{12, 1e-4f};
 constexpr float kAgreeing = 0.5f;  ///< of a sweep's change to the one before's, of sweeps that agree
 
+/// What sweeps to come would still change, as a geometric series by the last two of them.
+float restAfter(float change, float before) {
+    return change < before ? change * change / (before - change) : std::numeric_limits<float>::infinity();
+}
+
 /// m/s along their struts: of a wheel's hub, and of that at the other end of its beam.
 struct HubSpeeds {
     float own = 0, other = 0;
@@ -198,23 +203,34 @@ void VehicleSim::solve(PointBody& body, float h) {
         pushPatch(i, body, patch.load, patch.tire);
         drivetrain.spin[i] -= specs[i].radius * patch.tire.x / drivetrain.inertia()[i];
     }
+    for (std::size_t i = 0; i < wheels.size(); ++i) expectTire(i, body, h);
     const Patience patience = def.level >= VehicleLevel::full ? kFull : kRays;
     const float enough = patience.converged * h * mass * gravity;
     gripTrusted = 1;
-    float before = std::numeric_limits<float>::infinity();
+    float before = 0;
     for (int sweep = 0; sweep < patience.sweeps; ++sweep) {
         float change = 0;
         for (std::size_t i = 0; i < wheels.size(); ++i) change = std::max(change, visitWheel(i, body, h));
         for (GroundBody& ground : grounds) change = std::max(change, visitSupports(ground));
         change = std::max(change, drivetrain.sweep(def, h) / meanRadius);
-        if (change <= enough) break;
+        if (change <= enough || restAfter(change, before) <= enough) break;
         // Tires that do not take what shafts leave to them throw light wheels to and fro.
-        if (change > kAgreeing * before) gripTrusted *= 0.5f;
+        if (sweep > 0 && change > kAgreeing * before) gripTrusted *= 0.5f;
         before = change;
     }
     // What is left of the last change of a tire would turn a wheel that is held, and the car would creep.
     drivetrain.holdWheels();
     drivetrain.end(def, h);
+}
+
+/// The line where the bristles come to if all goes on as it does.
+void VehicleSim::expectTire(std::size_t i, const PointBody& body, float h) {
+    WheelPatch& patch = patches[i];
+    if (!patch.touching) return;
+    const Vec2 slip = slipOf(patch, body, {wheels[i].hubSpeed, wheels[specs[i].beamPartner].hubSpeed},
+                             specs[i].radius * drivetrain.spin[i]);
+    patch.line = tireLine(
+        patch.law, withinPatch(patch.law, rolledDeflection(patch.law, wheels[i].deflection, slip, patch.transport, h)));
 }
 
 void VehicleSim::pushPatch(std::size_t i, PointBody& body, float load, const Vec2& tire) {
@@ -269,7 +285,6 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     patch.transport = isBrush(specs[i].tire.def) ? std::abs(motion.tread) : lengthOf(motion.travel);
     patch.law = tireLaw(specs[i].tire, groundOf(i), motion, wheel.load, patch.transport);
     settleTire(i, moved);
-    patch.line = tireLine(patch.law, wheel.deflection);
     wheel.aligning = aligningMoment(patch.law, wheel.deflection, wheel.load, motion.travel.x);
 }
 
