@@ -24,6 +24,9 @@ Drawn drawBeam(Dice& dice);
 Drawn drawHung(Dice& dice);
 /// Balls on distance springs to their neighbours, of any stiffness and damping, which fall, swing and are hit.
 Drawn drawLattice(Dice& dice);
+/// Figures of 5 cm to 2 m, each link up to a thousandth of its trunk, which a ball of 0.1 to 100 kg strikes at 1 to 40
+/// m/s, in empty space and over a floor.
+Drawn drawStruck(Dice& dice);
 /// Bodies of all convex shapes poured on the floor.
 Drawn drawHeap(Dice& dice);
 /// Groups of compounds on joints of all kinds, with limits, motors and springs, on a floor and a plate that moves.

@@ -78,6 +78,15 @@ double springEnergy(const JointDef& def, const Place& place) {
     return 0.5 * static_cast<double>(ball->spring->stiffness) * angle * angle;
 }
 
+/// Does nothing hold any body?
+bool isFree(const Scene& scene) {
+    const auto moves = [](const SceneBody& body) { return body.def.type == BodyType::dynamic; };
+    const auto isInside = [](const SceneJoint& joint) {
+        return joint.bodyA != stability::kWorld && joint.bodyB != stability::kWorld;
+    };
+    return std::ranges::all_of(scene.bodies, moves) && std::ranges::all_of(scene.joints, isInside);
+}
+
 /// What is measured of a scene between steps.
 class Watch {
 public:
@@ -85,6 +94,8 @@ public:
         for (const SceneBody& body : scene_.bodies)
             masses_.push_back(body.def.type == BodyType::dynamic ? stability::massOf(body.def) : MassProperties{});
         start_ = energy();
+        startMomentum_ = momentum_;
+        startWay_ = way_;
         lowest_ = potential_;
         from_ = relativePlaces();
     }
@@ -95,6 +106,8 @@ public:
         const double room = std::max(start_ - lowest_, kLeast * weightTimesSize_);
         watched.energyGain = room > 0 ? std::max(0.0, (highest_ - start_) / room) : 0;
         if (std::isnan(highest_)) watched.energyGain = highest_;
+        ++steps_;
+        if (isFree(scene_)) raise(watched.momentumGain, momentumGain());
         raise(watched.gap, gap());
         raise(watched.fastest, fastest_);
         raise(watched.overLimit, over());
@@ -132,7 +145,8 @@ private:
         return {of(joint.bodyA, bodies.frameA), of(joint.bodyB, bodies.frameB)};
     }
     double energy() {
-        kinetic_ = potential_ = mass_ = fastest_ = 0;
+        kinetic_ = potential_ = mass_ = fastest_ = way_ = 0;
+        momentum_ = {};
         const DVec3 g{scene_.settings.gravity};
         for (std::size_t i = 0; i < masses_.size(); ++i) {
             const MassProperties& mass = masses_[i];
@@ -143,6 +157,8 @@ private:
             raise(fastest_, length(v));
             const Vec3 w = inverseRotate(m.pose.rotation, m.w);
             mass_ += kg;
+            momentum_ = momentum_ + kg * v;
+            way_ += kg * length(v);
             kinetic_ += 0.5 * kg * dot(v, v) + 0.5 * static_cast<double>(dot(w, mass.inertia * w));
             potential_ -= kg * dot(g, transformPoint(m.pose, mass.center));
         }
@@ -151,6 +167,12 @@ private:
         for (const SceneJoint& joint : scene_.joints) springs += springEnergy(joint.def, place(joint));
         potential_ += springs;
         return kinetic_ + potential_;
+    }
+    /// Of its change in all steps so far, of what the bodies had.
+    double momentumGain() const {
+        const DVec3 given = mass_ * scene_.step * steps_ * DVec3{scene_.settings.gravity};
+        const double way = std::max(startWay_, length(given));
+        return way > 0 ? length(momentum_ - startMomentum_ - given) / way : way_;
     }
     /// Of all that moves by itself but the first, from it.
     std::vector<DVec3> relativePlaces() const {
@@ -175,6 +197,9 @@ private:
     double stuck_ = 0;
     double start_ = 0, highest_ = -1e300, lowest_ = 0;
     double kinetic_ = 0, potential_ = 0, mass_ = 0, fastest_ = 0, weightTimesSize_ = 0;
+    DVec3 momentum_, startMomentum_;  // kg m/s
+    double way_ = 0, startWay_ = 0;   // the same, of sizes
+    double steps_ = 0;
 };
 
 void drive(const Drawn& drawn, stability::Engine& engine, double time) {
@@ -199,6 +224,7 @@ bool isDriven(const Drawn& drawn) {
 std::span<const Law> allLaws() {
     static constexpr Law kLaws[] = {
         {"energy", &Watched::energyGain, 0.01, "1"},
+        {"momentum", &Watched::momentumGain, 1e-4, "1"},
         {"gap", &Watched::gap, 0.05, "m"},
         {"gap at rest", &Watched::restGap, 0.002, "m"},
         {"limit", &Watched::overLimit, 5 * kDegree, "rad"},

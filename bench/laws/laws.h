@@ -13,6 +13,7 @@ namespace ragtop::laws {
 /// What a run of a scene showed. A number that is none stays none.
 struct Watched {
     double energyGain = 0;  ///< largest energy over that at the start, as a share of what the scene could release
+    double momentumGain = 0;  ///< of bodies that nothing holds, against what gravity gives, as a share of theirs
     double gap = 0;         ///< m, largest of a joint at the end of any step
     double restGap = 0;     ///< m, the same in the last half second, where all came to rest
     double overLimit = 0;   ///< rad, farthest beyond a limit
@@ -40,7 +41,8 @@ struct Law {
 /// Gaps and angles are what users see: 5 cm and 5° in motion, 2 mm and 1° at rest. Energy: a hundredth of what the
 /// scene can release, which is what rows of an implicit first-order method may trade between places and speeds. What
 /// stands moves by less than a hundredth of a box. A step that cannot be had is undone, once or twice; no scene stands
-/// still in its motion. No scene drops or swings anything to a third of the bound of speed.
+/// still in its motion. Momentum: what rounding of speeds may bring in a thousand substeps. No scene drops or swings
+/// anything to a third of the bound of speed.
 std::span<const Law> allLaws();
 
 /// Is something moved from outside, whose work is not counted?

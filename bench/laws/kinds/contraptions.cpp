@@ -5,14 +5,6 @@ namespace {
 
 constexpr float kWholeTurn = 6.2831853f;
 
-Vec3 anyDirection(Dice& dice) {
-    for (;;) {
-        const Vec3 v{dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1)};
-        const float square = dot(v, v);
-        if (square > 0.05f && square <= 1) return (1 / std::sqrt(square)) * v;
-    }
-}
-
 /// Some convex shape; `reach` is how far its surface is from its middle along its x axis, m.
 Shape anyShape(Dice& dice, float size, float& reach) {
     reach = size;

@@ -35,6 +35,14 @@ inline float magnitude(Dice& dice, float from, float to) {
     return value;
 }
 
+inline Vec3 anyDirection(Dice& dice) {
+    for (;;) {
+        const Vec3 v{dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1)};
+        const float square = dot(v, v);
+        if (square > 0.05f && square <= 1) return (1 / std::sqrt(square)) * v;
+    }
+}
+
 inline BodyDef solidOfDensity(Shape shape, const DVec3& position, float density, const Material& material) {
     BodyDef def;
     def.shapes.push_back({.geometry = std::move(shape), .density = density, .material = material});

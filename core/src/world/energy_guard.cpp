@@ -82,21 +82,17 @@ double pushEnergy(const GuardView& view, std::uint32_t index) {
     return 0.5 * static_cast<double>(view.bodies[index].mass) * speed * speed;
 }
 
-/// What a body of an island touches or is joined to.
-template <class Reach>
-void lookAround(const GuardView& view, std::uint32_t body, GuardedIsland& look, Reach&& reach) {
+/// What a body touches or is joined to.
+template <class OfJoint, class OfContact>
+void lookAround(const GuardView& view, std::uint32_t body, OfJoint&& ofJoint, OfContact&& ofContact) {
     for (std::uint32_t key = view.bodies[body].firstJoint; key != kNone;
-         key = view.joints[key >> 1].edges[key & 1].next) {
-        if (!view.joints.isHolding(key >> 1)) continue;
-        look.stores |= storesEnergy(view.joints.sims[key >> 1]);
-        reach((key & 1) != 0 ? view.joints[key >> 1].bodyA : view.joints[key >> 1].bodyB);
-    }
-    for (std::uint32_t key = view.bodies[body].firstContact; key != kNone; key = view.contacts.next(key)) {
-        const ContactRecord& contact = view.contacts[key >> 1];
-        if (contact.sensor || contact.firstManifold == kNone) continue;
-        look.isPushed = look.isPushed || overlaps(view, contact);
-        reach((key & 1) != 0 ? contact.bodyA : contact.bodyB);
-    }
+         key = view.joints[key >> 1].edges[key & 1].next)
+        if (view.joints.isHolding(key >> 1))
+            ofJoint(view.joints.sims[key >> 1],
+                    (key & 1) != 0 ? view.joints[key >> 1].bodyA : view.joints[key >> 1].bodyB);
+    for (std::uint32_t key = view.bodies[body].firstContact; key != kNone; key = view.contacts.next(key))
+        if (const ContactRecord& contact = view.contacts[key >> 1]; !contact.sensor && contact.firstManifold != kNone)
+            ofContact(contact, (key & 1) != 0 ? contact.bodyA : contact.bodyB);
 }
 
 /// All that a body touches or is joined to, and so on; each island is looked at once in a step, whatever asks for
@@ -120,7 +116,16 @@ GuardedIsland& islandOf(const GuardView& view, std::uint32_t first) {
     for (std::size_t i = look.begin; i < guard.visited.size(); ++i) {
         const std::uint32_t body = guard.visited[i];
         look.excess += excessOf(view, body);
-        lookAround(view, body, look, reach);
+        lookAround(
+            view, body,
+            [&](const JointSim& sim, std::uint32_t other) {
+                look.stores |= storesEnergy(sim);
+                reach(other);
+            },
+            [&](const ContactRecord& contact, std::uint32_t other) {
+                look.isPushed = look.isPushed || overlaps(view, contact);
+                reach(other);
+            });
         look.driven += addDrivers(view, body, guard.drivers);
     }
     look.lastDriver = static_cast<std::uint32_t>(guard.drivers.size());
@@ -233,12 +238,29 @@ void undoStep(const GuardView& view, GuardedIsland& look) {
     look.excess = 0;
 }
 
-/// A group whose energy is no number.
+/// A group whose energy is no number; so may be what it touches.
 void undoUnbounded(const GuardView& view, std::span<const std::uint32_t> group) {
     if (isThrown(view, group)) return barDirect(view, group);
     const GuardedIsland& look = islandOf(view, group.front());
     ++view.guard.caught;
-    undoMotion(view, group, !look.hangs && look.end - look.begin == group.size());
+    undoMotion(view, {view.guard.visited.data() + look.begin, look.end - look.begin}, !look.hangs);
+}
+
+/// What nothing holds has nothing to give its momenta to.
+Keeps whatStays(const GuardView& view, const GuardedIsland& look, std::span<const std::uint32_t> group) {
+    if (!look.hangs) return Keeps::momenta;
+    bool held = false;
+    const auto note = [&](const auto&, std::uint32_t other) { held |= !view.bodies.moves(other); };
+    for (const std::uint32_t body : group) lookAround(view, body, note, note);
+    return held ? Keeps::nothing : Keeps::momenta;
+}
+
+/// J. An island that nothing holds keeps its momenta; in others, where speeds against each other say nothing, impulses
+/// are undone in part, so that none loses what another does not get.
+double takeFromIsland(const GuardView& view, std::span<const std::uint32_t> island, const GuardedIsland& look,
+                      double energy) {
+    return look.hangs ? undoImpulses(view, island, energy)
+                      : takeEnergy(view.bodies, view.joints, island, energy, Keeps::momenta);
 }
 
 void guardGroup(const GuardView& view, std::size_t g) {
@@ -273,7 +295,7 @@ void guardGroup(const GuardView& view, std::size_t g) {
     const double whole = beyond;
     // What overlaps is pushed, at a speed that is bounded.
     beyond = std::min(beyond, account.now - look.pushed);
-    double taken = takeEnergy(view.bodies, view.joints, group, beyond, isIsolated);
+    double taken = takeEnergy(view.bodies, view.joints, group, beyond, whatStays(view, look, group));
     // Momenta too are wrong where impulses were so large that their rounding moves all of the group.
     const double lawful = account.now - beyond;
     if (const double more = accountOf(view, group).now - lawful; more > kThrown * look.lawful) {
@@ -281,12 +303,11 @@ void guardGroup(const GuardView& view, std::size_t g) {
             room = 0;
             return undoStep(view, look);
         }
-        taken += takeEnergy(view.bodies, view.joints, group, more, false);
+        taken += takeFromIsland(view, island, look, more);
     }
     // What touches the group may have got some of it.
     if (!isIsolated)
-        taken +=
-            takeEnergy(view.bodies, view.joints, island, look.excess - left - look.driven - look.pushed - taken, false);
+        taken += takeFromIsland(view, island, look, look.excess - left - look.driven - look.pushed - taken);
     // Springs have the rest, or heights of what is held: the way that led there is not gone.
     const bool isLeft = whole - look.pushed - taken > account.room;
     if (isLeft && (look.stores || !isIsolated)) {
@@ -311,7 +332,7 @@ void guardFallenBack(const GuardView& view, const DirectIsland& fallen) {
     completeAccount(view, look);
     const double beyond = look.excess - look.driven - look.pushed - kRoom * look.lawful;
     if (isGarbage(view, island, look, beyond)) return undoStep(view, look);
-    const double taken = takeEnergy(view.bodies, view.joints, island, beyond, false);
+    const double taken = takeFromIsland(view, island, look, beyond);
     if (!(taken > 0)) return;
     look.excess -= taken;
     ++guard.caught;

@@ -77,11 +77,10 @@ CommonMotion commonMotion(const Bodies& bodies, std::span<const std::uint32_t> g
     // Rounding of the inertia of a group may make its common motion more than all of its motion.
     motion.rigid = std::min(whole, 0.5 * (mass * static_cast<double>(lengthSquared(motion.v)) +
                                           static_cast<double>(dot(motion.w, angular))));
+    motion.spinning = std::min(motion.rigid, 0.5 * static_cast<double>(dot(motion.w, angular)));
     motion.inner = whole - motion.rigid;
     return motion;
 }
-
-namespace {
 
 void setVelocity(Bodies& bodies, std::uint32_t body, const Vec3& v, const Vec3& w) {
     BodyState& state = bodies.states[body];
@@ -91,7 +90,6 @@ void setVelocity(Bodies& bodies, std::uint32_t body, const Vec3& v, const Vec3& 
     bodies.storeMomentum(body, rotationNow(bodies, body));
 }
 
-/// What springs lead the speeds of their bodies by is part of these; of those joints that are counted with a body.
 void scaleLeads(const Bodies& bodies, Joints& joints, std::uint32_t body, float share) {
     for (std::uint32_t key = bodies[body].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
         if (!joints.isHolding(key >> 1)) continue;
@@ -100,8 +98,6 @@ void scaleLeads(const Bodies& bodies, Joints& joints, std::uint32_t body, float 
         lead = {share * lead.linear, share * lead.angular};
     }
 }
-
-}  // namespace
 
 void turnToMomentum(Bodies& bodies, std::span<const std::uint32_t> group, const Vec3& momentum) {
     const CommonMotion motion = commonMotion(bodies, group);
@@ -113,11 +109,11 @@ void turnToMomentum(Bodies& bodies, std::span<const std::uint32_t> group, const 
     }
 }
 
-double takeEnergy(Bodies& bodies, Joints& joints, std::span<const std::uint32_t> group, double energy,
-                  bool keepsMomenta) {
+double takeEnergy(Bodies& bodies, Joints& joints, std::span<const std::uint32_t> group, double energy, Keeps keeps) {
     if (!(energy > 0)) return 0;
     CommonMotion motion = commonMotion(bodies, group);
-    if (!keepsMomenta) motion.inner += motion.rigid, motion.v = motion.w = {};
+    if (keeps == Keeps::linearMomentum) motion.inner += motion.spinning, motion.w = {};
+    if (keeps == Keeps::nothing) motion.inner += motion.rigid, motion.v = motion.w = {};
     if (!(motion.inner > 0)) return 0;
     const auto share = static_cast<float>(std::sqrt(std::max(0.0, 1 - energy / motion.inner)));
     for (const std::uint32_t b : group) {

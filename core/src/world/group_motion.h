@@ -27,14 +27,21 @@ struct CommonMotion {
     Vec3 momentum;                ///< kg m²/s, about the centre
     Factor3 inertia{};            ///< kg m², the same
     double rigid = 0, inner = 0;  ///< J
+    double spinning = 0;          ///< J, of the first, about the centre
 };
 CommonMotion commonMotion(const Bodies& bodies, std::span<const std::uint32_t> group);
 
+/// As far as its locks let it.
+void setVelocity(Bodies& bodies, std::uint32_t body, const Vec3& v, const Vec3& w);
+/// What springs lead the speeds of their bodies by is part of these; of those joints that are counted with a body.
+void scaleLeads(const Bodies& bodies, Joints& joints, std::uint32_t body, float share);
+
 /// Turns a group, as one body, to the angular momentum given.
 void turnToMomentum(Bodies& bodies, std::span<const std::uint32_t> group, const Vec3& momentum);
-/// Takes so much energy (J) from the motion of the bodies against each other, which keeps both momenta; where those
-/// need not be kept, from all their motion. Tells how much there was to take.
-double takeEnergy(Bodies& bodies, Joints& joints, std::span<const std::uint32_t> group, double energy,
-                  bool keepsMomenta);
+/// What of a group stays as it is: both momenta, but the motion of the bodies against each other; how fast its centre
+/// goes; nothing.
+enum class Keeps : std::uint8_t { momenta, linearMomentum, nothing };
+/// Takes so much energy (J) from all motion but what is kept. Tells how much there was to take.
+double takeEnergy(Bodies& bodies, Joints& joints, std::span<const std::uint32_t> group, double energy, Keeps keeps);
 
 }  // namespace ragtop

@@ -345,7 +345,7 @@ double fitSpeeds(const ClosingView& world, std::span<const std::uint32_t> group,
         workOfClosing(world, group, {bench.paths.data(), bench.paths.size()}) + before.stored - storedBy(world, joints);
     const double most = share > 0 ? std::max(0.0, before.kinetic + std::min(0.0, work)) : 0.0;
     const double excess = kineticOf(world, group) - most;
-    return excess - takeEnergy(world.bodies, world.joints, group, excess, isFree);
+    return excess - takeEnergy(world.bodies, world.joints, group, excess, isFree ? Keeps::momenta : Keeps::nothing);
 }
 
 /// To where the step has led, as fast as there.
@@ -403,6 +403,11 @@ void closeGroup(const ClosingView& world, std::size_t g, JointClosing::Bench& be
         moveToEnd(world, group, bench);
         share = closeEarlier(world, group, joints, bench, 0.5f * share);
         excess = fitSpeeds(world, group, joints, bench, before, share);
+    }
+    // What others turned it to in the step may be more than it can have where the step began.
+    if (!hangs(world, joints) && !isAlone(world, group, joints)) {
+        const double more = kineticOf(world, group) - before.kinetic;
+        takeEnergy(world.bodies, world.joints, group, more, Keeps::linearMomentum);
     }
     bench.cut += share < 1;
     for (const std::uint32_t body : group) world.bodies.storeMomentum(body);

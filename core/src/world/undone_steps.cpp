@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "direct/choice.h"
 #include "world/group_motion.h"
@@ -70,6 +71,18 @@ void followCentre(const GuardView& view, std::span<const std::uint32_t> group) {
     for (const std::uint32_t b : group) view.bodies.states[b].dp = view.dt * mean;
 }
 
+/// m/s and rad/s, that contacts and joints gave a body in the step: beyond what it would have as it is turned now.
+PairVector changeByImpulses(const GuardView& view, std::uint32_t body) {
+    const BodyDynamics& d = view.bodies.dynamics[body];
+    const BodyState& state = view.bodies.states[body];
+    const EnergyGuard::Speeds& before = view.guard.speeds[body];
+    const Vec3 inertia = view.bodies[body].inertia;
+    const Quat &from = view.bodies[body].rotation, to = rotationNow(view.bodies, body);
+    const Vec3 momentum = rotate(from, scale(inertia, inverseRotate(from, before.w))) + view.dt * d.torque;
+    const Vec3 w = rotate(to, scale(d.inverseInertia, inverseRotate(to, momentum)));
+    return {state.v - before.v - view.dt * d.acceleration, state.w - w};
+}
+
 }  // namespace
 
 void barDirect(const GuardView& view, std::span<const std::uint32_t> group) {
@@ -91,9 +104,46 @@ static void leaveRepetition(const GuardView& view, std::span<const std::uint32_t
         barDirect(view, group);
     else if (std::has_single_bit(undone.inRow))
         askDirect(view, group, undone);
-    const CommonMotion motion = commonMotion(view.bodies, group);
-    const double whole = motion.inner + (isFree ? 0 : motion.rigid);
-    view.guard.taken += takeEnergy(view.bodies, view.joints, group, kLost * whole, isFree);
+    const double inner = commonMotion(view.bodies, group).inner;
+    view.guard.taken += takeEnergy(view.bodies, view.joints, group, kLost * inner, Keeps::momenta);
+    // What joints hold to what does not move gives its momenta too; what merely touches it has given its own to it.
+    if (isFree) return;
+    for (const std::uint32_t& b : group) {
+        if (view.bodies[b].firstJoint == kNone) continue;
+        const double whole = kineticEnergy(view.bodies, b, rotationNow(view.bodies, b));
+        view.guard.taken += takeEnergy(view.bodies, view.joints, {&b, 1}, kLost * whole, Keeps::nothing);
+    }
+}
+
+double undoImpulses(const GuardView& view, std::span<const std::uint32_t> group, double energy) {
+    if (!(energy > 0)) return 0;
+    // K(s) = K(0) + s b + s² c with a share s of the impulses, up to which K may rise to its least.
+    double b = 0, c = 0;
+    for (const std::uint32_t body : group) {
+        const BodyState& state = view.bodies.states[body];
+        const PairVector change = changeByImpulses(view, body);
+        const Quat q = rotationNow(view.bodies, body);
+        const Vec3 spin = inverseRotate(q, change.angular), inertia = view.bodies[body].inertia;
+        const double m = static_cast<double>(view.bodies[body].mass);
+        const double twice = m * static_cast<double>(lengthSquared(change.linear)) +
+                             static_cast<double>(dot(spin, scale(inertia, spin)));
+        c += 0.5 * twice;
+        b += m * static_cast<double>(dot(state.v, change.linear)) +
+             static_cast<double>(dot(inverseRotate(q, state.w), scale(inertia, spin))) - twice;
+    }
+    if (!(c > 0)) return 0;
+    const double least = std::clamp(-b / (2 * c), 0.0, 1.0);
+    const double most = b + c - energy;  // K(1) − K(0), less what is taken
+    const double root = b * b + 4 * c * most;
+    const double share = root > 0 ? std::clamp((std::sqrt(root) - b) / (2 * c), least, 1.0) : least;
+    for (const std::uint32_t body : group) {
+        const PairVector change = changeByImpulses(view, body);
+        const auto undone = static_cast<float>(1 - share);
+        const BodyState& state = view.bodies.states[body];
+        setVelocity(view.bodies, body, state.v - undone * change.linear, state.w - undone * change.angular);
+        scaleLeads(view.bodies, view.joints, body, static_cast<float>(share));
+    }
+    return (1 - share) * (b + (1 + share) * c);
 }
 
 void undoPlaces(const GuardView& view, std::span<const std::uint32_t> group, bool isFree) {
