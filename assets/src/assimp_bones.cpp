@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -109,6 +110,24 @@ std::string gltfText(const std::string& file) {
     std::uint32_t length = 0;
     std::memcpy(&length, bytes.data() + 12, sizeof length);
     return bytes.substr(20, length);
+}
+
+/// Matrices are optional [Khronos, glTF 2.0, 3.7.3.1]. Without them each vertex is in the frame of its joint, which
+/// tells no rest pose of a vertex that several joints move.
+void checkGltfSkins(const std::string& file) {
+    const std::string text = gltfText(file);
+    const auto times = [&](std::string_view key) {
+        int count = 0;
+        for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + key.size())) ++count;
+        return count;
+    };
+    if (times("\"joints\"") <= times("\"inverseBindMatrices\"")) return;
+    const Json gltf = readNodes(text);
+    if (!gltf.is_object() || !gltf.contains("skins") || !gltf.at("skins").is_array()) return;
+    const Json& skins = gltf.at("skins");
+    for (std::size_t i = 0; i < skins.size(); ++i)
+        if (skins[i].contains("joints") && !skins[i].contains("inverseBindMatrices"))
+            throw AssetError(file, "", "/skins/" + std::to_string(i) + " has no inverseBindMatrices, must have them");
 }
 
 void findBoneNodes(const aiScene& from, const std::string& file, const NodePlaces& places, ImportedScene& to) {

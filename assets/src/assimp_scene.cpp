@@ -252,6 +252,7 @@ void checkJson(const std::string& file) {
 }
 
 ImportedScene importHere(const std::string& file, ImportedDetail detail) {
+    if (file.ends_with(".gltf") || file.ends_with(".glb")) checkGltfSkins(file);
     Assimp::Importer importer;
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);

@@ -50,7 +50,7 @@ bool addCharacter(const fs::path& path, Cooked& asset) {
         return true;
     } catch (const AssetError& error) {
         // What could not be imported once is not tried again, which would take as long.
-        if (std::string(error.what()).find("bone") == std::string::npos) throw;
+        if (std::string(error.what()).find("has no bones") == std::string::npos) throw;
     } catch (const std::invalid_argument&) {  // bones that make no ragdoll
     }
     return false;

@@ -305,6 +305,26 @@ TEST(LoadCharacter, RefusesBrokenFilesInOneLine) {
     EXPECT_NE(failure(cube.path()).find("no bones"), std::string::npos);
 }
 
+/// A motion of as many fingers of three joints on one root.
+std::string motionOfFingers(int fingers) {
+    const std::string channels = "CHANNELS 3 Zrotation Xrotation Yrotation\n";
+    std::string text = "HIERARCHY\nROOT r\n{\nOFFSET 0 0 0\n" + channels;
+    for (int i = 0; i < fingers; ++i) {
+        for (const char* joint : {"a", "b", "c"})
+            text += std::string("JOINT ") + joint + std::to_string(i) + "\n{\nOFFSET 0 1 0\n" + channels;
+        text += "}\n}\n}\n";
+    }
+    text += "}\nMOTION\nFrames: 1\nFrame Time: 0.1\n";
+    for (int i = 0; i < 9 * fingers + 3; ++i) text += "0 ";
+    return text + "\n";
+}
+
+TEST(LoadCharacter, TellsHowManyBonesAreAllowedWhereThereAreMore) {
+    const TemporaryFile file("bones.bvh", motionOfFingers(22'000));
+    const std::string error = importError(file.path(), [&] { loadCharacter(file.path()); });
+    EXPECT_NE(error.find("bones has 66001 entries, at most 65535 are allowed"), std::string::npos) << error;
+}
+
 TEST(LoadCharacter, SurvivesTruncatedFiles) {
     RAGTOP_SAMPLE(file, "characters/knight.glb");
     std::ifstream stream(file, std::ios::binary);

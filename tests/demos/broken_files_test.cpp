@@ -209,6 +209,9 @@ const std::vector<Broken> kModels{
     {"hierarchy", "inspect hierarchy.bvh", {"hierarchy.bvh"}},
     {"garbage", "inspect garbage.glb", {"garbage.glb"}},
     {"truncated_gltf", "inspect truncated.gltf", {"truncated.gltf"}},
+    {"no_bind_matrices",
+     "inspect no_bind_matrices.gltf",
+     {"no_bind_matrices.gltf: /skins/0 has no inverseBindMatrices, must have them"}},
     {"no_such_file", "inspect no_such_file.fbx", {"no_such_file.fbx"}},
 };
 
