@@ -1,6 +1,7 @@
 #include "fit_foot.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -48,15 +49,27 @@ struct FootHull {
     float volume;  ///< m³
 };
 
-bool holdsShare(const Gauge& gauge, const Frame& frame, std::span<const Vec3> points, float share) {
-    const std::vector<float> sizes = gauge.sizes(points, frame);
-    const auto held = std::count_if(sizes.begin(), sizes.end(), [](float size) { return size <= kSurface; });
-    return static_cast<float>(held) >= share * static_cast<float>(points.size());
-}
+/// Points that a hull is to hold a share of. What one holds, those about it hold too.
+struct Wanted {
+    std::vector<Vec3> left;
+    float most;  ///< that may be left
 
-/// Of fewest corners on a sole, about most of what is in a box; `few` are some of the points.
+    Wanted(std::span<const Vec3> points, float share)
+        : left(points.begin(), points.end()), most((1 - share) * static_cast<float>(points.size())) {}
+    bool isHeld(const Gauge& gauge, const Frame& frame) {
+        const std::vector<float> sizes = gauge.sizes(left, frame);
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < sizes.size(); ++i)
+            if (sizes[i] > kSurface) left[count++] = left[i];
+        left.resize(count);
+        return static_cast<float>(count) <= most;
+    }
+};
+
+/// Of fewest corners on a sole, about most of what is in a box; `few` are some of the points. None of `most` m³ or
+/// more.
 std::optional<FootHull> hullIn(const FittedShape& room, float soleSize, std::span<const Vec3> few,
-                               std::span<const Vec3> points, float share) {
+                               std::span<const Vec3> points, float share, float most) {
     const std::vector<Vec3> inside = within(room, few),
                             sole = soleUnder(std::get<Box>(room.shape).halfExtents, inside, soleSize);
     const float bottom = sole[0].z;
@@ -67,14 +80,16 @@ std::optional<FootHull> hullIn(const FittedShape& room, float soleSize, std::spa
     if (grown.isFlat()) return {};
     grown.grow(kMostOfFoot);
     const std::vector<Vec3> order = grown.corners();
-    for (std::size_t most = kFewestOfFoot; most <= kMostOfFoot; most += 12) {
+    Wanted ofFew(few, share), ofAll(points, share);
+    for (std::size_t count = kFewestOfFoot; count <= kMostOfFoot; count += 12) {
         std::vector<Vec3> corners = sole;
         for (const Vec3& corner : order)
-            if (corner.z > bottom && corners.size() < most) corners.push_back(corner);
+            if (corner.z > bottom && corners.size() < count) corners.push_back(corner);
         GrowingHull hull(corners);
         hull.grow(corners.size());
+        if (hull.volume() >= most) return {};
         const Gauge gauge(corners, hull.planes());
-        if (holdsShare(gauge, room.frame, few, share) && holdsShare(gauge, room.frame, points, share))
+        if (ofFew.isHeld(gauge, room.frame) && ofAll.isHeld(gauge, room.frame))
             return FootHull{std::move(corners), room, hull.volume()};
     }
     return {};
@@ -90,13 +105,29 @@ FittedShape fitFoot(std::span<const Vec3> points, const Quat& rotation, float sh
     std::optional<FootHull> least;
     for (const float size : {kRoundSole, 1.0f})
         for (const float more : {0.25f, 0.5f, 1.0f}) {
-            auto hull = hullIn(fitBox(few, rotation, share + more * (1 - share)), size, few, points, share);
+            const float most = least ? least->volume : std::numeric_limits<float>::infinity();
+            auto hull = hullIn(fitBox(few, rotation, share + more * (1 - share)), size, few, points, share, most);
             if (!hull) continue;
-            if (!least || hull->volume < least->volume) least = std::move(hull);
+            least = std::move(hull);
             break;
         }
     if (!least || massOf(box.shape, 1.0f).mass <= kMostAir * least->volume) return box;
     return {ConvexHull(least->corners), least->room.frame};
+}
+
+FittedShape fitBoth(std::span<const Vec3> points, std::size_t own, float share, const FitShape& fit) {
+    const auto leftOut = [](const FittedShape& shape, std::span<const Vec3> some) {
+        return 1 - static_cast<float>(countInside(shape, some)) / static_cast<float>(some.size());
+    };
+    float most = 0;  // of either, in proportion to what both may leave out
+    for (const float less : {1.0f, 0.875f, 0.75f, 0.5f}) {
+        if (less * most > 1 - share) continue;
+        FittedShape shape = fit(points, 1 - less * (1 - share));
+        const float left = std::max(leftOut(shape, points.first(own)), leftOut(shape, points.subspan(own)));
+        if (left <= 1 - share) return shape;
+        most = left / less;
+    }
+    return fit(points, 1);
 }
 
 }  // namespace ragtop

@@ -246,16 +246,9 @@ private:
         for (const Vec3& vertex : skin_[shankOf(foot)])
             if (dot(vertex, over.along) < over.floor) skin.push_back(vertex);
         if (skin.size() == own) return;
-        const float wanted = options_.containedShare;
-        const auto holds = [&](const FittedShape& shape, std::span<const Vec3> some) {
-            return static_cast<float>(countInside(shape, some)) >= wanted * static_cast<float>(some.size());
-        };
-        FittedShape shape;
-        for (const float more : {0.0f, 0.125f, 0.25f, 0.5f, 1.0f}) {
-            shape = around(segment(static_cast<int>(foot)), skin, wanted + more * (1 - wanted));
-            if (holds(shape, std::span(skin).first(own)) && holds(shape, std::span(skin).subspan(own))) break;
-        }
-        place(foot, std::move(shape));
+        place(foot, fitBoth(skin, own, options_.containedShare, [&](std::span<const Vec3> points, float share) {
+                  return around(segment(static_cast<int>(foot)), points, share);
+              }));
     }
 
     /// What has feet stands on them: no other shape reaches below their soles.

@@ -265,6 +265,35 @@ TEST(FitFoot, OfABlockIsTheBox) {
     EXPECT_TRUE(std::holds_alternative<Box>(fitFoot(points, {}, 0.9f).shape));
 }
 
+/// Nine tenths of the points are in a cube; the others reach twice as far, so that whatever leaves out as much of all
+/// as may be leaves out too many of them.
+TEST(FitBoth, HoldsTheShareOfEitherKindHoweverFewThereAre) {
+    std::mt19937 random(4);
+    const auto any = [&] { return static_cast<float>(random()) / 4294967296.0f - 0.5f; };
+    for (const std::size_t own : {90u, 900u, 9000u}) {
+        std::vector<Vec3> points;
+        for (std::size_t i = 0; i < own; ++i) points.push_back({any(), any(), any()});
+        for (std::size_t i = 0; i < own / 9; ++i) points.push_back({2 * any(), any(), any()});
+        int fits = 0;
+        const auto fit = [&](std::span<const Vec3> some, float share) {
+            ++fits;
+            return fitBox(some, {}, share);
+        };
+        const FittedShape fitted = fitBoth(points, own, 0.9f, fit);
+        const std::span<const Vec3> all(points);
+        EXPECT_GE(countInside(fitted, all.first(own)), static_cast<int>(0.9f * static_cast<float>(own)));
+        EXPECT_GE(countInside(fitted, all.subspan(own)), static_cast<int>(0.9f * static_cast<float>(own / 9)));
+        EXPECT_LT(countInside(fitBox(points, {}, 0.9f), all.subspan(own)),
+                  static_cast<int>(0.9f * static_cast<float>(own / 9)));
+        EXPECT_LE(fits, 3) << own;
+    }
+    // Of one kind it is the shape that was asked for.
+    const std::vector<Vec3> points = capsulePoints({});
+    const auto fit = [](std::span<const Vec3> some, float share) { return fitBox(some, {}, share); };
+    const FittedShape fitted = fitBoth(points, points.size() / 2, 0.0f, fit);
+    EXPECT_EQ(std::get<Box>(fitted.shape).halfExtents, std::get<Box>(fitBox(points, {}, 0.0f).shape).halfExtents);
+}
+
 TEST(KeptAbove, LeavesAHullThatStandsOnTheFloorAsItIs) {
     const FittedShape foot = fitFoot(shoePoints(500), {}, 0.92f);
     const float floor = bottomOf(foot, {0, 0, 1}) + 1e-7f;

@@ -9,10 +9,10 @@
 
 namespace ragtop {
 
-/// A clip in about a sixth of its memory, within an error in metres: 79 clips of four characters take 0.156 in sum, those
-/// below a second up to a quarter, poses of a single key as much as before. Keys that others stand for are left out; turns
-/// take six bytes (the three smallest numbers of a quaternion), places six, in the range of their track. Between keys
-/// turns go along the chord [Frechette, Animation Compression Library, 2017].
+/// A clip in about a sixth of its memory, within an error in metres: 79 clips of four characters take 0.156 in sum,
+/// those below a second up to a quarter, poses of a single key as much as before. Keys that others stand for are left
+/// out; turns take six bytes (the three smallest numbers of a quaternion), places six, in the range of their track.
+/// Between keys turns go along the chord [Frechette, Animation Compression Library, 2017].
 class CompressedClip {
 public:
     CompressedClip() = default;
