@@ -51,8 +51,9 @@ double stored(const SliderDef& slider, const Between& between) {
     const double x = beyond(slider.limit, static_cast<double>(between.offset.x));
     return 0.5 * static_cast<double>(slider.stop.stiffness) * x * x;
 }
+/// What a twist is beyond its range counts by the cosine of half the swing, with which it fades at half a turn.
 double stored(const BallDef& ball, const Between& between) {
-    const double twist = beyond(ball.twistLimit, between.twist());
+    const double twist = std::cos(between.swing() / 2) * beyond(ball.twistLimit, between.twist());
     const double swing = ball.swingLimit ? beyond(Range{0, *ball.swingLimit}, between.swing()) : 0;
     return 0.5 * static_cast<double>(ball.stop.stiffness) * (twist * twist + swing * swing);
 }

@@ -173,13 +173,12 @@ static bool beginSoftStop(StopSide& side, const Stop& stop, float speed, const S
     side.lastSpeed = speed;
     side.wasSeen = 1;
     side.share = 0;
-    const float along = bend + (side.margin < 0 ? speed : -approach);
-    const SoftMeeting meeting = course.meet(side.margin, along, side.pressed > 0);
+    const SoftMeeting meeting = course.meet(side.margin, bend + speed, side.pressed > 0);
     if (meeting.meets) {
         side.meets = meeting.crosses ? kCrosses : meeting.leaves ? kLeaves : kArrives;
         side.due = 0;
         side.landing = meeting.mean, side.leaving = meeting.last + bend;
-    } else if (side.margin >= 0 && side.margin < h * approach) {
+    } else if (!course.follows() && side.margin >= 0 && side.margin < h * approach) {
         // A soft stop that is reached on the way acts for the rest of the substep.
         side.share = 1 - side.margin / (h * approach);
     }
@@ -201,6 +200,8 @@ RowAim aimAtSoftStop(const StopSide& side, const Stop& stop, float inverseMass, 
     aim.always = true;
     if (side.meets > 0) {
         aim.target = moving ? side.landing : side.leaving;
+        // Rows lag behind their place: what has just met a stop is to leave faster than it came.
+        if (!moving && side.meets == kArrives) aim.lower = -kNoForceLimit;
     } else if (side.due > 0) {
         aim.push = side.due;
         aim.drag = 0;

@@ -181,7 +181,7 @@ void beginBall(JointSim& joint, const JointPlace& place, const BodyPair& pair, c
             rows.frictionImpulse *= 0.5f;
     }
     const Vec3 spin = pair.velocity(joint.arms).angular;
-    if (rows.features & (BallRows::kSpring | BallRows::kDrives)) rows.springStart = spin;
+    if (rows.features & (BallRows::kSpring | BallRows::kDrives) || rows.stop.stiffness > 0) rows.springStart = spin;
     const StopTrajectory noTrajectory;
     bool hadImpact = false;
     for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i)

@@ -344,17 +344,19 @@ BodyPair fitted(JointSim& joint, const BodyPair& pair) {
 
 bool fitVelocities(JointSim& joint, BodyState* states, const BodyInertia* inertia) {
     BodyPair pair(states, inertia, joint.stateA, joint.stateB);
-    const PairVector before = pair.velocity(joint.arms);
-    pair = fitted(joint, pair);
+    const BodyPair fit = fitted(joint, pair);
+    const PairVector before = pair.velocity(joint.arms), after = fit.velocity(joint.arms);
     constexpr float kRounding = 1e-5f;  // of speeds: eighty roundings of a float
-    const PairVector after = pair.velocity(joint.arms);
     const Vec3 vA = states[joint.stateA].v, wA = states[joint.stateA].w, vB = states[joint.stateB].v,
                wB = states[joint.stateB].w;
     const float turning = length(wA) + length(wB);
     const float moving = length(vA) + length(vB) + length(cross(wA, joint.arms.a)) + length(cross(wB, joint.arms.b));
     const bool fits = length(after.linear - before.linear) <= kRounding * moving &&
                       length(after.angular - before.angular) <= kRounding * turning;
-    if (!fits) pair.store();
+    if (!fits) {
+        pair = fit;
+        pair.store();
+    }
     beginLedger(joint, pair);
     return !fits;
 }

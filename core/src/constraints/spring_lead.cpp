@@ -4,6 +4,7 @@
 
 #include "constraints/joint_types.h"
 #include "constraints/oscillator.h"
+#include "constraints/soft_stops.h"
 
 namespace ragtop {
 namespace {
@@ -192,9 +193,13 @@ bool hasSprings(const JointSim& joint) {
     return false;
 }
 
+bool leads(const JointSim& joint) { return hasSprings(joint) || hasSoftStops(joint); }
+
 void beginLead(JointSim& joint, BodyState* states, const BodyInertia* inertia, const BodyKicks& kicks, float h) {
     BodyPair pair(states, inertia, joint.stateA, joint.stateB);
     if (joint.leads == 0) {
+        joint.lead = {};
+        if (!hasSprings(joint)) return;
         refreshJoint(joint, pair, {{}, false});
         const BodyKicks left = fittedKicks(joint, states, inertia, kicks);
         Leading leading{joint, pair, left, h, false};
@@ -207,8 +212,14 @@ void beginLead(JointSim& joint, BodyState* states, const BodyInertia* inertia, c
 void endLead(JointSim& joint, BodyState* states, const BodyInertia* inertia, const BodyKicks& kicks, float h) {
     BodyPair pair(states, inertia, joint.stateA, joint.stateB);
     refreshJoint(joint, pair, {{}, false});
+    joint.lead = {};
     Leading leading{joint, pair, kicks, h, true};
-    joint.lead = leadNow(leading);
+    if (hasSprings(joint)) joint.lead = leadNow(leading);
+    if (hasSoftStops(joint)) {
+        const PairVector stops = leadStops(joint, pair, leading.kick(), h);
+        joint.lead.linear += stops.linear;
+        joint.lead.angular += stops.angular;
+    }
     joint.leads = 1;
     pair.apply(joint.arms, joint.lead);
     pair.store();

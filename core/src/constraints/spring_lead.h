@@ -6,8 +6,9 @@
 /// half a substep before the place. Between steps bodies have the speed of their place: when a step ends, joints lead
 /// it by
 ///   β (−h k C + Λ),  β = ½ of an undamped spring and less of a damped one,
-/// with C the displacement (feed-forward beside it) and Λ what else pushes along it in a substep, and take that back when the next one begins. At
-/// rest under whatever load it is nothing. Substeps do not know of it.
+/// with C the displacement (feed-forward beside it) and Λ what else pushes along it in a substep, and take that back
+/// when the next one begins. At rest under whatever load it is nothing. Soft stops lead alike while they are pressed
+/// (soft_stops.h). Substeps do not know of it.
 namespace ragtop {
 
 /// Of a joint's bodies, what forces and torques from outside give in a substep: m/s and rad/s.
@@ -16,6 +17,8 @@ struct BodyKicks {
 };
 
 bool hasSprings(const JointSim& joint);
+/// Does it have springs, or soft stops, which are springs while they are pressed?
+bool leads(const JointSim& joint);
 /// Before the first substep, the joint prepared: from the speeds of bodies to those of rows.
 void beginLead(JointSim& joint, BodyState* states, const BodyInertia* inertia, const BodyKicks& kicks, float h);
 /// After the last one: from those of rows to those of bodies.

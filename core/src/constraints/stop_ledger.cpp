@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "constraints/joint_sim.h"
+#include "constraints/soft_stops.h"
 #include "constraints/stop_trajectory.h"
 
 namespace ragtop {
@@ -12,32 +13,6 @@ namespace {
 constexpr std::uint32_t kPassiveAxis = AxisRows::kLimit | AxisRows::kFriction | AxisRows::kViscous;
 constexpr std::uint32_t kStopsOfBall = BallRows::kSwing | BallRows::kTwist;
 constexpr std::uint32_t kPassiveBall = kStopsOfBall | BallRows::kFriction | BallRows::kViscous;
-
-bool hasSoftStops(const AxisRows& axis) {
-    return axis.stop.stiffness > 0 && (axis.features & AxisRows::kLimit) != 0 && axis.inverseMass > 0;
-}
-
-/// Calls visit(axis, row) for the coordinates that have rows of their own, with the direction that each moves along.
-template <class Joint, class Visit>
-void eachAxis(Joint& joint, Visit&& visit) {
-    if (hasAxes(joint.kind)) {
-        auto& axes = withAxes(joint).axes;
-        for (std::uint32_t f = 0; f < axes.freeRows; ++f) visit(axes.axis[f], axes.free[f]);
-    } else if (joint.kind == JointKind::hinge) {
-        visit(joint.axis, PairVector{{}, joint.block.basis.cz});
-    } else if (joint.kind == JointKind::slider || joint.kind == JointKind::distance) {
-        visit(joint.axis, PairVector{joint.block.basis.cz, {}});
-    }
-}
-/// The same for the sides that a ball has.
-template <class Rows, class Visit>
-void eachSide(Rows& rows, Visit&& visit) {
-    if (rows.features & BallRows::kTwist) {
-        visit(rows.twistLower);
-        visit(rows.twistUpper);
-    }
-    for (int i = 0; i < sidesOf(rows.swingLimit.shape); ++i) visit(rows.swing[i]);
-}
 
 bool keepsLedger(const JointSim& joint) {
     if (joint.kind == JointKind::ball) {
@@ -69,7 +44,8 @@ float stored(const JointSim& joint) {
     const auto add = [&](const Stop& stop, const StopSide& side) {
         if (side.margin < 0) sum += 0.5f * stop.stiffness * (side.margin * side.margin);
     };
-    if (joint.kind == JointKind::ball) eachSide(joint.ball, [&](const StopSide& side) { add(joint.ball.stop, side); });
+    if (joint.kind == JointKind::ball)
+        eachSide(joint.ball, [&](const StopSide& side, const Vec3&) { add(joint.ball.stop, side); });
     eachAxis(joint, [&](const AxisRows& axis, const PairVector&) {
         if (!hasSoftStops(axis)) return;
         add(axis.stop, axis.atLower);
@@ -98,7 +74,7 @@ bool isReleased(const AxisRows& axis) {
 bool isReleased(const JointSim& joint) {
     bool released = true;
     if (joint.kind == JointKind::ball)
-        eachSide(joint.ball, [&](const StopSide& side) { released = released && side.margin >= 0; });
+        eachSide(joint.ball, [&](const StopSide& side, const Vec3&) { released = released && side.margin >= 0; });
     eachAxis(joint, [&](const AxisRows& axis, const PairVector&) {
         const bool inside = hasAxes(joint.kind) && axis.atLower.margin >= 0 && axis.atUpper.margin >= 0;
         released = released && (!hasSoftStops(axis) || inside || isReleased(axis));
@@ -186,21 +162,6 @@ float shareOf(float missing, float energy) {
     return asked < -kMostTaken ? -kMostTaken : asked > kMostGiven ? kMostGiven : asked;
 }
 
-/// The impulse along a coordinate, of which nothing is carried over.
-PairVector impulseAlong(JointSim& joint, std::uint32_t coordinate, float amount) {
-    if (joint.kind == JointKind::distance) return {amount * joint.block.basis.cz, {}};
-    if (hasAxes(joint.kind)) {
-        AxesBlock axes = withAxes(joint).axes;
-        return freeImpulse(axes, coordinate, amount);
-    }
-    RigidBlock& block = joint.block;
-    const Vec3 first = block.impulseFirst, second = block.impulseSecond;
-    const PairVector impulse = freeImpulse(block, amount);
-    block.impulseFirst = first;
-    block.impulseSecond = second;
-    return impulse;
-}
-
 /// The coordinate gets the energy `missing`:  s'² = s² + 2 w e, of several the one that has most.
 void settleAxis(JointSim& joint, BodyPair& pair, float missing, float h) {
     const PairVector u = pair.velocity(joint.arms);
@@ -229,7 +190,7 @@ void settleBall(JointSim& joint, BodyPair& pair, float missing) {
     if (!(energy > 0)) return;
     const Vec3 turn = (std::sqrt(1 + shareOf(missing, energy)) - 1) * momentum;
     pair.apply(joint.arms, {-(block.mass.gain * turn), turn});
-    eachSide(joint.ball, letGo);
+    eachSide(joint.ball, [](StopSide& side, const Vec3&) { letGo(side); });
 }
 
 }  // namespace

@@ -33,9 +33,10 @@ double ofSwingAndTwist(const BallRows& rows, const JointPlace& at) {
     for (const SwingMargin& side : sides) sum += ofStop(rows.stop, static_cast<double>(side.margin));
     if (rows.features & BallRows::kTwist) {
         const Range range = twistRange(rows, d);
-        const float twist = wrapAbout(swingTwist(at.a, at.b).twist, 0.5f * (range.lower + range.upper));
-        sum += ofStop(rows.stop, static_cast<double>(twist - range.lower)) +
-               ofStop(rows.stop, static_cast<double>(range.upper - twist));
+        const SwingTwist angles = swingTwist(at.a, at.b);
+        const float twist = wrapAbout(angles.twist, 0.5f * (range.lower + range.upper)), c = angles.cosHalfSwing;
+        sum += ofStop(rows.stop, static_cast<double>(c * (twist - range.lower))) +
+               ofStop(rows.stop, static_cast<double>(c * (range.upper - twist)));
     }
     return sum;
 }

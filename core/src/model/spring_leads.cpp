@@ -12,7 +12,7 @@ void collectSprings(Joints& joints, const ConstraintGraph& graph) {
     for (int c = 0; c < graph.listCount(); ++c) {
         springs.starts.push(static_cast<std::uint32_t>(springs.joints.size()));
         for (const std::uint32_t joint : graph.color(c).joints)
-            if (hasSprings(joints.sims[joint])) springs.joints.push(joint);
+            if (leads(joints.sims[joint])) springs.joints.push(joint);
     }
     springs.starts.push(static_cast<std::uint32_t>(springs.joints.size()));
 }
