@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <set>
 
@@ -62,16 +61,11 @@ std::ptrdiff_t count(const std::vector<Row>& rows, Verdict verdict) {
     return std::ranges::count(rows, verdict, &Row::verdict);
 }
 
-/// Has Ragtop as many rows as it has to have? Where something is missing, some of them are skipped.
 bool areAllThere(const Arguments& arguments, const SuiteOptions& options, const std::vector<Row>& rows) {
     if (!arguments.filter.empty() || !std::ranges::count(options.engines, "ragtop", &EngineKind::name)) return true;
-    std::vector<Row> own;
-    std::ranges::copy_if(rows, std::back_inserter(own), [](const Row& row) { return row.engine == "ragtop"; });
-    if (count(own, Verdict::skipped) > 0 && !isInCi()) return true;
-    const auto expected = expectedRows(options.selection);
-    if (std::ssize(own) >= expected) return true;
-    fmt::print("{} rows of Ragtop's, {} are expected\n", own.size(), expected);
-    return false;
+    const std::string why = whyTooFew(rows, options.selection);
+    if (!why.empty()) fmt::print("{}\n", why);
+    return why.empty();
 }
 
 /// Prints how many rows hold and the names of those of Ragtop and its saboteurs that do not; true when all do but those

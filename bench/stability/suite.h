@@ -55,6 +55,9 @@ std::vector<std::string> selectedCases(const SuiteOptions& options);
 /// How many rows Ragtop has at least in a selection that no filter narrows. Fewer are a failure, since a row that is
 /// gone would hold for ever; whoever adds some raises it.
 int expectedRows(Selection selection);
+/// What is wrong with the number of Ragtop's rows in such a selection; empty where they are all there, or skipped
+/// where that is none.
+std::string whyTooFew(const std::vector<Row>& rows, Selection selection);
 
 /// Is this where nothing may be missing? Told by CI=true in the environment.
 bool isInCi();

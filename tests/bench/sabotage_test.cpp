@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "report.h"
 #include "scenery.h"
 
@@ -30,6 +32,23 @@ TEST(Sabotage, NamesThoseThatARowFailsFor) {
     ASSERT_EQ(rows.size(), 1u);
     EXPECT_EQ(rows[0].verdict, Verdict::holds);
     EXPECT_EQ(rows[0].note, "hollow, nan");
+}
+
+/// A bound from one side, which what stands still or falls keeps too.
+TEST(Sabotage, TakesAwayTheLimitsThatARowIsAbout) {
+    const std::vector<Row> rows = sabotaged([](Trial& trial) {
+        Scene scene;
+        scene.settings.gravity = {};
+        const int wheel = add(scene, solidBody(Sphere{0.2f}, {}, 1, {}));
+        scene.bodies[static_cast<std::size_t>(wheel)].def.angularVelocity = {0.5f, 0, 0};
+        addHinge(scene, kWorld, wheel, {}, {1, 0, 0}).limit = Range{-1, 0.1f};
+        stability::Run run = trial.start(scene);
+        run.advance(1);
+        trial.expectAtLeast("stays before its stop",
+                            0.101 - 2 * std::asin(static_cast<double>(run.motion(wheel).pose.rotation.x)), 0, "rad");
+    });
+    ASSERT_EQ(rows.size(), 1u);
+    EXPECT_EQ(rows[0].note, "limitless, nan");
 }
 
 TEST(Sabotage, KeepsARowThatFailsForNanAloneApart) {

@@ -39,6 +39,20 @@ TEST_F(SessionTest, APageLearnsTheScenesTheSceneAndTheState) {
     }
 }
 
+TEST_F(SessionTest, APageIsWarnedOfWhatBeginsInTheGround) {
+    openYard();
+    EXPECT_TRUE(pages_.last(kPage, "scene")["warnings"].empty());
+    std::string sunk = yard();
+    const std::string place = "[4, 0, 0]";
+    sunk.replace(sunk.find(place), place.size(), "[4, -1, 0]");
+    open(folder_.write("sunk.json", sunk).string());
+    const Json warnings = pages_.last(kPage, "scene")["warnings"];
+    ASSERT_EQ(warnings.size(), 1u);
+    const auto warning = warnings[0].get<std::string>();
+    EXPECT_TRUE(warning.starts_with("vehicle \"car\" begins about ")) << warning;
+    EXPECT_TRUE(warning.ends_with(" inside of body \"ground\"")) << warning;
+}
+
 /// Bricks of one size share their geometry.
 TEST_F(SessionTest, GeometriesAreToldOnce) {
     openYard();

@@ -4,8 +4,10 @@
 
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <string>
 #include <vector>
@@ -37,6 +39,11 @@ std::vector<std::string> keysOf(const std::string& summary) {
     return keys;
 }
 
+std::string contentOf(const std::string& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
 std::string folder(const std::string& name) {
     const auto path = temporaryPath(name);
     std::filesystem::create_directories(path);
@@ -64,6 +71,25 @@ TEST(Run, SummaryHasExactlyItsKeys) {
     for (const char* file : {"recording.glb", "telemetry.csv", "summary.json"}) {
         EXPECT_GT(std::filesystem::file_size(std::filesystem::path(out) / file), 100u) << file;
     }
+    std::filesystem::remove_all(out);
+}
+
+/// In what it prints, in summary.json and on the terminal.
+TEST(Run, WarnsOfWhatBeginsInTheGround) {
+    const std::string out = folder("run_warnings");
+    const auto scene = fileWith("sunk.json", R"({"bodies": [
+        {"name": "ground", "type": "fixed", "position": [0, -1, 0], "shape": {"box": {"halfExtents": [50, 1, 50]}}},
+        {"name": "crate", "position": [0, 0.2, 0], "shape": {"box": {}}}]})");
+    const std::string warning = "body \"crate\" begins about 0.3 m inside of body \"ground\"";
+    const std::string terminal = out + "/terminal.txt";
+    const std::string run = "'" RAGTOP_PROGRAM "' run '" + scene.string() + "' --steps 2 --out '" + out + "'";
+    ASSERT_EQ(std::system((run + " >/dev/null 2>'" + terminal + "'").c_str()), 0);
+    EXPECT_THAT(contentOf(terminal), testing::StartsWith("warning: " + warning + "\n"));
+    std::string quoted = warning;
+    for (std::size_t at = 0; (at = quoted.find('"', at)) != std::string::npos; at += 2) quoted.insert(at, "\\");
+    const auto tells = testing::HasSubstr("\"warnings\": [\n    \"" + quoted + "\"\n  ]");
+    EXPECT_THAT(contentOf(out + "/summary.json"), tells);
+    EXPECT_THAT(ragtop("run '" + scene.string() + "' --steps 2"), tells);
     std::filesystem::remove_all(out);
 }
 

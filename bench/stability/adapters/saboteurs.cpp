@@ -167,6 +167,27 @@ std::unique_ptr<Engine> makeFrictionless(const Scene& scene) {
     return makeRagtop(spoiled);
 }
 
+/// Takes the limits from all parts of a joint.
+struct Unlimiting {
+    template <class Part>
+    void operator()(const Tunable&, Part& part) {
+        if constexpr (std::is_same_v<Part, std::optional<Range>>)
+            part.reset();
+        else if constexpr (std::is_same_v<Part, AxisDef>)
+            unlimit(part);
+    }
+    template <class Part>
+    void unlimit(Part& part) {
+        describe(*this, part, static_cast<const Part*>(nullptr));
+    }
+};
+
+std::unique_ptr<Engine> makeLimitless(const Scene& scene) {
+    Scene spoiled = scene;
+    for (SceneJoint& joint : spoiled.joints) std::visit([](auto& def) { Unlimiting{}.unlimit(def); }, joint.def);
+    return makeRagtop(spoiled);
+}
+
 }  // namespace
 
 std::span<const EngineKind> saboteurKinds() {
@@ -179,6 +200,7 @@ std::span<const EngineKind> saboteurKinds() {
         EngineKind{"drifting", make<Drifting>},
         EngineKind{"energetic", make<Energetic>},
         EngineKind{"late", make<Late>},
+        EngineKind{"limitless", makeLimitless},
         EngineKind{"nan", make<Nowhere>},
     };
     return kinds;

@@ -16,6 +16,7 @@ namespace ragtop::stability {
 ///   drifting      bodies shift by 1 mm/s, each its own way
 ///   energetic     kinetic energy grows by 1 % a second
 ///   late          what is told of bodies is a step old
+///   limitless     joints have no limits
 ///   nan           after three steps no body is anywhere
 ///
 /// In the order in which rows are tried with them.

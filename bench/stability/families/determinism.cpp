@@ -30,7 +30,7 @@ std::uint64_t hashAfter(World& world, const scenes::Scenario& scenario, int step
 /// Different results of all thread counts, all lane widths, a second run and a run restored half way.
 void sameBits(Trial& trial, const scenes::Scenario& scenario) {
     std::set<std::uint64_t> hashes;
-    for (const int threads : {1, 1, 2, 4}) {
+    for (const int threads : {1, 1, 2, 4, 16}) {
         World world = build(scenario, threads, 0);
         hashes.insert(hashAfter(world, scenario, kSteps));
     }
