@@ -121,7 +121,7 @@ void checkGltfSkins(const std::string& file) {
         for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + key.size())) ++count;
         return count;
     };
-    if (times("\"joints\"") <= times("\"inverseBindMatrices\"")) return;
+    if (times("joints\"") <= times("BindMatrices\"")) return;  // begins with letters that are rare in numbers
     const Json gltf = readNodes(text);
     if (!gltf.is_object() || !gltf.contains("skins") || !gltf.at("skins").is_array()) return;
     const Json& skins = gltf.at("skins");

@@ -2,6 +2,7 @@
 
 #include <assimp/commonMetaData.h>
 #include <assimp/config.h>
+#include <assimp/importerdesc.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -11,6 +12,7 @@
 #include <map>
 #include <new>
 #include <set>
+#include <string_view>
 
 #include "assimp_bones.h"
 #include "assimp_clips.h"
@@ -251,9 +253,22 @@ void checkJson(const std::string& file) {
     throw AssetError(file, "", "cannot be imported: " + reason + like);
 }
 
+/// The importer of glTF 1 reads all of a file to find that it is of version 2, as the header of a binary says [Khronos,
+/// glTF 2.0, 4.4.2].
+void passOverGltf1(Assimp::Importer& importer, const std::string& file) {
+    using namespace std::string_view_literals;
+    if (!beginningOf(file).starts_with("glTF\2\0\0\0"sv)) return;
+    for (std::size_t i = 0; i < importer.GetImporterCount(); ++i)
+        if (importer.GetImporterInfo(i)->mName == "glTF Importer"sv) {
+            importer.UnregisterLoader(importer.GetImporter(i));
+            return;
+        }
+}
+
 ImportedScene importHere(const std::string& file, ImportedDetail detail) {
     if (file.ends_with(".gltf") || file.ends_with(".glb")) checkGltfSkins(file);
-    Assimp::Importer importer;
+    // Ends with its process, sooner than it is taken apart.
+    Assimp::Importer& importer = *new Assimp::Importer;
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
     unsigned steps = aiProcess_Triangulate;
@@ -267,6 +282,7 @@ ImportedScene importHere(const std::string& file, ImportedDetail detail) {
         steps |= aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices;
         importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kSmoothAngle);
     }
+    passOverGltf1(importer, file);
     auto* files = new FilesOfFolder(file);
     importer.SetIOHandler(files);  // which owns it from now on
     const aiScene* scene = importer.ReadFile(file, steps);
