@@ -222,7 +222,7 @@ TEST(BoundsTree, CastsMeetWhatBruteForceMeets) {
         if (i % 7 == 0) along = {i % 2 == 0 ? 100.0f : -100.0f, 0, 0};
         const Vec3 extents = i % 3 == 0 ? Vec3{} : Vec3{model.uniform(0, 3), model.uniform(0, 3), model.uniform(0, 3)};
         std::vector<std::uint32_t> met;
-        model.tree.cast(origin, along, extents, [&](std::uint32_t value, float closer) {
+        model.tree.cast({origin, along, extents}, [&](std::uint32_t value, float closer) {
             met.push_back(value);
             return closer;
         });
@@ -247,7 +247,7 @@ TEST(BoundsTree, CastsThatShrinkFindTheNearest) {
         const Vec3 origin = model.point(60);
         const Vec3 along = model.point(120);
         double found = 2;
-        model.tree.cast(origin, along, {}, [&](std::uint32_t value, float closer) {
+        model.tree.cast({origin, along, {}}, [&](std::uint32_t value, float closer) {
             ++visits;
             const double fraction = enterFraction(origin, along, {}, byValue[value]);
             found = std::min(found, fraction);
@@ -269,7 +269,7 @@ TEST(BoundsTree, QueryEndsWhenTheVisitorSaysSo) {
     model.tree.query({{0, 0, 0}, {0, 0, 0}}, [&](std::uint32_t) { return ++visits < 3; });
     EXPECT_EQ(visits, 3);
     visits = 0;
-    model.tree.cast({-5, 0, 0}, {10, 0, 0}, {}, [&](std::uint32_t, float) {
+    model.tree.cast({{-5, 0, 0}, {10, 0, 0}, {}}, [&](std::uint32_t, float) {
         ++visits;
         return 0.0f;
     });

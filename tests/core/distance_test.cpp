@@ -149,7 +149,7 @@ TEST(Sweep, StopsWherePolyhedraFirstTouch) {
 /// the first touch is where it falls to the radius.
 TEST(Sweep, OfABallEndsWhereItsCentreComesAsNearAsItsRadius) {
     Random random(27);
-    int hits = 0, starts = 0;
+    int hits = 0, starts = 0, faces = 0;
     for (int i = 0; i < 20000; ++i) {
         SCOPED_TRACE(i);
         const Vec3 corners[3] = {random.inBox(1), random.inBox(1), random.inBox(1)};
@@ -178,9 +178,14 @@ TEST(Sweep, OfABallEndsWhereItsCentreComesAsNearAsItsRadius) {
         EXPECT_NEAR(distanceAt(hit.fraction), 0, kRounding);
         EXPECT_NEAR(length(apart), radius, kRounding);
         EXPECT_NEAR(dot(apart, hit.normal), radius, kRounding);
+        if (!hit.onFace) continue;
+        ++faces;
+        EXPECT_EQ(hit.normal, triangle.normal);
+        EXPECT_NEAR(dot(hit.point - triangle.a, triangle.normal), 0, 1e-6f);
     }
     EXPECT_GT(hits, 4000);
     EXPECT_GT(starts, 100);
+    EXPECT_GT(faces, 300);
 }
 
 TEST(TimeOfImpact, OfASpinningRodMatchesFineSampling) {

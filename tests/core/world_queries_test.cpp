@@ -158,6 +158,48 @@ TEST(WorldQueries, OverlapsAreThoseOfBruteForce) {
     EXPECT_GT(found, 20);
 }
 
+TEST(WorldQueries, ThatSeeWhatIsNearAloneMeetWhatTheyWouldInTheWorld) {
+    for (const DVec3& origin : {DVec3{}, DVec3{1000, 50, -2000}}) {
+        QueryScene scene(origin);
+        int hits = 0;
+        for (int k = 0; k < 300; ++k) {
+            const Ray ray = scene.ray();
+            const Shape ball = Sphere{0.1f + 0.2f * scene.share()};
+            const Vec3 from = toVec3(ray.origin), to = toVec3(ray.origin + ray.translation);
+            const Vec3 around{0.4f, 0.4f, 0.4f};
+            QueryFilter filter{.ignore = scene.bodies[static_cast<std::size_t>(k % 100)], .sensors = k % 5 == 0};
+            std::vector<ShapeId> near;
+            scene.world.overlap(
+                Bounds{min(from, to) - around, max(from, to) + around},
+                [&](ShapeId shape) { return near.push_back(shape), true; }, filter);
+            const Hit rayHit = scene.world.castRay(ray, filter), hit = scene.world.castShape(ball, {}, ray, filter);
+            filter.among = near;
+            const Hit rayAgain = scene.world.castRay(ray, filter), again = scene.world.castShape(ball, {}, ray, filter);
+            for (const auto& [all, some] : {std::pair(rayHit, rayAgain), std::pair(hit, again)}) {
+                ASSERT_EQ(static_cast<bool>(all), static_cast<bool>(some)) << k;
+                if (!all) continue;
+                ++hits;
+                ASSERT_NEAR(some.fraction, all.fraction, 1e-5f) << k;
+                if (all.fraction > 0) {
+                    ASSERT_EQ(some.shape, all.shape) << k;
+                }
+            }
+            near.clear();
+            filter.among = near;
+            ASSERT_FALSE(scene.world.castRay(ray, filter));
+        }
+        EXPECT_GT(hits, 100);
+    }
+}
+
+TEST(WorldQueries, AmongShapesThatAreNoneAreRefused) {
+    World world(withoutGravity());
+    const BodyId box = world.create(bodyDef(Box{{1, 1, 1}}, {}));
+    const std::vector<ShapeId> gone(world.shapes(box).begin(), world.shapes(box).end());
+    world.destroy(box);
+    EXPECT_THROW((void)world.castRay({{3, 0, 0}, {-5, 0, 0}}, {.among = gone}), std::out_of_range);
+}
+
 TEST(WorldQueries, ARayInsideStartsAtZeroAndAnEmptyWorldHasNothing) {
     World world(withoutGravity());
     EXPECT_FALSE(world.castRay({{}, {1, 0, 0}}));

@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "four_angles.h"
 
 namespace ragtop {
 namespace {
@@ -29,6 +34,24 @@ TEST(QuickAngles, KeepTheirSlopeAtZero) {
         EXPECT_FLOAT_EQ(quickSin(x), static_cast<float>(std::sin(static_cast<double>(x))));
         EXPECT_FLOAT_EQ(quickArcTan(x), static_cast<float>(std::atan(static_cast<double>(x))));
     }
+}
+
+TEST(QuickAngles, AreTheSameForFour) {
+    const std::vector<float> some{-2e4f, -700, -3.2f, -1, -0.3f, -0.0f, 1e-20f, 0.7f, 1, 1.0000001f, 2.5f, 90, 1e30f};
+    const auto same = [](float a, float b) {
+        return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
+    };
+    for (std::size_t i = 0; i + 4 <= some.size(); ++i) {
+        const FourFloats x{some[i], some[i + 1], some[i + 2], some[i + 3]};
+        const FourFloats arc = quickArcTan(x), wave = quickSinOrCos(x, FourInts{-1, 0, -1, 0});
+        for (int k = 0; k < 4; ++k) {
+            EXPECT_TRUE(same(arc[k], quickArcTan(x[k]))) << x[k];
+            EXPECT_TRUE(same(wave[k], k % 2 == 0 ? quickCos(x[k]) : quickSin(x[k]))) << x[k];
+        }
+    }
+    const FourFloats none = quickSinOrCos(FourFloats{NAN, 1, INFINITY, 0}, FourInts{0, 0, -1, -1});
+    EXPECT_TRUE(std::isnan(none[0]) && std::isnan(none[2]));
+    EXPECT_EQ(none[3], 1);
 }
 
 TEST(QuickAngles, StayBoundedFarAwayAndTellWhatIsNoNumber) {

@@ -181,7 +181,8 @@ struct Rig {
             TireVisit visit;
             for (int k = 0; k < 6; ++k) {
                 visit = solveTire(law, line, u, transport, kLoad * h, h, {}, slip);
-                line = lineAfter(law, line, u, visit, slip, transport, kLoad * h, h);
+                line =
+                    lineAfter(law, deflectionAfter(law, line, u, visit, slip, transport, kLoad * h, h), visit.sliding);
             }
             force = {visit.impulse.x / h, visit.impulse.y / h};
             u = withinPatch(law, rolledDeflection(law, u, slip, transport, h));

@@ -31,7 +31,7 @@ struct Rig {
         TireVisit visit;
         for (int i = 0; i < 40; ++i) {
             visit = solveTire(law, line, u, transport, kLoad * h, h, {}, slip);
-            line = lineAfter(law, line, u, visit, slip, transport, kLoad * h, h);
+            line = lineAfter(law, deflectionAfter(law, line, u, visit, slip, transport, kLoad * h, h), visit.sliding);
         }
         force = {visit.impulse.x / h, visit.impulse.y / h};
         u = withinPatch(law, visit.sliding ? deflectionAfter(law, line, u, visit, slip, transport, kLoad * h, h)

@@ -14,10 +14,18 @@ struct PatchRow {
     float belt = 0;                            ///< m/s of the ground's surface, of all of ground that nothing pushes
 };
 
+/// On ground that stands still.
+inline PatchRow rowOf(const Vec3& along, const PointBody& body, const Vec3& arm, const Vec3& belt) {
+    PatchRow row{along, cross(arm, along), {}, {}, {}, body.inverseMass, 0, dot(belt, along)};
+    row.turn = body.inverseInertia * row.moment;
+    return row;
+}
+
+/// The same on ground that moves.
 inline PatchRow rowOf(const Vec3& along, const PointBody& body, const Vec3& arm, const PointBody& ground,
                       const Vec3& groundArm, const Vec3& belt) {
-    PatchRow row{along, cross(arm, along), {}, {}, {}, body.inverseMass, ground.inverseMass, dot(belt, along)};
-    row.turn = body.inverseInertia * row.moment;
+    PatchRow row = rowOf(along, body, arm, belt);
+    row.groundInverse = ground.inverseMass;
     row.groundMoment = cross(groundArm, along);
     if (ground.inverseMass > 0)
         row.groundTurn = ground.inverseInertia * row.groundMoment;

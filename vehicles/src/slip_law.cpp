@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "four_angles.h"
 #include "quick_angles.h"
 #include "ragtop/math.h"
 
@@ -24,28 +25,12 @@ float valueAt(const MagicCurve& curve, float slip) {
     return curve.D * quickSin(magicAngle(curve.B, curve.C, E, x)) + curve.lift;
 }
 
-/// Of the cosine that a weight is, over its value without the other slip.
-float weightAt(const MagicWeight& weight, float B, float whole, float other) {
-    if (other == 0 || !(whole > 0.1f)) return 1;
-    return std::max(quickCos(magicAngle(B, weight.C, weight.E, other + weight.shift)) / whole, 0.0f);
-}
-
 float steepnessAt(const MagicWeight& weight, float own) {
     return weight.B * cosOfArcTan(weight.fall * (own - weight.from));
 }
 
 float wholeOf(const MagicWeight& weight, float B) {
     return weight.shift == 0 ? 1 : quickCos(magicAngle(B, weight.C, weight.E, weight.shift));
-}
-
-float valueAt(const MagicWeight& weight, float own, float other) {
-    const float B = steepnessAt(weight, own);
-    return weightAt(weight, B, wholeOf(weight, B), other);
-}
-
-/// Of a direction in which nothing slips.
-float valueAtRest(const MagicWeight& weight, float other) {
-    return weightAt(weight, weight.restB, weight.restWhole, other);
 }
 
 void takeRest(MagicWeight& weight) {
@@ -72,10 +57,60 @@ Slips slipsOf(const Vec2& slip) {
     return {kappa, quickArcSin(across, along), along};
 }
 
-Vec2 forceOf(const MagicFactors& magic, const Slips& at) {
-    return {valueAt(magic.alongWeight, at.kappa, at.alpha) * valueAt(magic.along, at.kappa),
-            valueAt(magic.acrossWeight, at.alpha, at.kappa) * valueAt(magic.across, at.alpha) +
-                driftAt(magic, at.kappa, at.alpha)};
+/// Sines, or cosines, of C atan(B x − E (B x − atan(B x))).
+struct FourWaves {
+    FourFloats B, C, E, x;
+
+    FourFloats values(FourInts cosines) const {
+        const FourFloats bx = B * x;
+        return quickSinOrCos(C * quickArcTan(bx - E * (bx - quickArcTan(bx))), cosines);
+    }
+};
+
+/// A weight by the cosine that it is, over that without the other slip.
+float weighed(float cosine, float whole, float other) {
+    return other == 0 || !(whole > 0.1f) ? 1 : std::max(cosine / whole, 0.0f);
+}
+
+float steepestOf(const MagicCurve& curve, float x) { return std::min(curve.E * (1 - curve.bend * signOf(x)), 1.0f); }
+
+/// What a formula gives at a slip, over load.
+struct MagicForces {
+    Vec2 force;
+    float across = 0;  ///< of the slip angle, without drift
+    Vec2 withoutOwn;   ///< see SlipForces
+};
+
+/// `alone` is the slip ratio where nothing slips across. The waves that make a force, then those of weights that are
+/// not 1 without slip, and of a law whose curves are shifted.
+MagicForces forcesOf(const MagicFactors& magic, const Slips& at, float alone) {
+    constexpr FourInts kWeightsFirst{-1, -1, 0, 0}, kWeights{-1, -1, -1, -1};
+    const MagicWeight &u = magic.alongWeight, &v = magic.acrossWeight;
+    const MagicCurve &a = magic.along, &b = magic.across;
+    const float steepU = steepnessAt(u, at.kappa), steepV = steepnessAt(v, at.alpha);
+    const float kappa = at.kappa + a.shift, alpha = at.alpha + b.shift;
+    const FourFloats first = FourWaves{
+        {steepU, steepV, a.B, b.B},
+        {u.C, v.C, a.C, b.C},
+        {u.E, v.E, steepestOf(a, kappa), steepestOf(b, alpha)},
+        {at.alpha + u.shift, at.kappa + v.shift, kappa,
+         alpha}}.values(kWeightsFirst);
+    FourFloats rest{1, 1, 1, 1};
+    if (u.shift != 0 || v.shift != 0 || magic.alongRest != 0 || magic.acrossRest != 0)
+        rest = FourWaves{{steepU, steepV, u.restB, v.restB},
+                         {u.C, v.C, u.C, v.C},
+                         {u.E, v.E, u.E, v.E},
+                         {u.shift, v.shift, at.alpha + u.shift, alone + v.shift}}
+                   .values(kWeights);
+    const float wholeU = u.shift == 0 ? 1 : rest[0], wholeV = v.shift == 0 ? 1 : rest[1];
+    MagicForces out;
+    out.across = weighed(first[1], wholeV, at.kappa) * (b.D * first[3] + b.lift);
+    out.force = {weighed(first[0], wholeU, at.alpha) * (a.D * first[2] + a.lift),
+                 out.across + driftAt(magic, at.kappa, at.alpha)};
+    out.withoutOwn.y = driftAt(magic, alone, 0);
+    if (magic.alongRest != 0) out.withoutOwn.x = weighed(rest[2], u.restWhole, at.alpha) * magic.alongRest;
+    if (magic.acrossRest != 0) out.withoutOwn.y += weighed(rest[3], v.restWhole, alone) * magic.acrossRest;
+    return out;
 }
 
 /// Up to the peak, down to the slide, and on.
@@ -234,20 +269,12 @@ SlipCurves slipCurves(const SlipCurvesDef& def, const TireStand& stand) {
     return {def.longitudinal, def.lateral, stand.grip};
 }
 
-Vec2 forceOverLoad(const SlipLaw& law, const Vec2& slip) {
-    if (const auto* magic = std::get_if<MagicFactors>(&law)) return forceOf(*magic, slipsOf(slip));
-    if (const auto* curves = std::get_if<SlipCurves>(&law)) return forceOf(*curves, slip);
-    return {};
-}
-
-Vec2 forceWithoutOwn(const SlipLaw& law, const Vec2& slip) {
+SlipForces forcesOverLoad(const SlipLaw& law, const Vec2& slip) {
+    if (const auto* curves = std::get_if<SlipCurves>(&law)) return {forceOf(*curves, slip), {}};
     const auto* magic = std::get_if<MagicFactors>(&law);
     if (!magic) return {};
-    const Slips across = slipsOf({0, slip.y}), along = slipsOf({slip.x, 0});
-    Vec2 force{0, driftAt(*magic, along.kappa, 0)};
-    if (magic->alongRest != 0) force.x = valueAtRest(magic->alongWeight, across.alpha) * magic->alongRest;
-    if (magic->acrossRest != 0) force.y += valueAtRest(magic->acrossWeight, along.kappa) * magic->acrossRest;
-    return force;
+    const MagicForces forces = forcesOf(*magic, slipsOf(slip), std::clamp(slip.x, -1.0f, 1.0f));
+    return {forces.force, forces.withoutOwn};
 }
 
 /// Mz = −t F'y + Mzr + s Fx, (4.E71) to (4.E78).
@@ -255,8 +282,8 @@ float alignmentOverLoad(const SlipLaw& law, const Vec2& slip, float forward) {
     const auto* magic = std::get_if<MagicFactors>(&law);
     if (!magic) return 0;
     const Slips at = slipsOf(slip);
-    const Vec2 force = forceOf(*magic, at);
-    const float pure = valueAt(magic->acrossWeight, at.alpha, at.kappa) * valueAt(magic->across, at.alpha);
+    const MagicForces forces = forcesOf(*magic, at, 0);
+    const Vec2 force = forces.force;
     const float ratio = magic->slipStiffness / magic->corneringStiffness * at.kappa;
     // tan² of the angle that has the same of both slips.
     const auto equivalent = [&](float angle) {
@@ -271,7 +298,7 @@ float alignmentOverLoad(const SlipLaw& law, const Vec2& slip, float forward) {
                         quickCos(magicAngle(magic->trailB, magic->trailC, E, equivalent(trailing)));
     const float residual =
         magic->residualD * at.cosine * cosOfArcTan(magic->residualB * equivalent(at.alpha + magic->residualShift));
-    return residual - trail * pure + (magic->arm + magic->armPerForce * force.y) * force.x;
+    return residual - trail * forces.across + (magic->arm + magic->armPerForce * force.y) * force.x;
 }
 
 Vec2 peakFriction(const SlipLaw& law) {

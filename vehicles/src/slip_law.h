@@ -51,11 +51,16 @@ using SlipLaw = std::variant<std::monostate, MagicFactors, SlipCurves>;
 MagicFactors magicFactors(const MagicFormulaDef& def, const TireStand& stand);
 SlipCurves slipCurves(const SlipCurvesDef& def, const TireStand& stand);
 
-/// Force over load on the wheel, forward and left. `slip` is against the slip velocity: forward where it drives.
-Vec2 forceOverLoad(const SlipLaw& law, const Vec2& slip);
+/// Forces over load on the wheel, forward and left.
+struct SlipForces {
+    Vec2 force;
+    Vec2
+        withoutOwn;  ///< that each direction has without its own slip, from that of the other and the shifts of the law
+};
 
-/// The force that each direction has without its own slip, from that of the other one and the shifts of the law.
-Vec2 forceWithoutOwn(const SlipLaw& law, const Vec2& slip);
+/// `slip` is against the slip velocity: forward where it drives.
+SlipForces forcesOverLoad(const SlipLaw& law, const Vec2& slip);
+inline Vec2 forceOverLoad(const SlipLaw& law, const Vec2& slip) { return forcesOverLoad(law, slip).force; }
 
 /// Moment over load about the ground's normal, m, to the left. `forward` is 1 where the wheel travels forward, -1
 /// backwards.

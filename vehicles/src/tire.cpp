@@ -143,8 +143,7 @@ TireLine tireLine(const TireLaw& law, const Vec2& u) {
     };
     const Vec2 slip{u.x / law.relaxation, u.y / law.relaxation};
     const Vec2 tried{apart(slip.x), apart(slip.y)};
-    const Vec2 force = forceOverLoad(law.slips, tried);
-    const Vec2 offset = forceWithoutOwn(law.slips, tried);
+    const auto [force, offset] = forcesOverLoad(law.slips, tried);
     const float s = 1 / law.relaxation;
     return {offset,
             {s * std::max((force.x - offset.x) / tried.x, kFlattest),
@@ -200,11 +199,10 @@ Vec2 deflectionAfter(const TireLaw& law, const TireLine& line, const Vec2& u, co
             s * (visit.impulse.y / (load * stiffness.y) * h + law.damping * u.y)};
 }
 
-TireLine lineAfter(const TireLaw& law, const TireLine& line, const Vec2& u, const TireVisit& visit, const Vec2& slip,
-                   float transport, float load, float h) {
+TireLine lineAfter(const TireLaw& law, const Vec2& bent, bool sliding) {
+    if (!law.isBrush() || !sliding) return tireLine(law, bent);
     const float q = secantOver(1);
-    if (law.isBrush() && visit.sliding) return {{}, {q * law.stiffness.x, q * law.stiffness.y}};
-    return tireLine(law, deflectionAfter(law, line, u, visit, slip, transport, load, h));
+    return {{}, {q * law.stiffness.x, q * law.stiffness.y}};
 }
 
 float aligningMoment(const TireLaw& law, const Vec2& u, float load, float forward) {

@@ -109,9 +109,8 @@ TireVisit solveTire(const TireLaw& law, const TireLine& line, const Vec2& u, flo
 Vec2 deflectionAfter(const TireLaw& law, const TireLine& line, const Vec2& u, const TireVisit& visit, const Vec2& slip,
                      float transport, float load, float h);
 
-/// The line for the next visit after such an outcome.
-TireLine lineAfter(const TireLaw& law, const TireLine& line, const Vec2& u, const TireVisit& visit, const Vec2& slip,
-                   float transport, float load, float h);
+/// The line for the next visit, after one with such deflections at its end, in which the tire slid or did not.
+TireLine lineAfter(const TireLaw& law, const Vec2& bent, bool sliding);
 
 /// N m about the ground's normal, to the left, by which a tire turns its wheel at deflections u; 0 of a brush.
 /// `forward` is the speed of travel along the wheel, m/s.

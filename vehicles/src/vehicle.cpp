@@ -120,6 +120,7 @@ VehicleSim::VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePla
     takeDef();
     start(placement.speed);
     patches.resize(specs.size());
+    ways.resize(specs.size());
     courses.resize(specs.size());
     curves.resize(specs.size());
     lines.resize(specs.size());

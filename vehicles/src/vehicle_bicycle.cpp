@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "brakes.h"
+#include "nearby.h"
 #include "vehicle_sim.h"
 
 /// Level 0: the chassis is kinematic and goes as bicycle.h has it, over a plane that a ray finds below it now and then.
@@ -37,7 +38,7 @@ void VehicleSim::seekBelow(const Pose& pose) {
     const Vec3 up = rotate(pose.rotation, {0, 1, 0});
     const float above = specs[0].strut.travelUp + specs[0].radius, below = base;
     const WheelPath path{transformPoint(pose, ride.foot) + above * up, -(above + below) * up, up, {}, 0, 0};
-    findPoint(*world, chassis, def.chassis.filter, path, first.ground);
+    findPoint(*world, queryOf(def.chassis.filter, chassis), path, first.ground);
     for (std::size_t i = 1; i < wheels.size(); ++i) wheels[i].ground = first.ground;
     first.squash = 0;
     unseen = 0;

@@ -21,11 +21,16 @@ bool VehicleSim::placePatch(std::size_t i, const Pose& pose, const DVec3& center
     const WheelLine& line = lines[i];
     const std::optional<Vec3> lowest = lowestPoint(patch.normal, patch.axle, spec.radius);
     if (!lowest) return false;
-    const Vec3 tilted = cross(rotate(pose.rotation, line.tilting), *lowest);
-    patch.axis = rotate(pose.rotation, line.axis) + tilted;
+    patch.axis = rotate(pose.rotation, line.axis);
+    Vec3 down = *lowest;
+    if (spec.linkage >= 0) {
+        const Vec3 tilted = cross(rotate(pose.rotation, line.tilting), *lowest);
+        patch.axis += tilted;
+        down -= wheel.compression * tilted;
+    }
     patch.slant = dot(patch.axis, patch.normal);
     if (!(patch.slant > kSteepest)) return false;
-    const DVec3 below = transformPoint(pose, line.base) + (*lowest - wheel.compression * tilted);
+    const DVec3 below = transformPoint(pose, line.base) + down;
     patch.rise = -dot(relative(below, point), patch.normal) / patch.slant;
     patch.point = below + patch.rise * patch.axis;
     patch.arm = relative(patch.point, center);
@@ -77,13 +82,17 @@ void VehicleSim::takeGround(std::size_t i, const PointBody& body) {
     const GroundPlane& plane = wheels[i].ground;
     GroundBody& ground = grounds[groundOfWheel[i]];
     patch.ground = &ground.body;
-    const Vec3 groundArm = plane.moves != 0 ? relative(patch.point, ground.center) : Vec3{};
-    const auto rowAlong = [&](const Vec3& along) {
-        return rowOf(along, body, patch.arm, ground.body, groundArm, plane.surfaceVelocity);
+    const auto take = [&](const auto& rowAlong) {
+        patch.normalRow = rowAlong(patch.normal);
+        patch.forwardRow = rowAlong(patch.forward);
+        patch.sideRow = rowAlong(patch.side);
     };
-    patch.normalRow = rowAlong(patch.normal);
-    patch.forwardRow = rowAlong(patch.forward);
-    patch.sideRow = rowAlong(patch.side);
+    if (plane.moves == 0)
+        return take([&](const Vec3& along) { return rowOf(along, body, patch.arm, plane.surfaceVelocity); });
+    const Vec3 groundArm = relative(patch.point, ground.center);
+    take([&](const Vec3& along) {
+        return rowOf(along, body, patch.arm, ground.body, groundArm, plane.surfaceVelocity);
+    });
 }
 
 }  // namespace ragtop

@@ -12,6 +12,7 @@
 #include "carriers.h"
 #include "drivetrain.h"
 #include "ground_body.h"
+#include "nearby.h"
 #include "patch_row.h"
 #include "point_body.h"
 #include "ragtop/module.h"
@@ -93,6 +94,8 @@ struct WheelPatch {
     float transport = 0, spinBefore = 0;
     Vec3 speedBefore;  ///< of the chassis there over the ground: forward, left, along the normal
     TireLine line;
+    Vec2 bent;             ///< m, of its bristles at the end as last found,
+    bool lineDue = false;  ///< by which the line has not been taken yet
     float strutK = 0;  ///< inverse effective masses along the normal and of the patch
     Sym2 tireK;
     float way = 0;        ///< m that the strut is compressed in the substep
@@ -196,6 +199,8 @@ struct VehicleSim {
     // Working memory.
     std::mutex telling;  ///< of those that ask for it at once
     std::vector<WheelPatch> patches;
+    std::vector<WheelWay> ways;
+    Nearby nearby;  ///< of a step
     std::vector<WheelCourse> courses;
     std::vector<WheelCurve> curves;          ///< of a step: along which linkages guide their wheels, as it steers
     std::vector<WheelLine> lines;            ///< of now
@@ -218,8 +223,8 @@ private:
     void takeBar(const AntiRollBarDef& bar);
     void start(float speed);
     bool mayRest(const Driver& wanted);
-    void seekGround(std::size_t i, const Pose& pose, float dt);
-    void seekPoint(std::size_t i, const Pose& pose, float dt);
+    void seekGround(std::size_t i, const QueryFilter& query);
+    void seekPoint(std::size_t i, const QueryFilter& query);
     void findGuides();
     void steerWheels();
     const SuspensionCurves& curvesOf(std::size_t i) const;

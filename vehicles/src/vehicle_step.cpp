@@ -136,7 +136,11 @@ std::span<const BodyId> VehicleSim::look(double dt) {
     }
     const auto step = static_cast<float>(dt);
     const bool full = def.level >= VehicleLevel::full;
-    for (std::size_t i = 0; i < wheels.size(); ++i) full ? seekGround(i, pose, step) : seekPoint(i, pose, step);
+    for (std::size_t i = 0; i < wheels.size(); ++i) ways[i] = wayOf(i, pose, step);
+    Bounds all = boundsOf(ways[0]);
+    for (const WheelWay& way : ways) all = merge(all, boundsOf(way));
+    const QueryFilter query = nearby.among(*world, queryOf(def.chassis.filter, chassis), all);
+    for (std::size_t i = 0; i < wheels.size(); ++i) full ? seekGround(i, query) : seekPoint(i, query);
     parts = def.level == VehicleLevel::full ? partsOfSubstep(step) : 1;
     substep = part = 0;
     for (std::size_t i = 0; full && i < wheels.size(); ++i) takePiece(i, courses[i].from);
@@ -169,20 +173,19 @@ WheelWay VehicleSim::wayOf(std::size_t i, const Pose& pose, float dt) const {
     return way;
 }
 
-void VehicleSim::seekGround(std::size_t i, const Pose& pose, float dt) {
+void VehicleSim::seekGround(std::size_t i, const QueryFilter& query) {
     WheelState& wheel = wheels[i];
     if (wheel.isPut()) wheel.ahead.found = 0;
     if (wheel.touching == 0) wheel.below = 0;
-    findCourse(*world, chassis, def.chassis.filter, wayOf(i, pose, dt), world->settings().substeps,
-               {wheel.ahead, wheel.below}, courses[i]);
+    findCourse(*world, query, ways[i], world->settings().substeps, {wheel.ahead, wheel.below}, courses[i]);
 }
 
 /// At level 1: one plane, where a ray along the strut through the hub meets the ground at the end of the step.
-void VehicleSim::seekPoint(std::size_t i, const Pose& pose, float dt) {
+void VehicleSim::seekPoint(std::size_t i, const QueryFilter& query) {
     WheelState& wheel = wheels[i];
     if (wheel.isPut()) wheel.ahead.found = 0;
     if (wheel.touching == 0) wheel.below = 0;
-    findPlane(*world, chassis, def.chassis.filter, wayOf(i, pose, dt), {wheel.ahead, wheel.below}, wheel.ground);
+    findPlane(*world, query, ways[i], {wheel.ahead, wheel.below}, wheel.ground);
 }
 
 /// As many as the finest course of a wheel has to a substep, or as it takes to follow a tire that springs back, by a

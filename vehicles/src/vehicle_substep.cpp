@@ -223,14 +223,15 @@ void VehicleSim::solve(PointBody& body, float h) {
     drivetrain.end(def, h);
 }
 
-/// The line where the bristles come to if all goes on as it does.
+/// Where the bristles come to if all goes on as it does.
 void VehicleSim::expectTire(std::size_t i, const PointBody& body, float h) {
     WheelPatch& patch = patches[i];
     if (!patch.touching) return;
     const Vec2 slip = slipOf(patch, body, {wheels[i].hubSpeed, wheels[specs[i].beamPartner].hubSpeed},
                              specs[i].radius * drivetrain.spin[i]);
-    patch.line = tireLine(
-        patch.law, withinPatch(patch.law, rolledDeflection(patch.law, wheels[i].deflection, slip, patch.transport, h)));
+    patch.bent = withinPatch(patch.law, rolledDeflection(patch.law, wheels[i].deflection, slip, patch.transport, h));
+    patch.lineDue = true;
+    patch.sliding = false;
 }
 
 void VehicleSim::pushPatch(std::size_t i, PointBody& body, float load, const Vec2& tire) {
@@ -246,7 +247,8 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     WheelPatch& patch = patches[i];
     WheelState& wheel = wheels[i];
     patch.spinBefore = drivetrain.spin[i];
-    takeLine(i);
+    // A strut's line stays through the step.
+    if (specs[i].linkage >= 0) takeLine(i);
     patch.axle = rotate(pose.rotation, lines[i].axle);
     if (def.level >= VehicleLevel::full && (substep > 0 || part > 0)) takePiece(i, transformPoint(pose, lines[i].base));
     const bool known = placePatch(i, pose, center);
@@ -383,6 +385,8 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     patch.strutGive = 1 / (h * h * strut.stiffness);
     push(patch.normalRow, body, *patch.ground, loadChange);
 
+    if (patch.lineDue) patch.line = lineAfter(patch.law, patch.bent, patch.sliding);
+    patch.lineDue = false;
     // Under a load that stays, what a tire's impulse has along the strut moves the hub.
     const float own = radius * radius / drivetrain.inertia()[i], give = patch.strutGive;
     Sym2 K{patch.tireK.xx - own + give * patch.lean.x * patch.lean.x,
@@ -418,7 +422,8 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     if (load > 0) {
         const Vec2 end{free.x + K.xx * patch.tire.x + K.xy * patch.tire.y,
                        free.y + K.xy * patch.tire.x + K.yy * patch.tire.y};
-        patch.line = lineAfter(patch.law, patch.line, wheel.deflection, visit, end, patch.transport, load, h);
+        patch.bent = deflectionAfter(patch.law, patch.line, wheel.deflection, visit, end, patch.transport, load, h);
+        patch.lineDue = true;
     }
     return std::max({std::abs(loadChange), std::abs(change.x), std::abs(change.y)});
 }

@@ -60,6 +60,18 @@ GroundPlane pieceBetween(const Sample& a, Sample& b, const WheelWay& way, float 
 
 }  // namespace
 
+/// About the hub's ways from the highest place to the lowest, in single precision, to which far places are rounded.
+Bounds boundsOf(const WheelWay& way) {
+    constexpr float kRounding = 2.4e-7f;  // of a place, of two roundings
+    const float reach = kFaceReach * way.radius + way.halfWidth;
+    const auto around = [&](const DVec3& hub, float along) {
+        const Vec3 place = toVec3(hub + along * way.axis), most = Vec3{reach, reach, reach} + kRounding * abs(place);
+        return Bounds{place - most, place + most};
+    };
+    return merge(merge(around(way.from, way.above), around(way.from, -way.below)),
+                 merge(around(way.to, way.above), around(way.to, -way.below)));
+}
+
 /// (hub + down + x a − point)·n = 0
 std::optional<float> riseOn(const GroundPlane& plane, const WheelWay& way, const DVec3& hub) {
     const std::optional<Vec3> down = lowestPoint(plane.normal, way.axle, way.radius);
@@ -73,8 +85,7 @@ namespace {
 /// Of one step of a wheel.
 struct Search {
     const World& world;
-    BodyId chassis;
-    const Filter& filter;
+    const QueryFilter& query;
     const WheelWay& way;
     bool byRays = false;
 
@@ -90,8 +101,7 @@ struct Search {
         const float reach = way.above + way.below + (byRays ? way.radius : 0);
         const WheelPath path{
             sample.hub + way.above * way.axis, -reach * way.axis, way.axis, way.axle, way.radius, way.halfWidth};
-        byRays ? findPoint(world, chassis, filter, path, sample.plane)
-               : findGround(world, chassis, filter, path, sample.plane);
+        byRays ? findPoint(world, query, path, sample.plane) : findGround(world, query, path, sample.plane);
         take(sample);
         return sample;
     }
@@ -191,9 +201,9 @@ void takeFineCourse(const Search& search, int count, const Sample& first, const 
 
 }  // namespace
 
-void findPlane(const World& world, BodyId chassis, const Filter& filter, const WheelWay& way, const CourseEnd& last,
+void findPlane(const World& world, const QueryFilter& query, const WheelWay& way, const CourseEnd& last,
                GroundPlane& plane) {
-    const Search search{world, chassis, filter, way, true};
+    const Search search{world, query, way, true};
     plane = takeOnce(search, search.again(last.plane), search.look(1), last);
 }
 
@@ -207,10 +217,10 @@ int pieceAt(const WheelCourse& course, float share, const DVec3& hub) {
     return std::clamp(static_cast<int>(std::clamp(come, 0.0f, 1.0f) * count + kLag), 0, byTime);
 }
 
-void findCourse(const World& world, BodyId chassis, const Filter& filter, const WheelWay& way, int substeps,
-                const CourseEnd& last, WheelCourse& course) {
+void findCourse(const World& world, const QueryFilter& query, const WheelWay& way, int substeps, const CourseEnd& last,
+                WheelCourse& course) {
     constexpr int kMostCoarse = 8;
-    const Search search{world, chassis, filter, way};
+    const Search search{world, query, way};
     std::array<Sample, kMostCoarse + 1> samples;
     samples[0] = search.again(last.plane);
     const Sample end = search.look(1);

@@ -41,6 +41,9 @@ struct WheelWay {
     bool stands = false;         ///< it did in the last substep
 };
 
+/// What all casts for the ground along a way stay in.
+Bounds boundsOf(const WheelWay& way);
+
 /// m that a hub has to rise along the axis for the wheel to stand on a plane; empty where it cannot stand there,
 /// because it lies on its side or the plane is a wall to it.
 std::optional<float> riseOn(const GroundPlane& plane, const WheelWay& way, const DVec3& hub);
@@ -58,11 +61,11 @@ int finePieces(float seconds, int substeps);
 /// the one to the other: what the wheel climbs in a time its car pays for with what it is slowed down, whatever the
 /// length of a step. Ground that comes up at once, as an edge that the tread meets from its side, is climbed at a
 /// slope. Over what moves there is one piece, by the same rules.
-void findCourse(const World& world, BodyId chassis, const Filter& filter, const WheelWay& way, int substeps,
-                const CourseEnd& last, WheelCourse& course);
+void findCourse(const World& world, const QueryFilter& query, const WheelWay& way, int substeps, const CourseEnd& last,
+                WheelCourse& course);
 
 /// The same by one ray at the end of the way, and in one piece.
-void findPlane(const World& world, BodyId chassis, const Filter& filter, const WheelWay& way, const CourseEnd& last,
+void findPlane(const World& world, const QueryFilter& query, const WheelWay& way, const CourseEnd& last,
                GroundPlane& plane);
 
 }  // namespace ragtop

@@ -21,12 +21,13 @@ bool isGround(const Hit& hit, const WheelPath& path) {
 /// Is that a wall, where it is a face?
 bool isWall(const Hit& hit, const WheelPath& path) { return !(dot(hit.normal, path.axis) > kSteepestFace); }
 
-/// A cast of a ball ends within its tolerance, which a stiff tire feels: where the ball lies on a face, a ray tells
-/// where that is.
+/// A cast of a ball ends within its tolerance at what has no triangles, which a stiff tire feels: where the ball lies
+/// on a face, a ray tells where that is.
 bool lieOnFace(const World& world, const QueryFilter& filter, const WheelPath& path, Hit& hit) {
-    constexpr float kOneFace = 0.995f, kReach = 1.1f;
+    constexpr float kOneFace = 0.995f;
+    if (hit.onFace) return true;
     const DVec3 center = path.start + hit.fraction * path.translation;
-    const Hit face = world.castRay({center, -kReach * path.radius * hit.normal}, filter);
+    const Hit face = world.castRay({center, -kFaceReach * path.radius * hit.normal}, filter);
     if (!face || !(face.body == hit.body) || !(dot(face.normal, hit.normal) > kOneFace)) return false;
     hit.point = face.point;
     hit.normal = face.normal;
@@ -141,10 +142,6 @@ void take(const World& world, const Hit& hit, GroundPlane& plane) {
     plane.moves = world.type(hit.body) == BodyType::fixed ? 0 : 1;
 }
 
-QueryFilter queryOf(const Filter& filter, BodyId chassis) {
-    return {.category = filter.category, .mask = filter.mask, .ignore = chassis};
-}
-
 }  // namespace
 
 std::optional<Vec3> lowestPoint(const Vec3& normal, const Vec3& axle, float radius) {
@@ -155,15 +152,14 @@ std::optional<Vec3> lowestPoint(const Vec3& normal, const Vec3& axle, float radi
     return (-radius / across) * inWheel;
 }
 
-void findGround(const World& world, BodyId chassis, const Filter& filter, const WheelPath& path, GroundPlane& plane) {
-    const QueryFilter query = queryOf(filter, chassis);
+void findGround(const World& world, const QueryFilter& query, const WheelPath& path, GroundPlane& plane) {
     Hit hit = world.castShape(Sphere{path.radius}, Quat{}, {path.start, path.translation}, query);
     if (!isGround(hit, path) || !liesAsWheel(world, query, path, hit)) hit = castCircles(world, query, path, hit);
     take(world, hit, plane);
 }
 
-void findPoint(const World& world, BodyId chassis, const Filter& filter, const WheelPath& path, GroundPlane& plane) {
-    const Hit hit = world.castRay({path.start, path.translation}, queryOf(filter, chassis));
+void findPoint(const World& world, const QueryFilter& query, const WheelPath& path, GroundPlane& plane) {
+    const Hit hit = world.castRay({path.start, path.translation}, query);
     take(world, isGround(hit, path) ? hit : Hit{}, plane);
 }
 

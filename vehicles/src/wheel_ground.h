@@ -9,13 +9,15 @@
 namespace ragtop {
 
 class World;
-struct Filter;
+struct QueryFilter;
 
 /// Cosine between strut and normal beyond which nothing holds up a wheel. Which ground is a wall to one is
 /// findGround's.
 inline constexpr float kSteepest = 0.02f;
 /// Of half of a wheel's width: its tread, beyond which the shoulder of the tire passes by.
 inline constexpr float kTread = 0.8f;
+/// Radii from the hub within which the ground below a wheel is looked for.
+inline constexpr float kFaceReach = 1.1f;
 /// m/s at which a wheel comes out of ground that it has not come into.
 inline constexpr float kLiftSpeed = 0.1f;
 
@@ -49,10 +51,10 @@ struct WheelPath {
 /// Finds the ground. A ball of the wheel's radius lies on faces, and on edges that its wheel meets from ahead, as the
 /// wheel does. What is beside the wheel's plane meets the rims of the tread before the ball, or not at all: there three
 /// circles across the width decide, by rays down and ahead.
-void findGround(const World& world, BodyId chassis, const Filter& filter, const WheelPath& path, GroundPlane& plane);
+void findGround(const World& world, const QueryFilter& query, const WheelPath& path, GroundPlane& plane);
 
 /// The same by a ray alone, along the path through the middle of the wheel.
-void findPoint(const World& world, BodyId chassis, const Filter& filter, const WheelPath& path, GroundPlane& plane);
+void findPoint(const World& world, const QueryFilter& query, const WheelPath& path, GroundPlane& plane);
 
 /// The plane's point and normal when the ground has moved from `plane.pose` to `now`.
 void movePlane(const GroundPlane& plane, const Pose& now, DVec3& point, Vec3& normal);

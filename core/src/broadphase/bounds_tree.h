@@ -12,6 +12,7 @@
 namespace ragtop {
 
 class StageRunner;
+struct SweptBox;
 
 /// A dynamic binary tree of axis-aligned boxes, for pairs, rays and queries. A leaf (proxy) has the bounds that its
 /// caller gives it; a branch has the union of those of its children, B = Bl ∪ Br. Two boxes overlap when
@@ -75,9 +76,9 @@ public:
     template <class Visit>
     void query(const Bounds& bounds, Visit&& visit) const;
     /// A swept box: visit(value, closer) returns the new largest fraction of interest (0 ends, unchanged goes on).
-    /// `extents` is zero for a ray. Nearer branches come first.
+    /// Nearer branches come first.
     template <class Visit>
-    void cast(const Vec3& origin, const Vec3& translation, const Vec3& extents, Visit&& visit) const;
+    void cast(const SweptBox& box, Visit&& visit) const;
 
     /// A branch of this tree and one of another, or of this one again; twice the same: pairs within it.
     struct NodePair {

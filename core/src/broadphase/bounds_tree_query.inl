@@ -36,7 +36,7 @@ void BoundsTree::query(const Bounds& bounds, Visit&& visit) const {
 }
 
 template <class Visit>
-void BoundsTree::cast(const Vec3& origin, const Vec3& translation, const Vec3& extents, Visit&& visit) const {
+void BoundsTree::cast(const SweptBox& box, Visit&& visit) const {
     if (root_ == kNull) return;
     struct Waiting {
         std::uint32_t index;
@@ -44,7 +44,6 @@ void BoundsTree::cast(const Vec3& origin, const Vec3& translation, const Vec3& e
     };
     Waiting waiting[kMaxHeight];
     int count = 0;
-    const SweptBox box(origin, translation, extents);
     float closer = 1;
     std::uint32_t index = root_;
     if (box.enter(nodes_[root_].bounds, closer) == SweptBox::kMiss) return;

@@ -147,10 +147,23 @@ bool mayPush(const TriangleView& t, const Vec3& normal) {
     return dot(normal, t.normal) > -kBehind;
 }
 
+/// A shape at a place, ready to be compared with many planes.
+struct PlacedShape {
+    const ConvexView& shape;
+    Vec3 position;
+    Mat3 axes;
+
+    PlacedShape(const ConvexView& placed, const Frame& at)
+        : shape(placed), position(at.position), axes(toMat3(at.rotation)) {}
+};
+
 /// How far a shape is above the plane of a triangle.
-float heightOver(const TriangleView& t, const ConvexView& shape, const Frame& at) {
-    const Vec3 lowest = supportOfCore(shape, inverseRotate(at.rotation, -t.normal));
-    return dot(t.normal, at.position - t.a + rotate(at.rotation, lowest)) - shape.radius;
+float heightOver(const TriangleView& t, const PlacedShape& placed) {
+    const ConvexView& shape = placed.shape;
+    const float height = dot(t.normal, placed.position - t.a) - shape.radius;
+    const Vec3 normal = transposeTimes(placed.axes, t.normal);
+    if (shape.kind == ConvexKind::box) return height - dot(abs(normal), shape.halfExtents);
+    return height + dot(normal, supportOfCore(shape, -normal));
 }
 
 /// Turns a meeting with a flat or concave edge of a triangle, or with a corner between two, to the face: what lies
@@ -167,17 +180,16 @@ bool turnToFace(const TriangleView& t, const ConvexView& shape, const Frame& fro
     const Vec3 turn = rotationVector(to.rotation * conjugate(from.rotation));
     const Vec3 arm = hit.point - SweptMotion(from, to).at(hit.fraction).position;
     if (!(dot(t.normal, to.position - from.position + cross(turn, arm)) < 0))
-        return heightOver(t, shape, to) < -allowed;
+        return heightOver(t, PlacedShape(shape, to)) < -allowed;
     hit.normal = t.normal;
     return true;
 }
 
 /// Does a shape stay in front of the plane of a triangle, by more than where it would touch, or go away from it?
 /// Between its ends a point of it leaves its chord by `bulge` at most.
-bool cannotMeet(const TriangleView& t, const ConvexView& shape, const Frame& from, const Frame& to, float bulge,
-                float target) {
+bool cannotMeet(const TriangleView& t, const PlacedShape& from, const PlacedShape& to, float bulge, float target) {
     constexpr float kMore = 2;  // targets, for the rounding
-    const float first = heightOver(t, shape, from), last = heightOver(t, shape, to);
+    const float first = heightOver(t, from), last = heightOver(t, to);
     return std::min(first, last) > bulge + kMore * target || last - first >= 2 * bulge;
 }
 
@@ -313,9 +325,10 @@ Meeting firstMeeting(const SweepView& view, std::uint32_t index, const Pose& sta
                 return true;
             }
             const Bounds path = enlarged(merge(boundsOf(geometry.shape, from), boundsOf(geometry.shape, to)), bulge);
+            const PlacedShape before(geometry.convex, from), after(geometry.convex, to);
             const auto triangle = [&](const TriangleView& face) {
                 // Surfaces are met from the front only.
-                if (still && cannotMeet(face, geometry.convex, from, to, bulge, target)) return true;
+                if (still && cannotMeet(face, before, after, bulge, target)) return true;
                 if (dot(face.normal, from.position - face.a) > 0) sweepAt(face);
                 return true;
             };

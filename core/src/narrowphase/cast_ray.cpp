@@ -124,7 +124,9 @@ SweepHit castRay(const TriangleView& triangle, const Vec3& origin, const Vec3& t
     if (u > 0 || v > 0 || w > 0) return miss(closer);
     const float fraction = dot(n, a) / speed;
     if (!(fraction >= 0 && fraction <= closer)) return miss(closer);
-    return hitAt(fraction, origin, translation, triangle.normal);
+    SweepHit hit = hitAt(fraction, origin, translation, triangle.normal);
+    hit.onFace = true;
+    return hit;
 }
 
 }  // namespace ragtop

@@ -23,6 +23,7 @@ struct SweepHit {
     float fraction = 1;
     Vec3 point, normal;    ///< on A; normal from A towards B
     bool overlap = false;  ///< the cores overlap from the beginning: there is no normal
+    bool onFace = false;   ///< of a triangle, as in Hit
 };
 
 /// B translates by `translation` from bInA without turning (conservative advancement). Fraction 0 when it starts in

@@ -78,6 +78,7 @@ SweepHit sweepBall(const TriangleView& triangle, const Vec3& center, float radiu
         if (feature.kind == Feature::face) {
             take(t, nearest);
             out.normal = facing;
+            out.onFace = sign > 0;
             return out;
         }
     }

@@ -88,7 +88,7 @@ std::span<const JointId> World::jointsOf(BodyId body) const {
 Pose World::pose(BodyId id) const {
     const std::uint32_t i = indexOf(impl_->tables.bodies, id);
     const BodyRecord& body = impl_->tables.bodies[i];
-    if (!impl_->clock.stepping) return poseOf(body);
+    if (!impl_->clock.stepping || body.type == BodyType::fixed) return poseOf(body);
     const BodyState& state = impl_->tables.bodies.states[i];
     return Pose{body.center + state.dp, normalized(state.dq * body.rotation)} * inverse(body.local);
 }

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "broadphase/swept_box.h"
 #include "world/shape_queries.h"
 #include "world/world_impl.h"
 
@@ -20,35 +21,68 @@ Vec3 roundingExtents(const DVec3& origin) {
     return kUlp * o;
 }
 
-/// Casts through both trees; `test` returns the hit of one shape that is nearer than `closer`.
-template <class Test>
-Hit castThroughTrees(const WorldImpl& impl, const Bounds& start, const Vec3& translation, const QueryFilter& filter,
-                     const Test& test) {
-    Hit best;
-    const Vec3 center = 0.5f * (start.lower + start.upper);
-    const Vec3 extents = 0.5f * (start.upper - start.lower);
-    for (const BoundsTree* tree : {&impl.collision.broadphase.fixedTree, &impl.collision.broadphase.movingTree}) {
-        tree->cast(center, translation, extents, [&](std::uint32_t index, float closer) {
-            if (best && best.fraction < closer) closer = best.fraction;
-            const ShapeRecord& shape = impl.tables.shapes[index];
-            if (!sees(filter, shape, impl.tables.bodies.id(shape.body))) return closer;
-            const Pose pose = shapePose(impl.tables.bodies[shape.body], shape);
-            std::uint32_t triangle = 0;
-            const SweepHit hit =
-                test(impl.tables.shapes.geometries[shape.geometry].shape, pose, best ? best.fraction : 1.0f, triangle);
-            if (!hit.hit || (best && hit.fraction >= best.fraction)) return closer;
-            best.shape = impl.tables.shapes.id(index);
-            best.body = impl.tables.bodies.id(shape.body);
-            best.fraction = hit.fraction;
-            best.point = transformPoint(pose, hit.point);
-            best.normal = rotate(pose.rotation, hit.normal);
-            best.triangle = triangle;
-            best.surface = impl.tables.shapes.materialAt(shape, triangle).surface;
-            return hit.fraction;
-        });
+/// A box that moves, and what it is asked for.
+struct Cast {
+    const WorldImpl& impl;
+    const QueryFilter& filter;
+    SweptBox box;
+
+    Cast(const WorldImpl& world, const Bounds& start, const Vec3& translation, const QueryFilter& asked)
+        : impl(world),
+          filter(asked),
+          box(0.5f * (start.lower + start.upper), translation, 0.5f * (start.upper - start.lower)) {}
+
+    /// Offers a shape to `test`, which returns its hit if that is nearer than `closer`; what is of interest from then
+    /// on.
+    template <class Test>
+    float meet(std::uint32_t index, float closer, Hit& best, const Test& test) const {
+        if (best && best.fraction < closer) closer = best.fraction;
+        const ShapeRecord& shape = impl.tables.shapes[index];
+        if (!sees(filter, shape, impl.tables.bodies.id(shape.body))) return closer;
+        const Pose pose = shapePose(impl.tables.bodies[shape.body], shape);
+        std::uint32_t triangle = 0;
+        const SweepHit hit =
+            test(impl.tables.shapes.geometries[shape.geometry].shape, pose, best ? best.fraction : 1.0f, triangle);
+        if (!hit.hit || (best && hit.fraction >= best.fraction)) return closer;
+        best.shape = impl.tables.shapes.id(index);
+        best.body = impl.tables.bodies.id(shape.body);
+        best.fraction = hit.fraction;
+        best.point = transformPoint(pose, hit.point);
+        best.normal = rotate(pose.rotation, hit.normal);
+        best.triangle = triangle;
+        best.surface = impl.tables.shapes.materialAt(shape, triangle).surface;
+        best.onFace = hit.onFace;
+        return hit.fraction;
     }
-    return best;
-}
+
+    template <class Test>
+    Hit throughTrees(const Test& test) const {
+        Hit best;
+        const Broadphase& all = impl.collision.broadphase;
+        for (const BoundsTree* tree : {&all.fixedTree, &all.movingTree})
+            tree->cast(box, [&](std::uint32_t index, float closer) { return meet(index, closer, best, test); });
+        return best;
+    }
+
+    template <class Test>
+    Hit amongThose(const Test& test) const {
+        Hit best;
+        for (const ShapeId id : *filter.among) {
+            const std::uint32_t index = indexOf(impl.tables.shapes, id);
+            const ShapeRecord& shape = impl.tables.shapes[index];
+            if (shape.proxy == kNone) continue;
+            const Bounds& bounds = impl.collision.broadphase.tree(shape.isStaticTree).bounds(shape.proxy);
+            const float closer = best ? best.fraction : 1.0f;
+            if (box.enter(bounds, closer) != SweptBox::kMiss) meet(index, closer, best, test);
+        }
+        return best;
+    }
+
+    template <class Test>
+    Hit nearest(const Test& test) const {
+        return filter.among ? amongThose(test) : throughTrees(test);
+    }
+};
 
 Bounds pointBounds(const DVec3& point) {
     const Vec3 p = toVec3(point), e = roundingExtents(point);
@@ -56,10 +90,10 @@ Bounds pointBounds(const DVec3& point) {
 }
 
 Hit castRayIn(const WorldImpl& impl, const Ray& ray, const QueryFilter& filter) {
-    return castThroughTrees(impl, pointBounds(ray.origin), ray.translation, filter,
-                            [&](const Shape& shape, const Pose& pose, float closer, std::uint32_t& triangle) {
-                                return castRayAtShape(shape, pose, ray, closer, triangle);
-                            });
+    return Cast(impl, pointBounds(ray.origin), ray.translation, filter)
+        .nearest([&](const Shape& shape, const Pose& pose, float closer, std::uint32_t& triangle) {
+            return castRayAtShape(shape, pose, ray, closer, triangle);
+        });
 }
 
 }  // namespace
@@ -68,10 +102,10 @@ Hit World::castRay(const Ray& ray, const QueryFilter& filter) const { return cas
 
 Hit World::castShape(const Shape& shape, const Quat& rotation, const Ray& path, const QueryFilter& filter) const {
     const Bounds start = boundsOf(shape, Pose{path.origin, rotation});
-    return castThroughTrees(*impl_, start, path.translation, filter,
-                            [&](const Shape& target, const Pose& pose, float closer, std::uint32_t& triangle) {
-                                return sweepShapeAtShape(shape, rotation, path, target, pose, closer, triangle);
-                            });
+    return Cast(*impl_, start, path.translation, filter)
+        .nearest([&](const Shape& target, const Pose& pose, float closer, std::uint32_t& triangle) {
+            return sweepShapeAtShape(shape, rotation, path, target, pose, closer, triangle);
+        });
 }
 
 void World::castRays(std::span<const Ray> rays, std::span<Hit> results, const QueryFilter& filter) const {
