@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <stdexcept>
 #include <vector>
 
@@ -120,6 +121,41 @@ TEST(RagdollSpawn, FramesThatDoNotFitAreRefused) {
     for (const double dt : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
         EXPECT_THROW(Ragdoll(world, human(), frame, frame, dt), std::invalid_argument);
     EXPECT_EQ(world.bodies().size(), 0u);
+}
+
+/// m, of the deepest contact.
+float deepest(const World& world) {
+    float depth = 0;
+    world.forEachContact([&](const Contact& contact) {
+        for (int i = 0; i < contact.pointCount; ++i) depth = std::max(depth, -contact.points[i].separation);
+    });
+    return depth;
+}
+
+/// Whoever is put into the ground comes out of it, limp, in any attitude: what overlaps is lifted, which nothing takes
+/// back.
+TEST(RagdollSpawn, ComesOutOfTheGroundThatItIsPutInto) {
+    std::mt19937 random(21);
+    const auto draw = [&](float from, float to) {
+        return from + (to - from) * static_cast<float>(random() % 1000) / 999;
+    };
+    for (int figure = 0; figure < 8; ++figure) {
+        World world;
+        world.create(StaticBody{.shape = Box{{50, 5, 50}}, .position = {0, -5, 0}});
+        const Quat turned = rotationAbout(normalized(Vec3{draw(-1, 1), draw(-1, 1), draw(0.1f, 1)}), draw(0, kPi));
+        const Ragdoll ragdoll(world, human(), Pose{{0, 5, 0}, turned});
+        double low = 1e9;
+        for (const BodyId body : ragdoll.bodies())
+            low = std::min(low, static_cast<double>(world.bounds(world.shapes(body)[0]).lower.y));
+        const double down = low + static_cast<double>(draw(0.2f, 0.6f));
+        for (const BodyId body : ragdoll.bodies()) {
+            Pose pose = world.pose(body);
+            pose.position.y -= down;
+            world.setPose(body, pose);
+        }
+        for (int step = 0; step < 180; ++step) world.step(1.0 / 60);
+        EXPECT_LT(deepest(world), 0.005f) << figure;  // what loads press in, and a limb that still falls
+    }
 }
 
 }  // namespace

@@ -68,12 +68,24 @@ double excessOf(const GuardView& view, std::uint32_t index) {
            static_cast<double>(view.guard.kinetic[index]) + storedBy(view, index).gained - workOn(view, index);
 }
 
-/// By more than a load presses surfaces into each other.
-bool overlaps(const GuardView& view, const ContactRecord& contact) {
-    bool inside = false;
+/// m, by which bodies that overlap by more than a load presses them are moved apart in a step, at most: by rows, and
+/// from far within by places (solve/wide_push.inl).
+float wayApart(const GuardView& view, const ContactRecord& contact) {
+    constexpr float kByPlaces = 0.1f;  // of the size: kInsideMost there
+    float separation = 0;
     for (const ManifoldRecord& manifold : view.manifolds.of(contact))
-        for (int j = 0; j < manifold.pointCount; ++j) inside |= manifold.separation[j] < -contact::kDeep * contact.size;
-    return inside;
+        for (int j = 0; j < manifold.pointCount; ++j) separation = std::min(separation, manifold.separation[j]);
+    if (!(separation < -contact::kDeep * contact.size)) return 0;
+    const float beyond = std::max(-separation - contact::kInside * contact.size, 0.0f);
+    return std::min(beyond, kByPlaces * contact.size) +
+           std::min(-separation, view.context.pushOut * contact.size * view.dt);
+}
+
+/// J, of a body that was lifted, as far as being moved apart by such a way does.
+double liftOf(const GuardView& view, std::uint32_t index, float way) {
+    const Vec3& pull = view.bodies.dynamics[index].acceleration;
+    const float lifted = std::clamp(-dot(pull, view.bodies.states[index].dp), 0.0f, way * length(pull));
+    return static_cast<double>(view.bodies[index].mass * lifted);
 }
 
 /// J, of a body at the speed that overlaps push with.
@@ -116,6 +128,7 @@ GuardedIsland& islandOf(const GuardView& view, std::uint32_t first) {
     for (std::size_t i = look.begin; i < guard.visited.size(); ++i) {
         const std::uint32_t body = guard.visited[i];
         look.excess += excessOf(view, body);
+        float apart = 0;
         lookAround(
             view, body,
             [&](const JointSim& sim, std::uint32_t other) {
@@ -123,14 +136,16 @@ GuardedIsland& islandOf(const GuardView& view, std::uint32_t first) {
                 reach(other);
             },
             [&](const ContactRecord& contact, std::uint32_t other) {
-                look.isPushed = look.isPushed || overlaps(view, contact);
+                apart = std::max(apart, wayApart(view, contact));
                 reach(other);
             });
+        look.lifted += liftOf(view, body, apart);
+        look.apart = std::max(look.apart, apart);
         look.driven += addDrivers(view, body, guard.drivers);
     }
     look.lastDriver = static_cast<std::uint32_t>(guard.drivers.size());
     look.end = static_cast<std::uint32_t>(guard.visited.size());
-    for (std::size_t i = look.begin; i < look.end && look.isPushed; ++i)
+    for (std::size_t i = look.begin; i < look.end && look.apart > 0; ++i)
         look.pushed += pushEnergy(view, guard.visited[i]);
     guard.islands.push(look);
     return guard.islands[number];
@@ -147,12 +162,13 @@ bool isThrown(const GuardView& view, std::span<const std::uint32_t> group) {
     return false;
 }
 
-/// Did some body go farther than so much energy, J, would take it? Four times as far is not what bodies of a group hand
-/// each other in a step.
-bool overran(const GuardView& view, std::span<const std::uint32_t> group, double energy) {
+/// Did some body go farther than so much energy, J, would take it, beside a way that it was moved? Four times as far is
+/// not what bodies of a group hand each other in a step.
+bool overran(const GuardView& view, std::span<const std::uint32_t> group, double energy, float moved) {
     constexpr double kFar = 16;  // in squares of the way
     for (const std::uint32_t b : group) {
-        const double speed = static_cast<double>(length(view.bodies.states[b].dp)) / static_cast<double>(view.dt);
+        const float way = std::max(length(view.bodies.states[b].dp) - moved, 0.0f);
+        const double speed = static_cast<double>(way) / static_cast<double>(view.dt);
         if (0.5 * static_cast<double>(view.bodies[b].mass) * speed * speed > kFar * energy) return true;
     }
     return false;
@@ -227,7 +243,7 @@ void completeAccount(const GuardView& view, GuardedIsland& look) {
 /// nor the work of forces along its ways?
 bool isGarbage(const GuardView& view, std::span<const std::uint32_t> island, const GuardedIsland& look, double beyond) {
     const double most = look.lawful + look.pushed + look.atOnce;
-    return beyond > kGarbage * most || (beyond > look.pushed && overran(view, island, most + look.driven));
+    return beyond > kGarbage * most || (beyond > look.pushed && overran(view, island, most + look.driven, look.apart));
 }
 
 void undoStep(const GuardView& view, GuardedIsland& look) {
@@ -244,6 +260,28 @@ void undoUnbounded(const GuardView& view, std::span<const std::uint32_t> group) 
     const GuardedIsland& look = islandOf(view, group.front());
     ++view.guard.caught;
     undoMotion(view, {view.guard.visited.data() + look.begin, look.end - look.begin}, !look.hangs);
+}
+
+/// J, that overlaps lift a group by: the bodies that are in something, and all of it with the one that goes farthest.
+struct Lifts {
+    double own = 0, whole = 0;
+};
+Lifts liftsOf(const GuardView& view, const GuardedIsland& look, std::span<const std::uint32_t> group) {
+    Lifts lifts;
+    if (!(look.apart > 0)) return lifts;
+    float farthest = 0;
+    for (const std::uint32_t body : group) {
+        float apart = 0;
+        const auto note = [&](const ContactRecord& contact, std::uint32_t) {
+            apart = std::max(apart, wayApart(view, contact));
+        };
+        lookAround(
+            view, body, [](const auto&, std::uint32_t) {}, note);
+        lifts.own += liftOf(view, body, apart);
+        farthest = std::max(farthest, apart);
+    }
+    for (const std::uint32_t body : group) lifts.whole += liftOf(view, body, farthest);
+    return lifts;
 }
 
 /// What nothing holds has nothing to give its momenta to.
@@ -263,6 +301,12 @@ double takeFromIsland(const GuardView& view, std::span<const std::uint32_t> isla
                       : takeEnergy(view.bodies, view.joints, island, energy, Keeps::momenta);
 }
 
+void noteTaken(EnergyGuard& guard, GuardedIsland& look, double energy) {
+    ++guard.caught;
+    guard.taken += energy;
+    look.excess -= energy;
+}
+
 void guardGroup(const GuardView& view, std::size_t g) {
     EnergyGuard& guard = view.guard;
     const std::span<const std::uint32_t> group = guard.membersOf(g);
@@ -274,7 +318,8 @@ void guardGroup(const GuardView& view, std::size_t g) {
     }
     const double left = static_cast<double>(room) * account.room;
     GuardedIsland& look = islandOf(view, group.front());
-    double beyond = std::min(account.excess, look.excess) - left;
+    const Lifts lifts = liftsOf(view, look, group);
+    double beyond = std::min(account.excess - lifts.own, look.excess - look.lifted) - left;
     if (!(beyond > 0)) return;
     const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
     completeAccount(view, look);
@@ -306,20 +351,17 @@ void guardGroup(const GuardView& view, std::size_t g) {
         taken += takeFromIsland(view, island, look, more);
     }
     // What touches the group may have got some of it.
-    if (!isIsolated)
-        taken += takeFromIsland(view, island, look, look.excess - left - look.driven - look.pushed - taken);
-    // Springs have the rest, or heights of what is held: the way that led there is not gone.
-    const bool isLeft = whole - look.pushed - taken > account.room;
+    if (island.size() > group.size())
+        taken +=
+            takeFromIsland(view, island, look, look.excess - left - look.driven - look.lifted - look.pushed - taken);
+    // Springs have the rest, or heights of what is held, not of what is lifted out: the way there is not gone.
+    const bool isLeft = whole - look.pushed - taken - (lifts.whole - lifts.own) > account.room;
     if (isLeft && (look.stores || !isIsolated)) {
         look.hangs ? undoPlaces(view, island, false) : undoMotion(view, island, true);
     }
     if (isLeft && look.stores)
         for (const std::uint32_t b : island) view.scene.forgetImpulses(b);
-    look.excess -= taken;
-    if (taken > 0) {
-        ++guard.caught;
-        guard.taken += taken;
-    }
+    if (taken > 0) noteTaken(guard, look, taken);
     room = 0;
 }
 
@@ -330,13 +372,11 @@ void guardFallenBack(const GuardView& view, const DirectIsland& fallen) {
     const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
     if (!std::isfinite(look.excess)) return;
     completeAccount(view, look);
-    const double beyond = look.excess - look.driven - look.pushed - kRoom * look.lawful;
+    const double beyond = look.excess - look.driven - look.lifted - look.pushed - kRoom * look.lawful;
     if (isGarbage(view, island, look, beyond)) return undoStep(view, look);
     const double taken = takeFromIsland(view, island, look, beyond);
     if (!(taken > 0)) return;
-    look.excess -= taken;
-    ++guard.caught;
-    guard.taken += taken;
+    noteTaken(guard, look, taken);
     for (const std::uint32_t b : island) view.scene.forgetImpulses(b, false);  // joints keep their turns
 }
 

@@ -37,7 +37,8 @@ struct GuardedIsland {
     double pushed = 0;                 ///< J, of its bodies at the speed that overlaps push with; 0 where none does
     double lawful = -1;                ///< J, kinetic at most; negative: not asked for yet
     double atOnce = 0;                 ///< J, that forces give in a step to bodies at rest which nothing holds
-    bool isPushed = false;             ///< something in it overlaps
+    double lifted = 0;                 ///< J, of bodies that overlap, as far as overlaps lift them
+    float apart = 0;                   ///< m, the farthest that overlaps move a body of it; 0: nothing overlaps
     bool stores = false;               ///< some joint has springs or soft stops
     std::uint32_t firstDriver = 0, lastDriver = 0;  ///< what drives it by joints
     double driven = 0;                              ///< J, that all which moves on its own gave at most
