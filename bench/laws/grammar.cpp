@@ -12,7 +12,7 @@ std::span<const Kind> allKinds() {
         {"carried", drawCarried}, {"drum", drawDrum},       {"figure", drawFigure},
         {"beam", drawBeam},       {"heap", drawHeap},       {"pendulum", drawPendulum},
         {"mixture", drawMixture}, {"pressed", drawPressed}, {"hung", drawHung},
-        {"lattice", drawLattice}, {"struck", drawStruck},
+        {"lattice", drawLattice}, {"struck", drawStruck},   {"masonry", drawMasonry},
     };
     return kKinds;
 }

@@ -40,6 +40,7 @@ struct Drawn {
     double seconds = 6;    ///< for which the laws are watched
     bool isDriven = false;  ///< by motors and the like, whose work is not counted
     bool stands = false;  ///< statics says that nothing moves against body 0
+    bool falls = false;   ///< statics says that something does
 };
 
 /// Sizes and weights in a family of structures, drawn from the dice.

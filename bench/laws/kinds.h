@@ -34,6 +34,9 @@ Drawn drawMixture(Dice& dice);
 /// Light bodies in a pit under a heavy slab that falls on them, or between two walls that close and may leave too
 /// little room.
 Drawn drawPressed(Dice& dice);
+/// Walls, cairns, portals, arches, corbels and leaning plates of any sizes and weights, on the level and on slopes; of
+/// some limit analysis says that they stand.
+Drawn drawMasonry(Dice& dice);
 /// Chains and rods with heavy ends, swung in and out of their plane.
 Drawn drawPendulum(Dice& dice);
 

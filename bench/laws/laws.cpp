@@ -12,6 +12,7 @@ namespace ragtop::laws {
 namespace {
 
 constexpr double kRest = 0.1;  ///< m/s: slower than a body falls in a hundredth of a second
+constexpr double kMoved = 0.01;  ///< m, by which nothing moves that stands, and something that falls
 constexpr double kDegree = 3.141592653589793 / 180, kTwoPi = 6.283185307179586;
 
 /// Keeps what is no number.
@@ -90,7 +91,7 @@ bool isFree(const Scene& scene) {
 /// What is measured of a scene between steps.
 class Watch {
 public:
-    Watch(const Drawn& drawn, stability::Engine& engine) : scene_(drawn.scene), engine_(engine) {
+    Watch(const Drawn& drawn, stability::Engine& engine) : drawn_(drawn), scene_(drawn.scene), engine_(engine) {
         for (const SceneBody& body : scene_.bodies)
             masses_.push_back(body.def.type == BodyType::dynamic ? stability::massOf(body.def) : MassProperties{});
         start_ = energy();
@@ -100,7 +101,7 @@ public:
         from_ = relativePlaces();
     }
 
-    void note(Watched& watched, bool stands) {
+    void note(Watched& watched) {
         raise(highest_, energy());
         if (!(potential_ >= lowest_)) lowest_ = potential_;
         const double room = std::max(start_ - lowest_, kLeast * weightTimesSize_);
@@ -115,9 +116,11 @@ public:
         stuck_ = std::ranges::equal(poses, last_, isSame) && !rests() ? stuck_ + scene_.step : 0;
         raise(watched.stuck, stuck_);
         last_ = std::move(poses);
-        if (!stands) return;
+        if (!drawn_.stands && !drawn_.falls) return;
         const std::vector<DVec3> now = relativePlaces();
-        for (std::size_t i = 0; i < now.size(); ++i) raise(watched.moved, length(now[i] - from_[i]));
+        for (std::size_t i = 0; i < now.size(); ++i) raise(moved_, length(now[i] - from_[i]));
+        if (drawn_.stands) watched.moved = moved_;
+        if (drawn_.falls) watched.hangs = std::max(0.0, kMoved - moved_);
     }
     /// Laws of rest say something of scenes that come to it alone.
     bool rests() const { return speed() <= kRest; }
@@ -189,12 +192,13 @@ private:
     }
     static bool isSame(const Pose& a, const Pose& b) { return a.position == b.position && a.rotation == b.rotation; }
 
+    const Drawn& drawn_;
     const Scene& scene_;
     stability::Engine& engine_;
     std::vector<MassProperties> masses_;
     std::vector<DVec3> from_;
     std::vector<Pose> last_;
-    double stuck_ = 0;
+    double stuck_ = 0, moved_ = 0;
     double start_ = 0, highest_ = -1e300, lowest_ = 0;
     double kinetic_ = 0, potential_ = 0, mass_ = 0, fastest_ = 0, weightTimesSize_ = 0;
     DVec3 momentum_, startMomentum_;  // kg m/s
@@ -231,7 +235,8 @@ std::span<const Law> allLaws() {
         {"limit at rest", &Watched::restOverLimit, 1 * kDegree, "rad"},
         {"overlap", &Watched::overlap, 0.05, "m", false},
         {"overlap at rest", &Watched::restOverlap, 0.002, "m", false},
-        {"stands", &Watched::moved, 0.01, "m"},
+        {"stands", &Watched::moved, kMoved, "m"},
+        {"falls", &Watched::hangs, 0, "m"},
         {"fastest", &Watched::fastest, 300, "m/s"},
         {"comes to rest", &Watched::endSpeed, kRest, "m/s", false},
         {"goes on", &Watched::stuck, 0.1, "s"},
@@ -267,7 +272,7 @@ Watched watch(const Drawn& drawn, const stability::EngineKind& kind) {
         const auto begin = std::chrono::steady_clock::now();
         engine->step(dt);
         times.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
-        watch.note(watched, drawn.stands);
+        watch.note(watched);
         const double overlap = i % often == 0 ? overlaps.deepest(*engine) : 0;
         raise(watched.overlap, overlap);
         if (i < steps - last || !watch.rests()) continue;

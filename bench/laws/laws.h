@@ -21,6 +21,7 @@ struct Watched {
     double overlap = 0;  ///< m, deepest of two bodies that were apart at the start, looked at in each tenth of a second
     double restOverlap = 0;
     double moved = 0;       ///< m, farthest against body 0 of what should stand
+    double hangs = 0;       ///< m, by which what should fall has moved less than what may stand
     double fastest = 0;     ///< m/s, of any body at the end of any step
     double endSpeed = 0;    ///< m/s, √(2 K/m) of all bodies when it ends; laws at rest look at what is slow alone
     double stuck = 0;       ///< s, longest in which no place changed though there were speeds

@@ -58,7 +58,7 @@ bool leaveOut(Drawn& drawn, std::size_t first, std::size_t count, Without withou
 }  // namespace
 
 Drawn shrunk(Drawn drawn, const std::function<bool(const Drawn&)>& fails, int most) {
-    if (drawn.stands) return drawn;  // what is left falls for want of what it stood on
+    if (drawn.stands || drawn.falls) return drawn;  // what is left falls for want of what it stood on
     bool less = true;
     while (less && most > 0) {
         less = leaveOut(drawn, 1, drawn.scene.bodies.size(), withoutBodies, fails, most);

@@ -37,13 +37,13 @@ struct Golden {
 };
 constexpr Golden kGolden[] = {
     {0x1967b00e8e61c517u, 0x8f24942048d93387u},  // tower
-    {0x79734b0b9495a082u, 0xa68bb93ae59bf599u},  // wall
-    {0xa1eb5f83da23b757u, 0xba088ed603f7648au},  // hills
+    {0x79734b0b9495a082u, 0x274f7ba10447a17bu},  // wall
+    {0xa1eb5f83da23b757u, 0xd029dc01cfdbaa7fu},  // hills
     {0x82b50f4925db09b3u, 0xaf4c1e33482a6b3du},  // bowl
-    {0xa9b48cfef7bb40d8u, 0x366703ddf61aca60u},  // joints
+    {0xa9b48cfef7bb40d8u, 0xbba0ecec4c778364u},  // joints
     {0xda684f92a66f2cabu, 0x26ef92dfb62e6029u},  // spinners
     {0xefa6f2b1da44b200u, 0x010b013794c1c4afu},  // chains
-    {0xfa98dba9b480ac46u, 0x3e6b7e6078fc2854u},  // house
+    {0xad2327a64e8d67fcu, 0x6dc6ea0da27766acu},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 

@@ -13,6 +13,10 @@ namespace {
 
 constexpr int kIterations = 12;        ///< Newton steps from loads of the substep before
 constexpr int kMoreIterations = 40;    ///< of each stage where those do not suffice
+constexpr int kLook = 4;               ///< after so many of the former, what has come no nearer is given up
+constexpr double kNoNearer = 0.9;      ///< of the impulses: a residual that tells of none of them yet
+constexpr int kLeastFactors = 40;      ///< of a step that has to be approached: five of each of its solves
+constexpr int kEasy = 4;               ///< Newton steps of a softer system, after which the next may be harder
 constexpr int kLargeFactors = 6;       ///< in one step of a large island; it stays as it was
 constexpr double kMostProducts = 1e6;  ///< of blocks, in all factorizations of one step; some 0.1 s
 constexpr int kBudget = 160;           ///< Newton steps in one step of the world, after which softer systems answer
@@ -133,6 +137,7 @@ bool minimize(Equations& equations, int iterations, double enough, bool& factore
         if (isSolved(residual, enough) || (i > 0 && residual.norm <= enough * residual.scale)) return true;
         const bool slow = i > 0 && residual.norm > kStale * last;
         if (slow && !stale && residual.norm <= kRounding * residual.scale) return true;
+        if (i == kLook && iterations <= kIterations && residual.norm > kNoNearer * residual.scale) break;
         last = residual.norm;
         const bool outdated = slow || equations.regionsChanged();
         if (!factored || (outdated && mayFactor(equations, report))) {
@@ -158,9 +163,7 @@ bool minimize(Equations& equations, int iterations, double enough, bool& factore
 
 /// What a softer system has answered: velocities and loads that belong to each other, and leave the speeds R λ.
 void takeSofter(Equations& equations) {
-    double* v = equations.velocity.data();
-    for (std::size_t k = 0; k < equations.unknowns(); ++k) v[k] = equations.scratch.trial[k];
-    equations.evaluate(v, equations.scratch.gradient.data());
+    equations.loadsAt(equations.velocity.data());
     equations.keepPointLoads();
 }
 
@@ -178,22 +181,50 @@ Approach approach(Equations& equations, int budget, bool& factored, SolveReport&
     for (int stage = 0; stage <= kStages; ++stage) {
         const bool mayTry = jointed || ((found || !any) && (stage < kStages || report.iterations <= budget));
         factored = false;
+        if (mayTry && any) {
+            equations.askForLoads();
+            predict(equations, found, factored, report);
+        }
         Residual residual;
         found = mayTry && minimize(equations, kMoreIterations, tuning::kResidual, factored, report, residual);
         if (stage == kStages) break;
         if (found) {
             equations.takeLoads();
             for (std::size_t k = 0; k < equations.unknowns(); ++k) equations.scratch.trial[k] = equations.velocity[k];
+            report.softness = kStages - stage;
         }
         any |= found;
         equations.scaleResistance(1 / kStage);
     }
     factored = false;
-    if (found) return Approach::found;
     // Joints whose bodies have the speeds of softer contacts gain energy.
-    if (!any || jointed) return Approach::failed;
+    if (found || !any || jointed) {
+        report.softness = 0;
+        return found ? Approach::found : Approach::failed;
+    }
+    for (std::size_t k = 0; k < equations.unknowns(); ++k) equations.velocity[k] = equations.scratch.trial[k];
     takeSofter(equations);
     return Approach::softer;
+}
+
+/// As soft as the last solve of this step was answered: what was too hard then is so still. What comes easily is harder
+/// next time. False where there is no answer.
+bool staySoft(Equations& equations, bool evaluated, bool& factored, SolveReport& report) {
+    double scale = 1;
+    for (int stage = 0; stage < report.softness; ++stage) scale *= kStage;
+    equations.scaleResistance(scale);
+    factored = false;
+    if (!evaluated) equations.askForLoads();
+    const int before = report.iterations;
+    predict(equations, evaluated, factored, report);
+    Residual residual;
+    const bool found = minimize(equations, kMoreIterations, tuning::kResidual, factored, report, residual);
+    if (found) equations.takeLoads();
+    equations.scaleResistance(1 / scale);
+    factored = false;
+    if (found) takeSofter(equations);
+    if (!found || report.iterations - before <= kEasy) --report.softness;
+    return found;
 }
 
 /// One round of the method of multipliers leaves the speeds R (λ − λ̂). A large island, whose factor is dear, uses it
@@ -208,9 +239,9 @@ void refine(Equations& equations, bool& factored, SolveReport& report) {
 
 }  // namespace
 
-bool mayFactor(const Equations& equations, const SolveReport& report) {
+bool mayFactor(const Equations& equations, const SolveReport& report, int more) {
     if (isLarge(equations) && report.factorizations >= kLargeFactors) return false;
-    return (report.factorizations + 1) * static_cast<double>(equations.factorProducts()) <= kMostProducts;
+    return (report.factorizations + more) * static_cast<double>(equations.factorProducts()) <= kMostProducts;
 }
 
 void solve(Equations& equations, bool startFromLoads, bool& factored, SolveReport& report) {
@@ -233,6 +264,7 @@ void solve(Equations& equations, bool startFromLoads, bool& factored, SolveRepor
     if (startFromLoads) equations.takeSidesOfLoads();
     if (equations.points.size() == 0 && pivot(equations, factored, report)) return;
     if (startFromLoads) equations.askForLoads();
+    if (report.softness > 0 && staySoft(equations, startFromLoads, factored, report)) return;
     const double enough = kSlipChange * equations.gravityStep;
     // Where joints pull, slips go round in circles of speeds that do not matter: those of the solve before do.
     const int rounds = equations.rows.size() > 0 ? 1 : kSlipRounds;
@@ -248,8 +280,12 @@ void solve(Equations& equations, bool startFromLoads, bool& factored, SolveRepor
                 found = minimize(equations, kIterations, tuning::kResidual, factored, report, residual);
         }
         Approach way = found ? Approach::found : Approach::failed;
-        const bool mayApproach = equations.rows.size() == 0 || report.iterations <= budget;
-        if (!found && !isLarge(equations) && mayApproach) way = approach(equations, budget, factored, report);
+        const bool mayApproach =
+            equations.rows.size() == 0 ? mayFactor(equations, report, kLeastFactors) : report.iterations <= budget;
+        if (!found && !isLarge(equations) && mayApproach) {
+            way = approach(equations, budget, factored, report);
+            last = true;  // at its slips each round would have to be approached again
+        }
         if (way == Approach::softer) return;
         if (way == Approach::failed) {
             // Newton's steps descend, so that the velocity is sane; the impulses need not be. A large island goes on

@@ -9,6 +9,7 @@ struct SolveReport {
     int solves = 0;
     int iterations = 0;  ///< Newton steps
     int factorizations = 0;
+    int softness = 0;     ///< stages by which points give way more than asked for, in the next solve of this step
     double residual = 0;  ///< of the impulses, relative
     bool converged = true;
 };
@@ -18,8 +19,8 @@ struct SolveReport {
 /// is finite whatever happens.
 void solve(Equations& equations, bool startFromLoads, bool& factored, SolveReport& report);
 
-/// May a system be factorized once more in this step?
-bool mayFactor(const Equations& equations, const SolveReport& report);
+/// May a system be factorized so many times more in this step?
+bool mayFactor(const Equations& equations, const SolveReport& report, int more = 1);
 
 inline constexpr int kPivots = 512;  ///< after which a system falls back; struck tangles take seven on average
 /// A system of joints alone, from the sides of their bounds that its rows have: a linear system but for these, which
