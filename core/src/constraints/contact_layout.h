@@ -82,6 +82,7 @@ inline constexpr float kDeep = 0.015f;
 inline constexpr float kHeavy = 10;
 /// Of the size: overlaps that bodies leave by being moved, since the speed of pushing is bounded.
 inline constexpr float kInside = 0.25f;
+inline constexpr float kInsideMost = 0.1f;  ///< of the size, by which they are moved in a step at most
 
 /// Rad per substep up to which contacts look ahead of a turn: by a series to its second term, a tenth of which is left
 /// out there.

@@ -7,8 +7,8 @@
 namespace ragtop {
 namespace {
 
-/// Of what is beyond kInside, and of the size at most; per step.
-constexpr float kInsideLeft = 0.4f, kInsideMost = 0.1f;
+/// Of what is beyond kInside; per step.
+constexpr float kInsideLeft = 0.4f;
 
 /// Moves the bodies of contacts that are deeper than kInside, and were when the step began, apart along the normal, by
 /// their masses, without turning them and without any speed, so that nothing flies:
@@ -21,7 +21,7 @@ RAGTOP_INLINE void moveApart(const ContactBundle<N, L, kGround>& c, Lanes<N> dee
     const Mask<N> inside = beyond > zero;
     if (!any(inside)) return;
     const float ofStep = context.h / context.dt;
-    const Lanes<N> way = min(Lanes<N>(kInsideLeft * ofStep) * beyond, Lanes<N>(kInsideMost * ofStep) * size);
+    const Lanes<N> way = min(Lanes<N>(kInsideLeft * ofStep) * beyond, Lanes<N>(contact::kInsideMost * ofStep) * size);
     const WideVec3<N> apart = select(inside, divideOrZero(way, c.inverseMass()), zero) * c.normal;
     if constexpr (!kGround) {
         WideVec3<N> dpA = (-c.massA) * apart;

@@ -71,13 +71,12 @@ double excessOf(const GuardView& view, std::uint32_t index) {
 /// m, by which bodies that overlap by more than a load presses them are moved apart in a step, at most: by rows, and
 /// from far within by places (solve/wide_push.inl).
 float wayApart(const GuardView& view, const ContactRecord& contact) {
-    constexpr float kByPlaces = 0.1f;  // of the size: kInsideMost there
     float separation = 0;
     for (const ManifoldRecord& manifold : view.manifolds.of(contact))
         for (int j = 0; j < manifold.pointCount; ++j) separation = std::min(separation, manifold.separation[j]);
     if (!(separation < -contact::kDeep * contact.size)) return 0;
     const float beyond = std::max(-separation - contact::kInside * contact.size, 0.0f);
-    return std::min(beyond, kByPlaces * contact.size) +
+    return std::min(beyond, contact::kInsideMost * contact.size) +
            std::min(-separation, view.context.pushOut * contact.size * view.dt);
 }
 
@@ -357,7 +356,10 @@ void guardGroup(const GuardView& view, std::size_t g) {
     // Springs have the rest, or heights of what is held, not of what is lifted out: the way there is not gone.
     const bool isLeft = whole - look.pushed - taken - (lifts.whole - lifts.own) > account.room;
     if (isLeft && (look.stores || !isIsolated)) {
-        look.hangs ? undoPlaces(view, island, false) : undoMotion(view, island, true);
+        if (look.hangs)
+            undoPlaces(view, island, false);
+        else
+            undoMotion(view, island, true);
     }
     if (isLeft && look.stores)
         for (const std::uint32_t b : island) view.scene.forgetImpulses(b);
