@@ -8,11 +8,12 @@ namespace ragtop::laws {
 
 std::span<const Kind> allKinds() {
     static const Kind kKinds[] = {
-        {"bridge", drawBridge},   {"net", drawNet},         {"contraption", drawContraption},
-        {"carried", drawCarried}, {"drum", drawDrum},       {"figure", drawFigure},
-        {"beam", drawBeam},       {"heap", drawHeap},       {"pendulum", drawPendulum},
-        {"mixture", drawMixture}, {"pressed", drawPressed}, {"hung", drawHung},
-        {"lattice", drawLattice}, {"struck", drawStruck},   {"masonry", drawMasonry},
+        {"bridge", drawBridge},     {"net", drawNet},         {"contraption", drawContraption},
+        {"carried", drawCarried},   {"drum", drawDrum},       {"figure", drawFigure},
+        {"beam", drawBeam},         {"heap", drawHeap},       {"pendulum", drawPendulum},
+        {"mixture", drawMixture},   {"pressed", drawPressed}, {"hung", drawHung},
+        {"lattice", drawLattice},   {"struck", drawStruck},   {"masonry", drawMasonry},
+        {"crossing", drawCrossing},
     };
     return kKinds;
 }

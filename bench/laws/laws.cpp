@@ -94,7 +94,8 @@ public:
     Watch(const Drawn& drawn, stability::Engine& engine) : drawn_(drawn), scene_(drawn.scene), engine_(engine) {
         for (const SceneBody& body : scene_.bodies)
             masses_.push_back(body.def.type == BodyType::dynamic ? stability::massOf(body.def) : MassProperties{});
-        start_ = energy();
+        start_ = base_ = energy();
+        workOfMotors();
         startMomentum_ = momentum_;
         startWay_ = way_;
         lowest_ = potential_;
@@ -102,11 +103,16 @@ public:
     }
 
     void note(Watched& watched) {
-        raise(highest_, energy());
+        spent_ += workOfMotors();
+        const double total = energy() - spent_;
+        raise(gained_, total - base_);
+        // What motors may give is more than they do: it must not pay for what comes later.
+        if (hasMotors_ && total < base_) base_ = total;
         if (!(potential_ >= lowest_)) lowest_ = potential_;
-        const double room = std::max(start_ - lowest_, kLeast * weightTimesSize_);
-        watched.energyGain = room > 0 ? std::max(0.0, (highest_ - start_) / room) : 0;
-        if (std::isnan(highest_)) watched.energyGain = highest_;
+        if (hasMotors_) raise(fullest_, kinetic_);
+        const double room = std::max({start_ - lowest_, kLeast * weightTimesSize_, fullest_});
+        watched.energyGain = room > 0 ? std::max(0.0, gained_ / room) : 0;
+        if (std::isnan(gained_)) watched.energyGain = gained_;
         ++steps_;
         if (isFree(scene_)) raise(watched.momentumGain, momentumGain());
         raise(watched.gap, gap());
@@ -177,6 +183,28 @@ private:
         const double way = std::max(startWay_, length(given));
         return way > 0 ? length(momentum_ - startMomentum_ - given) / way : way_;
     }
+    /// J, that the motors of hinges give in a step at most: none to what turns the other way or faster than they ask.
+    double workOfMotors() {
+        double most = 0;
+        std::size_t i = 0;
+        for (const SceneJoint& joint : scene_.joints) {
+            const auto* hinge = std::get_if<HingeDef>(&joint.def);
+            if (hinge == nullptr || !hinge->motor) continue;
+            hasMotors_ = true;
+            const double target = std::abs(static_cast<double>(hinge->motor->targetSpeed));
+            const double speed = std::clamp(speedOf(joint) * (hinge->motor->targetSpeed < 0 ? -1 : 1), 0.0, target);
+            if (i == motorSpeeds_.size()) motorSpeeds_.push_back(speed);
+            most += static_cast<double>(hinge->motor->maxForce) * std::max(speed, motorSpeeds_[i]) * scene_.step;
+            motorSpeeds_[i++] = speed;
+        }
+        return most;
+    }
+    /// rad/s, of a hinge.
+    double speedOf(const SceneJoint& joint) const {
+        const auto turn = [&](int body) { return body == stability::kWorld ? Vec3{} : engine_.motion(body).w; };
+        const Vec3 axis = rotate(place(joint).a.rotation, Vec3{1, 0, 0});
+        return static_cast<double>(ragtop::dot(axis, turn(joint.bodyB) - turn(joint.bodyA)));
+    }
     /// Of all that moves by itself but the first, from it.
     std::vector<DVec3> relativePlaces() const {
         std::vector<DVec3> places;
@@ -199,7 +227,11 @@ private:
     std::vector<DVec3> from_;
     std::vector<Pose> last_;
     double stuck_ = 0, moved_ = 0;
-    double start_ = 0, highest_ = -1e300, lowest_ = 0;
+    std::vector<double> motorSpeeds_;  ///< rad/s, as they are asked for, when the step begins
+    bool hasMotors_ = false;
+    double start_ = 0, lowest_ = 0;
+    double fullest_ = 0;                             ///< J, kinetic, where motors give it
+    double base_ = 0, gained_ = -1e300, spent_ = 0;  ///< J: from which gains are counted, the largest, what motors gave
     double kinetic_ = 0, potential_ = 0, mass_ = 0, fastest_ = 0, weightTimesSize_ = 0;
     DVec3 momentum_, startMomentum_;  // kg m/s
     double way_ = 0, startWay_ = 0;   // the same, of sizes

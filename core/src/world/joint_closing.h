@@ -22,11 +22,14 @@ namespace ragtop {
 
 /// Memory of the closing, from step to step.
 struct JointClosing {
-    explicit JointClosing(std::pmr::memory_resource* memory) : open(memory), groups(memory), localOf(memory) {}
+    explicit JointClosing(std::pmr::memory_resource* memory)
+        : open(memory), groups(memory), localOf(memory), energyToSweep(memory), sweptPaths(memory) {}
 
     AlignedArray<std::uint8_t> open;      ///< per group of the energy guard
     AlignedArray<std::uint32_t> groups;   ///< those that are open
     AlignedArray<std::uint32_t> localOf;  ///< per body, its number in its group's system
+    AlignedArray<double> energyToSweep;   ///< J, per group, before its bodies were swept; no number: none is to be
+    AlignedArray<SweptPath> sweptPaths;   ///< of the bodies of one
     /// Of each worker.
     struct Bench {
         explicit Bench(std::pmr::memory_resource* memory)

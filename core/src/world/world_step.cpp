@@ -21,6 +21,7 @@
 
 #include "constraints/contact_layout.h"
 #include "world/multirate.h"
+#include "world/swept_groups.h"
 #include "world/world_impl.h"
 #include "world/world_modules.h"
 #include "world/world_regions.h"
@@ -140,7 +141,9 @@ void WorldImpl::step(World& world, double stepSeconds) {
         finishBodies();
         stopOutOfRange();
         scene().correctInitialViolations();
+        noteEnergyToSweep(closingView());
         sweepFast();
+        payForSweeps(closingView());
         closeOpenJoints(closingView());
         shapeBounds().refit(collision.swept.startPoses(), machine.runner);
         profile.beginStage("events", callbacks);
