@@ -4,6 +4,8 @@
 
 namespace ragtop {
 
+inline constexpr float kGravity = 9.81f;  ///< m/s²
+
 /// m (r² E − r rᵀ), kg m²: what a point mass at r adds to the inertia about the origin.
 inline Mat3 steiner(float mass, const Vec3& r) {
     const float square = lengthSquared(r);

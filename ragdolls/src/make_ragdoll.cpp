@@ -10,6 +10,7 @@
 #include "fit.h"
 #include "fit_foot.h"
 #include "fit_hull.h"
+#include "inertia.h"
 #include "joint_limits.h"
 #include "masses.h"
 #include "ragtop/ragdoll.h"
@@ -20,7 +21,6 @@ namespace {
 
 constexpr std::size_t kFewVertices = 12;  ///< less skin than this says nothing about a shape
 constexpr double kBodyVolume = 0.0140;    ///< of a human over the cube of the height: 75 l at 1.75 m
-constexpr float kGravity = 9.81f;         ///< m/s², in the friction of joints
 constexpr float kAnkleShare = 0.75f;      ///< of its height, that a shank reaches beyond the ankle at most
 constexpr float kAnkleBend = 0.5f;        ///< rad, of an ankle, at which its shank is still to be off the ground
 constexpr float kAlikeSlack = 0.015f;     ///< of its skin, that a shape may leave out more to be that of the other side

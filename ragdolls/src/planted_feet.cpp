@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "inertia.h"
+
 namespace ragtop {
 namespace {
 
@@ -12,7 +14,6 @@ constexpr float kStandsSlower = 0.12f;  ///< of √(g height)
 constexpr float kGoesOn = 2;            ///< times as fast and high may be what stands still a moment before or later
 constexpr float kClearance = 0.015f;    ///< of the height of the hips, that a foot that swings is over the ground
 constexpr float kEase = 0.1f;           ///< s, within which it gets there
-constexpr float kGravity = 9.81f;       ///< m/s²
 constexpr float kShortest = 0.06f;      ///< s: shorter stances and pauses between them are none
 
 /// What is low and slow, and what goes on from there somewhat higher and faster: feet roll off.

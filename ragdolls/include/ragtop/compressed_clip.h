@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -9,15 +8,16 @@
 
 namespace ragtop {
 
-/// A clip in about a sixth of its memory, within an error in metres: 79 clips of four characters take 0.156 in sum,
-/// those below a second up to a quarter, poses of a single key as much as before. Keys that others stand for are left
-/// out; turns take six bytes (the three smallest numbers of a quaternion), places six, in the range of their track.
-/// Between keys turns go along the chord [Frechette, Animation Compression Library, 2017].
+/// A clip in less than a sixth of its memory, within an error in metres. Bones are kept as what sets them apart from
+/// the body at rest, so that those which stay at rest take a few bits; keys that others stand for are left out; the
+/// others have as many bits as the range of each of their numbers and the error ask for [Frechette, Animation
+/// Compression Library, 2017]. Turns are kept as modified Rodrigues parameters [Schaub and Junkins, Analytical
+/// Mechanics of Space Systems, 2003, chapter 3.6].
 class CompressedClip {
 public:
     CompressedClip() = default;
     /// `maxError`: m, in (0, 10], farthest that any point of the body may then be from where the clip has it: ends of
-    /// bones, and points 5 cm beside them. It is measured at all keys and between them.
+    /// bones, and points 5 cm beside them. It is measured at all keys and at three places between each two.
     /// Throws std::invalid_argument: a clip that is not usable with the skeleton, an error out of range or one that the
     /// numbers do not allow (about a ten-thousandth of the body), more than 65,535 times.
     CompressedClip(const Clip& clip, const Skeleton& skeleton, float maxError = 0.001f);
@@ -25,43 +25,24 @@ public:
     const std::string& name() const { return name_; }
     float seconds() const { return seconds_; }
     float error() const { return error_; }  ///< m, as measured
-    std::size_t bytes() const;              ///< of its times, tracks and keys
+    std::size_t bytes() const;              ///< of its times and tracks
 
 private:
-    friend void sample(const CompressedClip& clip, float time, LocalPose& pose, const Pose& placement);
+    friend void sample(const CompressedClip& clip, const LocalPose& rest, float time, LocalPose& pose,
+                       const Pose& placement);
     friend class ClipPacker;
-
-    /// Which of some times have a key, in the lower bits; above them the number of keys at earlier times.
-    static constexpr unsigned kMarked = 48;
-
-    struct Track {
-        std::uint32_t firstWord = 0;   ///< of the turns' keys; those of the places follow
-        std::uint32_t firstMarks = 0;  ///< likewise; of a single key there are none
-        std::uint32_t firstPlace =
-            0;  ///< in `places_`: where it stays, or the lower end of its range and a step in that
-        std::uint16_t bone = 0, turns = 0, places = 0;  ///< without keys of places it stays
-        bool coarse = false;                            ///< turns of two words instead of three
-    };
-    /// The numbers of the keys about a time, and how far between them it is.
-    struct Between {
-        std::size_t from = 0, to = 0;
-        float share = 0;
-    };
-
-    std::size_t marksOfEach() const { return (times_.size() + kMarked - 1) / kMarked; }
-    Between keysAbout(std::uint32_t count, std::size_t firstMarks, std::uint16_t before, float time) const;
-    Frame at(const Track& track, std::uint16_t before, float time) const;
 
     std::string name_;
     float seconds_ = 0, error_ = 0;
-    std::vector<float> times_;
-    std::vector<Track> tracks_;
-    std::vector<std::uint16_t> words_;
-    std::vector<std::uint64_t> marks_;
-    std::vector<Vec3> places_;
+    float unit_ = 0;              ///< m, of which steps of places are parts
+    float first_ = 0, step_ = 0;  ///< s, of times at even distances
+    std::vector<float> times_;    ///< of others
+    std::uint32_t count_ = 0;     ///< of times
+    std::uint32_t tracks_ = 0;
+    std::vector<std::uint8_t> stream_;  ///< the tracks, bit by bit (clip_curve.h)
 };
 
-/// As of a clip. No memory is allocated.
-void sample(const CompressedClip& clip, float time, LocalPose& pose, const Pose& placement = {});
+/// As of a clip. `rest` is that of the skeleton that it was made with. No memory is allocated.
+void sample(const CompressedClip& clip, const LocalPose& rest, float time, LocalPose& pose, const Pose& placement = {});
 
 }  // namespace ragtop
