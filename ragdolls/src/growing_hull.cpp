@@ -15,6 +15,8 @@ constexpr float kCoarse = 100;   ///< times that, at which rounding no longer tu
 
 float heightOver(const FacePlane& plane, const Vec3& point) { return dot(plane.normal, point) - plane.offset; }
 
+std::uint64_t edgeOf(std::uint32_t from, std::uint32_t to) { return std::uint64_t{from} << 32 | to; }
+
 template <class Measure>
 std::uint32_t farthestBy(std::span<const Vec3> points, Measure measure) {
     std::uint32_t best = 0;
@@ -81,25 +83,35 @@ bool GrowingHull::put(std::uint32_t point, Face& face) const {
     return true;
 }
 
-/// The faces that the point sees give way to those between it and the edges round them.
+/// The faces that the point sees give way to those between it and the edges round them: the sides of seen faces whose
+/// other side is not seen.
 bool GrowingHull::addSeeing(std::uint32_t point, float least) {
-    std::vector<Face> cone;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-    const auto seen = [&](const Face& face) { return heightOver(face.plane, points_[point]) > least; };
-    for (const Face& face : faces_)
-        for (std::size_t k = 0; k < 3 && seen(face); ++k) edges.emplace_back(face.corner[k], face.corner[(k + 1) % 3]);
-    for (const auto& [from, to] : edges)
-        if (std::find(edges.begin(), edges.end(), std::pair{to, from}) == edges.end() &&
-            !makeFace(from, to, point, cone))
+    seen_.clear();
+    edges_.clear();
+    for (const Face& face : faces_) {
+        seen_.push_back(heightOver(face.plane, points_[point]) > least);
+        for (std::size_t k = 0; k < 3 && seen_.back(); ++k)
+            edges_.push_back(edgeOf(face.corner[k], face.corner[(k + 1) % 3]));
+    }
+    cone_.clear();
+    for (const std::uint64_t edge : edges_) {
+        const auto from = static_cast<std::uint32_t>(edge >> 32), to = static_cast<std::uint32_t>(edge);
+        if (std::find(edges_.begin(), edges_.end(), edgeOf(to, from)) == edges_.end() &&
+            !makeFace(from, to, point, cone_))
             return false;
-    std::vector<std::uint32_t> orphans;
-    for (const Face& face : faces_)
-        if (seen(face)) orphans.insert(orphans.end(), face.outside.begin(), face.outside.end());
-    std::erase_if(faces_, seen);
-    const std::size_t first = faces_.size();
-    faces_.insert(faces_.end(), std::make_move_iterator(cone.begin()), std::make_move_iterator(cone.end()));
+    }
+    orphans_.clear();
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+        if (seen_[i])
+            orphans_.insert(orphans_.end(), faces_[i].outside.begin(), faces_[i].outside.end());
+        else if (first++ != i)
+            faces_[first - 1] = std::move(faces_[i]);
+    }
+    faces_.resize(first);
+    faces_.insert(faces_.end(), std::make_move_iterator(cone_.begin()), std::make_move_iterator(cone_.end()));
     corners_.push_back(point);
-    share(orphans, first);
+    share(orphans_, first);
     return true;
 }
 

@@ -34,8 +34,8 @@ public:
 
 private:
     struct Face {
-        std::array<std::uint32_t, 3> corner;  ///< counter-clockwise from outside
-        FacePlane plane;
+        std::array<std::uint32_t, 3> corner{};  ///< counter-clockwise from outside
+        FacePlane plane{};
         std::vector<std::uint32_t> outside{};  ///< points over this, and of others none that have been there before
         std::uint32_t farthest = 0;            ///< of these
         float height = 0;                      ///< m, of that
@@ -53,6 +53,11 @@ private:
     float slack_ = 0;
     std::vector<std::uint32_t> corners_;
     std::vector<Face> faces_;
+    // Of adding a point, kept for their memory.
+    std::vector<char> seen_;
+    std::vector<std::uint64_t> edges_;
+    std::vector<Face> cone_;
+    std::vector<std::uint32_t> orphans_;
 };
 
 }  // namespace ragtop
