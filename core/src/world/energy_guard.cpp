@@ -7,7 +7,7 @@
 #include "constraints/contact_layout.h"
 #include "constraints/stored_energy.h"
 #include "direct/choice.h"
-#include "model/joint_bodies.h"
+#include "world/energy_account.h"
 #include "world/group_motion.h"
 #include "world/jointed_groups.h"
 #include "world/undone_steps.h"
@@ -16,68 +16,38 @@ namespace ragtop {
 
 namespace {
 
-/// Of the kinetic energy and of the weight times the size: what a first-order integrator trades in a swing and gets
-/// back. Chosen, not derived: with it the chains of tests/core/energy_guard_test.cpp are left alone.
-constexpr double kRoom = 0.005;
-
-/// The same of what springs hold: they trade more of it within a period, the stiffer they are for a substep.
-constexpr double kSpringRoom = 0.1;
 /// Share of its energy by which a group that nothing holds is moved as a whole by rounding alone.
 constexpr double kThrown = 0.1;
 /// Times what there was and what pushing out gives, beyond which a step is undone.
 constexpr double kGarbage = 10;
+constexpr double kRounding = 1e-6;  ///< of its room, which sums of an island are wrong by
 
-/// J, that forces gave a body along its way.
-double workOn(const GuardView& view, std::uint32_t index) {
-    const BodyDynamics& d = view.bodies.dynamics[index];
-    const BodyState& state = view.bodies.states[index];
-    const Vec3 turn = 2 * Vec3{state.dq.x, state.dq.y, state.dq.z};
-    return static_cast<double>(view.bodies[index].mass) * static_cast<double>(dot(d.acceleration, state.dp)) +
-           static_cast<double>(dot(d.torque, turn));
+/// In a group.
+bool isJoined(const GuardView& view, std::uint32_t body) { return view.bodies[body].firstJoint != kNone; }
+
+/// Its room and what it owes are kept with it: a body without joints, or the lowest of a group.
+bool keepsLedger(const GuardView& view, std::uint32_t body) {
+    return !isJoined(view, body) || view.guard.parent[body] == body;
 }
 
-/// J, of springs and soft stops.
-struct Stored {
-    double before = 0, gained = 0;  ///< when the step began, and since
-};
-
-/// Of those joints that are counted with a body.
-Stored storedBy(const GuardView& view, std::uint32_t index) {
-    Stored stored;
-    if (!view.guard.stores) return stored;
-    for (std::uint32_t key = view.bodies[index].firstJoint; key != kNone;
-         key = view.joints[key >> 1].edges[key & 1].next) {
-        if (!view.joints.isHolding(key >> 1)) continue;
-        const JointRecord& joint = view.joints[key >> 1];
-        const JointSim& sim = view.joints.sims[key >> 1];
-        const bool isCounted = (key & 1) == 0 || !view.bodies.moves(joint.bodyA);
-        if (!isCounted || !storesEnergy(sim)) continue;
-        JointBodiesAtStep at = jointBodies(view.bodies, joint);
-        const double before = storedEnergy(sim, at);
-        const BodyState &a = view.bodies.states[sim.stateA], &b = view.bodies.states[sim.stateB];
-        at.centerOffset += b.dp - a.dp;
-        at.rotationA = a.dq * at.rotationA, at.rotationB = b.dq * at.rotationB;
-        stored.before += before;
-        stored.gained += storedEnergy(sim, at) - before;
-    }
-    return stored;
+std::span<const std::uint32_t> bodiesOf(const EnergyGuard& guard, const GuardedIsland& look) {
+    return {guard.visited.data() + look.begin, look.end - look.begin};
 }
 
-double excessOf(const GuardView& view, std::uint32_t index) {
-    return kineticEnergy(view.bodies, index, rotationNow(view.bodies, index)) -
-           static_cast<double>(view.guard.kinetic[index]) + storedBy(view, index).gained - workOn(view, index);
-}
-
-/// m, by which bodies that overlap by more than a load presses them are moved apart in a step, at most: by rows, and
-/// from far within by places (solve/wide_push.inl).
-float wayApart(const GuardView& view, const ContactRecord& contact) {
-    float separation = 0;
+/// m, by which surfaces lie deeper in each other than a load presses them.
+float depthOf(const GuardView& view, const ContactRecord& contact) {
+    float depth = 0;
     for (const ManifoldRecord& manifold : view.manifolds.of(contact))
-        for (int j = 0; j < manifold.pointCount; ++j) separation = std::min(separation, manifold.separation[j]);
-    if (!(separation < -contact::kDeep * contact.size)) return 0;
-    const float beyond = std::max(-separation - contact::kInside * contact.size, 0.0f);
+        for (int j = 0; j < manifold.pointCount; ++j) depth = std::max(depth, -manifold.separation[j]);
+    return depth > contact::kDeep * contact.size ? depth : 0.0f;
+}
+
+/// m, by which bodies that are so deep in each other are moved apart in a step, at most: by rows, and from far within
+/// by places (solve/wide_push.inl).
+float wayApart(const GuardView& view, const ContactRecord& contact, float depth) {
+    const float beyond = std::max(depth - contact::kInside * contact.size, 0.0f);
     return std::min(beyond, contact::kInsideMost * contact.size) +
-           std::min(-separation, view.context.pushOut * contact.size * view.dt);
+           std::min(depth, view.context.pushOut * contact.size * view.dt);
 }
 
 /// J, of a body that was lifted, as far as being moved apart by such a way does.
@@ -87,10 +57,16 @@ double liftOf(const GuardView& view, std::uint32_t index, float way) {
     return static_cast<double>(view.bodies[index].mass * lifted);
 }
 
-/// J, of a body at the speed that overlaps push with.
-double pushEnergy(const GuardView& view, std::uint32_t index) {
-    const double speed = static_cast<double>(view.context.pushOut * view.bodies[index].size);
-    return 0.5 * static_cast<double>(view.bodies[index].mass) * speed * speed;
+/// J, that an island may be given by what pushes its overlaps apart: in a step no more than brings it to the speed that
+/// these push with, and without being paid for no more than that and to lift its bodies out of them.
+double pushable(const GuardView& view, std::span<const std::uint32_t> island, double liftable) {
+    double pushed = 0, owed = 0;
+    for (const std::uint32_t b : island) {
+        const double speed = static_cast<double>(view.context.pushOut * view.bodies[b].size);
+        pushed += 0.5 * static_cast<double>(view.bodies[b].mass) * speed * speed;
+        if (keepsLedger(view, b)) owed += static_cast<double>(view.guard.owed[b]);
+    }
+    return std::clamp(pushed + liftable - owed, 0.0, pushed);
 }
 
 /// What a body touches or is joined to.
@@ -127,25 +103,31 @@ GuardedIsland& islandOf(const GuardView& view, std::uint32_t first) {
     for (std::size_t i = look.begin; i < guard.visited.size(); ++i) {
         const std::uint32_t body = guard.visited[i];
         look.excess += excessOf(view, body);
-        float apart = 0;
+        if (isJoined(view, body)) look.watched = std::min(look.watched, guard.watched[guard.groupOfBody(body)]);
+        float apart = 0, deepest = 0;
         lookAround(
             view, body,
             [&](const JointSim& sim, std::uint32_t other) {
                 look.stores |= storesEnergy(sim);
+                look.isJoined = true;
                 reach(other);
             },
             [&](const ContactRecord& contact, std::uint32_t other) {
-                apart = std::max(apart, wayApart(view, contact));
+                if (const float depth = depthOf(view, contact); depth > 0) {
+                    apart = std::max(apart, wayApart(view, contact, depth));
+                    deepest = std::max(deepest, depth);
+                }
                 reach(other);
             });
         look.lifted += liftOf(view, body, apart);
+        look.liftable += static_cast<double>(view.bodies[body].mass * deepest) *
+                         static_cast<double>(length(view.bodies.dynamics[body].acceleration));
         look.apart = std::max(look.apart, apart);
         look.driven += addDrivers(view, body, guard.drivers);
     }
     look.lastDriver = static_cast<std::uint32_t>(guard.drivers.size());
     look.end = static_cast<std::uint32_t>(guard.visited.size());
-    for (std::size_t i = look.begin; i < look.end && look.apart > 0; ++i)
-        look.pushed += pushEnergy(view, guard.visited[i]);
+    if (look.apart > 0) look.pushed = pushable(view, bodiesOf(guard, look), look.liftable);
     guard.islands.push(look);
     return guard.islands[number];
 }
@@ -173,65 +155,16 @@ bool overran(const GuardView& view, std::span<const std::uint32_t> group, double
     return false;
 }
 
-/// J, by which the kinetic energy of a link may differ from that of its place: speeds of trees are those of the middle
-/// of a substep, half of one earlier, and so were those that the step began with.
-double earlyEnergy(const GuardView& view, std::uint32_t index) {
-    const BodyRecord& body = view.bodies[index];
-    if (body.direct.reason != direct::Reason::tree) return 0;
-    const float early = view.context.h * static_cast<float>(body.direct.pace.stepFactor);
-    return static_cast<double>(body.mass * early * length(view.bodies.dynamics[index].acceleration) *
-                               length(view.bodies.states[index].v));
-}
-
-EnergyAccount accountOf(const GuardView& view, std::span<const std::uint32_t> group) {
-    EnergyAccount account;
-    double work = 0, weight = 0;
-    Stored stored;
-    for (const std::uint32_t b : group) {
-        const Stored own = storedBy(view, b);
-        stored.before += own.before, stored.gained += own.gained;
-        account.before += static_cast<double>(view.guard.kinetic[b]);
-        account.now += kineticEnergy(view.bodies, b, rotationNow(view.bodies, b));
-        work += workOn(view, b);
-        weight += static_cast<double>(view.bodies[b].mass * view.bodies[b].size);
-        account.room += earlyEnergy(view, b);
-    }
-    account.excess = account.now - account.before + stored.gained - work;
-    weight *= static_cast<double>(length(view.gravity));
-    account.lawful = std::max(account.before, account.before + work) + stored.before + weight;
-    account.room += kRoom * account.lawful;
-    if (stored.before > 0 || stored.gained > 0) account.room += kSpringRoom * (account.before + stored.before);
-    return account;
-}
-
-/// What a group has left of its room after a step, as a share.
-void keepRoom(float& room, double left, double most) {
-    room = most > 0 ? static_cast<float>(std::clamp(left / most, 0.0, 1.0)) : 1.0f;
-}
-
-/// The share of a group, whatever the order of its bodies.
+/// Its share of the room, whatever the order of its bodies.
 float& roomOf(EnergyGuard& guard, std::span<const std::uint32_t> group) {
-    return guard.room[*std::min_element(group.begin(), group.end())];
-}
-
-/// True where a group has gained no more than it has room for, which is noted. What a module has pushed is not looked
-/// at.
-bool fits(float& room, const EnergyAccount& account) {
-    if (account.before == std::numeric_limits<double>::infinity()) {
-        room = 1;
-        return true;
-    }
-    const double left = static_cast<double>(room) * account.room - account.excess;
-    if (!(left >= 0)) return false;
-    keepRoom(room, left, account.room);
-    return true;
+    return guard.room[guard.parent[group.front()]];
 }
 
 /// What is known of an island once for all of its groups.
 void completeAccount(const GuardView& view, GuardedIsland& look) {
     if (look.lawful >= 0) return;
     const EnergyGuard& guard = view.guard;
-    const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
+    const std::span<const std::uint32_t> island = bodiesOf(guard, look);
     look.lawful = accountOf(view, island).lawful;
     look.atOnce = givenAtOnce(view, island);
     look.driven +=
@@ -248,9 +181,19 @@ bool isGarbage(const GuardView& view, std::span<const std::uint32_t> island, con
 void undoStep(const GuardView& view, GuardedIsland& look) {
     EnergyGuard& guard = view.guard;
     ++guard.caught;
-    undoMotion(view, {guard.visited.data() + look.begin, look.end - look.begin}, !look.hangs);
+    undoMotion(view, bodiesOf(guard, look), !look.hangs);
     guard.taken += look.excess;
     look.excess = 0;
+    look.isDone = true;
+}
+
+/// Where springs or heights hold what motion cannot pay: the way that led there is not gone.
+void undoWay(const GuardView& view, std::span<const std::uint32_t> island, GuardedIsland& look) {
+    if (look.hangs)
+        undoPlaces(view, island, false);
+    else
+        undoMotion(view, island, true);
+    look.isDone = true;
 }
 
 /// A group whose energy is no number; so may be what it touches.
@@ -258,7 +201,7 @@ void undoUnbounded(const GuardView& view, std::span<const std::uint32_t> group) 
     if (isThrown(view, group)) return barDirect(view, group);
     const GuardedIsland& look = islandOf(view, group.front());
     ++view.guard.caught;
-    undoMotion(view, {view.guard.visited.data() + look.begin, look.end - look.begin}, !look.hangs);
+    undoMotion(view, bodiesOf(view.guard, look), !look.hangs);
 }
 
 /// J, that overlaps lift a group by: the bodies that are in something, and all of it with the one that goes farthest.
@@ -272,7 +215,8 @@ Lifts liftsOf(const GuardView& view, const GuardedIsland& look, std::span<const 
     for (const std::uint32_t body : group) {
         float apart = 0;
         const auto note = [&](const ContactRecord& contact, std::uint32_t) {
-            apart = std::max(apart, wayApart(view, contact));
+            if (const float depth = depthOf(view, contact); depth > 0)
+                apart = std::max(apart, wayApart(view, contact, depth));
         };
         lookAround(
             view, body, [](const auto&, std::uint32_t) {}, note);
@@ -319,8 +263,8 @@ void guardGroup(const GuardView& view, std::size_t g) {
     GuardedIsland& look = islandOf(view, group.front());
     const Lifts lifts = liftsOf(view, look, group);
     double beyond = std::min(account.excess - lifts.own, look.excess - look.lifted) - left;
-    if (!(beyond > 0)) return;
-    const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
+    if (!(beyond > 0) || look.isDone) return;
+    const std::span<const std::uint32_t> island = bodiesOf(guard, look);
     completeAccount(view, look);
     beyond -= look.driven;
     if (!(beyond > 0)) return;
@@ -335,6 +279,7 @@ void guardGroup(const GuardView& view, std::size_t g) {
         const double turned = account.now;
         account.now = accountOf(view, group).now;
         beyond += account.now - turned;
+        look.excess += account.now - turned;
     }
     const double whole = beyond;
     // What overlaps is pushed, at a speed that is bounded.
@@ -354,32 +299,100 @@ void guardGroup(const GuardView& view, std::size_t g) {
         taken +=
             takeFromIsland(view, island, look, look.excess - left - look.driven - look.lifted - look.pushed - taken);
     // Springs have the rest, or heights of what is held, not of what is lifted out: the way there is not gone.
-    const bool isLeft = whole - look.pushed - taken - (lifts.whole - lifts.own) > account.room;
-    if (isLeft && (look.stores || !isIsolated)) {
-        if (look.hangs)
-            undoPlaces(view, island, false);
-        else
-            undoMotion(view, island, true);
-    }
+    const double rest = whole - look.pushed - taken, followed = std::clamp(rest, 0.0, lifts.whole - lifts.own);
+    look.lifted += followed;
+    const bool isLeft = rest - followed > account.room;
+    if (isLeft && (look.stores || !isIsolated)) undoWay(view, island, look);
     if (isLeft && look.stores)
         for (const std::uint32_t b : island) view.scene.forgetImpulses(b);
     if (taken > 0) noteTaken(guard, look, taken);
     room = 0;
 }
 
-/// What a direct solve that fell back has given to bodies that no joint holds, which are in no group.
-void guardFallenBack(const GuardView& view, const DirectIsland& fallen) {
+/// What parts of an island have room for, how much of it is left, and what they owe, J.
+struct Rooms {
+    double most = 0, left = 0, owed = 0;
+};
+
+/// Of an island, as its step began.
+Rooms roomsOf(const GuardView& view, std::span<const std::uint32_t> island) {
+    const EnergyGuard& guard = view.guard;
+    Rooms rooms;
+    for (const std::uint32_t b : island) {
+        if (!keepsLedger(view, b)) continue;
+        const bool joined = isJoined(view, b);
+        const double most = joined ? guard.accounts[guard.groupOfBody(b)].room : accountOf(view, {&b, 1}).room;
+        const float loose = guard.looseAsked[b] == view.step ? guard.looseShare[b] : guard.room[b];
+        const float share = joined ? guard.accounts[guard.groupOfBody(b)].share : loose;
+        rooms.most += most;
+        rooms.left += static_cast<double>(share) * most;
+        rooms.owed += static_cast<double>(guard.owed[b]);
+    }
+    return rooms;
+}
+
+/// Divides what is left and owed among the parts of an island.
+void keepRooms(const GuardView& view, std::span<const std::uint32_t> island, const Rooms& rooms) {
+    const auto parts = static_cast<double>(
+        std::count_if(island.begin(), island.end(), [&](std::uint32_t b) { return keepsLedger(view, b); }));
+    for (const std::uint32_t b : island) {
+        if (!keepsLedger(view, b)) continue;
+        keepRoom(view.guard.room[b], rooms.left, rooms.most);
+        view.guard.owed[b] = static_cast<float>(rooms.owed / parts);
+    }
+}
+
+/// What an island gained as a whole is charged to all of its parts; what it has no room for is taken.
+void guardIsland(const GuardView& view, GuardedIsland& look) {
     EnergyGuard& guard = view.guard;
-    GuardedIsland& look = islandOf(view, view.directSet.bodies[fallen.firstBody]);
-    const std::span<const std::uint32_t> island{guard.visited.data() + look.begin, look.end - look.begin};
-    if (!std::isfinite(look.excess)) return;
+    if (!look.isJoined || look.isDone || look.watched != Watching::all || !std::isfinite(look.excess)) return;
+    const std::span<const std::uint32_t> island = bodiesOf(guard, look);
     completeAccount(view, look);
-    const double beyond = look.excess - look.driven - look.lifted - look.pushed - kRoom * look.lawful;
+    Rooms rooms = roomsOf(view, island);
+    if (!std::isfinite(rooms.most)) return;
+    // What drives it gives what it takes at most, and no room beside, nor does what lifts it out; what pushes it gives
+    // what there is no room for.
+    const double gained = std::max(0.0, look.excess - look.driven), lifted = std::min(gained, look.lifted);
+    const double pushed = std::clamp(gained - lifted - rooms.left, 0.0, look.pushed);
+    rooms.owed += pushed;
+    rooms.left -= gained - lifted - pushed;
+    if (look.excess < 0) pay(rooms.left, rooms.most, rooms.owed, -look.excess);
+    const double beyond = -rooms.left;
+    rooms.left = std::max(0.0, rooms.left);
+    keepRooms(view, island, rooms);
+    if (!(beyond > kRounding * rooms.most)) return;
     if (isGarbage(view, island, look, beyond)) return undoStep(view, look);
     const double taken = takeFromIsland(view, island, look, beyond);
+    if (beyond - taken > rooms.most) undoWay(view, island, look);
     if (!(taken > 0)) return;
     noteTaken(guard, look, taken);
+    if (!look.fellBack) return;
     for (const std::uint32_t b : island) view.scene.forgetImpulses(b, false);  // joints keep their turns
+}
+
+/// Has a body without joints gained more than it has room for? Each is asked once in a step.
+void suspectLoose(const GuardView& view, std::uint32_t body) {
+    EnergyGuard& guard = view.guard;
+    if (!view.bodies.moves(body) || isJoined(view, body) || !view.bodies.isAwake(body)) return;
+    if (guard.looseAsked[body] == view.step) return;
+    guard.looseAsked[body] = view.step;
+    guard.looseShare[body] = guard.room[body];
+    if (!fits(guard.room[body], guard.owed[body], accountOf(view, {&body, 1}))) guard.looseSuspects.push(body);
+}
+
+/// Bodies that no joint holds may have what they gained from a group: those that touch one, and all that are solved
+/// directly with one. To ask others too costs a pile with a single joint a fifth of its step.
+void suspectLoose(const GuardView& view) {
+    EnergyGuard& guard = view.guard;
+    guard.looseSuspects.clear();
+    if (view.bodies.awake.size() == guard.bodies.size()) return;
+    for (const DirectIsland& island : view.directSet.islands)
+        for (std::uint32_t i = 0; island.jointCount > 0 && island.contactCount > 0 && i < island.bodyCount; ++i)
+            suspectLoose(view, view.directSet.bodies[island.firstBody + i]);
+    for (const std::uint32_t body : guard.bodies)
+        lookAround(
+            view, body, [](const JointSim&, std::uint32_t) {},
+            [&](const ContactRecord&, std::uint32_t other) { suspectLoose(view, other); });
 }
 
 }  // namespace
@@ -396,6 +409,11 @@ void beginGuard(const GuardView& view) {
     guard.kinetic.resizeForOverwrite(view.bodies.size());
     guard.speeds.resizeForOverwrite(view.bodies.size());
     guard.undone.resize(view.bodies.size(), UndoneSteps{});
+    guard.room.resize(view.bodies.size(), 1.0f);
+    guard.owed.resize(view.bodies.size(), 0.0f);
+    guard.looseShare.resizeForOverwrite(view.bodies.size());
+    guard.looseAsked.resize(view.bodies.size(), kNone);
+    guard.looseSuspects.reserve(view.bodies.awake.size());
     view.runner.parallelFor(static_cast<int>(view.bodies.awake.size()), 64, [&](int begin, int end, int) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
             recordKinetic(guard, view.bodies, view.bodies.awake[i]);
@@ -413,7 +431,8 @@ void recordDriven(EnergyGuard& guard, std::uint32_t body) {
 }
 
 bool hasGainedEnergy(const GuardView& view, std::span<const std::uint32_t> bodies) {
-    return !fits(roomOf(view.guard, bodies), accountOf(view, bodies));
+    return !fits(roomOf(view.guard, bodies), view.guard.owed[view.guard.parent[bodies.front()]],
+                 accountOf(view, bodies));
 }
 
 void guardEnergy(const GuardView& view) {
@@ -434,10 +453,13 @@ void guardEnergy(const GuardView& view) {
             const std::span<const std::uint32_t> group = guard.membersOf(g);
             EnergyAccount& account = guard.accounts[g];
             account = accountOf(view, group);
-            guard.suspects[g] = guard.watched[g] == Watching::all ? !fits(roomOf(guard, group), account)
-                                                                  : !(account.excess <= kGarbage * account.lawful);
+            account.share = roomOf(guard, group);
+            guard.suspects[g] = guard.watched[g] == Watching::all
+                                    ? !fits(roomOf(guard, group), guard.owed[guard.parent[group.front()]], account)
+                                    : !(account.excess <= kGarbage * account.lawful);
         }
     });
+    suspectLoose(view);
     guard.islands.clear();
     guard.drivers.clear();
     guard.islands.reserve(groups + view.directSet.islands.size());
@@ -446,8 +468,11 @@ void guardEnergy(const GuardView& view) {
     for (const std::uint32_t body : view.bodies.awake) guard.islandOf[body] = kNone;
     for (std::size_t g = 0; g < groups; ++g)
         if (guard.suspects[g] != 0) guardGroup(view, g);
+    for (const std::uint32_t body : guard.looseSuspects) islandOf(view, body);
     for (const DirectIsland& island : view.directSet.islands)
-        if (island.fellBack && island.jointCount > 0 && island.contactCount > 0) guardFallenBack(view, island);
+        if (island.fellBack && island.jointCount > 0 && island.contactCount > 0)
+            islandOf(view, view.directSet.bodies[island.firstBody]).fellBack = true;
+    for (GuardedIsland& look : guard.islands) guardIsland(view, look);
 }
 
 }  // namespace ragtop

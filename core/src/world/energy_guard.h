@@ -17,6 +17,8 @@
 /// with a room of 0.5 %, a tenth where springs store, for what an integrator trades between places and speeds; refilled
 /// by what is dissipated only, so that no slow growth passes. What is beyond is taken from the motion of the bodies
 /// against each other, never below what they began the step with: momenta stay as they are.
+/// The same law holds for each body that touches such groups, and for islands of both as a whole. Within an island
+/// bodies hand energy to each other; rooms are those of its parts, and what it gains as a whole is charged to them all.
 namespace ragtop {
 
 /// Which of the gains of a group are looked at: none, those that are beyond all measure, or all.
@@ -28,13 +30,15 @@ struct EnergyAccount {
     double excess = 0;           ///< gained beyond what forces gave
     double lawful = 0;           ///< kinetic at most, with what forces gave and a fall over the size of its bodies
     double room = 0;             ///< the most that it may be above its account
+    float share = 1;             ///< of that which was left when the step began
 };
 
 /// The island that groups with more energy than they have room for belong to, of this step.
 struct GuardedIsland {
     std::uint32_t begin = 0, end = 0;  ///< of its bodies
     double excess = 0;                 ///< J, what its bodies gained
-    double pushed = 0;                 ///< J, of its bodies at the speed that overlaps push with; 0 where none does
+    double liftable = 0;               ///< J, that it takes to lift its bodies out of what they are deep in
+    double pushed = 0;                 ///< J, that what pushes them apart may give
     double lawful = -1;                ///< J, kinetic at most; negative: not asked for yet
     double atOnce = 0;                 ///< J, that forces give in a step to bodies at rest which nothing holds
     double lifted = 0;                 ///< J, of bodies that overlap, as far as overlaps lift them
@@ -43,6 +47,10 @@ struct GuardedIsland {
     std::uint32_t firstDriver = 0, lastDriver = 0;  ///< what drives it by joints
     double driven = 0;                              ///< J, that all which moves on its own gave at most
     bool hangs = false;                             ///< on what does not move
+    bool isJoined = false;                          ///< some joint holds a body of it
+    bool isDone = false;                            ///< its step was undone
+    bool fellBack = false;                          ///< a direct solve of it did not converge
+    Watching watched = Watching::all;               ///< the least of its groups
 };
 
 /// Of a body, whose steps the guard undoes.
@@ -57,13 +65,18 @@ struct EnergyGuard {
         : parent(memory),
           starts(memory),
           bodies(memory),
+          groupOf(memory),
           watched(memory),
           accounts(memory),
           suspects(memory),
+          looseSuspects(memory),
+          looseAsked(memory),
+          looseShare(memory),
           momentum(memory),
           kinetic(memory),
           speeds(memory),
           room(memory),
+          owed(memory),
           undone(memory),
           visited(memory),
           islandOf(memory),
@@ -72,16 +85,22 @@ struct EnergyGuard {
 
     AlignedArray<std::uint32_t> parent;  ///< union-find over bodies; of those in groups, the root
     AlignedArray<std::uint32_t> starts, bodies;
+    AlignedArray<std::uint32_t> groupOf;   ///< per body that is such a root
     AlignedArray<Watching> watched;        ///< per group
     AlignedArray<EnergyAccount> accounts;  ///< per group, of this step
     AlignedArray<std::uint8_t> suspects;   ///< per group: has it gained more than it has room for?
+    AlignedArray<std::uint32_t> looseSuspects;  ///< bodies without joints that have
+    AlignedArray<std::uint32_t> looseAsked;     ///< per body, in which step it was asked for that
+    AlignedArray<float> looseShare;             ///< then, of its room when the step began
     AlignedArray<Vec3> momentum;  ///< per group, kg m²/s, angular, about its centre of mass, when the step began
     AlignedArray<float> kinetic;  ///< per body, J, when the step began; of those awake, where there are joints
     struct Speeds {
         Vec3 v, w;  ///< m/s, rad/s
     };
     AlignedArray<Speeds> speeds;  ///< the same, of their velocities
-    AlignedArray<float> room;  ///< per body, share of its group's room that is left; counts for the lowest of a group
+    /// Per body, share of the room that is left; of a group that of its lowest body counts.
+    AlignedArray<float> room;
+    AlignedArray<float> owed;  ///< J, the same of what overlaps gave as they were pushed apart and was not paid since
     AlignedArray<UndoneSteps> undone;      ///< per body
     AlignedArray<std::uint32_t> visited;   ///< bodies of the islands that were looked at, one island after the other
     AlignedArray<std::uint32_t> islandOf;  ///< per body, which of these it is in
@@ -95,6 +114,8 @@ struct EnergyGuard {
     std::span<const std::uint32_t> membersOf(std::size_t group) const {
         return {bodies.data() + starts[group], starts[group + 1] - starts[group]};
     }
+    /// Of a body that is in one.
+    std::uint32_t groupOfBody(std::uint32_t body) const { return groupOf[parent[body]]; }
 };
 
 /// What watching the energy of groups reads and writes.

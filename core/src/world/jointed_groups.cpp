@@ -91,8 +91,8 @@ void findGroups(const GuardView& view) {
     guard.watched.clear();
     guard.stores = false;
     if (!uniteJoined(view)) return;
-    guard.room.resize(view.bodies.size(), 1.0f);
-    AlignedArray<std::uint32_t>& groupOf = guard.visited;  // of roots; it has room for all bodies from then on
+    guard.visited.reserve(view.bodies.size());
+    AlignedArray<std::uint32_t>& groupOf = guard.groupOf;
     groupOf.resizeForOverwrite(view.bodies.size());
     listMembers(view, groupOf);
     forEachJoint(view, [&](const JointRecord& joint, const JointSim& sim) {

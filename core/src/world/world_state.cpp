@@ -72,6 +72,7 @@ void WorldImpl::archive(Archive& archive) {
     partition.islands.archive(archive);
     events.archive(archive);
     archive(guards.energy.room);
+    archive(guards.energy.owed);
     archive(guards.energy.undone);
     archive(tables.graph.bodies());
     const int lists = archive.lists(tables.graph);
