@@ -16,9 +16,6 @@ constexpr float kStiff = 1;           ///< as Hardness has it
 /// to 4 (docs/adr/0038).
 constexpr float kStiffTogether = 2;
 constexpr float kBraked = 0.1f;       ///< the same of dampers, which brake light links by half of it too much
-/// Share of the buckling load: at p of it what is crooked leans 1/(1 − p) as far. Columns of four to nine boxes, 6:1 to
-/// 40:1, fall from 0.5 on (docs/measurements/islands.md).
-constexpr float kBuckling = 0.25f;
 constexpr float kLeaning = 0.25f;     ///< share of bodies
 constexpr float kSpin = 0.125f;       ///< rad per substep, from which only free rotation knows how a top turns
 constexpr float kLoopSpin = 1;        ///< the same of mechanisms with loops, which divide the substep

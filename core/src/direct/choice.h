@@ -10,9 +10,10 @@ namespace ragtop::direct {
 /// Why an island is solved directly.
 enum class Reason : std::uint8_t { none, asked, heavy, tall, deep, taut, leaning, tree, loop, stiff, damped, staying };
 
-/// What decides how an island is solved. Loads are estimates: each body hands its weight, and what it carries, in equal
-/// shares to the neighbours that are nearer to the ground. A load number is such a load over the weight of the lighter
-/// of the two bodies that meet: a column of n equal boxes has n at its foot, a weight on a box their mass ratio.
+/// What decides how an island is solved. Loads are estimates: each body hands its weight, and what it carries, to
+/// the neighbours that are nearer to the ground (islands/load_paths.h). A load number is such a load over the weight of
+/// the lighter of the two bodies that meet: a column of n equal boxes has n at its foot, a weight on a box their mass
+/// ratio.
 struct IslandFeatures {
     std::uint32_t bodies = 0;
     Vec3 momentum;                        ///< kg m/s, of all bodies: motion is what differs from their common one
@@ -27,7 +28,7 @@ struct IslandFeatures {
     float massRatio = 1;                   ///< largest of a loaded pair
     Hardness hardness;                     ///< the largest of joints
     float stiffness = 0;                   ///< h² Σ k/m of springs along ways, the largest of a body
-    float buckling = 0;                    ///< load over what soft contacts bear before they tilt away
+    float buckling = 0;  ///< load over what soft contacts bear before they tilt away, or open at a corner
     bool hangs = false;                    ///< by joints, from something that does not move
     bool touches = false;                  ///< has contacts, near or not
     bool bare = true;                      ///< bodies turn freely, and joints are such as trees know
@@ -38,6 +39,9 @@ struct IslandFeatures {
     Reason last = Reason::none, reason = Reason::none;
 };
 
+/// Share of the buckling load: at p of it what is crooked leans 1/(1 − p) as far. Columns of four to nine boxes, 6:1 to
+/// 40:1, fall from 0.5 on (docs/measurements/islands.md).
+inline constexpr float kBuckling = 0.25f;
 inline constexpr float kCrushing = 100;  ///< load number that no iteration holds, whatever else goes on
 inline constexpr float kHung = 20;  ///< load number of a joint whose body hangs from one that contacts bear
 inline constexpr std::uint32_t kMostBodies = 512;   ///< of an island that is solved directly whatever it does

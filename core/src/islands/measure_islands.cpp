@@ -1,6 +1,7 @@
 #include "islands/measure_islands.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/prefetch.h"
@@ -12,7 +13,8 @@ namespace ragtop {
 
 namespace {
 
-constexpr float kSlow = 0.05f;  ///< speed of a body at rest, in √(gravity · size)
+constexpr float kSlow = 0.05f;     ///< speed of a body at rest, in √(gravity · size)
+constexpr float kOpening = 0.01f;  ///< of an even share, that a point has left: less counts as none
 
 /// Takes memory for what measuring islands finds, and numbers these.
 void beginMeasuring(const MeasureView& v) {
@@ -34,35 +36,71 @@ void beginMeasuring(const MeasureView& v) {
     }
 }
 
+/// Of the load of a contact, what each point bears: as in the last substep, or as the estimate has it.
+std::array<float, kMaxManifoldPoints> sharesNow(const MeasureView& v, const SupportEdge& edge) {
+    const ManifoldRecord& manifold = v.tables.manifolds[edge.constraint];
+    const float* lane = v.tables.graph.lane(manifold.place);
+    std::array<float, kMaxManifoldPoints> shares{};
+    float sum = 0;
+    for (int j = 0; j < manifold.pointCount; ++j)
+        sum += shares[j] =
+            lane[(contact::kPoints + j * contact::kPointFields + contact::kImpulse) * v.tables.graph.lanes()];
+    if (!(sum > 0)) return v.islands.paths.sharesOfPoints(v.tables, edge);
+    for (float& share : shares) share /= sum;
+    return shares;
+}
+
+/// The points of a contact about their middle, in its plane.
+struct ContactPlane {
+    float n = 0, s11 = 0, s12 = 0, s22 = 0;
+    std::array<float, kMaxManifoldPoints> x{}, y{};
+
+    explicit ContactPlane(const ManifoldRecord& manifold) : n(static_cast<float>(manifold.pointCount)) {
+        Vec3 middle;
+        for (int j = 0; j < manifold.pointCount; ++j) middle += (1 / n) * manifold.anchorA[j];
+        const Vec3 t1 = perpendicular(manifold.normal), t2 = cross(manifold.normal, t1);
+        for (int j = 0; j < manifold.pointCount; ++j) {
+            const Vec3 arm = manifold.anchorA[j] - middle;
+            x[j] = dot(arm, t1), y[j] = dot(arm, t2);
+            s11 += x[j] * x[j], s12 += x[j] * y[j], s22 += y[j] * y[j];
+        }
+    }
+    /// m², about the axis on which they are narrowest.
+    float leastSpread() const {
+        const float difference = s11 - s22;
+        return 0.5f * (s11 + s22 - std::sqrt(difference * difference + 4 * s12 * s12));
+    }
+    /// What equal springs have left, of an even share, in the point that bears least, where loads meet as these do.
+    float leastShare(const std::array<float, kMaxManifoldPoints>& shares) const {
+        float e1 = 0, e2 = 0, least = 1;
+        for (int j = 0; j < static_cast<int>(n); ++j) e1 += shares[j] * x[j], e2 += shares[j] * y[j];
+        const float det = s11 * s22 - s12 * s12, g1 = (s22 * e1 - s12 * e2) / det, g2 = (s11 * e2 - s12 * e1) / det;
+        for (int j = 0; j < static_cast<int>(n); ++j) least = std::min(least, 1 + n * (g1 * x[j] + g2 * y[j]));
+        return least;
+    }
+};
+
 /// Load over the load under which soft contacts of this pair tilt away: a column of n boxes of height l stands while
-/// n³ m g l < 7.84 k_θ, with k_θ the stiffness of its points about their middle.
+/// n³ m g l < 7.84 k_θ, with k_θ the stiffness of its points about their middle. At p of it a load leans 1/(1 − p) as
+/// far; a point that has s of its even share opens when p comes to s.
 float bucklingShare(const MeasureView& v, const SupportEdge& edge, float load, float number) {
     const ManifoldRecord& manifold = v.tables.manifolds[edge.constraint];
-    if (manifold.pointCount < 3) return 0;
-    Vec3 middle;
-    const float count = static_cast<float>(manifold.pointCount);
-    for (int j = 0; j < manifold.pointCount; ++j) middle += (1 / count) * manifold.anchorA[j];
-    const Vec3 t1 = perpendicular(manifold.normal), t2 = cross(manifold.normal, t1);
-    float s11 = 0, s12 = 0, s22 = 0;
-    for (int j = 0; j < manifold.pointCount; ++j) {
-        const Vec3 arm = manifold.anchorA[j] - middle;
-        const float x = dot(arm, t1), y = dot(arm, t2);
-        s11 += x * x, s12 += x * y, s22 += y * y;
-    }
-    const float difference = s11 - s22;
-    const float spread = 0.5f * (s11 + s22 - std::sqrt(difference * difference + 4 * s12 * s12));
+    const float gravity = length(v.settings.gravity);
+    if (manifold.pointCount < 3 || !(gravity > 0)) return 0;
+    const ContactPlane plane(manifold);
     const float inverseMass =
         v.bodies.states[v.bodies[edge.a].state].invMass + v.bodies.states[v.bodies[edge.b].state].invMass;
     const float omega = 2 * kPi * v.settings.contactFrequency * static_cast<float>(v.settings.substeps) / v.dt;
     const bool fixed = !v.bodies.moves(edge.a) || !v.bodies.moves(edge.b);
-    const float stiffness = (fixed ? 4 : 1) * omega * omega * spread / inverseMass;
+    const float stiffness = (fixed ? 4 : 1) * omega * omega * plane.leastSpread() / inverseMass;
     const BodyRecord& upper = v.bodies[v.bodies.moves(edge.b) ? edge.b : edge.a];
     const Vec3 arm = rotate(upper.rotation, v.bodies.moves(edge.b) ? manifold.anchorB[0] : manifold.anchorA[0]);
-    const float gravity = length(v.settings.gravity);
-    if (!(gravity > 0)) return 0;
     const float height = 2 * std::fabs(dot(arm, v.settings.gravity)) / gravity;
     const float bending = load * gravity * number * number * height;
-    return stiffness > 0 ? bending / (7.84f * stiffness) : 0.0f;
+    if (!(stiffness > 0)) return 0;
+    const float share = bending / (7.84f * stiffness);
+    if (share < kOpening * direct::kBuckling) return share;
+    return share / std::max(plane.leastShare(sharesNow(v, edge)), kOpening);
 }
 
 /// A face, or something round: what stands on an edge or a corner needs others to hold it.
@@ -117,8 +155,9 @@ bool onlyWhile(direct::Reason reason) {
 }
 
 /// What a support edge says of its island.
-void measureEdge(const MeasureView& v, const SupportEdge& edge, const Vec3& up) {
+void measureEdge(const MeasureView& v, std::size_t index, const Vec3& up) {
     LoadPaths& paths = v.islands.paths;
+    const SupportEdge& edge = paths.edges[index];
     const bool movesA = edge.movesA, movesB = edge.movesB;
     direct::IslandFeatures& island = v.islands.featuresOf(movesA ? edge.a : edge.b);
     const bool aBears = paths.aBears(edge), bBears = paths.bBears(edge);
@@ -150,7 +189,7 @@ void measureEdge(const MeasureView& v, const SupportEdge& edge, const Vec3& up) 
     }
     if (!aBears && !bBears) return;
     const std::uint32_t upper = aBears ? edge.b : edge.a;
-    const float load = paths.shareOf(v.bodies, upper);
+    const float load = paths.share[index];
     const float massA = movesA ? v.bodies[edge.a].mass : v.bodies[edge.b].mass;
     const float massB = movesB ? v.bodies[edge.b].mass : massA;
     const float lighter = std::min(massA, massB), number = load / lighter;
@@ -206,13 +245,13 @@ void measureIslands(const MeasureView& v) {
     paths.collect(v.tables);
     paths.findDepths(v.bodies);
     const float gravity = length(v.settings.gravity);
-    paths.estimate(v.bodies, gravity, true);
+    paths.estimate(v.tables, v.settings.gravity, true);
     paths.heldLevel.resizeForOverwrite(v.bodies.size());
     for (const std::uint32_t body : v.bodies.awake) paths.heldLevel[body] = 0;
     const Vec3 up = gravity > 0 ? (-1 / gravity) * v.settings.gravity : Vec3{};
     for (std::size_t i = 0; i < paths.edges.size(); ++i) {
         prefetchSupportEdge(v, i);
-        measureEdge(v, paths.edges[i], up);
+        measureEdge(v, i, up);
     }
     measureBodies(v, gravity);
     forEachCoupledPair(v.tables, [&](std::uint32_t, std::uint32_t body) { v.islands.featuresOf(body).coupled = true; });
@@ -268,14 +307,15 @@ void loadNewContacts(const MeasureView& v, float gravityStep, ConstraintGraph& g
                      AlignedArray<std::uint32_t>& fresh) {
     fresh.clear();
     const float gravity = length(v.settings.gravity);
-    v.islands.paths.estimate(v.bodies, gravity, false);
+    v.islands.paths.estimate(v.tables, v.settings.gravity, false);
     if (!(gravity > 0)) return;
     const Vec3 down = (1 / gravity) * v.settings.gravity;
     const auto stride = static_cast<std::size_t>(graph.lanes());
-    for (const SupportEdge& edge : v.islands.paths.edges) {
+    const LoadPaths& paths = v.islands.paths;
+    for (std::size_t i = 0; i < paths.edges.size(); ++i) {
+        const SupportEdge& edge = paths.edges[i];
         if (edge.joint || !isUntouched(v.bodies, edge.a) || !isUntouched(v.bodies, edge.b)) continue;
-        const bool aBears = v.islands.paths.aBears(edge), bBears = v.islands.paths.bBears(edge);
-        if (!aBears && !bBears) continue;
+        if (!paths.aBears(edge) && !paths.bBears(edge)) continue;
         const ManifoldRecord& manifold = v.tables.manifolds[edge.constraint];
         const float along = std::fabs(dot(rotate(v.bodies[edge.a].rotation, manifold.normal), down));
         if (along < kLevel || manifold.pointCount == 0 || manifold.place.color == ConstraintGraph::kDirect) continue;
@@ -286,10 +326,10 @@ void loadNewContacts(const MeasureView& v, float gravityStep, ConstraintGraph& g
         bool loaded = false;
         for (int j = 0; j < manifold.pointCount; ++j) loaded |= at(j, contact::kImpulse) != 0;
         if (loaded) continue;
-        const std::uint32_t upper = aBears ? edge.b : edge.a;
-        const float load = v.islands.paths.shareOf(v.bodies, upper);
-        const float share = load * gravityStep * along / static_cast<float>(manifold.pointCount);
-        for (int j = 0; j < manifold.pointCount; ++j) at(j, contact::kImpulse) = at(j, contact::kLoad) = share;
+        const std::array<float, kMaxManifoldPoints> shares = paths.sharesOfPoints(v.tables, edge);
+        const float load = paths.share[i] * gravityStep * along;
+        for (int j = 0; j < manifold.pointCount; ++j)
+            at(j, contact::kImpulse) = at(j, contact::kLoad) = load * shares[j];
         fresh.push(edge.constraint);
     }
 }
