@@ -124,9 +124,12 @@ TEST(MagicFormula, TurnsItsWheelByTheTrailOfItsForce) {
     const Vec2 slip = slipOf(0, static_cast<double>(angle));
     const float force = forceOverLoad(law, slip).y;
     ASSERT_LT(force, 0);
-    EXPECT_NEAR(alignmentOverLoad(law, slip, 1), -0.3f * 0.1f * force, 1e-3f * 0.03f * std::abs(force));
-    EXPECT_NEAR(alignmentOverLoad(law, slip, -1), 0.3f * 0.1f * force, 1e-3f * 0.03f * std::abs(force));
-    EXPECT_LT(std::abs(alignmentOverLoad(law, slipOf(0, 1.2), 1)), 0.2f * 0.03f);
+    const auto alignmentAt = [&](const Vec2& at, float forward) {
+        return alignmentOverLoad(law, at, forcesOverLoad(law, at), forward);
+    };
+    EXPECT_NEAR(alignmentAt(slip, 1), -0.3f * 0.1f * force, 1e-3f * 0.03f * std::abs(force));
+    EXPECT_NEAR(alignmentAt(slip, -1), 0.3f * 0.1f * force, 1e-3f * 0.03f * std::abs(force));
+    EXPECT_LT(std::abs(alignmentAt(slipOf(0, 1.2), 1)), 0.2f * 0.03f);
 }
 
 /// Brakes take of what is left for cornering: the weights are 1 without the other slip and fall with it.

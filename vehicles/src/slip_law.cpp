@@ -19,23 +19,8 @@ float magicAngle(float B, float C, float E, float x) {
     return C * quickArcTan(bx - E * (bx - quickArcTan(bx)));
 }
 
-float valueAt(const MagicCurve& curve, float slip) {
-    const float x = slip + curve.shift;
-    const float E = std::min(curve.E * (1 - curve.bend * signOf(x)), 1.0f);
-    return curve.D * quickSin(magicAngle(curve.B, curve.C, E, x)) + curve.lift;
-}
-
 float steepnessAt(const MagicWeight& weight, float own) {
     return weight.B * cosOfArcTan(weight.fall * (own - weight.from));
-}
-
-float wholeOf(const MagicWeight& weight, float B) {
-    return weight.shift == 0 ? 1 : quickCos(magicAngle(B, weight.C, weight.E, weight.shift));
-}
-
-void takeRest(MagicWeight& weight) {
-    weight.restB = steepnessAt(weight, 0);
-    weight.restWhole = wholeOf(weight, weight.restB);
 }
 
 float driftAt(const MagicFactors& magic, float kappa, float alpha) {
@@ -74,16 +59,28 @@ float weighed(float cosine, float whole, float other) {
 
 float steepestOf(const MagicCurve& curve, float x) { return std::min(curve.E * (1 - curve.bend * signOf(x)), 1.0f); }
 
-/// What a formula gives at a slip, over load.
-struct MagicForces {
-    Vec2 force;
-    float across = 0;  ///< of the slip angle, without drift
-    Vec2 withoutOwn;   ///< see SlipForces
-};
+/// What a law has without slip in one of its directions or in both.
+void takeRest(MagicFactors& magic) {
+    constexpr FourInts kWeightsFirst{-1, -1, 0, 0};
+    MagicWeight &u = magic.alongWeight, &v = magic.acrossWeight;
+    const MagicCurve &a = magic.along, &b = magic.across;
+    u.restB = steepnessAt(u, 0);
+    v.restB = steepnessAt(v, 0);
+    const FourFloats waves = FourWaves{
+        {u.restB, v.restB, a.B, b.B},
+        {u.C, v.C, a.C, b.C},
+        {u.E, v.E, steepestOf(a, a.shift), steepestOf(b, b.shift)},
+        {u.shift, v.shift, a.shift,
+         b.shift}}.values(kWeightsFirst);
+    u.restWhole = u.shift == 0 ? 1 : waves[0];
+    v.restWhole = v.shift == 0 ? 1 : waves[1];
+    magic.alongRest = a.D * waves[2] + a.lift;
+    magic.acrossRest = b.D * waves[3] + b.lift;
+}
 
 /// `alone` is the slip ratio where nothing slips across. The waves that make a force, then those of weights that are
 /// not 1 without slip, and of a law whose curves are shifted.
-MagicForces forcesOf(const MagicFactors& magic, const Slips& at, float alone) {
+SlipForces forcesOf(const MagicFactors& magic, const Slips& at, float alone) {
     constexpr FourInts kWeightsFirst{-1, -1, 0, 0}, kWeights{-1, -1, -1, -1};
     const MagicWeight &u = magic.alongWeight, &v = magic.acrossWeight;
     const MagicCurve &a = magic.along, &b = magic.across;
@@ -103,7 +100,7 @@ MagicForces forcesOf(const MagicFactors& magic, const Slips& at, float alone) {
                          {u.shift, v.shift, at.alpha + u.shift, alone + v.shift}}
                    .values(kWeights);
     const float wholeU = u.shift == 0 ? 1 : rest[0], wholeV = v.shift == 0 ? 1 : rest[1];
-    MagicForces out;
+    SlipForces out;
     out.across = weighed(first[1], wholeV, at.kappa) * (b.D * first[3] + b.lift);
     out.force = {weighed(first[0], wholeU, at.alpha) * (a.D * first[2] + a.lift),
                  out.across + driftAt(magic, at.kappa, at.alpha)};
@@ -258,10 +255,7 @@ MagicFactors magicFactors(const MagicFormulaDef& def, const TireStand& stand) {
     magic.driftShape = of("RVY5");
     magic.driftB = of("RVY6");
     addAlignment(of, at, magic);
-    takeRest(magic.alongWeight);
-    takeRest(magic.acrossWeight);
-    magic.alongRest = valueAt(magic.along, 0);
-    magic.acrossRest = valueAt(magic.across, 0);
+    takeRest(magic);
     return magic;
 }
 
@@ -270,25 +264,22 @@ SlipCurves slipCurves(const SlipCurvesDef& def, const TireStand& stand) {
 }
 
 SlipForces forcesOverLoad(const SlipLaw& law, const Vec2& slip) {
-    if (const auto* curves = std::get_if<SlipCurves>(&law)) return {forceOf(*curves, slip), {}};
+    if (const auto* curves = std::get_if<SlipCurves>(&law)) return {forceOf(*curves, slip), {}, 0};
     const auto* magic = std::get_if<MagicFactors>(&law);
     if (!magic) return {};
-    const MagicForces forces = forcesOf(*magic, slipsOf(slip), std::clamp(slip.x, -1.0f, 1.0f));
-    return {forces.force, forces.withoutOwn};
+    return forcesOf(*magic, slipsOf(slip), std::clamp(slip.x, -1.0f, 1.0f));
 }
 
 /// Mz = −t F'y + Mzr + s Fx, (4.E71) to (4.E78).
-float alignmentOverLoad(const SlipLaw& law, const Vec2& slip, float forward) {
+float alignmentOverLoad(const SlipLaw& law, const Vec2& slip, const SlipForces& forces, float forward) {
     const auto* magic = std::get_if<MagicFactors>(&law);
     if (!magic) return 0;
     const Slips at = slipsOf(slip);
-    const MagicForces forces = forcesOf(*magic, at, 0);
     const Vec2 force = forces.force;
     const float ratio = magic->slipStiffness / magic->corneringStiffness * at.kappa;
     // tan² of the angle that has the same of both slips.
     const auto equivalent = [&](float angle) {
-        const SinCos turn = sinCos(angle);
-        const float tangent = turn.sin / std::max(turn.cos, 1e-3f);
+        const float tangent = quickSin(angle) / std::max(quickCos(angle), 1e-3f);
         return quickArcTan(std::sqrt(tangent * tangent + ratio * ratio)) * (angle < 0 ? -1.0f : 1.0f);
     };
     const float trailing = at.alpha + magic->trailShift;

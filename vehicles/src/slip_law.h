@@ -54,17 +54,17 @@ SlipCurves slipCurves(const SlipCurvesDef& def, const TireStand& stand);
 /// Forces over load on the wheel, forward and left.
 struct SlipForces {
     Vec2 force;
-    Vec2
-        withoutOwn;  ///< that each direction has without its own slip, from that of the other and the shifts of the law
+    Vec2 withoutOwn;   ///< of each direction without its own slip, from that of the other and the shifts of the law
+    float across = 0;  ///< of a Magic Formula, of the slip angle alone, without drift
 };
 
 /// `slip` is against the slip velocity: forward where it drives.
 SlipForces forcesOverLoad(const SlipLaw& law, const Vec2& slip);
 inline Vec2 forceOverLoad(const SlipLaw& law, const Vec2& slip) { return forcesOverLoad(law, slip).force; }
 
-/// Moment over load about the ground's normal, m, to the left. `forward` is 1 where the wheel travels forward, -1
-/// backwards.
-float alignmentOverLoad(const SlipLaw& law, const Vec2& slip, float forward);
+/// Moment over load about the ground's normal, m, to the left, with the forces at that slip. `forward` is 1 where the
+/// wheel travels forward, -1 backwards.
+float alignmentOverLoad(const SlipLaw& law, const Vec2& slip, const SlipForces& forces, float forward);
 
 /// Largest forces over load, and their slopes without slip.
 Vec2 peakFriction(const SlipLaw& law);

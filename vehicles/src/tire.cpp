@@ -54,6 +54,13 @@ float lockedShare(const TireLaw& law, const TireMotion& motion, float slowest) {
     return std::min((z - 1) * size / (z - size), 1.0f);
 }
 
+/// What a tire has come to that is bent by u, apart from nothing in either direction.
+Vec2 slipTried(const TireLaw& law, const Vec2& u) {
+    constexpr float kApart = 1e-4f;
+    const auto apart = [](float slip) { return std::abs(slip) < kApart ? (slip < 0 ? -kApart : kApart) : slip; };
+    return {apart(u.x / law.relaxation), apart(u.y / law.relaxation)};
+}
+
 SlipLaw slipLawOf(const TireDef& def, const TireStand& stand) {
     if (def.magicFormula) return magicFactors(*def.magicFormula, stand);
     if (def.slipCurves) return slipCurves(*def.slipCurves, stand);
@@ -131,23 +138,22 @@ TireLaw tireLaw(const TireSpec& spec, const TireGround& ground, const TireMotion
     return law;
 }
 
+SlipForces forcesAt(const TireLaw& law, const Vec2& u) {
+    return law.isBrush() ? SlipForces{} : forcesOverLoad(law.slips, slipTried(law, u));
+}
+
 /// Without the slip of a direction the other one alone makes its offset; the least slip tells the slope there.
-TireLine tireLine(const TireLaw& law, const Vec2& u) {
+TireLine tireLine(const TireLaw& law, const Vec2& u, const SlipForces& forces) {
     if (law.isBrush()) {
         const float q = secantOver(std::min(slidingShare(law, u), 1.0f));
         return {{}, {q * law.stiffness.x, q * law.stiffness.y}};
     }
-    constexpr float kLeastSlip = 1e-4f, kFlattest = 1e-3f;
-    const auto apart = [](float slip) {
-        return std::abs(slip) < kLeastSlip ? (slip < 0 ? -kLeastSlip : kLeastSlip) : slip;
-    };
-    const Vec2 slip{u.x / law.relaxation, u.y / law.relaxation};
-    const Vec2 tried{apart(slip.x), apart(slip.y)};
-    const auto [force, offset] = forcesOverLoad(law.slips, tried);
+    constexpr float kFlattest = 1e-3f;
+    const Vec2 tried = slipTried(law, u), &offset = forces.withoutOwn;
     const float s = 1 / law.relaxation;
     return {offset,
-            {s * std::max((force.x - offset.x) / tried.x, kFlattest),
-             s * std::max((force.y - offset.y) / tried.y, kFlattest)}};
+            {s * std::max((forces.force.x - offset.x) / tried.x, kFlattest),
+             s * std::max((forces.force.y - offset.y) / tried.y, kFlattest)}};
 }
 
 Vec2 withinPatch(const TireLaw& law, const Vec2& u) {
@@ -205,11 +211,17 @@ TireLine lineAfter(const TireLaw& law, const Vec2& bent, bool sliding) {
     return {{}, {q * law.stiffness.x, q * law.stiffness.y}};
 }
 
-float aligningMoment(const TireLaw& law, const Vec2& u, float load, float forward) {
+/// On the line that the forces make between slips that are told apart.
+float aligningMoment(const TireLaw& law, const Vec2& u, const SlipForces& forces, float load, float forward) {
     if (law.isBrush()) return 0;
     constexpr float kSlow = 0.5f;  // m/s, at which a wheel has hardly a way that it goes
-    return load * alignmentOverLoad(law.slips, {u.x / law.relaxation, u.y / law.relaxation},
-                                    std::clamp(forward / kSlow, -1.0f, 1.0f));
+    const Vec2 slip{u.x / law.relaxation, u.y / law.relaxation}, tried = slipTried(law, u);
+    const Vec2 &at = forces.force, &without = forces.withoutOwn;
+    SlipForces there = forces;
+    there.force = {without.x + (at.x - without.x) * (slip.x / tried.x),
+                   without.y + (at.y - without.y) * (slip.y / tried.y)};
+    there.across += there.force.y - at.y;
+    return load * alignmentOverLoad(law.slips, slip, there, std::clamp(forward / kSlow, -1.0f, 1.0f));
 }
 
 }  // namespace ragtop

@@ -84,8 +84,11 @@ struct TireMotion {
 /// `transport` is the tread's speed through the patch.
 TireLaw tireLaw(const TireSpec& spec, const TireGround& ground, const TireMotion& motion, float load, float transport);
 
-/// Of a law at deflections u.
-TireLine tireLine(const TireLaw& law, const Vec2& u);
+/// Forces over load of a law at deflections u; none of a brush, whose line tells all.
+SlipForces forcesAt(const TireLaw& law, const Vec2& u);
+/// Of a law there.
+TireLine tireLine(const TireLaw& law, const Vec2& u, const SlipForces& forces);
+inline TireLine tireLine(const TireLaw& law, const Vec2& u) { return tireLine(law, u, forcesAt(law, u)); }
 
 /// The deflections scaled back to where all bristles slide, |x| = 1, when they are beyond; |u| = σ where it is no
 /// brush.
@@ -112,8 +115,8 @@ Vec2 deflectionAfter(const TireLaw& law, const TireLine& line, const Vec2& u, co
 /// The line for the next visit, after one with such deflections at its end, in which the tire slid or did not.
 TireLine lineAfter(const TireLaw& law, const Vec2& bent, bool sliding);
 
-/// N m about the ground's normal, to the left, by which a tire turns its wheel at deflections u; 0 of a brush.
-/// `forward` is the speed of travel along the wheel, m/s.
-float aligningMoment(const TireLaw& law, const Vec2& u, float load, float forward);
+/// N m about the ground's normal, to the left, by which a tire turns its wheel at deflections u, with the forces there;
+/// 0 of a brush. `forward` is the speed of travel along the wheel, m/s.
+float aligningMoment(const TireLaw& law, const Vec2& u, const SlipForces& forces, float load, float forward);
 
 }  // namespace ragtop

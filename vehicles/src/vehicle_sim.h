@@ -293,11 +293,10 @@ private:
     TireGround groundOf(std::size_t i) const;
     float resistanceOf(std::size_t i) const;
     void settleTire(std::size_t i, const PointBody& moved);
-    Vec3 alignTires(float h);
     void pushPatch(std::size_t i, PointBody& body, float load, const Vec2& tire);
     void takeHeights();
-    void solve(PointBody& body, float h);
-    void expectTire(std::size_t i, const PointBody& body, float h);
+    Vec3 solve(PointBody& body, float h);
+    Vec3 expectTire(std::size_t i, const PointBody& body, float h);
     float visitWheel(std::size_t i, PointBody& body, float h);
     void finishWheel(std::size_t i, const PointBody& body, float h, Vec3& linear, Vec3& angular);
     Vec3 patchSpeed(std::size_t i, const PointBody& body) const;

@@ -12,7 +12,15 @@ struct Patience {
     int sweeps = 0;
     float converged = 0;  ///< largest change in a sweep, over the impulse of the weight
 };
-constexpr Patience kFull{24, 1e-5f}, kRays{12, 1e-4f};
+
+/// What sweeps leave lets a car creep that stands, and is nothing to one that goes: at level 2 it may be in proportion
+/// to the speed, from where tires travel and do not sway, up to what it is at level 1.
+Patience patienceAt(VehicleLevel level, float speed, float slowest) {
+    constexpr float kLeast = 1e-5f, kMost = 1e-4f;
+    if (level < VehicleLevel::full) return {12, kMost};
+    return {24, clampTo(kLeast * speed / slowest, kLeast, kMost)};
+}
+
 constexpr float kAgreeing = 0.5f;  ///< of a sweep's change to the one before's, of sweeps that agree
 
 /// What sweeps to come would still change, as a geometric series by the last two of them.
@@ -158,16 +166,14 @@ void VehicleSim::act(const Pose& pose, const DVec3& center, PointBody body, floa
     Vec3 linear = airLinear, angular = airAngular;
     body.v += body.inverseMass * linear;
     body.w += body.inverseInertia * angular;
-    const Vec3 turned = alignTires(h);
-    angular += turned;
-    body.w += body.inverseInertia * turned;
     const Vec3 fall = h * world->settings().gravity;
     body.v += fall;
     unforced = start;
     unforced.v += fall;
     for (GroundBody& ground : grounds) pressGround(ground, fall);
 
-    solve(body, h);
+    const Vec3 turned = solve(body, h);
+    angular += turned;
     solved = body;
     for (std::size_t i = 0; i < wheels.size(); ++i) finishWheel(i, body, h, linear, angular);
     for (WheelPatch& patch : patches) patch.way = 0;
@@ -190,7 +196,8 @@ void VehicleSim::takeHeights() {
     }
 }
 
-void VehicleSim::solve(PointBody& body, float h) {
+/// What tires turn the car by, besides.
+Vec3 VehicleSim::solve(PointBody& body, float h) {
     drivetrain.begin(
         def,
         {driver.throttle, driver.brake, driver.handbrake, driver.clutch, driver.differentialLock, driver.wheelTorques},
@@ -203,8 +210,10 @@ void VehicleSim::solve(PointBody& body, float h) {
         pushPatch(i, body, patch.load, patch.tire);
         drivetrain.spin[i] -= specs[i].radius * patch.tire.x / drivetrain.inertia()[i];
     }
-    for (std::size_t i = 0; i < wheels.size(); ++i) expectTire(i, body, h);
-    const Patience patience = def.level >= VehicleLevel::full ? kFull : kRays;
+    Vec3 turned;
+    for (std::size_t i = 0; i < wheels.size(); ++i) turned += expectTire(i, body, h);
+    body.w += body.inverseInertia * turned;
+    const Patience patience = patienceAt(def.level, length(body.v), specs[0].tire.slowest);
     const float enough = patience.converged * h * mass * gravity;
     gripTrusted = 1;
     float before = 0;
@@ -221,17 +230,24 @@ void VehicleSim::solve(PointBody& body, float h) {
     // What is left of the last change of a tire would turn a wheel that is held, and the car would creep.
     drivetrain.holdWheels();
     drivetrain.end(def, h);
+    return turned;
 }
 
-/// Where the bristles come to if all goes on as it does.
-void VehicleSim::expectTire(std::size_t i, const PointBody& body, float h) {
+/// Where the bristles come to if all goes on as it does, and N m s by which the tire turns its wheel there, and with it
+/// the car.
+Vec3 VehicleSim::expectTire(std::size_t i, const PointBody& body, float h) {
     WheelPatch& patch = patches[i];
-    if (!patch.touching) return;
-    const Vec2 slip = slipOf(patch, body, {wheels[i].hubSpeed, wheels[specs[i].beamPartner].hubSpeed},
+    WheelState& wheel = wheels[i];
+    if (!patch.touching) return {};
+    const Vec2 slip = slipOf(patch, body, {wheel.hubSpeed, wheels[specs[i].beamPartner].hubSpeed},
                              specs[i].radius * drivetrain.spin[i]);
-    patch.bent = withinPatch(patch.law, rolledDeflection(patch.law, wheels[i].deflection, slip, patch.transport, h));
-    patch.lineDue = true;
-    patch.sliding = false;
+    patch.bent = withinPatch(patch.law, rolledDeflection(patch.law, wheel.deflection, slip, patch.transport, h));
+    const SlipForces forces = forcesAt(patch.law, patch.bent);
+    patch.line = tireLine(patch.law, patch.bent, forces);
+    patch.lineDue = patch.sliding = false;
+    wheel.aligning = aligningMoment(patch.law, patch.bent, forces, wheel.load, wheel.travel.x);
+    patch.turned = h * wheel.aligning * patch.normal;
+    return patch.turned;
 }
 
 void VehicleSim::pushPatch(std::size_t i, PointBody& body, float load, const Vec2& tire) {
@@ -287,7 +303,7 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     patch.transport = isBrush(specs[i].tire.def) ? std::abs(motion.tread) : lengthOf(motion.travel);
     patch.law = tireLaw(specs[i].tire, groundOf(i), motion, wheel.load, patch.transport);
     settleTire(i, moved);
-    wheel.aligning = aligningMoment(patch.law, wheel.deflection, wheel.load, motion.travel.x);
+    wheel.travel = motion.travel;
 }
 
 TireGround VehicleSim::groundOf(std::size_t i) const {
@@ -354,17 +370,6 @@ void VehicleSim::settleTire(std::size_t i, const PointBody& moved) {
         wheel.settleTime = 0;
     }
     wheel.deflection = withinPatch(patch.law, wheel.deflection);
-}
-
-/// What tires turn their wheels by, and with them the car.
-Vec3 VehicleSim::alignTires(float h) {
-    Vec3 sum;
-    for (std::size_t i = 0; i < wheels.size(); ++i) {
-        if (!patches[i].touching || wheels[i].aligning == 0) continue;
-        patches[i].turned = h * wheels[i].aligning * patches[i].normal;
-        sum += patches[i].turned;
-    }
-    return sum;
 }
 
 /// One visit to a strut and its tire; the largest change of an impulse.

@@ -96,6 +96,12 @@ struct Search {
         sample.rise = rise.value_or(0);
     }
 
+    Sample on(const GroundPlane& plane, float share) const {
+        Sample sample{plane, way.from + share * relative(way.to, way.from), 0};
+        take(sample);
+        return sample;
+    }
+
     Sample look(float share) const {
         Sample sample{{}, way.from + share * relative(way.to, way.from), 0};
         const float reach = way.above + way.below + (byRays ? way.radius : 0);
@@ -119,10 +125,21 @@ struct Search {
     }
 
     /// At the ends of so many equal parts; the first is known.
-    void lookAlong(std::span<Sample> samples, int count, const Sample& end) const {
-        for (int k = 1; k < count; ++k)
-            samples[static_cast<std::size_t>(k)] = look(static_cast<float>(k) / static_cast<float>(count));
-        samples[static_cast<std::size_t>(count)] = end;
+    void lookAlong(std::span<Sample> samples, const Sample& end) const {
+        samples.back() = end;
+        lookBetween(samples, 0, samples.size() - 1);
+    }
+
+    /// Between two that are known. Where these are on one plane, no more than a radius apart, all are.
+    void lookBetween(std::span<Sample> samples, std::size_t from, std::size_t to) const {
+        if (to - from < 2) return;
+        const std::size_t middle = (from + to) / 2;
+        const float part = 1 / static_cast<float>(samples.size() - 1), share = static_cast<float>(middle) * part;
+        const bool isNear = static_cast<float>(to - from) * part * length(relative(way.to, way.from)) <= way.radius;
+        samples[middle] =
+            isNear && isOnePlane(samples[from], samples[to], way) ? on(samples[to].plane, share) : look(share);
+        lookBetween(samples, from, middle);
+        lookBetween(samples, middle, to);
     }
 
     /// Is all of the way over one plane?
@@ -195,8 +212,9 @@ void takeFineCourse(const Search& search, int count, const Sample& first, const 
                     WheelCourse& course) {
     std::array<Sample, kMostPieces + 1> samples;
     samples[0] = first;
-    search.lookAlong(samples, count, end);
-    takeCourse(search, std::span(samples).first(static_cast<std::size_t>(count) + 1), last, course);
+    const std::span<Sample> used = std::span(samples).first(static_cast<std::size_t>(count) + 1);
+    search.lookAlong(used, end);
+    takeCourse(search, used, last, course);
 }
 
 }  // namespace
@@ -228,13 +246,14 @@ void findCourse(const World& world, const QueryFilter& query, const WheelWay& wa
     course.from = way.from;
     course.went = relative(way.to, way.from);
     const int count = search.isEven(samples[0], end) ? 1 : std::clamp(substeps, 1, kMostCoarse);
-    search.lookAlong(samples, count, end);
+    const std::span<Sample> used = std::span(samples).first(static_cast<std::size_t>(count) + 1);
+    search.lookAlong(used, end);
     const int finest = finePieces(way.seconds, count);
     if (const float thrown = count > 1 ? thrownBy(samples, count, way) : 0; finest > 1 && thrown > 1) {
         const int fine = thrown < static_cast<float>(finest) ? static_cast<int>(std::ceil(thrown)) : finest;
         return takeFineCourse(search, count * fine, samples[0], end, last, course);
     }
-    takeCourse(search, std::span(samples).first(static_cast<std::size_t>(count) + 1), last, course);
+    takeCourse(search, used, last, course);
 }
 
 }  // namespace ragtop

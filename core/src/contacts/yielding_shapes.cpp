@@ -73,6 +73,17 @@ bool goesOver(const Shapes& shapes, const ShapeRecord& shape, const ShapeRecord&
     return shape.givesWay && !own.isMesh() && !other.isMesh() && goesOver(own.convex, inObstacle, other.convex);
 }
 
+/// Bounds of a convex shape by the box about it in its own frame, which is larger where it is turned.
+Bounds boundsAround(const ConvexView& shape, const Frame& frame) {
+    const bool isHull = shape.kind == ConvexKind::hull;
+    const Vec3 reach = shape.halfExtents + Vec3{shape.radius, shape.radius, shape.radius};
+    const Bounds own = isHull ? shape.hull->bounds : Bounds{-reach, reach};
+    const Mat3 axes = toMat3(frame.rotation);
+    const Vec3 middle = frame.position + axes * (0.5f * (own.lower + own.upper)), half = 0.5f * (own.upper - own.lower);
+    const Vec3 most = half.x * abs(axes.cx) + half.y * abs(axes.cy) + half.z * abs(axes.cz);
+    return {middle - most, middle + most};
+}
+
 bool hasBorder(const std::array<std::uint32_t, 3>& neighbours) {
     return std::ranges::find(neighbours, kNoTriangle) != neighbours.end();
 }
@@ -106,7 +117,7 @@ bool yieldsToAll(const Shapes& shapes, const ContactRecord& record, const Frame&
     const ShapeRecord& b = shapes[record.shapeB];
     const GeometryEntry &surface = shapes.geometryOf(shapes[record.shapeA]), &shape = shapes.geometryOf(b);
     if (!b.givesWay || !surface.isMesh() || shape.isMesh()) return false;
-    const Bounds near = enlarged(boundsOf(shape.shape, bInA), 2 * margin);
+    const Bounds near = enlarged(boundsAround(shape.convex, bInA), 2 * margin);
     const Vec3 way = rotate(bInA.rotation, {0, 1, 0});
     return surface.field ? facesAlong(*surface.field, near, way) : facesAlong(*surface.mesh, near, way);
 }

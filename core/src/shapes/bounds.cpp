@@ -71,6 +71,41 @@ Bounds localBounds(const HeightFieldData& field) {
              static_cast<float>(field.rows - 1) * field.spacing}};
 }
 
+typedef double TwoDoubles __attribute__((vector_size(16)));
+TwoDoubles lesser(TwoDoubles a, TwoDoubles b) { return a < b ? a : b; }
+TwoDoubles greater(TwoDoubles a, TwoDoubles b) { return a > b ? a : b; }
+double least(TwoDoubles v) { return std::min(v[0], v[1]); }
+double most(TwoDoubles v) { return std::max(v[0], v[1]); }
+
+/// Visits vertices two at a time, by coordinate; of an odd number the last one twice.
+template <class Visit>
+void forTwo(const std::vector<Vec3>& vertices, Visit&& visit) {
+    for (std::size_t i = 0; i < vertices.size(); i += 2) {
+        const Vec3 &a = vertices[i], &b = vertices[i + 1 < vertices.size() ? i + 1 : i];
+        visit(TwoDoubles{a.x, b.x}, TwoDoubles{a.y, b.y}, TwoDoubles{a.z, b.z});
+    }
+}
+
+struct Extent {
+    DVec3 lower, upper;
+};
+
+/// Of turned points about the origin.
+Extent extentOf(const std::vector<Vec3>& vertices, const Rows& rows) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    constexpr TwoDoubles kAbove{kInfinity, kInfinity}, kBelow{-kInfinity, -kInfinity};
+    TwoDoubles lower[3] = {kAbove, kAbove, kAbove}, upper[3] = {kBelow, kBelow, kBelow};
+    const DVec3* const of[3] = {&rows.x, &rows.y, &rows.z};
+    forTwo(vertices, [&](TwoDoubles x, TwoDoubles y, TwoDoubles z) {
+        for (int k = 0; k < 3; ++k) {
+            const TwoDoubles along = of[k]->x * x + of[k]->y * y + of[k]->z * z;
+            lower[k] = lesser(along, lower[k]);
+            upper[k] = greater(along, upper[k]);
+        }
+    });
+    return {{least(lower[0]), least(lower[1]), least(lower[2])}, {most(upper[0]), most(upper[1]), most(upper[2])}};
+}
+
 struct BoundsOf {
     DVec3 position;
     const Quat& rotation;
@@ -90,14 +125,7 @@ struct BoundsOf {
                         {absDot(rows.x, s.halfExtents), absDot(rows.y, s.halfExtents), absDot(rows.z, s.halfExtents)});
     }
     Bounds operator()(const ConvexHull& s) const {
-        const Rows rows(rotation);
-        constexpr double kInfinity = std::numeric_limits<double>::infinity();
-        DVec3 lower(kInfinity, kInfinity, kInfinity), upper(-kInfinity, -kInfinity, -kInfinity);
-        for (const Vec3& v : s.data().vertices) {
-            const double x = dot(rows.x, v), y = dot(rows.y, v), z = dot(rows.z, v);
-            lower = {std::min(lower.x, x), std::min(lower.y, y), std::min(lower.z, z)};
-            upper = {std::max(upper.x, x), std::max(upper.y, y), std::max(upper.z, z)};
-        }
+        const auto [lower, upper] = extentOf(s.data().vertices, Rows(rotation));
         const double size = std::max({-lower.x, -lower.y, -lower.z, upper.x, upper.y, upper.z});
         return outwards(position + lower, position + upper, kRotationRounding * size);
     }
@@ -127,9 +155,13 @@ struct RadiusAbout {
         return distanceOf({center.x < 0 ? h.x : -h.x, center.y < 0 ? h.y : -h.y, center.z < 0 ? h.z : -h.z}, center);
     }
     double operator()(const ConvexHull& s) const {
-        double radius = 0;
-        for (const Vec3& v : s.data().vertices) radius = std::max(radius, distanceOf(v, center));
-        return radius;
+        const DVec3 from(center);
+        TwoDoubles square{};
+        forTwo(s.data().vertices, [&](TwoDoubles x, TwoDoubles y, TwoDoubles z) {
+            const TwoDoubles dx = x - from.x, dy = y - from.y, dz = z - from.z;
+            square = greater(dx * dx + dy * dy + dz * dz, square);
+        });
+        return std::sqrt(most(square));
     }
     double operator()(const TriangleMesh& s) const {
         double radius = 0;

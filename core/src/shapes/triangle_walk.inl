@@ -105,6 +105,16 @@ inline TriangleView triangleOf(const HeightFieldData& field, int column, int row
             static_cast<std::uint32_t>(index)};
 }
 
+/// Are all heights of a cell above bounds or below them? A hole never is.
+inline bool isBeside(const HeightFieldData& field, int column, int row, const Bounds& bounds) {
+    const float* near = &field.heights[static_cast<std::size_t>(row) * static_cast<std::size_t>(field.columns) +
+                                       static_cast<std::size_t>(column)];
+    const float* far = near + field.columns;
+    const float lower = bounds.lower.y, upper = bounds.upper.y;
+    return (near[0] < lower && near[1] < lower && far[0] < lower && far[1] < lower) ||
+           (near[0] > upper && near[1] > upper && far[0] > upper && far[1] > upper);
+}
+
 template <class Visit>
 void forEachTriangle(const HeightFieldData& field, const Bounds& bounds, Visit&& visit) {
     if (!(bounds.lower.y <= field.highest && bounds.upper.y >= field.lowest)) return;
@@ -112,6 +122,7 @@ void forEachTriangle(const HeightFieldData& field, const Bounds& bounds, Visit&&
     const CellRange rows = cellsMeeting(bounds.lower.z, bounds.upper.z, field.spacing, field.rows - 1);
     for (int row = rows.first; row <= rows.last; ++row) {
         for (int column = columns.first; column <= columns.last; ++column) {
+            if (isBeside(field, column, row, bounds)) continue;
             for (int half = 0; half < 2; ++half) {
                 const TriangleView view = triangleOf(field, column, row, half);
                 if (isHole(view.normal) || !overlaps(boundsOfTriangle(view.a, view.b, view.c), bounds)) continue;
