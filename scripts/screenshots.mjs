@@ -7,6 +7,8 @@ import { finished } from '../tests/page/support/picture.mjs';
 import { Program } from '../tests/page/support/program.mjs';
 
 const SIZE = { width: 1024, height: 576 };
+/** What is seen on the way to a picture is drawn sooner in a strip as wide. */
+const STRIP = { ...SIZE, height: 64 };
 const LIT = ['contacts', 'joints', 'bounds', 'centers', 'islands', 'wheels', 'skeleton'];
 
 /**
@@ -72,6 +74,7 @@ async function takePicture(page, { steps, eye, target, chase = false, shown = []
   // A few at a time where there are plots, so that they have something to show.
   const some = panels ? 6 : steps;
   for (let left = steps; left > 0; left -= some) await advance(page, Math.min(left, some));
+  await page.setViewportSize(SIZE);
   if (chase) await page.click('#cameras [data-camera=chase]');
   else await look(page, eye, target);
   await finished(page);
@@ -79,7 +82,7 @@ async function takePicture(page, { steps, eye, target, chase = false, shown = []
 
 async function takeJoints(test, browser, folder) {
   const program = await Program.start(test, 'mechanisms');
-  const page = await browser.open(`${program.url}?quality=high`, SIZE);
+  const page = await browser.open(`${program.url}?quality=high`, STRIP);
   await pause(page);
   await takePicture(page, { ...PICTURES.mechanisms, steps: 30 });
   await mkdir(folder, { recursive: true });
@@ -99,7 +102,7 @@ await acceptance(EVERYTHING, async (test) => {
   const browser = await Browser.start(test);
   for (const [scene, view] of Object.entries(PICTURES)) {
     const program = await Program.start(test, scene);
-    const page = await browser.open(`${program.url}?quality=high`, SIZE);
+    const page = await browser.open(`${program.url}?quality=high`, STRIP);
     await pause(page);
     await takePicture(page, view);
     const file = path.join(folder, `${scene}.png`);
