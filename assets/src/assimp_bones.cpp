@@ -104,12 +104,19 @@ Nodes barestFirst(const NodePlaces& places) {
 /// In a binary one header and chunk header are 20 bytes [Khronos, glTF 2.0, 4.4].
 std::string gltfText(const std::string& file) {
     std::ifstream stream(file, std::ios::binary | std::ios::ate);
-    std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(stream.tellg(), 0)), '\0');
-    stream.seekg(0).read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    if (!bytes.starts_with("glTF") || bytes.size() < 20) return bytes;
+    const std::streamoff size = std::max<std::streamoff>(stream.tellg(), 0);
+    const auto read = [&](std::streamoff from, std::streamoff count) {
+        std::string bytes(static_cast<std::size_t>(std::clamp<std::streamoff>(count, 0, size - from)), '\0');
+        stream.seekg(from).read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+        return bytes;
+    };
+    constexpr std::streamoff kHeaders = 20;  // of a binary, and of its first chunk
+    if (size < kHeaders) return read(0, size);
+    const std::string head = read(0, kHeaders);
+    if (!head.starts_with("glTF")) return read(0, size);
     std::uint32_t length = 0;
-    std::memcpy(&length, bytes.data() + 12, sizeof length);
-    return bytes.substr(20, length);
+    std::memcpy(&length, head.data() + 12, sizeof length);
+    return read(kHeaders, length);
 }
 
 /// Matrices are optional [Khronos, glTF 2.0, 3.7.3.1]. Without them each vertex is in the frame of its joint, which

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace ragtop {
@@ -34,7 +35,7 @@ public:
             for (const T& value : values) each(value);
         }
     }
-    const std::vector<char>& bytes() const { return bytes_; }
+    std::vector<char> taken() && { return std::move(bytes_); }
 
 private:
     template <class T>

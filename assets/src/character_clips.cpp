@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 namespace ragtop {
@@ -9,39 +10,52 @@ namespace {
 
 constexpr float kScaleAgree = 1e-3f;  ///< scales that differ by less are the same
 
-/// Where a list of keys is at a time: the key before it, and the way to the next.
-struct Place {
-    std::size_t key = 0;
-    float share = 0;
+/// Keys of a channel at times that rise.
+template <class Key>
+class KeyReader {
+public:
+    KeyReader(const std::vector<float>& times, const std::vector<Key>& keys) : times_(times), keys_(keys) {}
+
+    Key at(float time) {
+        while (next_ < times_.size() && times_[next_] <= time) ++next_;
+        if (next_ == 0) return keys_.front();
+        const float before = times_[next_ - 1];
+        if (next_ == times_.size() || before == time) return keys_[next_ - 1];
+        return between(keys_[next_ - 1], keys_[next_], (time - before) / (times_[next_] - before));
+    }
+
+private:
+    static Vec3 between(const Vec3& from, const Vec3& to, float share) { return from + share * (to - from); }
+    static Quat between(const Quat& from, const Quat& to, float share) {
+        return blend(Pose{{}, from}, Pose{{}, to}, static_cast<double>(share)).rotation;
+    }
+
+    const std::vector<float>& times_;
+    const std::vector<Key>& keys_;
+    std::size_t next_ = 0;  ///< key, behind the time asked for last
 };
 
-Place placeIn(const std::vector<float>& times, float time) {
-    const auto later = std::upper_bound(times.begin(), times.end(), time);
-    if (later == times.begin()) return {};
-    const auto i = static_cast<std::size_t>(later - times.begin()) - 1;
-    if (later == times.end()) return {i, 0};
-    return {i, (time - times[i]) / (times[i + 1] - times[i])};
-}
+struct ChannelReader {
+    explicit ChannelReader(const ImportedChannel& channel)
+        : positions(channel.positionTimes, channel.positions),
+          rotations(channel.rotationTimes, channel.rotations),
+          scales(channel.scaleTimes, channel.scales) {}
 
-Vec3 vectorAt(const std::vector<float>& times, const std::vector<Vec3>& keys, float time) {
-    const Place place = placeIn(times, time);
-    if (place.share == 0) return keys[place.key];
-    return keys[place.key] + place.share * (keys[place.key + 1] - keys[place.key]);
-}
+    Affine at(float time) {
+        const Mat3 turn = toMat3(rotations.at(time));
+        const Vec3 scale = scales.at(time);
+        return {{scale.x * turn.cx, scale.y * turn.cy, scale.z * turn.cz}, positions.at(time)};
+    }
 
-Quat rotationAt(const std::vector<float>& times, const std::vector<Quat>& keys, float time) {
-    const Place place = placeIn(times, time);
-    if (place.share == 0) return keys[place.key];
-    const Pose from{{}, keys[place.key]}, to{{}, keys[place.key + 1]};
-    return blend(from, to, static_cast<double>(place.share)).rotation;
-}
+    KeyReader<Vec3> positions;
+    KeyReader<Quat> rotations;
+    KeyReader<Vec3> scales;
+};
 
-Affine localAt(const ImportedNode& node, const ImportedChannel* channel, float time) {
-    if (!channel) return node.local;
-    const Mat3 turn = toMat3(rotationAt(channel->rotationTimes, channel->rotations, time));
-    const Vec3 scale = vectorAt(channel->scaleTimes, channel->scales, time);
-    return {{scale.x * turn.cx, scale.y * turn.cy, scale.z * turn.cz},
-            vectorAt(channel->positionTimes, channel->positions, time)};
+/// Of all keys; below zero they mirror.
+bool isEvenlyScaled(const ImportedChannel& channel) {
+    return std::all_of(channel.scales.begin(), channel.scales.end(),
+                       [](const Vec3& scale) { return scale.x > 0 && scale.y == scale.x && scale.z == scale.x; });
 }
 
 float scaleOf(const Affine& a) { return std::cbrt(std::abs(determinant(a.linear))); }
@@ -101,11 +115,24 @@ private:
         Affine carrier = imported_.toModel;
         if (above >= 0) carrier = carrier * globals_[static_cast<std::size_t>(above)];
         const float scale = scaleOf(carrier);
+        track.keys.reserve(track.times.size());
+        const ImportedChannel* own = channels[static_cast<std::size_t>(node)];
+        if (bone != 0 && way.size() == 1 && own && isEvenlyScaled(*own)) {
+            ChannelReader reader(*own);
+            for (const float time : track.times)
+                track.keys.push_back({scale * reader.positions.at(time), reader.rotations.at(time)});
+            return track;
+        }
+        std::vector<std::optional<ChannelReader>> readers;
+        for (const int at : way) {
+            const ImportedChannel* channel = channels[static_cast<std::size_t>(at)];
+            readers.push_back(channel ? std::optional<ChannelReader>(*channel) : std::nullopt);
+        }
         for (const float time : track.times) {
             Affine local;
-            for (const int at : way)
-                local = local * localAt(scene_.nodes[static_cast<std::size_t>(at)],
-                                        channels[static_cast<std::size_t>(at)], time);
+            for (std::size_t i = 0; i < way.size(); ++i)
+                local =
+                    local * (readers[i] ? readers[i]->at(time) : scene_.nodes[static_cast<std::size_t>(way[i])].local);
             Frame key = rigidPart(bone == 0 ? carrier * local : local);
             if (bone != 0) key.position = scale * local.shift;
             track.keys.push_back(key);

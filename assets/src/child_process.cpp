@@ -43,10 +43,10 @@ constexpr bool kLimited = true;
 constexpr bool kLimited = true;
 #endif
 
-void writeAll(int file, const std::vector<char>& bytes) {
+void writeAll(int file, const char* bytes, std::size_t size) {
     std::size_t done = 0;
-    while (done < bytes.size()) {
-        const ssize_t count = write(file, bytes.data() + done, bytes.size() - done);
+    while (done < size) {
+        const ssize_t count = write(file, bytes + done, size - done);
         if (count < 0 && errno != EINTR) _exit(kThrew);
         if (count > 0) done += static_cast<std::size_t>(count);
     }
@@ -54,7 +54,10 @@ void writeAll(int file, const std::vector<char>& bytes) {
 
 [[noreturn]] void runAndExit(const std::function<std::vector<char>()>& work, int out) {
     try {
-        writeAll(out, work());
+        const std::vector<char> bytes = work();
+        const std::uint64_t size = bytes.size();
+        writeAll(out, reinterpret_cast<const char*>(&size), sizeof size);
+        writeAll(out, bytes.data(), bytes.size());
     } catch (const std::bad_alloc&) {
         _exit(kOutOfMemory);
     } catch (...) {
@@ -117,10 +120,9 @@ void runDeep(const ChildTask& task) {
     runAndExit(work, out);
 }
 
-/// False when time ran out.
-bool readAll(int file, Clock::time_point deadline, std::vector<char>& bytes) {
-    std::array<char, 65536> buffer;
-    while (true) {
+/// Up to so many bytes. False when time ran out.
+bool readAll(int file, Clock::time_point deadline, char* into, std::size_t size, std::size_t& done) {
+    while (done < size) {
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
         if (left <= 0) return false;
         pollfd waiting{file, POLLIN, 0};
@@ -130,11 +132,26 @@ bool readAll(int file, Clock::time_point deadline, std::vector<char>& bytes) {
             if (errno == EINTR) continue;
             return true;
         }
-        const ssize_t count = read(file, buffer.data(), buffer.size());
+        const ssize_t count = read(file, into + done, size - done);
         if (count < 0 && errno == EINTR) continue;
         if (count <= 0) return true;
-        bytes.insert(bytes.end(), buffer.data(), buffer.data() + count);
+        done += static_cast<std::size_t>(count);
     }
+    return true;
+}
+
+/// The number of bytes, and then these: none where the child ended before. Reading them into their place saves copies
+/// as they become more.
+bool readMessage(int file, Clock::time_point deadline, std::vector<char>& bytes) {
+    std::uint64_t size = 0;
+    std::size_t done = 0;
+    if (!readAll(file, deadline, reinterpret_cast<char*>(&size), sizeof size, done)) return false;
+    if (done < sizeof size || size > kMemory) return true;
+    bytes.resize(size);
+    done = 0;
+    const bool inTime = readAll(file, deadline, bytes.data(), bytes.size(), done);
+    bytes.resize(done);
+    return inTime;
 }
 
 std::string failureOf(pid_t child) {
@@ -173,7 +190,7 @@ ChildResult runInChild(const std::function<std::vector<char>()>& work, std::chro
     ChildResult result;
     bool inTime = false;
     try {
-        inTime = readAll(ends[0], deadline, result.bytes);
+        inTime = readMessage(ends[0], deadline, result.bytes);
     } catch (...) {
         close(ends[0]);
         kill(child, SIGKILL);

@@ -2,6 +2,7 @@
 
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "child_process.h"
 #include "ragtop/asset_error.h"
@@ -17,12 +18,12 @@ std::vector<char> writeHere(const std::function<void(ByteWriter&)>& write) {
     imported(kImported);
     try {
         write(imported);
-        return imported.bytes();
+        return std::move(imported).taken();
     } catch (const AssetError& error) {
         ByteWriter refused;
         refused(kRefused);
         refused(std::string(error.what()));
-        return refused.bytes();
+        return std::move(refused).taken();
     }
 }
 

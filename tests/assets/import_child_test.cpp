@@ -68,7 +68,7 @@ TEST(ByteStream, ReadsBackWhatItWrote) {
     ByteWriter writer;
     writer(std::string("text"));
     writer(std::vector<int>{1, 2, 3});
-    const std::vector<char> bytes = writer.bytes();
+    const std::vector<char> bytes = std::move(writer).taken();
     ByteReader reader(bytes);
     std::string text;
     std::vector<int> numbers;
