@@ -129,6 +129,7 @@ Inspected inspectModel(const fs::path& path) {
         for (const std::string& warning : read.warnings) text += "  warning   " + warning + "\n";
         return {text, {}};
     }
+    std::string why;
     try {
         const Character character = loadCharacter(path);
         const RagdollDef ragdoll = makeRagdoll(character);
@@ -137,9 +138,16 @@ Inspected inspectModel(const fs::path& path) {
     } catch (const AssetError& error) {
         // What could not be imported once is not tried again, which would take as long.
         if (std::string(error.what()).find("has no bones") == std::string::npos) throw;
-    } catch (const std::invalid_argument&) {  // bones that make no ragdoll
+        why = "nothing is skinned or moves as a skeleton";
+    } catch (const std::invalid_argument& error) {  // bones that make no ragdoll
+        why = error.what();
     }
-    return {inspectMesh(path), {}};
+    try {
+        return {inspectMesh(path), {}};
+    } catch (const AssetError& error) {
+        if (std::string(error.what()).find("has no triangles") == std::string::npos) throw;
+        throw AssetError(path.string(), "", "has no triangles, and is no body: " + why);
+    }
 }
 
 Inspected inspectAny(const std::string& asset) {

@@ -196,6 +196,7 @@ const std::vector<Broken> kMjcf{
 
 const std::vector<Broken> kModels{
     {"empty_mesh", "inspect empty_mesh.obj", {"empty_mesh.obj"}},
+    {"flat_bvh", "inspect flat.bvh", {"flat.bvh: has no triangles, and is no body: nothing is skinned or moves"}},
     {"syntax", "inspect syntax.gltf", {"syntax.gltf:3:14: is not JSON"}},
     {"outside", "inspect outside.gltf", {"outside.gltf: refers to '", "README.md', must refer to files in its folder"}},
     {"giant_off", "inspect giant.off", {"giant.off: the file needs more than 4 GiB of memory to import"}},
@@ -203,7 +204,7 @@ const std::vector<Broken> kModels{
     {"picture", "inspect picture.fbx", {"picture.fbx", "it looks like a PNG picture"}},
     {"blend", "inspect blend.fbx", {"blend.fbx", "it looks like Blender's own format"}},
     {"words", "inspect words.stl", {"words.stl"}},
-    {"line", "inspect line.obj", {"line.obj", "has no triangles"}},
+    {"line", "inspect line.obj", {"line.obj", "has no triangles, and is no body: nothing is skinned"}},
     {"index", "inspect index.obj", {"index.obj"}},
     {"not_a_number", "inspect nan.obj", {"nan.obj"}},
     {"hierarchy", "inspect hierarchy.bvh", {"hierarchy.bvh"}},
