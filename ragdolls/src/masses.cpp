@@ -134,6 +134,28 @@ std::vector<double> bounded(const Wanted& wanted, double mass) {
     return masses(high);
 }
 
+/// What a human wears is hollow where its table leaves a part less than flesh.
+std::string noteOfHollow(std::span<const MassPart> parts, const std::vector<double>& mass) {
+    constexpr double kRounding = 1e-6;
+    int count = 0;
+    double least = kLeastDensity;
+    BodyRole role{};
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const double density = mass[i] / parts[i].volume;
+        if (density >= (1 - kRounding) * kLeastDensity) continue;
+        ++count;
+        if (density < least) least = density, role = parts[i].role;
+    }
+    if (count == 0) return {};
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "%d parts are lighter than %g kg/m3, the lightest (%.*s) has %.3g: a human weighs what its height says, "
+        "however much it wears",
+        count, kLeastDensity, static_cast<int>(nameOf(role).size()), nameOf(role).data(), least);
+    return text;
+}
+
 }  // namespace
 
 Masses shareMass(std::span<const MassPart> parts, const MassWish& wish) {
@@ -154,6 +176,7 @@ Masses shareMass(std::span<const MassPart> parts, const MassWish& wish) {
     for (const Room& part : wanted.rooms) room += part.most;
     if (mass > least && mass < std::min(most, room)) {
         result.mass = bounded(wanted, mass);
+        result.note = noteOfHollow(parts, result.mass);
         return result;
     }
     for (const MassPart& part : parts) result.mass.push_back(mass * part.volume / volume);

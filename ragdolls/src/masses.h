@@ -27,7 +27,7 @@ struct MassWish {
 struct Masses {
     std::vector<double> mass;  ///< kg, one per part
     double departure = 0;      ///< 0: by the table of humans, 1: by volume
-    std::string note;          ///< where no density within bounds was possible
+    std::string note;          ///< where not all densities are within bounds
 };
 
 /// How a body's mass is shared among its parts: of human proportions by the table, more by volume the more it departs
