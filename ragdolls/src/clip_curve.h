@@ -71,7 +71,7 @@ inline Quat turnBetween(const Vec3& from, const Vec3& to, float share, bool chor
 /// Widths of numbers that stay: up to twelve bits as they are, more by a few.
 inline constexpr std::array<unsigned, 1u << kStillWidthBits> kStillWidths{0, 1, 2,  3,  4,  5,  6,  7,
                                                                           8, 9, 10, 11, 12, 15, 20, 26};
-inline constexpr float kMostSteps = 1 << 25;  ///< of any number, with a sign
+inline constexpr float kMostSteps = (1 << 25) - 2;  ///< of any number, either way: 26 bits with a sign
 
 using CurveKey = std::array<std::int32_t, 3>;  ///< in steps
 

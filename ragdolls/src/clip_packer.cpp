@@ -155,16 +155,28 @@ private:
         return source;
     }
 
-    /// Where the clip has the bones at all parts of the times.
+    /// Where the clip has the bones at all parts of the times, if that is not too much to keep.
     void layExact() {
-        LocalPose pose = rest_;
-        exact_.resize(parts() * skeleton_.bones.size());
-        for (std::size_t part = 0; part * skeleton_.bones.size() < exact_.size(); ++part) {
-            sample(clip_, partTime(part), pose);
-            writePose(skeleton_, pose,
-                      std::span(exact_).subspan(part * skeleton_.bones.size(), skeleton_.bones.size()));
+        constexpr std::size_t kMost = 1'000'000;  // poses of a bone, 56 MB
+        const std::size_t count = skeleton_.bones.size();
+        posed_.resize(count);
+        exactPosed_.resize(count);
+        exactLocal_ = rest_;
+        if (parts() > kMost / count && !isPose()) return;
+        std::vector<Pose> all;
+        for (std::size_t part = 0; part < parts(); ++part) {
+            const std::span<const Pose> exact = exactAt(part);
+            all.insert(all.end(), exact.begin(), exact.end());
         }
-        posed_.resize(skeleton_.bones.size());
+        exact_ = std::move(all);
+    }
+    /// Valid until the next call.
+    std::span<const Pose> exactAt(std::size_t part) {
+        const std::size_t count = skeleton_.bones.size();
+        if (!exact_.empty()) return std::span<const Pose>(exact_).subspan(part * count, count);
+        sample(clip_, partTime(part), exactLocal_);
+        writePose(skeleton_, exactLocal_, exactPosed_);
+        return exactPosed_;
     }
 
     void packAll(float share) {
@@ -271,7 +283,6 @@ private:
 
     /// m², at a part.
     double farthestAt(std::size_t part) {
-        const std::size_t count = skeleton_.bones.size();
         local_ = rest_;
         for (const TrackSource& track : tracks_) {
             const Frame& frame = track.packed.reached[part];
@@ -281,7 +292,7 @@ private:
                 local_.bones[static_cast<std::size_t>(track.track->bone)] = frame;
         }
         writePose(skeleton_, local_, posed_);
-        return farthestApart(posed_, std::span(exact_).subspan(part * count, count));
+        return farthestApart(posed_, exactAt(part));
     }
 
     static double farthestApart(std::span<const Pose> a, std::span<const Pose> b) {
@@ -319,7 +330,9 @@ private:
     /// From a quarter of the error on: in each round first what saves most bits for what it adds to the errors.
     void loosenPose() {
         constexpr float kFine = 0.25f;
-        packAll(kFine * share_);
+        const float share = share_;
+        packAll(kFine * share);
+        if (!holds()) return packAll(share);  // where roundings happened to fit
         for (bool looser = true; looser;) {
             looser = false;
             std::vector<Loosening> ways;
@@ -391,7 +404,7 @@ private:
         return sum;
     }
 
-    CompressedClip assembled() const {
+    CompressedClip assembled() {
         CompressedClip made;
         made.name_ = clip_.name;
         made.seconds_ = clip_.seconds;
@@ -430,14 +443,14 @@ private:
     }
 
     /// As read.
-    float errorOf(const CompressedClip& made) const {
+    float errorOf(const CompressedClip& made) {
         LocalPose pose = rest_;
         std::vector<Pose> posed(skeleton_.bones.size());
         double worst = 0;
         for (std::size_t part = 0; part < parts(); ++part) {
             sample(made, rest_, partTime(part), pose);
             writePose(skeleton_, pose, posed);
-            worst = std::max(worst, farthestApart(posed, std::span(exact_).subspan(part * posed.size(), posed.size())));
+            worst = std::max(worst, farthestApart(posed, exactAt(part)));
         }
         return static_cast<float>(std::sqrt(worst));
     }
@@ -446,9 +459,9 @@ private:
     const Skeleton& skeleton_;
     float maxError_, share_ = 1;
     std::vector<float> reach_, shares_, times_;
-    LocalPose rest_, local_;
+    LocalPose rest_, local_, exactLocal_;
     std::vector<TrackSource> tracks_;
-    std::vector<Pose> exact_, posed_;
+    std::vector<Pose> exact_, posed_, exactPosed_;
     std::size_t failed_ = 0;
 };
 

@@ -70,8 +70,10 @@ public:
 private:
     static CurveKey rounded(const Vec3& numbers, float size) {
         CurveKey key{};
-        for (int i = 0; i < 3; ++i)
-            key[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(std::lround(numbers[i] / size));
+        for (int i = 0; i < 3; ++i) {
+            const float steps = std::clamp(numbers[i] / size, -kMostSteps, kMostSteps);
+            key[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(std::lround(steps));
+        }
         return key;
     }
     static Vec3 inUnits(const CurveKey& key, float size) {

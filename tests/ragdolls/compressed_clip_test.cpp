@@ -160,6 +160,19 @@ TEST(CompressedClip, GoesRoundAsOftenAsTheClip) {
     EXPECT_LE(farthestApart(rig, clip, made), 0.0011);
 }
 
+TEST(CompressedClip, OfABodyFarAwayKeepsToItsErrorOrIsRefused) {
+    const HumanRig rig;
+    Clip clip = walk(rig);
+    const auto moved = [&](float far) {
+        Clip other = clip;
+        for (Frame& key : other.tracks[0].keys) key.position.x += far;
+        return other;
+    };
+    EXPECT_LE(farthestApart(rig, moved(500), CompressedClip(moved(500), rig.skeleton)), 0.0012);
+    EXPECT_THROW(CompressedClip(moved(9e5f), rig.skeleton), std::invalid_argument);
+    EXPECT_THROW(CompressedClip(poseOf(moved(9e5f)), rig.skeleton), std::invalid_argument);
+}
+
 TEST(CompressedClip, IsSampledWithoutMemoryWhereItIsPut) {
     const HumanRig rig;
     const Clip clip = walk(rig);
