@@ -93,12 +93,12 @@ std::vector<PointHull> bestPieces(const CutSolid& solid, double volume, const Pi
     return hulls;
 }
 
-/// Adds each of the points that is in no hull to the nearest one.
+/// Adds each of the points that is in no hull to the nearest one. Where one point is, the next is as a rule.
 void hold(std::vector<PointHull>& hulls, const std::vector<DVec3>& points) {
     std::vector<std::vector<DVec3>> lacking(hulls.size());
+    std::size_t nearest = 0;
     for (const DVec3& p : points) {
-        double least = kUnbounded;
-        std::size_t nearest = 0;
+        double least = hulls.empty() ? kUnbounded : heightOver(hulls[nearest], p);
         for (std::size_t i = 0; i < hulls.size() && least > 0; ++i)
             if (const double over = heightOver(hulls[i], p); over < least) least = over, nearest = i;
         if (least > 0) lacking[nearest].push_back(p);
