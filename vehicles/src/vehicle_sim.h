@@ -207,10 +207,11 @@ struct VehicleSim {
     std::vector<Vec3> aheads;                ///< of a step: where wheels roll to, unit, in the chassis
     int substep = 0;                         ///< of the step
     int parts = 1, part = 0;                 ///< of a substep in which a wheel goes over an edge
+    int together = 1, inOne = 1;             ///< substeps that share a solve, of the step and in the present one
     float substepLength = 0;                 ///< s, at level 3
     float gripTrusted = 1;  ///< share of what tires answer in the next visit that shafts count on, of a solve
     PointBody unforced, solved;              ///< of a substep at level 3: how the car goes by gravity alone; by all
-    CarImpulse whole;                        ///< of a step, at level 1
+    CarImpulse whole;                        ///< of the substeps that share a solve
     Vec3 endVelocity, endTurning;            ///< of a step, at level 0
     std::vector<GroundBody> grounds;         ///< of the first wheel that stands there
     std::vector<std::size_t> groundOfWheel;  ///< which of them
@@ -271,7 +272,9 @@ private:
 
     PointBody bodyAt(const Pose& pose) const;
     bool standsOnWhatMoves() const;
-    void actOnce(float h);
+    bool standsEvenly() const;
+    int substepsTogether(float dt) const;
+    void actTogether(float h);
     void pushGrounds(float share);
     void act(const Pose& pose, const DVec3& center, PointBody body, float h, CarImpulse& sum);
     int partsOfSubstep(float dt) const;

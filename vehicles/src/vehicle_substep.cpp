@@ -77,7 +77,7 @@ Vec3 unturned(const Vec3& w, const Quat& before, const Quat& now, float h) {
 void VehicleSim::beforeSubstep(float h) {
     if (!active) return;
     if (hasCarriers()) return actOnCarriers(h);
-    if (def.level == VehicleLevel::rays && !standsOnWhatMoves()) return actOnce(h);
+    if (together > 1) return actTogether(h);
     Pose pose = world->pose(chassis);
     const DVec3 center = world->centerOfMass(chassis);
     const PointBody first = bodyAt(pose);
@@ -110,26 +110,24 @@ void VehicleSim::beforeSubstep(float h) {
     ++substep;
 }
 
-bool VehicleSim::standsOnWhatMoves() const {
-    return std::ranges::any_of(
-        wheels, [](const WheelState& wheel) { return wheel.ground.found != 0 && wheel.ground.moves != 0; });
-}
-
-/// Level 1 over what is fixed: one solve for the whole step, of which each substep gets its share. Struts and tires are
-/// implicit, so that they hold at its length too; what is light is pushed and answers within a step.
-void VehicleSim::actOnce(float h) {
+/// One solve for several substeps, each of which gets its share. Struts and tires are implicit, so that they hold at
+/// that length too; what is light is pushed and answers within a substep.
+void VehicleSim::actTogether(float h) {
     const DVec3 center = world->centerOfMass(chassis);
-    const float share = 1 / static_cast<float>(world->settings().substeps);
-    if (substep == 0) {
+    const int place = substep % together;
+    if (place == 0) {
         const Pose pose = world->pose(chassis);
-        whole = {};
+        inOne = std::min(together, world->settings().substeps - substep);
+        whole = carried;
+        carried = {};
         beginGrounds();
-        act(pose, center, bodyAt(pose), h / share, whole);
+        act(pose, center, bodyAt(pose), h * static_cast<float>(inOne), whole);
     }
+    const float share = 1 / static_cast<float>(inOne);
     world->applyImpulse(chassis, share * whole.linear, center);
     world->applyAngularImpulse(chassis, share * whole.angular);
     pushGrounds(share);
-    if (substep == 0 && !holds(whole.linear, whole.angular)) forgetMotion();
+    if (place == 0 && !holds(whole.linear, whole.angular)) forgetMotion();
     ++substep;
 }
 
