@@ -12,10 +12,8 @@
 #include "plan.h"
 #include "programs.h"
 
-namespace ragtop {
+namespace ragtop::chart {
 namespace {
-
-using namespace chart;
 
 struct Arguments {
     std::vector<std::string> scenes, engines, programs;
@@ -205,7 +203,8 @@ void addChart(CLI::App& app) {
         ->capture_default_str();
     command->add_option("--jobs", a->jobs, "Points measured at once; none of them is timed then")
         ->check(CLI::Range(1, 64));
-    command->add_option("--repeats", a->repeats, "Runs of each point")->check(CLI::Range(1, 1000));
+    command->add_option("--repeats", a->repeats, "Runs of each point; 1: without an interval of its time")
+        ->check(CLI::Range(1, 1000));
     command->add_option("--limit", a->limit, "Seconds of processor time for a point")->check(CLI::Range(1.0, 86400.0));
     command->add_option("--seed", a->seed, "Of the perturbations of repeats");
     command->add_option("--point", a->point, "Measure this point alone and print it");
@@ -223,4 +222,4 @@ void addChart(CLI::App& app) {
 const bench::Subcommand chartCommand(addChart);
 
 }  // namespace
-}  // namespace ragtop
+}  // namespace ragtop::chart

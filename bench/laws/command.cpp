@@ -16,10 +16,9 @@
 #include "meddle.h"
 #include "shrink.h"
 
-namespace ragtop {
+namespace ragtop::laws {
 namespace {
 
-using namespace laws;
 using nlohmann::json;
 
 struct Arguments {
@@ -65,12 +64,11 @@ struct Job {
     std::uint64_t seed;
 };
 
-json numbers(const Watched& watched, const std::vector<std::string>& laws) {
-    json values = {{"broken", broken(watched, laws)}, {"mean", watched.meanMs}, {"median", watched.medianMs}, {"worst", watched.worstMs}};
+void addNumbers(json& values, const Watched& watched) {
+    values.update({{"mean", watched.meanMs}, {"median", watched.medianMs}, {"worst", watched.worstMs}});
     // JSON has no number that is none.
     for (const Law& law : allLaws())
         values[law.name] = std::isfinite(watched.*law.value) ? json(watched.*law.value) : json("none");
-    return values;
 }
 
 /// With lengths in metres of the scene, which is what bounds are of.
@@ -93,15 +91,17 @@ std::vector<std::string> otherVerdicts(const Drawn& drawn, const stability::Engi
 std::string runJob(const Job& job, const Arguments& arguments) {
     const Drawn drawn = draw(*job.kind, job.seed);
     Watched watched;
+    const bool meddles = arguments.meddle && job.engine->name == "ragtop";
     try {
-        watched = watch(drawn, *job.engine);
+        if (!meddles) watched = watch(drawn, *job.engine);
     } catch (const stability::Unsupported& reason) {
         return json{{"unsupported", reason.what()}}.dump();
     }
     if (arguments.restore && job.engine->name == "ragtop")
         watched.restored = restoresAlike(drawn, job.seed);
-    if (arguments.meddle && job.engine->name == "ragtop") watched.meddled = meddle(drawn, job.seed);
-    json found = numbers(watched, arguments.laws);
+    if (meddles) watched.meddled = meddle(drawn, job.seed);
+    json found = {{"broken", broken(watched, arguments.laws)}};
+    if (!meddles) addNumbers(found, watched);
     if (arguments.views)
         found["views"] = otherVerdicts(drawn, *job.engine, arguments.laws, found["broken"].empty());
     return found.dump();
@@ -116,12 +116,7 @@ struct Tally {
     std::vector<std::uint64_t> seeds;  ///< that fail
 };
 
-void note(Tally& tally, const Job& job, const json& found) {
-    if (found.contains("unsupported")) {
-        ++tally.unsupported;
-        return;
-    }
-    ++tally.scenes;
+void noteNumbers(Tally& tally, const json& found) {
     tally.ms += found["mean"].get<double>();
     tally.worstMs = std::max(tally.worstMs, found["worst"].get<double>());
     tally.worstOverMedian = std::max(tally.worstOverMedian, found["worst"].get<double>() / found["median"].get<double>());
@@ -133,6 +128,15 @@ void note(Tally& tally, const Job& job, const json& found) {
         else if (!(value.get<double>() <= worst) && !std::isnan(worst))
             worst = value.get<double>();
     }
+}
+
+void note(Tally& tally, const Job& job, const json& found) {
+    if (found.contains("unsupported")) {
+        ++tally.unsupported;
+        return;
+    }
+    ++tally.scenes;
+    if (found.contains("mean")) noteNumbers(tally, found);
     bool fails = false;
     for (const json& law : found["broken"]) ++tally.laws[law.get<std::string>()], fails = true;
     if (found.contains("views"))
@@ -146,9 +150,10 @@ void print(const std::string& name, const Tally& tally) {
     fmt::print("{:<24} {:>5} of {:<5} fail  {:>8.4f} ms a step, worst {:.2f} ms = {:.1f} × its median\n", name, tally.failed,
                tally.scenes, tally.scenes > 0 ? tally.ms / tally.scenes : 0.0, tally.worstMs, tally.worstOverMedian);
     for (const Law& law : allLaws()) {
+        if (!tally.worst.contains(law.name)) continue;
         const auto count = tally.laws.find(law.name);
-        fmt::print("  {:<22} {:>5}  worst {:.4g} {} (bound {:.4g})\n", law.name, count == tally.laws.end() ? 0 : count->second,
-                   tally.worst.contains(law.name) ? tally.worst.at(law.name) : 0.0, law.unit, law.bound);
+        fmt::print("  {:<22} {:>5}  worst {:.4g} {} (bound {:.4g})\n", law.name,
+                   count == tally.laws.end() ? 0 : count->second, tally.worst.at(law.name), law.unit, law.bound);
     }
     for (const auto& law : tally.laws)
         if (std::ranges::none_of(allLaws(), [&](const Law& known) { return known.name == law.first; }))
@@ -229,9 +234,13 @@ void addLaws(CLI::App& app) {
     command->add_option("--engine", arguments->engines, "Engines, or all")->delimiter(',');
     command->add_option("--law", arguments->laws, "Laws that count, or all; the others are printed")->delimiter(',');
     command->add_option("--time", arguments->time, "Seconds after which no scene is begun");
-    command->add_flag("--views", arguments->views, "Also from moving, turned, distant, larger and reversed frames");
+    CLI::Option* views =
+        command->add_flag("--views", arguments->views, "Also from moving, turned, distant, larger and reversed frames");
     command->add_flag("--restore", arguments->restore, "Also saved and restored at random steps");
-    command->add_flag("--meddle", arguments->meddle, "Also with bodies and joints made, moved, changed and destroyed on the way");
+    command
+        ->add_flag("--meddle", arguments->meddle,
+                   "Instead with bodies and joints made, moved, changed and destroyed on the way")
+        ->excludes(views);
     command->add_flag("--each", arguments->each, "Print what each scene showed");
     command->add_option("--out", arguments->out, "Write the first failing scene of each kind, made small, into this folder");
     command->add_option("--jobs", arguments->jobs, "Scenes that run at once; times are right for 1 only")
@@ -244,4 +253,4 @@ void addLaws(CLI::App& app) {
 const bench::Subcommand laws_(addLaws);
 
 }  // namespace
-}  // namespace ragtop
+}  // namespace ragtop::laws

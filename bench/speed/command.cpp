@@ -13,10 +13,8 @@
 #include "ragtop/world.h"
 #include "rows.h"
 
-namespace ragtop {
+namespace ragtop::speed {
 namespace {
-
-using namespace speed;
 
 /// What no course tells; measured only where it is named.
 constexpr const char* kRagdolls = "ragdoll";
@@ -192,4 +190,4 @@ void addSpeed(CLI::App& app) {
 const bench::Subcommand speedCommand(addSpeed);
 
 }  // namespace
-}  // namespace ragtop
+}  // namespace ragtop::speed

@@ -13,10 +13,8 @@
 #include "sabotage.h"
 #include "suite.h"
 
-namespace ragtop {
+namespace ragtop::stability {
 namespace {
-
-using namespace stability;
 
 struct Arguments {
     std::vector<std::string> engines{"ragtop"};
@@ -138,4 +136,4 @@ void addStability(CLI::App& app) {
 const bench::Subcommand stability(addStability);
 
 }  // namespace
-}  // namespace ragtop
+}  // namespace ragtop::stability
