@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
+#include <vector>
 
 #include "direct/island_system.h"
 #include "direct/newton.h"
@@ -99,6 +101,103 @@ TEST(Pivoting, AnswersWhateverIsHeldByStopsFrictionAndMotors) {
         SCOPED_TRACE(seed);
         const int count = 2 + static_cast<int>(seed % 30);
         EXPECT_LT(Tangle(seed, count).residual(), 1e-6);
+    }
+}
+
+/// Bodies of which some are locked in some movements, in a tree of rows that push and turn along any directions.
+class Rows {
+public:
+    explicit Rows(std::uint32_t seed) : random_(seed) {
+        const std::uint32_t count = 2 + seed % 6;
+        std::vector<direct::BlockPair> coupled;
+        for (std::uint32_t i = 0; i < count; ++i) addBody();
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const std::int32_t other = i == 0 ? direct::kFixed : static_cast<std::int32_t>(pick(i));
+            addPair(other, static_cast<std::int32_t>(i));
+            if (i > 0) coupled.push_back({static_cast<std::uint32_t>(other), i});
+        }
+        equations_.hessian.update(count, coupled.data(), coupled.size());
+        for (direct::SystemPair& pair : equations_.pairs)
+            if (pair.a != direct::kFixed)
+                pair.block = equations_.hessian.ordering().blockOf(static_cast<std::uint32_t>(pair.a),
+                                                                   static_cast<std::uint32_t>(pair.b));
+        for (AlignedArray<double>* numbers : {&equations_.velocity, &equations_.free, &equations_.scratch.gradient})
+            for (std::size_t k = 0; k < equations_.unknowns(); ++k) numbers->push(between(-1, 1));
+    }
+    /// What one step of Newton's method leaves, in units of the impulses.
+    double residualAfterAStep() {
+        double *v = equations_.velocity.data(), *gradient = equations_.scratch.gradient.data();
+        equations_.evaluate(v, gradient);
+        EXPECT_TRUE(equations_.factorize());
+        equations_.solve(gradient);
+        for (std::size_t k = 0; k < equations_.unknowns(); ++k) v[k] -= gradient[k];
+        const direct::Residual left = equations_.evaluate(v, gradient);
+        EXPECT_GT(left.scale, 0);
+        return left.norm / left.scale;
+    }
+    /// Does no locked movement take part?
+    bool keepsLocked() const {
+        for (std::size_t i = 0; i < equations_.bodies.size(); ++i)
+            for (std::uint32_t k = 0; k < 6; ++k)
+                if (((equations_.bodies[i].locks >> k) & 1) != 0 &&
+                    std::fabs(equations_.velocity[6 * i + k] - equations_.free[6 * i + k]) > 1e-12)
+                    return false;
+        return true;
+    }
+
+private:
+    double between(double a, double b) { return std::uniform_real_distribution<double>(a, b)(random_); }
+    std::uint32_t pick(std::uint32_t count) {
+        return std::uniform_int_distribution<std::uint32_t>(0, count - 1)(random_);
+    }
+    DVec3 anywhere() { return {between(-1, 1), between(-1, 1), between(-1, 1)}; }
+    void addBody() {
+        direct::SystemBody body;
+        body.locks = pick(3) == 0 ? pick(64) : 0;
+        const double mass = between(0.5, 2);
+        double moment[3];
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const bool locked = ((body.locks >> k) & 1) != 0;
+            body.mass[k] = locked ? 1 : mass, body.inverseMass[k] = locked ? 0 : 1 / mass;
+            moment[k] = ((body.locks >> (k + 3)) & 1) != 0 ? 0 : between(0.5, 2);
+        }
+        body.inverseInertia = {moment[0], 0, 0, moment[1], 0, moment[2]};
+        const auto inverse = [](double x) { return x > 0 ? 1 / x : 1; };
+        body.inertia = {inverse(moment[0]), 0, 0, inverse(moment[1]), 0, inverse(moment[2])};
+        body.inverseTaut = body.inverseInertia;
+        equations_.bodies.push(body);
+    }
+    void addPair(std::int32_t a, std::int32_t b) {
+        direct::SystemPair pair;
+        pair.a = a, pair.b = b, pair.armA = anywhere(), pair.armB = anywhere();
+        pair.first = static_cast<std::uint32_t>(equations_.rows.size()), pair.count = 1 + pick(6);
+        for (std::uint32_t i = 0; i < pair.count; ++i) {
+            direct::SystemRow row;
+            const std::uint32_t way = pick(4);
+            row.shape = way < 2    ? direct::RowShape::whole
+                        : way == 2 ? direct::RowShape::turning
+                                   : direct::RowShape::alongY;
+            row.linear = way < 2 ? anywhere() : way == 2 ? DVec3{} : DVec3{0, 1, 0};
+            row.turn = way == 0 || way == 2 ? anywhere() : DVec3{};
+            row.load = between(-1, 1), row.target = between(-1, 1), row.resistance = std::exp(between(-7, 0));
+            row.lower = -1e9, row.upper = 1e9;
+            equations_.rows.push(row);
+        }
+        equations_.pairs.push(pair);
+    }
+
+    std::mt19937 random_;
+    direct::Equations equations_{std::pmr::get_default_resource()};
+};
+
+/// Rows without bounds ask for a linear answer, which the matrix of Newton's method gives at once; resistances reach
+/// to a thousandth of masses, and 1e-10 is some thousand roundings of what they multiply.
+TEST(Equations, OfRowsWithoutBoundsAreSolvedByOneStep) {
+    for (std::uint32_t seed = 0; seed < 200; ++seed) {
+        SCOPED_TRACE(seed);
+        Rows rows(seed);
+        EXPECT_LT(rows.residualAfterAStep(), 1e-10);
+        EXPECT_TRUE(rows.keepsLocked());
     }
 }
 

@@ -199,7 +199,8 @@ void refreshBall(JointSim& joint, const JointPlace& place, const BodyPair& pair,
     RigidBlock& block = joint.block;
     BallRows& rows = joint.ball;
     block.errorFirst = place.gap;
-    refreshMass(block, pair.mass(joint.arms), rows.features != 0 ? BlockMass::whole : BlockMass::first);
+    if (!refresh.places)
+        refreshMass(block, pair.mass(joint.arms), rows.features != 0 ? BlockMass::whole : BlockMass::first);
     if (rows.features & (BallRows::kSwing | BallRows::kTwist)) refreshLimits(rows, place);
     if (refresh.begins && rows.features != 0) beginBall(joint, place, pair, refresh.context);
 }

@@ -11,10 +11,10 @@
 /// x, along which limits, spring, friction and motor act (axis_rows.h).
 namespace ragtop {
 
-/// Directions, errors and masses of the frames a and b, whose anchors are `gap` apart.
+/// Directions and errors of the frames a and b, whose anchors are `gap` apart.
 template <class T>
-RAGTOP_INLINE void placeHinge(RigidBlockOf<T>& block, const RotationOf<T>& a, const RotationOf<T>& b,
-                              const VectorOf<T>& gap, const PairMassOf<T>& mass) {
+RAGTOP_INLINE void alignHinge(RigidBlockOf<T>& block, const RotationOf<T>& a, const RotationOf<T>& b,
+                              const VectorOf<T>& gap) {
     const VectorOf<T> yA = axisY(a), xB = axisX(b), across = yA - dot(yA, xB) * xB;
     const T size = length(across);
     VectorOf<T> y = (1 / size) * across;
@@ -23,6 +23,12 @@ RAGTOP_INLINE void placeHinge(RigidBlockOf<T>& block, const RotationOf<T>& a, co
     block.errorFirst = gap;
     block.errorSecond = transposeTimes(block.basis, axisError(axisX(a), xB));
     block.impulseSecond = block.impulseSecond - dot(block.impulseSecond, xB) * xB;
+}
+/// The same with masses.
+template <class T>
+RAGTOP_INLINE void placeHinge(RigidBlockOf<T>& block, const RotationOf<T>& a, const RotationOf<T>& b,
+                              const VectorOf<T>& gap, const PairMassOf<T>& mass) {
+    alignHinge<T>(block, a, b, gap);
     refreshMass(block, mass, BlockMass::whole);
 }
 /// Speed per impulse along the free direction; 0 where it cannot move.

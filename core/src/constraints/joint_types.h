@@ -16,6 +16,7 @@ struct JointPlace {
 struct Refresh {
     const JointContext& context;
     bool begins = false;  ///< the substep begins: what springs, friction and stops do in it is settled now
+    bool places = false;  ///< balls and hinges are to have directions, errors and margins alone, and no new masses
 };
 
 /// Fills in directions, errors and masses from the current positions.

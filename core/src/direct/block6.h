@@ -117,28 +117,19 @@ inline void subtractTransposedTimes(const Block6& a, const double* x, double* y)
         y[j] = s;
     }
 }
-/// Places of six that a row has numbers at; it has zeros elsewhere.
-template <int... At>
-using Places = std::integer_sequence<int, At...>;
-using AllPlaces = Places<0, 1, 2, 3, 4, 5>;
-
 /// A ← A + weight rows columnsᵀ
-template <int... At>
-inline void addOuter(Places<At...>, Block6& block, double weight, const double rows[6], const double columns[6]) {
-    const auto addColumn = [&](auto c) {
+inline void addOuter(Block6& block, double weight, const double rows[6], const double columns[6]) {
+    unrolled<0, 6>([&](auto c) {
         const double s = weight * columns[c];
-        ((block.at[6 * c + At] += s * rows[At]), ...);
-    };
-    (addColumn(std::integral_constant<int, At>{}), ...);
+        unrolled<0, 6>([&](auto r) { block.at[6 * c + r] += s * rows[r]; });
+    });
 }
 /// A ← A + weight a aᵀ, the lower triangle.
-template <int... At>
-inline void addSquare(Places<At...>, Block6& block, double weight, const double a[6]) {
-    const auto addColumn = [&](auto c) {
+inline void addSquare(Block6& block, double weight, const double a[6]) {
+    unrolled<0, 6>([&](auto c) {
         const double s = weight * a[c];
-        ((At < c ? void() : void(block.at[6 * c + At] += s * a[At])), ...);
-    };
-    (addColumn(std::integral_constant<int, At>{}), ...);
+        unrolled<c, 6>([&](auto r) { block.at[6 * c + r] += s * a[r]; });
+    });
 }
 
 }  // namespace ragtop::direct

@@ -10,6 +10,7 @@ Equations::Equations(std::pmr::memory_resource* memory)
     : bodies(memory),
       contacts(memory),
       points(memory),
+      pairs(memory),
       rows(memory),
       velocity(memory),
       free(memory),
@@ -22,27 +23,6 @@ DVec3 pointVelocity(const double* v, std::int32_t body, const DVec3& arm) {
     if (body == kFixed) return {};
     const double* at = v + 6 * body;
     return load(at) + cross(load(at + 3), arm);
-}
-
-template <int... At>
-double rowSpeed(Places<At...>, const SystemRow& row, const double* v) {
-    double u = 0;
-    if (row.a != kFixed) ((u += row.ja[At] * v[6 * row.a + At]), ...);
-    if (row.b != kFixed) ((u += row.jb[At] * v[6 * row.b + At]), ...);
-    return u;
-}
-double rowSpeed(const SystemRow& row, const double* v) {
-    return withPlaces(row.shape, [&](auto places) { return rowSpeed(places, row, v); });
-}
-
-/// Adds Jᵀ l.
-template <int... At>
-void push(Places<At...>, const SystemRow& row, double l, double* momentum) {
-    if (row.a != kFixed) ((momentum[6 * row.a + At] += row.ja[At] * l), ...);
-    if (row.b != kFixed) ((momentum[6 * row.b + At] += row.jb[At] * l), ...);
-}
-void push(const SystemRow& row, double l, double* momentum) {
-    withPlaces(row.shape, [&](auto places) { push(places, row, l, momentum); });
 }
 
 /// λ of a point at the speed u.
@@ -95,10 +75,38 @@ void Equations::applyImpulses(double* momentum, bool loads) const {
             add(momentB, momentum + 6 * c.b + 3);
         }
     }
-    for (const SystemRow& row : rows) {
-        const double l = loads ? row.load : row.impulse;
-        if (l != 0) push(row, l, momentum);
+    for (const SystemPair& pair : pairs) {
+        Twist sum;
+        for (std::uint32_t i = pair.first; i < pair.first + pair.count; ++i)
+            if (const double l = loads ? rows[i].load : rows[i].impulse; l != 0) addAlong(rows[i], l, sum);
+        push(pair, sum, momentum);
     }
+}
+
+Twist Equations::motionOf(const SystemPair& pair, const double* v) const {
+    Twist u;
+    if (pair.b != kFixed) {
+        const double* at = v + 6 * pair.b;
+        const Twist of = unlocked(bodies[pair.b].locks, {load(at), load(at + 3)});
+        u = {of.linear + cross(of.turn, pair.armB), of.turn};
+    }
+    if (pair.a != kFixed) {
+        const double* at = v + 6 * pair.a;
+        const Twist of = unlocked(bodies[pair.a].locks, {load(at), load(at + 3)});
+        u = {u.linear - (of.linear + cross(of.turn, pair.armA)), u.turn - of.turn};
+    }
+    return u;
+}
+
+void Equations::push(const SystemPair& pair, const Twist& load, double* momentum) const {
+    const auto give = [&](std::int32_t body, double sign, const DVec3& arm) {
+        const Twist given =
+            unlocked(bodies[body].locks, {sign * load.linear, sign * (cross(arm, load.linear) + load.turn)});
+        add(given.linear, momentum + 6 * body);
+        add(given.turn, momentum + 6 * body + 3);
+    };
+    if (pair.a != kFixed) give(pair.a, -1, pair.armA);
+    if (pair.b != kFixed) give(pair.b, 1, pair.armB);
 }
 
 void Equations::velocityOfLoads(double* v) const {
@@ -132,7 +140,10 @@ void Equations::speedsAt(const double* v) {
             p.speed[1] = dot(u, c.tangent1) + p.drift[1];
             p.speed[2] = dot(u, c.tangent2) + p.drift[2];
         }
-    for (SystemRow& row : rows) row.speed = rowSpeed(row, v);
+    for (const SystemPair& pair : pairs) {
+        const Twist u = motionOf(pair, v);
+        for (std::uint32_t i = pair.first; i < pair.first + pair.count; ++i) rows[i].speed = alongRow(rows[i], u);
+    }
 }
 
 Residual Equations::evaluate(const double* v, double* gradient) {
@@ -244,12 +255,18 @@ void Equations::dropSelfStress() {
     };
     double* x = scratch.direction.data();
     for (std::size_t i = 0; i < unknowns(); ++i) x[i] = 0;
-    for (const SystemRow& row : rows) {
-        if (isRigid(row)) push(row, row.impulse, x);
+    for (const SystemPair& pair : pairs) {
+        Twist sum;
+        for (std::uint32_t i = pair.first; i < pair.first + pair.count; ++i)
+            if (isRigid(rows[i])) addAlong(rows[i], rows[i].impulse, sum);
+        push(pair, sum, x);
     }
     hessian.solve(x);
-    for (SystemRow& row : rows)
-        if (isRigid(row)) row.impulse = rowSpeed(row, x) / row.resistance;
+    for (const SystemPair& pair : pairs) {
+        const Twist u = motionOf(pair, x);
+        for (std::uint32_t i = pair.first; i < pair.first + pair.count; ++i)
+            if (isRigid(rows[i])) rows[i].impulse = alongRow(rows[i], u) / rows[i].resistance;
+    }
 }
 
 bool Equations::isBelow(std::size_t index, double speed) const {
@@ -295,7 +312,10 @@ void Equations::changeAlong(const double* d) {
             p.change[1] = dot(u, c.tangent1);
             p.change[2] = dot(u, c.tangent2);
         }
-    for (SystemRow& row : rows) row.change = rowSpeed(row, d);
+    for (const SystemPair& pair : pairs) {
+        const Twist u = motionOf(pair, d);
+        for (std::uint32_t i = pair.first; i < pair.first + pair.count; ++i) rows[i].change = alongRow(rows[i], u);
+    }
 }
 
 double Equations::slopeAlong(const double* v, const double* d, double alpha) const {

@@ -14,6 +14,7 @@
 ///   minimise  ½ |v − v_free|²_M + Σ φ(J v),
 ///   λ = −∂φ/∂u = P_K(λ̂ − (u − û)/R),              u = J v: speeds of contact points and joint rows
 ///   H = M + Jᵀ W J + h γ Σ λ K_g,                  the matrix of Newton's method, W = ∂λ/∂u
+/// A row of a joint has u = l · (vB + ωB × rB − vA − ωA × rA) + t · (ωB − ωA).
 ///
 ///   M, v_free   masses; velocities that the bodies would have without constraints
 ///   û           speed that a row asks for: errors decay at the rate of the soft row, gaps may be used up
@@ -51,6 +52,7 @@ inline constexpr double kSideRounding = 1e-12;  ///< of the terms that the load 
 /// A body of the island. Locked movements have mass 1 and no Jacobian.
 struct SystemBody {
     std::uint32_t state = 0;
+    std::uint32_t locks = 0;  ///< bits of movements that rows of joints do not know: along and about x, y, z
     double mass[3] = {1, 1, 1};
     double inverseMass[3] = {0, 0, 0};
     DSym3 inertia, inverseInertia;  ///< without what taut rows add
@@ -132,25 +134,31 @@ enum class SideChange : std::uint8_t {
     last,      ///< of these the last
 };
 
-/// Where the Jacobian of a row has numbers that are not zero: three of most rows of joints, of the six of each body. A
-/// row along an axis of the world has no moment about it.
+/// What a row has of its directions: both, t alone, or l along an axis of the world alone.
 enum class RowShape : std::uint8_t { whole, turning, alongX, alongY, alongZ };
-/// Calls visit with the places (block6.h) of a shape.
-template <class Visit>
-auto withPlaces(RowShape shape, Visit&& visit) {
-    switch (shape) {
-        case RowShape::turning:
-            return visit(Places<3, 4, 5>{});
-        case RowShape::alongX:
-            return visit(Places<0, 4, 5>{});
-        case RowShape::alongY:
-            return visit(Places<1, 3, 5>{});
-        case RowShape::alongZ:
-            return visit(Places<2, 3, 4>{});
-        case RowShape::whole:
-            break;
-    }
-    return visit(AllPlaces{});
+
+/// Two bodies with rows between them: those of a joint, or of a contact point beside which joints are closed.
+struct SystemPair {
+    std::int32_t a = kFixed, b = kFixed;
+    std::uint32_t block = 0;
+    std::uint32_t first = 0, count = 0;  ///< rows
+    DVec3 armA, armB;                    ///< m, from the centres of mass to where they push
+};
+
+/// A velocity, of a body or of B beside A, or an impulse: what is along l and about t.
+struct Twist {
+    DVec3 linear, turn;
+};
+/// Without the movements that locks take.
+inline Twist unlocked(std::uint32_t locks, Twist of) {
+    if (locks == 0) return of;
+    if (locks & 1) of.linear.x = 0;
+    if (locks & 2) of.linear.y = 0;
+    if (locks & 4) of.linear.z = 0;
+    if (locks & 8) of.turn.x = 0;
+    if (locks & 16) of.turn.y = 0;
+    if (locks & 32) of.turn.z = 0;
+    return of;
 }
 
 /// A scalar row with bounds: a joint's.
@@ -159,9 +167,7 @@ struct SystemRow {
     bool compliant = false;   ///< its load is what it pushes with at no speed
     RowShape shape = RowShape::whole;
     std::uint32_t joint = 0;  ///< in the island
-    std::int32_t a = kFixed, b = kFixed;
-    std::uint32_t block = 0;
-    double ja[6], jb[6];
+    DVec3 linear, turn;       ///< l and t
     double load = 0, impulse = 0, resistance = 0;
     double target = 0;  ///< û
     double lower = 0, upper = 0;
@@ -171,6 +177,44 @@ struct SystemRow {
     double wrong = 0;                                ///< J, by which these differ
     bool factored = true;                            ///< was within its bounds in the factor
 };
+
+/// J v of a row.
+inline double alongRow(const SystemRow& row, const Twist& u) {
+    switch (row.shape) {
+        case RowShape::turning:
+            return dot(row.turn, u.turn);
+        case RowShape::alongX:
+            return u.linear.x;
+        case RowShape::alongY:
+            return u.linear.y;
+        case RowShape::alongZ:
+            return u.linear.z;
+        case RowShape::whole:
+            break;
+    }
+    return dot(row.linear, u.linear) + dot(row.turn, u.turn);
+}
+/// sum ← sum + Jᵀ amount
+inline void addAlong(const SystemRow& row, double amount, Twist& sum) {
+    switch (row.shape) {
+        case RowShape::turning:
+            sum.turn = sum.turn + amount * row.turn;
+            return;
+        case RowShape::alongX:
+            sum.linear.x += amount;
+            return;
+        case RowShape::alongY:
+            sum.linear.y += amount;
+            return;
+        case RowShape::alongZ:
+            sum.linear.z += amount;
+            return;
+        case RowShape::whole:
+            break;
+    }
+    sum.linear = sum.linear + amount * row.linear;
+    sum.turn = sum.turn + amount * row.turn;
+}
 
 /// |M (v − v_free) − Jᵀ λ| and |Jᵀ λ|, in the norm of M⁻¹.
 struct Residual {
@@ -199,8 +243,8 @@ public:
     /// The same where the speeds of the last evaluation are those at v.
     Residual evaluateSidesAgain(const double* v, double* gradient);
     void takeSidesOfLoads();
-    /// How many rows the last evaluation asks to change their sides.
-    std::size_t wrongSides() const;
+    /// Finds which rows are to change their sides as v was evaluated, and returns how many.
+    std::size_t askSides(const double* v);
     void changeSides(SideChange change);
     /// True when the loads answer what was evaluated but for speeds that may be left alone, or a share of those;
     /// keepLoads takes them.
@@ -235,7 +279,8 @@ public:
     AlignedArray<SystemBody> bodies;
     AlignedArray<SystemContact> contacts;
     AlignedArray<SystemPoint> points;
-    AlignedArray<SystemRow> rows;
+    AlignedArray<SystemPair> pairs;
+    AlignedArray<SystemRow> rows;         ///< pair after pair
     AlignedArray<double> velocity, free;  ///< v, v_free: six of each body
     double gravityStep = 0;               ///< speed that gravity gives per substep, m/s
     bool stopped = false;                 ///< no body moves
@@ -247,6 +292,9 @@ public:
     Scratch scratch;
 
 private:
+    Twist motionOf(const SystemPair& pair, const double* v) const;
+    /// Adds Jᵀ λ of a pair's rows.
+    void push(const SystemPair& pair, const Twist& load, double* momentum) const;
     bool isBelow(std::size_t body, double speed) const;
     void speedsAt(const double* v);
     Residual gradientAt(const double* v, double* gradient) const;
@@ -258,7 +306,7 @@ private:
     void applyImpulses(double* momentum, bool loads) const;
     void addMasses();
     void addContact(const SystemContact& contact);
-    void addRow(SystemRow& row);
+    void addPair(const SystemPair& pair);
 };
 
 }  // namespace ragtop::direct

@@ -56,39 +56,88 @@ struct ContactSums {
     DMat3 aa, bb, ba;                  ///< Σ [rA]ₓ G [rA]ₓ, and so on
 };
 
-/// sign · [[G, −P], [−Qᵀ, −S]] added to a block; transposed on demand.
-void addBlock(Block6& block, double sign, const double g[6], const DMat3& p, const DMat3& q, const DMat3& s,
-              bool transposed) {
-    const double full[9] = {g[0], g[1], g[2], g[1], g[3], g[4], g[2], g[4], g[5]};
+/// [[G, −P], [−Pᵀ, −S]] added to the lower triangle of a block.
+void addDiagonal(Block6& block, const double g[6], const DMat3& p, const DMat3& s) {
     double* at = block.at;
-    for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) {
-            const double upperRight = -sign * p.at[3 * r + c], lowerLeft = -sign * q.at[3 * c + r];
-            const double lowerRight = -sign * s.at[3 * r + c];
-            at[6 * c + r] += sign * full[3 * r + c];
-            if (!transposed) {
-                at[6 * (c + 3) + r] += upperRight;
-                at[6 * c + r + 3] += lowerLeft;
-                at[6 * (c + 3) + r + 3] += lowerRight;
-            } else {
-                at[6 * r + c + 3] += upperRight;
-                at[6 * (r + 3) + c] += lowerLeft;
-                at[6 * (r + 3) + c + 3] += lowerRight;
-            }
-        }
+    at[0] += g[0], at[1] += g[1], at[2] += g[2], at[7] += g[3], at[8] += g[4], at[14] += g[5];
+    unrolled<0, 3>([&](auto c) {
+        unrolled<0, 3>([&](auto r) { at[6 * c + r + 3] -= p.at[3 * c + r]; });
+        unrolled<c, 3>([&](auto r) { at[6 * (c + 3) + r + 3] -= s.at[3 * r + c]; });
+    });
 }
 
-/// w Jᵀ J
-template <int... At>
-void addSquares(Places<At...> places, BlockFactor& hessian, const SystemRow& row, double weight) {
-    const auto a = static_cast<std::uint32_t>(row.a), b = static_cast<std::uint32_t>(row.b);
-    if (row.a != kFixed) addSquare(places, hessian.diagonal(a), weight, row.ja);
-    if (row.b != kFixed) addSquare(places, hessian.diagonal(b), weight, row.jb);
-    if (row.a == kFixed || row.b == kFixed) return;
-    if (hessian.rowsAreOf(b, a))
-        addOuter(places, hessian.coupling(row.block), weight, row.jb, row.ja);
-    else
-        addOuter(places, hessian.coupling(row.block), weight, row.ja, row.jb);
+/// [[−G, P], [Qᵀ, S]] added to a block, or its transpose.
+template <bool kTransposed>
+void addCoupling(Block6& block, const double g[6], const DMat3& p, const DMat3& q, const DMat3& s) {
+    const double full[9] = {g[0], g[1], g[2], g[1], g[3], g[4], g[2], g[4], g[5]};
+    const auto add = [&](auto row, auto column, double x) {
+        block.at[kTransposed ? 6 * row + column : 6 * column + row] += x;
+    };
+    unrolled<0, 3>([&](auto c) {
+        unrolled<0, 3>([&](auto r) {
+            add(std::integral_constant<int, r>{}, c, -full[3 * r + c]);
+            add(r, std::integral_constant<int, c + 3>{}, p.at[3 * r + c]);
+            add(std::integral_constant<int, r + 3>{}, c, q.at[3 * c + r]);
+            add(std::integral_constant<int, r + 3>{}, std::integral_constant<int, c + 3>{}, s.at[3 * r + c]);
+        });
+    });
+}
+void addCoupling(Block6& block, const double g[6], const DMat3& p, const DMat3& q, const DMat3& s, bool transposed) {
+    transposed ? addCoupling<true>(block, g, p, q, s) : addCoupling<false>(block, g, p, q, s);
+}
+
+/// Σ w l lᵀ, Σ w l tᵀ and Σ w t tᵀ of a pair's rows.
+struct RowSums {
+    DSym3 along, about;
+    DMat3 both;
+    bool hasBoth = false;
+
+    void add(const SystemRow& row, double w) {
+        switch (row.shape) {
+            case RowShape::turning:
+                about = about + outer(w, row.turn);
+                return;
+            case RowShape::alongX:
+                along.xx += w;
+                return;
+            case RowShape::alongY:
+                along.yy += w;
+                return;
+            case RowShape::alongZ:
+                along.zz += w;
+                return;
+            case RowShape::whole:
+                break;
+        }
+        along = along + outer(w, row.linear);
+        if (row.turn.x == 0 && row.turn.y == 0 && row.turn.z == 0) return;
+        about = about + outer(w, row.turn);
+        hasBoth = true;
+        const DVec3 &l = row.linear, t = w * row.turn;
+        const double rows[3] = {l.x, l.y, l.z};
+        for (int i = 0; i < 3; ++i)
+            both.at[3 * i] += rows[i] * t.x, both.at[3 * i + 1] += rows[i] * t.y, both.at[3 * i + 2] += rows[i] * t.z;
+    }
+};
+
+/// −Σ w (r × l + t)(s × l + t)ᵀ, with p = Σ w (l lᵀ [s]ₓ − l tᵀ).
+DMat3 turns(const RowSums& sums, const DVec3& r, const DVec3& s, const DMat3& p) {
+    const DSym3& t = sums.about;
+    DMat3 m{{-t.xx, -t.xy, -t.xz, -t.xy, -t.yy, -t.yz, -t.xz, -t.yz, -t.zz}};
+    addCrossTimes(m, r, p);
+    if (!sums.hasBoth) return m;
+    DMat3 crossed;  // [s]ₓ Σ w l tᵀ
+    addCrossTimes(crossed, s, sums.both);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) m.at[3 * i + j] -= crossed.at[3 * j + i];
+    return m;
+}
+
+/// Takes out movements that are locked.
+void clearLocked(Block6& block, std::uint32_t rows, std::uint32_t columns) {
+    for (int c = 0; c < 6; ++c)
+        for (int r = 0; r < 6; ++r)
+            if (((rows >> r) & 1) != 0 || ((columns >> c) & 1) != 0) block.at[6 * c + r] = 0;
 }
 
 }  // namespace
@@ -126,24 +175,52 @@ void Equations::addContact(const SystemContact& c) {
     }
     if (!any) return;
     const auto a = static_cast<std::uint32_t>(c.a), b = static_cast<std::uint32_t>(c.b);
-    if (c.a != kFixed) addBlock(hessian.diagonal(a), 1, sums.g, sums.pA, sums.pA, sums.aa, false);
-    if (c.b != kFixed) addBlock(hessian.diagonal(b), 1, sums.g, sums.pB, sums.pB, sums.bb, false);
+    if (c.a != kFixed) addDiagonal(hessian.diagonal(a), sums.g, sums.pA, sums.aa);
+    if (c.b != kFixed) addDiagonal(hessian.diagonal(b), sums.g, sums.pB, sums.bb);
     if (c.a != kFixed && c.b != kFixed)
-        addBlock(hessian.coupling(c.block), -1, sums.g, sums.pA, sums.pB, sums.ba, !hessian.rowsAreOf(b, a));
+        addCoupling(hessian.coupling(c.block), sums.g, sums.pA, sums.pB, sums.ba, !hessian.rowsAreOf(b, a));
 }
 
-void Equations::addRow(SystemRow& row) {
-    row.factored = row.side == Side::within;
-    if (!row.factored) return;
-    const double weight = 1 / row.resistance;
-    withPlaces(row.shape, [&](auto places) { addSquares(places, hessian, row, weight); });
+/// As of a contact, with t beside l:  Σ w [l; rB × l + t] [l; rA × l + t]ᵀ.
+void Equations::addPair(const SystemPair& pair) {
+    RowSums sums;
+    for (std::uint32_t i = pair.first; i < pair.first + pair.count; ++i) {
+        SystemRow& row = rows[i];
+        row.factored = row.side == Side::within;
+        if (row.factored) sums.add(row, 1 / row.resistance);
+    }
+    const double g[6] = {sums.along.xx, sums.along.xy, sums.along.xz, sums.along.yy, sums.along.yz, sums.along.zz};
+    DMat3 pA = timesCross(g, pair.armA), pB = timesCross(g, pair.armB);
+    if (sums.hasBoth)
+        for (int i = 0; i < 9; ++i) pA.at[i] -= sums.both.at[i], pB.at[i] -= sums.both.at[i];
+    const auto locksOf = [&](std::int32_t body) { return body == kFixed ? 0u : bodies[body].locks; };
+    const std::uint32_t locksA = locksOf(pair.a), locksB = locksOf(pair.b);
+    // Of what is locked a block of its own takes the movements out.
+    const auto add = [&](Block6& to, std::uint32_t ofRows, std::uint32_t ofColumns, auto&& addTo) {
+        if ((ofRows | ofColumns) == 0) return addTo(to);
+        Block6 own{};
+        addTo(own);
+        clearLocked(own, ofRows, ofColumns);
+        for (int i = 0; i < 36; ++i) to.at[i] += own.at[i];
+    };
+    const auto a = static_cast<std::uint32_t>(pair.a), b = static_cast<std::uint32_t>(pair.b);
+    if (pair.a != kFixed)
+        add(hessian.diagonal(a), locksA, locksA,
+            [&](Block6& to) { addDiagonal(to, g, pA, turns(sums, pair.armA, pair.armA, pA)); });
+    if (pair.b != kFixed)
+        add(hessian.diagonal(b), locksB, locksB,
+            [&](Block6& to) { addDiagonal(to, g, pB, turns(sums, pair.armB, pair.armB, pB)); });
+    if (pair.a == kFixed || pair.b == kFixed) return;
+    const bool ofB = hessian.rowsAreOf(b, a);
+    add(hessian.coupling(pair.block), ofB ? locksB : locksA, ofB ? locksA : locksB,
+        [&](Block6& to) { addCoupling(to, g, pA, pB, turns(sums, pair.armB, pair.armA, pA), !ofB); });
 }
 
 bool Equations::factorize() {
     hessian.setZero();
     addMasses();
     for (const SystemContact& c : contacts) addContact(c);
-    for (SystemRow& row : rows) addRow(row);
+    for (const SystemPair& pair : pairs) addPair(pair);
     return hessian.factorize();
 }
 

@@ -8,18 +8,6 @@ namespace ragtop::direct {
 
 namespace {
 
-/// The sum of the sizes of the terms that J v sums up.
-template <int... At>
-double termsOfSpeed(Places<At...>, const SystemRow& row, const double* v) {
-    double sum = 0;
-    if (row.a != kFixed) ((sum += std::fabs(row.ja[At] * v[6 * row.a + At])), ...);
-    if (row.b != kFixed) ((sum += std::fabs(row.jb[At] * v[6 * row.b + At])), ...);
-    return sum;
-}
-double termsOfSpeed(const SystemRow& row, const double* v) {
-    return withPlaces(row.shape, [&](auto places) { return termsOfSpeed(places, row, v); });
-}
-
 bool isBounded(const SystemRow& row) { return !std::isinf(row.lower) || !std::isinf(row.upper); }
 
 /// The side of y: the row's own, if rounding may have moved y across.
@@ -64,24 +52,47 @@ Residual Equations::evaluateSidesAgain(const double* v, double* gradient) {
             p.impulse[1] += slope[1] * y[0] + slope[3] * y[1] + slope[4] * y[2];
             p.impulse[2] += slope[2] * y[0] + slope[4] * y[1] + slope[5] * y[2];
         }
-    for (SystemRow& row : rows) {
-        const double y = row.load - (row.speed - row.target) / row.resistance;
-        row.impulse = row.side == Side::lower ? row.lower : row.side == Side::upper ? row.upper : y;
-        if (!isBounded(row)) {
-            row.asked = Side::within, row.wrong = 0;
-            continue;
-        }
-        const double terms = std::fabs(row.load) + (termsOfSpeed(row, v) + std::fabs(row.target)) / row.resistance;
-        row.asked = askedSide(row, y, tuning::kSideRounding * terms);
-        row.wrong = wrongBy(row, y);
-    }
+    for (SystemRow& row : rows)
+        row.impulse = row.side == Side::lower   ? row.lower
+                      : row.side == Side::upper ? row.upper
+                                                : row.load - (row.speed - row.target) / row.resistance;
     return gradientAt(v, gradient);
 }
 
-std::size_t Equations::wrongSides() const {
-    std::size_t count = 0;
-    for (const SystemRow& row : rows) count += row.asked != row.side;
-    return count;
+static DVec3 size(const DVec3& a) { return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)}; }
+
+/// The sums of the sizes of the terms that the motion of a pair sums up.
+static Twist termsOfMotion(const SystemPair& pair, const double* v) {
+    Twist sum;
+    const auto addTerms = [&](std::int32_t body, const DVec3& arm) {
+        if (body == kFixed) return;
+        const DVec3 w = size(load(v + 6 * body + 3)), r = size(arm);
+        sum.linear = sum.linear + size(load(v + 6 * body)) +
+                     DVec3{w.y * r.z + w.z * r.y, w.z * r.x + w.x * r.z, w.x * r.y + w.y * r.x};
+        sum.turn = sum.turn + w;
+    };
+    addTerms(pair.a, pair.armA);
+    addTerms(pair.b, pair.armB);
+    return sum;
+}
+
+std::size_t Equations::askSides(const double* v) {
+    std::size_t wrong = 0;
+    for (const SystemPair& pair : pairs) {
+        const Twist terms = termsOfMotion(pair, v);
+        for (std::uint32_t i = pair.first; i < pair.first + pair.count; ++i) {
+            SystemRow& row = rows[i];
+            row.asked = Side::within, row.wrong = 0;
+            if (!isBounded(row)) continue;
+            const double y = row.load - (row.speed - row.target) / row.resistance;
+            const double speed = dot(size(row.linear), terms.linear) + dot(size(row.turn), terms.turn);
+            const double sum = std::fabs(row.load) + (speed + std::fabs(row.target)) / row.resistance;
+            row.asked = askedSide(row, y, tuning::kSideRounding * sum);
+            row.wrong = wrongBy(row, y);
+            wrong += row.asked != row.side;
+        }
+    }
+    return wrong;
 }
 
 void Equations::changeSides(SideChange change) {

@@ -15,6 +15,7 @@ IslandSystem::IslandSystem(std::pmr::memory_resource* memory)
       states_(memory),
       joints_(memory),
       moved_(memory),
+      movedPairs_(memory),
       pairs_(memory),
       jointEnds_(memory),
       pointEnds_(memory),
@@ -44,6 +45,9 @@ void setMass(SystemBody& body, const BodyState& state, const BodyInertia& inerti
     if (!(full.yy > 0)) full.yy = 1;
     if (!(full.zz > 0)) full.zz = 1;
     body.inertia = inverse(full);
+    body.locks = state.locks & 7u;
+    const DSym3& free = body.inverseInertia;
+    body.locks |= (free.xx > 0 ? 0u : 8u) | (free.yy > 0 ? 0u : 16u) | (free.zz > 0 ? 0u : 32u);
 }
 
 void tangents(const DVec3& n, DVec3& t1, DVec3& t2) {
@@ -106,7 +110,10 @@ void IslandSystem::begin(const IslandParts& parts, const BodyArrays& arrays, con
     loops_ = joints_.size() + (held ? 0 : 1) > equations_.bodies.size();
     constexpr std::size_t kMostRows = 24;  // a plane with everything; rows come and go with tension
     constexpr std::size_t kMostRigid = 6;
-    equations_.rows.reserve(kMostRows * joints_.size() + std::max(parts.pointCount, parts.pointRoom));
+    const std::size_t points = std::max(parts.pointCount, parts.pointRoom);
+    equations_.pairs.reserve(joints_.size() + points);
+    equations_.rows.reserve(kMostRows * joints_.size() + points);
+    movedPairs_.reserve(joints_.size());
     moved_.reserve(kMostRigid * joints_.size());
     loadPattern();
     const std::size_t n = equations_.unknowns();
@@ -325,16 +332,18 @@ bool IslandSystem::aimAgain(const BodyArrays& arrays, const JointContext& joints
 }
 
 void IslandSystem::buildRows(const BodyArrays& arrays, const JointContext& joints, bool begins, RowAims aims) {
+    equations_.pairs.clear();
     equations_.rows.clear();
     if (joints_.empty()) return;
     const bool touches = !equations_.contacts.empty();
-    const JointRowBuilder builder{arrays, joints, equations_.rows, equations_.bodies.data(), begins, aims, touches};
+    const JointRowBuilder builder{arrays, joints, equations_.pairs, equations_.rows, equations_.bodies.data(),
+                                  begins, aims,   touches};
     for (std::size_t j = 0; j < joints_.size(); ++j)
         builder.add(*joints_[j], static_cast<std::uint32_t>(j), jointEnds_[2 * j], jointEnds_[2 * j + 1]);
     for (SystemBody& body : equations_.bodies)
         if (body.stiffness.xx > 0 || body.stiffness.yy > 0 || body.stiffness.zz > 0)
             body.inverseTaut = inverse(body.inertia + body.stiffness);
-    for (SystemRow& row : equations_.rows) findBlock(row);
+    for (SystemPair& pair : equations_.pairs) findBlock(pair);
     equations_.takeSidesOfLoads();
 }
 
@@ -346,7 +355,9 @@ void IslandSystem::moveRows(const BodyArrays& arrays, const JointContext& joints
         body.inverseTaut = isTaut ? inverse(body.inertia + taut) : body.inverseInertia;
     }
     moved_.clear();
-    const JointRowBuilder builder{arrays, joints, moved_, equations_.bodies.data(), false, RowAims::resting};
+    movedPairs_.clear();
+    const JointRowBuilder builder{arrays, joints,          movedPairs_, moved_, equations_.bodies.data(),
+                                  false,  RowAims::resting};
     for (std::size_t j = 0; j < joints_.size(); ++j)
         builder.add(*joints_[j], static_cast<std::uint32_t>(j), jointEnds_[2 * j], jointEnds_[2 * j + 1]);
     std::size_t next = 0;
@@ -355,26 +366,33 @@ void IslandSystem::moveRows(const BodyArrays& arrays, const JointContext& joints
         const SystemRow& moved = moved_[next];
         if (row.joint != moved.joint || row.kind != moved.kind) continue;
         ++next;
-        std::copy(moved.ja, moved.ja + 6, row.ja);
-        std::copy(moved.jb, moved.jb + 6, row.jb);
+        row.linear = moved.linear;
+        row.turn = moved.turn;
         row.target = moved.target;
+        equations_.pairs[row.joint].armA = movedPairs_[row.joint].armA;
+        equations_.pairs[row.joint].armB = movedPairs_[row.joint].armB;
     }
 }
 
-void IslandSystem::findBlock(SystemRow& row) const {
-    if (row.a != kFixed && row.b != kFixed)
-        row.block =
-            equations_.hessian.ordering().blockOf(static_cast<std::uint32_t>(row.a), static_cast<std::uint32_t>(row.b));
+void IslandSystem::findBlock(SystemPair& pair) const {
+    if (pair.a != kFixed && pair.b != kFixed)
+        pair.block = equations_.hessian.ordering().blockOf(static_cast<std::uint32_t>(pair.a),
+                                                           static_cast<std::uint32_t>(pair.b));
 }
 
 void IslandSystem::addClosingPoints(std::span<const ClosingPoint> points, RowAims aims, double inverseH) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         const ClosingPoint& point = points[i];
         if (point.isFar || (aims == RowAims::resting && point.room > 0)) continue;
-        SystemRow row = closingRow(point, pointEnds_[2 * i], pointEnds_[2 * i + 1], equations_.bodies.data());
+        SystemPair pair;
+        pair.a = pointEnds_[2 * i], pair.b = pointEnds_[2 * i + 1];
+        pair.first = static_cast<std::uint32_t>(equations_.rows.size()), pair.count = 1;
+        pair.armA = point.armA, pair.armB = point.armB;
+        findBlock(pair);
+        equations_.pairs.push(pair);
+        SystemRow row = closingRow(point, pair, equations_.bodies.data());
         row.target = aims == RowAims::closing ? -point.room * inverseH : 0;
         if (row.target > 0) row.side = Side::within;
-        findBlock(row);
         equations_.rows.push(row);
     }
 }

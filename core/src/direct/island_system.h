@@ -121,7 +121,7 @@ private:
     /// Rigid rows where the bodies have moved to: what springs then change acts there, so that it has no moment about
     /// the point where it should, and what rigid rows give to it is along what the next substep starts from.
     void moveRows(const BodyArrays& arrays, const JointContext& joints);
-    void findBlock(SystemRow& row) const;
+    void findBlock(SystemPair& pair) const;
     void refreshMasses(const BodyArrays& arrays);
     static void makeHeavy(SystemBody& body, double factor);
     void updateGaps(const BodyArrays& arrays);
@@ -141,6 +141,7 @@ private:
     AlignedArray<std::uint32_t> states_;  ///< of the bodies
     AlignedArray<JointSim*> joints_;
     AlignedArray<SystemRow> moved_;  ///< scratch of moveRows
+    AlignedArray<SystemPair> movedPairs_;
     AlignedArray<BlockPair> pairs_;
     AlignedArray<std::int32_t> jointEnds_;  ///< two local bodies per joint
     AlignedArray<std::int32_t> pointEnds_;  ///< and per point beside which they are closed

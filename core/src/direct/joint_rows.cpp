@@ -1,6 +1,7 @@
 #include "direct/joint_rows.h"
 
 #include <limits>
+#include <utility>
 
 #include "constraints/joint_types.h"
 #include "constraints/spring_drags.h"
@@ -33,61 +34,59 @@ struct Ends {
     BodyPair pair() { return {states, inertias, 1, 2}; }
 };
 
-/// Locked movements feel nothing.
-void mask(const SystemBody& body, double j[6]) {
-    for (int k = 0; k < 3; ++k)
-        if (!(body.inverseMass[k] > 0)) j[k] = 0;
-    if (!(body.inverseInertia.xx > 0)) j[3] = 0;
-    if (!(body.inverseInertia.yy > 0)) j[4] = 0;
-    if (!(body.inverseInertia.zz > 0)) j[5] = 0;
+double admittance(const SystemBody& body, const DVec3& linear, const DVec3& angular) {
+    const double* w = body.inverseMass;
+    return w[0] * linear.x * linear.x + w[1] * linear.y * linear.y + w[2] * linear.z * linear.z +
+           dot(angular, body.inverseInertia * angular);
 }
-double admittance(const SystemBody& body, const double j[6]) {
+/// The inverse mass of a row, or 1 where nothing moves. Locked movements have none.
+double admittance(const SystemRow& row, const SystemPair& pair, const SystemBody* bodies) {
     double k = 0;
-    for (int i = 0; i < 3; ++i) k += body.inverseMass[i] * j[i] * j[i];
-    return k + dot(load(j + 3), body.inverseInertia * load(j + 3));
-}
-/// Its inverse mass, or 1 where nothing moves, of a row from whose Jacobian locked movements are taken.
-double takeAdmittance(SystemRow& row, const SystemBody* bodies) {
-    double k = 0;
-    if (row.a != kFixed) mask(bodies[row.a], row.ja), k += admittance(bodies[row.a], row.ja);
-    if (row.b != kFixed) mask(bodies[row.b], row.jb), k += admittance(bodies[row.b], row.jb);
+    const auto add = [&](std::int32_t body, const DVec3& arm) {
+        if (body == kFixed) return;
+        k += row.shape == RowShape::turning ? dot(row.turn, bodies[body].inverseInertia * row.turn)
+                                            : admittance(bodies[body], row.linear, cross(arm, row.linear) + row.turn);
+    };
+    add(pair.a, pair.armA);
+    add(pair.b, pair.armB);
     return k > 0 ? k : 1;
+}
+/// What a body does at an arm, without what it is locked in.
+Twist motionAt(const BodyState& state, std::uint32_t locks, const DVec3& arm) {
+    const Twist of = unlocked(locks, {toDouble(state.v), toDouble(state.w)});
+    return {of.linear + cross(of.turn, arm), of.turn};
 }
 
 /// λ = push − h c (u − speed) within ± most, with u the mean speed of the substep.
 struct SpringRow {
-    TunedSpring tuned;
     float push = 0, speed = 0, most = kNoForceLimit;  ///< N s, of the error and what is fed forward; m/s; N s
 };
 
 /// The directions of a joint's rows and what they share.
 class RowWriter {
 public:
-    RowWriter(const JointRowBuilder& builder, const JointSim& joint, std::uint32_t index, std::int32_t a,
-              std::int32_t b)
-        : builder_(builder),
-          index_(index),
-          a_(a),
-          b_(b),
-          armA_(toDouble(joint.arms.a)),
-          armB_(toDouble(joint.arms.b)),
-          stateA_(builder.arrays.states[joint.stateA]),
-          stateB_(builder.arrays.states[joint.stateB]) {}
-
-    SystemRow along(const PairVector& d) const {
-        const DVec3 l = toDouble(d.linear), turn = toDouble(d.angular);
-        return row(l, cross(armA_, l) + turn, cross(armB_, l) + turn);
+    RowWriter(const JointRowBuilder& builder, const JointSim& joint, std::uint32_t index, const SystemPair& pair)
+        : builder_(builder), index_(index), pair_(pair) {
+        const auto add = [&](std::int32_t body, std::uint32_t state, double sign, const DVec3& arm) {
+            const std::uint32_t locks = body == kFixed ? 0 : builder.bodies[body].locks;
+            const Twist u = motionAt(builder.arrays.states[state], locks, arm);
+            Twist& sum = body == kFixed ? driven_ : free_;
+            sum = {sum.linear + sign * u.linear, sum.turn + sign * u.turn};
+        };
+        add(pair.a, joint.stateA, -1, pair.armA);
+        add(pair.b, joint.stateB, 1, pair.armB);
     }
-    SystemRow linear(const DVec3& d) const { return row(d, cross(armA_, d), cross(armB_, d)); }
-    SystemRow angular(const DVec3& d) const { return row({}, d, d, RowShape::turning); }
+
+    SystemRow along(const PairVector& d) const { return row(toDouble(d.linear), toDouble(d.angular)); }
+    SystemRow linear(const DVec3& d) const { return row(d, {}); }
+    SystemRow angular(const DVec3& d) const { return row({}, d, RowShape::turning); }
     /// Along an axis of the world.
     SystemRow linear(int axis) const {
         constexpr RowShape kShapes[] = {RowShape::alongX, RowShape::alongY, RowShape::alongZ};
-        const DVec3 d = kAxes[axis];
-        return row(d, cross(armA_, d), cross(armB_, d), kShapes[axis]);
+        return row(kAxes[axis], {}, kShapes[axis]);
     }
 
-    void push(SystemRow row, RowKind kind, double load, double target, const RestingAim& resting) const {
+    void push(SystemRow& row, RowKind kind, double load, double target, const RestingAim& resting) const {
         row.kind = kind;
         row.load = load;
         row.target = target;
@@ -95,35 +94,42 @@ public:
         builder_.rows.push(row);
     }
     /// `ahead` is the error where free motion leads.
-    void rigid(SystemRow row, RowKind kind, double load, double error, double ahead) const {
+    void rigid(SystemRow&& row, RowKind kind, double load, double error, double ahead) const {
         row.lower = -kNoBound, row.upper = kNoBound;
+        row.resistance = resistanceOf(row);
         if (builder_.aims == RowAims::closing) return push(row, kind, 0, -error * inverseH(), {});
-        if (builder_.aims == RowAims::resting) return push(row, kind, 0, -drivenSpeed(row), {});
+        if (builder_.aims == RowAims::resting) return push(row, kind, 0, -alongRow(row, driven_), {});
         const double still = curving(row, error, ahead);
         const double bias = -static_cast<double>(builder_.context.softness.biasRate) * error;
         push(row, kind, load, still + bias, {still, row.resistance, -kNoBound, kNoBound});
     }
     /// A row as the iteration has it; `bend` is the speed along it at which its coordinate does not change.
-    void scalar(SystemRow row, RowKind kind, double load, const RowAim& moving, const RowAim& resting,
+    void scalar(SystemRow&& row, RowKind kind, double load, const RowAim& moving, const RowAim& resting,
                 double inverseMass, double bend) const {
         if (builder_.aims == RowAims::closing && moving.drag > 0) return hold(row, kind, moving.drag);
         if (builder_.aims != RowAims::substep) return;
         row.lower = moving.lower, row.upper = moving.upper;
-        RestingAim rest{bend + resting.target, row.resistance, resting.lower, resting.upper};
+        RestingAim rest{bend + resting.target, 0, resting.lower, resting.upper};
         row.compliant = moving.drag >= 0;
-        if (!row.compliant) return push(row, kind, load, bend + moving.target, rest);
+        if (!row.compliant) {
+            row.resistance = rest.resistance = resistanceOf(row);
+            return push(row, kind, load, bend + moving.target, rest);
+        }
         row.resistance = resistanceOf(moving.drag, inverseMass);
         rest.resistance = resistanceOf(resting.drag, inverseMass);
         // What the second pass pushes with beyond the first, as a speed.
         rest.target = static_cast<double>(resting.push - moving.push) * rest.resistance;
         push(row, kind, moving.push, 0, rest);
     }
+    SpringDrags dragsOf(const TunedSpring& spring, float inverseMass) const {
+        const auto drags = builder_.touches || builder_.aims != RowAims::substep ? separateDrags : springDrags;
+        return drags(spring.stiffness, spring.damping, inverseMass, builder_.context.h);
+    }
     /// λ₁ = push − moving (u₁ − speed),  λ₂ = push + follows (λ₁ − push) − resting (u₂ − speed): what λ₁ is the second
     /// pass adds (IslandSystem::aimAtVelocities).
-    void spring(SystemRow row, RowKind kind, const SpringRow& spring, float inverseMass) const {
-        const auto drags = builder_.touches || builder_.aims != RowAims::substep ? separateDrags : springDrags;
-        const auto [first, second, follows] =
-            drags(spring.tuned.stiffness, spring.tuned.damping, inverseMass, builder_.context.h);
+    void spring(SystemRow&& row, RowKind kind, const SpringRow& spring, const SpringDrags& drags,
+                float inverseMass) const {
+        const auto [first, second, follows] = drags;
         if (builder_.aims == RowAims::closing && first > 0) return hold(row, kind, first);
         if (builder_.aims != RowAims::substep) return;
         const double given = spring.push, speed = spring.speed, most = spring.most, pushed = given + first * speed;
@@ -135,7 +141,7 @@ public:
         push(row, kind, pushed, 0, rest);
     }
     /// Springs and soft stops make ways that stretch them long ones.
-    void hold(SystemRow row, RowKind kind, double drag) const {
+    void hold(SystemRow& row, RowKind kind, double drag) const {
         row.resistance = 1 / drag;
         row.compliant = true;
         row.lower = -kNoBound, row.upper = kNoBound;
@@ -143,27 +149,17 @@ public:
     }
     /// The way that brings what is beyond a stop back to it, or that may be used up until it is met. A joint that was
     /// made beyond its stop comes back by itself.
-    void close(SystemRow row, RowKind kind, const StopSide& side) const {
+    void close(SystemRow& row, RowKind kind, const StopSide& side) const {
         row.lower = 0, row.upper = kNoBound;
+        row.resistance = resistanceOf(row);
         const bool held = side.recovery == 0 && side.margin < 0;
         push(row, kind, 0, held ? 0.0 : -static_cast<double>(side.margin) * inverseH(), {});
     }
     RowAims aims() const { return builder_.aims; }
     double inverseH() const { return builder_.context.inverseH; }
-    /// What bodies that no impulse moves do along the row.
-    double drivenSpeed(const SystemRow& row) const {
-        double u = 0;
-        const auto part = [&](std::int32_t body, const BodyState& s, const double j[6]) {
-            if (body != kFixed) return;
-            u += dot(load(j), toDouble(s.v)) + dot(load(j + 3), toDouble(s.w));
-        };
-        part(row.a, stateA_, row.ja);
-        part(row.b, stateB_, row.jb);
-        return u;
-    }
     /// The speed along the row at which an error would not change: what free motion has, less the change it makes.
     double curving(const SystemRow& row, double error, double ahead) const {
-        return freeSpeed(row) - (ahead - error) * static_cast<double>(builder_.context.inverseH);
+        return alongRow(row, free_) - (ahead - error) * static_cast<double>(builder_.context.inverseH);
     }
     const JointContext& context() const { return builder_.context; }
     /// The stiffness of tension T across a line of length L: a spring h γ T/L about the free motion.
@@ -173,7 +169,7 @@ public:
         r.resistance = 1 / weight;
         r.compliant = true;
         r.lower = -kNoBound, r.upper = kNoBound;
-        const double speed = freeSpeed(r);
+        const double speed = alongRow(r, free_);
         push(r, RowKind::across, 0, speed, {speed, r.resistance, -kNoBound, kNoBound});
     }
 
@@ -182,33 +178,21 @@ private:
         const double least = kNoDrag / inverseMass;
         return 1 / (drag > least ? drag : least);
     }
-    SystemRow row(const DVec3& d, const DVec3& turnA, const DVec3& turnB, RowShape shape = RowShape::whole) const {
+    SystemRow row(const DVec3& linear, const DVec3& turn, RowShape shape = RowShape::whole) const {
         SystemRow r;
-        r.a = a_, r.b = b_, r.joint = index_;
+        r.joint = index_;
         r.shape = shape;
-        store(-1.0 * d, r.ja), store(-1.0 * turnA, r.ja + 3);
-        store(d, r.jb), store(turnB, r.jb + 3);
-        r.resistance = tuning::kRowResistance * takeAdmittance(r, builder_.bodies);
+        r.linear = linear, r.turn = turn;
         return r;
     }
-    double freeSpeed(const SystemRow& r) const {
-        double u = 0;
-        const auto part = [&](std::int32_t body, const double j[6]) {
-            if (body == kFixed) return;
-            const BodyState& s = builder_.arrays.states[builder_.bodies[body].state];
-            for (int k = 0; k < 3; ++k)
-                u += j[k] * static_cast<double>(s.v[k]) + j[3 + k] * static_cast<double>(s.w[k]);
-        };
-        part(r.a, r.ja);
-        part(r.b, r.jb);
-        return u;
+    double resistanceOf(const SystemRow& row) const {
+        return tuning::kRowResistance * admittance(row, pair_, builder_.bodies);
     }
 
     const JointRowBuilder& builder_;
     std::uint32_t index_;
-    std::int32_t a_, b_;
-    DVec3 armA_, armB_;
-    const BodyState &stateA_, &stateB_;
+    const SystemPair& pair_;
+    Twist free_, driven_;  ///< of B beside A, of bodies that impulses move and of those that they do not
 };
 
 const Vec3& columnOf(const Mat3& m, int k) { return k == 0 ? m.cx : k == 1 ? m.cy : m.cz; }
@@ -255,9 +239,9 @@ void addBlock(const RowWriter& writer, const RigidBlock& block, const Ahead& ahe
     }
 }
 
-SystemRow opposite(SystemRow row) {
-    for (int k = 0; k < 6; ++k) row.ja[k] = -row.ja[k], row.jb[k] = -row.jb[k];
-    return row;
+void turnRound(SystemRow& row) {
+    row.linear = -1.0 * row.linear;
+    row.turn = -1.0 * row.turn;
 }
 
 /// All at once, a stop does not know yet whether it will be met: a margin that may be used up may be so in both passes.
@@ -266,10 +250,13 @@ RowAim restingAim(const StopSide& side, const Stop& stop, float inverseMass, con
     return aimAtStop(side, stop, inverseMass, context, within);
 }
 
+TunedSpring tunedOf(const AxisRows& axis, AxisSlot slot) {
+    return slot == AxisSlot::viscous ? TunedSpring{0, axis.resistance.viscous}
+                                     : axis.spring.tuning.at(axis.inverseMass);
+}
 SpringRow springOf(const AxisRows& axis, AxisSlot slot, float h) {
-    if (slot == AxisSlot::viscous) return {{0, axis.resistance.viscous}};
-    return {axis.spring.tuning.at(axis.inverseMass),
-            h * (axis.spring.feedForward - axis.springStiffness * axis.springError), axis.spring.speed,
+    if (slot == AxisSlot::viscous) return {};
+    return {h * (axis.spring.feedForward - axis.springStiffness * axis.springError), axis.spring.speed,
             h * axis.spring.most};
 }
 
@@ -282,7 +269,8 @@ void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis
         const auto slot = static_cast<AxisSlot>(i);
         if (!axis.has(slot)) continue;
         const bool upper = slot == AxisSlot::upper, stops = upper || slot == AxisSlot::lower;
-        const SystemRow along = upper ? opposite(row) : row;
+        SystemRow along = row;
+        if (upper) turnRound(along);
         const StopSide& now = upper ? axis.atUpper : axis.atLower;
         const double bend = stops ? writer.curving(along, now.margin, upper ? ahead.upper : ahead.lower) : 0.0;
         const bool stop = stops && (axis.features & AxisRows::kLimit) != 0;
@@ -291,10 +279,11 @@ void addAxis(const RowWriter& writer, const SystemRow& row, const AxisRows& axis
             if (slot != AxisSlot::spring && !(stop && axis.stop.stiffness > 0)) continue;
         }
         if (slot == AxisSlot::spring || slot == AxisSlot::viscous) {
-            writer.spring(along, after(first, i), springOf(axis, slot, writer.context().h), axis.inverseMass);
+            writer.spring(std::move(along), after(first, i), springOf(axis, slot, writer.context().h),
+                          writer.dragsOf(tunedOf(axis, slot), axis.inverseMass), axis.inverseMass);
             continue;
         }
-        writer.scalar(along, after(first, i), axis.impulse(slot), aimOf(axis, slot, writer.context(), true),
+        writer.scalar(std::move(along), after(first, i), axis.impulse(slot), aimOf(axis, slot, writer.context(), true),
                       stop ? restingAim(now, axis.stop, axis.inverseMass, writer.context())
                            : aimOf(axis, slot, writer.context(), false),
                       w, bend);
@@ -316,7 +305,7 @@ void addTurnStop(const RowWriter& writer, RowKind kind, const Vec3& axis, const 
                  const JointSim& joint) {
     const float w = dot(axis, joint.block.mass.rest * axis);
     if (!(w > joint.block.noise)) return;
-    const SystemRow row = writer.angular(toDouble(axis));
+    SystemRow row = writer.angular(toDouble(axis));
     const bool isThere = ahead < kFarAway && side.margin < kFarAway;
     const double bend = isThere ? writer.curving(row, side.margin, ahead) : 0.0;
     const Stop& stop = joint.ball.stop;
@@ -324,7 +313,7 @@ void addTurnStop(const RowWriter& writer, RowKind kind, const Vec3& axis, const 
         if (isThere && !(stop.stiffness > 0)) writer.close(row, kind, side);
         if (!(isThere && stop.stiffness > 0)) return;
     }
-    writer.scalar(row, kind, side.impulse, aimAtStop(side, stop, w, writer.context(), true),
+    writer.scalar(std::move(row), kind, side.impulse, aimAtStop(side, stop, w, writer.context(), true),
                   restingAim(side, stop, w, writer.context()), w, bend);
 }
 
@@ -334,25 +323,28 @@ void addBall(const RowWriter& writer, const JointSim& joint, const Ahead& ahead)
     const float w = joint.block.mass.rest.xx + joint.block.mass.rest.yy + joint.block.mass.rest.zz;
     const float easy = easiest(joint.block);
     if (ball.features == 0 || !(easy > 0)) return;
+    SpringDrags drags, viscous;
+    if (ball.features & BallRows::kSpring) drags = writer.dragsOf(ball.spring.tuning.at(easy), easy);
+    if (ball.features & BallRows::kViscous) viscous = writer.dragsOf({0, ball.resistance.viscous}, easy);
     for (int k = 0; k < 3; ++k) {
-        const SystemRow row = writer.angular(kAxes[k]);
+        const auto row = [&] { return writer.angular(kAxes[k]); };
         if (ball.features & BallRows::kSpring) {
             const float given = -h * ball.springStiffness * ball.springError[k];
-            writer.spring(row, after(RowKind::ballSpring, k), {ball.spring.tuning.at(easy), given, 0, most}, easy);
+            writer.spring(row(), after(RowKind::ballSpring, k), {given, 0, most}, drags, easy);
         }
         if (ball.features & BallRows::kDrives) {
             const BallDrives& drives = joint.drives;
+            if (k == 0 || (k == 1 && drives.apart)) drags = writer.dragsOf(tunedDrive(drives, k, easy), easy);
             writer.spring(writer.angular(toDouble(columnOf(drives.basis, k))), after(RowKind::ballSpring, k),
-                          {tunedDrive(drives, k, easy), drives.push[k], drives.speed[k], most}, easy);
+                          {drives.push[k], drives.speed[k], most}, drags, easy);
         }
         if (writer.aims() == RowAims::closing) continue;
-        if (ball.features & BallRows::kViscous)
-            writer.spring(row, after(RowKind::ballViscous, k), {{0, ball.resistance.viscous}}, easy);
+        if (ball.features & BallRows::kViscous) writer.spring(row(), after(RowKind::ballViscous, k), {}, viscous, easy);
         if (ball.features & BallRows::kFriction) {
             RowAim moving, resting;
             moving.upper = ball.dry.boundOf(true), resting.upper = ball.dry.boundOf(false);
             moving.lower = -moving.upper, resting.lower = -resting.upper;
-            writer.scalar(row, after(RowKind::ballFriction, k), ball.frictionImpulse[k], moving, resting, w, 0);
+            writer.scalar(row(), after(RowKind::ballFriction, k), ball.frictionImpulse[k], moving, resting, w, 0);
         }
     }
     if (ball.features & BallRows::kTwist) {
@@ -404,7 +396,7 @@ Ahead refresh(JointSim& joint, const JointRowBuilder& builder) {
     Ends ends(builder.arrays, joint);
     Ends later = ends;
     later.advance(builder.context.h);
-    refreshJoint(joint, later.pair(), {builder.context, false});
+    refreshJoint(joint, later.pair(), {builder.context, false, true});
     const Ahead ahead(joint);
     refreshJoint(joint, ends.pair(), {builder.context, builder.begins});
     return ahead;
@@ -420,21 +412,28 @@ void JointRowBuilder::add(JointSim& joint, std::uint32_t index, std::int32_t a, 
         if (a != kFixed) addStiffness(bodies[a], -1.0 * force, toDouble(joint.arms.a), h);
         if (b != kFixed) addStiffness(bodies[b], force, toDouble(joint.arms.b), h);
     }
-    const RowWriter writer(*this, joint, index, a, b);
-    if (hasAxes(joint.kind)) return addAxes(writer, withAxes(joint).axes, ahead);
-    if (joint.kind != JointKind::distance && joint.kind != JointKind::none) addBlock(writer, joint.block, ahead);
-    if (aims != RowAims::resting) addFree(writer, joint, ahead);
+    SystemPair pair;
+    pair.a = a, pair.b = b;
+    pair.first = static_cast<std::uint32_t>(rows.size());
+    pair.armA = toDouble(joint.arms.a), pair.armB = toDouble(joint.arms.b);
+    const RowWriter writer(*this, joint, index, pair);
+    if (hasAxes(joint.kind)) {
+        addAxes(writer, withAxes(joint).axes, ahead);
+    } else {
+        if (joint.kind != JointKind::distance && joint.kind != JointKind::none) addBlock(writer, joint.block, ahead);
+        if (aims != RowAims::resting) addFree(writer, joint, ahead);
+    }
+    pair.count = static_cast<std::uint32_t>(rows.size()) - pair.first;
+    pairs.push(pair);
 }
 
-SystemRow closingRow(const ClosingPoint& point, std::int32_t a, std::int32_t b, const SystemBody* bodies) {
+SystemRow closingRow(const ClosingPoint& point, const SystemPair& pair, const SystemBody* bodies) {
     SystemRow row;
     row.kind = RowKind::closingPoint;
-    row.a = a, row.b = b;
-    store(-1.0 * point.normal, row.ja), store(-1.0 * cross(point.armA, point.normal), row.ja + 3);
-    store(point.normal, row.jb), store(cross(point.armB, point.normal), row.jb + 3);
+    row.linear = point.normal;
     row.lower = 0, row.upper = kNoBound;
     row.side = Side::lower;
-    row.resistance = tuning::kPointResistance * takeAdmittance(row, bodies);
+    row.resistance = tuning::kPointResistance * admittance(row, pair, bodies);
     return row;
 }
 

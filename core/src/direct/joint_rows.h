@@ -16,6 +16,7 @@ namespace ragtop::direct {
 struct JointRowBuilder {
     const BodyArrays& arrays;
     const JointContext& context;
+    AlignedArray<SystemPair>& pairs;
     AlignedArray<SystemRow>& rows;
     SystemBody* bodies;
     bool begins;  ///< for the first time in the substep
@@ -26,7 +27,7 @@ struct JointRowBuilder {
 };
 
 /// The row of a contact point beside which joints are closed, which pushes alone.
-SystemRow closingRow(const ClosingPoint& point, std::int32_t a, std::int32_t b, const SystemBody* bodies);
+SystemRow closingRow(const ClosingPoint& point, const SystemPair& pair, const SystemBody* bodies);
 
 /// Writes the impulses of rows back to their joints, in the form that the iteration keeps.
 void storeImpulses(const AlignedArray<SystemRow>& rows, JointSim* const* joints);

@@ -103,11 +103,10 @@ void Mechanism::addJoint(std::size_t index) {
     for (std::uint32_t k = 0; k < place.rowCount; ++k) {
         const Row& row = rows_[place.firstRow + k];
         const double weight = 1 / row.resistance;
-        if (place.movesA) addSquare(AllPlaces{}, factor_.diagonal(a), weight, row.ja);
-        if (place.movesB) addSquare(AllPlaces{}, factor_.diagonal(b), weight, row.jb);
+        if (place.movesA) addSquare(factor_.diagonal(a), weight, row.ja);
+        if (place.movesB) addSquare(factor_.diagonal(b), weight, row.jb);
         if (!couples) continue;
-        addOuter(AllPlaces{}, factor_.coupling(place.block), weight, rowsOfB ? row.jb : row.ja,
-                 rowsOfB ? row.ja : row.jb);
+        addOuter(factor_.coupling(place.block), weight, rowsOfB ? row.jb : row.ja, rowsOfB ? row.ja : row.jb);
     }
 }
 

@@ -52,7 +52,7 @@ bool pivot(Equations& equations, bool& factored, SolveReport& report, int mostPi
     int blocks = kBlocks;
     for (int i = 0; i < mostPivots; ++i) {
         if (!answerSides(equations, factored, report)) return false;
-        const std::size_t wrong = equations.wrongSides();
+        const std::size_t wrong = equations.askSides(equations.velocity.data());
         if (wrong == 0) return true;
         const bool fewer = wrong < fewest;
         if (fewer) {
