@@ -99,16 +99,19 @@ function(ragtop_precompile target)
     endif()
 endfunction()
 
-# ragtop_unity(<target> [ALONE <regex>] [TOGETHER <regex>]): compiles eight sources at a time. Their headers, and what
-# templates make of those again in each source, are most of what they cost. Sources whose paths match ALONE use the same
+# ragtop_unity(<target> [BATCH <number>] [ALONE <regex>] [TOGETHER <regex>]): compiles eight sources at a time, or another
+# number. Their headers, and what templates make of those again in each source, are most of what they cost. Sources whose paths match ALONE use the same
 # names for different things and stay alone; those that match TOGETHER share headers that few others include, and are
 # compiled with each other. Call it when the target has all its sources.
 function(ragtop_unity target)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "" "ALONE;TOGETHER" "")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "BATCH;ALONE;TOGETHER" "")
     if(NOT RAGTOP_UNITY)
         return()
     endif()
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    if(NOT arg_BATCH)
+        set(arg_BATCH 8)
+    endif()
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${arg_BATCH})
     if(arg_TOGETHER)
         get_target_property(sources ${target} SOURCES)
         set(together ${sources})

@@ -15,7 +15,7 @@ namespace ragtop {
 namespace {
 
 /// N m or N of an actuator without a bound.
-constexpr double kUnbounded = 1e9;
+constexpr double kUnlimited = 1e9;
 
 /// Elements that change no physics.
 const std::set<std::string> kLooks{"camera", "light", "site", "visual", "statistic", "texture", "material", "size"};
@@ -158,7 +158,7 @@ private:
         actuator.numbers("gear", gear, 1);
         const auto largest = [&](const char* range, const char* limited) {
             std::array<double, 2> v{};
-            if (actuator.numbers(range, v, 2) == 0 || !actuator.truth(limited).value_or(true)) return kUnbounded;
+            if (actuator.numbers(range, v, 2) == 0 || !actuator.truth(limited).value_or(true)) return kUnlimited;
             return std::max(std::abs(v[0]), std::abs(v[1]));
         };
         double force = largest("forcerange", "forcelimited");
@@ -168,7 +168,7 @@ private:
         if (direct) force = std::min(force, std::abs(gain[0]) * largest("ctrlrange", "ctrllimited"));
         ImportedRobotJoint& joint = importedOf(entry);
         joint.rated = true;
-        joint.effort = single(std::min(kUnbounded, static_cast<double>(joint.effort) + std::abs(gear[0]) * force));
+        joint.effort = single(std::min(kUnlimited, static_cast<double>(joint.effort) + std::abs(gear[0]) * force));
     }
 
     void readKey(const MjcfElement& key) {

@@ -8,7 +8,7 @@
 namespace ragtop {
 namespace {
 
-constexpr float kUnbounded = 1e5f;        ///< m or rad, where a limit has no end
+constexpr float kEndless = 1e5f;          ///< m or rad, where a limit has no end
 constexpr float kLeastCone = 1e-3f;       ///< rad; a narrower cone is no freedom
 constexpr float kGreatestCone = 3.1f;     ///< rad; a wider one is no bound
 constexpr float kGreatestPyramid = 1.5f;  ///< rad, of SwingPyramid
@@ -40,7 +40,7 @@ Stop stopOf(const GltfLimit& limit) {
 }
 
 Range rangeOf(const GltfLimit& limit) {
-    const float lower = limit.min.value_or(-kUnbounded), upper = limit.max.value_or(kUnbounded);
+    const float lower = limit.min.value_or(-kEndless), upper = limit.max.value_or(kEndless);
     return {std::min(lower, upper), std::max(lower, upper)};
 }
 
@@ -51,7 +51,7 @@ void bound(Coordinate& axis, const Range& range, const Stop& stop) {
 
 /// Two or three axes together: none of them moves where the bound is zero.
 void boundTogether(Freedoms& to, const GltfLimit& limit, const std::vector<int>& axes, bool turns) {
-    const float upper = limit.max.value_or(kUnbounded);
+    const float upper = limit.max.value_or(kEndless);
     Axes& coordinates = turns ? to.turn : to.travel;
     if (upper < kLeastCone && limit.min.value_or(0) >= 0 && (turns || upper == 0)) {
         for (const int axis : axes) bound(coordinates[static_cast<std::size_t>(axis)], {0, 0}, stopOf(limit));

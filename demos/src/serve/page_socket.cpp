@@ -103,10 +103,10 @@ void PageSocket::sendNext() {
     switch (outgoing_.kind) {
         case Outgoing::Kind::text:
             stream_.text(true);
-            return stream_.async_write(asio::buffer(outgoing_.text), sent);
+            return stream_.async_write(asio::const_buffer(asio::buffer(outgoing_.text)), sent);
         case Outgoing::Kind::frame:
             stream_.binary(true);
-            return stream_.async_write(asio::buffer(*outgoing_.frame), sent);
+            return stream_.async_write(asio::const_buffer(asio::buffer(*outgoing_.frame)), sent);
         case Outgoing::Kind::ping: {
             const std::string number = std::to_string(outgoing_.ping);
             return stream_.async_ping(websocket::ping_data(number.data(), number.size()), sent);

@@ -43,7 +43,8 @@ private:
     void onSent(Error error);
     void cut();
 
-    boost::beast::websocket::stream<boost::beast::tcp_stream> stream_;
+    /// Nothing is compressed: frames are packed already, and what would do it takes long to compile.
+    boost::beast::websocket::stream<boost::beast::tcp_stream, false> stream_;
     boost::asio::steady_timer pause_;
     const Counted connection_, page_;
     const PageServerOptions& limits_;
