@@ -13,7 +13,7 @@ std::span<const Kind> allKinds() {
         {"beam", drawBeam},         {"heap", drawHeap},       {"pendulum", drawPendulum},
         {"mixture", drawMixture},   {"pressed", drawPressed}, {"hung", drawHung},
         {"lattice", drawLattice},   {"struck", drawStruck},   {"masonry", drawMasonry},
-        {"crossing", drawCrossing},
+        {"crossing", drawCrossing}, {"machine", drawMachine},
     };
     return kKinds;
 }

@@ -9,6 +9,9 @@ Drawn drawBridge(Dice& dice);
 /// Planks of 1 to 100 kg on balls or hinges between two banks; cars of boxes and wheels, driven or not, balls, rollers
 /// and boxes of up to a hundred planks roll over them and fall on them.
 Drawn drawCrossing(Dice& dice);
+/// Suspension bridges, drawbridges, wrecking balls, trains, catapults, seesaws, wagons that strike each other, and
+/// presses.
+Drawn drawMachine(Dice& dice);
 /// Balls joined to their neighbours half way, held at the corners; a heavier ball falls in.
 Drawn drawNet(Dice& dice);
 /// Bodies hung to each other where their surfaces meet, by balls, cones with friction and hinges with limits, with

@@ -4,16 +4,9 @@ namespace ragtop::laws {
 namespace {
 
 constexpr double kPitch = 0.6;  ///< m, from joint to joint of a plank
-constexpr double kHeight = 12;  ///< m, of the banks
 
-struct Bridge {
-    double span = 0, sag = 0;  ///< m
-    float plank = 0;           ///< kg
+}  // namespace
 
-    double height(double x) const { return kHeight - 4 * sag * std::max(0.0, 0.25 - x * x / (span * span)); }
-};
-
-/// Planks on balls or hinges, one or two a side, between two banks that one can drive on.
 Bridge addBridge(Scene& scene, Dice& dice, const Material& wood) {
     const int planks = oneOf(dice, {10, 20, 40, 60}), joints = oneOf(dice, {1, 2});
     const bool hinged = coin(dice);
@@ -26,8 +19,8 @@ Bridge addBridge(Scene& scene, Dice& dice, const Material& wood) {
     const float thickness = oneOf(dice, {0.05f, 0.1f});
     constexpr float kBank = 5;  // m, half of its length
     const double away = 0.5 * bridge.span + static_cast<double>(kBank) + 0.02;
-    int before = add(scene, fixedBody(Box{{kBank, thickness / 2, 2}}, {-away, kHeight, 0}, wood));
-    const int last = add(scene, fixedBody(Box{{kBank, thickness / 2, 2}}, {away, kHeight, 0}, wood));
+    int before = add(scene, fixedBody(Box{{kBank, thickness / 2, 2}}, {-away, kBridgeHeight, 0}, wood));
+    const int last = add(scene, fixedBody(Box{{kBank, thickness / 2, 2}}, {away, kBridgeHeight, 0}, wood));
     for (int i = 0; i <= planks; ++i) {
         const double edge = (i - planks / 2.0) * pitch, middle = edge + 0.5 * pitch;
         int plank = last;
@@ -48,7 +41,6 @@ Bridge addBridge(Scene& scene, Dice& dice, const Material& wood) {
     return bridge;
 }
 
-/// Of twelve sides, about z: its corners are roots, which are the same on every platform.
 Shape prism(float radius, float half) {
     const float a = 0.5f * radius, b = std::sqrt(3.0f) * a;
     std::vector<Vec3> points;
@@ -62,8 +54,7 @@ Shape prism(float radius, float half) {
     return ConvexHull(points);
 }
 
-/// On four wheels, driven or not.
-void addCar(Scene& scene, Dice& dice, const DVec3& at, float mass, float speed, const Material& rubber) {
+int addCar(Scene& scene, Dice& dice, const DVec3& at, float mass, float speed, const Material& rubber) {
     const float radius = oneOf(dice, {0.25f, 0.4f}), wheelShare = oneOf(dice, {0.02f, 0.05f, 0.15f});
     const bool round = coin(dice), driven = coin(dice);
     BodyDef box = solidBody(Box{{0.9f, 0.2f, 0.5f}}, at + DVec3{0, static_cast<double>(radius) + 0.15, 0},
@@ -80,9 +71,8 @@ void addCar(Scene& scene, Dice& dice, const DVec3& at, float mass, float speed, 
             HingeDef& hinge = addHinge(scene, body, add(scene, std::move(wheel)), hub, {0, 0, 1});
             if (driven) hinge.motor = Motor{.targetSpeed = -(speed + 3) / radius, .maxForce = 1.5f * mass * radius};
         }
+    return body;
 }
-
-}  // namespace
 
 Drawn drawCrossing(Dice& dice) {
     Drawn drawn;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "../kinds.h"
@@ -9,8 +10,10 @@ namespace ragtop::laws {
 
 using stability::add;
 using stability::addBall;
+using stability::addDistance;
 using stability::addFloor;
 using stability::addHinge;
+using stability::addSlider;
 using stability::fixedBody;
 using stability::jointFrames;
 using stability::kWorld;
@@ -49,5 +52,21 @@ inline BodyDef solidOfDensity(Shape shape, const DVec3& position, float density,
     def.pose.position = position;
     return def;
 }
+
+constexpr double kBridgeHeight = 12;  ///< m, of the banks
+
+struct Bridge {
+    double span = 0, sag = 0;  ///< m
+    float plank = 0;           ///< kg
+
+    double height(double x) const { return kBridgeHeight - 4 * sag * std::max(0.0, 0.25 - x * x / (span * span)); }
+};
+
+/// Planks on balls or hinges, one or two a side, between two banks that one can drive on.
+Bridge addBridge(Scene& scene, Dice& dice, const Material& wood);
+/// Of twelve sides, about z: its corners are roots, which are the same on every platform.
+Shape prism(float radius, float half);
+/// On four wheels, driven or not. Returns its box.
+int addCar(Scene& scene, Dice& dice, const DVec3& at, float mass, float speed, const Material& rubber);
 
 }  // namespace ragtop::laws
