@@ -167,7 +167,7 @@ void LoadPaths::handDown(const ConstTables& t, std::uint32_t body) {
     float bearers = 0;
     bool joined = false;
     for (const std::uint32_t k : edgesOf(body))
-        if (isBorne(edges[k], body)) ++bearers, joined |= edges[k].joint;
+        joined |= edges[k].joint, bearers += isBorne(edges[k], body) ? 1.0f : 0.0f;
     const BodyAxes axes = axesOf(bodies, body);
     LoadDivision& division = division_[body];
     division = {.each = 1};
@@ -175,19 +175,20 @@ void LoadPaths::handDown(const ConstTables& t, std::uint32_t body) {
     for (const std::uint32_t k : edgesOf(body)) {
         const SupportEdge& edge = edges[k];
         if (!isBorne(edge, body)) continue;
+        const std::uint32_t bearer = otherOf(edge, body);
         float part = 0, partX = 0, partY = 0;
         if (joined)
-            part = 1 / bearers, partX = part * x, partY = part * y;
+            part = 1 / bearers;
         else
             forEachNearPoint(t, edge, body, axes, [&](int, float px, float py) {
                 const float point = division.at(px, py);
                 part += point, partX += point * px, partY += point * py;
             });
         share[k] = all * part;
-        const std::uint32_t bearer = otherOf(edge, body);
         if (!bodies.moves(bearer)) continue;
-        const Vec3 between = toVec3(bodies[body].center - bodies[bearer].center);
         load_[bearer] += share[k];
+        if (joined) continue;
+        const Vec3 between = toVec3(bodies[body].center - bodies[bearer].center);
         momentX_[bearer] += all * partX + share[k] * dot(between, axisX_);
         momentY_[bearer] += all * partY + share[k] * dot(between, axisY_);
     }

@@ -36,9 +36,9 @@ struct LoadDivision {
 };
 
 /// Which way weights go down to what does not move, and how much comes together: an estimate, for which each body hands
-/// its weight, and what it bears, to its neighbours that are nearer to what does not move. What is joined to one of
-/// these hands on equal shares, at its own middle. All of it lies in memory of its stage and holds until another stage
-/// takes some.
+/// its weight, and what it bears, to its neighbours that are nearer to what does not move. Joints hand on moments as
+/// well, so what has any divides its load evenly, and bears on the centres of others. All of it lies in memory of its
+/// stage and holds until another stage takes some.
 class LoadPaths {
 public:
     /// Takes memory, and so many bytes more.
