@@ -21,35 +21,8 @@ void addKinematic(const GuardView& view, std::uint32_t body, AlignedArray<Energy
     add(drivers, view.bodies[body].center, length(state.v), length(state.w));
 }
 
-/// m/s or rad/s, of a hinge's or slider's coordinate, from what its bodies' points do.
-double rateOf(const GuardView& view, const JointSim& sim, const JointRecord& joint, bool after) {
-    const auto speedsOf = [&](std::uint32_t index, std::uint32_t state) {
-        const BodyState& s = view.bodies.states[state];
-        if (after || !view.bodies.moves(index) || !view.bodies.isAwake(index)) return EnergyGuard::Speeds{s.v, s.w};
-        return view.guard.speeds[index];
-    };
-    const EnergyGuard::Speeds a = speedsOf(joint.bodyA, sim.stateA), b = speedsOf(joint.bodyB, sim.stateB);
-    const JointBodiesAtStep at = jointBodies(view.bodies, joint);
-    const Vec3 axis = rotate(at.rotationA * sim.localA.rotation, Vec3{1, 0, 0});
-    if (sim.kind == JointKind::hinge) return static_cast<double>(dot(axis, b.w - a.w));
-    // The point of A that lies where B's does.
-    const Vec3 armB = rotate(at.rotationB, sim.localB.position), armA = at.centerOffset + armB;
-    return static_cast<double>(dot(axis, b.v + cross(b.w, armB) - a.v - cross(a.w, armA)));
-}
-
-/// J, that a motor with a bound gives in a step at most: it pushes up to its speed, so that what stands, turns the
-/// other way or is faster gets none of it.
-double workOfMotor(const GuardView& view, const JointSim& sim, const JointRecord& joint, float target, float force) {
-    const auto ahead = [&](bool after) {
-        const double rate = rateOf(view, sim, joint, after);
-        return std::clamp(target < 0 ? -rate : rate, 0.0, static_cast<double>(std::fabs(target)));
-    };
-    return static_cast<double>(force) * std::max(ahead(false), ahead(true)) * static_cast<double>(view.dt);
-}
-
 /// Motors and targets that move, about the place of the joint in the body. J, of those with a bound.
-double addJoint(const GuardView& view, std::uint32_t index, std::uint32_t body, AlignedArray<EnergyDriver>& drivers) {
-    const JointSim& sim = view.joints.sims[index];
+double addJoint(const GuardView& view, const JointSim& sim, std::uint32_t body, AlignedArray<EnergyDriver>& drivers) {
     constexpr float kBounded = 1e12f;  // N or N m; more is no bound
     double work = 0;
     const float arm = std::max(length(sim.localA.position), length(sim.localB.position));
@@ -61,14 +34,9 @@ double addJoint(const GuardView& view, std::uint32_t index, std::uint32_t body, 
                 turns ? std::fabs(speed) : 0);
     };
     const auto giveAxis = [&](const AxisRows& axis, bool turns) {
-        if (axis.features & AxisRows::kMotor) {
-            const float target = axis.motor.targetSpeed,
-                        force = target < 0 ? axis.motor.maxReverse : axis.motor.maxForward;
-            if (force < kBounded && !hasAxes(sim.kind))
-                work += workOfMotor(view, sim, view.joints[index], target, force);
-            else
-                give(target, force, turns);
-        }
+        if (axis.features & AxisRows::kMotor)
+            give(axis.motor.targetSpeed, axis.motor.targetSpeed < 0 ? axis.motor.maxReverse : axis.motor.maxForward,
+                 turns);
         if (axis.features & AxisRows::kSpring) give(axis.spring.speed, axis.spring.most, turns);
     };
     if (hasAxes(sim.kind))
@@ -129,7 +97,7 @@ double addDrivers(const GuardView& view, std::uint32_t body, AlignedArray<Energy
         const JointRecord& joint = view.joints[key >> 1];
         addKinematic(view, (key & 1) != 0 ? joint.bodyA : joint.bodyB, drivers);
         addOpened(view, key >> 1, body, drivers);
-        const double own = addJoint(view, key >> 1, body, drivers);
+        const double own = addJoint(view, view.joints.sims[key >> 1], body, drivers);
         if ((key & 1) == 0 || !view.bodies.moves(joint.bodyA)) work += own;  // once for both of its bodies
     }
     for (std::uint32_t key = view.bodies[body].firstContact; key != kNone; key = view.contacts.next(key)) {
