@@ -92,12 +92,24 @@ public:
             addFree({block, {}, unit});
         }
     }
+    /// Of loads that differ by far the simplex method may go in circles: it is asked for so many steps, then with
+    /// scaled rows, then the interior-point method.
     bool isFeasible() {
+        constexpr int kSteps = 20000;  // some hundred are usual
         glp_smcp options;
         glp_init_smcp(&options);
         options.msg_lev = GLP_MSG_OFF;
         options.presolve = GLP_ON;
-        return glp_simplex(problem_, &options) == 0 && glp_get_status(problem_) == GLP_OPT;
+        options.it_lim = kSteps;
+        if (glp_simplex(problem_, &options) != GLP_EITLIM) return glp_get_status(problem_) == GLP_OPT;
+        glp_term_out(GLP_OFF);  // scaling has no level of messages
+        glp_scale_prob(problem_, GLP_SF_AUTO);
+        glp_term_out(GLP_ON);
+        if (glp_simplex(problem_, &options) != GLP_EITLIM) return glp_get_status(problem_) == GLP_OPT;
+        glp_iptcp interior;
+        glp_init_iptcp(&interior);
+        interior.msg_lev = GLP_MSG_OFF;
+        return glp_interior(problem_, &interior) == 0 && glp_ipt_status(problem_) == GLP_OPT;
     }
 
 private:
