@@ -64,11 +64,7 @@ struct Watcher {
 
 inline double energyOf(const World& world, const Chain& chain) {
     double energy = 0;
-    for (const BodyId body : chain.bodies) {
-        const Vec3 v = world.linearVelocity(body), l = angularMomentum(world, body);
-        energy += 0.5 * static_cast<double>(world.mass(body).mass * dot(v, v) + dot(l, world.angularVelocity(body))) +
-                  static_cast<double>(world.mass(body).mass * kGravity) * world.centerOfMass(body).y;
-    }
+    for (const BodyId body : chain.bodies) energy += energyOf(world, body);
     return energy;
 }
 

@@ -10,11 +10,6 @@ namespace {
 
 using namespace test;
 
-double energyOf(const World& world, BodyId body) {
-    return kineticEnergy(world, body) +
-           static_cast<double>(world.mass(body).mass * kGravity) * world.centerOfMass(body).y;
-}
-
 /// Planks of 1 kg on hinges between two fixed points, a thousandth longer than their span.
 struct LightBridge {
     std::vector<BodyId> bodies;

@@ -8,11 +8,6 @@ namespace {
 
 using namespace test;
 
-double energyOf(const World& world, BodyId body) {
-    return kineticEnergy(world, body) +
-           static_cast<double>(world.mass(body).mass * kGravity) * world.centerOfMass(body).y;
-}
-
 /// A slab of balls on stiff springs to all their neighbours.
 struct Slab {
     static constexpr float kStiffness = 7e6f, kPitch = 0.375f;

@@ -117,6 +117,11 @@ inline double kineticEnergy(const World& world, BodyId body) {
     return 0.5 * asDouble(mass.mass * dot(v, v) + dot(w, mass.inertia * w));
 }
 
+/// J, of motion and of height.
+inline double energyOf(const World& world, BodyId body) {
+    return kineticEnergy(world, body) + asDouble(world.mass(body).mass * kGravity) * world.centerOfMass(body).y;
+}
+
 inline double distanceBetween(const DVec3& a, const DVec3& b) {
     const DVec3 d = a - b;
     return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
