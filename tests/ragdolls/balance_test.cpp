@@ -15,8 +15,6 @@
 namespace ragtop {
 namespace {
 
-constexpr double kDt = 1.0 / 60;
-
 struct Stander {
     World world;
     BodyId floor;

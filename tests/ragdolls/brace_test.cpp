@@ -14,8 +14,6 @@
 namespace ragtop {
 namespace {
 
-constexpr double kDt = 1.0 / 60;
-
 struct Faller {
     World world;
     BodyId floor;

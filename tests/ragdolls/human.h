@@ -55,6 +55,9 @@ struct HumanRig {
     Vec3 at(int bone) const { return skeleton.bones[static_cast<std::size_t>(bone)].bind.position; }
 };
 
+constexpr double kDt = 1.0 / 60;  ///< s, a step of most tests
+constexpr float kDegree = kPi / 180;
+
 inline const HumanRig& humanRig() {
     static const HumanRig rig;
     return rig;
@@ -71,5 +74,10 @@ inline const RagdollDef& human() {
     static const RagdollDef def = makeRagdoll(humanRig().skeleton, {.bodyMass = 75});
     return def;
 }
+
+/// Of that ragdoll: the part that moves a bone.
+inline int partOf(int bone) { return human().bones[static_cast<std::size_t>(bone)].part; }
+
+inline float angleBetween(const Quat& a, const Quat& b) { return length(rotationVector(conjugate(a) * b)); }
 
 }  // namespace ragtop

@@ -15,8 +15,6 @@
 namespace ragtop {
 namespace {
 
-constexpr float kDegree = kPi / 180;
-
 /// Of a march on the spot: legs and arms swing, elbows and knees bend.
 std::vector<Pose> marching(double time) {
     const float swing = std::sin(2 * kPi * 0.8f * static_cast<float>(time));

@@ -13,8 +13,6 @@
 namespace ragtop {
 namespace {
 
-float angleBetween(const Quat& a, const Quat& b) { return length(rotationVector(conjugate(a) * b)); }
-
 /// Bodies that fall, lie and are dragged by a hand, near the origin and far away.
 TEST(PackedPose, RealBodiesAreWithinAMillimetreAndHalfADegree) {
     ASSERT_EQ(human().parts.size(), 16u);

@@ -16,8 +16,6 @@
 namespace ragtop {
 namespace {
 
-constexpr double kStep = 1.0 / 60;
-constexpr float kDegree = kPi / 180;
 constexpr PartState kLed{.mode = PartMode::kinematic}, kLimp{.mode = PartMode::limp}, kPowered{};
 
 /// Of a walk at 1.2 m/s, in the air: legs swing, arms are held out with bent elbows.
@@ -34,8 +32,6 @@ std::vector<Pose> walking(double time) {
     return writePose(humanRig().skeleton, pose);
 }
 
-int partOf(int bone) { return human().bones[static_cast<std::size_t>(bone)].part; }
-
 struct Walker {
     World world{WorldSettings{.sleeping = false}};
     Ragdoll body;
@@ -46,12 +42,11 @@ struct Walker {
     std::vector<Vec3> velocity{16}, spin{16};
     float shift = 0, turn = 0;  ///< m and rad, the most that a part moved beside its velocity in a step
 
-    Walker()
-        : body(world, human(), walking(-kStep), walking(0), kStep), muscles(world, body), modes(world, body, muscles) {
+    Walker() : body(world, human(), walking(-kDt), walking(0), kDt), muscles(world, body), modes(world, body, muscles) {
         modes.setBranch(0, kLed, 0);
     }
     void run(double seconds) {
-        for (int i = 0; i < std::lround(seconds / kStep); ++i) step();
+        for (int i = 0; i < std::lround(seconds / kDt); ++i) step();
     }
     void step() {
         body.partPoses(before);
@@ -59,12 +54,12 @@ struct Walker {
             velocity[i] = world.velocityAt(body.bodies()[i], before[i].position);
             spin[i] = world.angularVelocity(body.bodies()[i]);
         }
-        modes.follow(walking(time += kStep), kStep);
-        muscles.step(kStep);
-        world.step(kStep);
+        modes.follow(walking(time += kDt), kDt);
+        muscles.step(kDt);
+        world.step(kDt);
         EXPECT_EQ(world.validate(), "");
         body.partPoses(after);
-        const auto dt = static_cast<float>(kStep);
+        const auto dt = static_cast<float>(kDt);
         for (std::size_t i = 0; i < 16; ++i) {
             shift = std::max(shift, length(relative(after[i].position, before[i].position) - dt * velocity[i]));
             const Quat expected = rotationAbout(spin[i], dt * length(spin[i])) * before[i].rotation;
@@ -207,10 +202,10 @@ TEST(PartModes, WrongCallsAreToldAndChangeNothing) {
     std::vector<Pose> bones = walking(0);
     EXPECT_NE(told([&] { walker.modes.follow(bones, 0); }).find("dt is"), std::string::npos);
     bones[3].position.y = std::numeric_limits<double>::infinity();
-    EXPECT_NE(told([&] { walker.modes.follow(bones, kStep); }).find("bone 3"), std::string::npos);
+    EXPECT_NE(told([&] { walker.modes.follow(bones, kDt); }).find("bone 3"), std::string::npos);
     bones.pop_back();
     bones[3] = {};
-    EXPECT_NE(told([&] { walker.modes.follow(bones, kStep); }).find("poses of bones"), std::string::npos);
+    EXPECT_NE(told([&] { walker.modes.follow(bones, kDt); }).find("poses of bones"), std::string::npos);
     EXPECT_EQ(walker.modes.state(0).mode, PartMode::kinematic);
     walker.run(0.1);
     EXPECT_LT(walker.farthest(0), 1e-4f);

@@ -39,8 +39,6 @@ LocalPose anyPose(unsigned seed, float most = 1.5f) {
     return pose;
 }
 
-float angleBetween(const Quat& a, const Quat& b) { return length(rotationVector(conjugate(a) * b)); }
-
 /// Largest distance of two world poses, m and rad alike.
 float apart(const std::vector<Pose>& a, const std::vector<Pose>& b) {
     float most = 0;

@@ -15,8 +15,6 @@
 namespace ragtop {
 namespace {
 
-constexpr double kDt = 1.0 / 60;
-
 struct Show {
     World world{WorldSettings{.sleeping = false}};
     BodyId floor;

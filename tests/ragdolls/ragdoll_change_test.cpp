@@ -11,11 +11,6 @@
 namespace ragtop {
 namespace {
 
-const RagdollDef& human() {
-    static const RagdollDef def = makeRagdoll(HumanRig().skeleton);
-    return def;
-}
-
 struct Fall {
     World world;
     Ragdoll person;

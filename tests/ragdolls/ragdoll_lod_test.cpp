@@ -14,7 +14,6 @@
 namespace ragtop {
 namespace {
 
-constexpr double kStep = 1.0 / 60;
 constexpr RagdollLevel kLevels[] = {
     RagdollLevel::reduced, RagdollLevel::single, RagdollLevel::asleep, RagdollLevel::single, RagdollLevel::reduced,
     RagdollLevel::full,    RagdollLevel::single, RagdollLevel::full,   RagdollLevel::asleep, RagdollLevel::full};
@@ -62,7 +61,7 @@ struct Thrown {
             const float x = number(), y = number(), z = number();
             world.setVelocity(body, {1, 2, 0.5f}, 4.0f * Vec3{x, y, z});
         }
-        for (int i = 0; i < 20; ++i) world.step(kStep);
+        for (int i = 0; i < 20; ++i) world.step(kDt);
     }
 };
 
@@ -76,7 +75,7 @@ TEST(RagdollLod, ChangesKeepMomentumAndGiveNoEnergy) {
             lod.setLevel(level);
             if (sleeps) {
                 EXPECT_FALSE(thrown.world.isEnabled(lod.bodies().front()));
-                for (int i = 0; i < 30; ++i) thrown.world.step(kStep);
+                for (int i = 0; i < 30; ++i) thrown.world.step(kDt);
                 continue;
             }
             const Whole after(thrown.world, lod.bodies());
@@ -85,7 +84,7 @@ TEST(RagdollLod, ChangesKeepMomentumAndGiveNoEnergy) {
             EXPECT_LT(norm(after.spin - before.spin), 1e-5 * norm(before.spin)) << nameOf(level);
             EXPECT_LE(after.kinetic, before.kinetic * (1 + 1e-6)) << nameOf(level);
             EXPECT_LT(norm(after.center - before.center), 1e-6) << nameOf(level);
-            for (int i = 0; i < 10; ++i) thrown.world.step(kStep);
+            for (int i = 0; i < 10; ++i) thrown.world.step(kDt);
             before = Whole(thrown.world, lod.bodies());
         }
         EXPECT_TRUE(thrown.world.validate().empty()) << thrown.world.validate();
@@ -121,7 +120,7 @@ TEST(RagdollLod, NoBoneMovesWhereTheLevelChanges) {
             EXPECT_LT(length(rotationVector(after[i].rotation * conjugate(before[i].rotation))), 1e-5f)
                 << nameOf(level);
         }
-        for (int i = 0; i < 5; ++i) thrown.world.step(kStep);
+        for (int i = 0; i < 5; ++i) thrown.world.step(kDt);
     }
 }
 
@@ -158,7 +157,7 @@ TEST(RagdollLod, GroupsStayJoinedToEachOtherAndToOthers) {
     for (const RagdollLevel level :
          {RagdollLevel::reduced, RagdollLevel::single, RagdollLevel::reduced, RagdollLevel::full}) {
         lod.setLevel(level);
-        for (int i = 0; i < 120; ++i) world.step(kStep);
+        for (int i = 0; i < 120; ++i) world.step(kDt);
         for (const JointId joint : world.joints()) {
             const BodyId b = std::visit([](const auto& def) { return def.bodies.b; }, world.def(joint));
             EXPECT_TRUE(!world.isEnabled(b) || world.state(joint).gap < 2e-3f) << nameOf(level);

@@ -15,11 +15,6 @@
 namespace ragtop {
 namespace {
 
-const RagdollDef& human() {
-    static const RagdollDef def = makeRagdoll(HumanRig().skeleton);
-    return def;
-}
-
 /// Walks and turns as a whole while it bends its left elbow and both hips.
 std::vector<Pose> frameAt(double time) {
     const HumanRig rig;
@@ -35,8 +30,6 @@ std::vector<Pose> frameAt(double time) {
     return writePose(rig.skeleton, pose);
 }
 
-std::size_t partOf(int bone) { return static_cast<std::size_t>(human().bones[static_cast<std::size_t>(bone)].part); }
-
 TEST(RagdollSpawn, EachBoneMovesAndTurnsAsItDidInTheAnimation) {
     const HumanRig rig;
     World world(WorldSettings{.gravity = {0, 0, 0}});
@@ -50,7 +43,8 @@ TEST(RagdollSpawn, EachBoneMovesAndTurnsAsItDidInTheAnimation) {
         // Single precision of places of 2 m over a frame: 2.4e-7 · 60 and some of it.
         EXPECT_LT(length(world.linearVelocity(ragdoll.bodies()[i]) - 60 * moved), 2e-4f) << i;
     }
-    const BodyId pelvis = ragdoll.bodies()[partOf(rig.hips)], forearm = ragdoll.bodies()[partOf(rig.forearm[0])];
+    const auto bodyOf = [&](int bone) { return ragdoll.bodies()[static_cast<std::size_t>(partOf(bone))]; };
+    const BodyId pelvis = bodyOf(rig.hips), forearm = bodyOf(rig.forearm[0]);
     EXPECT_LT(length(world.angularVelocity(pelvis) - Vec3{0, 2, 0}), 1e-3f);
     EXPECT_LT(length(world.angularVelocity(forearm) - Vec3{0, 2 - 4, 0}), 1e-3f);
 }

@@ -16,8 +16,6 @@
 namespace ragtop {
 namespace {
 
-constexpr double kDt = 1.0 / 60;
-
 BodyDef floorOf(BodyType type) {
     return {.type = type,
             .shapes = {{.geometry = Box{{100, 1, 100}}, .material = {.friction = 0.8f}}},

@@ -14,10 +14,8 @@
 namespace ragtop {
 namespace {
 
-constexpr double kDt = 1.0 / 60;
-
 /// A march in place, 0.8 steps a second, that bobs by 2 cm.
-std::vector<Pose> marching(double time) {
+std::vector<Pose> stepping(double time) {
     const auto swing = static_cast<float>(std::sin(2 * M_PI * 0.8 * time));
     const float left = std::max(swing, 0.0f), right = std::max(-swing, 0.0f);
     const PartAngles pose[] = {{BodyRole::thigh, BodySide::left, 0.7f * left * left},
@@ -29,7 +27,7 @@ std::vector<Pose> marching(double time) {
     return standing(BodyAxes(human()), {}, pose);
 }
 
-struct Walker {
+struct FollowedBody {
     World world;
     Ragdoll body;
     Muscles muscles;
@@ -37,18 +35,18 @@ struct Walker {
     InverseDynamics dynamics;
     double time = 0;
 
-    explicit Walker(const TrackerOptions& options = {}, bool ground = true)
-        : body(world, human(), marching(0)),
+    explicit FollowedBody(const TrackerOptions& options = {}, bool ground = true)
+        : body(world, human(), stepping(0)),
           muscles(world, body, muscleProfile("rigid")),
           tracker(world, body, muscles, options),
           dynamics(world, body) {
         if (ground) world.create(StaticBody{.shape = Box{{100, 1, 100}}, .position = {0, -1, 0}});
-        tracker.follow(marching(-kDt), kDt);
-        tracker.follow(marching(0), kDt);
+        tracker.follow(stepping(-kDt), kDt);
+        tracker.follow(stepping(0), kDt);
     }
     void step() {
         time += kDt;
-        tracker.follow(marching(time), kDt);
+        tracker.follow(stepping(time), kDt);
         muscles.step(kDt);
         world.step(kDt);
         dynamics.look();
@@ -56,7 +54,7 @@ struct Walker {
 };
 
 TEST(Tracker, FollowsAMarchToThreeDegrees) {
-    Walker walker;
+    FollowedBody walker;
     std::vector<double> squares(human().joints.size());
     int counted = 0;
     double helped = 0;
@@ -82,7 +80,7 @@ TEST(Tracker, FollowsAMarchToThreeDegrees) {
 /// gravity.
 TEST(Tracker, TheAssistanceIsAllThatActs) {
     for (const float help : {0.0f, 0.5f}) {
-        Walker walker({.force = help, .torque = 0.5f * help}, false);
+        FollowedBody walker({.force = help, .torque = 0.5f * help}, false);
         walker.dynamics.look();
         const Vec3 before = walker.dynamics.velocity();
         const float mass = walker.dynamics.mass(), weight = 9.81f * mass;
@@ -99,9 +97,9 @@ TEST(Tracker, TheAssistanceIsAllThatActs) {
 }
 
 TEST(Tracker, StepsWithoutMemory) {
-    Walker walker;
+    FollowedBody walker;
     for (int i = 0; i < 10; ++i) walker.step();
-    const std::vector<Pose> next = marching(walker.time + kDt);
+    const std::vector<Pose> next = stepping(walker.time + kDt);
     const long before = heapCalls();
     walker.tracker.follow(next, kDt);
     walker.muscles.step(kDt);
@@ -110,7 +108,7 @@ TEST(Tracker, StepsWithoutMemory) {
 
 TEST(Tracker, WhatIsWrongIsTold) {
     EXPECT_EQ(whyInvalid(TrackerOptions{.rate = 0}), "rate is 0 1/s, must be in [0.1, 60]");
-    Walker walker;
+    FollowedBody walker;
     EXPECT_THROW(Tracker(walker.world, walker.body, walker.muscles, {.force = -1}), std::invalid_argument);
     EXPECT_THROW(walker.tracker.follow({}, kDt), std::invalid_argument);
 }

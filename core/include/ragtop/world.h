@@ -29,7 +29,8 @@ struct WorldImpl;
 /// What a world is made with; it cannot be changed later.
 struct WorldConfig {
     TaskRunner tasks{};                              ///< threads of a step; default: the calling one
-    /// SIMD width of the solver: 4, 8 or 16; 0: the machine's best. Always 4 without AVX2. Changes no result.
+    /// SIMD width of the solver: 4, 8 or 16; 0: the machine's best. Less where the machine has less: 8 without AVX-512,
+    /// 4 without AVX2. Changes no result.
     int lanes = 0;
     /// Null: std::pmr::get_default_resource(). Must outlive the world, and be thread safe where it has several workers.
     std::pmr::memory_resource* memory = nullptr;

@@ -31,7 +31,10 @@ KernelSet selectKernelSet([[maybe_unused]] int lanes) {
     if (lanes == 0) lanes = usable == Instructions::avx512 ? 16 : usable == Instructions::avx2 ? 8 : 4;
     if (usable == Instructions::avx512 && lanes > 4)
         return lanes == 16 ? KernelSet::avx512Lanes16 : KernelSet::avx512Lanes8;
-    if (usable == Instructions::avx2 && lanes > 4) return lanes == 16 ? KernelSet::avx2Lanes16 : KernelSet::avx2Lanes8;
+#if defined(RAGTOP_AVX2_LANES16)
+    if (usable == Instructions::avx2 && lanes == 16) return KernelSet::avx2Lanes16;
+#endif
+    if (usable == Instructions::avx2 && lanes > 4) return KernelSet::avx2Lanes8;
 #endif
     return KernelSet::baseline4;
 }

@@ -62,14 +62,16 @@ struct SolverContext {
 };
 
 /// Instruction sets and lane counts that kernels are built for, in the order of each list of tables. Sixteen lanes of
-/// AVX2 are for tests: they show processors without AVX-512 what those with it do.
+/// AVX2 are for tests, and in builds that ask for them: they show processors without AVX-512 what those with it do.
 enum class KernelSet {
     baseline4,
 #if defined(RAGTOP_X86_KERNELS)
     avx2Lanes8,
-    avx2Lanes16,
     avx512Lanes8,
     avx512Lanes16,
+#if defined(RAGTOP_AVX2_LANES16)
+    avx2Lanes16,
+#endif
 #endif
 };
 
@@ -84,18 +86,23 @@ Instructions usableInstructions();
 void limitInstructions(Instructions most);
 
 /// The fastest set of `lanes` (4, 8, 16) lanes that may be used here, or for 0 lanes the fastest of all. Four lanes
-/// where there are only the baseline's instructions.
+/// where there are only the baseline's instructions, eight in place of sixteen where nothing is built for these.
 KernelSet selectKernelSet(int lanes);
 
 /// Defines Table select(lanes), that of selectKernelSet among the tables which the files of instruction sets define:
 /// name##Baseline4 and so on, in the order of KernelSet.
 #if defined(RAGTOP_X86_KERNELS)
-#define RAGTOP_SELECT_KERNELS(Table, select, name)                                                                \
-    extern const Table name##Baseline4, name##Avx28, name##Avx216, name##Avx5128, name##Avx51216;                 \
-    const Table& select(int lanes) {                                                                              \
-        static constexpr const Table* kTables[] = {&name##Baseline4, &name##Avx28, &name##Avx216, &name##Avx5128, \
-                                                   &name##Avx51216};                                              \
-        return *kTables[static_cast<int>(selectKernelSet(lanes))];                                                \
+#if defined(RAGTOP_AVX2_LANES16)
+#define RAGTOP_WIDEST_OF_AVX2(name) name##Avx216
+#else
+#define RAGTOP_WIDEST_OF_AVX2(name) name##Avx28
+#endif
+#define RAGTOP_SELECT_KERNELS(Table, select, name)                                                                  \
+    extern const Table name##Baseline4, name##Avx28, name##Avx5128, name##Avx51216, RAGTOP_WIDEST_OF_AVX2(name);    \
+    const Table& select(int lanes) {                                                                                \
+        static constexpr const Table* kTables[] = {&name##Baseline4, &name##Avx28, &name##Avx5128, &name##Avx51216, \
+                                                   &RAGTOP_WIDEST_OF_AVX2(name)};                                   \
+        return *kTables[static_cast<int>(selectKernelSet(lanes))];                                                  \
     }
 #else
 #define RAGTOP_SELECT_KERNELS(Table, select, name) \
