@@ -133,7 +133,7 @@ TEST(RagdollSpawn, ComesOutOfTheGroundThatItIsPutInto) {
     const auto draw = [&](float from, float to) {
         return from + (to - from) * static_cast<float>(random() % 1000) / 999;
     };
-    for (int figure = 0; figure < 8; ++figure) {
+    for (int figure = 0; figure < 40; ++figure) {
         World world;
         world.create(StaticBody{.shape = Box{{50, 5, 50}}, .position = {0, -5, 0}});
         const Quat turned = rotationAbout(normalized(Vec3{draw(-1, 1), draw(-1, 1), draw(0.1f, 1)}), draw(0, kPi));

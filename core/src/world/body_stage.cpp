@@ -1,5 +1,6 @@
 #include "world/body_stage.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "contacts/tuning.h"
@@ -94,11 +95,12 @@ void BodyStage::finish(std::size_t place) const {
     state.dq = {};
     stopVanishing(index, gravity);
     const float quiet = settings.sleepSpeed * std::sqrt(gravity * body.size);
-    const float speed = length(state.v) + length(state.w) * body.radius;
+    // What is moved out of an overlap has no speed.
+    const float speed = std::max(length(state.v) + length(state.w) * body.radius, motion / dt);
     const bool still = body.type == BodyType::kinematic ? speed == 0 : speed <= quiet;
     body.sleepTimer = body.options.allowSleep && still ? body.sleepTimer + dt : 0;
     const float slow = Freezing::slowest(context.gravityStep);
-    freezing.record(body, speed <= slow && motion <= slow * dt);
+    freezing.record(body, speed <= slow);
     if (bodies.dynamics[index].spins == 0) bodies.restrictInertia(index);
 }
 
