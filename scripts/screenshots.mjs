@@ -1,8 +1,8 @@
 // Takes the pictures that scripts/screenshots.sh says. Each is of one step of a scene, so that it comes out the same.
 import { mkdir } from 'node:fs/promises';
 import path from 'node:path';
-import { acceptance, EVERYTHING, root, say } from '../tests/page/support/acceptance.mjs';
-import { advance, ask, Browser, look, pause } from '../tests/page/support/browser.mjs';
+import { acceptance, EVERYTHING, root, say, until } from '../tests/page/support/acceptance.mjs';
+import { advance, ask, Browser, look, pause, scene } from '../tests/page/support/browser.mjs';
 import { finished } from '../tests/page/support/picture.mjs';
 import { Program } from '../tests/page/support/program.mjs';
 
@@ -65,25 +65,36 @@ async function topple(page) {
   await ask(page, 'shoot', { origin: [-9, 6.3, 2.5], direction: [9, 0.35, -2.5], speed: 25, radius: 0.6 });
 }
 
-async function takePicture(page, { steps, eye, target, chase = false, shown = [], panels = false, before }) {
-  await ask(page, 'pause');
+/** The page with another scene, paused at its beginning. */
+async function load(page, name) {
+  await page.setViewportSize(STRIP);
+  await ask(page, 'load', { scene: name });
+  await until(`the scene ${name}`, async () => (await scene(page))?.name === name);
+  await pause(page);
   await ask(page, 'reset');
+}
+
+async function showPanels(page, wanted) {
+  const hidden = await page.locator('#left').evaluate((panel) => panel.hidden);
+  if (hidden === wanted) await page.keyboard.press('h');
+}
+
+async function takePicture(page, { steps, eye, target, chase = false, shown = [], panels = false, before }) {
   await ask(page, 'show', Object.fromEntries(LIT.map((name) => [name, shown.includes(name)])));
-  if (!panels) await page.keyboard.press('h');
+  await showPanels(page, panels);
   await before?.(page);
   // A few at a time where there are plots, so that they have something to show.
   const some = panels ? 6 : steps;
   for (let left = steps; left > 0; left -= some) await advance(page, Math.min(left, some));
   await page.setViewportSize(SIZE);
-  if (chase) await page.click('#cameras [data-camera=chase]');
-  else await look(page, eye, target);
+  await page.click(`#cameras [data-camera=${chase ? 'chase' : 'orbit'}]`);
+  await page.mouse.move(0, SIZE.height / 2);
+  if (!chase) await look(page, eye, target);
   await finished(page);
 }
 
-async function takeJoints(test, browser, folder) {
-  const program = await Program.start(test, 'mechanisms');
-  const page = await browser.open(`${program.url}?quality=high`, STRIP);
-  await pause(page);
+async function takeJoints(page, folder) {
+  await load(page, 'mechanisms');
   await takePicture(page, { ...PICTURES.mechanisms, steps: 30 });
   await mkdir(folder, { recursive: true });
   for (const [name, { at, away = 2.4 }] of Object.entries(JOINTS)) {
@@ -93,23 +104,20 @@ async function takeJoints(test, browser, folder) {
     await page.screenshot({ path: file, clip: CLOSE });
     say(file);
   }
-  await page.context().close();
-  await program.stop();
 }
 
 await acceptance(EVERYTHING, async (test) => {
   const folder = path.resolve(process.argv[2] ?? path.join(root, 'docs/pictures'));
   const browser = await Browser.start(test);
-  for (const [scene, view] of Object.entries(PICTURES)) {
-    const program = await Program.start(test, scene);
-    const page = await browser.open(`${program.url}?quality=high`, STRIP);
-    await pause(page);
+  const program = await Program.start(test, 'crash');
+  // Opening a page takes longer than its picture.
+  const page = await browser.open(`${program.url}?quality=high`, STRIP);
+  for (const [name, view] of Object.entries(PICTURES)) {
+    await load(page, name);
     await takePicture(page, view);
-    const file = path.join(folder, `${scene}.png`);
+    const file = path.join(folder, `${name}.png`);
     await page.screenshot({ path: file });
     say(file);
-    await page.context().close();
-    await program.stop();
   }
-  await takeJoints(test, browser, path.join(folder, 'joints'));
+  await takeJoints(page, path.join(folder, 'joints'));
 });

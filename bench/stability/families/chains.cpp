@@ -148,7 +148,8 @@ Family chains() {
         const Chain horizontal{chain.links, chain.ratio, true};
         addCase(name + ", hangs", hangs, chain);
         addCase(name + ", swings", swings, horizontal);
-        addCase(name + ", swings out of the plane", whirls, horizontal);
+        // Of forty links and more it takes seconds.
+        addCase(name + ", swings out of the plane", whirls, horizontal, Kind::swept, chain.links <= 20);
         if (required && chain.ratio > 100) addCase(name + ", cost", cost, horizontal, Kind::oneStep, false);
     }
     return family;
