@@ -127,22 +127,15 @@ TEST(Manoeuvre, TheHatchbackPassesTheShippedOnes) {
     }
 }
 
-/// Wheels that are bodies take from the springs what throws them down, and lie still with their car. At some rates one
-/// that was dropped heaves and rolls to and fro on its wheels for ever, by some millimetres at two a second: two of
-/// these nine, which others with any change of rounding.
+/// Wheels that are bodies take from the springs what throws them down, and lie still with their car.
 TEST(Manoeuvre, ACarOnCarriersFallsAndLiesAsTheyAsk) {
     const VehicleDef car = loadVehicle(dataFolder() / "vehicles" / "hatchback_linkages.car.json");
-    int awake = 0;
     for (const char* name : {"drop", "side"})
-        for (const float hz : {30.0f, 50.0f, 55.0f, 60.0f, 65.0f, 75.0f, 90.0f, 100.0f, 120.0f})
+        for (const float hz : {30.0f, 36.0f, 45.0f, 50.0f, 55.0f, 58.0f, 60.0f, 65.0f, 75.0f, 90.0f, 100.0f, 110.0f,
+                               120.0f, 144.0f, 240.0f})
             for (const TrackValue& value :
                  drive(loadManoeuvre(findManoeuvre(name)), car, {.hz = hz, .level = VehicleLevel::linkages}).values)
-                if (value.name == "asleep after" && std::isnan(value.value))
-                    ++awake;
-                else
-                    EXPECT_TRUE(value.pass)
-                        << name << ": " << value.name << " " << value.value << " at " << hz << " Hz";
-    EXPECT_LE(awake, 2);
+                EXPECT_TRUE(value.pass) << name << ": " << value.name << " " << value.value << " at " << hz << " Hz";
 }
 
 }  // namespace

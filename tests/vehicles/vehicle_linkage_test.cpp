@@ -91,6 +91,36 @@ TEST(VehicleLinkage, BrakedArmsHoldTheBodyByTheSlopeOfTheirContacts) {
     }
 }
 
+/// Pads that held it to the chassis, and pushed its arm, would make energy: a car on its brakes heaved for ever by it.
+TEST(VehicleLinkage, AHeldWheelTurnsWithItsArm) {
+    for (const VehicleLevel level : {VehicleLevel::full, VehicleLevel::linkages}) {
+        VehicleDef def = linkedCar();
+        def.level = level;
+        for (WheelDef& wheel : def.wheels) wheel.tire.rollingResistance = 0;  // which holds it to the ground
+        for (const double dt : {1.0 / 30, 1.0 / 240}) {
+            Road road(0, awake());
+            Vehicle car(road.world, def, {.position = {0, 0.1, 0}});
+            car.input = {.brake = 1, .handbrake = 1};
+            const TrailingArmDef& arm = *def.linkages[1].trailingArm;
+            const auto turned = [&] {
+                const Vec3 hub =
+                    inverseTransformPoint(road.world.pose(car.chassis()), car.telemetry().wheels[2].pose.position);
+                return std::atan2(hub.y - arm.inner.y, arm.inner.z - hub.z);
+            };
+            run(road.world, 0.1, dt);
+            const float angle = turned(), rotation = car.telemetry().wheels[2].rotation;
+            float most = 0;
+            for (int i = 0; i < static_cast<int>(1 / dt); ++i) {
+                road.world.step(dt);
+                const float by = turned() - angle;
+                most = std::max(most, std::abs(by));
+                ASSERT_NEAR(car.telemetry().wheels[2].rotation - rotation, by, 0.01f * std::abs(by) + 1e-3f) << dt;
+            }
+            EXPECT_GT(most, 0.05f);
+        }
+    }
+}
+
 /// Wheels lean with the body on trailing arms, and stand against it on a beam.
 TEST(VehicleLinkage, CamberInATurnIsThatOfTheKind) {
     const auto leanOf = [](const LinkageDef& rear, float& roll) {

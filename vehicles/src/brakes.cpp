@@ -8,8 +8,8 @@ float brakeCapacity(const WheelDef& wheel, float pedal, float handbrake, float r
     return pedal * wheel.brakeTorque + handbrake * wheel.handbrakeTorque + resistance;
 }
 
-float solveBrake(float inertia, float held, float bound, float& impulse, float& spin) {
-    const float added = addBounded(impulse, -spin * held, -bound, bound);
+float solveBrake(float inertia, float held, float bound, float still, float& impulse, float& spin) {
+    const float added = addBounded(impulse, (still - spin) * held, -bound, bound);
     spin += added / inertia;
     return added;
 }

@@ -5,7 +5,8 @@ namespace ragtop {
 /// Work since the start, J; the engine's with that of torques that are given to wheels. An impulse that takes a speed
 /// from a to b does it at (a + b)/2, so that, to rounding,
 ///
-///     engine = Δ½ Σ I ω² + clutch + gears + differentials + brakes + rolling + what the wheels give their tires
+///     engine = Δ½ Σ I ω² + clutch + gears + differentials + brakes + rolling + what the wheels give their tires, and
+///              their pads what carries these
 ///
 /// A loss may shrink for a substep in which something comes to be held: others have turned it till then.
 struct DriveWork {

@@ -21,7 +21,7 @@ Drivetrain::Drivetrain(const VehicleDef& def) : engineSpeed(idleSpeed(def.engine
     brake.assign(def.wheels.size(), 0);
     brakeHeat.assign(def.wheels.size(), 0);
     padWork_ = brakeHeat;
-    for (std::vector<float>* each : {&brakeBound_, &rollBound_, &spinBefore_, &meanSpin_, &given_})
+    for (std::vector<float>* each : {&brakeBound_, &rollBound_, &carried_, &spinBefore_, &meanSpin_, &given_})
         each->assign(def.wheels.size(), 0);
     differential.assign(rows_.size(), 0);
 }
@@ -150,22 +150,23 @@ float Drivetrain::sweep(const VehicleDef& def, float h) {
         note(solveDifferential(rows_[i], inertia_, held_, load, differential[i], spin));
     }
     for (std::size_t i = 0; i < spin.size(); ++i) {
-        note(solveBrake(inertia_[i], held_[i], brakeBoundOf(i), brake[i], spin[i]));
+        note(solveBrake(inertia_[i], held_[i], brakeBoundOf(i), stillSpin(i), brake[i], spin[i]));
     }
     return largest;
 }
 
 bool Drivetrain::hold(std::size_t wheel, float taken) {
-    const float needed = brake[wheel] + taken - inertia_[wheel] * spin[wheel];
+    const float still = stillSpin(wheel);
+    const float needed = brake[wheel] + taken + inertia_[wheel] * (still - spin[wheel]);
     if (!(std::abs(needed) <= brakeBoundOf(wheel))) return false;
     brake[wheel] = needed;
-    spin[wheel] = 0;
+    spin[wheel] = still;
     return true;
 }
 
 void Drivetrain::holdWheels() {
     for (std::size_t i = 0; i < spin.size(); ++i) {
-        solveBrake(inertia_[i], inertia_[i], brakeBoundOf(i), brake[i], spin[i]);
+        solveBrake(inertia_[i], inertia_[i], brakeBoundOf(i), stillSpin(i), brake[i], spin[i]);
     }
 }
 
@@ -181,7 +182,8 @@ void Drivetrain::count() {
         padWork_[i] = 0;
         if (!(bound > 0)) continue;
         work.rolling += lost * wide(rollBound_[i]) / bound;
-        padWork_[i] = lost * wide(brakeBound_[i] - rollBound_[i]) / bound;
+        // Pads rub by what the wheel turns faster than what carries them.
+        padWork_[i] = wide(padImpulse(i)) * wide(carried_[i] - meanSpin_[i]);
         work.brakes += padWork_[i];
         work.gears += lost * (bound - wide(brakeBound_[i])) / bound;
     }
@@ -189,6 +191,13 @@ void Drivetrain::count() {
     work.engine += wide(engine.throttle + engine.idle + engine.friction) * turning;
     work.clutch += wide(clutch) * (turning - wide(driveRatio_) * axle);
     for (std::size_t i = 0; i < rows_.size(); ++i) work.differentials += lossOf(rows_[i], differential[i], meanSpin_);
+}
+
+double Drivetrain::workOnCarriers() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < spin.size(); ++i)
+        sum -= static_cast<double>(padImpulse(i)) * static_cast<double>(carried_[i]);
+    return sum;
 }
 
 double Drivetrain::rotatingEnergy(const EngineDef& def) const {

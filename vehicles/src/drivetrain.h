@@ -25,7 +25,7 @@ struct DrivetrainInput {
 ///     engine     friction, mixture, idle                  engine.h
 ///     coupling   ω_e = i Σ sⱼ ωⱼ + give · T, in bounds    i: gearing, sⱼ: shares, Σ sⱼ = 1     coupling.h
 ///     axles      equal speeds, within what they lock      differential.h
-///     brakes     ωⱼ = 0, within pads and losses           brakes.h
+///     brakes     ωⱼ = pⱼ cⱼ, within pads and losses       pⱼ: padShare, cⱼ: carryPads; brakes.h
 ///
 /// The coupling drives wheel j with R i sⱼ of its torque, R its torque ratio, so an open differential is what is left
 /// when nothing else couples its wheels.
@@ -67,11 +67,15 @@ public:
     float brakeWarmth(const WheelDef& wheel, std::size_t i) const {
         return wheel.brakeHeatCapacity ? static_cast<float>(brakeHeat[i]) / *wheel.brakeHeatCapacity : 0;
     }
-    /// Of `brake`, what pads hold, which what carries the wheel feels the other way; between begin and end.
-    float padImpulse(std::size_t i) const {
+    /// The share of `brake` that pads hold, which what carries the wheel feels the other way; between begin and end.
+    float padShare(std::size_t i) const {
         const float bound = brakeBoundOf(i);
-        return bound > 0 ? brake[i] * (brakeBound_[i] - rollBound_[i]) / bound : 0;
+        return bound > 0 ? (brakeBound_[i] - rollBound_[i]) / bound : 0;
     }
+    float padImpulse(std::size_t i) const { return brake[i] * padShare(i); }
+    /// Says at which speed what carries a wheel's pads turns about its axle, rad/s forward, in this substep. Pads hold
+    /// the wheel to that, so that what they do to wheel and carrier takes energy and gives none.
+    void carryPads(std::size_t i, float speed) { carried_[i] = speed; }
     /// ½ Σ I ω² of engine and wheels, J.
     double rotatingEnergy(const EngineDef& def) const;
     const std::vector<float>& inertia() const { return inertia_; }
@@ -80,11 +84,15 @@ public:
     void grip(std::size_t wheel, float radius, float impulse) {
         held_[wheel] = inertia_[wheel] + radius * radius * impulse;
     }
-    /// Can its brake bring a wheel to rest in this substep, but for what its tire does?
+    /// Can its brake bring a wheel to rest on its pads in this substep, but for what its tire does?
     bool mayHold(std::size_t wheel) const {
-        return inertia_[wheel] * std::abs(spinBefore_[wheel]) <= brakeBoundOf(wheel);
+        return inertia_[wheel] * std::abs(spinBefore_[wheel] - stillSpin(wheel)) <= brakeBoundOf(wheel);
     }
-    /// Has the brake bring the wheel to rest against `taken` of its tire, N m s, if it can.
+    /// J that pads give to what carries them, between begin and end.
+    double workOnCarriers() const;
+    /// rad/s of a wheel that its brake holds.
+    float stillSpin(std::size_t i) const { return padShare(i) * carried_[i]; }
+    /// Has the brake bring the wheel to rest there against `taken` of its tire, N m s, if it can.
     bool hold(std::size_t wheel, float taken);
     /// Holds what brakes hold, where tires have turned it since.
     void holdWheels();
@@ -105,6 +113,7 @@ private:
     float ratio_ = 0, driveRatio_ = 0;  ///< of speeds; of torques
     float clutchBound_ = 0, clutchGive_ = 0, loss_ = 0, lock_ = 0;
     std::vector<float> brakeBound_, rollBound_;  ///< all but what gears lose; of it, what tires and ground resist by
+    std::vector<float> carried_;                 ///< rad/s, of what carries pads
     float engineBefore_ = 0;
     std::vector<float> spinBefore_, meanSpin_, given_;  ///< rad/s; N m s
     std::vector<double> padWork_;                       ///< J of a substep

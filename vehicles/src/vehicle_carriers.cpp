@@ -86,6 +86,18 @@ void VehicleSim::readCarriers() {
     }
 }
 
+/// The same after a solve. Where joints have made carriers go otherwise than it found, wheels that their brakes hold go
+/// with them, so that treads do not creep by the difference.
+void VehicleSim::followJoints() {
+    for (std::size_t i = 0; i < wheels.size(); ++i) patches[i].wayBefore = wheels[i].hubSpeed;
+    readCarriers();
+    const auto turned = [&](std::size_t i) { return lines[i].spinRate * (wheels[i].hubSpeed - patches[i].wayBefore); };
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+        const std::size_t other = specs[i].beamPartner;
+        drivetrain.spin[i] += patches[i].heldShare * (other == i ? turned(i) : turned(i) + turned(other));
+    }
+}
+
 float VehicleSim::rackOf(const CarrierSpec& spec) const {
     return def.wheels[spec.wheels[0].wheel].steerFactor * steerAngle * linkages[spec.linkage].rackTravel;
 }
@@ -242,13 +254,15 @@ void VehicleSim::swing(std::size_t i, float way, PointBody& body) {
 float VehicleSim::visitFree(std::size_t i, PointBody& body, float h) {
     WheelPatch& patch = patches[i];
     const float before = patch.way;
+    if (patch.held) patch.held = holdOnPads(i, h, 0);
     patch.way = swingOfWheel(specs[i].strut, wheels[i].compression, h, pullOn(i, body, h));
+    patch.held = holdOnPads(i, h, 0);
     swing(i, patch.way - before, body);
     return patch.inertia * std::abs(patch.way - before) / h;
 }
 
 void VehicleSim::actOnCarriers(float h) {
-    readCarriers();
+    substep == 0 ? readCarriers() : followJoints();
     const Pose pose = world->pose(chassis);
     const DVec3 center = transformPoint(pose, carMass.center);
     PointBody body = bodyAt(pose);

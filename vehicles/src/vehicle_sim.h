@@ -106,6 +106,8 @@ struct WheelPatch {
     float load = 0;       ///< impulses, N s: along the normal,
     Vec2 tire;            ///< and along the patch
     bool sliding = false;
+    bool held = false;    ///< its brake holds the wheel, as last found,
+    float heldShare = 0;  ///< and then by this share of the turning of what carries its pads
 };
 
 /// On the chassis, about its centre of mass.
@@ -124,8 +126,8 @@ bool isElsewhere(const Pose& now, const Pose& before);
 /// A car inside: definition, state, and the parts of the step. vehicle.cpp builds, saves and shows it,
 /// vehicle_line.cpp says where struts and linkages have wheels, vehicle_contact.cpp where these meet the ground,
 /// vehicle_step.cpp does what happens once per step, vehicle_substep.cpp the implicit solve, vehicle_carriers.cpp the
-/// bodies of level 3, vehicle_energy.cpp counts what it takes; vehicle_level.cpp goes from one level to another,
-/// vehicle_bicycle.cpp drives level 0.
+/// bodies of level 3, vehicle_pull.cpp what presses wheels besides their springs, vehicle_energy.cpp counts what it
+/// takes; vehicle_level.cpp goes from one level to another, vehicle_bicycle.cpp drives level 0.
 struct VehicleSim {
     VehicleSim(World& inWorld, const VehicleDef& inDef, const VehiclePlacement& placement);
 
@@ -257,6 +259,7 @@ private:
     Frame carrierFrame(std::size_t k) const;
     void takeCarrier(std::size_t i, WheelLine& line) const;
     void readCarriers();
+    void followJoints();
     float rackOf(const CarrierSpec& spec) const;
     void steerCarriers();
     CarrierPlace placeOf(const CarrierSpec& spec, LinkageCoordinates& at) const;
@@ -293,6 +296,10 @@ private:
     BarPull barOf(std::size_t i) const;
     BarPull pullOn(std::size_t i, const PointBody& body, float h) const;
     void takeCross(std::size_t i, const Pose& pose);
+    void carryPads(std::size_t i, float h);
+    bool holdOnPads(std::size_t i, float h, float taken);
+    void addHeldSpin(std::size_t i, float h, BarPull& pull) const;
+    float pushTire(std::size_t i, PointBody& body, float h);
     TireGround groundOf(std::size_t i) const;
     float resistanceOf(std::size_t i) const;
     void settleTire(std::size_t i, const PointBody& moved);

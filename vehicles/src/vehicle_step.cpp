@@ -272,7 +272,7 @@ void VehicleSim::findGrounds() {
 void VehicleSim::afterStep() {
     if (!active) return;
     if (def.level == VehicleLevel::bicycle) leadTo(endVelocity, endTurning);
-    if (hasCarriers()) readCarriers();
+    if (hasCarriers()) followJoints();
     endPose = world->pose(chassis);
     // Rest is judged by whether the ground has moved since the end of the last step that the car was awake.
     for (WheelState& wheel : wheels) {

@@ -16,9 +16,9 @@ struct Patience {
 /// What sweeps leave lets a car creep that stands, and is nothing to one that goes: at level 2 it may be in proportion
 /// to the speed, from where tires travel and do not sway, up to what it is at level 1.
 Patience patienceAt(VehicleLevel level, float speed, float slowest) {
-    constexpr float kLeast = 1e-5f, kMost = 1e-4f;
-    if (level < VehicleLevel::full) return {12, kMost};
-    return {24, clampTo(kLeast * speed / slowest, kLeast, kMost)};
+    constexpr float kStanding = 1e-5f, kGoing = 1e-4f;
+    if (level < VehicleLevel::full) return {12, kGoing};
+    return {24, clampTo(kStanding * speed / slowest, kStanding, kGoing)};
 }
 
 constexpr float kAgreeing = 0.5f;  ///< of a sweep's change to the one before's, of sweeps that agree
@@ -214,6 +214,10 @@ Vec3 VehicleSim::solve(PointBody& body, float h) {
     const Patience patience = patienceAt(def.level, length(body.v), specs[0].tire.slowest);
     const float enough = patience.converged * h * mass * gravity;
     gripTrusted = 1;
+    for (std::size_t i = 0; i < wheels.size(); ++i) {
+        carryPads(i, h);
+        patches[i].held = drivetrain.mayHold(i);
+    }
     float before = 0;
     for (int sweep = 0; sweep < patience.sweeps; ++sweep) {
         float change = 0;
@@ -227,6 +231,8 @@ Vec3 VehicleSim::solve(PointBody& body, float h) {
     }
     // What is left of the last change of a tire would turn a wheel that is held, and the car would creep.
     drivetrain.holdWheels();
+    lost.struts -= drivetrain.workOnCarriers();
+    for (std::size_t i = 0; i < wheels.size(); ++i) patches[i].heldShare = patches[i].held ? drivetrain.padShare(i) : 0;
     drivetrain.end(def, h);
     return turned;
 }
@@ -319,42 +325,12 @@ void VehicleSim::letFall(std::size_t i, float h) {
     wheels[i].compression += fallOfWheel(specs[i].strut, wheels[i].compression, h, barOf(i));
 }
 
-/// By where the wheel at its other end has come in this visit.
-BarPull VehicleSim::barOf(std::size_t i) const {
-    const float stiffness = specs[i].barStiffness;
-    const std::size_t other = specs[i].barPartner;
-    return {stiffness * (wheels[i].compression - wheels[other].compression - patches[other].way), stiffness};
-}
-
 void VehicleSim::beginGrounds() {
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         const GroundPlane& plane = wheels[i].ground;
         if (groundOfWheel[i] != i || plane.found == 0 || plane.moves == 0) continue;
         beginGround(*world, plane.body, grounds[i]);
     }
-}
-
-/// And by what its brake does to what carries the wheel, and what grips at the other end of its beam.
-BarPull VehicleSim::pullOn(std::size_t i, const PointBody& body, float h) const {
-    BarPull pull = barOf(i);
-    if (hasCarriers()) addInertia(i, body, h, pull);
-    if (specs[i].linkage < 0) return pull;
-    pull.force += lines[i].spinRate * drivetrain.padImpulse(i) / h;
-    const std::size_t other = specs[i].beamPartner;
-    if (other == i) return pull;
-    const WheelPatch& patch = patches[other];
-    pull.force -= (patch.cross.x * patch.tire.x + patch.cross.y * patch.tire.y + patch.crossSlant * patch.load) / h;
-    return pull;
-}
-
-/// How the contact goes as the other wheel of its beam rises.
-void VehicleSim::takeCross(std::size_t i, const Pose& pose) {
-    WheelPatch& patch = patches[i];
-    const Vec3 down = *lowestPoint(patch.normal, patch.axle, specs[i].radius);
-    const Vec3 way =
-        rotate(pose.rotation, lines[i].crossAxis) + cross(rotate(pose.rotation, lines[i].crossTilting), down);
-    patch.cross = {dot(patch.forward, way), dot(patch.side, way)};
-    patch.crossSlant = dot(patch.normal, way);
 }
 
 /// Brings the bristles up to now: (1) of tire.h with the slip that the last substep really had.
@@ -375,60 +351,78 @@ float VehicleSim::visitWheel(std::size_t i, PointBody& body, float h) {
     WheelPatch& patch = patches[i];
     if (!patch.touching) return hasCarriers() ? visitFree(i, body, h) : 0;
     const WheelState& wheel = wheels[i];
-    const float radius = specs[i].radius, wayBefore = patch.way;
+    const float wayBefore = patch.way;
+    if (patch.held && specs[i].linkage >= 0) patch.held = holdOnPads(i, h, 0);
 
     const float apart = speedAlong(patch.normalRow, body, *patch.ground) - patch.strutK * patch.load +
                         patch.crossSlant * patches[specs[i].beamPartner].way / h;
     const float rub = (patch.lean.x * patch.tire.x + patch.lean.y * patch.tire.y) / h;
     const StrutVisit strut = solveStrut(specs[i].strut, wheel.compression, patch.squash, patch.slant, h, patch.strutK,
                                         apart, rub, pullOn(i, body, h));
-    const float load = strut.impulse, loadChange = load - patch.load;
-    patch.load = load;
+    const float loadChange = strut.impulse - patch.load;
+    patch.load = strut.impulse;
     patch.way = strut.way;
     patch.strutGive = 1 / (h * h * strut.stiffness);
     push(patch.normalRow, body, *patch.ground, loadChange);
 
     if (patch.lineDue) patch.line = lineAfter(patch.law, patch.bent, patch.sliding);
     patch.lineDue = false;
-    // Under a load that stays, what a tire's impulse has along the strut moves the hub.
+    const float change = pushTire(i, body, h);
+    if (hasCarriers()) swing(i, patch.way - wayBefore, body);
+    return std::max(std::abs(loadChange), change);
+}
+
+/// Of its tire, under the load that its strut has found: what that has along the strut moves the hub.
+float VehicleSim::pushTire(std::size_t i, PointBody& body, float h) {
+    WheelPatch& patch = patches[i];
+    const WheelState& wheel = wheels[i];
+    const float radius = specs[i].radius, way = patch.way;
     const float own = radius * radius / drivetrain.inertia()[i], give = patch.strutGive;
-    Sym2 K{patch.tireK.xx - own + give * patch.lean.x * patch.lean.x,
-           patch.tireK.xy + give * patch.lean.x * patch.lean.y, patch.tireK.yy + give * patch.lean.y * patch.lean.y};
-    const float carGive = K.xx;
-    Vec2 slip = slipOf(patch, body, {patch.way / h, patches[specs[i].beamPartner].way / h}, 0), free;
-    const auto visitTire = [&] {
+    Sym2 K;
+    Vec2 free, change;
+    float carGive = 0;
+    // `lean`: how the tread goes with the strut.
+    const auto visitTire = [&](const Vec2& lean, float spin, float wheelGive) {
+        K = {patch.tireK.xx - own + give * lean.x * lean.x, patch.tireK.xy + give * lean.x * lean.y,
+             patch.tireK.yy + give * lean.y * lean.y};
+        carGive = K.xx;
+        K.xx += wheelGive;
+        const Vec2 slip = slipOf(patch, body, {way / h, patches[specs[i].beamPartner].way / h}, radius * spin);
         free = {slip.x - K.xx * patch.tire.x - K.xy * patch.tire.y, slip.y - K.xy * patch.tire.x - K.yy * patch.tire.y};
-        return solveTire(patch.law, patch.line, wheel.deflection, patch.transport, load, h, K, free);
+        const TireVisit visit =
+            solveTire(patch.law, patch.line, wheel.deflection, patch.transport, patch.load, h, K, free);
+        change = {visit.impulse.x - patch.tire.x, visit.impulse.y - patch.tire.y};
+        patch.way = way + h * give * (lean.x * change.x + lean.y * change.y);
+        return visit;
     };
     // A wheel that its brake holds is solved with it: light ones have hardly an inertia to agree by.
     TireVisit visit;
-    bool held = drivetrain.mayHold(i);
-    if (held) {
-        visit = visitTire();
-        held = drivetrain.hold(i, radius * (visit.impulse.x - patch.tire.x));
+    carryPads(i, h);
+    patch.held = drivetrain.mayHold(i);
+    if (patch.held) {
+        const float turn = lines[i].spinRate * drivetrain.padShare(i);
+        visit = visitTire({patch.lean.x - radius * turn, patch.lean.y}, drivetrain.stillSpin(i), 0);
+        patch.held = holdOnPads(i, h, radius * change.x);
     }
-    if (!held) {
-        K.xx += own;
-        slip.x -= radius * drivetrain.spin[i];
-        visit = visitTire();
+    if (!patch.held) {
+        visit = visitTire(patch.lean, drivetrain.spin[i], own);
+        carryPads(i, h);
+        drivetrain.spin[i] -= radius * change.x / drivetrain.inertia()[i];
     }
-    const Vec2 change{visit.impulse.x - patch.tire.x, visit.impulse.y - patch.tire.y};
     patch.tire = visit.impulse;
     patch.sliding = visit.sliding;
     // The car gives way too, by what its wheel does not.
     drivetrain.grip(i, radius, gripTrusted * visit.grip / (1 + visit.grip * carGive));
-    patch.way += h * patch.strutGive * (patch.lean.x * change.x + patch.lean.y * change.y);
     push(patch.forwardRow, body, *patch.ground, change.x);
     push(patch.sideRow, body, *patch.ground, change.y);
-    if (!held) drivetrain.spin[i] -= radius * change.x / drivetrain.inertia()[i];
-    if (hasCarriers()) swing(i, patch.way - wayBefore, body);
-    if (load > 0) {
+    if (patch.load > 0) {
         const Vec2 end{free.x + K.xx * patch.tire.x + K.xy * patch.tire.y,
                        free.y + K.xy * patch.tire.x + K.yy * patch.tire.y};
-        patch.bent = deflectionAfter(patch.law, patch.line, wheel.deflection, visit, end, patch.transport, load, h);
+        patch.bent =
+            deflectionAfter(patch.law, patch.line, wheel.deflection, visit, end, patch.transport, patch.load, h);
         patch.lineDue = true;
     }
-    return std::max({std::abs(loadChange), std::abs(change.x), std::abs(change.y)});
+    return std::max(std::abs(change.x), std::abs(change.y));
 }
 
 /// Keeps what the next substep needs, and adds the wheel's part to the impulse on the chassis. A wheel that is spun up
