@@ -36,8 +36,9 @@ void writeJson(const Json& json, const std::filesystem::path& path);
 /// Reads a described struct from a file. `T`'s own whyInvalid has the last word.
 template <Described T>
 T readDocument(const JsonDocument& document, Faults& faults) {
+    static const DocumentSchema schema(objectSchema(T{}));
     T value{};
-    findFaults(document, objectSchema(value), faults);
+    findFaults(document, schema, faults);
     readValue(JsonValue(document, &faults), value);
     return value;
 }
@@ -46,11 +47,11 @@ T readDocument(const JsonDocument& document, Faults& faults) {
 /// names all faults.
 template <Described T>
 T readOpenDocument(const JsonDocument& document) {
-    static const Json schema = [] {
+    static const DocumentSchema schema([] {
         Json open = objectSchema(T{});
         allowUnknown(open);
         return open;
-    }();
+    }());
     T value{};
     Faults faults(document);
     findFaults(document, schema, faults);

@@ -204,8 +204,9 @@ private:
 }  // namespace
 
 RagdollDef readRagdoll(const JsonDocument& document) {
+    static const DocumentSchema schema(ragdollSchema());
     Faults faults(document);
-    findFaults(document, ragdollSchema(), faults);
+    findFaults(document, schema, faults);
     const JsonValue file(document, &faults);
     RagdollInFile in;
     readValue(file, in);

@@ -452,8 +452,9 @@ Scene loadScene(const fs::path& path, std::span<const SceneOverride> overrides, 
     JsonDocument document = loadExtended(path);
     chain.push_back(fs::weakly_canonical(path));
     for (const SceneOverride& one : overrides) setOverride(document, one, parseOverride(one.value));
+    static const DocumentSchema schema(sceneSchema());
     Faults faults(document);
-    findFaults(document, sceneSchema(), faults);
+    findFaults(document, schema, faults);
     if (!document.root().is_object()) faults.throwIfAny();
     Scene scene = SceneBuilder(document, chain, faults).build();
     faults.throwIfAny();

@@ -143,10 +143,8 @@ void addFaultsAt(const JsonDocument& document, const Json& root, const Path& pat
 }
 
 /// The places that valijson found wrong; a wrong value makes everything around it wrong too.
-std::set<Path> wrongPaths(const JsonDocument& document, const Json& schema) {
-    const PlainJson plainSchema = schema, plainRoot = document.root();
-    valijson::Schema compiled;
-    valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(plainSchema), compiled);
+std::set<Path> wrongPaths(const JsonDocument& document, const valijson::Schema& compiled) {
+    const PlainJson plainRoot = document.root();
     valijson::ValidationResults results;
     valijson::Validator validator;
     if (validator.validate(compiled, valijson::adapters::NlohmannJsonAdapter(plainRoot), &results)) return {};
@@ -158,14 +156,29 @@ std::set<Path> wrongPaths(const JsonDocument& document, const Json& schema) {
 
 }  // namespace
 
-void findFaults(const JsonDocument& document, const Json& schema, Faults& faults) {
-    const std::set<Path> paths = wrongPaths(document, schema);
+struct DocumentSchema::Compiled {
+    Json schema;
+    valijson::Schema rules;
+};
+
+DocumentSchema::DocumentSchema(Json schema) {
+    auto compiled = std::make_unique<Compiled>();
+    const PlainJson plain = schema;
+    valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(plain), compiled->rules);
+    compiled->schema = std::move(schema);
+    compiled_ = std::move(compiled);
+}
+
+DocumentSchema::~DocumentSchema() = default;
+
+void findFaults(const JsonDocument& document, const DocumentSchema& schema, Faults& faults) {
+    const std::set<Path> paths = wrongPaths(document, schema.compiled_->rules);
     for (auto path = paths.begin(); path != paths.end(); ++path) {
         // What is inside of a value comes right after it.
         const auto next = std::next(path);
         const bool isInnermost = next == paths.end() || next->size() <= path->size() ||
                                  !std::equal(path->begin(), path->end(), next->begin());
-        addFaultsAt(document, schema, *path, isInnermost, faults);
+        addFaultsAt(document, schema.compiled_->schema, *path, isInnermost, faults);
     }
     if (!faults.any() && !paths.empty()) faults.add("", "does not fit its schema");
 }

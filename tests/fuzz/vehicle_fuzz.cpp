@@ -1,9 +1,13 @@
-#include "fuzz_file.h"
-#include "ragtop/vehicle_file.h"
+#include <cstdint>
+#include <string_view>
+
+#include "described_file.h"
+#include "ragtop/asset_error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t count) {
+    const std::string_view text(reinterpret_cast<const char*>(bytes), count);
     try {
-        ragtop::loadVehicle(ragtop::fuzzFile("fuzz.car.json", bytes, count));
+        ragtop::readVehicle(ragtop::JsonDocument::parse(text, "fuzz.car.json"));
     } catch (const ragtop::AssetError&) {
     }
     return 0;
