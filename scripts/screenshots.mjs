@@ -1,4 +1,5 @@
 // Takes the pictures that scripts/screenshots.sh says. Each is of one step of a scene, so that it comes out the same.
+import { existsSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import path from 'node:path';
 import { acceptance, EVERYTHING, root, say, until } from '../tests/page/support/acceptance.mjs';
@@ -9,7 +10,7 @@ import { Program } from '../tests/page/support/program.mjs';
 const SIZE = { width: 1024, height: 576 };
 /** What is seen on the way to a picture is drawn sooner in a strip as wide. */
 const STRIP = { ...SIZE, height: 64 };
-const LIT = ['contacts', 'joints', 'bounds', 'centers', 'islands', 'wheels', 'skeleton'];
+const LIT = ['contacts', 'joints', 'bounds', 'centers', 'islands', 'wheels', 'skeleton', 'shapes'];
 
 /**
  * What is seen of each scene: after `steps` steps, from `eye` at `target` (m), with what is `shown`; the panels, or the
@@ -30,7 +31,7 @@ const PICTURES = {
   puppet: { steps: 420, eye: [3, 1.8, -3.5], target: [0, 0.9, 0] },
   cape: { steps: 150, eye: [-1.5, 2, -3], target: [0, 0.95, -0.1] },
   dummy: { steps: 37, eye: [2.7, 1.9, 6.2], target: [0, 0.85, 7.5] },
-  parade: { steps: 90, eye: [1.2, 1.7, 4.8], target: [0.6, 0.8, 0] },
+  parade: { steps: 90, eye: [0.4, 3.2, 5], target: [-0.2, 0.7, -2] },
   robots: { steps: 24, eye: [0.6, 2, 5.2], target: [0, 0.6, 0] },
 };
 
@@ -57,6 +58,23 @@ const JOINTS = {
   rack: { at: [-2.3, 1.6, -2], away: 4 },
   pulley: { at: [0.6, 2.1, -2], away: 5 },
   tendon: { at: [3.3, 2, -2], away: 2.8 },
+};
+
+const samples = process.env.RAGTOP_SAMPLES ?? path.join(root, '../shared/data');
+/**
+ * What physics sees of those in `parade`: the middle of each, and from how far away it is seen, m. Those of a file of
+ * others are there where that is.
+ */
+const BODIES = {
+  mannequin: { at: [-2.2, 0.85, 0], away: 3.6 },
+  dummy: { at: [0.3, 0.85, 0], away: 3.6 },
+  biped: { at: [1.3, 0.85, 0], away: 3.6 },
+  dog: { at: [2.2, 0.3, 0.1], away: 2 },
+  arm: { at: [3.3, 0.5, 0] },
+  arnaud: { at: [-4.4, 0.9, -4.5], away: 3.8, file: `${samples}/characters/arnaud.fbx` },
+  'cesium-man': { at: [-2, 0.75, -4.5], away: 3.2, file: `${samples}/characters/cesium_man.gltf` },
+  knight: { at: [-0.3, 1.1, -4.5], away: 5, file: `${samples}/characters/knight.glb` },
+  epileptic: { at: [1.4, 0.9, -4.5], away: 3.8, file: '/usr/share/assimp/models/X/BCN_Epileptic.X' },
 };
 
 /** A heavy ball hits the tower in the middle. */
@@ -93,16 +111,18 @@ async function takePicture(page, { steps, eye, target, chase = false, shown = []
   await finished(page);
 }
 
-async function takeJoints(page, folder) {
-  await load(page, 'mechanisms');
-  await takePicture(page, { ...PICTURES.mechanisms, steps: 30 });
+/** Pictures of what stands in a scene, each by its name in a folder. */
+async function takeCloseUps(page, folder, name, view, places) {
+  await load(page, name);
+  await takePicture(page, view);
   await mkdir(folder, { recursive: true });
-  for (const [name, { at, away = 2.4 }] of Object.entries(JOINTS)) {
+  for (const [one, { at, away = 2.4, file }] of Object.entries(places)) {
+    if (file && !existsSync(file)) continue;
     await look(page, [at[0] + 0.35 * away, at[1] + 0.3 * away, at[2] + 0.88 * away], at);
-    const file = path.join(folder, `${name}.png`);
+    const picture = path.join(folder, `${one}.png`);
     await finished(page);
-    await page.screenshot({ path: file, clip: CLOSE });
-    say(file);
+    await page.screenshot({ path: picture, clip: CLOSE });
+    say(picture);
   }
 }
 
@@ -119,5 +139,6 @@ await acceptance(EVERYTHING, async (test) => {
     await page.screenshot({ path: file });
     say(file);
   }
-  await takeJoints(page, path.join(folder, 'joints'));
+  await takeCloseUps(page, path.join(folder, 'joints'), 'mechanisms', { ...PICTURES.mechanisms, steps: 30 }, JOINTS);
+  await takeCloseUps(page, path.join(folder, 'bodies'), 'parade', { ...PICTURES.parade, steps: 30, shown: ['shapes'] }, BODIES);
 });

@@ -31,6 +31,17 @@ std::filesystem::path assetFile(const JsonValue& value) {
     return referenced(value, [&] { return findAsset(name); });
 }
 
+std::string whyAbsent(const JsonValue& value) {
+    const std::string name = value.json().get<std::string>();
+    const bool isPath = name.find(':') == std::string::npos;
+    try {
+        findAsset(isPath ? (value.folder() / name).string() : name);
+    } catch (const AssetError& error) {
+        return error.what();
+    }
+    return {};
+}
+
 Shape loadMeshReference(const JsonValue& value, bool convex) {
     const auto file = assetFile(value);
     return referenced(value, [&] { return loadMesh(file, {.convex = convex}); });

@@ -10,9 +10,12 @@
 
 namespace ragtop {
 
-/// The file that the string `value` names: relative to the file that it stands in, or "assimp-testmodels:…" for one
-/// of that Debian package. Throws AssetError that names the place of the reference.
+/// The file that the string `value` names: relative to the file that it stands in, or by findAsset
+/// ("assimp-testmodels:…", "samples:…"). Throws AssetError that names the place of the reference.
 std::filesystem::path assetFile(const JsonValue& value);
+
+/// Why there is no such file; empty where there is one.
+std::string whyAbsent(const JsonValue& value);
 
 /// The triangles, or the convex hull, of the mesh file that the string `value` names.
 Shape loadMeshReference(const JsonValue& value, bool convex);

@@ -10,15 +10,14 @@ void LeftOut::note(const std::string& list, const Json& element) {
     const bool repeats = element.contains("body") && element.at("body").is_object();
     const Json& named = repeats ? element.at("body") : element;
     const bool isGenerator = list == "walls" || list == "houses" || list == "towers" || list == "stairs";
+    const bool isGrid = !repeats && element.contains("count");  // of "dog": "dog 1", "dog 2"
     for (const auto& member : named.items()) {
         // The name itself may be misspelled.
         const bool isName = member.key() == "name" || !named.contains("name");
         if (!isName || !member.value().is_string()) continue;
         const std::string name = member.value().get<std::string>();
-        if (isGenerator)
-            beginnings_.insert(name + " ");
-        else
-            names_[list == "joints" ? kJoints : kBodies].insert(name);
+        if (isGenerator || isGrid) beginnings_.insert(name + " ");
+        if (!isGenerator) names_[list == "joints" ? kJoints : kBodies].insert(name);
         if (list == "roads") names_[kRoads].insert(name);
     }
 }

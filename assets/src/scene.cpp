@@ -360,7 +360,17 @@ private:
         return def;
     }
 
+    /// Of an optional entry whose file is not there nothing is made, nor of what refers to it.
+    void needFile(bool optional, const JsonValue& at, const char* key) {
+        if (!optional || !at.has(key) || at.at(key).isWrong()) return;
+        const std::string why = whyAbsent(at.at(key));
+        if (why.empty()) return;
+        scene_.warnings.push_back("left out, since it is optional: " + why);
+        throw Faults::Consequence();
+    }
+
     void add(const RagdollInScene& in, const JsonValue& at) {
+        needFile(in.optional, at, in.character.empty() ? "file" : "character");
         std::shared_ptr<const RagdollDef> def;
         at.attempt([&] { def = definition(in, at); });
         needRight(at);
@@ -384,6 +394,7 @@ private:
     }
 
     void add(const RobotInScene& in, const JsonValue& at) {
+        needFile(in.optional, at, "file");
         std::shared_ptr<const Robot> robot;
         at.attempt("file", [&](const JsonValue& file) {
             robot = std::make_shared<const Robot>(robotFromFile(file, scene_.warnings));

@@ -305,7 +305,7 @@ struct RagdollInScene {
     std::string name, file, character;
     RagdollOptions options;
     PlaceInFile place;
-    bool standing = false, puppet = false;
+    bool standing = false, puppet = false, optional = false;
     std::vector<PartAngles> pose;
     std::vector<BlowInFile> blows;
     Vec3 velocity;
@@ -325,13 +325,15 @@ void describe(Visitor& visit, Self& self, const RagdollInScene*) {
     visit(Tunable{.name = "pose", .meaning = "turned joints of who stands with the feet at its position"}, self.pose);
     visit(Tunable{.name = "blows", .meaning = "what strikes it when, by rising time"}, self.blows);
     visit(Tunable{"velocity", "m/s", -1000, 1000, "of all parts at the start"}, self.velocity);
+    visit(Tunable{.name = "optional", .meaning = "left out, with a warning, where its file is not there"},
+          self.optional);
     describe(visit, self.grid, static_cast<const GridInFile*>(nullptr));
 }
 
 struct RobotInScene {
     std::string name, file;
     PlaceInFile place;
-    bool standing = false, holding = false, selfCollision = false;
+    bool standing = false, holding = false, selfCollision = false, optional = false;
     GridInFile grid;
 };
 template <class Visitor, class Self>
@@ -345,6 +347,8 @@ void describe(Visitor& visit, Self& self, const RobotInScene*) {
           self.holding);
     visit(Tunable{.name = "selfCollision", .meaning = "links that no joint joins collide with each other"},
           self.selfCollision);
+    visit(Tunable{.name = "optional", .meaning = "left out, with a warning, where its file is not there"},
+          self.optional);
     describe(visit, self.grid, static_cast<const GridInFile*>(nullptr));
 }
 inline Names requiredFields(const RobotInScene*) { return {"file"}; }
