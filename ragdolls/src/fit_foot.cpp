@@ -56,6 +56,11 @@ struct Wanted {
 
     Wanted(std::span<const Vec3> points, float share)
         : left(points.begin(), points.end()), most((1 - share) * static_cast<float>(points.size())) {}
+    bool canHold(const Gauge& gauge, const Frame& frame) const {
+        const std::vector<float> sizes = gauge.sizes(left, frame);
+        return static_cast<float>(
+                   std::count_if(sizes.begin(), sizes.end(), [](float size) { return size > kSurface; })) <= most;
+    }
     bool isHeld(const Gauge& gauge, const Frame& frame) {
         const std::vector<float> sizes = gauge.sizes(left, frame);
         std::size_t count = 0;
@@ -81,6 +86,9 @@ std::optional<FootHull> hullIn(const FittedShape& room, float soleSize, std::spa
     grown.grow(kMostOfFoot);
     const std::vector<Vec3> order = grown.corners();
     Wanted ofFew(few, share), ofAll(points, share);
+    // Where all corners allowed are too few, fewer are.
+    const Gauge widest(order, grown.planes());
+    if (!ofFew.canHold(widest, room.frame) || !ofAll.canHold(widest, room.frame)) return {};
     for (std::size_t count = kFewestOfFoot; count <= kMostOfFoot; count += 12) {
         std::vector<Vec3> corners = sole;
         for (const Vec3& corner : order)

@@ -100,6 +100,34 @@ std::optional<FittedHull> fitHull(std::span<const Vec3> points, const Quat& rota
     return FittedHull{{ConvexHull(corners), {rotate(rotation, gauge.middle), rotation}}, whole.volume()};
 }
 
+namespace {
+
+/// Those of some points in a plane that are corners of them all [Andrew, Another Efficient Algorithm for Convex Hulls
+/// in Two Dimensions, 1979].
+std::vector<Vec3> cornersInPlane(std::vector<Vec3> points, const Vec3& normal) {
+    const Vec3 u = perpendicular(normal), v = cross(normal, u);
+    const auto before = [&](const Vec3& a, const Vec3& b) {
+        const float x = dot(u, a) - dot(u, b);
+        return x < 0 || (x == 0 && dot(v, a) < dot(v, b));
+    };
+    std::sort(points.begin(), points.end(), before);
+    std::vector<Vec3> corners;
+    const auto walk = [&](auto first, auto last) {
+        const std::size_t start = corners.size();
+        for (; first != last; ++first) {
+            while (corners.size() > start + 1 &&
+                   dot(normal, cross(corners.back() - corners[corners.size() - 2], *first - corners.back())) <= 0)
+                corners.pop_back();
+            corners.push_back(*first);
+        }
+    };
+    walk(points.begin(), points.end());
+    walk(points.rbegin(), points.rend());
+    return corners;
+}
+
+}  // namespace
+
 /// Ways between all corners cross the plane within the hull, those along its edges at the corners of the cut.
 FittedShape hullAbove(const FittedShape& hull, const Vec3& up, float floor, float least) {
     const std::span<const Vec3> corners = std::get<ConvexHull>(hull.shape).vertices();
@@ -111,14 +139,17 @@ FittedShape hullAbove(const FittedShape& hull, const Vec3& up, float floor, floa
     }
     const float cut = std::min(floor - dot(hull.frame.position, up), top - least);
     if (cut <= bottom + kRounding * (top - bottom)) return hull;
-    std::vector<Vec3> kept;
+    std::vector<Vec3> kept, crossing;
     for (const Vec3& corner : corners) {
         const float over = dot(corner, along) - cut;
-        if (over >= 0) kept.push_back(corner);
+        if (over < 0) continue;
+        kept.push_back(corner);
         for (const Vec3& below : corners)
             if (const float under = cut - dot(below, along); over > 0 && under > 0)
-                kept.push_back(below + under / (over + under) * (corner - below));
+                crossing.push_back(below + under / (over + under) * (corner - below));
     }
+    const std::vector<Vec3> round = cornersInPlane(std::move(crossing), along);
+    kept.insert(kept.end(), round.begin(), round.end());
     return {ConvexHull(kept), hull.frame};
 }
 

@@ -134,6 +134,16 @@ std::vector<double> bounded(const Wanted& wanted, double mass) {
     return masses(high);
 }
 
+std::string noteOfDeparture(double departure) {
+    constexpr double kTold = 0.01;  // masses within that of the table are the table's
+    if (departure < kTold) return {};
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "its parts have not the proportions of a human: masses go by volume, not by the table, for %.0f %%",
+                  100 * departure);
+    return text;
+}
+
 /// What a human wears is hollow where its table leaves a part less than flesh.
 std::string noteOfHollow(std::span<const MassPart> parts, const std::vector<double>& mass) {
     constexpr double kRounding = 1e-6;
@@ -148,11 +158,11 @@ std::string noteOfHollow(std::span<const MassPart> parts, const std::vector<doub
     }
     if (count == 0) return {};
     char text[200];
-    std::snprintf(
-        text, sizeof text,
-        "%d parts are lighter than %g kg/m3, the lightest (%.*s) has %.3g: a human weighs what its height says, "
-        "however much it wears",
-        count, kLeastDensity, static_cast<int>(nameOf(role).size()), nameOf(role).data(), least);
+    std::snprintf(text, sizeof text,
+                  "%d part%s lighter than %g kg/m3, the lightest (%.*s) has %.3g: a human weighs what its height says, "
+                  "however much it wears",
+                  count, count == 1 ? " is" : "s are", kLeastDensity, static_cast<int>(nameOf(role).size()),
+                  nameOf(role).data(), least);
     return text;
 }
 
@@ -176,7 +186,9 @@ Masses shareMass(std::span<const MassPart> parts, const MassWish& wish) {
     for (const Room& part : wanted.rooms) room += part.most;
     if (mass > least && mass < std::min(most, room)) {
         result.mass = bounded(wanted, mass);
-        result.note = noteOfHollow(parts, result.mass);
+        if (wish.human) result.note = noteOfDeparture(result.departure);
+        if (const std::string hollow = noteOfHollow(parts, result.mass); !hollow.empty())
+            result.note += (result.note.empty() ? "" : "; ") + hollow;
         return result;
     }
     for (const MassPart& part : parts) result.mass.push_back(mass * part.volume / volume);

@@ -63,7 +63,10 @@ TEST(Masses, GoFromTheTableToVolumeAsTheHeadGrows) {
     // A helmet is no flesh: a part has at most twice its share of the table, and is told where that is little.
     const Masses helmet = shareMass(humanParts([&](BodyRole role) { return role == BodyRole::head ? 48.0 : 1.0; }),
                                     {true, 0, 24.49, 1.75, 100});
-    EXPECT_EQ(helmet.note.find("1 parts are lighter than 300 kg/m3, the lightest (head) has 55"), 0u) << helmet.note;
+    EXPECT_EQ(helmet.note.find("its parts have not the proportions of a human: masses go by volume, not by the table, "
+                               "for 100 %; 1 part is lighter than 300 kg/m3, the lightest (head) has 55"),
+              0u)
+        << helmet.note;
     EXPECT_EQ(shareMass(humanParts([](BodyRole) { return 1.0; }), kPerson).note, "");
     EXPECT_NEAR(before, 2 * 100 * massShare(BodyRole::head, 0) / 0.9999, 1e-2);
 }
