@@ -100,7 +100,7 @@ void hold(std::vector<PointHull>& hulls, const std::vector<DVec3>& points) {
     for (const DVec3& p : points) {
         double least = hulls.empty() ? kUnbounded : heightOver(hulls[nearest], p);
         for (std::size_t i = 0; i < hulls.size() && least > 0; ++i)
-            if (const double over = heightOver(hulls[i], p); over < least) least = over, nearest = i;
+            if (const double over = heightOver(hulls[i], p, least); over < least) least = over, nearest = i;
         if (least > 0) lacking[nearest].push_back(p);
     }
     for (std::size_t i = 0; i < hulls.size(); ++i)
@@ -116,6 +116,7 @@ void lighten(std::vector<PointHull>& hulls, double mostVolume, const PieceLimits
         volume += hull.volume;
     }
     for (PointHull& hull : hulls) {
+        if (air.depthIn(hull, limits.error) > limits.error) continue;  // fewer corners reach farther out
         PointHull light = withFewCorners(hull, limits.corners / 2);
         const double after = volume + light.volume - hull.volume;
         if (!(light.volume > 0) || after > mostVolume || air.depthIn(light, limits.error) > limits.error) continue;

@@ -56,12 +56,17 @@ public:
             }
             const bool spoils = volume_ + best->growth > solidVolume + limits_.air;
             if (!many() && !isEmpty(*best) && spoils) break;
-            PointHull both = withFewCorners(hullOf(pointsOfBoth(hull(best->a), hull(best->b))), limits_.corners);
-            if (!best->refused && !isEmpty(*best) && air_.depthIn(both, limits_.error) > limits_.error) {
-                best->refused = true;
-                continue;
+            PointHull both = hullOf(pointsOfBoth(hull(best->a), hull(best->b)));
+            // Fewer corners reach farther out, and take long to find.
+            const auto isTooDeep = [&] { return air_.depthIn(both, limits_.error) > limits_.error; };
+            const bool isTried = !best->refused && !isEmpty(*best);
+            best->refused = best->refused || (isTried && isTooDeep());
+            if (isTried && !best->refused && both.points.size() > limits_.corners) {
+                both = withFewCorners(both, limits_.corners);
+                best->refused = isTooDeep();
             }
-            join(*best, std::move(both));
+            if (isTried && best->refused) continue;
+            join(*best, withFewCorners(both, limits_.corners));
         }
         std::vector<Piece> rest;
         for (std::size_t i = 0; i < pieces_.size(); ++i)

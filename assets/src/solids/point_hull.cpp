@@ -113,9 +113,10 @@ HullSize hullSize(const std::vector<DVec3>& points) {
     return {hull.volume, hull.points.size()};
 }
 
-double heightOver(const PointHull& hull, const DVec3& p) {
+double heightOver(const PointHull& hull, const DVec3& p, double enough) {
     double highest = -std::numeric_limits<double>::infinity();
-    for (const DPlane& plane : hull.planes) highest = std::max(highest, plane.height(p));
+    for (auto plane = hull.planes.begin(); plane != hull.planes.end() && highest < enough; ++plane)
+        highest = std::max(highest, plane->height(p));
     return highest;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "ragtop/hull_triangles.h"
@@ -23,7 +24,7 @@ struct HullSize {
 };
 HullSize hullSize(const std::vector<DVec3>& points);
 
-/// By how far a point is outside of the hull's planes; below zero inside.
-double heightOver(const PointHull& hull, const DVec3& p);
+/// By how far a point is outside of the hull's planes; below zero inside. At `enough` or above any such.
+double heightOver(const PointHull& hull, const DVec3& p, double enough = std::numeric_limits<double>::infinity());
 
 }  // namespace ragtop
