@@ -40,6 +40,8 @@ public:
             eachBelow("actuator", kind, [&](const MjcfElement& actuator) { readActuator(actuator); });
         eachBelow("keyframe", "key", [&](const MjcfElement& key) { readKey(key); });
         count();
+        if (robot_.links.size() == 1 && robot_.links[0].shapes.empty())
+            text_.use(text_.root()).fail("has neither a body nor a geom, must have one");
         return std::move(robot_);
     }
 

@@ -110,7 +110,7 @@ ImportedRobot readRobot(const std::filesystem::path& path) {
     if (root && root->ValueStr() == "robot") return readUrdf(path, text);
     throw AssetError(path.string(), root ? std::to_string(root->Row()) : "",
                      (root ? "begins with <" + root->ValueStr() + ">" : "has no element") +
-                         ", must with <robot> (URDF) or <mujoco> (MJCF)" + looksLike(text.source));
+                         ", must begin with <robot> (URDF) or <mujoco> (MJCF)" + looksLike(text.source));
 }
 
 ImportedRobot importRobot(const std::filesystem::path& path) {

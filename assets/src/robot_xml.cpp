@@ -106,6 +106,9 @@ public:
             if (e->ValueStr() == "link") takeCapsules(*e, name);
             checkNumbers(*e, e->ValueStr() + " '" + name + "'");
         }
+        if (carried_.size() == links_.size())
+            fail(*robot, "each of its " + std::to_string(links_.size()) +
+                             " links is the child of a joint, must have one that is not: their joints form a loop");
         if (faultyVisuals_ > 0)
             result_.warnings.push_back(std::to_string(faultyVisuals_) +
                                        " visuals or materials are faulty, which changes no physics, such as in line " +
@@ -165,6 +168,7 @@ private:
                 fail(*e, e->ValueStr() + " '" + name + "' is there twice");
         }
         if (links_.empty()) fail(robot, "robot has no link, must have at least one");
+        if (attribute(robot, "name").empty()) fail(robot, "robot has no name, must have one");
     }
 
     void checkJoint(TiXmlElement& joint, const std::string& name) {
@@ -177,7 +181,7 @@ private:
                             "', must be revolute, continuous, prismatic, fixed, floating, planar or spherical");
         for (const char* end : {"parent", "child"}) {
             const TiXmlElement* element = joint.FirstChildElement(end);
-            if (!element) fail(joint, what + "has no <" + end + ">");
+            if (!element) fail(joint, what + "has no <" + end + ">, must have one");
             const std::string link = attribute(*element, "link");
             if (!links_.contains(link))
                 fail(*element, what + end + " link '" + link + "' does not exist, must be one of the robot's links");

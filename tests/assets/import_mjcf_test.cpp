@@ -129,6 +129,7 @@ TEST(LoadMjcf, RefusesWhatIsWrongWithLineValueAndWhatIsAllowed) {
     says(one("<geom size='1'/><body><freejoint/><geom size='1'/></body>"),
          "must be the only joint of a body of the world");
     says(one("<geom size='1' quat='0 0 0 0'/>"), "quat is '0 0 0 0', must be a rotation");
+    says(mjcf(world("")), ": mujoco: has neither a body nor a geom, must have one");
     says(mjcf("<compiler angle='grad'/>" + world("")), "angle is 'grad', must be degree or radian");
     says(mjcf("<compiler coordinate='global'/>" + world("")), "must be local");
     says(mjcf("<include file='../other.xml'/>"), "must be a file in the folder of the description");

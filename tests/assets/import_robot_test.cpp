@@ -176,7 +176,7 @@ TEST(LoadRobot, KeepsRangesOfSeveralTurns) {
 TEST(LoadRobot, TellsWhatAnotherFormatLooksLike) {
     const TemporaryFile file("other.xml", "<!-- a robot -->\n<sdf version='1.6'><model/></sdf>");
     const std::string text = importError(file.path(), [&] { loadRobot(file.path()); });
-    EXPECT_NE(text.find("begins with <sdf>, must with <robot> (URDF) or <mujoco> (MJCF); it looks like SDFormat"),
+    EXPECT_NE(text.find("begins with <sdf>, must begin with <robot> (URDF) or <mujoco> (MJCF); it looks like SDFormat"),
               std::string::npos)
         << text;
 }
@@ -255,6 +255,18 @@ TEST(LoadRobot, LoopsAndGiantsAreRefusedInOneLine) {
                                               "</robot>");
     const std::string text = importError(loop.path(), [&] { loadRobot(loop.path()); });
     EXPECT_NE(text.find("2 links do not hang on the root 'a': their joints form a loop"), std::string::npos) << text;
+    const TemporaryFile ring("whole_ring.urdf",
+                             "<robot name='r'>\n<link name='a'/><link name='b'/>"
+                             "<joint name='i' type='fixed'><parent link='a'/><child link='b'/></joint>"
+                             "<joint name='j' type='fixed'><parent link='b'/><child link='a'/></joint>"
+                             "</robot>");
+    const std::string rootless = importError(ring.path(), [&] { loadRobot(ring.path()); });
+    EXPECT_NE(rootless.find(":1: each of its 2 links is the child of a joint, must have one that is not"),
+              std::string::npos)
+        << rootless;
+    const TemporaryFile nameless("nameless.urdf", "<robot>\n<link name='a'/></robot>");
+    const std::string name = importError(nameless.path(), [&] { loadRobot(nameless.path()); });
+    EXPECT_NE(name.find(":1: robot has no name, must have one"), std::string::npos) << name;
     const TemporaryFile giant("giant.urdf", std::string(40 << 20, ' '));
     const std::string size = importError(giant.path(), [&] { loadRobot(giant.path()); });
     EXPECT_NE(size.find("is 41943040 bytes long, must be at most 33554432"), std::string::npos) << size;
