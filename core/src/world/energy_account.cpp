@@ -72,6 +72,12 @@ double excessOf(const GuardView& view, std::uint32_t index) {
            static_cast<double>(view.guard.kinetic[index]) + storedBy(view, index).gained - workOn(view, index);
 }
 
+double kineticNow(const GuardView& view, std::span<const std::uint32_t> group) {
+    double sum = 0;
+    for (const std::uint32_t b : group) sum += kineticEnergy(view.bodies, b, rotationNow(view.bodies, b));
+    return sum;
+}
+
 EnergyAccount accountOf(const GuardView& view, std::span<const std::uint32_t> group) {
     EnergyAccount account;
     double work = 0, weight = 0;

@@ -108,7 +108,7 @@ GuardedIsland& islandOf(const GuardView& view, std::uint32_t first) {
         lookAround(
             view, body,
             [&](const JointSim& sim, std::uint32_t other) {
-                look.stores |= storesEnergy(sim);
+                look.stores |= guard.stores && storesEnergy(sim);
                 look.isJoined = true;
                 reach(other);
             },
@@ -232,7 +232,7 @@ Keeps whatStays(const GuardView& view, const GuardedIsland& look, std::span<cons
     if (!look.hangs) return Keeps::momenta;
     bool held = false;
     const auto note = [&](const auto&, std::uint32_t other) { held |= !view.bodies.moves(other); };
-    for (const std::uint32_t body : group) lookAround(view, body, note, note);
+    for (std::size_t i = 0; i < group.size() && !held; ++i) lookAround(view, group[i], note, note);
     return held ? Keeps::nothing : Keeps::momenta;
 }
 
@@ -277,7 +277,7 @@ void guardGroup(const GuardView& view, std::size_t g) {
     if (isIsolated) {
         turnToMomentum(view.bodies, group, guard.momentum[g]);
         const double turned = account.now;
-        account.now = accountOf(view, group).now;
+        account.now = kineticNow(view, group);
         beyond += account.now - turned;
         look.excess += account.now - turned;
     }
@@ -287,7 +287,7 @@ void guardGroup(const GuardView& view, std::size_t g) {
     double taken = takeEnergy(view.bodies, view.joints, group, beyond, whatStays(view, look, group));
     // Momenta too are wrong where impulses were so large that their rounding moves all of the group.
     const double lawful = account.now - beyond;
-    if (const double more = accountOf(view, group).now - lawful; more > kThrown * look.lawful) {
+    if (const double more = kineticNow(view, group) - lawful; more > kThrown * look.lawful) {
         if (isIsolated) {  // whose momenta are known
             room = 0;
             return undoStep(view, look);

@@ -91,6 +91,7 @@ void setVelocity(Bodies& bodies, std::uint32_t body, const Vec3& v, const Vec3& 
 }
 
 void scaleLeads(const Bodies& bodies, Joints& joints, std::uint32_t body, float share) {
+    if (joints.springs.joints.empty()) return;  // nothing leads
     for (std::uint32_t key = bodies[body].firstJoint; key != kNone; key = joints[key >> 1].edges[key & 1].next) {
         if (!joints.isHolding(key >> 1)) continue;
         if ((key & 1) != 0 && bodies.moves(joints[key >> 1].bodyA)) continue;
