@@ -341,5 +341,61 @@ TEST(Settling, WhatIsAloneFalls) {
     EXPECT_NEAR(static_cast<double>(world.linearVelocity(brick).y), -static_cast<double>(kGravity) * kDt, 1e-5);
 }
 
+/// A mesh has a manifold for each triangle that a box stands on, slivers among them. A box does not tilt about one of
+/// them, so it is chosen for as on a plane, where one that slides is iterated.
+TEST(DirectIslands, ABoxSlidesOverTrianglesAsOverAPlane) {
+    constexpr std::uint32_t kAcross = 4, kAlong = 100;
+    constexpr float kCell = 0.3f;
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t row = 0; row <= kAlong; ++row)
+        for (std::uint32_t column = 0; column <= kAcross; ++column)
+            vertices.push_back({kCell * static_cast<float>(row) - 5, 0,
+                                kCell * (static_cast<float>(column) - 0.5f * static_cast<float>(kAcross))});
+    for (std::uint32_t row = 0; row < kAlong; ++row)
+        for (std::uint32_t column = 0; column < kAcross; ++column) {
+            const std::uint32_t a = row * (kAcross + 1) + column, b = a + 1, c = a + kAcross + 1, d = c + 1;
+            triangles.push_back({a, b, c});
+            triangles.push_back({b, d, c});
+        }
+    World world(withoutSleep());
+    world.create(StaticBody{.shape = TriangleMesh{vertices, triangles}});
+    BodyDef def = bodyDef(Box{{0.4f, 0.4f, 0.4f}}, {0, 0.4, 0.013}, surface(0.5f));
+    def.pose.rotation = rotationAbout({0, 1, 0}, 0.3f);
+    const BodyId box = world.create(def);
+    world.setVelocity(box, {8, 0, 0}, {});
+    std::size_t solved = 0;
+    for (int i = 0; i < 120; ++i) {
+        world.step(kDt);
+        solved += world.stats().islands.size();
+    }
+    EXPECT_EQ(solved, 0u);
+    EXPECT_LT(length(world.linearVelocity(box)), 1e-3f);
+}
+
+/// Columns come down on the floor while the contacts of one that was pushed over change from step to step, so that it
+/// is chosen for in each of them; for the others there is a choice in every sixteenth.
+TEST(DirectIslands, WhatFallsHurriesNoChoiceButItsOwn) {
+    constexpr int kPeriod = 16;
+    for (const double gap : {0.05, 0.08, 0.11}) {
+        World world(withoutSleep());
+        addFloor(world);
+        std::vector<BodyId> falling;
+        for (int i = 0; i < 10; ++i) world.create(bodyDef(Box{{0.2f, 0.2f, 0.2f}}, {0, gap + 0.2 + 0.4 * i, 0}));
+        for (int i = 0; i < 14; ++i)
+            falling.push_back(world.create(bodyDef(Box{{0.2f, 0.2f, 0.2f}}, {20, 0.2 + 0.4 * i, 0})));
+        int chosen = -1;
+        for (int step = 0; step < 240 && chosen < 0; ++step) {
+            if (step == 2)
+                for (std::size_t i = 7; i < falling.size(); ++i) world.setVelocity(falling[i], {1, 0, 0}, {});
+            world.step(kDt);
+            for (const auto& island : world.stats().islands)
+                if (island.bodies == 10) chosen = step;
+        }
+        EXPECT_GT(chosen, 0) << gap;
+        EXPECT_EQ(chosen % kPeriod, 0) << gap;
+    }
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -62,8 +62,9 @@ struct Activity {
     void removeFromGraph(std::uint32_t manifold) const;
     void addJointToGraph(std::uint32_t joint) const;
     void removeJointFromGraph(std::uint32_t joint) const;
-    /// Moves all constraints of islands that are, or no longer are, solved directly to the list of their solver.
-    void applyChoices(const ConstTables& tables) const;
+    /// Moves all constraints of islands that are, or no longer are, solved directly to the list of their solver: of
+    /// some islands if there are lists of them.
+    void applyChoices(const ConstTables& tables, const IslandLists* some) const;
 
     // sleeping.cpp
     /// Islands that have been quiet for so many seconds.

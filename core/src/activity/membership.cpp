@@ -80,7 +80,7 @@ void Activity::removeJointFromGraph(std::uint32_t index) const {
     joints.bundlesChanged = directSet.treesChanged = true;
 }
 
-void Activity::applyChoices(const ConstTables& tables) const {
+void Activity::applyChoices(const ConstTables& tables, const IslandLists* some) const {
     const ConstraintGraph::Color& list = graph.color(ConstraintGraph::kDirect);
     bool any = !list.manifolds.empty() || !list.joints.empty();
     for (std::size_t i = 0; i < bodies.awake.size() && !any; ++i) any = bodies.isDirect(bodies.awake[i]);
@@ -91,7 +91,7 @@ void Activity::applyChoices(const ConstTables& tables) const {
     };
     std::size_t contactCount = 0;
     forEachInGraph(
-        tables,
+        tables, some,
         [&](std::uint32_t m) {
             const ContactRecord& contact = contacts[manifolds[m].contact];
             if (changes(contact.bodyA, contact.bodyB, manifolds[m].place))

@@ -26,18 +26,31 @@ inline bool holds(const Bodies& bodies, const ContactRecord& contact) {
     return bodies.moves(contact.bodyA) != bodies.moves(contact.bodyB);
 }
 
+/// Islands: their bodies, contacts and joints, each in the order of what is awake.
+struct IslandLists {
+    std::span<const std::uint32_t> bodies, contacts, joints;
+};
+
 /// Calls contact(manifold), then joint(joint), for all that is in the graph, in an order that depends on the scene
-/// alone.
+/// alone; of some islands if there are lists of them.
 template <class Contact, class Joint>
-void forEachInGraph(const ConstTables& t, Contact&& contact, Joint&& joint) {
-    for (const std::uint32_t index : t.contacts.awake) {
+void forEachInGraph(const ConstTables& t, const IslandLists* some, Contact&& contact, Joint&& joint) {
+    const auto visitContact = [&](std::uint32_t index) {
         const ContactRecord& record = t.contacts[index];
-        if (record.firstManifold == kNone) continue;
+        if (record.firstManifold == kNone) return;
         for (std::uint32_t k = record.firstManifold; k < record.firstManifold + record.manifoldCapacity; ++k)
             if (t.manifolds[k].place.color != kNone) contact(k);
-    }
-    for (std::uint32_t j = 0; j < t.joints.slots.count(); ++j)
+    };
+    const auto visitJoint = [&](std::uint32_t j) {
         if (t.joints.slots.isUsed(j) && t.joints[j].place.color != kNone) joint(j);
+    };
+    if (some) {
+        for (const std::uint32_t index : some->contacts) visitContact(index);
+        for (const std::uint32_t j : some->joints) visitJoint(j);
+        return;
+    }
+    for (const std::uint32_t index : t.contacts.awake) visitContact(index);
+    for (std::uint32_t j = 0; j < t.joints.slots.count(); ++j) visitJoint(j);
 }
 
 /// Calls visit(manifold's index, manifold, contact) for the contacts of a list of the graph. Records and bodies of

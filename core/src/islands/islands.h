@@ -5,6 +5,7 @@
 
 #include "base/aligned_array.h"
 #include "base/stage_memory.h"
+#include "contacts/tables.h"
 #include "direct/choice.h"
 #include "islands/load_paths.h"
 
@@ -14,7 +15,13 @@ namespace ragtop {
 /// or are joined (who may sleep), that are within reach (who is solved together), or those of the direct list.
 class Islands {
 public:
-    explicit Islands(std::pmr::memory_resource* memory) : parent(memory), quiet(memory), stack(memory) {}
+    explicit Islands(std::pmr::memory_resource* memory)
+        : parent(memory),
+          quiet(memory),
+          stack(memory),
+          directBodies(memory),
+          directContacts(memory),
+          directJoints(memory) {}
 
     /// Each awake body by itself.
     void begin(const Bodies& bodies);
@@ -44,9 +51,14 @@ public:
         archive.value(structureChanged);
     }
 
+    /// The islands of bodies that are solved directly, or were until now, where nothing is coupled. The lists hold
+    /// until the next call.
+    IslandLists findDirect(const ConstTables& tables);
+
     AlignedArray<std::uint32_t> parent;  ///< union-find over bodies
     AlignedArray<float> quiet;           ///< s, of the least quiet body of a root
     AlignedArray<std::uint32_t> stack;   ///< bodies to be visited, or in the order of a visit
+    AlignedArray<std::uint32_t> directBodies, directContacts, directJoints;  ///< of findDirect
     /// What measuring finds, for the choice of solvers: in memory of that stage, until another one takes some.
     LoadPaths paths;
     StageArray<std::uint32_t> number;  ///< per body that is a root: place of its island in `features`

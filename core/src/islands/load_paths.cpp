@@ -63,13 +63,13 @@ void LoadPaths::begin(const ConstTables& t, StageMemory& memory, std::size_t mor
 }
 
 /// Contacts within reach, and joints.
-void LoadPaths::collect(const ConstTables& t) {
+void LoadPaths::collect(const ConstTables& t, const IslandLists* some) {
     const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t constraint, bool joint) {
         edges.push({a, b, constraint, joint, t.bodies.moves(a), t.bodies.moves(b)});
     };
     // Not by the lists of the graph: sums follow this order, and who is where in them depends on the number of workers.
     forEachInGraph(
-        t,
+        t, some,
         [&](std::uint32_t m) {
             const ManifoldRecord& manifold = t.manifolds[m];
             const ContactRecord& contact = t.contacts[manifold.contact];
@@ -88,11 +88,11 @@ std::span<const std::uint32_t> LoadPaths::edgesOf(std::uint32_t body) const {
 
 /// Distances from what does not move, by breadth first over the support edges; `visited_` keeps the order of the
 /// visit.
-void LoadPaths::findDepths(const Bodies& bodies) {
+void LoadPaths::findDepths(const Bodies& bodies, std::span<const std::uint32_t> members) {
     depth.resizeForOverwrite(bodies.size());
     edgesEnd_.resizeForOverwrite(bodies.size() + 1);
     std::memset(edgesEnd_.data(), 0, edgesEnd_.size() * sizeof(std::uint32_t));
-    for (const std::uint32_t body : bodies.awake) depth[body] = kNone;
+    for (const std::uint32_t body : members) depth[body] = kNone;
     for (const SupportEdge& edge : edges) {
         edgesEnd_[edge.a + 1] += edge.movesA;
         edgesEnd_[edge.b + 1] += edge.movesB;
@@ -122,14 +122,15 @@ void LoadPaths::findDepths(const Bodies& bodies) {
         }
 }
 
-void LoadPaths::estimate(const ConstTables& t, const Vec3& gravity, bool pushes) {
+void LoadPaths::estimate(const ConstTables& t, const Vec3& gravity, bool pushes,
+                         std::span<const std::uint32_t> members) {
     const Bodies& bodies = t.bodies;
     const float g = length(gravity), perForce = g > 0 ? 1 / g : 0.0f;
     axisX_ = perpendicular(normalized(gravity)), axisY_ = cross(normalized(gravity), axisX_);
     for (StageArray<float>* perBody : {&load_, &momentX_, &momentY_}) perBody->resizeForOverwrite(bodies.size());
     division_.resizeForOverwrite(bodies.size());
     share.resizeForOverwrite(edges.size());
-    for (const std::uint32_t body : bodies.awake) {
+    for (const std::uint32_t body : members) {
         load_[body] = pushes ? perForce * length(bodies[body].force) : 0.0f;
         momentX_[body] = momentY_[body] = 0;
     }

@@ -43,12 +43,13 @@ class LoadPaths {
 public:
     /// Takes memory, and so many bytes more.
     void begin(const ConstTables& tables, StageMemory& memory, std::size_t more);
-    /// Everything in the graph that bears or holds: contacts within reach, and joints.
-    void collect(const ConstTables& tables);
+    /// Everything in the graph that bears or holds: contacts within reach, and joints; of
+    /// some islands if there are lists of them, which then are all that is looked at.
+    void collect(const ConstTables& tables, const IslandLists* some);
     /// After `collect`; kNone of bodies from which nothing leads to what does not move.
-    void findDepths(const Bodies& bodies);
-    /// After `findDepths`. Gravity in m/s²; `pushes`: forces count as weights.
-    void estimate(const ConstTables& tables, const Vec3& gravity, bool pushes);
+    void findDepths(const Bodies& bodies, std::span<const std::uint32_t> members);
+    /// After `findDepths`, of the same bodies. Gravity in m/s²; `pushes`: forces count as weights.
+    void estimate(const ConstTables& tables, const Vec3& gravity, bool pushes, std::span<const std::uint32_t> members);
 
     bool aBears(const SupportEdge& e) const { return e.movesB && (!e.movesA || depth[e.a] < depth[e.b]); }
     bool bBears(const SupportEdge& e) const { return e.movesA && (!e.movesB || depth[e.b] < depth[e.a]); }

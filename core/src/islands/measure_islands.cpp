@@ -19,7 +19,7 @@ constexpr float kOpening = 0.01f;  ///< of an even share, that a point has left:
 /// Takes memory for what measuring islands finds, and numbers these.
 void beginMeasuring(const MeasureView& v) {
     std::size_t count = 0;
-    for (const std::uint32_t body : v.bodies.awake) count += v.islands.parent[body] == body ? 1 : 0;
+    for (const std::uint32_t body : v.members()) count += v.islands.parent[body] == body ? 1 : 0;
     using M = StageMemory;
     const std::size_t own = M::bytesOf<std::uint32_t>(v.bodies.size()) + M::bytesOf<direct::IslandFeatures>(count) +
                             M::bytesOf<float>(v.bodies.size());
@@ -28,7 +28,7 @@ void beginMeasuring(const MeasureView& v) {
     v.islands.features = v.stageMemory.take<direct::IslandFeatures>(count);
     v.islands.stiffness = v.stageMemory.take<float>(v.bodies.size());
     v.islands.stiffness.resizeForOverwrite(v.bodies.size());
-    for (const std::uint32_t body : v.bodies.awake) {
+    for (const std::uint32_t body : v.members()) {
         v.islands.stiffness[body] = 0;
         if (v.islands.parent[body] != body) continue;
         v.islands.number[body] = static_cast<std::uint32_t>(v.islands.features.size());
@@ -36,34 +36,79 @@ void beginMeasuring(const MeasureView& v) {
     }
 }
 
-/// Of the load of a contact, what each point bears: as in the last substep, or as the estimate has it.
-std::array<float, kMaxManifoldPoints> sharesNow(const MeasureView& v, const SupportEdge& edge) {
-    const ManifoldRecord& manifold = v.tables.manifolds[edge.constraint];
-    const float* lane = v.tables.graph.lane(manifold.place);
-    std::array<float, kMaxManifoldPoints> shares{};
-    float sum = 0;
-    for (int j = 0; j < manifold.pointCount; ++j)
-        sum += shares[j] =
-            lane[(contact::kPoints + j * contact::kPointFields + contact::kImpulse) * v.tables.graph.lanes()];
-    if (!(sum > 0)) return v.islands.paths.sharesOfPoints(v.tables, edge);
-    for (float& share : shares) share /= sum;
-    return shares;
+/// The edges of one contact, which follow each other: one of each of its manifolds. Meshes have one per triangle, none
+/// of which tilts alone.
+std::span<const SupportEdge> edgesOfContact(const MeasureView& v, std::size_t first) {
+    const StageArray<SupportEdge>& edges = v.islands.paths.edges;
+    const auto contactOf = [&](std::size_t i) { return v.tables.manifolds[edges[i].constraint].contact; };
+    std::size_t end = first + 1;
+    while (end < edges.size() && !edges[end].joint && contactOf(end) == contactOf(first)) ++end;
+    return {&edges[first], end - first};
 }
+bool isFirstOfContact(const MeasureView& v, std::size_t index) {
+    const StageArray<SupportEdge>& edges = v.islands.paths.edges;
+    if (index == 0 || edges[index - 1].joint) return true;
+    return v.tables.manifolds[edges[index - 1].constraint].contact !=
+           v.tables.manifolds[edges[index].constraint].contact;
+}
+
+/// A contact that bears a load.
+struct BearingContact {
+    const MeasureView& v;
+    std::span<const SupportEdge> edges;
+    const float* share;  ///< kg, what each hands down
+    float load = 0;      ///< kg, of all
+    int points = 0;
+
+    BearingContact(const MeasureView& view, std::size_t first)
+        : v(view), edges(edgesOfContact(view, first)), share(&view.islands.paths.share[first]) {
+        for (std::size_t i = 0; i < edges.size(); ++i) load += share[i], points += manifoldOf(edges[i]).pointCount;
+    }
+    const ManifoldRecord& manifoldOf(const SupportEdge& edge) const { return v.tables.manifolds[edge.constraint]; }
+    float impulse(const SupportEdge& edge, int j) const {
+        return v.tables.graph.lane(
+            manifoldOf(edge)
+                .place)[(contact::kPoints + j * contact::kPointFields + contact::kImpulse) * v.tables.graph.lanes()];
+    }
+    /// Calls visit(arm in A's frame, m; its part of the load) for each point: as in the last substep, or as the
+    /// estimate has it.
+    template <class Visit>
+    void forEachShare(Visit&& visit) const {
+        float borne = 0;
+        for (const SupportEdge& edge : edges)
+            for (int j = 0; j < manifoldOf(edge).pointCount; ++j) borne += impulse(edge, j);
+        for (std::size_t i = 0; i < edges.size(); ++i) {
+            std::array<float, kMaxManifoldPoints> shares{};
+            if (!(borne > 0)) shares = v.islands.paths.sharesOfPoints(v.tables, edges[i]);
+            const ManifoldRecord& manifold = manifoldOf(edges[i]);
+            for (int j = 0; j < manifold.pointCount; ++j)
+                visit(manifold.anchorA[j], borne > 0 ? impulse(edges[i], j) / borne : shares[j] * (share[i] / load));
+        }
+    }
+};
 
 /// The points of a contact about their middle, in its plane.
 struct ContactPlane {
+    const BearingContact& contact;
     float n = 0, s11 = 0, s12 = 0, s22 = 0;
-    std::array<float, kMaxManifoldPoints> x{}, y{};
+    Vec3 middle, t1, t2;
 
-    explicit ContactPlane(const ManifoldRecord& manifold) : n(static_cast<float>(manifold.pointCount)) {
-        Vec3 middle;
-        for (int j = 0; j < manifold.pointCount; ++j) middle += (1 / n) * manifold.anchorA[j];
-        const Vec3 t1 = perpendicular(manifold.normal), t2 = cross(manifold.normal, t1);
-        for (int j = 0; j < manifold.pointCount; ++j) {
-            const Vec3 arm = manifold.anchorA[j] - middle;
-            x[j] = dot(arm, t1), y[j] = dot(arm, t2);
-            s11 += x[j] * x[j], s12 += x[j] * y[j], s22 += y[j] * y[j];
-        }
+    explicit ContactPlane(const BearingContact& of) : contact(of), n(static_cast<float>(of.points)) {
+        Vec3 normal;
+        for (const SupportEdge& edge : of.edges) normal += of.manifoldOf(edge).normal;
+        if (of.edges.size() > 1) normal = normalized(normal);
+        t1 = perpendicular(normal), t2 = cross(normal, t1);
+        forEachPoint([&](const Vec3& anchor) { middle += (1 / n) * anchor; });
+        forEachPoint([&](const Vec3& anchor) {
+            const Vec3 arm = anchor - middle;
+            const float x = dot(arm, t1), y = dot(arm, t2);
+            s11 += x * x, s12 += x * y, s22 += y * y;
+        });
+    }
+    template <class Visit>
+    void forEachPoint(Visit&& visit) const {
+        for (const SupportEdge& edge : contact.edges)
+            for (int j = 0; j < contact.manifoldOf(edge).pointCount; ++j) visit(contact.manifoldOf(edge).anchorA[j]);
     }
     /// m², about the axis on which they are narrowest.
     float leastSpread() const {
@@ -71,11 +116,15 @@ struct ContactPlane {
         return 0.5f * (s11 + s22 - std::sqrt(difference * difference + 4 * s12 * s12));
     }
     /// What equal springs have left, of an even share, in the point that bears least, where loads meet as these do.
-    float leastShare(const std::array<float, kMaxManifoldPoints>& shares) const {
+    float leastShare() const {
         float e1 = 0, e2 = 0, least = 1;
-        for (int j = 0; j < static_cast<int>(n); ++j) e1 += shares[j] * x[j], e2 += shares[j] * y[j];
+        contact.forEachShare([&](const Vec3& anchor, float share) {
+            e1 += share * dot(anchor - middle, t1), e2 += share * dot(anchor - middle, t2);
+        });
         const float det = s11 * s22 - s12 * s12, g1 = (s22 * e1 - s12 * e2) / det, g2 = (s11 * e2 - s12 * e1) / det;
-        for (int j = 0; j < static_cast<int>(n); ++j) least = std::min(least, 1 + n * (g1 * x[j] + g2 * y[j]));
+        forEachPoint([&](const Vec3& anchor) {
+            least = std::min(least, 1 + n * (g1 * dot(anchor - middle, t1) + g2 * dot(anchor - middle, t2)));
+        });
         return least;
     }
 };
@@ -83,24 +132,26 @@ struct ContactPlane {
 /// Load over the load under which soft contacts of this pair tilt away: a column of n boxes of height l stands while
 /// n³ m g l < 7.84 k_θ, with k_θ the stiffness of its points about their middle. At p of it a load leans 1/(1 − p) as
 /// far; a point that has s of its even share opens when p comes to s.
-float bucklingShare(const MeasureView& v, const SupportEdge& edge, float load, float number) {
-    const ManifoldRecord& manifold = v.tables.manifolds[edge.constraint];
-    const float gravity = length(v.settings.gravity);
-    if (manifold.pointCount < 3 || !(gravity > 0)) return 0;
-    const ContactPlane plane(manifold);
+float bucklingShare(const MeasureView& v, std::size_t first, float lighter) {
+    const BearingContact contact(v, first);
+    const SupportEdge& edge = contact.edges.front();
+    const float gravity = length(v.settings.gravity), number = contact.load / lighter;
+    if (contact.points < 3 || !(gravity > 0)) return 0;
+    const ContactPlane plane(contact);
     const float inverseMass =
         v.bodies.states[v.bodies[edge.a].state].invMass + v.bodies.states[v.bodies[edge.b].state].invMass;
     const float omega = 2 * kPi * v.settings.contactFrequency * static_cast<float>(v.settings.substeps) / v.dt;
     const bool fixed = !v.bodies.moves(edge.a) || !v.bodies.moves(edge.b);
     const float stiffness = (fixed ? 4 : 1) * omega * omega * plane.leastSpread() / inverseMass;
     const BodyRecord& upper = v.bodies[v.bodies.moves(edge.b) ? edge.b : edge.a];
+    const ManifoldRecord& manifold = contact.manifoldOf(edge);
     const Vec3 arm = rotate(upper.rotation, v.bodies.moves(edge.b) ? manifold.anchorB[0] : manifold.anchorA[0]);
     const float height = 2 * std::fabs(dot(arm, v.settings.gravity)) / gravity;
-    const float bending = load * gravity * number * number * height;
+    const float bending = contact.load * gravity * number * number * height;
     if (!(stiffness > 0)) return 0;
     const float share = bending / (7.84f * stiffness);
     if (share < kOpening * direct::kBuckling) return share;
-    return share / std::max(plane.leastShare(sharesNow(v, edge)), kOpening);
+    return share / std::max(plane.leastShare(), kOpening);
 }
 
 /// A face, or something round: what stands on an edge or a corner needs others to hold it.
@@ -197,7 +248,8 @@ void measureEdge(const MeasureView& v, std::size_t index, const Vec3& up) {
     largest = std::max(largest, number);
     island.hung += edge.joint && number > direct::kHung && hangsFrom(v, upper, aBears ? edge.a : edge.b, up);
     island.massRatio = std::max(island.massRatio, std::max(massA, massB) / lighter);
-    if (!edge.joint) island.buckling = std::max(island.buckling, bucklingShare(v, edge, load, number));
+    if (!edge.joint && isFirstOfContact(v, index))
+        island.buckling = std::max(island.buckling, bucklingShare(v, index, lighter));
 }
 
 }  // namespace
@@ -210,13 +262,13 @@ bool isUntouched(const Bodies& bodies, std::uint32_t body) {
 /// What the bodies that move say of their islands.
 static void measureBodies(const MeasureView& v, float gravity) {
     LoadPaths& paths = v.islands.paths;
-    for (const std::uint32_t body : v.bodies.awake) {
+    for (const std::uint32_t body : v.members()) {
         if (!v.bodies.moves(body)) continue;
         direct::IslandFeatures& island = v.islands.featuresOf(body);
         island.mass += v.bodies[body].mass;
         island.momentum += v.bodies[body].mass * v.bodies.states[body].v;
     }
-    for (const std::uint32_t body : v.bodies.awake) {
+    for (const std::uint32_t body : v.members()) {
         if (!v.bodies.moves(body)) continue;
         direct::IslandFeatures& island = v.islands.featuresOf(body);
         ++island.bodies;
@@ -232,7 +284,7 @@ static void measureBodies(const MeasureView& v, float gravity) {
         island.restless += !slow || !rests;
         island.leaning += paths.depth[body] != kNone && paths.heldLevel[body] == 0 && slow;
     }
-    for (const std::uint32_t body : v.bodies.awake) {
+    for (const std::uint32_t body : v.members()) {
         if (!v.bodies.moves(body)) continue;
         direct::IslandFeatures& island = v.islands.featuresOf(body);
         if (island.joints > 0 && !island.touches) island.touches = isInContact(v, body);
@@ -242,23 +294,25 @@ static void measureBodies(const MeasureView& v, float gravity) {
 void measureIslands(const MeasureView& v) {
     beginMeasuring(v);
     LoadPaths& paths = v.islands.paths;
-    paths.collect(v.tables);
-    paths.findDepths(v.bodies);
+    paths.collect(v.tables, v.some);
+    paths.findDepths(v.bodies, v.members());
     const float gravity = length(v.settings.gravity);
-    paths.estimate(v.tables, v.settings.gravity, true);
+    paths.estimate(v.tables, v.settings.gravity, true, v.members());
     paths.heldLevel.resizeForOverwrite(v.bodies.size());
-    for (const std::uint32_t body : v.bodies.awake) paths.heldLevel[body] = 0;
+    for (const std::uint32_t body : v.members()) paths.heldLevel[body] = 0;
     const Vec3 up = gravity > 0 ? (-1 / gravity) * v.settings.gravity : Vec3{};
     for (std::size_t i = 0; i < paths.edges.size(); ++i) {
         prefetchSupportEdge(v, i);
         measureEdge(v, i, up);
     }
     measureBodies(v, gravity);
-    forEachCoupledPair(v.tables, [&](std::uint32_t, std::uint32_t body) { v.islands.featuresOf(body).coupled = true; });
+    if (!v.some)
+        forEachCoupledPair(v.tables,
+                           [&](std::uint32_t, std::uint32_t body) { v.islands.featuresOf(body).coupled = true; });
 }
 
 bool decideIslands(const MeasureView& v, std::int32_t elapsed) {
-    for (const std::uint32_t body : v.bodies.awake) {
+    for (const std::uint32_t body : v.members()) {
         if (!v.bodies.moves(body)) continue;
         direct::IslandFeatures& island = v.islands.featuresOf(body);
         const std::int32_t steps = v.bodies[body].direct.steps;
@@ -268,7 +322,7 @@ bool decideIslands(const MeasureView& v, std::int32_t elapsed) {
         island.cooldown = std::min(island.cooldown, steps);
     }
     bool waiting = false;
-    for (const std::uint32_t body : v.bodies.awake) {
+    for (const std::uint32_t body : v.members()) {
         if (!v.bodies.moves(body) || v.islands.root(body) != body) continue;
         direct::IslandFeatures& island = v.islands.featuresOf(body);
         island.reason = chooseDirect(island);
@@ -294,7 +348,7 @@ bool decideIslands(const MeasureView& v, std::int32_t elapsed) {
         }
         waiting |= island.staying != 0;
     }
-    for (const std::uint32_t body : v.bodies.awake) {
+    for (const std::uint32_t body : v.members()) {
         if (!v.bodies.moves(body)) continue;
         const direct::IslandFeatures& island = v.islands.featuresOf(body);
         v.bodies[body].direct.steps = island.staying;
@@ -307,7 +361,7 @@ void loadNewContacts(const MeasureView& v, float gravityStep, ConstraintGraph& g
                      AlignedArray<std::uint32_t>& fresh) {
     fresh.clear();
     const float gravity = length(v.settings.gravity);
-    v.islands.paths.estimate(v.tables, v.settings.gravity, false);
+    v.islands.paths.estimate(v.tables, v.settings.gravity, false, v.members());
     if (!(gravity > 0)) return;
     const Vec3 down = (1 / gravity) * v.settings.gravity;
     const auto stride = static_cast<std::size_t>(graph.lanes());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "base/aligned_array.h"
 #include "base/stage_memory.h"
@@ -19,6 +20,11 @@ struct MeasureView {
     StageMemory& stageMemory;
     const WorldSettings& settings;
     float dt, h;  ///< s, of the step and of a substep
+    const IslandLists* some;  ///< islands that alone are looked at; none: all that is awake
+
+    std::span<const std::uint32_t> members() const {
+        return some ? some->bodies : std::span<const std::uint32_t>(bodies.awake.begin(), bodies.awake.end());
+    }
 };
 
 /// True of what was just made and stands: it has no speed at all, as nothing keeps once it has been stepped.

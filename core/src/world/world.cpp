@@ -71,8 +71,7 @@ const WorldSettings& World::settings() const { return impl_->settings; }
 void World::setSettings(const WorldSettings& settings) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
     const bool wake = settings.gravity != impl_->settings.gravity || !settings.sleeping;
-    if (settings.solver != impl_->settings.solver)
-        impl_->partition.islands.graphChanged = impl_->partition.islands.directChanged = true;
+    if (settings.solver != impl_->settings.solver) impl_->partition.islands.structureChangedAt();
     impl_->partition.direct.seen.clear();
     impl_->settings = settings;
     if (!wake) return;

@@ -8,24 +8,42 @@
 
 namespace ragtop {
 
-/// Choices change when support edges do, so they are made anew only then: at once where a direct island has part in it
-/// or something was just made or put somewhere, else every few steps.
+/// What is not looked at again waits on for the end of its cooldown.
+static void passCooldowns(Bodies& bodies, const AlignedArray<std::uint32_t>& parent, std::int32_t elapsed) {
+    for (const std::uint32_t body : bodies.awake)
+        if (std::int32_t& steps = bodies[body].direct.steps; steps < 0 && parent[body] == kNone)
+            steps = std::min(steps + elapsed, 0);
+}
+
+/// Choices change when support edges do, so they are made anew only then: at once for all islands where something was
+/// just made or put somewhere, and for those that are solved directly where edges of theirs changed; else every few
+/// steps.
 void WorldImpl::chooseSolvers() {
     constexpr std::uint64_t kPeriod = 16;  // steps between choices that nothing hurries: a quarter of a second at 60 Hz
     const ConstraintGraph::Color& list = tables.graph.color(ConstraintGraph::kDirect);
-    const bool atOnce = partition.islands.structureChanged || partition.islands.directChanged;
-    if (!economy.seldomChoices || (partition.islands.graphChanged && (atOnce || clock.stepCount % kPeriod == 0))) {
-        partition.islands.uniteConstraints(tables, false);
-        const MeasureView view{tables,   tables.bodies, partition.islands, machine.stageMemory,
-                               settings, clock.dt,      solving.context.h};
+    Islands& islands = partition.islands;
+    const bool all = !economy.seldomChoices || !economy.islands ||
+                     (islands.graphChanged && (islands.structureChanged || clock.stepCount % kPeriod == 0 ||
+                                               (islands.directChanged && tables.couplings.slots.count() > 0)));
+    if (all || islands.directChanged) {
+        const auto elapsed = static_cast<std::int32_t>(std::min(clock.stepCount - islands.choiceStep, kPeriod));
+        IslandLists direct;
+        if (all)
+            islands.uniteConstraints(tables, false);
+        else
+            direct = islands.findDirect(tables);
+        const IslandLists* some = all ? nullptr : &direct;
+        const MeasureView view{tables,   tables.bodies, islands,           machine.stageMemory,
+                               settings, clock.dt,      solving.context.h, some};
         measureIslands(view);
-        partition.islands.graphChanged = decideIslands(
-            view, static_cast<std::int32_t>(std::min(clock.stepCount - partition.islands.choiceStep, kPeriod)));
-        partition.islands.choiceStep = clock.stepCount;
-        activity().applyChoices(tables);
-        if (partition.islands.structureChanged)
+        const bool waiting = decideIslands(view, elapsed);
+        islands.graphChanged = !all || waiting;
+        if (!all) passCooldowns(tables.bodies, islands.parent, elapsed);
+        islands.choiceStep = clock.stepCount;
+        activity().applyChoices(tables, some);
+        if (islands.structureChanged)
             loadNewContacts(view, solving.context.gravityStep, tables.graph, collision.finds.fresh);
-        partition.islands.structureChanged = partition.islands.directChanged = false;
+        islands.structureChanged = islands.directChanged = false;
         partition.direct.grouped = false;
     }
     const bool anyDirect = !list.manifolds.empty() || !list.joints.empty();
