@@ -49,6 +49,30 @@ TEST(VehicleAttitude, DroppedAtAnyItLosesEnergyAndSleeps) {
     }
 }
 
+/// With what springs and tires hold, also on springs that are slack where wheels hang.
+TEST(VehicleAttitude, DroppedOnAnySpringsItHasNoMoreThanAtFirst) {
+    for (const float frequency : {1.0f, 2.0f, 3.0f, 5.0f}) {
+        for (const double dt : {1.0 / 30, 1.0 / 120}) {
+            VehicleDef def = hatchback();
+            for (WheelDef& wheel : def.wheels) wheel.suspension.frequency = frequency;
+            Road road(0, awake());
+            Vehicle car(road.world, def);
+            road.world.setPose(car.chassis(), {{0, 3, 0}, rotationAbout({0, 0, 1}, 0.1f)});
+            park(car);
+            const auto energy = [&] {
+                const EnergyTelemetry& held = car.telemetry().energy;
+                return road.world.energy() + held.elastic + held.rotating;
+            };
+            road.world.step(dt);
+            const double first = energy();
+            for (double t = 0; t < 3; t += dt) {
+                road.world.step(dt);
+                ASSERT_LT(energy(), 1.001 * first) << frequency << " Hz, " << t << " s at " << dt;
+            }
+        }
+    }
+}
+
 TEST(VehicleAttitude, RollingOverItLosesEnergyAndSleeps) {
     for (const float speed : {5.0f, 12.0f, 25.0f}) {
         Road road;

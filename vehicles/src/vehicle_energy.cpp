@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "vehicle_sim.h"
 
 namespace ragtop {
@@ -45,7 +47,10 @@ double VehicleSim::elasticEnergy() const {
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         const StrutSpec& strut = specs[i].strut;
         const auto apart = static_cast<double>(wheels[i].compression - wheels[specs[i].barPartner].compression);
-        sum += springEnergy(strut, wheels[i].compression) + squashEnergy(strut, squashUnder(strut, wheels[i].load));
+        // Wheels without mass fall away from springs that are slack, which then hold nothing.
+        const float slack = -strut.load / strut.stiffness;
+        const float compression = hasCarriers() ? wheels[i].compression : std::max(wheels[i].compression, slack);
+        sum += springEnergy(strut, compression) + squashEnergy(strut, squashUnder(strut, wheels[i].load));
         // Each end of a bar has a half of it.
         sum += 0.25 * static_cast<double>(specs[i].barStiffness) * apart * apart;
     }

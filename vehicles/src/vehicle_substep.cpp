@@ -269,7 +269,9 @@ void VehicleSim::preparePatch(std::size_t i, const Pose& pose, const DVec3& cent
     patch.spinBefore = drivetrain.spin[i];
     // A strut's line stays through the step.
     if (specs[i].linkage >= 0) takeLine(i);
-    patch.axle = rotate(pose.rotation, lines[i].axle);
+    // As it is in the middle of h: a car that turns would else slip by half of what it turns in that time.
+    const Vec3 axle = rotate(pose.rotation, lines[i].axle);
+    patch.axle = normalized(axle + 0.5f * h * cross(body.w, axle));
     if (def.level >= VehicleLevel::full && (substep > 0 || part > 0)) takePiece(i, transformPoint(pose, lines[i].base));
     const bool known = placePatch(i, pose, center);
     patch.touching = known && sinkGround(i, body, h);
