@@ -37,13 +37,13 @@ struct Golden {
 };
 constexpr Golden kGolden[] = {
     {0x1967b00e8e61c517u, 0x8f24942048d93387u},  // tower
-    {0x79734b0b9495a082u, 0x274f7ba10447a17bu},  // wall
-    {0xa1eb5f83da23b757u, 0x54a2dafa08a1863du},  // hills
-    {0x82b50f4925db09b3u, 0xaf4c1e33482a6b3du},  // bowl
-    {0x82fa3b023cf7ac63u, 0x3520286e665d485fu},  // joints
-    {0xda684f92a66f2cabu, 0x26ef92dfb62e6029u},  // spinners
+    {0xe492146afaa2e74cu, 0xfd55241cfde6b5b8u},  // wall
+    {0xa1eb5f83da23b757u, 0x985948d9d5870640u},  // hills
+    {0x82b50f4925db09b3u, 0xbecd14fc0ccfb260u},  // bowl
+    {0x82fa3b023cf7ac63u, 0xfefaeb0672fdb57bu},  // joints
+    {0xda684f92a66f2cabu, 0x2fe646b95a9b7c7eu},  // spinners
     {0xefa6f2b1da44b200u, 0x010b013794c1c4afu},  // chains
-    {0xad2327a64e8d67fcu, 0x8aacd56755f4a595u},  // house
+    {0xef1c8f3db00dc1e9u, 0x16bebe0f11d02011u},  // house
 };
 static_assert(std::size(kGolden) == std::size(scenes::kScenarios));
 
