@@ -91,7 +91,7 @@ public:
     /// J that pads give to what carries them, between begin and end.
     double workOnCarriers() const;
     /// rad/s of a wheel that its brake holds.
-    float stillSpin(std::size_t i) const { return padShare(i) * carried_[i]; }
+    float stillSpin(std::size_t i) const { return carried_[i] != 0 ? padShare(i) * carried_[i] : 0; }
     /// Has the brake bring the wheel to rest there against `taken` of its tire, N m s, if it can.
     bool hold(std::size_t wheel, float taken);
     /// Holds what brakes hold, where tires have turned it since.

@@ -40,6 +40,7 @@ void VehicleSim::addHeldSpin(std::size_t i, float h, BarPull& pull) const {
 
 /// What carries the pads of a wheel turns as its spring goes, and as that of its beam's other wheel does.
 void VehicleSim::carryPads(std::size_t i, float h) {
+    if (specs[i].linkage < 0) return;
     const auto turning = [&](std::size_t wheel) { return lines[wheel].spinRate * patches[wheel].way / h; };
     const std::size_t other = specs[i].beamPartner;
     drivetrain.carryPads(i, other == i ? turning(i) : turning(i) + turning(other));

@@ -214,7 +214,7 @@ Vec3 VehicleSim::solve(PointBody& body, float h) {
     const Patience patience = patienceAt(def.level, length(body.v), specs[0].tire.slowest);
     const float enough = patience.converged * h * mass * gravity;
     gripTrusted = 1;
-    for (std::size_t i = 0; i < wheels.size(); ++i) {
+    for (std::size_t i = 0; i < wheels.size() && !linkages.empty(); ++i) {
         carryPads(i, h);
         patches[i].held = drivetrain.mayHold(i);
     }
@@ -231,8 +231,9 @@ Vec3 VehicleSim::solve(PointBody& body, float h) {
     }
     // What is left of the last change of a tire would turn a wheel that is held, and the car would creep.
     drivetrain.holdWheels();
-    lost.struts -= drivetrain.workOnCarriers();
-    for (std::size_t i = 0; i < wheels.size(); ++i) patches[i].heldShare = patches[i].held ? drivetrain.padShare(i) : 0;
+    if (!linkages.empty()) lost.struts -= drivetrain.workOnCarriers();
+    for (std::size_t i = 0; i < wheels.size() && hasCarriers(); ++i)
+        patches[i].heldShare = patches[i].held ? drivetrain.padShare(i) : 0;
     drivetrain.end(def, h);
     return turned;
 }
