@@ -251,6 +251,20 @@ TEST(WorldApi, TenThousandRandomChangesLeaveNothingBehind) {
     EXPECT_EQ(world.stats().colors, 0);
 }
 
+/// Stages are timed in the first step of a small world and in few of the next ones, which leave what they have been.
+TEST(WorldApi, SmallWorldsKeepTheStagesOfTheStepThatTheyWereTimedIn) {
+    World world;
+    world.create(DynamicBody{.shape = Sphere{0.5f}});
+    EXPECT_TRUE(world.stats().stages.empty());
+    for (int step = 0; step < 40; ++step) {
+        world.step(kDt);
+        const std::span<const StepStats::Stage> stages = world.stats().stages;
+        ASSERT_GT(stages.size(), 9u) << step;
+        EXPECT_STREQ(stages.front().name, "modules");
+        EXPECT_STREQ(stages.back().name, "modules after");
+    }
+}
+
 /// A ball that meets nothing falls through the floor, unseen, also by those that it is put into and from a restored
 /// world; once it meets all again it lies on the next one.
 TEST(WorldApi, WhatMeetsNothingIsInNoTreeUntilItMeetsSomething) {

@@ -76,7 +76,7 @@ struct StepStats {
         double ms;
         bool solved;             ///< false: given up, and left to iteration for some steps
     };
-    std::span<const Stage> stages;    ///< in order; valid until the next step
+    std::span<const Stage> stages;    ///< in order, until the next step; of few bodies those of one step in 17
     std::span<const Island> islands;  ///< likewise
     std::uint64_t directFailures = 0;  ///< direct solves that did not converge, since the world was made
     /// Since the world was made: bodies stopped where a step began, because forces took them beyond the range of

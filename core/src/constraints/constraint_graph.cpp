@@ -16,6 +16,7 @@ ConstraintGraph::ConstraintGraph(int lanes, std::pmr::memory_resource* memory)
     laneBits_ = std::countr_zero(static_cast<unsigned>(lanes));
     colors_.reserve(kLists);
     for (int i = 0; i < kLists; ++i) colors_.emplace_back(memory);
+    used_.assign(1, 0);
 }
 
 void ConstraintGraph::resizeRegions(int regions) {
@@ -23,6 +24,15 @@ void ConstraintGraph::resizeRegions(int regions) {
     colors_.reserve(lists);
     while (colors_.size() < lists) colors_.emplace_back(memory_);
     while (colors_.size() > lists) colors_.pop_back();
+    used_.resize(static_cast<std::size_t>(regions) + 1, 0);
+    for (int list = 0; list < listCount(); ++list) noteUse(list);
+}
+
+void ConstraintGraph::noteUse(int list) {
+    const int region = list < kLists ? 0 : 1 + (list - kLists) / kRegionLists;
+    const std::uint32_t bit = 1u << (list - firstList(region));
+    std::uint32_t& used = used_[static_cast<std::size_t>(region)];
+    used = color(list).empty() ? used & ~bit : used | bit;
 }
 
 ConstraintGraph::BodyPlace& ConstraintGraph::bodyPlace(std::uint32_t body) {
@@ -61,8 +71,7 @@ int ConstraintGraph::bundleCount(int index) const {
 
 int ConstraintGraph::usedColors() const {
     std::uint32_t used = 0;
-    for (int i = 0; i < listCount(); ++i)
-        if (!color(i).empty()) used |= 1u << colorOf(i);
+    forUsedLists([&](int list) { used |= 1u << colorOf(list); });
     return std::popcount(used);
 }
 
@@ -77,6 +86,7 @@ GraphPlace ConstraintGraph::addContact(int index, std::uint32_t manifold) {
     if (c.manifolds.size() == c.manifolds.capacity()) makeRoom(index);
     const GraphPlace place{static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.manifolds.size())};
     c.manifolds.push(manifold);
+    noteUse(index);
     const std::size_t floats =
         static_cast<std::size_t>(bundleCount(index)) * contact::kFields * static_cast<std::size_t>(lanes_);
     if (c.bundles.size() < floats) c.bundles.resize(floats, 0.0f);
@@ -124,6 +134,7 @@ std::uint32_t ConstraintGraph::takeContact(GraphPlace place) {
     // An empty lane joins the static body to itself without mass: the kernels pass over it without effect.
     for (std::size_t f = 0; f < contact::kFields; ++f) from[f * n] = 0.0f;
     c.manifolds.pop();
+    noteUse(static_cast<int>(place.color));
     return moved;
 }
 
@@ -165,6 +176,8 @@ GraphPlace ConstraintGraph::changeJointRegion(GraphPlace from, std::uint32_t reg
     target.push(source[from.slot]);
     if (from.slot + 1 != source.size()) tookOver = source[from.slot] = source.back();
     source.pop();
+    noteUse(static_cast<int>(from.color));
+    noteUse(list);
     return {static_cast<std::uint32_t>(list), static_cast<std::uint32_t>(target.size() - 1)};
 }
 
@@ -230,6 +243,7 @@ GraphPlace ConstraintGraph::insertJoint(std::uint32_t joint, std::uint32_t bodyA
     const int index = direct ? kDirect : findPlace(bodyA, movesA, bodyB, movesB);
     Color& c = color(index);
     c.joints.push(joint);
+    noteUse(index);
     return {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.joints.size() - 1)};
 }
 
@@ -241,6 +255,7 @@ std::uint32_t ConstraintGraph::removeJoint(GraphPlace place, std::uint32_t bodyA
     const std::uint32_t removed = c.joints[place.slot];
     c.joints[place.slot] = last;
     c.joints.pop();
+    noteUse(static_cast<int>(place.color));
     return last == removed ? kNone : last;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/aligned_array.h"
+#include "base/set_bits.h"
 #include "base/stage_memory.h"
 #include "constraints/contact_layout.h"
 
@@ -100,6 +101,17 @@ public:
     int usedColors() const;
 
     int listCount() const { return static_cast<int>(colors_.size()); }
+    /// The lists of a region, or 0 of none, that passes visit: a bit for each that holds something, from
+    /// firstList(region).
+    std::uint32_t iteratedLists(int region) const {
+        return used_[static_cast<std::size_t>(region)] & ((1u << kRegionLists) - 1);
+    }
+    /// Calls visit(list) for all that hold something, in their order: of a small world few do.
+    template <class Visit>
+    void forUsedLists(Visit&& visit) const {
+        for (std::size_t r = 0; r < used_.size(); ++r)
+            forEachBit(used_[r], [&](int bit) { visit(firstList(static_cast<int>(r)) + bit); });
+    }
     int regionCount() const { return (listCount() - kLists) / kRegionLists; }
     /// Of region r, from 1; 0: of constraints that lie in none.
     static int firstList(int region) { return region == 0 ? 0 : kLists + (region - 1) * kRegionLists; }
@@ -115,7 +127,7 @@ public:
     /// Puts a contact with all that its lane holds into the list of its colour in a region. `tookOver`: as moveContact.
     GraphPlace changeRegion(GraphPlace from, std::uint32_t region, std::uint32_t& tookOver);
     GraphPlace changeJointRegion(GraphPlace from, std::uint32_t region, std::uint32_t& tookOver);
-    /// So many lists; those that go are empty.
+    /// So many lists; those that go are empty. Also looks which hold something, after they were written from outside.
     void resizeRegions(int regions);
 
 private:
@@ -128,12 +140,14 @@ private:
     void makeRoom(int color);
     void countPoints(int color);
     void exchangeContacts(GraphPlace a, GraphPlace b);
+    void noteUse(int list);
     void clearBits(int color, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
 
     int lanes_;     ///< a power of two
     int laneBits_;  ///< its logarithm
     std::pmr::memory_resource* memory_;
     std::vector<Color> colors_;  ///< those of no region, then those of each
+    std::vector<std::uint32_t> used_;  ///< of no region, then of each: a bit for each list that holds something
     AlignedArray<BodyPlace> bodies_;
 };
 

@@ -129,6 +129,7 @@ std::size_t findPairsOfFew(const PairView& view, StageRunner& runner, bool obsta
 }  // namespace
 
 std::size_t findPairs(const PairView& view, StageRunner& runner, bool obstaclesToo) {
+    if (view.broadphase.moved.empty()) return 0;
     constexpr std::size_t kFew = 16;     // one of so many
     constexpr std::size_t kNear = 4096;  // view.shapes whose tree a cache holds
     const auto all = static_cast<std::size_t>(view.broadphase.movingTree.proxyCount());

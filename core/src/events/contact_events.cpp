@@ -55,13 +55,13 @@ void takeTouches(const ContactEvents& v, const ConstraintGraph::Color& color, st
 /// What the lanes say of all manifolds in the v.graph.
 void findTouches(const ContactEvents& v, StageRunner& runner) {
     const auto lanes = static_cast<std::size_t>(v.graph.lanes());
-    for (int c = 0; c < v.graph.listCount(); ++c) {
-        if (c == ConstraintGraph::kFrozen || v.graph.color(c).manifolds.empty()) continue;
+    v.graph.forUsedLists([&](int c) {
+        if (c == ConstraintGraph::kFrozen || v.graph.color(c).manifolds.empty()) return;
         const std::size_t perBundle = ConstraintGraph::isSerial(c) ? 1 : lanes;
         v.contactFinds.laneTouches.resizeForOverwrite(static_cast<std::size_t>(v.graph.bundleCount(c)) * lanes);
         runner.parallelFor(v.graph.bundleCount(c), 32,
                            [&](int begin, int end, int) { takeTouches(v, v.graph.color(c), perBundle, begin, end); });
-    }
+    });
 }
 
 /// Contacts that may touch otherwise than before: where lanes say otherwise, what came, changed, or was struck in this

@@ -16,7 +16,7 @@ namespace {
 struct Blocks {
     int size, begin, end, first;
 
-    int count() const { return (end - begin + size - 1) / size; }
+    int count() const { return end - begin > size ? (end - begin + size - 1) / size : end > begin ? 1 : 0; }
     int next() const { return first + count(); }
     template <class Visit>
     void visit(int block, Visit&& visit) const {
@@ -38,14 +38,16 @@ void forUndivided(const Iteration& v, Joint&& single, Joints&& wide, Contacts&& 
     const auto singles = [&](int begin, int end) {
         for (int i = begin; i < end; ++i) single(v.joints.bundles.single(i));
     };
-    const JointBundles::Color& serial = v.joints.bundles.color(ConstraintGraph::kOverflow);
-    ConstraintGraph::Color& overflow = v.graph.color(ConstraintGraph::kOverflow);
-    singles(serial.firstSingle, serial.endSingle);
-    for (int i = 0; i < v.graph.bundleCount(ConstraintGraph::kOverflow); ++i)
-        contact(overflow.bundles.data(), i, i + 1);
-
-    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
-        if ((v.regions.usedLists[0] >> c & 1) == 0) continue;
+    constexpr std::uint32_t kSerial = 1u << ConstraintGraph::kOverflow;  // the list that no worker shares
+    const std::uint32_t used = v.graph.iteratedLists(0);
+    if ((used & kSerial) != 0) {
+        const JointBundles::Color& serial = v.joints.bundles.color(ConstraintGraph::kOverflow);
+        ConstraintGraph::Color& overflow = v.graph.color(ConstraintGraph::kOverflow);
+        singles(serial.firstSingle, serial.endSingle);
+        for (int i = 0; i < v.graph.bundleCount(ConstraintGraph::kOverflow); ++i)
+            contact(overflow.bundles.data(), i, i + 1);
+    }
+    forEachBit(used & ~kSerial, [&](int c) {
         float* bundles = v.graph.color(c).bundles.data();
         const JointBundles::Color& bundled = v.joints.bundles.color(c);
         const Blocks singleBlocks{kJointsPerBlock, bundled.firstSingle, bundled.endSingle, 0};
@@ -63,22 +65,20 @@ void forUndivided(const Iteration& v, Joint&& single, Joints&& wide, Contacts&& 
                     contactBlocks.visit(b, [&](int first, int last) { contact(bundles, first, last); });
             }
         });
-    }
+    });
 }
 
 /// The same for a region, on the calling thread.
 template <class Joint, class Joints, class Contacts>
 void forRegion(const Iteration& v, int region, Joint&& single, Joints&& wide, Contacts&& contact) {
     const int first = ConstraintGraph::firstList(region);
-    const std::uint32_t used = v.regions.usedLists[static_cast<std::size_t>(region)];
-    for (int c = 0; c < ConstraintGraph::kColors; ++c) {
-        if ((used >> c & 1) == 0) continue;
+    forEachBit(v.graph.iteratedLists(region), [&](int c) {
         const JointBundles::Color& bundled = v.joints.bundles.color(first + c);
         for (int i = bundled.firstSingle; i < bundled.endSingle; ++i) single(v.joints.bundles.single(i));
         if (bundled.begin < bundled.end) wide(bundled.begin, bundled.end);
         const int count = v.graph.bundleCount(first + c);
         if (count > 0) contact(v.graph.color(first + c).bundles.data(), 0, count);
-    }
+    });
 }
 
 /// Calls visit(alone, wide, contact) with what a pass does to single joints, bundles of joints and bundles of contacts.
@@ -139,7 +139,7 @@ void Iteration::passOverRegion(int region, SolvePass which, const SolverContext&
 }
 
 void Iteration::passOverAll(SolvePass which, const SolverContext& own) const {
-    if (regions.usedLists[0] == 0 && graph.regionCount() == 0) return;
+    if (graph.iteratedLists(0) == 0 && graph.regionCount() == 0) return;
     visitPass(*this, which, own,
               [&](auto&& single, auto&& wide, auto&& contact) { forUndivided(*this, single, wide, contact); });
     runner.parallelFor(graph.regionCount(), 1, [&](int begin, int end, int) {
@@ -201,12 +201,13 @@ void Iteration::settleNewContacts(AlignedArray<std::uint32_t>& fresh, const Vec3
             point[contact::kLoad * stride] = point[contact::kImpulse * stride];
         }
     }
-    for (int c = 0; c < graph.listCount(); ++c)
+    graph.forUsedLists([&](int c) {
         for (const std::uint32_t m : graph.color(c).manifolds)
             for (int j = 0; j < manifolds[m].pointCount; ++j)
                 graph.lane(manifolds[m].place)[static_cast<std::size_t>(contact::kPoints + j * contact::kPointFields +
                                                                         contact::kPeak) *
                                                stride] = 0;
+    });
     fresh.clear();
 }
 

@@ -28,17 +28,17 @@ void forBlocksOfAllLists(const Iteration& v, int size, Count&& count, Visit&& vi
         });
         return;
     }
-    const int lists = v.graph.listCount();
-    v.regions.listStarts.resizeForOverwrite(static_cast<std::size_t>(lists) + 1);
-    int* const starts = v.regions.listStarts.data();
-    starts[0] = 0;
-    for (int c = 0; c < lists; ++c) starts[c + 1] = starts[c] + (count(c) + size - 1) / size;
-    v.runner.parallelFor(starts[lists], 1, [&](int begin, int end, int) {
-        auto c = static_cast<int>(std::upper_bound(starts, starts + lists, begin) - starts) - 1;
+    int lists[ConstraintGraph::kLists], starts[ConstraintGraph::kLists + 1] = {0}, used = 0;
+    v.graph.forUsedLists([&](int c) {
+        lists[used++] = c;
+        starts[used] = starts[used - 1] + (count(c) + size - 1) / size;
+    });
+    v.runner.parallelFor(starts[used], 1, [&](int begin, int end, int) {
+        auto i = static_cast<int>(std::upper_bound(starts, starts + used, begin) - starts) - 1;
         for (int block = begin; block < end; ++block) {
-            while (starts[c + 1] <= block) ++c;
-            const int first = (block - starts[c]) * size, all = count(c);
-            visit(c, first, first + size < all ? first + size : all);
+            while (starts[i + 1] <= block) ++i;
+            const int first = (block - starts[i]) * size, all = count(lists[i]);
+            visit(lists[i], first, first + size < all ? first + size : all);
         }
     });
 }
@@ -59,8 +59,9 @@ bool Iteration::prepare(float lastSubstep) const {
             if (placeAndPrepare(c, begin, end)) mayBounce.store(true, std::memory_order_relaxed);
         });
     if (rescale)
-        for (int c = 0; c < graph.listCount(); ++c)
+        graph.forUsedLists([&](int c) {
             for (const std::uint32_t joint : graph.color(c).joints) rescaleJoint(joints.sims[joint], ratio);
+        });
     prepareJoints();
     prepareCouplings(couplings, joints, ratio);
     return mayBounce.load(std::memory_order_relaxed);
@@ -75,15 +76,19 @@ void Iteration::groupContacts() const {
         graph.groupByPoints(c,
                             [&](std::uint32_t manifold, std::uint32_t slot) { manifolds[manifold].place.slot = slot; });
     };
-    if (graph.regionCount() > 0)
+    if (graph.regionCount() > 0) {
         forEachRegionsLists(*this, group);
-    else
-        runner.parallelFor(ConstraintGraph::kColors, 1, [&](int begin, int end, int) {
-            for (int c = begin; c < end; ++c) group(c);
+    } else {
+        int used[ConstraintGraph::kRegionLists], count = 0;
+        forEachBit(graph.iteratedLists(0), [&](int c) { used[count++] = c; });
+        runner.parallelFor(count, 1, [&](int begin, int end, int) {
+            for (int i = begin; i < end; ++i) group(used[i]);
         });
+    }
     std::size_t lanes = 0;
-    for (int c = 0; c < graph.listCount(); ++c)
+    graph.forUsedLists([&](int c) {
         lanes += static_cast<std::size_t>(graph.bundleCount(c)) * static_cast<std::size_t>(graph.lanes());
+    });
     context.farContacts = lanes * contact::kFields * sizeof(float) > kNear;
 }
 

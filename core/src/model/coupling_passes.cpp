@@ -33,6 +33,7 @@ void beginCouplings(Couplings& couplings, Joints& joints, Bodies& bodies, const 
 
 void solveCouplings(Couplings& couplings, Joints& joints, Bodies& bodies, const JointContext& context, bool moving) {
     constexpr int kRounds = 4;  // by trial
+    if (couplings.iterated.empty()) return;
     if (!moving)
         for (const std::uint32_t c : couplings.iterated)
             refreshCoupling(couplings.sims[c], joints.sims.data(), bodies.states.data(), bodies.inertias.data());

@@ -172,7 +172,7 @@ void Scene::resetSolverState(std::uint32_t index) const {
     state.dq = {};
     d.inertia = turns ? body.inertia : Vec3{1, 1, 1};
     d.inverseInertia = turns ? Vec3{1 / body.inertia.x, 1 / body.inertia.y, 1 / body.inertia.z} : Vec3{1, 1, 1};
-    d.spins = turns ? 1.0f : 0.0f;
+    d.spins = turns ? BodyDynamics::kSpins : 0.0f;
     if (isDynamic) bodies.obeyLocks(index);
     // Free flight is the best guess for a body without a past; only the direction counts, any step fits.
     bodies.histories[index].velocityBefore = isDynamic ? state.v - 1e12f * gravity : state.v;

@@ -106,7 +106,7 @@ void Scene::destroyJoint(std::uint32_t index) const {
 
 void Scene::breakJoints(float dt) const {
     joints.broken.clear();
-    for (int c = 0; c < activity.graph.listCount(); ++c)
+    activity.graph.forUsedLists([&](int c) {
         for (const std::uint32_t j : activity.graph.color(c).joints) {
             if (joints.sims[j].breakable == 0) continue;
             const JointBodies& bound = bodiesOf(joints[j].def);
@@ -114,6 +114,7 @@ void Scene::breakJoints(float dt) const {
             if (length(impulse.linear) > bound.breakForce * dt || length(impulse.angular) > bound.breakTorque * dt)
                 joints.broken.push_back(j);
         }
+    });
     std::sort(joints.broken.begin(), joints.broken.end());
     for (const std::uint32_t j : joints.broken) {
         const JointBodies bound = bodiesOf(joints[j].def);

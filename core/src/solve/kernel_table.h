@@ -16,9 +16,12 @@ struct alignas(64) BodyDynamics {
     Vec3 inverseInertia;    ///< 1/(kg m²), principal; 1 where rotation is kinematic or locked
     float angularDecay = 1;
     Vec3 acceleration;     ///< m/s², gravity and forces, of this step
-    float spins = 1;       ///< 1: rotates by its momentum; 0: keeps its angular velocity (kinematic, locked)
+    float spins = kSpins;  ///< 0: keeps its angular velocity (kinematic, locked)
     Vec3 torque;           ///< N m of this step; of what has no mass rad/s²
     float translates = 1;  ///< 1: smooth accelerations correct the position; 0 for kinematic and jointed bodies
+
+    // Of `spins`: rotates by its momentum; the same, and has no joint and no contact in this step.
+    static constexpr float kSpins = 1, kSpinsAlone = 2;
 };
 static_assert(sizeof(BodyDynamics) == 64);
 

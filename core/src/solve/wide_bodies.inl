@@ -283,15 +283,55 @@ RAGTOP_INLINE Mask<N> mayBeFast(const Lanes<N> rates[8], const WideVec3<N>& w, f
     return turn * turn * dot(w, w) > 1.0f / 20;  // of 1/16, for what rounding makes of it
 }
 
+constexpr int kFewBodies = 4;  ///< lanes of what is left of a list: half of the rows that wider ones gather are no body's
+
+template <int N>
+RAGTOP_INLINE Mask<N> isZero(const WideVec3<N>& a) {
+    return !((a.x != 0.0f) | (a.y != 0.0f) | (a.z != 0.0f));
+}
+
+/// The angular velocities that joints and contacts are told, in place of those of now. The axis of a fast spin circles
+/// within a substep: they are told how far it will have come, not how fast it goes now; else they and free rotation take
+/// turns to push a top over where L h/I⊥ > 0.7. Joints on slower bodies are told the angular velocity of half a substep
+/// ahead. What touches nothing, and was acted on by nothing, has nobody to tell.
+template <int N>
+RAGTOP_INLINE void leadSpins(const BodyRows<N>& rows, const BodyArrays& arrays, const Lanes<N> rates[8],
+                             const Lanes<N> forces[8], const SymmetricMatrix<N>& inverse, float h, WideVec3<N>& w,
+                             Lanes<N> memory[8], Lanes<N> inertia[8]) {
+    const Mask<N> jointed = (!(forces[7] > 0.0f)) & (forces[3] > 0.0f), mayLead = jointed | mayBeFast(rates, w, h);
+    if (!any(mayLead)) return;
+    Lanes<N> pose[8], start[8];
+    rows.gather(arrays.history, 8, start);
+    const Mask<N> tells = !((forces[3] > BodyDynamics::kSpins) & isZero(w - WideVec3<N>{memory[3], memory[7], start[7]}));
+    if (!any(mayLead & tells)) return;
+    rows.gather(arrays.states, 8, pose);
+    FreeSpin<N> spin(
+        WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * WideQuat<N>{start[0], start[1], start[2], start[3]}, rates, w,
+        memory, start);
+    const Mask<N> fast = spin.isFast(forces[3], h) & tells, leads = jointed | fast;
+    // What acted since the momentum was stored counts in it from here on: the later look finds nothing new.
+    const Mask<N> acted = jointed & !spin.free;
+    Lanes<N> excess = inertia[6];
+    if (any(acted)) excess = select(acted, spin.excess(), excess);
+    w = select(jointed, spin.ahead(w, inverse, h), w);
+    if (any(fast)) w = select(fast, spin.leading(w, h, jointed, excess), w);
+    memory[3] = select(leads, w.x, memory[3]), memory[7] = select(leads, w.y, memory[7]);
+    start[7] = select(leads, w.z, start[7]);
+    start[4] = select(leads, spin.momentum.x, start[4]), start[5] = select(leads, spin.momentum.y, start[5]);
+    start[6] = select(leads, spin.momentum.z, start[6]);
+    inertia[6] = select(leads, excess, inertia[6]);
+    rows.scatter(arrays.history, 8, start);
+    rows.scatter(arrays.inertia, 0, inertia);
+}
+
 /// v ← (v + h a) / (1 + h d),  ω ← (ω + h I⁻¹ τ) / (1 + h d); of what has no mass the torque is I⁻¹ τ.
-/// The axis of a fast spin circles within a substep. Joints and contacts on it are told how far it will have come, not
-/// how fast it goes now; else they and free rotation take turns to push a top over where L h/I⊥ > 0.7. Joints on slower
-/// bodies are told the angular velocity of half a substep ahead.
 template <int N>
 void integrateVelocities(const BodyArrays& arrays, const std::uint32_t* bodies, int begin, int end,
                          const SolverContext& context) {
     const float h = context.h;
     for (int i = begin; i < end; i += N) {
+        if constexpr (N > kFewBodies)
+            if (end - i <= kFewBodies) return integrateVelocities<kFewBodies>(arrays, bodies, i, end, context);
         const BodyRows<N> rows(bodies, i, end);
         Lanes<N> state[8], rates[8], forces[8], memory[8], inertia[8];
         rows.gather(arrays.states, 0, state);
@@ -315,29 +355,7 @@ void integrateVelocities(const BodyArrays& arrays, const std::uint32_t* bodies, 
         w = rates[7] * (w + Lanes<N>(h) * select(massive, inverse * torque, torque));
         applyLocks(v, state[7]);
 
-        const Mask<N> jointed = (!(forces[7] > 0.0f)) & (forces[3] > 0.0f);
-        if (any(jointed | mayBeFast(rates, w, h))) {
-            Lanes<N> pose[8], start[8];
-            rows.gather(arrays.states, 8, pose);
-            rows.gather(arrays.history, 8, start);
-            FreeSpin<N> spin(
-                WideQuat<N>{pose[4], pose[5], pose[6], pose[7]} * WideQuat<N>{start[0], start[1], start[2], start[3]},
-                rates, w, memory, start);
-            const Mask<N> fast = spin.isFast(forces[3], h), leads = jointed | fast;
-            // What acted since the momentum was stored counts in it from here on: the later look finds nothing new.
-            const Mask<N> acted = jointed & !spin.free;
-            Lanes<N> excess = inertia[6];
-            if (any(acted)) excess = select(acted, spin.excess(), excess);
-            w = select(jointed, spin.ahead(w, inverse, h), w);
-            if (any(fast)) w = select(fast, spin.leading(w, h, jointed, excess), w);
-            memory[3] = select(leads, w.x, memory[3]), memory[7] = select(leads, w.y, memory[7]);
-            start[7] = select(leads, w.z, start[7]);
-            start[4] = select(leads, spin.momentum.x, start[4]), start[5] = select(leads, spin.momentum.y, start[5]);
-            start[6] = select(leads, spin.momentum.z, start[6]);
-            inertia[6] = select(leads, excess, inertia[6]);
-            rows.scatter(arrays.history, 8, start);
-            rows.scatter(arrays.inertia, 0, inertia);
-        }
+        leadSpins(rows, arrays, rates, forces, inverse, h, w, memory, inertia);
 
         state[0] = v.x, state[1] = v.y, state[2] = v.z;
         state[4] = w.x, state[5] = w.y, state[6] = w.z;
@@ -361,11 +379,6 @@ RAGTOP_INLINE SymmetricMatrix<N> rotated(const WideQuat<N>& q, const WideVec3<N>
             d.x * a.y * a.z + d.y * b.y * b.z + d.z * c.y * c.z, d.x * a.z * a.z + d.y * b.z * b.z + d.z * c.z * c.z};
 }
 
-template <int N>
-RAGTOP_INLINE Mask<N> isZero(const WideVec3<N>& a) {
-    return !((a.x != 0.0f) | (a.y != 0.0f) | (a.z != 0.0f));
-}
-
 /// x ← x + h v − ½ h² a, with a the part of this substep's acceleration that the substep before had too: free fall and
 /// steady sliding are then exact parabolas, while impacts and resting contacts, whose accelerations reverse or vanish,
 /// see no correction (docs/adr/0004). Long: all of a body stays in registers.
@@ -375,6 +388,8 @@ void integratePositions(const BodyArrays& arrays, const std::uint32_t* bodies, i
     const float h = context.h;
     const Lanes<N> zero(0.0f);
     for (int i = begin; i < end; i += N) {
+        if constexpr (N > kFewBodies)
+            if (end - i <= kFewBodies) return integratePositions<kFewBodies>(arrays, bodies, i, end, context);
         const BodyRows<N> rows(bodies, i, end);
         Lanes<N> state[8], pose[8], rates[8], forces[8], memory[8], start[8], inertia[8];
         rows.gather(arrays.states, 0, state);

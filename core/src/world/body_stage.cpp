@@ -55,6 +55,8 @@ void BodyStage::prepare(std::uint32_t index) const {
     // The forces of joints turn with the bodies: taking them for smooth would feed energy into every swing.
     // What joined bodies have in common is smooth, and is theirs by Articulations::move.
     d.translates = (inverseMass > 0 ? body.firstJoint == kNone : body.force != Vec3{}) ? 1.0f : 0.0f;
+    const bool isAlone = body.firstJoint == kNone && body.firstContact == kNone;
+    if (d.spins != 0) d.spins = isAlone ? BodyDynamics::kSpinsAlone : BodyDynamics::kSpins;
     body.force = {};
     body.torque = {};
     bodies.histories[index].rotation = body.rotation;

@@ -223,7 +223,13 @@ public:
                 checkJoint(color.joints[slot], slot);
         }
         std::size_t placed = 0, inGraph = 0;
-        for (int list = 0; list < graph_.listCount(); ++list) inGraph += graph_.color(list).manifolds.size();
+        std::vector<int> used, known;
+        for (int list = 0; list < graph_.listCount(); ++list) {
+            inGraph += graph_.color(list).manifolds.size();
+            if (!graph_.color(list).empty()) used.push_back(list);
+        }
+        graph_.forUsedLists([&](int list) { known.push_back(list); });
+        found_.expect(used == known, "lists that hold something are known");
         for (std::uint32_t c = 0; c < tables_.contacts.slots.count(); ++c) {
             if (!tables_.contacts.slots.isUsed(c)) continue;
             for (const ManifoldRecord& manifold : tables_.manifolds.of(tables_.contacts[c]))

@@ -1,5 +1,7 @@
 #include "world/step_profile.h"
 
+#include <cassert>
+
 #if defined(__x86_64__)
 #include <x86intrin.h>
 #endif
@@ -18,36 +20,50 @@ std::uint64_t ticks() {
 #endif
 }
 
+/// Ticks after which their length is measured anew: a clock is asked in one of a thousand steps of a small world, and
+/// after each of a large one.
+constexpr std::uint64_t kMeasured = std::uint64_t{1} << 21;
+
 }  // namespace
 
-void StepProfile::begin() {
-    forget();
-    start_ = Clock::now();
-}
+StepProfile::StepProfile() : made_(Clock::now()), madeAt_(ticks()) {}
 
-void StepProfile::endStage(const WorldCallbacks& callbacks) {
-    if (callbacks.endZone) callbacks.endZone(stages_.back().name);
+void StepProfile::begin(bool timesStages) {
+    timesStages_ = timesStages || count_ == 0;
+    if (timesStages_) count_ = 0;
+    zone_ = nullptr;
+    begin_ = ticks();
 }
 
 void StepProfile::beginStage(const char* name, const WorldCallbacks& callbacks) {
-    if (!stages_.empty()) endStage(callbacks);
-    stages_.push_back({name, 0});
-    begins_.push_back(ticks());
+    if (callbacks.endZone && zone_) callbacks.endZone(zone_);
+    if (timesStages_) {
+        assert(count_ < kMostStages);
+        stages_[count_].name = name;
+        begins_[count_++] = ticks();
+    }
+    zone_ = name;
     if (callbacks.beginZone) callbacks.beginZone(name);
 }
 
-/// The clock's time between the first stage and now is shared out by ticks.
+/// Over all the time since the profile was made, so that reading the clock counts for ever less.
+void StepProfile::measureTicks(std::uint64_t now) {
+    measuredAt_ = now;
+    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - made_).count();
+    tickMs_ = now > madeAt_ ? ms / static_cast<double>(now - madeAt_) : 0;
+}
+
 void StepProfile::end(const WorldCallbacks& callbacks) {
     const std::uint64_t now = ticks();
-    totalMs_ = std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
-    endStage(callbacks);
-    const auto all = static_cast<double>(now - begins_.front());
-    for (std::size_t i = 0; i < stages_.size(); ++i) {
-        const std::uint64_t next = i + 1 < stages_.size() ? begins_[i + 1] : now;
-        // A processor's counter may be some ticks behind another's.
-        const double own = next > begins_[i] ? static_cast<double>(next - begins_[i]) : 0;
-        stages_[i].ms = all > 0 ? totalMs_ * own / all : 0;
-    }
+    if (callbacks.endZone && zone_) callbacks.endZone(zone_);
+    if (tickMs_ == 0 || now - measuredAt_ > kMeasured) measureTicks(now);
+    // A processor's counter may be some ticks behind another's.
+    const auto between = [&](std::uint64_t from, std::uint64_t to) {
+        return to > from ? tickMs_ * static_cast<double>(to - from) : 0;
+    };
+    totalMs_ = between(begin_, now);
+    if (!timesStages_) return;
+    for (std::size_t i = 0; i < count_; ++i) stages_[i].ms = between(begins_[i], i + 1 < count_ ? begins_[i + 1] : now);
 }
 
 }  // namespace ragtop

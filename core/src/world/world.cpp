@@ -53,8 +53,7 @@ WorldImpl::WorldImpl(const WorldSettings& worldSettings, const WorldConfig& conf
       events(machine.memory),
       moduleWork(machine.memory),
       solving(machine.memory),
-      guards(machine.memory),
-      reports(machine.memory) {
+      guards(machine.memory) {
     if (const std::string wrong = whyInvalid(settings); !wrong.empty()) throw std::invalid_argument(wrong);
     const auto expected = static_cast<std::size_t>(std::max(config.expectedBodies, 0)) + 1;
     tables.bodies.reserve(expected);

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "contacts/may_collide.h"
 #include "contacts/surfaces.h"
 #include "continuous/continuous.h"
@@ -8,7 +10,8 @@ namespace ragtop {
 
 void WorldImpl::sweepFast() {
     collision.swept.impacts.clear();
-    if (!settings.continuous) return;
+    const AlignedArray<BodyFlag>& flags = collision.swept.flags;
+    if (!settings.continuous || std::find(flags.begin(), flags.end(), kToSweep) == flags.end()) return;
     const std::function<bool(std::uint32_t, std::uint32_t)> may = [this](std::uint32_t shape, std::uint32_t obstacle) {
         return shouldCollide(tables.bodies, tables.shapes, tables.joints, tables.shapes[shape],
                              tables.shapes[obstacle]) &&

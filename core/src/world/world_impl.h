@@ -67,17 +67,18 @@ struct WorldImpl {
 private:
     // The stages of a step that are not those of one system.
     void beginStep(World& world, double dt);
-    void updatePairs(bool longer);
-    void createPairs(bool obstaclesToo);
+    void updatePairs(const Activity& active, bool longer);
+    void createPairs(const Activity& active, bool obstaclesToo);
     void updateContacts();
-    void chooseSolvers();
+    void chooseSolvers(const Activity& active, const DirectView& direct);
     void prepareBodies();
-    void solveSubsteps(World& world);
-    void endSolve();
+    void solveSubsteps(World& world, const DirectView& direct, const Iteration& iterate);
+    void endSolve(const DirectView& direct, const Iteration& iterate);
     void makeRoomToFinish();
     void finishBodies();
     void stopOutOfRange();
     void sweepFast();
+    void mendPoses();
     void endStep(World& world, double dt);
 };
 

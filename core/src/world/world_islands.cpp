@@ -18,7 +18,7 @@ static void passCooldowns(Bodies& bodies, const AlignedArray<std::uint32_t>& par
 /// Choices change when support edges do, so they are made anew only then: at once for all islands where something was
 /// just made or put somewhere, and for those that are solved directly where edges of theirs changed; else every few
 /// steps.
-void WorldImpl::chooseSolvers() {
+void WorldImpl::chooseSolvers(const Activity& active, const DirectView& direct) {
     constexpr std::uint64_t kPeriod = 16;  // steps between choices that nothing hurries: a quarter of a second at 60 Hz
     const ConstraintGraph::Color& list = tables.graph.color(ConstraintGraph::kDirect);
     Islands& islands = partition.islands;
@@ -27,12 +27,12 @@ void WorldImpl::chooseSolvers() {
                                                (islands.directChanged && tables.couplings.slots.count() > 0)));
     if (all || islands.directChanged) {
         const auto elapsed = static_cast<std::int32_t>(std::min(clock.stepCount - islands.choiceStep, kPeriod));
-        IslandLists direct;
+        IslandLists lists;
         if (all)
             islands.uniteConstraints(tables, false);
         else
-            direct = islands.findDirect(tables);
-        const IslandLists* some = all ? nullptr : &direct;
+            lists = islands.findDirect(tables);
+        const IslandLists* some = all ? nullptr : &lists;
         const MeasureView view{tables,   tables.bodies, islands,           machine.stageMemory,
                                settings, clock.dt,      solving.context.h, some};
         measureIslands(view);
@@ -40,7 +40,7 @@ void WorldImpl::chooseSolvers() {
         islands.graphChanged = !all || waiting;
         if (!all) passCooldowns(tables.bodies, islands.parent, elapsed);
         islands.choiceStep = clock.stepCount;
-        activity().applyChoices(tables, some);
+        active.applyChoices(tables, some);
         if (islands.structureChanged)
             loadNewContacts(view, solving.context.gravityStep, tables.graph, collision.finds.fresh);
         islands.structureChanged = islands.directChanged = false;
@@ -49,7 +49,7 @@ void WorldImpl::chooseSolvers() {
     const bool anyDirect = !list.manifolds.empty() || !list.joints.empty();
     // Sleeping may have emptied the list since.
     if (!partition.direct.grouped || partition.direct.treesChanged) partition.articulations.forget();
-    if (!partition.direct.grouped || !anyDirect || partition.direct.treesChanged) groupDirect(directView());
+    if (!partition.direct.grouped || !anyDirect || partition.direct.treesChanged) groupDirect(direct);
     partition.direct.grouped = true;
     partition.direct.treesChanged = false;
 }

@@ -7,22 +7,21 @@
 namespace ragtop {
 
 /// Of all shapes in the move buffer.
-void WorldImpl::createPairs(bool obstaclesToo) {
+void WorldImpl::createPairs(const Activity& active, bool obstaclesToo) {
     const std::size_t lists =
         findPairs({tables.bodies, tables.shapes, tables.joints, collision.broadphase, callbacks, machine.memory},
                   machine.runner, obstaclesToo);
-    const Activity active = activity();
     for (std::size_t list = 0; list < lists; ++list)
         for (const PairFound& pair : collision.broadphase.search.found[list]) active.createContact(pair.a, pair.b);
 }
 
 /// Pairs that come to be in this step; `longer`: than the last one.
-void WorldImpl::updatePairs(bool longer) {
-    createPairs(true);
+void WorldImpl::updatePairs(const Activity& active, bool longer) {
+    createPairs(active, true);
     for (const std::uint32_t shape : collision.broadphase.moved) tables.shapes[shape].inMoveBuffer = false;
     collision.broadphase.moved.clear();
     shapeBounds().coverNewVelocities(longer);
-    if (!collision.broadphase.moved.empty()) createPairs(false);
+    if (!collision.broadphase.moved.empty()) createPairs(active, false);
 }
 
 /// Contacts come and go in any order, and records are found faster in that of memory. Seldom: a few in disorder do

@@ -93,8 +93,6 @@ struct Solving {
     explicit Solving(std::pmr::memory_resource* memory) : freezing(memory), regions(memory) {}
     /// For a step of dt seconds.
     void begin(const WorldSettings& settings, float dt);
-    /// For a substep, before its bodies have moved or after.
-    SolverContext ofSubstep(int number, bool moved, int substeps) const;
 
     SolverContext context;
     JointContext jointContext;
@@ -114,8 +112,6 @@ struct Guards {
 
 /// What is told to callers beside events? Derived.
 struct Reports {
-    explicit Reports(std::pmr::memory_resource* memory) : profile(memory) {}
-
     StepProfile profile;
     mutable IdLists idLists;
 };

@@ -28,8 +28,7 @@ static int wantedRegions(const RegionView& view) {
 }
 
 static bool anyBetweenRegions(const RegionView& view) {
-    for (int c = 0; c < ConstraintGraph::kRegionLists; ++c)
-        if (!view.graph.color(c).empty()) return true;
+    if (view.graph.iteratedLists(0) != 0) return true;
     for (std::size_t group = 0; group < view.moduleWork.groupCount(); ++group)
         if (regionOfGroup(view.moduleWork, view.bodies, view.graph, group) == kNone) return true;
     return false;
@@ -155,7 +154,8 @@ static bool areIndependent(const RegionView& view) {
     if (view.bouncy || view.settings.sequentialFriction || !view.couplings.iterated.empty() ||
         !view.contactFinds.fresh.empty())
         return false;
-    if (!view.directSet.islands.empty() || view.directSet.multirate.any || view.regions.usedLists[0] != 0) return false;
+    if (!view.directSet.islands.empty() || view.directSet.multirate.any || view.graph.iteratedLists(0) != 0)
+        return false;
     for (const std::uint32_t body : view.freezing.solved)
         if (!view.bodies.moves(body) && (view.bodies.states[body].v != Vec3{} || view.bodies.states[body].w != Vec3{}))
             return false;
@@ -186,12 +186,6 @@ void divideIntoRegions(const RegionView& view) {
 /// What belongs to each region in this step.
 void collectRegions(const RegionView& view) {
     const int count = view.graph.regionCount();
-    view.regions.usedLists.clear();
-    view.regions.usedLists.resize(static_cast<std::size_t>(count) + 1, 0);
-    for (int r = 0; r <= count; ++r)
-        for (int c = 0; c < ConstraintGraph::kRegionLists; ++c)
-            if (!view.graph.color(ConstraintGraph::firstList(r) + c).empty())
-                view.regions.usedLists[static_cast<std::size_t>(r)] |= 1u << c;
     view.regions.independent = count > 0 && areIndependent(view);
     if (!view.regions.independent) return;
     const auto regionOf = [&](std::uint32_t body) { return view.graph.regionOf(view.bodies[body].state); };

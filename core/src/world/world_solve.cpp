@@ -7,13 +7,12 @@
 
 namespace ragtop {
 
-SolverContext Solving::ofSubstep(int number, bool moved, int substeps) const {
-    SolverContext own = context;
-    own.elapsed = context.h * static_cast<float>(moved ? number + 1 : number);
-    own.substep = number;
-    own.firstSubstep = number == 0;
-    own.lastSubstep = number + 1 == substeps;
-    return own;
+/// A substep before its bodies have moved, or after.
+static void setSubstep(SolverContext& context, int number, bool moved, int substeps) {
+    context.elapsed = context.h * static_cast<float>(moved ? number + 1 : number);
+    context.substep = number;
+    context.firstSubstep = number == 0;
+    context.lastSubstep = number + 1 == substeps;
 }
 
 static void moveArticulations(WorldImpl& world) {
@@ -31,9 +30,10 @@ static void solveRegion(WorldImpl& world, World& face, int region) {
     const std::span<const std::uint32_t> list = world.solving.regions.bodies.of(region);
     const auto count = static_cast<int>(list.size());
     const Iteration iteration = world.iteration();
+    SolverContext before = world.solving.context, after = before;
     for (int i = 0; i < world.settings.substeps; ++i) {
-        const SolverContext before = world.solving.ofSubstep(i, false, world.settings.substeps),
-                            after = world.solving.ofSubstep(i, true, world.settings.substeps);
+        setSubstep(before, i, false, world.settings.substeps);
+        setSubstep(after, i, true, world.settings.substeps);
         for (const std::uint32_t group : world.solving.regions.modules.of(region))
             actAsGroup(world.moduleWork, world.tables.bodies, face, group, world.solving.context.h);
         world.machine.kernels->integrateVelocities(arrays, list.data(), 0, count, before);
@@ -53,7 +53,7 @@ static void solveRegions(WorldImpl& world, World& face) {
     world.machine.runner.parallelFor(world.tables.graph.regionCount() + 1, 1, [&](int begin, int end, int) {
         for (int r = begin; r < end; ++r) solveRegion(world, face, r);
     });
-    world.solving.context = world.solving.ofSubstep(world.settings.substeps - 1, true, world.settings.substeps);
+    setSubstep(world.solving.context, world.settings.substeps - 1, true, world.settings.substeps);
 }
 
 /// Velocities or positions, by their kernel, of those that begin a substep of their own now.
@@ -63,8 +63,9 @@ static void integrate(WorldImpl& world, decltype(KernelTable::integrateVelocitie
     forSharedBodies(world.partition.direct.multirate, world.solving.freezing.solved,
                     [&](int k, std::span<const std::uint32_t> list) {
                         if (context.substep % (1 << k) != 0) return;
-                        SolverContext own = context;
-                        own.h *= static_cast<float>(1 << k);
+                        SolverContext several;
+                        if (k > 0) several = context, several.h *= static_cast<float>(1 << k);
+                        const SolverContext& own = k > 0 ? several : context;
                         world.machine.runner.parallelFor(
                             static_cast<int>(list.size()), 64,
                             [&](int begin, int end, int) { kernel(arrays, list.data(), begin, end, own); });
@@ -72,35 +73,34 @@ static void integrate(WorldImpl& world, decltype(KernelTable::integrateVelocitie
 }
 
 /// Passes of all bodies, one after the other.
-static void solveTogether(WorldImpl& world, World& face) {
-    const Iteration iteration = world.iteration();
+static void solveTogether(WorldImpl& world, World& face, const DirectView& direct, const Iteration& iteration) {
     const bool sequential = world.settings.sequentialFriction;
     for (int number = 0; number < world.settings.substeps; ++number) {
-        world.solving.context = world.solving.ofSubstep(number, false, world.settings.substeps);
+        setSubstep(world.solving.context, number, false, world.settings.substeps);
         actBetweenSubsteps(world.moduleWork, world.tables.bodies, world.machine.runner, face, world.solving.context.h);
-        readMechanisms(world.directView());
+        readMechanisms(direct);
         integrate(world, world.machine.kernels->integrateVelocities);
         bearPushes(world.moduleWork, iteration, world.solving.context);
         if (world.solving.bouncy) iteration.bounce();
-        solveDirect(world.directView(), DirectPass::positions);
+        solveDirect(direct, DirectPass::positions);
         iteration.warmStart();
         if (number == 0) iteration.settleNewContacts(world.collision.finds.fresh, world.settings.gravity, sequential);
         iteration.solve(true, sequential);
         moveArticulations(world);
         integrate(world, world.machine.kernels->integratePositions);
-        world.solving.context = world.solving.ofSubstep(number, true, world.settings.substeps);
-        solveDirect(world.directView(), DirectPass::velocities);
+        setSubstep(world.solving.context, number, true, world.settings.substeps);
+        solveDirect(direct, DirectPass::velocities);
         iteration.solve(false, sequential);
     }
 }
 
-void WorldImpl::solveSubsteps(World& world) {
+void WorldImpl::solveSubsteps(World& world, const DirectView& direct, const Iteration& iterate) {
     leadSprings(tables.joints, tables.bodies, solving.context.h, Lead::begin, machine.runner);
     moduleWork.inSubsteps = moduleWork.acts();
     if (solving.regions.independent)
         solveRegions(*this, world);
     else
-        solveTogether(*this, world);
+        solveTogether(*this, world, direct, iterate);
     moduleWork.inSubsteps = false;
 }
 

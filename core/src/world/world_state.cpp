@@ -199,6 +199,7 @@ void WorldImpl::forgetDerived() {
     collision.finds.surfacesForgotten = true;
     collision.finds.dirty.clear();
     forgetTouches(tables.manifolds, collision.finds);
+    tables.graph.resizeRegions(tables.graph.regionCount());
     ++tables.versions.structure;
     ++tables.versions.fixed;
     for (const ShapeRecord& shape : tables.shapes) {

@@ -28,15 +28,20 @@
 
 namespace ragtop {
 
+/// Bodies and contacts take some 0.3 to 1 µs each; few are over before a second thread has woken, 2 µs and more.
+constexpr std::size_t kFew = 64;
+
+/// What a step is over, in bodies and contacts.
+static std::size_t sizeOf(const WorldImpl& world) {
+    constexpr std::size_t kModule = 16;  // that acted in the last step
+    return world.tables.bodies.awake.size() + world.tables.contacts.awake.size() +
+           world.collision.broadphase.moved.size() + kModule * world.moduleWork.members.size();
+}
+
 /// Runs the stages that workers may help with, and reports the time to the choice of workers.
 template <class Body>
 static void shareStep(WorldImpl& world, Body&& body) {
-    // Bodies and contacts take some 0.3 to 1 µs each; few are over before a second thread has woken, 2 µs and more.
-    constexpr std::size_t kFew = 64;
-    // Modules that acted in the last step count as many of them.
-    constexpr std::size_t kModule = 16;
-    const std::size_t size = world.tables.bodies.awake.size() + world.tables.contacts.awake.size() +
-                             world.collision.broadphase.moved.size() + kModule * world.moduleWork.members.size();
+    const std::size_t size = sizeOf(world);
     if (size < kFew) return world.machine.runner.region(1, [&] { body(false); });
     const Sharing sharing = world.machine.workerChoice.next();
     const auto begin = std::chrono::steady_clock::now();
@@ -64,12 +69,22 @@ void Solving::begin(const WorldSettings& settings, float dt) {
 }
 
 /// Stores what the substeps have changed, then checks the energy of jointed groups.
-void WorldImpl::endSolve() {
-    stepIndependentTrees(directView(), iteration(), bodyStage(), guardView());
-    iteration().storeJoints();
-    endDirect(directView());
-    guardEnergy(guardView());
+void WorldImpl::endSolve(const DirectView& direct, const Iteration& iterate) {
+    if (partition.direct.trees.groupCount(true) > 0) stepIndependentTrees(direct, iterate, bodyStage(), guardView());
+    iterate.storeJoints();
+    endDirect(direct);
+    if (guards.energy.groupCount() > 0) guardEnergy(guardView());
     tables.slopes.end(tables.bodies);
+}
+
+/// Continuous collision, and what it cost groups of joints; joints that are still open are closed.
+void WorldImpl::mendPoses() {
+    if (guards.energy.groupCount() == 0) return sweepFast();
+    const ClosingView closing = closingView();
+    noteEnergyToSweep(closing);
+    sweepFast();
+    payForSweeps(closing);
+    closeOpenJoints(closing);
 }
 
 void WorldImpl::beginStep(World& world, double stepSeconds) {
@@ -79,7 +94,8 @@ void WorldImpl::beginStep(World& world, double stepSeconds) {
     partition.islands.graphChanged |= before != solving.context.h;  // springs are as stiff as substeps are long
     events.beginStep(tables.bodies.room());
     clock.stepping = clock.inStep = true;
-    reports.profile.begin();
+    constexpr std::uint64_t kSeldom = 17;  // steps of a small world; what is done every 16 or 64 shall not count always
+    reports.profile.begin(sizeOf(*this) >= kFew || clock.stepCount % kSeldom == 0);
     reports.profile.beginStage("modules", callbacks);
     for (StepModule* module : moduleWork.modules)
         if (module->beforeStep) module->beforeStep(module->user, world, stepSeconds);
@@ -108,50 +124,50 @@ void WorldImpl::step(World& world, double stepSeconds) {
     beginStep(world, stepSeconds);
     StepProfile& profile = reports.profile;
     shareStep(*this, [&](bool shareSolve) {
+        const Scene scene = this->scene();
+        const Activity& active = scene.activity;
+        const Iteration iterate = iteration();
+        const DirectView direct = directView();
         if (!moduleWork.modules.empty()) profile.beginStage("look", callbacks);
-        askModules(moduleWork, activity(), machine.runner, world, stepSeconds);
+        askModules(moduleWork, active, machine.runner, world, stepSeconds);
         profile.beginStage("pairs", callbacks);
-        updatePairs(longer);  // may grow arrays, as may the changes of contacts; nothing else below does
+        updatePairs(active, longer);  // may grow arrays, as may the changes of contacts; nothing else below does
         profile.beginStage("collide", callbacks);
         updateContacts();
         profile.beginStage("contacts", callbacks);
-        activity().applyContactChanges(ghostView(), settings.sleeping);
+        active.applyContactChanges(ghostView(), settings.sleeping);
         leaveOutGhosts(ghostView(), {collision.finds.closing.begin(), collision.finds.closing.end()}, tables.contacts,
                        tables.graph, machine.runner);
         tables.slopes.begin(tables.bodies, clock.dt, settings.substeps);
         profile.beginStage("islands", callbacks);
-        chooseSolvers();
-        activity().collectSolved(solving.freezing, moduleWork,
-                                 !callbacks.modify);  // what is told of contacts expects all
+        chooseSolvers(active, direct);
+        active.collectSolved(solving.freezing, moduleWork, !callbacks.modify);  // what is told of contacts expects all
         chooseStepFactors(multirateView());
         divideIntoRegions(regionView());
         profile.beginStage("prepare", callbacks);
         prepareBodies();
         partition.articulations.find(tables, partition.direct);
-        scene().settleNewJoints();
-        beginGuard(guardView());
-        solving.bouncy = iteration().prepare(clock.lastSubstep);
+        scene.settleNewJoints();
+        if (partition.articulations.areFresh() || guards.energy.groupCount() > 0) beginGuard(guardView());
+        solving.bouncy = iterate.prepare(clock.lastSubstep);
         collectRegions(regionView());
-        beginDirect(directView());
+        beginDirect(direct);
         profile.beginStage("solve", callbacks);
-        machine.runner.part(!shareSolve, [&] { solveSubsteps(world); });
+        machine.runner.part(!shareSolve, [&] { solveSubsteps(world, direct, iterate); });
         makeRoomToFinish();
-        endSolve();
+        endSolve(direct, iterate);
         profile.beginStage("finish", callbacks);
         finishBodies();
         stopOutOfRange();
-        scene().correctInitialViolations();
-        noteEnergyToSweep(closingView());
-        sweepFast();
-        payForSweeps(closingView());
-        closeOpenJoints(closingView());
-        shapeBounds().refit(collision.swept.startPoses(), machine.runner);
+        scene.correctInitialViolations();
+        mendPoses();
+        scene.bounds.refit(collision.swept.startPoses(), machine.runner);
         profile.beginStage("events", callbacks);
         narrowPhase().updateSensors(machine.runner);
         contactEvents().publish(machine.runner);
         profile.beginStage("sleep", callbacks);
-        activity().freezeStillBodies(solving.freezing, moduleWork, !callbacks.modify);
-        if (settings.sleeping) activity().sleepQuietIslands(tables, settings.sleepTime);
+        active.freezeStillBodies(solving.freezing, moduleWork, !callbacks.modify);
+        if (settings.sleeping) active.sleepQuietIslands(tables, settings.sleepTime);
     });
     endStep(world, stepSeconds);
 }
