@@ -10,7 +10,8 @@ Usage: scripts/chart.sh [option of "ragtop_bench chart"]...
 
 Draws the chart with build/release/ragtop_bench on a machine that does nothing else, in out/chart, keeps its points as
 bench/results/chart.csv and its picture as docs/pictures/chart.svg, and renews the tables of docs/chart.md, which
---tables does alone.
+--tables does alone. What has changed can be drawn anew alone, beside what is kept:
+  scripts/chart.sh --renew bench/results/chart.csv --scenes handle,rolling
 END
 }
 

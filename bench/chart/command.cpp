@@ -17,7 +17,7 @@ namespace {
 
 struct Arguments {
     std::vector<std::string> scenes, engines, programs;
-    std::string out = "out/chart", point, draw, losses, cheapest, findings;
+    std::string out = "out/chart", point, draw, renew, losses, cheapest, findings;
     bool quick = false, longer = false, resume = false, again = false, list = false, sceneTable = false;
     int jobs = 1, repeats = 0;
     double limit = 0, patience = 10;
@@ -134,6 +134,16 @@ Points measureOne(const Arguments& arguments) {
                                fmt::format("\"{}\" is no point, must be like stopping/ragtop@60x4i0", arguments.point));
 }
 
+/// What was measured, in its places among the points of a sweep that is kept.
+Points renewed(Points kept, const Points& measured, const std::string& file) {
+    for (const Point& point : measured) {
+        const auto place = std::ranges::find(kept, point.key(), [](const Point& each) { return each.key(); });
+        if (place == kept.end()) throw std::runtime_error(fmt::format("{}: has no point {}", file, point.key()));
+        *place = point;
+    }
+    return kept;
+}
+
 /// Others are not left waiting, however this ends.
 struct Dismissal {
     const Ranks& ranks;
@@ -177,7 +187,9 @@ int runChart(const Arguments& arguments) {
     const Dismissal dismissal{ranks};
     makeFolder(arguments.out);
     options.journal = std::filesystem::path(arguments.out) / "journal";
+    const Points kept = arguments.renew.empty() ? Points{} : readCsv(arguments.renew);
     Points points = sweep(tasks, options, print);
+    if (!kept.empty()) points = renewed(kept, points, arguments.renew);
     addSelfConsistency(points);
     const auto count = [&](Outcome outcome) { return std::ranges::count(points, outcome, &Point::outcome); };
     fmt::print("{} points, {} of them failed, {} that an engine cannot represent\n", points.size(),
@@ -210,6 +222,7 @@ void addChart(CLI::App& app) {
     command->add_option("--point", a->point, "Measure this point alone and print it");
     command->add_flag("--list", a->list, "Print the points and measure nothing");
     command->add_option("--draw", a->draw, "Draw this CSV, or the scenes named of it, and measure nothing");
+    command->add_option("--renew", a->renew, "Measure the points asked for, and keep the others of this CSV");
     command->add_flag("--scene-table", a->sceneTable, "Print the table of scenes");
     command->add_option("--losses", a->losses, "Print the table of where Ragtop loses in this CSV");
     command->add_option("--findings", a->findings, "Print the table of what others have published, seen in this CSV");

@@ -52,6 +52,12 @@ without_times "$folder/second/chart.csv" >"$folder/b"
 cmp "$folder/a" "$folder/b" || fail "a resumed sweep ends otherwise"
 [ "$(grep -c error "$folder/out")" -lt "$(sed 1d "$csv" | wc -l)" ] || fail "nothing was taken from the journal"
 
+# Some points of a sweep that is kept are measured anew, and the others stay.
+"$program" chart --quick --scenes stopping --engines ragtop --repeats 1 --renew "$csv" --out "$folder/renewed" \
+    >"$folder/out" 2>&1 || true
+without_times "$folder/renewed/chart.csv" >"$folder/b"
+cmp "$folder/a" "$folder/b" || fail "a sweep that is renewed in part ends otherwise"
+
 # A disk that fills up on the way ends the sweep with a line; a file that may not grow fills up alike.
 if (trap '' XFSZ; ulimit -f 8; exec "$program" chart --quick --scenes stopping --repeats 1 --out "$folder/full" \
     >/dev/null 2>"$folder/full.txt"); then fail "a full disk is not noticed"; fi
@@ -88,6 +94,8 @@ fi
 
 head -n 5 "$csv" >"$folder/short.csv"
 refuses "is cut off after 4 of" --draw "$folder/short.csv"
+refuses "$folder/first/chart.csv: has no point rolling/" --quick --scenes rolling --engines ragtop --repeats 1 \
+    --renew "$folder/first/chart.csv" --out "$folder/other"
 "$program" chart --losses "$csv" | grep -q '^| Scene | Engine |' || fail "no table of losses"
 
 if [ -f "$tree/build/page/chart.html" ]; then
