@@ -58,8 +58,8 @@ constexpr DQuat turnBy(const DVec3& turn) {
 }
 
 /// Free rotation over h of a body with the angular momentum `momentum` (world axes) and inverse principal moments: the
-/// symmetric splitting of solve/wide_bodies.inl, in one step. Exact where two moments are equal; else the error of its
-/// energy stays bounded by h² times what makes them differ. No angle may exceed kLargestTurn.
+/// symmetric splitting of solve/wide_rotation.inl, in one step. Exact where two moments are equal; else the error of
+/// its energy stays bounded by h² times what makes them differ. No angle may exceed kLargestTurn.
 DQuat turnFreely(const DQuat& q, const DVec3& momentum, const DVec3& inverse, double h);
 
 }  // namespace ragtop::direct

@@ -13,7 +13,7 @@
 
 // In this order: each builds on those before it.
 // clang-format off
-#include "solve/wide_bodies.inl"
+#include "solve/wide_parts.inl"
 #include "solve/wide_joint_bodies.inl"
 #include "solve/wide_joint_rows.inl"
 #include "solve/wide_joint_springs.inl"

@@ -21,6 +21,8 @@
 #include "solve/kernel_table.h"
 #include "solve/lane_rows.h"
 #include "solve/lanes.h"
+#include "solve/wide_parts.inl"
+#include "solve/wide_rotation.inl"
 #include "solve/wide_bodies.inl"
 #include "solve/wide_bundle.inl"
 #include "solve/wide_places.inl"
