@@ -357,6 +357,22 @@ bool decideIslands(const MeasureView& v, std::int32_t elapsed) {
     return waiting;
 }
 
+/// Do bodies stand on each other, or go along each other, so that no point of a contact comes nearer or goes away?
+static bool staysInTouch(const MeasureView& v, const SupportEdge& edge, const ManifoldRecord& manifold) {
+    constexpr float kRounded = 1e-6f;  // of the speeds that cancel
+    const auto velocityAt = [&](std::uint32_t index, const Vec3& anchor) {
+        const BodyState& state = v.bodies.states[v.bodies[index].state];
+        return state.v + cross(state.w, rotate(v.bodies[index].rotation, anchor));
+    };
+    const Vec3 normal = rotate(v.bodies[edge.a].rotation, manifold.normal);
+    bool stays = true;
+    for (int j = 0; j < manifold.pointCount; ++j) {
+        const Vec3 a = velocityAt(edge.a, manifold.anchorA[j]), b = velocityAt(edge.b, manifold.anchorB[j]);
+        stays &= std::fabs(dot(normal, b - a)) <= kRounded * (length(a) + length(b));
+    }
+    return stays;
+}
+
 void loadNewContacts(const MeasureView& v, float gravityStep, ConstraintGraph& graph,
                      AlignedArray<std::uint32_t>& fresh) {
     fresh.clear();
@@ -368,9 +384,9 @@ void loadNewContacts(const MeasureView& v, float gravityStep, ConstraintGraph& g
     const LoadPaths& paths = v.islands.paths;
     for (std::size_t i = 0; i < paths.edges.size(); ++i) {
         const SupportEdge& edge = paths.edges[i];
-        if (edge.joint || !isUntouched(v.bodies, edge.a) || !isUntouched(v.bodies, edge.b)) continue;
-        if (!paths.aBears(edge) && !paths.bBears(edge)) continue;
+        if (edge.joint || (!paths.aBears(edge) && !paths.bBears(edge))) continue;
         const ManifoldRecord& manifold = v.tables.manifolds[edge.constraint];
+        if (!staysInTouch(v, edge, manifold)) continue;
         const float along = std::fabs(dot(rotate(v.bodies[edge.a].rotation, manifold.normal), down));
         if (along < kLevel || manifold.pointCount == 0 || manifold.place.color == ConstraintGraph::kDirect) continue;
         float* lane = graph.lane(manifold.place);

@@ -34,7 +34,7 @@ void measureIslands(const MeasureView& v);
 /// Writes the choice for each island into its bodies, so many steps after the last one. True while some island's choice
 /// will change by itself.
 bool decideIslands(const MeasureView& v, std::int32_t elapsed);
-/// The weight that the estimate hands down to each point, for each contact of bodies that have not moved yet and that
+/// The weight that the estimate hands down to each point, for each contact along which bodies stand or slide and that
 /// bears nothing; what pushes today is no weight. Follows measureIslands. `fresh`: their manifolds.
 void loadNewContacts(const MeasureView& v, float gravityStep, ConstraintGraph& graph,
                      AlignedArray<std::uint32_t>& fresh);
