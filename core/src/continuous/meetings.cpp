@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "contacts/tuning.h"
 #include "narrowphase/collide.h"
@@ -11,6 +12,9 @@
 namespace ragtop {
 
 namespace {
+
+/// Surfaces stay so many margins apart; going less far into each other is left to their contact.
+constexpr float kTarget = 0.25f;
 
 /// What no surface may get into, even of a shape that touches it already: the shape without half of its thickness.
 struct SolidCore {
@@ -193,6 +197,34 @@ bool cannotMeet(const TriangleView& t, const PlacedShape& from, const PlacedShap
     return std::min(first, last) > bulge + kMore * target || last - first >= 2 * bulge;
 }
 
+/// How far a shape, or its core, is above a face of a box, from −1 or 1 along an axis.
+float heightOver(const ConvexView& box, int axis, float side, const ConvexView& shape, const Frame& at) {
+    Vec3 up;
+    up[axis] = side;
+    const Vec3 upInShape = inverseRotate(at.rotation, up);
+    return side * at.position[axis] - box.halfExtents[axis] - shape.radius +
+           dot(upInShape, supportOfCore(shape, -upInShape));
+}
+
+/// Does a shape go along a face of a box, or over it? Its core stays in front of it, between its ends too, where a
+/// point leaves its chord by `bulge` at most, and it ends no deeper behind it than is allowed, as it began: nothing
+/// that is asked of it below would find that they meet.
+bool passesAlong(const ConvexView& box, const ConvexView& shape, const SolidCore& core, const Frame& from,
+                 const Frame& to, float bulge, float allowed) {
+    if (box.kind != ConvexKind::box) return false;
+    int axis = 0;
+    float side = 1, highest = -std::numeric_limits<float>::infinity();
+    for (int i = 0; i < 3; ++i) {
+        const float facing = from.position[i] < 0 ? -1.0f : 1.0f, height = heightOver(box, i, facing, shape, from);
+        if (height > highest) highest = height, axis = i, side = facing;
+    }
+    const auto ofCore = [&](const Frame& at) {
+        return heightOver(box, axis, side, core.view, {transformPoint(at, core.center), at.rotation});
+    };
+    return highest >= -allowed && heightOver(box, axis, side, shape, to) >= -allowed &&
+           std::min(ofCore(from), ofCore(to)) > bulge;
+}
+
 /// Is a ball surely away from all bounds of a tree along its way? In doubles, which need no rounding to either side.
 bool isAwayFrom(const BoundsTree& tree, const DVec3& from, const DVec3& to, float radius) {
     constexpr double kMore = 1 + 1e-5;  // radii are floats: eighty roundings
@@ -207,20 +239,56 @@ bool isAwayFrom(const BoundsTree& tree, const DVec3& from, const DVec3& to, floa
            beside(from.z, to.z, all.lower.z, all.upper.z);
 }
 
+/// Between its ends a point of a shape at r that turns by θ leaves its chord by r (1 − cos θ/2) at most.
+float bulgeOf(const BodyRecord& body, const Quat& from, const Quat& to) {
+    return body.travel.coreRadius * (1 - std::abs((to * conjugate(from)).w));
+}
+
+/// Does a body go along a face of what stands still, as firstMeeting would find?
+bool passesAlong(const Bodies& bodies, const Shapes& shapes, std::uint32_t index, const Pose& start,
+                 std::uint32_t obstacle) {
+    const BodyRecord& body = bodies[index];
+    const ShapeRecord& other = shapes[obstacle];
+    if (other.sensor) return true;
+    const GeometryEntry& solid = shapes.geometryOf(other);
+    if (solid.isMesh()) return false;
+    const BodyRecord& holder = bodies[other.body];
+    const Pose end{body.center, body.rotation}, place = Pose{holder.center, holder.rotation} * other.frame;
+    const float bulge = bulgeOf(body, start.rotation, end.rotation);
+    for (std::uint32_t s = body.firstShape; s != kNone; s = shapes[s].next) {
+        const ShapeRecord& shape = shapes[s];
+        const GeometryEntry& geometry = shapes.geometryOf(shape);
+        if (shape.sensor || shape.givesWay || geometry.field) continue;
+        const float allowed = 2 * kTarget * tuning::kSpeculative * shape.size;
+        if (geometry.mesh ||
+            !passesAlong(solid.convex, geometry.convex, coreOf(geometry), seenFrom(place, start * shape.frame),
+                         seenFrom(place, end * shape.frame), bulge, allowed))
+            return false;
+    }
+    return true;
+}
+
 }  // namespace
 
 bool mayMeet(const Bodies& bodies, const Shapes& shapes, const Broadphase& broadphase, std::uint32_t index,
-             const DVec3& start) {
+             const Pose& start, float dt) {
+    constexpr float kAtOnce = 1.4f;  // rad, of a step that is swept in one piece
     const BodyRecord& body = bodies[index];
-    if (!body.options.bullet && isAwayFrom(broadphase.fixedTree, start, body.center, body.radius)) return false;
-    const Bounds path = boundsOfPath(start, body.center, body.radius);
+    if (!body.options.bullet && isAwayFrom(broadphase.fixedTree, start.position, body.center, body.radius))
+        return false;
+    const Bounds path = boundsOfPath(start.position, body.center, body.radius);
+    const bool whole = dt * length(bodies.states[index].w) < kAtOnce || body.travel.coreRadius == 0;
     bool found = false;
     const auto visit = [&](std::uint32_t shape) {
-        found = shapes[shape].body != index;
+        found = shapes[shape].body != index && !(whole && passesAlong(bodies, shapes, index, start, shape));
         return !found;
     };
     broadphase.fixedTree.query(path, visit);
-    if (body.options.bullet && !found) broadphase.movingTree.query(path, visit);
+    if (body.options.bullet && !found)
+        broadphase.movingTree.query(path, [&](std::uint32_t shape) {
+            found = shapes[shape].body != index;
+            return !found;
+        });
     return found;
 }
 
@@ -239,9 +307,6 @@ SweptPath pathOfStep(const Bodies& bodies, std::span<const StartPose> starts, fl
 }
 
 namespace {
-
-/// Surfaces stay so many margins apart; going less far into each other is left to their contact.
-constexpr float kTarget = 0.25f;
 
 /// A convex shape on its way, seen from an obstacle.
 struct ShapeSweep {
@@ -300,8 +365,7 @@ Meeting firstMeeting(const SweepView& view, std::uint32_t index, const Pose& sta
             continue;
         }
         const Pose shapeStart = start * shape.frame, shapeEnd = end * shape.frame;
-        // A point at r that turns by θ leaves its chord by r (1 − cos θ/2) at most.
-        const float bulge = body.travel.coreRadius * (1 - std::abs((end.rotation * conjugate(start.rotation)).w));
+        const float bulge = bulgeOf(body, start.rotation, end.rotation);
         const Bounds swept =
             enlarged(merge(boundsOf(geometry.shape, shapeStart), boundsOf(geometry.shape, shapeEnd)), bulge);
         const float target = kTarget * tuning::kSpeculative * shape.size;
@@ -318,6 +382,8 @@ Meeting firstMeeting(const SweepView& view, std::uint32_t index, const Pose& sta
             const Frame from = seenFrom(others.at(done) * place, shapeStart);
             const Frame to = seenFrom(others.at(until) * place, shapeEnd);
             const GeometryEntry& solid = t.shapes.geometries[obstacle.geometry];
+            if (!solid.isMesh() && passesAlong(solid.convex, geometry.convex, core, from, to, bulge, 2 * target))
+                return true;
             const ShapeSweep sweep{geometry, core, from, to, tuning::kSpeculative * shape.size, s, other};
             const auto sweepAt = [&](const auto& surface) { meetSurface(sweep, surface, first); };
             if (!solid.isMesh()) {

@@ -24,9 +24,10 @@ struct SweepView {
     GhostView ghosts() const { return {tables, starts, dt, h}; }
 };
 
-/// Does the ball that holds a body come near anything on which a sweep from `start` could end?
+/// Does the ball that holds a body come near anything on which a sweep over a step of dt seconds from `start` could
+/// end?
 bool mayMeet(const Bodies& bodies, const Shapes& shapes, const Broadphase& broadphase, std::uint32_t body,
-             const DVec3& start);
+             const Pose& start, float dt);
 
 /// How a body moved in a step of dt seconds: straight, and turning evenly, as many revolutions as its speed tells.
 SweptPath pathOfStep(const Bodies& bodies, std::span<const StartPose> starts, float dt, std::uint32_t body);

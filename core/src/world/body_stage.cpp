@@ -80,7 +80,8 @@ void BodyStage::finish(std::size_t place) const {
     const std::uint32_t index = bodies.awake[place];
     BodyRecord& body = bodies[index];
     BodyState& state = bodies.states[index];
-    sweptBodies.starts[place] = {body.center, body.rotation};
+    const StartPose start{body.center, body.rotation};
+    sweptBodies.starts[place] = start;
     const bool lost = leftRange(bodies, index, dt);
     if (lost) stayPut(bodies, index);
     const float turn = 2 * length(Vec3{state.dq.x, state.dq.y, state.dq.z}) * body.travel.coreRadius;
@@ -90,7 +91,7 @@ void BodyStage::finish(std::size_t place) const {
     if (state.dq != Quat{}) body.rotation = normalized(state.dq * body.rotation);
     sweptBodies.flags[place] = lost    ? kOutOfRange
                                : !fast ? kNotFast
-                               : mayMeet(bodies, shapes, broadphase, index, sweptBodies.starts[place].center)
+                               : mayMeet(bodies, shapes, broadphase, index, {start.center, start.rotation}, dt)
                                    ? kToSweep
                                    : kFastClear;
     state.dp = {};
