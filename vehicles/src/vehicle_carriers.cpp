@@ -93,6 +93,7 @@ void VehicleSim::followJoints() {
     readCarriers();
     const auto turned = [&](std::size_t i) { return lines[i].spinRate * (wheels[i].hubSpeed - patches[i].wayBefore); };
     for (std::size_t i = 0; i < wheels.size(); ++i) {
+        if (patches[i].heldShare == 0) continue;
         const std::size_t other = specs[i].beamPartner;
         drivetrain.spin[i] += patches[i].heldShare * (other == i ? turned(i) : turned(i) + turned(other));
     }

@@ -137,6 +137,7 @@ void VehicleSim::forgetMotion() {
         wheel = {};
         wheel.ground = ground;
     }
+    for (WheelPatch& patch : patches) patch.heldShare = 0;
 }
 
 }  // namespace ragtop
