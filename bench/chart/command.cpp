@@ -134,13 +134,18 @@ Points measureOne(const Arguments& arguments) {
                                fmt::format("\"{}\" is no point, must be like stopping/ragtop@60x4i0", arguments.point));
 }
 
+/// A sweep that is kept, in which some points are to be measured anew: all of these must be in it.
+Points keptSweep(const std::string& file, const std::vector<Task>& tasks) {
+    Points kept = readCsv(file);
+    for (const Task& task : tasks)
+        if (std::ranges::find(kept, task.point.key(), &Point::key) == kept.end())
+            throw std::runtime_error(fmt::format("{}: has no point {}", file, task.point.key()));
+    return kept;
+}
+
 /// What was measured, in its places among the points of a sweep that is kept.
-Points renewed(Points kept, const Points& measured, const std::string& file) {
-    for (const Point& point : measured) {
-        const auto place = std::ranges::find(kept, point.key(), [](const Point& each) { return each.key(); });
-        if (place == kept.end()) throw std::runtime_error(fmt::format("{}: has no point {}", file, point.key()));
-        *place = point;
-    }
+Points renewed(Points kept, const Points& measured) {
+    for (const Point& point : measured) *std::ranges::find(kept, point.key(), &Point::key) = point;
     return kept;
 }
 
@@ -185,11 +190,11 @@ int runChart(const Arguments& arguments) {
     }
     if (ranks.count() > 1) options.ranks = &ranks;
     const Dismissal dismissal{ranks};
+    const Points kept = arguments.renew.empty() ? Points{} : keptSweep(arguments.renew, tasks);
     makeFolder(arguments.out);
     options.journal = std::filesystem::path(arguments.out) / "journal";
-    const Points kept = arguments.renew.empty() ? Points{} : readCsv(arguments.renew);
     Points points = sweep(tasks, options, print);
-    if (!kept.empty()) points = renewed(kept, points, arguments.renew);
+    if (!kept.empty()) points = renewed(kept, points);
     addSelfConsistency(points);
     const auto count = [&](Outcome outcome) { return std::ranges::count(points, outcome, &Point::outcome); };
     fmt::print("{} points, {} of them failed, {} that an engine cannot represent\n", points.size(),
