@@ -1,8 +1,9 @@
 #!/bin/sh
 # What `ragtop_bench speed` promises to those who read its output; its times are not looked at.
-# Usage: speed.sh <ragtop_bench>
+# Usage: speed.sh <ragtop_bench> <source tree>
 set -eu
 program=$1
+tree=$2
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
@@ -29,6 +30,15 @@ done
 
 "$program" speed --history "$folder" | grep -q '^| pyramid | 2 | – |$' || fail "the history lacks what was kept"
 "$program" speed --newest "$folder" | grep -q '^| pyramid | 2 | .* | – / – |' || fail "the table lacks what was kept"
+
+# The documentation has the tables of what is kept.
+keeps() {
+    sed -n "/^<!-- $1 -->\$/,/^<!-- end -->\$/p" "$tree/docs/speed.md" | sed '1d;$d' >"$folder/told"
+    { echo; "$program" speed "$2" "$tree/bench/results/speed"; echo; } >"$folder/table"
+    cmp "$folder/told" "$folder/table" || fail "docs/speed.md: $1 are not those of bench/results/speed"
+}
+keeps "kept results" --history
+keeps "newest result" --newest
 
 # Bullet's quality stands beside ours, of what the scene has: no joints and no mesh, but what moves.
 "$program" speed --scene pyramid_nudged --engine bullet --runs 1 --json "$folder/second.json" >/dev/null
