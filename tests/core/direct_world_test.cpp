@@ -383,7 +383,7 @@ TEST(DirectIslands, ABoxRestsOnHillsOfTrianglesAsOnAPlane) {
         const BodyId box = world.create(bodyDef(Box{{0.4f, 0.4f, 0.4f}}, {0.37 * i - 7, 1.2, 0.21 * i}, surface(0.6f)));
         const float heading = 0.157f * static_cast<float>(i);
         world.setVelocity(box, {8 * std::cos(heading), 0, 8 * std::sin(heading)}, {});
-        for (int step = 0; step < 240; ++step) world.step(kDt);
+        for (int step = 0; step < 480; ++step) world.step(kDt);
         EXPECT_LT(length(world.linearVelocity(box)), 1e-3f) << i;
         EXPECT_TRUE(world.stats().islands.empty()) << i << ' ' << world.stats().islands[0].reason;
     }
