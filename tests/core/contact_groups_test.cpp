@@ -6,6 +6,7 @@
 
 #include "constraints/constraint_graph.h"
 #include "constraints/lane_view.h"
+#include "counted_memory.h"
 
 namespace ragtop {
 namespace {
@@ -55,6 +56,27 @@ TEST(ConstraintGraph, ColoursOfFewContactsGrowByAllContacts) {
     for (std::uint32_t i = 1; i < kMany / 64; ++i) ASSERT_EQ(addSecond(i).color, 1u);
     EXPECT_EQ(color.bundles.data(), bundles);
     EXPECT_GE(color.points.capacity(), color.manifolds.size());
+}
+
+// A structure that is laid at once has all its contacts in one step.
+TEST(ConstraintGraph, TakesAllContactsOfAStructureInFewSteps) {
+    constexpr std::uint32_t kMany = 16384;
+    test::CountedMemory memory;
+    ConstraintGraph graph(8, &memory);
+    graph.expectContacts(kMany);
+    for (std::uint32_t i = 0; i < kMany; ++i)
+        graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, ConstraintGraph::By::iteration);
+    graph.expectContacts(0);
+    constexpr long kDoublings = 9, kArrays = 4;  // from 64; of a colour, and of its bodies
+    EXPECT_LE(memory.calls, kArrays * kDoublings + kDoublings);
+    EXPECT_LE(graph.color(0).manifolds.capacity(), kMany + kMany / 64) << "and no more room than they need";
+
+    graph.expectContacts(0, kMany);
+    const long before = memory.calls;
+    for (std::uint32_t i = 0; i < kMany; ++i)
+        graph.insertContact(kMany + i, 2 * i + 1, true, 2 * i + 2, true, ConstraintGraph::By::direct);
+    EXPECT_EQ(memory.calls, before);
+    EXPECT_EQ(graph.color(ConstraintGraph::kDirect).manifolds.capacity(), kMany);
 }
 
 TEST_P(Groups, StandInTheOrderOfTheirPointsAndStaySo) {

@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <memory_resource>
 #include <random>
+#include <set>
 #include <vector>
 
 #include "direct/contact_cone.h"
 #include "direct/factor.h"
+#include "solve/kernel_table.h"
 
 namespace ragtop::direct {
 namespace {
@@ -50,6 +53,63 @@ TEST(BlockFactor, SolvesAsDenseEliminationDoes) {
     const Eigen::VectorXd expected = dense.ldlt().solve(right);
     factor.solve(right.data());
     EXPECT_LT((right - expected).norm(), 1e-12 * expected.norm());
+}
+
+/// Pairs of neighbours in a wall of bricks, and some across it.
+std::vector<BlockPair> wallOf(std::uint32_t width, std::uint32_t height) {
+    std::vector<BlockPair> pairs;
+    std::mt19937 random(11);
+    for (std::uint32_t v = 0; v < width * height; ++v) {
+        if (v % width + 1 < width) pairs.push_back({v, v + 1});
+        if (v + width < width * height) pairs.push_back({v, v + width});
+        if (v % 5 == 0) pairs.push_back({v, static_cast<std::uint32_t>(random() % (width * height))});
+    }
+    std::erase_if(pairs, [](const BlockPair& pair) { return pair.a == pair.b; });
+    return pairs;
+}
+
+TEST(BlockFactor, GivesTheSameBitsWithEveryInstructionSet) {
+    constexpr std::uint32_t kWidth = 9, kCount = kWidth * 7;
+    const std::vector<BlockPair> pairs = wallOf(kWidth, kCount / kWidth);
+    const auto solved = [&](Instructions most) {
+        limitInstructions(most);
+        BlockFactor factor(std::pmr::get_default_resource());
+        factor.update(kCount, pairs.data(), pairs.size());
+        Eigen::MatrixXd dense;
+        fill(factor, dense, pairs, kCount);
+        EXPECT_TRUE(factor.factorize());
+        Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(6 * kCount, -1, 1);
+        factor.solve(x.data());
+        return x;
+    };
+    const Eigen::VectorXd baseline = solved(Instructions::baseline);
+    for (const Instructions wider : {Instructions::avx2, Instructions::avx512})
+        EXPECT_EQ((solved(wider) - baseline).lpNorm<Eigen::Infinity>(), 0);
+}
+
+/// Eliminating a variable joins its neighbours; the next is the first of those that have fewest then.
+TEST(BlockFactor, EliminatesWhatHasFewestNeighboursFirst) {
+    constexpr std::uint32_t kWidth = 17, kCount = kWidth * 11;
+    const std::vector<BlockPair> pairs = wallOf(kWidth, kCount / kWidth);
+    BlockFactor factor(std::pmr::get_default_resource());
+    factor.update(kCount, pairs.data(), pairs.size());
+    std::vector<std::set<std::uint32_t>> neighbours(kCount);
+    for (const BlockPair& pair : pairs) neighbours[pair.a].insert(pair.b), neighbours[pair.b].insert(pair.a);
+    std::set<std::uint32_t> left;
+    for (std::uint32_t v = 0; v < kCount; ++v) left.insert(v);
+    for (std::uint32_t k = 0; k < kCount; ++k) {
+        const std::uint32_t next = *std::min_element(left.begin(), left.end(), [&](std::uint32_t a, std::uint32_t b) {
+            return neighbours[a].size() < neighbours[b].size();
+        });
+        ASSERT_EQ(factor.ordering().place(next), k);
+        ASSERT_EQ(factor.ordering().columnBegin(k + 1) - factor.ordering().columnBegin(k), neighbours[next].size());
+        left.erase(next);
+        for (const std::uint32_t a : neighbours[next]) {
+            neighbours[a].insert(neighbours[next].begin(), neighbours[next].end());
+            neighbours[a].erase(a);
+            neighbours[a].erase(next);
+        }
+    }
 }
 
 TEST(BlockFactor, TreesGetNoFill) {

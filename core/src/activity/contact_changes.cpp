@@ -86,12 +86,14 @@ void Activity::applyContactChanges(const GhostView& ghosts, bool mayStore) const
         }
         if ((change & (kApart | kGraph)) != 0) contactFinds.changed.push({contacts.awake[i], change});
     });
+    graph.expectContacts(contactFinds.changed.size());
     for (const ChangedContact changed : contactFinds.changed) {
         if ((changed.change & kApart) != 0)
             destroyContact(changed.contact);
         else
             applyContactChange(changed.contact, ghosts);
     }
+    graph.expectContacts(0);
     recordShiftedLoads();
     // All may fall asleep at once, when nothing may grow.
     if (mayStore) manifolds.makeRoomToStore();
@@ -104,7 +106,8 @@ void Activity::recordShiftedLoads() const {
             const ContactRecord& record = contacts[key >> 1];
             if (!record.hasPoints || !holds(bodies, record)) continue;
             for (const ManifoldRecord& manifold : manifolds.of(record))
-                if (manifold.place.color != kNone && ConstraintGraph::isIterated(manifold.place))
+                if (manifold.place.color != kNone &&
+                    ConstraintGraph::isIterated(static_cast<int>(manifold.place.color)))
                     LaneView(graph.lane(manifold.place), graph.lanes()).at(contact::kShifted) = 1;
         }
 }

@@ -36,7 +36,7 @@ bool restsOnFixed(const Activity& a, const ModuleWork& moduleWork, std::uint32_t
         if (a.bodies[other].type != BodyType::fixed || turnsUnderContact(a.shapes, record)) return false;
         for (const ManifoldRecord& manifold : a.manifolds.of(record)) {
             if (manifold.pointCount == 0) continue;
-            if (!ConstraintGraph::isIterated(manifold.place)) return false;
+            if (!ConstraintGraph::isIterated(static_cast<int>(manifold.place.color))) return false;
             const LaneReader lane(a.graph.lane(manifold.place), a.graph.lanes());
             if (lane.vector(contact::kSurface) != Vec3{} || lane.at(contact::kShifted) > 0) return false;
             bool bears = false;

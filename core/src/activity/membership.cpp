@@ -89,17 +89,19 @@ void Activity::applyChoices(const ConstTables& tables, const IslandLists* some) 
     const auto changes = [&](std::uint32_t a, std::uint32_t b, GraphPlace place) {
         return (bodies.isDirect(a) || bodies.isDirect(b)) != (place.color == ConstraintGraph::kDirect);
     };
-    std::size_t contactCount = 0;
+    std::size_t contactCount = 0, becomeDirect = 0;
     forEachInGraph(
         tables, some,
         [&](std::uint32_t m) {
             const ContactRecord& contact = contacts[manifolds[m].contact];
-            if (changes(contact.bodyA, contact.bodyB, manifolds[m].place))
-                directSet.movedConstraints.push(m), ++contactCount;
+            if (!changes(contact.bodyA, contact.bodyB, manifolds[m].place)) return;
+            directSet.movedConstraints.push(m), ++contactCount;
+            becomeDirect += manifolds[m].place.color != ConstraintGraph::kDirect;
         },
         [&](std::uint32_t j) {
             if (changes(joints[j].bodyA, joints[j].bodyB, joints[j].place)) directSet.movedConstraints.push(j);
         });
+    graph.expectContacts(contactCount - becomeDirect, becomeDirect);
     for (std::size_t i = 0; i < directSet.movedConstraints.size(); ++i) {
         const std::uint32_t moved = directSet.movedConstraints[i];
         if (i < contactCount)
@@ -107,6 +109,7 @@ void Activity::applyChoices(const ConstTables& tables, const IslandLists* some) 
         else
             removeJointFromGraph(moved), addJointToGraph(moved);
     }
+    graph.expectContacts(0);
 }
 
 }  // namespace ragtop

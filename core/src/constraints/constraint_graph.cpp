@@ -84,6 +84,7 @@ GraphPlace ConstraintGraph::insertContact(std::uint32_t manifold, std::uint32_t 
 GraphPlace ConstraintGraph::addContact(int index, std::uint32_t manifold) {
     Color& c = color(index);
     if (c.manifolds.size() == c.manifolds.capacity()) makeRoom(index);
+    if (expected_ > 0 && isIterated(index)) --expected_;
     const GraphPlace place{static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(c.manifolds.size())};
     c.manifolds.push(manifold);
     noteUse(index);
@@ -94,7 +95,8 @@ GraphPlace ConstraintGraph::addContact(int index, std::uint32_t manifold) {
 }
 
 /// Of everything that a contact has in its colour at once. The last colours that are iterated hold few contacts, whose
-/// number comes and goes by more than its own size: they get room by that of all contacts.
+/// number comes and goes by more than its own size: they get room by that of all contacts. Where many are expected,
+/// each list takes them to come as those before did, up to its own size at once.
 void ConstraintGraph::makeRoom(int index) {
     constexpr std::size_t kFew = 64, kShare = 64, kLargeGrowth = 64;  // constraints; shares of all, of its own
     Color& c = color(index);
@@ -102,14 +104,24 @@ void ConstraintGraph::makeRoom(int index) {
     std::size_t all = 0;
     const int first = isIterated(index) ? index - colorOf(index) : 0;
     for (int i = first; i < first + kRegionLists; ++i) all += color(i).manifolds.size();
-    std::size_t room = size + (c.bundles.isLarge() ? size / kLargeGrowth : size);
+    const std::size_t coming = all > 0 ? std::min(size, size * expected_ / all) : 0;
+    std::size_t room = size + (c.bundles.isLarge() ? std::max(size / kLargeGrowth, coming) : size);
     if (!isSerial(index)) room = std::max(room, kFew);
     if (!isSerial(index) && isIterated(index)) room = std::max(room, all / kShare);
-    room = std::max(room, size + 1);
+    reserve(c, isSerial(index), std::max(room, size + 1));
+}
+
+void ConstraintGraph::expectContacts(std::size_t iterated, std::size_t direct) {
+    expected_ = iterated;
+    Color& c = color(kDirect);
+    if (c.manifolds.size() + direct > c.manifolds.capacity()) reserve(c, false, c.manifolds.size() + direct);
+}
+
+void ConstraintGraph::reserve(Color& c, bool serial, std::size_t room) {
     c.manifolds.reserve(room);
     c.points.reserve(room);
     const auto n = static_cast<std::size_t>(lanes_);
-    c.bundles.reserve((isSerial(index) ? room : (room + n - 1) / n) * contact::kFields * n);
+    c.bundles.reserve((serial ? room : (room + n - 1) / n) * contact::kFields * n);
 }
 
 std::uint32_t ConstraintGraph::removeContact(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB,

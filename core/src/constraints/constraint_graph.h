@@ -71,6 +71,9 @@ public:
     /// Bodies are state indices; `moves` tells whether impulses move them.
     GraphPlace insertContact(std::uint32_t manifold, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB,
                              By by);
+    /// At most so many more contacts are about to come, and so many that are solved directly: their lists grow by few
+    /// and large steps. None when they have come.
+    void expectContacts(std::size_t iterated, std::size_t direct = 0);
     /// The manifold that took over the slot, or kNone.
     std::uint32_t removeContact(GraphPlace place, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
     /// Puts a contact with all that its lane holds into another list. `tookOver`: what removeContact returns.
@@ -120,7 +123,6 @@ public:
     /// One constraint per bundle, which may share bodies.
     static bool isSerial(int list) { return colorOf(list) == kOverflow; }
     static bool isIterated(int list) { return list != kDirect && list != kFrozen; }
-    static bool isIterated(GraphPlace place) { return isIterated(static_cast<int>(place.color)); }
     std::uint32_t regionOf(std::uint32_t body) const { return body < bodies_.size() ? bodies_[body].region : 0; }
     AlignedArray<BodyPlace>& bodies() { return bodies_; }
     void setRegion(std::uint32_t body, std::uint32_t region) { bodyPlace(body).region = region; }
@@ -138,11 +140,13 @@ private:
     BodyPlace& bodyPlace(std::uint32_t body);
     int findPlace(std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
     void makeRoom(int color);
+    void reserve(Color& color, bool serial, std::size_t room);
     void countPoints(int color);
     void exchangeContacts(GraphPlace a, GraphPlace b);
     void noteUse(int list);
     void clearBits(int color, std::uint32_t bodyA, bool movesA, std::uint32_t bodyB, bool movesB);
 
+    std::size_t expected_ = 0;  ///< contacts that are about to come
     int lanes_;     ///< a power of two
     int laneBits_;  ///< its logarithm
     std::pmr::memory_resource* memory_;

@@ -5,7 +5,12 @@
 namespace ragtop::direct {
 
 BlockFactor::BlockFactor(std::pmr::memory_resource* memory)
-    : ordering_(memory), diagonal_(memory), lower_(memory), targets_(memory), permuted_(memory) {}
+    : kernels_(&selectBlockKernels()),
+      ordering_(memory),
+      diagonal_(memory),
+      lower_(memory),
+      targets_(memory),
+      permuted_(memory) {}
 
 void BlockFactor::reserve(std::size_t count, std::size_t pairCount) {
     ordering_.reserve(count, pairCount);
@@ -39,35 +44,17 @@ void BlockFactor::setZero() {
     if (!lower_.empty()) std::memset(static_cast<void*>(lower_.data()), 0, lower_.size() * sizeof(Block6));
 }
 
-/// Right-looking: each column, once complete, is taken out of all columns that it reaches.
-bool BlockFactor::factorize() {
-    const std::uint32_t* target = targets_.data();
-    for (std::uint32_t k = 0; k < ordering_.count(); ++k) {
-        if (!direct::factorize(diagonal_[k])) return false;
-        const std::uint32_t begin = ordering_.columnBegin(k), end = ordering_.columnBegin(k + 1);
-        for (std::uint32_t b = begin; b < end; ++b) divideRight(lower_[b], diagonal_[k]);
-        for (std::uint32_t b = begin; b < end; ++b) {
-            subtractSquare(diagonal_[ordering_.row(b)], lower_[b]);
-            for (std::uint32_t a = b + 1; a < end; ++a) subtractProduct(lower_[*target++], lower_[a], lower_[b]);
-        }
-    }
-    return true;
+BlockMatrix BlockFactor::matrix() {
+    return {ordering_.count(), ordering_.columns(), ordering_.rows(), targets_.data(), diagonal_.data(), lower_.data()};
 }
+
+bool BlockFactor::factorize() { return kernels_->factorize(matrix()); }
 
 void BlockFactor::solve(double* x) {
     const std::uint32_t n = ordering_.count();
     double* y = permuted_.data();
     for (std::uint32_t v = 0; v < n; ++v) std::memcpy(y + 6 * ordering_.place(v), x + 6 * v, 6 * sizeof(double));
-    for (std::uint32_t k = 0; k < n; ++k) {
-        solveLower(diagonal_[k], y + 6 * k);
-        for (std::uint32_t b = ordering_.columnBegin(k); b < ordering_.columnBegin(k + 1); ++b)
-            subtractTimes(lower_[b], y + 6 * k, y + 6 * ordering_.row(b));
-    }
-    for (std::uint32_t k = n; k-- > 0;) {
-        for (std::uint32_t b = ordering_.columnBegin(k); b < ordering_.columnBegin(k + 1); ++b)
-            subtractTransposedTimes(lower_[b], y + 6 * ordering_.row(b), y + 6 * k);
-        solveUpper(diagonal_[k], y + 6 * k);
-    }
+    kernels_->solve(matrix(), y);
     for (std::uint32_t v = 0; v < n; ++v) std::memcpy(x + 6 * v, y + 6 * ordering_.place(v), 6 * sizeof(double));
 }
 

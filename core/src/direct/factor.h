@@ -4,7 +4,7 @@
 #include <memory_resource>
 
 #include "base/aligned_array.h"
-#include "direct/block6.h"
+#include "direct/block_kernels.h"
 #include "direct/ordering.h"
 
 namespace ragtop::direct {
@@ -36,6 +36,9 @@ public:
     void solve(double* x);
 
 private:
+    BlockMatrix matrix();
+
+    const BlockKernels* kernels_;
     Ordering ordering_;
     AlignedArray<Block6> diagonal_, lower_;
     AlignedArray<std::uint32_t> targets_;  ///< where the product of each pair of blocks of a column goes

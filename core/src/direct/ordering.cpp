@@ -7,12 +7,19 @@
 namespace ragtop::direct {
 
 Ordering::Ordering(std::pmr::memory_resource* memory)
-    : pairs_(memory), neighbours_(memory), degree_(memory), place_(memory), begin_(memory), rows_(memory) {}
+    : pairs_(memory),
+      neighbours_(memory),
+      least_(memory),
+      filled_(memory),
+      place_(memory),
+      begin_(memory),
+      rows_(memory) {}
 
 void Ordering::reserve(std::size_t count, std::size_t pairCount) {
     pairs_.reserve(pairCount);
     neighbours_.reserve(count * ((count + 63) / 64));
-    degree_.reserve(count);
+    least_.reserve(2 * std::bit_ceil(count));
+    filled_.reserve((count + 63) / 64);
     place_.reserve(count);
     begin_.reserve(count + 1);
     rows_.reserve(pairCount);
@@ -29,47 +36,79 @@ bool Ordering::update(std::uint32_t count, const BlockPair* pairs, std::size_t p
     return true;
 }
 
-void Ordering::eliminate() {
+/// Bits of all pairs, and who has fewest.
+void Ordering::beginElimination() {
     words_ = (count_ + 63) / 64;
     neighbours_.clear();
     neighbours_.resize(std::size_t{count_} * words_, 0);
-    const auto rowOf = [&](std::uint32_t v) { return neighbours_.data() + std::size_t{v} * words_; };
     for (const BlockPair& pair : pairs_) {
         if (pair.a == pair.b) continue;
-        rowOf(pair.a)[pair.b / 64] |= std::uint64_t{1} << (pair.b % 64);
-        rowOf(pair.b)[pair.a / 64] |= std::uint64_t{1} << (pair.a % 64);
+        neighboursOf(pair.a)[pair.b / 64] |= std::uint64_t{1} << (pair.b % 64);
+        neighboursOf(pair.b)[pair.a / 64] |= std::uint64_t{1} << (pair.a % 64);
     }
-    degree_.resizeForOverwrite(count_);
+    leaves_ = std::bit_ceil(count_);
+    least_.clear();
+    least_.resize(2 * std::size_t{leaves_}, kDone);
+    for (std::uint32_t v = 0; v < count_; ++v) {
+        std::uint64_t degree = 0;
+        for (std::uint32_t w = 0; w < words_; ++w)
+            degree += static_cast<std::uint64_t>(std::popcount(neighboursOf(v)[w]));
+        least_[leaves_ + v] = degree << 32 | v;
+    }
+    for (std::uint32_t i = leaves_; i-- > 1;) least_[i] = std::min(least_[2 * i], least_[2 * i + 1]);
+}
+
+void Ordering::setRank(std::uint32_t variable, std::uint64_t rank) {
+    std::size_t i = leaves_ + variable;
+    least_[i] = rank;
+    while (i > 1) {
+        i /= 2;
+        const std::uint64_t least = std::min(least_[2 * i], least_[2 * i + 1]);
+        if (least_[i] == least) return;
+        least_[i] = least;
+    }
+}
+
+/// All neighbours of a variable become neighbours of each other.
+void Ordering::join(std::uint32_t chosen, std::uint32_t firstRow) {
+    const std::uint64_t* row = neighboursOf(chosen);
+    for (std::size_t i = firstRow; i < rows_.size(); ++i) {
+        const std::uint32_t neighbour = rows_[i];
+        std::uint64_t* other = neighboursOf(neighbour);
+        std::uint64_t more = 0;
+        for (const std::uint32_t w : filled_) {
+            const std::uint64_t added = row[w] & ~other[w];
+            if (added == 0) continue;
+            other[w] |= added;
+            more += static_cast<std::uint64_t>(std::popcount(added));
+        }
+        other[neighbour / 64] &= ~(std::uint64_t{1} << (neighbour % 64));
+        other[chosen / 64] &= ~(std::uint64_t{1} << (chosen % 64));
+        constexpr std::uint64_t kGone = 2;  // itself, which was added, and the chosen one
+        const std::uint64_t degree = (least_[leaves_ + neighbour] >> 32) + more - kGone;
+        setRank(neighbour, degree << 32 | neighbour);
+    }
+}
+
+void Ordering::eliminate() {
+    beginElimination();
     place_.resizeForOverwrite(count_);
     begin_.resizeForOverwrite(std::size_t{count_} + 1);
     rows_.clear();
-    constexpr std::uint32_t kDone = 0xffffffffu;  // no degree
-    const auto countBits = [&](std::uint32_t v) {
-        std::uint32_t n = 0;
-        for (std::uint32_t w = 0; w < words_; ++w) n += static_cast<std::uint32_t>(std::popcount(rowOf(v)[w]));
-        return n;
-    };
-    for (std::uint32_t v = 0; v < count_; ++v) degree_[v] = countBits(v);
-
     for (std::uint32_t k = 0; k < count_; ++k) {
-        std::uint32_t best = kDone, chosen = 0;
-        for (std::uint32_t v = 0; v < count_; ++v)
-            if (degree_[v] < best) best = degree_[v], chosen = v;
+        const auto chosen = static_cast<std::uint32_t>(least_[1]);
         place_[chosen] = k;
-        degree_[chosen] = kDone;
+        setRank(chosen, kDone);
         begin_[k] = static_cast<std::uint32_t>(rows_.size());
-        const std::uint64_t* row = rowOf(chosen);
-        for (std::uint32_t w = 0; w < words_; ++w)
+        const std::uint64_t* row = neighboursOf(chosen);
+        filled_.clear();
+        for (std::uint32_t w = 0; w < words_; ++w) {
+            if (row[w] == 0) continue;
+            filled_.push(w);
             for (std::uint64_t bits = row[w]; bits != 0; bits &= bits - 1)
                 rows_.push(w * 64 + static_cast<std::uint32_t>(std::countr_zero(bits)));
-        for (std::uint32_t i = begin_[k]; i < rows_.size(); ++i) {
-            const std::uint32_t neighbour = rows_[i];
-            std::uint64_t* other = rowOf(neighbour);
-            for (std::uint32_t w = 0; w < words_; ++w) other[w] |= row[w];
-            other[neighbour / 64] &= ~(std::uint64_t{1} << (neighbour % 64));
-            other[chosen / 64] &= ~(std::uint64_t{1} << (chosen % 64));
-            degree_[neighbour] = countBits(neighbour);
         }
+        join(chosen, begin_[k]);
     }
     begin_[count_] = static_cast<std::uint32_t>(rows_.size());
     for (std::uint32_t& row : rows_) row = place_[row];

@@ -29,17 +29,29 @@ public:
     /// Off-diagonal blocks of column k: [columnBegin(k), columnBegin(k + 1)), their rows ascending.
     std::uint32_t columnBegin(std::uint32_t k) const { return begin_[k]; }
     std::uint32_t row(std::uint32_t block) const { return rows_[block]; }
+    /// The same as arrays, of count() + 1 and blockCount().
+    const std::uint32_t* columns() const { return begin_.data(); }
+    const std::uint32_t* rows() const { return rows_.data(); }
     std::uint32_t blockCount() const { return begin_[count_]; }
     /// The block that couples two variables; they must be coupled.
     std::uint32_t blockOf(std::uint32_t a, std::uint32_t b) const;
 
 private:
-    void eliminate();
+    static constexpr std::uint64_t kDone = ~std::uint64_t{0};  ///< the rank of what is eliminated
 
-    std::uint32_t count_ = 0, words_ = 0;
+    void eliminate();
+    void beginElimination();
+    void join(std::uint32_t chosen, std::uint32_t firstRow);
+    void setRank(std::uint32_t variable, std::uint64_t rank);
+    std::uint64_t* neighboursOf(std::uint32_t v) { return neighbours_.data() + std::size_t{v} * words_; }
+
+    std::uint32_t count_ = 0, words_ = 0, leaves_ = 0;
     AlignedArray<BlockPair> pairs_;
     AlignedArray<std::uint64_t> neighbours_;  ///< one row of bits per variable
-    AlignedArray<std::uint32_t> degree_, place_, begin_, rows_;
+    /// Ranks, degree and then number, of the variables from leaves_ on; before them, the lesser one of 2i and 2i + 1.
+    AlignedArray<std::uint64_t> least_;
+    AlignedArray<std::uint32_t> filled_;  ///< words of a row that have a bit
+    AlignedArray<std::uint32_t> place_, begin_, rows_;
 };
 
 }  // namespace ragtop::direct

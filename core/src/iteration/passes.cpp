@@ -213,7 +213,7 @@ void Iteration::settleNewContacts(AlignedArray<std::uint32_t>& fresh, const Vec3
 
 static bool isIterated(const Iteration& v, std::uint32_t manifold) {
     const GraphPlace place = v.manifolds[manifold].place;
-    return place.color != kNone && ConstraintGraph::isIterated(place);
+    return place.color != kNone && ConstraintGraph::isIterated(static_cast<int>(place.color));
 }
 
 namespace {
