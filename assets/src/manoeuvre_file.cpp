@@ -160,12 +160,13 @@ std::vector<std::string> shippedManoeuvres() {
 }
 
 std::filesystem::path findManoeuvre(std::string_view nameOrPath) {
+    const auto names = shippedManoeuvres();
+    const std::string name(nameOrPath);
+    // First, or a file of the same name would end a drive of all.
+    if (std::ranges::find(names, name) != names.end()) return dataFolder() / "manoeuvres" / (name + ".json");
     std::error_code ignored;
     const std::filesystem::path path(nameOrPath);
     if (std::filesystem::is_regular_file(path, ignored)) return path;
-    const auto names = shippedManoeuvres();
-    const std::string name(nameOrPath);
-    if (std::ranges::find(names, name) != names.end()) return dataFolder() / "manoeuvres" / (name + ".json");
     std::string message = name + ": no such manoeuvre, must be a file, all, or one of";
     for (const std::string& one : names) message += (&one == names.data() ? " " : ", ") + one;
     throw AssetError(message);

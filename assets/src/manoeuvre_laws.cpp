@@ -71,9 +71,14 @@ double take(const TrackMeasurement& wanted, std::span<const Sample> samples) {
 
 }  // namespace
 
+VehicleDef asOneBody(VehicleDef def) {
+    def.level = std::min(def.level, VehicleLevel::full);
+    return def;
+}
+
 Axles axlesOf(const VehicleDef& def) {
     World world;
-    const Vehicle car(world, def);
+    const Vehicle car(world, asOneBody(def));
     const MassProperties mass = world.mass(car.chassis());
     Axles axles;
     axles.mass = static_cast<double>(mass.mass);
@@ -110,7 +115,7 @@ double airResistance(const VehicleDef& def) {
 ///   Nᵢ = Nᵢ₀ + m a h (zᵢ − z̄)/Σ (zⱼ − z̄)²,   h: of the centre of mass above the ground.
 double lockedDeceleration(const VehicleDef& def, double friction) {
     World world;
-    const Vehicle car(world, def);
+    const Vehicle car(world, asOneBody(def));
     const DVec3 center{world.mass(car.chassis()).center};
     const double m = static_cast<double>(def.chassis.mass), count = static_cast<double>(def.wheels.size());
     double middle = 0, ground = 0, spread = 0, decelerates = 0;

@@ -20,6 +20,9 @@ struct Axles {
 };
 Axles axlesOf(const VehicleDef& def);
 
+/// Whose chassis weighs as much as all of the car: on carriers it has what these leave.
+VehicleDef asOneBody(VehicleDef def);
+
 /// Takes the value from the samples and judges it. A value that there is none of (a level never reached, no sample in
 /// the window) is not a number and fails.
 TrackValue measured(const TrackMeasurement& wanted, const TrackRun& run, const TrackCase& made);

@@ -93,7 +93,7 @@ public:
         : car_(axlesOf(car)), mass_(wide(trailer.mass)), inertia_(wide(trailer.yawInertia)) {
         const VehicleDef def = trailerOf(trailer, car);
         World world;
-        const Vehicle made(world, def), tows(world, car);
+        const Vehicle made(world, def), tows(world, asOneBody(car));
         h_ = wide(world.mass(tows.chassis()).center.z - hitchOfCar(car).z);
         e_ = wide(trailer.length - trailer.ahead);
         for (std::size_t k = 0; k < 2; ++k) {

@@ -104,6 +104,24 @@ TEST(Manoeuvre, TowsAnyTrailerAsItsLawsSay) {
     }
 }
 
+/// The laws are those of all of the car, not of what its carriers leave of it.
+TEST(Manoeuvre, LawsOfACarOnCarriersAreThoseOnStruts) {
+    const VehicleDef car = loadVehicle(dataFolder() / "vehicles" / "hatchback_linkages.car.json");
+    for (const char* name : {"brake", "step-steer", "tow"}) {
+        const Manoeuvre manoeuvre = loadManoeuvre(findManoeuvre(name));
+        const TrackRun struts = drive(manoeuvre, car, {.level = VehicleLevel::full});
+        const TrackRun carriers = drive(manoeuvre, car, {.level = VehicleLevel::linkages});
+        ASSERT_EQ(struts.values.size(), carriers.values.size());
+        for (std::size_t i = 0; i < struts.values.size(); ++i) {
+            const TrackValue &one = struts.values[i], &other = carriers.values[i];
+            EXPECT_TRUE(other.pass) << name << ", " << other.name << " is " << other.value;
+            ASSERT_EQ(one.reference.has_value(), other.reference.has_value());
+            if (!one.reference) continue;
+            EXPECT_NEAR(*other.reference, *one.reference, 2e-3 * std::abs(*one.reference)) << one.name;
+        }
+    }
+}
+
 TEST(Manoeuvre, TheHatchbackPassesWhatItsLevelModels) {
     const VehicleDef car = hatchbackFile();
     for (const VehicleLevel level : {VehicleLevel::bicycle, VehicleLevel::rays})
