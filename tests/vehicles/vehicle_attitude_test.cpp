@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hardpoints.h"
 #include "road.h"
 
 /// A car at any attitude is a passive body on springs: with nobody at the wheel it only loses energy.
@@ -32,19 +33,57 @@ Fall letGo(World& world, const Vehicle& car, double seconds, double dt) {
 /// All brakes on.
 void park(Vehicle& car) { car.input = {.brake = 1, .handbrake = 1}; }
 
+/// One of 36.
+Quat attitude(int k) {
+    const auto angle = [](int twelfths) { return static_cast<float>(twelfths) * kPi / 6; };
+    return rotationAbout({0, 0, 1}, angle(k % 12)) * rotationAbout({1, 0, 0}, angle(k / 12));
+}
+
 TEST(VehicleAttitude, DroppedAtAnyItLosesEnergyAndSleeps) {
     for (const double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120}) {
         for (int k = 0; k < 36; ++k) {
             SCOPED_TRACE("attitude " + std::to_string(k) + " at " + std::to_string(dt) + " s");
-            const auto angle = [](int twelfths) { return static_cast<float>(twelfths) * kPi / 6; };
             Road road;
             Vehicle car(road.world, hatchback());
-            const Quat attitude = rotationAbout({0, 0, 1}, angle(k % 12)) * rotationAbout({1, 0, 0}, angle(k / 12));
-            road.world.setPose(car.chassis(), {{0, 3, 0}, attitude});
+            road.world.setPose(car.chassis(), {{0, 3, 0}, attitude(k)});
             park(car);
             const Fall fall = letGo(road.world, car, 12, dt);
             EXPECT_LT(fall.mostEnergy, 1.001 * fall.energyAtFirst);
             EXPECT_LT(fall.asleepAfter, 10);
+        }
+    }
+}
+
+/// On its side, between an edge of the body and one of the cabin: rigid ones would rock for up to 12 s.
+TEST(VehicleAttitude, OnLinkagesDroppedAtAnyItSleeps) {
+    for (const VehicleLevel level : {VehicleLevel::full, VehicleLevel::linkages}) {
+        for (int k = 0; k < 36; ++k) {
+            SCOPED_TRACE("attitude " + std::to_string(k) + " at level " + std::to_string(static_cast<int>(level)));
+            Road road;
+            VehicleDef def = withLinkages({frontStruts(), rearArms()});
+            def.level = level;
+            Vehicle car(road.world, def);
+            road.world.setPose(car.chassis(), {{0, 3, 0}, attitude(k)});
+            park(car);
+            EXPECT_LT(letGo(road.world, car, 12, 1.0 / 120).asleepAfter, 10);
+        }
+    }
+}
+
+/// As much as dents of bodywork and sides of wheels take, and more where the definition says so.
+TEST(VehicleAttitude, ResistsRockingInProportionToItsWheels) {
+    for (const float scale : {0.1f, 1.0f, 3.0f}) {
+        for (const float given : {0.0f, 0.5f}) {
+            VehicleDef def = hatchback();
+            for (WheelDef& wheel : def.wheels) wheel.radius *= scale;
+            def.chassis.material.rollingResistance = given;
+            Road road;
+            const Vehicle car(road.world, def);
+            const auto shapes = road.world.shapes(car.chassis());
+            for (std::size_t i = 0; i < shapes.size(); ++i) {
+                const float arm = (i < def.chassis.shapes.size() ? 0.14f : 0.06f) * 0.3f * scale;
+                EXPECT_FLOAT_EQ(road.world.material(shapes[i]).rollingResistance, std::max(given, arm)) << i;
+            }
         }
     }
 }

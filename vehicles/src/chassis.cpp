@@ -34,12 +34,22 @@ ConvexHull wheelHull(const WheelDef& wheel) {
 
 }  // namespace
 
-Material wheelMaterial(const VehicleDef& def, const WheelDef& wheel) {
-    Material material = def.chassis.material;
+Material shapeMaterial(const VehicleDef& def, std::size_t shape) {
     constexpr float kPatch = 0.3f;  // of a radius, half of the length of a patch that is squashed as under a car
     constexpr float kLoss = 0.2f;   // of what rubber takes up when it is squashed [Gent, Walter 2006]
-    const float rocking = std::min(kLoss * kPatch * wheel.radius, 1.0f);
-    material.rollingResistance = std::max(material.rollingResistance, rocking);
+    // An edge of bodywork is dented for good: a roof bears three weights within 127 mm [49 CFR 571.216a], so that one
+    // dents it by this share of a passenger car's wheels' radius, and by as much to either side.
+    constexpr float kDent = 0.14f;
+    const std::size_t bodywork = def.chassis.shapes.size();
+    float rocking = 0;
+    if (shape >= bodywork) {
+        rocking = kLoss * kPatch * def.wheels[shape - bodywork].radius;
+    } else {
+        for (const WheelDef& wheel : def.wheels) rocking += wheel.radius;
+        rocking *= kDent / static_cast<float>(def.wheels.size());
+    }
+    Material material = def.chassis.material;
+    material.rollingResistance = std::max(material.rollingResistance, std::min(rocking, 1.0f));
     return material;
 }
 
@@ -90,7 +100,7 @@ BodyDef chassisBody(const VehicleDef& def, const VehiclePlacement& placement) {
         ShapeDef part;
         part.geometry = shape.shape;
         part.frame = shape.frame;
-        part.material = def.chassis.material;
+        part.material = shapeMaterial(def, body.shapes.size());
         part.filter = def.chassis.filter;
         body.shapes.push_back(std::move(part));
     }
@@ -98,7 +108,7 @@ BodyDef chassisBody(const VehicleDef& def, const VehiclePlacement& placement) {
         ShapeDef part;
         part.geometry = wheelHull(wheel);
         part.frame = wheelShapeFrame(wheel, wheel.position, {1, 0, 0});
-        part.material = wheelMaterial(def, wheel);
+        part.material = shapeMaterial(def, body.shapes.size());
         part.filter = def.chassis.filter;
         part.givesWay = true;
         body.shapes.push_back(std::move(part));

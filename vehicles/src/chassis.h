@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "ragtop/body.h"
@@ -13,8 +14,9 @@ MassProperties chassisMass(const ChassisDef& def);
 /// The body of a car there: its bodywork, and after that its wheels, which give way along their struts.
 BodyDef chassisBody(const VehicleDef& def, const VehiclePlacement& placement);
 
-/// Of the sides of a wheel: the bodywork's, with what its rubber takes of rolling and rocking.
-Material wheelMaterial(const VehicleDef& def, const WheelDef& wheel);
+/// Of a shape of that body: the definition's, with at least what dents in bodywork and rubber take of rolling and
+/// rocking.
+Material shapeMaterial(const VehicleDef& def, std::size_t shape);
 
 /// Names the first number, and the one to keep, by which the shape of `next` is another than that of `now`; empty where
 /// they are alike.

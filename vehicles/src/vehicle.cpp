@@ -199,9 +199,8 @@ void VehicleSim::setDef(const VehicleDef& next) {
     requireSameParts(def, next);
     const bool heavier = !sameMass(chassisMass(def.chassis), chassisMass(next.chassis));
     const auto shapes = world->shapes(chassis);
-    const std::size_t bodywork = def.chassis.shapes.size();
     for (std::size_t i = 0; i < shapes.size(); ++i) {
-        const Material material = i < bodywork ? next.chassis.material : wheelMaterial(next, next.wheels[i - bodywork]);
+        const Material material = shapeMaterial(next, i);
         if (material != world->material(shapes[i])) world->setMaterial(shapes[i], material);
     }
     if (hasCarriers()) removeCarriers();
