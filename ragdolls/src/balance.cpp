@@ -133,7 +133,6 @@ void Balance::feel(std::size_t side) {
 }
 
 void Balance::feel() {
-    dynamics_.look();
     for (std::size_t side = 0; side < 2; ++side) feel(side);
     for (std::size_t side = 0; side < 2; ++side) {
         Foot &foot = feet_[side], &other = feet_[1 - side];
@@ -350,13 +349,26 @@ void Balance::bear(const Stand& stand, float dt) {
 }
 
 void Balance::look() {
+    dynamics_.look();
+    feel();
+    measure(survey());
+}
+
+void Balance::look(const InverseDynamics& seen) {
+    dynamics_.look(seen);
     feel();
     measure(survey());
 }
 
 void Balance::step(double dt) {
+    dynamics_.look();
+    step(dt, dynamics_);
+}
+
+void Balance::step(double dt, const InverseDynamics& seen) {
     const auto seconds = static_cast<float>(dt);
     if (!(seconds > 0) || !std::isfinite(seconds)) return;
+    if (&seen != &dynamics_) dynamics_.look(seen);
     feel();
     quicken(seconds);
     carrySwing(seconds);

@@ -95,6 +95,14 @@ void InverseDynamics::look() {
     velocity_ = (1 / mass_) * momentum;
 }
 
+void InverseDynamics::look(const InverseDynamics& seen) {
+    std::copy(seen.parts_.begin(), seen.parts_.end(), parts_.begin());
+    std::copy(seen.beyond_.begin(), seen.beyond_.end(), beyond_.begin());
+    mass_ = seen.mass_;
+    center_ = seen.center_;
+    velocity_ = seen.velocity_;
+}
+
 Vec3 InverseDynamics::angularMomentum() const {
     Vec3 sum;
     for (const Part& part : parts_)

@@ -281,10 +281,15 @@ void Muscles::drive(int joint, float dt) {
 }
 
 void Muscles::step(double dt) {
+    dynamics_.look();
+    step(dt, dynamics_);
+}
+
+void Muscles::step(double dt, const InverseDynamics& seen) {
     const auto seconds = static_cast<float>(dt);
     if (!(seconds > 0) || !std::isfinite(seconds)) return;
     ease(seconds);
-    dynamics_.look();
+    if (&seen != &dynamics_) dynamics_.look(seen);
     dynamics_.torques(accelerations_, outside_, torque_);
     drives_.clear();
     for (std::size_t i = 0; i < muscles_.size(); ++i) {

@@ -176,7 +176,7 @@ void Puppet::strike(int part, const Vec3& impulse, const DVec3& point) {
 void Puppet::step(double dt) {
     if (!(dt > 0) || !std::isfinite(dt)) return;
     dynamics_.look();
-    balance_.look();
+    balance_.look(dynamics_);
     age_ += dt;
     air_ = balance_.onFeet() ? 0 : air_ + dt;
     off_ = balance_.onFeet() && balance_.margin() < -options_.lost ? off_ + dt : 0;
@@ -186,7 +186,7 @@ void Puppet::step(double dt) {
     switch (state_) {
         case PuppetState::stands:
         case PuppetState::staggers:
-            balance_.step(dt);
+            balance_.step(dt, dynamics_);
             break;
         case PuppetState::falls:
             brace_.step();
@@ -198,7 +198,7 @@ void Puppet::step(double dt) {
             assistance_ = getUp_.assistance();
             break;
     }
-    muscles_.step(dt);
+    muscles_.step(dt, dynamics_);
 }
 
 }  // namespace ragtop

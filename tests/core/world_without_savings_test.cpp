@@ -1,4 +1,4 @@
-#include "base/economy.h"
+#include "without_saving.h"
 
 #include <gtest/gtest.h>
 
@@ -11,17 +11,7 @@
 namespace ragtop {
 namespace {
 
-/// Switches one saving off while it lives.
-class Without {
-public:
-    explicit Without(bool Economy::*saving) : saving_(saving) { economy.*saving_ = false; }
-    ~Without() { economy.*saving_ = true; }
-    Without(const Without&) = delete;
-    Without& operator=(const Without&) = delete;
-
-private:
-    bool Economy::*saving_;
-};
+using test::Without;
 
 void step(World& world, double seconds) {
     for (int i = 0; i < static_cast<int>(seconds * 60); ++i) world.step(1.0 / 60);

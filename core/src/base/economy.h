@@ -10,7 +10,7 @@ struct Economy {
     bool seldomChoices = true;   ///< solvers are chosen when support edges change; off: in every step
     bool zeroIterations = true;  ///< direct islands whose last solution still holds take no iteration
     bool manifoldReuse = true;   ///< manifolds of pairs that have hardly moved are placed, not found
-    bool calmTrees = true;       ///< trees of joints that turn little take several substeps at once
+    bool calmTrees = true;       ///< trees that turn little and what springs hold upright take several substeps at once
     bool independentTrees = true;  ///< those that touch nothing go through the step by themselves
     bool freezing = true;          ///< bodies at rest on what is fixed are left out of the solver
 };

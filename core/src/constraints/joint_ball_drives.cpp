@@ -25,6 +25,9 @@ Vec3 driveError(BallDrives& drives, const Quat& target, const Quat& b) {
     return {off.twist, longer * dot(swing, drives.basis.cy), longer * dot(swing, drives.basis.cz)};
 }
 
+/// Has an axis of the basis another spring than the one before?
+bool isNext(const BallDrives& drives, int k) { return k == 0 || (k == 1 && drives.apart); }
+
 }  // namespace
 
 TunedSpring tunedDrive(const BallDrives& drives, int k, float inverseInertia) {
@@ -51,9 +54,13 @@ void beginDrives(JointSim& joint, const JointPlace& place, float inverseInertia,
     const Vec3 error = driveError(drives, place.a * joint.ball.target, place.b);
     drives.speed = transposeTimes(drives.basis, rotate(place.a, drives.targetSpeed));
     const Vec3 added = transposeTimes(drives.basis, rotate(place.a, drives.feedForward));
+    TunedSpring spring{};
+    SpringShares shares;
     for (int k = 0; k < 3; ++k) {
-        const TunedSpring spring = tunedDrive(drives, k, inverseInertia);
-        const SpringShares shares = springShares(spring.stiffness, spring.damping, inverseInertia, h);
+        if (isNext(drives, k)) {
+            spring = tunedDrive(drives, k, inverseInertia);
+            shares = springShares(spring.stiffness, spring.damping, inverseInertia, h);
+        }
         drives.drag[0][k] = dragOf(shares.moving, inverseInertia);
         drives.drag[1][k] = dragOf(shares.resting, inverseInertia);
         drives.push[k] = h * (added[k] - spring.stiffness * error[k]);
@@ -66,10 +73,15 @@ Vec3 leadDrives(const JointSim& joint, const JointPlace& place, float inverseIne
     const Vec3 added = transposeTimes(drives.basis, rotate(place.a, drives.feedForward));
     const Vec3 load = transposeTimes(drives.basis, steady);
     Vec3 push, share;
+    TunedSpring spring{};
+    float own = 0;
     for (int k = 0; k < 3; ++k) {
-        const TunedSpring spring = tunedDrive(drives, k, inverseInertia);
+        if (isNext(drives, k)) {
+            spring = tunedDrive(drives, k, inverseInertia);
+            own = leadShare(spring.stiffness, spring.damping, inverseInertia, h);
+        }
         push[k] = h * (added[k] - spring.stiffness * error[k]);
-        share[k] = leadShare(spring.stiffness, spring.damping, inverseInertia, h);
+        share[k] = own;
     }
     const float size = length(push), longest = h * joint.ball.spring.most;
     if (size > longest) push = (longest / size) * push;

@@ -10,19 +10,42 @@ void rescaleJoints(Joints& joints, const DirectSet& directSet, const DirectIslan
         rescaleJoint(joints.sims[directSet.joints[island.firstJoint + j]], ratio);
 }
 
-/// Contacts' of the last step.
-static void forgetLoads(const DirectView& d, const DirectIsland& island) {
+SolverContext ofSubsteps(const SolverContext& one, int count) {
+    SolverContext all = one;
+    const auto times = static_cast<float>(count);
+    all.h *= times, all.inverseH /= times, all.gravityStep *= times;
+    all.soft.biasRate /= times, all.softStatic.biasRate /= times;
+    return all;
+}
+JointContext ofSubsteps(const JointContext& one, int count) {
+    JointContext all = one;
+    const auto times = static_cast<float>(count);
+    all.h *= times, all.inverseH /= times, all.softness.biasRate /= times;
+    return all;
+}
+
+static void rescaleContacts(const DirectView& d, const DirectIsland& island, float ratio) {
     const auto lanes = static_cast<std::size_t>(d.graph.lanes());
     for (std::uint32_t i = 0; i < island.contactCount; ++i) {
         float* lane = d.directSet.lanes[island.firstContact + i];
-        const auto clear = [&](int field) { lane[static_cast<std::size_t>(field) * lanes] = 0; };
+        const auto change = [&](int field) { rescale(lane[static_cast<std::size_t>(field) * lanes], ratio); };
         for (int j = 0; j < contact::kMaxPoints; ++j) {
             const int point = contact::kPoints + j * contact::kPointFields;
-            clear(point + contact::kImpulse);
-            clear(point + contact::kLoad);
+            change(point + contact::kImpulse);
+            change(point + contact::kLoad);
         }
-        for (int k = 0; k < 3; ++k) clear(contact::kFrictionImpulse + k);
-        clear(contact::kTwistImpulse);
+        for (int k = 0; k < 3; ++k) change(contact::kFrictionImpulse + k);
+        change(contact::kTwistImpulse);
+    }
+}
+
+void rescaleLoads(const DirectView& d, const DirectIsland& island, float ratio) {
+    rescaleContacts(d, island, ratio);
+    for (std::uint32_t j = 0; j < island.jointCount; ++j) {
+        JointSim& joint = d.joints.sims[d.directSet.joints[island.firstJoint + j]];
+        const PairVector lead = joint.lead;  // is taken back as it was given
+        rescaleJoint(joint, ratio);
+        joint.lead = lead;
     }
 }
 
@@ -32,7 +55,7 @@ void fallBack(const DirectView& d, DirectIsland& island, DirectPass pass) {
     island.fellBack = true;
     island.report.converged = false;
     rescaleJoints(d.joints, d.directSet, island, 0);
-    if (island.jointCount == 0) forgetLoads(d, island);
+    if (island.jointCount == 0) rescaleContacts(d, island, 0);
     iterateIsland(d, island, pass);
 }
 
@@ -41,11 +64,10 @@ void iterateIsland(const DirectView& d, const DirectIsland& island, DirectPass p
     const bool moves = pass == DirectPass::positions;
     const DirectSet& direct = d.directSet;
     const BodyArrays arrays = d.bodies.arrays();
-    SolverContext all = d.context;
+    const int substeps = d.bodies[direct.bodies[island.firstBody]].direct.pace.stepFactor;
+    SolverContext all = ofSubsteps(d.context, substeps);
     all.normals = all.friction = true;
-    const auto substeps = static_cast<float>(d.bodies[direct.bodies[island.firstBody]].direct.pace.stepFactor);
-    JointContext own = d.jointContext;
-    own.h *= substeps, own.inverseH /= substeps, own.softness.biasRate /= substeps;
+    const JointContext own = ofSubsteps(d.jointContext, substeps);
     SingleBundle bundle(d.graph.lanes());
     const auto contactsBy = [&](auto kernel) {
         for (std::uint32_t i = 0; i < island.contactCount; ++i)

@@ -133,6 +133,7 @@ static void listDirectConstraints(const DirectView& d) {
 void groupDirect(const DirectView& d) {
     DirectSet& set = d.directSet;
     set.islands.clear();
+    set.multirate.regrouped = true;
     set.seen.clear();
     for (AlignedArray<std::uint32_t>* list : {&set.owner, &set.bodies, &set.manifolds, &set.joints}) list->clear();
     set.trees.clear();
@@ -213,6 +214,7 @@ static void beginIsland(const DirectView& d, DirectIsland& island, int index) {
     for (std::uint32_t i = 0; i < island.contactCount; ++i)
         d.directSet.lanes[island.firstContact + i] =
             d.graph.lane(d.manifolds[d.directSet.manifolds[island.firstContact + i]].place);
+    if (island.stepFactor > 1) rescaleLoads(d, island, static_cast<float>(island.stepFactor));
     direct::IslandParts parts;
     parts.bodies = d.directSet.bodies.data() + island.firstBody;
     parts.bodyCount = island.bodyCount;
@@ -222,7 +224,7 @@ static void beginIsland(const DirectView& d, DirectIsland& island, int index) {
     parts.jointCount = island.jointCount;
     parts.laneStride = d.graph.lanes();
     parts.localOf = d.directSet.index.data();
-    system.begin(parts, d.bodies.arrays(), d.context);
+    system.begin(parts, d.bodies.arrays(), ofSubsteps(d.context, island.stepFactor));
 }
 
 /// In parallel, but trees, which are many and have their lanes; none is looked at where all are trees.
@@ -257,12 +259,14 @@ static void solveSystem(const DirectView& d, DirectIsland& island, DirectPass pa
     const BodyArrays arrays = d.bodies.arrays();
     direct::IslandSystem& system = *d.directSet.systems[island.system];
     if (pass == DirectPass::velocities && system.rests()) return system.updateLoads(island.factored);
+    const SolverContext context = ofSubsteps(d.context, island.stepFactor);
+    const JointContext jointContext = ofSubsteps(d.jointContext, island.stepFactor);
     const auto start = std::chrono::steady_clock::now();
     switch (pass) {
         case DirectPass::positions:
-            system.beginSubstep(arrays, d.jointContext);
+            system.beginSubstep(arrays, jointContext);
             if (system.rests()) return system.writeVelocities(arrays);
-            system.aimAtPositions(arrays, d.context);
+            system.aimAtPositions(arrays, context);
             if (island.jointCount > 0) island.factored = false;
             direct::solve(system.equations(), true, island.factored, island.report);
             if (isUnsolved(island)) {
@@ -270,14 +274,14 @@ static void solveSystem(const DirectView& d, DirectIsland& island, DirectPass pa
                 break;
             }
             system.writeVelocities(arrays);
-            if (system.aimAgain(arrays, d.jointContext)) {
+            if (system.aimAgain(arrays, jointContext)) {
                 island.factored = false;
                 direct::solve(system.equations(), false, island.factored, island.report);
                 if (!isUnsolved(island)) system.writeVelocities(arrays);
             }
             break;
         case DirectPass::velocities:
-            if (system.aimAtVelocities(arrays, d.context, d.jointContext)) {
+            if (system.aimAtVelocities(arrays, context, jointContext)) {
                 direct::solve(system.equations(), false, island.factored, island.report);
                 if (isUnsolved(island)) {
                     fallBack(d, island, pass);
@@ -294,6 +298,7 @@ static void solveSystem(const DirectView& d, DirectIsland& island, DirectPass pa
 void solveDirect(const DirectView& d, DirectPass pass) {
     if (d.directSet.islands.empty()) return;
     forEachDirectIsland(d, [&](DirectIsland& island, int i) {
+        if (d.context.substep % island.stepFactor != 0) return;
         if (island.fellBack)
             iterateIsland(d, island, pass);
         else if (island.mechanism)
@@ -377,15 +382,18 @@ void endDirect(const DirectView& d) {
                                       static_cast<int>(island.jointCount), island.report.iterations,
                                       island.report.factorizations, island.report.residual, island.ms,
                                       island.report.converged});
-    std::atomic<bool> restsAgain{false};
+    std::atomic<bool> anyRestsAgain{false};
     forEachDirectIsland(d, [&](DirectIsland& island, int) {
-        if (island.fellBack || !hasSystem(island)) return;
+        if (!hasSystem(island)) return;
         direct::IslandSystem& system = *d.directSet.systems[island.system];
-        if (!system.restsAgain(island.unchanged)) return system.end();
+        const bool restsAgain = !island.fellBack && system.restsAgain(island.unchanged);
+        if (!island.fellBack && !restsAgain) system.end();
+        if (island.stepFactor > 1) rescaleLoads(d, island, 1 / static_cast<float>(island.stepFactor));
+        if (!restsAgain) return;
         island.restedAgain = system.restedSubsteps();
-        restsAgain.store(true, std::memory_order_relaxed);
+        anyRestsAgain.store(true, std::memory_order_relaxed);
     });
-    if (restsAgain.load(std::memory_order_relaxed)) addDirectPeaks(d);
+    if (anyRestsAgain.load(std::memory_order_relaxed)) addDirectPeaks(d);
 }
 
 }  // namespace ragtop

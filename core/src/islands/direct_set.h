@@ -34,6 +34,7 @@ struct DirectIsland {
     bool unchanged = false;                ///< since a step through which it rested
     bool renewed = false;                  ///< some lane of it is other than in the last step; told by several threads
     int restedAgain = 0;                   ///< substeps through which it has rested as in the step before
+    int stepFactor = 1;                    ///< of a system: substeps of the world that it takes at once
     bool tree = false;                     ///< eliminated in lanes, without a system
     bool mechanism = false;                ///< moves by itself, without a system
     bool watched = false;                  ///< of a tree or mechanism: impulses are wanted after every substep
@@ -60,13 +61,15 @@ struct Multirate {
                 AlignedArray<std::uint32_t>(memory)},
           marks(memory),
           sharedJoints(memory) {}
-    static constexpr std::uint8_t kIndependent = 128;  ///< in marks
+    static constexpr std::uint8_t kIndependent = 128, kStanding = 64, kFactor = 7;  ///< in marks
     /// Of 1, 2 and 4 substeps at once, without those of independent trees; where `any`.
     std::array<AlignedArray<std::uint32_t>, direct::TreePlan::kStepFactors> lists;
-    AlignedArray<std::uint8_t> marks;          ///< per body, 0 where it is of no tree, else its step factor
+    /// Per body, 0 where it is of no tree and takes no substeps at once; else its step factor.
+    AlignedArray<std::uint8_t> marks;
     AlignedArray<std::uint32_t> sharedJoints;  ///< of direct islands, without those of independent trees
     std::size_t independentCount = 0;          ///< bodies of such trees
     bool any = true;                           ///< some body goes otherwise than by single substeps, or may have
+    bool regrouped = true;                     ///< islands are others than those of the marks
 };
 
 /// Islands that are solved directly, grouped from the graph's list of theirs: by Newton's method, in lanes as trees, or

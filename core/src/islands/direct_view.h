@@ -76,6 +76,11 @@ void keepPace(const DirectView& d, const DirectIsland& island, const direct::Mec
 /// Iterates over the constraints of an island, one after the other, with the velocities that its bodies have: where a
 /// solve failed, those from before it.
 void iterateIsland(const DirectView& d, const DirectIsland& island, DirectPass pass);
+/// What all share in a substep as long as so many.
+SolverContext ofSubsteps(const SolverContext& one, int count);
+JointContext ofSubsteps(const JointContext& one, int count);
+/// Of an island that takes several substeps at once: loads of contacts and joints, but not what was given already.
+void rescaleLoads(const DirectView& d, const DirectIsland& island, float ratio);
 /// Loads of as many substeps as its joints are solved for at once.
 void rescaleJoints(Joints& joints, const DirectSet& directSet, const DirectIsland& island, float ratio);
 /// Does that from now to the end of the step. Its joints begin without loads: those of taut joints are more than

@@ -32,7 +32,9 @@ void leadSprings(Joints& joints, Bodies& bodies, float h, Lead when, StageRunner
     const auto visit = [&](std::uint32_t joint) {
         JointSim& sim = joints.sims[joint];
         const auto lead = when == Lead::begin ? beginLead : endLead;
-        lead(sim, bodies.states.data(), bodies.inertias.data(), kicksOf(bodies, sim, h), h);
+        const std::uint32_t a = joints[joint].bodyA, moving = bodies.moves(a) ? a : joints[joint].bodyB;
+        const float own = static_cast<float>(bodies[moving].direct.pace.stepFactor) * h;
+        lead(sim, bodies.states.data(), bodies.inertias.data(), kicksOf(bodies, sim, own), own);
     };
     for (int c = 0; c + 1 < static_cast<int>(springs.starts.size()); ++c) {
         const std::uint32_t first = springs.starts[static_cast<std::size_t>(c)];

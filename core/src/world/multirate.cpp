@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <utility>
 
 #include "base/economy.h"
 #include "direct/joint_tuning.h"
@@ -52,7 +54,56 @@ Pace paceOf(const MultirateView& view, const direct::TreePlan::Tree& tree, bool 
     return {stepFactor, mayBeIndependent};
 }
 
-/// What changes only with the trees and their paces.
+/// Does anything that it touches or hangs from move by itself?
+bool isCarried(const MultirateView& view, const DirectIsland& island) {
+    bool carried = false;
+    const auto note = [&](std::uint32_t body) {
+        const BodyState& state = view.bodies.states[body];
+        carried |= !view.bodies.moves(body) && (state.v != Vec3{} || state.w != Vec3{});
+    };
+    for (std::uint32_t i = 0; i < island.contactCount; ++i) {
+        const ContactRecord& contact =
+            view.contacts[view.manifolds[view.directSet.manifolds[island.firstContact + i]].contact];
+        note(contact.bodyA), note(contact.bodyB);
+    }
+    for (std::uint32_t i = 0; i < island.jointCount; ++i) {
+        const JointRecord& joint = view.joints[view.directSet.joints[island.firstJoint + i]];
+        note(joint.bodyA), note(joint.bodyB);
+    }
+    return carried;
+}
+
+/// What stiff springs hold upright, and hardly moves, takes longer substeps when it has done so for a while, and single
+/// ones as soon as anything of it moves: an answer that is at rest is the same for all of them.
+int standingFactor(const MultirateView& view, const DirectIsland& island) {
+    constexpr float kCalm = 0.01f;       // speed of a body that stands, in √(gravity · size)
+    constexpr std::uint8_t kSteps = 16;  // for which it has stood: a quarter of a second at 60 Hz
+    const auto& first = view.bodies[view.directSet.bodies[island.firstBody]].direct;
+    const bool stands = first.reason == direct::Reason::stiff && !island.tree && !island.mechanism &&
+                        island.jointCount > 0 && island.contactCount > 0;
+    if (!stands || !economy.calmTrees) return 1;
+    bool calm = !isCarried(view, island);
+    const float gravity = length(view.settings.gravity);
+    int most = direct::TreePlan::kLongestFactor, steps = kSteps;
+    forMembers(view, island, [&](std::uint32_t body) {
+        const BodyRecord& record = view.bodies[body];
+        const BodyState& state = view.bodies.states[body];
+        const float speed = length(state.v) + length(state.w) * record.radius;
+        calm &= speed <= kCalm * std::sqrt(gravity * record.size) && !view.moduleWork.names(body);
+        most = std::min(most, static_cast<int>(record.direct.pace.allowedFactor));
+        steps = std::min(steps, static_cast<int>(record.direct.pace.calm));
+    });
+    if (!calm) most = 1, steps = 0;
+    if (calm && ++steps >= kSteps) most = std::min(2 * most, direct::TreePlan::kLongestFactor), steps = 0;
+    forMembers(view, island, [&](std::uint32_t body) {
+        view.bodies[body].direct.pace.allowedFactor = static_cast<std::uint8_t>(most) & 7u;
+        view.bodies[body].direct.pace.calm = static_cast<std::uint8_t>(steps);
+    });
+    while (view.settings.substeps % most != 0) most /= 2;
+    return most;
+}
+
+/// What changes only with the islands and their paces.
 void markTrees(const MultirateView& view) {
     Multirate& multirate = view.directSet.multirate;
     multirate.marks.resizeForOverwrite(view.bodies.size());
@@ -69,6 +120,12 @@ void markTrees(const MultirateView& view) {
         const int mark = tree.stepFactor | (tree.independent ? Multirate::kIndependent : 0);
         forMembers(view, island, [&](std::uint32_t body) { multirate.marks[body] = static_cast<std::uint8_t>(mark); });
     }
+    for (const DirectIsland& island : view.directSet.islands) {
+        if (island.stepFactor == 1) continue;
+        multirate.any = true;
+        const int mark = island.stepFactor | Multirate::kStanding;
+        forMembers(view, island, [&](std::uint32_t body) { multirate.marks[body] = static_cast<std::uint8_t>(mark); });
+    }
     multirate.sharedJoints.clear();
     for (const DirectIsland& island : view.directSet.islands)
         for (std::uint32_t j = 0; j < island.jointCount && !island.independent; ++j)
@@ -82,7 +139,11 @@ void listShared(const MultirateView& view) {
     if (multirate.independentCount == view.freezing.solved.size()) return;
     for (const std::uint32_t body : view.freezing.solved) {
         if ((multirate.marks[body] & Multirate::kIndependent) != 0) continue;
-        setStepFactor(view.bodies, body, multirate.marks[body], view.settings.gravity, view.context.h);
+        const std::uint8_t mark = multirate.marks[body];
+        if ((mark & Multirate::kStanding) != 0)  // no speed of the middle of a substep
+            view.bodies[body].direct.pace.stepFactor = mark & Multirate::kFactor;
+        else
+            setStepFactor(view.bodies, body, mark, view.settings.gravity, view.context.h);
         if (multirate.any)
             multirate.lists[static_cast<std::size_t>(view.bodies[body].direct.pace.stepFactor / 2)].push(body);
     }
@@ -106,8 +167,15 @@ void setStepFactor(Bodies& bodies, std::uint32_t index, int stepFactor, const Ve
 
 void chooseStepFactors(const MultirateView& view) {
     direct::TreePlan& chains = view.directSet.trees;
-    if (chains.treeCount() == 0 && !view.directSet.multirate.any) return;
-    std::atomic<bool> changed{!chains.isGrouped()};
+    Multirate& multirate = view.directSet.multirate;
+    bool standing = false;
+    for (DirectIsland& island : view.directSet.islands) {
+        const int before = std::exchange(island.stepFactor, standingFactor(view, island));
+        standing |= before != island.stepFactor;
+    }
+    const bool regrouped = std::exchange(multirate.regrouped, false);
+    if (chains.treeCount() == 0 && !multirate.any && !standing) return;
+    std::atomic<bool> changed{standing || (regrouped && multirate.any) || !chains.isGrouped()};
     // What was just made is settled among all bodies, before the step or within its first substep.
     const bool mayBeIndependent =
         economy.independentTrees && view.joints.created.empty() && view.contactFinds.fresh.empty();

@@ -9,14 +9,17 @@
 #include "world/body_stage.h"
 #include "world/energy_guard.h"
 
-/// Multirate: trees of joints whose gaps stay small take several substeps of the world at once (docs/adr/0021); those
-/// that nothing else has part in do so by themselves (docs/adr/0006).
+/// Multirate: trees of joints whose gaps stay small take several substeps of the world at once (docs/adr/0021), as does
+/// what stiff springs hold upright and hardly moves (docs/adr/0080); trees that nothing else has part in do so by
+/// themselves (docs/adr/0006).
 namespace ragtop {
 
 /// What the choice of step factors reads and writes.
 struct MultirateView {
     Bodies& bodies;  ///< step factors, and speeds that belong to the middle of a substep
     const Joints& joints;
+    const Contacts& contacts;
+    const Manifolds& manifolds;
     const ContactFinds& contactFinds;
     DirectSet& directSet;  ///< trees and their paces
     const Freezing& freezing;

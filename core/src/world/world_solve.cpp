@@ -18,9 +18,14 @@ static void setSubstep(SolverContext& context, int number, bool moved, int subst
 static void moveArticulations(WorldImpl& world) {
     world.machine.runner.parallelFor(
         static_cast<int>(world.partition.articulations.count()), 16, [&](int begin, int end, int) {
-            for (int i = begin; i < end; ++i)
-                world.partition.articulations.move(static_cast<std::uint32_t>(i), world.solving.context.h,
-                                                   world.tables.bodies);
+            for (int i = begin; i < end; ++i) {
+                const auto articulation = static_cast<std::uint32_t>(i);
+                const std::uint32_t first = world.partition.articulations.firstBody(articulation);
+                const int factor = world.tables.bodies[first].direct.pace.stepFactor;
+                if (world.solving.context.substep % factor == 0)
+                    world.partition.articulations.move(
+                        articulation, static_cast<float>(factor) * world.solving.context.h, world.tables.bodies);
+            }
         });
 }
 

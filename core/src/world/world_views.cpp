@@ -111,8 +111,8 @@ ClosingView WorldImpl::closingView() {
 }
 
 MultirateView WorldImpl::multirateView() {
-    return {tables.bodies, tables.joints,   collision.finds, partition.direct,     solving.freezing,
-            moduleWork,    solving.context, settings,        tables.graph.lanes(), machine.runner};
+    return {tables.bodies,    tables.joints, tables.contacts, tables.manifolds, collision.finds,      partition.direct,
+            solving.freezing, moduleWork,    solving.context, settings,         tables.graph.lanes(), machine.runner};
 }
 
 RegionView WorldImpl::regionView() {

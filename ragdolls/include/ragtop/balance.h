@@ -53,8 +53,11 @@ public:
 
     /// Sets targets and gains of all muscles for the next step of the world.
     void step(double dt);
+    /// The same with what was just seen of this ragdoll.
+    void step(double dt, const InverseDynamics& seen);
     /// Takes up where the feet are, for capturePoint(), margin(), center() and reach(), of who something else moves.
     void look();
+    void look(const InverseDynamics& seen);
     /// Gives the gains of the muscles back to their profile, and forgets where it had to lean.
     void release();
 

@@ -35,6 +35,8 @@ public:
 
     /// Takes up where all parts are, what they weigh and how they move.
     void look();
+    /// The same from who has just looked at this ragdoll, while nothing of it has changed since.
+    void look(const InverseDynamics& seen);
     std::span<const Part> parts() const { return parts_; }
     float mass() const { return mass_; }  ///< kg, of all together
     const DVec3& centerOfMass() const { return center_; }

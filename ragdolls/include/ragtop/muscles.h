@@ -112,6 +112,8 @@ public:
 
     /// Sets the joints for the next step of the world, of dt seconds; does not throw.
     void step(double dt);
+    /// The same with what was just seen of this ragdoll.
+    void step(double dt, const InverseDynamics& seen);
     /// Torque that a joint was given where the last step began, N m, world axes, on the child.
     const Vec3& torque(int joint) const { return muscles_.at(static_cast<std::size_t>(joint)).torque; }
     const InverseDynamics& dynamics() const { return dynamics_; }
