@@ -224,6 +224,27 @@ TEST(EnergyGuard, WhatHangsFollowsAnAnchorThatIsPutElsewhere) {
     }
 }
 
+/// A cart of three boxes in a row lies on a belt that starts long after it was made; friction takes it along.
+TEST(EnergyGuard, ABeltThatStartsTakesAlongWhatJointsHoldTogether) {
+    World world{withoutSleep()};
+    const BodyId belt = world.create(bodyDef(Box{{50, 0.5f, 1}}, {0, -0.5, 0}, {}, BodyType::fixed));
+    BodyId before{};
+    for (int i = 0; i < 3; ++i) {
+        const BodyId box = world.create(bodyDef(Box{{0.2f, 0.2f, 0.2f}}, {0.5 * i, 0.2, 0}));
+        HingeDef hinge;
+        hinge.bodies = {.a = before, .b = box, .frameA = {{0.25f, 0, 0}, {}}, .frameB = {{-0.25f, 0, 0}, {}}};
+        if (i > 0) world.create(JointDef{hinge});
+        before = box;
+    }
+    for (int i = 0; i < 30; ++i) world.step(kDt);
+    Material moving = world.material(world.shapes(belt).front());
+    moving.surfaceVelocity = {4, 0, 0};
+    world.setMaterial(world.shapes(belt).front(), moving);
+    for (int i = 0; i < 120; ++i) world.step(kDt);
+    EXPECT_NEAR(world.linearVelocity(before).x, 4, 4e-3);
+    EXPECT_EQ(world.stats().energyGuarded, 0u);
+}
+
 /// What a kinematic body lifts by a joint gains m g per metre from it, at any speed.
 TEST(EnergyGuard, LetsWhatIsLiftedSlowlyRise) {
     for (const float speed : {0.001f, 0.03f, 1.0f}) {

@@ -1,5 +1,8 @@
 // Which of the manifolds of before go on, and what becomes of their impulses.
 
+#include <algorithm>
+
+#include "constraints/contact_layout.h"
 #include "contacts/contact_writer.h"
 
 namespace ragtop {
@@ -97,12 +100,20 @@ void matchManifolds(const Vec3* normals, int count, const ManifoldRecord* old, i
     }
 }
 
+bool isDeep(std::span<const Manifold> found, float size) {
+    return std::any_of(found.begin(), found.end(), [&](const Manifold& manifold) {
+        return std::any_of(manifold.points, manifold.points + manifold.pointCount,
+                           [&](const ManifoldPoint& point) { return -point.separation > contact::kDeep * size; });
+    });
+}
+
 }  // namespace
 
 ManifoldRecord& ContactWriter::takeFirstManifolds(ContactRecord& record, std::span<const Manifold> found,
                                                   int worker) const {
     const std::span<ManifoldRecord> held = manifolds.hold(record, worker);
     record.hasPoints = true;
+    record.isDeep = isDeep(found, record.size);
     for (std::size_t i = 0; i < found.size(); ++i) {
         held[i].normal = rotate(shapes[record.shapeA].frame.rotation, found[i].normal);
         placePoints(record, found[i], held[i]);
@@ -114,6 +125,7 @@ std::uint8_t ContactWriter::takeManifolds(ContactRecord& record, std::span<const
     ManifoldRecord* old = &manifolds[record.firstManifold];
     const int count = static_cast<int>(found.size());
     record.hasPoints = count > 0;
+    record.isDeep = isDeep(found, record.size);
     refreshSurfaces(record);
     const ShapeRecord& shapeA = shapes[record.shapeA];
     Vec3 normals[kMaxManifolds];

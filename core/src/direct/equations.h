@@ -243,6 +243,8 @@ public:
     /// The same where the speeds of the last evaluation are those at v.
     Residual evaluateSidesAgain(const double* v, double* gradient);
     void takeSidesOfLoads();
+    /// Those of what rows ask of bodies that are at rest and bear no load.
+    void takeSidesOfTargets();
     /// Finds which rows are to change their sides as v was evaluated, and returns how many.
     std::size_t askSides(const double* v);
     void changeSides(SideChange change);

@@ -33,6 +33,13 @@ void Equations::takeSidesOfLoads() {
         row.side = row.load <= row.lower ? Side::lower : row.load >= row.upper ? Side::upper : Side::within;
 }
 
+void Equations::takeSidesOfTargets() {
+    for (SystemRow& row : rows) {
+        const double asked = row.target / row.resistance;
+        row.side = asked <= row.lower ? Side::lower : asked >= row.upper ? Side::upper : Side::within;
+    }
+}
+
 /// A row within its bounds has the load y = λ̂ − (u − û)/R, another that of its bound. It is right there where y is on
 /// that side, but for the rounding of what y sums up.
 Residual Equations::evaluateSides(const double* v, double* gradient) {

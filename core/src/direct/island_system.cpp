@@ -392,7 +392,6 @@ void IslandSystem::addClosingPoints(std::span<const ClosingPoint> points, RowAim
         equations_.pairs.push(pair);
         SystemRow row = closingRow(point, pair, equations_.bodies.data());
         row.target = aims == RowAims::closing ? -point.room * inverseH : 0;
-        if (row.target > 0) row.side = Side::within;
         equations_.rows.push(row);
     }
 }

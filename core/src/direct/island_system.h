@@ -68,6 +68,7 @@ public:
             if (const double weight = weightOf(body.state); weight != 1) makeHeavy(body, weight);
         buildRows(arrays, joints, false, RowAims::closing);
         addClosingPoints(points, RowAims::closing, joints.inverseH);
+        equations_.takeSidesOfTargets();
         for (std::size_t i = 0; i < equations_.unknowns(); ++i) equations_.free[i] = equations_.velocity[i] = 0;
     }
     /// Makes turns dearer than ways by a factor, and rows give way more by another: both shorten what leads too far.

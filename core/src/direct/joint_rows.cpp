@@ -394,6 +394,10 @@ void addFree(const RowWriter& writer, const JointSim& joint, const Ahead& ahead)
 /// The joint's Jacobians now, with what its rows have where free motion leads.
 Ahead refresh(JointSim& joint, const JointRowBuilder& builder) {
     Ends ends(builder.arrays, joint);
+    if (builder.aims != RowAims::substep) {  // nothing moves on from where it is
+        refreshJoint(joint, ends.pair(), {builder.context, builder.begins});
+        return Ahead(joint);
+    }
     Ends later = ends;
     later.advance(builder.context.h);
     refreshJoint(joint, later.pair(), {builder.context, false, true});

@@ -77,6 +77,7 @@ public:
     Slots slots;
     JointSims sims;
     AlignedArray<std::uint32_t> created;     ///< since the last step; kNone: gone again
+    bool opened = false;                     ///< a caller has put ends of some apart since groups were found
     AlignedArray<std::uint32_t> violated;    ///< made beyond their hard limits, and beyond them still; kNone: gone
     std::pmr::vector<std::uint32_t> broken;  ///< scratch of breaking
     JointBundles bundles;

@@ -57,6 +57,7 @@ struct alignas(64) ContactRecord {
     bool struck = false;       ///< by continuous collision in this step
     bool hasPoints = false;    ///< has some manifold points?
     bool bearsLoad = false;    ///< did its first manifold at the end of the last step?
+    bool isDeep = false;       ///< are some of these deeper than a load presses them (contact::kDeep)?
     bool surfaceOpen = false;  ///< what its lanes say of surfaces may have changed
     std::uint8_t loaded = 0;   ///< a bit per manifold: at the end of the last step, where motion is reported
     float collidedMargin = 0;  ///< m, that its manifolds were found with

@@ -50,6 +50,13 @@ public:
     /// From now on some mesh moves, and meets boxes and hulls by their triangles.
     void letMeshesMove();
     bool meshesMove() const { return meshesMove_; }
+    /// From now on the surface of some shape may move on its own.
+    void setMaterial(std::uint32_t shape, const Material& material) {
+        records_[shape].material = material;
+        noteMaterial(material);
+    }
+    void noteMaterial(const Material& material) { surfacesMove_ |= material.surfaceVelocity != Vec3{}; }
+    bool surfacesMove() const { return surfacesMove_; }
     /// Of a shape, or of one of its triangles where these have materials of their own.
     const Material& materialAt(const ShapeRecord& shape, std::uint32_t triangle) const;
 
@@ -66,7 +73,7 @@ public:
 
 private:
     AlignedArray<ShapeRecord> records_;
-    bool meshesMove_ = false;
+    bool meshesMove_ = false, surfacesMove_ = false;
 };
 
 /// Widens the balls about a body's centre so that they hold a shape, and its core: what is round about that does not

@@ -95,7 +95,7 @@ void Scene::addShape(std::uint32_t bodyIndex, const ShapeDef& def, const Frame& 
     shape.frame.rotation = normalized(shape.frame.rotation);
     shapes.densities[index] = def.density;
     shape.filter = def.filter;
-    shape.material = def.material;
+    shapes.setMaterial(index, def.material);
     shape.body = bodyIndex;
     shape.geometry = shapes.geometryIndex(geometry);
     shape.size = shapes.geometries[shape.geometry].size;

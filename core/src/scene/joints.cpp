@@ -64,6 +64,7 @@ void Scene::noteOpening(std::uint32_t index) const {
     JointSim& sim = joints.sims[index];
     const JointBodiesAtStep at = jointBodies(bodies, joints[index]);
     sim.apart = openingOf(sim, jointState(sim, at, bodies.states.data(), 0), at);
+    joints.opened |= sim.apart.way > 0 || sim.apart.turn > 0;
 }
 
 void Scene::redefineJoint(std::uint32_t index, const JointDef& def) const {

@@ -62,11 +62,13 @@ void forEachContact(const ClosingView& world, std::span<const std::uint32_t> gro
         }
 }
 
-/// Anchors and normals that turn further with their bodies in a step tell no more where these touch.
-bool haveTurnedFar(const ClosingView& world, const ContactRecord& contact) {
+/// Anchors and normals that turn further with a body in a step tell no more where it touches.
+bool hasTurnedFar(const ClosingView& world, std::uint32_t body) {
     constexpr float kFarTurn = 0.5f;  // rad
-    const auto squared = [&](std::uint32_t body) { return lengthSquared(world.bodies.states[body].w); };
-    return world.dt * world.dt * std::max(squared(contact.bodyA), squared(contact.bodyB)) > kFarTurn * kFarTurn;
+    return world.dt * world.dt * lengthSquared(world.bodies.states[body].w) > kFarTurn * kFarTurn;
+}
+bool haveTurnedFar(const ClosingView& world, const ContactRecord& contact) {
+    return hasTurnedFar(world, contact.bodyA) || hasTurnedFar(world, contact.bodyB);
 }
 
 /// Calls visit(touch) for the points of a contact that the step found.
@@ -220,15 +222,24 @@ float deepestTouch(const ClosingView& world, std::span<const ClosingTouch> touch
 }
 
 float deepestTouch(const ClosingView& world, std::span<const std::uint32_t> group) {
+    const bool anyFast =
+        std::any_of(group.begin(), group.end(), [&](std::uint32_t body) { return hasTurnedFar(world, body); });
     float deepest = 0;
-    forEachContact(world, group, [&](const ContactRecord& contact, bool isInner) {
-        if (!isInner) return;
-        if (haveTurnedFar(world, contact) && !contact.isMesh)
+    const auto note = [&](const ContactRecord& contact) {
+        if (anyFast && haveTurnedFar(world, contact) && !contact.isMesh)
             deepest = std::max(deepest, overlapOf(pathOf(world, contact), contact.cache).depth() / contact.size);
         else
-            forEachPoint(world, contact, isInner,
+            forEachPoint(world, contact, true,
                          [&](const ClosingTouch& touch) { deepest = std::max(deepest, depthOf(world, touch)); });
-    });
+    };
+    // Most contacts have no points, and few of those that have are of a group with itself.
+    for (const std::uint32_t body : group)
+        for (std::uint32_t key = world.bodies[body].firstContact; key != kNone; key = world.contacts.next(key)) {
+            if ((key & 1) != 0) continue;
+            const ContactRecord& contact = world.contacts[key >> 1];
+            if (contact.sensor || !(contact.hasPoints || anyFast)) continue;
+            if (areGrouped(world.bodies, world.energyGuard, body, contact.bodyB)) note(contact);
+        }
     return deepest;
 }
 

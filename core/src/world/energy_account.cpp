@@ -67,33 +67,32 @@ double earlyEnergy(const GuardView& view, std::uint32_t index) {
 
 }  // namespace
 
-double excessOf(const GuardView& view, std::uint32_t index) {
-    return kineticEnergy(view.bodies, index, rotationNow(view.bodies, index)) -
-           static_cast<double>(view.guard.kinetic[index]) + storedBy(view, index).gained - workOn(view, index);
-}
-
 double kineticNow(const GuardView& view, std::span<const std::uint32_t> group) {
     double sum = 0;
     for (const std::uint32_t b : group) sum += kineticEnergy(view.bodies, b, rotationNow(view.bodies, b));
     return sum;
 }
 
+double lawfulOf(const EnergyAccount& account) {
+    return std::max(account.before, account.before + account.work) + account.held;
+}
+
 EnergyAccount accountOf(const GuardView& view, std::span<const std::uint32_t> group) {
     EnergyAccount account;
-    double work = 0, weight = 0;
+    double weight = 0;
     Stored stored;
     for (const std::uint32_t b : group) {
         const Stored own = storedBy(view, b);
         stored.before += own.before, stored.gained += own.gained;
         account.before += static_cast<double>(view.guard.kinetic[b]);
         account.now += kineticEnergy(view.bodies, b, rotationNow(view.bodies, b));
-        work += workOn(view, b);
+        account.work += workOn(view, b);
         weight += static_cast<double>(view.bodies[b].mass * view.bodies[b].size);
         account.room += earlyEnergy(view, b);
     }
-    account.excess = account.now - account.before + stored.gained - work;
-    weight *= static_cast<double>(length(view.gravity));
-    account.lawful = std::max(account.before, account.before + work) + stored.before + weight;
+    account.excess = account.now - account.before + stored.gained - account.work;
+    account.held = stored.before + weight * static_cast<double>(length(view.gravity));
+    account.lawful = lawfulOf(account);
     account.room += kRoom * account.lawful;
     if (stored.before > 0 || stored.gained > 0) account.room += kSpringRoom * (account.before + stored.before);
     return account;

@@ -7,10 +7,10 @@
 /// What bodies had when a step began, what they have now and what forces gave them in between.
 namespace ragtop {
 
-/// J, beyond what forces gave a body along its way.
-double excessOf(const GuardView& view, std::uint32_t index);
 /// J, of the motion of all as they are turned now.
 double kineticNow(const GuardView& view, std::span<const std::uint32_t> group);
+/// J, kinetic at most, of an account's sums.
+double lawfulOf(const EnergyAccount& account);
 EnergyAccount accountOf(const GuardView& view, std::span<const std::uint32_t> group);
 /// What a group has left of its room after a step, as a share.
 void keepRoom(float& room, double left, double most);

@@ -62,10 +62,31 @@ void addOpened(const GuardView& view, std::uint32_t index, std::uint32_t body, A
     add(drivers, view.bodies[body].center, sim.apart.way / view.dt, sim.apart.turn / view.dt);
 }
 
-/// J, of surfaces that move on their own.
+/// kg m²/s
+double spinOf(const GuardView& view, std::uint32_t body, const Vec3& w) {
+    return static_cast<double>(length(scale(view.bodies[body].inertia, inverseRotate(view.bodies[body].rotation, w))));
+}
+
+}  // namespace
+
+bool mayDrive(const GuardView& view, std::uint32_t index) {
+    const JointRecord& joint = view.joints[index];
+    const JointSim& sim = view.joints.sims[index];
+    const auto isDriven = [](const AxisRows& axis) {
+        return (axis.features & (AxisRows::kMotor | AxisRows::kSpring)) != 0;
+    };
+    bool drives = isDriven(sim.axis) || (sim.ball.features & BallRows::kDrives) != 0;
+    for (std::uint32_t i = 0; hasAxes(sim.kind) && i < withAxes(sim).axes.freeRows; ++i)
+        drives = drives || isDriven(withAxes(sim).axes.axis[i]);
+    const auto isKinematic = [&](std::uint32_t body) { return view.bodies[body].type == BodyType::kinematic; };
+    return drives || sim.apart.way > 0 || sim.apart.turn > 0 || isKinematic(joint.bodyA) || isKinematic(joint.bodyB);
+}
+
 double workOfContact(const GuardView& view, const ContactRecord& contact, std::uint32_t body, std::uint32_t other) {
-    float speed = length(view.shapes[contact.shapeA].material.surfaceVelocity) +
-                  length(view.shapes[contact.shapeB].material.surfaceVelocity);
+    float speed = 0;
+    if (view.shapes.surfacesMove())
+        speed = length(view.shapes[contact.shapeA].material.surfaceVelocity) +
+                length(view.shapes[contact.shapeB].material.surfaceVelocity);
     if (view.bodies[other].type == BodyType::kinematic) {
         const BodyState& state = view.bodies.states[view.bodies[other].state];
         const float reach = length(toVec3(view.bodies[body].center - view.bodies[other].center));
@@ -82,15 +103,9 @@ double workOfContact(const GuardView& view, const ContactRecord& contact, std::u
     return static_cast<double>(impulse) * static_cast<double>(speed);
 }
 
-/// kg m²/s
-double spinOf(const GuardView& view, std::uint32_t body, const Vec3& w) {
-    return static_cast<double>(length(scale(view.bodies[body].inertia, inverseRotate(view.bodies[body].rotation, w))));
-}
-
-}  // namespace
-
 double addDrivers(const GuardView& view, std::uint32_t body, AlignedArray<EnergyDriver>& drivers) {
     double work = 0;
+    if (!view.guard.traits[view.guard.groupOfBody(body)].drives && !view.joints.opened) return 0;
     for (std::uint32_t key = view.bodies[body].firstJoint; key != kNone;
          key = view.joints[key >> 1].edges[key & 1].next) {
         if (!view.joints.isHolding(key >> 1)) continue;
@@ -99,11 +114,6 @@ double addDrivers(const GuardView& view, std::uint32_t body, AlignedArray<Energy
         addOpened(view, key >> 1, body, drivers);
         const double own = addJoint(view, view.joints.sims[key >> 1], body, drivers);
         if ((key & 1) == 0 || !view.bodies.moves(joint.bodyA)) work += own;  // once for both of its bodies
-    }
-    for (std::uint32_t key = view.bodies[body].firstContact; key != kNone; key = view.contacts.next(key)) {
-        const ContactRecord& contact = view.contacts[key >> 1];
-        if (contact.sensor || contact.firstManifold == kNone) continue;
-        work += workOfContact(view, contact, body, (key & 1) != 0 ? contact.bodyA : contact.bodyB);
     }
     return work;
 }

@@ -15,6 +15,7 @@
 /// apart counts as if it were drawn together by a drive, in one step.
 namespace ragtop {
 
+struct ContactRecord;
 struct GuardView;
 
 /// What drives by joints.
@@ -24,8 +25,12 @@ struct EnergyDriver {
     float turn = 0;   ///< rad/s
 };
 
-/// Lists what drives a body by its joints; J, that all else gives it in this step at most.
+/// May a joint give energy of its own: has it a motor, a spring, an end that a caller put apart or a kinematic body?
+bool mayDrive(const GuardView& view, std::uint32_t joint);
+/// Lists what drives a body in a group by its joints; J, that motors with a bound give it in this step at most.
 double addDrivers(const GuardView& view, std::uint32_t body, AlignedArray<EnergyDriver>& drivers);
+/// J, of surfaces that move on their own.
+double workOfContact(const GuardView& view, const ContactRecord& contact, std::uint32_t body, std::uint32_t other);
 /// J, the most that drivers can have given such bodies in this step.
 double drivenEnergy(const GuardView& view, std::span<const std::uint32_t> bodies,
                     std::span<const EnergyDriver> drivers);

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "constraints/contact_layout.h"
 #include "constraints/stored_energy.h"
 #include "direct/choice.h"
 #include "world/energy_account.h"
 #include "world/group_motion.h"
+#include "world/guarded_islands.h"
 #include "world/jointed_groups.h"
 #include "world/undone_steps.h"
 
@@ -21,116 +23,6 @@ constexpr double kThrown = 0.1;
 /// Times what there was and what pushing out gives, beyond which a step is undone.
 constexpr double kGarbage = 10;
 constexpr double kRounding = 1e-6;  ///< of its room, which sums of an island are wrong by
-
-/// In a group.
-bool isJoined(const GuardView& view, std::uint32_t body) { return view.bodies[body].firstJoint != kNone; }
-
-/// Its room and what it owes are kept with it: a body without joints, or the lowest of a group.
-bool keepsLedger(const GuardView& view, std::uint32_t body) {
-    return !isJoined(view, body) || view.guard.parent[body] == body;
-}
-
-std::span<const std::uint32_t> bodiesOf(const EnergyGuard& guard, const GuardedIsland& look) {
-    return {guard.visited.data() + look.begin, look.end - look.begin};
-}
-
-/// m, by which surfaces lie deeper in each other than a load presses them.
-float depthOf(const GuardView& view, const ContactRecord& contact) {
-    float depth = 0;
-    for (const ManifoldRecord& manifold : view.manifolds.of(contact))
-        for (int j = 0; j < manifold.pointCount; ++j) depth = std::max(depth, -manifold.separation[j]);
-    return depth > contact::kDeep * contact.size ? depth : 0.0f;
-}
-
-/// m, by which bodies that are so deep in each other are moved apart in a step, at most: by rows, and from far within
-/// by places (solve/wide_push.inl).
-float wayApart(const GuardView& view, const ContactRecord& contact, float depth) {
-    const float beyond = std::max(depth - contact::kInside * contact.size, 0.0f);
-    return std::min(beyond, contact::kInsideMost * contact.size) +
-           std::min(depth, view.context.pushOut * contact.size * view.dt);
-}
-
-/// J, of a body that was lifted, as far as being moved apart by such a way does.
-double liftOf(const GuardView& view, std::uint32_t index, float way) {
-    const Vec3& pull = view.bodies.dynamics[index].acceleration;
-    const float lifted = std::clamp(-dot(pull, view.bodies.states[index].dp), 0.0f, way * length(pull));
-    return static_cast<double>(view.bodies[index].mass * lifted);
-}
-
-/// J, that an island may be given by what pushes its overlaps apart: in a step no more than brings it to the speed that
-/// these push with, and without being paid for no more than that and to lift its bodies out of them.
-double pushable(const GuardView& view, std::span<const std::uint32_t> island, double liftable) {
-    double pushed = 0, owed = 0;
-    for (const std::uint32_t b : island) {
-        const double speed = static_cast<double>(view.context.pushOut * view.bodies[b].size);
-        pushed += 0.5 * static_cast<double>(view.bodies[b].mass) * speed * speed;
-        if (keepsLedger(view, b)) owed += static_cast<double>(view.guard.owed[b]);
-    }
-    return std::clamp(pushed + liftable - owed, 0.0, pushed);
-}
-
-/// What a body touches or is joined to.
-template <class OfJoint, class OfContact>
-void lookAround(const GuardView& view, std::uint32_t body, OfJoint&& ofJoint, OfContact&& ofContact) {
-    for (std::uint32_t key = view.bodies[body].firstJoint; key != kNone;
-         key = view.joints[key >> 1].edges[key & 1].next)
-        if (view.joints.isHolding(key >> 1))
-            ofJoint(view.joints.sims[key >> 1],
-                    (key & 1) != 0 ? view.joints[key >> 1].bodyA : view.joints[key >> 1].bodyB);
-    for (std::uint32_t key = view.bodies[body].firstContact; key != kNone; key = view.contacts.next(key))
-        if (const ContactRecord& contact = view.contacts[key >> 1]; !contact.sensor && contact.firstManifold != kNone)
-            ofContact(contact, (key & 1) != 0 ? contact.bodyA : contact.bodyB);
-}
-
-/// All that a body touches or is joined to, and so on; each island is looked at once in a step, whatever asks for
-/// it.
-GuardedIsland& islandOf(const GuardView& view, std::uint32_t first) {
-    EnergyGuard& guard = view.guard;
-    if (guard.islandOf[first] != kNone) return guard.islands[guard.islandOf[first]];
-    const auto number = static_cast<std::uint32_t>(guard.islands.size());
-    GuardedIsland look;
-    look.begin = static_cast<std::uint32_t>(guard.visited.size());
-    look.firstDriver = static_cast<std::uint32_t>(guard.drivers.size());
-    const auto reach = [&](std::uint32_t body) {
-        if (!view.bodies.moves(body)) {
-            look.hangs = true;
-        } else if (view.bodies.isAwake(body) && guard.islandOf[body] == kNone) {
-            guard.islandOf[body] = number;
-            guard.visited.push(body);
-        }
-    };
-    reach(first);
-    for (std::size_t i = look.begin; i < guard.visited.size(); ++i) {
-        const std::uint32_t body = guard.visited[i];
-        look.excess += excessOf(view, body);
-        if (isJoined(view, body)) look.watched = std::min(look.watched, guard.watched[guard.groupOfBody(body)]);
-        float apart = 0, deepest = 0;
-        lookAround(
-            view, body,
-            [&](const JointSim& sim, std::uint32_t other) {
-                look.stores |= guard.stores && storesEnergy(sim);
-                look.isJoined = true;
-                reach(other);
-            },
-            [&](const ContactRecord& contact, std::uint32_t other) {
-                if (const float depth = depthOf(view, contact); depth > 0) {
-                    apart = std::max(apart, wayApart(view, contact, depth));
-                    deepest = std::max(deepest, depth);
-                }
-                reach(other);
-            });
-        look.lifted += liftOf(view, body, apart);
-        look.liftable += static_cast<double>(view.bodies[body].mass * deepest) *
-                         static_cast<double>(length(view.bodies.dynamics[body].acceleration));
-        look.apart = std::max(look.apart, apart);
-        look.driven += addDrivers(view, body, guard.drivers);
-    }
-    look.lastDriver = static_cast<std::uint32_t>(guard.drivers.size());
-    look.end = static_cast<std::uint32_t>(guard.visited.size());
-    if (look.apart > 0) look.pushed = pushable(view, bodiesOf(guard, look), look.liftable);
-    guard.islands.push(look);
-    return guard.islands[number];
-}
 
 /// Has a force or velocity beyond all measure taken some body out of the range of numbers? Then it is stopped alone.
 bool isThrown(const GuardView& view, std::span<const std::uint32_t> group) {
@@ -162,10 +54,9 @@ float& roomOf(EnergyGuard& guard, std::span<const std::uint32_t> group) {
 
 /// What is known of an island once for all of its groups.
 void completeAccount(const GuardView& view, GuardedIsland& look) {
-    if (look.lawful >= 0) return;
+    if (std::exchange(look.isComplete, true)) return;
     const EnergyGuard& guard = view.guard;
     const std::span<const std::uint32_t> island = bodiesOf(guard, look);
-    look.lawful = accountOf(view, island).lawful;
     look.atOnce = givenAtOnce(view, island);
     look.driven +=
         drivenEnergy(view, island, {guard.drivers.data() + look.firstDriver, look.lastDriver - look.firstDriver});
@@ -204,35 +95,12 @@ void undoUnbounded(const GuardView& view, std::span<const std::uint32_t> group) 
     undoMotion(view, bodiesOf(view.guard, look), !look.hangs);
 }
 
-/// J, that overlaps lift a group by: the bodies that are in something, and all of it with the one that goes farthest.
-struct Lifts {
-    double own = 0, whole = 0;
-};
-Lifts liftsOf(const GuardView& view, const GuardedIsland& look, std::span<const std::uint32_t> group) {
-    Lifts lifts;
-    if (!(look.apart > 0)) return lifts;
-    float farthest = 0;
-    for (const std::uint32_t body : group) {
-        float apart = 0;
-        const auto note = [&](const ContactRecord& contact, std::uint32_t) {
-            if (const float depth = depthOf(view, contact); depth > 0)
-                apart = std::max(apart, wayApart(view, contact, depth));
-        };
-        lookAround(
-            view, body, [](const auto&, std::uint32_t) {}, note);
-        lifts.own += liftOf(view, body, apart);
-        farthest = std::max(farthest, apart);
-    }
-    for (const std::uint32_t body : group) lifts.whole += liftOf(view, body, farthest);
-    return lifts;
-}
-
 /// What nothing holds has nothing to give its momenta to.
 Keeps whatStays(const GuardView& view, const GuardedIsland& look, std::span<const std::uint32_t> group) {
     if (!look.hangs) return Keeps::momenta;
-    bool held = false;
-    const auto note = [&](const auto&, std::uint32_t other) { held |= !view.bodies.moves(other); };
-    for (std::size_t i = 0; i < group.size() && !held; ++i) lookAround(view, group[i], note, note);
+    bool held = view.guard.traits[view.guard.groupOfBody(group.front())].hangs;
+    for (std::size_t i = 0; i < group.size() && !held; ++i)
+        forEachTouch(view, group[i], [&](const auto&, std::uint32_t other) { held |= !view.bodies.moves(other); });
     return held ? Keeps::nothing : Keeps::momenta;
 }
 
@@ -242,6 +110,14 @@ double takeFromIsland(const GuardView& view, std::span<const std::uint32_t> isla
                       double energy) {
     return look.hangs ? undoImpulses(view, island, energy)
                       : takeEnergy(view.bodies, view.joints, island, energy, Keeps::momenta);
+}
+
+/// kg m²/s, angular, about its centre of mass; records tell where bodies were until poses move.
+Vec3 momentumAtStart(const GuardView& view, std::span<const std::uint32_t> group) {
+    return angularMomentum(view.bodies, group, [&](std::uint32_t b) {
+        const EnergyGuard::Speeds& before = view.guard.speeds[b];
+        return MovingPose{view.bodies[b].center, view.bodies[b].rotation, before.v, before.w};
+    });
 }
 
 void noteTaken(EnergyGuard& guard, GuardedIsland& look, double energy) {
@@ -275,7 +151,7 @@ void guardGroup(const GuardView& view, std::size_t g) {
     }
     if (guard.watched[g] != Watching::all) return;
     if (isIsolated) {
-        turnToMomentum(view.bodies, group, guard.momentum[g]);
+        turnToMomentum(view.bodies, group, momentumAtStart(view, group));
         const double turned = account.now;
         account.now = kineticNow(view, group);
         beyond += account.now - turned;
@@ -390,9 +266,7 @@ void suspectLoose(const GuardView& view) {
         for (std::uint32_t i = 0; island.jointCount > 0 && island.contactCount > 0 && i < island.bodyCount; ++i)
             suspectLoose(view, view.directSet.bodies[island.firstBody + i]);
     for (const std::uint32_t body : guard.bodies)
-        lookAround(
-            view, body, [](const JointSim&, std::uint32_t) {},
-            [&](const ContactRecord&, std::uint32_t other) { suspectLoose(view, other); });
+        forEachTouch(view, body, [&](const ContactRecord&, std::uint32_t other) { suspectLoose(view, other); });
 }
 
 }  // namespace
@@ -418,12 +292,6 @@ void beginGuard(const GuardView& view) {
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
             recordKinetic(guard, view.bodies, view.bodies.awake[i]);
     });
-    guard.momentum.resizeForOverwrite(guard.groupCount());
-    view.runner.parallelFor(static_cast<int>(guard.groupCount()), 4, [&](int begin, int end, int) {
-        for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g)
-            if (guard.watched[g] != Watching::none)
-                guard.momentum[g] = angularMomentumAtStart(view.bodies, guard.membersOf(g));
-    });
 }
 
 void recordDriven(EnergyGuard& guard, std::uint32_t body) {
@@ -441,19 +309,12 @@ void guardEnergy(const GuardView& view) {
     if (groups == 0) return;
     guard.accounts.resizeForOverwrite(groups);
     guard.suspects.resizeForOverwrite(groups);
-    // Trees that go alone and have kept their energy have been finished.
-    const auto isFinished = [&](std::size_t g) {
-        return view.directSet.multirate.independentCount > 0 &&
-               (view.directSet.multirate.marks[guard.membersOf(g).front()] & Multirate::kIndependent) != 0;
-    };
     view.runner.parallelFor(static_cast<int>(groups), 4, [&](int begin, int end, int) {
         for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g) {
             guard.suspects[g] = 0;
-            if (guard.watched[g] == Watching::none || isFinished(g)) continue;
+            if (!isAccountKept(view, g)) continue;
             const std::span<const std::uint32_t> group = guard.membersOf(g);
-            EnergyAccount& account = guard.accounts[g];
-            account = accountOf(view, group);
-            account.share = roomOf(guard, group);
+            const EnergyAccount& account = keepAccount(view, g);
             guard.suspects[g] = guard.watched[g] == Watching::all
                                     ? !fits(roomOf(guard, group), guard.owed[guard.parent[group.front()]], account)
                                     : !(account.excess <= kGarbage * account.lawful);

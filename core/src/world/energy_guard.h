@@ -27,8 +27,10 @@ enum class Watching : std::uint8_t { none, garbage, all };
 /// What a group had and has, J.
 struct EnergyAccount {
     double before = 0, now = 0;  ///< kinetic, when the step began and now
+    double work = 0;             ///< that forces gave
+    double held = 0;             ///< by springs when the step began, and of a fall over the size of its bodies
     double excess = 0;           ///< gained beyond what forces gave
-    double lawful = 0;           ///< kinetic at most, with what forces gave and a fall over the size of its bodies
+    double lawful = 0;           ///< kinetic at most, with what forces gave and it held
     double room = 0;             ///< the most that it may be above its account
     float share = 1;             ///< of that which was left when the step began
 };
@@ -39,7 +41,7 @@ struct GuardedIsland {
     double excess = 0;                 ///< J, what its bodies gained
     double liftable = 0;               ///< J, that it takes to lift its bodies out of what they are deep in
     double pushed = 0;                 ///< J, that what pushes them apart may give
-    double lawful = -1;                ///< J, kinetic at most; negative: not asked for yet
+    double lawful = 0;                 ///< J, kinetic at most
     double atOnce = 0;                 ///< J, that forces give in a step to bodies at rest which nothing holds
     double lifted = 0;                 ///< J, of bodies that overlap, as far as overlaps lift them
     float apart = 0;                   ///< m, the farthest that overlaps move a body of it; 0: nothing overlaps
@@ -48,6 +50,7 @@ struct GuardedIsland {
     double driven = 0;                              ///< J, that all which moves on its own gave at most
     bool hangs = false;                             ///< on what does not move
     bool isJoined = false;                          ///< some joint holds a body of it
+    bool isComplete = false;                        ///< `driven` and `atOnce` are known
     bool isDone = false;                            ///< its step was undone
     bool fellBack = false;                          ///< a direct solve of it did not converge
     Watching watched = Watching::all;               ///< the least of its groups
@@ -65,14 +68,16 @@ struct EnergyGuard {
         : parent(memory),
           starts(memory),
           bodies(memory),
+          jointStarts(memory),
+          joints(memory),
           groupOf(memory),
           watched(memory),
+          traits(memory),
           accounts(memory),
           suspects(memory),
           looseSuspects(memory),
           looseAsked(memory),
           looseShare(memory),
-          momentum(memory),
           kinetic(memory),
           speeds(memory),
           room(memory),
@@ -85,14 +90,20 @@ struct EnergyGuard {
 
     AlignedArray<std::uint32_t> parent;  ///< union-find over bodies; of those in groups, the root
     AlignedArray<std::uint32_t> starts, bodies;
+    AlignedArray<std::uint32_t> jointStarts, joints;  ///< of the groups, each joint once
     AlignedArray<std::uint32_t> groupOf;   ///< per body that is such a root
     AlignedArray<Watching> watched;        ///< per group
+    struct GroupTraits {
+        bool drives = false;  ///< some joint may give energy of its own (mayDrive)
+        bool stores = false;  ///< some joint has springs or soft stops
+        bool hangs = false;   ///< some joint holds it to what does not move
+    };
+    AlignedArray<GroupTraits> traits;      ///< per group
     AlignedArray<EnergyAccount> accounts;  ///< per group, of this step
     AlignedArray<std::uint8_t> suspects;   ///< per group: has it gained more than it has room for?
     AlignedArray<std::uint32_t> looseSuspects;  ///< bodies without joints that have
     AlignedArray<std::uint32_t> looseAsked;     ///< per body, in which step it was asked for that
     AlignedArray<float> looseShare;             ///< then, of its room when the step began
-    AlignedArray<Vec3> momentum;  ///< per group, kg m²/s, angular, about its centre of mass, when the step began
     AlignedArray<float> kinetic;  ///< per body, J, when the step began; of those awake, where there are joints
     struct Speeds {
         Vec3 v, w;  ///< m/s, rad/s
@@ -113,6 +124,9 @@ struct EnergyGuard {
     std::size_t groupCount() const { return watched.size(); }
     std::span<const std::uint32_t> membersOf(std::size_t group) const {
         return {bodies.data() + starts[group], starts[group + 1] - starts[group]};
+    }
+    std::span<const std::uint32_t> jointsOf(std::size_t group) const {
+        return {joints.data() + jointStarts[group], jointStarts[group + 1] - jointStarts[group]};
     }
     /// Of a body that is in one.
     std::uint32_t groupOfBody(std::uint32_t body) const { return groupOf[parent[body]]; }

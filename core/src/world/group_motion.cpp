@@ -18,23 +18,6 @@ Quat rotationNow(const Bodies& bodies, std::uint32_t index) {
     return normalized(bodies.states[index].dq * bodies[index].rotation);
 }
 
-Vec3 angularMomentumAtStart(const Bodies& bodies, std::span<const std::uint32_t> group) {
-    // About the first body: float arms are short.
-    const DVec3 origin = bodies[group.front()].center;
-    float mass = 0;
-    Vec3 moment, momentum, angular;
-    for (const std::uint32_t b : group) {
-        const BodyRecord& body = bodies[b];
-        const Vec3 r = toVec3(body.center - origin), p = body.mass * bodies.states[b].v;
-        const Vec3 spin = scale(body.inertia, inverseRotate(body.rotation, bodies.states[b].w));
-        mass += body.mass;
-        moment += body.mass * r;
-        momentum += p;
-        angular += cross(r, p) + rotate(body.rotation, spin);
-    }
-    return angular - (1 / mass) * cross(moment, momentum);
-}
-
 CommonMotion commonMotion(const Bodies& bodies, std::span<const std::uint32_t> group) {
     CommonMotion motion;
     double mass = 0;

@@ -17,8 +17,31 @@ double kineticEnergy(const Bodies& bodies, std::uint32_t body, const Quat& rotat
 /// Principal axes to world, moved by dq.
 Quat rotationNow(const Bodies& bodies, std::uint32_t body);
 
-/// kg m²/s, about the centre of mass of the group, where and as its bodies were when the step began.
-Vec3 angularMomentumAtStart(const Bodies& bodies, std::span<const std::uint32_t> group);
+/// Where a body is and how fast.
+struct MovingPose {
+    DVec3 center;   ///< m, of mass
+    Quat rotation;  ///< principal axes to world
+    Vec3 v, w;      ///< m/s, rad/s
+};
+/// kg m²/s, about the centre of mass of the group; motionOf(body) tells of each.
+template <class MotionOf>
+Vec3 angularMomentum(const Bodies& bodies, std::span<const std::uint32_t> group, MotionOf&& motionOf) {
+    // About the first body: float arms are short.
+    const DVec3 origin = motionOf(group.front()).center;
+    float mass = 0;
+    Vec3 moment, momentum, angular;
+    for (const std::uint32_t b : group) {
+        const BodyRecord& body = bodies[b];
+        const MovingPose motion = motionOf(b);
+        const Vec3 r = toVec3(motion.center - origin), p = body.mass * motion.v;
+        const Vec3 spin = scale(body.inertia, inverseRotate(motion.rotation, motion.w));
+        mass += body.mass;
+        moment += body.mass * r;
+        momentum += p;
+        angular += cross(r, p) + rotate(motion.rotation, spin);
+    }
+    return angular - (1 / mass) * cross(moment, momentum);
+}
 
 /// The motion that a group would have as one rigid body, and the energies of that and of the rest.
 struct CommonMotion {

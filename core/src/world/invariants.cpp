@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "activity/activity.h"
+#include "constraints/contact_layout.h"
 #include "contacts/meets_nothing.h"
 
 namespace ragtop {
@@ -140,16 +141,18 @@ void checkContact(Findings& found, const ConstTables& tables, const Broadphase& 
     found.expect(known && *known == index, "the table of pairs leads to each contact", index);
     const bool awake = tables.bodies.isAwake(contact.bodyA) || tables.bodies.isAwake(contact.bodyB);
     found.expect((contact.awakeIndex != kNone) == awake, "a contact is awake with its bodies", index);
-    bool points = false;
+    bool points = false, deep = false;
     for (const ManifoldRecord& manifold : tables.manifolds.of(contact)) {
         found.expect(manifold.contact == index, "manifolds name their contact", index);
         found.expect(manifold.pointCount >= 0 && manifold.pointCount <= kMaxManifoldPoints,
                      "a manifold has up to four points", index);
         points |= manifold.pointCount > 0;
+        for (int j = 0; j < manifold.pointCount; ++j) deep |= -manifold.separation[j] > contact::kDeep * contact.size;
         if (manifold.place.color != kNone)
             found.expect(manifold.pointCount > 0 && !contact.sensor, "what is in the graph has points", index);
     }
     found.expect(contact.hasPoints == points, "a contact knows whether it has points", index);
+    found.expect(contact.sensor || contact.isDeep == deep, "a contact knows whether its points are deep", index);
 }
 
 void checkContacts(Findings& found, const ConstTables& tables, const Broadphase& broadphase) {

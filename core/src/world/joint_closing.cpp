@@ -49,30 +49,6 @@ float widestOpening(const ClosingView& world, std::span<const std::uint32_t> joi
     return std::max(widestOpening(world, joints), deepestTouch(world, touchesOf(bench)));
 }
 
-/// Ways that close joints know nothing of what couplings hold.
-bool isCoupled(const JointSim& sim) {
-    bool coupled = (sim.axis.features & AxisRows::kCoupled) != 0;
-    for (std::uint32_t i = 0; hasAxes(sim.kind) && i < withAxes(sim).axes.freeRows; ++i)
-        coupled = coupled || (withAxes(sim).axes.axis[i].features & AxisRows::kCoupled) != 0;
-    return coupled;
-}
-
-bool isOpen(const ClosingView& world, std::span<const std::uint32_t> group) {
-    if (group.size() > direct::kMostBodies) return false;
-    for (const std::uint32_t body : group)
-        if (!world.bodies.moves(body) || !world.bodies.isAwake(body)) return false;
-    bool open = false, coupled = false;
-    const auto ofSubstep = [&](std::uint32_t body) {
-        return world.context.h * world.context.h * lengthSquared(world.bodies.states[body].w);
-    };
-    forEachJoint(world, group, [&](std::uint32_t joint) {
-        open = open || opening(world, joint) > std::min(kOpen + openingOfTurns(world, joint, ofSubstep), kTorn) ||
-               overrunNow(world, joint) > kOpen;
-        coupled = coupled || isCoupled(world.joints.sims[joint]);
-    });
-    return (open || deepestTouch(world, group) > kOpen) && !coupled;
-}
-
 void placeJoints(const ClosingView& world, std::span<const std::uint32_t> joints) {
     for (const std::uint32_t joint : joints)
         placeJoint(world.joints.sims[joint], jointBodies(world.bodies, world.joints[joint]), world.bodies.states.data(),
@@ -378,8 +354,15 @@ bool isAlone(const ClosingView& world, std::span<const std::uint32_t> group, std
 Vec3 momentumToHave(const ClosingView& world, std::size_t g, std::span<const std::uint32_t> joints) {
     const EnergyGuard& guard = world.energyGuard;
     const std::span<const std::uint32_t> group = guard.membersOf(g);
-    const bool isKnown = guard.watched[g] != Watching::none && isAlone(world, group, joints);
-    return isKnown ? guard.momentum[g] : angularMomentumAtStart(world.bodies, group);
+    if (guard.watched[g] != Watching::none && isAlone(world, group, joints))
+        return angularMomentum(world.bodies, group, [&](std::uint32_t b) {
+            const StartPose& start = world.sweptBodies.startPoses()[world.bodies[b].awakeIndex];
+            return MovingPose{start.center, start.rotation, guard.speeds[b].v, guard.speeds[b].w};
+        });
+    return angularMomentum(world.bodies, group, [&](std::uint32_t b) {
+        const BodyState& now = world.bodies.states[b];
+        return MovingPose{world.bodies[b].center, world.bodies[b].rotation, now.v, now.w};
+    });
 }
 
 void closeGroup(const ClosingView& world, std::size_t g, JointClosing::Bench& bench) {
@@ -448,7 +431,7 @@ void closeOpenJoints(const ClosingView& world) {
     closing.open.resizeForOverwrite(count);
     world.runner.parallelFor(static_cast<int>(count), 16, [&](int begin, int end, int) {
         for (auto g = static_cast<std::size_t>(begin); g < static_cast<std::size_t>(end); ++g)
-            closing.open[g] = isOpen(world, guard.membersOf(g)) ? 1 : 0;
+            closing.open[g] = isOpen(world, g) ? 1 : 0;
     });
     closing.groups.clear();
     for (std::size_t g = 0; g < count; ++g)

@@ -1,7 +1,9 @@
 #include "world/joint_opening.h"
 
+#include "base/prefetch.h"
 #include "constraints/initial_violation.h"
 #include "constraints/joint_types.h"
+#include "direct/choice.h"
 
 namespace ragtop {
 
@@ -14,6 +16,30 @@ float gapOf(const ClosingView& world, const JointSim& sim, const JointBodiesAtSt
                       rotate(at.rotationA, sim.localA.position));
     if (sim.kind == JointKind::distance) return 0;  // beyond a stop, or beyond what it was made with
     return jointState(sim, at, world.bodies.states.data(), 0).gap;
+}
+
+/// Ways that close joints know nothing of what couplings hold.
+bool isCoupled(const JointSim& sim) {
+    bool coupled = (sim.axis.features & AxisRows::kCoupled) != 0;
+    for (std::uint32_t i = 0; hasAxes(sim.kind) && i < withAxes(sim).axes.freeRows; ++i)
+        coupled = coupled || (withAxes(sim).axes.axis[i].features & AxisRows::kCoupled) != 0;
+    return coupled;
+}
+
+/// What tells of a joint whether it is open lies in these lines of memory; none of it was touched lately.
+void prefetchJoint(const ClosingView& world, std::uint32_t joint) {
+    const JointSim& sim = world.joints.sims[joint];
+    prefetch(&world.joints[joint].place);
+    prefetch(&sim);
+    prefetch(&sim.localB.rotation);
+    prefetch(&sim.axis.features);
+    prefetch(&sim.axis.atLower.margin);
+    prefetch(&sim.axis.atUpper.margin);
+    prefetch(&sim.ball.features);
+    prefetch(&sim.ball.swing);
+    prefetch(&sim.ball.twistLower.margin);
+    prefetch(&sim.ball.twistUpper.margin);
+    prefetch(&sim.ball.swingLimit);
 }
 
 }  // namespace
@@ -46,6 +72,28 @@ float widestOpening(const ClosingView& world, std::span<const std::uint32_t> joi
         widest = std::max({widest, opening(world, joint), kTorn / kTornStop * limitOverrun(world.joints.sims[joint])});
     }
     return widest;
+}
+
+bool isOpen(const ClosingView& world, std::size_t g) {
+    const EnergyGuard& guard = world.energyGuard;
+    const std::span<const std::uint32_t> group = guard.membersOf(g);
+    if (group.size() > direct::kMostBodies) return false;
+    for (const std::uint32_t body : group)
+        if (!world.bodies.moves(body) || !world.bodies.isAwake(body)) return false;
+    bool open = false, coupled = false;
+    const auto ofSubstep = [&](std::uint32_t body) {
+        return world.context.h * world.context.h * lengthSquared(world.bodies.states[body].w);
+    };
+    constexpr std::size_t kAhead = 3;  // joints
+    for (std::size_t k = guard.jointStarts[g]; k < guard.jointStarts[g + 1]; ++k) {
+        if (k + kAhead < guard.joints.size()) prefetchJoint(world, guard.joints[k + kAhead]);
+        const std::uint32_t joint = guard.joints[k];
+        if (!world.joints.isHolding(joint)) continue;
+        open = open || opening(world, joint) > std::min(kOpen + openingOfTurns(world, joint, ofSubstep), kTorn) ||
+               overrunNow(world, joint) > kOpen;
+        coupled = coupled || isCoupled(world.joints.sims[joint]);
+    }
+    return !coupled && (open || deepestTouch(world, group) > kOpen);
 }
 
 }  // namespace ragtop

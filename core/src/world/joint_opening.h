@@ -25,6 +25,9 @@ float overrunNow(const ClosingView& world, std::uint32_t joint);
 /// Of joints that were just placed; what is beyond stops counts as the gap that is as torn.
 float widestOpening(const ClosingView& world, std::span<const std::uint32_t> joints);
 
+/// Has a step left a group of the energy guard with joints that are to be closed, or parts in each other?
+bool isOpen(const ClosingView& world, std::size_t group);
+
 /// What turning leaves of a gap: an arm r that turns by θ ends it ½ θ² r from where its speed led. `turnSquared` tells
 /// θ² of a body.
 template <class TurnSquared>
@@ -45,13 +48,8 @@ float openingOfTurns(const ClosingView& world, std::uint32_t index, TurnSquared&
 /// Calls visit(joint) once for each joint of a group.
 template <class Visit>
 void forEachJoint(const ClosingView& world, std::span<const std::uint32_t> group, Visit&& visit) {
-    for (const std::uint32_t body : group)
-        for (std::uint32_t key = world.bodies[body].firstJoint; key != kNone;
-             key = world.joints[key >> 1].edges[key & 1].next) {
-            const JointRecord& joint = world.joints[key >> 1];
-            const bool first = (key & 1) == 0 || !world.bodies.moves(joint.bodyA);
-            if (first && world.joints.isHolding(key >> 1)) visit(key >> 1);
-        }
+    for (const std::uint32_t joint : world.energyGuard.jointsOf(world.energyGuard.groupOfBody(group.front())))
+        if (world.joints.isHolding(joint)) visit(joint);
 }
 
 }  // namespace ragtop

@@ -36,23 +36,19 @@ Watching watchingOf(const GuardView& view, const JointSim& sim) {
     return isPushed || hasLedger ? Watching::garbage : watchingOf(sim.axis);
 }
 
-template <class Visit>
-void forEachJoint(const GuardView& view, Visit&& visit) {
-    for (int c = 0; c < view.graph.listCount(); ++c)
-        for (const std::uint32_t joint : view.graph.color(c).joints) visit(view.joints[joint], view.joints.sims[joint]);
-}
-
 /// Union-find over bodies that move and joints between them; false where there are no joints.
 bool uniteJoined(const GuardView& view) {
     EnergyGuard& guard = view.guard;
     bool joined = false;
     guard.parent.resizeForOverwrite(view.bodies.size());
     for (const std::uint32_t body : view.bodies.awake) guard.parent[body] = body;
-    forEachJoint(view, [&](const JointRecord& joint, const JointSim&) {
-        joined = true;
-        if (!view.bodies.moves(joint.bodyA) || !view.bodies.moves(joint.bodyB)) return;
-        unite(guard.parent, joint.bodyA, joint.bodyB);
-    });
+    for (int c = 0; c < view.graph.listCount(); ++c)
+        for (const std::uint32_t index : view.graph.color(c).joints) {
+            const JointRecord& joint = view.joints[index];
+            joined = true;
+            if (view.bodies.moves(joint.bodyA) && view.bodies.moves(joint.bodyB))
+                unite(guard.parent, joint.bodyA, joint.bodyB);
+        }
     return joined;
 }
 
@@ -81,6 +77,31 @@ void listMembers(const GuardView& view, AlignedArray<std::uint32_t>& groupOf) {
     guard.starts.pop();
 }
 
+/// Lists the joints of each group in the order of its bodies, and what is known of them.
+void listJoints(const GuardView& view) {
+    EnergyGuard& guard = view.guard;
+    const auto note = [&](std::size_t g, std::uint32_t joint) {
+        const JointSim& sim = view.joints.sims[joint];
+        guard.joints.push(joint);
+        guard.watched[g] = std::min(guard.watched[g], watchingOf(view, sim));
+        EnergyGuard::GroupTraits& traits = guard.traits[g];
+        traits.drives |= mayDrive(view, joint);
+        traits.stores |= storesEnergy(sim);
+        traits.hangs |= !view.bodies.moves(view.joints[joint].bodyA) || !view.bodies.moves(view.joints[joint].bodyB);
+        guard.stores |= traits.stores;
+    };
+    guard.traits.resize(guard.groupCount(), EnergyGuard::GroupTraits{});
+    for (std::size_t g = 0; g < guard.groupCount(); ++g) {
+        guard.jointStarts.push(static_cast<std::uint32_t>(guard.joints.size()));
+        for (const std::uint32_t body : guard.membersOf(g))
+            for (std::uint32_t key = view.bodies[body].firstJoint; key != kNone; key = view.joints.next(key)) {
+                const bool isFirst = (key & 1) == 0 || !view.bodies.moves(view.joints[key >> 1].bodyA);
+                if (isFirst && view.joints.isHolding(key >> 1)) note(g, key >> 1);
+            }
+    }
+    guard.jointStarts.push(static_cast<std::uint32_t>(guard.joints.size()));
+}
+
 }  // namespace
 
 void findGroups(const GuardView& view) {
@@ -89,18 +110,17 @@ void findGroups(const GuardView& view) {
     guard.starts.clear();
     guard.bodies.clear();
     guard.watched.clear();
+    guard.jointStarts.clear();
+    guard.joints.clear();
+    guard.traits.clear();
     guard.stores = false;
+    view.joints.opened = false;
     if (!uniteJoined(view)) return;
     guard.visited.reserve(view.bodies.size());
     AlignedArray<std::uint32_t>& groupOf = guard.groupOf;
     groupOf.resizeForOverwrite(view.bodies.size());
     listMembers(view, groupOf);
-    forEachJoint(view, [&](const JointRecord& joint, const JointSim& sim) {
-        const std::uint32_t body = view.bodies.moves(joint.bodyA) ? joint.bodyA : joint.bodyB;
-        const std::uint32_t group = groupOf[rootOf(guard.parent, body)];
-        guard.stores |= storesEnergy(sim);
-        guard.watched[group] = std::min(guard.watched[group], watchingOf(view, sim));
-    });
+    listJoints(view);
 }
 
 bool areGrouped(const Bodies& bodies, const EnergyGuard& guard, std::uint32_t a, std::uint32_t b) {

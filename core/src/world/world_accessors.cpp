@@ -294,8 +294,9 @@ Material World::material(ShapeId shape) const {
 }
 void World::setMaterial(ShapeId shape, const Material& material) {
     if (const std::string wrong = whyInvalid(material); !wrong.empty()) throw std::invalid_argument(wrong);
-    ShapeRecord& record = impl_->tables.shapes[indexOf(impl_->tables.shapes, shape)];
-    record.material = material;
+    const std::uint32_t index = indexOf(impl_->tables.shapes, shape);
+    const ShapeRecord& record = impl_->tables.shapes[index];
+    impl_->tables.shapes.setMaterial(index, material);
     for (std::uint32_t key = impl_->tables.bodies[record.body].firstContact; key != kNone;
          key = impl_->tables.contacts.next(key))
         impl_->tables.contacts[key >> 1].surfaceOpen = true;

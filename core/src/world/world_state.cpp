@@ -204,6 +204,7 @@ void WorldImpl::forgetDerived() {
     ++tables.versions.fixed;
     for (const ShapeRecord& shape : tables.shapes) {
         collision.finds.motionReported |= shape.reportsMotion;
+        tables.shapes.noteMaterial(shape.material);
         if (!tables.shapes.meshesMove() && tables.shapes.geometries[shape.geometry].mesh &&
             tables.bodies[shape.body].type == BodyType::dynamic)
             tables.shapes.letMeshesMove();
