@@ -79,6 +79,19 @@ TEST(ConstraintGraph, TakesAllContactsOfAStructureInFewSteps) {
     EXPECT_EQ(graph.color(ConstraintGraph::kDirect).manifolds.capacity(), kMany);
 }
 
+// A few more in every step ask for memory seldom.
+TEST(ConstraintGraph, FewMoreDirectContactsAtATimeGrowTheirListBySharesOfIt) {
+    constexpr std::uint32_t kMany = 1024;
+    test::CountedMemory memory;
+    ConstraintGraph graph(8, &memory);
+    for (std::uint32_t i = 0; i < kMany; ++i) {
+        graph.expectContacts(0, 1);
+        graph.insertContact(i, 2 * i + 1, true, 2 * i + 2, true, ConstraintGraph::By::direct);
+    }
+    constexpr long kDoublings = 5, kArrays = 3;  // from 64, which is one more
+    EXPECT_LE(memory.calls, kArrays * (kDoublings + 1));
+}
+
 TEST_P(Groups, StandInTheOrderOfTheirPointsAndStaySo) {
     EXPECT_GT(group(), 0);
     for (std::uint32_t slot = 1; slot < kContacts; ++slot) EXPECT_LE(pointsAt(slot), pointsAt(slot - 1));

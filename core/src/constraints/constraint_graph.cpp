@@ -10,6 +10,15 @@
 
 namespace ragtop {
 
+constexpr std::size_t kFewContacts = 64;  ///< room that a list begins with
+
+/// How many a list grows by at least: by its own size while it is small, and by a share of it where the rest would
+/// count.
+static std::size_t growthOf(const ConstraintGraph::Color& c) {
+    constexpr std::size_t kLargeGrowth = 64;  // shares of its own size
+    return c.bundles.isLarge() ? c.manifolds.size() / kLargeGrowth : c.manifolds.size();
+}
+
 ConstraintGraph::ConstraintGraph(int lanes, std::pmr::memory_resource* memory)
     : lanes_(lanes), memory_(memory), bodies_(memory) {
     assert(std::has_single_bit(static_cast<unsigned>(lanes)));
@@ -98,15 +107,15 @@ GraphPlace ConstraintGraph::addContact(int index, std::uint32_t manifold) {
 /// number comes and goes by more than its own size: they get room by that of all contacts. Where many are expected,
 /// each list takes them to come as those before did, up to its own size at once.
 void ConstraintGraph::makeRoom(int index) {
-    constexpr std::size_t kFew = 64, kShare = 64, kLargeGrowth = 64;  // constraints; shares of all, of its own
+    constexpr std::size_t kShare = 64;  // shares of all
     Color& c = color(index);
     const std::size_t size = c.manifolds.size();
     std::size_t all = 0;
     const int first = isIterated(index) ? index - colorOf(index) : 0;
     for (int i = first; i < first + kRegionLists; ++i) all += color(i).manifolds.size();
     const std::size_t coming = all > 0 ? std::min(size, size * expected_ / all) : 0;
-    std::size_t room = size + (c.bundles.isLarge() ? std::max(size / kLargeGrowth, coming) : size);
-    if (!isSerial(index)) room = std::max(room, kFew);
+    std::size_t room = size + std::max(growthOf(c), coming);
+    if (!isSerial(index)) room = std::max(room, kFewContacts);
     if (!isSerial(index) && isIterated(index)) room = std::max(room, all / kShare);
     reserve(c, isSerial(index), std::max(room, size + 1));
 }
@@ -114,7 +123,9 @@ void ConstraintGraph::makeRoom(int index) {
 void ConstraintGraph::expectContacts(std::size_t iterated, std::size_t direct) {
     expected_ = iterated;
     Color& c = color(kDirect);
-    if (c.manifolds.size() + direct > c.manifolds.capacity()) reserve(c, false, c.manifolds.size() + direct);
+    const std::size_t size = c.manifolds.size();
+    if (size + direct > c.manifolds.capacity())
+        reserve(c, false, std::max(size + std::max(growthOf(c), direct), kFewContacts));
 }
 
 void ConstraintGraph::reserve(Color& c, bool serial, std::size_t room) {
