@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <variant>
 #include <vector>
 
 #include "without_saving.h"
@@ -14,13 +15,14 @@ namespace ragtop::test {
 namespace {
 
 /// A foot of 2 kg on the ground, and on its ankle a rod of 8 kg and 1 m that leans, held by a spring far stiffer than
-/// the foot is heavy. Nothing sleeps.
+/// the foot is heavy.
 class Standing {
 public:
     static constexpr double kStiffness = 4000, kMass = 8, kArm = 0.5;  ///< N m/rad, kg, m to its centre of mass
     static constexpr double kLean = 0.05;                              ///< rad, where the spring has no torque
 
-    explicit Standing(BodyType ground = BodyType::fixed) : world_(withoutSleep()) {
+    explicit Standing(BodyType ground = BodyType::fixed, const WorldSettings& settings = withoutSleep())
+        : world_(settings) {
         BodyDef floor = bodyDef(Box{{10, 0.5f, 10}}, {0, -0.5, 0});
         floor.type = ground;
         floor_ = world_.create(floor);
@@ -106,6 +108,28 @@ TEST(StandingSprings, AnswerABlowSubstepBySubstep) {
     const double one = turnedByABlow();
     EXPECT_GT(one, 0.05 * Standing::kLean);
     EXPECT_NEAR(all, one, 1e-3 * one);
+}
+
+/// rad/s of the rod a tenth of a second after a blow has woken it, whose spring is soft by then.
+Vec3 wokenOnASoftSpring() {
+    Standing stands(BodyType::fixed, WorldSettings{});
+    stands.step(8);
+    EXPECT_FALSE(stands.world_.isAwake(stands.rod_));
+    auto soft = std::get<HingeDef>(stands.world_.def(stands.ankle_));
+    soft.spring = Spring{.stiffness = 60, .damping = 1};
+    stands.world_.setDef(stands.ankle_, soft);
+    stands.world_.applyImpulse(stands.rod_, {-3, 0, 0}, stands.world_.pose(stands.rod_).position);
+    stands.step(0.1);
+    return stands.world_.angularVelocity(stands.rod_);
+}
+
+/// What wakes as part of something else has no long substeps left.
+TEST(StandingSprings, WokenAsSomethingElseTakeSingleSubsteps) {
+    const Vec3 all = wokenOnASoftSpring();
+    const Without without(&Economy::calmTrees);
+    const Vec3 one = wokenOnASoftSpring();
+    EXPECT_GT(length(one), 0.1f);
+    EXPECT_LT(length(all - one), 1e-3f * length(one));
 }
 
 /// What is carried is looked at in every substep, however slowly the ground moves.

@@ -36,7 +36,9 @@ void Activity::sleepBody(std::uint32_t index) const {
 }
 
 void Activity::leaveAwake(std::uint32_t index) const {
-    const BodyRecord& body = bodies[index];
+    BodyRecord& body = bodies[index];
+    // What stands has taken several substeps at once, and may wake as part of what does not.
+    if (body.direct.reason == direct::Reason::stiff) body.direct.pace.stepFactor = 1;
     bodies.removeAwake(index);
     articulations.forget();
     for (std::uint32_t key = body.firstContact; key != kNone; key = contacts.next(key)) {
