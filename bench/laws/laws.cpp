@@ -91,7 +91,8 @@ bool isFree(const Scene& scene) {
 /// What is measured of a scene between steps.
 class Watch {
 public:
-    Watch(const Drawn& drawn, stability::Engine& engine) : drawn_(drawn), scene_(drawn.scene), engine_(engine) {
+    Watch(const Drawn& drawn, stability::Engine& engine, Overlaps& overlaps)
+        : drawn_(drawn), scene_(drawn.scene), engine_(engine), overlaps_(overlaps) {
         for (const SceneBody& body : scene_.bodies)
             masses_.push_back(body.def.type == BodyType::dynamic ? stability::massOf(body.def) : MassProperties{});
         start_ = base_ = energy();
@@ -106,8 +107,8 @@ public:
         spent_ += workOfMotors();
         const double total = energy() - spent_;
         raise(gained_, total - base_);
-        // What motors may give is more than they do: it must not pay for what comes later.
-        if (hasMotors_ && total < base_) base_ = total;
+        // What motors may give is more than they do: it must not pay for what comes later. What overlaps hold may.
+        if (hasMotors_ && total < base_) base_ = std::min(base_, total + overlaps_.held(engine_));
         if (!(potential_ >= lowest_)) lowest_ = potential_;
         if (hasMotors_) raise(fullest_, kinetic_);
         const double room = std::max({start_ - lowest_, kLeast * weightTimesSize_, fullest_});
@@ -143,6 +144,8 @@ public:
     }
 
 private:
+    /// Of a step, by which what speeds up turns later than at its mean speed: half of one of four substeps.
+    static constexpr double kLate = 0.125;
     static constexpr double kLeast = 0.1;  ///< of the weight times a metre, that counts as energy of a scene at rest
 
     Place place(const SceneJoint& joint) const {
@@ -183,21 +186,25 @@ private:
         const double way = std::max(startWay_, length(given));
         return way > 0 ? length(momentum_ - startMomentum_ - given) / way : way_;
     }
-    /// J, that the motors of hinges give in a step at most: none to what turns the other way or faster than they ask.
+    /// J, that the motors of hinges have given since the last time, at most: they push with all their torque what turns
+    /// slower than they ask, and give none to what turns back or faster.
     double workOfMotors() {
-        double most = 0;
+        double work = 0;
         std::size_t i = 0;
         for (const SceneJoint& joint : scene_.joints) {
             const auto* hinge = std::get_if<HingeDef>(&joint.def);
             if (hinge == nullptr || !hinge->motor) continue;
             hasMotors_ = true;
-            const double target = std::abs(static_cast<double>(hinge->motor->targetSpeed));
-            const double speed = std::clamp(speedOf(joint) * (hinge->motor->targetSpeed < 0 ? -1 : 1), 0.0, target);
-            if (i == motorSpeeds_.size()) motorSpeeds_.push_back(speed);
-            most += static_cast<double>(hinge->motor->maxForce) * std::max(speed, motorSpeeds_[i]) * scene_.step;
-            motorSpeeds_[i++] = speed;
+            const Place now = place(joint);
+            const double target = static_cast<double>(hinge->motor->targetSpeed), ahead = target < 0 ? -1 : 1;
+            const Turn turn{twistAbout(conjugate(now.a.rotation) * now.b.rotation), ahead * speedOf(joint)};
+            if (i == turns_.size()) turns_.push_back(turn);
+            const double way = ahead * std::remainder(turn.angle - turns_[i].angle, kTwoPi) +
+                               kLate * scene_.step * std::max(0.0, turn.speed - turns_[i].speed);
+            turns_[i++] = turn;
+            work += static_cast<double>(hinge->motor->maxForce) * std::clamp(way, 0.0, std::abs(target) * scene_.step);
         }
-        return most;
+        return work;
     }
     /// rad/s, of a hinge.
     double speedOf(const SceneJoint& joint) const {
@@ -223,11 +230,16 @@ private:
     const Drawn& drawn_;
     const Scene& scene_;
     stability::Engine& engine_;
+    Overlaps& overlaps_;
     std::vector<MassProperties> masses_;
     std::vector<DVec3> from_;
     std::vector<Pose> last_;
     double stuck_ = 0, moved_ = 0;
-    std::vector<double> motorSpeeds_;  ///< rad/s, as they are asked for, when the step begins
+    /// Of a hinge.
+    struct Turn {
+        double angle = 0, speed = 0;  ///< rad; rad/s, as its motor is asked for
+    };
+    std::vector<Turn> turns_;  ///< of those that have a motor
     bool hasMotors_ = false;
     double start_ = 0, lowest_ = 0;
     double fullest_ = 0;                             ///< J, kinetic, where motors give it
@@ -295,8 +307,8 @@ Watched watch(const Drawn& drawn, const stability::EngineKind& kind) {
     const double dt = drawn.scene.step;
     const auto steps = std::lround(drawn.seconds / dt), last = std::lround(0.5 / dt);
     Watched watched;
-    Watch watch(drawn, *engine);
     Overlaps overlaps(drawn.scene, *engine);
+    Watch watch(drawn, *engine, overlaps);
     const long often = std::max(1L, std::lround(0.1 / dt));
     std::vector<double> times;
     for (long i = 0; i < steps; ++i) {

@@ -39,6 +39,15 @@ double Overlaps::deepest(const stability::Engine& engine) {
     return depth;
 }
 
+double Overlaps::held(const stability::Engine& engine) {
+    place(engine);
+    double sum = 0;
+    forEachOverlap([&](const Part& a, const Part& b, double depth) {
+        sum += depth * engine.normalForce(static_cast<int>(a.body), static_cast<int>(b.body));
+    });
+    return sum;
+}
+
 void Overlaps::place(const stability::Engine& engine) {
     for (Part& part : parts_) {
         const BodyDef& def = scene_.bodies[part.body].def;

@@ -16,6 +16,8 @@ public:
     Overlaps(const Scene& scene, const stability::Engine& engine);
     /// m, of the deepest pair now.
     double deepest(const stability::Engine& engine);
+    /// J, that overlaps give as they push bodies apart by what these press them with now.
+    double held(const stability::Engine& engine);
 
 private:
     struct Part {

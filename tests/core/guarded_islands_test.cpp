@@ -96,5 +96,67 @@ TEST(GuardedIslands, AMotorIsLeftAllTheWorkThatItDoes) {
         }
 }
 
+/// An arm that a motor holds against its stop, and a load on two links of a thousandth of its mass that swings from it
+/// and whirls them.
+struct StalledArm {
+    std::vector<BodyId> bodies;
+
+    StalledArm(World& world, float torque, float swing) {
+        const BodyId arm = addBox(world, {1, 0.1f, 0.1f}, {1, 9, 0}, 100);
+        HingeDef hinge;
+        hinge.bodies = joined(world, {}, arm, {0, 9, 0});
+        hinge.limit = Range{0, 1};
+        hinge.motor = Motor{.targetSpeed = -2, .maxForce = torque};
+        world.create(JointDef{hinge});
+        BodyId above = arm;
+        for (int i = 0; i < 3; ++i) {
+            const double y = 9 - 0.3 * i;
+            const BodyId body = i < 2 ? addBox(world, {0.05f, 0.15f, 0.05f}, {2, y - 0.15, 0}, 4)
+                                      : addBox(world, {0.4f, 0.4f, 0.4f}, {2, y - 0.4, 0}, 4000);
+            world.create(JointDef{BallDef{.bodies = joined(world, above, body, {2, y, 0})}});
+            above = body;
+        }
+        world.setVelocity(bodies.back(), {swing, 0, 0.3f * swing}, {});
+    }
+    double energy(const World& world) const {
+        double sum = 0;
+        for (const BodyId body : bodies) sum += energyOf(world, body);
+        return sum;
+    }
+
+private:
+    BodyId addBox(World& world, const Vec3& half, const DVec3& at, float mass) {
+        BodyDef def = bodyDef(Box{half}, at);
+        def.shapes[0].density = mass / (8 * half.x * half.y * half.z);
+        bodies.push_back(world.create(def));
+        return bodies.back();
+    }
+    static JointBodies joined(const World& world, BodyId a, BodyId b, const DVec3& point) {
+        const Pose joint{point, rotationBetween({1, 0, 0}, {0, 0, 1})};
+        const auto frame = [&](BodyId body) {
+            return relative(world.isValid(body) ? world.pose(body) : Pose{}, joint);
+        };
+        return {.a = a, .b = b, .frameA = frame(a), .frameB = frame(b)};
+    }
+};
+
+/// Its torque times its speed would be 3 kJ in each step. What rows trade is the guard's room, half a per cent of the
+/// load's swing and of its weight times its size, once up and once down.
+TEST(GuardedIslands, AMotorThatStandsGivesNothing) {
+    for (const float swing : {1.5f, 2.5f, 3.5f}) {
+        World world{withoutSleep()};
+        const StalledArm arm(world, 100000, swing);
+        const double room = 0.005 * 4000 * static_cast<double>(0.5f * swing * swing + kGravity * 0.4f);
+        double least = arm.energy(world), gained = 0;
+        for (int i = 0; i < stepsIn(10); ++i) {
+            world.step(kDt);
+            const double now = arm.energy(world);
+            gained = std::max(gained, now - least);
+            least = std::min(least, now);
+        }
+        EXPECT_LE(gained, 2 * room) << swing;
+    }
+}
+
 }  // namespace
 }  // namespace ragtop

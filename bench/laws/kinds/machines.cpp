@@ -197,20 +197,21 @@ void drawSeesaw(Scene& scene, Dice& dice, const Material& wood) {
 
 /// Wagons in a row, one runs into them.
 void drawWagons(Scene& scene, Dice& dice, const Material& wood) {
+    constexpr double kPitch = 2.2;  // m: wheels of 0.4 m that stand 0.7 m before and behind the middles meet
     const int wagons = 2 + static_cast<int>(dice.below(8));
     const float mass = magnitude(dice, 10, 1000);
     const bool isEven = coin(dice), isSprung = coin(dice);
     int before = kWorld;
     for (int i = 0; i < wagons; ++i) {
         const bool strikes = i + 1 == wagons;
-        const DVec3 at{-1.8 * i - (strikes ? 2.0 : 0.001 * i), 0.002, 0};
+        const DVec3 at{-kPitch * i - (strikes ? 2.0 : 0.001 * i), 0.002, 0};
         const int car = addCar(scene, dice, at, isEven ? mass : mass * magnitude(dice, 0.1f, 10),
                                strikes ? dice.between(1, 20) : 0.0f, wood);
         if (i > 0 && !strikes && isSprung) {
             const DVec3 middle = scene.bodies[static_cast<std::size_t>(car)].def.pose.position;
             DistanceDef& buffer =
-                addDistance(scene, before, car, middle + DVec3{1.8, 0.1, 0}, middle + DVec3{0, 0.1, 0});
-            buffer.rest = 1.8f;
+                addDistance(scene, before, car, middle + DVec3{kPitch, 0.1, 0}, middle + DVec3{0, 0.1, 0});
+            buffer.rest = static_cast<float>(kPitch);
             buffer.spring = Spring{.stiffness = mass * magnitude(dice, 100, 1e5f), .damping = 0};
         }
         before = car;

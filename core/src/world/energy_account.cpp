@@ -7,6 +7,7 @@
 #include "constraints/stored_energy.h"
 #include "direct/choice.h"
 #include "model/joint_bodies.h"
+#include "world/energy_drivers.h"
 #include "world/group_motion.h"
 
 namespace ragtop {
@@ -94,6 +95,7 @@ EnergyAccount accountOf(const GuardView& view, std::span<const std::uint32_t> gr
     account.held = stored.before + weight * static_cast<double>(length(view.gravity));
     account.lawful = lawfulOf(account);
     account.room += kRoom * account.lawful;
+    if (account.excess > 0) account.driven = workOfMotors(view, group);
     if (stored.before > 0 || stored.gained > 0) account.room += kSpringRoom * (account.before + stored.before);
     return account;
 }
@@ -115,9 +117,10 @@ bool fits(float& room, float& owed, const EnergyAccount& account) {
         return true;
     }
     double left = static_cast<double>(room) * account.room, debt = static_cast<double>(owed);
-    if (!(account.excess <= left)) return false;
+    const double gained = std::max(0.0, account.excess - account.driven);
+    if (!(account.excess <= left + account.driven)) return false;
     if (account.excess > 0)
-        left -= account.excess;
+        left -= gained;
     else
         pay(left, account.room, debt, -account.excess);
     keepRoom(room, left, account.room);

@@ -21,10 +21,50 @@ void addKinematic(const GuardView& view, std::uint32_t body, AlignedArray<Energy
     add(drivers, view.bodies[body].center, length(state.v), length(state.w));
 }
 
+/// m and rad of a body in the step, or m/s and rad/s when it began and now.
+enum class Course { way, before, now };
+EnergyGuard::Speeds courseOf(const GuardView& view, std::uint32_t index, std::uint32_t state, Course course) {
+    const BodyState& s = view.bodies.states[state];
+    const bool moves = view.bodies.moves(index) && view.bodies.isAwake(index);
+    if (course == Course::way)
+        return moves ? EnergyGuard::Speeds{s.dp, 2 * Vec3{s.dq.x, s.dq.y, s.dq.z}}
+                     : EnergyGuard::Speeds{view.dt * s.v, view.dt * s.w};
+    return course == Course::before && moves ? view.guard.speeds[index] : EnergyGuard::Speeds{s.v, s.w};
+}
+
+/// Along the coordinate of a hinge or slider.
+double alongJoint(const GuardView& view, const JointSim& sim, const JointRecord& joint, Course course) {
+    const EnergyGuard::Speeds a = courseOf(view, joint.bodyA, sim.stateA, course),
+                              b = courseOf(view, joint.bodyB, sim.stateB, course);
+    const JointBodiesAtStep at = jointBodies(view.bodies, joint);
+    const Vec3 axis = rotate(at.rotationA * sim.localA.rotation, Vec3{1, 0, 0});
+    if (sim.kind == JointKind::hinge) return static_cast<double>(dot(axis, b.w - a.w));
+    // The point of A that lies where B's does.
+    const Vec3 armB = rotate(at.rotationB, sim.localB.position), armA = at.centerOffset + armB;
+    return static_cast<double>(dot(axis, b.v + cross(b.w, armB) - a.v - cross(a.w, armA)));
+}
+
+constexpr float kBounded = 1e12f;  ///< N or N m; more is no bound
+
+/// N or N m, towards its speed.
+float forceOf(const AxisRows& axis) {
+    return axis.motor.targetSpeed < 0 ? axis.motor.maxReverse : axis.motor.maxForward;
+}
+
+/// J, that a motor with a bound gives in a step at most: it pushes up to its speed, so that what stands, goes the other
+/// way or is faster gets none of it. What speeds up goes half a substep later than its mean speed would take it.
+double workOfMotor(const GuardView& view, const JointSim& sim, const JointRecord& joint) {
+    const double target = static_cast<double>(sim.axis.motor.targetSpeed), ahead = target < 0 ? -1 : 1;
+    const auto along = [&](Course course) { return ahead * alongJoint(view, sim, joint, course); };
+    const double late = 0.5 * static_cast<double>(view.context.h) * (along(Course::now) - along(Course::before));
+    const double way = std::max(0.0, along(Course::way) + std::max(0.0, late));
+    return static_cast<double>(forceOf(sim.axis)) * std::min(way, std::fabs(target) * static_cast<double>(view.dt));
+}
+
 /// Motors and targets that move, about the place of the joint in the body. J, of those with a bound.
-double addJoint(const GuardView& view, const JointSim& sim, std::uint32_t body, AlignedArray<EnergyDriver>& drivers) {
-    constexpr float kBounded = 1e12f;  // N or N m; more is no bound
-    double work = 0;
+double addJoint(const GuardView& view, std::uint32_t index, std::uint32_t body, AlignedArray<EnergyDriver>& drivers) {
+    const JointSim& sim = view.joints.sims[index];
+    double work = hasBoundedMotor(sim) ? workOfMotor(view, sim, view.joints[index]) : 0;
     const float arm = std::max(length(sim.localA.position), length(sim.localB.position));
     const auto give = [&](float speed, float force, bool turns) {
         if (force < kBounded)
@@ -34,9 +74,8 @@ double addJoint(const GuardView& view, const JointSim& sim, std::uint32_t body, 
                 turns ? std::fabs(speed) : 0);
     };
     const auto giveAxis = [&](const AxisRows& axis, bool turns) {
-        if (axis.features & AxisRows::kMotor)
-            give(axis.motor.targetSpeed, axis.motor.targetSpeed < 0 ? axis.motor.maxReverse : axis.motor.maxForward,
-                 turns);
+        if ((axis.features & AxisRows::kMotor) != 0 && !hasBoundedMotor(sim))
+            give(axis.motor.targetSpeed, forceOf(axis), turns);
         if (axis.features & AxisRows::kSpring) give(axis.spring.speed, axis.spring.most, turns);
     };
     if (hasAxes(sim.kind))
@@ -68,6 +107,10 @@ double spinOf(const GuardView& view, std::uint32_t body, const Vec3& w) {
 }
 
 }  // namespace
+
+bool hasBoundedMotor(const JointSim& sim) {
+    return !hasAxes(sim.kind) && (sim.axis.features & AxisRows::kMotor) != 0 && forceOf(sim.axis) < kBounded;
+}
 
 bool mayDrive(const GuardView& view, std::uint32_t index) {
     const JointRecord& joint = view.joints[index];
@@ -112,9 +155,21 @@ double addDrivers(const GuardView& view, std::uint32_t body, AlignedArray<Energy
         const JointRecord& joint = view.joints[key >> 1];
         addKinematic(view, (key & 1) != 0 ? joint.bodyA : joint.bodyB, drivers);
         addOpened(view, key >> 1, body, drivers);
-        const double own = addJoint(view, view.joints.sims[key >> 1], body, drivers);
+        const double own = addJoint(view, key >> 1, body, drivers);
         if ((key & 1) == 0 || !view.bodies.moves(joint.bodyA)) work += own;  // once for both of its bodies
     }
+    return work;
+}
+
+double workOfMotors(const GuardView& view, std::span<const std::uint32_t> group) {
+    const EnergyGuard& guard = view.guard;
+    if (view.bodies[group.front()].firstJoint == kNone) return 0;
+    const std::uint32_t g = guard.groupOfBody(group.front());
+    double work = 0;
+    if (!guard.traits[g].isMotored) return work;
+    for (const std::uint32_t joint : guard.jointsOf(g))
+        if (const JointSim& sim = view.joints.sims[joint]; hasBoundedMotor(sim) && view.joints.isHolding(joint))
+            work += workOfMotor(view, sim, view.joints[joint]);
     return work;
 }
 

@@ -30,6 +30,7 @@ struct EnergyAccount {
     double work = 0;             ///< that forces gave
     double held = 0;             ///< by springs when the step began, and of a fall over the size of its bodies
     double excess = 0;           ///< gained beyond what forces gave
+    double driven = 0;           ///< the most of it that motors with a bound gave
     double lawful = 0;           ///< kinetic at most, with what forces gave and it held
     double room = 0;             ///< the most that it may be above its account
     float share = 1;             ///< of that which was left when the step began
@@ -95,6 +96,7 @@ struct EnergyGuard {
     AlignedArray<Watching> watched;        ///< per group
     struct GroupTraits {
         bool drives = false;  ///< some joint may give energy of its own (mayDrive)
+        bool isMotored = false;  ///< some joint has a motor with a bound (hasBoundedMotor)
         bool stores = false;  ///< some joint has springs or soft stops
         bool hangs = false;   ///< some joint holds it to what does not move
     };

@@ -5,6 +5,7 @@
 #include "base/union_find.h"
 #include "constraints/stiffness.h"
 #include "constraints/stored_energy.h"
+#include "world/energy_drivers.h"
 #include "world/energy_guard.h"
 
 namespace ragtop {
@@ -86,6 +87,7 @@ void listJoints(const GuardView& view) {
         guard.watched[g] = std::min(guard.watched[g], watchingOf(view, sim));
         EnergyGuard::GroupTraits& traits = guard.traits[g];
         traits.drives |= mayDrive(view, joint);
+        traits.isMotored |= hasBoundedMotor(sim);
         traits.stores |= storesEnergy(sim);
         traits.hangs |= !view.bodies.moves(view.joints[joint].bodyA) || !view.bodies.moves(view.joints[joint].bodyB);
         guard.stores |= traits.stores;
