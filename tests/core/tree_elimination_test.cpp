@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 #include <vector>
 
+#include "dense.h"
 #include "tree_rig.h"
 
 namespace ragtop {
@@ -54,25 +57,39 @@ Matrix turn(const Vector& w) {
 /// M Δ = Jᵀ λ, J Δ + R λ = target − J v by a dense factorization, for gaps that shall close at the rate β after a
 /// substep through which bodies turn as in `about`.
 struct Dense {
-    Eigen::VectorXd velocity;
+    using Numbers = std::vector<double>;
+    Numbers velocity;  ///< of one link after the other, and turning
     std::vector<Vector> forces;
     double condition;
 
-    Dense(TreeRig& rig, int tree, double beta, const Eigen::VectorXd& about) {
+    static Vector three(const Numbers& of, int from) {
+        const double* at = of.data() + from;
+        return {at[0], at[1], at[2]};
+    }
+    static void put(Numbers& into, int from, const Vector& v) {
+        for (int k = 0; k < 3; ++k) into[static_cast<std::size_t>(from + k)] = v[k];
+    }
+    static double product(const Numbers& a, const Numbers& b) {
+        return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+    }
+
+    Dense(TreeRig& rig, int tree, double beta, const Numbers& about) {
         const int n = rig.linkCount();
         const double h = static_cast<double>(kH);
-        std::vector<Eigen::RowVectorXd> rows;
-        std::vector<double> wanted;
-        Eigen::MatrixXd inverseMass = Eigen::MatrixXd::Zero(6 * n, 6 * n);
-        velocity = Eigen::VectorXd::Zero(6 * n);
+        std::vector<Numbers> rows;
+        Numbers wanted;
+        std::vector<double> inverseMasses;
+        std::vector<Matrix> inverseInertias;
+        velocity.resize(static_cast<std::size_t>(6 * n));
         std::vector<int> firstRow;
         for (int l = 0; l < n; ++l) {
             const BodyState& s = rig.before(tree, l);
             const BodyInertia& i = rig.inertia(tree, l);
-            velocity.segment<3>(6 * l) = eigen(s.v);
-            velocity.segment<3>(6 * l + 3) = eigen(s.w);
-            inverseMass.block<3, 3>(6 * l, 6 * l) = Matrix::Identity() * s.invMass;
-            inverseMass.block<3, 3>(6 * l + 3, 6 * l + 3) << i.xx, i.xy, i.xz, i.xy, i.yy, i.yz, i.xz, i.yz, i.zz;
+            put(velocity, 6 * l, eigen(s.v));
+            put(velocity, 6 * l + 3, eigen(s.w));
+            inverseMasses.push_back(s.invMass);
+            inverseInertias.emplace_back();
+            inverseInertias.back() << i.xx, i.xy, i.xz, i.xy, i.yy, i.yz, i.xz, i.yz, i.zz;
         }
         for (int l = 0; l < n; ++l) {
             const TreeLink& link = rig.links()[static_cast<std::size_t>(l)];
@@ -84,19 +101,19 @@ struct Dense {
             const Vector rC = rotated(c.dq, joint.anchorC), rP = rotated(p.dq, joint.anchorP);
             const Vector gap = eigen(joint.offset) + eigen(c.dp) - eigen(p.dp) + rC - rP;
             const Vector armC = rC - 0.5 * gap, armP = rP + 0.5 * gap;
-            const Vector wC = about.segment<3>(6 * l + 3);
-            const Vector wP = link.parent < 0 ? Vector::Zero().eval() : about.segment<3>(6 * link.parent + 3).eval();
+            const Vector wC = three(about, 6 * l + 3);
+            const Vector wP = link.parent < 0 ? Vector(0, 0, 0) : three(about, 6 * link.parent + 3);
             const auto curving = [h](const Vector& w, const Vector& r) -> Vector {
                 return (turn(w) * r - r) / h - w.cross(r);
             };
             const Vector still = curving(wP, rP) - curving(wC, rC) - (0.5 * (wC + wP)).cross(gap);
             const auto add = [&](const Vector& linear, const Vector& turn, double speed) {
-                Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(6 * n);
-                row.segment<3>(6 * l) = linear;
-                row.segment<3>(6 * l + 3) = armC.cross(linear) + turn;
+                Numbers row(static_cast<std::size_t>(6 * n));
+                put(row, 6 * l, linear);
+                put(row, 6 * l + 3, armC.cross(linear) + turn);
                 if (link.parent >= 0) {
-                    row.segment<3>(6 * link.parent) = -linear;
-                    row.segment<3>(6 * link.parent + 3) = -armP.cross(linear) - turn;
+                    put(row, 6 * link.parent, -linear);
+                    put(row, 6 * link.parent + 3, -armP.cross(linear) - turn);
                 }
                 rows.push_back(row);
                 wanted.push_back(speed);
@@ -130,26 +147,34 @@ struct Dense {
                 for (int k = 0; k < 3; ++k) add(Vector::Zero(), Vector::Unit(k), speed[k]);
             }
         }
-        Eigen::MatrixXd j(static_cast<Eigen::Index>(rows.size()), 6 * n);
-        Eigen::VectorXd target(j.rows());
-        for (Eigen::Index i = 0; i < j.rows(); ++i) {
-            j.row(i) = rows[static_cast<std::size_t>(i)];
-            target[i] = wanted[static_cast<std::size_t>(i)];
+        std::vector<Numbers> responses = rows;  // M⁻¹ Jᵀ
+        for (Numbers& response : responses)
+            for (int l = 0; l < n; ++l) {
+                const auto link = static_cast<std::size_t>(l);
+                put(response, 6 * l, inverseMasses[link] * three(response, 6 * l));
+                put(response, 6 * l + 3, inverseInertias[link] * three(response, 6 * l + 3));
+            }
+        test::DenseMatrix w(rows.size(), rows.size());
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            wanted[i] -= product(rows[i], velocity);
+            for (std::size_t k = 0; k < rows.size(); ++k) w(i, k) = product(rows[i], responses[k]);
         }
-        Eigen::MatrixXd w = j * inverseMass * j.transpose();
         // Points give way by 10⁻⁶ of their inverse masses, the mean of all directions.
         for (int l = 0; l < n; ++l)
-            if (const int i = firstRow[static_cast<std::size_t>(l)];
-                rig.links()[static_cast<std::size_t>(l)].joint != TreeJoint::free)
-                w.block<3, 3>(i, i) += 1e-6 / 3 * w.block<3, 3>(i, i).trace() * Matrix::Identity();
-        const Eigen::VectorXd spectrum = w.selfadjointView<Eigen::Lower>().eigenvalues();
-        condition = spectrum.maxCoeff() / spectrum.minCoeff();
-        const Eigen::VectorXd impulse = w.ldlt().solve(target - j * velocity);
-        velocity += inverseMass * j.transpose() * impulse;
+            if (const auto i = static_cast<std::size_t>(firstRow[static_cast<std::size_t>(l)]);
+                rig.links()[static_cast<std::size_t>(l)].joint != TreeJoint::free) {
+                const double give = 1e-6 / 3 * (w(i, i) + w(i + 1, i + 1) + w(i + 2, i + 2));
+                for (std::size_t k = i; k < i + 3; ++k) w(k, k) += give;
+            }
+        const auto [least, most] = std::ranges::minmax(test::eigenvalues(w));
+        condition = most / least;
+        const Numbers impulse = test::solved(w, wanted);
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            for (std::size_t k = 0; k < velocity.size(); ++k) velocity[k] += impulse[i] * responses[i][k];
         for (int l = 0; l < n; ++l)
             forces.push_back(rig.links()[static_cast<std::size_t>(l)].joint == TreeJoint::free
-                                 ? Vector::Zero().eval()
-                                 : impulse.segment<3>(firstRow[static_cast<std::size_t>(l)]).eval());
+                                 ? Vector(0, 0, 0)
+                                 : three(impulse, firstRow[static_cast<std::size_t>(l)]));
     }
 };
 
@@ -165,15 +190,17 @@ void stopSpins(TreeRig& rig, int trees) {
 double worstError(TreeRig& rig, int trees, double beta, bool twice, bool perCondition = false) {
     double worst = 0;
     for (int tree = 0; tree < trees; ++tree) {
-        Dense dense(rig, tree, beta, Eigen::VectorXd::Zero(6 * rig.linkCount()));
-        if (twice) dense = Dense(rig, tree, beta, Eigen::VectorXd(dense.velocity));
-        const double scale = dense.velocity.cwiseAbs().maxCoeff() * (perCondition ? dense.condition : 1);
+        Dense dense(rig, tree, beta, Dense::Numbers(static_cast<std::size_t>(6 * rig.linkCount())));
+        if (twice) dense = Dense(rig, tree, beta, Dense::Numbers(dense.velocity));
+        double scale = 0;
+        for (const double speed : dense.velocity) scale = std::max(scale, std::abs(speed));
+        if (perCondition) scale *= dense.condition;
+        const auto off = [scale](const Vector& a, const Vector& b) { return (a - b).cwiseAbs().maxCoeff() / scale; };
         for (int l = 0; l < rig.linkCount(); ++l) {
             const BodyState& s = rig.state(tree, l);
-            worst = std::max(worst, (eigen(s.v) - dense.velocity.segment<3>(6 * l)).cwiseAbs().maxCoeff() / scale);
-            worst = std::max(worst, (eigen(s.w) - dense.velocity.segment<3>(6 * l + 3)).cwiseAbs().maxCoeff() / scale);
-            const Vector force = eigen(rig.impulse(tree, l).force);
-            worst = std::max(worst, (force - dense.forces[static_cast<std::size_t>(l)]).cwiseAbs().maxCoeff() / scale);
+            worst = std::max(worst, off(eigen(s.v), Dense::three(dense.velocity, 6 * l)));
+            worst = std::max(worst, off(eigen(s.w), Dense::three(dense.velocity, 6 * l + 3)));
+            worst = std::max(worst, off(eigen(rig.impulse(tree, l).force), dense.forces[static_cast<std::size_t>(l)]));
         }
     }
     return worst;
