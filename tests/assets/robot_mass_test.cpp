@@ -1,4 +1,4 @@
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <map>
 #include <sstream>
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 /// Dense algebra as in textbooks, to compare with. Eigen's products, factors and eigenvalues take the compiler as long
-/// as eight files of tests.
+/// as three other files of tests.
 namespace ragtop::test {
 
 class DenseMatrix {

@@ -1,30 +1,15 @@
 #include "peer.h"
 
-#include <Eigen/Eigenvalues>
-
 #include "../scenery.h"
-#include "ragtop/eigen.h"
+#include "base/symmetric_eigen.h"
 
 namespace ragtop::stability {
 
 Inertial inertialOf(const BodyDef& def) {
     if (def.type != BodyType::dynamic) return {};
     const MassProperties mass = massOf(def);
-    Inertial result;
-    result.mass = static_cast<double>(mass.mass);
-    result.frame.position = mass.center;
-    const Eigen::Matrix3d inertia = toEigen(mass.inertia).cast<double>();
-    const Eigen::Matrix3d crossed = inertia - Eigen::Matrix3d(inertia.diagonal().asDiagonal());
-    if (crossed.norm() < 1e-6 * inertia.norm()) {
-        result.moments = {mass.inertia.cx.x, mass.inertia.cy.y, mass.inertia.cz.z};
-        return result;
-    }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
-    Eigen::Matrix3d axes = solver.eigenvectors();
-    if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
-    result.frame.rotation = fromEigen(Eigen::Quaternionf(axes.cast<float>()));
-    result.moments = fromEigen(Eigen::Vector3f(solver.eigenvalues().cast<float>()));
-    return result;
+    const PrincipalAxes axes = principalAxes(mass.inertia);
+    return {static_cast<double>(mass.mass), axes.values, {mass.center, axes.rotation}};
 }
 
 PeerBodies::PeerBodies(const Scene& scene) {
