@@ -3,7 +3,14 @@
 if(NOT CMAKE_CXX_COMPILER_LAUNCHER)
     find_program(RAGTOP_CCACHE ccache)
     if(RAGTOP_CCACHE)
-        set(CMAKE_CXX_COMPILER_LAUNCHER ${RAGTOP_CCACHE})
+        # Without this sloppiness ccache leaves sources with precompiled headers alone.
+        set(ccache_settings CCACHE_SLOPPINESS=pch_defines,time_macros)
+        # What a source includes is taken from the compiler: a cache that has no entry costs no second preprocessing. Trees
+        # that share a cache (CCACHE_BASEDIR) find each other's entries by the preprocessed text alone.
+        if(NOT DEFINED ENV{CCACHE_BASEDIR})
+            list(APPEND ccache_settings CCACHE_DEPEND=1)
+        endif()
+        set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env ${ccache_settings} ${RAGTOP_CCACHE})
     endif()
 endif()
 
@@ -92,11 +99,6 @@ function(ragtop_precompile target)
     # From a precompiled std::string g++ 12 reports overflows that cannot happen (GCC bug 105651).
     target_compile_options(${target} PRIVATE
         $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds> $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
-    if(RAGTOP_CCACHE)
-        # Without these ccache leaves sources with precompiled headers alone.
-        set_target_properties(${target} PROPERTIES CXX_COMPILER_LAUNCHER
-            "${CMAKE_COMMAND};-E;env;CCACHE_SLOPPINESS=pch_defines,time_macros;${RAGTOP_CCACHE}")
-    endif()
 endfunction()
 
 # ragtop_unity(<target> [BATCH <number>] [ALONE <regex>] [TOGETHER <regex>]): compiles eight sources at a time, or another
