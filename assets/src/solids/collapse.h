@@ -8,8 +8,8 @@
 namespace ragtop {
 
 struct WeldedSurface {
-    std::vector<Vec3> vertices;       ///< no two at one place, sorted
-    std::vector<Triangle> triangles;  ///< with three different vertices
+    std::vector<Vec3> vertices;       ///< of the triangles, no two at one place, sorted
+    std::vector<Triangle> triangles;  ///< with three different vertices, no two back to back along a line
 };
 WeldedSurface welded(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 

@@ -57,11 +57,17 @@ struct RangeOf {
 };
 
 float volumeOf(const TriangleMesh& mesh) {
+    constexpr float kLeast = 1e-30f, kMost = 1e30f;  // so that neither it nor what is made of it leaves its type
+    float volume = 0;
     try {
-        return massOf(mesh, 1).mass;
+        volume = massOf(mesh, 1).mass;
     } catch (const std::invalid_argument& error) {
         throw std::invalid_argument(std::string("decompose: ") + error.what());
     }
+    if (!(volume >= kLeast && volume <= kMost))
+        throw std::invalid_argument(
+            fmt::format("decompose: shape has a volume of {:g} m³, must be in [{:g}, {:g}] m³", volume, kLeast, kMost));
+    return volume;
 }
 
 /// How far hulls are beyond the limits, 1 where they just keep to them.

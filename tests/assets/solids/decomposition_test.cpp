@@ -385,10 +385,35 @@ TEST(Decomposition, RefusesWhatIsNoSolidInOneLine) {
     written::Solid inside = solid;
     for (Triangle& t : inside.triangles) std::swap(t.b, t.c);
     EXPECT_THAT(complaint(inside.mesh()), testing::HasSubstr("clockwise seen from outside"));
+    for (const float size : {1e-20f, 1e20f}) {
+        written::Solid scaled = solid;
+        for (Vec3& v : scaled.vertices) v = size * v;
+        EXPECT_THAT(complaint(scaled.mesh()), testing::HasSubstr("must be in [1e-30, 1e+30] m³")) << size;
+    }
     EXPECT_THAT(complaint(solid.mesh(), {.maxPieces = 0}), testing::HasSubstr("maxPieces is 0, must be in [1, 256]"));
     EXPECT_THAT(complaint(solid.mesh(), {.maxError = std::nanf("")}), testing::HasSubstr("maxError is nan"));
     for (const std::string& line : {complaint(open.mesh()), complaint(inside.mesh())})
         EXPECT_EQ(line.find('\n'), std::string::npos);
+}
+
+/// Vertices of no triangle, triangles that are a point or a line, and two of them back to back that reach out of the
+/// solid are no part of it.
+TEST(Decomposition, LeavesOutWhatHasNoArea) {
+    const written::Solid solid = written::byName("L");
+    const Decomposition plain = decompose(solid.mesh(), {});
+    const auto last = static_cast<std::uint32_t>(solid.vertices.size());
+    const Vec3 &a = solid.vertices[0], &b = solid.vertices[1];
+    std::vector<written::Solid> made(4, solid);
+    for (written::Solid& each : made) each.vertices.push_back(a + 3 * (b - a));
+    made[1].triangles.push_back({0, 0, 1});
+    made[1].triangles.push_back({last, last, last});
+    made[2].triangles.insert(made[2].triangles.end(), {{0, 1, last}, {0, last, 1}});
+    made[3].triangles.insert(made[3].triangles.begin(), {{last, 1, 0}, {last, 0, 1}, {1, 1, 1}});
+    for (const written::Solid& each : made) {
+        const Decomposition now = decompose(each.mesh(), {});
+        EXPECT_EQ(verticesOf(now), verticesOf(plain));
+        EXPECT_EQ(now.error, plain.error);
+    }
 }
 
 TEST(CutSolid, CutsKeepTheVolumeAndHullsHoldIt) {
