@@ -10,6 +10,9 @@ namespace {
 Vec3 vectorOf(const double* v) { return {single(v[0]), single(v[1]), single(v[2])}; }
 
 Quat turnOf(const MjcfElement& element, const MjcfCompiler& compiler) {
+    int given = 0;
+    for (const char* each : {"quat", "axisangle", "euler", "xyaxes", "zaxis"})
+        if (element.xml().Attribute(each) && ++given > 1) element.failAt(each, "the only rotation");
     std::array<double, 6> v{};
     if (element.numbers("quat", {v.data(), 4}, 4) > 0) {
         const Quat q{single(v[1]), single(v[2]), single(v[3]), single(v[0])};

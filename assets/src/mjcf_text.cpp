@@ -99,6 +99,7 @@ void MjcfText::readDefaults(const TiXmlElement& element, const std::string& pare
         const std::string* named = at.element->Attribute(std::string("class"));
         if (!at.top && !named) fail(*at.element, "default has no class, must have one within another default");
         const std::string name = at.top ? "" : *named;
+        if (!at.top && classes_.contains(name)) fail(*at.element, "default class '" + name + "' is there twice");
         MjcfDefaults defaults = classes_.at(at.parent);
         for (const TiXmlElement* child : children(*at.element)) {
             if (child->ValueStr() == "default") continue;

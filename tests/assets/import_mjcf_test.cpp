@@ -129,6 +129,9 @@ TEST(LoadMjcf, RefusesWhatIsWrongWithLineValueAndWhatIsAllowed) {
     says(one("<geom size='1'/><body><freejoint/><geom size='1'/></body>"),
          "must be the only joint of a body of the world");
     says(one("<geom size='1' quat='0 0 0 0'/>"), "quat is '0 0 0 0', must be a rotation");
+    says(one("<geom size='1' quat='1 0 0 0' euler='0 0 90'/>"), "geom: euler is '0 0 90', must be the only rotation");
+    says(mjcf("<default><default class='a'/><default class='b'><default class='a'/></default></default>" + world("")),
+         "default class 'a' is there twice");
     says(mjcf(world("")), ": mujoco: has neither a body nor a geom, must have one");
     says(mjcf("<compiler angle='grad'/>" + world("")), "angle is 'grad', must be degree or radian");
     says(mjcf("<compiler coordinate='global'/>" + world("")), "must be local");
