@@ -3,6 +3,7 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <fstream>
 #include <string_view>
@@ -43,49 +44,46 @@ Nodes nodesOf(const Json& gltf, const aiNode& root) {
     return found;
 }
 
-/// What tells nodes from each other. Clips and accessors, most of a file's text by far, are passed over.
-Json readNodes(const std::string& gltfText) {
-    const auto isNeeded = [](int depth, Json::parse_event_t event, const Json& key) {
-        return depth != 1 || event != Json::parse_event_t::key || key == "nodes" || key == "scenes" || key == "scene" ||
-               key == "skins";
+/// A member of a file, where it is a list; all else, most of a file's text by far, is passed over.
+Json listIn(const std::string& gltfText, const std::string& name) {
+    const auto isNeeded = [&](int depth, Json::parse_event_t event, const Json& key) {
+        return depth != 1 || event != Json::parse_event_t::key || key == name;
     };
-    return Json::parse(gltfText, isNeeded, false);
+    const Json gltf = Json::parse(gltfText, isNeeded, false);
+    return gltf.is_object() && gltf.contains(name) && gltf.at(name).is_array() ? gltf.at(name) : Json::array();
 }
 
-/// The joints of the skin with which each node carries its meshes.
-std::map<const aiNode*, Nodes> gltfJoints(const std::string& file, const aiNode& root) {
-    std::map<const aiNode*, Nodes> joints;
-    try {
-        const Json gltf = readNodes(gltfText(file));
-        const Nodes nodes = nodesOf(gltf, root);
-        for (std::size_t i = 0; i < nodes.size(); ++i) {
-            const Json& node = gltf.at("nodes").at(i);
-            if (!nodes[i] || !node.contains("skin")) continue;
-            Nodes& ofSkin = joints[nodes[i]];
-            for (const Json& joint : gltf.at("skins").at(node.at("skin").get<std::size_t>()).at("joints"))
-                ofSkin.push_back(nodes.at(joint.get<std::size_t>()));
-        }
-    } catch (const std::exception&) {
-        // glTF 1.0, whose nodes have names for numbers.
-        return {};
+/// Beginnings of names: what the importer or Ragtop reads, and what tells but looks, lights and licences.
+constexpr std::array<std::string_view, 14> kExtensions{"KHR_draco_mesh_compression",
+                                                       "KHR_physics_rigid_bodies",
+                                                       "KHR_implicit_shapes",
+                                                       "VRM",
+                                                       "KHR_materials_",
+                                                       "KHR_texture_",
+                                                       "EXT_texture_",
+                                                       "MSFT_texture_",
+                                                       "KHR_light",
+                                                       "EXT_light",
+                                                       "KHR_technique",
+                                                       "KHR_binary_glTF",
+                                                       "KHR_xmp",
+                                                       "ADOBE_materials_"};
+
+/// Who does not know an extension that a file requires must not read it [Khronos, glTF 2.0, 3.12]: vertices may lie
+/// there packed.
+void checkRequired(const std::string& gltfText, const std::string& file) {
+    const std::string list = "extensionsRequired";
+    if (gltfText.find(list) == std::string::npos) return;
+    const Json required = listIn(gltfText, list);
+    for (std::size_t i = 0; i < required.size(); ++i) {
+        if (!required[i].is_string()) continue;
+        const auto name = required[i].get<std::string>();
+        const auto begins = [&](std::string_view known) { return name.starts_with(known); };
+        if (std::none_of(kExtensions.begin(), kExtensions.end(), begins))
+            throw AssetError(file, "",
+                             "/extensionsRequired/" + std::to_string(i) + " is '" + name +
+                                 "', which is not read, must be none that packs or moves vertices");
     }
-    return joints;
-}
-
-/// Nodes by their names, equal ones in their order.
-using NamedNodes = std::map<std::string, Nodes>;
-
-NamedNodes byName(const Nodes& nodes) {
-    NamedNodes named;
-    for (const aiNode* node : nodes)
-        if (node) named[node->mName.C_Str()].push_back(node);
-    return named;
-}
-
-/// The first of that name, from `skipped` equal ones on.
-const aiNode* find(const NamedNodes& nodes, const std::string& name, std::size_t skipped) {
-    const auto found = nodes.find(name);
-    return found != nodes.end() && skipped < found->second.size() ? found->second[skipped] : nullptr;
 }
 
 /// The nodes that carry no mesh before those that do.
@@ -121,44 +119,27 @@ std::string gltfText(const std::string& file) {
 
 /// Matrices are optional [Khronos, glTF 2.0, 3.7.3.1]. Without them each vertex is in the frame of its joint, which
 /// tells no rest pose of a vertex that several joints move.
-void checkGltfSkins(const std::string& file) {
+void checkGltf(const std::string& file) {
     const std::string text = gltfText(file);
+    checkRequired(text, file);
     const auto times = [&](std::string_view key) {
         int count = 0;
         for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + key.size())) ++count;
         return count;
     };
     if (times("joints\"") <= times("BindMatrices\"")) return;  // begins with letters that are rare in numbers
-    const Json gltf = readNodes(text);
-    if (!gltf.is_object() || !gltf.contains("skins") || !gltf.at("skins").is_array()) return;
-    const Json& skins = gltf.at("skins");
+    const Json skins = listIn(text, "skins");
     for (std::size_t i = 0; i < skins.size(); ++i)
         if (skins[i].contains("joints") && !skins[i].contains("inverseBindMatrices"))
             throw AssetError(file, "", "/skins/" + std::to_string(i) + " has no inverseBindMatrices, must have them");
 }
 
-void findBoneNodes(const aiScene& from, const std::string& file, const NodePlaces& places, ImportedScene& to) {
-    const NamedNodes all = byName(barestFirst(places));
-    const bool areNamesUnique =
-        std::all_of(all.begin(), all.end(), [](const auto& named) { return named.second.size() == 1; });
-    std::map<const aiNode*, Nodes> skins;
-    if (!areNamesUnique && to.format.find("glTF") != std::string::npos) skins = gltfJoints(file, *from.mRootNode);
-    std::map<const Nodes*, NamedNodes> jointsByName;
-    std::map<std::size_t, const NamedNodes*> skinOf;
-    for (const auto& [carrier, joints] : skins) {
-        const NamedNodes& named = jointsByName[&joints] = byName(joints);
-        for (unsigned i = 0; i < carrier->mNumMeshes; ++i) skinOf.emplace(carrier->mMeshes[i], &named);
-    }
-    for (std::size_t mesh = 0; mesh < to.meshes.size(); ++mesh) {
-        const auto skin = skinOf.find(mesh);
-        std::map<std::string, std::size_t> used;
-        for (ImportedBone& bone : to.meshes[mesh].bones) {
-            const aiNode* node = nullptr;
-            if (skin != skinOf.end()) node = find(*skin->second, bone.name, used[bone.name]++);
-            if (!node) node = find(all, bone.name, 0);
-            if (node) bone.node = places.at(node);
-        }
-    }
+void findBoneNodes(const NodePlaces& places, ImportedScene& to) {
+    std::map<std::string, const aiNode*> named;
+    for (const aiNode* node : barestFirst(places)) named.emplace(node->mName.C_Str(), node);
+    for (ImportedMesh& mesh : to.meshes)
+        for (ImportedBone& bone : mesh.bones)
+            if (const auto found = named.find(bone.name); found != named.end()) bone.node = places.at(found->second);
 }
 
 void findSprings(const aiScene& from, const std::string& file, const NodePlaces& places, ImportedScene& to) {

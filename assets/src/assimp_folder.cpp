@@ -1,5 +1,8 @@
 #include "assimp_folder.h"
 
+#include <assimp/MemoryIOWrapper.h>
+
+#include <cstdint>
 #include <system_error>
 
 namespace ragtop {
@@ -30,6 +33,8 @@ bool FilesOfFolder::Exists(const char* file) const {
 }
 
 Assimp::IOStream* FilesOfFolder::Open(const char* file, const char* mode) {
+    if (!replaced_.empty() && replaced_ == file)
+        return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(content_.data()), content_.size());
     const std::string place = placeOf(file);
     return place.empty() ? nullptr : DefaultIOSystem::Open(place.c_str(), mode);
 }

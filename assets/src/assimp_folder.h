@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 
 namespace ragtop {
 
@@ -15,6 +16,12 @@ public:
     bool Exists(const char* file) const override;
     Assimp::IOStream* Open(const char* file, const char* mode) override;
 
+    /// Lets a file have another content.
+    void replace(const std::string& file, std::string content) {
+        replaced_ = file;
+        content_ = std::move(content);
+    }
+
     /// The first file outside of the folder that was asked for; empty: none was.
     const std::string& refused() const { return refused_; }
 
@@ -24,6 +31,7 @@ private:
 
     std::filesystem::path folder_;
     mutable std::string refused_;
+    std::string replaced_, content_;
 };
 
 }  // namespace ragtop

@@ -21,6 +21,7 @@
 #include "assimp_math.h"
 #include "axes.h"
 #include "file_kind.h"
+#include "gltf/numbered_nodes.h"
 #include "import_child.h"
 #include "json_document.h"
 #include "ragtop/asset_error.h"
@@ -189,11 +190,11 @@ void markDevices(const aiScene& from, ImportedScene& scene) {
     const auto mark = [&](const aiString& name) {
         if (name.length == 0) return;
         for (const char* ending : {"", ".Target", "_target", ".target", "Target"})
-            names.insert(name.C_Str() + std::string(ending));
+            names.insert(nameInFile(name.C_Str()) + ending);
     };
     for (unsigned i = 0; i < from.mNumCameras; ++i) mark(from.mCameras[i]->mName);
     for (unsigned i = 0; i < from.mNumLights; ++i) mark(from.mLights[i]->mName);
-    for (ImportedNode& node : scene.nodes) node.device = names.contains(node.name);
+    for (ImportedNode& node : scene.nodes) node.device = names.contains(nameInFile(node.name));
 }
 
 ImportedScene toScene(const aiScene& from, const std::string& file) {
@@ -202,7 +203,7 @@ ImportedScene toScene(const aiScene& from, const std::string& file) {
     for (unsigned i = 0; i < from.mNumMeshes; ++i) scene.meshes.push_back(toMesh(*from.mMeshes[i]));
     if (from.mRootNode) {
         const NodePlaces places = addNodes(*from.mRootNode, scene);
-        findBoneNodes(from, file, places, scene);
+        findBoneNodes(places, scene);
         findSprings(from, file, places, scene);
     }
     markDevices(from, scene);
@@ -266,7 +267,8 @@ void passOverGltf1(Assimp::Importer& importer, const std::string& file) {
 }
 
 ImportedScene importHere(const std::string& file, ImportedDetail detail) {
-    if (file.ends_with(".gltf") || file.ends_with(".glb")) checkGltfSkins(file);
+    const bool isGltf = file.ends_with(".gltf") || file.ends_with(".glb");
+    if (isGltf) checkGltf(file);
     // Ends with its process, sooner than it is taken apart.
     Assimp::Importer& importer = *new Assimp::Importer;
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
@@ -287,12 +289,20 @@ ImportedScene importHere(const std::string& file, ImportedDetail detail) {
     importer.SetIOHandler(files);  // which owns it from now on
     const aiScene* scene = importer.ReadFile(file, steps);
     if (!scene) refuse(importer, file, files->refused());
+    if (isGltf && haveEqualNames(*scene->mRootNode)) {
+        files->replace(file, withNumberedNodes(file));
+        scene = importer.ReadFile(file, steps);
+        if (!scene) refuse(importer, file, files->refused());
+    }
     ImportedScene imported = toScene(*scene, file);
     if (!files->refused().empty())
         imported.warnings.push_back("file '" + onOneLine(files->refused()) +
                                     "' is left out: it is not in the folder of the model");
     if (detail != ImportedDetail::surface) addClips(*scene, imported);
     if (detail == ImportedDetail::looks) addLooks(*scene, file, imported);
+    for (ImportedNode& node : imported.nodes) node.name = nameInFile(node.name);
+    for (ImportedMesh& mesh : imported.meshes)
+        for (ImportedBone& bone : mesh.bones) bone.name = nameInFile(bone.name);
     return imported;
 }
 
@@ -300,6 +310,11 @@ ImportedScene importHere(const std::string& file, ImportedDetail detail) {
 void check(const ImportedScene& scene, const std::string& file) {
     const auto isFiniteMap = [](const Affine& a) {
         return isFinite(a.linear.cx) && isFinite(a.linear.cy) && isFinite(a.linear.cz) && isFinite(a.shift);
+    };
+    const auto isFlat = [](const Affine& a) {
+        constexpr float kLeast = 1e-6f;  // of the volume between its axes, were they upright
+        const Mat3& m = a.linear;
+        return !(std::abs(determinant(m)) > kLeast * length(m.cx) * length(m.cy) * length(m.cz));
     };
     for (const ImportedNode& node : scene.nodes)
         if (!isFiniteMap(node.local))
@@ -330,6 +345,9 @@ void check(const ImportedScene& scene, const std::string& file) {
                 throw AssetError(file, "", "bone '" + bone.name + "' has no such node");
             if (!isFiniteMap(bone.offset))
                 throw AssetError(file, "", "bone '" + bone.name + "' has a rest pose that is not finite");
+            if (isFlat(bone.offset))
+                throw AssetError(file, "",
+                                 "bone '" + bone.name + "' has a rest pose that is flat, must have an inverse");
             for (const ImportedWeight& weight : bone.weights)
                 if (weight.vertex >= mesh.vertices.size() || !std::isfinite(weight.weight))
                     throw AssetError(file, "",

@@ -96,6 +96,7 @@ private:
             }
             bool moves = false;
             for (const ImportedWeight& w : bone.weights) {
+                negative_ += w.weight < 0;
                 if (!(w.weight > 0)) continue;
                 moves = true;
                 sum[w.vertex] += w.weight;
@@ -162,8 +163,11 @@ private:
                                           " vertices have weights that do not sum to one (" +
                                           shortNumber(skin.leastSum) + " to " + shortNumber(skin.greatestSum) +
                                           "); normalised");
+        if (negative_ > 0)
+            character_.warnings.push_back(std::to_string(negative_) + " weights are below zero and left out");
         if (skin.unweighted > 0)
-            character_.warnings.push_back(std::to_string(skin.unweighted) + " vertices follow no bone");
+            character_.warnings.push_back(std::to_string(skin.unweighted) + " of " + std::to_string(skin.vertices) +
+                                          " vertices follow no bone");
         if (!character_.droppedBones.empty())
             character_.warnings.push_back(std::to_string(character_.droppedBones.size()) +
                                           " bones move no vertex and are left out, such as '" +
@@ -172,6 +176,11 @@ private:
 
     /// A file of motion alone: its nodes are its bones.
     void useNodes() {
+        for (const ImportedMesh& mesh : scene_.meshes)
+            if (!mesh.bones.empty())
+                throw AssetError(character_.file, "",
+                                 "mesh '" + mesh.name + "' has " + std::to_string(mesh.bones.size()) +
+                                     " bones, but no weight of its vertices is a number above zero");
         for (const ImportedMesh& mesh : scene_.meshes)
             if (!mesh.triangles.empty())
                 throw AssetError(character_.file, "", "has no bones: nothing is skinned or moves as a skeleton");
@@ -251,7 +260,7 @@ private:
     std::vector<Affine> globals_, bind_;
     std::vector<std::vector<Vec3>> skin_;
     std::vector<bool> deforms_;
-    int posedMeshes_ = 0, homeless_ = 0;
+    int posedMeshes_ = 0, homeless_ = 0, negative_ = 0;
     std::string firstPosed_, firstHomeless_;
 };
 

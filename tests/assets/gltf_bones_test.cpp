@@ -30,8 +30,10 @@ void put(std::string& bytes, std::initializer_list<T> values) {
 }
 
 /// A body of three bones, a metre above each other, and three meshes of a triangle each: each mesh follows one of the
-/// bones, at whose height it is. All nodes of meshes come first.
-std::string gltf(const std::array<const char*, 3>& meshes, const std::array<const char*, 3>& bones) {
+/// bones, at whose height it is. All nodes of meshes come first; numbers go to
+/// `apart` where that is given. A clip lifts the middle bone by a metre in a second.
+std::string gltf(const std::array<const char*, 3>& meshes, const std::array<const char*, 3>& bones,
+                 std::string* apart = nullptr) {
     std::string bytes;
     for (int mesh = 0; mesh < 3; ++mesh) {
         const float y = static_cast<float>(mesh);
@@ -43,6 +45,9 @@ std::string gltf(const std::array<const char*, 3>& meshes, const std::array<cons
     const std::size_t binds = bytes.size();
     for (int bone = 0; bone < 3; ++bone)
         put<float>(bytes, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -static_cast<float>(bone), 0, 1});
+    const std::size_t times = bytes.size();
+    put<float>(bytes, {0, 1});
+    put<float>(bytes, {0, 1, 0, 0, 2, 0});
     std::string views, accessors, nodes, shapes;
     const auto accessor = [&](std::size_t offset, std::size_t length, const std::string& type) {
         const std::string comma = views.empty() ? "" : ",";
@@ -63,13 +68,17 @@ std::string gltf(const std::array<const char*, 3>& meshes, const std::array<cons
         nodes += R"({"name":")" + std::string(meshes[mesh]) + R"(","mesh":)" + std::to_string(mesh) + R"(,"skin":0},)";
     }
     accessor(binds, 192, R"(,"componentType":5126,"count":3,"type":"MAT4"})");
+    accessor(times, 8, R"(,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[1]})");
+    accessor(times + 8, 24, R"(,"componentType":5126,"count":2,"type":"VEC3"})");
     nodes += R"({"name":")" + std::string(bones[0]) + R"(","children":[4]},{"name":")" + bones[1] +
              R"(","translation":[0,1,0],"children":[5]},{"name":")" + bones[2] + R"(","translation":[0,1,0]})";
+    if (apart) *apart = bytes;
+    const std::string uri = apart ? "" : R"(,"uri":"data:application/octet-stream;base64,)" + base64(bytes) + "\"";
     return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1,2,3]}],"nodes":[)" + nodes +
-           R"(],"meshes":[)" + shapes + R"(],"skins":[{"joints":[3,4,5],"inverseBindMatrices":9}],"accessors":[)" +
-           accessors + R"(],"bufferViews":[)" + views + R"(],"buffers":[{"byteLength":)" +
-           std::to_string(bytes.size()) + R"(,"uri":"data:application/octet-stream;base64,)" + base64(bytes) +
-           R"("}]})";
+           R"(],"meshes":[)" + shapes + R"(],"skins":[{"joints":[3,4,5],"inverseBindMatrices":9}],)" +
+           R"("animations":[{"name":"lift","channels":[{"sampler":0,"target":{"node":4,"path":"translation"}}],)" +
+           R"("samplers":[{"input":10,"output":11}]}],"accessors":[)" + accessors + R"(],"bufferViews":[)" + views +
+           R"(],"buffers":[{"byteLength":)" + std::to_string(bytes.size()) + uri + "}]}";
 }
 
 /// The three bones hang on each other, at their heights, each with the vertices of its mesh.
@@ -83,6 +92,11 @@ void expectChain(const Character& character) {
         ASSERT_EQ(character.skeleton.skin[at].size(), 3u);
         EXPECT_NEAR(character.skeleton.skin[at][0].y, static_cast<float>(i), 1e-6f);
     }
+    ASSERT_EQ(character.clips.size(), 1u);
+    LocalPose pose = restPose(character.skeleton);
+    sample(character.clips[0], 1, pose);
+    const std::vector<Pose> world = writePose(character.skeleton, pose);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(world[i].position.y, i == 0 ? 0 : i == 1 ? 2 : 3, 1e-6) << i;
 }
 
 TEST(GltfBones, HangOnEachOtherWhateverTheMeshesAreCalled) {
@@ -95,6 +109,24 @@ TEST(GltfBones, HangOnEachOtherWhateverTheMeshesAreCalled) {
 
 TEST(GltfBones, MayHaveTheSameName) {
     const TemporaryFile file("same.gltf", gltf({"bone", "b", "c"}, {"bone", "bone", "bone"}));
+    const Character character = loadCharacter(file.path());
+    expectChain(character);
+    EXPECT_EQ(character.skeleton.bones[0].name, "bone");
+    EXPECT_EQ(character.skeleton.bones[2].name, "bone (3)");
+}
+
+TEST(GltfBones, OfABinaryMayHaveTheSameName) {
+    std::string numbers, text = gltf({"bone", "b", "c"}, {"bone", "bone", "bone"}, &numbers);
+    const auto padded = [](std::string& chunk, char with) {
+        chunk.resize((chunk.size() + 3) / 4 * 4, with);
+        return static_cast<std::uint32_t>(chunk.size());
+    };
+    const std::uint32_t first = padded(text, ' '), second = padded(numbers, '\0');
+    std::string binary = "glTF";
+    put<std::uint32_t>(binary, {2, 28 + first + second, first, 0x4e4f534a});
+    binary += text;
+    put<std::uint32_t>(binary, {second, 0x004e4942});
+    const TemporaryFile file("same.glb", binary + numbers);
     expectChain(loadCharacter(file.path()));
 }
 

@@ -213,6 +213,15 @@ const std::vector<Broken> kModels{
     {"no_bind_matrices",
      "inspect no_bind_matrices.gltf",
      {"no_bind_matrices.gltf: /skins/0 has no inverseBindMatrices, must have them"}},
+    {"weights_of_zero",
+     "inspect weights_of_zero.gltf",
+     {"weights_of_zero.gltf: mesh 'meshes[0]' has 2 bones, but no weight of its vertices is a number above zero"}},
+    {"flat_bind_matrix",
+     "inspect flat_bind_matrix.gltf",
+     {"flat_bind_matrix.gltf: bone 'a' has a rest pose that is flat, must have an inverse"}},
+    {"required_extension",
+     "inspect required_extension.gltf",
+     {"/extensionsRequired/0 is 'EXT_meshopt_compression', which is not read"}},
     {"no_such_file", "inspect no_such_file.fbx", {"no_such_file.fbx"}},
 };
 
