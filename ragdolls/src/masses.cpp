@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kLeastDensity = 300, kMostDensity = 2000;  ///< kg/m³, of any part
 constexpr double kFlesh = 1000;                             ///< kg/m³, of bodies that are no human
-/// Times the share of the table that volume makes of a human's part at most: helmets, hair and wide clothes are hollow,
-/// so that a shape around them is no flesh.
+/// Times the share of the table that volume makes of a human's part at most, unless that is lighter than any flesh:
+/// helmets, hair and wide clothes are hollow.
 constexpr double kTableRoom = 2;
 /// Mean logarithm of the ratio between the shares of volume and those of the table. Shapes around people, clothes and
 /// all, are off by less than a factor of two on the average; at a factor of four nothing is left of the table.
@@ -101,17 +101,18 @@ Wanted wantedOfHuman(std::span<const MassPart> parts, double volume, double fema
     }
     const double t = std::clamp((off - kLikeHumans) / (kUnlikeHumans - kLikeHumans), 0.0, 1.0);
     wanted.departure = t * t * (3 - 2 * t);
+    // A mass that leaves all of it lighter than flesh keeps to the table before it keeps to densities.
+    const bool hollow = mass < kLeastDensity * volume;
     double least = 0;
     for (std::size_t i = 0; i < parts.size(); ++i) {
         Room& room = wanted.rooms[i];
         if (table[i] > 0) {
             shares[i] += (1 - wanted.departure) * (table[i] - shares[i]);
-            room.most = std::min(table[i] * mass * kTableRoom, room.most);
+            room.most = std::clamp(table[i] * mass * kTableRoom, hollow ? 0.0 : room.least, room.most);
             room.least = std::min(room.least, room.most);
         }
         least += room.least;
     }
-    // Shapes that are hollow all over leave no part as much as flesh.
     if (least > mass)
         for (Room& room : wanted.rooms) room.least *= mass / least;
     return wanted;
@@ -144,7 +145,7 @@ std::string noteOfDeparture(double departure) {
     return text;
 }
 
-/// What a human wears is hollow where its table leaves a part less than flesh.
+/// Where a human is given less than clothes of flesh would weigh.
 std::string noteOfHollow(std::span<const MassPart> parts, const std::vector<double>& mass) {
     constexpr double kRounding = 1e-6;
     int count = 0;
@@ -159,10 +160,21 @@ std::string noteOfHollow(std::span<const MassPart> parts, const std::vector<doub
     if (count == 0) return {};
     char text[200];
     std::snprintf(text, sizeof text,
-                  "%d part%s lighter than %g kg/m3, the lightest (%.*s) has %.3g: a human weighs what its height says, "
-                  "however much it wears",
+                  "%d part%s lighter than %g kg/m3, the lightest (%.*s) has %.3g: %.4g kg are little for its volume",
                   count, count == 1 ? " is" : "s are", kLeastDensity, static_cast<int>(nameOf(role).size()),
-                  nameOf(role).data(), least);
+                  nameOf(role).data(), least, sumOf(mass));
+    return text;
+}
+
+/// Where the densities of flesh in each part are another mass than the height says.
+std::string noteOfMass(double mass, double byHeight) {
+    constexpr double kTold = 0.01;
+    if (std::abs(mass - byHeight) < kTold * byHeight) return {};
+    const bool more = mass > byHeight;
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "it weighs %.4g kg, not the %.4g kg of its height, by which parts were %s than %g kg/m3", mass,
+                  byHeight, more ? "lighter" : "heavier", more ? kLeastDensity : kMostDensity);
     return text;
 }
 
@@ -171,31 +183,34 @@ std::string noteOfHollow(std::span<const MassPart> parts, const std::vector<doub
 Masses shareMass(std::span<const MassPart> parts, const MassWish& wish) {
     double volume = 0;
     for (const MassPart& part : parts) volume += part.volume;
-    // The shape around a human may be as hollow as its clothes, but none is of stone.
-    const double least = wish.human ? 0 : kLeastDensity * volume, most = kMostDensity * volume;
-    double mass = wish.human ? wish.bodyMassIndex * wish.height * wish.height : kFlesh * volume;
-    if (wish.bodyMass)
-        mass = *wish.bodyMass;
-    else
-        mass = std::clamp(mass, 1.01 * least, 0.99 * most);
+    const double likely = wish.human ? wish.bodyMassIndex * wish.height * wish.height : kFlesh * volume;
+    double mass = wish.bodyMass ? *wish.bodyMass : std::max(likely, kLeastDensity * volume);
     const Wanted wanted =
         wish.human ? wantedOfHuman(parts, volume, wish.femaleShare, mass) : wantedByVolume(parts, volume);
     Masses result;
     result.departure = wanted.departure;
-    double room = 0;
-    for (const Room& part : wanted.rooms) room += part.most;
-    if (mass > least && mass < std::min(most, room)) {
+    std::vector<std::string> notes;
+    if (wish.human) notes.push_back(noteOfDeparture(wanted.departure));
+    double least = 0, most = 0;
+    for (const Room& part : wanted.rooms) least += part.least, most += part.most;
+    if (!wish.bodyMass) {
+        // Large clothes leave no part lighter than flesh where the body weighs more.
+        mass = std::clamp(likely, least, most);
         result.mass = bounded(wanted, mass);
-        if (wish.human) result.note = noteOfDeparture(result.departure);
-        if (const std::string hollow = noteOfHollow(parts, result.mass); !hollow.empty())
-            result.note += (result.note.empty() ? "" : "; ") + hollow;
-        return result;
+        notes.push_back(noteOfMass(mass, likely));
+    } else if ((wish.human || mass >= least) && mass < most) {
+        result.mass = bounded(wanted, mass);
+        if (wish.human) notes.push_back(noteOfHollow(parts, result.mass));
+    } else {
+        for (const MassPart& part : parts) result.mass.push_back(mass * part.volume / volume);
+        char text[160];
+        std::snprintf(text, sizeof text,
+                      "%.4g kg are %.3g kg/m3 in its %.3g m3, where %g to %g is flesh: shared by volume", mass,
+                      mass / volume, volume, kLeastDensity, kMostDensity);
+        notes = {text};
     }
-    for (const MassPart& part : parts) result.mass.push_back(mass * part.volume / volume);
-    char text[160];
-    std::snprintf(text, sizeof text, "%.4g kg are %.3g kg/m3 in its %.3g m3, where %g to %g is flesh: shared by volume",
-                  mass, mass / volume, volume, kLeastDensity, kMostDensity);
-    result.note = text;
+    for (const std::string& note : notes)
+        if (!note.empty()) result.note += (result.note.empty() ? "" : "; ") + note;
     return result;
 }
 

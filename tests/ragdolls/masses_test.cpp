@@ -60,30 +60,40 @@ TEST(Masses, GoFromTheTableToVolumeAsTheHeadGrows) {
         EXPECT_NEAR(total(masses), 100, 1e-9);
     }
     EXPECT_EQ(departure, 1);
-    // A helmet is no flesh: a part has at most twice its share of the table, and is told where that is little.
-    const Masses helmet = shareMass(humanParts([&](BodyRole role) { return role == BodyRole::head ? 48.0 : 1.0; }),
-                                    {true, 0, 24.49, 1.75, 100});
-    EXPECT_EQ(helmet.note.find("its parts have not the proportions of a human: masses go by volume, not by the table, "
-                               "for 100 %; 1 part is lighter than 300 kg/m3, the lightest (head) has 55"),
-              0u)
-        << helmet.note;
     EXPECT_EQ(shareMass(humanParts([](BodyRole) { return 1.0; }), kPerson).note, "");
-    EXPECT_NEAR(before, 2 * 100 * massShare(BodyRole::head, 0) / 0.9999, 1e-2);
 }
 
-TEST(Masses, OfHumansKeepToTwiceTheTableHoweverLargeTheirClothesAre) {
-    for (const double all : {0.7, 1.0, 4.0, 20.0})
-        for (const double hand : {0.2, 1.0, 20.0}) {
-            const auto parts = humanParts([&](BodyRole role) { return all * (role == BodyRole::hand ? hand : 1.0); });
+TEST(Masses, OfHumansKeepEveryDensityBetween300And2000WhateverTheyWear) {
+    const double byHeight = 24.49 * 1.75 * 1.75;
+    for (const double all : {0.2, 0.7, 1.0, 4.0, 20.0})
+        for (const double one : {0.05, 1.0, 48.0}) {
+            const auto parts = humanParts([&](BodyRole role) { return all * (role == BodyRole::head ? one : 1.0); });
             const Masses masses = shareMass(parts, {true, 0, 24.49, 1.75, {}});
-            EXPECT_NEAR(total(masses), 24.49 * 1.75 * 1.75, 1e-9 * 75);
             for (std::size_t i = 0; i < parts.size(); ++i) {
-                const double byTable = total(masses) * massShare(parts[i].role, 0) / 0.9999;
-                const double least = std::min(1.999 * byTable, 299.9 * parts[i].volume);
-                EXPECT_GE(masses.mass[i], all < 3 ? least : 0.499 * least);
-                EXPECT_LE(masses.mass[i], std::min(2.001 * byTable, 2001 * parts[i].volume));
+                EXPECT_GE(masses.mass[i] / parts[i].volume, 300 * (1 - 1e-9)) << all << " " << one;
+                EXPECT_LE(masses.mass[i] / parts[i].volume, 2000 * (1 + 1e-9)) << all << " " << one;
             }
+            // Of another mass than its height says only where that is more or less than the bounds allow, which is
+            // told.
+            const bool told = masses.note.find("of its height") != std::string::npos;
+            EXPECT_EQ(told, std::abs(total(masses) - byHeight) > 0.01 * byHeight) << masses.note;
+            EXPECT_TRUE(all != 1.0 || one != 1.0 || !told);
         }
+    const auto helmet = humanParts([](BodyRole role) { return role == BodyRole::head ? 48.0 : 1.0; });
+    EXPECT_NE(shareMass(helmet, {true, 0, 24.49, 1.75, {}}).note.find("kg of its height, by which parts were lighter"),
+              std::string::npos);
+}
+
+TEST(Masses, OfHumansThatAreGivenTooLittleKeepToTwiceTheTableAndSaySo) {
+    for (const double hand : {0.2, 1.0, 20.0}) {
+        const auto parts = humanParts([&](BodyRole role) { return 20 * (role == BodyRole::hand ? hand : 1.0); });
+        const Masses masses = shareMass(parts, kPerson);
+        EXPECT_NEAR(total(masses), 75, 1e-9 * 75);
+        for (std::size_t i = 0; i < parts.size(); ++i)
+            EXPECT_LE(masses.mass[i], 2.001 * 75 * massShare(parts[i].role, 0) / 0.9999);
+        EXPECT_NE(masses.note.find("lighter than 300 kg/m3, the lightest ("), std::string::npos) << masses.note;
+        EXPECT_NE(masses.note.find("75 kg are little for its volume"), std::string::npos) << masses.note;
+    }
 }
 
 TEST(Masses, OfOthersKeepEveryDensityBetween300And2000WhereTheSumAllows) {
