@@ -73,6 +73,23 @@ TEST(Gearbox, ShiftsUpAndDownWithoutHunting) {
     EXPECT_EQ(changes, 2 * (gears - 1));
 }
 
+/// To the nearest step, whatever is left of it by rounding.
+TEST(Gearbox, ChangesInTheTimeThatItIsGiven) {
+    for (const float time : {0.0f, 0.05f, 0.1f, 0.25f, 0.3f, 1.0f}) {
+        for (const int hz : {24, 30, 60, 90, 120, 240, 1000}) {
+            GearboxDef def;
+            def.shiftTime = time;
+            const float dt = 1 / static_cast<float>(hz);
+            GearboxState state;
+            shift(def, state, 1, 0, 0, dt);
+            shift(def, state, 2, 0, 0, dt);
+            int steps = 0;
+            for (; state.shiftTimer > 0; ++steps) shift(def, state, 2, 0, 0, dt);
+            EXPECT_NEAR(static_cast<float>(steps) * dt, time, 0.501f * dt) << hz << " Hz";
+        }
+    }
+}
+
 TEST(Gearbox, ObeysTheDriver) {
     GearboxDef def;
     GearboxState state;

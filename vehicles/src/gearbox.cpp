@@ -53,7 +53,9 @@ float gearing(const GearboxDef& def, int gear) {
 
 void shift(const GearboxDef& def, GearboxState& state, std::optional<int> wanted, float axleSpeed, float throttle,
            float dt) {
-    state.shiftTimer = std::max(state.shiftTimer - dt, 0.0f);
+    // In whole steps, as many as are nearest: of a time that is one of them nothing but rounding may be left.
+    const auto inSteps = [dt](float time) { return time < 0.5f * dt ? 0 : time; };
+    state.shiftTimer = inSteps(state.shiftTimer - dt);
     int gear = state.gear;
     if (wanted) {
         gear = std::clamp(*wanted, -1, highestGear(def));
@@ -65,7 +67,7 @@ void shift(const GearboxDef& def, GearboxState& state, std::optional<int> wanted
     state.ratio = def.continuous ? continuousRatio(def, state.ratio, axleSpeed, throttle, dt) : 0;
     if (gear == state.gear) return;
     state.gear = gear;
-    state.shiftTimer = def.shiftTime;
+    state.shiftTimer = inSteps(def.shiftTime);
 }
 
 float launchSpeed(const EngineDef& def, float throttle) {
