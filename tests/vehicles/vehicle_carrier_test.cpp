@@ -61,6 +61,23 @@ double widestGap(const World& world) {
     return widest;
 }
 
+/// What carries its wheels is where the car is, and goes as it is asked to, however that was put there before.
+TEST(LinkageBodies, GoAsTheCarThatIsPutElsewhereIsAskedTo) {
+    for (const VehicleDef& def : linkageKinds()) {
+        World world;
+        Vehicle car(world, atLevel(VehicleLevel::linkages, def));
+        world.setPose(car.chassis(), {{3, 20, -4}, rotationAbout({1, 0.5f, 0}, 2)});
+        car.setVelocity({1, 2, 3}, {2, -1, 3});
+        for (int i = 0; i < 2; ++i) {
+            const WholeCar whole(world, car);
+            const DVec3 asked{1, 2 - i * 9.81 * kStep, 3}, off = (1 / whole.mass) * whole.momentum - asked;
+            EXPECT_LT(length(Vec3(toVec3(off))), 1e-3f) << "after " << i << " steps";
+            EXPECT_LT(widestGap(world), 1e-3);
+            world.step(kStep);
+        }
+    }
+}
+
 TEST(LinkageBodies, WeighTogetherWhatTheCarDoes) {
     for (const VehicleDef& def : linkageKinds()) {
         World world;

@@ -233,7 +233,9 @@ void VehicleSim::place(const VehiclePlacement& placement) {
 }
 
 void VehicleSim::setVelocity(const Vec3& linear, const Vec3& angular) {
-    const DVec3 center = transformPoint(world->pose(chassis), carMass.center);
+    const Pose pose = world->pose(chassis);
+    if (hasCarriers()) followPose(pose);
+    const DVec3 center = transformPoint(pose, carMass.center);
     const auto give = [&](BodyId body) {
         world->setVelocity(body, linear + cross(angular, relative(world->centerOfMass(body), center)), angular);
     };

@@ -266,6 +266,7 @@ private:
     void createCarrier(std::size_t k, const Pose& pose);
     void makeCarriers();
     void removeCarriers();
+    void followPose(const Pose& pose);
     void bringCarriers(const Pose& pose);
     void takeInertia(std::size_t i, const Pose& pose, const DVec3& center);
     void addInertia(std::size_t i, const PointBody& body, float h, BarPull& pull) const;

@@ -93,11 +93,7 @@ void VehicleSim::beforeStep(double dt) {
     if (!world->isAwake(chassis) || driver.drives(drivetrain.gearbox.gear) || swings()) world->wake(chassis);
 
     const Pose pose = world->pose(chassis);
-    if (isElsewhere(pose, endPose)) {
-        for (WheelState& wheel : wheels) wheel.squash = WheelState::kPut;
-        carried = {};
-        if (hasCarriers()) bringCarriers(pose);
-    }
+    followPose(pose);
     const float forwardSpeed = dot(world->linearVelocity(chassis), rotate(pose.rotation, {0, 0, 1}));
     const auto step = static_cast<float>(dt);
     steerAngle = steeredAngle(def.steering, steerAngle, driver.steer, forwardSpeed, step);
@@ -110,6 +106,15 @@ void VehicleSim::beforeStep(double dt) {
     }
     steerWheels();
     if (def.level >= VehicleLevel::full) placeShapes();
+}
+
+/// Where somebody has put the chassis elsewhere all of the car is there.
+void VehicleSim::followPose(const Pose& pose) {
+    if (!isElsewhere(pose, endPose)) return;
+    for (WheelState& wheel : wheels) wheel.squash = WheelState::kPut;
+    carried = {};
+    if (hasCarriers()) bringCarriers(pose);
+    endPose = pose;
 }
 
 /// What meets wheels from the side finds them where their struts and the steering have them.
