@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <sstream>
 #include <vector>
 
 #include "ragtop/asset_error.h"
@@ -94,9 +95,15 @@ void failInvalid(const JsonDocument& document, const std::string& wrong) {
 }
 
 void writeJson(const Json& json, const std::filesystem::path& path) {
+    std::ostringstream text;
+    try {
+        print(text, json, "");
+    } catch (const Json::type_error&) {
+        // Of file systems, where names are any bytes. Nothing is written then: a half of a file would be read as none.
+        throw AssetError(path.string() + ": cannot be written, since a name in it is not UTF-8, as JSON is");
+    }
     std::ofstream out(path, std::ios::binary);
-    print(out, json, "");
-    out << "\n";
+    out << text.view() << "\n";
     if (!out.flush()) throw AssetError(path.string() + ": cannot be written");
 }
 

@@ -217,6 +217,21 @@ TEST(SceneTuning, IsTheSameSceneHoweverItsPathIsSpelled) {
         }
 }
 
+/// File systems take any bytes for a name, JSON does not: what was saved before stays.
+TEST(SceneTuning, IsNotSavedByHalfWhereANameIsNoText) {
+    const SceneFolder folder;
+    const std::vector<TunedValue> values{{"vehicles.car.chassis.mass", 900.0}};
+    saveTuning("mine.json", "scenes/own.json", values);
+    fs::copy("scenes/own.json", "scenes/b\xe9.json");
+    try {
+        saveTuning("mine.json", "scenes/b\xe9.json", values);
+        ADD_FAILURE() << "it is saved";
+    } catch (const AssetError& error) {
+        EXPECT_STREQ(error.what(), "mine.json: cannot be written, since a name in it is not UTF-8, as JSON is");
+    }
+    EXPECT_EQ(valueOf(loadScene("mine.json"), values[0].first), values[0].second);
+}
+
 TEST(SceneTuning, WrongValuesHaveAPlace) {
     const auto why = [](const std::string& entry) -> std::string {
         try {
