@@ -16,7 +16,7 @@ JointBodies& bodiesOf(SceneJoint& joint) {
 /// body more would be one that is left behind by those that it is compared with.
 void giveTheWorldABody(Scene& scene) {
     const auto isHeld = [](const SceneJoint& joint) {
-        return joint.bodyA == stability::kWorld || joint.bodyB == stability::kWorld;
+        return !joint.holdsPart() && (joint.bodyA == stability::kWorld || joint.bodyB == stability::kWorld);
     };
     if (std::ranges::none_of(scene.joints, isHeld)) return;
     BodyDef def = stability::fixedBody(Sphere{0.01f}, {}, {});
@@ -47,6 +47,14 @@ Drawn turned(Drawn drawn) {
         body.def.linearVelocity = rotate(turn, body.def.linearVelocity);
         body.def.angularVelocity = rotate(turn, body.def.angularVelocity);
     }
+    for (SceneVehicle& car : drawn.scene.vehicles) {
+        car.placement.position = DVec3{rotate(turn, toVec3(car.placement.position))};
+        car.placement.heading += 0.9272952f;  // 2 atan(½)
+    }
+    for (LaidCar& car : drawn.laid) {
+        car.pose = {DVec3{rotate(turn, toVec3(car.pose.position))}, turn * car.pose.rotation};
+        car.v = rotate(turn, car.v), car.w = rotate(turn, car.w);
+    }
     for (Ride& ride : drawn.rides)
         ride.start = rotate(turn, ride.start), ride.acceleration = rotate(turn, ride.acceleration);
     return drawn;
@@ -54,15 +62,18 @@ Drawn turned(Drawn drawn) {
 
 Drawn distant(Drawn drawn) {
     giveTheWorldABody(drawn.scene);
-    for (SceneBody& body : drawn.scene.bodies)
-        body.def.pose.position = body.def.pose.position + DVec3{8192, 0, -4096};
+    for (SceneBody& body : drawn.scene.bodies) body.def.pose.position = body.def.pose.position + DVec3{8192, 0, -4096};
+    for (SceneVehicle& car : drawn.scene.vehicles)
+        car.placement.position = car.placement.position + DVec3{8192, 0, -4096};
+    for (LaidCar& car : drawn.laid) car.pose.position = car.pose.position + DVec3{8192, 0, -4096};
     return drawn;
 }
 
 Shape scaled(const Shape& shape, float s) {
     if (const auto* sphere = std::get_if<Sphere>(&shape)) return Sphere{s * sphere->radius};
     if (const auto* box = std::get_if<Box>(&shape)) return Box{s * box->halfExtents};
-    if (const auto* capsule = std::get_if<Capsule>(&shape)) return Capsule{s * capsule->radius, s * capsule->halfHeight};
+    if (const auto* capsule = std::get_if<Capsule>(&shape))
+        return Capsule{s * capsule->radius, s * capsule->halfHeight};
     if (const auto* hull = std::get_if<ConvexHull>(&shape)) {
         std::vector<Vec3> points(hull->vertices().begin(), hull->vertices().end());
         for (Vec3& point : points) point *= s;
@@ -99,9 +110,16 @@ Drawn larger(Drawn drawn) {
 Drawn reversed(Drawn drawn) {
     Scene& scene = drawn.scene;
     std::reverse(scene.bodies.begin() + 1, scene.bodies.end());
-    const auto renamed = [count = static_cast<int>(scene.bodies.size())](int body) { return body <= 0 ? body : count - body; };
+    const auto renamed = [count = static_cast<int>(scene.bodies.size())](int body) {
+        return body <= 0 ? body : count - body;
+    };
     for (SceneJoint& joint : scene.joints) joint.bodyA = renamed(joint.bodyA), joint.bodyB = renamed(joint.bodyB);
     std::ranges::reverse(scene.joints);
+    std::ranges::reverse(scene.vehicles);
+    std::ranges::reverse(drawn.laid);
+    for (SceneJoint& joint : scene.joints)
+        for (ScenePart* part : {&joint.partA, &joint.partB})
+            if (*part) part->index = static_cast<int>(scene.vehicles.size()) - 1 - part->index;
     for (Shaker& shaker : drawn.shakers) shaker.body = renamed(shaker.body);
     for (Ride& ride : drawn.rides) ride.body = renamed(ride.body);
     return drawn;
@@ -110,11 +128,13 @@ Drawn reversed(Drawn drawn) {
 }  // namespace
 
 std::span<const Seen> allViews() {
-    static const Seen kViews[] = {
-        {"at 0.1 m/s", moving<1>},     {"at 10 m/s", moving<100>},
-        {"at 100 m/s", moving<1000>},  {"turned", turned},
-        {"9 km away", distant},        {"four times as large", larger, static_cast<double>(kLength)},
-        {"in reverse order", reversed}};
+    static const Seen kViews[] = {{"at 0.1 m/s", moving<1>, 1, false},
+                                  {"at 10 m/s", moving<100>, 1, false},
+                                  {"at 100 m/s", moving<1000>, 1, false},
+                                  {"turned", turned},
+                                  {"9 km away", distant},
+                                  {"four times as large", larger, static_cast<double>(kLength), false},
+                                  {"in reverse order", reversed}};
     return kViews;
 }
 

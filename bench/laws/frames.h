@@ -11,7 +11,8 @@ namespace ragtop::laws {
 struct Seen {
     std::string name;
     Drawn (*from)(Drawn drawn);
-    double length = 1;  ///< of a metre of the scene
+    double length = 1;    ///< of a metre of the scene
+    bool hasCars = true;  ///< where there are some: their air stands, and their definitions have a size
 };
 
 /// Moving evenly, turned about the vertical, far away, four times as large with twice the step, made in reverse order.

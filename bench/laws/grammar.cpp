@@ -13,7 +13,7 @@ std::span<const Kind> allKinds() {
         {"beam", drawBeam},         {"heap", drawHeap},       {"pendulum", drawPendulum},
         {"mixture", drawMixture},   {"pressed", drawPressed}, {"hung", drawHung},
         {"lattice", drawLattice},   {"struck", drawStruck},   {"masonry", drawMasonry},
-        {"crossing", drawCrossing}, {"machine", drawMachine},
+        {"crossing", drawCrossing}, {"machine", drawMachine}, {"drive", drawDrive},
     };
     return kKinds;
 }

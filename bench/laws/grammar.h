@@ -32,15 +32,24 @@ struct Ride {
     Vec3 velocity(double from, double to) const;
 };
 
+/// How a car of the scene, by its index, begins: at any attitude, unlike placements.
+struct LaidCar {
+    Pose pose;  ///< of the chassis
+    Vec3 v, w;  ///< m/s of the centre of mass; rad/s
+};
+
 /// A scene and what else is done to it. Laws hold for all of them.
 struct Drawn {
     Scene scene;
     std::vector<Shaker> shakers;
     std::vector<Ride> rides;
-    double seconds = 6;    ///< for which the laws are watched
-    bool isDriven = false;  ///< by motors and the like, whose work is not counted
-    bool stands = false;  ///< statics says that nothing moves against body 0
-    bool falls = false;   ///< statics says that something does
+    std::vector<LaidCar> laid;  ///< the first cars of the scene
+    double seconds = 6;         ///< for which the laws are watched
+    bool isDriven = false;      ///< by motors and the like, whose work is not counted
+    bool stands = false;        ///< statics says that nothing moves against body 0
+    bool brakes = false;        ///< cars are braked until they stand
+    bool isOnIce = false;       ///< nothing but a floor without friction holds it
+    bool falls = false;         ///< statics says that something does
 };
 
 /// Sizes and weights in a family of structures, drawn from the dice.

@@ -33,6 +33,9 @@ Drawn drawLattice(Dice& dice);
 /// Figures of 5 cm to 2 m, each link up to a thousandth of its trunk, which a ball of 0.1 to 100 kg strikes at 1 to 40
 /// m/s, in empty space and over a floor.
 Drawn drawStruck(Dice& dice);
+/// Vehicles of three to eight wheels at any level, some with a trailer, driven, braked and let roll, upright and not,
+/// on roads, hills, steps, ramps, litter, bridges, plates on ice and platforms.
+Drawn drawDrive(Dice& dice);
 /// Bodies of all convex shapes poured on the floor.
 Drawn drawHeap(Dice& dice);
 /// Groups of compounds on joints of all kinds, with limits, motors and springs, on a floor and a plate that moves.

@@ -11,7 +11,7 @@
 namespace ragtop::laws {
 namespace {
 
-constexpr double kRest = 0.1;  ///< m/s: slower than a body falls in a hundredth of a second
+constexpr double kRest = 0.1;    ///< m/s: slower than a body falls in a hundredth of a second
 constexpr double kMoved = 0.01;  ///< m, by which nothing moves that stands, and something that falls
 constexpr double kDegree = 3.141592653589793 / 180, kTwoPi = 6.283185307179586;
 
@@ -23,11 +23,14 @@ void raise(double& largest, double value) {
 double length(const DVec3& a) { return std::sqrt(dot(a, a)); }
 
 double angleOf(const Quat& q) {
-    const double sine = std::sqrt(static_cast<double>(q.x) * q.x + static_cast<double>(q.y) * q.y + static_cast<double>(q.z) * q.z);
+    const double sine =
+        std::sqrt(static_cast<double>(q.x) * q.x + static_cast<double>(q.y) * q.y + static_cast<double>(q.z) * q.z);
     return 2 * std::atan2(sine, std::abs(static_cast<double>(q.w)));
 }
 
-double twistAbout(const Quat& q) { return std::remainder(2 * std::atan2(static_cast<double>(q.x), static_cast<double>(q.w)), kTwoPi); }
+double twistAbout(const Quat& q) {
+    return std::remainder(2 * std::atan2(static_cast<double>(q.x), static_cast<double>(q.w)), kTwoPi);
+}
 
 double beyond(const Range& range, double angle) {
     return std::max({0.0, static_cast<double>(range.lower) - angle, angle - static_cast<double>(range.upper)});
@@ -43,7 +46,8 @@ double gapOf(const JointDef& def, const Place& place) {
     const DVec3 apart = place.b.position - place.a.position;
     const double along = dot(apart, DVec3{rotate(place.a.rotation, Vec3{1, 0, 0})});
     const double across = std::sqrt(std::max(0.0, dot(apart, apart) - along * along));
-    if (std::holds_alternative<SliderDef>(def) || std::holds_alternative<CylindricalDef>(def) || std::holds_alternative<ScrewDef>(def))
+    if (std::holds_alternative<SliderDef>(def) || std::holds_alternative<CylindricalDef>(def) ||
+        std::holds_alternative<ScrewDef>(def))
         return across;
     if (std::holds_alternative<PlaneDef>(def)) return std::abs(along);
     if (const auto* rope = std::get_if<DistanceDef>(&def))
@@ -58,7 +62,8 @@ double overLimit(const JointDef& def, const Place& place) {
     double over = 0;
     if (const auto* ball = std::get_if<BallDef>(&def)) {
         const Vec3 x = rotate(turn, Vec3{1, 0, 0});
-        const double swing = std::atan2(std::hypot(static_cast<double>(x.y), static_cast<double>(x.z)), static_cast<double>(x.x));
+        const double swing =
+            std::atan2(std::hypot(static_cast<double>(x.y), static_cast<double>(x.z)), static_cast<double>(x.x));
         if (ball->swingLimit) raise(over, swing - static_cast<double>(*ball->swingLimit));
         if (ball->twistLimit) raise(over, beyond(*ball->twistLimit, twistAbout(turn)));
     } else if (const auto* hinge = std::get_if<HingeDef>(&def); hinge != nullptr && hinge->limit) {
@@ -88,6 +93,19 @@ bool isFree(const Scene& scene) {
     return std::ranges::all_of(scene.bodies, moves) && std::ranges::all_of(scene.joints, isInside);
 }
 
+/// Puts cars where they begin.
+void lay(const Drawn& drawn, stability::Engine& engine) {
+    for (std::size_t i = 0; i < drawn.laid.size(); ++i)
+        engine.layCar(static_cast<int>(i), {drawn.laid[i].pose, drawn.laid[i].v, drawn.laid[i].w});
+}
+
+void lay(const Drawn& drawn, World& world, SceneInstance& instance) {
+    for (std::size_t i = 0; i < drawn.laid.size(); ++i) {
+        world.setPose(instance.vehicles[i].chassis(), drawn.laid[i].pose);
+        instance.vehicles[i].setVelocity(drawn.laid[i].v, drawn.laid[i].w);
+    }
+}
+
 /// What is measured of a scene between steps.
 class Watch {
 public:
@@ -95,6 +113,7 @@ public:
         : drawn_(drawn), scene_(drawn.scene), engine_(engine), overlaps_(overlaps) {
         for (const SceneBody& body : scene_.bodies)
             masses_.push_back(body.def.type == BodyType::dynamic ? stability::massOf(body.def) : MassProperties{});
+        lay(drawn, engine);
         start_ = base_ = energy();
         workOfMotors();
         startMomentum_ = momentum_;
@@ -105,17 +124,19 @@ public:
 
     void note(Watched& watched) {
         spent_ += workOfMotors();
-        const double total = energy() - spent_;
+        const double total = energy() - spent_ - worked_;
+        // What tires stand on is known from the end of the first step on.
+        if (hasCars() && steps_ == 0) start_ = base_ = total;
         raise(gained_, total - base_);
         // What motors may give is more than they do: it must not pay for what comes later. What overlaps hold may.
-        if (hasMotors_ && total < base_) base_ = std::min(base_, total + overlaps_.held(engine_));
+        if ((hasMotors_ || hasCars()) && total < base_) base_ = std::min(base_, total + overlaps_.held(engine_));
         if (!(potential_ >= lowest_)) lowest_ = potential_;
-        if (hasMotors_) raise(fullest_, kinetic_);
+        if (hasMotors_ || hasCars()) raise(fullest_, kinetic_);
         const double room = std::max({start_ - lowest_, kLeast * weightTimesSize_, fullest_});
         watched.energyGain = room > 0 ? std::max(0.0, gained_ / room) : 0;
         if (std::isnan(gained_)) watched.energyGain = gained_;
         ++steps_;
-        if (isFree(scene_)) raise(watched.momentumGain, momentumGain());
+        if (drawn_.isOnIce || isFree(scene_)) raise(watched.momentumGain, momentumGain());
         raise(watched.gap, gap());
         raise(watched.fastest, fastest_);
         raise(watched.overLimit, over());
@@ -146,15 +167,19 @@ public:
 private:
     /// Of a step, by which what speeds up turns later than at its mean speed: half of one of four substeps.
     static constexpr double kLate = 0.125;
+    bool hasCars() const { return !scene_.vehicles.empty(); }
     static constexpr double kLeast = 0.1;  ///< of the weight times a metre, that counts as energy of a scene at rest
 
     Place place(const SceneJoint& joint) const {
-        const JointBodies& bodies = std::visit([](const auto& def) -> const JointBodies& { return def.bodies; }, joint.def);
-        const auto of = [&](int body, const Frame& frame) {
-            const Pose pose = body == stability::kWorld ? Pose{} : engine_.motion(body).pose;
+        const JointBodies& bodies =
+            std::visit([](const auto& def) -> const JointBodies& { return def.bodies; }, joint.def);
+        const auto of = [&](int body, const ScenePart& part, const Frame& frame) {
+            const Pose pose = part                        ? engine_.car(part.index).pose
+                              : body == stability::kWorld ? Pose{}
+                                                          : engine_.motion(body).pose;
             return Pose{transformPoint(pose, frame.position), pose.rotation * frame.rotation};
         };
-        return {of(joint.bodyA, bodies.frameA), of(joint.bodyB, bodies.frameB)};
+        return {of(joint.bodyA, joint.partA, bodies.frameA), of(joint.bodyB, joint.partB, bodies.frameB)};
     }
     double energy() {
         kinetic_ = potential_ = mass_ = fastest_ = way_ = 0;
@@ -174,17 +199,30 @@ private:
             kinetic_ += 0.5 * kg * dot(v, v) + 0.5 * static_cast<double>(dot(w, mass.inertia * w));
             potential_ -= kg * dot(g, transformPoint(m.pose, mass.center));
         }
+        if (hasCars()) addCars();
         weightTimesSize_ = mass_ * length(g);
         double springs = 0;
         for (const SceneJoint& joint : scene_.joints) springs += springEnergy(joint.def, place(joint));
         potential_ += springs;
         return kinetic_ + potential_;
     }
+    void addCars() {
+        const stability::CarSums cars = engine_.cars();
+        raise(fastest_, cars.fastest);
+        mass_ += cars.mass;
+        momentum_ = momentum_ + cars.momentum;
+        way_ += cars.way;
+        kinetic_ += cars.kinetic;
+        potential_ += cars.potential + cars.held;
+        worked_ = cars.work;
+    }
     /// Of its change in all steps so far, of what the bodies had.
     double momentumGain() const {
         const DVec3 given = mass_ * scene_.step * steps_ * DVec3{scene_.settings.gravity};
         const double way = std::max(startWay_, length(given));
-        return way > 0 ? length(momentum_ - startMomentum_ - given) / way : way_;
+        DVec3 gained = momentum_ - startMomentum_ - given;
+        if (drawn_.isOnIce) gained.y = 0;  // that of the floor
+        return way > 0 ? length(gained) / way : way_;
     }
     /// J, that the motors of hinges have given since the last time, at most: they push with all their torque what turns
     /// slower than they ask, and give none to what turns back or faster.
@@ -223,6 +261,7 @@ private:
     std::vector<Pose> allPoses() const {
         std::vector<Pose> poses;
         for (std::size_t i = 0; i < masses_.size(); ++i) poses.push_back(engine_.motion(static_cast<int>(i)).pose);
+        for (std::size_t i = 0; i < scene_.vehicles.size(); ++i) poses.push_back(engine_.car(static_cast<int>(i)).pose);
         return poses;
     }
     static bool isSame(const Pose& a, const Pose& b) { return a.position == b.position && a.rotation == b.rotation; }
@@ -244,6 +283,7 @@ private:
     double start_ = 0, lowest_ = 0;
     double fullest_ = 0;                             ///< J, kinetic, where motors give it
     double base_ = 0, gained_ = -1e300, spent_ = 0;  ///< J: from which gains are counted, the largest, what motors gave
+    double worked_ = 0;                              ///< J, of engines
     double kinetic_ = 0, potential_ = 0, mass_ = 0, fastest_ = 0, weightTimesSize_ = 0;
     DVec3 momentum_, startMomentum_;  // kg m/s
     double way_ = 0, startWay_ = 0;   // the same, of sizes
@@ -281,6 +321,7 @@ std::span<const Law> allLaws() {
         {"overlap at rest", &Watched::restOverlap, 0.002, "m", false},
         {"stands", &Watched::moved, kMoved, "m"},
         {"falls", &Watched::hangs, 0, "m"},
+        {"stops", &Watched::rolls, kRest, "m/s"},
         {"fastest", &Watched::fastest, 300, "m/s"},
         {"comes to rest", &Watched::endSpeed, kRest, "m/s", false},
         {"goes on", &Watched::stuck, 0.1, "s"},
@@ -325,6 +366,7 @@ Watched watch(const Drawn& drawn, const stability::EngineKind& kind) {
         raise(watched.restOverLimit, watch.over());
     }
     watched.endSpeed = watch.speed();
+    if (drawn.brakes) watched.rolls = watched.endSpeed;
     if (isDriven(drawn)) watched.energyGain = 0;
     for (const double ms : times) watched.meanMs += ms / static_cast<double>(times.size());
     std::ranges::sort(times);
@@ -340,8 +382,11 @@ bool restoresAlike(const Drawn& drawn, std::uint64_t seed) {
     settings.sleeping = false;
     const auto steps = std::min(std::lround(drawn.seconds / dt), 180L);
     World straight(settings), turned(settings);
-    const SceneInstance one(drawn.scene, straight), other(drawn.scene, turned);
+    SceneInstance one(drawn.scene, straight), other(drawn.scene, turned);
+    lay(drawn, straight, one);
+    lay(drawn, turned, other);
     for (long i = 0; i < steps; ++i) {
+        one.drive(static_cast<double>(i) * dt);
         straight.step(dt);
         if (!straight.validate().empty()) return false;
     }
@@ -354,6 +399,7 @@ bool restoresAlike(const Drawn& drawn, std::uint64_t seed) {
             for (std::uint32_t k = 0; k <= dice.below(5); ++k) turned.step(dt);
             turned.restore(kept);
         }
+        other.drive(static_cast<double>(i) * dt);
         turned.step(dt);
         if (!turned.validate().empty()) return false;
     }

@@ -12,28 +12,29 @@ namespace ragtop::laws {
 
 /// What a run of a scene showed. A number that is none stays none.
 struct Watched {
-    double energyGain = 0;  ///< largest energy over that at the start, as a share of what the scene could release
+    double energyGain = 0;    ///< largest energy over that at the start, as a share of what the scene could release
     double momentumGain = 0;  ///< of bodies that nothing holds, against what gravity gives, as a share of theirs
-    double gap = 0;         ///< m, largest of a joint at the end of any step
-    double restGap = 0;     ///< m, the same in the last half second, where all came to rest
-    double overLimit = 0;   ///< rad, farthest beyond a limit
+    double gap = 0;           ///< m, largest of a joint at the end of any step
+    double restGap = 0;       ///< m, the same in the last half second, where all came to rest
+    double overLimit = 0;     ///< rad, farthest beyond a limit
     double restOverLimit = 0;
     double overlap = 0;  ///< m, deepest of two bodies that were apart at the start, looked at in each tenth of a second
     double restOverlap = 0;
-    double moved = 0;       ///< m, farthest against body 0 of what should stand
-    double hangs = 0;       ///< m, by which what should fall has moved less than what may stand
-    double fastest = 0;     ///< m/s, of any body at the end of any step
-    double endSpeed = 0;    ///< m/s, √(2 K/m) of all bodies when it ends; laws at rest look at what is slow alone
-    double stuck = 0;       ///< s, longest in which no place changed though there were speeds
+    double moved = 0;     ///< m, farthest against body 0 of what should stand
+    double hangs = 0;     ///< m, by which what should fall has moved less than what may stand
+    double rolls = 0;     ///< m/s, √(2 K/m) of what is braked, when it ends
+    double fastest = 0;   ///< m/s, of any body at the end of any step
+    double endSpeed = 0;  ///< m/s, √(2 K/m) of all bodies when it ends; laws at rest look at what is slow alone
+    double stuck = 0;     ///< s, longest in which no place changed though there were speeds
     double meanMs = 0, medianMs = 0, worstMs = 0;  ///< of a step
-    std::vector<std::string> meddled;  ///< laws that did not hold where it was meddled with
-    bool restored = true;   ///< after a restore the same bits as without
+    std::vector<std::string> meddled;              ///< laws that did not hold where it was meddled with
+    bool restored = true;                          ///< after a restore the same bits as without
 };
 
 /// A law and where its bound comes from.
 struct Law {
     const char* name;
-    double Watched::* value;
+    double Watched::*value;
     double bound;
     const char* unit;
     bool always = true;  ///< else it counts only where it is asked for by its name: it does not hold in all kinds yet

@@ -15,11 +15,14 @@ constexpr double kGap = 0.05;    ///< m, as of the law
 
 class Meddler {
 public:
-    Meddler(const Drawn& drawn, std::uint64_t seed) : isWatched_(!isDriven(drawn) && !hasSprings(drawn.scene)), dice_(seed), world_(settingsOf(drawn)) {
-        const SceneInstance instance(drawn.scene, world_);
-        for (std::size_t i = 0; i < instance.bodies.size(); ++i)
-            if (world_.type(instance.bodies[i]) == BodyType::dynamic) bodies_.push_back(instance.bodies[i]);
-        joints_ = instance.joints;
+    Meddler(const Drawn& drawn, std::uint64_t seed)
+        : isWatched_(!isDriven(drawn) && drawn.scene.vehicles.empty() && !hasSprings(drawn.scene)),
+          dice_(seed),
+          world_(settingsOf(drawn)),
+          instance_(drawn.scene, world_) {
+        for (const BodyId body : instance_.bodies)
+            if (world_.type(body) == BodyType::dynamic) bodies_.push_back(body);
+        joints_ = instance_.joints;
     }
 
     std::vector<std::string> run() {
@@ -71,9 +74,11 @@ private:
             case 2:
                 return separate();
             case 3:
-                return world_.setPose(body, {world_.pose(body).position + DVec3{anyWay(1)}, world_.pose(body).rotation});
+                return world_.setPose(body,
+                                      {world_.pose(body).position + DVec3{anyWay(1)}, world_.pose(body).rotation});
             case 4:
-                return world_.applyImpulse(body, world_.mass(body).mass * anyWay(dice_.between(1, 20)), world_.centerOfMass(body));
+                return world_.applyImpulse(body, world_.mass(body).mass * anyWay(dice_.between(1, 20)),
+                                           world_.centerOfMass(body));
             case 5:
                 return world_.setVelocity(body, anyWay(dice_.between(0, 10)), anyWay(dice_.between(0, 20)));
             case 6:
@@ -97,7 +102,8 @@ private:
     }
     void create() {
         BodyDef def;
-        def.shapes.push_back({.geometry = Box{{dice_.between(0.1f, 0.5f), dice_.between(0.1f, 0.5f), dice_.between(0.1f, 0.5f)}}});
+        def.shapes.push_back(
+            {.geometry = Box{{dice_.between(0.1f, 0.5f), dice_.between(0.1f, 0.5f), dice_.between(0.1f, 0.5f)}}});
         def.pose = {world_.pose(anyBody()).position + DVec3{anyWay(1)}, dice_.rotation()};
         bodies_.push_back(world_.create(def));
     }
@@ -122,8 +128,10 @@ private:
             const Pose pose = world_.pose(body);
             return Frame{inverseRotate(pose.rotation, toVec3(point - pose.position)), conjugate(pose.rotation)};
         };
-        const JointBodies joined{.a = a, .b = b, .frameA = frame(a), .frameB = frame(b), .collide = dice_.below(2) == 0};
-        joints_.push_back(dice_.below(2) == 0 ? world_.create(BallDef{.bodies = joined}) : world_.create(HingeDef{.bodies = joined}));
+        const JointBodies joined{
+            .a = a, .b = b, .frameA = frame(a), .frameB = frame(b), .collide = dice_.below(2) == 0};
+        joints_.push_back(dice_.below(2) == 0 ? world_.create(BallDef{.bodies = joined})
+                                              : world_.create(HingeDef{.bodies = joined}));
     }
     void goBack() {
         std::vector<std::byte> kept(world_.saveSize());
@@ -150,7 +158,8 @@ private:
         double sum = 0;
         for (const BodyId body : bodies_) {
             const MassProperties mass = world_.mass(body);
-            const Vec3 v = world_.linearVelocity(body), w = inverseRotate(world_.pose(body).rotation, world_.angularVelocity(body));
+            const Vec3 v = world_.linearVelocity(body),
+                       w = inverseRotate(world_.pose(body).rotation, world_.angularVelocity(body));
             sum += 0.5 * static_cast<double>(mass.mass * lengthSquared(v) + dot(w, mass.inertia * w)) -
                    static_cast<double>(mass.mass) * dot(DVec3{world_.settings().gravity}, world_.centerOfMass(body));
         }
@@ -181,6 +190,7 @@ private:
     bool isWatched_;
     Dice dice_;
     World world_;
+    SceneInstance instance_;
     std::vector<BodyId> bodies_;
     std::vector<JointId> joints_;
     std::vector<std::string> broken_;

@@ -24,6 +24,17 @@ struct Reaction {
     Vec3 torque;  ///< N m, about the joint's point
 };
 
+/// All cars of a scene together, with what carries their wheels.
+struct CarSums {
+    double mass = 0;                    ///< kg
+    double kinetic = 0, potential = 0;  ///< J; potential is −Σ m g·x
+    double held = 0;                    ///< J, of springs, squashed tires and what turns
+    double work = 0;                    ///< J, of engines, net of what resists in them
+    double fastest = 0;                 ///< m/s
+    DVec3 momentum;                     ///< kg m/s
+    double way = 0;                     ///< kg m/s, Σ m |v|
+};
+
 /// Thrown by an adapter whose engine cannot represent something in a scene: the case is skipped for that engine.
 struct Unsupported : std::runtime_error {
     using std::runtime_error::runtime_error;
@@ -54,6 +65,10 @@ public:
     virtual void push(int body, const Vec3& force, const DVec3& point) = 0;
     /// Puts another body into the scene and returns its index.
     virtual int add(const BodyDef&) { throw Unsupported("bodies that come later"); }
+    /// Of cars, by their index in the scene; they do what its scripts say.
+    virtual CarSums cars() const { throw Unsupported("cars"); }
+    virtual BodyMotion car(int) const { throw Unsupported("cars"); }
+    virtual void layCar(int, const BodyMotion&) { throw Unsupported("cars"); }
     virtual void remove(int body) = 0;
     /// Sum of the normal forces (N) between two bodies in the last step.
     virtual double normalForce(int a, int b) const = 0;

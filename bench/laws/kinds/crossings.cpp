@@ -3,14 +3,14 @@
 namespace ragtop::laws {
 namespace {
 
-constexpr double kPitch = 0.6;  ///< m, from joint to joint of a plank
+constexpr double kPlankPitch = 0.6;  ///< m, from joint to joint of a plank
 
 }  // namespace
 
 Bridge addBridge(Scene& scene, Dice& dice, const Material& wood) {
     const int planks = oneOf(dice, {10, 20, 40, 60}), joints = oneOf(dice, {1, 2});
     const bool hinged = coin(dice);
-    const double slack = oneOf(dice, {0.001, 0.03, 0.1}), pitch = kPitch * (1 - slack);
+    const double slack = oneOf(dice, {0.001, 0.03, 0.1}), pitch = kPlankPitch * (1 - slack);
     Bridge bridge;
     bridge.plank = magnitude(dice, 1, 100);
     bridge.span = planks * pitch;
