@@ -195,6 +195,7 @@ void WorldImpl::forgetDerived() {
     partition.direct.grouped = false;
     tables.joints.bundlesChanged = partition.direct.treesChanged = partition.direct.multirate.any = true;
     collision.broadphase.left.rooms.clear();
+    guards.energy.looseAsked.clear();  // numbers of steps that come again
     // No such field of a lane is saved.
     collision.finds.surfacesForgotten = true;
     collision.finds.dirty.clear();
