@@ -56,8 +56,10 @@ enum Field : int {
     kCoreShareB,
     kSurface,                 ///< 3, velocity of B's surface relative to A's beyond the bodies' motion, m/s
     kShifted = kSurface + 3,  ///< 1 until loads are found anew, where the points that hold a body on the ground changed
+    kStruck,                  ///< steps for which its load may be an impact's, above 0 after something came fast
     kApproach,                ///< one per point: normal velocity just before the point is struck, m/s
-    kFields = kApproach + kMaxPoints,
+    kThrown = kApproach + kMaxPoints,  ///< above 0 where the warm start of this substep throws apart what was struck
+    kFields,
 };
 
 /// What few contacts have: fields that are zero elsewhere, and points beyond the first.
@@ -74,6 +76,7 @@ enum Trait : int {
     kThirdPoint = 512,
     kFourthPoint = 1024,
     kBodyOnBody = 2048,  ///< kBodyA: A is not the static body
+    kIsStruck = 4096,    ///< kStruck
 };
 
 /// Of the size: overlaps that no load leaves, which bodies come out of as fast as from the ground.
@@ -83,6 +86,15 @@ inline constexpr float kHeavy = 10;
 /// Of the size: overlaps that bodies leave by being moved, since the speed of pushing is bounded.
 inline constexpr float kInside = 0.25f;
 inline constexpr float kInsideMost = 0.1f;  ///< of the size, by which they are moved in a step at most
+
+/// Times the speed that gravity gives in a substep: what comes faster strikes. Twice what bounces least, by trial.
+inline constexpr float kStruckSpeed = 8;
+/// Of what counts as deep: only a load presses bodies so far into each other, and what pushes them out again leaves
+/// speeds that one relaxing pass does not take back where masses differ. By trial.
+inline constexpr float kPressedDepth = 4;
+inline constexpr float kStruckSteps = 4;  ///< by trial: longer, piles cost more; shorter, slow impacts bounce
+/// Times the speed that gravity gives in a substep: what a warm start throws apart slower is the rounding of rest.
+inline constexpr float kThrownSpeed = 4;
 
 /// Rad per substep up to which contacts look ahead of a turn: by a series to its second term, a tenth of which is left
 /// out there.

@@ -44,6 +44,10 @@ struct Iteration {
 
     // passes.cpp
     void warmStart() const;
+    /// After the warm start: loads of contacts that were struck lately and would throw their bodies are shrunk to what
+    /// takes most of their energy.
+    void shrinkStruckLoads() const;
+    void shrinkStruckLoads(int region, const SolverContext& own) const;
     /// Friction beside the normal rows of each contact, or, `sequential`, after those of all. `useBias`: the soft pass,
     /// else the relaxing one.
     void solve(bool useBias, bool sequential) const;
@@ -64,7 +68,9 @@ struct Iteration {
 
 private:
     void groupContacts() const;
-    bool placeAndPrepare(int color, int begin, int end) const;
+    std::int32_t placeAndPrepare(int color, int begin, int end) const;
+    void collectStruck(bool any) const;
+    void markThrown(int region, const SolverContext& own) const;
     void prepareJoints() const;
     void passOverAll(SolvePass which, const SolverContext& own) const;
 };

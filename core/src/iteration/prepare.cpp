@@ -52,11 +52,12 @@ bool Iteration::prepare(float lastSubstep) const {
     if (joints.bundlesChanged) collectSprings(joints, graph);
     joints.bundlesChanged = false;
     groupContacts();
-    std::atomic<bool> mayBounce{false};
+    std::atomic<std::int32_t> traits{0};
     forBlocksOfAllLists(
         *this, 8, [&](int c) { return c == ConstraintGraph::kFrozen ? 0 : graph.bundleCount(c); },
         [&](int c, int begin, int end) {
-            if (placeAndPrepare(c, begin, end)) mayBounce.store(true, std::memory_order_relaxed);
+            if (const std::int32_t own = placeAndPrepare(c, begin, end); own != 0)
+                traits.fetch_or(own, std::memory_order_relaxed);
         });
     if (rescale)
         graph.forUsedLists([&](int c) {
@@ -64,7 +65,8 @@ bool Iteration::prepare(float lastSubstep) const {
         });
     prepareJoints();
     prepareCouplings(couplings, joints, ratio);
-    return mayBounce.load(std::memory_order_relaxed);
+    collectStruck((traits.load(std::memory_order_relaxed) & contact::kIsStruck) != 0);
+    return (traits.load(std::memory_order_relaxed) & contact::kBouncy) != 0;
 }
 
 /// Puts contacts with equally many points side by side, so that bundles solve few that are not there; numbers the
@@ -92,8 +94,8 @@ void Iteration::groupContacts() const {
     context.farContacts = lanes * contact::kFields * sizeof(float) > kNear;
 }
 
-/// Some bundles at a time, which the cache holds in between. True if any may bounce.
-bool Iteration::placeAndPrepare(int c, int begin, int end) const {
+/// Some bundles at a time, which the cache holds in between. Those of contact::Trait that passes ask for.
+std::int32_t Iteration::placeAndPrepare(int c, int begin, int end) const {
     constexpr int kAtOnce = 4;  // bundles, by trial
     ConstraintGraph::Color& color = graph.color(c);
     const LaneManifolds list{color.manifolds.data(), static_cast<int>(color.manifolds.size()),
@@ -104,13 +106,13 @@ bool Iteration::placeAndPrepare(int c, int begin, int end) const {
                                manifolds.records().pages(),
                                PagedArray<ManifoldRecord>::kPageBits,
                                sizeof(ManifoldRecord)};
-    bool mayBounce = false;
+    std::int32_t traits = 0;
     for (int i = begin; i < end; i += kAtOnce) {
         const int last = i + kAtOnce < end ? i + kAtOnce : end;
         kernels.placeContacts(color.bundles.data(), i, last, list, places);
-        mayBounce |= kernels.prepareContacts(color.bundles.data(), i, last, bodies.arrays(), context);
+        traits |= kernels.prepareContacts(color.bundles.data(), i, last, bodies.arrays(), context);
     }
-    return mayBounce;
+    return traits;
 }
 
 void Iteration::prepareJointOf(std::uint32_t joint) const {

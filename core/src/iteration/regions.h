@@ -32,12 +32,23 @@ struct ByRegion {
 /// Islands that are solved side by side (world/world_regions.cpp); region 0 is what belongs to none.
 struct Regions {
     explicit Regions(std::pmr::memory_resource* memory)
-        : bodies(memory), articulations(memory), modules(memory), weights(memory), ofIsland(memory), loads(memory) {}
+        : bodies(memory),
+          articulations(memory),
+          modules(memory),
+          weights(memory),
+          ofIsland(memory),
+          loads(memory),
+          struck(memory),
+          struckFound(memory),
+          struckIn(memory) {}
     bool independent = false;                 ///< each goes through the substeps of this step by itself
     ByRegion bodies, articulations, modules;  ///< of this step, while they are independent; of modules, their groups
     AlignedArray<std::uint32_t> weights, ofIsland;  ///< scratch: per body that is the root of an island
     AlignedArray<std::uint32_t> loads;              ///< scratch: weight of each region
-    std::uint32_t wait = 0, nextWait = 0;           ///< steps until islands are looked at again
+    ByRegion struck;                                ///< manifolds of this step that something strikes, or did lately
+    AlignedArray<std::uint32_t> struckFound;        ///< scratch: the same in one list
+    AlignedArray<int> struckIn;            ///< scratch: per body, the substep from 1 in which its loads were looked at
+    std::uint32_t wait = 0, nextWait = 0;  ///< steps until islands are looked at again
 };
 
 }  // namespace ragtop

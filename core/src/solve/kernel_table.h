@@ -124,11 +124,13 @@ struct KernelTable {
                                const SolverContext&);
     /// Brings the geometry of contacts to where their bodies are.
     void (*placeContacts)(float* bundles, int begin, int end, const LaneManifolds&, const ContactPlaces&);
-    /// True if any of them may bounce.
-    bool (*prepareContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
+    /// Which of contact::kBouncy and kIsStruck any of them has.
+    std::int32_t (*prepareContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     /// Reflects what will meet within this substep; true if anything did.
     bool (*bounceContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     void (*warmStartContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
+    /// Tells by contact::kThrown which contacts that were struck the warm start throws apart.
+    void (*markThrown)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     void (*solveContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     void (*relaxContacts)(float* bundles, int begin, int end, const BodyArrays&, const SolverContext&);
     /// A ManifoldTouch per lane of all bundles.

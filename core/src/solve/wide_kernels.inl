@@ -81,17 +81,18 @@ RAGTOP_INLINE std::int32_t traitsOf(const ContactBundle<N, N, kGround>& c, typen
            trait(contact::kMovingSurface, vector(contact::kSurface)) |
            trait(contact::kFindsLoad, field(contact::kShifted)) |
            trait(contact::kTurningCore, field(contact::kCoreShareA) | field(contact::kCoreShareB)) |
-           trait(contact::kBodyOnBody, field(contact::kBodyA)) |
+           trait(contact::kBodyOnBody, field(contact::kBodyA)) | trait(contact::kIsStruck, field(contact::kStruck)) |
            trait(contact::kSecondPoint, count > 1) | trait(contact::kThirdPoint, count > 2) |
            trait(contact::kFourthPoint, count > 3);
 }
 
 /// What begins anew in a step: sums of impulses, speeds of approach and the friction centre.
 template <int N, bool kGround>
-RAGTOP_INLINE void preparePoints(ContactBundle<N, N, kGround>& c, typename Mask<N>::V count) {
+RAGTOP_INLINE void preparePoints(ContactBundle<N, N, kGround>& c, typename Mask<N>::V count,
+                                 const SolverContext& context) {
     const Lanes<N> depth = 0.01f * c.field(contact::kSize), near = 0.01f * depth, zero(0.0f);
     WideVec3<N> center{zero, zero, zero};
-    Lanes<N> weight(0.0f);
+    Lanes<N> weight(0.0f), fastest(0.0f), deepest(0.0f);
     int points = 0;
     for (int j = 0; j < contact::kMaxPoints; ++j) {
         const Mask<N> present{count > j};
@@ -105,7 +106,12 @@ RAGTOP_INLINE void preparePoints(ContactBundle<N, N, kGround>& c, typename Mask<
         const WideVec3<N> rB = c.armB(rA);
         const Lanes<N> impulse = select(present, c.field(pointField(j, contact::kImpulse)), zero);
         c.set(pointField(j, contact::kImpulse), impulse);
-        c.set(contact::kApproach + j, dot(c.normal, c.relativeVelocity(rA, rB)));
+        const Lanes<N> approach = dot(c.normal, c.relativeVelocity(rA, rB));
+        c.set(contact::kApproach + j, approach);
+        const Lanes<N> separation = c.field(pointField(j, contact::kSeparation));
+        const Mask<N> meets = present & (separation + Lanes<N>(context.dt) * approach < zero);
+        fastest = min(fastest, select(meets, approach, zero));
+        deepest = min(deepest, select(present, separation, zero));
         // Points that are apart lose their say in where friction acts, smoothly, or tops would drift. At rest gaps
         // are rounding: it must not move the centre, which carried twists are about.
         const Lanes<N> gap = max(c.field(pointField(j, contact::kSeparation)) - near, zero);
@@ -114,6 +120,13 @@ RAGTOP_INLINE void preparePoints(ContactBundle<N, N, kGround>& c, typename Mask<
         center = center + share * rA;
     }
     center = divideOrZero(Lanes<N>(1.0f), weight) * center;
+    const Lanes<N> left = max(c.field(contact::kStruck) - Lanes<N>(1.0f), zero);
+    // What is struck, or pressed deep. Without weight, which presses nothing, what overlaps are pushed apart with is slow.
+    const bool weighs = context.gravityStep > 0;
+    const Lanes<N> least = weighs ? Lanes<N>(-contact::kStruckSpeed * context.gravityStep)
+                                  : Lanes<N>(-context.pushOut) * c.field(contact::kSize);
+    const Lanes<N> pressed = Lanes<N>(weighs ? -contact::kPressedDepth : -1e30f) * deepOf(c, context);
+    c.set(contact::kStruck, select((fastest < least) | (deepest < pressed), Lanes<N>(contact::kStruckSteps), left));
     for (int j = 0; j < points; ++j) {
         const WideVec3<N> arm = c.vector(pointField(j, contact::kAnchor)) - center;
         c.set(pointField(j, contact::kLever), sqrt(dot(arm, arm)));
@@ -126,9 +139,9 @@ RAGTOP_INLINE std::int32_t prepareBundle(float* fields, const BodyArrays& arrays
     typedef typename Mask<N>::V Int;
     ContactBundle<N, N, kGround> c(fields, arrays);
     const Int count = bits(c.field(contact::kPointCount));
+    preparePoints(c, count, context);
     c.traits = traitsOf(c, count);
     c.set(contact::kTraits, Lanes<N>(reinterpret_cast<typename Lanes<N>::V>(Int{} + c.traits)));
-    preparePoints(c, count);
     c.set(contact::kShift, c.shift);
     setMasses(c, Mask<N>{count == count}, [&](int field) { return c.vector(field); });
     updateLoads(c, count, context);
@@ -143,14 +156,14 @@ RAGTOP_INLINE std::int32_t prepareBundle(float* fields, const BodyArrays& arrays
 }
 
 template <int N>
-bool prepareContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
+std::int32_t prepareContacts(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
     std::int32_t traits = 0;
     for (int i = begin; i < end; ++i) {
         float* const fields = bundles + static_cast<long>(i) * contact::kFields * N;
         const bool ground = !anySet(bits(Lanes<N>::load(fields + contact::kBodyA * N)) != 0);
         traits |= ground ? prepareBundle<N, true>(fields, arrays, context) : prepareBundle<N, false>(fields, arrays, context);
     }
-    return (traits & contact::kBouncy) != 0;
+    return traits & (contact::kBouncy | contact::kIsStruck);
 }
 
 /// Are A of both bundles, or of the one at `fields`, static?
@@ -205,6 +218,24 @@ void warmStartContacts(float* bundles, int begin, int end, const BodyArrays& arr
             warmStartBundle<N, true>(fields, arrays, context);
         else
             warmStartBundle<N, false>(fields, arrays, context);
+    }
+}
+
+/// Which contacts that were struck leave each other after the warm start though they bear something: Σ λ u > 0.
+template <int N>
+void markThrown(float* bundles, int begin, int end, const BodyArrays& arrays, const SolverContext& context) {
+    for (int i = begin; i < end; ++i) {
+        ContactBundle<N, N, false> c(bundles + static_cast<long>(i) * contact::kFields * N, arrays);
+        if ((c.traits & contact::kIsStruck) == 0) continue;
+        Lanes<N> power(0.0f), load(0.0f);
+        for (int j = 0, points = c.points(); j < points; ++j) {
+            const Lanes<N> impulse = c.field(pointField(j, contact::kImpulse));
+            const WideVec3<N> rA = c.vector(pointField(j, contact::kAnchor));
+            power = power + impulse * dot(c.normal, c.relativeVelocity(rA, c.armB(rA)));
+            load = load + impulse;
+        }
+        const Lanes<N> least(contact::kThrownSpeed * context.gravityStep), zero(0.0f);
+        c.set(contact::kThrown, select(power > least * load, c.field(contact::kStruck), zero));
     }
 }
 
@@ -349,6 +380,7 @@ constexpr KernelTable makeTable(const char* name) {
             prepareContacts<N>,
             bounceContacts<N>,
             warmStartContacts<N>,
+            markThrown<N>,
             solveContacts<N, kAtOnce>,
             relaxContacts<N, kAtOnce>,
             readTouches<N>};

@@ -32,9 +32,10 @@ inline constexpr Strip kStrips[] = {
     {contact::kStick, 3},        {impulseField(0), 1},       {impulseField(1), 1},
     {impulseField(2), 1},        {impulseField(3), 1},       {loadField(0), 1},
     {loadField(1), 1},           {loadField(2), 1},          {loadField(3), 1},
+    {contact::kShifted, 1},      {contact::kStruck, 1},
 };
 static_assert(contact::kMaxPoints == 4);
-inline constexpr int kFieldsSaved = 24;  ///< the sum of kStrips' counts
+inline constexpr int kFieldsSaved = 26;  ///< the sum of kStrips' counts
 
 /// Calls visit(first float, number of floats) for what is saved of a bundle.
 template <class Visit>

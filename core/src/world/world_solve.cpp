@@ -45,6 +45,7 @@ static void solveRegion(WorldImpl& world, World& face, int region) {
         for (const std::uint32_t group : world.solving.regions.modules.of(region))
             bearPushesOf(world.moduleWork, iteration, before, group);
         iteration.passOverRegion(region, SolvePass::warmStart, before);
+        iteration.shrinkStruckLoads(region, before);
         iteration.passOverRegion(region, SolvePass::solve, before);
         for (const std::uint32_t articulation : world.solving.regions.articulations.of(region))
             world.partition.articulations.move(articulation, world.solving.context.h, world.tables.bodies);
@@ -89,6 +90,7 @@ static void solveTogether(WorldImpl& world, World& face, const DirectView& direc
         if (world.solving.bouncy) iteration.bounce();
         solveDirect(direct, DirectPass::positions);
         iteration.warmStart();
+        iteration.shrinkStruckLoads();
         if (number == 0) iteration.settleNewContacts(world.collision.finds.fresh, world.settings.gravity, sequential);
         iteration.solve(true, sequential);
         moveArticulations(world);
