@@ -33,11 +33,13 @@ class StruckGroup {
 public:
     StruckGroup(const Iteration& v, const SolverContext& own) : v_(v), context_(own), now_(own.substep + 1) {}
 
-    /// Do the bodies of a contact leave each other after the warm start, with more energy than without?
+    /// Do the bodies of a contact leave each other after the warm start, and faster than they met without?
     bool isThrown(std::uint32_t manifold) const {
         const float* lane = v_.graph.lane(v_.manifolds[manifold].place);
-        return lane[static_cast<std::size_t>(contact::kThrown) * static_cast<std::size_t>(v_.graph.lanes())] > 0 &&
-               gained(recordAt(lane, contact::kRecordA)) + gained(recordAt(lane, contact::kRecordB)) > 0;
+        if (!(laneOf(manifold).at(contact::kThrown) > 0)) return false;
+        const std::uint32_t a = recordAt(lane, contact::kRecordA), b = recordAt(lane, contact::kRecordB);
+        return lengthSquared(v_.bodies.states[b].v - v_.bodies.states[a].v) >
+               lengthSquared(freeVelocity(b) - freeVelocity(a));
     }
 
     /// False where joints or a direct solve have part in it, which have guards of their own.
@@ -65,8 +67,8 @@ public:
                treatedIn(recordAt(lane, contact::kRecordB)) == now_;
     }
 
-    /// False where the loads take energy as they are.
-    bool shrink() {
+    /// No load is shrunk that takes energy as it is.
+    void shrink() {
         double along = 0, square = 0;
         for (std::size_t i = 0; i < contactCount_; ++i) along += workOfSurfaces(contacts_[i]);
         for (std::size_t i = 0; i < contactCount_; ++i) addLoad(contacts_[i]);
@@ -79,7 +81,6 @@ public:
             state.v = state.v - (1 - share) * bodies_[i].change;
             state.w = state.w - (1 - share) * bodies_[i].turn;
         }
-        return throws;
     }
 
     /// Not looked at until it is struck anew.
@@ -102,11 +103,9 @@ private:
         return {v_.graph.lane(v_.manifolds[manifold].place), v_.graph.lanes()};
     }
 
-    /// J, twice what the warm start gave a body, without turns.
-    float gained(std::uint32_t body) const {
-        if (!v_.bodies.moves(body)) return 0;
-        const Vec3 free = v_.bodies.histories[body].velocityBefore + context_.h * v_.bodies.dynamics[body].acceleration;
-        return v_.bodies[body].mass * (lengthSquared(v_.bodies.states[body].v) - lengthSquared(free));
+    /// m/s, without loads.
+    Vec3 freeVelocity(std::uint32_t body) const {
+        return v_.bodies.histories[body].velocityBefore + context_.h * v_.bodies.dynamics[body].acceleration;
     }
 
     /// N s
@@ -286,9 +285,13 @@ void Iteration::shrinkStruckLoads(int region, const SolverContext& own) const {
     if (struck.empty()) return;
     markThrown(region, own);
     StruckGroup group(*this, own);
-    for (const std::uint32_t manifold : struck)
-        if (!group.isTreated(manifold) && group.isThrown(manifold) && !(group.gather(manifold) && group.shrink()))
+    for (const std::uint32_t manifold : struck) {
+        if (group.isTreated(manifold) || !group.isThrown(manifold)) continue;
+        if (group.gather(manifold))
+            group.shrink();
+        else
             group.leave(manifold);
+    }
 }
 
 void Iteration::shrinkStruckLoads() const {
