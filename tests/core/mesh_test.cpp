@@ -130,18 +130,20 @@ TEST(Mesh, TreeHoldsEveryTriangleOnceInSmallLeaves) {
         const TriangleMesh mesh = soup.mesh();
         const MeshData& data = mesh.data();
         std::vector<int> seen(data.triangles.size(), 0);
-        for (const MeshNode& node : data.nodes) {
-            EXPECT_LE(node.count, 4u);
-            for (std::uint32_t t = node.first; t < node.first + node.count; ++t) {
-                ++seen[t];
-                for (const std::uint32_t v : {data.triangles[t].a, data.triangles[t].b, data.triangles[t].c}) {
-                    EXPECT_TRUE(contains({node.lower, node.upper}, {data.vertices[v], data.vertices[v]}));
+        for (const MeshBranch& branch : data.branches)
+            for (int child = 0; child < branch.children(); ++child) {
+                EXPECT_LE(branch.count[child], 4u);
+                for (std::uint32_t i = 0; i < branch.count[child]; ++i) {
+                    const std::uint32_t t = branch.first[child] + i;
+                    ++seen[t];
+                    for (const std::uint32_t v : {data.triangles[t].a, data.triangles[t].b, data.triangles[t].c}) {
+                        EXPECT_TRUE(contains(branch.bounds(child), {data.vertices[v], data.vertices[v]}));
+                    }
                 }
             }
-        }
         EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), 900);
-        // A bisection has 2n − 1 nodes of n leaves, of at least one triangle each.
-        EXPECT_LT(data.nodes.size(), 2u * 900u);
+        // Of two or more children each, and n leaves of at least one triangle, n − 1 at most are branches.
+        EXPECT_LT(data.branches.size(), 900u);
         for (std::size_t i = 0; i < data.triangles.size(); ++i) {
             EXPECT_EQ(data.triangles[i].a, soup.triangles[data.sourceIndex[i]].a);
         }

@@ -22,7 +22,7 @@ struct AroundInput {
           bytes(static_cast<std::byte*>(::operator new(size, kAlignment)),
                 [](std::byte* at) { ::operator delete(at, kAlignment); }) {
         std::fill_n(bytes.get(), size, std::byte{0});
-        constexpr std::uint32_t kKinds = 5;
+        constexpr std::uint32_t kKinds = 6;
         std::memcpy(bytes.get() + 2 * ragtop::kCookedAlignment, input, count);
         const std::span<const std::byte> part(bytes.get() + 2 * ragtop::kCookedAlignment, ragtop::padded(count));
         ragtop::CookedSection section{static_cast<ragtop::SectionKind>(1 + input[count - 1] % kKinds), 0,

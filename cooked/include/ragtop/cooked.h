@@ -25,7 +25,7 @@ struct CookedError : std::runtime_error {
 };
 
 /// A version that is not this one's is refused: cook again.
-inline constexpr std::uint32_t kCookedVersion = 4;
+inline constexpr std::uint32_t kCookedVersion = 5;
 
 /// What one file holds; what it does not is empty.
 struct Cooked {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cassert>
+
 #include "narrowphase/triangle_feature.h"
 #include "shapes/geometry.h"
 
@@ -23,25 +25,31 @@ struct Facet {
 
 constexpr Bounds grownBy(const Bounds& b, float by) { return {b.lower - Vec3{by, by, by}, b.upper + Vec3{by, by, by}}; }
 
-/// Goes down the tree where enter(bounds of a node) says so, and calls visit(index of a triangle) until it returns
+/// Goes down the tree where enter(bounds of a child) says so, and calls visit(index of a triangle) until it returns
 /// false.
 template <class Enter, class Visit>
 void walk(const MeshData& mesh, Enter&& enter, Visit&& visit) {
-    std::uint32_t stack[kMeshTreeDepth];
+    struct Waiting {
+        std::uint32_t branch;
+        int child;
+    };
+    Waiting stack[kMostWaiting];
     int waiting = 0;
-    for (std::uint32_t at = 0;;) {
-        const MeshNode& node = mesh.nodes[at];
-        if (enter(Bounds{node.lower, node.upper})) {
-            if (node.count == 0) {
-                stack[waiting++] = node.first;
-                ++at;
-                continue;
-            }
-            for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
-                if (!visit(i)) return;
+    const auto push = [&](std::uint32_t branch) {
+        for (int child = mesh.branches[branch].children(); child-- > 0;) {
+            assert(waiting < kMostWaiting);
+            stack[waiting++] = {branch, child};
         }
-        if (waiting == 0) return;
-        at = stack[--waiting];
+    };
+    if (enter(mesh.bounds)) push(0);
+    while (waiting > 0) {
+        const Waiting next = stack[--waiting];
+        const MeshBranch& branch = mesh.branches[next.branch];
+        if (!enter(branch.bounds(next.child))) continue;
+        const std::uint32_t first = branch.first[next.child], count = branch.count[next.child];
+        if (count == 0) push(first);
+        for (std::uint32_t i = first; i < first + count; ++i)
+            if (!visit(i)) return;
     }
 }
 

@@ -39,21 +39,24 @@ struct HullData {
     Bounds bounds;
 };
 
-/// A node of a bounding volume tree stored depth first; a leaf has `count` triangles from `first`.
-struct MeshNode {
-    Vec3 lower;
-    std::uint32_t first = 0;  ///< leaf: first triangle; inner: index of the right child (the left one follows)
-    Vec3 upper;
-    std::uint32_t count = 0;  ///< leaf: number of triangles; inner: 0
-};
-
-/// The same tree with up to four children to a branch, in its order, for walks that look at all of them at once.
-/// Absent children meet nothing.
+/// A branch of a bounding volume tree stored depth first, the children in its order. Absent children, behind the
+/// others, meet nothing.
 struct alignas(64) MeshBranch {
-    static constexpr int kWidth = 4;  ///< lanes of FourFloats
+    static constexpr int kWidth = 4;           ///< lanes of FourFloats
     float lower[3][kWidth], upper[3][kWidth];  ///< m, by axis and child
     std::uint32_t first[kWidth] = {};          ///< leaf: first triangle; inner: index of the branch
     std::uint32_t count[kWidth] = {};          ///< leaf: number of triangles; inner: 0
+
+    Bounds bounds(int child) const {
+        return {{lower[0][child], lower[1][child], lower[2][child]},
+                {upper[0][child], upper[1][child], upper[2][child]}};
+    }
+    /// The root is no child, and every leaf has triangles.
+    int children() const {
+        int n = 0;
+        while (n < kWidth && (first[n] | count[n]) != 0) ++n;
+        return n;
+    }
 };
 static_assert(sizeof(MeshBranch) == 128);
 
@@ -69,7 +72,6 @@ struct MeshParts {
     Table<std::uint8_t> activeEdges;
     Table<std::uint8_t> materialOfTriangle;  ///< in the caller's order, empty or one per triangle
     Table<Material> materials;
-    Table<MeshNode> nodes;
     Table<MeshBranch> branches;
     Table<Triangle> sourceTriangles;  ///< as the caller gave them
     int degenerateCount = 0;

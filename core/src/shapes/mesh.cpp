@@ -79,10 +79,12 @@ void finish(MeshTables& mesh) {
 MeshData viewOf(const MeshTables& tables) {
     MeshData mesh;
     static_cast<MeshParts<TableInPlace>&>(mesh) = {
-        tables.vertices,           tables.triangles, tables.sourceIndex, tables.normals,       tables.activeEdges,
-        tables.materialOfTriangle, tables.materials, tables.nodes,       tables.branches,      tables.sourceTriangles,
-        tables.degenerateCount,    tables.bounds,    tables.neighbours,  tables.vertexNormals, tables.owned,
-        tables.whyNotSolid,        tables.thickness};
+        tables.vertices,        tables.triangles,   tables.sourceIndex,
+        tables.normals,         tables.activeEdges, tables.materialOfTriangle,
+        tables.materials,       tables.branches,    tables.sourceTriangles,
+        tables.degenerateCount, tables.bounds,      tables.neighbours,
+        tables.vertexNormals,   tables.owned,       tables.whyNotSolid,
+        tables.thickness};
     return mesh;
 }
 

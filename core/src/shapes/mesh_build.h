@@ -30,7 +30,7 @@ std::vector<HalfEdge> sortedHalfEdges(std::span<const Triangle> triangles, std::
 /// Fills activeEdges out of vertices, triangles and normals; vertices at the same place count as one.
 void findActiveEdges(MeshTables& mesh);
 
-/// Puts triangles, normals and sourceIndex in tree order and fills nodes.
+/// Puts triangles, normals and sourceIndex in tree order and fills branches.
 void buildTree(MeshTables& mesh);
 
 /// The mesh of finished tables, which it keeps.

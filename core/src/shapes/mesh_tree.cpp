@@ -9,7 +9,7 @@ namespace ragtop {
 namespace {
 
 constexpr std::size_t kLeafSize = 4;  ///< lanes of FourFloats
-constexpr int kBins = 16;  ///< of the longest axis, by trial
+constexpr int kBins = 16;             ///< of the longest axis, by trial
 /// From this depth on halves are equal in number, so that 2³² triangles end within kMeshTreeDepth.
 constexpr int kBalancedDepth = kMeshTreeDepth - 34;
 
@@ -111,11 +111,18 @@ std::size_t divide(const Items& items, const Split& split) {
     return static_cast<std::size_t>(to - items.begin());
 }
 
-void addNode(std::vector<MeshNode>& nodes, const Items& items, std::uint32_t first, int depth) {
+/// Of two halves, stored depth first, while the tree is built.
+struct Node {
+    Bounds bounds;
+    std::uint32_t first = 0;  ///< leaf: first triangle; inner: index of the right child (the left one follows)
+    std::uint32_t count = 0;  ///< leaf: number of triangles; inner: 0
+};
+
+void addNode(std::vector<Node>& nodes, const Items& items, std::uint32_t first, int depth) {
     Bounds bounds = kNothing;
     for (const Item& item : items) bounds = merge(bounds, item.bounds);
     const std::size_t self = nodes.size();
-    nodes.push_back({bounds.lower, first, bounds.upper, static_cast<std::uint32_t>(items.size())});
+    nodes.push_back({bounds, first, static_cast<std::uint32_t>(items.size())});
     if (items.size() <= kLeafSize) return;
 
     const Split split = depth < kBalancedDepth ? bestSplit(items) : Split{};
@@ -128,7 +135,7 @@ void addNode(std::vector<MeshNode>& nodes, const Items& items, std::uint32_t fir
 
 /// The branch of an inner node: its children, of which the largest give way to their own while there is room. A leaf
 /// that is the whole tree is the only child of its branch.
-void addBranch(MeshTables& mesh, std::uint32_t node) {
+void addBranch(std::vector<MeshBranch>& branches, const std::vector<Node>& nodes, std::uint32_t node) {
     constexpr std::size_t kWidth = MeshBranch::kWidth;
     std::uint32_t child[kWidth] = {node};
     std::size_t count = 1;
@@ -136,28 +143,28 @@ void addBranch(MeshTables& mesh, std::uint32_t node) {
         std::size_t largest = kWidth;
         float most = -1;
         for (std::size_t i = 0; i < count; ++i) {
-            const MeshNode& candidate = mesh.nodes[child[i]];
-            const float surface = halfSurface({candidate.lower, candidate.upper});
+            const Node& candidate = nodes[child[i]];
+            const float surface = halfSurface(candidate.bounds);
             if (candidate.count == 0 && surface > most) largest = i, most = surface;
         }
         if (largest == kWidth || count == kWidth) break;
         for (std::size_t i = count++; i > largest + 1; --i) child[i] = child[i - 1];
-        child[largest + 1] = mesh.nodes[child[largest]].first;
+        child[largest + 1] = nodes[child[largest]].first;
         ++child[largest];
     }
-    const std::size_t self = mesh.branches.size();
-    mesh.branches.emplace_back();
+    const std::size_t self = branches.size();
+    branches.emplace_back();
     for (std::size_t i = 0; i < kWidth; ++i) {
-        const MeshNode& of = mesh.nodes[i < count ? child[i] : node];
-        const Bounds bounds = i < count ? Bounds{of.lower, of.upper} : kNowhere;
+        const Node& of = nodes[i < count ? child[i] : node];
+        const Bounds bounds = i < count ? of.bounds : kNowhere;
         for (int axis = 0; axis < 3; ++axis) {
-            mesh.branches[self].lower[axis][i] = bounds.lower[axis];
-            mesh.branches[self].upper[axis][i] = bounds.upper[axis];
+            branches[self].lower[axis][i] = bounds.lower[axis];
+            branches[self].upper[axis][i] = bounds.upper[axis];
         }
         if (i >= count) continue;
-        mesh.branches[self].first[i] = of.count > 0 ? of.first : static_cast<std::uint32_t>(mesh.branches.size());
-        mesh.branches[self].count[i] = of.count;
-        if (of.count == 0) addBranch(mesh, child[i]);
+        branches[self].first[i] = of.count > 0 ? of.first : static_cast<std::uint32_t>(branches.size());
+        branches[self].count[i] = of.count;
+        if (of.count == 0) addBranch(branches, nodes, child[i]);
     }
 }
 
@@ -178,11 +185,11 @@ void buildTree(MeshTables& mesh) {
         const Bounds b = boundsOfTriangle(mesh.vertices[t.a], mesh.vertices[t.b], mesh.vertices[t.c]);
         items[i] = {b, b.lower + b.upper, i};
     }
-    mesh.nodes.clear();
-    addNode(mesh.nodes, items, 0, 0);
+    std::vector<Node> nodes;
+    addNode(nodes, items, 0, 0);
     mesh.branches.clear();
-    addBranch(mesh, 0);
-    mesh.bounds = {mesh.nodes[0].lower, mesh.nodes[0].upper};
+    addBranch(mesh.branches, nodes, 0);
+    mesh.bounds = nodes[0].bounds;
     reorder(mesh.triangles, items);
     reorder(mesh.normals, items);
     reorder(mesh.activeEdges, items);

@@ -29,7 +29,7 @@ constexpr std::size_t aligned(std::size_t size) {
 }
 
 struct MeshHead {
-    static constexpr std::size_t kTables = 14;  ///< those of MeshData, and its text
+    static constexpr std::size_t kTables = 13;  ///< those of MeshData, and its text
     TablePlace table[kTables];
     Bounds bounds;
     std::int32_t degenerateCount = 0;
@@ -53,7 +53,6 @@ void forEachTable(Mesh& mesh, Visit&& visit) {
     visit(mesh.activeEdges);
     visit(mesh.materialOfTriangle);
     visit(mesh.materials);
-    visit(mesh.nodes);
     visit(mesh.branches);
     visit(mesh.sourceTriangles);
     visit(mesh.neighbours);
@@ -151,30 +150,31 @@ bool areBelow(std::size_t limit, std::span<const Triangle> triangles) {
     return areBelow(limit, &triangles[0].a, 3 * triangles.size());
 }
 
-/// Leaves have triangles; children come after their parents, so that no walk goes round.
+/// A tree: each branch but the first is a child once, of one before it, so that walks end; not deeper than their
+/// stacks; and its leaves have as many triangles as there are.
 void checkTree(const MeshData& mesh) {
-    const auto triangles = static_cast<std::uint32_t>(mesh.triangles.size());
-    const auto isLeaf = [&](std::uint32_t first, std::uint32_t count) {
-        return static_cast<int>(first <= triangles) & static_cast<int>(count <= triangles - first);
-    };
-    int holds = !mesh.nodes.empty();
-    for (std::uint32_t i = 0; i < mesh.nodes.size(); ++i) {
-        const MeshNode& node = mesh.nodes[i];
-        const int inner = static_cast<int>(i + 1 < node.first) & static_cast<int>(node.first < mesh.nodes.size());
-        holds &= node.count > 0 ? isLeaf(node.first, node.count) : inner;
-    }
-    require(holds, "a node of the tree out of range");
-    holds = !mesh.branches.empty();
-    for (std::uint32_t i = 0; i < mesh.branches.size(); ++i) {
+    const std::size_t triangles = mesh.triangles.size(), branches = mesh.branches.size();
+    require(branches > 0, "no tree");
+    std::vector<std::uint8_t> depth(branches, 0);  // 0: no child yet
+    depth[0] = 1;
+    std::size_t inLeaves = 0;
+    bool holds = true;
+    for (std::size_t i = 0; i < branches && holds; ++i) {
         const MeshBranch& branch = mesh.branches[i];
-        for (std::size_t k = 0; k < MeshBranch::kWidth; ++k) {
-            const std::uint32_t first = branch.first[k], count = branch.count[k];
-            const int inner = static_cast<int>(first == 0) |
-                              (static_cast<int>(first > i) & static_cast<int>(first < mesh.branches.size()));
-            holds &= count > 0 ? isLeaf(first, count) : inner;
+        const auto below = static_cast<std::uint8_t>(depth[i] + 1);
+        holds = depth[i] > 0 && depth[i] <= kMeshTreeDepth;
+        for (int k = 0, children = branch.children(); k < children && holds; ++k) {
+            const std::size_t first = branch.first[k], count = branch.count[k];
+            inLeaves += count;
+            if (count > 0) {
+                holds = first <= triangles && count <= triangles - first;
+            } else {
+                holds = first > i && first < branches && depth[first] == 0;
+                if (holds) depth[first] = below;
+            }
         }
     }
-    require(holds, "a branch of the tree out of range");
+    require(holds && inLeaves == triangles, "a branch of the tree out of range");
 }
 
 /// What a wrong value of would be read beyond the tables; a checksum of the file tells all else.

@@ -10,6 +10,8 @@ namespace ragtop {
 
 /// Deeper trees than this are never built (mesh_tree.cpp).
 inline constexpr int kMeshTreeDepth = 80;
+/// Of a walk: every level leaves all children but one waiting.
+inline constexpr int kMostWaiting = (MeshBranch::kWidth - 1) * kMeshTreeDepth + 1;
 
 inline Bounds boundsOfTriangle(const Vec3& a, const Vec3& b, const Vec3& c) {
     return {min(min(a, b), c), max(max(a, b), c)};
@@ -38,8 +40,7 @@ void walkTriangles(const MeshData& mesh, const Bounds& bounds, Visit&& visit) {
     struct Waiting {
         std::uint32_t first, count;  ///< as in MeshBranch
     };
-    // Every level leaves all children but one waiting.
-    Waiting stack[(MeshBranch::kWidth - 1) * kMeshTreeDepth + 1];
+    Waiting stack[kMostWaiting];
     stack[0] = {0, 0};
     for (int waiting = 1; waiting > 0;) {
         const Waiting next = stack[--waiting];
@@ -49,7 +50,7 @@ void walkTriangles(const MeshData& mesh, const Bounds& bounds, Visit&& visit) {
             for (unsigned near = childrenMeeting(branch, bounds); near != 0;) {
                 const int child = static_cast<int>(std::bit_width(near)) - 1;
                 near ^= 1u << child;
-                assert(waiting <= (MeshBranch::kWidth - 1) * kMeshTreeDepth);
+                assert(waiting < kMostWaiting);
                 stack[waiting++] = {branch.first[child], branch.count[child]};
             }
             continue;

@@ -28,42 +28,33 @@ struct Nearest {
 template <class Test>
 void castAtTriangles(const MeshData& mesh, const SweptBox& box, Nearest& nearest, const Test& test) {
     struct Waiting {
-        std::uint32_t index;
+        std::uint32_t first, count;  ///< as in MeshBranch
         float enter;
     };
-    Waiting waiting[kMeshTreeDepth];
+    Waiting waiting[kMostWaiting];
     int count = 0;
-    const auto enter = [&](std::uint32_t index) {
-        return box.enter({mesh.nodes[index].lower, mesh.nodes[index].upper}, nearest.closer);
+    // In front of those that are entered sooner, and of equal ones that come before it.
+    const auto push = [&](const Waiting& child, int bottom) {
+        int at = count++;
+        for (; at > bottom && waiting[at - 1].enter <= child.enter; --at) waiting[at] = waiting[at - 1];
+        waiting[at] = child;
     };
-    std::uint32_t at = 0;
-    if (enter(0) == SweptBox::kMiss) return;
-    for (;;) {
-        const MeshNode& node = mesh.nodes[at];
-        if (node.count == 0) {
-            const std::uint32_t left = at + 1, right = node.first;
-            const float leftEnter = enter(left), rightEnter = enter(right);
-            const bool leftFirst = leftEnter <= rightEnter;
-            const float farther = leftFirst ? rightEnter : leftEnter;
-            if (farther != SweptBox::kMiss) waiting[count++] = {leftFirst ? right : left, farther};
-            if ((leftFirst ? leftEnter : rightEnter) != SweptBox::kMiss) {
-                at = leftFirst ? left : right;
-                continue;
-            }
-        } else {
-            for (std::uint32_t i = node.first; i < node.first + node.count && !nearest.done(); ++i) {
-                const Triangle& t = mesh.triangles[i];
-                const TriangleView view{mesh.vertices[t.a], mesh.vertices[t.b],  mesh.vertices[t.c],
-                                        mesh.normals[i],    mesh.activeEdges[i], mesh.sourceIndex[i]};
-                if (box.enter(boundsOfTriangle(view.a, view.b, view.c), nearest.closer) == SweptBox::kMiss) continue;
-                nearest.offer(test(view, nearest.closer), view.index);
-            }
+    if (const float enter = box.enter(mesh.bounds, nearest.closer); enter != SweptBox::kMiss) push({0, 0, enter}, 0);
+    while (count > 0 && !nearest.done()) {
+        const Waiting next = waiting[--count];
+        if (next.enter > nearest.closer * (1 + 8 * SweptBox::kEpsilon)) continue;
+        if (next.count == 0) {
+            const MeshBranch& branch = mesh.branches[next.first];
+            const int bottom = count, children = branch.children();
+            for (int i = 0; i < children; ++i)
+                if (const float enter = box.enter(branch.bounds(i), nearest.closer); enter != SweptBox::kMiss)
+                    push({branch.first[i], branch.count[i], enter}, bottom);
         }
-        do {
-            if (count == 0 || nearest.done()) return;
-            --count;
-        } while (waiting[count].enter > nearest.closer * (1 + 8 * SweptBox::kEpsilon));
-        at = waiting[count].index;
+        for (std::uint32_t i = next.first; i < next.first + next.count && !nearest.done(); ++i) {
+            const TriangleView view = triangleOf(mesh, i);
+            if (box.enter(boundsOfTriangle(view.a, view.b, view.c), nearest.closer) == SweptBox::kMiss) continue;
+            nearest.offer(test(view, nearest.closer), view.index);
+        }
     }
 }
 
