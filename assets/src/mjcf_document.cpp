@@ -20,6 +20,8 @@ constexpr double kUnlimited = 1e9;
 /// Elements that change no physics.
 const std::set<std::string> kLooks{"camera", "light", "site", "visual", "statistic", "texture", "material", "size"};
 
+const std::set<std::string> kLooksOfGeoms{"rgba", "material", "group"};
+
 class DocumentReader {
 public:
     DocumentReader(const std::filesystem::path& path, const TiXmlElement& root) : text_(path, root) {}
@@ -202,6 +204,12 @@ private:
                 ++strange["<" + use.tag + "> in <" + use.parent + "> left out: not supported"];
         }
         for (const auto& [name, tag] : tags) robot_.tags.push_back(tag);
+        std::string left;
+        for (const auto& [what, times] : text_.attributesLeftOut())
+            if (!kLooksOfGeoms.contains(what.second))
+                left +=
+                    (left.empty() ? "" : ", ") + std::to_string(times) + " " + what.second + " of <" + what.first + ">";
+        if (!left.empty()) warn("attributes left out: " + left);
         for (const auto& [what, times] : strange) warn(std::to_string(times) + " " + what);
         if (tree_.armatures > 0)
             warn("armature of " + std::to_string(tree_.armatures) + " joints left out: not supported");

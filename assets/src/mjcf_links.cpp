@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "robot_moments.h"
 #include "single.h"
 
 namespace ragtop {
@@ -169,6 +170,7 @@ private:
         if (element.numbers("fullinertia", m, 6) == 0) element.numbers("diaginertia", {m.data(), 3}, 3);
         for (int i = 0; i < 3; ++i)
             if (m[static_cast<std::size_t>(i)] < 0) element.fail("moments are below 0, must be at least 0 kg m²");
+        if (const std::string why = whyNoInertia(m); !why.empty()) element.fail(why);
         const MassProperties own{single(mass),
                                  {},
                                  {{single(m[0]), single(m[3]), single(m[4])},

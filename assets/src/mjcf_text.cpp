@@ -18,6 +18,7 @@ std::string defaultsKey(const std::string& tag) {
 }  // namespace
 
 const std::string* MjcfElement::find(const char* attribute) const {
+    asked_->emplace(defaultsKey(tag()), attribute);
     if (const std::string* own = xml_->Attribute(std::string(attribute))) return own;
     if (!defaults_) return nullptr;
     const auto element = defaults_->find(defaultsKey(tag()));
@@ -168,7 +169,7 @@ MjcfElement MjcfText::use(const TiXmlElement& element, const std::string& childC
     const auto found = classes_.find(name);
     if (found == classes_.end())
         fail(element, "class '" + name + "' does not exist, must be one of the default classes");
-    return {element, fileOf(element), &found->second};
+    return {element, fileOf(element), &found->second, asked_};
 }
 
 std::vector<MjcfText::Use> MjcfText::uses() {
@@ -188,6 +189,16 @@ std::vector<MjcfText::Use> MjcfText::uses() {
         }
     }
     return all;
+}
+
+std::map<std::pair<std::string, std::string>, int> MjcfText::attributesLeftOut() {
+    const std::set<std::string> known{"name", "class", "childclass", "model", "file"};
+    std::map<std::pair<std::string, std::string>, int> left;
+    for (const TiXmlElement* element : used_)
+        for (const TiXmlAttribute* a = element->FirstAttribute(); a; a = a->Next())
+            if (!known.contains(a->NameTStr()) && !asked_.contains({defaultsKey(element->ValueStr()), a->NameTStr()}))
+                ++left[{element->ValueStr(), a->NameTStr()}];
+    return left;
 }
 
 }  // namespace ragtop

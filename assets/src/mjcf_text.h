@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "xml_text.h"
@@ -17,11 +18,14 @@ namespace ragtop {
 /// Attributes of elements by the names of these.
 using MjcfDefaults = std::map<std::string, std::map<std::string, std::string>>;
 
+/// Elements and attributes by name, that were looked for.
+using MjcfAsked = std::set<std::pair<std::string, std::string>>;
+
 /// An element of a description with the attributes that its default class gives it.
 class MjcfElement {
 public:
-    MjcfElement(const TiXmlElement& xml, std::string file, const MjcfDefaults* defaults = nullptr)
-        : xml_(&xml), file_(std::move(file)), defaults_(defaults) {}
+    MjcfElement(const TiXmlElement& xml, std::string file, const MjcfDefaults* defaults, MjcfAsked& asked)
+        : xml_(&xml), file_(std::move(file)), defaults_(defaults), asked_(&asked) {}
 
     const TiXmlElement& xml() const { return *xml_; }
     const std::string& tag() const { return xml_->ValueStr(); }
@@ -44,6 +48,7 @@ private:
     const TiXmlElement* xml_;
     std::string file_;
     const MjcfDefaults* defaults_;
+    MjcfAsked* asked_;
 };
 
 /// A description of MuJoCo [MuJoCo 2.2, XML reference] with what it includes; notes which of its elements are made use
@@ -66,6 +71,9 @@ public:
         bool used = false, parentUsed = false;
     };
     std::vector<Use> uses();
+    /// Attributes of elements that were made use of, which nobody has looked for: how often each is there, by element
+    /// and name.
+    std::map<std::pair<std::string, std::string>, int> attributesLeftOut();
 
 private:
     void readDefaults(const TiXmlElement& element, const std::string& parent);
@@ -78,6 +86,7 @@ private:
     std::map<std::filesystem::path, std::unique_ptr<XmlText>> included_;
     std::map<const TiXmlElement*, std::vector<const TiXmlElement*>> children_;
     std::set<const TiXmlElement*> used_;
+    MjcfAsked asked_;
 };
 
 }  // namespace ragtop

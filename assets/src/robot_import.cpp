@@ -4,13 +4,15 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <system_error>
+#include <stdexcept>
 
 #include "axes.h"
 #include "import_text.h"
 #include "ragtop/mesh_file.h"
 #include "robot_document.h"
 #include "robot_homes.h"
+#include "robot_meshes.h"
+#include "robot_moments.h"
 
 namespace ragtop {
 namespace {
@@ -72,6 +74,7 @@ public:
         finishMasses();
         summarise();
         robot_.warnings = counted(robot_.warnings);
+        if (const std::string why = whyInvalid(robot_); !why.empty()) fail(why);
         return std::move(robot_);
     }
 
@@ -85,7 +88,13 @@ private:
         robot_.links.push_back({link.name, body, inBody});
         const auto at = static_cast<std::size_t>(body);
         if (link.heavy) addMass(link, at, inBody);
-        for (const ImportedRobotShape& shape : link.shapes) addShape(link.name, shape, at, inBody);
+        for (const ImportedRobotShape& shape : link.shapes) {
+            try {
+                addShape(link.name, shape, at, inBody);
+            } catch (const std::invalid_argument& error) {
+                warn("link '" + link.name + "': collision left out: " + error.what());
+            }
+        }
     }
 
     struct Place {
@@ -274,6 +283,7 @@ private:
     }
 
     void push(std::size_t body, Shape shape, const Frame& frame, float friction) {
+        if (const std::string why = whyInvalid(shape); !why.empty()) throw std::invalid_argument(why);
         ShapeDef def{.geometry = std::move(shape), .frame = frame, .material = options_.material};
         if (friction >= 0) def.material.friction = std::min(friction, 10.0f);
         def.frame.rotation = normalized(frame.rotation);
@@ -301,11 +311,10 @@ private:
     }
 
     void addMesh(const std::string& link, const ImportedRobotShape& shape, std::size_t body, const Frame& frame) {
-        const std::filesystem::path file = meshFile(shape.mesh);
+        const auto [file, isOutside] = findRobotMesh(shape.mesh, path_, options_.packageRoots);
         if (file.empty()) {
             leaveOutMesh();
-            ++missingMeshes_;
-            if (firstMissing_.empty()) firstMissing_ = shape.mesh + "' of link '" + link;
+            (isOutside ? outside_ : missing_).push_back(shape.mesh + "' of link '" + link);
             return;
         }
         try {
@@ -322,31 +331,6 @@ private:
     void leaveOutMesh() {
         for (RobotTag& tag : robot_.tags)
             if (tag.tag == "mesh") --tag.applied, ++tag.leftOut;
-    }
-
-    /// Beside the description; for package://name/path in the roots that are given, or in a folder above it. Empty when
-    /// it is nowhere.
-    std::filesystem::path meshFile(const std::string& name) const {
-        constexpr std::string_view kPackage = "package://", kFile = "file://";
-        std::string rest = name;
-        if (rest.starts_with(kFile)) rest = rest.substr(kFile.size());
-        const bool inPackage = rest.starts_with(kPackage);
-        std::vector<std::filesystem::path> places;
-        std::error_code ignored;
-        std::filesystem::path folder = std::filesystem::absolute(path_, ignored).parent_path();
-        if (inPackage) {
-            const std::string withName = rest.substr(kPackage.size());
-            rest = withName.substr(std::min(withName.find('/') + 1, withName.size()));
-            for (const std::filesystem::path& root : options_.packageRoots) {
-                places.push_back(root / withName);
-                places.push_back(root / rest);
-            }
-        }
-        for (int level = 0; level < (inPackage ? 4 : 1); ++level, folder = folder.parent_path())
-            places.push_back(folder / rest);
-        for (const std::filesystem::path& place : places)
-            if (std::filesystem::is_regular_file(place, ignored)) return place;
-        return {};
     }
 
     /// Bodies between two joints of one take a hundred-thousandth of it each, so that all of it weighs what it should:
@@ -382,13 +366,25 @@ private:
             if (!body.anchored) robot_.mass += static_cast<double>(body.mass.mass);
             if (!body.anchored && !(body.mass.mass > 0))
                 fail("link '" + body.name + "' moves but has no mass, must have an <inertial> with mass above 0 kg");
+            if (body.anchored || !isThin(body.mass)) continue;
+            Thickened thick = thickened(body.mass, body.shapes);
+            body.mass = thick.mass;
+            thin_[thick.as].push_back(body.name);
         }
     }
 
     void summarise() {
-        if (missingMeshes_ > 0)
-            warn(std::to_string(missingMeshes_) + " collision meshes are absent and left out, such as '" +
-                 firstMissing_ + "'");
+        for (const auto& [as, links] : thin_)
+            warn(std::to_string(links.size()) + (links.size() == 1 ? " link has" : " links have") +
+                 " no inertia about some axis, taken as " + as + ", such as '" + links.front() + "'");
+        if (!missing_.empty())
+            warn(std::to_string(missing_.size()) + " collision meshes are absent and left out, such as '" +
+                 missing_.front() + "'");
+        if (!outside_.empty())
+            warn(std::to_string(outside_.size()) +
+                 " collision meshes are left out, as they lie neither in the folder above the description's nor in a "
+                 "package, such as '" +
+                 outside_.front() + "'");
     }
 
     std::filesystem::path path_;
@@ -401,8 +397,8 @@ private:
     std::vector<int> followed_;  ///< by link, the link whose joint its joint follows
     std::vector<float> homes_;   ///< by link
     std::map<std::size_t, int> jointOfLink_;
-    int missingMeshes_ = 0;
-    std::string firstMissing_;
+    std::vector<std::string> missing_, outside_;            ///< meshes
+    std::map<std::string, std::vector<std::string>> thin_;  ///< names of links, by what they are taken as
 };
 
 }  // namespace

@@ -2,58 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <set>
 #include <sstream>
 #include <string_view>
 #include <utility>
 
 #include "ragtop/asset_error.h"
+#include "robot_moments.h"
+#include "robot_rules.h"
+#include "robot_tags.h"
 
 namespace ragtop {
 namespace {
-
-enum class Allowed { any, notNegative, positive };
-
-/// A number, or several separated by blanks, in an attribute.
-struct NumberRule {
-    std::string_view element, attribute, unit;
-    int count;
-    Allowed allowed;
-    bool required;
-};
-
-constexpr std::array kRules{
-    NumberRule{"mass", "value", "kg", 1, Allowed::notNegative, true},
-    NumberRule{"inertia", "ixx", "kg m2", 1, Allowed::notNegative, true},
-    NumberRule{"inertia", "iyy", "kg m2", 1, Allowed::notNegative, true},
-    NumberRule{"inertia", "izz", "kg m2", 1, Allowed::notNegative, true},
-    NumberRule{"inertia", "ixy", "kg m2", 1, Allowed::any, true},
-    NumberRule{"inertia", "ixz", "kg m2", 1, Allowed::any, true},
-    NumberRule{"inertia", "iyz", "kg m2", 1, Allowed::any, true},
-    NumberRule{"origin", "xyz", "m", 3, Allowed::any, false},
-    NumberRule{"origin", "rpy", "rad", 3, Allowed::any, false},
-    NumberRule{"box", "size", "m", 3, Allowed::positive, true},
-    NumberRule{"sphere", "radius", "m", 1, Allowed::positive, true},
-    NumberRule{"cylinder", "radius", "m", 1, Allowed::positive, true},
-    NumberRule{"cylinder", "length", "m", 1, Allowed::positive, true},
-    NumberRule{"capsule", "radius", "m", 1, Allowed::positive, true},
-    NumberRule{"capsule", "length", "m", 1, Allowed::notNegative, true},
-    NumberRule{"mesh", "scale", "", 3, Allowed::any, false},
-    NumberRule{"axis", "xyz", "", 3, Allowed::any, true},
-    NumberRule{"limit", "lower", "rad or m", 1, Allowed::any, false},
-    NumberRule{"limit", "upper", "rad or m", 1, Allowed::any, false},
-    NumberRule{"limit", "effort", "N m or N", 1, Allowed::notNegative, true},
-    NumberRule{"limit", "velocity", "rad/s or m/s", 1, Allowed::notNegative, true},
-    NumberRule{"dynamics", "damping", "N m s/rad or N s/m", 1, Allowed::notNegative, false},
-    NumberRule{"dynamics", "friction", "N m or N", 1, Allowed::notNegative, false},
-    NumberRule{"safety_controller", "soft_lower_limit", "rad or m", 1, Allowed::any, false},
-    NumberRule{"safety_controller", "soft_upper_limit", "rad or m", 1, Allowed::any, false},
-    NumberRule{"safety_controller", "k_position", "1/s", 1, Allowed::notNegative, false},
-    NumberRule{"safety_controller", "k_velocity", "N m s/rad or N s/m", 1, Allowed::notNegative, true},
-    NumberRule{"mimic", "multiplier", "", 1, Allowed::any, false},
-    NumberRule{"mimic", "offset", "rad or m", 1, Allowed::any, false},
-};
 
 /// Elements whose numbers are not this reader's to check.
 constexpr std::array<std::string_view, 5> kUnused{"calibration", "transmission", "gazebo", "mujoco", "sensor"};
@@ -61,42 +21,13 @@ constexpr std::array<std::string_view, 5> kUnused{"calibration", "transmission",
 constexpr std::array<std::string_view, 7> kJointTypes{"revolute", "continuous", "prismatic", "fixed",
                                                       "floating", "planar",     "spherical"};
 
-/// Where each element belongs that becomes part of the robot; those anywhere else, and what is in them, do not.
-struct Place {
-    std::string_view parent, element;
-};
-constexpr std::array kPlaces{
-    Place{"robot", "link"},         Place{"robot", "joint"},
-    Place{"link", "inertial"},      Place{"inertial", "origin"},
-    Place{"inertial", "mass"},      Place{"inertial", "inertia"},
-    Place{"link", "collision"},     Place{"collision", "origin"},
-    Place{"collision", "geometry"}, Place{"geometry", "box"},
-    Place{"geometry", "sphere"},    Place{"geometry", "cylinder"},
-    Place{"geometry", "capsule"},   Place{"geometry", "mesh"},
-    Place{"joint", "parent"},       Place{"joint", "child"},
-    Place{"joint", "origin"},       Place{"joint", "axis"},
-    Place{"joint", "limit"},        Place{"joint", "dynamics"},
-    Place{"joint", "mimic"},        Place{"joint", "safety_controller"},
-};
-
-/// What each kind of joint makes use of.
-bool usedBy(std::string_view type, std::string_view element) {
-    const bool slides = type == "revolute" || type == "prismatic";
-    const bool turns = type == "continuous";
-    if (element == "axis") return slides || turns || type == "planar";
-    if (element == "dynamics") return slides || turns || type == "spherical";
-    if (element == "limit" || element == "mimic") return slides || turns;
-    if (element == "safety_controller") return slides;
-    return true;
-}
-
 class Checker {
 public:
     Checker(std::string file, XmlText& text) : file_(std::move(file)), xml_(text) {}
 
     CheckedRobotText run() {
         TiXmlElement* robot = xml_.document.RootElement();
-        countTags(*robot);
+        result_.warnings = countTags(file_, *robot, result_.tags);
         collectNames(*robot);
         takeVisuals(*robot, "material", "robot");
         for (TiXmlElement* e = robot->FirstChildElement(); e; e = e->NextSiblingElement()) {
@@ -127,35 +58,6 @@ private:
     static std::string attribute(const TiXmlElement& element, const char* name) {
         const char* value = element.Attribute(name);
         return value ? value : "";
-    }
-
-    /// Everything that is in the file, and whether it becomes part of the robot. What is left out for the looks alone
-    /// is told by its number only; all else is a warning.
-    void countTags(const TiXmlElement& robot) {
-        std::map<std::string, ImportedRobotTag> tags;
-        std::set<const TiXmlElement*> applied{&robot};
-        std::map<std::string, int> strange;
-        for (const TiXmlElement* e = nextElement(&robot, robot); e; e = nextElement(e, robot)) {
-            const std::string& tag = e->ValueStr();
-            if (tag.starts_with("xacro:"))
-                fail(*e, "has <" + tag + ">, which is for xacro: expand it first, as with 'xacro in.xacro > out.urdf'");
-            const TiXmlElement& parent = *e->Parent()->ToElement();
-            const std::string type = attribute(parent, "type");
-            const bool belongs = std::any_of(kPlaces.begin(), kPlaces.end(), [&](const Place& place) {
-                return parent.ValueStr() == place.parent && tag == place.element;
-            });
-            const bool inApplied = applied.contains(&parent);
-            const bool used = inApplied && belongs && (parent.ValueStr() != "joint" || usedBy(type, tag));
-            ImportedRobotTag& count = tags[tag];
-            count.tag = tag;
-            ++(used ? count.applied : count.leftOut);
-            if (used) applied.insert(e);
-            if (used || !inApplied || tag == "visual" || tag == "material") continue;
-            ++strange[belongs ? "<" + tag + "> of " + type + " joints left out: it has no meaning there"
-                              : "<" + tag + "> in <" + parent.ValueStr() + "> left out: not supported"];
-        }
-        for (const auto& [tag, count] : tags) result_.tags.push_back(count);
-        for (const auto& [what, count] : strange) result_.warnings.push_back(std::to_string(count) + " " + what);
     }
 
     void collectNames(const TiXmlElement& robot) {
@@ -237,8 +139,8 @@ private:
         for (TiXmlElement* e = link.FirstChildElement(); e; e = next) {
             next = e->NextSiblingElement();
             const TiXmlElement* geometry = e->FirstChildElement("geometry");
-            const TiXmlElement* capsule = geometry ? geometry->FirstChildElement("capsule") : nullptr;
-            if (!capsule) continue;
+            const TiXmlElement* capsule = geometry ? geometry->FirstChildElement() : nullptr;
+            if (!capsule || capsule->ValueStr() != "capsule") continue;
             const std::string owner = "link '" + name + "'";
             checkNumbers(*e, owner);
             if (e->ValueStr() == "collision") {
@@ -265,9 +167,10 @@ private:
     bool checkOwnNumbers(const TiXmlElement& element, const std::string& owner) {
         for (const std::string_view tag : kUnused)
             if (element.ValueStr() == tag) return false;
-        for (const NumberRule& rule : kRules)
+        for (const NumberRule& rule : kNumberRules)
             if (element.ValueStr() == rule.element) check(element, rule, owner);
         if (element.ValueStr() == "limit") checkRange(element, owner);
+        if (element.ValueStr() == "inertia") checkInertia(element, owner);
         return true;
     }
 
@@ -297,6 +200,13 @@ private:
         if (lower > upper)
             fail(limit, owner + ": limit lower is " + attribute(limit, "lower") + ", must be at most upper, " +
                             (limit.Attribute("upper") ? attribute(limit, "upper") : std::string("0")));
+    }
+
+    void checkInertia(const TiXmlElement& inertia, const std::string& owner) const {
+        std::array<double, 6> m{};
+        for (std::size_t i = 0; const char* name : {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"})
+            numbers(inertia, name, &m[i++], 1, owner);
+        if (const std::string why = whyNoInertia(m); !why.empty()) fail(inertia, owner + ": inertia " + why);
     }
 
     /// Exactly `count` finite numbers of single precision's range.

@@ -157,6 +157,9 @@ const std::vector<Broken> kRobots{
     robot("damping", {"damping.urdf:4: joint 'j': dynamics damping is -3, must be at least 0 N m s/rad or N s/m"}),
     robot("effort", {"effort.urdf:4: joint 'j': limit effort is -5, must be at least 0 N m or N"}),
     robot("inertia", {"inertia.urdf:3: link 'b': inertia ixx is -1, must be at least 0 kg m2"}),
+    robot("products", {"products.urdf:3: link 'b': inertia has the moments xx 1, yy 1, zz 1, xy 2, xz 0, yz 0, which "
+                       "are below 0 about some axis, must be at least 0 about all"}),
+    robot("second", {"second.urdf:4: has something beside its outermost element, must have nothing"}),
     robot("itself", {"itself.urdf: 1 links do not hang on the root 'a': their joints form a loop"}),
     robot("no_parent", {"no_parent.urdf:4: joint 'j': has no <parent>"}),
     robot("unnamed", {"unnamed.urdf:4: joint has no name"}),
@@ -189,6 +192,7 @@ const std::vector<Broken> kMjcf{
     mjcf("keyframe", {"keyframe.xml:9: key 'up': qpos is '0 1 2', must be 1 number"}),
     mjcf("mesh_absent", {"mesh_absent.xml:4: geom: mesh is 'cup', must be the name of a mesh of <asset>"}),
     mjcf("moments", {"moments.xml:5: inertial: moments are below 0, must be at least 0 kg m²"}),
+    mjcf("second", {"second.xml:4: has something beside its outermost element, must have nothing"}),
     mjcf("tendon_empty", {"tendon_empty.xml:9: fixed 't': has 0 joints, must have 1 to 4"}),
     mjcf("tendon_joint", {"tendon_joint.xml:10: joint: joint is 'knee', must be the name of a joint"}),
     mjcf("zero_quaternion", {"zero_quaternion.xml:4: geom: quat is '0 0 0 0', must be a rotation w x y z"}),
