@@ -30,7 +30,8 @@ struct Bridge {
             const auto sag = [](double x) { return 0.1 * (x * x - 5.4 * 5.4) / 5.4; };
             BodyId plank{};
             if (i < kPlanks) {
-                BodyDef def = bodyDef(Box{{0.28f, 0.05f, 1}}, {edge + 0.5 * kPitch, kHeight + 0.5 * (sag(edge) + sag(edge + kPitch)), 0});
+                BodyDef def = bodyDef(Box{{0.28f, 0.05f, 1}},
+                                      {edge + 0.5 * kPitch, kHeight + 0.5 * (sag(edge) + sag(edge + kPitch)), 0});
                 def.shapes[0].density = 500;
                 plank = world.create(def);
                 bodies.push_back(plank);
@@ -70,6 +71,46 @@ TEST(EnergyGuard, ABridgeThatBoxesFallOnNeverHasMoreEnergyThanTheyBring) {
             ASSERT_LE(energyOf(world, bridge.bodies), 1.01 * start) << nameOf(solver) << " step " << i;
         }
     }
+}
+
+/// Of what a module pushes within a step it counts what the module has given, and no more: wheels of a vehicle on
+/// planks had the guard look away from them.
+TEST(EnergyGuard, ABridgeThatAModulePushesNeverHasMoreEnergyThanItIsGiven) {
+    struct Pusher {
+        std::vector<BodyId> bodies;
+        double given = 0, phase = 0;
+
+        void push(World& world, double h) {
+            phase += 20 * h;
+            for (const BodyId body : bodies) {
+                const Vec3 impulse{0, static_cast<float>(20 * h * std::sin(phase)), 0};
+                const Vec3 before = world.linearVelocity(body);
+                world.applyImpulse(body, impulse, world.centerOfMass(body));
+                given += 0.5 * static_cast<double>(dot(impulse, before + world.linearVelocity(body)));
+            }
+        }
+    };
+    WorldSettings settings = withoutSleep();
+    settings.solver = SolverChoice::iterative;
+    World world{settings};
+    Bridge bridge{world};
+    BodyDef heavy = bodyDef(Box{{0.5f, 0.5f, 0.5f}}, {0.3, 14, 0});
+    heavy.shapes[0].density = 20000;
+    heavy.linearVelocity = {5, -15, 0};
+    bridge.bodies.push_back(world.create(heavy));
+    Pusher pusher{bridge.bodies};
+    StepModule module{.user = &pusher, .name = "pusher"};
+    module.beforeSubstep = [](void* user, World& w, double h) { static_cast<Pusher*>(user)->push(w, h); };
+    world.add(&module);
+    const double start = energyOf(world, bridge.bodies);
+    double most = 0;
+    for (int i = 0; i < 480; ++i) {
+        world.step(kDt);
+        most = std::max(most, pusher.given);
+        ASSERT_LE(energyOf(world, bridge.bodies), 1.01 * start + most) << "step " << i;
+    }
+    EXPECT_GT(most, 10);
+    EXPECT_GT(world.stats().energyGuarded, 0u);
 }
 
 /// Small balls in a square, each joined to its neighbours half way and held at the corners: flat, as long as its span,

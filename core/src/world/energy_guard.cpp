@@ -294,8 +294,8 @@ void beginGuard(const GuardView& view) {
     });
 }
 
-void recordDriven(EnergyGuard& guard, std::uint32_t body) {
-    if (guard.groupCount() > 0) guard.kinetic[body] = std::numeric_limits<float>::infinity();
+void recordDriven(EnergyGuard& guard, std::uint32_t body, double given) {
+    guard.kinetic[body] = static_cast<float>(static_cast<double>(guard.kinetic[body]) + given);
 }
 
 bool hasGainedEnergy(const GuardView& view, std::span<const std::uint32_t> bodies) {

@@ -158,8 +158,8 @@ struct GuardView {
 void beginGuard(const GuardView& view);
 /// The same of one body that was given another speed since.
 void recordKinetic(EnergyGuard& guard, const Bodies& bodies, std::uint32_t body);
-/// What a module gives a body within a step is not looked at.
-void recordDriven(EnergyGuard& guard, std::uint32_t body);
+/// A module gives a body so much within a step, J: it is not gained by what holds the body.
+void recordDriven(EnergyGuard& guard, std::uint32_t body, double given);
 /// May bodies that joints alone hold together have gained more than their groups have room for? If not, what they have
 /// is noted. On any thread, once in a step for a group.
 bool hasGainedEnergy(const GuardView& view, std::span<const std::uint32_t> bodies);

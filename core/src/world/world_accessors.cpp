@@ -7,6 +7,7 @@
 #include "base/check_tunables.h"
 #include "base/union_find.h"
 #include "contacts/meets_nothing.h"
+#include "world/group_motion.h"
 #include "world/world_impl.h"
 #include "world/world_modules.h"
 
@@ -378,6 +379,9 @@ void World::forEachContact(BodyId body, const std::function<void(const Contact&)
 void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3& angular) {
     BodyState& state = tables.bodies.states[index];
     const Vec3 before = state.v;
+    const bool isWatched = clock.stepping && guards.energy.groupCount() > 0 && tables.bodies.moves(index);
+    const auto kinetic = [&] { return kineticEnergy(tables.bodies, index, rotationNow(tables.bodies, index)); };
+    const double had = isWatched ? kinetic() : 0;
     if (tables.bodies[index].type == BodyType::kinematic && (linear != state.v || angular != state.w)) {
         if (clock.stepping)
             tables.slopes.replace(tables.bodies, index, linear, angular);
@@ -388,7 +392,7 @@ void WorldImpl::setVelocity(std::uint32_t index, const Vec3& linear, const Vec3&
     state.w = angular;
     if (tables.bodies[index].type == BodyType::dynamic) tables.bodies.obeyLocks(index);
     if (!clock.stepping) tables.bodies.histories[index].velocityBefore += state.v - before;
-    if (clock.stepping) recordDriven(guards.energy, index);
+    if (isWatched) recordDriven(guards.energy, index, kinetic() - had);
     // Bounds that are made when the step ends count what modules did within it.
     if (!moduleWork.inSubsteps) shapeBounds().recordNewVelocity(index);
 }
