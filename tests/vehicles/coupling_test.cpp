@@ -46,6 +46,22 @@ TEST(Converter, PassesWhatItsMapSays) {
     EXPECT_FLOAT_EQ(converterAt(def.gearbox, 0.3f).torqueRatio, 1.7f);
 }
 
+/// Also of a shaft in reverse, which stands at −0, and of an engine that has all but stopped.
+TEST(Converter, PassesWhatIsANumberAtAnySpeeds) {
+    const VehicleDef def = withCoupling(CouplingType::converter);
+    const float most = def.gearbox.converterMap.front().torqueRatio;
+    for (const float engine : {0.0f, 1e-42f, 1e-30f, 1e-15f, 1.0f, 1e4f}) {
+        for (const float shaft : {-0.0f, 0.0f, -1e-42f, 1e-42f, -1.0f, 1e-15f, 200.0f}) {
+            for (const float pedal : {0.0f, 0.999f, 1.0f}) {
+                const CouplingLaw law = couplingLaw(def, {.engineSpeed = engine, .shaftSpeed = shaft, .pedal = pedal});
+                EXPECT_TRUE(std::isfinite(law.give)) << engine << " " << shaft << " " << pedal;
+                EXPECT_GE(law.torqueRatio, 1) << engine << " " << shaft << " " << pedal;
+                EXPECT_LE(law.torqueRatio, most) << engine << " " << shaft << " " << pedal;
+            }
+        }
+    }
+}
+
 TEST(Converter, IsBridgedFromItsLockUpRatio) {
     VehicleDef def = withCoupling(CouplingType::converter);
     def.gearbox.lockUpRatio = 0.85f;

@@ -361,5 +361,32 @@ TEST(Vehicle, PushesTheGroundBack) {
     }
 }
 
+/// Forces of tires are over grip: also where there is none they are numbers, and loads stay.
+TEST(Vehicle, StandsOnGroundWithoutFriction) {
+    for (int law = 0; law < 3; ++law) {
+        for (const VehicleLevel level : {VehicleLevel::rays, VehicleLevel::full}) {
+            for (const float friction : {0.0f, 1e-30f}) {
+                SCOPED_TRACE(testing::Message() << law << " " << static_cast<int>(level) << " " << friction);
+                VehicleDef def = plainTires(1);
+                for (WheelDef& wheel : def.wheels) {
+                    if (law == 1) wheel.tire.magicFormula.emplace();
+                    if (law == 2) wheel.tire.slipCurves.emplace();
+                }
+                def.level = level;
+                World world(awake());
+                StaticBody ice{.shape = Box{{500, 1, 500}}, .position = {0, -1, 0}};
+                ice.material.friction = friction;
+                world.create(ice);
+                Vehicle car(world, def, {.position = {0, 0.02, 0}, .speed = 10});
+                car.input = {.throttle = 0.5f, .steer = 0.3f};
+                run(world, 3);
+                EXPECT_NEAR(totalLoad(car), 1200 * kGravity, 0.01f * 1200 * kGravity);
+                EXPECT_NEAR(length(world.linearVelocity(car.chassis())), 10, 1e-3f);
+                EXPECT_GT(car.telemetry().energy.engine, 1000);
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace ragtop

@@ -18,11 +18,14 @@ CouplingLaw converterLaw(const VehicleDef& def, const CouplingInput& in) {
     const ConverterPoint point = converterAt(def.gearbox, ratio);
     // A turbine that is turned backwards stalls the pump as one that stands.
     const float slip = std::max(fast - slow, (1 - kTogether) * fast);
-    const float damping = (1 - in.pedal) * point.capacity * fast * fast / slip;
-    if (!(damping > 0)) return {};
+    constexpr float kInfinite = std::numeric_limits<float>::infinity();
+    const float give = slip / ((1 - in.pedal) * point.capacity * fast * fast);
+    if (!(give < kInfinite)) return {};
     const bool drives = in.engineSpeed >= in.shaftSpeed;
-    // Between two points their line may be above what power allows.
-    return {std::numeric_limits<float>::infinity(), 1 / damping, drives ? std::min(point.torqueRatio, 1 / ratio) : 1};
+    // Between two points their line may be above what power allows. At no speed of a shaft there is a zero of each
+    // sign.
+    const float most = ratio > 0 ? 1 / ratio : kInfinite;
+    return {kInfinite, give, drives ? std::min(point.torqueRatio, most) : 1};
 }
 
 float lockUpOf(const VehicleDef& def, const CouplingInput& in) {

@@ -110,11 +110,13 @@ TireSpec makeTireSpec(const TireDef& def, float staticLoad, float gravity) {
     return spec;
 }
 
+/// Laws have forces over grip: on what has none they get so little of it that a car loses 10 nm/s² to it.
 TireGround tireGround(const TireDef& def, float friction, std::uint32_t surface) {
+    constexpr float kLeastGrip = 1e-9f;
     for (const TireSurface& known : def.surfaces) {
-        if (known.surface == surface) return {known.grip, known.stiffness, known.drag};
+        if (known.surface == surface) return {std::max(known.grip, kLeastGrip), known.stiffness, known.drag};
     }
-    return {friction / def.referenceSurface, 1, 0};
+    return {std::max(friction / def.referenceSurface, kLeastGrip), 1, 0};
 }
 
 TireLaw tireLaw(const TireSpec& spec, const TireGround& ground, const TireMotion& motion, float load, float transport) {

@@ -27,23 +27,23 @@ namespace ragtop {
 
 /// The state of a wheel beyond its rotation, which the drivetrain keeps. Saved as it is: no padding.
 struct WheelState {
-    GroundPlane ground;          ///< under it in the last substep
-    GroundPlane ahead;           ///< where it will be at the beginning of the next step
-    std::uint32_t touching = 0;  ///< in the last substep
-    float compression = 0;       ///< m above rest
-    float load = 0;              ///< N
-    Vec2 force;                  ///< N on the car: forward, left
-    Vec2 deflection;             ///< m, of the bristles, when the last substep began, or ended if settleTime is 0
-    float settleTime = 0;        ///< s for which the deflection still has to follow the slip
-    float transport = 0;         ///< m/s of tread through the patch in that time
-    Vec2 travel;                 ///< m/s of the contact point over the ground: forward, left
-    float rotation = 0;          ///< rad about the axle
-    float hubSpeed = 0;          ///< m/s along the strut
-    float below = 0;             ///< m of its course below the ground ahead, see CourseEnd
-    float inclination = 0;       ///< rad, as TireGround
-    float aligning = 0;          ///< N m about the ground's normal, to the left
-    float sunk = 0;              ///< m by which the ground counts as lower, see VehicleSim::sinkGround
-    float squash = kPut;         ///< m of its tire when the last substep began, nothing in the air
+    GroundPlane ground;                ///< under it in the last substep
+    GroundPlane ahead;                 ///< where it will be at the beginning of the next step
+    std::uint32_t touching = 0;        ///< in the last substep
+    float compression = 0;             ///< m above rest
+    float load = 0;                    ///< N
+    Vec2 force;                        ///< N on the car: forward, left
+    Vec2 deflection;                   ///< m, of the bristles, when the last substep began, or ended if settleTime is 0
+    float settleTime = 0;              ///< s for which the deflection still has to follow the slip
+    float transport = 0;               ///< m/s of tread through the patch in that time
+    Vec2 travel;                       ///< m/s of the contact point over the ground: forward, left
+    float rotation = 0;                ///< rad about the axle
+    float hubSpeed = 0;                ///< m/s along the strut
+    float below = 0;                   ///< m of its course below the ground ahead, see CourseEnd
+    float inclination = 0;             ///< rad, as TireGround
+    float aligning = 0;                ///< N m about the ground's normal, to the left
+    float sunk = 0;                    ///< m by which the ground counts as lower, see VehicleSim::sinkGround
+    float squash = kPut;               ///< m of its tire when the last substep began, nothing in the air
     static constexpr float kPut = -1;  ///< somebody put the car where it is, and it has not moved since
     bool isPut() const { return squash < 0; }
 };
@@ -56,21 +56,21 @@ struct WheelSpec {
     float radius = 0, halfWidth = 0, staticLoad = 0;
     StrutSpec strut;
     TireSpec tire;
-    float barStiffness = 0;      ///< N/m, of an anti-roll bar
-    std::size_t barPartner = 0;  ///< the wheel at its other end
-    int linkage = -1;            ///< VehicleSim::linkages, of a wheel that has one
-    bool isRight = false;        ///< of its linkage
-    std::size_t beamPartner = 0;  ///< the other wheel of a beam; itself where there is none
-    std::size_t carrier = 0;      ///< VehicleSim::carriers, of a wheel that has a linkage
+    float barStiffness = 0;            ///< N/m, of an anti-roll bar
+    std::size_t barPartner = 0;        ///< the wheel at its other end
+    int linkage = -1;                  ///< VehicleSim::linkages, of a wheel that has one
+    bool isRight = false;              ///< of its linkage
+    std::size_t beamPartner = 0;       ///< the other wheel of a beam; itself where there is none
+    std::size_t carrier = 0;           ///< VehicleSim::carriers, of a wheel that has a linkage
     Vec3 hubOnCarrier, axleOnCarrier;  ///< in its frame, as CarriedWheel
 };
 
 /// Where strut or linkage has a wheel, and the line along which its hub goes from there, in the chassis.
 struct WheelLine {
-    Vec3 hub, base;      ///< base: where the line would have it at no compression
-    Vec3 along, axis;    ///< unit; m per m of compression
-    Vec3 axle, tilting;  ///< unit, to the left; rad/m by which the axle turns, across itself
-    float spinRate = 0;  ///< rad/m by which what brakes the wheel turns forward about the axle
+    Vec3 hub, base;                ///< base: where the line would have it at no compression
+    Vec3 along, axis;              ///< unit; m per m of compression
+    Vec3 axle, tilting;            ///< unit, to the left; rad/m by which the axle turns, across itself
+    float spinRate = 0;            ///< rad/m by which what brakes the wheel turns forward about the axle
     Vec3 crossAxis, crossTilting;  ///< the same as the other wheel of its beam rises
 };
 
@@ -79,11 +79,11 @@ struct WheelPatch {
     bool touching = false;
     Vec3 normal, forward, side, axle;  ///< unit, world; axle to the left
     PatchRow normalRow, forwardRow, sideRow;
-    Vec2 lean;           ///< of the strut, along forward and side
-    Vec2 cross;          ///< the same of the way of its beam's other wheel
+    Vec2 lean;             ///< of the strut, along forward and side
+    Vec2 cross;            ///< the same of the way of its beam's other wheel
     float crossSlant = 0;  ///< and along the normal
-    Vec3 arm;            ///< of the contact point from the chassis's centre of mass
-    Vec3 given, turned;  ///< N s, N m s of the solve on the car, whose opposite the ground gets
+    Vec3 arm;              ///< of the contact point from the chassis's centre of mass
+    Vec3 given, turned;    ///< N s, N m s of the solve on the car, whose opposite the ground gets
     DVec3 point;
     Vec3 axis;                    ///< of the strut, unit, world
     float slant = 1;              ///< cosine of strut and normal
@@ -96,15 +96,15 @@ struct WheelPatch {
     TireLine line;
     Vec2 bent;             ///< m, of its bristles at the end as last found,
     bool lineDue = false;  ///< by which the line has not been taken yet
-    float strutK = 0;  ///< inverse effective masses along the normal and of the patch
+    float strutK = 0;      ///< inverse effective masses along the normal and of the patch
     Sym2 tireK;
-    float way = 0;        ///< m that the strut is compressed in the substep
+    float way = 0;           ///< m that the strut is compressed in the substep
     Vec3 momentum, turning;  ///< at level 3: N s and N m s of its carrier about the car's centre of mass per m/s of u̇
     float inertia = 0, crossInertia = 0;  ///< kg against u̇, of its own and of the other wheel of its beam
     float wayBefore = 0, wayAfter = 0;    ///< m/s, u̇ at the beginning and the end
-    float strutGive = 0;  ///< m/s of the hub that a unit impulse along the strut makes
-    float load = 0;       ///< impulses, N s: along the normal,
-    Vec2 tire;            ///< and along the patch
+    float strutGive = 0;                  ///< m/s of the hub that a unit impulse along the strut makes
+    float load = 0;                       ///< impulses, N s: along the normal,
+    Vec2 tire;                            ///< and along the patch
     bool sliding = false;
     bool held = false;    ///< its brake holds the wheel, as last found,
     float heldShare = 0;  ///< and then by this share of the turning of what carries its pads
@@ -192,11 +192,11 @@ struct VehicleSim {
     std::vector<WheelState> wheels;
     std::vector<float> peakLoads;  ///< N, of the last step
     CarLosses lost;
-    CarImpulse carried;    ///< of the last substep, which the chassis has not got yet
+    CarImpulse carried;             ///< of the last substep, which the chassis has not got yet
     std::vector<Carrier> carriers;  ///< of linkages; bodies at level 3
-    Pose endPose;          ///< of the chassis at the end of the last step
-    Quat substepRotation;  ///< of it at the beginning of the last substep
-    float unseen = 0;      ///< m that level 0 has gone since it looked for the ground
+    Pose endPose;                   ///< of the chassis at the end of the last step
+    Quat substepRotation;           ///< of it at the beginning of the last substep
+    float unseen = 0;               ///< m that level 0 has gone since it looked for the ground
 
     // Working memory.
     std::mutex telling;  ///< of those that ask for it at once
@@ -204,18 +204,20 @@ struct VehicleSim {
     std::vector<WheelWay> ways;
     Nearby nearby;  ///< of a step
     std::vector<WheelCourse> courses;
-    std::vector<WheelCurve> curves;          ///< of a step: along which linkages guide their wheels, as it steers
-    std::vector<WheelLine> lines;            ///< of now
-    std::vector<Vec3> aheads;                ///< of a step: where wheels roll to, unit, in the chassis
-    int substep = 0;                         ///< of the step
-    int parts = 1, part = 0;                 ///< of a substep in which a wheel goes over an edge
-    int together = 1, inOne = 1;             ///< substeps that share a solve, of the step and in the present one
-    float substepLength = 0;                 ///< s, at level 3
-    float gripTrusted = 1;  ///< share of what tires answer in the next visit that shafts count on, of a solve
-    PointBody unforced, solved;              ///< of a substep at level 3: how the car goes by gravity alone; by all
-    CarImpulse whole;                        ///< of the substeps that share a solve
-    Vec3 endVelocity, endTurning;            ///< of a step, at level 0
-    std::vector<GroundBody> grounds;         ///< of the first wheel that stands there
+    std::vector<WheelCurve> curves;   ///< of a step: along which linkages guide their wheels, as it steers
+    std::vector<WheelLine> lines;     ///< of now
+    std::vector<Vec3> aheads;         ///< of a step: where wheels roll to, unit, in the chassis
+    int substep = 0;                  ///< of the step
+    int parts = 1, part = 0;          ///< of a substep in which a wheel goes over an edge
+    int together = 1, inOne = 1;      ///< substeps that share a solve, of the step and in the present one
+    float substepLength = 0;          ///< s, at level 3
+    float gripTrusted = 1;            ///< share of what tires answer in the next visit that shafts count on, of a solve
+    PointBody unforced, solved;       ///< of a substep at level 3: how the car goes by gravity alone; by all
+    CarImpulse whole;                 ///< of the substeps that share a solve
+    DriveWork workBefore;             ///< when the step began, as what was
+    CarLosses lostBefore;             ///< lost
+    Vec3 endVelocity, endTurning;     ///< of a step, at level 0
+    std::vector<GroundBody> grounds;  ///< of the first wheel that stands there
     std::vector<std::size_t> groundOfWheel;  ///< which of them
     std::vector<float> resistances;          ///< N m
     VehicleTelemetry telemetry;

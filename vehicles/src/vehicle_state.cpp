@@ -125,12 +125,16 @@ bool VehicleSim::holds(const Vec3& linear, const Vec3& angular) const {
     return isNumber(linear) && isNumber(angular) && isNumber(d.engineSpeed) && isNumber(d.clutch) &&
            isNumber(Vec3{d.engine.throttle, d.engine.idle, d.engine.friction}) && areNumbers(d.spin) &&
            areNumbers(d.brake) && areNumbers(d.differential) &&
-           std::ranges::all_of(d.brakeHeat, [](double heat) { return std::abs(heat) <= static_cast<double>(kMost); }) && std::ranges::all_of(wheels, holdsNumbers);
+           std::ranges::all_of(d.brakeHeat, [](double heat) { return std::abs(heat) <= static_cast<double>(kMost); }) &&
+           std::ranges::all_of(wheels, holdsNumbers);
 }
 
-/// Wheels that stand and an engine that idles; where the wheels are and what the driver does stays.
+/// Wheels that stand and an engine that idles; where the wheels are and what the driver does stays. What was counted in
+/// such a step is not known.
 void VehicleSim::forgetMotion() {
     drivetrain.stop(def);
+    drivetrain.work = workBefore;
+    lost = lostBefore;
     carried = {};
     for (WheelState& wheel : wheels) {
         const GroundPlane ground = wheel.ground;

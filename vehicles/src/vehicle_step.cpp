@@ -8,8 +8,8 @@
 namespace ragtop {
 namespace {
 
-constexpr float kPlaced = 0.01f;   ///< radii, and rad, by which a wheel's shape may be where its wheel is not
-constexpr float kStill = 1e-3f;    ///< over a wheel's radius: how far the ground of a sleeping car may move
+constexpr float kPlaced = 0.01f;  ///< radii, and rad, by which a wheel's shape may be where its wheel is not
+constexpr float kStill = 1e-3f;   ///< over a wheel's radius: how far the ground of a sleeping car may move
 
 /// Clamps to [lower, 1]; what is no number counts as 0.
 float within(float x, float lower) { return x > lower ? std::min(x, 1.0f) : x <= lower ? lower : 0; }
@@ -90,6 +90,8 @@ void VehicleSim::beforeStep(double dt) {
     if (!active) return;
     restsOnFixed.reset();
     driver = wanted;
+    workBefore = drivetrain.work;
+    lostBefore = lost;
     if (!world->isAwake(chassis) || driver.drives(drivetrain.gearbox.gear) || swings()) world->wake(chassis);
 
     const Pose pose = world->pose(chassis);
