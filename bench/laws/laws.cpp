@@ -125,8 +125,8 @@ public:
     void note(Watched& watched) {
         spent_ += workOfMotors();
         const double total = energy() - spent_ - worked_;
-        // What tires stand on is known from the end of the first step on.
-        if (hasCars() && steps_ == 0) start_ = base_ = total;
+        // What tires stand on is known from the end of the first step on, and what that stands on from the second.
+        if (hasCars() && steps_ <= 1) start_ = base_ = total;
         raise(gained_, total - base_);
         // What motors may give is more than they do: it must not pay for what comes later. What overlaps hold may.
         if ((hasMotors_ || hasCars()) && total < base_) base_ = std::min(base_, total + overlaps_.held(engine_));

@@ -15,6 +15,30 @@ double energyOf(const World& world, const Vehicle& car) {
            static_cast<double>(world.mass(car.chassis()).mass * kGravity) * height;
 }
 
+/// A car that is stopped sways on its treads, without any damping of theirs: what it gets back they held.
+TEST(VehicleEnergy, TreadsGiveBackWhatTheyHold) {
+    VehicleDef def = plainTires(1);
+    for (WheelDef& wheel : def.wheels) {
+        wheel.tire.dampingRatio = 0;
+        wheel.tire.relaxationLength = 1;
+    }
+    Road road(0, awake());
+    Vehicle car(road.world, def, {.position = {0, 0, 0}, .speed = 0.5f});
+    car.input = {.brake = 1, .clutch = 1, .gear = 0};
+    const double moved = 0.5 * static_cast<double>(def.chassis.mass) * 0.25;
+    double least = 0, most = 0, back = 0;
+    for (int i = 0; i < 120; ++i) {
+        road.world.step(kStep);
+        const EnergyTelemetry& energy = car.telemetry().energy;
+        const double now = energyOf(road.world, car) + energy.elastic + energy.rotating;
+        least = i == 0 ? now : std::min(least, now);
+        most = std::max(most, now - least);
+        if (car.telemetry().speed < 0) back = std::max(back, static_cast<double>(car.telemetry().kineticEnergy));
+    }
+    EXPECT_GT(back, 0.1 * moved);
+    EXPECT_LT(most, 0.01 * moved);
+}
+
 /// What a driver does on a lap: full throttle through the gears, bends, brakes, and a stretch on a loose pedal.
 VehicleInput lap(double t) {
     VehicleInput input;

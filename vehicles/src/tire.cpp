@@ -213,6 +213,30 @@ TireLine lineAfter(const TireLaw& law, const Vec2& bent, bool sliding) {
     return {{}, {q * law.stiffness.x, q * law.stiffness.y}};
 }
 
+/// Of a brush Σ k u² ∫ t q(t x) dt = Σ k u² (½ − x/3 + x²/12). Another law has its peak near the beginning: by
+/// Simpson's rule over s, t = s², from the forces that it has where it does not slip.
+double bentEnergy(const TireLaw& law, const Vec2& u) {
+    if (!(law.friction.x > 0) || !(law.friction.y > 0)) return 0;
+    const auto along = [&](const Vec2& a) { return static_cast<double>(a.x * u.x + a.y * u.y); };
+    if (law.isBrush()) {
+        const auto x = static_cast<double>(std::min(slidingShare(law, u), 1.0f));
+        return along({law.stiffness.x * u.x, law.stiffness.y * u.y}) * (0.5 - x / 3 + x * x / 12);
+    }
+    const auto forceAt = [&](float t) {
+        const float slip = t / law.relaxation;
+        return along(forceOverLoad(law.slips, {slip * u.x, slip * u.y}));
+    };
+    constexpr int kParts = 8;
+    const double rest = forceAt(0);
+    double sum = 0;
+    for (int k = 1; k <= kParts; ++k) {
+        const float s = static_cast<float>(k) / kParts;
+        const double weight = k == kParts ? 1 : k % 2 == 1 ? 4 : 2;
+        sum += weight * 2 * static_cast<double>(s) * (forceAt(s * s) - rest);
+    }
+    return std::max(sum / (3 * kParts), 0.0);
+}
+
 /// On the line that the forces make between slips that are told apart.
 float aligningMoment(const TireLaw& law, const Vec2& u, const SlipForces& forces, float load, float forward) {
     if (law.isBrush()) return 0;

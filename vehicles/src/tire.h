@@ -115,6 +115,9 @@ Vec2 deflectionAfter(const TireLaw& law, const TireLine& line, const Vec2& u, co
 /// The line for the next visit, after one with such deflections at its end, in which the tire slid or did not.
 TireLine lineAfter(const TireLaw& law, const Vec2& bent, bool sliding);
 
+/// J/N that treads bent by u give back on their way to straight at rest, ∫ F(t u)·u dt over the load.
+double bentEnergy(const TireLaw& law, const Vec2& u);
+
 /// N m about the ground's normal, to the left, by which a tire turns its wheel at deflections u, with the forces there;
 /// 0 of a brush. `forward` is the speed of travel along the wheel, m/s.
 float aligningMoment(const TireLaw& law, const Vec2& u, const SlipForces& forces, float load, float forward);

@@ -40,17 +40,37 @@ void VehicleSim::countBody(const PointBody& before, const PointBody& after, cons
     lost.slip -= workOf(turned, before.w, after.w);
 }
 
+/// Of bristles as they are now, by the slip that the last substep has found.
+double VehicleSim::treadEnergy(std::size_t i) const {
+    const WheelState& wheel = wheels[i];
+    if (!(wheel.load > 0)) return 0;
+    const float tread = specs[i].radius * drivetrain.spin[i];
+    const TireLaw law = tireLaw(specs[i].tire, groundOf(i), {wheel.travel, tread}, wheel.load, wheel.transport);
+    const Vec2 bent = rolledDeflection(law, wheel.deflection, {wheel.travel.x - tread, wheel.travel.y}, wheel.transport,
+                                       wheel.settleTime);
+    return static_cast<double>(wheel.load) * bentEnergy(law, withinPatch(law, bent));
+}
+
+/// Of the impulse that the chassis gets in the next substep.
+double VehicleSim::carriedEnergy() const {
+    const Vec3 v = world->linearVelocity(chassis), w = world->angularVelocity(chassis);
+    const Mat3 inverse = rotated(inverseInertia, world->pose(chassis).rotation);
+    return workOf(carried.linear, v, v + (1 / mass) * carried.linear) +
+           workOf(carried.angular, w, w + inverse * carried.angular);
+}
+
 /// What springs, bars and tires would give back.
 double VehicleSim::elasticEnergy() const {
     if (def.level == VehicleLevel::bicycle) return 0;
-    double sum = 0;
+    double sum = carriedEnergy();
     for (std::size_t i = 0; i < wheels.size(); ++i) {
         const StrutSpec& strut = specs[i].strut;
         const auto apart = static_cast<double>(wheels[i].compression - wheels[specs[i].barPartner].compression);
         // Wheels without mass fall away from springs that are slack, which then hold nothing.
         const float slack = -strut.load / strut.stiffness;
         const float compression = hasCarriers() ? wheels[i].compression : std::max(wheels[i].compression, slack);
-        sum += springEnergy(strut, compression) + squashEnergy(strut, squashUnder(strut, wheels[i].load));
+        sum +=
+            springEnergy(strut, compression) + squashEnergy(strut, squashUnder(strut, wheels[i].load)) + treadEnergy(i);
         // Each end of a bar has a half of it.
         sum += 0.25 * static_cast<double>(specs[i].barStiffness) * apart * apart;
     }

@@ -316,6 +316,8 @@ private:
     void countPatch(std::size_t i, const PointBody& body, float hubSpeed, float otherSpeed);
     void countBody(const PointBody& before, const PointBody& after, const CarImpulse& air, const Vec3& turned);
     double elasticEnergy() const;
+    double treadEnergy(std::size_t i) const;
+    double carriedEnergy() const;
     void tellEnergy();
     bool holds(const Vec3& linear, const Vec3& angular) const;
     void forgetMotion();

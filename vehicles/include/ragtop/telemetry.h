@@ -82,7 +82,7 @@ void forEachChannel(const VehicleTelemetry& car, Visit&& visit) {
     tell("strutLoss", "J", "into struts and squashed tires, since the start", car.energy.struts);
     tell("airLoss", "J", "since the start", car.energy.air);
     tell("rotatingEnergy", "J", "of engine and wheels", car.energy.rotating);
-    tell("elasticEnergy", "J", "of springs, stops, bars and squashed tires", car.energy.elastic);
+    tell("elasticEnergy", "J", "of springs, stops, bars, squashed tires and bent treads", car.energy.elastic);
     tell("throttle", "1", "pedal in the last step", car.throttle);
     tell("brake", "1", "pedal in the last step", car.brake);
     tell("handbrake", "1", "lever in the last step", car.handbrake);

@@ -87,7 +87,7 @@ struct EnergyTelemetry {
     double struts = 0;                                ///< into dampers, springs and squashed tires
     double air = 0;                                   ///< lost
     double rotating = 0;                              ///< of engine and wheels about their axles, now
-    double elastic = 0;                               ///< of springs, stops, bars and squashed tires, now
+    double elastic = 0;                               ///< of springs, stops, bars, squashed tires and bent treads, now
 };
 
 /// What the car does, at the end of the last step.
