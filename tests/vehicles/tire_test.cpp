@@ -117,6 +117,19 @@ TEST(Tire, GrowsItsForceOverTheRelaxationLength) {
     EXPECT_NEAR(-rig.u.y / steady, 1 - std::exp(-1.0), 1.0 / steps);
 }
 
+/// Under a slip that grows evenly, a t, the bristles are at −(σ/V) (a t − a σ/V), which backward Euler has exactly; the
+/// force of a substep is that of its middle, but for the share (θ − ½)/½ < x/6 of half a substep.
+TEST(Tire, PushesByTheMeanForceOfASubstep) {
+    Rig rig;
+    rig.spec.standingDamping = 0;
+    const double speed = 20, growth = 0.02, h = 1.0 / 240, way = rig.spec.def.relaxationLength;
+    rig.transport = rig.tread = static_cast<float>(speed);
+    for (int i = 1; i <= 24; ++i) rig.step({0, static_cast<float>(growth * i * h)}, static_cast<float>(h));
+    const double slope = kLoad * static_cast<double>(rig.spec.stiffness.y) * way / speed * growth;
+    const double middle = -slope * (23.5 * h - way / speed), late = 0.5 * h * slope;
+    EXPECT_NEAR(rig.force.y, middle, (speed * h / way / 6 + 0.05) * late);
+}
+
 /// At rest the law is a spring: what moved the patch there and back leaves no force.
 TEST(Tire, IsASpringAtStandstill) {
     Rig rig;

@@ -97,12 +97,13 @@ Vec2 withinPatch(const TireLaw& law, const Vec2& u);
 /// (1) over h by backward Euler.
 Vec2 rolledDeflection(const TireLaw& law, const Vec2& u, const Vec2& slip, float transport, float h);
 
-/// One implicit visit to a tire: the impulse λ that satisfies (1) to (4) at the end of a substep of h seconds, when
+/// One implicit visit to a tire: the impulse λ that satisfies (1) to (4) over a substep of h seconds, when
 /// the slip is free + K λ. `load` is the normal impulse, N h.
 struct TireVisit {
     Vec2 impulse;
     bool sliding = false;  ///< (4) holds with equality
     float grip = 0;        ///< N s along the wheel by a m/s of slip, of a tread that nothing else moves
+    Vec2 end{1, 1};        ///< θ, see solveTire
 };
 TireVisit solveTire(const TireLaw& law, const TireLine& line, const Vec2& u, float transport, float load, float h,
                     const Sym2& K, const Vec2& free);

@@ -94,7 +94,7 @@ struct WheelPatch {
     float transport = 0, spinBefore = 0;
     Vec3 speedBefore;  ///< of the chassis there over the ground: forward, left, along the normal
     TireLine line;
-    Vec2 bent;             ///< m, of its bristles at the end as last found,
+    Vec2 bent;             ///< m, of its bristles where its mean force is, as last found,
     bool lineDue = false;  ///< by which the line has not been taken yet
     float strutK = 0;      ///< inverse effective masses along the normal and of the patch
     Sym2 tireK;

@@ -421,8 +421,10 @@ float VehicleSim::pushTire(std::size_t i, PointBody& body, float h) {
     if (patch.load > 0) {
         const Vec2 end{free.x + K.xx * patch.tire.x + K.xy * patch.tire.y,
                        free.y + K.xy * patch.tire.x + K.yy * patch.tire.y};
-        patch.bent =
+        const Vec2 after =
             deflectionAfter(patch.law, patch.line, wheel.deflection, visit, end, patch.transport, patch.load, h);
+        patch.bent = {wheel.deflection.x + visit.end.x * (after.x - wheel.deflection.x),
+                      wheel.deflection.y + visit.end.y * (after.y - wheel.deflection.y)};
         patch.lineDue = true;
     }
     return std::max(std::abs(change.x), std::abs(change.y));
