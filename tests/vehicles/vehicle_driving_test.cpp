@@ -401,6 +401,34 @@ TEST(VehicleDriving, SlalomsAlikeAtAnyStep) {
     for (int run = 0; run < 3; ++run) EXPECT_NEAR(largestTurn(anyStep) / truth, 1, 0.03);
 }
 
+/// Locked wheels bring a car to rest, and treads and carcasses under μ N throw it back at μ g/ω at most, ω² = C g/σ, by
+/// twice their μ g/ω², also where a law of slip has the locked wheel bent by all of σ.
+TEST(VehicleDriving, StopsOnLockedWheelsWithoutBeingThrownBack) {
+    for (const bool isMagic : {false, true}) {
+        for (const float speed : {2.0f, 20.0f}) {
+            VehicleDef def = hatchback();
+            for (WheelDef& wheel : def.wheels) {
+                wheel.brakeTorque = 5000;
+                if (isMagic) wheel.tire.magicFormula.emplace();
+                if (!isMagic) wheel.tire.slipCurves.emplace();
+            }
+            Road road(0, awake());
+            Vehicle car(road.world, def, {.speed = speed});
+            const double sway = std::sqrt(15.0 * 9.81 / static_cast<double>(def.wheels[0].tire.relaxationLength));
+            const double most = 1.1 * 9.81 / sway;
+            car.input = {.brake = 1, .handbrake = 1, .clutch = 1, .gear = 0};
+            double farthest = 0;
+            for (int i = 0; i < 300; ++i) {
+                road.world.step(kStep);
+                farthest = std::max(farthest, road.world.pose(car.chassis()).position.z);
+                ASSERT_GT(car.telemetry().speed, -most) << isMagic << " " << speed << " " << i;
+            }
+            EXPECT_NEAR(car.telemetry().speed, 0, 1e-2);
+            EXPECT_LT(farthest - road.world.pose(car.chassis()).position.z, 2 * most / sway) << isMagic << " " << speed;
+        }
+    }
+}
+
 /// A step of steering at 30 m/s has a car turn faster at first than it does then, which is damping as the step has it:
 /// forces of the ends of substeps damp the yaw by half a substep.
 TEST(VehicleDriving, OvershootsAStepOfSteeringAlikeAtAnyStep) {

@@ -164,6 +164,28 @@ Vec2 withinPatch(const TireLaw& law, const Vec2& u) {
     return {u.x / x, u.y / x};
 }
 
+/// g(c) = F(c u)·u rises from 0 at its steepest, so that from below c ← c g(1)/g(c) climbs to the first c that has
+/// g(1).
+Vec2 beforePeak(const TireLaw& law, const Vec2& u) {
+    constexpr float kRising = 0.6f;  // of the slope at rest, which a secant has on the rising side at least
+    if (law.isBrush()) return u;
+    const Vec2 slope = slopeAtRest(law.slips);
+    const float s = 1 / law.relaxation, steepest = s * (slope.x * u.x * u.x + slope.y * u.y * u.y);
+    const auto force = [&](float c) {
+        const Vec2 f = forceOverLoad(law.slips, {c * s * u.x, c * s * u.y});
+        return f.x * u.x + f.y * u.y;
+    };
+    const float asked = force(1);
+    if (!(asked > 0) || !(asked < kRising * steepest)) return u;
+    float c = asked / steepest;
+    for (int i = 0; i < 8; ++i) {
+        const float now = force(c);
+        if (!(now > 0)) return u;
+        c = std::min(c * std::max(asked / now, 1.0f), 1.0f);
+    }
+    return {c * u.x, c * u.y};
+}
+
 Vec2 rolledDeflection(const TireLaw& law, const Vec2& u, const Vec2& slip, float transport, float h) {
     const float s = 1.0f / (1 + h * transport / law.relaxation);
     return {s * (u.x - h * slip.x), s * (u.y - h * slip.y)};

@@ -94,6 +94,11 @@ inline TireLine tireLine(const TireLaw& law, const Vec2& u) { return tireLine(la
 /// brush.
 Vec2 withinPatch(const TireLaw& law, const Vec2& u);
 
+/// Deflections from which treads come back where the slip turns round. A law of slip has a peak beyond which it falls,
+/// and a locked wheel |u| = σ: no spring is bent so far. What is beyond the peak comes back from where it had the same
+/// force before it.
+Vec2 beforePeak(const TireLaw& law, const Vec2& u);
+
 /// (1) over h by backward Euler.
 Vec2 rolledDeflection(const TireLaw& law, const Vec2& u, const Vec2& slip, float transport, float h);
 

@@ -48,7 +48,7 @@ double VehicleSim::treadEnergy(std::size_t i) const {
     const TireLaw law = tireLaw(specs[i].tire, groundOf(i), {wheel.travel, tread}, wheel.load, wheel.transport);
     const Vec2 bent = rolledDeflection(law, wheel.deflection, {wheel.travel.x - tread, wheel.travel.y}, wheel.transport,
                                        wheel.settleTime);
-    return static_cast<double>(wheel.load) * bentEnergy(law, withinPatch(law, bent));
+    return static_cast<double>(wheel.load) * bentEnergy(law, beforePeak(law, withinPatch(law, bent)));
 }
 
 /// Of the impulse that the chassis gets in the next substep.

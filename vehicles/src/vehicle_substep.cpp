@@ -343,7 +343,9 @@ void VehicleSim::settleTire(std::size_t i, const PointBody& moved) {
     if (wheel.settleTime > 0) {
         const Vec2 slip = slipOf(patch, moved, {wheel.hubSpeed, wheels[specs[i].beamPartner].hubSpeed},
                                  specs[i].radius * drivetrain.spin[i]);
-        wheel.deflection = rolledDeflection(patch.law, wheel.deflection, slip, wheel.transport, wheel.settleTime);
+        const bool turns = slip.x * wheel.deflection.x + slip.y * wheel.deflection.y > 0;
+        const Vec2 bent = turns ? beforePeak(patch.law, wheel.deflection) : wheel.deflection;
+        wheel.deflection = rolledDeflection(patch.law, bent, slip, wheel.transport, wheel.settleTime);
         wheel.settleTime = 0;
     }
     wheel.deflection = withinPatch(patch.law, wheel.deflection);
