@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <random>
 #include <vector>
 
@@ -384,6 +385,33 @@ TEST(Vehicle, StandsOnGroundWithoutFriction) {
                 EXPECT_NEAR(length(world.linearVelocity(car.chassis())), 10, 1e-3f);
                 EXPECT_GT(car.telemetry().energy.engine, 1000);
             }
+        }
+    }
+}
+
+/// Wheels stand across edges of triangles there, on the one or the other of which they lie as high.
+TEST(Vehicle, FallsAsleepWhereverItIsParkedOnHills) {
+    constexpr int kSide = 61, kCars = 6;
+    std::mt19937 dice(1);
+    std::vector<float> heights;
+    for (int i = 0; i < kSide * kSide; ++i) heights.push_back(0.2f * static_cast<float>(dice() >> 8) / (1 << 24));
+    for (const VehicleLevel level : {VehicleLevel::rays, VehicleLevel::full}) {
+        for (const double dt : {1.0 / 30, 1.0 / 60, 1.0 / 120}) {
+            World world;
+            world.create(StaticBody{.shape = HeightField(kSide, kSide, 1.5f, heights), .position = {-45, 0, -45}});
+            VehicleDef def = hatchback();
+            def.level = level;
+            std::deque<Vehicle> cars;
+            for (int i = 0; i < kCars * kCars; ++i) {
+                const float heading = 0.7f * static_cast<float>(i);
+                cars.emplace_back(world, def,
+                                  VehiclePlacement{.position = {12.1 * (i % kCars) - 30, 0.3, 12.3 * (i / kCars) - 30},
+                                                   .heading = heading});
+                cars.back().input.handbrake = 1;
+            }
+            run(world, 10, dt);
+            for (const Vehicle& car : cars)
+                EXPECT_FALSE(world.isAwake(car.chassis())) << static_cast<int>(level) << " " << dt;
         }
     }
 }

@@ -16,6 +16,8 @@ constexpr float kSteepestClimb =
     20;                        ///< m risen per m travelled, as on no edge, beyond which ground comes up by itself
 constexpr float kCatchUp = 1;  ///< and is climbed by so many m per m
 
+constexpr float kCreep = 0.5f * kLiftSpeed;  ///< m/s, of a wheel that comes to rest
+
 struct Sample {
     GroundPlane plane;
     DVec3 hub;
@@ -41,7 +43,13 @@ GroundPlane pieceBetween(const Sample& a, Sample& b, const WheelWay& way, float 
     const float found = b.rise;
     b.rise = std::min(found, a.rise + more + kCatchUp * onward + kLiftSpeed * seconds);
     const float climb = b.rise - a.rise;
-    if (climb < -onward) return b.plane;
+    const auto lowered = [&] {
+        GroundPlane piece = b.plane;
+        piece.point = piece.point + (b.rise - found) * way.axis;
+        return piece;
+    };
+    // Planes are not known to the way of what comes to rest.
+    if (climb < -onward || length(went) < kCreep * seconds) return lowered();
     const Vec3 locus = went + climb * way.axis;
     const float squared = dot(locus, locus);
     const Vec3 mean = a.plane.normal + b.plane.normal;
@@ -49,11 +57,7 @@ GroundPlane pieceBetween(const Sample& a, Sample& b, const WheelWay& way, float 
     GroundPlane piece = climb > 0 ? b.plane : a.plane;
     piece.normal = length(across) > 1e-3f ? normalized(across) : b.plane.normal;
     const std::optional<Vec3> down = lowestPoint(piece.normal, way.axle, way.radius);
-    if (!down || !(dot(piece.normal, way.axis) > kSteepest)) {
-        piece = b.plane;
-        piece.point = piece.point + (b.rise - found) * way.axis;
-        return piece;
-    }
+    if (!down || !(dot(piece.normal, way.axis) > kSteepest)) return lowered();
     piece.point = a.hub + a.rise * way.axis + *down;
     return piece;
 }
@@ -151,6 +155,20 @@ struct Search {
     }
 };
 
+/// What ends the way of a wheel: what was looked for there, or, of one that hardly moves between two planes on which it
+/// lies as high, the one that it stands on: from step to step the other one would throw a car that has come to rest.
+Sample endOf(const Search& search, const Sample& first, float below) {
+    const WheelWay& way = search.way;
+    const Sample end = search.look(1);
+    constexpr float kSameRise = 0.01f;  // radii between places of a wheel on planes that it may as well stand on
+    const GroundPlane &on = first.plane, &found = end.plane;
+    if (!way.stands || below != 0 || on.found == 0 || found.found == 0 || !(on.body == found.body)) return end;
+    if (on.moves != 0 || on.surface != found.surface || on.friction != found.friction) return end;
+    if (length(relative(way.to, way.from)) > kCreep * way.seconds) return end;
+    const Sample stays = search.on(on, 1);
+    return stays.plane.found != 0 && std::abs(stays.rise - end.rise) < kSameRise * way.radius ? stays : end;
+}
+
 /// By how much more the hub of a wheel that stands goes up in one part of the way than in the one before, over what it
 /// may.
 float thrownBy(std::span<const Sample> samples, int count, const WheelWay& way) {
@@ -222,7 +240,8 @@ void takeFineCourse(const Search& search, int count, const Sample& first, const 
 void findPlane(const World& world, const QueryFilter& query, const WheelWay& way, const CourseEnd& last,
                GroundPlane& plane) {
     const Search search{world, query, way, true};
-    plane = takeOnce(search, search.again(last.plane), search.look(1), last);
+    const Sample first = search.again(last.plane);
+    plane = takeOnce(search, first, endOf(search, first, last.below), last);
 }
 
 int pieceAt(const WheelCourse& course, float share, const DVec3& hub) {
@@ -241,7 +260,7 @@ void findCourse(const World& world, const QueryFilter& query, const WheelWay& wa
     const Search search{world, query, way};
     std::array<Sample, kMostCoarse + 1> samples;
     samples[0] = search.again(last.plane);
-    const Sample end = search.look(1);
+    const Sample end = endOf(search, samples[0], last.below);
     course.taken = -1;
     course.from = way.from;
     course.went = relative(way.to, way.from);
