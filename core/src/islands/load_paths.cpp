@@ -199,8 +199,9 @@ std::array<float, kMaxManifoldPoints> LoadPaths::sharesOfPoints(const ConstTable
     std::array<float, kMaxManifoldPoints> shares{};
     const std::uint32_t body = aBears(edge) ? edge.b : edge.a;
     float sum = 0;
-    forEachNearPoint(t, edge, body, axesOf(t.bodies, body),
-                     [&](int j, float px, float py) { sum += shares[j] = division_[body].at(px, py); });
+    forEachNearPoint(t, edge, body, axesOf(t.bodies, body), [&](int j, float px, float py) {
+        sum += shares[static_cast<std::size_t>(j)] = division_[body].at(px, py);
+    });
     for (float& of : shares) of = sum > 0 ? of / sum : 0.0f;
     return shares;
 }

@@ -82,7 +82,8 @@ struct BearingContact {
             if (!(borne > 0)) shares = v.islands.paths.sharesOfPoints(v.tables, edges[i]);
             const ManifoldRecord& manifold = manifoldOf(edges[i]);
             for (int j = 0; j < manifold.pointCount; ++j)
-                visit(manifold.anchorA[j], borne > 0 ? impulse(edges[i], j) / borne : shares[j] * (share[i] / load));
+                visit(manifold.anchorA[j], borne > 0 ? impulse(edges[i], j) / borne
+                                                     : shares[static_cast<std::size_t>(j)] * (share[i] / load));
         }
     }
 };
@@ -399,7 +400,7 @@ void loadNewContacts(const MeasureView& v, float gravityStep, ConstraintGraph& g
         const std::array<float, kMaxManifoldPoints> shares = paths.sharesOfPoints(v.tables, edge);
         const float load = paths.share[i] * gravityStep * along;
         for (int j = 0; j < manifold.pointCount; ++j)
-            at(j, contact::kImpulse) = at(j, contact::kLoad) = load * shares[j];
+            at(j, contact::kImpulse) = at(j, contact::kLoad) = load * shares[static_cast<std::size_t>(j)];
         fresh.push(edge.constraint);
     }
 }
