@@ -57,7 +57,7 @@ void cut(std::vector<Uncut>& pieces, std::size_t at, const DPlane& plane, const 
 
 }  // namespace
 
-void cutToPieces(CutSolid solid, const PieceLimits& limits, const Air& air, const TaskRunner& tasks,
+void cutToPieces(CutSolid solid, CutOrder order, const PieceLimits& limits, const Air& air, const TaskRunner& tasks,
                  const std::function<bool(std::vector<Piece>)>& isEnough) {
     std::vector<Uncut> pieces;
     for (CutSolid& part : bodiesOf(std::move(solid), 2 * kSpare * limits.pieces))
@@ -66,7 +66,7 @@ void cutToPieces(CutSolid solid, const PieceLimits& limits, const Air& air, cons
     while (pieces.size() < kSpare * limits.pieces) {
         Uncut* piece = worst(pieces, limits, air);
         if (!piece) break;
-        const std::optional<DPlane> plane = bestCut(piece->solid, limits.corners, tasks);
+        const std::optional<DPlane> plane = bestCut(piece->solid, order, limits.corners, tasks);
         if (!plane) {
             piece->done = true;
             continue;

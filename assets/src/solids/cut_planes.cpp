@@ -9,7 +9,7 @@ namespace {
 constexpr double kBend = 0.01;          // sine of the least concave angle that counts
 constexpr double kSameNormal = 0.9995;  // cosine
 constexpr double kSameOffset = 2e-3;
-constexpr std::size_t kMostConcave = 12, kAcross = 5;
+constexpr std::size_t kMostConcave = 12, kMostPairs = 8, kAcross = 5;
 
 struct WeighedPlane {
     DPlane plane;
@@ -51,6 +51,19 @@ void add(std::vector<WeighedPlane>& planes, const DVec3& normal, const DVec3& at
     planes.push_back({{normal, dot(normal, at)}, weight});
 }
 
+std::vector<DPlane> heaviest(std::vector<WeighedPlane> planes, std::size_t most) {
+    std::sort(planes.begin(), planes.end(), [](const WeighedPlane& a, const WeighedPlane& b) {
+        const auto key = [](const WeighedPlane& p) {
+            return std::tuple{-p.weight, p.plane.normal.x, p.plane.normal.y, p.plane.normal.z, p.plane.offset};
+        };
+        return key(a) < key(b);
+    });
+    std::vector<DPlane> best;
+    for (const WeighedPlane& p : planes)
+        if (best.size() < most) best.push_back(p.plane);
+    return best;
+}
+
 /// Along the faces beside concave edges, and between them. What bends most along the longest edges is worth most.
 std::vector<DPlane> concavePlanes(const CutSolid& solid, const std::vector<ConcaveEdge>& concave) {
     constexpr std::size_t kMost = 2000;  // of a rough surface any edges will do
@@ -65,17 +78,12 @@ std::vector<DPlane> concavePlanes(const CutSolid& solid, const std::vector<Conca
             add(planes, (1 / size) * between, at, kBetween * edge.weight);
         if (planes.size() > kMost) break;
     }
-    std::sort(planes.begin(), planes.end(), [](const WeighedPlane& a, const WeighedPlane& b) {
-        const auto key = [](const WeighedPlane& p) {
-            return std::tuple{-p.weight, p.plane.normal.x, p.plane.normal.y, p.plane.normal.z, p.plane.offset};
-        };
-        return key(a) < key(b);
-    });
-    std::vector<DPlane> best;
-    for (const WeighedPlane& p : planes) {
-        if (best.size() < kMostConcave) best.push_back(p.plane);
-    }
-    return best;
+    return heaviest(std::move(planes), kMostConcave);
+}
+
+/// Does a way from a concave edge lead into the solid?
+bool leadsIn(const ConcaveEdge& edge, const DVec3& way) {
+    return dot(way, edge.left) < -kBend || dot(way, edge.right) < -kBend;
 }
 
 using Rows = std::array<std::array<double, 3>, 3>;
@@ -148,8 +156,32 @@ std::vector<ConcaveEdge> concaveEdges(const CutSolid& solid) {
     return concave;
 }
 
+std::vector<DPlane> pairPlanes(const CutSolid& solid, std::vector<ConcaveEdge> concave) {
+    constexpr std::size_t kMost = 64;  // edges, of which each meets each
+    constexpr double kNear = 1e-3;
+    std::sort(concave.begin(), concave.end(), [](const ConcaveEdge& a, const ConcaveEdge& b) {
+        return std::tuple{-a.weight, a.a, a.b} < std::tuple{-b.weight, b.a, b.b};
+    });
+    concave.resize(std::min(concave.size(), kMost));
+    std::vector<WeighedPlane> planes;
+    for (const ConcaveEdge& one : concave)
+        for (const ConcaveEdge& other : concave) {
+            if (std::pair{other.a, other.b} <= std::pair{one.a, one.b}) continue;
+            const DVec3 at = solid.vertices[one.a], there = solid.vertices[other.a];
+            const DVec3 along = solid.vertices[one.b] - at, alike = solid.vertices[other.b] - there;
+            const double reach = length(along);
+            if (std::abs(dot(along, alike)) < kSameNormal * reach * length(alike)) continue;
+            const DVec3 unit = (1 / reach) * along, way = (there - at) - dot(there - at, unit) * unit;
+            const double far = length(way);
+            if (far < kNear || !leadsIn(one, (1 / far) * way) || !leadsIn(other, (-1 / far) * way)) continue;
+            add(planes, (1 / far) * cross(unit, way), at, (one.weight + other.weight) / far);
+        }
+    return heaviest(std::move(planes), kMostPairs);
+}
+
 std::vector<DPlane> planesToTry(const CutSolid& solid, const std::vector<ConcaveEdge>& concave) {
     std::vector<DPlane> planes = concavePlanes(solid, concave);
+    for (const DPlane& plane : pairPlanes(solid, concave)) planes.push_back(plane);
     std::vector<DVec3> axes{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     for (const DVec3& own : ownAxes(solid)) {
         const bool known = std::any_of(axes.begin(), axes.end(),

@@ -58,10 +58,24 @@ struct Costs {
     }
 };
 
+/// Through the first pair of concave edges of which a plane cuts off what has no air: with a tooth as a rule corners of
+/// those beside it, which are joined to them again.
+std::optional<DPlane> cutOfWhatStandsOut(const CutSolid& solid, std::size_t most) {
+    constexpr double kClean = 1e-3;  // of its volume
+    for (const DPlane& plane : pairPlanes(solid, concaveEdges(solid)))
+        for (const DPlane& side : {plane, flipped(plane)}) {
+            const Remainder part = remainderBelow(solid, side);
+            if (part.volume > kNoVolume && airOf(part, most) <= kClean * part.volume) return plane;
+        }
+    return {};
+}
+
 }  // namespace
 
-std::optional<DPlane> bestCut(const CutSolid& solid, std::size_t corners, const TaskRunner& tasks) {
+std::optional<DPlane> bestCut(const CutSolid& solid, CutOrder order, std::size_t corners, const TaskRunner& tasks) {
     if (solid.vertices.empty()) return {};
+    if (order == CutOrder::whatStandsOut)
+        if (const std::optional<DPlane> plane = cutOfWhatStandsOut(solid, corners)) return plane;
     const Costs first(solid, corners, tasks);
     const std::size_t best = first.best();
     if (first.costs[best] == kUnbounded) return {};

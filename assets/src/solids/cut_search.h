@@ -18,12 +18,20 @@ struct ConcaveEdge {
 };
 std::vector<ConcaveEdge> concaveEdges(const CutSolid& solid);
 
-/// Planes along which a solid might be cut: those of faces beside concave edges, those halfway between such faces, and
-/// some across the axes of the world and of its own.
+/// Planes through two concave edges that are parallel, with the solid between them: what one of them cuts off, as the
+/// tooth of a gear, ends both. Those of edges that are near each other come first.
+std::vector<DPlane> pairPlanes(const CutSolid& solid, std::vector<ConcaveEdge> concave);
+
+/// Planes along which a solid might be cut: those of faces beside concave edges, those halfway between such faces,
+/// those of pairs of them, and some across the axes of the world and of its own.
 std::vector<DPlane> planesToTry(const CutSolid& solid, const std::vector<ConcaveEdge>& concave);
 
-/// The plane that leaves least air in the hulls of the halves, of so many corners at most; none where no plane leaves
-/// two parts with volume.
-std::optional<DPlane> bestCut(const CutSolid& solid, std::size_t corners, const TaskRunner& tasks);
+/// What is cut first: by which least air is left in all, or what leaves none in what it cuts off, where there is such a
+/// pair of concave edges.
+enum class CutOrder { leastAir, whatStandsOut };
+
+/// The plane that comes next in this order, for hulls of so many corners at most; none where no plane leaves two parts
+/// with volume.
+std::optional<DPlane> bestCut(const CutSolid& solid, CutOrder order, std::size_t corners, const TaskRunner& tasks);
 
 }  // namespace ragtop

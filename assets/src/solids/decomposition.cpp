@@ -80,22 +80,38 @@ double excess(const std::vector<Piece>& pieces, double volume, const PieceLimits
     return std::max((sum - volume) / limits.air, deepest / limits.error);
 }
 
+struct Found {
+    std::vector<Piece> pieces;
+    double excess = kUnbounded;
+};
+
 /// The first that keep to the limits when they are joined, or else those that come closest.
-std::vector<PointHull> bestPieces(const CutSolid& solid, double volume, const PieceLimits& limits, const Air& air,
-                                  const TaskRunner& tasks) {
-    std::vector<Piece> best;
-    double least = kUnbounded;
-    cutToPieces(solid, limits, air, tasks, [&](std::vector<Piece> stage) {
+Found searchIn(CutOrder order, const CutSolid& solid, double volume, const PieceLimits& limits, const Air& air,
+               const TaskRunner& tasks) {
+    Found best;
+    cutToPieces(solid, order, limits, air, tasks, [&](std::vector<Piece> stage) {
         std::vector<Piece> joined = joinPieces(std::move(stage), volume, limits, air, tasks);
         for (Piece& piece : joined) piece.hull = withFewCorners(piece.hull, limits.corners);
         const double beyond = excess(joined, volume, limits, air);
-        const bool isBetter = best.empty() || beyond < least;
-        if (isBetter) best = std::move(joined), least = beyond;
-        return least <= 1 || !isBetter;
+        const bool isBetter = best.pieces.empty() || beyond < best.excess;
+        if (isBetter) best = {std::move(joined), beyond};
+        return best.excess <= 1 || !isBetter;
     });
-    if (least > 1) evenOut(best, volume, limits, air, tasks);
+    if (best.excess <= 1) return best;
+    evenOut(best.pieces, volume, limits, air, tasks);
+    best.excess = excess(best.pieces, volume, limits, air);
+    return best;
+}
+
+std::vector<PointHull> bestPieces(const CutSolid& solid, double volume, const PieceLimits& limits, const Air& air,
+                                  const TaskRunner& tasks) {
+    Found best = searchIn(CutOrder::leastAir, solid, volume, limits, air, tasks);
+    if (best.excess > 1 && !pairPlanes(solid, concaveEdges(solid)).empty()) {
+        Found other = searchIn(CutOrder::whatStandsOut, solid, volume, limits, air, tasks);
+        if (other.excess < best.excess) best = std::move(other);
+    }
     std::vector<PointHull> hulls;
-    for (Piece& piece : best) hulls.push_back(std::move(piece.hull));
+    for (Piece& piece : best.pieces) hulls.push_back(std::move(piece.hull));
     return hulls;
 }
 

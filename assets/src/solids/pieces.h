@@ -29,7 +29,7 @@ bool areNear(const PointHull& a, const PointHull& b);
 
 /// Cuts a solid until its hulls keep within the limits, or no cut helps, or there are several times as many as allowed.
 /// Shows the pieces at stages on the way, the last one included, and ends where `isEnough` says so.
-void cutToPieces(CutSolid solid, const PieceLimits& limits, const Air& air, const TaskRunner& tasks,
+void cutToPieces(CutSolid solid, CutOrder order, const PieceLimits& limits, const Air& air, const TaskRunner& tasks,
                  const std::function<bool(std::vector<Piece>)>& isEnough);
 
 /// Joins pieces, those first that take up least air: down to the allowed number, and on as long as the limits hold.

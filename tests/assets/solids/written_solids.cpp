@@ -105,18 +105,6 @@ Solid ringPlate(std::string name, const std::vector<std::pair<double, double>>& 
     return s;
 }
 
-Solid gear(int teeth, double root, double tip, double hole) {
-    std::vector<std::pair<double, double>> outer, inner;
-    for (int i = 0; i < teeth; ++i)
-        for (const auto& [part, radius] :
-             {std::pair{0.0, root}, std::pair{0.35, root}, std::pair{0.5, tip}, std::pair{0.85, tip}}) {
-            const double a = kTurn * (i + part) / teeth;
-            outer.emplace_back(radius * std::cos(a), radius * std::sin(a));
-            inner.emplace_back(hole * std::cos(a), hole * std::sin(a));
-        }
-    return ringPlate("gear", outer, inner, 0.1);
-}
-
 /// A plate whose outline goes in and out.
 Solid star(int points, double far, double near) {
     std::vector<std::pair<double, double>> outline, middle;
@@ -215,6 +203,18 @@ Solid torus(double radius, double thick, int around, int across) {
         const double r = radius + thick * std::cos(v);
         return at(r * std::cos(u), -thick * std::sin(v), r * std::sin(u));
     });
+}
+
+Solid gear(int teeth, double root, double tip, double hole) {
+    std::vector<std::pair<double, double>> outer, inner;
+    for (int i = 0; i < teeth; ++i)
+        for (const auto& [part, radius] :
+             {std::pair{0.0, root}, std::pair{0.35, root}, std::pair{0.5, tip}, std::pair{0.85, tip}}) {
+            const double a = kTurn * (i + part) / teeth;
+            outer.emplace_back(radius * std::cos(a), radius * std::sin(a));
+            inner.emplace_back(hole * std::cos(a), hole * std::sin(a));
+        }
+    return ringPlate("gear", outer, inner, 0.1);
 }
 
 Solid cup(double radius, double wall, double height, int sides) {

@@ -24,6 +24,8 @@ Solid byName(const std::string& name);
 Solid torus(double radius, double thick, int around, int across);
 /// Open at the top: inner radius, wall, height, and as many sides.
 Solid cup(double radius, double wall, double height, int sides);
+/// A plate with teeth that become narrower, root and tip as far from its axis, with a hole or none (0).
+Solid gear(int teeth, double root, double tip, double hole);
 /// Turned by an angle about an axis that is nobody's, and scaled.
 Solid turned(Solid solid, float angle, float scale = 1);
 
