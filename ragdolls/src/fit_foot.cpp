@@ -123,17 +123,23 @@ FittedShape fitFoot(std::span<const Vec3> points, const Quat& rotation, float sh
     return {ConvexHull(least->corners), least->room.frame};
 }
 
-FittedShape fitBoth(std::span<const Vec3> points, std::size_t own, float share, const FitShape& fit) {
+FittedShape fitBoth(std::span<const Vec3> points, std::size_t own, const LeftOut& allowed, const FitShape& fit) {
     const auto leftOut = [](const FittedShape& shape, std::span<const Vec3> some) {
-        return 1 - static_cast<float>(countInside(shape, some)) / static_cast<float>(some.size());
+        return some.size() - static_cast<std::size_t>(countInside(shape, some));
     };
-    float most = 0;  // of either, in proportion to what both may leave out
+    const auto share = [](float part, std::size_t of) { return part / static_cast<float>(of); };
+    const float all = share(allowed.own + allowed.rest, points.size());
+    float most = 0;  // of either, over what it may leave out, in proportion to what both do
     for (const float less : {1.0f, 0.875f, 0.75f, 0.5f}) {
-        if (less * most > 1 - share) continue;
-        FittedShape shape = fit(points, 1 - less * (1 - share));
-        const float left = std::max(leftOut(shape, points.first(own)), leftOut(shape, points.subspan(own)));
-        if (left <= 1 - share) return shape;
-        most = left / less;
+        if (less * most > 1) continue;
+        FittedShape shape = fit(points, 1 - less * all);
+        const auto over = [](std::size_t left, float may) {
+            return left == 0 ? 0 : static_cast<float>(left) / std::max(may, 1e-6f);
+        };
+        const float beyond = std::max(over(leftOut(shape, points.first(own)), allowed.own),
+                                      over(leftOut(shape, points.subspan(own)), allowed.rest));
+        if (beyond <= 1) return shape;
+        most = beyond / less;
     }
     return fit(points, 1);
 }

@@ -13,9 +13,13 @@ FittedShape fitFoot(std::span<const Vec3> points, const Quat& rotation, float sh
 
 using FitShape = std::function<FittedShape(std::span<const Vec3>, float share)>;
 
-/// A shape that `fit` makes about points of two kinds, the first `own` of them and the others, and that holds the share
-/// of either. What it leaves out of either goes with what it may leave out of all, as a rule, which tells how much to
-/// ask.
-FittedShape fitBoth(std::span<const Vec3> points, std::size_t own, float share, const FitShape& fit);
+/// How many points of two kinds a shape may leave out.
+struct LeftOut {
+    float own = 0, rest = 0;
+};
+
+/// A shape that `fit` makes about points of two kinds, the first `own` of them and the others. What it leaves out of
+/// either goes with what it may leave out of all, as a rule, which tells how much to ask.
+FittedShape fitBoth(std::span<const Vec3> points, std::size_t own, const LeftOut& allowed, const FitShape& fit);
 
 }  // namespace ragtop

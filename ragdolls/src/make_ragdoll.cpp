@@ -99,6 +99,7 @@ private:
 
     void assignSkin() {
         skin_.resize(anatomy_.segments.size());
+        share_.assign(skin_.size(), options_.containedShare);
         for (std::size_t i = 0; i < skeleton_.skin.size(); ++i) {
             std::vector<Vec3>& of = skin_[static_cast<std::size_t>(def_.bones[i].part)];
             of.insert(of.end(), skeleton_.skin[i].begin(), skeleton_.skin[i].end());
@@ -220,33 +221,43 @@ private:
     }
     /// The same where the ankle bends by α: what is r beside the axis of a shank and c below the ankle is c cos α +
     /// r sin α below it then.
-    void keepShanksUp() {
+    ShankFloor floorWhereBent(std::size_t foot) const {
+        const ShankFloor over = floorOver(foot);
         const SinCos bent = sinCos(kAnkleBend);
+        const Vec3 ankle = bindOf(segment(static_cast<int>(foot)).bone).position,
+                   ahead = normalized(anatomy_.forward - dot(anatomy_.forward, over.along) * over.along,
+                                      perpendicular(over.along));
+        float beside = 0;
+        for (const Vec3& way : {ahead, -ahead})
+            beside = std::max(beside, -bottomOf(inModel_[shankOf(foot)], -way) - dot(ankle, way));
+        const float most = (heightOfAnkle(foot) - bent.sin * beside) / bent.cos;
+        return {over.along, std::max(over.floor, dot(ankle, over.along) - most)};
+    }
+    void keepShanksUp() {
         for (const std::size_t foot : standing_) {
-            const FittedShape& shank = inModel_[shankOf(foot)];
-            const ShankFloor over = floorOver(foot);
-            const Vec3 ankle = bindOf(segment(static_cast<int>(foot)).bone).position,
-                       ahead = normalized(anatomy_.forward - dot(anatomy_.forward, over.along) * over.along,
-                                          perpendicular(over.along));
-            float beside = 0;
-            for (const Vec3& way : {ahead, -ahead}) beside = std::max(beside, -bottomOf(shank, -way) - dot(ankle, way));
-            const float most = (heightOfAnkle(foot) - bent.sin * beside) / bent.cos;
-            const float floor = std::max(over.floor, dot(ankle, over.along) - most);
-            place(shankOf(foot), keptAbove(shank, over.along, floor, kLeast * height_));
+            const ShankFloor over = floorWhereBent(foot);
+            place(shankOf(foot), keptAbove(inModel_[shankOf(foot)], over.along, over.floor, kLeast * height_));
         }
     }
 
-    /// The skin of a shank that hangs over its foot, as of wide trousers, becomes the foot's; of either the shape holds
-    /// as much as asked.
+    /// The skin of a shank that hangs over its foot, as of wide trousers, becomes the foot's: so much of it that both
+    /// hold as much as asked of all that the shank has.
     void coverHem(std::size_t foot) {
-        const ShankFloor over = floorOver(foot);
+        const ShankFloor over = floorWhereBent(foot);
         std::vector<Vec3>& skin = skin_[foot];
+        const std::vector<Vec3>& ofShank = skin_[shankOf(foot)];
         if (skin.size() < kFewVertices) return;
         const std::size_t own = skin.size();
-        for (const Vec3& vertex : skin_[shankOf(foot)])
-            if (dot(vertex, over.along) < over.floor) skin.push_back(vertex);
+        std::vector<Vec3> above;
+        for (const Vec3& vertex : ofShank) (dot(vertex, over.along) < over.floor ? skin : above).push_back(vertex);
         if (skin.size() == own) return;
-        place(foot, fitBoth(skin, own, options_.containedShare, [&](std::span<const Vec3> points, float share) {
+        const FittedShape cut = keptAbove(inModel_[shankOf(foot)], over.along, over.floor, kLeast * height_);
+        const float may = 1 - options_.containedShare;
+        const auto missed = static_cast<float>(above.size()) - static_cast<float>(countInside(cut, above));
+        const LeftOut allowed{may * static_cast<float>(own),
+                              std::max(0.0f, may * static_cast<float>(ofShank.size()) - missed)};
+        share_[foot] = 1 - (allowed.own + allowed.rest) / static_cast<float>(skin.size());
+        place(foot, fitBoth(skin, own, allowed, [&](std::span<const Vec3> points, float share) {
                   return around(segment(static_cast<int>(foot)), points, share);
               }));
     }
@@ -322,12 +333,12 @@ private:
         const std::vector<std::pair<std::size_t, std::size_t>> pairs = pairsOfSides();
         if (pairs.empty()) return;
         const Frame plane = planeOfSymmetry(pairs);
-        const float share = options_.containedShare - kAlikeSlack;
         const auto limb = [&](std::size_t part) {
             const Segment& s = segment(static_cast<int>(part));
             return Frame{bindOf(s.bone).position, basisOf(s)};
         };
         for (const auto& [i, k] : pairs) {
+            const float share = std::min(share_[i], share_[k]) - kAlikeSlack;
             SidePart left{plane, inModel_[i], skin_[i]}, right{plane, inModel_[k], skin_[k]};
             bool alike = makeAlike(left, right, share);
             if (!alike) {
@@ -464,6 +475,7 @@ private:
     Anatomy anatomy_;
     RagdollDef def_;
     std::vector<std::vector<Vec3>> skin_;  ///< of each part
+    std::vector<float> share_;             ///< of that, which a part is to hold
     std::vector<FittedShape> inModel_;
     std::vector<std::size_t> standing_;  ///< feet
     float height_ = 0;

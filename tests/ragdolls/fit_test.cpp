@@ -279,7 +279,8 @@ TEST(FitBoth, HoldsTheShareOfEitherKindHoweverFewThereAre) {
             ++fits;
             return fitBox(some, {}, share);
         };
-        const FittedShape fitted = fitBoth(points, own, 0.9f, fit);
+        const FittedShape fitted =
+            fitBoth(points, own, {0.1f * static_cast<float>(own), 0.1f * static_cast<float>(own / 9)}, fit);
         const std::span<const Vec3> all(points);
         EXPECT_GE(countInside(fitted, all.first(own)), static_cast<int>(0.9f * static_cast<float>(own)));
         EXPECT_GE(countInside(fitted, all.subspan(own)), static_cast<int>(0.9f * static_cast<float>(own / 9)));
@@ -290,7 +291,8 @@ TEST(FitBoth, HoldsTheShareOfEitherKindHoweverFewThereAre) {
     // Of one kind it is the shape that was asked for.
     const std::vector<Vec3> points = capsulePoints({});
     const auto fit = [](std::span<const Vec3> some, float share) { return fitBox(some, {}, share); };
-    const FittedShape fitted = fitBoth(points, points.size() / 2, 0.0f, fit);
+    const auto half = static_cast<float>(points.size() / 2);
+    const FittedShape fitted = fitBoth(points, points.size() / 2, LeftOut{half, half}, fit);
     EXPECT_EQ(std::get<Box>(fitted.shape).halfExtents, std::get<Box>(fitBox(points, {}, 0.0f).shape).halfExtents);
 }
 
