@@ -1,5 +1,9 @@
 #pragma once
 
+#include <array>
+#include <span>
+#include <vector>
+
 #include "shapes/geometry.h"
 
 /// The steps of building a TriangleMesh.
@@ -26,6 +30,33 @@ struct HalfEdge {
 };
 /// Those of the same edge one after the other. `name` as weld gives it.
 std::vector<HalfEdge> sortedHalfEdges(std::span<const Triangle> triangles, std::span<const std::uint32_t> name);
+
+/// The triangles at one edge. Of several behind it the surface goes on into the one that is met first in front.
+class EdgeFan {
+public:
+    /// `halves`, which it keeps, are all those of one edge.
+    EdgeFan(const MeshTables& mesh, std::span<const HalfEdge> halves);
+
+    struct Next {
+        float bend = kPi;  ///< as bendAt has it; π where there is none
+        std::uint32_t triangle = kNoTriangle;
+    };
+    Next next(const HalfEdge& own) const;
+
+private:
+    struct Side {
+        float angle;  ///< rad, of the normal about the edge, as those see it that run the other way
+        std::uint32_t triangle;
+    };
+    float angleOf(std::uint32_t triangle) const;
+    Next nextOfMany(const HalfEdge& own) const;
+
+    const MeshTables& mesh_;
+    std::span<const HalfEdge> halves_;
+    Vec3 along_;
+    std::array<std::vector<Side>, 2>
+        sides_;  ///< where there are many: by the way that they run, in the order of angles
+};
 
 /// Fills activeEdges out of vertices, triangles and normals; vertices at the same place count as one.
 void findActiveEdges(MeshTables& mesh);

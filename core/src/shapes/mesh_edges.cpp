@@ -12,6 +12,8 @@ namespace {
 constexpr float kFlatBend = 0.0174533f;
 /// rad. Closer to −π than this, two faces lie back to back: a blade, not a slit of no width.
 constexpr float kFold = 1e-3f;
+/// Triangles at one edge from which on their angles are sorted: comparing each with each takes longer.
+constexpr std::size_t kManyAtEdge = 16;
 
 }  // namespace
 
@@ -63,6 +65,54 @@ Vec3 triangleNormal(const Vec3& a, const Vec3& b, const Vec3& c) {
     return toVec3((1 / area) * n);
 }
 
+EdgeFan::EdgeFan(const MeshTables& mesh, std::span<const HalfEdge> halves)
+    : mesh_(mesh), halves_(halves), along_(mesh.vertices[halves[0].high] - mesh.vertices[halves[0].low]) {
+    if (halves.size() <= kManyAtEdge) return;
+    for (const HalfEdge& half : halves) {
+        const float angle = angleOf(half.triangle);
+        sides_[half.reversed].push_back({half.reversed ? angle : -angle, half.triangle});
+    }
+    for (std::vector<Side>& sides : sides_)
+        std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+            return std::tie(a.angle, a.triangle) < std::tie(b.angle, b.triangle);
+        });
+}
+
+float EdgeFan::angleOf(std::uint32_t triangle) const {
+    const Vec3 &first = mesh_.normals[halves_[0].triangle], &normal = mesh_.normals[triangle];
+    return arcTan2(dot(cross(first, normal), normalized(along_)), dot(first, normal));
+}
+
+EdgeFan::Next EdgeFan::next(const HalfEdge& own) const {
+    if (halves_.size() > kManyAtEdge) return nextOfMany(own);
+    Next best{2 * kPi};
+    for (const HalfEdge& half : halves_) {
+        if (half.reversed == own.reversed) continue;
+        const float bend =
+            bendAt(mesh_.normals[own.triangle], mesh_.normals[half.triangle], own.reversed ? -along_ : along_);
+        if (bend < best.bend) best = {bend, half.triangle};
+    }
+    return {std::min(best.bend, kPi), best.triangle};
+}
+
+EdgeFan::Next EdgeFan::nextOfMany(const HalfEdge& own) const {
+    const std::vector<Side>& others = sides_[!own.reversed];
+    if (others.empty()) return {};
+    const float angle = angleOf(own.triangle), at = own.reversed ? -angle : angle;
+    const auto firstFrom = [&](float least) {
+        return std::lower_bound(others.begin(), others.end(), least,
+                                [](const Side& side, float from) { return side.angle < from; });
+    };
+    const float least = at - kPi + kFold;
+    auto met = firstFrom(least);
+    float turns = 0;
+    if (met == others.end()) met = others.begin(), turns = 2 * kPi;
+    // From below −π on they come once round.
+    if (const auto behind = firstFrom(least + 2 * kPi); least < -kPi && behind != others.end())
+        met = behind, turns = -2 * kPi;
+    return {std::min(met->angle + turns - at, kPi), met->triangle};
+}
+
 void findActiveEdges(MeshTables& mesh) {
     const std::vector<HalfEdge> halves = sortedHalfEdges(mesh.triangles, weld(mesh.vertices));
     mesh.activeEdges.assign(mesh.triangles.size(), 0);
@@ -71,16 +121,9 @@ void findActiveEdges(MeshTables& mesh) {
                halves[last].high == halves[first].high) {
             ++last;
         }
-        const Vec3 along = mesh.vertices[halves[first].high] - mesh.vertices[halves[first].low];
+        const EdgeFan fan(mesh, std::span(halves).subspan(first, last - first));
         for (std::size_t i = first; i < last; ++i) {
-            // Of several neighbours the surface goes on into the one met first in front of the face.
-            float bend = kPi;
-            for (std::size_t j = first; j < last; ++j) {
-                if (halves[j].reversed == halves[i].reversed) continue;
-                bend = std::min(bend, bendAt(mesh.normals[halves[i].triangle], mesh.normals[halves[j].triangle],
-                                             halves[i].reversed ? -along : along));
-            }
-            if (isActiveBend(bend)) {
+            if (isActiveBend(fan.next(halves[i]).bend)) {
                 std::uint8_t& active = mesh.activeEdges[halves[i].triangle];
                 active = static_cast<std::uint8_t>(active | (1u << halves[i].edge));
             }

@@ -25,17 +25,10 @@ void findNeighbours(MeshTables& mesh, const std::vector<HalfEdge>& halves) {
     mesh.neighbours.assign(mesh.triangles.size(), {kNoTriangle, kNoTriangle, kNoTriangle});
     mesh.owned.assign(mesh.triangles.size(), 0);
     forEachEdge(halves, [&](std::size_t first, std::size_t last) {
-        const Vec3 along = mesh.vertices[halves[first].high] - mesh.vertices[halves[first].low];
+        const EdgeFan fan(mesh, std::span(halves).subspan(first, last - first));
         for (std::size_t i = first; i < last; ++i) {
             const HalfEdge& own = halves[i];
-            float least = 2 * kPi;
-            std::uint32_t& neighbour = mesh.neighbours[own.triangle][own.edge];
-            for (std::size_t j = first; j < last; ++j) {
-                if (halves[j].reversed == own.reversed) continue;
-                const float bend =
-                    bendAt(mesh.normals[own.triangle], mesh.normals[halves[j].triangle], own.reversed ? -along : along);
-                if (bend < least) least = bend, neighbour = halves[j].triangle;
-            }
+            const std::uint32_t neighbour = mesh.neighbours[own.triangle][own.edge] = fan.next(own).triangle;
             const bool owns = neighbour == kNoTriangle || own.triangle < neighbour;
             if (owns) mesh.owned[own.triangle] = static_cast<std::uint8_t>(mesh.owned[own.triangle] | 1u << own.edge);
         }
