@@ -13,27 +13,52 @@
 namespace ragtop {
 namespace {
 
-/// Keys in seconds, those that do not come later than the one before left out.
+/// What of a file's clips nothing becomes of.
+struct LeftOutOfClips {
+    int keys = 0, tracks = 0, morphs = 0;
+
+    void tell(std::vector<std::string>& warnings) const {
+        const auto say = [&](int count, const char* what) {
+            if (count > 0) warnings.push_back(std::to_string(count) + what);
+        };
+        say(keys, " keys of clips that come no later than the one before are left out");
+        say(tracks, " tracks of clips that move no node, or have no keys, are left out");
+        say(morphs, " tracks of clips that move vertices are left out");
+    }
+};
+
+/// Keys in seconds, those that do not come later than the one before left out. Equal ones are one.
 template <class Key, class Value, class Convert>
 void readKeys(const Key* keys, unsigned count, double rate, std::vector<float>& times, std::vector<Value>& values,
-              Convert convert) {
+              int& leftOut, Convert convert) {
     for (unsigned i = 0; i < count; ++i) {
         const auto time = static_cast<float>(keys[i].mTime / rate);
-        if (!times.empty() && !(time > times.back())) continue;
+        const Value value = convert(keys[i].mValue);
+        if (!times.empty() && !(time > times.back())) {
+            leftOut += time == times.back() && value == values.back() ? 0 : 1;
+            continue;
+        }
         times.push_back(time);
-        values.push_back(convert(keys[i].mValue));
+        values.push_back(value);
     }
 }
 
-Quat toQuat(const aiQuaternion& q) { return normalized(Quat{q.x, q.y, q.z, q.w}); }
+/// What is no number stays so, to be refused.
+Quat toQuat(const aiQuaternion& q) {
+    const Quat quat{q.x, q.y, q.z, q.w};
+    return isFinite(quat) ? normalized(quat) : quat;
+}
 
-ImportedChannel toChannel(const aiNodeAnim& from, std::int32_t node, double rate) {
+ImportedChannel toChannel(const aiNodeAnim& from, std::int32_t node, double rate, int& leftOut) {
     ImportedChannel channel;
     channel.node = node;
     const auto vector = [](const aiVector3D& v) { return toVec3(v); };
-    readKeys(from.mPositionKeys, from.mNumPositionKeys, rate, channel.positionTimes, channel.positions, vector);
-    readKeys(from.mRotationKeys, from.mNumRotationKeys, rate, channel.rotationTimes, channel.rotations, toQuat);
-    readKeys(from.mScalingKeys, from.mNumScalingKeys, rate, channel.scaleTimes, channel.scales, vector);
+    const auto read = [&](auto* keys, unsigned count, auto& times, auto& values, auto convert) {
+        readKeys(keys, count, rate, times, values, leftOut, convert);
+    };
+    read(from.mPositionKeys, from.mNumPositionKeys, channel.positionTimes, channel.positions, vector);
+    read(from.mRotationKeys, from.mNumRotationKeys, channel.rotationTimes, channel.rotations, toQuat);
+    read(from.mScalingKeys, from.mNumScalingKeys, channel.scaleTimes, channel.scales, vector);
     return channel;
 }
 
@@ -59,6 +84,7 @@ void beginAtZero(ImportedClip& clip) {
 void addClips(const aiScene& from, ImportedScene& to) {
     std::map<std::string, std::int32_t> nodeOf;
     for (std::size_t i = 0; i < to.nodes.size(); ++i) nodeOf.emplace(to.nodes[i].name, static_cast<std::int32_t>(i));
+    LeftOutOfClips left;
     for (unsigned i = 0; i < from.mNumAnimations; ++i) {
         const aiAnimation& clip = *from.mAnimations[i];
         const double rate = clip.mTicksPerSecond > 0 ? clip.mTicksPerSecond : 25.0;
@@ -66,13 +92,18 @@ void addClips(const aiScene& from, ImportedScene& to) {
         if (read.name.empty()) read.name = "clip " + std::to_string(i);
         for (unsigned k = 0; k < clip.mNumChannels; ++k) {
             const auto node = nodeOf.find(clip.mChannels[k]->mNodeName.C_Str());
+            ++left.tracks;
             if (node == nodeOf.end()) continue;
-            ImportedChannel channel = toChannel(*clip.mChannels[k], node->second, rate);
-            if (isComplete(channel)) read.channels.push_back(std::move(channel));
+            ImportedChannel channel = toChannel(*clip.mChannels[k], node->second, rate, left.keys);
+            if (!isComplete(channel)) continue;
+            read.channels.push_back(std::move(channel));
+            --left.tracks;
         }
+        left.morphs += static_cast<int>(clip.mNumMeshChannels + clip.mNumMorphMeshChannels);
         beginAtZero(read);
         to.clips.push_back(std::move(read));
     }
+    left.tell(to.warnings);
 }
 
 std::string whyInvalid(const ImportedClip& clip, std::size_t nodeCount) {

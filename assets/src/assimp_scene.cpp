@@ -213,7 +213,10 @@ ImportedScene toScene(const aiScene& from, const std::string& file) {
 /// Where normals are made, edges sharper than this stay sharp, degrees.
 constexpr float kSmoothAngle = 60;
 
+/// At most so long as is read: names in files may have megabytes.
 std::string onOneLine(std::string text) {
+    constexpr std::size_t kLongest = 300;
+    if (text.size() > kLongest) text = text.substr(0, kLongest) + " …";
     for (char& c : text)
         if (static_cast<unsigned char>(c) < ' ') c = ' ';
     while (!text.empty() && text.back() == ' ') text.pop_back();

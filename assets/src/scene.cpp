@@ -48,7 +48,7 @@ public:
         include();
         forEach(in_.bodies, "bodies", [&](const BodyInFile& b, const JsonValue& at) { add(b, poseOf(b.place), at); });
         forEach(in_.repeat, "repeat", [&](const RepeatInFile& r, const JsonValue& at) {
-            for (const Pose& pose : posesOf(r.grid, poseOf(r.body.place))) add(r.body, pose, at.at("body"));
+            for (const Pose& pose : posesOf(r.grid, poseOf(r.body.place), at)) add(r.body, pose, at.at("body"));
         });
         generate(in_.walls, "walls", addWall);
         generate(in_.houses, "houses", addHouse);
@@ -88,11 +88,20 @@ private:
 
     static bool isWrong(const JsonValue& at, const char* key) { return at.has(key) && at.at(key).holdsWrong(); }
 
+    std::size_t size() const { return scene_.bodies.size() + scene_.ragdolls.size() + scene_.robots.size(); }
+
+    void needFew(const JsonValue& at) const {
+        if (size() > kMostBodies)
+            at.fail(fmt::format("brings the scene to {} bodies, ragdolls and robots, at most {} are allowed", size(),
+                                kMostBodies));
+    }
+
     template <class T, class Add>
     void forEach(const std::vector<T>& all, const char* key, Add addOne) {
         for (std::size_t i = 0; i < all.size(); ++i) {
             const JsonValue at = file_.at(key).at(i);
-            if (!at.isWrong()) at.attempt([&] { addOne(all[i], at); });
+            if (size() > kMostBodies) return;
+            if (!at.isWrong()) at.attempt([&] { addOne(all[i], at), needFew(at); });
             if (at.holdsWrong()) left_.note(key, at.json());
         }
     }
@@ -381,7 +390,7 @@ private:
         if (in.puppet) needStanding(*def, at.at("puppet"));
         if (!in.pose.empty()) at.attempt("pose", [&](const JsonValue& pose) { needParts(*def, in.pose, pose); });
         needRight(at);
-        auto poses = posesOf(in.grid, poseOf(in.place));
+        auto poses = posesOf(in.grid, poseOf(in.place), at);
         // The origin of a person is between the feet; tumbling turns about the middle.
         const Vec3 middle = middleOf(*def), upright = rotate(poseOf(in.place).rotation, middle);
         for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -401,7 +410,7 @@ private:
             scene_.files.push_back(assetFile(file));
         });
         needRight(at);
-        auto poses = posesOf(in.grid, poseOf(in.place));
+        auto poses = posesOf(in.grid, poseOf(in.place), at);
         for (std::size_t i = 0; i < poses.size(); ++i) {
             if (in.standing) poses[i].position.y -= static_cast<double>(lowestPointOf(*robot, poses[i].rotation));
             scene_.robots.push_back(

@@ -1,5 +1,7 @@
 #include "scene_generators.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <string>
 
@@ -62,7 +64,9 @@ Pose poseOf(const PlaceInFile& place) {
     return {place.position, rotationAbout({0, 1, 0}, place.heading) * place.rotation};
 }
 
-std::vector<Pose> posesOf(const GridInFile& grid, const Pose& first) {
+std::vector<Pose> posesOf(const GridInFile& grid, const Pose& first, const JsonValue& at) {
+    if (grid.size() > kMostBodies)
+        at.at("count").fail(fmt::format("makes {}, at most {} are allowed", grid.size(), kMostBodies));
     Random random(grid.seed);
     std::vector<Pose> poses;
     for (unsigned z = 0; z < grid.count[2]; ++z) {

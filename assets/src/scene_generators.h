@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "json_value.h"
 #include "ragtop/scene.h"
 #include "scene_file.h"
 
@@ -23,8 +25,11 @@ private:
 };
 
 Pose poseOf(const PlaceInFile& place);
-/// The places of the grid's members, x fastest.
-std::vector<Pose> posesOf(const GridInFile& grid, const Pose& first);
+/// Bodies, ragdolls and robots of a scene: more take seconds to look through, and gigabytes.
+inline constexpr std::size_t kMostBodies = 200'000;
+
+/// The places of the grid's members, x fastest; `at` is where the file has it.
+std::vector<Pose> posesOf(const GridInFile& grid, const Pose& first, const JsonValue& at);
 
 void addWall(const BricksInFile& wall, const Material& material, std::vector<SceneBody>& bodies);
 void addHouse(const BricksInFile& house, const Material& material, std::vector<SceneBody>& bodies);

@@ -143,7 +143,7 @@ Inspected inspectModel(const fs::path& path) {
         why = error.what();
     }
     try {
-        return {inspectMesh(path), {}};
+        return {inspectMesh(path) + "  no body   " + why + "\n", {}};
     } catch (const AssetError& error) {
         if (std::string(error.what()).find("has no triangles") == std::string::npos) throw;
         throw AssetError(path.string(), "", "has no triangles, and is no body: " + why);

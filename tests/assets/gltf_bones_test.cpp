@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <cstring>
 
 #include "import_support.h"
@@ -115,8 +116,7 @@ TEST(GltfBones, MayHaveTheSameName) {
     EXPECT_EQ(character.skeleton.bones[2].name, "bone (3)");
 }
 
-TEST(GltfBones, OfABinaryMayHaveTheSameName) {
-    std::string numbers, text = gltf({"bone", "b", "c"}, {"bone", "bone", "bone"}, &numbers);
+std::string binaryOf(std::string text, std::string numbers) {
     const auto padded = [](std::string& chunk, char with) {
         chunk.resize((chunk.size() + 3) / 4 * 4, with);
         return static_cast<std::uint32_t>(chunk.size());
@@ -126,8 +126,34 @@ TEST(GltfBones, OfABinaryMayHaveTheSameName) {
     put<std::uint32_t>(binary, {2, 28 + first + second, first, 0x4e4f534a});
     binary += text;
     put<std::uint32_t>(binary, {second, 0x004e4942});
-    const TemporaryFile file("same.glb", binary + numbers);
+    return binary + numbers;
+}
+
+TEST(GltfBones, OfABinaryMayHaveTheSameName) {
+    std::string numbers;
+    const std::string text = gltf({"bone", "b", "c"}, {"bone", "bone", "bone"}, &numbers);
+    const TemporaryFile file("same.glb", binaryOf(text, numbers));
     expectChain(loadCharacter(file.path()));
+}
+
+TEST(GltfBones, KeysThatGoBackAreToldAndThoseThatAreNoNumberRefused) {
+    std::string numbers;
+    const std::string text = gltf({"a", "b", "c"}, {"hip", "chest", "head"}, &numbers);
+    const std::size_t times = 3 * 96 + 192;
+    const auto with = [&](std::size_t at, float number) {
+        std::string changed = numbers;
+        std::memcpy(changed.data() + times + 4 * at, &number, sizeof number);
+        return binaryOf(text, changed);
+    };
+    const TemporaryFile back("back.glb", with(1, -1));
+    EXPECT_TRUE(warns(loadCharacter(back.path()), "1 keys of clips that come no later than the one before"));
+    for (const float number : {std::nanf(""), HUGE_VALF}) {
+        const TemporaryFile file("key.glb", with(6, number));
+        const std::string refused = importError(file.path(), [&] { loadCharacter(file.path()); });
+        EXPECT_NE(refused.find("clip 'lift' has a key that is not finite"), std::string::npos) << refused;
+    }
+    const TemporaryFile sound("sound.glb", with(1, 1));
+    EXPECT_FALSE(warns(loadCharacter(sound.path()), "keys of clips"));
 }
 
 }  // namespace

@@ -92,20 +92,19 @@ TEST(SceneFaults, OfOneThingAreToldTogether) {
                             HasSubstr("/joints/0/axis is [0, 0, 0]"),
                             HasSubstr("/joints/0/hinge/limit/lower is 1, must be at most \"upper\", 0"),
                             HasSubstr("/vehicles/0/file is"), HasSubstr("/vehicles/0/script/1/throttle is 2"),
-                            HasSubstr("/vehicles/0/driver goes without a \"script\""),
-                            HasSubstr("/ragdolls/0/file is"), HasSubstr("/ragdolls/0/options goes with"),
-                            HasSubstr("/ragdolls/0/heading is -90")));
+                            HasSubstr("/vehicles/0/driver goes without a \"script\""), HasSubstr("/ragdolls/0/file is"),
+                            HasSubstr("/ragdolls/0/options goes with"), HasSubstr("/ragdolls/0/heading is -90")));
 }
 
 TEST(SceneFaults, OfPlacesAndAbsentValuesAreTold) {
-    EXPECT_THAT(faultsOf(R"("bodies": [{"name": "a", "shape": null}, 5, {"shape": {}},
+    EXPECT_THAT(
+        faultsOf(R"("bodies": [{"name": "a", "shape": null}, 5, {"shape": {}},
         {"shape": {"sphere": {}}, "rotation": {"axis": [0, 0, 0], "angle": 90}}],
         "animated": [{"body": "a", "keys": [{"time": 0, "position": [0, 0, 0]}]}])"),
-                ElementsAre(HasSubstr("/bodies/0/shape is null, must be an object with one of"),
-                            HasSubstr("/bodies/1 is 5, must be an object"), HasSubstr("/bodies/2/shape is {}"),
-                            HasSubstr("/bodies/3/rotation/axis is [0, 0, 0]"),
-                            HasSubstr("/bodies/3/rotation/angle is 90"),
-                            HasSubstr("/animated/0/keys is not usable: keys: 1 are given")));
+        ElementsAre(HasSubstr("/bodies/0/shape is null, must be an object with one of"),
+                    HasSubstr("/bodies/1 is 5, must be an object"), HasSubstr("/bodies/2/shape is {}"),
+                    HasSubstr("/bodies/3/rotation/axis is [0, 0, 0]"), HasSubstr("/bodies/3/rotation/angle is 90"),
+                    HasSubstr("/animated/0/keys is not usable: keys: 1 are given")));
 }
 
 TEST(SceneFaults, OfATuningAreToldWithOthersWhereItsThingsAreThere) {
@@ -141,14 +140,23 @@ TEST(SceneFaults, WithoutThoseThatFollow) {
 TEST(SceneFaults, OfIncludedFilesAreToldToo) {
     const TemporaryFile inner("inner.json",
                               R"({"bodies": [{"shape": {"box": {"halfExtents": [1, 1]}}}, {"mass": 3}]})");
-    EXPECT_THAT(faultsOf("\"include\": [\"" + inner.path().filename().string() + "\"], \"step\": 5"),
-                ElementsAre(HasSubstr("/bodies/0/shape/box/halfExtents is [1,1]"),
-                            HasSubstr("/bodies/1/shape is missing"), HasSubstr("/bodies/1/mass is unknown"),
-                            HasSubstr("/step is 5")));
+    EXPECT_THAT(
+        faultsOf("\"include\": [\"" + inner.path().filename().string() + "\"], \"step\": 5"),
+        ElementsAre(HasSubstr("/bodies/0/shape/box/halfExtents is [1,1]"), HasSubstr("/bodies/1/shape is missing"),
+                    HasSubstr("/bodies/1/mass is unknown"), HasSubstr("/step is 5")));
     // Twice the same file has the same mistakes.
     EXPECT_THAT(faultsOf("\"include\": [\"" + inner.path().filename().string() + "\", \"" +
                          inner.path().filename().string() + "\"]"),
                 SizeIs(3));
+}
+
+TEST(SceneFaults, OfMoreBodiesThanAreAllowedAreToldBeforeTheyAreMade) {
+    const std::string ball = R"({"body": {"shape": {"sphere": {"radius": 1}}}, "count": )";
+    EXPECT_THAT(faultsOf("\"repeat\": [" + ball + "[10000, 10000, 10000]}]"),
+                ElementsAre(HasSubstr(":2:68: /repeat/0/count makes 1000000000000, at most 200000 are allowed")));
+    EXPECT_THAT(faultsOf("\"repeat\": [" + ball + "[100, 100, 20]},\n" + ball + "[1, 1, 1]},\n" + ball + "[1, 1, 1]}]"),
+                ElementsAre(HasSubstr(":3:1: /repeat/1 brings the scene to 200001 bodies, ragdolls and robots, at most "
+                                      "200000 are allowed")));
 }
 
 TEST(SceneFaults, ThatAreManyAreCounted) {
@@ -182,8 +190,8 @@ TEST(SceneFaults, OfARagdollAreToldAllAtOnce) {
     } catch (const AssetError& error) {
         EXPECT_THAT(linesOf(error.what()),
                     ElementsAre(HasSubstr("/bones/1/parent is \"hop\""), HasSubstr("/parts/0/mass is 0"),
-                                HasSubstr("/parts/1/bone is \"ankle\""),
-                                HasSubstr("/joints/0 turns more than once"), HasSubstr("/joints/0/frameA/rotation is")));
+                                HasSubstr("/parts/1/bone is \"ankle\""), HasSubstr("/joints/0 turns more than once"),
+                                HasSubstr("/joints/0/frameA/rotation is")));
     }
 }
 
@@ -204,7 +212,8 @@ TEST(Scene, RefusesANameOfTwoWhereOneIsMeant) {
 
 TEST(Scene, TakesNoDegreesForRadians) {
     EXPECT_THAT(faultsOf(R"("vehicles": [{"file": "x.car.json", "heading": 90}])"),
-                ElementsAre(HasSubstr("/vehicles/0/file is"), HasSubstr("/vehicles/0/heading is 90, must be a number in [-6.2832, 6.2832] rad")));
+                ElementsAre(HasSubstr("/vehicles/0/file is"),
+                            HasSubstr("/vehicles/0/heading is 90, must be a number in [-6.2832, 6.2832] rad")));
     EXPECT_THAT(faultsOf(R"("bodies": [{"shape": {"sphere": {}}, "rotation": {"axis": [0, 1, 0], "angle": -45}}])"),
                 ElementsAre(HasSubstr("/bodies/0/rotation/angle is -45, must be a number in [-6.2832, 6.2832] rad")));
     EXPECT_THAT(faultsOf(R"("bodies": [{"shape": {"sphere": {}}, "heading": -6.2832}])"), IsEmpty());
@@ -238,13 +247,13 @@ TEST(StartOverlaps, OfEqualThingsAreOneLineAndOfManyTheDeepest) {
         ElementsAre("body \"crate\" begins about 0.1 m inside of body \"ground\" (9 times)"));
     std::string bodies;
     for (int i = 0; i < 7; ++i)
-        bodies += ", {\"position\": [" + std::to_string(2 * i) + ", 0." + std::to_string(i) + R"(, 0], "shape": {"box": {}}})";
-    EXPECT_THAT(overlapsIn(kGround + bodies + "]"),
-                ElementsAre("body 1 begins about 0.5 m inside of body \"ground\"",
-                            "body 2 begins about 0.4 m inside of body \"ground\"",
-                            "body 3 begins about 0.3 m inside of body \"ground\"",
-                            "body 4 begins about 0.2 m inside of body \"ground\"",
-                            "body 5 begins about 0.1 m inside of body \"ground\""));
+        bodies += ", {\"position\": [" + std::to_string(2 * i) + ", 0." + std::to_string(i) +
+                  R"(, 0], "shape": {"box": {}}})";
+    EXPECT_THAT(overlapsIn(kGround + bodies + "]"), ElementsAre("body 1 begins about 0.5 m inside of body \"ground\"",
+                                                                "body 2 begins about 0.4 m inside of body \"ground\"",
+                                                                "body 3 begins about 0.3 m inside of body \"ground\"",
+                                                                "body 4 begins about 0.2 m inside of body \"ground\"",
+                                                                "body 5 begins about 0.1 m inside of body \"ground\""));
 }
 
 TEST(StartOverlaps, OfThingsThatMoveAreTold) {
@@ -265,8 +274,9 @@ TEST(StartOverlaps, KnowPartsMeshesAndWhatIsDeepDown) {
         "vertices": [[-9, -3, -9], [9, -3, -9], [0, -3, 9], [0, 9, 0]], "triangles": [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]]}}})";
     EXPECT_THAT(overlapsIn(rock + R"(, {"name": "ball", "shape": {"sphere": {"radius": 0.2}}}])"),
                 ElementsAre("body \"ball\" begins about 3 m inside of body \"rock\""));
-    EXPECT_THAT(overlapsIn(rock + R"(, {"name": "ball", "position": [0, -5, 0], "shape": {"sphere": {"radius": 0.2}}}])"),
-                IsEmpty());
+    EXPECT_THAT(
+        overlapsIn(rock + R"(, {"name": "ball", "position": [0, -5, 0], "shape": {"sphere": {"radius": 0.2}}}])"),
+        IsEmpty());
 }
 
 /// A twentieth of the half height is rounding; touching, sensors, filters and joints are meant.
@@ -274,11 +284,12 @@ TEST(StartOverlaps, AreNoneWhereBodiesLieOrPassOrAreJoined) {
     EXPECT_THAT(overlapsIn(kGround + R"(, {"position": [0, 0.5, 0], "shape": {"box": {}}},
         {"position": [3, 0.48, 0], "shape": {"box": {}}}, {"position": [6, 0.48, 0], "shape": {"sphere": {}}}])"),
                 IsEmpty());
-    EXPECT_THAT(overlapsIn(kGround + R"(, {"position": [0, 0, 0], "type": "kinematic", "shape": {"box": {}}, "sensor": true},
+    EXPECT_THAT(
+        overlapsIn(kGround + R"(, {"position": [0, 0, 0], "type": "kinematic", "shape": {"box": {}}, "sensor": true},
         {"position": [3, 0, 0], "shape": {"box": {}}, "filter": {"mask": 2}},
         {"name": "post", "position": [6, 0, 0], "shape": {"box": {}}}],
         "joints": [{"a": "ground", "b": "post", "anchor": [6, 0, 0], "hinge": {}}])"),
-                IsEmpty());
+        IsEmpty());
 }
 
 TEST(StartOverlaps, KnowSurfacesWithoutVolume) {
@@ -298,8 +309,9 @@ TEST(StartOverlaps, KnowRoofsFromGround) {
         "vertices": [[-9, 0, -9], [9, 0, -9], [9, 0, 9], [-9, 0, 9]], "triangles": [[0, 2, 1], [0, 3, 2]]}}},
         {"name": "ball", "position": [0, 1, 0], "shape": {"sphere": {}}}])";
     EXPECT_THAT(overlapsIn(kGround + ", " + sheet), IsEmpty());
-    EXPECT_THAT(overlapsIn(kGround + R"(, {"name": "stuck", "position": [3, 4.8, 0], "shape": {"sphere": {}}}, )" + sheet),
-                ElementsAre("body \"stuck\" begins about 0.2 m inside of body \"sheet\""));
+    EXPECT_THAT(
+        overlapsIn(kGround + R"(, {"name": "stuck", "position": [3, 4.8, 0], "shape": {"sphere": {}}}, )" + sheet),
+        ElementsAre("body \"stuck\" begins about 0.2 m inside of body \"sheet\""));
     EXPECT_THAT(overlapsIn("\"bodies\": [" + sheet),
                 ElementsAre("body \"ball\" begins about 4 m inside of body \"sheet\""));
 }
