@@ -19,7 +19,8 @@ namespace {
 struct Arguments {
     std::vector<std::string> engines{"ragtop"};
     std::string filter, json, records;
-    bool brief = false, longer = false, list = false;
+    std::vector<int> rates;
+    bool brief = false, longer = false, red = false, list = false;
     int jobs = 1;
 };
 
@@ -39,6 +40,8 @@ SuiteOptions optionsOf(const Arguments& arguments) {
     } catch (const std::regex_error& error) {
         throw CLI::ValidationError("--filter", "\"" + arguments.filter + "\" is no regular expression");
     }
+    options.redOnly = arguments.red;
+    options.rates = arguments.rates;
     if (arguments.brief) options.selection = Selection::brief;
     if (arguments.longer) options.selection = Selection::longer;
     if (!arguments.records.empty()) {
@@ -60,7 +63,8 @@ std::ptrdiff_t count(const std::vector<Row>& rows, Verdict verdict) {
 }
 
 bool areAllThere(const Arguments& arguments, const SuiteOptions& options, const std::vector<Row>& rows) {
-    if (!arguments.filter.empty() || !std::ranges::count(options.engines, "ragtop", &EngineKind::name)) return true;
+    const bool isWhole = arguments.filter.empty() && arguments.rates.empty() && !arguments.red;
+    if (!isWhole || !std::ranges::count(options.engines, "ragtop", &EngineKind::name)) return true;
     const std::string why = whyTooFew(rows, options.selection);
     if (!why.empty()) fmt::print("{}\n", why);
     return why.empty();
@@ -127,6 +131,11 @@ void addStability(CLI::App& app) {
         ->check(CLI::Range(1, 64));
     CLI::Option* longer = command->add_flag("--long", arguments->longer, "Also other steps, ensembles and long drifts");
     command->add_flag("--short", arguments->brief, "Only what the tests run")->excludes(longer);
+    command->add_flag("--red", arguments->red, "Only cases with rows that are known to fail");
+    command->add_option("--rates", arguments->rates, "Steps a second at which every case runs, instead of 60")
+        ->check(CLI::Range(15, 960))
+        ->delimiter(',')
+        ->excludes(longer);
     command->add_flag("--list", arguments->list, "Print the names of the cases and run nothing");
     command->callback([arguments] {
         if (const int code = runStability(*arguments); code != 0) throw CLI::RuntimeError(code);

@@ -61,6 +61,13 @@ inline constexpr RedRow kRedRows[] = {
     {"overlap/0.9 m in a box: off its rest after 0.5 s", 0.049},
 };
 
+/// Whether one of them is of this "family/case".
+inline bool hasRedRow(std::string_view name) {
+    return std::ranges::any_of(kRedRows, [name](const RedRow& red) {
+        return red.name.starts_with(name) && red.name.substr(name.size()).starts_with(": ");
+    });
+}
+
 /// Null for a row that has to hold.
 inline const RedRow* redRowOf(const Row& row) {
     const auto isIt = [name = row.family + "/" + row.name](const RedRow& red) { return red.name == name; };

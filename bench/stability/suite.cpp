@@ -11,15 +11,17 @@
 
 #include "families.h"
 #include "isolation.h"
+#include "red_rows.h"
 #include "report.h"
 #include "sabotage.h"
 
 namespace ragtop::stability {
 namespace {
 
-constexpr double kStep = 1.0 / 60;
-/// The sweep of --long, beside the standard step.
-constexpr std::array kOtherSteps{15, 30, 120, 240};
+/// Steps a second.
+constexpr int kRate = 60;
+/// The sweep of --long, beside the standard rate.
+constexpr std::array kOtherRates{15, 30, 120, 240};
 
 struct Job {
     const Case* test;
@@ -41,17 +43,26 @@ std::vector<const EngineKind*> enginesOf(const Case& test, const SuiteOptions& o
     return engines;
 }
 
+std::vector<int> ratesOf(const Case& test, const SuiteOptions& options) {
+    if (!options.rates.empty()) return options.rates;
+    std::vector<int> rates{kRate};
+    if (options.selection == Selection::longer && test.kind == Kind::swept)
+        rates.insert(rates.end(), kOtherRates.begin(), kOtherRates.end());
+    return rates;
+}
+
+std::string nameAt(const Case& test, int rate) {
+    return rate == kRate ? test.name : fmt::format("{} @ 1/{} s", test.name, rate);
+}
+
 void addJobs(const Family& family, const Case& test, const SuiteOptions& options, std::vector<Job>& jobs) {
-    if (!isSelected(test, options.selection)) return;
-    for (const EngineKind* engine : enginesOf(test, options)) {
-        const auto addJob = [&](double dt, const std::string& name) {
+    if (!isSelected(test, options.selection) || (options.redOnly && !hasRedRow(family.name + "/" + test.name))) return;
+    for (const EngineKind* engine : enginesOf(test, options))
+        for (const int rate : ratesOf(test, options)) {
+            const std::string name = nameAt(test, rate);
             if (std::regex_search(family.name + "/" + name, options.filter))
-                jobs.push_back({&test, {family.name, name, engine, dt, options.records}});
-        };
-        addJob(kStep, test.name);
-        if (options.selection != Selection::longer || test.kind != Kind::swept) continue;
-        for (const int rate : kOtherSteps) addJob(1.0 / rate, fmt::format("{} @ 1/{} s", test.name, rate));
-    }
+                jobs.push_back({&test, {family.name, name, engine, 1.0 / rate, options.records}});
+        }
 }
 
 /// A family without a case in the short selection would go untested in every build.

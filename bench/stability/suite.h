@@ -40,6 +40,8 @@ struct SuiteOptions {
     std::vector<const EngineKind*> engines;
     std::regex filter{""};  ///< searched for in "family/case"
     Selection selection = Selection::normal;
+    bool redOnly = false;    ///< no cases but those with rows that are known to fail
+    std::vector<int> rates;  ///< steps a second at which all run; empty for 60, and what the selection adds
     bool sabotaged = false;  ///< with Ragtop's saboteurs instead of the engines
     std::optional<std::filesystem::path> records;
     int jobs = 1;  ///< processes that run cases

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "families.h"
+#include "red_rows.h"
 
 namespace ragtop::stability {
 namespace {
@@ -80,6 +81,29 @@ TEST(Suite, MissesRowsThatAreGone) {
         const Ci inCi("true");
         EXPECT_EQ(whyTooFew(rows, selection), why);
     }
+}
+
+TEST(Suite, RunsAtTheRatesThatAreAskedFor) {
+    SuiteOptions options;
+    options.engines = {&engineKinds()[0]};
+    options.filter = std::regex("^stack/n=10( @|$)");
+    const std::vector<std::string> usual = selectedCases(options);
+    ASSERT_FALSE(usual.empty());
+    options.rates = {60, 480};
+    std::vector<std::string> expected;
+    for (const std::string& name : usual) expected.insert(expected.end(), {name, name + " @ 1/480 s"});
+    EXPECT_EQ(selectedCases(options), expected);
+}
+
+TEST(Suite, NarrowsToTheCasesThatHaveRedRows) {
+    SuiteOptions options;
+    options.engines = {&engineKinds()[0]};
+    options.redOnly = true;
+    const std::vector<std::string> cases = selectedCases(options);
+    for (const std::string& name : cases) EXPECT_TRUE(hasRedRow(name)) << name;
+    for (const RedRow& red : kRedRows)
+        EXPECT_TRUE(std::ranges::any_of(cases, [&](const std::string& name) { return red.name.starts_with(name); }))
+            << red.name;
 }
 
 TEST(Suite, RunsSomethingOfEveryFamilyInEveryBuild) {
