@@ -35,7 +35,8 @@ struct WorldSettings {
     float loadGain = 0.002f;            ///< share of λ − λ̂ by which the load λ̂ of a contact follows its impulse per step
     float staticLoadGain = 0.03f;       ///< the same against fixed bodies, at most
     SolverChoice solver = SolverChoice::automatic;
-    float pushOut = 0.03f;              ///< largest speed that an overlap adds to what the load takes, sizes per step
+    /// Largest speed that an overlap adds to what the load takes, sizes per step; at most ½ √(gravity · size).
+    float pushOut = 0.03f;
     bool sequentialFriction = false;    ///< friction after the normal rows of all contacts, not after those of each
     float restitutionSpeed = 2.0f;      ///< slowest impact that bounces, over gravity · step
     float sleepTime = 0.5f;             ///< s that an island must be at rest before it sleeps

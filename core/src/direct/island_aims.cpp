@@ -94,7 +94,7 @@ void IslandSystem::aimAtPositions(const BodyArrays& arrays, const SolverContext&
         const bool fixed = c.a == kFixed || c.b == kFixed;
         const double rate = fixed ? context.softStatic.biasRate : context.soft.biasRate;
         const double near = c.near, rounded = c.rounded;
-        const double push = static_cast<double>(context.pushOut) * c.size;
+        const double push = static_cast<double>(context.pushSpeed(static_cast<float>(c.size)));
         for (std::uint32_t j = 0; j < c.count; ++j) {
             SystemPoint& p = equations_.points[c.first + j];
             const double error = p.gap > rounded ? p.gap - rounded : p.gap < -rounded ? p.gap + rounded : 0.0;

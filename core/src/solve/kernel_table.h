@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -51,6 +53,7 @@ struct SolverContext {
     float dt = 0;                ///< step, s
     Softness soft, softStatic;   ///< of contacts between moving bodies, and with static ones
     float pushOut = 0;           ///< m/s per m of size: what an overlap adds at most to the speed that the load takes
+    float pushRoot = 0;          ///< m/s per √m of size: the same where steps are short (contact::kPushFall)
     float restitutionSpeed = 0;  ///< m/s
     float gravityStep = 0;       ///< m/s, what gravity gives in a substep
     float heavyDepth = 0;        ///< m, overlap that a heavy load leaves between moving bodies
@@ -62,6 +65,9 @@ struct SolverContext {
     bool normals = true, friction = true;  ///< the rows that a pass solves
     bool settling = false;                 ///< it finds loads, and moves no body
     bool farContacts = false;              ///< more than a cache holds: passes ask for their memory beforehand
+
+    /// m/s, that an overlap between surfaces of a size (m) adds at most to the speed that the load takes.
+    float pushSpeed(float size) const { return std::min(pushOut * size, pushRoot * std::sqrt(size)); }
 };
 
 /// Instruction sets and lane counts that kernels are built for, in the order of each list of tables. Sixteen lanes of

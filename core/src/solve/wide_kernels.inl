@@ -255,7 +255,8 @@ struct NormalSoftness {
         massScale = of(&Softness::massScale);
         rate = massScale * of(&Softness::biasRate);
         impulseScale = of(&Softness::impulseScale);
-        push = Lanes<N>(context.pushOut) * c.field(contact::kSize);
+        const Lanes<N> size = c.field(contact::kSize);
+        push = min(Lanes<N>(context.pushOut) * size, Lanes<N>(context.pushRoot) * sqrt(size));
         deep = deepOf(c, context);
     }
 };

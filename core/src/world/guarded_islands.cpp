@@ -24,7 +24,7 @@ float depthOf(const GuardView& view, const ContactRecord& contact) {
 float wayApart(const GuardView& view, const ContactRecord& contact, float depth) {
     const float beyond = std::max(depth - contact::kInside * contact.size, 0.0f);
     return std::min(beyond, contact::kInsideMost * contact.size) +
-           std::min(depth, view.context.pushOut * contact.size * view.dt);
+           std::min(depth, view.context.pushSpeed(contact.size) * view.dt);
 }
 
 /// J, of a body that was lifted, as far as being moved apart by such a way does.
@@ -39,7 +39,7 @@ double liftOf(const GuardView& view, std::uint32_t index, float way) {
 double pushable(const GuardView& view, std::span<const std::uint32_t> island, double liftable) {
     double pushed = 0, owed = 0;
     for (const std::uint32_t b : island) {
-        const double speed = static_cast<double>(view.context.pushOut * view.bodies[b].size);
+        const double speed = static_cast<double>(view.context.pushSpeed(view.bodies[b].size));
         pushed += 0.5 * static_cast<double>(view.bodies[b].mass) * speed * speed;
         if (keepsLedger(view, b)) owed += static_cast<double>(view.guard.owed[b]);
     }

@@ -18,6 +18,7 @@
 #include <atomic>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "constraints/contact_layout.h"
 #include "world/multirate.h"
@@ -59,6 +60,7 @@ void Solving::begin(const WorldSettings& settings, float dt) {
     context.soft = makeSoftness(settings.contactFrequency * substepRate, settings.contactDamping, h);
     context.softStatic = makeSoftness(2 * settings.contactFrequency * substepRate, settings.staticContactDamping, h);
     context.pushOut = settings.pushOut / dt;
+    context.pushRoot = gravity > 0 ? contact::kPushFall * std::sqrt(gravity) : std::numeric_limits<float>::max();
     context.gravityStep = gravity * h;
     context.heavyDepth = contact::kHeavy * context.gravityStep * context.soft.impulseScale /
                          (context.soft.massScale * context.soft.biasRate);
