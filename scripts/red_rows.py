@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Writes docs/measurements/red_rows.md and its picture: what each red row of the stability suite does as the step shrinks.
 
-    scripts/red_rows.py
+    scripts/red_rows.py [rows.json]
 
-Needs python3-matplotlib. Runs build/release/ragtop_bench stability --red at each of RATES, about ten minutes.
+Needs python3-matplotlib. Runs build/release/ragtop_bench stability --red at each of RATES, about ten minutes, or reads
+what such a run has written with --json.
 """
 
 import json
@@ -24,23 +25,33 @@ RATES = [30, 60, 120, 240, 480]
 COLUMNS = 4
 
 
+def run(rows):
+    command = [BENCH, "stability", "--red", "--rates", ",".join(map(str, RATES)), "--json", rows, "--jobs", "2"]
+    result = subprocess.run(command, capture_output=True, text=True)
+    if result.returncode > 1 or not rows.exists():
+        sys.exit(result.stderr.strip())
+
+
+def read(rows):
+    """{family/row: {rate: row}} of all rows of the cases."""
+    curves = {}
+    for row in json.loads(rows.read_text()):
+        name, rate = f"{row['family']}/{row['case']}", 60
+        for each in RATES:
+            mark = f" @ 1/{each} s"
+            if mark in name:
+                name, rate = name.replace(mark, ""), each
+        curves.setdefault(name, {})[rate] = row
+    return curves
+
+
 def measure():
-    """{family/row: {rate: row}} of all rows of the cases, and the names of the red ones."""
+    if len(sys.argv) > 1:
+        return read(Path(sys.argv[1]))
     with tempfile.TemporaryDirectory() as folder:
         rows = Path(folder) / "rows.json"
-        command = [BENCH, "stability", "--red", "--rates", ",".join(map(str, RATES)), "--json", rows, "--jobs", "2"]
-        result = subprocess.run(command, capture_output=True, text=True, env={"CI": "false"})
-        if result.returncode > 1 or not rows.exists():
-            sys.exit(result.stderr.strip())
-        curves = {}
-        for row in json.loads(rows.read_text()):
-            name, rate = f"{row['family']}/{row['case']}", 60
-            for each in RATES:
-                mark = f" @ 1/{each} s"
-                if mark in name:
-                    name, rate = name.replace(mark, ""), each
-            curves.setdefault(name, {})[rate] = row
-    return curves
+        run(rows)
+        return read(rows)
 
 
 def redNames():
