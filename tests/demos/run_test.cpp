@@ -109,7 +109,7 @@ TEST(Run, PosesAreWrittenEachSecondAndAtTheEnd) {
 
 // Unoptimised and instrumented builds are slow: they go a part of the way.
 #if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-constexpr int kSteps = 300;  // all that happens in these scenes has begun by then
+constexpr int kSteps = 600;
 #else
 constexpr int kSteps = 40;
 #endif
