@@ -80,7 +80,7 @@ def table(names, curves):
 
 
 def draw(names, curves):
-    plt.rcParams.update({"font.size": 6, "svg.hashsalt": "ragtop"})
+    plt.rcParams.update({"font.size": 6, "svg.hashsalt": "ragtop", "svg.fonttype": "none"})
     rows = -(-len(names) // COLUMNS)
     figureOfAll, axes = plt.subplots(rows, COLUMNS, figsize=(11, 1.5 * rows), sharex=True, squeeze=False)
     for axis in axes.flat[len(names):]:
@@ -91,7 +91,7 @@ def draw(names, curves):
         axis.plot(*zip(*points), "o-", markersize=2.5, linewidth=0.8)
         axis.axhline(at[60]["bound"], color="tab:red", linewidth=0.8, linestyle="--")
         axis.set_xscale("log")
-        axis.set_ylim(bottom=0)
+        axis.set_ylim(0, 1.1 * max(at[60]["bound"], *(y for _, y in points)))
         family, rest = name.split("/", 1)
         axis.set_title(f"{family}: " + rest.replace(": ", "\n", 1) + f", {at[60]['unit']}", fontsize=5)
         axis.set_xticks([1000 / rate for rate in RATES], [f"{1000 / rate:.0f}" for rate in RATES])
