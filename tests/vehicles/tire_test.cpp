@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace ragtop {
@@ -143,6 +144,29 @@ TEST(Tire, IsASpringAtStandstill) {
     for (int i = 0; i < 240; ++i) rig.step({0, 0}, h);
     EXPECT_NEAR(rig.force.x, 0, 1e-4 * kLoad);
     EXPECT_NEAR(rig.force.y, 0, 1e-4 * kLoad);
+}
+
+/// More load presses on the ground what is not bent: the force stays, and with any load less is held than before.
+TEST(Tire, HoldsNoMoreWhenItsLoadSways) {
+    TireDef curves = tireDef();
+    curves.slipCurves.emplace();
+    for (const TireDef& def : {tireDef(), curves}) {
+        const TireSpec spec = makeTireSpec(def, kLoad, kGravity);
+        const auto lawUnder = [&](float load) { return tireLaw(spec, {}, {}, load, 0); };
+        for (const float size : {1e-4f, 0.3f, 1.0f}) {
+            const TireLaw law = lawUnder(kLoad);
+            const Vec2 bent = beforePeak(law, withinPatch(law, {0.1f * size, -0.2f * size}));
+            for (const float load : {0.2f * kLoad, kLoad, 1.5f * kLoad, 10 * kLoad}) {
+                const Vec2 now = underLoad(bent, kLoad, load);
+                const double held = static_cast<double>(load) * bentEnergy(lawUnder(load), now);
+                EXPECT_LE(held, (1 + 1e-5) * static_cast<double>(kLoad) * bentEnergy(law, bent));
+                EXPECT_EQ(underLoad(bent, load, kLoad).x, load < kLoad ? load / kLoad * bent.x : bent.x);
+                const float pressed = std::min(load, kLoad);  // of what was bent
+                EXPECT_NEAR(load * now.y, pressed * bent.y, 1e-6f * kLoad * std::abs(bent.y));
+            }
+        }
+    }
+    EXPECT_EQ(underLoad({0.01f, 0.02f}, 0, kLoad), Vec2{});
 }
 
 TEST(Tire, GivesNothingWithoutLoadOrGrip) {

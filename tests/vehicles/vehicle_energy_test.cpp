@@ -15,6 +15,32 @@ double energyOf(const World& world, const Vehicle& car) {
            static_cast<double>(world.mass(car.chassis()).mass * kGravity) * height;
 }
 
+/// A wheel that lands within a substep is met there, and not found in the ground after it, squashed for nothing.
+TEST(VehicleEnergy, FallsOnItsTiresForNothingByNoStep) {
+    for (const double hz : {30, 60, 120}) {
+        for (const float height : {0.05f, 0.2f, 0.5f, 1.0f}) {
+            Road road(0, awake());
+            VehicleDef def = hatchback();
+            for (WheelDef& wheel : def.wheels) {
+                wheel.suspension.dampingRatio = 0;
+                wheel.suspension.travelUp = wheel.suspension.travelDown = 0.3f;
+            }
+            Vehicle car(road.world, def, {.position = {0, static_cast<double>(height), 0}});
+            car.input.clutch = 1;
+            road.world.step(1 / hz);
+            const auto now = [&] { return energyOf(road.world, car) + car.telemetry().energy.elastic; };
+            const double first = now();
+            double most = first;
+            for (int i = 0; i < 3 * hz; ++i) {
+                road.world.step(1 / hz);
+                most = std::max(most, now());
+            }
+            const double fall = static_cast<double>(def.chassis.mass * kGravity * height);
+            EXPECT_LT(most - first, 2e-3 * fall) << hz << " " << height;
+        }
+    }
+}
+
 /// A car that is stopped sways on its treads, without any damping of theirs: what it gets back they held.
 TEST(VehicleEnergy, TreadsGiveBackWhatTheyHold) {
     VehicleDef def = plainTires(1);

@@ -99,6 +99,13 @@ Vec2 withinPatch(const TireLaw& law, const Vec2& u);
 /// force before it.
 Vec2 beforePeak(const TireLaw& law, const Vec2& u);
 
+/// Deflections when the load has become another: what more of it presses on the ground enters unbent, and what leaves
+/// takes its bend along, so that loads that sway give nothing to the car.
+inline Vec2 underLoad(const Vec2& u, float before, float now) {
+    const float share = now > before ? before / now : 1;
+    return {share * u.x, share * u.y};
+}
+
 /// (1) over h by backward Euler.
 Vec2 rolledDeflection(const TireLaw& law, const Vec2& u, const Vec2& slip, float transport, float h);
 

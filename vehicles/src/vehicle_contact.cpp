@@ -62,17 +62,24 @@ bool VehicleSim::sinkGround(std::size_t i, const PointBody& body, float h) {
         wheel.sunk = std::min(std::max(lifted, beyond), deepest);
     }
     patch.squash -= wheel.sunk;
-    return patch.squash > 0;
+    // One that comes to the ground within h is met there: found in it afterwards it would have fallen for nothing.
+    return patch.squash > 0 || (wheel.ground.moves == 0 && patch.squash > -closing(i, body, h));
+}
+
+/// m by which a wheel comes to its ground in h, as it goes.
+float VehicleSim::closing(std::size_t i, const PointBody& body, float h) const {
+    const WheelPatch& patch = patches[i];
+    const WheelState& wheel = wheels[i];
+    const bool swings = hasCarriers() || wheel.touching != 0;
+    const float way = swings ? h * wheel.hubSpeed : fallOfWheel(specs[i].strut, wheel.compression, h);
+    return std::max(-patch.slant * way - h * speedAlong(patch.normalRow, body, *patch.ground), 0.0f);
 }
 
 /// m by which a wheel may have come deeper into its ground in h.
 float VehicleSim::comeDown(std::size_t i, const PointBody& body, float h) const {
     const WheelPatch& patch = patches[i];
-    const WheelState& wheel = wheels[i];
-    const bool swings = hasCarriers() || wheel.touching != 0;
-    const float way = swings ? h * wheel.hubSpeed : fallOfWheel(specs[i].strut, wheel.compression, h);
-    const float come = std::max(-patch.slant * way - h * speedAlong(patch.normalRow, body, *patch.ground), 0.0f);
-    if (wheel.touching == 0) return come;
+    const float come = closing(i, body, h);
+    if (wheels[i].touching == 0) return come;
     const Vec2 along{speedAlong(patch.forwardRow, body, *patch.ground), speedAlong(patch.sideRow, body, *patch.ground)};
     return come + h * std::sqrt(along.x * along.x + along.y * along.y) + kThrown * specs[i].strut.tireSquash;
 }

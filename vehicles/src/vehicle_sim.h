@@ -293,6 +293,7 @@ private:
     void beginGrounds();
     void takeGround(std::size_t i, const PointBody& body);
     bool sinkGround(std::size_t i, const PointBody& body, float h);
+    float closing(std::size_t i, const PointBody& body, float h) const;
     float comeDown(std::size_t i, const PointBody& body, float h) const;
     void letFall(std::size_t i, float h);
     float visitFree(std::size_t i, PointBody& body, float h);

@@ -383,6 +383,7 @@ float VehicleSim::pushTire(std::size_t i, PointBody& body, float h) {
     const WheelState& wheel = wheels[i];
     const float radius = specs[i].radius, way = patch.way;
     const float own = radius * radius / drivetrain.inertia()[i], give = patch.strutGive;
+    const Vec2 bent = underLoad(wheel.deflection, h * wheel.load, patch.load);
     Sym2 K;
     Vec2 free, change;
     float carGive = 0;
@@ -394,8 +395,7 @@ float VehicleSim::pushTire(std::size_t i, PointBody& body, float h) {
         K.xx += wheelGive;
         const Vec2 slip = slipOf(patch, body, {way / h, patches[specs[i].beamPartner].way / h}, radius * spin);
         free = {slip.x - K.xx * patch.tire.x - K.xy * patch.tire.y, slip.y - K.xy * patch.tire.x - K.yy * patch.tire.y};
-        const TireVisit visit =
-            solveTire(patch.law, patch.line, wheel.deflection, patch.transport, patch.load, h, K, free);
+        const TireVisit visit = solveTire(patch.law, patch.line, bent, patch.transport, patch.load, h, K, free);
         change = {visit.impulse.x - patch.tire.x, visit.impulse.y - patch.tire.y};
         patch.way = way + h * give * (lean.x * change.x + lean.y * change.y);
         return visit;
@@ -423,10 +423,8 @@ float VehicleSim::pushTire(std::size_t i, PointBody& body, float h) {
     if (patch.load > 0) {
         const Vec2 end{free.x + K.xx * patch.tire.x + K.xy * patch.tire.y,
                        free.y + K.xy * patch.tire.x + K.yy * patch.tire.y};
-        const Vec2 after =
-            deflectionAfter(patch.law, patch.line, wheel.deflection, visit, end, patch.transport, patch.load, h);
-        patch.bent = {wheel.deflection.x + visit.end.x * (after.x - wheel.deflection.x),
-                      wheel.deflection.y + visit.end.y * (after.y - wheel.deflection.y)};
+        const Vec2 after = deflectionAfter(patch.law, patch.line, bent, visit, end, patch.transport, patch.load, h);
+        patch.bent = {bent.x + visit.end.x * (after.x - bent.x), bent.y + visit.end.y * (after.y - bent.y)};
         patch.lineDue = true;
     }
     return std::max(std::abs(change.x), std::abs(change.y));
@@ -441,8 +439,8 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     angular -= drivetrain.inertia()[i] * (spin - patch.spinBefore) * patch.axle;
     wheel.rotation += h * spin;
     wheel.rotation -= 2 * kPi * std::floor((wheel.rotation + kPi) / (2 * kPi));
-    wheel.touching = patch.touching ? 1 : 0;
-    wheel.squash = patch.touching ? patch.squash : 0;
+    wheel.touching = patch.touching && (patch.squash > 0 || patch.load > 0) ? 1 : 0;
+    wheel.squash = patch.touching ? std::max(patch.squash, 0.0f) : 0;
     patch.wayAfter = patch.way / h;
     if (!patch.touching) return;
 
@@ -455,6 +453,7 @@ void VehicleSim::finishWheel(std::size_t i, const PointBody& body, float h, Vec3
     const HubSpeeds hub{wheel.hubSpeed, patches[specs[i].beamPartner].way / h};
     countPatch(i, body, hub.own, hub.other);
     wheel.travel = travelOf(patch, body, hub);
+    wheel.deflection = underLoad(wheel.deflection, h * wheel.load, patch.load);
     wheel.load = patch.load / h;
     peakLoads[i] = std::max(peakLoads[i], wheel.load);
     wheel.force = {patch.tire.x / h, patch.tire.y / h};

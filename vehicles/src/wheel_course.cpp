@@ -160,13 +160,13 @@ struct Search {
 Sample endOf(const Search& search, const Sample& first, float below) {
     const WheelWay& way = search.way;
     const Sample end = search.look(1);
-    constexpr float kSameRise = 0.01f;  // radii between places of a wheel on planes that it may as well stand on
+    constexpr float kSameRise = 0.5f;  // of the standing tire's squash: it bears half of its load then
     const GroundPlane &on = first.plane, &found = end.plane;
     if (!way.stands || below != 0 || on.found == 0 || found.found == 0 || !(on.body == found.body)) return end;
     if (on.moves != 0 || on.surface != found.surface || on.friction != found.friction) return end;
     if (length(relative(way.to, way.from)) > kCreep * way.seconds) return end;
     const Sample stays = search.on(on, 1);
-    return stays.plane.found != 0 && std::abs(stays.rise - end.rise) < kSameRise * way.radius ? stays : end;
+    return stays.plane.found != 0 && std::abs(stays.rise - end.rise) < kSameRise * way.tireSquash ? stays : end;
 }
 
 /// By how much more the hub of a wheel that stands goes up in one part of the way than in the one before, over what it
