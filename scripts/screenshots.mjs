@@ -8,8 +8,6 @@ import { finished } from '../tests/page/support/picture.mjs';
 import { Program } from '../tests/page/support/program.mjs';
 
 const SIZE = { width: 1024, height: 576 };
-/** What is seen on the way to a picture is drawn sooner in a strip as wide. */
-const STRIP = { ...SIZE, height: 64 };
 const LIT = ['contacts', 'joints', 'bounds', 'centers', 'islands', 'wheels', 'skeleton', 'shapes'];
 
 /**
@@ -83,9 +81,12 @@ async function topple(page) {
   await ask(page, 'shoot', { origin: [-9, 6.3, 2.5], direction: [9, 0.35, -2.5], speed: 25, radius: 0.6 });
 }
 
+/** Whether the page draws: not on the way to a picture, which takes longer than the picture without a graphics card. */
+const setDrawing = (page, on) => page.evaluate((is) => { window.ragtop.drawing = is; }, on);
+
 /** The page with another scene, paused at its beginning. */
 async function load(page, name) {
-  await page.setViewportSize(STRIP);
+  await setDrawing(page, false);
   await ask(page, 'load', { scene: name });
   await until(`the scene ${name}`, async () => (await scene(page))?.name === name);
   await pause(page);
@@ -104,7 +105,7 @@ async function takePicture(page, { steps, eye, target, chase = false, shown = []
   // A few at a time where there are plots, so that they have something to show.
   const some = panels ? 6 : steps;
   for (let left = steps; left > 0; left -= some) await advance(page, Math.min(left, some));
-  await page.setViewportSize(SIZE);
+  await setDrawing(page, true);
   await page.click(`#cameras [data-camera=${chase ? 'chase' : 'orbit'}]`);
   await page.mouse.move(0, SIZE.height / 2);
   if (!chase) await look(page, eye, target);
@@ -128,10 +129,11 @@ async function takeCloseUps(page, folder, name, view, places) {
 
 await acceptance(EVERYTHING, async (test) => {
   const folder = path.resolve(process.argv[2] ?? path.join(root, 'docs/pictures'));
-  const browser = await Browser.start(test);
+  // What begins last ends first: a page whose program has ended complains.
   const program = await Program.start(test, 'crash');
+  const browser = await Browser.start(test);
   // Opening a page takes longer than its picture.
-  const page = await browser.open(`${program.url}?quality=high`, STRIP);
+  const page = await browser.open(`${program.url}?quality=high`, SIZE);
   for (const [name, view] of Object.entries(PICTURES)) {
     await load(page, name);
     await takePicture(page, view);

@@ -70,5 +70,12 @@ export function publishApi({ session, showing, rig, stage, ready }) {
     get quality() {
       return stage.level;
     },
+    /** False: nothing is drawn until it is true again; for those who want one picture, not those on the way to it. */
+    get drawing() {
+      return stage.drawing;
+    },
+    set drawing(on) {
+      stage.drawing = on;
+    },
   };
 }

@@ -34,6 +34,7 @@ export class Stage {
   #shadowRadius = 0;
   #towardsSun = new Vector3(0, 1, 0);
   draws = 0;
+  drawing = true; // false: nothing is, and all that is asked for waits
   scene = new Scene();
   camera = new PerspectiveCamera(50, 1, 0.1, 1000);
   focus = new Vector3(); // what the shadows are finest around
@@ -107,6 +108,7 @@ export class Stage {
 
   #frame(now) {
     this.beforeFrame(now);
+    if (!this.drawing) return;
     if (!this.#dirty) {
       this.#drawnBefore = false;
       if (!this.#sharp && now - this.#lastDrawn > REST) this.#drawSharp();
