@@ -7,8 +7,11 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "json_value.h"
@@ -67,18 +70,39 @@ inline constexpr bool kIsVector3 = std::is_same_v<T, Vec3> || std::is_same_v<T, 
 // Schemas of the types that are no templates (schema_nodes.cpp). "unit", "hint" and "meaning" are annotations that
 // messages and the manual use; validators skip them.
 Json numberSchema(const Tunable& field, bool integer, double lowest, double highest);
+Json booleanSchema();
+Json textSchema();
 Json vectorSchema(const Tunable& field);
 Json rotationSchema();
 Json frameSchema();
 Json rangeSchema(const Tunable& field);
 void allowNull(Json& schema);
-void forbidNull(Json& schema);
+
+// Schemas made of others: what is done with JSON is compiled there, once, and not again for each described type.
+Json namesSchema(Json names);
+Json arraySchema(Json items);
+Json arraySchema(Json items, std::size_t count);
+Json mapSchema(Json values);
+Json objectSchema(Json properties, std::span<const char* const> required);
+void addName(Json& names, std::string_view name);
+/// With the field's meaning, and where there is one its default.
+Json schemaWithMeaning(Json schema, const Tunable& field);
+Json schemaWithMeaning(Json schema, const Tunable& field, Json initial);
+void setField(Json& object, std::string_view name, Json value);
 
 // The same for values.
 Quat readRotation(const JsonValue& value);
 Range readRange(const JsonValue& value);
+void readVector3(const JsonValue& value, Vec3& into);
+void readVector3(const JsonValue& value, DVec3& into);
+/// A boolean, a number or a text, of one of the types that kNumbers and the like in schema_nodes.cpp list.
+template <class T>
+void readPlain(const JsonValue& from, T& into);
 Json writeNumber(double value);
 Json writeNumber(float value);
+/// A boolean, an integer or a text, likewise.
+template <class T>
+Json writePlain(const T& value);
 
 template <class T>
 Json writeValue(const T& value);
@@ -86,43 +110,41 @@ Json writeValue(const T& value);
 template <class T>
 Json schemaOf(const Tunable& field, const T& initial);
 
+// Visitors are of one type for all that is described: what several descriptions share is compiled once.
+struct SchemaFields {
+    Json& properties;
+    template <class T>
+    void operator()(const Tunable& field, const T& member) const {
+        setField(properties, field.name, schemaOf(field, member));
+    }
+};
+
 template <Described T>
 Json objectSchema(const T& initial) {
     Json properties = Json::object();
-    auto visit = [&](const Tunable& field, const auto& member) {
-        properties[std::string(field.name)] = schemaOf(field, member);
-    };
+    SchemaFields visit{properties};
     describe(visit, initial, static_cast<const T*>(nullptr));
-    Json schema{{"type", "object"}, {"properties", std::move(properties)}, {"additionalProperties", false}};
-    if constexpr (HasRequiredFields<T>) {
-        for (const auto& name : requiredFields(static_cast<const T*>(nullptr))) {
-            schema["required"].push_back(name);
-            forbidNull(schema["properties"][name]);
-        }
-    }
-    return schema;
-}
-
-template <class T>
-Json arraySchema(const Tunable& field, const T& element) {
-    return {{"type", "array"}, {"items", schemaOf(field, element)}};
+    if constexpr (HasRequiredFields<T>)
+        return objectSchema(std::move(properties), requiredFields(static_cast<const T*>(nullptr)));
+    else
+        return objectSchema(std::move(properties), {});
 }
 
 template <class T>
 Json schemaWithoutMeaning(const Tunable& field, const T& initial) {
     if constexpr (std::is_same_v<T, bool>) {
-        return {{"type", "boolean"}};
+        return booleanSchema();
     } else if constexpr (std::is_integral_v<T>) {
         return numberSchema(field, true, static_cast<double>(std::numeric_limits<T>::lowest()),
                             static_cast<double>(std::numeric_limits<T>::max()));
     } else if constexpr (std::is_floating_point_v<T>) {
         return numberSchema(field, false, std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max());
     } else if constexpr (std::is_same_v<T, std::string>) {
-        return {{"type", "string"}};
+        return textSchema();
     } else if constexpr (NamedEnum<T>) {
         Json names = Json::array();
-        for (const auto& name : enumNames(T{})) names.push_back(std::string(name));
-        return {{"enum", std::move(names)}};
+        for (const auto& name : enumNames(T{})) addName(names, name);
+        return namesSchema(std::move(names));
     } else if constexpr (kIsVector3<T>) {
         return vectorSchema(field);
     } else if constexpr (std::is_same_v<T, Quat>) {
@@ -135,17 +157,14 @@ Json schemaWithoutMeaning(const Tunable& field, const T& initial) {
         return shapeSchema();
     } else if constexpr (IsOptional<T>::value) {
         Json schema = schemaOf(field, initial.value_or(typename T::value_type{}));
-        schema.erase("default");
         allowNull(schema);
         return schema;
     } else if constexpr (IsVector<T>::value) {
-        return arraySchema(field, typename T::value_type{});
+        return arraySchema(schemaOf(field, typename T::value_type{}));
     } else if constexpr (IsArray<T>::value) {
-        Json schema = arraySchema(field, typename T::value_type{});
-        schema["minItems"] = schema["maxItems"] = initial.size();
-        return schema;
+        return arraySchema(schemaOf(field, typename T::value_type{}), initial.size());
     } else if constexpr (IsMap<T>::value) {
-        return {{"type", "object"}, {"additionalProperties", schemaOf(field, typename T::mapped_type{})}};
+        return mapSchema(schemaOf(field, typename T::mapped_type{}));
     } else {
         return objectSchema(initial);
     }
@@ -153,35 +172,37 @@ Json schemaWithoutMeaning(const Tunable& field, const T& initial) {
 
 template <class T>
 Json schemaOf(const Tunable& field, const T& initial) {
-    Json schema = schemaWithoutMeaning(field, initial);
-    if (!field.meaning.empty()) schema["meaning"] = std::string(field.meaning);
-    if constexpr (std::is_arithmetic_v<T> || NamedEnum<T> || kIsVector3<T>) schema["default"] = writeValue(initial);
-    return schema;
+    if constexpr (std::is_arithmetic_v<T> || NamedEnum<T> || kIsVector3<T>)
+        return schemaWithMeaning(schemaWithoutMeaning(field, initial), field, writeValue(initial));
+    else
+        return schemaWithMeaning(schemaWithoutMeaning(field, initial), field);
 }
 
 template <class T>
 void readValue(const JsonValue& from, T& into);
 
-template <Described T>
-void readObject(const JsonValue& from, T& into) {
-    auto visit = [&](const Tunable& field, auto& member) {
+struct ReadFields {
+    const JsonValue& from;
+    template <class T>
+    void operator()(const Tunable& field, T& member) const {
         const std::string name(field.name);
         if (from.has(name)) readValue(from.at(name), member);
-    };
+    }
+};
+
+template <Described T>
+void readObject(const JsonValue& from, T& into) {
+    ReadFields visit{from};
     describe(visit, into, static_cast<const T*>(nullptr));
 }
 
 template <class T>
-void readVector3(const JsonValue& from, T& into) {
-    auto component = [&](std::size_t i) { return from.json().at(i).get<decltype(T::x)>(); };
-    into = {component(0), component(1), component(2)};
-}
-
-template <class T>
 void readEnum(const JsonValue& from, T& into) {
+    std::string given;
+    readPlain(from, given);
     int value = 0;
     for (const auto& name : enumNames(T{})) {
-        if (from.json() == std::string(name)) into = static_cast<T>(value);
+        if (given == name) into = static_cast<T>(value);
         ++value;
     }
 }
@@ -209,7 +230,7 @@ struct IsWhole<std::map<std::string, T>> : std::false_type {};
 template <class T>
 void readWhole(const JsonValue& from, T& into) {
     if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
-        into = from.json().get<T>();
+        readPlain(from, into);
     } else if constexpr (NamedEnum<T>) {
         readEnum(from, into);
     } else if constexpr (kIsVector3<T>) {
@@ -254,17 +275,22 @@ void readValue(const JsonValue& from, T& into) {
     }
 }
 
+struct WriteFields {
+    Json& object;
+    template <class T>
+    void operator()(const Tunable& field, const T& member) const {
+        if constexpr (IsOptional<T>::value) {
+            if (member) setField(object, field.name, writeValue(*member));
+        } else {
+            setField(object, field.name, writeValue(member));
+        }
+    }
+};
+
 template <Described T>
 Json writeObject(const T& value) {
     Json object = Json::object();
-    auto visit = [&](const Tunable& field, const auto& member) {
-        using Member = std::remove_cvref_t<decltype(member)>;
-        if constexpr (IsOptional<Member>::value) {
-            if (member) object[std::string(field.name)] = writeValue(*member);
-        } else {
-            object[std::string(field.name)] = writeValue(member);
-        }
-    };
+    WriteFields visit{object};
     describe(visit, value, static_cast<const T*>(nullptr));
     return object;
 }
@@ -274,10 +300,10 @@ Json writeValue(const T& value) {
     if constexpr (std::is_floating_point_v<T>) {
         return writeNumber(value);
     } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
-        return value;
+        return writePlain(value);
     } else if constexpr (NamedEnum<T>) {
         const auto& names = enumNames(T{});
-        return std::string(*(std::begin(names) + static_cast<std::ptrdiff_t>(value)));
+        return writePlain(std::string(*(std::begin(names) + static_cast<std::ptrdiff_t>(value))));
     } else if constexpr (kIsVector3<T>) {
         return Json::array({writeNumber(value.x), writeNumber(value.y), writeNumber(value.z)});
     } else if constexpr (std::is_same_v<T, Quat>) {

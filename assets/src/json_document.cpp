@@ -215,6 +215,8 @@ std::string pointerStep(std::string_view key) {
     return step;
 }
 
+Json parsedOrDiscarded(std::string_view text) { return Json::parse(text, nullptr, false); }
+
 std::string shown(const Json& value) {
     if (value.is_object()) {
         std::string keys;

@@ -62,6 +62,8 @@ private:
 
 /// `key` as one step of a JSON pointer, with its slash.
 std::string pointerStep(std::string_view key);
+/// A text without comments; discarded where it is none of JSON.
+Json parsedOrDiscarded(std::string_view text);
 /// A value for a message, on one line and short.
 std::string shown(const Json& value);
 

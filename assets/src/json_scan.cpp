@@ -49,11 +49,11 @@ private:
         ++at_;
         for (skipBlanks(); peek() != '}'; skipBlanks()) {
             const JsonPlace start = place(at_);
-            const std::string key = Json::parse(string()).get<std::string>();
+            const std::string key = parsedOrDiscarded(string()).get<std::string>();
             const std::string inner = pointer + pointerStep(key);
             if (!keys.insert(key).second) {
-                doubled_.push_back(complaint(
-                    start, fmt::format("{} occurs twice, a key must occur once in its object", inner)));
+                doubled_.push_back(
+                    complaint(start, fmt::format("{} occurs twice, a key must occur once in its object", inner)));
             }
             skipBlanks();
             ++at_;

@@ -18,19 +18,19 @@ public:
 
     const Json& json() const { return *json_; }
     const std::string& pointer() const { return pointer_; }
-    bool has(const std::string& key) const { return json_->is_object() && json_->contains(key); }
+    bool has(const std::string& key) const;
     std::size_t size() const { return json_->size(); }
-    JsonValue at(const std::string& key) const { return {*this, &json_->at(key), pointerStep(key)}; }
-    JsonValue at(std::size_t index) const { return {*this, &json_->at(index), "/" + std::to_string(index)}; }
+    JsonValue at(const std::string& key) const;
+    JsonValue at(std::size_t index) const;
     /// The folder of the file that the value stands in.
-    std::filesystem::path folder() const { return document_->folderOf(pointer_); }
-    JsonPlace place() const { return document_->place(pointer_); }
+    std::filesystem::path folder() const;
+    JsonPlace place() const;
     [[noreturn]] void fail(const std::string& message) const { document_->fail(pointer_, message); }
 
-    bool isWrong() const { return faults_ && faults_->at(pointer_); }
+    bool isWrong() const;
     /// Itself or something in it.
-    bool holdsWrong() const { return faults_ && faults_->within(pointer_); }
-    bool holdsUnknown() const { return faults_ && faults_->unknownIn(pointer_); }
+    bool holdsWrong() const;
+    bool holdsUnknown() const;
     /// Calls `read`; what that complains about is collected, or thrown where nobody collects.
     template <class Read>
     void attempt(Read read) const {
@@ -48,8 +48,7 @@ public:
     }
 
 private:
-    JsonValue(const JsonValue& around, const Json* json, const std::string& step)
-        : document_(around.document_), json_(json), pointer_(around.pointer_ + step), faults_(around.faults_) {}
+    JsonValue(const JsonValue& around, const Json* json, const std::string& step);
 
     const JsonDocument* document_;
     const Json* json_;

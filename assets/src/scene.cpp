@@ -464,7 +464,7 @@ void setOverride(JsonDocument& document, const SceneOverride& one, const Json& v
 }
 
 Json parseOverride(const std::string& text) {
-    Json value = Json::parse(text, nullptr, false);
+    Json value = parsedOrDiscarded(text);
     return value.is_discarded() ? Json(text) : value;
 }
 

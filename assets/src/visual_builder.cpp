@@ -11,7 +11,7 @@ namespace {
 
 /// As UTF-8, which glTF is; bytes that are not become signs for that.
 std::string readable(const std::string& text) {
-    return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+    return parsedOrDiscarded(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
 }
 
 }  // namespace
